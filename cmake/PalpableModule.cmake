@@ -1,0 +1,47 @@
+# palpable_module(NAME reduced USES base geometry LIBRARIES Eigen3::Eigen)
+#
+# One module = one folder = one static library palpable::<name> + one test program of its
+# *_test.cpp files. Sources are found by name: adding a file needs no edit here.
+function(palpable_module)
+  cmake_parse_arguments(arg "" "NAME" "USES;LIBRARIES;TEST_LIBRARIES" ${ARGN})
+  set(folder ${PROJECT_SOURCE_DIR}/src/palpable/${arg_NAME})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${folder}/*.cpp)
+  set(tests ${sources})
+  list(FILTER tests INCLUDE REGEX "_test\\.cpp$")
+  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
+  list(TRANSFORM arg_USES PREPEND palpable::)
+
+  if(sources)
+    add_library(palpable_${arg_NAME} STATIC ${sources})
+    set(scope PUBLIC)
+  else()
+    add_library(palpable_${arg_NAME} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  add_library(palpable::${arg_NAME} ALIAS palpable_${arg_NAME})
+  target_include_directories(palpable_${arg_NAME} ${scope} ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(palpable_${arg_NAME} ${scope} ${arg_USES} ${arg_LIBRARIES} palpable_options)
+
+  if(BUILD_TESTING AND tests)
+    palpable_tests(NAME ${arg_NAME} SOURCES ${tests} LIBRARIES palpable::${arg_NAME} ${arg_TEST_LIBRARIES})
+  endif()
+endfunction()
+
+# palpable_tests(NAME solid SOURCES ... LIBRARIES ...)
+#
+# Each TEST_CASE becomes a ctest "<name>/<sentence>" with the label <name>. What ./check runs where
+# follows from a case's tags: [long] in the release build, [threads] in the threads build as well,
+# everything else in dev. A case that cannot run here calls PALPABLE_SKIP and ctest says Skipped.
+function(palpable_tests)
+  cmake_parse_arguments(arg "" "NAME" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${arg_NAME}_tests ${arg_SOURCES})
+  target_link_libraries(${arg_NAME}_tests PRIVATE ${arg_LIBRARIES} palpable_test_main)
+  set(skip SKIP_REGULAR_EXPRESSION "(^|\n)SKIPPED: ")
+  set(common TEST_PREFIX "${arg_NAME}/" WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  catch_discover_tests(${arg_NAME}_tests ${common} TEST_SPEC "~[long]~[threads]"
+                       TEST_LIST ${arg_NAME}_unit PROPERTIES LABELS "${arg_NAME};unit" TIMEOUT 300 ${skip})
+  catch_discover_tests(${arg_NAME}_tests ${common} TEST_SPEC "[long]"
+                       TEST_LIST ${arg_NAME}_long PROPERTIES LABELS "${arg_NAME};long" TIMEOUT 1200 ${skip})
+  catch_discover_tests(${arg_NAME}_tests ${common} TEST_SPEC "[threads]~[long]"
+                       TEST_LIST ${arg_NAME}_threads PROPERTIES LABELS "${arg_NAME};threads;unit" TIMEOUT 600 ${skip})
+endfunction()

@@ -1,0 +1,43 @@
+# Every third party in one place: what it is for, its licence, which module may use it.
+# docs/licences.md says what the binaries link in the end. Versions are Debian 12's.
+
+# --- both halves -------------------------------------------------------------------------------
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)  # MPL-2: dense and sparse algebra; geometry and above
+find_package(fmt 9 REQUIRED)                 # MIT: text; base and above
+find_package(Threads REQUIRED)
+
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5)  # BSD-like: body files; reduced
+
+# --- live half ---------------------------------------------------------------------------------
+# Apache-2.0: images, rectification, block matching, video; vision. Its video module brings
+# Debian's ffmpeg, a GPL build (docs/licences.md).
+find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs calib3d videoio)
+pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)  # MIT: GL entry points; render
+pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)      # MIT (libglvnd): GL without a screen; render
+find_package(glfw3 3.3 REQUIRED)                         # zlib: windows; render
+find_package(nlohmann_json 3.11 REQUIRED)                # MIT: JSON of results and benches; apps
+find_package(CLI11 2.1 REQUIRED)                         # BSD: command lines; apps
+pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)  # MIT: body and scene texts
+
+# --- bake half only (a test reads `readelf -d palpable` and refuses these there) ---------------
+# CHOLMOD (LGPL, its supernodal part GPL-2+): the sparse factor; solid.
+find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
+find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
+add_library(palpable_cholmod INTERFACE)
+target_include_directories(palpable_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR})
+target_link_libraries(palpable_cholmod INTERFACE ${CHOLMOD_LIBRARY})
+# CGAL 5.5 (GPL-3 for surface remeshing): isotropic remeshing before the volume; bake.
+find_package(CGAL 5.5 REQUIRED)
+# TetGen 1.5 (AGPL-3): tetrahedra; bake.
+find_library(TETGEN_LIBRARY tet REQUIRED)
+find_path(TETGEN_INCLUDE_DIR tetgen.h REQUIRED)
+add_library(palpable_tetgen INTERFACE)
+target_include_directories(palpable_tetgen SYSTEM INTERFACE ${TETGEN_INCLUDE_DIR})
+target_link_libraries(palpable_tetgen INTERFACE ${TETGEN_LIBRARY})
+
+# --- tests -------------------------------------------------------------------------------------
+if(BUILD_TESTING)
+  find_package(Catch2 2.13 REQUIRED)  # BSL-1.0
+  include(Catch)
+endif()

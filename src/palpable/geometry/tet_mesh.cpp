@@ -1,0 +1,123 @@
+#include "palpable/geometry/tet_mesh.h"
+
+#include "palpable/base/contract.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <utility>
+
+namespace palpable {
+
+using Eigen::Vector3d;
+
+Eigen::VectorXd tet_volumes(const TetMesh& mesh) {
+  Eigen::VectorXd volumes(mesh.tet_count());
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    const Vector3d x0 = mesh.nodes.col(mesh.tets(0, e));
+    const Vector3d a = mesh.nodes.col(mesh.tets(1, e)) - x0;
+    const Vector3d b = mesh.nodes.col(mesh.tets(2, e)) - x0;
+    const Vector3d c = mesh.nodes.col(mesh.tets(3, e)) - x0;
+    volumes[e] = a.cross(b).dot(c) / 6.0;
+  }
+  return volumes;
+}
+
+Eigen::VectorXd nodal_volumes(const TetMesh& mesh) {
+  const Eigen::VectorXd volumes = tet_volumes(mesh);
+  Eigen::VectorXd nodal = Eigen::VectorXd::Zero(mesh.node_count());
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    for (int k = 0; k < 4; ++k) nodal[mesh.tets(k, e)] += volumes[e] / 4.0;
+  }
+  return nodal;
+}
+
+Boundary boundary_of(const TetMesh& mesh) {
+  struct Face {
+    std::array<int, 3> key;  // sorted nodes
+    Eigen::Vector3i nodes;   // outward orientation
+  };
+  // Face opposite to node k, counter-clockwise from outside for a positive tetrahedron.
+  constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+  std::vector<Face> faces;
+  faces.reserve(static_cast<std::size_t>(mesh.tet_count()) * 4);
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    for (const auto& f : kFaces) {
+      const Eigen::Vector3i nodes(mesh.tets(f[0], e), mesh.tets(f[1], e), mesh.tets(f[2], e));
+      std::array<int, 3> key{nodes[0], nodes[1], nodes[2]};
+      std::sort(key.begin(), key.end());
+      faces.push_back({key, nodes});
+    }
+  }
+  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.key < b.key; });
+
+  std::vector<Eigen::Vector3i> skin;
+  for (std::size_t i = 0; i < faces.size();) {
+    std::size_t j = i + 1;
+    while (j < faces.size() && faces[j].key == faces[i].key) ++j;
+    if (j - i == 1) skin.push_back(faces[i].nodes);
+    i = j;
+  }
+
+  Boundary boundary;
+  std::vector<int> vertex_of_node(static_cast<std::size_t>(mesh.node_count()), -1);
+  for (const Eigen::Vector3i& f : skin) {
+    for (int k = 0; k < 3; ++k) vertex_of_node[static_cast<std::size_t>(f[k])] = 0;
+  }
+  for (int n = 0; n < mesh.node_count(); ++n) {
+    if (vertex_of_node[static_cast<std::size_t>(n)] < 0) continue;
+    vertex_of_node[static_cast<std::size_t>(n)] = static_cast<int>(boundary.node_of_vertex.size());
+    boundary.node_of_vertex.push_back(n);
+  }
+  boundary.surface.vertices = mesh.nodes(Eigen::all, boundary.node_of_vertex);
+  boundary.surface.triangles.resize(3, static_cast<Eigen::Index>(skin.size()));
+  for (std::size_t t = 0; t < skin.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      boundary.surface.triangles(k, static_cast<Eigen::Index>(t)) =
+          vertex_of_node[static_cast<std::size_t>(skin[t][k])];
+    }
+  }
+  return boundary;
+}
+
+TetMesh box_tets(const Vector3d& a, const Vector3d& b, int nx, int ny, int nz) {
+  PALPABLE_EXPECT(nx >= 1 && ny >= 1 && nz >= 1, "a box has at least one cell each way");
+  PALPABLE_EXPECT((b - a).minCoeff() > 0.0, "corner a lies below corner b");
+  TetMesh mesh;
+  mesh.nodes.resize(3, static_cast<Eigen::Index>(nx + 1) * (ny + 1) * (nz + 1));
+  const auto node = [&](int i, int j, int k) { return i + (nx + 1) * (j + (ny + 1) * k); };
+  for (int k = 0; k <= nz; ++k) {
+    for (int j = 0; j <= ny; ++j) {
+      for (int i = 0; i <= nx; ++i) {
+        const Vector3d t(double(i) / nx, double(j) / ny, double(k) / nz);
+        mesh.nodes.col(node(i, j, k)) = a + t.cwiseProduct(b - a);
+      }
+    }
+  }
+  // Kuhn: one tetrahedron per order of walking from corner 000 to corner 111.
+  constexpr int kOrders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
+  mesh.tets.resize(4, static_cast<Eigen::Index>(nx) * ny * nz * 6);
+  Eigen::Index e = 0;
+  for (int k = 0; k < nz; ++k) {
+    for (int j = 0; j < ny; ++j) {
+      for (int i = 0; i < nx; ++i) {
+        for (int o = 0; o < 6; ++o) {
+          std::array<int, 3> at{i, j, k};
+          Eigen::Vector4i tet;
+          tet[0] = node(at[0], at[1], at[2]);
+          for (int step = 0; step < 3; ++step) {
+            ++at[static_cast<std::size_t>(kOrders[o][step])];
+            tet[step + 1] = node(at[0], at[1], at[2]);
+          }
+          if (o >= 3) std::swap(tet[2], tet[3]);  // odd orders walk a left-handed tetrahedron
+          mesh.tets.col(e++) = tet;
+        }
+      }
+    }
+  }
+  return mesh;
+}
+
+}  // namespace palpable

@@ -1,0 +1,87 @@
+/// @file
+/// Online evaluation of a separated (PGD) reduced model.
+///
+/// Letters used for shapes in this file:
+///   N    values in the field: 3 per node for displacement, 6 per node for stress
+///   m    modes
+///   p    parameters
+///   n_j  samples on parameter axis j
+#pragma once
+
+#include <Eigen/Core>
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace palpable {
+
+/// What a parameter may be between two samples.
+enum class Between {
+  kSmooth,  ///< a quantity, such as a load level: G is interpolated by a piecewise cubic
+  kNothing  ///< a choice, such as the number of a contact site: only the samples themselves exist
+};
+
+/// One parameter mu_j together with its mode functions G_i^j, i = 1..m.
+struct ParameterAxis {
+  std::string name;           ///< shown in messages and in the body file, e.g. "level"
+  Eigen::VectorXd samples;    ///< (n_j) strictly increasing, in the unit of the parameter
+  Eigen::MatrixXd functions;  ///< (n_j x m) column i is G_i^j at the samples; dimensionless
+  Between between = Between::kSmooth;
+};
+
+/// A field known for every parameter value as a short sum of products of one-parameter functions,
+///
+///     u(X, mu)  ~=  sum_{i=1..m}  F_i(X) G_i^1(mu_1) ... G_i^p(mu_p)
+///
+/// (paper Sec. 3.2; Eq. 4 is one axis of kind kNothing whose samples number the load positions).
+/// It is what the bake half hands to the frame loop: building one is slow and may throw,
+/// evaluating one costs m (p + N) multiply-adds.
+///
+/// The paper does not say how it interpolates in a parameter. Ours is the cubic Hermite polynomial
+/// with three-point slopes (parabola through a sample and its neighbours; at an end, the parabola
+/// of the last three samples): third order, continuously differentiable, and exact for parabolas.
+///
+/// A SeparatedField never changes after construction, so threads may share one freely.
+class SeparatedField {
+ public:
+  /// @param F     (N x m) column i is F_i; carries the unit of the field (m, Pa, ...). Single
+  ///              precision: its rounding, 6e-8, is far below any reduction error, and evaluation
+  ///              is bound by the bytes of F.
+  /// @param axes  p >= 1 parameters, in the order in which evaluate() reads mu
+  /// @throws ContractViolation if a table does not have m columns, if a table and its samples
+  ///         differ in length, or if the samples do not increase strictly
+  SeparatedField(Eigen::MatrixXf F, std::vector<ParameterAxis> axes);
+
+  /// Writes u(X, mu) for one parameter point. Allocates nothing: made for the frame loop.
+  ///
+  /// @param mu  (p) a quantity beyond the ends of its axis is taken as the nearest end, because the
+  ///            model has seen nothing there and extrapolated modes grow without bound
+  /// @param u   (N) overwritten; same unit and same ordering of values as the modes F
+  /// @throws ContractViolation if mu or u has the wrong length, or if mu names a choice that is
+  ///         not among the samples
+  void evaluate(std::span<const double> mu, std::span<float> u) const;
+
+  /// The same for `count` consecutive values from `first` on (a few nodes: cheap).
+  void evaluate_part(std::span<const double> mu, int first, std::span<float> u) const;
+
+  /// The products G_i^1(mu_1) ... G_i^p(mu_p), which are all of u that depends on mu.
+  /// @param weights  (m) overwritten
+  void weights(std::span<const double> mu, std::span<float> weights) const;
+
+  /// The same field cut after its first `mode_count` modes, 1 <= mode_count <= m.
+  [[nodiscard]] SeparatedField truncated(int mode_count) const;
+
+  [[nodiscard]] int value_count() const { return static_cast<int>(F_.rows()); }
+  [[nodiscard]] int mode_count() const { return static_cast<int>(F_.cols()); }
+  [[nodiscard]] const Eigen::MatrixXf& modes() const { return F_; }
+  [[nodiscard]] const std::vector<ParameterAxis>& axes() const { return axes_; }
+
+ private:
+  [[nodiscard]] float weight(std::span<const double> mu, Eigen::Index i) const;
+
+  Eigen::MatrixXf F_;                // (N x m)
+  std::vector<ParameterAxis> axes_;  // (p)
+};
+
+}  // namespace palpable
