@@ -39,8 +39,8 @@ struct PinholeCamera {
   /// the new pixel (0, 0) is the centre of the first block.
   [[nodiscard]] PinholeCamera scaled_down(int factor) const {
     const double f = factor;
-    return {width / factor,     height / factor,          fx_px / f, fy_px / f,
-            (cx_px + 0.5) / f - 0.5, (cy_px + 0.5) / f - 0.5};
+    return {width / factor, height / factor,         fx_px / f,
+            fy_px / f,      (cx_px + 0.5) / f - 0.5, (cy_px + 0.5) / f - 0.5};
   }
 
   friend bool operator==(const PinholeCamera&, const PinholeCamera&) = default;

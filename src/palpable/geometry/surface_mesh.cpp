@@ -120,7 +120,8 @@ SurfaceMesh merge_equal_vertices(const SurfaceMesh& surface) {
       PALPABLE_EXPECT(v >= 0 && v < surface.vertex_count(), "triangles index existing vertices");
       // + 0.0 turns -0.0 into 0.0, which compares equal but prints and sorts differently.
       const Vector3d x = surface.vertices.col(v).array() + 0.0;
-      const auto [at, is_new] = number_of.try_emplace({x[0], x[1], x[2]}, static_cast<int>(kept.size()));
+      const auto [at, is_new] =
+          number_of.try_emplace({x[0], x[1], x[2]}, static_cast<int>(kept.size()));
       if (is_new) kept.push_back(x);
       merged.triangles(k, t) = at->second;
     }
@@ -144,7 +145,8 @@ double enclosed_volume(const SurfaceMesh& surface) {
 
 Vector3d enclosed_centroid(const SurfaceMesh& surface) {
   double six_volumes = 0.0;
-  Vector3d moment = Vector3d::Zero();  // sum of 6 V times 4 x centre of each tetrahedron (0, a, b, c)
+  Vector3d moment =
+      Vector3d::Zero();  // sum of 6 V times 4 x centre of each tetrahedron (0, a, b, c)
   for (int t = 0; t < surface.triangle_count(); ++t) {
     const Vector3d a = surface.vertices.col(surface.triangles(0, t));
     const Vector3d b = surface.vertices.col(surface.triangles(1, t));
@@ -237,19 +239,20 @@ SurfaceMesh box_surface(const Vector3d& a, const Vector3d& b) {
   }
   box.triangles.resize(3, 12);
   box.triangles << 0, 0, 4, 4, 0, 0, 2, 2, 0, 0, 1, 1,  //
-      2, 3, 5, 7, 1, 5, 6, 7, 4, 6, 3, 7,              //
+      2, 3, 5, 7, 1, 5, 6, 7, 4, 6, 3, 7,               //
       3, 1, 7, 6, 5, 4, 7, 3, 6, 2, 7, 5;
   return box;
 }
 
 SurfaceMesh sphere_surface(const Vector3d& centre, double radius, int subdivisions) {
   const double g = (1.0 + std::sqrt(5.0)) / 2.0;
-  std::vector<Vector3d> v{{-1, g, 0}, {1, g, 0},   {-1, -g, 0}, {1, -g, 0},  {0, -1, g}, {0, 1, g},
-                          {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},   {-g, 0, -1}, {-g, 0, 1}};
-  std::vector<std::array<int, 3>> t{{0, 11, 5},  {0, 5, 1},   {0, 1, 7},  {0, 7, 10}, {0, 10, 11},
-                                    {1, 5, 9},   {5, 11, 4},  {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                                    {3, 9, 4},   {3, 4, 2},   {3, 2, 6},  {3, 6, 8},  {3, 8, 9},
-                                    {4, 9, 5},   {2, 4, 11},  {6, 2, 10}, {8, 6, 7},  {9, 8, 1}};
+  std::vector<Vector3d> v{{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0},
+                          {0, -1, g}, {0, 1, g}, {0, -1, -g}, {0, 1, -g},
+                          {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
+  std::vector<std::array<int, 3>> t{{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                    {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                    {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                    {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   for (Vector3d& x : v) x.normalize();
   for (int level = 0; level < subdivisions; ++level) {
     std::map<std::pair<int, int>, int> middles;

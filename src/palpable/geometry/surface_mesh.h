@@ -22,11 +22,11 @@ struct SurfaceMesh {
 
 /// Whether a surface encloses a solid, and if not, where and why not.
 struct WatertightReport {
-  int open_edges = 0;          ///< edges of one triangle only: holes
-  int crowded_edges = 0;       ///< edges of three or more triangles
-  int flipped_edges = 0;       ///< neighbours that run the edge the same way: orientations disagree
-  int bad_triangles = 0;       ///< with a repeated vertex, an index out of range, or no area
-  bool inside_out = false;     ///< encloses a negative volume
+  int open_edges = 0;       ///< edges of one triangle only: holes
+  int crowded_edges = 0;    ///< edges of three or more triangles
+  int flipped_edges = 0;    ///< neighbours that run the edge the same way: orientations disagree
+  int bad_triangles = 0;    ///< with a repeated vertex, an index out of range, or no area
+  bool inside_out = false;  ///< encloses a negative volume
   Eigen::Vector3d first_defect = Eigen::Vector3d::Zero();  ///< m; where the first defect lies
 
   [[nodiscard]] bool watertight() const {

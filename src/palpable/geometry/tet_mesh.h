@@ -30,7 +30,7 @@ struct TetMesh {
 
 /// The skin of a volume, with vertices numbered anew and the way back.
 struct Boundary {
-  SurfaceMesh surface;            ///< oriented outwards
+  SurfaceMesh surface;              ///< oriented outwards
   std::vector<int> node_of_vertex;  ///< surface vertex -> node of the volume mesh, increasing
 };
 

@@ -11,6 +11,8 @@
 
 #include <Eigen/Core>
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,11 +21,11 @@ namespace palpable {
 
 /// Where the body may be touched: a vertex and its patch of graph distance 2 (paper Fig. 15).
 struct Site {
-  int vertex = 0;             ///< the middle of the patch, surface vertex
-  std::vector<int> patch;     ///< surface vertices that carry the load, `vertex` first
-  std::vector<float> weights; ///< share of the load per patch vertex (nodal areas); sums to 1
+  int vertex = 0;              ///< the middle of the patch, surface vertex
+  std::vector<int> patch;      ///< surface vertices that carry the load, `vertex` first
+  std::vector<float> weights;  ///< share of the load per patch vertex (nodal areas); sums to 1
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit vector of the load, body frame
-  double full_load = 0;       ///< N, the load at level 1
+  double full_load = 0;                                 ///< N, the load at level 1
 };
 
 /// What was given up in the reduction, and how large the parts are. All errors relative, L2.
