@@ -1,0 +1,134 @@
+#include "apps/common/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+
+namespace palpable::app {
+namespace {
+
+// Damerau-Levenshtein distance without overlapping swaps.
+std::size_t edits_between(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
+  for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      d[i][j] = std::min(
+          {d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0u : 1u)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+      }
+    }
+  }
+  return d[a.size()][b.size()];
+}
+
+// The subcommand that was being parsed: the innermost one that the user named.
+const CLI::App* innermost(const CLI::App& app) {
+  const CLI::App* inner = &app;
+  while (!inner->get_subcommands().empty()) inner = inner->get_subcommands().back();
+  return inner;
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+std::vector<std::string> subcommand_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : app.get_subcommands({})) names.push_back(sub->get_name());
+  return names;
+}
+
+std::string full_name(const CLI::App& app) {
+  const CLI::App* parent = app.get_parent();
+  return parent == nullptr ? app.get_name() : full_name(*parent) + " " + app.get_name();
+}
+
+std::string unexpected_argument(const CLI::App& app) {
+  const CLI::App* inner = innermost(app);
+  const std::vector<std::string> rest = app.remaining(true);
+  const std::string word =
+      rest.empty() ? std::string() : rest.front().substr(0, rest.front().find('='));
+  const bool is_option = !word.empty() && word.front() == '-';
+  const bool wants_command = !is_option && !subcommand_names(*inner).empty();
+  const std::string guess =
+      nearest_word(word, is_option ? option_names(*inner) : subcommand_names(*inner));
+  return fmt::format("{} '{}'{}, see {} --help",
+                     is_option       ? "unknown option"
+                     : wants_command ? "unknown command"
+                                     : "unexpected argument",
+                     word, guess.empty() ? "" : fmt::format(": did you mean '{}'?", guess),
+                     full_name(*inner));
+}
+
+}  // namespace
+
+std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates) {
+  std::string nearest;
+  std::size_t fewest = word.size() / 3 + 1;
+  for (const std::string& candidate : candidates) {
+    const std::size_t edits = edits_between(word, candidate);
+    if (edits < fewest || (edits == fewest && nearest.empty())) {
+      fewest = edits;
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+void print_error(std::string_view message) {
+  std::string line;
+  for (const char c : message) {
+    if (c == '\n') {
+      line += "; ";
+    } else {
+      line += c;
+    }
+  }
+  while (line.ends_with("; ")) line.resize(line.size() - 2);
+  fmt::print(stderr, "palpable: {}\n", line);
+}
+
+int run_command_line(CLI::App& app, int argc, const char* const* argv) {
+  // A word that is no command is looked at first: CLI11 would complain that a command is missing.
+  if (argc > 1 && argv[1][0] != '-') {
+    const std::vector<std::string> commands = subcommand_names(app);
+    if (std::find(commands.begin(), commands.end(), argv[1]) == commands.end()) {
+      const std::string guess = nearest_word(argv[1], commands);
+      print_error(fmt::format("unknown command '{}'{}, see {} --help", argv[1],
+                              guess.empty() ? "" : fmt::format(": did you mean '{}'?", guess),
+                              app.get_name()));
+      return 1;
+    }
+  }
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::Success& asked) {  // --help, --version: printed by CLI11 on stdout
+    app.exit(asked);
+    return 0;
+  } catch (const CLI::ExtrasError&) {
+    print_error(unexpected_argument(app));
+  } catch (const CLI::ParseError& error) {
+    // What is unknown explains what is missing: "--ouput" before "--out is required".
+    const std::vector<std::string> rest = app.remaining(true);
+    const bool unknown = std::any_of(rest.begin(), rest.end(),
+                                     [](const std::string& word) { return word.starts_with("-"); });
+    print_error(unknown
+                    ? unexpected_argument(app)
+                    : fmt::format("{}, see {} --help", error.what(), full_name(*innermost(app))));
+  } catch (const std::exception& error) { print_error(error.what()); }
+  return 1;
+}
+
+}  // namespace palpable::app

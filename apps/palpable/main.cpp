@@ -1,0 +1,80 @@
+// palpable: one command for the user. What bakes lives in a second program, palpable-bake, which
+// is started from here, so that nothing of a mesher or a sparse factor is linked into this one.
+
+#include "apps/common/command_line.h"
+#include "apps/palpable/commands.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <unistd.h>
+
+namespace palpable::app {
+namespace {
+
+struct BakeCommand {
+  const char* name;
+  const char* what;
+};
+
+constexpr std::array kBakeCommands{
+    BakeCommand{"mesh", "Fill a watertight surface with tetrahedra"},
+    BakeCommand{"bake", "Mesh, solve and reduce: a body file from a description"},
+};
+
+/// Becomes palpable-bake with the same arguments; returns only when that cannot be.
+int become_bake(char** argv) {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::filesystem::path program = self.parent_path() / "palpable-bake";
+  if (!error) ::execv(program.c_str(), argv);
+  print_error(fmt::format("'{}' needs the program {}: {}; build it, or copy it there", argv[1],
+                          program.string(), error ? error.message() : std::strerror(errno)));
+  return 1;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Virtual deformable bodies that real hands press, seen by a stereo camera.",
+               "palpable");
+  app.set_version_flag("--version", std::string("palpable ") + PALPABLE_VERSION);
+  app.set_help_flag("-h,--help", "Print this help and exit");
+  app.require_subcommand(1);
+  app.footer(
+      "Each command explains itself: palpable live --help\n"
+      "Example: palpable view bunny.palpable");
+
+  for (const BakeCommand& command : kBakeCommands) {
+    if (argc > 1 && std::string(argv[1]) == command.name) return become_bake(argv);
+    app.add_subcommand(command.name, command.what);
+  }
+#ifdef PALPABLE_HAS_VIEW
+  add_view(app);
+#endif
+#ifdef PALPABLE_HAS_LIVE
+  add_live(app);
+#endif
+#ifdef PALPABLE_HAS_INSPECT
+  add_inspect(app);
+#endif
+#ifdef PALPABLE_HAS_SYNTH
+  add_synth(app);
+#endif
+#ifdef PALPABLE_HAS_SCORE
+  add_score(app);
+#endif
+#ifdef PALPABLE_HAS_BENCH
+  add_bench(app);
+#endif
+  return run_command_line(app, argc, argv);
+}
+
+}  // namespace
+}  // namespace palpable::app
+
+int main(int argc, char** argv) { return palpable::app::run(argc, argv); }
