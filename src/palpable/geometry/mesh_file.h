@@ -1,0 +1,33 @@
+/// @file
+/// Surfaces from the files that people have: STL, PLY, OBJ, 3DS, OFF.
+///
+/// Own small readers, and not a library's: what comes in is untrusted, only vertices and triangles
+/// are wanted, and the readers are fuzzed (docs/decisions/mesh-readers.md).
+#pragma once
+
+#include "palpable/base/error.h"
+#include "palpable/geometry/surface_mesh.h"
+
+#include <filesystem>
+#include <string_view>
+
+namespace palpable {
+
+/// Reads a surface; the format follows from the extension (.stl .ply .obj .3ds .off, any case).
+///
+/// Lengths are taken as they stand in the file. Polygons are cut into triangle fans; vertices that
+/// coincide exactly are joined and unused ones dropped. Textures, normals, colours and groups are
+/// skipped. Whatever the bytes, the result is a surface with at least one triangle and finite
+/// vertices (not necessarily watertight: check_watertight says) or a problem that names the file,
+/// the line or byte, and what is wrong.
+[[nodiscard]] Result<SurfaceMesh> read_surface_file(const std::filesystem::path& path);
+
+/// The same from memory. @param extension ".stl", ".ply", ...  @param name for messages
+[[nodiscard]] Result<SurfaceMesh> parse_surface(std::string_view bytes, std::string_view extension,
+                                                std::string_view name);
+
+/// Writes a surface as binary little-endian PLY (vertices as double).
+/// @throws Error when the file cannot be written
+void write_ply(const std::filesystem::path& path, const SurfaceMesh& surface);
+
+}  // namespace palpable
