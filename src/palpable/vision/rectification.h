@@ -1,0 +1,57 @@
+/// @file
+/// Undistortion and rectification (paper Sec. 3.3, Fig. 5): both eyes become one pinhole camera,
+/// shifted by the baseline, so that a point lies on the same row in both.
+#pragma once
+
+#include "palpable/geometry/camera.h"
+#include "palpable/geometry/image.h"
+
+#include <memory>
+
+namespace palpable {
+
+/// The rectified rig as plain numbers.
+struct RectifiedGeometry {
+  RectifiedStereo stereo;  ///< as large as the raw images; disparity_at_infinity_px is 0
+  Rigid3 rectified_from_left = Rigid3::Identity();   ///< a pure rotation
+  Rigid3 rectified_from_right = Rigid3::Identity();  ///< rotation, then T along X
+};
+
+/// Both eyes are turned by half of the rotation between them and then together until the baseline
+/// is the X axis (Bouguet's method, cv::stereoRectify with zero disparity at infinity and
+/// alpha = 0: the largest picture without blank pixels). A function of the numbers alone, so that
+/// whoever has the calibration gets the same camera.
+///
+/// @throws ContractViolation when the rig is not sound (calibration_file.h) or has no such picture
+[[nodiscard]] RectifiedGeometry rectified_geometry(const StereoRig& rig);
+
+/// Look-up tables from rectified to raw pixels, in 1/32 px.
+class Rectification {
+ public:
+  /// As rectified_geometry, and the tables.
+  explicit Rectification(const StereoRig& rig);
+  /// For images that are rectified already: half-size luma is still made here, nothing is warped.
+  explicit Rectification(const RectifiedStereo& stereo);
+  Rectification(Rectification&&) noexcept;
+  Rectification& operator=(Rectification&&) noexcept;
+  ~Rectification();
+
+  [[nodiscard]] const RectifiedGeometry& geometry() const { return geometry_; }
+
+  enum class Eye { kLeft, kRight };
+
+  /// The rectified image at full size.
+  /// @throws ContractViolation when the image has another size than the rig
+  void rectify(Eye eye, const ColorImage& raw, ColorImage& rectified);
+
+  /// Its luma at half the size: geometry().stereo.camera.scaled_down(2). Pixels are averaged
+  /// two by two before they are warped, which costs a third of warping first.
+  void rectify_luma_half(Eye eye, const ColorImage& raw, GrayImage& rectified);
+
+ private:
+  struct Maps;
+  RectifiedGeometry geometry_;
+  std::unique_ptr<Maps> maps_;  ///< null where nothing is to be warped
+};
+
+}  // namespace palpable

@@ -1,0 +1,59 @@
+/// @file
+/// What was there before the hand came: learnt from the first frames, then taken out of every depth
+/// image, so that the desk on which a body stands does not press it.
+///
+/// For a camera that does not move.
+#pragma once
+
+#include "palpable/geometry/image.h"
+#include "palpable/vision/depth_noise.h"
+
+#include <vector>
+
+namespace palpable {
+
+struct StaticBackgroundSettings {
+  int frames = 15;  ///< to learn from, 1 .. 255
+  /// Depth counts as the background's when it is nearer by less than this many sigma.
+  double sigmas = 4;
+  /// Half width of the window in which the background's nearest and farthest are looked up: a
+  /// depth edge flickers by a pixel or two, and what it flickers between is all background.
+  int edge_window_px = 2;
+  /// A pixel must have had a depth in this share of the frames to be known.
+  double seen_share = 0.25;
+};
+
+/// Per pixel the median of the depths that it had. A pixel that never had one stays unknown, and
+/// whatever comes to lie there later is kept.
+class StaticBackground {
+ public:
+  explicit StaticBackground(const DepthNoise& noise, const StaticBackgroundSettings& settings = {});
+
+  /// Takes the next frame; the first fixes the size. After settings.frames it is ready and further
+  /// frames change nothing.
+  /// @throws ContractViolation when the size changes
+  void learn(const DepthImage& depth);
+
+  [[nodiscard]] bool ready() const { return learnt_ >= settings_.frames; }
+
+  /// Sets to NaN what is background: Z > nearest - sigmas * sigma_Z(nearest), with `nearest` the
+  /// smallest learnt depth within the window around the pixel. What is farther than the background
+  /// is background too: a thing that was moved away uncovers what was always there.
+  /// @throws ContractViolation before it is ready, or when the size differs
+  void remove_static(DepthImage& depth) const;
+
+  /// The learnt depth, NaN unknown; meaningful once ready.
+  [[nodiscard]] const DepthImage& depth() const { return median_; }
+
+ private:
+  void finish();
+
+  DepthNoise noise_;
+  StaticBackgroundSettings settings_;
+  int learnt_ = 0;
+  std::vector<DepthImage> seen_;  ///< emptied once ready
+  DepthImage median_;
+  DepthImage keep_below_;  ///< depth below which a pixel is new; infinity where unknown
+};
+
+}  // namespace palpable
