@@ -1,0 +1,131 @@
+/// @file
+/// Equilibrium of a hyperelastic body under a growing dead load (paper eqs. 1-3, weak form).
+///
+///   N  nodes      u  displacement, (3 x N) m     f  nodal forces, (3 x N) N
+///   level  factor of the full load and of the fixed displacements, > 0
+///
+/// Total Lagrangian linear tetrahedra: find u with u = level * fixed_displacement at the held nodes
+/// and at all others
+///
+///     internal_force(u) = level * f,      internal_force = d/du sum_e V_e Psi(F_e)
+///
+/// Newton's method on that; each step is solved by conjugate gradients preconditioned with a
+/// Cholesky factor of an older tangent. The factor of the undeformed body usually serves for a
+/// whole path and for all sites; it is renewed (per call, never shared) when iterations grow.
+#pragma once
+
+#include "palpable/solid/solid_model.h"
+
+#include <Eigen/Core>
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace palpable {
+
+struct EquilibriumSettings {
+  /// A state counts as solved when the residual at the free nodes is below this, relative to the
+  /// norm of the applied forces, or of the forces at the held nodes if those are larger.
+  double tolerance = 1e-8;
+  int max_newton_steps = 30;  ///< per increment, before the increment is halved
+  /// How often an increment may be halved in succession before the path stops.
+  int max_halvings = 6;
+  /// A step that takes more iterations than this renews the factor before the next one. Lower:
+  /// more factors; higher: more iterations. Measured flat between 20 and 60 on 4k nodes.
+  int refresh_iterations = 40;
+  int max_cg_iterations =
+      400;  ///< per Newton step; then the factor is renewed and it is tried again
+};
+
+/// One state of the body.
+struct Equilibrium {
+  Eigen::Matrix3Xd displacement;  ///< (3 x N) m
+  double level = 0;
+  int newton_steps = 0;              ///< spent on the way from the level before
+  int cg_iterations = 0;             ///< likewise
+  double residual = 0;               ///< relative, as EquilibriumSettings::tolerance
+  double smallest_volume_ratio = 1;  ///< min over elements of J = det F
+};
+
+/// What keeps a solve from going on.
+enum class Stop {
+  kNone,
+  kInversion,          ///< every shortened step turns an element inside out
+  kNegativeCurvature,  ///< the tangent is not positive definite: the body buckles or collapses
+  kNoConvergence       ///< Newton's method or its linear solver ran out of steps
+};
+
+struct PathResult {
+  std::vector<Equilibrium> steps;  ///< one per level reached, in order
+  bool complete = false;           ///< all levels reached
+  Stop stop = Stop::kNone;
+  std::string why_stopped;  ///< empty when complete: one line, with the last good level
+  int factors = 0;          ///< how often the factor was renewed on the way
+  int halvings = 0;         ///< increments that had to be cut
+};
+
+struct LoadSearch {
+  double load = 0;   ///< N; the last good one if not reached
+  double press = 0;  ///< m, sum(unit_load . u) there
+  bool reached = false;
+  Stop stop = Stop::kNone;
+  std::string why_stopped;  ///< empty when reached
+  Equilibrium state;        ///< at `load`
+  int solves = 0;           ///< equilibria computed
+};
+
+/// The solver of one model: pattern, shape gradients and the factor of the undeformed tangent are
+/// made once; every call has its own workspace. All const members may be called from several
+/// threads at once on one object (sites side by side); a call itself uses one thread.
+///
+/// Memory: about 20 kB a node for a compact body of 4,000 nodes (nearly all of it the factor).
+class EquilibriumSolver {
+ public:
+  /// @throws Error as check_model()
+  explicit EquilibriumSolver(SolidModel model, EquilibriumSettings settings = {});
+  ~EquilibriumSolver();
+  EquilibriumSolver(EquilibriumSolver&&) noexcept;
+  EquilibriumSolver& operator=(EquilibriumSolver&&) noexcept;
+
+  [[nodiscard]] const SolidModel& model() const;
+
+  /// States at `levels` of `full_load`, from the undeformed body on. Increments that fail are cut
+  /// into smaller ones; where that does not help either, the path ends at the last good level and
+  /// says why: that is an answer, not an error.
+  /// @param full_load  (3 x N) N at level 1; may be zero if there are fixed displacements
+  /// @param levels     > 0, increasing; may be empty
+  /// @throws Error if the load is zero, not finite, or acts on held nodes only
+  /// @throws ContractViolation for a load of the wrong size or levels that do not increase
+  [[nodiscard]] PathResult solve_path(const Eigen::Matrix3Xd& full_load,
+                                      std::span<const double> levels) const;
+
+  /// The load at which the patch has given way by `wanted_press`: a with
+  /// sum(unit_load . u(a unit_load)) = wanted_press, the displacement conjugate to the load
+  /// (for patch_force(): the weighted mean displacement of the patch along the direction).
+  /// Goes there in steps of the press and closes in with warm-started solves; to 1e-6 relative.
+  /// Needs a model without fixed displacements (Error otherwise).
+  /// @param wanted_press  m, > 0
+  /// @throws Error as solve_path()
+  [[nodiscard]] LoadSearch find_load(const Eigen::Matrix3Xd& unit_load, double wanted_press) const;
+
+  /// Forces that hold the body in the state u: d/du of the stored energy, (3 x N) N. At held nodes
+  /// of an equilibrium: the reactions plus the load applied there.
+  /// @throws Error if an element is inverted under u
+  [[nodiscard]] Eigen::Matrix3Xd internal_force(const Eigen::Matrix3Xd& u) const;
+
+  /// Energy stored in the state u, J; infinite if an element is inverted.
+  [[nodiscard]] double stored_energy(const Eigen::Matrix3Xd& u) const;
+
+  /// (3 x N) the directional derivative of internal_force at u along du, held nodes taken as at
+  /// rest: du there is ignored and the result is 0. This is the tangent that Newton's method uses.
+  [[nodiscard]] Eigen::Matrix3Xd tangent_times(const Eigen::Matrix3Xd& u,
+                                               const Eigen::Matrix3Xd& du) const;
+
+ private:
+  struct Shared;
+  std::unique_ptr<const Shared> shared_;
+};
+
+}  // namespace palpable

@@ -1,0 +1,29 @@
+/// @file
+/// Cauchy stress of a deformed body.
+///
+///   N  nodes     E  tetrahedra     rows: xx yy zz xy yz zx, Pa, axes of the body frame
+#pragma once
+
+#include "palpable/solid/solid_model.h"
+
+#include <Eigen/Core>
+
+namespace palpable {
+
+/// (6 x n) symmetric tensors, xx yy zz xy yz zx.
+using StressField = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
+/// (6 x E) sigma = P F^T / J, constant in each linear tetrahedron.
+/// @param u  (3 x N) m
+/// @throws Error if an element is inverted (J <= 0) under u
+[[nodiscard]] StressField element_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u);
+
+/// (6 x N) mean of the elements around each node, weighted with their undeformed volume. First
+/// order in the element size at the boundary, where it leans to the inside.
+/// @throws Error if an element is inverted (J <= 0) under u
+[[nodiscard]] StressField nodal_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u);
+
+/// (n) von Mises stress, sqrt(3/2 s : s) with s the deviator, Pa.
+[[nodiscard]] Eigen::VectorXd von_mises(const StressField& stress);
+
+}  // namespace palpable
