@@ -29,7 +29,8 @@ endfunction()
 
 # palpable_tests(NAME solid SOURCES ... LIBRARIES ...)
 #
-# Each TEST_CASE becomes a ctest "<name>/<sentence>" with the label <name>. What ./check runs where
+# Each TEST_CASE becomes a ctest "<name>/<sentence>" with the label unit.<name>, long.<name> or
+# threads.<name>. What ./check runs where
 # follows from a case's tags: [long] in the release build, [threads] in the threads build as well,
 # everything else in dev. A case that cannot run here calls PALPABLE_SKIP and ctest says Skipped.
 function(palpable_tests)
@@ -39,9 +40,9 @@ function(palpable_tests)
   set(skip SKIP_REGULAR_EXPRESSION "SKIPPED: ")
   set(common TEST_PREFIX "${arg_NAME}/" WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   catch_discover_tests(${arg_NAME}_tests ${common} TEST_SPEC "~[long]~[threads]"
-                       TEST_LIST ${arg_NAME}_unit PROPERTIES LABELS "${arg_NAME};unit" TIMEOUT 300 ${skip})
+                       TEST_LIST ${arg_NAME}_unit PROPERTIES LABELS unit.${arg_NAME} TIMEOUT 300 ${skip})
   catch_discover_tests(${arg_NAME}_tests ${common} TEST_SPEC "[long]"
-                       TEST_LIST ${arg_NAME}_long PROPERTIES LABELS "${arg_NAME};long" TIMEOUT 1200 ${skip})
+                       TEST_LIST ${arg_NAME}_long PROPERTIES LABELS long.${arg_NAME} TIMEOUT 1200 ${skip})
   catch_discover_tests(${arg_NAME}_tests ${common} TEST_SPEC "[threads]~[long]"
-                       TEST_LIST ${arg_NAME}_threads PROPERTIES LABELS "${arg_NAME};threads;unit" TIMEOUT 600 ${skip})
+                       TEST_LIST ${arg_NAME}_threads PROPERTIES LABELS threads.${arg_NAME} TIMEOUT 600 ${skip})
 endfunction()
