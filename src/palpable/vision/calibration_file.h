@@ -4,7 +4,7 @@
 /// Entries: image_width, image_height; K1 K2 (3 x 3, px; skew 0), D1 D2 (k1 k2 p1 p2 [k3], 4 or 5
 /// numbers, or up to 14 of which the further ones are 0), R (3 x 3) and T (3, m) with
 /// x_right = R x_left + T; fps is optional. For pairs that are rectified already: fx fy cx cy,
-/// width, height, baseline_m, doffs_px (0 if absent), fps.
+/// width, height, baseline_m, doffs_px (0 if absent; Middlebury's: x_R - x_L at infinity), fps.
 #pragma once
 
 #include "palpable/base/error.h"

@@ -34,9 +34,6 @@ struct DepthSettings {
   bool full_resolution = false;
   /// A patch of connected pixels smaller than this is noise and becomes unknown.
   int speckle_size_px = 60;
-  /// Of two neighbours whose depths differ by more than this share, both become unknown: at a jump
-  /// the matcher's window mixes near and far, and such a pixel floats in between. 0 leaves all.
-  double edge_jump = 0.08;
 };
 
 /// Turns frames of one format into depth. Takes memory while it is made and at the first frame;

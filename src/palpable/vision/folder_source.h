@@ -17,7 +17,8 @@
 ///   calibration.yml      the rig of raw images (calibration_file.h)
 ///   rectified.yml        rows already aligned: fx fy cx cy (px) width height baseline_m doffs_px
 ///
-/// directly in it; doffs_px is x_L - x_R at infinity. Times are number / fps with fps from an
+/// directly in it; doffs_px is Middlebury's, the right principal point's x minus the left one's, so
+/// Z = f T / (d + doffs). Times are number / fps with fps from an
 /// optional `fps` entry of either file, else 30.
 #pragma once
 
