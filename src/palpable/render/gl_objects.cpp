@@ -1,0 +1,283 @@
+#include "palpable/render/gl_objects.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <vector>
+
+namespace palpable {
+namespace detail {
+void delete_program(GLuint name) { glDeleteProgram(name); }
+void delete_buffer(GLuint name) { glDeleteBuffers(1, &name); }
+void delete_vertex_array(GLuint name) { glDeleteVertexArrays(1, &name); }
+void delete_texture(GLuint name) { glDeleteTextures(1, &name); }
+void delete_framebuffer(GLuint name) { glDeleteFramebuffers(1, &name); }
+}  // namespace detail
+
+namespace {
+
+const ShaderFile* find(std::span<const ShaderFile> files, std::string_view name) {
+  const auto found = std::find_if(files.begin(), files.end(),
+                                  [&](const ShaderFile& file) { return file.name == name; });
+  return found == files.end() ? nullptr : &*found;
+}
+
+/// A shader with its includes in place. `#line n s` keeps numbers true to the files: s is the
+/// position in `names`.
+struct ExpandedShader {
+  std::string text;
+  std::vector<std::string> names;
+  std::string problem;  // empty when all is well
+};
+
+void expand(std::span<const ShaderFile> files, std::string_view name, std::string_view defines,
+            ExpandedShader& out) {
+  const ShaderFile* file = find(files, name);
+  if (file == nullptr) {
+    out.problem = fmt::format("no shader file '{}'", name);
+    return;
+  }
+  // What is there already is not included twice; that also ends circles.
+  if (std::find(out.names.begin(), out.names.end(), name) != out.names.end()) return;
+  const std::size_t self = out.names.size();
+  out.names.emplace_back(name);
+  // #version must stay the first line, so the outermost file starts without #line.
+  if (self > 0) out.text += fmt::format("#line 1 {}\n", self);
+
+  constexpr std::string_view kInclude = "#include \"";
+  std::string_view rest = file->text;
+  for (int line_number = 1; !rest.empty(); ++line_number) {
+    const std::size_t end = rest.find('\n');
+    const std::string_view line = rest.substr(0, end);
+    rest = end == std::string_view::npos ? std::string_view{} : rest.substr(end + 1);
+    if (line.starts_with(kInclude)) {
+      const std::string_view rest_of_line = line.substr(kInclude.size());
+      const std::string_view included = rest_of_line.substr(0, rest_of_line.find('"'));
+      expand(files, included, {}, out);
+      if (!out.problem.empty()) {
+        if (out.problem.find(" (included") == std::string::npos) {
+          out.problem += fmt::format(" (included by {}:{})", name, line_number);
+        }
+        return;
+      }
+      out.text += fmt::format("#line {} {}\n", line_number + 1, self);
+      continue;
+    }
+    out.text += line;
+    out.text += '\n';
+    if (line.starts_with("#version") && !defines.empty()) {
+      out.text += defines;
+      out.text += fmt::format("#line {} {}\n", line_number + 1, self);
+    }
+  }
+}
+
+/// The first error of a driver's log with the file's name instead of its number: Mesa writes
+/// "1:12(5): error: ...", others "1(12) : error ...".
+std::string readable_log(const std::string& log, const std::vector<std::string>& names) {
+  std::size_t start = 0;
+  std::string first_line;
+  while (start < log.size()) {
+    const std::size_t end = std::min(log.find('\n', start), log.size());
+    const std::string line = log.substr(start, end - start);
+    if (first_line.empty()) first_line = line;
+    if (line.find("error") != std::string::npos) {
+      first_line = line;
+      break;
+    }
+    start = end + 1;
+  }
+  std::size_t digits = 0;
+  while (digits < first_line.size() &&
+         std::isdigit(static_cast<unsigned char>(first_line[digits])) != 0) {
+    ++digits;
+  }
+  if (digits == 0 || digits > 4 || digits == first_line.size()) return first_line;
+  const std::size_t index = std::stoul(first_line.substr(0, digits));
+  return index < names.size() ? names[index] + first_line.substr(digits) : first_line;
+}
+
+Result<GLuint> compile(std::span<const ShaderFile> files, std::string_view name, GLenum stage,
+                       std::string_view defines) {
+  ExpandedShader expanded;
+  expand(files, name, defines, expanded);
+  if (!expanded.problem.empty()) return Problem{expanded.problem};
+  const GLuint shader = glCreateShader(stage);
+  const char* text = expanded.text.c_str();
+  glShaderSource(shader, 1, &text, nullptr);
+  glCompileShader(shader);
+  GLint good = GL_FALSE;
+  glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
+  if (good == GL_TRUE) return shader;
+  GLint length = 0;
+  glGetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
+  std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
+  glGetShaderInfoLog(shader, length, nullptr, log.data());
+  glDeleteShader(shader);
+  return Problem{fmt::format("shader does not compile: {}",
+                             readable_log(log.substr(0, log.find('\0')), expanded.names))};
+}
+
+}  // namespace
+
+Result<GlProgram> GlProgram::make(std::span<const ShaderFile> files, std::string_view vertex,
+                                  std::string_view fragment, std::string_view defines) {
+  const Result<GLuint> vertex_shader = compile(files, vertex, GL_VERTEX_SHADER, defines);
+  if (!vertex_shader.ok()) return vertex_shader.problem();
+  const Result<GLuint> fragment_shader = compile(files, fragment, GL_FRAGMENT_SHADER, defines);
+  if (!fragment_shader.ok()) {
+    glDeleteShader(vertex_shader.value());
+    return fragment_shader.problem();
+  }
+  GlProgram program(glCreateProgram());
+  glAttachShader(program.get(), vertex_shader.value());
+  glAttachShader(program.get(), fragment_shader.value());
+  glLinkProgram(program.get());
+  glDeleteShader(vertex_shader.value());  // lives on while it is attached
+  glDeleteShader(fragment_shader.value());
+  GLint good = GL_FALSE;
+  glGetProgramiv(program.get(), GL_LINK_STATUS, &good);
+  if (good == GL_TRUE) return program;
+  GLint length = 0;
+  glGetProgramiv(program.get(), GL_INFO_LOG_LENGTH, &length);
+  std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
+  glGetProgramInfoLog(program.get(), length, nullptr, log.data());
+  return Problem{fmt::format("{} and {} do not link: {}", vertex, fragment,
+                             readable_log(log.substr(0, log.find('\0')), {}))};
+}
+
+GLint GlProgram::location(const char* uniform) const {
+  const GLint found = glGetUniformLocation(get(), uniform);
+  PALPABLE_EXPECT(found >= 0, fmt::format("the program has the uniform {}", uniform).c_str());
+  return found;
+}
+void GlProgram::set(const char* uniform, int value) const {
+  glProgramUniform1i(get(), location(uniform), value);
+}
+void GlProgram::set(const char* uniform, float value) const {
+  glProgramUniform1f(get(), location(uniform), value);
+}
+void GlProgram::set(const char* uniform, const Eigen::Vector2f& value) const {
+  glProgramUniform2fv(get(), location(uniform), 1, value.data());
+}
+void GlProgram::set(const char* uniform, const Eigen::Vector3f& value) const {
+  glProgramUniform3fv(get(), location(uniform), 1, value.data());
+}
+void GlProgram::set(const char* uniform, const Eigen::Vector4f& value) const {
+  glProgramUniform4fv(get(), location(uniform), 1, value.data());
+}
+void GlProgram::set(const char* uniform, const Eigen::Matrix3f& value) const {
+  glProgramUniformMatrix3fv(get(), location(uniform), 1, GL_FALSE, value.data());
+}
+void GlProgram::set(const char* uniform, const Eigen::Matrix4f& value) const {
+  glProgramUniformMatrix4fv(get(), location(uniform), 1, GL_FALSE, value.data());
+}
+void GlProgram::set(const char* uniform, std::span<const Eigen::Vector4f> values) const {
+  if (values.empty()) return;
+  glProgramUniform4fv(get(), location(uniform), static_cast<GLsizei>(values.size()),
+                      values.front().data());
+}
+
+GlBuffer::GlBuffer() {
+  GLuint name = 0;
+  glCreateBuffers(1, &name);
+  name_ = detail::GlName<detail::delete_buffer>(name);
+}
+
+void GlBuffer::stream(const void* data, std::size_t bytes) {
+  capacity_ = std::max(capacity_, bytes);
+  // The same size again tells the driver that the old content is no longer wanted.
+  glNamedBufferData(get(), static_cast<GLsizeiptr>(capacity_), nullptr, GL_STREAM_DRAW);
+  if (bytes > 0) glNamedBufferSubData(get(), 0, static_cast<GLsizeiptr>(bytes), data);
+}
+
+GlVertexArray::GlVertexArray() {
+  GLuint name = 0;
+  glCreateVertexArrays(1, &name);
+  name_ = detail::GlName<detail::delete_vertex_array>(name);
+}
+
+void GlVertexArray::floats(GLuint location, const GlBuffer& buffer, int components, int stride,
+                           int offset, bool per_instance) {
+  const int step = stride > 0 ? stride : components * static_cast<int>(sizeof(float));
+  glVertexArrayVertexBuffer(name_.get(), location, buffer.get(), offset, step);
+  glVertexArrayAttribFormat(name_.get(), location, components, GL_FLOAT, GL_FALSE, 0);
+  glVertexArrayAttribBinding(name_.get(), location, location);
+  glVertexArrayBindingDivisor(name_.get(), location, per_instance ? 1 : 0);
+  glEnableVertexArrayAttrib(name_.get(), location);
+}
+
+void GlVertexArray::indices(const GlBuffer& buffer) {
+  glVertexArrayElementBuffer(name_.get(), buffer.get());
+}
+
+GlTexture::GlTexture(GLenum format, int width, int height, GLenum filter, int levels)
+    : width_(width), height_(height) {
+  PALPABLE_EXPECT(width > 0 && height > 0 && levels > 0, "a texture has a size");
+  GLuint name = 0;
+  glCreateTextures(GL_TEXTURE_2D, 1, &name);
+  name_ = detail::GlName<detail::delete_texture>(name);
+  glTextureStorage2D(name, levels, format, width, height);
+  const GLint mag = static_cast<GLint>(filter);
+  const GLint min = levels > 1 ? GL_LINEAR_MIPMAP_LINEAR : mag;
+  glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, min);
+  glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, mag);
+  glTextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTextureParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+void GlTexture::upload(int x, int y, int width, int height, GLenum layout, GLenum type,
+                       const void* pixels, int row_length) {
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, row_length);
+  glTextureSubImage2D(get(), 0, x, y, width, height, layout, type, pixels);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+}
+
+void GlTexture::repeat() {
+  glTextureParameteri(get(), GL_TEXTURE_WRAP_S, GL_REPEAT);
+  glTextureParameteri(get(), GL_TEXTURE_WRAP_T, GL_REPEAT);
+}
+
+GlFramebuffer::GlFramebuffer(std::span<const GlTexture* const> colors, const GlTexture* depth) {
+  const GlTexture* any = colors.empty() ? depth : colors.front();
+  PALPABLE_EXPECT(any != nullptr, "a framebuffer has something to draw into");
+  width_ = any->width();
+  height_ = any->height();
+  GLuint name = 0;
+  glCreateFramebuffers(1, &name);
+  name_ = detail::GlName<detail::delete_framebuffer>(name);
+  std::vector<GLenum> buffers;
+  for (const GlTexture* color : colors) {
+    const auto attachment = static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + buffers.size());
+    glNamedFramebufferTexture(name, attachment, color->get(), 0);
+    buffers.push_back(attachment);
+  }
+  if (buffers.empty()) buffers.push_back(GL_NONE);
+  glNamedFramebufferDrawBuffers(name, static_cast<GLsizei>(buffers.size()), buffers.data());
+  if (depth != nullptr) glNamedFramebufferTexture(name, GL_DEPTH_ATTACHMENT, depth->get(), 0);
+  PALPABLE_EXPECT(
+      glCheckNamedFramebufferStatus(name, GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE,
+      "the attachments of a framebuffer fit together");
+}
+
+void GlFramebuffer::bind() const {
+  glBindFramebuffer(GL_FRAMEBUFFER, get());
+  glViewport(0, 0, width_, height_);
+}
+
+void GlFramebuffer::read(int attachment, int x, int y, int width, int height, GLenum layout,
+                         GLenum type, void* pixels) const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, get());
+  glReadBuffer(static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + attachment));
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(x, y, width, height, layout, type, pixels);
+}
+
+void FullScreenTriangle::draw() const {
+  empty_.bind();
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+}  // namespace palpable

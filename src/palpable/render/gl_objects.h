@@ -1,0 +1,185 @@
+/// @file
+/// OpenGL's objects with an owner: programs, buffers, vertex arrays, textures, framebuffers.
+///
+/// All of them are move-only, delete their object in the destructor (the context must be current
+/// then) and use direct state access (4.5), so that making or filling one binds nothing.
+#pragma once
+
+#include "palpable/base/error.h"
+
+#include <Eigen/Core>
+#include <epoxy/gl.h>
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace palpable {
+
+/// One file of a module's shaders folder, compiled into the program
+/// (palpable_embed_shaders in cmake/EmbedShaders.cmake).
+struct ShaderFile {
+  std::string_view name;  ///< e.g. "body.frag"
+  std::string_view text;
+};
+
+namespace detail {
+/// An OpenGL name and the function that deletes it.
+template <void (*remove)(GLuint)>
+class GlName {
+ public:
+  GlName() = default;
+  explicit GlName(GLuint name) : name_(name) {}
+  GlName(GlName&& other) noexcept : name_(std::exchange(other.name_, 0)) {}
+  GlName& operator=(GlName&& other) noexcept {
+    std::swap(name_, other.name_);
+    return *this;
+  }
+  ~GlName() {
+    if (name_ != 0) remove(name_);
+  }
+  [[nodiscard]] GLuint get() const { return name_; }
+
+ private:
+  GLuint name_ = 0;
+};
+void delete_program(GLuint name);
+void delete_buffer(GLuint name);
+void delete_vertex_array(GLuint name);
+void delete_texture(GLuint name);
+void delete_framebuffer(GLuint name);
+}  // namespace detail
+
+/// A vertex and a fragment shader, linked; or one compute shader.
+///
+/// A line `#include "name"` in a shader is replaced by that file of the same set. Errors name the
+/// file and the line as they are on disk.
+class GlProgram {
+ public:
+  /// @param files     all files that may be named here or included
+  /// @param vertex    name in `files`, with its #version line
+  /// @param fragment  likewise
+  /// @param defines   lines put below #version, e.g. "#define SAMPLES 4\n"
+  [[nodiscard]] static Result<GlProgram> make(std::span<const ShaderFile> files,
+                                              std::string_view vertex, std::string_view fragment,
+                                              std::string_view defines = {});
+
+  void use() const { glUseProgram(name_.get()); }
+  [[nodiscard]] GLuint get() const { return name_.get(); }
+
+  /// Sets a uniform by name, without using the program. A name that the program does not have is
+  /// a bug (ContractViolation) unless the compiler may have dropped it, in which case leave it out.
+  void set(const char* uniform, int value) const;
+  void set(const char* uniform, float value) const;
+  void set(const char* uniform, const Eigen::Vector2f& value) const;
+  void set(const char* uniform, const Eigen::Vector3f& value) const;
+  void set(const char* uniform, const Eigen::Vector4f& value) const;
+  void set(const char* uniform, const Eigen::Matrix3f& value) const;
+  void set(const char* uniform, const Eigen::Matrix4f& value) const;
+  void set(const char* uniform, std::span<const Eigen::Vector4f> values) const;
+
+ private:
+  explicit GlProgram(GLuint name) : name_(name) {}
+  [[nodiscard]] GLint location(const char* uniform) const;
+  detail::GlName<detail::delete_program> name_;
+};
+
+/// A buffer that grows and never shrinks.
+class GlBuffer {
+ public:
+  GlBuffer();
+  /// Replaces the content. The old storage is left to the driver, so a frame that still draws from
+  /// it does not block.
+  void stream(const void* data, std::size_t bytes);
+  template <class T>
+  void stream(std::span<const T> values) {
+    stream(values.data(), values.size_bytes());
+  }
+  [[nodiscard]] GLuint get() const { return name_.get(); }
+  [[nodiscard]] std::size_t capacity() const { return capacity_; }
+
+ private:
+  detail::GlName<detail::delete_buffer> name_;
+  std::size_t capacity_ = 0;
+};
+
+/// Which buffer feeds which input of a vertex shader.
+class GlVertexArray {
+ public:
+  GlVertexArray();
+  /// Input `location` reads `components` floats per vertex (or instance) from `buffer`, packed.
+  /// A stride or offset of interleaved data is in bytes; stride 0 means tightly packed.
+  void floats(GLuint location, const GlBuffer& buffer, int components, int stride = 0,
+              int offset = 0, bool per_instance = false);
+  void indices(const GlBuffer& buffer);
+  void bind() const { glBindVertexArray(name_.get()); }
+
+ private:
+  detail::GlName<detail::delete_vertex_array> name_;
+};
+
+/// A 2D texture of fixed format.
+class GlTexture {
+ public:
+  GlTexture() = default;
+  /// @param format  sized: GL_RGBA8, GL_R32F, GL_R8, GL_DEPTH_COMPONENT32F, ...
+  /// @param filter  GL_NEAREST or GL_LINEAR; coordinates are clamped to the edge
+  /// @param levels  mip levels; more than 1 turns trilinear filtering on
+  GlTexture(GLenum format, int width, int height, GLenum filter = GL_NEAREST, int levels = 1);
+
+  /// Replaces a rectangle of level 0.
+  /// @param row_length  pixels from one row of `pixels` to the next; 0 means `width`
+  void upload(int x, int y, int width, int height, GLenum layout, GLenum type, const void* pixels,
+              int row_length = 0);
+  void make_mipmaps() { glGenerateTextureMipmap(name_.get()); }
+  void repeat();  ///< coordinates wrap around instead of being clamped
+  void bind(int unit) const { glBindTextureUnit(static_cast<GLuint>(unit), name_.get()); }
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] GLuint get() const { return name_.get(); }
+
+ private:
+  detail::GlName<detail::delete_texture> name_;
+  int width_ = 0;
+  int height_ = 0;
+};
+
+/// Textures to draw into. They must outlive it.
+class GlFramebuffer {
+ public:
+  GlFramebuffer() = default;
+  /// @param colors  attachment i is colors[i]
+  /// @param depth   null for none
+  /// @throws ContractViolation when OpenGL calls the combination incomplete
+  GlFramebuffer(std::span<const GlTexture* const> colors, const GlTexture* depth);
+
+  /// Draws go here from now on, into all of it.
+  void bind() const;
+
+  /// Reads a rectangle of one attachment, first row first.
+  void read(int attachment, int x, int y, int width, int height, GLenum layout, GLenum type,
+            void* pixels) const;
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] GLuint get() const { return name_.get(); }
+
+ private:
+  detail::GlName<detail::delete_framebuffer> name_;
+  int width_ = 0;
+  int height_ = 0;
+};
+
+/// Draws one triangle that covers the viewport, without any vertex buffer: the vertex shader makes
+/// it from gl_VertexID (full_screen.vert).
+class FullScreenTriangle {
+ public:
+  void draw() const;
+
+ private:
+  GlVertexArray empty_;
+};
+
+}  // namespace palpable
