@@ -1,0 +1,89 @@
+/// @file
+/// A small body whose behaviour is known in closed form, shared by the tests of the live half.
+#pragma once
+
+#include "palpable/reduced/reduced_body.h"
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <numbers>
+
+namespace palpable::test {
+
+/// A ball that stands on Z = 0 and gives way at six sites (+-X, +-Y, top and one oblique).
+///
+/// Pressed at site s to `level`, a vertex moves along the load, towards the centre, by
+///
+///     u(X) = level * full_depth * w_s(X) * direction_s,   w_s = exp(-|X - X_s|^2 / (radius/2)^2)
+///
+/// so the middle of the patch moves by level * full_depth. The stress is -level * 1 kPa * w_s in
+/// all three normal components plus shear xy of level * 1 kPa * w_s: von Mises sqrt(3) kPa there.
+/// Vertices below a fifth of the radius are fixed (w_s is set to zero there).
+inline ReducedBody pressed_ball(double radius = 0.05, double full_depth = 0.01,
+                                int subdivisions = 3, int level_count = 5) {
+  const Eigen::Vector3d centre(0, 0, radius);
+  SurfaceMesh surface = sphere_surface(centre, radius, subdivisions);
+  const int V = surface.vertex_count();
+  const auto neighbours = vertex_neighbours(surface);
+  const Eigen::VectorXd areas = vertex_areas(surface);
+
+  std::vector<std::uint8_t> fixed(static_cast<std::size_t>(V));
+  for (int v = 0; v < V; ++v) {
+    fixed[static_cast<std::size_t>(v)] = surface.vertices(2, v) < 0.2 * radius;
+  }
+  std::vector<Site> sites;
+  for (const Eigen::Vector3d& outwards :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(0, 1, 0),
+        Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(1, 1, 1)}) {
+    Eigen::Index vertex = 0;
+    (outwards.normalized().transpose() * (surface.vertices.colwise() - centre)).maxCoeff(&vertex);
+    Site site;
+    site.vertex = static_cast<int>(vertex);
+    site.patch = graph_patch(neighbours, site.vertex, 2);
+    double sum = 0;
+    for (const int v : site.patch) sum += areas[v];
+    for (const int v : site.patch) site.weights.push_back(static_cast<float>(areas[v] / sum));
+    site.direction = (centre - surface.vertices.col(vertex)).normalized();
+    site.full_load = 2.0;
+    sites.push_back(site);
+  }
+
+  const auto S = static_cast<Eigen::Index>(sites.size());
+  const Eigen::VectorXd levels = Eigen::VectorXd::LinSpaced(level_count, 0.0, 1.0);
+  Eigen::MatrixXf u_modes = Eigen::MatrixXf::Zero(3 * V, S),
+                  s_modes = Eigen::MatrixXf::Zero(6 * V, S);
+  Eigen::MatrixXd press_depth(level_count, S);
+  for (Eigen::Index s = 0; s < S; ++s) {
+    const Site& site = sites[static_cast<std::size_t>(s)];
+    double mean = 0;
+    for (int v = 0; v < V; ++v) {
+      const double r = (surface.vertices.col(v) - surface.vertices.col(site.vertex)).norm();
+      const double w =
+          fixed[static_cast<std::size_t>(v)] ? 0.0 : std::exp(-r * r / (0.25 * radius * radius));
+      u_modes.col(s).segment<3>(3 * v) = (full_depth * w * site.direction).cast<float>();
+      const float kPa = static_cast<float>(1e3 * w);
+      s_modes.col(s).segment<6>(6 * v) << -kPa, -kPa, -kPa, kPa, 0, 0;
+      for (std::size_t k = 0; k < site.patch.size(); ++k) {
+        if (site.patch[k] == v) mean += static_cast<double>(site.weights[k]) * full_depth * w;
+      }
+    }
+    press_depth.col(s) = mean * levels;
+  }
+  const ParameterAxis site_axis{"site", Eigen::VectorXd::LinSpaced(S, 0.0, double(S - 1)),
+                                Eigen::MatrixXd::Identity(S, S), Between::kNothing};
+  const ParameterAxis level_axis{"level", levels, levels.replicate(1, S), Between::kSmooth};
+  return {.name = "ball",
+          .surface = std::move(surface),
+          .fixed = std::move(fixed),
+          .sites = std::move(sites),
+          .displacement = {u_modes, {site_axis, level_axis}},
+          .stress = {s_modes, {site_axis, level_axis}},
+          .press_depth = std::move(press_depth),
+          .largest_von_mises = std::numbers::sqrt3 * 1e3,
+          .error = {},
+          .material = "closed form of a test",
+          .provenance = {{"source", "tests/support/bodies.h"}, {"note", ""}}};
+}
+
+}  // namespace palpable::test
