@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
+#include <cstdio>
 #include <vector>
 
 namespace palpable {
@@ -23,13 +23,35 @@ const ShaderFile* find(std::span<const ShaderFile> files, std::string_view name)
   return found == files.end() ? nullptr : &*found;
 }
 
-/// A shader with its includes in place. `#line n s` keeps numbers true to the files: s is the
-/// position in `names`.
+/// A shader with its includes in place, and where each of its lines came from. Not `#line`: Mesa
+/// loses the file number of what is found wrong after parsing.
 struct ExpandedShader {
+  struct Origin {
+    std::string_view file;
+    int line;
+  };
   std::string text;
-  std::vector<std::string> names;
-  std::string problem;  // empty when all is well
+  std::vector<Origin> origins;               // one per line of text
+  std::vector<std::string_view> files_seen;  // nothing is included twice; that also ends circles
+  std::string problem;                       // empty when all is well
+
+  void add(std::string_view line, Origin origin) {
+    text += line;
+    text += '\n';
+    origins.push_back(origin);
+  }
 };
+
+/// The lines of a text, without their ends.
+std::vector<std::string_view> lines_of(std::string_view text) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    lines.push_back(text.substr(0, end));
+    text = end == std::string_view::npos ? std::string_view{} : text.substr(end + 1);
+  }
+  return lines;
+}
 
 void expand(std::span<const ShaderFile> files, std::string_view name, std::string_view defines,
             ExpandedShader& out) {
@@ -38,64 +60,46 @@ void expand(std::span<const ShaderFile> files, std::string_view name, std::strin
     out.problem = fmt::format("no shader file '{}'", name);
     return;
   }
-  // What is there already is not included twice; that also ends circles.
-  if (std::find(out.names.begin(), out.names.end(), name) != out.names.end()) return;
-  const std::size_t self = out.names.size();
-  out.names.emplace_back(name);
-  // #version must stay the first line, so the outermost file starts without #line.
-  if (self > 0) out.text += fmt::format("#line 1 {}\n", self);
+  if (std::find(out.files_seen.begin(), out.files_seen.end(), name) != out.files_seen.end()) return;
+  out.files_seen.push_back(file->name);
 
   constexpr std::string_view kInclude = "#include \"";
-  std::string_view rest = file->text;
-  for (int line_number = 1; !rest.empty(); ++line_number) {
-    const std::size_t end = rest.find('\n');
-    const std::string_view line = rest.substr(0, end);
-    rest = end == std::string_view::npos ? std::string_view{} : rest.substr(end + 1);
+  int line_number = 0;
+  for (const std::string_view line : lines_of(file->text)) {
+    ++line_number;
     if (line.starts_with(kInclude)) {
-      const std::string_view rest_of_line = line.substr(kInclude.size());
-      const std::string_view included = rest_of_line.substr(0, rest_of_line.find('"'));
-      expand(files, included, {}, out);
+      const std::string_view quoted = line.substr(kInclude.size());
+      expand(files, quoted.substr(0, quoted.find('"')), {}, out);
       if (!out.problem.empty()) {
         if (out.problem.find(" (included") == std::string::npos) {
           out.problem += fmt::format(" (included by {}:{})", name, line_number);
         }
         return;
       }
-      out.text += fmt::format("#line {} {}\n", line_number + 1, self);
       continue;
     }
-    out.text += line;
-    out.text += '\n';
-    if (line.starts_with("#version") && !defines.empty()) {
-      out.text += defines;
-      out.text += fmt::format("#line {} {}\n", line_number + 1, self);
+    out.add(line, {file->name, line_number});
+    if (line.starts_with("#version")) {
+      for (const std::string_view define : lines_of(defines)) out.add(define, {"defines", 1});
     }
   }
 }
 
-/// The first error of a driver's log with the file's name instead of its number: Mesa writes
-/// "1:12(5): error: ...", others "1(12) : error ...".
-std::string readable_log(const std::string& log, const std::vector<std::string>& names) {
-  std::size_t start = 0;
-  std::string first_line;
-  while (start < log.size()) {
-    const std::size_t end = std::min(log.find('\n', start), log.size());
-    const std::string line = log.substr(start, end - start);
-    if (first_line.empty()) first_line = line;
-    if (line.find("error") != std::string::npos) {
-      first_line = line;
-      break;
-    }
-    start = end + 1;
-  }
-  std::size_t digits = 0;
-  while (digits < first_line.size() &&
-         std::isdigit(static_cast<unsigned char>(first_line[digits])) != 0) {
-    ++digits;
-  }
-  if (digits == 0 || digits > 4 || digits == first_line.size()) return first_line;
-  const std::size_t index = std::stoul(first_line.substr(0, digits));
-  return index < names.size() ? names[index] + first_line.substr(digits) : first_line;
+/// The first error of a driver's log, its line number in the expanded text replaced by file and
+/// line: Mesa writes "0:12(5): error: ...", others "0(12) : error ...".
+std::string readable_log(std::string_view log, const std::vector<ExpandedShader::Origin>& origins) {
+  const std::vector<std::string_view> lines = lines_of(log);
+  const auto error = std::find_if(lines.begin(), lines.end(), [](std::string_view line) {
+    return line.find("error") != std::string_view::npos;
+  });
+  if (lines.empty()) return "the driver does not say why";
+  const std::string line(error == lines.end() ? lines.front() : *error);
+  std::size_t number = 0;
+  int used = 0;
+  if (std::sscanf(line.c_str(), "%*u%*1[:(]%zu%n", &number, &used) != 1) return line;
+  if (number == 0 || number > origins.size()) return line;
+  return fmt::format("{}:{}{}", origins[number - 1].file, origins[number - 1].line,
+                     line.substr(static_cast<std::size_t>(used)));
 }
 
 Result<GLuint> compile(std::span<const ShaderFile> files, std::string_view name, GLenum stage,
@@ -115,8 +119,8 @@ Result<GLuint> compile(std::span<const ShaderFile> files, std::string_view name,
   std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
   glGetShaderInfoLog(shader, length, nullptr, log.data());
   glDeleteShader(shader);
-  return Problem{fmt::format("shader does not compile: {}",
-                             readable_log(log.substr(0, log.find('\0')), expanded.names))};
+  return Problem{
+      fmt::format("shader does not compile: {}", readable_log(log.c_str(), expanded.origins))};
 }
 
 }  // namespace
@@ -143,8 +147,8 @@ Result<GlProgram> GlProgram::make(std::span<const ShaderFile> files, std::string
   glGetProgramiv(program.get(), GL_INFO_LOG_LENGTH, &length);
   std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
   glGetProgramInfoLog(program.get(), length, nullptr, log.data());
-  return Problem{fmt::format("{} and {} do not link: {}", vertex, fragment,
-                             readable_log(log.substr(0, log.find('\0')), {}))};
+  return Problem{
+      fmt::format("{} and {} do not link: {}", vertex, fragment, readable_log(log.c_str(), {}))};
 }
 
 GLint GlProgram::location(const char* uniform) const {
