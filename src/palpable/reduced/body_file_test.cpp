@@ -113,7 +113,11 @@ TEST_CASE("a body that breaks a rule of its own is not written over a good one",
       {"sum to 1", [](auto& b) { b.sites[5].weights[0] += 0.5f; }},
       {"does not grow", [](auto& b) { b.press_depth(2, 3) = 0; }},
       {"not a stress", [](auto& b) { b.largest_von_mises = NAN; }},
-      {"no site", [](auto& b) { b.sites.clear(); }},
+      {"no site",
+       [](auto& b) {
+         b.sites.clear();
+         b.press_depth.resize(5, 0);
+       }},
   };
   for (const auto& [expected, spoil] : faults) {
     ReducedBody body = small_ball();
