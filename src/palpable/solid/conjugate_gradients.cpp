@@ -1,0 +1,39 @@
+#include "palpable/solid/conjugate_gradients.h"
+
+namespace palpable {
+
+CgResult conjugate_gradients(const BlockMatrix& K, const CholeskyFactor& preconditioner,
+                             const Eigen::VectorXd& b, double relative_tolerance,
+                             int max_iterations, Eigen::VectorXd& x, CgScratch& scratch,
+                             FactorWorkspace& workspace) {
+  auto& [r, z, p, Kp] = scratch;
+  x.setZero(b.size());
+  r = b;
+  const double goal = relative_tolerance * b.norm();
+  CgResult result;
+  if (r.norm() <= goal) return result;
+  preconditioner.solve(r, z, workspace);
+  p = z;
+  double rz = r.dot(z);
+  while (result.iterations < max_iterations) {
+    K.multiply(p, Kp);
+    const double curvature = p.dot(Kp);
+    if (!(curvature > 0.0)) {
+      result.end = CgEnd::kNegativeCurvature;
+      return result;
+    }
+    ++result.iterations;
+    const double step = rz / curvature;
+    x += step * p;
+    r -= step * Kp;
+    if (r.norm() <= goal) return result;
+    preconditioner.solve(r, z, workspace);
+    const double rz_before = rz;
+    rz = r.dot(z);
+    p = z + (rz / rz_before) * p;
+  }
+  result.end = CgEnd::kTooManyIterations;
+  return result;
+}
+
+}  // namespace palpable

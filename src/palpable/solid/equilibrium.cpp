@@ -1,0 +1,566 @@
+#include "palpable/solid/equilibrium.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/base/error.h"
+#include "palpable/solid/conjugate_gradients.h"
+#include "palpable/solid/tet_assembly.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace palpable {
+
+using Eigen::Matrix3Xd;
+using Eigen::VectorXd;
+
+namespace {
+
+// Tangent of the undeformed body, factorised: what every call starts with.
+CholeskyFactor rest_factor(const TetAssembly& assembly, const CholeskyAnalysis& analysis,
+                           FactorWorkspace& workspace) {
+  BlockMatrix K(assembly.pattern());
+  assembly.tangent(Matrix3Xd::Zero(3, assembly.node_count()), K);
+  std::optional<CholeskyFactor> factor = CholeskyFactor::make(analysis, K, workspace);
+  if (!factor) {
+    throw Error(
+        "the undeformed body can move without resistance: its stiffness is singular although "
+        "enough nodes are fixed; parts that hang together by a single node or edge do that, so "
+        "mesh the body anew or fix nodes of each part");
+  }
+  return *std::move(factor);
+}
+
+}  // namespace
+
+// What all calls read and none writes.
+struct EquilibriumSolver::Shared {
+  SolidModel model;
+  EquilibriumSettings settings;
+  FactorWorkspace workspace;  // of the construction only
+  TetAssembly assembly;
+  CholeskyAnalysis analysis;
+  CholeskyFactor at_rest;
+
+  Shared(SolidModel the_model, EquilibriumSettings the_settings)
+      : model(checked(std::move(the_model))),
+        settings(the_settings),
+        assembly(model),
+        analysis(assembly.pattern(), workspace),
+        at_rest(rest_factor(assembly, analysis, workspace)) {}
+
+  [[nodiscard]] bool moves_supports() const {
+    return model.fixed_displacement.cols() > 0 && model.fixed_displacement.squaredNorm() > 0.0;
+  }
+
+  static SolidModel checked(SolidModel model) {
+    check_model(model);
+    if (static_cast<int>(model.fixed_nodes.size()) == model.mesh.node_count()) {
+      throw Error("every node of the body is fixed: nothing is left to solve; fix fewer nodes");
+    }
+    return model;
+  }
+
+  // What the load must be, whoever asks.
+  void check_load(const Matrix3Xd& load) const {
+    PALPABLE_EXPECT(load.cols() == model.mesh.node_count(), "one force for each node of the body");
+    if (!load.allFinite()) throw Error("a nodal force is not finite");
+    VectorXd at_free_nodes;
+    assembly.gather(load, at_free_nodes);
+    if (at_free_nodes.squaredNorm() > 0.0) return;
+    if (load.squaredNorm() > 0.0) {
+      throw Error(
+          "the load acts on fixed nodes only, so nothing would move; put it on nodes that are "
+          "free, "
+          "or fix fewer");
+    }
+    if (!moves_supports()) throw Error("the load is zero; give a force");
+  }
+};
+
+namespace {
+
+// One walk along an equilibrium path: the state so far, and everything that a step needs.
+template <class Shared>
+class Walk {
+ public:
+  // Why a solve ended, with what is worth telling.
+  struct Failure {
+    Stop stop = Stop::kNone;
+    int element = -1;         // kInversion
+    double volume_ratio = 0;  // kInversion
+    double residual = 0;      // kNoConvergence
+    explicit operator bool() const { return stop != Stop::kNone; }
+  };
+
+  Walk(const Shared& shared, const Matrix3Xd& full_load)
+      : shared_(shared),
+        assembly_(shared.assembly),
+        settings_(shared.settings),
+        load_(full_load),
+        K_(assembly_.pattern()),
+        factor_(&shared.at_rest),
+        force_(3, assembly_.node_count()),
+        trial_force_(3, assembly_.node_count()) {
+    now_.displacement = Matrix3Xd::Zero(3, assembly_.node_count());
+    knots_.push_back({0.0, now_.displacement});
+  }
+
+  [[nodiscard]] const Equilibrium& now() const { return now_; }
+  [[nodiscard]] const Failure& failure() const { return failure_; }
+  [[nodiscard]] int factors() const { return factors_; }
+  [[nodiscard]] int halvings() const { return halvings_; }
+
+  // Goes to `target`, in smaller increments where one does not do. False: now() is the last good
+  // state on the way and failure() says why.
+  bool advance(double target) {
+    newton_steps_ = cg_iterations_ = 0;
+    double step = target - now_.level;
+    int halvings_in_succession = 0;
+    while (now_.level != target) {
+      const double left = target - now_.level;
+      const double level = std::abs(step) >= std::abs(left) ? target : now_.level + step;
+      failure_ = solve(level);
+      if (!failure_) {
+        if (halvings_in_succession > 0) --halvings_in_succession;
+        step *= 2.0;
+        continue;
+      }
+      if (halvings_in_succession == settings_.max_halvings) return false;
+      ++halvings_in_succession;
+      ++halvings_;
+      step = 0.5 * (level - now_.level);
+    }
+    return true;
+  }
+
+  // d press / d load of the undeformed body, m/N.
+  double first_compliance() {
+    assembly_.gather(load_, r_);
+    factor_->solve(r_, d_, workspace_);
+    return r_.dot(d_);
+  }
+
+  [[nodiscard]] std::string describe_failure() const {
+    switch (failure_.stop) {
+      case Stop::kInversion:
+        return fmt::format(
+            "element {} would be turned inside out (J = {:.2g}); press less, or mesh the body "
+            "finer "
+            "there",
+            failure_.element, failure_.volume_ratio);
+      case Stop::kNegativeCurvature:
+        return "the body loses its stiffness there (negative curvature: it buckles or collapses); "
+               "press less, or use a law that stiffens under compression (neo-hookean)";
+      case Stop::kNoConvergence:
+        return fmt::format(
+            "Newton's method did not converge in {} steps (relative residual {:.2g}); try more "
+            "load "
+            "levels",
+            settings_.max_newton_steps, failure_.residual);
+      case Stop::kNone:
+        break;
+    }
+    return {};
+  }
+
+ private:
+  struct Knot {
+    double level;
+    Matrix3Xd u;
+  };
+  // Powers above the fourth amplify the solver's own error more than they add.
+  static constexpr int kHighestOrder = 4;
+  static constexpr std::size_t kKnots = 6;
+
+  void set_supports(double level, Matrix3Xd& u) const {
+    const SolidModel& model = shared_.model;
+    for (std::size_t k = 0; k < model.fixed_nodes.size(); ++k) {
+      if (model.fixed_displacement.cols() == 0) {
+        u.col(model.fixed_nodes[k]).setZero();
+      } else {
+        u.col(model.fixed_nodes[k]) =
+            level * model.fixed_displacement.col(static_cast<Eigen::Index>(k));
+      }
+    }
+  }
+
+  // Forces at u into force_, the residual at the free nodes into r_.
+  BodyState evaluate(double level, const Matrix3Xd& u) {
+    const BodyState state = assembly_.force(u, force_);
+    if (!std::isfinite(state.energy)) return state;
+    update_residual(level);
+    return state;
+  }
+
+  void update_residual(double level) {
+    assembly_.gather(force_, r_);
+    Eigen::Index at = 0;
+    double applied = 0.0, all = 0.0;
+    for (const int n : assembly_.free_nodes()) {
+      applied += (level * load_.col(n)).squaredNorm();
+      r_.template segment<3>(at) = level * load_.col(n) - force_.col(n);
+      all += force_.col(n).squaredNorm();
+      at += 3;
+    }
+    const double held = std::max(0.0, force_.squaredNorm() - all);
+    scale_ = std::sqrt(std::max(applied, held));
+  }
+
+  // Polynomial through the known states nearest to `level`; order 0 is the nearest state.
+  Matrix3Xd extrapolated(double level, int order) const {
+    Matrix3Xd u = Matrix3Xd::Zero(3, assembly_.node_count());
+    for (int i = 0; i <= order; ++i) {
+      double weight = 1.0;
+      for (int j = 0; j <= order; ++j) {
+        if (j == i) continue;
+        const double a = knots_[static_cast<std::size_t>(i)].level;
+        const double b = knots_[static_cast<std::size_t>(j)].level;
+        weight *= (level - b) / (a - b);
+      }
+      u += weight * knots_[static_cast<std::size_t>(i)].u;
+    }
+    set_supports(level, u);
+    return u;
+  }
+
+  // Supports that move drag the body along: the tangent says how. Without this the elements beside
+  // them would take the whole motion and be crushed.
+  std::optional<Matrix3Xd> dragged(double level) {
+    Matrix3Xd du = Matrix3Xd::Zero(3, assembly_.node_count());
+    Matrix3Xd here = now_.displacement, there = now_.displacement;
+    set_supports(level, du);
+    set_supports(now_.level, here);
+    for (const int n : shared_.model.fixed_nodes) du.col(n) -= here.col(n);
+    // Directional derivative of the forces by central differences; their error, about 1e-8, only
+    // touches the start of a Newton iteration.
+    const double h = 1e-4;
+    Matrix3Xd other(3, assembly_.node_count());
+    there = now_.displacement + h * du;
+    if (!std::isfinite(assembly_.force(there, other).energy)) return std::nullopt;
+    there = now_.displacement - h * du;
+    if (!std::isfinite(assembly_.force(there, trial_force_).energy)) return std::nullopt;
+    other = (other - trial_force_) / (2.0 * h);
+    other = (level - now_.level) * load_ - other;
+    assembly_.gather(other, r_);
+    assembly_.tangent(now_.displacement, K_);
+    const CgResult cg = conjugate_gradients(K_, *factor_, r_, 1e-3, settings_.max_cg_iterations, d_,
+                                            cg_scratch_, workspace_);
+    cg_iterations_ += cg.iterations;
+    if (cg.end != CgEnd::kConverged) return std::nullopt;
+    Matrix3Xd u = now_.displacement + du;
+    assembly_.add_scattered(d_, 1.0, u);
+    return u;
+  }
+
+  // The best start that the known states offer, judged by its residual.
+  Matrix3Xd predict(double level) {
+    std::sort(knots_.begin(), knots_.end(), [&](const Knot& a, const Knot& b) {
+      return std::abs(a.level - level) < std::abs(b.level - level);
+    });
+    if (knots_.size() > kKnots) knots_.resize(kKnots);
+    if (knots_.size() == 1 && shared_.moves_supports()) {
+      if (auto u = dragged(level)) return *std::move(u);
+    }
+    const int highest = std::min(kHighestOrder, static_cast<int>(knots_.size()) - 1);
+    Matrix3Xd best;
+    double best_residual = std::numeric_limits<double>::infinity();
+    for (int order = 0; order <= highest; ++order) {
+      Matrix3Xd u = extrapolated(level, order);
+      const bool finite = std::isfinite(evaluate(level, u).energy);
+      const double residual = finite ? r_.norm() : std::numeric_limits<double>::infinity();
+      if (order == 0 || residual < best_residual) {
+        best = std::move(u);
+        best_residual = residual;
+      }
+    }
+    return best;
+  }
+
+  bool renew_factor() {
+    std::optional<CholeskyFactor> fresh = CholeskyFactor::make(shared_.analysis, K_, workspace_);
+    if (!fresh) return false;
+    own_factor_ = std::move(fresh);
+    factor_ = &*own_factor_;
+    ++factors_;
+    factor_is_slow_ = false;
+    return true;
+  }
+
+  // The Newton step at u for the residual r_, into d_.
+  Failure newton_step(const Matrix3Xd& u) {
+    assembly_.tangent(u, K_);
+    if (factor_is_slow_ && !renew_factor()) return {.stop = Stop::kNegativeCurvature};
+    // As exact as the quadratic convergence of Newton's method can use, and not more than the goal
+    // needs.
+    const double relative = r_.norm() / scale_;
+    const double forcing =
+        std::max(std::min(0.05, relative), std::min(0.5, 0.3 * settings_.tolerance / relative));
+    for (int attempt = 0; attempt < 2; ++attempt) {
+      const CgResult cg = conjugate_gradients(
+          K_, *factor_, r_, forcing, settings_.max_cg_iterations, d_, cg_scratch_, workspace_);
+      cg_iterations_ += cg.iterations;
+      if (cg.end == CgEnd::kNegativeCurvature) return {.stop = Stop::kNegativeCurvature};
+      if (cg.end == CgEnd::kConverged) {
+        factor_is_slow_ = cg.iterations > settings_.refresh_iterations;
+        return {};
+      }
+      if (!renew_factor()) return {.stop = Stop::kNegativeCurvature};
+    }
+    return {.stop = Stop::kNoConvergence, .residual = relative};
+  }
+
+  // Equilibrium at `level`, from the best prediction; on success it becomes now().
+  Failure solve(double level) {
+    Matrix3Xd u = predict(level);
+    set_supports(level, u);
+    BodyState state = evaluate(level, u);
+    if (!std::isfinite(state.energy)) return inverted(state);
+    Matrix3Xd trial;
+    for (int step = 0;; ++step) {
+      const double norm = r_.norm();
+      if (norm <= settings_.tolerance * scale_) {
+        accept(level, std::move(u), state, scale_ > 0.0 ? norm / scale_ : 0.0);
+        return {};
+      }
+      if (step == settings_.max_newton_steps) {
+        return {.stop = Stop::kNoConvergence, .residual = norm / scale_};
+      }
+      if (const Failure failure = newton_step(u)) return failure;
+      ++newton_steps_;
+
+      // d_ points downhill in the potential, because the tangent was positive along all that
+      // conjugate gradients saw. A step is taken if it lowers the potential as Armijo asks, or
+      // halves the residual: close to the solution the potential cannot tell any more.
+      const double potential = state.energy - level * load_.cwiseProduct(u).sum();
+      const double slope = -r_.dot(d_);
+      const double rounding = 1e-13 * (std::abs(state.energy) + std::abs(potential));
+      BodyState trial_state;
+      double share = 1.0;
+      for (;; share *= 0.5) {
+        trial = u;
+        assembly_.add_scattered(d_, share, trial);
+        trial_state = assembly_.force(trial, force_);
+        if (std::isfinite(trial_state.energy)) {
+          const double trial_potential =
+              trial_state.energy - level * load_.cwiseProduct(trial).sum();
+          update_residual(level);
+          if (trial_potential <= potential + 1e-4 * share * slope + rounding) break;
+          if (r_.norm() <= 0.5 * norm) break;
+        }
+        // 2^-20: such a step moves nothing that a picture or a stress would show.
+        if (share < 1e-6) {
+          if (!std::isfinite(trial_state.energy)) return inverted(trial_state);
+          return {.stop = Stop::kNoConvergence, .residual = norm / scale_};
+        }
+      }
+      std::swap(u, trial);
+      state = trial_state;
+    }
+  }
+
+  static Failure inverted(const BodyState& state) {
+    return {.stop = Stop::kInversion,
+            .element = state.most_compressed,
+            .volume_ratio = state.smallest_volume_ratio};
+  }
+
+  void accept(double level, Matrix3Xd u, const BodyState& state, double residual) {
+    knots_.push_back({level, u});
+    now_.displacement = std::move(u);
+    now_.level = level;
+    now_.newton_steps = newton_steps_;
+    now_.cg_iterations = cg_iterations_;
+    now_.residual = residual;
+    now_.smallest_volume_ratio = state.smallest_volume_ratio;
+  }
+
+  const Shared& shared_;
+  const TetAssembly& assembly_;
+  const EquilibriumSettings& settings_;
+  const Matrix3Xd& load_;
+
+  FactorWorkspace workspace_;
+  BlockMatrix K_;
+  const CholeskyFactor* factor_;
+  std::optional<CholeskyFactor> own_factor_;
+  bool factor_is_slow_ = false;
+  CgScratch cg_scratch_;
+  VectorXd r_, d_;
+  Matrix3Xd force_, trial_force_;
+  double scale_ = 0.0;  // what the residual is relative to, N
+
+  std::vector<Knot>
+      knots_;  // known states, the undeformed one first; nearest first after predict()
+  Equilibrium now_;
+  Failure failure_;
+  int newton_steps_ = 0, cg_iterations_ = 0, factors_ = 0, halvings_ = 0;
+};
+
+}  // namespace
+
+EquilibriumSolver::EquilibriumSolver(SolidModel model, EquilibriumSettings settings)
+    : shared_(std::make_unique<const Shared>(std::move(model), settings)) {}
+EquilibriumSolver::~EquilibriumSolver() = default;
+EquilibriumSolver::EquilibriumSolver(EquilibriumSolver&&) noexcept = default;
+EquilibriumSolver& EquilibriumSolver::operator=(EquilibriumSolver&&) noexcept = default;
+
+const SolidModel& EquilibriumSolver::model() const { return shared_->model; }
+
+PathResult EquilibriumSolver::solve_path(const Matrix3Xd& full_load,
+                                         std::span<const double> levels) const {
+  shared_->check_load(full_load);
+  double before = 0.0;
+  for (const double level : levels) {
+    PALPABLE_EXPECT(level > before && std::isfinite(level), "levels are above 0 and increase");
+    before = level;
+  }
+  Walk walk(*shared_, full_load);
+  PathResult path;
+  path.steps.reserve(levels.size());
+  path.complete = true;
+  for (const double level : levels) {
+    if (!walk.advance(level)) {
+      path.complete = false;
+      path.stop = walk.failure().stop;
+      path.why_stopped =
+          fmt::format("load level {:.6g} was not reached, the last that was is {:.6g}: {}", level,
+                      walk.now().level, walk.describe_failure());
+      break;
+    }
+    path.steps.push_back(walk.now());
+  }
+  path.factors = walk.factors();
+  path.halvings = walk.halvings();
+  return path;
+}
+
+LoadSearch EquilibriumSolver::find_load(const Matrix3Xd& unit_load, double wanted_press) const {
+  PALPABLE_EXPECT(wanted_press > 0.0 && std::isfinite(wanted_press), "the press is above 0 m");
+  if (shared_->moves_supports()) {
+    throw Error(
+        "a load cannot be searched for while supports move; give fixed displacements of zero");
+  }
+  shared_->check_load(unit_load);
+
+  struct Point {
+    double load, press;
+  };
+  constexpr double kTolerance = 1e-6;  // of the wanted press; its effect drowns in the mesh's error
+  constexpr double kStride = 1.0 / 6.0;  // of the wanted press per step; failures shorten it anyway
+  constexpr int kMostSolves = 100;
+
+  Walk walk(*shared_, unit_load);
+  LoadSearch search;
+  std::vector<Point> points{{0.0, 0.0}};
+  // The next guess comes from the polynomial load(press) through the nearest points.
+  const double compliance = walk.first_compliance();
+  const auto load_for = [&](double press) {
+    if (points.size() == 1) return press / compliance;
+    std::vector<Point> near = points;
+    std::sort(near.begin(), near.end(), [&](const Point& a, const Point& b) {
+      return std::abs(a.press - press) < std::abs(b.press - press);
+    });
+    if (near.size() > 4) near.resize(4);
+    double load = 0.0;
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      double weight = 1.0;
+      for (std::size_t j = 0; j < near.size(); ++j) {
+        if (j != i) weight *= (press - near[j].press) / (near[i].press - near[j].press);
+      }
+      load += weight * near[i].load;
+    }
+    return load;
+  };
+  const auto stopped = [&](Stop stop, const std::string& why) {
+    search.stop = stop;
+    search.why_stopped = fmt::format(
+        "a press of {:.4g} mm was not reached, the last good one is {:.4g} mm at {:.4g} N: {}",
+        1e3 * wanted_press, 1e3 * search.press, search.load, why);
+  };
+
+  std::optional<Point> above;  // the smallest load known to press too far
+  while (search.solves < kMostSolves) {
+    const Point last_below =
+        *std::max_element(points.begin(), points.end(), [&](const Point& a, const Point& b) {
+          const auto key = [&](const Point& p) { return p.press < wanted_press ? p.press : -1.0; };
+          return key(a) < key(b);
+        });
+    double load = 0.0;
+    if (above) {
+      load = load_for(wanted_press);
+      const double width = above->load - last_below.load;
+      // Guesses outside the bracket, or at its very ends, bring nothing: halve it instead.
+      if (!(load > last_below.load + 1e-9 * width && load < above->load - 1e-9 * width)) {
+        load = 0.5 * (last_below.load + above->load);
+      }
+    } else {
+      load = load_for(std::min(last_below.press + kStride * wanted_press, wanted_press));
+      // An extrapolation may turn back; the press grows with the load on a stable path.
+      if (!(load > last_below.load)) load = last_below.load + kStride * wanted_press / compliance;
+    }
+    const bool arrived = walk.advance(load);
+    ++search.solves;
+    const Point here{walk.now().level, unit_load.cwiseProduct(walk.now().displacement).sum()};
+    search.load = here.load;
+    search.press = here.press;
+    search.state = walk.now();
+    if (std::abs(here.press - wanted_press) <= kTolerance * wanted_press) {
+      search.reached = true;
+      search.why_stopped.clear();
+      return search;
+    }
+    if (!arrived) {
+      stopped(walk.failure().stop, walk.describe_failure());
+      return search;
+    }
+    if (here.press > wanted_press) {
+      if (!above || here.load < above->load) above = here;
+    } else if (here.press <= last_below.press) {
+      stopped(Stop::kNegativeCurvature,
+              "the press does not grow with the load any more: the body has snapped into another "
+              "shape");
+      return search;
+    }
+    points.push_back(here);
+  }
+  stopped(Stop::kNoConvergence, fmt::format("no load found in {} solves", kMostSolves));
+  return search;
+}
+
+Matrix3Xd EquilibriumSolver::internal_force(const Matrix3Xd& u) const {
+  PALPABLE_EXPECT(u.cols() == model().mesh.node_count(), "one displacement for each node");
+  Matrix3Xd force(3, u.cols());
+  const BodyState state = shared_->assembly.force(u, force);
+  if (!std::isfinite(state.energy)) {
+    throw Error(
+        fmt::format("element {} is inverted by the displacement (J = {:.3g}); it has no forces",
+                    state.most_compressed, state.smallest_volume_ratio));
+  }
+  return force;
+}
+
+double EquilibriumSolver::stored_energy(const Matrix3Xd& u) const {
+  PALPABLE_EXPECT(u.cols() == model().mesh.node_count(), "one displacement for each node");
+  Matrix3Xd force(3, u.cols());
+  return shared_->assembly.force(u, force).energy;
+}
+
+Matrix3Xd EquilibriumSolver::tangent_times(const Matrix3Xd& u, const Matrix3Xd& du) const {
+  PALPABLE_EXPECT(u.cols() == model().mesh.node_count() && du.cols() == u.cols(),
+                  "one displacement for each node");
+  BlockMatrix K(shared_->assembly.pattern());
+  shared_->assembly.tangent(u, K);
+  VectorXd x, y;
+  shared_->assembly.gather(du, x);
+  K.multiply(x, y);
+  Matrix3Xd result = Matrix3Xd::Zero(3, u.cols());
+  shared_->assembly.add_scattered(y, 1.0, result);
+  return result;
+}
+
+}  // namespace palpable

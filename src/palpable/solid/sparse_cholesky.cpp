@@ -1,0 +1,232 @@
+#include "palpable/solid/sparse_cholesky.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/base/error.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cholmod.h>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+
+struct FactorWorkspace::Content {
+  cholmod_common common{};
+  // Reused by cholmod_solve2 from one solve to the next.
+  cholmod_dense* X = nullptr;
+  cholmod_dense* Y = nullptr;
+  cholmod_dense* E = nullptr;
+
+  Content() {
+    cholmod_start(&common);
+    common.print = 0;  // the library is silent; the status tells
+    common.supernodal = CHOLMOD_SUPERNODAL;
+    common.final_ll = 1;
+    common.nmethods = 1;
+    common.method[0].ordering = CHOLMOD_GIVEN;
+    common.postorder = 1;
+  }
+  Content(const Content&) = delete;
+  Content& operator=(const Content&) = delete;
+  ~Content() {
+    cholmod_free_dense(&X, &common);
+    cholmod_free_dense(&Y, &common);
+    cholmod_free_dense(&E, &common);
+    cholmod_finish(&common);
+  }
+};
+
+FactorWorkspace::FactorWorkspace() : content_(std::make_unique<Content>()) {}
+FactorWorkspace::~FactorWorkspace() = default;
+
+namespace {
+
+// Frees with a common of its own: the one that allocated may belong to a thread that is gone. A
+// common only counts the bytes.
+void free_factor(cholmod_factor* factor) {
+  cholmod_common common;
+  cholmod_start(&common);
+  cholmod_free_factor(&factor, &common);
+  cholmod_finish(&common);
+}
+
+void refuse_if_out_of_memory(const cholmod_common& common) {
+  if (common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE) {
+    throw Error(fmt::format(
+        "the sparse factor does not fit into memory ({:.1f} million nonzeros); use a coarser mesh",
+        common.lnz / 1e6));
+  }
+}
+
+// The lower triangle of a symmetric block matrix, column by column, in arrays of ours that CHOLMOD
+// only reads.
+struct LowerColumns {
+  std::vector<int> start, row;
+  std::vector<double> value;
+
+  explicit LowerColumns(const BlockPattern& pattern) {
+    const int M = pattern.rows();
+    start.reserve(static_cast<std::size_t>(3 * M) + 1);
+    start.push_back(0);
+    for (int c = 0; c < M; ++c) {
+      for (int j = 0; j < 3; ++j) {
+        for_column(pattern, c, [&](int r, int) {
+          for (int i = (r == c ? j : 0); i < 3; ++i) row.push_back(3 * r + i);
+        });
+        start.push_back(static_cast<int>(row.size()));
+      }
+    }
+  }
+
+  void fill(const BlockMatrix& K) {
+    value.clear();
+    value.reserve(row.size());
+    const int M = K.pattern().rows();
+    for (int c = 0; c < M; ++c) {
+      for (int j = 0; j < 3; ++j) {
+        for_column(K.pattern(), c, [&](int r, int place) {
+          // K is symmetric: the block (c, r), which row c stores, is the transpose of (r, c).
+          const auto B = K.block(place);
+          for (int i = (r == c ? j : 0); i < 3; ++i) value.push_back(B(j, i));
+        });
+      }
+    }
+  }
+
+  cholmod_sparse view() {
+    cholmod_sparse A{};
+    A.nrow = A.ncol = start.size() - 1;
+    A.nzmax = row.size();
+    A.p = start.data();
+    A.i = row.data();
+    A.x = value.empty() ? nullptr : value.data();
+    A.stype = -1;
+    A.itype = CHOLMOD_INT;
+    A.xtype = value.empty() ? CHOLMOD_PATTERN : CHOLMOD_REAL;
+    A.dtype = CHOLMOD_DOUBLE;
+    A.sorted = 1;
+    A.packed = 1;
+    return A;
+  }
+
+ private:
+  template <class Visit>
+  static void for_column(const BlockPattern& pattern, int c, const Visit& visit) {
+    const auto begin = pattern.row_start[static_cast<std::size_t>(c)];
+    const auto end = pattern.row_start[static_cast<std::size_t>(c) + 1];
+    for (int p = begin; p < end; ++p) {
+      const int r = pattern.column[static_cast<std::size_t>(p)];
+      if (r >= c) visit(r, p);
+    }
+  }
+};
+
+}  // namespace
+
+struct CholeskyAnalysis::Content {
+  LowerColumns columns;
+  cholmod_factor* symbolic = nullptr;
+
+  explicit Content(const BlockPattern& pattern) : columns(pattern) {}
+  Content(const Content&) = delete;
+  Content& operator=(const Content&) = delete;
+  ~Content() { free_factor(symbolic); }
+};
+
+CholeskyAnalysis::CholeskyAnalysis(const BlockPattern& pattern, FactorWorkspace& workspace) {
+  cholmod_common& common = workspace.content().common;
+  auto content = std::make_shared<Content>(pattern);
+  const auto M = static_cast<std::size_t>(pattern.rows());
+
+  // Order the nodes, not the unknowns: a graph of a ninth of the size, and the three unknowns of a
+  // node stay together, which makes larger supernodes.
+  std::vector<int> node_start{0}, node_row;
+  for (int c = 0; c < pattern.rows(); ++c) {
+    for (int p = pattern.row_start[static_cast<std::size_t>(c)];
+         p < pattern.row_start[static_cast<std::size_t>(c) + 1]; ++p) {
+      const int r = pattern.column[static_cast<std::size_t>(p)];
+      if (r >= c) node_row.push_back(r);
+    }
+    node_start.push_back(static_cast<int>(node_row.size()));
+  }
+  cholmod_sparse graph{};
+  graph.nrow = graph.ncol = M;
+  graph.nzmax = node_row.size();
+  graph.p = node_start.data();
+  graph.i = node_row.data();
+  graph.stype = -1;
+  graph.itype = CHOLMOD_INT;
+  graph.xtype = CHOLMOD_PATTERN;
+  graph.dtype = CHOLMOD_DOUBLE;
+  graph.sorted = graph.packed = 1;
+  std::vector<int> node_order(M);
+  if (cholmod_metis(&graph, nullptr, 0, 1, node_order.data(), &common) == 0) {
+    refuse_if_out_of_memory(common);
+    throw Error("the nodes of the mesh could not be ordered for the sparse factor");
+  }
+  std::vector<int> order;
+  order.reserve(3 * M);
+  for (const int n : node_order) {
+    for (int i = 0; i < 3; ++i) order.push_back(3 * n + i);
+  }
+  cholmod_sparse A = content->columns.view();
+  content->symbolic = cholmod_analyze_p(&A, order.data(), nullptr, 0, &common);
+  if (content->symbolic == nullptr) {
+    refuse_if_out_of_memory(common);
+    throw Error("the structure of the sparse factor could not be determined");
+  }
+  content_ = std::move(content);
+}
+
+double CholeskyAnalysis::nonzeros() const { return static_cast<double>(content_->symbolic->xsize); }
+
+struct CholeskyFactor::Content {
+  cholmod_factor* factor = nullptr;
+
+  Content() = default;
+  Content(const Content&) = delete;
+  Content& operator=(const Content&) = delete;
+  ~Content() { free_factor(factor); }
+};
+
+std::optional<CholeskyFactor> CholeskyFactor::make(const CholeskyAnalysis& analysis,
+                                                   const BlockMatrix& K,
+                                                   FactorWorkspace& workspace) {
+  cholmod_common& common = workspace.content().common;
+  auto content = std::make_shared<Content>();
+  content->factor =
+      cholmod_copy_factor(const_cast<cholmod_factor*>(analysis.content().symbolic), &common);
+  LowerColumns columns = analysis.content().columns;
+  columns.fill(K);
+  cholmod_sparse A = columns.view();
+  if (content->factor != nullptr) cholmod_factorize(&A, content->factor, &common);
+  refuse_if_out_of_memory(common);
+  if (content->factor == nullptr || common.status == CHOLMOD_NOT_POSDEF ||
+      content->factor->minor < content->factor->n) {
+    return std::nullopt;
+  }
+  return CholeskyFactor(std::move(content));
+}
+
+void CholeskyFactor::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x,
+                           FactorWorkspace& workspace) const {
+  FactorWorkspace::Content& scratch = workspace.content();
+  PALPABLE_EXPECT(b.size() == static_cast<Eigen::Index>(content_->factor->n),
+                  "the right-hand side has the size of the matrix");
+  cholmod_dense B{};
+  B.nrow = B.nzmax = B.d = static_cast<std::size_t>(b.size());
+  B.ncol = 1;
+  B.x = const_cast<double*>(b.data());  // only read
+  B.xtype = CHOLMOD_REAL;
+  B.dtype = CHOLMOD_DOUBLE;
+  if (cholmod_solve2(CHOLMOD_A, content_->factor, &B, nullptr, &scratch.X, nullptr, &scratch.Y,
+                     &scratch.E, &scratch.common) == 0) {
+    refuse_if_out_of_memory(scratch.common);
+    throw Error("the sparse factor could not be applied");
+  }
+  x = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(scratch.X->x), b.size());
+}
+
+}  // namespace palpable

@@ -1,0 +1,62 @@
+/// @file
+/// Energy, forces and tangent of a whole body of linear tetrahedra: one pass over the elements
+/// each, nothing allocated.
+///
+///   N  nodes      E  tetrahedra      M  free (not held) nodes, in the order of their index
+#pragma once
+
+#include "palpable/solid/block_matrix.h"
+#include "palpable/solid/shape_gradients.h"
+#include "palpable/solid/solid_model.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <vector>
+
+namespace palpable {
+
+/// What an evaluation of the forces says about the whole body.
+struct BodyState {
+  double energy = 0;  ///< J; infinite when an element is inverted, and the forces are then not made
+  double smallest_volume_ratio = 1;  ///< min J over the elements looked at
+  int most_compressed = -1;          ///< the element it belongs to
+};
+
+/// Gradients, volumes and the places of the blocks, computed once. Const use is free of state.
+class TetAssembly {
+ public:
+  /// @param model  checked (check_model); copied from, not referred to
+  explicit TetAssembly(const SolidModel& model);
+
+  [[nodiscard]] int node_count() const { return static_cast<int>(free_of_node_.size()); }
+  [[nodiscard]] const std::vector<int>& free_nodes() const { return free_nodes_; }
+  [[nodiscard]] const BlockPattern& pattern() const { return pattern_; }
+
+  /// d/du of the stored energy, (3 x N), all nodes; `force` has its size already.
+  BodyState force(const Eigen::Matrix3Xd& u, Eigen::Matrix3Xd& force) const;
+
+  /// d force / du at the free nodes. @pre no element is inverted under u
+  void tangent(const Eigen::Matrix3Xd& u, BlockMatrix& K) const;
+
+  /// (3M) the free nodes' columns, one after the other.
+  void gather(const Eigen::Matrix3Xd& field, Eigen::VectorXd& free) const;
+  /// Adds scale * free to the free nodes' columns.
+  void add_scattered(const Eigen::VectorXd& free, double scale, Eigen::Matrix3Xd& field) const;
+
+ private:
+  struct Element {
+    Eigen::Matrix<double, 3, 4> g;
+    double volume;
+    Eigen::Vector4i nodes;
+    std::array<int, 16> place;  // block (a, b) at [4 a + b]; -1 where a node is held
+  };
+
+  Material material_;
+  std::vector<Element> elements_;
+  std::vector<int> free_of_node_;  // node -> free node, -1 if held
+  std::vector<int> free_nodes_;
+  BlockPattern pattern_;
+};
+
+}  // namespace palpable
