@@ -3,6 +3,7 @@
 /// shifted by the baseline, so that a point lies on the same row in both.
 #pragma once
 
+#include "palpable/base/error.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
 
@@ -22,13 +23,16 @@ struct RectifiedGeometry {
 /// alpha = 0: the largest picture without blank pixels). A function of the numbers alone, so that
 /// whoever has the calibration gets the same camera.
 ///
-/// @throws ContractViolation when the rig is not sound (calibration_file.h) or has no such picture
+/// A problem when the rig is not sound (calibration_file.h) or has no such picture.
+[[nodiscard]] Result<RectifiedGeometry> rectify_rig(const StereoRig& rig);
+
+/// The same for a rig that is known to be sound. @throws ContractViolation where it is not
 [[nodiscard]] RectifiedGeometry rectified_geometry(const StereoRig& rig);
 
 /// Look-up tables from rectified to raw pixels, in 1/32 px.
 class Rectification {
  public:
-  /// As rectified_geometry, and the tables.
+  /// As rectified_geometry, and the tables. @throws ContractViolation when the rig is not sound
   explicit Rectification(const StereoRig& rig);
   /// For images that are rectified already: half-size luma is still made here, nothing is warped.
   explicit Rectification(const RectifiedStereo& stereo);
@@ -44,6 +48,9 @@ class Rectification {
   /// @throws ContractViolation when the image has another size than the rig
   void rectify(Eye eye, const ColorImage& raw, ColorImage& rectified);
 
+  /// Its luma.
+  void rectify_luma(Eye eye, const ColorImage& raw, GrayImage& rectified);
+
   /// Its luma at half the size: geometry().stereo.camera.scaled_down(2). Pixels are averaged
   /// two by two before they are warped, which costs a third of warping first.
   void rectify_luma_half(Eye eye, const ColorImage& raw, GrayImage& rectified);
@@ -51,7 +58,7 @@ class Rectification {
  private:
   struct Maps;
   RectifiedGeometry geometry_;
-  std::unique_ptr<Maps> maps_;  ///< null where nothing is to be warped
+  std::unique_ptr<Maps> maps_;
 };
 
 }  // namespace palpable

@@ -1,0 +1,236 @@
+#include "palpable/vision/depth_camera.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/vision/calibration_file.h"
+#include "palpable/vision/opencv_views.h"
+#include "palpable/vision/rectification.h"
+
+#include <fmt/core.h>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+constexpr int kSubpixels = 16;  // OpenCV's disparities come in sixteenths of a pixel
+
+// Cost block and penalties of the reference settings (research/vision.md): P1 for a step of one
+// pixel, P2 for a jump; per channel and block pixel as OpenCV counts them.
+constexpr int kBlock = 5;
+constexpr int kP1 = 8 * kBlock * kBlock;
+constexpr int kP2 = 32 * kBlock * kBlock;
+constexpr int kUniquenessPercent = 5;
+constexpr int kLargestLeftRightDifference = 1;  // px between the left view's match and the right's
+
+bool has_size(const ColorImage& image, int width, int height) {
+  return image.width() == width && image.height() == height;
+}
+
+}  // namespace
+
+struct DepthCamera::Parts {
+  FrameFormat format;
+  DepthSettings settings;
+  PinholeCamera camera;
+  PinholeCamera depth_camera;
+  DepthNoise noise;
+  StageTimes times;
+
+  // Stereo only.
+  std::optional<Rectification> rectification;
+  RectifiedStereo matched;      // the rig at the resolution of matching
+  int first_disparity = 0;      // px
+  int disparities = 0;          // multiple of 16
+  std::vector<float> depth_of;  // by disparity in sixteenths, from first_disparity on
+  cv::Ptr<cv::StereoSGBM> matcher;
+  GrayImage left;
+  GrayImage right;
+  cv::Mat left_padded;
+  cv::Mat right_padded;
+  cv::Mat disparity;  // CV_16SC1, sixteenths
+
+  void prepare_matching();
+  void see_stereo(const Frame& frame, SeenFrame& seen);
+};
+
+void DepthCamera::Parts::prepare_matching() {
+  const double f_T = matched.camera.fx_px * matched.baseline;
+  const double infinity = matched.disparity_at_infinity_px;
+  first_disparity = static_cast<int>(std::floor(infinity + f_T / settings.farthest));
+  // One more than the nearest depth needs, because the last one is never trusted. What both eyes
+  // see at a disparity of half the width or more is a strip at the border.
+  const int last = std::min(static_cast<int>(std::ceil(infinity + f_T / settings.nearest)) + 1,
+                            std::max(matched.camera.width / 2, first_disparity + 16));
+  disparities = (last - first_disparity + 1 + 15) / 16 * 16;
+  matcher = cv::StereoSGBM::create(first_disparity, disparities, kBlock, kP1, kP2,
+                                   kLargestLeftRightDifference, 63, kUniquenessPercent,
+                                   settings.speckle_size_px, 1, cv::StereoSGBM::MODE_SGBM_3WAY);
+
+  depth_of.resize(static_cast<std::size_t>(disparities * kSubpixels), kUnknown);
+  // A minimum at either end of the range has only one neighbour: the true one may lie outside.
+  for (int i = kSubpixels; i <= (disparities - 2) * kSubpixels; ++i) {
+    const double Z = matched.depth(first_disparity + static_cast<double>(i) / kSubpixels);
+    if (Z > 0 && Z <= settings.farthest) {
+      depth_of[static_cast<std::size_t>(i)] = static_cast<float>(Z);
+    }
+  }
+}
+
+void DepthCamera::Parts::see_stereo(const Frame& frame, SeenFrame& seen) {
+  using Eye = Rectification::Eye;
+  {
+    const StageTimer timer(times, "rectify");
+    rectification->rectify(Eye::kLeft, frame.left, seen.color);
+    if (settings.full_resolution) {
+      rectification->rectify_luma(Eye::kLeft, frame.left, left);
+      rectification->rectify_luma(Eye::kRight, frame.right, right);
+    } else {
+      rectification->rectify_luma_half(Eye::kLeft, frame.left, left);
+      rectification->rectify_luma_half(Eye::kRight, frame.right, right);
+    }
+  }
+  // OpenCV computes no column x < first + disparities (and, if first < 0, none of the last -first):
+  // padding moves those columns out of the picture.
+  const int pad_left = std::max(first_disparity + disparities, 0);
+  const int pad_right = std::max(-first_disparity, 0);
+  {
+    const StageTimer timer(times, "disparity");
+    cv::copyMakeBorder(view(left), left_padded, 0, 0, pad_left, pad_right, cv::BORDER_REPLICATE);
+    cv::copyMakeBorder(view(right), right_padded, 0, 0, pad_left, pad_right, cv::BORDER_REPLICATE);
+    matcher->compute(left_padded, right_padded, disparity);
+  }
+  const StageTimer timer(times, "depth");
+  const int width = matched.camera.width;
+  const int height = matched.camera.height;
+  const int first = first_disparity * kSubpixels;
+  const int count = disparities * kSubpixels;
+  for (int y = 0; y < height; ++y) {
+    const auto* d = disparity.ptr<std::int16_t>(y) + pad_left;
+    float* Z = seen.depth.row(y);
+    for (int x = 0; x < width; ++x) {
+      const int i = d[x] - first;  // negative where the matcher found nothing
+      // A partner outside of the right image was never seen: such a match is a guess.
+      const int partner = x * kSubpixels - d[x];
+      const bool seen_by_both = partner >= 0 && partner <= (width - 1) * kSubpixels;
+      Z[x] = i >= 0 && i < count && seen_by_both ? depth_of[static_cast<std::size_t>(i)] : kUnknown;
+    }
+  }
+}
+
+DepthCamera::DepthCamera(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+DepthCamera::DepthCamera(DepthCamera&&) noexcept = default;
+DepthCamera& DepthCamera::operator=(DepthCamera&&) noexcept = default;
+DepthCamera::~DepthCamera() = default;
+
+Result<DepthCamera> DepthCamera::make(const FrameFormat& format, const DepthSettings& settings) {
+  if (!(settings.nearest > 0 && settings.farthest > settings.nearest &&
+        std::isfinite(settings.farthest))) {
+    return Problem{
+        fmt::format("depth is searched from {} m to {} m; both should be positive and "
+                    "the second larger",
+                    settings.nearest, settings.farthest)};
+  }
+  auto parts = std::make_unique<Parts>();
+  parts->format = format;
+  parts->settings = settings;
+  if (format.kind == FrameFormat::Kind::kColorDepth) {
+    const PinholeCamera& camera = format.depth_camera;
+    if (!(camera.fx_px > 0 && camera.fy_px > 0 &&
+          std::isfinite(camera.fx_px + camera.fy_px + camera.cx_px + camera.cy_px))) {
+      return Problem{
+          fmt::format("the depth camera's focal lengths are {} and {} px; they should be "
+                      "positive",
+                      camera.fx_px, camera.fy_px)};
+    }
+    parts->camera = parts->depth_camera = camera;
+    parts->noise = time_of_flight_noise();
+    return DepthCamera(std::move(parts));
+  }
+
+  const PinholeCamera& given =
+      format.already_rectified ? format.rectified.camera : format.rig.left.pinhole;
+  if (given.width != format.width || given.height != format.height) {
+    return Problem{fmt::format("the images are {} x {} but the calibration is for {} x {}",
+                               format.width, format.height, given.width, given.height)};
+  }
+  if (format.already_rectified) {
+    const std::string wrong = what_is_wrong_with(format.rectified);
+    if (!wrong.empty()) return Problem{wrong};
+    parts->rectification.emplace(format.rectified);
+  } else {
+    const Result<RectifiedGeometry> geometry = rectify_rig(format.rig);
+    if (!geometry.ok()) return geometry.problem();
+    parts->rectification.emplace(format.rig);
+  }
+  const RectifiedStereo& stereo = parts->rectification->geometry().stereo;
+  parts->camera = stereo.camera;
+  parts->matched = stereo;
+  if (!settings.full_resolution) {
+    parts->matched.camera = stereo.camera.scaled_down(2);
+    // x_L - x_R shrinks with the picture; the half pixels of the two centres cancel.
+    parts->matched.disparity_at_infinity_px = stereo.disparity_at_infinity_px / 2;
+  }
+  parts->depth_camera = parts->matched.camera;
+  parts->noise = stereo_noise(parts->matched);
+  if (parts->matched.camera.width < 32 || parts->matched.camera.height < 16) {
+    return Problem{fmt::format("images of {} x {} are too small for stereo: 64 x 32 at least",
+                               format.width, format.height)};
+  }
+  try {
+    parts->prepare_matching();
+  } catch (const cv::Exception& e) { return Problem{"no matcher for this rig: " + e.err}; }
+  return DepthCamera(std::move(parts));
+}
+
+void DepthCamera::see(const Frame& frame, SeenFrame& seen) {
+  Parts& p = *parts_;
+  p.times.clear();
+  seen.number = frame.number;
+  seen.time = frame.time;
+  seen.camera = p.camera;
+  seen.depth_camera = p.depth_camera;
+  seen.color.resize(p.camera.width, p.camera.height);
+  seen.depth.resize(p.depth_camera.width, p.depth_camera.height);
+
+  const int width = p.format.width;
+  const int height = p.format.height;
+  bool usable = has_size(frame.left, width, height);
+  if (p.format.kind == FrameFormat::Kind::kColorDepth) {
+    usable = usable && frame.depth.width() == width && frame.depth.height() == height;
+    if (usable) {
+      const StageTimer timer(p.times, "depth");
+      std::copy(frame.left.begin(), frame.left.end(), seen.color.begin());
+      std::transform(frame.depth.begin(), frame.depth.end(), seen.depth.begin(), [&](float Z) {
+        return Z > 0 && Z <= p.settings.farthest ? Z : kUnknown;  // NaN: unknown stays unknown
+      });
+    }
+  } else {
+    usable = usable && has_size(frame.right, width, height);
+    if (usable) {
+      try {
+        p.see_stereo(frame, seen);
+      } catch (const cv::Exception&) {
+        usable = false;  // of a library that ran out of memory, say: this frame has no depth
+      }
+    }
+  }
+  if (usable) return;
+  std::fill(seen.color.begin(), seen.color.end(), Rgb{});
+  std::fill(seen.depth.begin(), seen.depth.end(), kUnknown);
+}
+
+const PinholeCamera& DepthCamera::camera() const { return parts_->camera; }
+const PinholeCamera& DepthCamera::depth_camera() const { return parts_->depth_camera; }
+const DepthNoise& DepthCamera::noise() const { return parts_->noise; }
+const StageTimes& DepthCamera::last_times() const { return parts_->times; }
+
+}  // namespace palpable

@@ -1,0 +1,91 @@
+#include "palpable/vision/static_background.h"
+
+#include "palpable/base/contract.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace palpable {
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+}  // namespace
+
+StaticBackground::StaticBackground(const DepthNoise& noise,
+                                   const StaticBackgroundSettings& settings)
+    : noise_(noise), settings_(settings) {
+  PALPABLE_EXPECT(settings.frames >= 1 && settings.frames <= 255,
+                  "a background is learnt from 1 to 255 frames");
+  PALPABLE_EXPECT(settings.sigmas >= 0 && settings.edge_window_px >= 0,
+                  "a tolerance and a window are not negative");
+  seen_.reserve(static_cast<std::size_t>(settings.frames));
+}
+
+void StaticBackground::learn(const DepthImage& depth) {
+  if (ready()) return;
+  PALPABLE_EXPECT(seen_.empty() || (depth.width() == seen_.front().width() &&
+                                    depth.height() == seen_.front().height()),
+                  "a background is learnt from images of one size");
+  seen_.push_back(depth);
+  if (++learnt_ == settings_.frames) finish();
+}
+
+void StaticBackground::finish() {
+  const int width = seen_.front().width();
+  const int height = seen_.front().height();
+  const int wanted = std::max(1, static_cast<int>(std::ceil(settings_.seen_share * learnt_)));
+  const float infinity = std::numeric_limits<float>::infinity();
+
+  median_ = DepthImage(width, height, kUnknown);
+  DepthImage nearest(width, height, infinity);
+  std::array<float, 255> values{};
+  for (std::size_t i = 0; i < median_.size(); ++i) {
+    std::size_t count = 0;
+    for (const DepthImage& image : seen_) {
+      const float Z = image.data()[i];
+      if (Z == Z) values[count++] = Z;
+    }
+    if (static_cast<int>(count) < wanted) continue;
+    std::sort(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
+    median_.data()[i] = values[(count - 1) / 2];
+    nearest.data()[i] = median_.data()[i];
+  }
+
+  // Smallest in the window: along rows, then along columns.
+  const int reach = settings_.edge_window_px;
+  DepthImage along_rows(width, height, infinity);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      for (int k = std::max(0, x - reach); k <= std::min(width - 1, x + reach); ++k) {
+        along_rows(x, y) = std::min(along_rows(x, y), nearest(k, y));
+      }
+    }
+  }
+  keep_below_ = DepthImage(width, height, infinity);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      float Z = infinity;
+      for (int k = std::max(0, y - reach); k <= std::min(height - 1, y + reach); ++k) {
+        Z = std::min(Z, along_rows(x, k));
+      }
+      if (Z == infinity) continue;  // nothing was known around here
+      keep_below_(x, y) = static_cast<float>(Z - settings_.sigmas * noise_.sigma(Z));
+    }
+  }
+  seen_.clear();
+  seen_.shrink_to_fit();
+}
+
+void StaticBackground::remove_static(DepthImage& depth) const {
+  PALPABLE_EXPECT(ready(), "a background is learnt before it is removed");
+  PALPABLE_EXPECT(depth.width() == keep_below_.width() && depth.height() == keep_below_.height(),
+                  "the background has the size of the images that it is removed from");
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    if (!(depth.data()[i] < keep_below_.data()[i])) depth.data()[i] = kUnknown;
+  }
+}
+
+}  // namespace palpable
