@@ -30,13 +30,13 @@ endfunction()
 # palpable_tests(NAME solid SOURCES ... LIBRARIES ...)
 #
 # Each TEST_CASE becomes a ctest "<name>/<sentence>" with the label unit.<name>, long.<name> or
-# threads.<name>. What ./check runs where
-# follows from a case's tags: [long] in the release build, [threads] in the threads build as well,
-# everything else in dev. A case that cannot run here calls PALPABLE_SKIP and ctest says Skipped.
+# threads.<name>. What ./check runs where follows from a case's tags: [long] in the release build,
+# [threads] in the threads build, everything else in dev. A case that cannot run here calls PALPABLE_SKIP and ctest says Skipped.
 function(palpable_tests)
   cmake_parse_arguments(arg "" "NAME" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${arg_NAME}_tests ${arg_SOURCES})
   target_link_libraries(${arg_NAME}_tests PRIVATE ${arg_LIBRARIES} palpable_test_main)
+  set_property(GLOBAL APPEND PROPERTY PALPABLE_UNIT_TESTS ${arg_NAME}_tests)
   set(skip SKIP_REGULAR_EXPRESSION "SKIPPED: ")
   set(common TEST_PREFIX "${arg_NAME}/" WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   catch_discover_tests(${arg_NAME}_tests ${common} TEST_SPEC "~[long]~[threads]"

@@ -1,0 +1,27 @@
+#!/usr/bin/env python3
+"""Are all C++ sources as clang-format 14 writes them? Names those that are not."""
+import shutil
+import subprocess
+import sys
+
+FOLDERS = ("src", "apps", "tests", "examples")
+
+
+def main():
+    tool = shutil.which("clang-format-14") or shutil.which("clang-format")
+    if tool is None:
+        print("SKIPPED: clang-format 14 is not installed")
+        return 0
+    tracked = subprocess.run(["git", "ls-files", *FOLDERS], check=True, capture_output=True, text=True)
+    sources = [name for name in tracked.stdout.split("\n") if name.endswith((".h", ".cpp"))]
+    if not sources:
+        sys.exit("check_format: found no sources")
+    result = subprocess.run([tool, "--dry-run", "--Werror", *sources], capture_output=True, text=True)
+    if result.returncode != 0:
+        wrong = sorted({line.split(":")[0] for line in result.stderr.split("\n") if ": error:" in line})
+        print("not as clang-format writes them; run: clang-format-14 -i " + " ".join(wrong))
+    return result.returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main())

