@@ -44,16 +44,18 @@ PressLaw::PressLaw(const ReducedBody& body, const PressSettings& settings)
       settings_(settings),
       rest_(body.surface.vertices.cast<float>()),
       paths_(press_paths(body, settings.least_share)) {
-  PALPABLE_EXPECT(settings.noise_at_1m >= 0, "noise is not negative");
+  PALPABLE_EXPECT(
+      settings.noise_constant >= 0 && settings.noise_linear >= 0 && settings.noise_quadratic >= 0,
+      "noise is not negative");
   PALPABLE_EXPECT(0 <= settings.hysteresis && settings.hysteresis <= 1, "hysteresis is a share");
   PALPABLE_EXPECT(0 <= settings.site_keeping && settings.site_keeping <= 1,
                   "site_keeping is a share");
-  PALPABLE_EXPECT(settings.crossing_rate > 0, "a site must be left some day");
+  PALPABLE_EXPECT(settings.fastest > 0, "a press must end some day");
 }
 
 double PressLaw::noise(float depth) const {
   const auto Z = static_cast<double>(depth);
-  return settings_.noise_at_1m * Z * Z;
+  return settings_.noise_constant + Z * (settings_.noise_linear + Z * settings_.noise_quadratic);
 }
 
 bool PressLaw::inside(const Vector3f& x, const SeenSurface& seen, double tolerance_share,
@@ -144,8 +146,7 @@ PressState PressLaw::advance(const PressState& previous, const SeenSurface& seen
                              double time) const {
   PressState next;
   next.time = time;
-  const double step =
-      settings_.crossing_rate * std::clamp(time - previous.time, 0.0, kLongestFrame);
+  const double step = settings_.fastest * std::clamp(time - previous.time, 0.0, kLongestFrame);
   const bool held = previous.touch.has_value();
   const double share = held ? 1 - settings_.hysteresis : 1.0;
   const std::optional<TouchedRegion> region = touched_region(seen, share);
@@ -191,11 +192,11 @@ PressState PressLaw::advance(const PressState& previous, const SeenSurface& seen
           std::clamp(previous.touch->press_depth, need.depth - slack, need.depth + slack);
       level = level_of_press_depth(*body_, site, depth);
     }
-    if (next.leaving_site) {
+    if (level > 0) {
+      const double before = previous.touch->level;
+      level = next.leaving_site ? before - step : std::clamp(level, before - step, before + step);
+    } else if (next.leaving_site && region) {  // the hand is there, at the other site
       level = previous.touch->level - step;
-    } else if (previous.arriving_site && level > previous.touch->level + step) {
-      level = previous.touch->level + step;
-      next.arriving_site = true;
     }
     if (level > 0) {
       next.touch = touch_with(site, level, need);
@@ -204,11 +205,8 @@ PressState PressLaw::advance(const PressState& previous, const SeenSurface& seen
   }
   if (candidate >= 0 && !(held && previous.touch->site == candidate)) {
     const Need need = need_of(candidate);
-    double level = level_of_press_depth(*body_, candidate, need.depth);
-    if (held && level > step) {  // coming from another site
-      level = step;
-      next.arriving_site = true;
-    }
+    const double wanted = level_of_press_depth(*body_, candidate, need.depth);
+    const double level = std::min(wanted, step);
     next.leaving_site = false;
     if (level > 0) next.touch = touch_with(candidate, level, need);
   }

@@ -27,10 +27,14 @@
 namespace palpable {
 
 struct PressSettings {
-  /// m at 1 m: how far a seen surface is off at most times; grows as Z^2 because disparity has a
-  /// constant error. A vertex must be this deep inside to be touched. Smaller: the noise of a hand
+  /// How far a seen surface is off at most times,
+  ///     sigma(Z) = noise_constant + noise_linear Z + noise_quadratic Z^2    (m, 1, 1/m).
+  /// Disparity has a constant error, so stereo has the square alone; the session fills in what its
+  /// camera says. A vertex must be this deep inside to be touched. Smaller: the noise of a hand
   /// that hovers presses; larger: touches begin late.
-  double noise_at_1m = 0.006;
+  double noise_constant = 0;
+  double noise_linear = 0;
+  double noise_quadratic = 0.006;
   /// Share of the noise in which the press stays as it is when the measurement trembles (and by
   /// which a touch that has begun needs less depth to go on).
   double hysteresis = 0.5;
@@ -42,16 +46,17 @@ struct PressSettings {
   /// The site is kept until another one is nearer than this share of the present one's distance to
   /// the touched region.
   double site_keeping = 0.6;
-  /// Levels per second while going over to another site; a hand's own speed is never limited.
-  double crossing_rate = 8.0;
+  /// Levels per second that a press may rise or fall while it lasts: a vertex of a coarse skin that
+  /// slides on or off a finger's edge changes the demand at once, and nothing may pop. A third of
+  /// a full press per frame at 30 Hz; 5 mm per frame follows a hand at 0.15 m/s.
+  double fastest = 10.0;
 };
 
 /// All that the law remembers from frame to frame. The default is "not touched".
 struct PressState {
   std::optional<Touch> touch;
-  bool leaving_site = false;   ///< the level goes down because the hand is at another site
-  bool arriving_site = false;  ///< the level follows at crossing_rate until it has caught up
-  double time = 0;             ///< s, of the frame before
+  bool leaving_site = false;  ///< the level goes down because the hand is at another site
+  double time = 0;            ///< s, of the frame before
 };
 
 /// Where the body at rest is inside the object: the deepest vertex and the touched ones near it.
@@ -75,8 +80,8 @@ class PressLaw {
   ///
   /// - Nothing inside any more, or nothing seen: released at once.
   /// - The site is the one nearest to the touched region when a touch begins; it is kept while it
-  ///   is pressed. When another has become clearly nearer the present one is let go and the other
-  ///   pressed, both at crossing_rate, so that nothing pops.
+  ///   is pressed. When another has become clearly nearer the present one is let go and then the
+  ///   other pressed, not faster than settings.fastest.
   /// - Where the region touches beside all vertices that follow the site, the press is at least as
   ///   deep as the region is inside at rest.
   [[nodiscard]] PressState advance(const PressState& previous, const SeenSurface& seen,

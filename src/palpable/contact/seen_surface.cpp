@@ -26,7 +26,7 @@ struct InverseDepthPlane {
 };
 
 // Fits by least squares over the valid pixels that are no further in depth from the centre than
-// `jump`; nothing when fewer than half of the window's pixels are left or they lie in one line.
+// `jump`; nothing when fewer than half of the window's pixels are left, or they are lopsided.
 std::optional<InverseDepthPlane> fit_plane(const DepthImage& depth, int u, int v, int reach,
                                            float jump) {
   const float z0 = depth(u, v);
@@ -46,6 +46,10 @@ std::optional<InverseDepthPlane> fit_plane(const DepthImage& depth, int u, int v
   }
   const int side = 2 * reach + 1;
   if (2.0 * s < side * side) return std::nullopt;
+  // Lopsided: at an outline the window sees one side only, and on a round thing that is the slope
+  // of a place further in. The balls of the points further in fill the outline well.
+  const double lopsided = 0.25 * reach * s;
+  if (std::abs(su) > lopsided || std::abs(sv) > lopsided) return std::nullopt;
   // Normal equations with the means removed.
   const double cuu = suu - su * su / s;
   const double cuv = suv - su * sv / s;

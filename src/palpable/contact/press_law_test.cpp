@@ -1,0 +1,343 @@
+#include "palpable/contact/press_law.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/contact/paper_contact.h"
+#include "tests/support/allocations.h"
+#include "tests/support/dented_sphere.h"
+#include "tests/support/seen_capsules.h"
+#include "tests/support/test.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using test::Capsule;
+using test::tolerance;
+
+constexpr double kFinger = 0.008;  // m, radius: what SeenSurfaceSettings assumes
+
+/// A finger that comes along -`direction` and whose tip is `depth` inside the sphere of radius
+/// `radius` at (0, 0, radius): seen completely and without noise, as points on its skin.
+std::vector<SeenPoint> finger(const test::DentedSphere& sphere, const Vector3d& direction,
+                              double depth) {
+  const Vector3d d = direction.normalized();
+  const Vector3d tip = Vector3d(0, 0, sphere.radius) + (sphere.radius - depth) * d;
+  const Vector3d across = d.unitOrthogonal(), other = d.cross(across);
+  std::vector<SeenPoint> points;
+  for (int ring = 0; ring <= 30; ++ring) {
+    // First the round tip (12 rings), then the shaft, 2 mm apart.
+    const double angle = std::min(ring, 12) * std::numbers::pi / 24;
+    const double shaft = std::max(ring - 12, 0) * 0.002;
+    for (int i = 0; i < (ring == 0 ? 1 : 24); ++i) {
+      const double a = i * 2 * std::numbers::pi / 24;
+      const Vector3d n =
+          -std::cos(angle) * d + std::sin(angle) * (std::cos(a) * across + std::sin(a) * other);
+      const Vector3d centre = tip + (kFinger + shaft) * d;
+      points.push_back(
+          {(centre + kFinger * n).cast<float>(), n.cast<float>(), centre.cast<float>(), 0.4f});
+    }
+  }
+  return points;
+}
+
+struct Loop {
+  explicit Loop(const PressSettings& settings = {}, int subdivisions = 3)
+      : sphere{.subdivisions = subdivisions}, law(body, settings) {}
+
+  /// `frames` times the same points: a third of a full press per frame is the most that is
+  /// followed.
+  const std::optional<Touch>& see(const std::vector<SeenPoint>& points, int frames = 1) {
+    seen.build(points, region);
+    for (int i = 0; i < frames; ++i) state = law.advance(state, seen, state.time + 1.0 / 30);
+    return state.touch;
+  }
+
+  test::DentedSphere sphere;
+  ReducedBody body = sphere.body();
+  Eigen::AlignedBox3d region{Vector3d(-0.05, -0.05, 0), Vector3d(0.05, 0.05, 0.1)};
+  PressLaw law;
+  SeenSurface seen;
+  PressState state;
+};
+
+double deepest_left(const Loop& loop) {
+  Eigen::Matrix3Xf x = loop.body.surface.vertices.cast<float>();
+  if (loop.state.touch) {
+    Eigen::Matrix3Xf u(3, x.cols());
+    loop.body.displacement.evaluate(
+        std::array{static_cast<double>(loop.state.touch->site), loop.state.touch->level},
+        std::span<float>(u.data(), static_cast<std::size_t>(u.size())));
+    x += u;
+  }
+  double deepest = 0;
+  for (Eigen::Index k = 0; k < x.cols(); ++k) {
+    const auto nearest = loop.seen.nearest_by_brute_force(x.col(k));
+    if (nearest) deepest = std::max(deepest, -static_cast<double>(nearest->distance));
+  }
+  return deepest;
+}
+
+TEST_CASE("the level puts the touched skin on the measured surface", "[contact][law]") {
+  // Without noise there is no tolerance and no hysteresis: the press is exact.
+  Loop loop({.noise_quadratic = 0});
+  for (const double depth : {0.002, 0.005, 0.009, 0.013, 0.004}) {
+    INFO("depth " << depth);
+    const auto& touch = loop.see(finger(loop.sphere, {0, -1, 0}, depth), 4);
+    REQUIRE(touch.has_value());
+    CHECK(touch->site == 1);
+    // The vertex under the tip moves by depth(level) exactly.
+    CHECK(loop.sphere.depth(touch->level) >=
+          depth - tolerance(2e-4, "tip is 24 rings, vertex 0.1 mm off"));
+    CHECK(loop.sphere.depth(touch->level) <=
+          depth + tolerance(0.0035, "neighbours, 6 mm aside, give way less than the middle"));
+    CHECK(deepest_left(loop) < tolerance(2e-4, "bisection to 1/128 of a level step"));
+    CHECK(touch->force == Approx(3.0 * touch->level));
+    CHECK(touch->press_depth == Approx(press_depth_of_level(loop.body, 1, touch->level)));
+  }
+}
+
+TEST_CASE("a press deeper than the finger is thick is still a press", "[contact][law]") {
+  Loop loop;
+  // A short finger whose far end has passed the skin at rest: nothing of it is there any more.
+  std::vector<SeenPoint> tip = finger(loop.sphere, {0, 0, 1}, 0.014);
+  loop.see(tip, 4);
+  REQUIRE(loop.state.touch);
+  const double before = loop.state.touch->level;
+  std::vector<SeenPoint> sunk;
+  for (SeenPoint& point : tip) {
+    if (point.centre.z() < 0.0945f) sunk.push_back(point);
+  }
+  for (SeenPoint& point : sunk) {
+    point.centre.z() -= 0.007f;
+    point.point.z() -= 0.007f;
+  }
+  loop.seen.build(sunk, loop.region);
+  CHECK_FALSE(loop.law.touched_region(loop.seen).has_value());  // of the body at rest
+  loop.see(sunk);
+  REQUIRE(loop.state.touch);
+  CHECK(loop.state.touch->level >= before - 1e-9);
+}
+
+TEST_CASE("a hand that leaves between two frames leaves the body at rest", "[contact][law]") {
+  Loop loop;
+  REQUIRE(loop.see(finger(loop.sphere, {0, 0, 1}, 0.010)).has_value());
+  CHECK_FALSE(loop.see(finger(loop.sphere, {0, 0, 1}, -0.2)).has_value());
+
+  // The same two frames and Algorithm 1: pressed for ever.
+  const PaperSettings settings;
+  PaperState paper;
+  Eigen::Matrix3Xf nodes;
+  for (int frame = 0; frame < 20; ++frame) {
+    loop.seen.build(finger(loop.sphere, {0, 0, 1}, frame < 5 ? 0.0 : -0.2), loop.region);
+    deformed_nodes(paper, loop.body, nodes);
+    paper = advance_as_printed(paper, nearest_node(nodes, loop.seen.points()), 10, settings);
+  }
+  CHECK(paper.step > 0);
+}
+
+TEST_CASE("a full press takes three frames at 30 Hz, not as many as there are levels",
+          "[contact][law]") {
+  Loop loop;
+  int frames = 0;
+  while (frames < 20 && (!loop.state.touch || loop.state.touch->level < 0.9)) {
+    loop.see(finger(loop.sphere, {0, 0, 1}, 0.02));
+    ++frames;
+  }
+  CHECK(frames <= 4);
+  CHECK(frames >= 2);
+}
+
+TEST_CASE("nothing seen is nothing touched", "[contact][law]") {
+  Loop loop;
+  CHECK_FALSE(loop.see({}).has_value());
+  REQUIRE(loop.see(finger(loop.sphere, {0, 0, 1}, 0.010)).has_value());
+  CHECK_FALSE(loop.see({}).has_value());
+}
+
+TEST_CASE("a surface that hovers within its noise does not press", "[contact][law]") {
+  // At 0.4 m the noise is 0.006 * 0.16 = 0.96 mm.
+  Loop loop;
+  for (int frame = 0; frame < 60; ++frame) {
+    const double depth = 0.0008 * std::sin(frame * 1.7);
+    CHECK_FALSE(loop.see(finger(loop.sphere, {0, 0, 1}, depth)).has_value());
+  }
+  CHECK(loop.see(finger(loop.sphere, {0, 0, 1}, 0.0022)).has_value());
+}
+
+TEST_CASE("a pressed body does not tremble with the noise", "[contact][law]") {
+  Loop loop;
+  loop.see(finger(loop.sphere, {0, 0, 1}, 0.008), 4);
+  REQUIRE(loop.state.touch);
+  const double rest = loop.state.touch->level;
+  for (int frame = 0; frame < 60; ++frame) {
+    const auto& touch =
+        loop.see(finger(loop.sphere, {0, 0, 1}, 0.008 + 0.0003 * std::sin(frame * 1.7)));
+    REQUIRE(touch.has_value());
+    CHECK(touch->level == Approx(rest).epsilon(tolerance(1e-9, "held exactly")));
+  }
+}
+
+TEST_CASE("the tolerance grows with the square of the depth", "[contact][law]") {
+  Loop loop;
+  auto far = finger(loop.sphere, {0, 0, 1}, 0.004);
+  CHECK(loop.see(far).has_value());
+  loop.see({});
+  for (SeenPoint& point : far) point.depth = 1.0f;  // 6 mm of noise: 4 mm inside means nothing
+  CHECK_FALSE(loop.see(far).has_value());
+}
+
+TEST_CASE("a few stray points do not press", "[contact][law]") {
+  Loop loop;
+  auto points = finger(loop.sphere, {0, 0, 1}, 0.006);
+  points.resize(3);
+  CHECK_FALSE(loop.see(points).has_value());
+}
+
+TEST_CASE("the base that the support holds is not touched by the desk on which it stands",
+          "[contact][law]") {
+  Loop loop;
+  std::vector<SeenPoint> desk;
+  for (int i = -40; i <= 40; ++i) {
+    for (int j = -40; j <= 40; ++j) {
+      const Vector3f y(0.002f * static_cast<float>(i), 0.002f * static_cast<float>(j), 0.001f);
+      desk.push_back({y, {0, 0, 1}, y - Vector3f(0, 0, 0.008f), 0.4f});
+    }
+  }
+  CHECK_FALSE(loop.see(desk).has_value());
+}
+
+TEST_CASE("the press follows a hand that wanders to another site without a jump",
+          "[contact][law]") {
+  Loop loop;
+  double level = 0;
+  int site = -1;
+  int changes = 0;
+  // From the top to the front in three seconds, 10 mm deep all the way.
+  for (int frame = 0; frame <= 90; ++frame) {
+    const double angle = frame / 90.0 * std::numbers::pi / 2;
+    const auto& touch =
+        loop.see(finger(loop.sphere, {0, -std::sin(angle), std::cos(angle)}, 0.010));
+    const double now = touch ? touch->level : 0;
+    if (frame > 0) {
+      INFO("frame " << frame << " level " << level << " -> " << now);
+      CHECK(std::abs(now - level) <= 10.0 / 30 + 1e-9);
+    }
+    if (touch && touch->site != site) {
+      if (site >= 0) { ++changes; }
+      site = touch->site;
+    }
+    level = now;
+  }
+  CHECK(changes == 1);
+  CHECK(site == 1);
+  CHECK(level > 0.3);
+}
+
+TEST_CASE("the site is kept while it is pressed and the hand only trembles between two",
+          "[contact][law]") {
+  Loop loop;
+  const auto between = [](double angle) { return Vector3d(0, -std::sin(angle), std::cos(angle)); };
+  // Sites 0 and 1 are 90 degrees apart; just on site 0's side, then swaying about the middle.
+  loop.see(finger(loop.sphere, between(0.5), 0.008));
+  REQUIRE(loop.state.touch);
+  REQUIRE(loop.state.touch->site == 0);
+  for (int frame = 0; frame < 40; ++frame) {
+    const auto& touch =
+        loop.see(finger(loop.sphere, between(0.5 + 0.1 * std::sin(frame * 0.9)), 0.008));
+    REQUIRE(touch.has_value());
+    CHECK(touch->site == 0);
+  }
+}
+
+TEST_CASE("a touch between the sites is answered by the nearest one", "[contact][law]") {
+  Loop loop;
+  const auto& touch = loop.see(finger(loop.sphere, {0, -0.62, 0.78}, 0.006), 3);
+  REQUIRE(touch.has_value());
+  CHECK(touch->site == 0);
+  const auto region = loop.law.touched_region(loop.seen);
+  REQUIRE(region.has_value());
+  CHECK(region->vertex_count >= 2);
+  CHECK(region->depth > 0.001);
+  CHECK(region->depth < 0.006);
+  CHECK(touch->press_depth >= region->depth - 1e-9);
+}
+
+TEST_CASE("whatever is seen, the state stays admissible", "[contact][law]") {
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    INFO("seed " << seed);
+    auto random = test::random_case(seed);
+    std::normal_distribution<double> some;
+    std::uniform_real_distribution<double> depth(-0.02, 0.06);
+    Loop loop;
+    for (int frame = 0; frame < 30; ++frame) {
+      auto points = finger(loop.sphere, {some(random), some(random), some(random)}, depth(random));
+      for (SeenPoint& point : points)
+        point.centre += 0.002f * Vector3f(static_cast<float>(some(random)), 0, 0);
+      const auto& touch = loop.see(points);
+      if (!touch) continue;
+      CHECK((0 <= touch->site && touch->site < 5));
+      CHECK((0 < touch->level && touch->level <= 1));
+      CHECK(touch->press_depth > 0);
+      CHECK(touch->point_in_body.allFinite());
+    }
+  }
+}
+
+TEST_CASE("a frame of contact allocates nothing", "[contact][frame loop]") {
+  Loop loop;
+  loop.see(finger(loop.sphere, {0, 0, 1}, 0.006));
+  const PressState before = loop.state;
+  PressState after;
+  CHECK(test::allocations_during([&] { after = loop.law.advance(before, loop.seen, 0.1); }) == 0);
+  CHECK(after.touch.has_value());
+}
+
+TEST_CASE("press depth and level are each other's inverse", "[contact]") {
+  const Loop loop;
+  for (double level = 0; level <= 1.0; level += 0.037) {
+    CHECK(level_of_press_depth(loop.body, 2, press_depth_of_level(loop.body, 2, level)) ==
+          Approx(level).margin(tolerance(1e-12, "two divisions")));
+  }
+  CHECK(press_depth_of_level(loop.body, 2, -1) == 0);
+  CHECK(press_depth_of_level(loop.body, 2, 2) == loop.body.press_depth(10, 2));
+}
+
+TEST_CASE("a site's path holds its patch and what moves with it, and no fixed vertex",
+          "[contact]") {
+  const Loop loop;
+  const auto paths = press_paths(loop.body, 0.5);
+  REQUIRE(paths.size() == 5);
+  for (std::size_t s = 0; s < 5; ++s) {
+    const auto& vertices = paths[s].vertices;
+    for (const int k : loop.body.sites[s].patch) {
+      CHECK(std::binary_search(vertices.begin(), vertices.end(), k));
+    }
+    for (const int k : vertices) CHECK(loop.body.fixed[static_cast<std::size_t>(k)] == 0);
+    CHECK(paths[s].positions.cols() == static_cast<Eigen::Index>(vertices.size()) * 11);
+    // Column j L + l: the first vertex at rest and at the last level.
+    const int k = vertices.front();
+    CHECK(paths[s].positions.col(0) == loop.body.surface.vertices.col(k).cast<float>());
+    Vector3f u;
+    loop.body.displacement.evaluate_part(std::array{static_cast<double>(s), 1.0}, 3 * k,
+                                         std::span<float>(u.data(), 3));
+    CHECK((paths[s].positions.col(10) - paths[s].positions.col(0) - u).norm() < 1e-8f);
+  }
+}
+
+TEST_CASE("settings out of range are refused", "[contact][errors]") {
+  const ReducedBody body = test::DentedSphere{}.body();
+  CHECK_THROWS_AS(PressLaw(body, {.noise_quadratic = -1}), ContractViolation);
+  CHECK_THROWS_AS(PressLaw(body, {.hysteresis = 1.5}), ContractViolation);
+  CHECK_THROWS_AS(PressLaw(body, {.least_share = 0}), ContractViolation);
+  CHECK_THROWS_AS(PressLaw(body, {.fastest = 0}), ContractViolation);
+}
+
+}  // namespace
+}  // namespace palpable
