@@ -1,0 +1,342 @@
+#!/usr/bin/env python3
+"""The programs as a stranger meets them: one case, one test. `--list` names the cases.
+
+A refusal is one clear line on stderr that begins with "palpable: ", nothing on stdout, exit code 1.
+"""
+import argparse
+import fcntl
+import json
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import zlib
+from pathlib import Path
+
+CASES = {}
+ROOT = Path(__file__).resolve().parent.parent.parent
+
+
+def case(sentence):
+    def add(function):
+        CASES[sentence] = function
+        return function
+    return add
+
+
+class Programs:
+    def __init__(self, folder, work):
+        self.palpable = str(folder / "palpable")
+        self.work = work
+
+    def run(self, *words, cwd=None, timeout=280):
+        return subprocess.run([self.palpable, *map(str, words)], capture_output=True, text=True,
+                              cwd=cwd, timeout=timeout, stdin=subprocess.DEVNULL)
+
+    def succeeds(self, *words, **options):
+        result = self.run(*words, **options)
+        assert result.returncode == 0, f"{words}: exit code {result.returncode}\n{result.stderr}"
+        return result
+
+    def refuses(self, *words, says, **options):
+        """One line, and each of the texts in `says` is in it."""
+        result = self.run(*words, **options)
+        lines = [line for line in result.stderr.splitlines() if line.startswith("palpable: ")]
+        others = [line for line in result.stderr.splitlines() if not line.startswith("palpable: ")]
+        # Work that fails half way may have reported progress; the refusal comes last and once.
+        assert result.returncode == 1, f"{words}: exit code {result.returncode}\n{result.stderr}"
+        assert len(lines) == 1, f"{words}: {len(lines)} lines\n{result.stderr}"
+        assert result.stderr.splitlines()[-1] == lines[0], f"not the last line\n{result.stderr}"
+        assert not any("terminate called" in line or "Traceback" in line for line in others)
+        for text in says:
+            assert text in lines[0], f"'{text}' is not in: {lines[0]}"
+        print(lines[0])
+        return lines[0]
+
+    def small_body(self):
+        """A coarse ball, baked once and shared by the cases."""
+        self.work.mkdir(parents=True, exist_ok=True)
+        with open(self.work / "lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            body = self.work / "ball.palpable"
+            if not body.exists():
+                write_ball(self.work)
+                self.succeeds("bake", self.work / "ball.toml", "-o", body)
+        return body
+
+
+# ---- inputs ------------------------------------------------------------------------------------
+
+BALL = """name = "ball"
+[shape]
+file = "ball.off"
+up = "z"
+height = "100 mm"
+edge = "12 mm"
+[material]
+law = "neo-hookean"
+young = "60 kPa"
+poisson = 0.4
+[support]
+below = 0.1
+[sites]
+count = 6
+above = 0.3
+[press]
+depth = 0.08
+levels = 5
+[reduction]
+tolerance = 1e-3
+"""
+
+
+def octahedron(holes=0):
+    corners = ["1 0 0", "-1 0 0", "0 1 0", "0 -1 0", "0 0 1", "0 0 -1"]
+    faces = ["3 0 2 4", "3 2 1 4", "3 1 3 4", "3 3 0 4", "3 2 0 5", "3 1 2 5", "3 3 1 5", "3 0 3 5"]
+    faces = faces[holes:]
+    return "\n".join(["OFF", f"6 {len(faces)} 0", *corners, *faces]) + "\n"
+
+
+def write_ball(folder, text=BALL, holes=0):
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "ball.off").write_text(octahedron(holes))
+    (folder / "ball.toml").write_text(text)
+    return folder / "ball.toml"
+
+
+def png(width, height, shade, bits=8, channels=3):
+    """A picture of small squares, as a PNG; without any library."""
+    rows = b""
+    for y in range(height):
+        row = bytearray()
+        for x in range(width):
+            value = shade(x, y)
+            row += struct.pack(">H", value) if bits == 16 else bytes([value] * channels)
+        rows += b"\0" + bytes(row)
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    color = 0 if channels == 1 else 2
+    header = struct.pack(">IIBBBBB", width, height, bits, color, 0, 0, 0)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 1))
+            + chunk(b"IEND", b""))
+
+
+WIDTH, HEIGHT = 320, 180
+
+
+def texture(shift):
+    return lambda x, y: zlib.crc32(struct.pack("ii", (x + shift) // 2, y // 2)) % 200 + 20
+
+
+def write_stereo(folder, frames=4, width=WIDTH):
+    """A wall 0.44 m away: every point of the right image lies 25 px farther left."""
+    for eye, shift in (("left", 0), ("right", 25)):
+        (folder / eye).mkdir(parents=True)
+        for n in range(frames):
+            (folder / eye / f"{n:06d}.png").write_bytes(png(WIDTH, HEIGHT, texture(shift)))
+    (folder / "rectified.yml").write_text(
+        f"%YAML:1.0\n---\nfx: 175.0\nfy: 175.0\ncx: 159.5\ncy: 89.5\nwidth: {width}\nheight: {HEIGHT}\n"
+        "baseline_m: 0.063\ndoffs_px: 0.0\n")
+    return folder
+
+
+def live(programs, folder, *more, source="clip"):
+    return ("live", programs.small_body(), "--source", folder / source, "--place", "0 0.04 0.42 0 0 0",
+            "--out", folder / "out", *more)
+
+
+# ---- cases -------------------------------------------------------------------------------------
+
+COMMANDS = ("mesh", "bake", "inspect", "view", "synth", "live", "score", "bench")
+
+
+@case("help of the program and of each command has an example, on stdout, exit code 0")
+def _(programs, folder):
+    result = programs.succeeds("--help")
+    for command in COMMANDS:
+        assert command in result.stdout, f"{command} is not in --help"
+        text = programs.succeeds(command, "--help").stdout
+        assert "xample" in text and f"palpable {command}" in text, f"no example: {command} --help\n{text}"
+
+
+@case("the version is printed")
+def _(programs, folder):
+    assert re.search(r"\d+\.\d+\.\d+", programs.succeeds("--version").stdout)
+
+
+@case("an unknown option is refused")
+def _(programs, folder):
+    programs.refuses("inspect", "--colour", "x.palpable", says=["--colour"])
+    programs.refuses("bake", "--colour", "x.toml", says=["--colour"])
+    programs.refuses("--colour", says=["--colour"])
+
+
+@case("an unknown command is refused with the nearest one")
+def _(programs, folder):
+    programs.refuses("inspekt", says=["inspekt", "inspect"])
+
+
+@case("a missing file is refused by every command")
+def _(programs, folder):
+    for words in (("mesh", "none.stl", "-o", "x.msh"), ("bake", "none.toml", "-o", "x.palpable"),
+                  ("inspect", "none.palpable"), ("view", "none.palpable", "--out", "x"),
+                  ("synth", "press", "--body", "none.palpable", "-o", "x"),
+                  ("live", "none.palpable", "--source", "y", "--out", "x"),
+                  ("score", "none", "neither")):
+        programs.refuses(*words, cwd=folder, says=["none"])
+
+
+@case("a surface that is not watertight is refused with the place")
+def _(programs, folder):
+    write_ball(folder, holes=1)
+    says = ["ball.off", "not watertight", "3 open edges", "the first at"]
+    programs.refuses("mesh", folder / "ball.off", "-o", folder / "x.msh", says=says)
+    programs.refuses("bake", folder / "ball.toml", "-o", folder / "x.palpable", says=says)
+    assert not (folder / "x.msh").exists() and not (folder / "x.palpable").exists()
+
+
+@case("an inverted mesh is refused with the element")
+def _(programs, folder):
+    write_ball(folder)
+    programs.succeeds("mesh", folder / "ball.off", "-o", folder / "ball.msh", "--height", "0.1",
+                      "--edge", "0.03")
+    lines = (folder / "ball.msh").read_text().splitlines()
+    at = next(i for i, line in enumerate(lines) if re.fullmatch(r"\d+ 4 2 \d+ \d+( \d+){4}", line))
+    words = lines[at].split()
+    words[-1], words[-2] = words[-2], words[-1]  # two corners exchanged
+    lines[at] = " ".join(words)
+    (folder / "bad.msh").write_text("\n".join(lines) + "\n")
+    (folder / "bad.toml").write_text(
+        BALL.replace("ball.off", "bad.msh").replace('edge = "12 mm"\n', ""))
+    programs.refuses("bake", folder / "bad.toml", "-o", folder / "x.palpable",
+                     says=["bad.msh", "inverted", words[0]])
+
+
+@case("supports that hold nothing are refused")
+def _(programs, folder):
+    write_ball(folder, BALL.replace("below = 0.1", "below = 1e-9"))
+    line = programs.refuses("bake", folder / "ball.toml", "-o", folder / "x.palpable", says=["support"])
+    assert "below" in line, f"does not say which key to change: {line}"
+
+
+@case("a load that cannot be reached is refused")
+def _(programs, folder):
+    write_ball(folder, BALL.replace("depth = 0.08", "depth = 0.95"))
+    programs.refuses("bake", folder / "ball.toml", "-o", folder / "x.palpable", says=["press"])
+    assert not (folder / "x.palpable").exists()
+
+
+@case("an unknown key of a body is refused with line and suggestion")
+def _(programs, folder):
+    write_ball(folder, BALL.replace("poisson", "poison"))
+    programs.refuses("bake", folder / "ball.toml", "-o", folder / "x.palpable",
+                     says=["ball.toml", "10", "poison", "poisson"])
+
+
+@case("a folder that does not exist for the result is refused before the work")
+def _(programs, folder):
+    write_ball(folder)
+    programs.refuses("bake", folder / "ball.toml", "-o", folder / "nowhere/x.palpable",
+                     says=["nowhere"], timeout=20)
+
+
+@case("a calibration for another image size is refused with both sizes")
+def _(programs, folder):
+    write_stereo(folder / "clip", width=640)
+    programs.refuses(*live(programs, folder), says=["rectified.yml", "640", "320"])
+
+
+@case("unequal numbers of left and right images are refused with both numbers")
+def _(programs, folder):
+    write_stereo(folder / "clip")
+    (folder / "clip/right/000003.png").unlink()
+    programs.refuses(*live(programs, folder), says=["clip", "4", "3"])
+
+
+@case("an unreadable image in the middle is skipped and counted")
+def _(programs, folder):
+    write_stereo(folder / "clip", frames=5)
+    (folder / "clip/left/000002.png").write_bytes(b"this is no picture")
+    result = programs.succeeds(*live(programs, folder))
+    counts = json.loads((folder / "out/live.json").read_text())
+    assert counts["frames"] == 4, counts
+    assert counts["unreadable"] == 1, counts
+    assert "1" in result.stdout + result.stderr and "unreadable" in result.stdout + result.stderr
+
+
+@case("a truncated body file is refused")
+def _(programs, folder):
+    bytes_ = programs.small_body().read_bytes()
+    (folder / "cut.palpable").write_bytes(bytes_[: len(bytes_) * 2 // 3])
+    for words in (("inspect",), ("view", "--out", folder), ("live", "--source", folder, "--out", folder)):
+        programs.refuses(words[0], folder / "cut.palpable", *words[1:], says=["cut.palpable", "truncated"])
+
+
+@case("a foreign file is not taken for a body")
+def _(programs, folder):
+    (folder / "x.palpable").write_text("hello")
+    programs.refuses("inspect", folder / "x.palpable", says=["x.palpable", "not a body file"])
+
+
+@case("a bake, its inspection and its pictures say the same sizes")
+def _(programs, folder):
+    body = programs.small_body()
+    text = programs.succeeds("inspect", body).stdout
+    for wanted in ("ball", "sites", "levels", "modes", "neo-hookean", "error"):
+        assert wanted in text, f"'{wanted}' is not in\n{text}"
+    result = programs.run("view", body, "--out", folder / "pictures")
+    if result.returncode != 0 and "EGL" in result.stderr:
+        print("SKIPPED: no OpenGL here: " + result.stderr.strip())
+        return
+    assert result.returncode == 0, result.stderr
+    pictures = list((folder / "pictures").glob("*.png"))
+    assert len(pictures) >= 4 and all(p.stat().st_size > 5000 for p in pictures), pictures
+
+
+@case("two bakes of one body give the same bytes")
+def _(programs, folder):
+    write_ball(folder)
+    # The command line is part of a body's provenance, so both are the same but for the folder.
+    for name in ("a", "b"):
+        (folder / name).mkdir()
+        for file in ("ball.off", "ball.toml"):
+            shutil.copy(folder / file, folder / name)
+        programs.succeeds("bake", "ball.toml", "-o", "ball.palpable", cwd=folder / name)
+    assert (folder / "a/ball.palpable").read_bytes() == (folder / "b/ball.palpable").read_bytes()
+
+
+@case("a mesh says its sizes and is a Gmsh file")
+def _(programs, folder):
+    write_ball(folder)
+    result = programs.succeeds("mesh", folder / "ball.off", "-o", folder / "ball.msh", "--height", "0.1",
+                               "--edge", "0.02")
+    assert re.search(r"\d+ nodes", result.stdout + result.stderr)
+    assert (folder / "ball.msh").read_text().startswith("$MeshFormat")
+
+
+@case("a bench prints one JSON object on stdout")
+def _(programs, folder):
+    result = programs.succeeds("bench", "evaluate", programs.small_body(), "--json")
+    assert isinstance(json.loads(result.stdout), dict)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--list", action="store_true")
+    parser.add_argument("--programs", type=Path)
+    parser.add_argument("--work", type=Path)
+    parser.add_argument("case", nargs="?")
+    options = parser.parse_args()
+    if options.list:
+        print("\n".join(CASES))
+        return 0
+    options.work.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=options.work) as folder:
+        CASES[options.case](Programs(options.programs.resolve(), options.work.resolve()), Path(folder))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
