@@ -30,8 +30,10 @@
 namespace palpable {
 
 struct PaperSettings {
-  double press_distance = 0.008;    ///< m, delta_Incr; below the cloud's spacing nothing is near
-  double release_distance = 0.020;  ///< m, delta_Decr > delta_Incr
+  /// m, delta_Incr. The paper gives no number. A node inside a finger is up to half the finger's
+  /// thickness from the skin that the camera sees, and the cloud's points are 3 mm apart.
+  double press_distance = 0.012;
+  double release_distance = 0.025;  ///< m, delta_Decr > delta_Incr
 };
 
 /// deformationPseudoTime and nodeVirtualObject. The default is at rest.

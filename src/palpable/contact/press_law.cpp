@@ -146,7 +146,9 @@ PressState PressLaw::advance(const PressState& previous, const SeenSurface& seen
                              double time) const {
   PressState next;
   next.time = time;
-  const double step = settings_.fastest * std::clamp(time - previous.time, 0.0, kLongestFrame);
+  const double step =
+      settings_.fastest *
+      (previous.time ? std::clamp(time - *previous.time, 0.0, kLongestFrame) : kLongestFrame);
   const bool held = previous.touch.has_value();
   const double share = held ? 1 - settings_.hysteresis : 1.0;
   const std::optional<TouchedRegion> region = touched_region(seen, share);

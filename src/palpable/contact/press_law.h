@@ -55,8 +55,8 @@ struct PressSettings {
 /// All that the law remembers from frame to frame. The default is "not touched".
 struct PressState {
   std::optional<Touch> touch;
-  bool leaving_site = false;  ///< the level goes down because the hand is at another site
-  double time = 0;            ///< s, of the frame before
+  bool leaving_site = false;   ///< the level goes down because the hand is at another site
+  std::optional<double> time;  ///< s, of the frame before; nothing before the first
 };
 
 /// Where the body at rest is inside the object: the deepest vertex and the touched ones near it.

@@ -1,0 +1,203 @@
+#include "palpable/session/session.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/vision/depth_edges.h"
+#include "palpable/vision/static_background.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+// Depths of neighbours that differ by more than this share belong to different things. A desk seen
+// at 80 degrees changes by 1.6 % per pixel (depth_edges.h).
+constexpr double kJumpShare = 0.06;
+
+Eigen::AlignedBox3d box_of(const SurfaceMesh& surface) {
+  return {surface.vertices.rowwise().minCoeff(), surface.vertices.rowwise().maxCoeff()};
+}
+
+PressSettings with_noise(PressSettings press, const DepthNoise& noise, double share) {
+  press.noise_constant = share * noise.constant;
+  press.noise_linear = share * noise.linear;
+  press.noise_quadratic = share * noise.quadratic;
+  return press;
+}
+
+std::optional<Problem> wrong_setting(const SessionSettings& s) {
+  if (s.ignore_static && (s.static_frames < 1 || s.static_frames > 255)) {
+    return Problem{
+        fmt::format("{} frames to learn what is static: 1 to 255 are possible", s.static_frames)};
+  }
+  if (!(s.surface.thickness > 0) || !(s.surface.band > 0) || s.surface.step < 1 ||
+      s.surface.normal_reach < 1) {
+    return Problem{
+        fmt::format("thickness {} m, band {} m, step {} px and reach {} px must all be above 0",
+                    s.surface.thickness, s.surface.band, s.surface.step, s.surface.normal_reach)};
+  }
+  if (!(s.paper.press_distance > 0) || !(s.paper.press_distance < s.paper.release_distance)) {
+    return Problem{fmt::format("delta_Incr {} m must be above 0 and below delta_Decr {} m",
+                               s.paper.press_distance, s.paper.release_distance)};
+  }
+  if (!(s.noise_share >= 0)) {
+    return Problem{fmt::format("a noise share of {} is negative", s.noise_share)};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+struct Session::Parts {
+  Parts(ReducedBody b, const Rigid3& pose, DepthCamera c, const SessionSettings& s)
+      : body(std::move(b)),
+        camera_from_body(pose),
+        body_from_camera(pose.inverse()),
+        settings(s),
+        camera(std::move(c)),
+        rest(body.surface.vertices.cast<float>()),
+        region(box_of(body.surface)),
+        surface(settings.surface),
+        law(body, with_noise(settings.press, camera.noise(), settings.noise_share)) {
+    if (settings.ignore_static) {
+      background.emplace(camera.noise(),
+                         StaticBackgroundSettings{.frames = settings.static_frames});
+    }
+    stress.resize(6 * body.surface.vertices.cols());
+  }
+
+  bool find_contact_depth(const SeenFrame& seen);
+  std::optional<Touch> touch_of_frame(double time);
+  void reconstruct(Scene& scene);
+
+  ReducedBody body;
+  Rigid3 camera_from_body;
+  Rigid3 body_from_camera;
+  SessionSettings settings;
+  DepthCamera camera;
+  Eigen::Matrix3Xf rest;  // (3 x V) m
+  Eigen::AlignedBox3d region;
+
+  std::optional<StaticBackground> background;
+  DepthImage contact_depth;  // what may press; the scene's own depth keeps everything, for drawing
+  MaskImage scratch;
+  SeenSurface surface;
+  PressLaw law;
+  PressState press;
+  PaperState paper;
+  Eigen::Matrix3Xf nodes;
+  Eigen::VectorXf stress;  // (6V) Pa
+
+  SeenFrame own_seen;  // of process()
+  Scene own_scene;
+};
+
+// What may press in this frame; false while the background is being learnt.
+bool Session::Parts::find_contact_depth(const SeenFrame& seen) {
+  contact_depth.resize(seen.depth.width(), seen.depth.height());
+  std::copy(seen.depth.begin(), seen.depth.end(), contact_depth.begin());
+  if (background && !background->ready()) {
+    background->learn(contact_depth);
+    return false;
+  }
+  forget_jumps(contact_depth, kJumpShare, scratch);
+  if (background) background->remove_static(contact_depth);
+  return true;
+}
+
+std::optional<Touch> Session::Parts::touch_of_frame(double time) {
+  if (settings.contact == ContactKind::kPress) {
+    press = law.advance(press, surface, time);
+    return press.touch;
+  }
+  deformed_nodes(paper, body, nodes);
+  const int last = static_cast<int>(body.levels().size()) - 1;
+  paper = advance_as_printed(paper, nearest_node(nodes, surface.points()), last, settings.paper);
+  return touch_of(paper, body);
+}
+
+void Session::Parts::reconstruct(Scene& scene) {
+  const auto V = static_cast<std::size_t>(rest.cols());
+  scene.vertices.resize(3, rest.cols());
+  scene.normals.resize(3, rest.cols());
+  scene.von_mises.resize(V);
+  if (scene.touches.empty()) {
+    scene.vertices = rest;
+    std::fill(scene.von_mises.begin(), scene.von_mises.end(), 0.0f);
+  } else {
+    const Touch& touch = scene.touches.front();
+    const std::array mu{static_cast<double>(touch.site), touch.level};
+    body.displacement.evaluate(mu, std::span<float>(scene.vertices.data(), 3 * V));
+    scene.vertices += rest;
+    const std::span<float> values(stress.data(), 6 * V);
+    body.stress.evaluate(mu, values);
+    von_mises(values, scene.von_mises);
+  }
+  vertex_normals(scene.vertices, body.surface.triangles, scene.normals);
+}
+
+Session::Session(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Session::Session(Session&&) noexcept = default;
+Session& Session::operator=(Session&&) noexcept = default;
+Session::~Session() = default;
+
+Result<Session> Session::make(ReducedBody body, const Rigid3& camera_from_body,
+                              const FrameFormat& format, const SessionSettings& settings) {
+  if (auto problem = wrong_setting(settings)) return *problem;
+  Result<DepthCamera> camera = DepthCamera::make(format, settings.depth);
+  if (!camera.ok()) return camera.problem();
+  return Session(std::make_unique<Parts>(std::move(body), camera_from_body,
+                                         std::move(camera).value(), settings));
+}
+
+StageTimes Session::see(const Frame& frame, SeenFrame& seen) {
+  parts_->camera.see(frame, seen);
+  return parts_->camera.last_times();
+}
+
+void Session::respond(const SeenFrame& seen, Scene& scene) {
+  Parts& p = *parts_;
+  scene.number = seen.number;
+  scene.time = seen.time;
+  scene.seen = &seen;
+  scene.times.clear();
+  scene.touches.clear();
+  scene.touches.reserve(1);
+
+  bool may_press = false;
+  {
+    const StageTimer timer(scene.times, "background");
+    may_press = p.find_contact_depth(seen);
+  }
+  if (may_press) {
+    const StageTimer timer(scene.times, "contact");
+    p.surface.build(p.contact_depth, seen.depth_camera, p.body_from_camera, p.region);
+    if (const auto touch = p.touch_of_frame(seen.time)) scene.touches.push_back(*touch);
+  }
+  const StageTimer timer(scene.times, "evaluate");
+  p.reconstruct(scene);
+}
+
+const Scene& Session::process(const Frame& frame) {
+  const StageTimes times = see(frame, parts_->own_seen);
+  respond(parts_->own_seen, parts_->own_scene);
+  StageTimes all = times;
+  all.add(parts_->own_scene.times);
+  parts_->own_scene.times = all;
+  return parts_->own_scene;
+}
+
+const ReducedBody& Session::body() const { return parts_->body; }
+const Rigid3& Session::camera_from_body() const { return parts_->camera_from_body; }
+const SessionSettings& Session::settings() const { return parts_->settings; }
+const PinholeCamera& Session::camera() const { return parts_->camera.camera(); }
+const PinholeCamera& Session::depth_camera() const { return parts_->camera.depth_camera(); }
+
+}  // namespace palpable

@@ -1,0 +1,98 @@
+/// @file
+/// A live run: a camera's frame in, a scene out (paper Sec. 4).
+///
+///     frame -> depth -> what was not there before -> seen surface -> touches -> u, sigma -> scene
+///
+/// Nothing here looks at a clock (except to say how long a stage took), draws random numbers or
+/// keeps anything beyond its own state: the same frames give the same bytes. Contact and
+/// reconstruction allocate nothing after the first frames.
+///
+///   V  surface vertices of the body
+#pragma once
+
+#include "palpable/base/error.h"
+#include "palpable/base/stage_clock.h"
+#include "palpable/contact/paper_contact.h"
+#include "palpable/contact/press_law.h"
+#include "palpable/contact/seen_surface.h"
+#include "palpable/contact/touch.h"
+#include "palpable/geometry/rigid.h"
+#include "palpable/reduced/reduced_body.h"
+#include "palpable/vision/depth_camera.h"
+#include "palpable/vision/frame.h"
+
+#include <Eigen/Core>
+
+#include <memory>
+#include <vector>
+
+namespace palpable {
+
+enum class ContactKind {
+  kPress,  ///< level from the measured depth (press_law.h)
+  kPaper   ///< Algorithm 1 as printed (paper_contact.h)
+};
+
+struct SessionSettings {
+  ContactKind contact = ContactKind::kPress;
+  /// Nothing that the first static_frames frames show presses; nothing at all presses while they
+  /// are learnt. For a camera that stands still.
+  bool ignore_static = false;
+  int static_frames = 15;
+  DepthSettings depth{};
+  SeenSurfaceSettings surface{};
+  /// Its noise is replaced by what the camera says of its depths, times the share below.
+  PressSettings press{};
+  /// A touch is seen by many pixels, whose mean scatters less than each of them.
+  double noise_share = 0.5;
+  PaperSettings paper{};
+};
+
+/// All that is to be drawn, written or compared of one frame. Plain data.
+struct Scene {
+  int number = 0;
+  double time = 0;                  ///< s, the frame's
+  std::vector<Touch> touches;       ///< at most one at present
+  Eigen::Matrix3Xf vertices;        ///< (3 x V) m, body frame, deformed
+  Eigen::Matrix3Xf normals;         ///< (3 x V) unit, outwards
+  std::vector<float> von_mises;     ///< (V) Pa; 0 at rest
+  const SeenFrame* seen = nullptr;  ///< what it answers to; belongs to the caller or the session
+  StageTimes times;                 ///< stages as in StageTimes: ... "contact", "evaluate"
+};
+
+class Session {
+ public:
+  /// A problem when the format's numbers make no depth camera, or a setting is out of range.
+  /// @param camera_from_body  where the body stands; fixed, and so is the camera
+  [[nodiscard]] static Result<Session> make(ReducedBody body, const Rigid3& camera_from_body,
+                                            const FrameFormat& format,
+                                            const SessionSettings& settings = {});
+  Session(Session&&) noexcept;
+  Session& operator=(Session&&) noexcept;
+  ~Session();
+
+  /// One frame, both halves below. The scene is valid until the next call.
+  const Scene& process(const Frame& frame);
+
+  /// First half: the camera's images to depth. Touches nothing that respond() touches, so the next
+  /// frame may be seen on one thread while this one is answered on another.
+  StageTimes see(const Frame& frame, SeenFrame& seen);
+
+  /// Second half: depth to touches and the deformed body. Call it in the order of the frames.
+  /// @param scene  overwritten; its memory is used again; scene.seen = &seen
+  void respond(const SeenFrame& seen, Scene& scene);
+
+  [[nodiscard]] const ReducedBody& body() const;
+  [[nodiscard]] const Rigid3& camera_from_body() const;
+  [[nodiscard]] const SessionSettings& settings() const;
+  /// Of SeenFrame::color and SeenFrame::depth.
+  [[nodiscard]] const PinholeCamera& camera() const;
+  [[nodiscard]] const PinholeCamera& depth_camera() const;
+
+ private:
+  struct Parts;
+  explicit Session(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace palpable

@@ -1,0 +1,242 @@
+#include "palpable/session/session.h"
+
+#include "tests/support/allocations.h"
+#include "tests/support/dented_sphere.h"
+#include "tests/support/seen_capsules.h"
+#include "tests/support/test.h"
+
+#include <cmath>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Vector3d;
+using test::Capsule;
+using test::tolerance;
+
+// Colour + depth needs no matcher: this module's own work is what follows the depth.
+FrameFormat depth_format() {
+  FrameFormat format;
+  format.kind = FrameFormat::Kind::kColorDepth;
+  format.width = 161;
+  format.height = 121;
+  format.depth_camera = {161, 121, 250, 250, 80, 60};
+  return format;
+}
+
+// The sphere stands 0.4 m before a camera that looks down on it by 30 degrees.
+Rigid3 pose() {
+  Rigid3 camera_from_body = Rigid3::Identity();
+  // Body Z up is camera -Y; then tilted.
+  camera_from_body.linear() = (Eigen::AngleAxisd(0.5, Vector3d::UnitX()) *
+                               Eigen::AngleAxisd(-std::acos(0.0), Vector3d::UnitX()) *
+                               Eigen::AngleAxisd(2 * std::acos(0.0), Vector3d::UnitX()))
+                                  .toRotationMatrix();
+  camera_from_body.translation() = Vector3d(0.01, 0.03, 0.40);
+  return camera_from_body;
+}
+
+// A finger from above onto the sphere's top: `depth` inside; and a desk below everything.
+Frame frame_with_finger(int number, double depth) {
+  const test::DentedSphere sphere;
+  const Rigid3 camera_from_body = pose();
+  const double tip = 2 * sphere.radius - depth + 0.008;
+  const std::vector<Capsule> hand{{camera_from_body * Vector3d(0, 0, tip),
+                                   camera_from_body * Vector3d(0.01, 0, tip + 0.1), 0.008}};
+  const FrameFormat format = depth_format();
+  Frame frame;
+  frame.number = number;
+  frame.time = number / 30.0;
+  frame.left = ColorImage(format.width, format.height, Rgb{90, 80, 70});
+  frame.depth = test::depth_of(hand, format.depth_camera);
+  return frame;
+}
+
+Session make_session(const SessionSettings& settings = {}) {
+  return std::move(
+      Session::make(test::DentedSphere{}.body(), pose(), depth_format(), settings).value());
+}
+
+TEST_CASE("a finger that presses the top dents the top, and leaves it at rest afterwards",
+          "[session]") {
+  Session session = make_session();
+  const test::DentedSphere sphere;
+  for (int n = 0; n < 3; ++n) CHECK(session.process(frame_with_finger(n, -0.03)).touches.empty());
+  for (int n = 3; n < 8; ++n) session.process(frame_with_finger(n, 0.010));
+  const Scene& pressed = session.process(frame_with_finger(8, 0.010));
+  REQUIRE(pressed.touches.size() == 1);
+  const Touch touch = pressed.touches.front();
+  CHECK(touch.site == 0);
+  CHECK(pressed.number == 8);
+  CHECK(pressed.time == Approx(8 / 30.0));
+  const double dent = sphere.depth(touch.level);
+  CHECK(dent > 0.010 - tolerance(0.0045, "0.5 (2 mm + 0.5 % Z) of tolerance, as much hysteresis"));
+  CHECK(dent < 0.010 + tolerance(0.004, "neighbours 6 mm aside move less than the middle"));
+  const int top = session.body().sites[0].vertex;
+  CHECK(pressed.vertices(2, top) == Approx(2 * sphere.radius - dent).margin(1e-5));
+  CHECK(pressed.von_mises[static_cast<std::size_t>(top)] > 0);
+  CHECK((touch.point_in_body - Vector3d(0, 0, 0.1)).norm() < 0.02);
+
+  const Scene& after = session.process(frame_with_finger(9, -0.2));
+  CHECK(after.touches.empty());
+  CHECK(after.vertices == session.body().surface.vertices.cast<float>());
+  for (const float value : after.von_mises) CHECK(value == 0);
+}
+
+TEST_CASE("the stress of a scene is that of its touch", "[session]") {
+  Session session = make_session();
+  for (int n = 0; n < 4; ++n) session.process(frame_with_finger(n, 0.008));
+  const Scene& scene = session.process(frame_with_finger(4, 0.008));
+  REQUIRE(scene.touches.size() == 1);
+  // The dented sphere's stress at the middle is diag(-p, -p, -2p) with p = 1e4 depth / deepest.
+  const test::DentedSphere sphere;
+  const double p = 1e4 * sphere.depth(scene.touches[0].level) / sphere.deepest;
+  CHECK(scene.von_mises[static_cast<std::size_t>(session.body().sites[0].vertex)] ==
+        Approx(p).epsilon(tolerance(1e-3, "cubic between samples of a parabola, floats")));
+}
+
+TEST_CASE("replaying the same frames gives the same bytes", "[session]") {
+  std::vector<Frame> frames;
+  for (int n = 0; n < 12; ++n) frames.push_back(frame_with_finger(n, -0.01 + 0.002 * n));
+  std::vector<Eigen::Matrix3Xf> first;
+  std::vector<double> levels;
+  for (int run = 0; run < 2; ++run) {
+    Session session = make_session();
+    for (std::size_t n = 0; n < frames.size(); ++n) {
+      const Scene& scene = session.process(frames[n]);
+      const double level = scene.touches.empty() ? 0 : scene.touches[0].level;
+      if (run == 0) {
+        first.push_back(scene.vertices);
+        levels.push_back(level);
+      } else {
+        CHECK(scene.vertices == first[n]);
+        CHECK(level == levels[n]);
+      }
+    }
+  }
+  CHECK(levels.front() == 0);
+  CHECK(levels.back() > 0.3);
+}
+
+TEST_CASE("the two halves of a session do what process does", "[session]") {
+  Session whole = make_session();
+  Session halves = make_session();
+  SeenFrame seen;
+  Scene scene;
+  for (int n = 0; n < 6; ++n) {
+    const Frame frame = frame_with_finger(n, 0.002 * n);
+    const Scene& expected = whole.process(frame);
+    halves.see(frame, seen);
+    halves.respond(seen, scene);
+    CHECK(scene.seen == &seen);
+    CHECK(scene.vertices == expected.vertices);
+    CHECK(scene.normals == expected.normals);
+    CHECK(scene.touches.size() == expected.touches.size());
+  }
+  CHECK(scene.touches.size() == 1);
+}
+
+TEST_CASE("what was there from the beginning does not press when it is to be ignored",
+          "[session][static]") {
+  // The finger rests in the body from the first frame on.
+  Session everything = make_session();
+  CHECK(everything.process(frame_with_finger(0, 0.010)).touches.size() == 1);
+
+  Session moving = make_session({.ignore_static = true, .static_frames = 5});
+  for (int n = 0; n < 10; ++n) {
+    CHECK(moving.process(frame_with_finger(n, 0.010)).touches.empty());
+  }
+}
+
+TEST_CASE("what comes after the beginning presses a body that ignores the rest",
+          "[session][static]") {
+  Session session = make_session({.ignore_static = true, .static_frames = 5});
+  for (int n = 0; n < 8; ++n) {
+    CHECK(session.process(frame_with_finger(n, -0.3)).touches.empty());
+  }
+  CHECK(session.process(frame_with_finger(8, 0.010)).touches.size() == 1);
+  CHECK(session.process(frame_with_finger(9, -0.3)).touches.empty());
+}
+
+TEST_CASE("the paper's algorithm stays pressed when the hand leaves fast, the default does not",
+          "[session][Alg1]") {
+  SessionSettings settings;
+  settings.contact = ContactKind::kPaper;
+  Session paper = make_session(settings);
+  Session ours = make_session();
+  for (int n = 0; n < 20; ++n) {
+    const Frame frame = frame_with_finger(n, n < 8 ? 0.004 : -0.2);
+    const bool paper_pressed = !paper.process(frame).touches.empty();
+    const bool our_pressed = !ours.process(frame).touches.empty();
+    if (n == 7) {
+      CHECK(paper_pressed);
+      CHECK(our_pressed);
+    }
+    if (n >= 8) {
+      CHECK(paper_pressed);
+      CHECK_FALSE(our_pressed);
+    }
+  }
+}
+
+TEST_CASE("a frame without any depth is answered like an empty view", "[session]") {
+  Session session = make_session();
+  for (int n = 0; n < 3; ++n) session.process(frame_with_finger(n, 0.010));
+  Frame blind = frame_with_finger(3, 0.010);
+  for (float& z : blind.depth) z = std::numeric_limits<float>::quiet_NaN();
+  CHECK(session.process(blind).touches.empty());
+}
+
+TEST_CASE("contact and reconstruction allocate nothing after the first frames",
+          "[session][frame loop]") {
+  for (const ContactKind kind : {ContactKind::kPress, ContactKind::kPaper}) {
+    SessionSettings settings;
+    settings.contact = kind;
+    settings.ignore_static = true;
+    settings.static_frames = 2;
+    Session session = make_session(settings);
+    SeenFrame away, pressing;
+    session.see(frame_with_finger(0, -0.3), away);
+    session.see(frame_with_finger(9, 0.006), pressing);
+    Scene scene;
+    for (int n = 0; n < 3; ++n) session.respond(away, scene);
+    session.respond(pressing, scene);
+    session.respond(away, scene);
+    CHECK(test::allocations_during([&] {
+            session.respond(pressing, scene);
+            session.respond(away, scene);
+            session.respond(pressing, scene);
+          }) == 0);
+    CHECK(scene.touches.size() == 1);
+  }
+}
+
+TEST_CASE("every stage of a frame is timed", "[session]") {
+  Session session = make_session();
+  const Scene& scene = session.process(frame_with_finger(0, 0.006));
+  CHECK(scene.times.ms("contact") > 0);
+  CHECK(scene.times.ms("evaluate") > 0);
+  CHECK(scene.times.total_ms() >= scene.times.ms("contact") + scene.times.ms("evaluate"));
+}
+
+TEST_CASE("settings out of range and formats without numbers are problems, not crashes",
+          "[session][errors]") {
+  const auto refused = [](const SessionSettings& settings) {
+    return !Session::make(test::DentedSphere{}.body(), pose(), depth_format(), settings).ok();
+  };
+  CHECK_FALSE(refused({}));
+  CHECK(refused({.ignore_static = true, .static_frames = 0}));
+  SessionSettings thin;
+  thin.surface.thickness = 0;
+  CHECK(refused(thin));
+  SessionSettings crossed;
+  crossed.paper = {.press_distance = 0.02, .release_distance = 0.01};
+  CHECK(refused(crossed));
+  FrameFormat nothing = depth_format();
+  nothing.kind = FrameFormat::Kind::kStereo;
+  CHECK_FALSE(Session::make(test::DentedSphere{}.body(), pose(), nothing).ok());
+}
+
+}  // namespace
+}  // namespace palpable
