@@ -16,6 +16,11 @@ find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs calib3d video
 pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)  # MIT: GL entry points; render
 pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)      # MIT (libglvnd): GL without a screen; render
 find_package(glfw3 3.3 REQUIRED)                         # zlib: windows; render
+find_package(PNG 1.6 REQUIRED)                           # libpng licence: picture files; render
+# At build time only: stb_truetype (MIT or public domain) draws DejaVu Sans (Bitstream Vera
+# licence: may be embedded) into a table of letters; render.
+find_path(STB_INCLUDE_DIR stb/stb_truetype.h REQUIRED)
+find_file(DEJAVU_FONT DejaVuSans.ttf PATHS /usr/share/fonts/truetype/dejavu REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)                # MIT: JSON of results and benches; apps
 find_package(CLI11 2.1 REQUIRED)                         # BSD: command lines; apps
 pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)  # MIT: body and scene texts

@@ -1,0 +1,35 @@
+/// @file
+/// The built-in font as tools/make_font.cpp writes it. Only text.cpp reads it.
+#pragma once
+
+#include <span>
+
+namespace palpable::detail {
+
+/// One letter at one size. The ink's top left corner lies (left, top) px from the pen on the
+/// baseline, y down.
+struct Glyph {
+  int letter;     ///< Unicode
+  int left, top;  ///< px
+  int width, height;
+  float advance;  ///< px to the next letter
+  long ink;       ///< where its coverage begins, row-major, 0..255
+};
+
+struct FontSize {
+  int size;       ///< px per em
+  float ascent;   ///< px above the baseline
+  float descent;  ///< px below it
+  int first;      ///< glyph
+  int count;      ///< glyphs
+};
+
+struct FontTable {
+  std::span<const Glyph> glyphs;
+  std::span<const FontSize> sizes;  ///< increasing
+  std::span<const unsigned char> ink;
+};
+
+[[nodiscard]] FontTable font_table();
+
+}  // namespace palpable::detail

@@ -1,0 +1,113 @@
+#include "palpable/render/legend.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/render/color_map.h"
+#include "palpable/render/text.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace palpable {
+namespace {
+
+constexpr Rgb kPanel{18, 22, 28};
+constexpr Rgb kInk{245, 246, 248};
+constexpr Rgb kQuietInk{200, 205, 212};
+constexpr float kPanelOpacity = 0.62f;
+
+double tick_step(double top, int wanted) {
+  const double raw = top / std::max(wanted, 1);
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= raw * (1.0 - 1e-9)) return factor * power;
+  }
+  return 10.0 * power;
+}
+
+/// A number in as few letters as its step allows, in memory of the caller.
+std::string_view print_tick(double value, double step, std::array<char, 32>& text) {
+  const int digits = std::max(0, -static_cast<int>(std::floor(std::log10(step) + 1e-9)));
+  const auto end = fmt::format_to_n(text.data(), text.size(), "{:.{}f}", value, digits);
+  return {text.data(), std::min(end.size, text.size())};
+}
+
+}  // namespace
+
+std::vector<double> round_ticks(double top, int wanted) {
+  PALPABLE_EXPECT(top > 0.0 && std::isfinite(top), "the scale has a length");
+  const double step = tick_step(top, wanted);
+  std::vector<double> ticks;
+  for (int i = 0; i * step <= top * (1.0 + 1e-9); ++i) ticks.push_back(i * step);
+  return ticks;
+}
+
+void draw_legend(ColorImage& picture, const Legend& legend) {
+  PALPABLE_EXPECT(legend.top > 0.0 && std::isfinite(legend.top), "the scale has a length");
+  const float s = legend.scale;
+  const float size = 15.0f * s, small = 13.0f * s, pad = 12.0f * s;
+  const float bar_width = 16.0f * s;
+  const float bar_height = std::round(0.36f * static_cast<float>(picture.height()));
+  constexpr int kWanted = 5;
+  const double step = tick_step(legend.top, kWanted);
+  std::array<char, 32> text;
+
+  const TextSize title = measure_text(legend.title, size);
+  const TextSize unit = measure_text(legend.unit, small);
+  float number_width = 0;
+  for (int i = 0; i * step <= legend.top * (1.0 + 1e-9); ++i) {
+    number_width =
+        std::max(number_width, measure_text(print_tick(i * step, step, text), small).width);
+  }
+  const float inner = std::max({title.width, unit.width, bar_width + 10.0f * s + number_width});
+  const float width = inner + 2.0f * pad;
+  const float height =
+      2.0f * pad + title.height() + unit.height() + 10.0f * s + bar_height + 4.0f * s;
+  const float x = static_cast<float>(picture.width()) - width - 16.0f * s;
+  const float y = 0.5f * (static_cast<float>(picture.height()) - height);
+  fill_panel(picture, x, y, width, height, 8.0f * s, kPanel, kPanelOpacity);
+  draw_text(picture, x + pad, y + pad, legend.title, size, kInk);
+  draw_text(picture, x + pad, y + pad + title.height(), legend.unit, small, kQuietInk);
+
+  const float bar_x = std::round(x + pad);
+  const float bar_y = std::round(y + pad + title.height() + unit.height() + 10.0f * s);
+  for (int row = 0; row < static_cast<int>(bar_height); ++row) {
+    const float share = 1.0f - (static_cast<float>(row) + 0.5f) / bar_height;
+    fill_panel(picture, bar_x, bar_y + static_cast<float>(row), bar_width, 1.0f, 0.0f,
+               color_of_share(share));
+  }
+  for (int i = 0; i * step <= legend.top * (1.0 + 1e-9); ++i) {
+    const auto share = static_cast<float>(i * step / legend.top);
+    const float at = bar_y + bar_height * (1.0f - share);
+    fill_panel(picture, bar_x + bar_width, std::round(at - 0.5f), 5.0f * s,
+               std::max(1.0f, std::round(s)), 0.0f, kInk);
+    const std::string_view number = print_tick(i * step, step, text);
+    const TextSize extent = measure_text(number, small);
+    draw_text(picture, bar_x + bar_width + 9.0f * s, at - 0.5f * extent.height(), number, small,
+              kInk);
+  }
+}
+
+void draw_caption(ColorImage& picture, std::span<const std::string> lines, float scale) {
+  const float size = 15.0f * scale, pad = 10.0f * scale, gap = 3.0f * scale;
+  float width = 0, height = 0;
+  for (const std::string& line : lines) {
+    const TextSize extent = measure_text(line, size);
+    width = std::max(width, extent.width);
+    height += extent.height() + gap;
+  }
+  if (width == 0) return;
+  const float x = 16.0f * scale;
+  float y = static_cast<float>(picture.height()) - 16.0f * scale - height - 2.0f * pad + gap;
+  fill_panel(picture, x, y, width + 2.0f * pad, height + 2.0f * pad - gap, 8.0f * scale, kPanel,
+             kPanelOpacity);
+  y += pad;
+  for (const std::string& line : lines) {
+    draw_text(picture, x + pad, y, line, size, kInk);
+    y += measure_text(line, size).height() + gap;
+  }
+}
+
+}  // namespace palpable

@@ -1,0 +1,444 @@
+#include "palpable/render/scene_renderer.h"
+
+#include "palpable/render/fill_unknown.h"
+#include "palpable/render/gl_objects.h"
+#include "palpable/render/ground_shadow.h"
+#include "palpable/render/legend.h"
+#include "palpable/render/shader_files.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+constexpr float kNear = 0.01f;     // m
+constexpr int kHoleRadius = 6;     // texels of the depth image: what fill_unknown closes
+constexpr int kOutlineRadius = 2;  // px around the body that its soft outline may reach
+constexpr Rgb kPlainGrey{118, 118, 118};
+
+Eigen::Vector3f floats_of(Rgb color) { return Eigen::Vector3f(color.r, color.g, color.b) / 255.0f; }
+
+/// What one body keeps in OpenGL.
+struct BodyBuffers {
+  GlBuffer vertices, normals, scalar, marks, triangles, dots;
+  GlVertexArray inputs, dot_inputs;
+  Eigen::Matrix3Xi known_triangles;
+  GroundShadow shadow;
+  GlTexture shade{GL_R32F, GroundShadow::kSide, GroundShadow::kSide, GL_LINEAR};
+
+  BodyBuffers() {
+    inputs.floats(0, vertices, 3);
+    inputs.floats(1, normals, 3);
+    inputs.floats(2, scalar, 1);
+    inputs.floats(3, marks, 1);
+    inputs.indices(triangles);
+    constexpr int kDotBytes = 7 * sizeof(float);
+    dot_inputs.floats(0, dots, 3, kDotBytes, 0);
+    dot_inputs.floats(1, dots, 1, kDotBytes, 3 * sizeof(float));
+    dot_inputs.floats(2, dots, 3, kDotBytes, 4 * sizeof(float));
+  }
+};
+
+/// Everything that has the size of the picture.
+struct Targets {
+  Targets(int width, int height)
+      : body_color(GL_RGBA8, width, height),
+        body_z(GL_R32F, width, height),
+        body_window_depth(GL_DEPTH_COMPONENT32F, width, height),
+        picture(GL_RGBA8, width, height),
+        visible(GL_R8, width, height),
+        body(std::array<const GlTexture*, 2>{&body_color, &body_z}, &body_window_depth),
+        ground(std::array<const GlTexture*, 1>{&picture}, nullptr),
+        composed(std::array<const GlTexture*, 2>{&picture, &visible}, nullptr) {}
+
+  GlTexture body_color, body_z, body_window_depth;
+  GlTexture picture, visible;
+  GlFramebuffer body;      // what the body is, hidden or not
+  GlFramebuffer ground;    // the picture alone: the camera's image and shadows
+  GlFramebuffer composed;  // the picture and where the body is seen
+};
+
+/// A rectangle that grows around projected points.
+struct Bounds {
+  float x0 = std::numeric_limits<float>::max();
+  float y0 = std::numeric_limits<float>::max();
+  float x1 = std::numeric_limits<float>::lowest();
+  float y1 = std::numeric_limits<float>::lowest();
+  bool everything = false;  // a point before the near plane may appear anywhere
+
+  void add(const Eigen::Vector3f& x_in_camera, const PinholeCamera& camera, float radius) {
+    const float z = x_in_camera.z() - radius;
+    if (z < kNear) {
+      everything = true;
+      return;
+    }
+    const auto fx = static_cast<float>(camera.fx_px), fy = static_cast<float>(camera.fy_px);
+    const float u = fx * x_in_camera.x() / x_in_camera.z() + static_cast<float>(camera.cx_px);
+    const float v = fy * x_in_camera.y() / x_in_camera.z() + static_cast<float>(camera.cy_px);
+    const float r = std::max(fx, fy) * radius / z;
+    x0 = std::min(x0, u - r);
+    y0 = std::min(y0, v - r);
+    x1 = std::max(x1, u + r);
+    y1 = std::max(y1, v + r);
+  }
+
+  [[nodiscard]] PixelBox within(int width, int height, int margin) const {
+    if (everything) return {0, 0, width, height};
+    const auto edge = [](float value, int limit) {
+      return static_cast<int>(std::clamp(value, 0.0f, static_cast<float>(limit)));
+    };
+    const auto m = static_cast<float>(margin);
+    return {edge(std::floor(x0 - m), width), edge(std::floor(y0 - m), height),
+            edge(std::ceil(x1 + m + 1), width), edge(std::ceil(y1 + m + 1), height)};
+  }
+};
+
+void set_camera(const GlProgram& program, const PinholeCamera& camera) {
+  program.set(
+      "pinhole",
+      Eigen::Vector4d(camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px).cast<float>().eval());
+  program.set("size", Eigen::Vector2i(camera.width, camera.height).cast<float>().eval());
+  program.set("near", kNear);
+}
+
+/// Up as the body stands, and the key light: from above, a little from the left and from behind the
+/// camera, so that what the camera sees is lit. Camera frame.
+struct Light {
+  Eigen::Vector3f up;
+  Eigen::Vector3f key;
+};
+Light light_on(const BodyLook& body) {
+  const Eigen::Vector3f up = body.camera_from_body.linear().col(2).cast<float>();
+  return {up, (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized()};
+}
+
+void check(const SceneView& view) {
+  const PinholeCamera& camera = view.camera;
+  PALPABLE_EXPECT(camera.width > 0 && camera.height > 0, "the picture has a size");
+  PALPABLE_EXPECT(view.background == nullptr || (view.background->width() == camera.width &&
+                                                 view.background->height() == camera.height),
+                  "the background has the size of the picture");
+  for (const BodyLook& body : view.bodies) {
+    PALPABLE_EXPECT(
+        body.vertices != nullptr && body.normals != nullptr && body.triangles != nullptr,
+        "a body has vertices, normals and triangles");
+    const auto count = static_cast<std::size_t>(body.vertices->cols());
+    PALPABLE_EXPECT(body.normals->cols() == body.vertices->cols(), "one normal per vertex");
+    PALPABLE_EXPECT(body.scalar.empty() || body.scalar.size() == count, "one scalar per vertex");
+    PALPABLE_EXPECT(body.marks.empty() || body.marks.size() == count, "one mark per vertex");
+    PALPABLE_EXPECT(body.scalar_max > 0.0f, "the colour scale has a length");
+  }
+}
+
+}  // namespace
+
+struct SceneRenderer::State {
+  GlProgram body_program, dot_program, shadow_program, compose_program;
+  FullScreenTriangle triangle;
+  GlVertexArray no_inputs;
+  std::vector<BodyBuffers> buffers;
+  std::unique_ptr<Targets> targets;
+  GlTexture real_depth{GL_R32F, 1, 1};
+  GlTexture nothing_real{GL_R32F, 1, 1};
+
+  // Kept between frames so that nothing is allocated.
+  std::vector<float> zeros, filled, dot_values, z_rows;
+  std::vector<signed char> nearest_in_row;
+  std::vector<std::uint8_t> rgba, mask_rows;
+
+  PixelBox box_of(const SceneView& view) const;
+  Eigen::Vector2f upload_real_depth(const SceneView& view, const PixelBox& box);
+  void stream(const BodyLook& look, BodyBuffers& to);
+  void draw_shadows(const SceneView& view, const Eigen::Vector2f& depth_per_picture);
+  void draw_bodies(const SceneView& view);
+  void compose_picture(const SceneView& view, const Eigen::Vector2f& depth_per_picture);
+  void read_back(const PixelBox& box, ColorImage& picture, MaskImage* visible, DepthImage* depth);
+};
+
+SceneRenderer::SceneRenderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+SceneRenderer::SceneRenderer(SceneRenderer&&) noexcept = default;
+SceneRenderer& SceneRenderer::operator=(SceneRenderer&&) noexcept = default;
+SceneRenderer::~SceneRenderer() = default;
+
+Result<SceneRenderer> SceneRenderer::make() {
+  const auto program = [](std::string_view vertex, std::string_view fragment) {
+    return GlProgram::make(render_shader_files(), vertex, fragment);
+  };
+  Result<GlProgram> body = program("body.vert", "body.frag");
+  Result<GlProgram> dot = program("dot.vert", "dot.frag");
+  Result<GlProgram> shadow = program("shadow.vert", "shadow.frag");
+  Result<GlProgram> compose = program("full_screen.vert", "compose.frag");
+  for (const Result<GlProgram>* made : {&body, &dot, &shadow, &compose}) {
+    if (!made->ok()) return made->problem();
+  }
+  auto state = std::unique_ptr<State>(new State{.body_program = std::move(body).value(),
+                                                .dot_program = std::move(dot).value(),
+                                                .shadow_program = std::move(shadow).value(),
+                                                .compose_program = std::move(compose).value(),
+                                                .triangle = {},
+                                                .no_inputs = {},
+                                                .buffers = {},
+                                                .targets = {},
+                                                .zeros = {},
+                                                .filled = {},
+                                                .dot_values = {},
+                                                .z_rows = {},
+                                                .nearest_in_row = {},
+                                                .rgba = {},
+                                                .mask_rows = {}});
+  const float unknown = 0.0f;
+  state->nothing_real.upload(0, 0, 1, 1, GL_RED, GL_FLOAT, &unknown);
+  return SceneRenderer(std::move(state));
+}
+
+void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* body_visible,
+                         DepthImage* body_depth) {
+  check(view);
+  State& s = *state_;
+  const int width = view.camera.width, height = view.camera.height;
+  picture.resize(width, height);
+  if (view.background != nullptr) {
+    std::copy(view.background->begin(), view.background->end(), picture.begin());
+  } else {
+    std::fill(picture.begin(), picture.end(), kPlainGrey);
+  }
+  if (body_visible != nullptr) {
+    body_visible->resize(width, height);
+    std::fill(body_visible->begin(), body_visible->end(), std::uint8_t{0});
+  }
+  if (body_depth != nullptr) {
+    body_depth->resize(width, height);
+    std::fill(body_depth->begin(), body_depth->end(), std::numeric_limits<float>::quiet_NaN());
+  }
+
+  while (s.buffers.size() < view.bodies.size()) s.buffers.emplace_back();
+  for (std::size_t i = 0; i < view.bodies.size(); ++i) s.stream(view.bodies[i], s.buffers[i]);
+  const PixelBox box = s.box_of(view);
+  if (!box.empty()) {
+    if (!s.targets || s.targets->picture.width() != width ||
+        s.targets->picture.height() != height) {
+      s.targets = std::make_unique<Targets>(width, height);
+    }
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(box.x0, box.y0, box.width(), box.height());
+    const Eigen::Vector2f depth_per_picture = s.upload_real_depth(view, box);
+    s.draw_bodies(view);
+    // The picture so far is the background, or the plain grey.
+    s.targets->picture.upload(box.x0, box.y0, box.width(), box.height(), GL_RGB, GL_UNSIGNED_BYTE,
+                              picture.row(box.y0) + box.x0, width);
+    s.draw_shadows(view, depth_per_picture);
+    s.compose_picture(view, depth_per_picture);
+    glDisable(GL_SCISSOR_TEST);
+    s.read_back(box, picture, body_visible, body_depth);
+  }
+  const float scale = static_cast<float>(height) / 720.0f;
+  if (!view.legend_title.empty() && !view.bodies.empty()) {
+    draw_legend(picture, {.title = view.legend_title,
+                          .unit = view.legend_unit,
+                          .top = view.bodies.front().scalar_max * view.legend_scale,
+                          .scale = scale});
+  }
+  if (!view.caption.empty()) draw_caption(picture, view.caption, scale);
+}
+
+PixelBox SceneRenderer::State::box_of(const SceneView& view) const {
+  Bounds bounds;
+  for (std::size_t i = 0; i < view.bodies.size(); ++i) {
+    const BodyLook& body = view.bodies[i];
+    const Eigen::Isometry3f camera_from_body = body.camera_from_body.cast<float>();
+    for (Eigen::Index v = 0; v < body.vertices->cols(); ++v) {
+      bounds.add(camera_from_body * Eigen::Vector3f(body.vertices->col(v)), view.camera, 0.0f);
+    }
+    for (const Dot& dot : body.dots) {
+      bounds.add(camera_from_body * dot.at_in_body, view.camera, dot.radius);
+    }
+    if (body.shadow <= 0.0f || body.vertices->cols() == 0) continue;
+    const Eigen::Vector4f& patch = buffers[i].shadow.box();
+    for (const int corner : {0, 1, 2, 3}) {
+      const Eigen::Vector3f at(patch[(corner & 1) != 0 ? 2 : 0], patch[(corner & 2) != 0 ? 3 : 1],
+                               0.0f);
+      bounds.add(camera_from_body * at, view.camera, 0.0f);
+    }
+  }
+  if (!bounds.everything && bounds.x0 > bounds.x1) return {};
+  return bounds.within(view.camera.width, view.camera.height, kOutlineRadius);
+}
+
+/// @return texels of the depth image per pixel of the picture
+Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view,
+                                                        const PixelBox& box) {
+  if (view.real_depth == nullptr || view.real_depth->empty()) return Eigen::Vector2f::Zero();
+  const DepthImage& depth = *view.real_depth;
+  if (real_depth.width() != depth.width() || real_depth.height() != depth.height()) {
+    real_depth = GlTexture(GL_R32F, depth.width(), depth.height());
+  }
+  const double sx = static_cast<double>(depth.width()) / view.camera.width;
+  const double sy = static_cast<double>(depth.height()) / view.camera.height;
+  const int margin = kHoleRadius + 2;
+  const PixelBox texels{std::max(static_cast<int>(box.x0 * sx) - margin, 0),
+                        std::max(static_cast<int>(box.y0 * sy) - margin, 0),
+                        std::min(static_cast<int>(box.x1 * sx) + margin, depth.width()),
+                        std::min(static_cast<int>(box.y1 * sy) + margin, depth.height())};
+  fill_unknown(depth, texels, kHoleRadius, nearest_in_row, filled);
+  real_depth.upload(texels.x0, texels.y0, texels.width(), texels.height(), GL_RED, GL_FLOAT,
+                    filled.data());
+  return Eigen::Vector2d(sx, sy).cast<float>();
+}
+
+void SceneRenderer::State::stream(const BodyLook& look, BodyBuffers& to) {
+  const auto count = static_cast<std::size_t>(look.vertices->cols());
+  zeros.resize(std::max(zeros.size(), count));
+  const auto matrix = [](const Eigen::Matrix3Xf& m) {
+    return std::span<const float>(m.data(), static_cast<std::size_t>(m.size()));
+  };
+  const auto or_zeros = [&](std::span<const float> values) {
+    return values.empty() ? std::span<const float>(zeros.data(), count) : values;
+  };
+  to.vertices.stream(matrix(*look.vertices));
+  to.normals.stream(matrix(*look.normals));
+  to.scalar.stream(or_zeros(look.scalar));
+  to.marks.stream(or_zeros(look.marks));
+  if (to.known_triangles.cols() != look.triangles->cols() ||
+      to.known_triangles != *look.triangles) {
+    to.known_triangles = *look.triangles;
+    to.triangles.stream(std::span<const int>(look.triangles->data(),
+                                             static_cast<std::size_t>(look.triangles->size())));
+  }
+  dot_values.clear();
+  for (const Dot& dot : look.dots) {
+    const Eigen::Vector3f tint = floats_of(dot.color);
+    dot_values.insert(dot_values.end(), {dot.at_in_body.x(), dot.at_in_body.y(), dot.at_in_body.z(),
+                                         dot.radius, tint.x(), tint.y(), tint.z()});
+  }
+  to.dots.stream(std::span<const float>(dot_values));
+  if (look.shadow > 0.0f) {
+    const Light light = light_on(look);
+    const Eigen::Matrix3f body_from_camera =
+        look.camera_from_body.linear().transpose().cast<float>();
+    to.shadow.cast(*look.vertices, *look.triangles, body_from_camera * light.key);
+    to.shade.upload(0, 0, GroundShadow::kSide, GroundShadow::kSide, GL_RED, GL_FLOAT,
+                    to.shadow.shade().data());
+  }
+}
+
+void SceneRenderer::State::draw_bodies(const SceneView& view) {
+  targets->body.bind();
+  constexpr std::array<float, 4> kNone{};
+  glClearNamedFramebufferfv(targets->body.get(), GL_COLOR, 0, kNone.data());
+  glClearNamedFramebufferfv(targets->body.get(), GL_COLOR, 1, kNone.data());
+  glClearNamedFramebufferfv(targets->body.get(), GL_DEPTH, 0, kNone.data());
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);  // reversed: 0 is infinity
+  glEnable(GL_CULL_FACE);
+  glFrontFace(GL_CW);  // counter-clockwise in a frame whose Y points down the rows
+  glEnable(GL_PROGRAM_POINT_SIZE);
+  for (std::size_t i = 0; i < view.bodies.size(); ++i) {
+    const BodyLook& look = view.bodies[i];
+    const Light light = light_on(look);
+    const auto set_common = [&](const GlProgram& program) {
+      set_camera(program, view.camera);
+      program.set("camera_from_body", look.camera_from_body.matrix().cast<float>().eval());
+      program.set("key", light.key);
+      program.set("up", light.up);
+      program.set("brightness", view.brightness);
+      program.use();
+    };
+    set_common(body_program);
+    body_program.set("scalar_max", look.scalar_max);
+    body_program.set("mark_color", floats_of(look.mark_color));
+    buffers[i].inputs.bind();
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(look.triangles->size()), GL_UNSIGNED_INT,
+                   nullptr);
+    if (!look.dots.empty()) {
+      set_common(dot_program);
+      buffers[i].dot_inputs.bind();
+      glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(look.dots.size()));
+    }
+  }
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_DEPTH_TEST);
+}
+
+void SceneRenderer::State::draw_shadows(const SceneView& view,
+                                        const Eigen::Vector2f& depth_per_picture) {
+  const bool any_real = depth_per_picture.x() > 0.0f;
+  targets->ground.bind();
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ZERO, GL_SRC_COLOR);
+  no_inputs.bind();
+  (any_real ? real_depth : nothing_real).bind(1);
+  for (std::size_t i = 0; i < view.bodies.size(); ++i) {
+    const BodyLook& look = view.bodies[i];
+    if (look.shadow <= 0.0f || look.vertices->cols() == 0) continue;
+    set_camera(shadow_program, view.camera);
+    shadow_program.set("camera_from_body", look.camera_from_body.matrix().cast<float>().eval());
+    shadow_program.set("patch_box", buffers[i].shadow.box());
+    shadow_program.set("depth_per_picture", depth_per_picture);
+    shadow_program.set("strength", look.shadow);
+    shadow_program.use();
+    buffers[i].shade.bind(0);
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  }
+  glDisable(GL_BLEND);
+}
+
+void SceneRenderer::State::compose_picture(const SceneView& view,
+                                           const Eigen::Vector2f& depth_per_picture) {
+  const bool any_real = depth_per_picture.x() > 0.0f;
+  targets->composed.bind();
+  constexpr std::array<float, 4> kNone{};
+  glClearNamedFramebufferfv(targets->composed.get(), GL_COLOR, 1, kNone.data());
+  glEnablei(GL_BLEND, 0);  // the mask is written as it is
+  glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+  targets->body_color.bind(0);
+  targets->body_z.bind(1);
+  (any_real ? real_depth : nothing_real).bind(2);
+  compose_program.set("depth_per_picture", depth_per_picture);
+  glProgramUniform2i(compose_program.get(), glGetUniformLocation(compose_program.get(), "last"),
+                     view.camera.width - 1, view.camera.height - 1);
+  compose_program.use();
+  triangle.draw();
+  glDisablei(GL_BLEND, 0);
+}
+
+void SceneRenderer::State::read_back(const PixelBox& box, ColorImage& picture, MaskImage* visible,
+                                     DepthImage* depth) {
+  const auto w = static_cast<std::size_t>(box.width());
+  const auto count = w * static_cast<std::size_t>(box.height());
+  rgba.resize(std::max(rgba.size(), 4 * count));
+  targets->composed.read(0, box.x0, box.y0, box.width(), box.height(), GL_RGBA, GL_UNSIGNED_BYTE,
+                         rgba.data());
+  if (visible != nullptr) {
+    mask_rows.resize(std::max(mask_rows.size(), count));
+    targets->composed.read(1, box.x0, box.y0, box.width(), box.height(), GL_RED, GL_UNSIGNED_BYTE,
+                           mask_rows.data());
+  }
+  if (depth != nullptr) {
+    z_rows.resize(std::max(z_rows.size(), count));
+    targets->body.read(1, box.x0, box.y0, box.width(), box.height(), GL_RED, GL_FLOAT,
+                       z_rows.data());
+  }
+  for (int y = 0; y < box.height(); ++y) {
+    const std::size_t first = w * static_cast<std::size_t>(y);
+    const std::uint8_t* from = rgba.data() + 4 * first;
+    Rgb* to = picture.row(box.y0 + y) + box.x0;
+    for (std::size_t x = 0; x < w; ++x) to[x] = {from[4 * x], from[4 * x + 1], from[4 * x + 2]};
+    if (visible != nullptr) {
+      std::memcpy(visible->row(box.y0 + y) + box.x0, mask_rows.data() + first, w);
+    }
+    if (depth != nullptr) {
+      float* z = depth->row(box.y0 + y) + box.x0;
+      for (std::size_t x = 0; x < w; ++x) {
+        if (z_rows[first + x] > 0.0f) z[x] = z_rows[first + x];
+      }
+    }
+  }
+}
+
+}  // namespace palpable

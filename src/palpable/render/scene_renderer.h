@@ -1,0 +1,93 @@
+/// @file
+/// From a scene to a picture: the camera's image, the body in it, hidden where something real is
+/// nearer (paper Sec. 3.5, Fig. 9), its stress as colours (Fig. 16).
+///
+///   V  vertices     T  triangles
+///
+/// Camera frame: X right, Y down, Z forward, m. Every depth that is compared is Z in that frame.
+#pragma once
+
+#include "palpable/base/error.h"
+#include "palpable/geometry/camera.h"
+#include "palpable/geometry/image.h"
+
+#include <Eigen/Core>
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace palpable {
+
+/// A small ball on a body: the middle of a contact site, a touched point.
+struct Dot {
+  Eigen::Vector3f at_in_body = Eigen::Vector3f::Zero();  ///< m
+  float radius = 0.002f;                                 ///< m
+  Rgb color{240, 120, 20};
+};
+
+/// One body as plain arrays. Pointers are read during draw() only; null is allowed where said.
+struct BodyLook {
+  const Eigen::Matrix3Xf* vertices = nullptr;   ///< (3 x V) body frame, m, as it is now
+  const Eigen::Matrix3Xf* normals = nullptr;    ///< (3 x V) body frame, unit, outwards
+  const Eigen::Matrix3Xi* triangles = nullptr;  ///< (3 x T) counter-clockwise from outside
+  std::span<const float> scalar;                ///< (V) Pa, painted; empty: none, the lowest colour
+  float scalar_max = 1;                         ///< Pa, > 0: top of the colour scale
+  std::span<const float> marks;                 ///< (V) painted in mark_color where > 0.5; or empty
+  Rgb mark_color{250, 208, 60};
+  std::span<const Dot> dots;
+  Rigid3 camera_from_body = Rigid3::Identity();
+  /// How dark the shadow on the body's plane Z = 0 is, 0 (none) .. 1; on what is real, only where
+  /// its depth lies on that plane or is unknown.
+  float shadow = 0.5f;
+};
+
+/// All that one picture shows.
+struct SceneView {
+  const ColorImage* background = nullptr;  ///< camera size; null: a plain grey
+  /// Z of the real scene in m, NaN where unknown; any size with the same field of view as
+  /// `camera` (camera.scaled_down(2), say). Null: nothing real hides the body.
+  const DepthImage* real_depth = nullptr;
+  PinholeCamera camera;  ///< of the picture; width and height are the picture's
+  std::vector<BodyLook> bodies;
+  /// Light of the scene, 1 = a well lit room.
+  float brightness = 1;
+  std::string legend_title;          ///< above the colour bar, e.g. "von Mises"; empty: no bar
+  std::string legend_unit = "kPa";   ///< with legend_scale: what the numbers at the bar are in
+  double legend_scale = 1e-3;        ///< number shown = Pa * legend_scale
+  std::vector<std::string> caption;  ///< lines in a corner, UTF-8 (Latin)
+};
+
+/// Draws scenes with the OpenGL context that is current now and in every later call.
+///
+/// The vertices are streamed, and only the rectangle that holds bodies and shadows passes through
+/// OpenGL; the rest of the picture is copied. Allocates nothing on our side once sizes are known.
+class SceneRenderer {
+ public:
+  /// Needs a current context (GlContext::offscreen or Window). The problem names shader and line.
+  [[nodiscard]] static Result<SceneRenderer> make();
+
+  SceneRenderer(SceneRenderer&&) noexcept;
+  SceneRenderer& operator=(SceneRenderer&&) noexcept;
+  ~SceneRenderer();
+
+  /// Draws `view`.
+  ///
+  /// @param picture       overwritten, camera size
+  /// @param body_visible  may be null. 255 where a body is seen: there and not hidden
+  /// @param body_depth    may be null. Z in m of the nearest body, hidden or not; NaN elsewhere
+  /// @throws ContractViolation when sizes do not match
+  ///
+  /// An unknown depth hides nothing, except that holes of up to 6 texels are closed with their
+  /// nearest neighbour. Outlines are about 1 pixel soft. Bodies nearer than 10 mm are cut off.
+  void draw(const SceneView& view, ColorImage& picture, MaskImage* body_visible = nullptr,
+            DepthImage* body_depth = nullptr);
+
+ private:
+  struct State;
+  explicit SceneRenderer(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace palpable

@@ -1,0 +1,26 @@
+#version 450 core
+// Colour and metric depth of the body.
+in vec3 x_in_camera;
+in vec3 n_in_camera;
+in float share;
+in float marked;
+
+#include "color_map.glsl"
+#include "light.glsl"
+
+uniform vec3 key;          // camera frame, unit, towards the light
+uniform vec3 up;           // camera frame, unit
+uniform float brightness;
+uniform vec3 mark_color;   // sRGB
+
+layout(location = 0) out vec4 color;  // sRGB
+layout(location = 1) out float z;     // m
+
+void main() {
+  vec3 albedo = color_map(share);
+  float soft = max(fwidth(marked), 1e-4);
+  albedo = mix(albedo, mark_color, smoothstep(0.5 - soft, 0.5 + soft, marked));
+  color = vec4(
+      lit(albedo, normalize(n_in_camera), key, up, normalize(-x_in_camera), brightness), 1.0);
+  z = x_in_camera.z;
+}

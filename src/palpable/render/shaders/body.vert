@@ -1,0 +1,26 @@
+#version 450 core
+// A streamed body: body frame in, camera frame and clip space out.
+layout(location = 0) in vec3 position;  // body frame, m
+layout(location = 1) in vec3 normal;    // body frame, unit
+layout(location = 2) in float scalar;   // Pa
+layout(location = 3) in float mark;     // 0 plain .. 1 marked
+
+#include "depth.glsl"
+#include "project.glsl"
+
+uniform mat4 camera_from_body;
+uniform float scalar_max;  // Pa, > 0: top of the colour scale
+
+out vec3 x_in_camera;  // m
+out vec3 n_in_camera;
+out float share;       // of the colour scale
+out float marked;
+
+void main() {
+  vec4 x = camera_from_body * vec4(position, 1.0);
+  x_in_camera = x.xyz;
+  n_in_camera = mat3(camera_from_body) * normal;
+  share = scalar / scalar_max;
+  marked = mark;
+  gl_Position = clip_of_camera(x.xyz);
+}

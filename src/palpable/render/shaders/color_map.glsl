@@ -1,0 +1,18 @@
+// The colours of stress, steel blue (nothing) over rose to yellow (all of the scale).
+//
+// A path through CIELAB with L* rising evenly from 36 to 93, so that more stress is always lighter,
+// in print and for every kind of colour vision; fitted by a polynomial in sRGB of degree 6 to 0.05.
+// Also compiled as C++ (color_map.cpp): GLSL and C++ share this text.
+
+/// sRGB, 0..1, of a share t of the scale; t is clamped to 0..1.
+vec3 color_map(float t) {
+  t = clamp(t, 0.0f, 1.0f);
+  const vec3 c0 = vec3(0.046f, 0.337f, 0.571f);
+  const vec3 c1 = vec3(3.692f, 0.426f, 1.203f);
+  const vec3 c2 = vec3(-13.165f, -1.426f, -2.513f);
+  const vec3 c3 = vec3(52.744f, -3.508f, -2.945f);
+  const vec3 c4 = vec3(-109.945f, 21.823f, 8.329f);
+  const vec3 c5 = vec3(102.577f, -27.4f, -5.853f);
+  const vec3 c6 = vec3(-34.971f, 10.679f, 1.624f);
+  return clamp(c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * (c5 + t * c6))))), 0.0f, 1.0f);
+}

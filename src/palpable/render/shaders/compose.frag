@@ -1,0 +1,70 @@
+#version 450 core
+// The body over the camera image, hidden where a real surface is nearer: Z against Z, both metric.
+// Blended as premultiplied colour.
+#include "depth.glsl"
+
+layout(binding = 0) uniform sampler2D body_color;  // sRGB
+layout(binding = 1) uniform sampler2D body_depth;  // m, 0 where no body
+layout(binding = 2) uniform sampler2D real_depth;  // m, 0 unknown; often coarser than the picture
+uniform vec2 depth_per_picture;  // texels of real_depth per pixel of the picture
+uniform ivec2 last;              // the last pixel of the picture
+
+layout(location = 0) out vec4 color;
+layout(location = 1) out float visible_mask;
+
+/// Share hidden at picture position p (pixel centres at halves). The decision is interpolated, not
+/// the depth: between a hand and the wall behind it there is no surface half way.
+float hidden_at(vec2 p, float z) {
+  vec2 t = p * depth_per_picture - 0.5;
+  vec2 corner = floor(t);
+  vec2 f = t - corner;
+  ivec2 a = ivec2(corner);
+  ivec2 end = textureSize(real_depth, 0) - 1;
+  ivec2 low = clamp(a, ivec2(0), end);
+  ivec2 high = clamp(a + 1, ivec2(0), end);
+  float h00 = hidden_share(z, texelFetch(real_depth, low, 0).r);
+  float h10 = hidden_share(z, texelFetch(real_depth, ivec2(high.x, low.y), 0).r);
+  float h01 = hidden_share(z, texelFetch(real_depth, ivec2(low.x, high.y), 0).r);
+  float h11 = hidden_share(z, texelFetch(real_depth, high, 0).r);
+  return mix(mix(h00, h10, f.x), mix(h01, h11, f.x), f.y);
+}
+
+void main() {
+  ivec2 p = ivec2(gl_FragCoord.xy);
+  float own = texelFetch(body_depth, p, 0).r;
+  // 3 x 3 neighbours, binomial weights: their share of body is the coverage of this pixel.
+  float cover = 0.0;
+  float z_sum = 0.0;
+  float jump = 0.0;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      float z = texelFetch(body_depth, clamp(p + ivec2(dx, dy), ivec2(0), last), 0).r;
+      float weight = float((2 - abs(dx)) * (2 - abs(dy))) / 16.0;
+      if (z > 0.0) {
+        cover += weight;
+        z_sum += weight * z;
+        jump = max(jump, abs(z - own));
+      }
+    }
+  }
+  if (cover == 0.0) discard;
+  float z = own > 0.0 ? own : z_sum / cover;
+  vec3 paint = texelFetch(body_color, p, 0).rgb;
+  if (own == 0.0 || jump > 0.01 * own) {
+    // At an outline, its own or one inside it (an ear before the back): mix, to soften the stairs.
+    vec3 sum = vec3(0.0);
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        ivec2 q = clamp(p + ivec2(dx, dy), ivec2(0), last);
+        if (texelFetch(body_depth, q, 0).r > 0.0) {
+          sum += float((2 - abs(dx)) * (2 - abs(dy))) / 16.0 * texelFetch(body_color, q, 0).rgb;
+        }
+      }
+    }
+    paint = sum / cover;
+  }
+  float visible = 1.0 - hidden_at(gl_FragCoord.xy, z);
+  float alpha = smoothstep(0.1, 0.9, cover) * visible;
+  color = vec4(paint * alpha, alpha);
+  visible_mask = own > 0.0 && visible >= 0.5 ? 1.0 : 0.0;
+}

@@ -1,0 +1,26 @@
+#version 450 core
+flat in vec3 centre;
+flat in float r;
+flat in vec3 albedo;
+
+#include "depth.glsl"
+#include "light.glsl"
+#include "project.glsl"
+
+uniform vec3 key;
+uniform vec3 up;
+uniform float brightness;
+
+layout(location = 0) out vec4 color;
+layout(location = 1) out float z;
+
+void main() {
+  // The ray through this pixel at the depth of the centre: a ball seen from afar is its outline.
+  vec2 at = (gl_FragCoord.xy - 0.5 - pinhole.zw) / pinhole.xy * centre.z - centre.xy;
+  float inside = r * r - dot(at, at);
+  if (inside < 0.0) discard;
+  vec3 n = vec3(at, -sqrt(inside)) / r;
+  z = centre.z + n.z * r;
+  gl_FragDepth = window_depth(z, near);
+  color = vec4(lit(albedo, n, key, up, normalize(-centre), brightness), 1.0);
+}

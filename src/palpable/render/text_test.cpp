@@ -1,0 +1,111 @@
+#include "palpable/render/text.h"
+
+#include "palpable/render/color_map.h"
+#include "palpable/render/legend.h"
+#include "tests/support/test.h"
+
+#include <algorithm>
+#include <string>
+
+using namespace palpable;
+
+namespace {
+
+ColorImage written(std::string_view text, float size) {
+  ColorImage picture(300, 60);
+  draw_text(picture, 5, 5, text, size, {255, 255, 255});
+  return picture;
+}
+
+long ink_of(const ColorImage& picture) {
+  long sum = 0;
+  for (const Rgb& pixel : picture) sum += pixel.r;
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("every letter of ASCII is drawn, each in its own shape", "[render]") {
+  std::vector<ColorImage> seen;
+  for (char c = '!'; c <= '~'; ++c) {
+    INFO("letter " << c);
+    const ColorImage picture = written(std::string(1, c), 28);
+    CHECK(ink_of(picture) > 255 * 6);
+    CHECK(std::find(seen.begin(), seen.end(), picture) == seen.end());
+    seen.push_back(picture);
+  }
+  CHECK(ink_of(written(" ", 28)) == 0);
+}
+
+TEST_CASE("text stays within its measured size", "[render]") {
+  for (const float size : {10.0f, 15.0f, 21.0f, 42.0f}) {
+    INFO("size " << size);
+    const std::string text = "Qgy|41 kPa";
+    const TextSize extent = measure_text(text, size);
+    const ColorImage picture = written(text, size);
+    for (int y = 0; y < picture.height(); ++y) {
+      for (int x = 0; x < picture.width(); ++x) {
+        if (picture(x, y).r == 0) continue;
+        CHECK((x >= 4 && static_cast<float>(x) <= 6 + extent.width));
+        CHECK((y >= 4 && static_cast<float>(y) <= 6 + extent.height()));
+      }
+    }
+  }
+  CHECK(measure_text("mm", 20).width == Approx(2 * measure_text("m", 20).width));
+  CHECK(measure_text("", 20).width == 0);
+}
+
+TEST_CASE("what the font lacks, or what is not UTF-8, becomes a question mark", "[render]") {
+  const ColorImage question = written("?", 21);
+  CHECK(written("\xe6\xbc\xa2", 21) == question);
+  CHECK(written("\xff", 21) == question);
+  CHECK(written("\xc2", 21) == question);  // cut off in the middle of a letter
+  CHECK_FALSE(written("\xc2\xb0", 21) == question);
+}
+
+TEST_CASE("text and panels beyond the picture are cut off", "[render]") {
+  ColorImage picture(20, 10);
+  draw_text(picture, -30, -5, "wide text", 21, {255, 255, 255});
+  draw_text(picture, 15, 5, "wide text", 21, {255, 255, 255});
+  fill_panel(picture, -5, -5, 100, 100, 3, {9, 9, 9});
+  CHECK(picture == ColorImage(20, 10, {9, 9, 9}));
+}
+
+TEST_CASE("ticks are round numbers within the scale", "[render]") {
+  CHECK(round_ticks(10, 5) == std::vector<double>{0, 2, 4, 6, 8, 10});
+  CHECK(round_ticks(23.7, 5) == std::vector<double>{0, 5, 10, 15, 20});
+  CHECK(round_ticks(1, 5).size() == 6);
+  CHECK(round_ticks(0.0007, 4).back() == Approx(0.0006));
+  CHECK_THROWS_AS(round_ticks(0, 5), ContractViolation);
+}
+
+TEST_CASE("the legend shows the colours from bottom to top and writes beside them", "[render]") {
+  for (const int height : {360, 720, 1080}) {
+    INFO("rows " << height);
+    ColorImage picture(height * 16 / 9, height, {128, 128, 128});
+    draw_legend(picture, {.title = "von Mises",
+                          .unit = "kPa",
+                          .top = 12.5,
+                          .scale = static_cast<float>(height) / 720.0f});
+    const auto rows_of = [&](float share) {
+      const Rgb wanted = color_of_share(share);
+      const auto far = [](int a, int b) { return std::abs(a - b); };
+      int last = -1;
+      for (int y = 0; y < picture.height(); ++y) {
+        for (int x = picture.width() / 2; x < picture.width(); ++x) {
+          const Rgb p = picture(x, y);
+          if (far(p.r, wanted.r) + far(p.g, wanted.g) + far(p.b, wanted.b) <= 6) last = y;
+        }
+      }
+      return last;
+    };
+    const int low = rows_of(0.02f), middle = rows_of(0.5f), high = rows_of(0.98f);
+    CHECK(high >= 0);
+    CHECK(high < middle);
+    CHECK(middle < low);
+    // Light letters on the dark panel.
+    const auto light = std::count_if(picture.begin(), picture.end(),
+                                     [](Rgb p) { return p.r > 190 && p.g > 190 && p.b > 190; });
+    CHECK(light > height / 6);
+  }
+}
