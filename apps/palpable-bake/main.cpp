@@ -1,0 +1,38 @@
+// palpable-bake: the offline half. Users start it through `palpable mesh` and `palpable bake`.
+
+#include "apps/common/command_line.h"
+#include "apps/palpable-bake/commands.h"
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <string>
+
+namespace palpable::app {
+namespace {
+
+int run(int argc, char** argv) {
+  // Under the name by which it was called, `palpable` or `palpable-bake`, so that what --help and
+  // the provenance say can be typed again.
+  const std::string name = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "";
+  CLI::App app("The offline half of Palpable: meshes, solves and reduces a body into a file.",
+               name);
+  app.set_version_flag("--version", std::string("palpable-bake ") + PALPABLE_VERSION);
+  app.set_help_flag("-h,--help", "Print this help and exit");
+  app.require_subcommand(1);
+  app.footer(
+      "Each command explains itself: palpable bake --help\n"
+      "Example: palpable bake bodies/bunny-demo.toml -o bunny.palpable");
+  std::string command_line = name;
+  for (int i = 1; i < argc; ++i) command_line += std::string(" ") + argv[i];
+
+  add_mesh(app);
+  add_bake(app, command_line);
+  add_bench(app);
+  return run_command_line(app, argc, argv);
+}
+
+}  // namespace
+}  // namespace palpable::app
+
+int main(int argc, char** argv) { return palpable::app::run(argc, argv); }

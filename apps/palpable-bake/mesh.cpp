@@ -1,0 +1,77 @@
+// palpable mesh SURFACE -o body.msh
+
+#include "apps/palpable-bake/commands.h"
+#include "palpable/bake/body_mesh.h"
+#include "palpable/bake/msh_file.h"
+#include "palpable/bake/remesh.h"
+#include "palpable/bake/tetrahedralise.h"
+#include "palpable/base/error.h"
+#include "palpable/geometry/mesh_file.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace palpable::app {
+namespace {
+
+struct Options {
+  std::string surface;
+  std::string output;
+  std::optional<double> edge, height;
+  std::string up = "z";
+};
+
+void mesh(const Options& options) {
+  SurfaceMesh surface = value_or_throw(read_surface_file(options.surface));
+  require_solid_surface(surface, options.surface);
+  // Only a wish about the placing moves the mesh; otherwise it stays where the file has it.
+  if (options.height || options.up != "z") {
+    const UpAxis up = options.up == "x" ? UpAxis::kX : options.up == "y" ? UpAxis::kY : UpAxis::kZ;
+    place_in_body_frame(surface.vertices, up, options.height);
+  }
+  if (options.edge) surface = remesh_surface(surface, *options.edge, options.surface);
+  const TetMesh volume = tetrahedralise(surface, options.surface);
+  write_msh_file(options.output, volume);
+  const TetQuality quality = quality_of(volume);
+  fmt::print(
+      "{}: {} nodes, {} tetrahedra, boundary {} vertices and {} triangles,\n"
+      "volume {:.4g} m^3, dihedral angles {:.1f} to {:.1f} degrees, mean edge {:.3g} m\n",
+      options.output, volume.node_count(), volume.tet_count(), surface.vertex_count(),
+      surface.triangle_count(), quality.volume, quality.smallest_dihedral_degrees,
+      quality.largest_dihedral_degrees, mean_edge_length(surface));
+}
+
+}  // namespace
+
+void add_mesh(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("mesh", "Fill a watertight surface with tetrahedra");
+  command->add_option("surface", options->surface, "Surface: .stl .ply .obj .3ds .off")
+      ->required()
+      ->type_name("SURFACE");
+  command->add_option("-o,--out", options->output, "Gmsh file (.msh, ASCII) to write")
+      ->required()
+      ->type_name("FILE");
+  command
+      ->add_option("--edge", options->edge,
+                   "Remesh the surface to this edge length first, in metres (after --height)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("METRES");
+  command
+      ->add_option("--height", options->height,
+                   "Scale to this height in metres and stand it on Z = 0")
+      ->check(CLI::PositiveNumber)
+      ->type_name("METRES");
+  command->add_option("--up", options->up, "Axis of the file that points up: x, y or z")
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->capture_default_str();
+  command->footer(
+      "Example: palpable mesh bunny.off -o bunny.msh --up y --height 0.15 --edge 0.007");
+  command->callback([options] { mesh(*options); });
+}
+
+}  // namespace palpable::app

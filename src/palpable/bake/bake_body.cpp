@@ -1,0 +1,233 @@
+#include "palpable/bake/bake_body.h"
+
+#include "palpable/bake/contact_sites.h"
+#include "palpable/base/contract.h"
+#include "palpable/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// (c N) the weight of each value so that the norm is an integral over the body: the node's volume,
+// and for stress twice that where a component stands for two equal ones (xy and yx).
+VectorXd value_weights(const TetMesh& mesh, const VectorXd& component_weights) {
+  const VectorXd volumes = nodal_volumes(mesh);
+  return (component_weights * volumes.transpose()).reshaped();
+}
+
+std::vector<std::uint8_t> fixed_vertices(const BodyMesh& mesh) {
+  std::vector<std::uint8_t> fixed(mesh.boundary.node_of_vertex.size(), 0);
+  for (std::size_t v = 0; v < fixed.size(); ++v) {
+    fixed[v] = std::binary_search(mesh.fixed_nodes.begin(), mesh.fixed_nodes.end(),
+                                  mesh.boundary.node_of_vertex[v]);
+  }
+  return fixed;
+}
+
+// The rows of the boundary's nodes, `components` per node.
+MatrixXd boundary_rows(const MatrixXd& values, const Boundary& boundary, int components) {
+  MatrixXd rows(static_cast<Index>(boundary.node_of_vertex.size()) * components, values.cols());
+  Index row = 0;
+  for (const int node : boundary.node_of_vertex) {
+    rows.middleRows(row, components) = values.middleRows(Index{node} * components, components);
+    row += components;
+  }
+  return rows;
+}
+
+// The body at rest is level 0 and no snapshot: there every level function is 0.
+SeparatedField as_field(const SeparatedTensor& separated, const VectorXd& levels,
+                        const Boundary& boundary, int components) {
+  const Index S = separated.G[0].rows(), L = separated.G[1].rows(), m = separated.F.cols();
+  ParameterAxis site{"site", VectorXd::LinSpaced(S, 0.0, static_cast<double>(S - 1)),
+                     separated.G[0], Between::kNothing};
+  ParameterAxis level{"level", levels, MatrixXd::Zero(L + 1, m), Between::kSmooth};
+  level.functions.bottomRows(L) = separated.G[1];
+  return {boundary_rows(separated.F, boundary, components).cast<float>(),
+          {std::move(site), std::move(level)}};
+}
+
+double largest_evaluation_error(const SeparatedField& field, const MatrixXd& snapshots,
+                                const Boundary& boundary, int components) {
+  const MatrixXd truth = boundary_rows(snapshots, boundary, components);
+  const ParameterAxis& site = field.axes()[0];
+  const ParameterAxis& level = field.axes()[1];
+  const Index L = level.samples.size() - 1;
+  std::vector<float> values(static_cast<std::size_t>(field.value_count()));
+  const Eigen::Map<const Eigen::VectorXf> evaluated(values.data(), field.value_count());
+  double largest = 0;
+  for (Index s = 0; s < site.samples.size(); ++s) {
+    for (Index l = 0; l < L; ++l) {
+      const double mu[2] = {site.samples[s], level.samples[l + 1]};
+      field.evaluate(mu, values);
+      largest = std::max(largest,
+                         (evaluated.cast<double>() - truth.col(s * L + l)).cwiseAbs().maxCoeff());
+    }
+  }
+  return largest / truth.cwiseAbs().maxCoeff();
+}
+
+struct ReducedField {
+  SeparatedField field;
+  ReductionReport report;
+};
+
+ReducedField reduce_field(const char* name, const SnapshotTensor& snapshots,
+                          const VectorXd& component_weights, const Campaign& campaign,
+                          const BodyMesh& mesh, const BodyDescription::Reduction& settings,
+                          const Progress& progress) {
+  const GreedySettings greedy{.tolerance = settings.tolerance, .max_modes = settings.max_modes};
+  const Progress named = [&](const ProgressReport& r) {
+    report(progress, {fmt::format("reducing {}", name), r.done, r.total, r.note});
+  };
+  const GreedyResult result =
+      separate(snapshots, value_weights(mesh.mesh, component_weights), greedy, named);
+  const int components = static_cast<int>(component_weights.size());
+  ReducedField reduced{as_field(result.separated, campaign.levels, mesh.boundary, components), {}};
+  reduced.report.errors = result.errors;
+  reduced.report.reached = result.reached;
+  reduced.report.pooled = result.error;
+  reduced.report.worst = result.snapshot_errors.maxCoeff();
+  reduced.report.evaluated_worst =
+      largest_evaluation_error(reduced.field, snapshots.values, mesh.boundary, components);
+  return reduced;
+}
+
+std::string material_line(const BodyDescription::MaterialLaw& material) {
+  return fmt::format("{}, Young's modulus {:.4g} Pa, Poisson's ratio {:.3g}", material.law,
+                     material.young, material.poisson);
+}
+
+std::string reduction_line(const char* what, int modes, const ReductionReport& report,
+                           double tolerance) {
+  return fmt::format(
+      "{}: {} modes, relative L2 error over the volume {:.3g} pooled (asked {:.3g}{}), {:.3g} at "
+      "the worst snapshot in its own norm",
+      what, modes, report.pooled, tolerance, report.reached ? "" : ", not reached", report.worst);
+}
+
+void add_provenance(const BodyDescription& description, const BakeSettings& settings,
+                    const BodyMesh& mesh, const Campaign& campaign, BakedBody& baked) {
+  const auto add = [&](const char* key, std::string value) {
+    baked.body.provenance.emplace_back(key, std::move(value));
+  };
+  const BakeReport& report = baked.report;
+  add("description", description.source.filename().string());
+  add("mesh source", mesh.origin);
+  add("mesh", fmt::format("{} nodes, {} linear tetrahedra, boundary {} vertices, {} triangles; "
+                          "dihedral angles {:.1f} to {:.1f} degrees, volume {:.4g} m^3",
+                          report.nodes, report.tets, report.vertices, report.triangles,
+                          mesh.quality.smallest_dihedral_degrees,
+                          mesh.quality.largest_dihedral_degrees, mesh.quality.volume));
+  add("material", baked.body.material);
+  add("support", fmt::format("{} nodes below {:.3g} of the height are held",
+                             mesh.fixed_nodes.size(), description.support.below));
+  const auto reached = std::count_if(campaign.outcomes.begin(), campaign.outcomes.end(),
+                                     [](const SiteOutcome& o) { return o.reached_press; });
+  add("loads",
+      fmt::format(
+          "{} sites, farthest points above {:.3g} of the height, patches of graph distance "
+          "{}, dead loads to the centre of mass, {} levels to a press of {:.4g} m; {} sites "
+          "reach it",
+          campaign.sites.size(), description.sites.above, description.sites.patch,
+          campaign.levels.size() - 1, description.press.depth * mesh.height, reached));
+  add("solver",
+      "total Lagrangian linear tetrahedra, Newton with conjugate gradients preconditioned by a "
+      "sparse Cholesky factor");
+  add("reduction",
+      "non-intrusive PGD over site and level, all functions updated after each mode, space "
+      "weighted "
+      "by nodal volume");
+  const double tolerance = description.reduction.tolerance;
+  add("displacement", reduction_line("displacement", baked.body.displacement.mode_count(),
+                                     report.displacement, tolerance));
+  add("stress", reduction_line("nodal Cauchy stress", baked.body.stress.mode_count(), report.stress,
+                               tolerance));
+  if (!settings.version.empty()) add("program", settings.version);
+  if (!settings.command_line.empty()) add("command line", settings.command_line);
+}
+
+}  // namespace
+
+BakedBody reduce_campaign(const Campaign& campaign, const BodyMesh& mesh,
+                          const BodyDescription::Reduction& settings, const Progress& progress) {
+  ReducedField u = reduce_field("displacement", campaign.displacement, VectorXd::Ones(3), campaign,
+                                mesh, settings, progress);
+  ReducedField sigma =
+      reduce_field("stress", campaign.stress, (VectorXd(6) << 1, 1, 1, 2, 2, 2).finished(),
+                   campaign, mesh, settings, progress);
+  BakedBody baked{ReducedBody{.name = {},
+                              .surface = mesh.boundary.surface,
+                              .fixed = fixed_vertices(mesh),
+                              .sites = campaign.sites,
+                              .displacement = std::move(u.field),
+                              .stress = std::move(sigma.field),
+                              .press_depth = campaign.press_depth,
+                              .largest_von_mises = campaign.largest_von_mises,
+                              .error = {u.report.pooled, u.report.worst, sigma.report.pooled,
+                                        sigma.report.worst},
+                              .material = {},
+                              .provenance = {}},
+                  {}};
+  baked.report.displacement = std::move(u.report);
+  baked.report.stress = std::move(sigma.report);
+  return baked;
+}
+
+BakedBody bake_body(const BodyDescription& description, const BakeSettings& settings,
+                    const Progress& progress) {
+  StageTimes wall;
+  const auto timed = [&](const char* stage, auto&& work) {
+    const StageTimer timer(wall, stage);
+    return work();
+  };
+  report(progress, {"meshing", 0.0, 1.0, ""});
+  const BodyMesh mesh = timed("mesh", [&] { return make_body_mesh(description); });
+  report(progress,
+         {"meshing", 1.0, 1.0,
+          fmt::format("{} nodes, {} tetrahedra", mesh.mesh.node_count(), mesh.mesh.tet_count())});
+  const std::vector<Site> sites = choose_sites(mesh.boundary.surface, fixed_vertices(mesh),
+                                               {.count = description.sites.count,
+                                                .lowest = description.sites.above * mesh.height,
+                                                .patch_distance = description.sites.patch});
+  const EquilibriumSolver solver = timed("factor", [&] {
+    return EquilibriumSolver(SolidModel{
+        .mesh = mesh.mesh,
+        .material = material_from_young(description.material.law, description.material.young,
+                                        description.material.poisson),
+        .fixed_nodes = mesh.fixed_nodes,
+        .fixed_displacement = {}});
+  });
+  const Campaign campaign = timed("campaign", [&] {
+    return run_campaign(solver, mesh.boundary, sites,
+                        {.press = description.press.depth * mesh.height,
+                         .levels = description.press.levels,
+                         .threads = settings.threads},
+                        progress);
+  });
+  BakedBody baked = timed(
+      "reduce", [&] { return reduce_campaign(campaign, mesh, description.reduction, progress); });
+  baked.body.name = description.name;
+  baked.body.material = material_line(description.material);
+  BakeReport& made = baked.report;
+  made.nodes = mesh.mesh.node_count();
+  made.tets = mesh.mesh.tet_count();
+  made.vertices = mesh.boundary.surface.vertex_count();
+  made.triangles = mesh.boundary.surface.triangle_count();
+  made.outcomes = campaign.outcomes;
+  made.wall = wall;
+  made.threads = campaign.times;
+  add_provenance(description, settings, mesh, campaign, baked);
+  return baked;
+}
+
+}  // namespace palpable

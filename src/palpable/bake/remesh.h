@@ -1,0 +1,29 @@
+/// @file
+/// Triangle surfaces of even size, before they are filled (CGAL's isotropic remeshing).
+#pragma once
+
+#include "palpable/geometry/surface_mesh.h"
+
+#include <string>
+
+namespace palpable {
+
+/// Refuses a surface that does not enclose a solid.
+/// @param name  what to call it in the message, e.g. the file
+/// @throws Error if the surface is not watertight, two sheets meet in a single vertex, or triangles
+///         pass through each other: what, where, and what to do
+void require_solid_surface(const SurfaceMesh& surface, const std::string& name);
+
+/// A surface over the same shape whose edges are about `edge_length` long. Vertices stay on the
+/// given surface; edges sharper than 80 degrees are kept. Deterministic.
+/// @param edge_length  m, > 0
+/// @param name         for messages
+/// @throws Error as require_solid_surface(), for the result too: an edge length too coarse for thin
+///         parts makes their sides meet
+[[nodiscard]] SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length,
+                                         const std::string& name);
+
+/// Mean length of the edges, m. @throws ContractViolation for a surface without triangles
+[[nodiscard]] double mean_edge_length(const SurfaceMesh& surface);
+
+}  // namespace palpable

@@ -1,0 +1,29 @@
+/// @file
+/// Filling a surface with tetrahedra (TetGen).
+#pragma once
+
+#include "palpable/geometry/tet_mesh.h"
+
+#include <string>
+
+namespace palpable {
+
+/// Shape of the tetrahedra of a mesh, for reports.
+struct TetQuality {
+  double smallest_dihedral_degrees = 0;  ///< angle between two faces; 70.5 in a regular one
+  double largest_dihedral_degrees = 0;
+  double volume = 0;  ///< m^3
+};
+
+/// Fills the solid that `surface` encloses. The surface is kept as it is, triangle for triangle,
+/// so boundary_of() the result is the surface again; nodes are added inside only, until radius to
+/// edge ratios are below 1.3 (where the surface lets them) and volumes suit the surface's own mean
+/// edge length. Deterministic. One call at a time: TetGen keeps global state.
+///
+/// @param name  what to call the surface in messages
+/// @throws Error as require_solid_surface(), and when TetGen gives up
+[[nodiscard]] TetMesh tetrahedralise(const SurfaceMesh& surface, const std::string& name);
+
+[[nodiscard]] TetQuality quality_of(const TetMesh& mesh);
+
+}  // namespace palpable

@@ -1,0 +1,16 @@
+/// @file
+/// A guess for a mistyped word: "did you mean ...?"
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace palpable {
+
+/// The candidate that needs the fewest edits (insert, drop, change or swap of letters) to become
+/// `word`; empty when none is near enough to be what was meant (a third of the letters, plus one).
+[[nodiscard]] std::string nearest_word(std::string_view word,
+                                       const std::vector<std::string>& candidates);
+
+}  // namespace palpable
