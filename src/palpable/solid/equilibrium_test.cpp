@@ -229,8 +229,7 @@ TEST_CASE("a path that cannot go on keeps its good levels and says why", "[solid
   CHECK(path.steps.size() == 2);
   CHECK(path.stop != Stop::kNone);
   CHECK(path.halvings > 0);
-  CHECK_THAT(path.why_stopped,
-             Contains("load level 0.5 was not reached, the last that was is 0.0"));
+  CHECK_THAT(path.why_stopped, Contains("load level 0.5 was not reached, the last that was is 0."));
 }
 
 TEST_CASE("a body cannot be crushed beyond zero height", "[solid][path]") {
