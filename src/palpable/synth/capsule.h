@@ -1,0 +1,52 @@
+/// @file
+/// Capsules: what the synthetic hand is made of, and what its truth is measured against.
+///
+/// Metres; the frame is the caller's.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// The convex hull of two spheres (a cone with rounded ends). When one sphere holds the other it is
+/// the larger sphere.
+struct Capsule {
+  Eigen::Vector3d a = Eigen::Vector3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  double ra = 0;  ///< > 0
+  double rb = 0;  ///< > 0
+};
+
+/// Distance of x to the capsule's surface, negative inside; exact (closed form).
+[[nodiscard]] double signed_distance(const Capsule& capsule, const Eigen::Vector3d& x);
+
+/// Distance to the union: the smallest of the capsules'; exact outside, a bound inside. Infinite
+/// for no capsules.
+[[nodiscard]] double signed_distance(std::span<const Capsule> capsules, const Eigen::Vector3d& x);
+
+/// Unit outward normal of the capsule's distance field at x; any unit vector on the axis, where the
+/// field has a crease.
+[[nodiscard]] Eigen::Vector3d distance_normal(const Capsule& capsule, const Eigen::Vector3d& x);
+
+/// Distance along the ray origin + t * direction (unit) to the union, by sphere tracing to 1e-6 m;
+/// infinite when nothing is met within `reach`.
+[[nodiscard]] double ray_distance(std::span<const Capsule> capsules, const Eigen::Vector3d& origin,
+                                  const Eigen::Vector3d& direction, double reach);
+
+/// A capsule as triangles. Vertices lie on the surface; between them the triangles run at most
+/// `chord_error` inside it, so half that distance is the mean error.
+struct CapsuleMesh {
+  Eigen::Matrix3Xd vertices;   ///< (3 x N) m
+  Eigen::Matrix3Xd normals;    ///< (3 x N) unit, outwards
+  Eigen::Matrix2Xd where;      ///< (2 x N) distance along the surface from a (m); angle round it
+  Eigen::Matrix3Xi triangles;  ///< (3 x M) counter-clockwise seen from outside
+};
+
+/// @param side  direction of angle 0 round the axis; need not be perpendicular to it
+[[nodiscard]] CapsuleMesh tessellate(const Capsule& capsule, const Eigen::Vector3d& side,
+                                     double chord_error);
+
+}  // namespace palpable

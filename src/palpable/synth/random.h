@@ -1,0 +1,38 @@
+/// @file
+/// Numbers that depend on a seed and a name alone, the same on every machine (the distributions of
+/// <random> differ between standard libraries).
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace palpable {
+
+/// SplitMix64 (Steele, Lea, Flood 2014): a full-period generator whose every seed is good.
+class Random {
+ public:
+  /// Streams with different names are independent.
+  Random(std::uint64_t seed, std::string_view name) : state_(seed * 0x9e3779b97f4a7c15ULL) {
+    for (const char c : name) state_ = (state_ ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+    next();
+  }
+
+  std::uint64_t next() {
+    state_ += 0x9e3779b97f4a7c15ULL;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+    return z ^ (z >> 31);
+  }
+
+  /// [0, 1)
+  double unit() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
+  double between(double low, double high) { return low + (high - low) * unit(); }
+  /// -1 or 1
+  double sign() { return (next() >> 63) != 0 ? 1.0 : -1.0; }
+
+ private:
+  std::uint64_t state_;
+};
+
+}  // namespace palpable

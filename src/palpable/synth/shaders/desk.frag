@@ -1,0 +1,60 @@
+#version 450 core
+// Light of a window (from one direction, with shadows) and of the room; linear, written as its
+// square root, which is what the textures hold too.
+in vec3 at;
+in vec3 n;
+in vec2 image_uv;
+in vec4 more;
+in vec3 in_static_light;
+in vec3 in_hand_light;
+
+uniform sampler2D image;
+uniform sampler2DShadow static_shadow;
+uniform sampler2DShadow hand_shadow;
+uniform vec3 eye;     // desk frame, m
+uniform vec3 to_sun;  // desk frame, unit
+uniform float gloss;
+uniform float sharpness;
+
+out vec4 color;
+
+const vec3 kSun = vec3(1.10, 1.04, 0.95);
+const vec3 kSky = vec3(0.46, 0.50, 0.56);
+const vec3 kGround = vec3(0.25, 0.21, 0.18);
+
+// Four comparisons, each filtered over 2 x 2 texels: an edge of about three texels.
+float lit(sampler2DShadow map, vec3 p, float spread) {
+  float sum = 0.0;
+  sum += texture(map, p + vec3(-spread, -spread * 0.4, 0.0));
+  sum += texture(map, p + vec3(spread * 0.4, -spread, 0.0));
+  sum += texture(map, p + vec3(spread, spread * 0.4, 0.0));
+  sum += texture(map, p + vec3(-spread * 0.4, spread, 0.0));
+  return 0.25 * sum;
+}
+
+void main() {
+  vec3 normal = normalize(n);
+  vec3 to_eye = normalize(eye - at);
+  vec3 encoded = texture(image, image_uv).rgb;
+  float shine = gloss;
+  float exponent = sharpness;
+  encoded *= 1.0 - 0.10 * more.y * (0.6 + 0.4 * sin(image_uv.x * 180.0));
+  if (dot(more.zw, more.zw) < 1.0) {  // a finger nail
+    float rim = smoothstep(0.80, 1.0, dot(more.zw, more.zw));
+    encoded = mix(vec3(0.86, 0.69, 0.62), encoded * 0.90, rim);
+    shine = 0.45;
+    exponent = 45.0;
+  }
+  vec3 albedo = encoded * encoded;
+  float facing = dot(normal, to_sun);
+  float sun = max(facing, 0.0);
+  if (sun > 0.0) {
+    sun *= lit(static_shadow, in_static_light, 0.0011) * lit(hand_shadow, in_hand_light, 0.0022);
+  }
+  vec3 room = mix(kGround, kSky, 0.5 + 0.5 * normal.z) * more.x;
+  vec3 light = albedo * (room + sun * kSun);
+  vec3 half_way = normalize(to_sun + to_eye);
+  float highlight = pow(max(dot(normal, half_way), 0.0), exponent);
+  light += shine * highlight * min(1.0, 4.0 * sun) * kSun;
+  color = vec4(sqrt(clamp(light, 0.0, 1.0)), 1.0);
+}
