@@ -24,6 +24,10 @@ constexpr std::array kLaws = {
         [](double lambda, double mu) -> Material {
           return SaintVenantKirchhoff{.lambda = lambda, .mu = mu};
         }},
+    Law{"neo-hooke-abaqus",
+        [](double lambda, double mu) -> Material {
+          return NeoHookeanAbaqus{.C10 = 0.5 * mu, .D1 = 2.0 / (lambda + 2.0 / 3.0 * mu)};
+        }},
 };
 static_assert(kLaws.size() == std::variant_size_v<Material>);
 
@@ -63,13 +67,18 @@ Material material_from_young(std::string_view law, double E, double nu) {
 
 LameConstants lame_constants(const Material& material) {
   if (const auto* m = std::get_if<NeoHookean>(&material)) return {2.0 * m->D1, 2.0 * m->C1};
+  if (const auto* m = std::get_if<NeoHookeanAbaqus>(&material)) {
+    return {2.0 / m->D1 - 4.0 / 3.0 * m->C10, 2.0 * m->C10};
+  }
   const auto& m = std::get<SaintVenantKirchhoff>(material);
   return {m.lambda, m.mu};
 }
 
 void check_material(const Material& material) {
   const auto [lambda, mu] = lame_constants(material);
-  if (!(mu > 0.0) || !std::isfinite(mu) || !(lambda >= 0.0) || !std::isfinite(lambda)) {
+  // Where lambda is a difference (2/D1 - 4/3 C10), nu = 0 may leave a rounding below zero.
+  const double rounding = 1e-12 * mu;
+  if (!(mu > 0.0) || !std::isfinite(mu) || !(lambda >= -rounding) || !std::isfinite(lambda)) {
     throw Error(fmt::format(
         "material {} has mu = {} Pa and lambda = {} Pa; mu must be above 0 and lambda at least 0",
         law_name(material), mu, lambda));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "palpable/solid/neo_hookean.h"
+#include "palpable/solid/neo_hookean_abaqus.h"
 #include "palpable/solid/saint_venant_kirchhoff.h"
 
 #include <string>
@@ -13,7 +14,7 @@
 namespace palpable {
 
 /// One homogeneous material. Every law has energy_density, first_piola and tangent.
-using Material = std::variant<NeoHookean, SaintVenantKirchhoff>;
+using Material = std::variant<NeoHookean, SaintVenantKirchhoff, NeoHookeanAbaqus>;
 
 /// The law `law` with Young's modulus E and Poisson's ratio nu at small strains:
 /// mu = E / (2 (1 + nu)), lambda = E nu / ((1 + nu) (1 - 2 nu)).
@@ -23,7 +24,7 @@ using Material = std::variant<NeoHookean, SaintVenantKirchhoff>;
 /// @throws Error for an unknown law or values out of range
 [[nodiscard]] Material material_from_young(std::string_view law, double E, double nu);
 
-/// "neo-hookean" and "saint-venant-kirchhoff".
+/// "neo-hookean", "saint-venant-kirchhoff" and "neo-hooke-abaqus".
 [[nodiscard]] const std::vector<std::string>& law_names();
 
 /// The law's name as in law_names().
