@@ -28,8 +28,8 @@ inline std::mt19937_64 random_case(unsigned seed) { return std::mt19937_64(seed)
 }  // namespace palpable::test
 
 /// Ends a test case that cannot run here; ctest reports it as Skipped, with the reason in the log.
-#define PALPABLE_SKIP(reason)                                             \
-  do {                                                                    \
+#define PALPABLE_SKIP(reason)                                              \
+  do {                                                                     \
     std::cout << "SKIPPED: " << (reason) << std::endl; /* flushed: read */ \
-    return;                                                               \
+    return;                                                                \
   } while (false)
