@@ -49,14 +49,14 @@ struct SceneView {
   /// Z of the real scene in m, NaN where unknown; any size with the same field of view as
   /// `camera` (camera.scaled_down(2), say). Null: nothing real hides the body.
   const DepthImage* real_depth = nullptr;
-  PinholeCamera camera;  ///< of the picture; width and height are the picture's
-  std::vector<BodyLook> bodies;
+  PinholeCamera camera = {};  ///< of the picture; width and height are the picture's
+  std::vector<BodyLook> bodies = {};
   /// Light of the scene, 1 = a well lit room.
   float brightness = 1;
-  std::string legend_title;          ///< above the colour bar, e.g. "von Mises"; empty: no bar
-  std::string legend_unit = "kPa";   ///< with legend_scale: what the numbers at the bar are in
-  double legend_scale = 1e-3;        ///< number shown = Pa * legend_scale
-  std::vector<std::string> caption;  ///< lines in a corner, UTF-8 (Latin)
+  std::string legend_title = {};          ///< above the colour bar, e.g. "von Mises"; empty: no bar
+  std::string legend_unit = "kPa";        ///< with legend_scale: what the numbers at the bar are in
+  double legend_scale = 1e-3;             ///< number shown = Pa * legend_scale
+  std::vector<std::string> caption = {};  ///< lines in a corner, UTF-8 (Latin)
 };
 
 /// Draws scenes with the OpenGL context that is current now and in every later call.
