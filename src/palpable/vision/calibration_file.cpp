@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <fmt/core.h>
@@ -227,8 +228,26 @@ std::string wrong_with(const PinholeCamera& camera, std::string_view name) {
   return {};
 }
 
+// Whether no ray at all reaches the middle of the image's left and right border: the radial part
+// r (1 + k1 r^2 + k2 r^4 + k3 r^6) has its maximum before. (The corners are another matter: many a
+// usable calibration folds there.)
+bool folds_over(const DistortedCamera& lens) {
+  const double border = 0.5 * lens.pinhole.width / lens.pinhole.fx_px;
+  const double k1 = lens.distortion[0];
+  const double k2 = lens.distortion[1];
+  const double k3 = lens.distortion[4];
+  constexpr double kStep = 0.01;
+  for (double r = 0; r < 100; r += kStep) {
+    const double q = r * r;
+    if (r * (1 + q * (k1 + q * (k2 + q * k3))) >= border) return false;
+    if (1 + q * (3 * k1 + q * (5 * k2 + q * 7 * k3)) <= 0) return true;
+  }
+  return true;
+}
+
 constexpr double kShortestBaseline = 1e-3;  // m
 constexpr double kLongestBaseline = 10.0;   // m
+constexpr double kLargestAngle = 0.7;       // rad between the eyes; real rigs have a few hundredths
 
 }  // namespace
 
@@ -241,6 +260,13 @@ std::string what_is_wrong_with(const StereoRig& rig) {
       if (!std::isfinite(value) || std::abs(value) > 1e4) {
         return fmt::format("a distortion coefficient of the {} camera is {}", name, value);
       }
+    }
+  }
+  for (const auto& [camera, name] :
+       {std::pair{&rig.left, "left"}, std::pair{&rig.right, "right"}}) {
+    if (folds_over(*camera)) {
+      return fmt::format("the distortion of the {} camera folds the image over inside the picture",
+                         name);
     }
   }
   if (rig.left.pinhole.width != rig.right.pinhole.width ||
@@ -256,6 +282,11 @@ std::string what_is_wrong_with(const StereoRig& rig) {
   if (!(off <= 1e-3) || R.determinant() < 0) {
     return fmt::format("R is not a rotation (R^T R differs from I by {:.2g}, det R = {:.3g})", off,
                        R.determinant());
+  }
+  const double angle = Eigen::AngleAxisd(R).angle();
+  if (angle > kLargestAngle) {
+    return fmt::format("the eyes look {:.0f} degrees apart; they should see the same things",
+                       angle * 180 / EIGEN_PI);
   }
   if (!(T.norm() >= kShortestBaseline && T.norm() <= kLongestBaseline)) {
     return fmt::format("the eyes are {:.4g} m apart; T should be in metres, {} to {}", T.norm(),

@@ -28,9 +28,10 @@ struct RectifiedCalibration {
 };
 
 /// Says what is wrong with a rig, without a file's name: numbers that are not finite, sizes or
-/// focal lengths that are not positive, a rotation that is not one (|R^T R - I| > 1e-3 in an entry,
-/// or det R < 0), a baseline that is not within 1 mm .. 10 m (a file in millimetres is a common
-/// slip), eyes that do not stand side by side. Empty when nothing is.
+/// focal lengths that are not positive, a distortion that no lens has, a rotation that is not one
+/// (|R^T R - I| > 1e-3 in an entry, or det R < 0), a baseline that is not within 1 mm .. 10 m (a
+/// file in millimetres is a common slip), eyes that do not stand side by side or look more than 40
+/// degrees apart. Empty when nothing is.
 [[nodiscard]] std::string what_is_wrong_with(const StereoRig& rig);
 [[nodiscard]] std::string what_is_wrong_with(const RectifiedStereo& stereo);
 

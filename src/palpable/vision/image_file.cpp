@@ -98,6 +98,8 @@ struct ImageFileReader::Buffers {
     if (!in) return "cannot be read";
     const std::string wrong = what_is_wrong_with(bytes);
     if (!wrong.empty()) return wrong;
+    // Emptied first: of bytes that are no image at all, imdecode leaves the last picture in place.
+    decoded.release();
     try {
       decoded = cv::imdecode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION, &decoded);
     } catch (const std::exception&) {  // cv::Exception among them

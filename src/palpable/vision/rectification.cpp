@@ -57,8 +57,12 @@ Result<RectifiedGeometry> rectify_rig(const StereoRig& rig) {
   geometry.rectified_from_left.linear() = to_eigen(R1);
   geometry.rectified_from_right.linear() = to_eigen(R2);
   geometry.rectified_from_right.translation().x() = geometry.stereo.baseline;
-  // alpha = 0 zooms in until no blank pixel is left; absurd distortion leaves nothing to zoom to.
-  if (!what_is_wrong_with(geometry.stereo).empty()) {
+  // alpha = 0 zooms in until no blank pixel is left. A distortion that folds the image over leaves
+  // next to nothing to zoom to, and OpenCV then answers with a focal length of any size.
+  constexpr double kLargestZoom = 4;
+  const double zoom = geometry.stereo.camera.fx_px / rig.left.pinhole.fx_px;
+  if (!what_is_wrong_with(geometry.stereo).empty() || zoom > kLargestZoom ||
+      zoom < 1 / kLargestZoom) {
     return Problem{
         "the rig has no rectified picture without blank pixels: its distortion or the rotation "
         "between the eyes is too large; calibrate again"};

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
 
 namespace palpable {
 namespace {
@@ -187,10 +188,23 @@ TEST_CASE("a rig that cannot be rectified is a problem with a reason",
   CHECK_THROWS_AS(rectified_geometry(mirrored), ContractViolation);
   CHECK_THROWS_AS(Rectification(mirrored), ContractViolation);
 
-  StereoRig absurd = some_rig();
-  absurd.left.distortion = {-5, 0, 0, 0, 0};
-  const auto folded = rectify_rig(absurd);
-  if (folded.ok()) CHECK(folded.value().stereo.camera.fx_px > 0);
+  // Below 0, 1 + 3 k1 r^2 turns negative inside the picture; above, nothing is left to zoom to.
+  for (const double k1 : {-0.5, -1.0, -50.0, 5.0, 1000.0}) {
+    INFO("k1 = " << k1);
+    StereoRig folded = some_rig();
+    folded.left.distortion = {k1, 0, 0, 0, 0};
+    const auto result = rectify_rig(folded);
+    REQUIRE_FALSE(result.ok());
+    CHECK(result.problem().message.find("distortion") != std::string::npos);
+  }
+  StereoRig apart = some_rig();
+  apart.right_from_left.linear() = Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY()).matrix();
+  apart.right_from_left.translation() =
+      apart.right_from_left.linear() * Eigen::Vector3d(-0.063, 0, 0);
+  const auto squint = rectify_rig(apart);
+  REQUIRE_FALSE(squint.ok());
+  CHECK(squint.problem().message.find("57 degrees") != std::string::npos);
+
   ColorImage wrong_size(10, 10);
   ColorImage out;
   CHECK_THROWS_AS(Rectification(some_rig()).rectify(Eye::kLeft, wrong_size, out),
