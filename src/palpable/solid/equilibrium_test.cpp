@@ -160,6 +160,24 @@ TEST_CASE("a state does not depend on the levels on the way to it", "[solid][pat
         tolerance(1e-8, "two residuals of 1e-10 over a condition of tens") * u.norm());
 }
 
+TEST_CASE("the line search reaches a large press in one increment", "[solid][path]") {
+  // From rest the full Newton step of this load turns elements inside out.
+  const SolidModel model = cube("neo-hookean", 4);
+  const Matrix3Xd load = 120.0 * press_at(model, kTop);
+  const EquilibriumSolver solver(model, {.max_halvings = 0});
+  const PathResult path = solver.solve_path(load, std::array{1.0});
+  INFO(path.why_stopped);
+  REQUIRE(path.complete);
+  CHECK(path.steps.back().residual <= 1e-8);
+  // It is the state that small increments lead to, not another one.
+  const std::array slowly{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
+  const PathResult followed = EquilibriumSolver(model).solve_path(load, slowly);
+  REQUIRE(followed.complete);
+  const Matrix3Xd& u = path.steps.back().displacement;
+  CHECK((u - followed.steps.back().displacement).norm() <=
+        tolerance(1e-6, "two residuals of 1e-8 over a condition of tens") * u.norm());
+}
+
 TEST_CASE("a turned body under a turned load answers with the turned displacement",
           "[solid][path]") {
   const SolidModel model = cube("neo-hookean", 4);

@@ -113,6 +113,24 @@ TEST_CASE("conjugate gradients with an older factor reach the tolerance asked fo
         CgEnd::kTooManyIterations);
 }
 
+TEST_CASE("conjugate gradients end within as many steps as eigenvalues differ from the factor's",
+          "[solid][sparse]") {
+  // K differs from the factorised matrix in one block alone: K = older + a rank of 3.
+  const BlockPattern pattern = chain(40);
+  const BlockMatrix older = some_matrix(pattern, 20, 2);
+  BlockMatrix K = older;
+  K.block(pattern.find(7, 7)) += Eigen::Vector3d(10, 20, 40).asDiagonal();
+  FactorWorkspace workspace;
+  const CholeskyAnalysis analysis(pattern, workspace);
+  const auto factor = CholeskyFactor::make(analysis, older, workspace);
+  REQUIRE(factor);
+  const VectorXd b = VectorXd::LinSpaced(120, -1, 2);
+  VectorXd x;
+  CgScratch scratch;
+  CHECK(conjugate_gradients(older, *factor, b, 1e-10, 50, x, scratch, workspace).iterations == 1);
+  CHECK(conjugate_gradients(K, *factor, b, 1e-10, 50, x, scratch, workspace).iterations <= 4);
+}
+
 TEST_CASE("conjugate gradients notice a matrix that is not positive definite", "[solid][sparse]") {
   const BlockPattern pattern = chain(40);
   const BlockMatrix older = some_matrix(pattern, 20, 2), K = some_matrix(pattern, -1, 4);
