@@ -65,8 +65,9 @@ struct DepthCamera::Parts {
 void DepthCamera::Parts::prepare_matching() {
   const double f_T = matched.camera.fx_px * matched.baseline;
   const double infinity = matched.disparity_at_infinity_px;
-  first_disparity = static_cast<int>(std::floor(infinity + f_T / settings.farthest));
-  // One more than the nearest depth needs, because the last one is never trusted. What both eyes
+  // One less and one more than the range needs, because neither end is trusted.
+  first_disparity = static_cast<int>(std::floor(infinity + f_T / settings.farthest)) - 1;
+  // What both eyes
   // see at a disparity of half the width or more is a strip at the border.
   const int last = std::min(static_cast<int>(std::ceil(infinity + f_T / settings.nearest)) + 1,
                             std::max(matched.camera.width / 2, first_disparity + 16));

@@ -6,11 +6,22 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace palpable {
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+// The median of |x - median| of a normal distribution is 0.6745 sigma.
+constexpr double kSigmaPerMad = 1.4826;
+constexpr double kLargestScatter = 3;  // times the sensor's sigma
+
+float median_of(std::span<float> values) {
+  const auto middle = values.begin() + (std::ssize(values) - 1) / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 }  // namespace
 
@@ -40,7 +51,7 @@ void StaticBackground::finish() {
   const float infinity = std::numeric_limits<float>::infinity();
 
   median_ = DepthImage(width, height, kUnknown);
-  DepthImage nearest(width, height, infinity);
+  DepthImage limit(width, height, infinity);
   std::array<float, 255> values{};
   for (std::size_t i = 0; i < median_.size(); ++i) {
     std::size_t count = 0;
@@ -49,9 +60,14 @@ void StaticBackground::finish() {
       if (Z == Z) values[count++] = Z;
     }
     if (static_cast<int>(count) < wanted) continue;
-    std::sort(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
-    median_.data()[i] = values[(count - 1) / 2];
-    nearest.data()[i] = median_.data()[i];
+    const std::span<float> seen(values.data(), count);
+    const float Z = median_of(seen);
+    for (float& value : seen) value = std::abs(value - Z);
+    const double sensor = noise_.sigma(Z);
+    const double scatter = kSigmaPerMad * median_of(seen);
+    median_.data()[i] = Z;
+    limit.data()[i] = static_cast<float>(
+        Z - settings_.sigmas * std::clamp(scatter, sensor, kLargestScatter * sensor));
   }
 
   // Smallest in the window: along rows, then along columns.
@@ -60,19 +76,16 @@ void StaticBackground::finish() {
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       for (int k = std::max(0, x - reach); k <= std::min(width - 1, x + reach); ++k) {
-        along_rows(x, y) = std::min(along_rows(x, y), nearest(k, y));
+        along_rows(x, y) = std::min(along_rows(x, y), limit(k, y));
       }
     }
   }
   keep_below_ = DepthImage(width, height, infinity);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      float Z = infinity;
       for (int k = std::max(0, y - reach); k <= std::min(height - 1, y + reach); ++k) {
-        Z = std::min(Z, along_rows(x, k));
+        keep_below_(x, y) = std::min(keep_below_(x, y), along_rows(x, k));
       }
-      if (Z == infinity) continue;  // nothing was known around here
-      keep_below_(x, y) = static_cast<float>(Z - settings_.sigmas * noise_.sigma(Z));
     }
   }
   seen_.clear();

@@ -14,7 +14,9 @@ namespace palpable {
 
 struct StaticBackgroundSettings {
   int frames = 15;  ///< to learn from, 1 .. 255
-  /// Depth counts as the background's when it is nearer by less than this many sigma.
+  /// Depth counts as the background's when it is nearer by less than this many sigma: the sensor's
+  /// own sigma_Z, or the pixel's own scatter while it was learnt if that is larger (at most
+  /// thrice: a pixel between near and far scatters by their distance).
   double sigmas = 4;
   /// Half width of the window in which the background's nearest and farthest are looked up: a
   /// depth edge flickers by a pixel or two, and what it flickers between is all background.
@@ -36,9 +38,9 @@ class StaticBackground {
 
   [[nodiscard]] bool ready() const { return learnt_ >= settings_.frames; }
 
-  /// Sets to NaN what is background: Z > nearest - sigmas * sigma_Z(nearest), with `nearest` the
-  /// smallest learnt depth within the window around the pixel. What is farther than the background
-  /// is background too: a thing that was moved away uncovers what was always there.
+  /// Sets to NaN what is background: Z >= Z_b - sigmas * sigma(Z_b), with the smallest such limit
+  /// of all learnt depths Z_b within the window around the pixel. What is farther than the
+  /// background is background too: a thing that was moved away uncovers what was always there.
   /// @throws ContractViolation before it is ready, or when the size differs
   void remove_static(DepthImage& depth) const;
 

@@ -91,6 +91,28 @@ TEST_CASE("what counts as the desk grows with the square of the depth for stereo
         test::tolerance(1e-4, "steps of 1e-5 m, four-fold"));
 }
 
+TEST_CASE("a pixel that scatters more than the sensor should is given more room",
+          "[vision][static_background]") {
+  auto random = test::random_case(4);
+  const DepthNoise noise = rig_noise();
+  const auto left_over = [&](double times) {
+    std::normal_distribution<double> scatter(0, times * noise.sigma(0.5));
+    const auto image = [&] {
+      DepthImage depth(kWidth, kHeight);
+      for (float& Z : depth) Z = static_cast<float>(0.5 + scatter(random));
+      return depth;
+    };
+    StaticBackground background(noise, {.edge_window_px = 1});
+    while (!background.ready()) background.learn(image());
+    DepthImage depth = image();
+    background.remove_static(depth);
+    return static_cast<double>(known(depth)) / (kWidth * kHeight);
+  };
+  // At 4 times the sensor's sigma a fixed limit of 4 sigma would let 16 % through.
+  CHECK(left_over(2) <= 1e-3);
+  CHECK(left_over(4) <= 0.01);
+}
+
 TEST_CASE("a depth edge that flickers by two pixels does not come through",
           "[vision][static_background]") {
   auto random = test::random_case(3);
