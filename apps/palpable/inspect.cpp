@@ -1,0 +1,106 @@
+// palpable inspect: what is in a body file.
+
+#include "apps/palpable/commands.h"
+#include "palpable/base/error.h"
+#include "palpable/geometry/surface_mesh.h"
+#include "palpable/reduced/body_file.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace palpable::app {
+namespace {
+
+struct Options {
+  std::filesystem::path body;
+  bool json = false;
+};
+
+// The range of one figure over all sites, in the unit of `scale`.
+template <class Figure>
+std::string range_text(const ReducedBody& body, Figure figure) {
+  double least = figure(0);
+  double most = least;
+  for (std::size_t s = 1; s < body.sites.size(); ++s) {
+    least = std::min(least, figure(s));
+    most = std::max(most, figure(s));
+  }
+  return fmt::format("{:.3g} to {:.3g}", least, most);
+}
+
+void print_text(const ReducedBody& body, const std::filesystem::path& path) {
+  const Eigen::Vector3d low = body.surface.vertices.rowwise().minCoeff();
+  const Eigen::Vector3d size = body.surface.vertices.rowwise().maxCoeff() - low;
+  const auto fixed = std::count(body.fixed.begin(), body.fixed.end(), std::uint8_t{1});
+  const Eigen::Index last = body.levels().size() - 1;
+  const auto line = [](const char* name, const std::string& text) {
+    fmt::print("{:<20}{}\n", name, text);
+  };
+  line("body", body.name);
+  line("file", fmt::format("{}, {:.1f} MB", path.string(),
+                           static_cast<double>(std::filesystem::file_size(path)) / 1e6));
+  line("size", fmt::format("{:.1f} x {:.1f} x {:.1f} mm, {:.1f} cm^3", size.x() * 1e3,
+                           size.y() * 1e3, size.z() * 1e3, enclosed_volume(body.surface) * 1e6));
+  line("surface", fmt::format("{} vertices, {} triangles; {} vertices held by the support",
+                              body.surface.vertex_count(), body.surface.triangle_count(), fixed));
+  line("material", body.material);
+  line("sites", fmt::format("{}", body.sites.size()));
+  line("levels", fmt::format("{} of the load, and rest", last));
+  line("full load",
+       range_text(body, [&](std::size_t s) { return body.sites[s].full_load; }) + " N per site");
+  line("press at full load", range_text(body, [&](std::size_t s) {
+                               return body.press_depth(last, static_cast<Eigen::Index>(s)) * 1e3;
+                             }) + " mm");
+  line("displacement", fmt::format("{} modes; error {:.2e} over all snapshots, {:.2e} in the worst",
+                                   body.displacement.mode_count(), body.error.displacement_pooled,
+                                   body.error.displacement_worst));
+  line("stress",
+       fmt::format("{} modes; error {:.2e} over all snapshots, {:.2e} in the worst",
+                   body.stress.mode_count(), body.error.stress_pooled, body.error.stress_worst));
+  line("largest stress", fmt::format("{:.3g} kPa (von Mises)", body.largest_von_mises / 1e3));
+  fmt::print(
+      "errors are relative, L2; lengths, loads and stresses are in m, N and Pa in the file\n");
+  fmt::print("\nwhere it comes from\n");
+  for (const auto& [key, value] : body.provenance) fmt::print("  {:<18}{}\n", key, value);
+}
+
+void print_json(const ReducedBody& body) {
+  nlohmann::ordered_json result;
+  result["name"] = body.name;
+  result["vertices"] = body.surface.vertex_count();
+  result["triangles"] = body.surface.triangle_count();
+  result["sites"] = body.sites.size();
+  result["levels"] = body.levels().size() - 1;
+  result["displacement_modes"] = body.displacement.mode_count();
+  result["stress_modes"] = body.stress.mode_count();
+  result["displacement_error"] = body.error.displacement_pooled;
+  result["displacement_error_worst"] = body.error.displacement_worst;
+  result["stress_error"] = body.error.stress_pooled;
+  result["stress_error_worst"] = body.error.stress_worst;
+  result["largest_von_mises_pa"] = body.largest_von_mises;
+  result["material"] = body.material;
+  for (const auto& [key, value] : body.provenance) result["provenance"][key] = value;
+  fmt::print("{}\n", result.dump(2));
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("inspect", "Show what is in a body file");
+  command->add_option("body", options->body, "Body file")->required();
+  command->add_flag("--json", options->json, "One JSON object on stdout");
+  command->footer("Example: palpable inspect bunny.palpable");
+  command->callback([options] {
+    const ReducedBody body = value_or_throw(read_body_file(options->body));
+    options->json ? print_json(body) : print_text(body, options->body);
+  });
+}
+
+}  // namespace palpable::app

@@ -1,0 +1,161 @@
+#include "apps/palpable/place.h"
+
+#include "palpable/base/error.h"
+
+#include <fmt/core.h>
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+#include <string_view>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// From text to numbers; commas and brackets separate too. Nothing when a word is no number.
+std::optional<std::vector<double>> numbers_in(std::string text) {
+  for (char& c : text) {
+    if (c == ',' || c == '[' || c == ']' || c == ';') c = ' ';
+  }
+  std::istringstream words(text);
+  std::vector<double> numbers;
+  std::string word;
+  while (words >> word) {
+    std::size_t used = 0;
+    double value = 0;
+    try {
+      value = std::stod(word, &used);
+    } catch (const std::exception&) { return std::nullopt; }
+    if (used != word.size()) return std::nullopt;
+    numbers.push_back(value);
+  }
+  return numbers;
+}
+
+std::string without_comments(std::istream& in) {
+  std::string text;
+  for (std::string line; std::getline(in, line);) text += line.substr(0, line.find('#')) + "\n";
+  return text;
+}
+
+Rigid3 pose_of(const std::vector<double>& n, const std::string& where) {
+  for (const double value : n) {
+    if (!std::isfinite(value)) throw Error(fmt::format("{}: {} is no place", where, value));
+  }
+  Rigid3 pose = Rigid3::Identity();
+  if (n.size() == 6) {
+    pose = upright_pose(n[0], n[1], n[2], n[3], n[4], n[5]);
+  } else if (n.size() == 16) {
+    Eigen::Matrix4d matrix;
+    for (int row = 0; row < 4; ++row) {
+      for (int column = 0; column < 4; ++column) {
+        matrix(row, column) = n[static_cast<std::size_t>(4 * row + column)];
+      }
+    }
+    const Eigen::Matrix3d R = matrix.topLeftCorner<3, 3>();
+    const double skew = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+    const bool last_row = (matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < 1e-9;
+    if (skew > 1e-3 || R.determinant() < 0 || !last_row) {
+      throw Error(
+          fmt::format("{}: the 16 numbers are no rigid motion (R R^T differs from 1 by {:.2g}, det "
+                      "R = {:.4g}); "
+                      "give camera_from_body row by row, in metres",
+                      where, skew, R.determinant()));
+    }
+    pose.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
+    pose.translation() = matrix.topRightCorner<3, 1>();
+  } else {
+    throw Error(
+        fmt::format("{}: {} numbers; a place has 6 (x y z in m, roll pitch yaw in degrees) or 16 "
+                    "(camera_from_body row by row)",
+                    where, n.size()));
+  }
+  if (!(pose.translation().z() > 0)) {
+    throw Error(fmt::format("{}: the body would stand behind the camera (z = {} m)", where,
+                            pose.translation().z()));
+  }
+  return pose;
+}
+
+toml::table parse_toml(const fs::path& path) {
+  try {
+    return toml::parse_file(path.string());
+  } catch (const toml::parse_error& error) {
+    throw Error(fmt::format("{}: line {}: {}", path.string(), error.source().begin.line,
+                            std::string_view(error.description())));
+  }
+}
+
+std::optional<Rigid3> pose_in(const toml::table& table, const std::string& where) {
+  const toml::node* node = table.get("camera_from_body");
+  if (node == nullptr) return std::nullopt;
+  const toml::array* array = node->as_array();
+  if (array == nullptr) throw Error(fmt::format("{}: camera_from_body is no array", where));
+  std::vector<double> numbers;
+  for (const toml::node& element : *array) {
+    const auto value = element.value<double>();
+    if (!value) throw Error(fmt::format("{}: camera_from_body holds what is no number", where));
+    numbers.push_back(*value);
+  }
+  return pose_of(numbers, where + ": camera_from_body");
+}
+
+}  // namespace
+
+Rigid3 upright_pose(double x, double y, double z, double roll, double pitch, double yaw) {
+  constexpr double kRadians = std::numbers::pi / 180;
+  Eigen::Matrix3d upright;  // columns: the body's axes in the camera
+  upright << 1, 0, 0,       //
+      0, 0, -1,             //
+      0, 1, 0;
+  Rigid3 pose = Rigid3::Identity();
+  pose.linear() = (Eigen::AngleAxisd(roll * kRadians, Eigen::Vector3d::UnitZ()) *
+                   Eigen::AngleAxisd(pitch * kRadians, Eigen::Vector3d::UnitX()))
+                      .toRotationMatrix() *
+                  upright *
+                  Eigen::AngleAxisd(yaw * kRadians, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(x, y, z);
+  return pose;
+}
+
+Rigid3 read_pose(const std::string& text) {
+  if (const auto numbers = numbers_in(text); numbers && !numbers->empty()) {
+    return pose_of(*numbers, "--place");
+  }
+  std::ifstream file(text);
+  if (!file || !fs::is_regular_file(text)) {
+    throw Error(
+        fmt::format("--place '{}': neither 6 or 16 numbers nor a file that can be read", text));
+  }
+  if (fs::path(text).extension() == ".toml") {
+    if (const auto pose = pose_in(parse_toml(text), text)) return *pose;
+    throw Error(fmt::format("{}: has no camera_from_body", text));
+  }
+  const auto numbers = numbers_in(without_comments(file));
+  if (!numbers) throw Error(fmt::format("{}: holds what is no number", text));
+  return pose_of(*numbers, text);
+}
+
+SceneFile read_scene_file(const fs::path& path) {
+  SceneFile scene;
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return scene;
+  const toml::table table = parse_toml(path);
+  scene.camera_from_body = pose_in(table, path.string());
+  if (const toml::node* node = table.get("ignore_static_frames")) {
+    const auto frames = node->value<int>();
+    if (!frames || *frames < 0 || *frames > 255) {
+      throw Error(
+          fmt::format("{}: ignore_static_frames is to be a number from 0 to 255", path.string()));
+    }
+    scene.ignore_static_frames = *frames;
+  }
+  return scene;
+}
+
+}  // namespace palpable::app

@@ -1,0 +1,40 @@
+/// @file
+/// Where a body stands before the camera, as users write it.
+#pragma once
+
+#include "palpable/geometry/rigid.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace palpable::app {
+
+/// camera_from_body from six numbers: the place of the body's origin in the camera (m: right, down,
+/// forward) and three angles (degrees). With all angles 0 the body stands upright before a level
+/// camera, its Z up, its X to the right, its Y away from the camera. Then
+///
+///     yaw    turns it about its own upright axis,
+///     pitch  leans its top towards the camera: what a camera that looks down by that angle sees,
+///     roll   turns the picture of it about the optical axis.
+[[nodiscard]] Rigid3 upright_pose(double x, double y, double z, double roll, double pitch,
+                                  double yaw);
+
+/// Reads a pose: six numbers "x y z roll pitch yaw" as above, or sixteen, camera_from_body row by
+/// row (m). They are given as they are or are in the file that the text names: a text file of
+/// numbers ('#' begins a comment), or a .toml with the array camera_from_body.
+///
+/// @throws Error naming what was given: not a file and no numbers, another count, not finite, a
+///         matrix that is no rotation (by more than 1e-3), a body behind the camera
+[[nodiscard]] Rigid3 read_pose(const std::string& text);
+
+/// What a recorded scene says of itself (scene.toml beside the images).
+struct SceneFile {
+  std::optional<Rigid3> camera_from_body;
+  std::optional<int> ignore_static_frames;
+};
+
+/// Nothing in it when there is no such file. @throws Error when it cannot be read or is wrong
+[[nodiscard]] SceneFile read_scene_file(const std::filesystem::path& path);
+
+}  // namespace palpable::app
