@@ -44,5 +44,6 @@ target_link_libraries(palpable_tetgen INTERFACE ${TETGEN_LIBRARY})
 # --- tests -------------------------------------------------------------------------------------
 if(BUILD_TESTING)
   find_package(Catch2 2.13 REQUIRED)  # BSL-1.0
+  find_package(X11 REQUIRED)          # MIT: the window test asks the X server what it shows; render
   include(Catch)
 endif()

@@ -1,0 +1,35 @@
+/// @file
+/// A camera that is led around a body by the mouse.
+#pragma once
+
+#include "palpable/geometry/camera.h"
+#include "palpable/geometry/rigid.h"
+
+#include <Eigen/Core>
+
+namespace palpable {
+
+/// Looks at `target` from a distance. Body frame: Z up.
+struct OrbitCamera {
+  Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< m, body frame: the middle of the picture
+  double azimuth = 0;    ///< rad about Z; 0 looks from -Y along +Y, positive moves the eye to +X
+  double elevation = 0;  ///< rad above the floor, within +-kSteepest
+  double distance = 1;   ///< m from eye to target
+
+  static constexpr double kSteepest = 1.5;  ///< rad; straight down there is no up in the picture
+
+  /// Eye in the body frame, m.
+  [[nodiscard]] Eigen::Vector3d eye() const;
+  [[nodiscard]] Rigid3 camera_from_body() const;
+
+  /// Turns by a mouse path in px, such that what is grabbed follows; stops at kSteepest and just
+  /// above the floor.
+  void turn(double dx_px, double dy_px);
+  /// Comes nearer for positive steps of the wheel, within 1/8 .. 8 of `usual_distance`.
+  void zoom(double steps, double usual_distance);
+};
+
+/// A pinhole camera with the given vertical field of view, its principal point in the middle.
+[[nodiscard]] PinholeCamera camera_of_view(int width, int height, double vertical_view_rad);
+
+}  // namespace palpable

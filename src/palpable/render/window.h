@@ -1,0 +1,56 @@
+/// @file
+/// A window that shows pictures and says what mouse and keyboard did, as plain data.
+#pragma once
+
+#include "palpable/base/error.h"
+#include "palpable/geometry/image.h"
+#include "palpable/render/gl_context.h"
+
+#include <memory>
+#include <span>
+#include <string>
+
+namespace palpable {
+
+/// One thing that mouse or keyboard did. Positions are in px of the picture last shown (pixel
+/// (0, 0) is the centre of the first), whatever the size of the window.
+struct WindowEvent {
+  enum class Kind { kPress, kRelease, kMove, kWheel, kKey };
+  Kind kind = Kind::kMove;
+  double x_px = 0;
+  double y_px = 0;
+  int button = 0;    ///< kPress, kRelease: 0 left, 1 right, 2 middle
+  double wheel = 0;  ///< kWheel: notches, positive away from the user
+  int key = 0;       ///< kKey: 'A' .. 'Z', '0' .. '9', ' ' or a value below
+  static constexpr int kEscape = 256;
+};
+
+/// A window with an OpenGL 4.5 core context. Main thread only; move-only.
+class Window {
+ public:
+  /// Opens a window and makes its context current. The problem says why there is none, e.g. that
+  /// no display is there.
+  [[nodiscard]] static Result<Window> open(const std::string& title, int width, int height);
+
+  Window(Window&&) noexcept;
+  Window& operator=(Window&&) noexcept;
+  ~Window();
+
+  /// Shows a picture, as large as fits with its proportions kept, and waits for the screen.
+  void show(const ColorImage& picture);
+  /// What happened since the last call; valid until the next one. Waits up to `wait` seconds when
+  /// nothing has happened yet.
+  [[nodiscard]] std::span<const WindowEvent> events(double wait = 0);
+  /// True after the user has asked to close it.
+  [[nodiscard]] bool closed() const;
+
+  void make_current();
+  [[nodiscard]] const GlErrorLog& gl_errors() const;
+
+ private:
+  struct State;
+  explicit Window(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace palpable
