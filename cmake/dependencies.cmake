@@ -31,7 +31,9 @@ find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
 find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
 add_library(palpable_cholmod INTERFACE)
 target_include_directories(palpable_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR})
-target_link_libraries(palpable_cholmod INTERFACE ${CHOLMOD_LIBRARY})
+# gomp: Debian's CHOLMOD starts four OpenMP threads of its own unless told not to (GPL-3 with the
+# runtime library exception; comes with the compiler).
+target_link_libraries(palpable_cholmod INTERFACE ${CHOLMOD_LIBRARY} gomp)
 # CGAL 5.5 (GPL-3 for surface remeshing): isotropic remeshing before the volume; bake.
 find_package(CGAL 5.5 REQUIRED)
 # TetGen 1.5 (AGPL-3): tetrahedra; bake.

@@ -11,6 +11,8 @@
 
 #include <array>
 #include <cmath>
+#include <filesystem>
+#include <iterator>
 #include <string>
 #include <thread>
 #include <vector>
@@ -313,6 +315,19 @@ TEST_CASE("a model that cannot be solved is refused when the solver is made", "[
   hinge.fixed_nodes = {0, 1, 2, 3};
   REQUIRE_NOTHROW(check_model(hinge));
   CHECK_THROWS_WITH(EquilibriumSolver(hinge), Contains("without resistance"));
+}
+
+TEST_CASE("a solve starts no threads of its own", "[solid][path]") {
+  // Linux: one entry per thread of this process.
+  const auto threads = [] {
+    return std::distance(std::filesystem::directory_iterator("/proc/self/task"),
+                         std::filesystem::directory_iterator());
+  };
+  const auto before = threads();
+  const SolidModel model = cube();
+  const EquilibriumSolver solver(model);
+  CHECK(solver.solve_path(press_at(model, kTop), std::array{1.0}).complete);
+  CHECK(threads() == before);
 }
 
 TEST_CASE("sites solved side by side have exactly the states of sites solved in turn",

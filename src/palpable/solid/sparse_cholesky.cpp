@@ -10,6 +10,13 @@
 #include <utility>
 #include <vector>
 
+// From the OpenMP interface, of which this is all we need: <omp.h> is the compiler's own and need
+// not be there for a compiler that builds without OpenMP.
+extern "C" {
+void omp_set_max_active_levels(int levels);
+int omp_get_max_active_levels(void);
+}
+
 namespace palpable {
 
 struct FactorWorkspace::Content {
@@ -42,6 +49,21 @@ FactorWorkspace::FactorWorkspace() : content_(std::make_unique<Content>()) {}
 FactorWorkspace::~FactorWorkspace() = default;
 
 namespace {
+
+// Debian's CHOLMOD asks OpenMP for four threads whatever OMP_NUM_THREADS says. A solve is to use
+// one: sites run side by side, and four threads on two busy cores mostly wait for each other. No
+// parallel region may become active while this object lives; the setting is the calling thread's
+// own.
+class OneThread {
+ public:
+  OneThread() : before_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
+  ~OneThread() { omp_set_max_active_levels(before_); }
+
+ private:
+  int before_;
+};
 
 // Frees with a common of its own: the one that allocated may belong to a thread that is gone. A
 // common only counts the bytes.
@@ -136,6 +158,7 @@ struct CholeskyAnalysis::Content {
 };
 
 CholeskyAnalysis::CholeskyAnalysis(const BlockPattern& pattern, FactorWorkspace& workspace) {
+  const OneThread one_thread;
   cholmod_common& common = workspace.content().common;
   auto content = std::make_shared<Content>(pattern);
   const auto M = static_cast<std::size_t>(pattern.rows());
@@ -194,6 +217,7 @@ struct CholeskyFactor::Content {
 std::optional<CholeskyFactor> CholeskyFactor::make(const CholeskyAnalysis& analysis,
                                                    const BlockMatrix& K,
                                                    FactorWorkspace& workspace) {
+  const OneThread one_thread;
   cholmod_common& common = workspace.content().common;
   auto content = std::make_shared<Content>();
   content->factor =
@@ -212,6 +236,7 @@ std::optional<CholeskyFactor> CholeskyFactor::make(const CholeskyAnalysis& analy
 
 void CholeskyFactor::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x,
                            FactorWorkspace& workspace) const {
+  const OneThread one_thread;
   FactorWorkspace::Content& scratch = workspace.content();
   PALPABLE_EXPECT(b.size() == static_cast<Eigen::Index>(content_->factor->n),
                   "the right-hand side has the size of the matrix");
