@@ -39,12 +39,13 @@ class VirtualScreen {
       ::_exit(127);
     }
     ::close(pipe_ends[1]);
-    std::array<char, 16> number{};
-    const ssize_t got = ::read(pipe_ends[0], number.data(), number.size() - 1);
+    // Up to the end of the line: Xvfb would not survive a pipe that is closed earlier.
+    std::string number;
+    for (char c = 0; ::read(pipe_ends[0], &c, 1) == 1 && c != '\n';) number += c;
     ::close(pipe_ends[0]);
-    if (got <= 0) return;
+    if (number.empty()) return;
     name_.push_back(':');
-    name_ += std::to_string(std::atoi(number.data()));
+    name_ += number;
     ::setenv("DISPLAY", name_.c_str(), 1);
   }
   ~VirtualScreen() {
