@@ -5,6 +5,7 @@
 
 #include "apps/palpable/commands.h"
 #include "palpable/base/error.h"
+#include "palpable/geometry/rigid.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/render/picture_file.h"
 #include "palpable/score/occlusion.h"
@@ -73,7 +74,7 @@ struct Run {
   std::map<int, std::vector<TrueCapsule>> hands;
   std::vector<std::uint8_t> processed;
   std::map<int, FoundTouch> touches;
-  Eigen::Isometry3d camera_from_body = Eigen::Isometry3d::Identity();
+  Rigid3 camera_from_body = Rigid3::Identity();
 };
 
 Run read_run(const fs::path& truth, const fs::path& result) {

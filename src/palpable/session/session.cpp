@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -105,6 +106,7 @@ bool Session::Parts::find_contact_depth(const SeenFrame& seen) {
   std::copy(seen.depth.begin(), seen.depth.end(), contact_depth.begin());
   if (background && !background->ready()) {
     background->learn(contact_depth);
+    std::fill(contact_depth.begin(), contact_depth.end(), std::numeric_limits<float>::quiet_NaN());
     return false;
   }
   forget_jumps(contact_depth, kJumpShare, scratch);
@@ -194,6 +196,7 @@ const Scene& Session::process(const Frame& frame) {
   return parts_->own_scene;
 }
 
+const DepthImage& Session::pressing_depth() const { return parts_->contact_depth; }
 const ReducedBody& Session::body() const { return parts_->body; }
 const Rigid3& Session::camera_from_body() const { return parts_->camera_from_body; }
 const SessionSettings& Session::settings() const { return parts_->settings; }

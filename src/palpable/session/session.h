@@ -82,6 +82,10 @@ class Session {
   /// @param scene  overwritten; its memory is used again; scene.seen = &seen
   void respond(const SeenFrame& seen, Scene& scene);
 
+  /// What may press, of the frame answered last: its depth without what is static and without the
+  /// pixels at jumps; NaN elsewhere, and everywhere while the background is being learnt.
+  [[nodiscard]] const DepthImage& pressing_depth() const;
+
   [[nodiscard]] const ReducedBody& body() const;
   [[nodiscard]] const Rigid3& camera_from_body() const;
   [[nodiscard]] const SessionSettings& settings() const;

@@ -5,7 +5,9 @@
 #include "tests/support/seen_capsules.h"
 #include "tests/support/test.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace palpable {
@@ -156,7 +158,10 @@ TEST_CASE("what comes after the beginning presses a body that ignores the rest",
     CHECK(session.process(frame_with_finger(n, -0.3)).touches.empty());
   }
   CHECK(session.process(frame_with_finger(8, 0.010)).touches.size() == 1);
+  const DepthImage& pressing = session.pressing_depth();
+  CHECK(std::any_of(pressing.begin(), pressing.end(), [](float z) { return z > 0; }));
   CHECK(session.process(frame_with_finger(9, -0.3)).touches.empty());
+  CHECK(std::none_of(pressing.begin(), pressing.end(), [](float z) { return z > 0; }));
 }
 
 TEST_CASE("the paper's algorithm stays pressed when the hand leaves fast, the default does not",

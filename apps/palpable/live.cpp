@@ -1,0 +1,241 @@
+// palpable live: images in, the pressed body in them out.
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable/commands.h"
+#include "apps/palpable/live_output.h"
+#include "apps/palpable/live_setup.h"
+#include "apps/palpable/scene_picture.h"
+#include "apps/palpable/vision_thread.h"
+#include "palpable/base/error.h"
+#include "palpable/render/gl_context.h"
+#include "palpable/render/scene_renderer.h"
+#include "palpable/render/window.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  LiveOptions live;
+  fs::path out;
+  bool window = false;
+  bool pictures = false;
+  bool no_masks = false;
+};
+
+// Where pictures are drawn: off screen, or into the context of a window that shows them.
+struct Stage {
+  std::optional<GlContext> offscreen;
+  std::optional<Window> window;
+
+  [[nodiscard]] const GlErrorLog& errors() const {
+    return window ? window->gl_errors() : offscreen->errors();
+  }
+};
+
+Stage make_stage(bool with_window, const PinholeCamera& camera) {
+  Stage stage;
+  if (with_window) {
+    stage.window = value_or_throw(Window::open("Palpable", camera.width, camera.height));
+  } else {
+    stage.offscreen = value_or_throw(GlContext::offscreen());
+  }
+  return stage;
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// What happened, for live.json and the last lines on the screen.
+struct Counts {
+  std::vector<int> processed;  // numbers of the frames
+  int touching = 0;
+  std::optional<int> first_touch;
+  int site_changes = 0;
+  int last_site = -1;
+  double deepest = 0;  // m
+
+  void add(const Scene& scene) {
+    processed.push_back(scene.number);
+    if (scene.touches.empty()) return;
+    const Touch& touch = scene.touches.front();
+    ++touching;
+    if (!first_touch) first_touch = scene.number;
+    if (last_site >= 0 && last_site != touch.site) ++site_changes;
+    last_site = touch.site;
+    deepest = std::max(deepest, touch.press_depth);
+  }
+};
+
+nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const Counts& counts,
+                               const LiveOutput& output, double wall) {
+  nlohmann::ordered_json result;
+  result["body"] = options.live.body.string();
+  result["source"] = run.images.string();
+  result["contact"] = options.live.contact;
+  result["ignore_static_frames"] =
+      run.session.settings().ignore_static ? run.session.settings().static_frames : 0;
+  result["scale"] = options.live.scale;
+  std::vector<double> matrix;
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      matrix.push_back(run.session.camera_from_body().matrix()(row, column));
+    }
+  }
+  result["camera_from_body"] = matrix;
+  result["frames"] = counts.processed.size();
+  result["unreadable"] = run.source->unreadable_count();
+  result["frames_touching"] = counts.touching;
+  result["first_touch_frame"] =
+      counts.first_touch ? nlohmann::ordered_json(*counts.first_touch) : nullptr;
+  result["deepest_press_m"] = counts.deepest;
+  result["site_changes"] = counts.site_changes;
+  result["video_codec"] = output.codec();
+  result["pictures"] = output.figures();
+  result["wall_s"] = wall;
+  for (const auto& [stage, values] : output.times()) result["median_ms"][stage] = median(values);
+  result["processed"] = counts.processed;
+  return result;
+}
+
+void live(const Options& options) {
+  // Their chatter about codecs is no message of ours.
+  ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+  ::setenv("OPENCV_LOG_LEVEL", "SILENT", 0);
+
+  LiveOptions wanted = options.live;
+  wanted.clip = options.out / "clip";
+  LiveRun run = set_up_live(wanted);
+  Session& session = run.session;
+  Stage stage = make_stage(options.window, session.camera());
+  SceneRenderer renderer = value_or_throw(SceneRenderer::make());
+  make_folder(options.out);
+  LiveOutput output({options.out, !options.no_masks, options.pictures});
+
+  int total = run.source->frame_count();
+  if (wanted.frames > 0) total = total > 0 ? std::min(total, wanted.frames) : wanted.frames;
+  Counts counts;
+  ProgressBar bar;
+  const auto begin = std::chrono::steady_clock::now();
+  {
+    VisionThread vision(*run.source, session, wanted.frames);
+    Scene scene;
+    while (std::unique_ptr<FrameInFlight> flight = vision.next()) {
+      session.respond(flight->seen, scene);
+      std::unique_ptr<DrawnFrame> drawn = output.blank();
+      drawn->times = flight->times;
+      drawn->times.add(scene.times);
+      {
+        const StageTimer timer(drawn->times, "draw");
+        renderer.draw(view_of(scene, session), drawn->picture, &drawn->visible, &drawn->body_depth);
+      }
+      drawn->number = scene.number;
+      drawn->time = scene.time;
+      drawn->touches = scene.touches;
+      if (options.pictures) {
+        drawn->scores = figure_scores(scene, session, drawn->visible, drawn->body_depth,
+                                      session.pressing_depth());
+      }
+      counts.add(scene);
+      vision.recycle(std::move(flight));
+
+      if (stage.window) {
+        stage.window->show(drawn->picture);
+        for (const WindowEvent& event : stage.window->events()) {
+          if (event.kind == WindowEvent::Kind::kKey && event.key == WindowEvent::kEscape) {
+            total = static_cast<int>(counts.processed.size());
+          }
+        }
+      }
+      output.write(std::move(drawn));
+      const auto done = static_cast<double>(counts.processed.size());
+      if (total > 0) {
+        bar.show({"live", done, static_cast<double>(total),
+                  scene.touches.empty()
+                      ? std::string("not touched")
+                      : fmt::format("site {}, {:.1f} mm", scene.touches.front().site,
+                                    scene.touches.front().press_depth * 1e3)});
+      }
+      if (stage.window && (stage.window->closed() || done >= total)) break;
+    }
+  }
+  output.finish();
+  bar.finish();
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  if (counts.processed.empty()) {
+    throw Error(fmt::format("{}: no frame could be read ({} unreadable; {})", run.images.string(),
+                            run.source->unreadable_count(), run.source->last_trouble()));
+  }
+  if (stage.errors().count() > 0) {
+    throw Error(fmt::format("OpenGL reported {} errors, first: {}", stage.errors().count(),
+                            stage.errors().first()));
+  }
+  std::ofstream(options.out / "live.json")
+      << summary(options, run, counts, output, wall.count()).dump(2) << "\n";
+
+  fmt::print("{} frames in {:.1f} s ({:.0f} ms each), {} unreadable\n", counts.processed.size(),
+             wall.count(), 1e3 * wall.count() / static_cast<double>(counts.processed.size()),
+             run.source->unreadable_count());
+  if (run.source->unreadable_count() > 0) {
+    fmt::print("last unreadable: {}\n", run.source->last_trouble());
+  }
+  if (counts.first_touch) {
+    fmt::print("touched in {} frames, first in frame {}, at most {:.1f} mm deep\n", counts.touching,
+               *counts.first_touch, counts.deepest * 1e3);
+  } else {
+    fmt::print("never touched\n");
+  }
+  fmt::print("{}\n", (options.out / "touch.mp4").string());
+  for (const std::string& name : output.figures()) {
+    fmt::print("{}\n", (options.out / name).string());
+  }
+}
+
+}  // namespace
+
+void add_live(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("live", "Let what a camera saw press a body: video, figures, timing");
+  add_live_options(*command, options->live);
+  command->add_option("--out", options->out, "Folder for the results")->required();
+  command->add_flag("--window", options->window, "Show it in a window too; Escape ends it");
+  command->add_flag("--pictures", options->pictures,
+                    "Keep the pictures that show best: hand nearer, body nearer, touch");
+  command->add_flag("--no-masks", options->no_masks,
+                    "Leave out visible/ and body_depth/, which palpable score compares");
+  command->footer(
+      "Writes touch.mp4, timing.csv, touches.jsonl, live.json, visible/ and body_depth/.\n"
+      "Example: palpable live bunny.palpable --source synthetic --out out\n"
+      "Example: palpable live bunny.palpable --source desk --place \"0 0.1 0.6 0 40 0\" "
+      "--ignore-static --out out");
+  command->callback([options] { live(*options); });
+}
+
+}  // namespace palpable::app

@@ -1,0 +1,110 @@
+/// @file
+/// What a live run leaves behind, written on a thread of its own.
+///
+///   touch.mp4                 the pictures
+///   timing.csv                ms per stage per frame
+///   touches.jsonl             {"frame","time","site","level","force","press_depth","point"} in SI
+///   visible/%06d.png          255 where the body is seen
+///   body_depth/%06d.png       Z of the whole body at half size, 16 bit, 0.1 mm, 0 none
+///   hand_nearer.png body_nearer.png touch.png   the three situations of Fig. 9, if asked for
+#pragma once
+
+#include "apps/palpable/bounded_queue.h"
+#include "palpable/base/stage_clock.h"
+#include "palpable/contact/touch.h"
+#include "palpable/geometry/image.h"
+
+#include <array>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace cv {
+class VideoWriter;
+}
+
+namespace palpable::app {
+
+/// How well a frame shows each situation; 0: not at all.
+struct FigureScores {
+  double hand_nearer = 0;
+  double body_nearer = 0;
+  double touch = 0;
+};
+
+/// One frame to be written; its memory goes round.
+struct DrawnFrame {
+  int number = 0;
+  double time = 0;
+  std::vector<Touch> touches;
+  ColorImage picture;
+  MaskImage visible;
+  DepthImage body_depth;  ///< full size
+  StageTimes times;
+  FigureScores scores;
+};
+
+struct LiveOutputSettings {
+  std::filesystem::path folder;  ///< must exist
+  bool masks = true;
+  bool figures = false;
+};
+
+class LiveOutput {
+ public:
+  /// @throws Error when files in the folder cannot be made
+  explicit LiveOutput(const LiveOutputSettings& settings);
+  LiveOutput(const LiveOutput&) = delete;
+  LiveOutput& operator=(const LiveOutput&) = delete;
+  ~LiveOutput();
+
+  /// A frame to fill; waits while too many are under way.
+  std::unique_ptr<DrawnFrame> blank();
+  /// Takes a filled frame. @throws Error what went wrong while writing an earlier one
+  void write(std::unique_ptr<DrawnFrame> frame);
+  /// Ends the files. @throws Error when something could not be written. After it only:
+  void finish();
+
+  /// The video's codec, e.g. "avc1"; empty when there was no frame.
+  [[nodiscard]] const std::string& codec() const { return codec_; }
+  /// The pictures of situations that occurred.
+  [[nodiscard]] const std::vector<std::string>& figures() const { return figures_; }
+  /// (stage -> ms per frame), every stage of timing.csv in its order, "total" last.
+  [[nodiscard]] const std::vector<std::pair<std::string, std::vector<double>>>& times() const {
+    return times_;
+  }
+
+ private:
+  void run();
+  void write_frame(DrawnFrame& frame);
+  void write_masks(const DrawnFrame& frame);
+  void write_video(const DrawnFrame& frame);
+  void open_video(const ColorImage& picture, double frames_per_second);
+  void append(const ColorImage& picture);
+  void consider(const DrawnFrame& frame);
+  void end_files();
+  void rethrow();
+
+  LiveOutputSettings settings_;
+  BoundedQueue<std::unique_ptr<DrawnFrame>> ready_;
+  BoundedQueue<std::unique_ptr<DrawnFrame>> free_;
+  std::ofstream timing_;
+  std::ofstream touches_;
+  std::unique_ptr<cv::VideoWriter> video_;
+  ColorImage first_picture_;  // held back until the second frame tells the rate
+  double first_time_ = 0;
+  int written_ = 0;
+  std::array<ColorImage, 3> best_;
+  std::array<double, 3> best_score_{};
+  std::string codec_;
+  std::vector<std::string> figures_;
+  std::vector<std::pair<std::string, std::vector<double>>> times_;
+  std::exception_ptr trouble_;
+  std::thread thread_;
+};
+
+}  // namespace palpable::app

@@ -1,0 +1,123 @@
+#include "apps/palpable/live_setup.h"
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable/place.h"
+#include "apps/palpable/press_clip_folder.h"
+#include "palpable/base/error.h"
+#include "palpable/reduced/body_file.h"
+#include "palpable/reduced/scaled_body.h"
+#include "palpable/vision/folder_source.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+namespace palpable::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kClipFrames = 300;
+constexpr std::uint64_t kClipSeed = 1;
+
+// FNV-1a: names the body a clip was made for; no security is asked of it.
+std::uint64_t hash_of_file(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (auto at = std::istreambuf_iterator<char>(in); at != std::istreambuf_iterator<char>(); ++at) {
+    hash = (hash ^ static_cast<unsigned char>(*at)) * 1099511628211ULL;
+  }
+  return hash;
+}
+
+// The clip is filmed once for a body and kept; the label, written last, says that it is whole.
+fs::path synthetic_clip(const LiveOptions& options, const ReducedBody& body) {
+  const std::string label =
+      fmt::format("palpable {} press {} frames seed {} body {:016x}\n", PALPABLE_VERSION,
+                  kClipFrames, kClipSeed, hash_of_file(options.body));
+  const fs::path label_file = options.clip / "made_for.txt";
+  std::string found;
+  if (std::ifstream in(label_file); in) {
+    found.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+  }
+  if (found != label) {
+    std::error_code error;
+    if (fs::exists(options.clip) && !fs::is_empty(options.clip) && found.empty()) {
+      throw Error(fmt::format("{}: is in the way of the synthetic clip; move it away or remove it",
+                              options.clip.string()));
+    }
+    fs::remove_all(options.clip, error);
+    ProgressBar bar;
+    write_press_clip(body, kClipFrames, kClipSeed, options.clip, bar.progress());
+    bar.finish();
+    std::ofstream(label_file) << label;
+  }
+  return options.clip / "frames";
+}
+
+Rigid3 place_of(const LiveOptions& options, const SceneFile& scene, const fs::path& images) {
+  if (!options.place.empty()) {
+    std::string text;
+    for (const std::string& word : options.place) text += (text.empty() ? "" : " ") + word;
+    return read_pose(text);
+  }
+  if (scene.camera_from_body) return *scene.camera_from_body;
+  throw Error(
+      fmt::format("{}: has no scene.toml that says where the body stands; give --place \"x y z "
+                  "roll pitch yaw\"",
+                  images.string()));
+}
+
+}  // namespace
+
+void add_live_options(CLI::App& command, LiveOptions& options) {
+  command.add_option("body", options.body, "Body file")->required();
+  command
+      .add_option("--source", options.source,
+                  "Folder of images (left/ right/, side by side, or colour + depth, with their "
+                  "calibration), or: synthetic")
+      ->required();
+  command
+      .add_option("--place", options.place,
+                  "Where the body stands in the camera: \"x y z roll pitch yaw\" (m right, down, "
+                  "forward; degrees), 16 numbers (camera_from_body row by row), or a file with "
+                  "them. Default: scene.toml beside the images")
+      ->expected(1, 16);
+  command.add_option("--scale", options.scale, "Makes the body so many times as large")
+      ->check(CLI::Range(1e-3, 1e3))
+      ->capture_default_str();
+  command.add_flag("--ignore-static", options.ignore_static,
+                   "What the first 15 frames show does not press (scene.toml may ask for it too)");
+  command
+      .add_option("--contact", options.contact,
+                  "press: the level from the measured depth; paper: Algorithm 1 as printed")
+      ->check(CLI::IsMember({"press", "paper"}))
+      ->capture_default_str();
+  command.add_option("--frames", options.frames, "Stop after so many frames")
+      ->check(CLI::Range(1, 100'000'000));
+}
+
+LiveRun set_up_live(const LiveOptions& options) {
+  ReducedBody body = value_or_throw(read_body_file(options.body));
+  const fs::path images =
+      options.source == "synthetic" ? synthetic_clip(options, body) : fs::path(options.source);
+  if (options.scale != 1) body = scaled(body, options.scale);
+  std::unique_ptr<FrameSource> source = value_or_throw(open_folder(images));
+  const SceneFile scene = read_scene_file(images / "scene.toml");
+  const Rigid3 pose = place_of(options, scene, images);
+
+  SessionSettings settings;
+  settings.contact = options.contact == "paper" ? ContactKind::kPaper : ContactKind::kPress;
+  const int static_frames = scene.ignore_static_frames.value_or(0);
+  settings.ignore_static = options.ignore_static || static_frames > 0;
+  if (static_frames > 0) settings.static_frames = static_frames;
+  Session session =
+      value_or_throw(Session::make(std::move(body), pose, source->format(), settings));
+  return {std::move(source), std::move(session), images};
+}
+
+}  // namespace palpable::app

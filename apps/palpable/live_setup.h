@@ -1,0 +1,44 @@
+/// @file
+/// What `live` and `bench live` share: the options of a live run, and from them body, images and
+/// session.
+#pragma once
+
+#include "palpable/session/session.h"
+#include "palpable/vision/frame_source.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace palpable::app {
+
+struct LiveOptions {
+  std::filesystem::path body;
+  std::string source;              ///< a folder, or "synthetic"
+  std::filesystem::path clip;      ///< where a synthetic clip is kept
+  std::vector<std::string> place;  ///< words; empty: from the folder's scene.toml
+  double scale = 1;
+  bool ignore_static = false;
+  std::string contact = "press";
+  int frames = -1;  ///< at most; negative: all
+};
+
+/// Adds the options to a command; "body" is positional.
+void add_live_options(CLI::App& command, LiveOptions& options);
+
+struct LiveRun {
+  std::unique_ptr<FrameSource> source;
+  Session session;
+  std::filesystem::path images;  ///< the folder that is played
+};
+
+/// Reads the body, films the synthetic clip if it is wanted and not there yet, opens the images,
+/// finds the place. @throws Error for everything that is not as hoped
+[[nodiscard]] LiveRun set_up_live(const LiveOptions& options);
+
+}  // namespace palpable::app
