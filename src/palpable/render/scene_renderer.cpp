@@ -236,7 +236,8 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
     glDisable(GL_SCISSOR_TEST);
     s.read_back(box, picture, body_visible, body_depth);
   }
-  const float scale = static_cast<float>(height) / 720.0f;
+  // Letters stay legible in small pictures.
+  const float scale = std::max(static_cast<float>(height) / 720.0f, 0.75f);
   if (!view.legend_title.empty() && !view.bodies.empty()) {
     draw_legend(picture, {.title = view.legend_title,
                           .unit = view.legend_unit,

@@ -1,0 +1,112 @@
+#include "apps/palpable/body_view.h"
+
+#include "palpable/base/contract.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace palpable::app {
+
+PressedBody::PressedBody(const ReducedBody& body)
+    : body_(body),
+      at_rest_(body.surface.vertices.cast<float>()),
+      vertices_(at_rest_),
+      normals_(3, at_rest_.cols()),
+      displacement_(static_cast<std::size_t>(at_rest_.size())),
+      stress_(2 * displacement_.size()),
+      von_mises_(static_cast<std::size_t>(at_rest_.cols())),
+      patch_marks_(von_mises_.size()) {
+  for (const Site& site : body.sites) {
+    for (const int vertex : site.patch) patch_marks_[static_cast<std::size_t>(vertex)] = 1.0f;
+  }
+  press(0, 0.0);
+}
+
+void PressedBody::press(int site, double level) {
+  PALPABLE_EXPECT(site >= 0 && static_cast<std::size_t>(site) < body_.sites.size(),
+                  "the site exists");
+  site_ = site;
+  level_ = std::clamp(level, 0.0, 1.0);
+  const std::array<double, 2> mu{static_cast<double>(site), level_};
+  body_.displacement.evaluate(mu, displacement_);
+  body_.stress.evaluate(mu, stress_);
+  vertices_ =
+      at_rest_ + Eigen::Map<const Eigen::Matrix3Xf>(displacement_.data(), 3, at_rest_.cols());
+  vertex_normals(vertices_, body_.surface.triangles, normals_);
+  von_mises(stress_, von_mises_);
+}
+
+double PressedBody::force() const {
+  return level_ * body_.sites[static_cast<std::size_t>(site_)].full_load;
+}
+
+double PressedBody::press_depth() const {
+  const Eigen::VectorXd& levels = body_.levels();
+  const auto depths = body_.press_depth.col(site_);
+  Eigen::Index right = 1;
+  while (right + 1 < levels.size() && levels[right] < level_) ++right;
+  const double t = (level_ - levels[right - 1]) / (levels[right] - levels[right - 1]);
+  return depths[right - 1] + t * (depths[right] - depths[right - 1]);
+}
+
+double PressedBody::largest_von_mises() const {
+  return *std::max_element(von_mises_.begin(), von_mises_.end());
+}
+
+BodyLook PressedBody::look() const {
+  BodyLook look;
+  look.vertices = &vertices_;
+  look.normals = &normals_;
+  look.triangles = &body_.surface.triangles;
+  look.scalar = von_mises_;
+  look.scalar_max = std::max(static_cast<float>(body_.largest_von_mises), 1.0f);
+  return look;
+}
+
+void PressedBody::site_dots(float radius, std::vector<Dot>& dots) const {
+  dots.clear();
+  for (const Site& site : body_.sites) dots.push_back({vertices_.col(site.vertex), radius, {}});
+}
+
+int PressedBody::nearest_site(const Eigen::Vector3d& at_in_body) const {
+  int nearest = 0;
+  float least = std::numeric_limits<float>::max();
+  for (std::size_t s = 0; s < body_.sites.size(); ++s) {
+    const float distance =
+        (vertices_.col(body_.sites[s].vertex) - at_in_body.cast<float>()).squaredNorm();
+    if (distance < least) {
+      least = distance;
+      nearest = static_cast<int>(s);
+    }
+  }
+  return nearest;
+}
+
+std::vector<int> sites_to_show(const ReducedBody& body, int count) {
+  const auto middle = [&](int site) {
+    return Eigen::Vector3d(
+        body.surface.vertices.col(body.sites[static_cast<std::size_t>(site)].vertex));
+  };
+  const int site_count = static_cast<int>(body.sites.size());
+  std::vector<int> chosen;
+  while (static_cast<int>(chosen.size()) < std::min(count, site_count)) {
+    int best = 0;
+    double best_value = -std::numeric_limits<double>::max();
+    for (int s = 0; s < site_count; ++s) {
+      double value = middle(s).z();  // the first one: the highest
+      if (!chosen.empty()) {
+        value = std::numeric_limits<double>::max();
+        for (const int c : chosen) value = std::min(value, (middle(s) - middle(c)).norm());
+      }
+      if (value > best_value) {
+        best_value = value;
+        best = s;
+      }
+    }
+    chosen.push_back(best);
+  }
+  return chosen;
+}
+
+}  // namespace palpable::app
