@@ -60,6 +60,13 @@ void bench_bake(const Options& options) {
   result["sites_reaching_press"] =
       std::count_if(report.outcomes.begin(), report.outcomes.end(),
                     [](const SiteOutcome& o) { return o.reached_press; });
+  int newton_steps = 0, cg_iterations = 0;
+  for (const SiteOutcome& outcome : report.outcomes) {
+    newton_steps += outcome.newton_steps;
+    cg_iterations += outcome.cg_iterations;
+  }
+  result["newton_steps"] = newton_steps;
+  result["cg_iterations"] = cg_iterations;
   result["displacement_modes"] = report.displacement.errors.size();
   result["displacement_error"] = report.displacement.pooled;
   result["displacement_error_worst"] = report.displacement.worst;

@@ -96,7 +96,7 @@ class Section {
   }
 
   bool has(const char* key) {
-    asked_.emplace_back(key);
+    if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.emplace_back(key);
     return table_.contains(key);
   }
 

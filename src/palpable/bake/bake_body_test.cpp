@@ -1,0 +1,212 @@
+#include "palpable/bake/bake_body.h"
+
+#include "palpable/bake/msh_file.h"
+#include "palpable/base/error.h"
+#include "palpable/geometry/mesh_file.h"
+#include "palpable/reduced/body_file.h"
+#include "tests/support/test.h"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <unistd.h>
+
+namespace palpable {
+namespace {
+
+using Catch::Matchers::Contains;
+using test::tolerance;
+
+// A folder with an egg to bake.
+struct Kitchen {
+  std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("palpable-bake-test-" + std::to_string(::getpid()));
+  Kitchen() {
+    std::filesystem::create_directories(folder);
+    SurfaceMesh egg = sphere_surface({0, 0, 0}, 1, 2);
+    egg.vertices.row(1) *= 1.3;
+    write_ply(folder / "egg.ply", egg);
+  }
+  ~Kitchen() { std::filesystem::remove_all(folder); }
+
+  [[nodiscard]] BodyDescription egg() const {
+    BodyDescription body;
+    body.name = "egg";
+    body.source = folder / "egg.toml";
+    body.shape = {.file = folder / "egg.ply", .up = UpAxis::kY, .height = 0.08, .edge = {}};
+    body.material = {.law = "neo-hookean", .young = 40e3, .poisson = 0.35};
+    body.support.below = 0.15;
+    body.sites = {.count = 3, .above = 0.4, .patch = 1};
+    body.press = {.depth = 0.06, .levels = 4};
+    body.reduction = {.tolerance = 1e-3, .max_modes = 100};
+    return body;
+  }
+};
+
+TEST_CASE("a shape is turned, scaled and stood on the ground", "[bake][mesh]") {
+  Eigen::Matrix3Xd points(3, 3);
+  points << 1, 3, 1,  // x
+      10, 10, 12,     // y
+      5, 6, 9;        // z
+  Eigen::Matrix3Xd up_y = points;
+  place_in_body_frame(up_y, UpAxis::kY, 0.5);  // 2 high: a quarter of the size
+  Eigen::Matrix3Xd expected(3, 3);
+  expected << -0.5, -0.25, 0.5,  // z
+      -0.25, 0.25, -0.25,        // x
+      0, 0, 0.5;                 // y
+  CHECK((up_y - expected).cwiseAbs().maxCoeff() <= tolerance(1e-15, "rounding"));
+  Eigen::Matrix3Xd up_z = points;
+  place_in_body_frame(up_z, UpAxis::kZ, std::nullopt);
+  CHECK(up_z.row(2) == points.row(2).array().operator-(5).matrix());
+  Eigen::Matrix3Xd flat = points;
+  flat.row(2).setZero();
+  CHECK_THROWS_AS(place_in_body_frame(flat, UpAxis::kZ, 1.0), Error);
+}
+
+TEST_CASE("a shape is turned, not mirrored", "[bake][mesh]") {
+  for (const UpAxis up : {UpAxis::kX, UpAxis::kY, UpAxis::kZ}) {
+    SurfaceMesh box = box_surface({0, 0, 0}, {1, 2, 3});
+    place_in_body_frame(box.vertices, up, std::nullopt);
+    CHECK(enclosed_volume(box) > 0.0);
+  }
+}
+
+TEST_CASE("a baked body gives its snapshots back within the error that it states", "[bake][body]") {
+  const Kitchen kitchen;
+  const BodyDescription description = kitchen.egg();
+  const BakedBody baked =
+      bake_body(description, {.threads = 2, .version = "test 1", .command_line = {}});
+  const ReducedBody& body = baked.body;
+  CHECK(body.error.displacement_pooled <= 1e-3);
+  CHECK(body.error.stress_pooled <= 1e-3);
+  CHECK(body.error.displacement_worst >= body.error.displacement_pooled);
+  CHECK(body.sites.size() == 3);
+  CHECK(body.levels().size() == 5);
+  CHECK(std::abs(body.surface.vertices.row(2).maxCoeff() - 0.08) <= tolerance(1e-12, "rounding"));
+  CHECK(std::count(body.fixed.begin(), body.fixed.end(), 1) > 3);
+
+  // The same solves once more, by hand.
+  const BodyMesh mesh = make_body_mesh(description);
+  const EquilibriumSolver solver(
+      SolidModel{.mesh = mesh.mesh,
+                 .material = material_from_young("neo-hookean", 40e3, 0.35),
+                 .fixed_nodes = mesh.fixed_nodes,
+                 .fixed_displacement = {}});
+  const Campaign campaign =
+      run_campaign(solver, mesh.boundary, body.sites, {.press = 0.06 * 0.08, .levels = 4});
+  double lost = 0, whole = 0;
+  std::vector<float> u(static_cast<std::size_t>(body.displacement.value_count()));
+  for (int s = 0; s < 3; ++s) {
+    for (int l = 0; l < 4; ++l) {
+      const double mu[2] = {double(s), body.levels()[l + 1]};
+      body.displacement.evaluate(mu, u);
+      const Eigen::VectorXd truth = campaign.displacement.values.col(s * 4 + l);
+      for (std::size_t v = 0; v < u.size(); ++v) {
+        const int node = mesh.boundary.node_of_vertex[v / 3];
+        const double t = truth[3 * node + static_cast<int>(v % 3)];
+        lost += (u[v] - t) * (u[v] - t);
+        whole += t * t;
+      }
+    }
+  }
+  CHECK(std::sqrt(lost / whole) <=
+        tolerance(3e-3, "the stated 1e-3 is over the volume, this is over the skin"));
+  CHECK(std::sqrt(lost / whole) > 1e-7);  // it is reduced, not copied
+  CHECK(baked.report.displacement.evaluated_worst < 0.02);
+  CHECK(baked.report.stress.evaluated_worst < 0.02);
+
+  // At rest nothing moves.
+  body.displacement.evaluate(std::array{1.0, 0.0}, u);
+  CHECK(*std::max_element(u.begin(), u.end()) == 0.0f);
+}
+
+TEST_CASE("a baked body survives its file, with where it comes from", "[bake][body]") {
+  const Kitchen kitchen;
+  const BakedBody baked = bake_body(
+      kitchen.egg(), {.threads = 1, .version = "test 1", .command_line = "palpable bake egg.toml"});
+  const std::filesystem::path file = kitchen.folder / "egg.palpable";
+  write_body_file(file, baked.body);
+  const ReducedBody again = value_or_throw(read_body_file(file));
+  CHECK(again.name == "egg");
+  CHECK(again.displacement.modes() == baked.body.displacement.modes());
+  CHECK(again.press_depth == baked.body.press_depth);
+  std::string all;
+  for (const auto& [key, value] : again.provenance) all += key + ": " + value + "\n";
+  CHECK_THAT(all, Contains("program: test 1") && Contains("command line: palpable bake egg.toml") &&
+                      Contains("egg.ply") && Contains("tetrahedra") && Contains("4 levels"));
+}
+
+TEST_CASE("the bake is the same on one thread and on three", "[bake][body][threads]") {
+  const Kitchen kitchen;
+  const auto bake = [&](int threads) {
+    return bake_body(kitchen.egg(), {.threads = threads, .version = {}, .command_line = {}}).body;
+  };
+  const ReducedBody one = bake(1), three = bake(3);
+  CHECK(one.displacement.modes() == three.displacement.modes());
+  CHECK(one.stress.modes() == three.stress.modes());
+  CHECK(one.press_depth == three.press_depth);
+}
+
+TEST_CASE("a volume mesh is baked like a surface", "[bake][body]") {
+  const Kitchen kitchen;
+  write_msh_file(kitchen.folder / "block.msh", box_tets({0, 0, 0}, {0.06, 0.05, 0.04}, 4, 4, 3));
+  BodyDescription block = kitchen.egg();
+  block.shape = {.file = kitchen.folder / "block.msh", .up = UpAxis::kZ, .height = {}, .edge = {}};
+  block.sites.count = 2;
+  block.press.levels = 2;
+  const BakedBody baked = bake_body(block, {});
+  CHECK(baked.report.nodes == 5 * 5 * 4);
+  CHECK(baked.report.tets == 4 * 4 * 3 * 6);
+  CHECK(baked.body.surface.vertices.col(0).isApprox(Eigen::Vector3d(-0.03, -0.025, 0.0)));
+}
+
+TEST_CASE("a bake that cannot be says why in one line", "[bake][body]") {
+  const Kitchen kitchen;
+  const auto complaint = [](const BodyDescription& description) -> std::string {
+    try {
+      (void)bake_body(description, {});
+    } catch (const Error& error) { return error.what(); }
+    return "";
+  };
+  {
+    INFO("missing file");
+    BodyDescription body = kitchen.egg();
+    body.shape.file = kitchen.folder / "none.ply";
+    CHECK_THAT(complaint(body), Contains("none.ply: no such file"));
+  }
+  {
+    INFO("not watertight");
+    SurfaceMesh open = sphere_surface({0, 0, 0}, 1, 1);
+    open.triangles.conservativeResize(3, open.triangle_count() - 1);
+    write_ply(kitchen.folder / "open.ply", open);
+    BodyDescription body = kitchen.egg();
+    body.shape.file = kitchen.folder / "open.ply";
+    CHECK_THAT(complaint(body), Contains("open.ply: not watertight: 3 open edges"));
+  }
+  {
+    INFO("inverted mesh");
+    TetMesh mesh = box_tets({0, 0, 0}, {0.1, 0.1, 0.1}, 2, 2, 2);
+    mesh.tets.row(0).swap(mesh.tets.row(1));
+    write_msh_file(kitchen.folder / "inverted.msh", mesh);
+    BodyDescription body = kitchen.egg();
+    body.shape = {
+        .file = kitchen.folder / "inverted.msh", .up = UpAxis::kZ, .height = {}, .edge = {}};
+    CHECK_THAT(complaint(body), Contains("48 of 48 tetrahedra are inverted"));
+  }
+  {
+    INFO("singular supports");
+    BodyDescription body = kitchen.egg();
+    body.support.below = 1e-6;  // the egg stands on one point
+    CHECK_THAT(complaint(body), Contains("fixed") || Contains("held") || Contains("support"));
+  }
+  {
+    INFO("a load that cannot be reached");
+    BodyDescription body = kitchen.egg();
+    body.press.depth = 0.9;
+    CHECK_THAT(complaint(body),
+               Contains("past the centre of mass") && Contains("ask for a depth below 0."));
+  }
+}
+
+}  // namespace
+}  // namespace palpable
