@@ -71,7 +71,7 @@ class Programs:
 
 BALL = """name = "ball"
 [shape]
-file = "ball.off"
+surface = "ball.off"
 up = "z"
 height = "100 mm"
 edge = "12 mm"
@@ -209,7 +209,7 @@ def _(programs, folder):
     lines[at] = " ".join(words)
     (folder / "bad.msh").write_text("\n".join(lines) + "\n")
     (folder / "bad.toml").write_text(
-        BALL.replace("ball.off", "bad.msh").replace('edge = "12 mm"\n', ""))
+        BALL.replace("surface = \"ball.off\"", "mesh = \"bad.msh\"").replace('edge = "12 mm"\n', ""))
     programs.refuses("bake", folder / "bad.toml", "-o", folder / "x.palpable",
                      says=["bad.msh", "inverted", words[0]])
 
