@@ -60,6 +60,9 @@ Eigen::Matrix4f to_clip(const Eigen::Matrix4d& m) {
   return (scale * m).cast<float>();
 }
 
+/// How far (m) the filtered edge of a shadow reaches beyond the shadow: a few texels.
+constexpr double kShadowSpread = 0.005;
+
 /// Triangles on the GPU.
 struct GpuMesh {
   GlBuffer vertices, indices;
@@ -131,6 +134,10 @@ struct Eye {
   GlTexture ideal_color, ideal_depth, lens_map, raw_color;
   GlFramebuffer ideal_target, raw_target;
   float gain = 1;
+  /// The desk without a hand, kept while the eye does not move; each frame starts as a copy of it.
+  GlTexture still_color, still_depth;
+  GlFramebuffer still_target;
+  std::optional<Rigid3> still_from_desk;
 
   Eye(const DistortedCamera& lens, float gain_)
       : camera(lens),
@@ -139,8 +146,12 @@ struct Eye {
         ideal_depth(GL_DEPTH_COMPONENT32F, ideal.width, ideal.height),
         lens_map(GL_RG32F, lens.pinhole.width, lens.pinhole.height),
         raw_color(GL_RGBA8, lens.pinhole.width, lens.pinhole.height),
-        gain(gain_) {
+        gain(gain_),
+        still_color(GL_RGBA8, ideal.width, ideal.height),
+        still_depth(GL_DEPTH_COMPONENT32F, ideal.width, ideal.height) {
     const std::array<const GlTexture*, 1> ideal_colors = {&ideal_color};
+    const std::array<const GlTexture*, 1> still_colors = {&still_color};
+    still_target = GlFramebuffer(still_colors, &still_depth);
     const std::array<const GlTexture*, 1> raw_colors = {&raw_color};
     ideal_target = GlFramebuffer(ideal_colors, &ideal_depth);
     raw_target = GlFramebuffer(raw_colors, nullptr);
@@ -233,11 +244,62 @@ struct DeskRenderer::State {
     glDisable(GL_POLYGON_OFFSET_FILL);
   }
 
-  void draw_eye(const Eye& eye, const Rigid3& eye_from_desk, int key, ColorImage& picture) {
-    eye.ideal_target.bind();
+  /// The rectangle of the ideal picture that the hand and its shadow can change.
+  [[nodiscard]] static std::array<int, 4> touched_by(std::span<const HandCapsule> capsules,
+                                                     const Eye& eye, const Rigid3& eye_from_desk) {
+    double left = eye.ideal.width, right = -1, top = eye.ideal.height, bottom = -1;
+    const auto include = [&](const Eigen::Vector3d& x_in_desk, double radius) {
+      const Eigen::Vector3d x = eye_from_desk * x_in_desk;
+      // Beside or behind the eye nothing useful bounds it.
+      const double z = x.z() - radius;
+      if (z < kNearest) {
+        left = top = 0;
+        right = eye.ideal.width;
+        bottom = eye.ideal.height;
+        return;
+      }
+      const Eigen::Vector2d at = eye.ideal.project(x);
+      // A sphere's picture is wider than r / z off the axis; its rays make at most 60 degrees.
+      const double reach = 2.0 * eye.ideal.fx_px * radius / z + 2.0;
+      left = std::min(left, at.x() - reach);
+      right = std::max(right, at.x() + reach);
+      top = std::min(top, at.y() - reach);
+      bottom = std::max(bottom, at.y() + reach);
+    };
+    for (const HandCapsule& capsule : capsules)
+      for (const auto& [end, radius] : {std::pair(capsule.shape.a, capsule.shape.ra),
+                                        std::pair(capsule.shape.b, capsule.shape.rb)}) {
+        include(end, radius);
+        // Its shadow on the desk; what the shadow meets on the way lies between the two.
+        const double fall = std::max(0.0, end.z()) / kToSun.z();
+        include(end - fall * kToSun, radius / kToSun.z() + kShadowSpread);
+      }
+    const auto clamped = [](double value, int limit) {
+      return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(limit)));
+    };
+    const int x0 = clamped(left, eye.ideal.width);
+    const int y0 = clamped(top, eye.ideal.height);
+    return {x0, y0, std::max(0, clamped(right + 1, eye.ideal.width) - x0),
+            std::max(0, clamped(bottom + 1, eye.ideal.height) - y0)};
+  }
+
+  void draw_mesh(const GpuMesh& mesh, const std::vector<GlTexture>& from) const {
+    from[static_cast<std::size_t>(mesh.image)].bind(0);
+    paint.set("gloss", mesh.gloss);
+    paint.set("sharpness", mesh.sharpness);
+    mesh.draw();
+  }
+
+  /// Everything that stands still. Near things are last in the list: what they hide is not shaded.
+  void paint_static() const {
+    for (std::size_t i = meshes.size(); i-- > 0;) draw_mesh(*meshes[i], images);
+  }
+
+  void draw_eye(Eye& eye, const Rigid3& eye_from_desk, std::span<const HandCapsule> capsules,
+                int key, ColorImage& picture) {
     glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LEQUAL);  // what is painted again over its own copy must pass
     glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
-    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     paint.use();
     const Eigen::Matrix4f view = eye_from_desk.matrix().cast<float>();
     paint.set("clip_from_desk", Eigen::Matrix4f(clip_from_camera(eye.ideal) * view));
@@ -250,15 +312,34 @@ struct DeskRenderer::State {
     paint.set("hand_shadow", 2);
     static_shadow.depth.bind(1);
     hand_shadow.depth.bind(2);
-    const auto draw_mesh = [&](const GpuMesh& mesh, const std::vector<GlTexture>& from) {
-      from[static_cast<std::size_t>(mesh.image)].bind(0);
-      paint.set("gloss", mesh.gloss);
-      paint.set("sharpness", mesh.sharpness);
-      mesh.draw();
+
+    if (!eye.still_from_desk || eye.still_from_desk->matrix() != eye_from_desk.matrix()) {
+      eye.still_target.bind();
+      glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+      paint.set("hand_casts_shadow", 0);
+      paint_static();
+      eye.still_from_desk = eye_from_desk;
+    }
+    const auto copy = [&eye](const GlTexture& from, const GlTexture& to) {
+      glCopyImageSubData(from.get(), GL_TEXTURE_2D, 0, 0, 0, 0, to.get(), GL_TEXTURE_2D, 0, 0, 0, 0,
+                         eye.ideal.width, eye.ideal.height, 1);
     };
-    // Near things first: what they hide is then not shaded.
-    for (const GpuMesh& mesh : hand) draw_mesh(mesh, hand_images);
-    for (std::size_t i = meshes.size(); i-- > 0;) draw_mesh(*meshes[i], images);
+    copy(eye.still_color, eye.ideal_color);
+    if (!capsules.empty()) {
+      copy(eye.still_depth, eye.ideal_depth);
+      eye.ideal_target.bind();
+      const auto [x, y, width, height] = touched_by(capsules, eye, eye_from_desk);
+      glEnable(GL_SCISSOR_TEST);
+      glScissor(x, y, width, height);
+      paint.set("hand_casts_shadow", 1);
+      // The hand is closed: half of its triangles look away. With Y down, the others run clockwise.
+      glFrontFace(GL_CW);
+      glEnable(GL_CULL_FACE);
+      for (const GpuMesh& mesh : hand) draw_mesh(mesh, hand_images);
+      glDisable(GL_CULL_FACE);
+      paint_static();
+      glDisable(GL_SCISSOR_TEST);
+    }
 
     eye.raw_target.bind();
     glDisable(GL_DEPTH_TEST);
@@ -322,8 +403,8 @@ void DeskRenderer::draw(const Rigid3& camera_from_desk, std::span<const HandCaps
   const Rigid3 right_from_desk = s.rig.rig.right_from_left * left_from_desk;
   Random random(s.seed * 0x10001ULL + static_cast<std::uint64_t>(frame), "noise");
   const auto key = [&random] { return static_cast<int>(random.next() >> 33); };
-  s.draw_eye(s.left, left_from_desk, key(), pictures.left);
-  s.draw_eye(s.right, right_from_desk, key(), pictures.right);
+  s.draw_eye(s.left, left_from_desk, hand, key(), pictures.left);
+  s.draw_eye(s.right, right_from_desk, hand, key(), pictures.right);
 }
 
 void DeskRenderer::draw_depth(const Rigid3& camera_from_desk, std::span<const HandCapsule> hand,

@@ -15,6 +15,7 @@ uniform vec3 eye;     // desk frame, m
 uniform vec3 to_sun;  // desk frame, unit
 uniform float gloss;
 uniform float sharpness;
+uniform int hand_casts_shadow;  // 0: nothing is in the hand's shadow map yet
 
 out vec4 color;
 
@@ -49,12 +50,15 @@ void main() {
   float facing = dot(normal, to_sun);
   float sun = max(facing, 0.0);
   if (sun > 0.0) {
-    sun *= lit(static_shadow, in_static_light, 0.0011) * lit(hand_shadow, in_hand_light, 0.0022);
+    sun *= lit(static_shadow, in_static_light, 0.0011);
+    if (hand_casts_shadow != 0) sun *= lit(hand_shadow, in_hand_light, 0.0022);
   }
   vec3 room = mix(kGround, kSky, 0.5 + 0.5 * normal.z) * more.x;
   vec3 light = albedo * (room + sun * kSun);
-  vec3 half_way = normalize(to_sun + to_eye);
-  float highlight = pow(max(dot(normal, half_way), 0.0), exponent);
-  light += shine * highlight * min(1.0, 4.0 * sun) * kSun;
+  if (shine > 0.0 && sun > 0.0) {
+    vec3 half_way = normalize(to_sun + to_eye);
+    float highlight = pow(max(dot(normal, half_way), 0.0), exponent);
+    light += shine * highlight * min(1.0, 4.0 * sun) * kSun;
+  }
   color = vec4(sqrt(clamp(light, 0.0, 1.0)), 1.0);
 }
