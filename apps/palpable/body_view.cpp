@@ -26,8 +26,11 @@ PressedBody::PressedBody(const ReducedBody& body)
 void PressedBody::press(int site, double level) {
   PALPABLE_EXPECT(site >= 0 && static_cast<std::size_t>(site) < body_.sites.size(),
                   "the site exists");
-  site_ = site;
   level_ = std::clamp(level, 0.0, 1.0);
+  if (site != site_) {
+    site_ = site;
+    scale_ = stress_scale();
+  }
   const std::array<double, 2> mu{static_cast<double>(site), level_};
   body_.displacement.evaluate(mu, displacement_);
   body_.stress.evaluate(mu, stress_);
@@ -60,13 +63,43 @@ BodyLook PressedBody::look() const {
   look.normals = &normals_;
   look.triangles = &body_.surface.triangles;
   look.scalar = von_mises_;
-  look.scalar_max = std::max(static_cast<float>(body_.largest_von_mises), 1.0f);
+  look.scalar_max = static_cast<float>(scale_);
   return look;
 }
 
 void PressedBody::site_dots(float radius, std::vector<Dot>& dots) const {
-  dots.clear();
-  for (const Site& site : body_.sites) dots.push_back({vertices_.col(site.vertex), radius, {}});
+  for (const Site& site : body_.sites) {
+    Dot dot;
+    dot.at_in_body = vertices_.col(site.vertex);
+    dot.radius = radius;
+    dots.push_back(dot);
+  }
+}
+
+void PressedBody::load_dots(float radius, std::vector<Dot>& dots) const {
+  const Site& site = body_.sites[static_cast<std::size_t>(site_)];
+  constexpr int kBalls = 6;
+  for (int i = 0; i < kBalls; ++i) {
+    // Smaller towards the body, as an arrow is.
+    const auto outwards = (1.2f + 2.3f * static_cast<float>(i)) * radius;
+    Dot dot;
+    dot.at_in_body = vertices_.col(site.vertex) - outwards * site.direction.cast<float>();
+    dot.radius = radius * (0.55f + 0.09f * static_cast<float>(i));
+    dots.push_back(dot);
+  }
+}
+
+double PressedBody::stress_scale() const {
+  // The largest of all is a few vertices at the rim of the support or of the patch; a scale up to
+  // there leaves the rest of the body in its lowest colours.
+  constexpr double kShare = 0.99;
+  std::vector<float> stress(stress_.size()), at_full_load(von_mises_.size());
+  body_.stress.evaluate(std::array<double, 2>{static_cast<double>(site_), 1.0}, stress);
+  von_mises(stress, at_full_load);
+  const auto at = at_full_load.begin() + static_cast<std::ptrdiff_t>(
+                                             kShare * static_cast<double>(at_full_load.size() - 1));
+  std::nth_element(at_full_load.begin(), at, at_full_load.end());
+  return std::max(static_cast<double>(*at), 1.0);
 }
 
 int PressedBody::nearest_site(const Eigen::Vector3d& at_in_body) const {
@@ -89,6 +122,8 @@ std::vector<int> sites_to_show(const ReducedBody& body, int count) {
         body.surface.vertices.col(body.sites[static_cast<std::size_t>(site)].vertex));
   };
   const int site_count = static_cast<int>(body.sites.size());
+  // Near the support nothing gives way.
+  const double lowest = 0.3 * body.surface.vertices.row(2).maxCoeff();
   std::vector<int> chosen;
   while (static_cast<int>(chosen.size()) < std::min(count, site_count)) {
     int best = 0;
@@ -98,6 +133,7 @@ std::vector<int> sites_to_show(const ReducedBody& body, int count) {
       if (!chosen.empty()) {
         value = std::numeric_limits<double>::max();
         for (const int c : chosen) value = std::min(value, (middle(s) - middle(c)).norm());
+        if (middle(s).z() < lowest) value *= 1e-3;  // the others first
       }
       if (value > best_value) {
         best_value = value;

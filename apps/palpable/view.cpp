@@ -117,12 +117,15 @@ class StudioScene {
     view_.background = &background_;
     BodyLook look = pressed_.look();
     look.camera_from_body = camera_from_body;
+    dots_.clear();
     if (sites_shown) {
       pressed_.site_dots(dot_radius_, dots_);
-      look.dots = dots_;
       look.marks = pressed_.patch_marks();
     }
+    if (pressed_.level() > 0) pressed_.load_dots(dot_radius_, dots_);
+    look.dots = dots_;
     view_.bodies.assign(1, look);
+    view_.brightness = 1.12f;  // a studio is lit better than a room
     view_.legend_title = legend_shown ? "von Mises stress" : "";
     view_.caption = caption;
     renderer_.draw(view_, picture_, nullptr, &depth_);
@@ -143,9 +146,10 @@ class StudioScene {
                        body_.sites.size());
   }
   [[nodiscard]] std::string reading() const {
-    return fmt::format("site {}   level {:.2f}   force {:.2f} N   depth {:.1f} mm   max {:.1f} kPa",
-                       pressed_.site(), pressed_.level(), pressed_.force(),
-                       1e3 * pressed_.press_depth(), 1e-3 * pressed_.largest_von_mises());
+    return fmt::format(
+        "site {}   level {:.2f}   force {:.2f} N   depth {:.1f} mm   largest stress {:.1f} kPa",
+        pressed_.site(), pressed_.level(), pressed_.force(), 1e3 * pressed_.press_depth(),
+        1e-3 * pressed_.largest_von_mises());
   }
 
  private:
@@ -212,7 +216,7 @@ void write_pictures(const ReducedBody& body, const ViewOptions& options, Size si
   const auto draw = [&](const Shot& shot) -> const ColorImage& {
     scene.pressed().press(shot.site, shot.level);
     scene.sites_shown = shot.sites;
-    scene.legend_shown = !shot.sites;
+    scene.legend_shown = shot.level > 0;
     scene.caption = {shot.level > 0 ? scene.reading() : scene.title()};
     return scene.draw(shot.camera);
   };

@@ -18,7 +18,7 @@ const vec3 kTop = vec3(0.60, 0.64, 0.70);
 float line_share(vec2 x) {
   vec2 footprint = max(fwidth(x), vec2(1e-6));
   vec2 to_line = abs(fract(x - 0.5) - 0.5) / footprint;
-  vec2 share = clamp(1.2 - to_line, 0.0, 1.0) * (1.0 - smoothstep(0.12, 0.35, footprint));
+  vec2 share = clamp(1.2 - to_line, 0.0, 1.0) * (1.0 - smoothstep(0.07, 0.25, footprint));
   return max(share.x, share.y);
 }
 
@@ -32,6 +32,6 @@ void main() {
   float there = 1.0 - smoothstep(0.25, 1.0, reach);
   vec3 ground = kFloor;
   float fine = line_share(floor_at / 0.01), coarse = line_share(floor_at / 0.05);
-  ground -= vec3(0.055, 0.05, 0.042) * fine + vec3(0.13, 0.12, 0.10) * coarse;
+  ground -= vec3(0.05, 0.045, 0.038) * fine + vec3(0.11, 0.10, 0.085) * coarse;
   color = vec4(mix(backdrop, ground, there), 1.0);
 }
