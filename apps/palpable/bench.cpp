@@ -1,0 +1,256 @@
+// palpable bench: ms per stage of the live half, median and 99th percentile.
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable/commands.h"
+#include "apps/palpable/live_setup.h"
+#include "apps/palpable/place.h"
+#include "apps/palpable/scene_picture.h"
+#include "apps/palpable/vision_thread.h"
+#include "palpable/base/error.h"
+#include "palpable/contact/press_law.h"
+#include "palpable/contact/seen_surface.h"
+#include "palpable/reduced/body_file.h"
+#include "palpable/render/gl_context.h"
+#include "palpable/render/scene_renderer.h"
+#include "palpable/score/penetration.h"
+#include "palpable/score/percentile.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+using Series = std::vector<std::pair<std::string, std::vector<double>>>;
+
+void add(Series& series, const StageTimes& times) {
+  const auto add_one = [&](std::string_view name, double ms) {
+    for (auto& [stage, values] : series) {
+      if (stage == name) {
+        values.push_back(ms);
+        return;
+      }
+    }
+    series.emplace_back(std::string(name), std::vector<double>{ms});
+  };
+  for (const StageTime& stage : times.stages()) add_one(stage.name, stage.ms);
+  add_one("total", times.total_ms());
+}
+
+void print(nlohmann::ordered_json result, const Series& series, bool json) {
+  result["cores"] = std::thread::hardware_concurrency();
+  for (const auto& [stage, values] : series) {
+    result["stages"][stage] = {{"p50_ms", percentile(values, 0.5)},
+                               {"p99_ms", percentile(values, 0.99)},
+                               {"count", values.size()}};
+  }
+  if (json) {
+    fmt::print("{}\n", result.dump(2));
+    return;
+  }
+  fmt::print("{:<16}{:>12}{:>12}{:>10}\n", "stage", "median ms", "p99 ms", "count");
+  for (const auto& [stage, values] : series) {
+    fmt::print("{:<16}{:>12.4f}{:>12.4f}{:>10}\n", stage, percentile(values, 0.5),
+               percentile(values, 0.99), values.size());
+  }
+}
+
+struct BodyOptions {
+  std::filesystem::path body;
+  int repeats = 500;
+  bool json = false;
+};
+
+nlohmann::ordered_json about(const char* bench, const ReducedBody& body) {
+  nlohmann::ordered_json result;
+  result["bench"] = bench;
+  result["body"] = body.name;
+  result["vertices"] = body.surface.vertex_count();
+  result["sites"] = body.sites.size();
+  result["displacement_modes"] = body.displacement.mode_count();
+  result["stress_modes"] = body.stress.mode_count();
+  return result;
+}
+
+void bench_evaluate(const BodyOptions& options) {
+  const ReducedBody body = value_or_throw(read_body_file(options.body));
+  const Eigen::Matrix3Xf rest = body.surface.vertices.cast<float>();
+  const auto V = static_cast<std::size_t>(rest.cols());
+  Eigen::Matrix3Xf vertices(3, rest.cols()), normals(3, rest.cols());
+  std::vector<float> stress(6 * V), mises(V);
+  Series series;
+  for (int i = 0; i < options.repeats; ++i) {
+    // Another site and level each time, as a hand would ask for.
+    const std::array mu{static_cast<double>(static_cast<std::size_t>(i) % body.sites.size()),
+                        0.1 + 0.8 * (i % 97) / 97.0};
+    StageTimes times;
+    {
+      const StageTimer timer(times, "displacement");
+      body.displacement.evaluate(mu, std::span<float>(vertices.data(), 3 * V));
+      vertices += rest;
+    }
+    {
+      const StageTimer timer(times, "stress");
+      body.stress.evaluate(mu, stress);
+      von_mises(stress, mises);
+    }
+    {
+      const StageTimer timer(times, "normals");
+      vertex_normals(vertices, body.surface.triangles, normals);
+    }
+    add(series, times);
+  }
+  print(about("evaluate", body), series, options.json);
+}
+
+// What a depth camera sees of a finger on the body's first site, and of a plane 0.1 m behind it.
+DepthImage depth_of_finger(const TrueCapsule& finger, const PinholeCamera& camera, double wall) {
+  DepthImage depth(camera.width, camera.height, static_cast<float>(wall));
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3d ray = camera.unproject(u, v, 1.0);
+      double z = 0.05;
+      for (int i = 0; i < 100 && z < wall; ++i) {
+        const double d = distance_to(finger, z * ray);
+        if (d < 1e-5) {
+          depth(u, v) = static_cast<float>(z);
+          break;
+        }
+        z += d / ray.norm();
+      }
+    }
+  }
+  return depth;
+}
+
+void bench_contact(const BodyOptions& options) {
+  const ReducedBody body = value_or_throw(read_body_file(options.body));
+  const Eigen::AlignedBox3d region(body.surface.vertices.rowwise().minCoeff(),
+                                   body.surface.vertices.rowwise().maxCoeff());
+  const double distance = std::max(0.4, 3 * region.sizes().maxCoeff());
+  const Rigid3 camera_from_body = upright_pose(0, region.sizes().z() / 2, distance, 0, 30, 0);
+  const PinholeCamera camera{640, 360, 350, 350, 319.5, 179.5};
+  PressLaw law(body);
+  SeenSurface surface;
+  PressState state;
+  Series series;
+  constexpr int kPoses = 8;
+  std::vector<DepthImage> frames;
+  const Site& site = body.sites.front();
+  for (int i = 0; i < kPoses; ++i) {
+    // Along the load, from just outside to 7 mm inside.
+    const Eigen::Vector3d x = body.surface.vertices.col(site.vertex);
+    const Eigen::Vector3d tip = x - (0.008 - 0.001 * i) * site.direction;
+    const TrueCapsule finger{camera_from_body * tip,
+                             camera_from_body * (tip - 0.1 * site.direction), 0.008, 0.009};
+    frames.push_back(depth_of_finger(finger, camera, distance + 0.1));
+  }
+  int touched = 0;
+  for (int i = 0; i < options.repeats; ++i) {
+    StageTimes times;
+    {
+      const StageTimer timer(times, "surface");
+      surface.build(frames[static_cast<std::size_t>(i % kPoses)], camera,
+                    camera_from_body.inverse(), region);
+    }
+    {
+      const StageTimer timer(times, "touch");
+      state = law.advance(state, surface, i / 30.0);
+    }
+    touched += state.touch.has_value();
+    add(series, times);
+  }
+  nlohmann::ordered_json result = about("contact", body);
+  result["points"] = surface.points().size();
+  result["frames_touching"] = touched;
+  print(result, series, options.json);
+}
+
+struct LiveBenchOptions {
+  LiveOptions live;
+  bool json = false;
+};
+
+void bench_live(const LiveBenchOptions& options) {
+  LiveRun run = set_up_live(options.live);
+  const GlContext context = value_or_throw(GlContext::offscreen());
+  SceneRenderer renderer = value_or_throw(SceneRenderer::make());
+  Series series;
+  Scene scene;
+  ColorImage picture;
+  int total = run.source->frame_count();
+  if (options.live.frames > 0) total = std::min(total, options.live.frames);
+  ProgressBar bar;
+  const auto begin = std::chrono::steady_clock::now();
+  int done = 0;
+  {
+    VisionThread vision(*run.source, run.session, options.live.frames);
+    while (std::unique_ptr<FrameInFlight> flight = vision.next()) {
+      StageTimes times = flight->times;
+      run.session.respond(flight->seen, scene);
+      times.add(scene.times);
+      {
+        const StageTimer timer(times, "draw");
+        renderer.draw(view_of(scene, run.session), picture);
+      }
+      add(series, times);
+      vision.recycle(std::move(flight));
+      bar.show(
+          {"live", static_cast<double>(++done), static_cast<double>(std::max(total, done)), ""});
+    }
+  }
+  bar.finish();
+  if (done == 0) throw Error(fmt::format("{}: no frame could be read", run.images.string()));
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  nlohmann::ordered_json result = about("live", run.session.body());
+  result["source"] = run.images.string();
+  result["renderer"] = context.description();
+  result["frames"] = done;
+  result["wall_ms_per_frame"] = 1e3 * wall.count() / done;
+  print(result, series, options.json);
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app) {
+  CLI::App* bench = app.add_subcommand("bench", "Time the stages of the live half (or of a bake)");
+  bench->require_subcommand(1);
+  bench->footer(
+      "palpable bench bake times the parts of a bake.\n"
+      "Example: palpable bench evaluate bunny.palpable --json");
+  const auto add_body_bench = [&](const char* name, const char* what,
+                                  void (*run)(const BodyOptions&)) {
+    auto options = std::make_shared<BodyOptions>();
+    CLI::App* command = bench->add_subcommand(name, what);
+    command->add_option("body", options->body, "Body file")->required();
+    command->add_option("--repeats", options->repeats, "Frames")
+        ->check(CLI::Range(1, 10'000'000))
+        ->capture_default_str();
+    command->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+    command->footer(fmt::format("Example: palpable bench {} bunny.palpable", name));
+    command->callback([options, run] { run(*options); });
+  };
+  add_body_bench("evaluate", "Displacement, stress and normals of the reduced body",
+                 bench_evaluate);
+  add_body_bench("contact", "A finger at 640 x 360 on the first site", bench_contact);
+
+  auto options = std::make_shared<LiveBenchOptions>();
+  CLI::App* live = bench->add_subcommand("live", "The whole loop, without writing files");
+  add_live_options(*live, options->live);
+  live->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  live->footer("Example: palpable bench live bunny.palpable --source out/demo/clip/frames");
+  live->callback([options] { bench_live(*options); });
+}
+
+}  // namespace palpable::app
