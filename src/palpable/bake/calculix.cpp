@@ -287,6 +287,7 @@ class DatReader {
       table("node", layout_.node_count, 1, [&](int n, const std::array<double, 6>& row) {
         state.displacement.col(n) << row[0], row[1], row[2];
       });
+      state.displacement *= layout_.units.length;
       if (!next_line_with_words()) throw Bad{"the file ends before the stresses"};
       need_level(heading("stresses"), level);
       state.element_stress.resize(6, layout_.tet_count);
@@ -294,7 +295,7 @@ class DatReader {
         // CalculiX: xx yy zz xy xz yz. Ours: xx yy zz xy yz zx.
         state.element_stress.col(e) << row[0], row[1], row[2], row[3], row[5], row[4];
       });
-      state.element_stress *= layout_.force_unit;
+      state.element_stress *= layout_.units.stress;
       states.push_back(std::move(state));
     }
     return states;
@@ -388,17 +389,20 @@ class DatReader {
 
 }  // namespace
 
-double calculix_force_unit(const SolidModel& model) {
-  const auto [lambda, mu] = lame_constants(model.material);
-  const double element = tet_volumes(model.mesh).mean();
-  return std::pow(10.0, std::round(std::log10(mu * std::pow(element, 2.0 / 3.0) / 1e9)));
+CalculixUnits calculix_units(const SolidModel& model) {
+  const auto power_of_ten = [](double value) {
+    return std::pow(10.0, std::round(std::log10(value)));
+  };
+  const double edge = std::cbrt(tet_volumes(model.mesh).mean());
+  return {.length = power_of_ten(edge / 1e3),
+          .stress = power_of_ten(lame_constants(model.material).mu / 1e3)};
 }
 
 std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
                           std::span<const double> levels, double tolerance) {
   check_input(model, full_load, levels);
   PALPABLE_EXPECT(tolerance > 0.0 && tolerance < 1.0, "the tolerance is between 0 and 1");
-  const double unit = calculix_force_unit(model);
+  const CalculixUnits units = calculix_units(model);
   const double last = levels.back();
   double smallest_step = levels.front(), before = 0.0;
   for (const double level : levels) {
@@ -408,12 +412,12 @@ std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
 
   std::string deck;
   const auto out = std::back_inserter(deck);
-  fmt::format_to(
-      out, "** Written by Palpable. Lengths in m, forces in {:g} N. Time is the load level.\n",
-      unit);
+  fmt::format_to(out, "** Written by Palpable. Lengths in {:g} m, stresses in {:g} Pa.\n",
+                 units.length, units.stress);
+  deck += "** Time is the load level.\n";
   deck += "*NODE, NSET=NALL\n";
   for (int n = 0; n < model.mesh.node_count(); ++n) {
-    const auto X = model.mesh.nodes.col(n);
+    const Eigen::Vector3d X = model.mesh.nodes.col(n) / units.length;
     fmt::format_to(out, "{},{},{},{}\n", n + 1, number(X[0]), number(X[1]), number(X[2]));
   }
   deck += "*ELEMENT, TYPE=C3D4, ELSET=EALL\n";
@@ -421,7 +425,7 @@ std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
     const Eigen::Vector4i v = model.mesh.tets.col(e);
     fmt::format_to(out, "{},{},{},{},{}\n", e + 1, v[0] + 1, v[1] + 1, v[2] + 1, v[3] + 1);
   }
-  deck += material_section(model.material, unit);
+  deck += material_section(model.material, units.stress);
   deck += "*SOLID SECTION, ELSET=EALL, MATERIAL=BODY\n";
   deck += "*BOUNDARY\n";
   for (const int n : model.fixed_nodes) fmt::format_to(out, "{},1,3\n", n + 1);
@@ -448,7 +452,8 @@ std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
     for (std::size_t k = 0; k < model.fixed_nodes.size(); ++k) {
       for (int i = 0; i < 3; ++i) {
         const double u = model.fixed_displacement(i, static_cast<Eigen::Index>(k));
-        fmt::format_to(out, "{0},{1},{1},{2}\n", model.fixed_nodes[k] + 1, i + 1, number(last * u));
+        fmt::format_to(out, "{0},{1},{1},{2}\n", model.fixed_nodes[k] + 1, i + 1,
+                       number(last * u / units.length));
       }
     }
   }
@@ -458,7 +463,8 @@ std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
       if (held[static_cast<std::size_t>(n)]) continue;  // moves nothing
       for (int i = 0; i < 3; ++i) {
         if (full_load(i, n) == 0.0) continue;
-        fmt::format_to(out, "{},{},{}\n", n + 1, i + 1, number(last * full_load(i, n) / unit));
+        fmt::format_to(out, "{},{},{}\n", n + 1, i + 1,
+                       number(last * full_load(i, n) / units.force()));
       }
     }
   }
@@ -622,7 +628,7 @@ CalculixRun solve_with_calculix(const SolidModel& model, const Matrix3Xd& full_l
   const CalculixDatLayout layout{.node_count = model.mesh.node_count(),
                                  .tet_count = model.mesh.tet_count(),
                                  .levels = {levels.begin(), levels.end()},
-                                 .force_unit = calculix_force_unit(model)};
+                                 .units = calculix_units(model)};
   run.states = value_or_throw(read_calculix_dat(dat, layout, file("dat").string()));
   run.complete = run.states.size() == levels.size();
   if (!run.complete && !gave_up) {

@@ -8,10 +8,11 @@
 /// NLGEOM: *ELASTIC is St. Venant-Kirchhoff, *HYPERELASTIC, NEO HOOKE is NeoHookeanAbaqus (compared
 /// with the closed forms in tests/verification). It has no law like eq. (7).
 ///
-/// A trap that cost us a factor of 1e4 in accuracy: ccx 2.20 takes a residual below 1e-6 for zero,
-/// in whatever unit the deck has. A soft body of 0.1 m has nodal forces of 1e-3 N, so that "1e-8"
-/// would mean 1e-3. So decks are written in a unit of force in which the stiffness of an element is
-/// of order 1e9; results are converted back on reading.
+/// Two traps of ccx 2.20, both about units. A residual below 1e-6 counts as zero, whatever the
+/// deck's unit: a soft body of 0.1 m has nodal forces of 1e-3 N, so "1e-8" would mean 1e-3. And a
+/// D1 below about 1e-10 counts as not given and is replaced by 0.1 / (2 C10): in 1/Pa that is any
+/// solid as stiff as glass. So decks are written in units in which an element's shear modulus and
+/// edge are of order 1e3 each, so its stiffness 1e9; results are converted back on reading.
 #pragma once
 
 #include "palpable/base/error.h"
@@ -79,8 +80,13 @@ struct CalculixRun {
 
 // What solve_with_calculix is made of.
 
-/// Pa of the model per unit of stress in its deck, and N per unit of force: a power of ten.
-[[nodiscard]] double calculix_force_unit(const SolidModel& model);
+/// The units of a model's deck in SI, powers of ten.
+struct CalculixUnits {
+  double length = 1;  ///< m
+  double stress = 1;  ///< Pa
+  [[nodiscard]] double force() const { return stress * length * length; }
+};
+[[nodiscard]] CalculixUnits calculix_units(const SolidModel& model);
 
 /// The deck. Numbers have as many digits as CalculiX reads, which is 20 characters, so at least 13
 /// significant digits. Nodes and elements are numbered from 1 in the model's order.
@@ -93,7 +99,7 @@ struct CalculixDatLayout {
   int node_count = 0;
   int tet_count = 0;
   std::vector<double> levels;  ///< those asked for; fewer may be there
-  double force_unit = 1;       ///< calculix_force_unit()
+  CalculixUnits units;         ///< calculix_units()
 };
 
 /// Reads the printed states. Whatever the bytes: states that are complete (each node and element

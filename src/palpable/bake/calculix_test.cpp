@@ -49,8 +49,10 @@ Matrix3Xd push_on_top(const SolidModel& model, const Eigen::Vector3d& force) {
 }
 
 // A .dat file as ccx 2.20 prints it, of a body with 3 nodes and 2 elements.
-const CalculixDatLayout kTwoLevels{
-    .node_count = 3, .tet_count = 2, .levels = {0.5, 1.0}, .force_unit = 100.0};
+const CalculixDatLayout kTwoLevels{.node_count = 3,
+                                   .tet_count = 2,
+                                   .levels = {0.5, 1.0},
+                                   .units = {.length = 10.0, .stress = 100.0}};
 
 std::string some_dat(int states = 2) {
   std::string text;
@@ -93,8 +95,8 @@ TEST_CASE("the printed results of CalculiX are read in our order and units",
   REQUIRE(states.size() == 2);
   CHECK(states[0].level == 0.5);
   CHECK(states[1].level == 1.0);
-  CHECK(states[1].displacement.col(2) == Eigen::Vector3d(0.6, -0.4, 3e-12));
-  // ccx prints xx yy zz xy xz yz in the deck's unit; ours is xx yy zz xy yz zx in Pa.
+  CHECK(states[1].displacement.col(2) == Eigen::Vector3d(6, -4, 3e-11));
+  // ccx prints xx yy zz xy xz yz in the deck's units; ours is xx yy zz xy yz zx in Pa.
   Eigen::Matrix<double, 6, 1> expected;
   expected << 200, 200, 300, 800, 600, 500;
   CHECK(states[1].element_stress.col(1) == expected);
@@ -113,7 +115,7 @@ TEST_CASE("an exponent of three digits, which Fortran prints without its E, is r
   const std::string with_e = fmt::format("{:13.6E}", 1e-12);
   const auto result = parse(replaced(some_dat(), with_e, " 2.500000-101"));
   REQUIRE(result.ok());
-  CHECK(result.value()[0].displacement(2, 0) == 2.5e-101);
+  CHECK(result.value()[0].displacement(2, 0) == Approx(2.5e-100));
   CHECK(parse(replaced(some_dat(), with_e, " 2.500000-999")).value()[0].displacement(2, 0) == 0.0);
 }
 
@@ -240,6 +242,7 @@ TEST_CASE("a node of a deck is the node of the model to thirteen digits",
   std::istringstream deck(calculix_deck(model, everywhere, std::array{1.0}));
   std::string line;
   while (std::getline(deck, line) && !line.starts_with("*NODE")) {}
+  const double metre = calculix_units(model).length;
   for (int n = 0; n < model.mesh.node_count(); ++n) {
     REQUIRE(std::getline(deck, line));
     int index = 0;
@@ -248,7 +251,7 @@ TEST_CASE("a node of a deck is the node of the model to thirteen digits",
     CHECK(index == n + 1);
     for (int i = 0; i < 3; ++i) {
       const double exact = model.mesh.nodes(i, n);
-      CHECK(std::abs(X[static_cast<std::size_t>(i)] - exact) <=
+      CHECK(std::abs(metre * X[static_cast<std::size_t>(i)] - exact) <=
             tolerance(1e-12, "13 significant digits") * std::abs(exact));
     }
   }
