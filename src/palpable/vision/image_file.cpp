@@ -30,6 +30,18 @@ bool starts_with(const Bytes& bytes, std::string_view start) {
   return bytes.size() >= start.size() && std::memcmp(bytes.data(), start.data(), start.size()) == 0;
 }
 
+// Whether the bytes begin like one of the formats that folder_source.h lists. OpenCV knows many
+// more, and hands what it does not know to GDAL, which would try a hundred on a broken file.
+bool is_known_format(const Bytes& bytes) {
+  for (const std::string_view start :
+       {std::string_view("\x89PNG\r\n\x1a\n"), std::string_view("\xff\xd8"), std::string_view("BM"),
+        std::string_view("II*\0", 4), std::string_view("MM\0*", 4)}) {
+    if (starts_with(bytes, start)) return true;
+  }
+  // PBM, PGM, PPM
+  return bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6';
+}
+
 // Writers may pad behind the last mark, so it is looked for in the last kilobyte.
 bool ends_with_mark(const Bytes& bytes, std::string_view mark) {
   const auto tail = bytes.end() - std::min<std::ptrdiff_t>(1024, std::ssize(bytes));
@@ -63,6 +75,7 @@ std::optional<Size> jpeg_size(const Bytes& bytes) {
 
 // What is wrong with the file before it is decoded, as far as its frame tells; empty if nothing.
 std::string what_is_wrong_with(const Bytes& bytes) {
+  if (!is_known_format(bytes)) return "is no image";
   std::optional<Size> size;
   if (starts_with(bytes, "\x89PNG\r\n\x1a\n")) {
     if (bytes.size() < 33 || !ends_with_mark(bytes, "IEND")) return "is cut off";
@@ -105,7 +118,7 @@ struct ImageFileReader::Buffers {
     } catch (const std::exception&) {  // cv::Exception among them
       decoded.release();
     }
-    return decoded.empty() ? "is no image, or damaged" : "";
+    return decoded.empty() ? "is damaged" : "";
   }
 };
 

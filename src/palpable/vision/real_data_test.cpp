@@ -84,7 +84,7 @@ int fresh_in(const DepthImage& depth, int x0, int y0, int x1, int y1) {
 }
 
 TEST_CASE("the squirrel recording opens as 90 frames of colour and depth in metres",
-          "[vision][real][threads]") {
+          "[vision][real]") {
   if (!fs::exists(kSquirrel)) PALPABLE_SKIP("no folder " + kSquirrel.string());
   const auto source = value_or_throw(open_folder(kSquirrel));
   CHECK(source->frame_count() == 90);
@@ -104,7 +104,7 @@ TEST_CASE("the squirrel recording opens as 90 frames of colour and depth in metr
 }
 
 TEST_CASE("before the hand comes, the squirrel's desk is all background; then the hand is seen",
-          "[vision][real][threads]") {
+          "[vision][real]") {
   if (!fs::exists(kSquirrel)) PALPABLE_SKIP("no folder " + kSquirrel.string());
   const auto frames = squirrel_frames();
   REQUIRE(frames.size() == 90);
@@ -126,7 +126,7 @@ TEST_CASE("before the hand comes, the squirrel's desk is all background; then th
 }
 
 TEST_CASE("the time-of-flight camera's resting desk scatters no more than the model says",
-          "[vision][real][threads]") {
+          "[vision][real]") {
   if (!fs::exists(kSquirrel)) PALPABLE_SKIP("no folder " + kSquirrel.string());
   const auto frames = squirrel_frames();
   const DepthNoise model = time_of_flight_noise();
@@ -346,7 +346,7 @@ SeenFrame first_seen(const fs::path& folder, const DepthSettings& settings = {})
 }
 
 TEST_CASE("the motorcycle pair of python3-skimage comes out at its true depth",
-          "[vision][real][threads][Sec3.3]") {
+          "[vision][real][Sec3.3]") {
   const fs::path data = "/usr/lib/python3/dist-packages/skimage/data";
   if (!fs::exists(data / "motorcycle_left.png")) {
     PALPABLE_SKIP("no motorcycle pair in " + data.string());
@@ -369,7 +369,7 @@ TEST_CASE("the motorcycle pair of python3-skimage comes out at its true depth",
   }
 }
 
-TEST_CASE("Middlebury pairs come out at their true disparity", "[vision][real][threads][Sec3.3]") {
+TEST_CASE("Middlebury pairs come out at their true disparity", "[vision][real][Sec3.3]") {
   if (!fs::exists(kData / "stereo_gt")) {
     PALPABLE_SKIP("no folder " + (kData / "stereo_gt").string());
   }
