@@ -1,0 +1,269 @@
+#include "palpable/synth/desk_renderer.h"
+
+#include "palpable/synth/press_clip.h"
+#include "tests/support/test.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+using namespace palpable;
+using palpable::test::tolerance;
+
+namespace {
+
+constexpr const char* kNoGl =
+    "no OpenGL 4.5 context here (Mesa's libegl1 and libgl1-mesa-dri are enough)";
+
+/// The desk frame is the camera's here: what is placed is where the left eye sees it.
+const Rigid3 kSame = Rigid3::Identity();
+
+PaintedMesh square(const Eigen::Vector3d& centre, double half, int image) {
+  PaintedMesh mesh;
+  mesh.image = image;
+  for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
+    const Eigen::Vector3d at = centre + half * Eigen::Vector3d(x, y, 0.0);
+    const Eigen::Vector2d uv(0.5 + 0.5 * x, 0.5 + 0.5 * y);
+    mesh.vertices.push_back(
+        {at.cast<float>(), Eigen::Vector3f(0, 0, -1), uv.cast<float>(), {1, 0, 9, 9}});
+  }
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  return mesh;
+}
+
+/// A soft bright spot in the middle of black: unlike an edge, its place does not depend on how a
+/// triangle covers pixels.
+ColorImage spot_image() {
+  ColorImage image(64, 64);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const double r2 = (x - 31.5) * (x - 31.5) + (y - 31.5) * (y - 31.5);
+      const auto value = static_cast<std::uint8_t>(std::lround(250.0 * std::exp(-r2 / 200.0)));
+      image(x, y) = {value, value, value};
+    }
+  return image;
+}
+
+DeskScene scene_of(std::vector<PaintedMesh> meshes) {
+  DeskScene scene;
+  scene.images = {ColorImage(4, 4, Rgb{170, 170, 170}), spot_image()};
+  scene.meshes = std::move(meshes);
+  return scene;
+}
+
+std::optional<DeskRenderer> renderer_of(const DeskScene& scene, std::uint64_t seed,
+                                        const SensorFaults& faults) {
+  Result<DeskRenderer> made = DeskRenderer::make({zed_mini_rig(), faults, kSame}, scene, seed);
+  if (!made.ok()) return std::nullopt;
+  return std::move(made).value();
+}
+
+double luma(const Rgb& c) { return 0.299 * c.r + 0.587 * c.g + 0.114 * c.b; }
+
+/// Where the brightness in a window round `near` has its middle.
+Eigen::Vector2d bright_spot(const ColorImage& image, const Eigen::Vector2d& near) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double weight = 0.0;
+  const auto u = static_cast<int>(std::lround(near.x()));
+  const auto v = static_cast<int>(std::lround(near.y()));
+  for (int y = std::max(0, v - 13); y <= std::min(image.height() - 1, v + 13); ++y)
+    for (int x = std::max(0, u - 13); x <= std::min(image.width() - 1, u + 13); ++x) {
+      const double light = std::pow(luma(image(x, y)) / 255.0, 2.0);  // the sensor stores the root
+      if (light < 0.003) continue;                                    // noise on black
+      sum += light * Eigen::Vector2d(x, y);
+      weight += light;
+    }
+  return sum / weight;
+}
+
+}  // namespace
+
+TEST_CASE("a point's picture lies in both raw images where the rig projects it", "[synth][gl]") {
+  SensorFaults faults;
+  faults.row_error_px = 0.09;
+  std::vector<PaintedMesh> squares;
+  std::vector<Eigen::Vector3d> points;
+  for (const double z : {0.30, 0.60, 1.10})
+    for (const double y : {-0.38, 0.02, 0.36})
+      for (const double x : {-0.72, -0.25, 0.04, 0.30, 0.76}) {
+        // Squares at one depth do not hide those at another: each depth has its own rows.
+        const double row = y + 0.14 * (z - 0.6);
+        points.emplace_back(x * z, row * z, z);
+        squares.push_back(square(points.back(), 0.0150 * z, 1));
+      }
+  std::optional<DeskRenderer> renderer = renderer_of(scene_of(squares), 1, faults);
+  if (!renderer) PALPABLE_SKIP(kNoGl);
+  RawPair pair;
+  renderer->draw(kSame, {}, 0, pair);
+
+  const StereoRig rig = zed_mini_rig();
+  double rows = 0.0;
+  int seen = 0;
+  for (const Eigen::Vector3d& x : points) {
+    INFO("point " << x.transpose());
+    const Eigen::Vector2d in_left = rig.left.project(x);
+    const Eigen::Vector2d in_right = rig.right.project(rig.right_from_left * x);
+    const auto inside = [](const Eigen::Vector2d& p) {
+      return p.x() > 10 && p.y() > 10 && p.x() < 1269 && p.y() < 709;
+    };
+    if (inside(in_left)) {
+      CHECK((bright_spot(pair.left, in_left) - in_left).norm() <=
+            tolerance(0.1, "a spot of 10 px, filtered twice, with noise"));
+      ++seen;
+    }
+    if (inside(in_right)) {
+      const Eigen::Vector2d off = bright_spot(pair.right, in_right) - in_right;
+      CHECK(off.norm() <= tolerance(0.2, "the same, and the row error of 0.09 px"));
+      rows += off.y();
+      ++seen;
+    }
+  }
+  CHECK(seen > 60);
+  CHECK(std::abs(rows / (seen / 2.0) - faults.row_error_px) <=
+        tolerance(0.03, "the mean of 35 spots"));
+  CHECK(renderer->gl_error_count() == 0);
+}
+
+TEST_CASE("the depth of the truth is the analytic Z of planes and capsules", "[synth][gl]") {
+  DeskScene scene = scene_of({square({0, 0, 0.9}, 2.0, 0)});
+  // Tilt the plane: its far edge lies 0.5 m behind its near one.
+  for (PaintedVertex& vertex : scene.meshes[0].vertices)
+    vertex.position.z() -= 0.25F * vertex.position.y();
+  std::optional<DeskRenderer> renderer = renderer_of(scene, 1, {});
+  if (!renderer) PALPABLE_SKIP(kNoGl);
+  HandPose pose;
+  pose.desk_from_wrist = Eigen::Translation3d(0.02, 0.03, 0.35) *
+                         Eigen::AngleAxisd(2.2, Eigen::Vector3d(1, 0.3, 0.2).normalized());
+  pose.elbow = {-0.15, 0.10, 0.42};
+  pose.shoulder = {-0.30, 0.10, 0.50};
+  const std::vector<HandCapsule> hand = hand_capsules(pose);
+  const std::vector<Capsule> shapes = shapes_of(hand);
+  const PinholeCamera view{213, 121, 130, 131, 104.3, 61.8};
+  DepthImage depth;
+  renderer->draw_depth(kSame, hand, view, depth);
+  REQUIRE(depth.width() == 213);
+
+  int on_hand = 0, on_plane = 0, wrong = 0;
+  for (int v = 0; v < view.height; ++v)
+    for (int u = 0; u < view.width; ++u) {
+      const Eigen::Vector3d ray = view.unproject(u, v, 1.0);
+      const double plane = 0.9 / (1.0 + 0.25 * ray.y());
+      const double along = ray_distance(shapes, Eigen::Vector3d::Zero(), ray.normalized(), 1.5);
+      const double z = std::min(plane, along / ray.norm());
+      if (z < plane) {
+        // At the rim a chord's 0.09 mm sideways is much more in depth.
+        Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+        double nearest = 1.0;
+        for (const Capsule& c : shapes)
+          if (signed_distance(c, z * ray) < nearest) {
+            nearest = signed_distance(c, z * ray);
+            normal = distance_normal(c, z * ray);
+          }
+        if (-normal.dot(ray.normalized()) < 0.35) continue;
+        ++on_hand;
+      } else {
+        // Next to the rim the triangles' silhouette is a chord narrower or not.
+        if (signed_distance(shapes, std::min(z, 0.45) * ray) < 0.002) continue;
+        ++on_plane;
+      }
+      if (!(std::abs(depth(u, v) - z) <=
+            tolerance(1e-3, "0.09 mm of chord, seen at up to 70 degrees")))
+        ++wrong;
+    }
+  CHECK(on_hand > 1000);
+  CHECK(on_plane > 10000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("where nothing is the depth is unknown", "[synth][gl]") {
+  std::optional<DeskRenderer> renderer = renderer_of(scene_of({square({0, 0, 1}, 0.1, 0)}), 1, {});
+  if (!renderer) PALPABLE_SKIP(kNoGl);
+  DepthImage depth;
+  renderer->draw_depth(kSame, {}, {64, 48, 40, 40, 31.5, 23.5}, depth);
+  CHECK(std::isnan(depth(0, 0)));
+  CHECK(std::abs(depth(31, 23) - 1.0F) <= tolerance(1e-6, "float"));
+}
+
+TEST_CASE("noise is 0.6 to 0.8 grey levels, new in every frame and the same for the same seed",
+          "[synth][gl]") {
+  const DeskScene scene = scene_of({square({0, 0, 1}, 5.0, 0)});
+  SensorFaults faults;
+  faults.right_gain = 1.025;
+  std::optional<DeskRenderer> first = renderer_of(scene, 3, faults);
+  if (!first) PALPABLE_SKIP(kNoGl);
+  RawPair a, b, other;
+  first->draw(kSame, {}, 7, a);
+  first->draw(kSame, {}, 8, b);
+
+  double squares = 0.0, sum = 0.0;
+  int count = 0;
+  for (int y = 260; y < 460; ++y)
+    for (int x = 540; x < 740; ++x) {
+      const double difference = luma(a.left(x, y)) - luma(b.left(x, y));
+      squares += difference * difference;
+      sum += luma(a.left(x, y));
+      ++count;
+    }
+  const double noise = std::sqrt(0.5 * squares / count);
+  CHECK(noise > 0.6);
+  CHECK(noise < 0.8);
+  CHECK(sum / count > 60.0);  // neither black nor white, where clipping would hide the noise
+  CHECK(sum / count < 230.0);
+
+  // The gain is linear; the stored root shows half of it.
+  double right = 0.0;
+  for (int y = 260; y < 460; ++y)
+    for (int x = 540; x < 740; ++x) right += luma(a.right(x, y));
+  CHECK(std::abs(right / sum - std::sqrt(1.025)) <=
+        tolerance(0.002, "vignetting about two centres"));
+
+  std::optional<DeskRenderer> second = renderer_of(scene, 3, faults);
+  REQUIRE(second);
+  second->draw(kSame, {}, 7, other);
+  CHECK(other.left == a.left);
+  CHECK(other.right == a.right);
+  std::optional<DeskRenderer> third = renderer_of(scene, 4, faults);
+  REQUIRE(third);
+  third->draw(kSame, {}, 7, other);
+  CHECK(other.left != a.left);
+}
+
+TEST_CASE("corners are darker than the middle by the vignetting", "[synth][gl]") {
+  std::optional<DeskRenderer> renderer = renderer_of(scene_of({square({0, 0, 1}, 5.0, 0)}), 1, {});
+  if (!renderer) PALPABLE_SKIP(kNoGl);
+  RawPair pair;
+  renderer->draw(kSame, {}, 0, pair);
+  const auto mean = [&](int x0, int y0) {
+    double sum = 0.0;
+    for (int y = y0; y < y0 + 12; ++y)
+      for (int x = x0; x < x0 + 12; ++x) sum += std::pow(luma(pair.left(x, y)), 2.0);
+    return sum / 144.0;
+  };
+  CHECK(std::abs(mean(0, 0) / mean(644, 354) - (1.0 - SensorFaults{}.vignetting)) <=
+        tolerance(0.02, "the first block lies 10 px from the corner, grey levels are rounded"));
+}
+
+TEST_CASE("the desk has a hand in it when a hand is there, and the same desk when it has gone",
+          "[synth][gl]") {
+  std::optional<DeskRenderer> renderer =
+      renderer_of(scene_of({square({0, 0, 1}, 5.0, 0)}), 1, {0.0, 1.0, 0.2, 0.0});
+  if (!renderer) PALPABLE_SKIP(kNoGl);
+  HandPose pose;
+  pose.desk_from_wrist = Eigen::Translation3d(0.0, 0.0, 0.4) *
+                         Eigen::AngleAxisd(std::acos(-1.0), Eigen::Vector3d::UnitX());
+  pose.elbow = {-0.25, 0.0, 0.4};
+  pose.shoulder = {-0.5, 0.0, 0.4};
+  RawPair before, with, after;
+  renderer->draw(kSame, {}, 0, before);
+  renderer->draw(kSame, hand_capsules(pose), 1, with);
+  renderer->draw(kSame, {}, 2, after);
+  CHECK(before.left == after.left);
+  int changed = 0;
+  for (int y = 0; y < 720; ++y)
+    for (int x = 0; x < 1280; ++x) changed += before.left(x, y) != with.left(x, y) ? 1 : 0;
+  CHECK(changed > 20000);
+  CHECK(changed < 700000);
+  CHECK(renderer->gl_error_count() == 0);
+}

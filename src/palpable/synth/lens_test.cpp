@@ -1,0 +1,54 @@
+#include "palpable/synth/lens.h"
+
+#include "palpable/synth/rig.h"
+#include "tests/support/test.h"
+
+#include <cmath>
+
+using namespace palpable;
+using palpable::test::tolerance;
+
+TEST_CASE("a pixel's ray goes back through the lens to the pixel", "[synth]") {
+  const StereoRig rig = zed_mini_rig();
+  for (const DistortedCamera& camera : {rig.left, rig.right})
+    for (int v = 0; v < 720; v += 37)
+      for (int u = 0; u < 1280; u += 41) {
+        const Eigen::Vector2d ray = undistorted_ray(camera, Eigen::Vector2d(u, v));
+        const Eigen::Vector2d again = camera.project(3.0 * ray.homogeneous());
+        if ((again - Eigen::Vector2d(u, v)).norm() > tolerance(1e-8, "Newton to 1e-12 rad"))
+          FAIL("pixel " << u << " " << v << " comes back as " << again.transpose());
+      }
+}
+
+TEST_CASE("the ideal picture holds every raw pixel", "[synth]") {
+  const DistortedCamera camera = zed_mini_rig().left;
+  const PinholeCamera ideal = ideal_camera_for(camera, camera.pinhole.fx_px);
+  const std::vector<Eigen::Vector2f> map = distortion_map(camera, ideal);
+  REQUIRE(map.size() == 1280U * 720U);
+  for (const Eigen::Vector2f& at : map)
+    if (!(at.x() >= 1.0F && at.y() >= 1.0F && at.x() <= static_cast<float>(ideal.width - 2) &&
+          at.y() <= static_cast<float>(ideal.height - 2)))
+      FAIL("the light of a pixel comes from " << at.transpose());
+  // Not much larger than needed either: a barrel lens of this strength bends by a quarter.
+  CHECK(ideal.width < 1.45 * 1280);
+}
+
+TEST_CASE("the rig has the numbers of a ZED Mini", "[synth]") {
+  const StereoRig rig = zed_mini_rig();
+  CHECK(std::abs(rig.right_from_left.translation().norm() - 0.06302) < 1e-4);
+  CHECK(rig.right_from_left.translation().x() < 0.0);
+  const Eigen::AngleAxisd turn(rig.right_from_left.linear());
+  CHECK(turn.angle() > 0.002);
+  CHECK(turn.angle() < 0.005);
+}
+
+TEST_CASE("no rig is without faults, and none exceeds what is promised", "[synth]") {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    INFO("seed " << seed);
+    const SensorFaults faults = sensor_faults(seed);
+    CHECK(std::abs(faults.right_gain - 1.0) <= 0.03);
+    CHECK(std::abs(faults.right_gain - 1.0) >= 0.01);
+    CHECK(std::abs(faults.row_error_px) <= 0.1);
+    CHECK(std::abs(faults.row_error_px) >= 0.03);
+  }
+}
