@@ -3,6 +3,7 @@
 
 #include "apps/palpable/body_view.h"
 #include "apps/palpable/commands.h"
+#include "apps/palpable/view_controls.h"
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/render/gl_context.h"
@@ -245,158 +246,52 @@ void write_pictures(const ReducedBody& body, const ViewOptions& options, Size si
   }
 }
 
-/// How deep a site is pressed while a button is held, and how it comes back afterwards.
-class Pressing {
- public:
-  using Clock = std::chrono::steady_clock;
-
-  void begin(int site, double x_px, double y_px) {
-    site_ = site;
-    start_ = Clock::now();
-    x_px_ = x_px;
-    y_px_ = y_px;
-    drag_ = 0;
-    held_ = true;
-  }
-  void drag(double x_px, double y_px) {
-    if (held_) drag_ = std::hypot(x_px - x_px_, y_px - y_px_);
-  }
-  void let_go() {
-    if (!held_) return;
-    released_level_ = level();
-    start_ = Clock::now();
-    held_ = false;
-  }
-  /// Keeps a level for good, until something else is pressed.
-  void keep(int site, double level) {
-    site_ = site;
-    kept_ = level;
-  }
-  void forget() {
-    kept_ = 0;
-    held_ = false;
-    released_level_ = 0;
-  }
-
-  [[nodiscard]] bool held() const { return held_; }
-  [[nodiscard]] int site() const { return site_; }
-  [[nodiscard]] double level() const {
-    const double t = std::chrono::duration<double>(Clock::now() - start_).count();
-    if (held_) {
-      constexpr double kFullAfter = 1.2;      // s of holding still
-      constexpr double kFullDrag_px = 280.0;  // or this path
-      return std::min(t / kFullAfter + drag_ / kFullDrag_px, 1.0);
-    }
-    if (kept_ > 0) return kept_;
-    // A critically damped spring: back in about a fifth of a second.
-    constexpr double kOmega = 28.0;  // rad/s
-    const double level = released_level_ * (1.0 + kOmega * t) * std::exp(-kOmega * t);
-    return level > 1e-3 ? level : 0.0;
-  }
-  [[nodiscard]] bool moving() const { return held_ || (kept_ <= 0 && level() > 0); }
-
- private:
-  int site_ = 0;
-  bool held_ = false;
-  double kept_ = 0;
-  double released_level_ = 0;
-  double drag_ = 0, x_px_ = 0, y_px_ = 0;
-  Clock::time_point start_ = Clock::now();
-};
-
 void show_window(Window& window, const ReducedBody& body, const ViewOptions& options, Size size) {
-  using Kind = WindowEvent::Kind;
-  constexpr int kLeft = 0;
   StudioScene scene(body, size);
   const double aspect = static_cast<double>(size.width) / size.height;
-  const OrbitCamera usual = usual_camera(body, aspect);
-  OrbitCamera camera = usual;
-  Pressing pressing;
+  ViewControls controls(usual_camera(body, aspect));
   if (options.site >= 0) {
-    pressing.keep(options.site, options.level);
-    camera = camera_towards(body.sites[static_cast<std::size_t>(options.site)], usual);
+    controls.keep(options.site, options.level);
+    controls.camera =
+        camera_towards(body.sites[static_cast<std::size_t>(options.site)], controls.camera);
   }
-  bool turning = false, changed = true, help = true, quit = false;
-  int pictures = 0;
-  double x_before = 0, y_before = 0;
   const auto opened = std::chrono::steady_clock::now();
-
-  while (!quit && !window.closed()) {
-    for (const WindowEvent& event : window.events(changed || pressing.moving() ? 0.0 : 0.05)) {
+  const auto now = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - opened).count();
+  };
+  const auto site_at = [&](double x_px, double y_px) -> std::optional<int> {
+    const auto point = scene.point_at(x_px, y_px);
+    if (!point) return std::nullopt;
+    return scene.pressed().nearest_site(*point);
+  };
+  int pictures = 0;
+  bool changed = true;
+  while (!controls.quit && !window.closed()) {
+    const bool busy = changed || controls.moving(now());
+    for (const WindowEvent& event : window.events(busy ? 0.0 : 0.05)) {
+      controls.handle(event, now(), site_at);
       changed = true;
-      switch (event.kind) {
-        case Kind::kPress: {
-          const auto at =
-              event.button == kLeft ? scene.point_at(event.x_px, event.y_px) : std::nullopt;
-          if (at) {
-            pressing.forget();
-            pressing.begin(scene.pressed().nearest_site(*at), event.x_px, event.y_px);
-          } else {
-            turning = true;
-          }
-          break;
-        }
-        case Kind::kRelease:
-          turning = false;
-          pressing.let_go();
-          break;
-        case Kind::kMove:
-          if (turning) camera.turn(event.x_px - x_before, event.y_px - y_before);
-          pressing.drag(event.x_px, event.y_px);
-          break;
-        case Kind::kWheel:
-          camera.zoom(event.wheel, usual.distance);
-          break;
-        case Kind::kKey:
-          switch (event.key) {
-            case 'S':
-              scene.sites_shown = !scene.sites_shown;
-              break;
-            case 'L':
-              scene.legend_shown = !scene.legend_shown;
-              break;
-            case 'H':
-              help = !help;
-              break;
-            case 'R':
-              camera = usual;
-              pressing.forget();
-              break;
-            case 'P': {
-              const fs::path file = fmt::format("{}_view_{}.png", body.name, ++pictures);
-              write_png(file, scene.draw(camera));
-              fmt::print("{}\n", file.string());
-              break;
-            }
-            case 'Q':
-            case WindowEvent::kEscape:
-              quit = true;
-              break;
-            default:
-              break;
-          }
-          break;
-      }
-      x_before = event.x_px;
-      y_before = event.y_px;
     }
-    if (options.close_after > 0 &&
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - opened).count() >
-            options.close_after) {
-      quit = true;
+    if (options.close_after > 0 && now() > options.close_after) controls.quit = true;
+    const double level = controls.level(now());
+    if (!changed && level == scene.pressed().level()) continue;
+    scene.pressed().press(controls.site(), level);
+    scene.sites_shown = controls.sites_shown;
+    scene.legend_shown = controls.legend_shown && level > 0;
+    scene.caption = {level > 0 ? scene.reading() : scene.title()};
+    if (controls.help_shown) {
+      scene.caption.insert(scene.caption.end(), ViewControls::help().begin(),
+                           ViewControls::help().end());
     }
-    const bool springs = scene.pressed().level() > 0;  // its last step goes to 0
-    if (!changed && !pressing.moving() && !springs) continue;
-    scene.pressed().press(pressing.site(), pressing.level());
-    scene.caption = {pressing.level() > 0 ? scene.reading() : scene.title()};
-    if (help) {
-      scene.caption.emplace_back(
-          "Click the body and hold or drag: press    Drag beside it: turn    Wheel: zoom");
-      scene.caption.emplace_back(
-          "S sites    L legend    R reset    P picture    H hide this    Esc quit");
-    }
-    window.show(scene.draw(camera));
+    const ColorImage& picture = scene.draw(controls.camera);
+    window.show(picture);
     changed = false;
+    if (controls.picture_wanted) {
+      controls.picture_wanted = false;
+      const fs::path file = fmt::format("{}_view_{}.png", body.name, ++pictures);
+      write_png(file, picture);
+      fmt::print("{}\n", file.string());
+    }
   }
   if (window.gl_errors().count() > 0) {
     throw Error(fmt::format("OpenGL reported {} errors, the first: {}", window.gl_errors().count(),
