@@ -12,7 +12,7 @@ CgResult conjugate_gradients(const BlockMatrix& K, const CholeskyFactor& precond
   const double goal = relative_tolerance * b.norm();
   CgResult result;
   if (r.norm() <= goal) return result;
-  preconditioner.solve(r, z, workspace);
+  preconditioner.solve_roughly(r, z, workspace);
   p = z;
   double rz = r.dot(z);
   while (result.iterations < max_iterations) {
@@ -27,7 +27,7 @@ CgResult conjugate_gradients(const BlockMatrix& K, const CholeskyFactor& precond
     x += step * p;
     r -= step * Kp;
     if (r.norm() <= goal) return result;
-    preconditioner.solve(r, z, workspace);
+    preconditioner.solve_roughly(r, z, workspace);
     const double rz_before = rz;
     rz = r.dot(z);
     p = z + (rz / rz_before) * p;

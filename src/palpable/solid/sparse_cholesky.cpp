@@ -25,6 +25,8 @@ struct FactorWorkspace::Content {
   cholmod_dense* X = nullptr;
   cholmod_dense* Y = nullptr;
   cholmod_dense* E = nullptr;
+  // Of solve_roughly(): the solution in the order of elimination, and rows of it side by side.
+  Eigen::VectorXf permuted, gathered;
 
   Content() {
     cholmod_start(&common);
@@ -207,6 +209,7 @@ double CholeskyAnalysis::nonzeros() const { return static_cast<double>(content_-
 
 struct CholeskyFactor::Content {
   cholmod_factor* factor = nullptr;
+  Eigen::VectorXf rounded;  // factor->x
 
   Content() = default;
   Content(const Content&) = delete;
@@ -231,6 +234,12 @@ std::optional<CholeskyFactor> CholeskyFactor::make(const CholeskyAnalysis& analy
       content->factor->minor < content->factor->n) {
     return std::nullopt;
   }
+  PALPABLE_EXPECT(content->factor->is_super && content->factor->itype == CHOLMOD_INT,
+                  "the factor is supernodal, with int indices, as asked for");
+  content->rounded =
+      Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(content->factor->x),
+                                        static_cast<Eigen::Index>(content->factor->xsize))
+          .cast<float>();
   return CholeskyFactor(std::move(content));
 }
 
@@ -252,6 +261,62 @@ void CholeskyFactor::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x,
     throw Error("the sparse factor could not be applied");
   }
   x = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(scratch.X->x), b.size());
+}
+
+void CholeskyFactor::solve_roughly(const Eigen::VectorXd& b, Eigen::VectorXd& x,
+                                   FactorWorkspace& workspace) const {
+  const cholmod_factor& L = *content_->factor;
+  const auto n = static_cast<Eigen::Index>(L.n);
+  PALPABLE_EXPECT(b.size() == n, "the right-hand side has the size of the matrix");
+  // Supernode k: columns super[k] .. super[k + 1] of L, stored as one dense panel whose rows are
+  // numbered by s[pi[k]] .. s[pi[k + 1]]; the first of those rows are its own columns.
+  const int* const order = static_cast<const int*>(L.Perm);
+  const int* const super = static_cast<const int*>(L.super);
+  const int* const row_begin = static_cast<const int*>(L.pi);
+  const int* const value_begin = static_cast<const int*>(L.px);
+  const int* const rows = static_cast<const int*>(L.s);
+  const auto supernodes = static_cast<Eigen::Index>(L.nsuper);
+
+  Eigen::VectorXf& y = workspace.content().permuted;
+  Eigen::VectorXf& g = workspace.content().gathered;
+  y.resize(n);
+  g.resize(n);
+  x.resize(n);
+  // Single precision has a small range: work with numbers of order one.
+  const double scale = b.cwiseAbs().maxCoeff();
+  if (scale == 0.0) {
+    x.setZero();
+    return;
+  }
+  for (Eigen::Index i = 0; i < n; ++i) y[i] = static_cast<float>(b[order[i]] / scale);
+
+  using Panel = Eigen::Map<const Eigen::MatrixXf, 0, Eigen::OuterStride<>>;
+  const auto visit = [&](Eigen::Index k, auto&& work) {
+    const int columns = super[k + 1] - super[k];
+    const int panel_rows = row_begin[k + 1] - row_begin[k];
+    const float* const values = content_->rounded.data() + value_begin[k];
+    const Panel own(values, columns, columns, Eigen::OuterStride<>(panel_rows));
+    const Panel below(values + columns, panel_rows - columns, columns,
+                      Eigen::OuterStride<>(panel_rows));
+    work(y.segment(super[k], columns), own, below, rows + row_begin[k] + columns);
+  };
+  for (Eigen::Index k = 0; k < supernodes; ++k) {  // L z = b
+    visit(k, [&](auto z, const Panel& own, const Panel& below, const int* below_rows) {
+      own.template triangularView<Eigen::Lower>().solveInPlace(z);
+      auto down = g.head(below.rows());
+      down.noalias() = below * z;
+      for (Eigen::Index i = 0; i < below.rows(); ++i) y[below_rows[i]] -= down[i];
+    });
+  }
+  for (Eigen::Index k = supernodes; k-- > 0;) {  // L^T x = z
+    visit(k, [&](auto z, const Panel& own, const Panel& below, const int* below_rows) {
+      auto up = g.head(below.rows());
+      for (Eigen::Index i = 0; i < below.rows(); ++i) up[i] = y[below_rows[i]];
+      z.noalias() -= below.transpose() * up;
+      own.template triangularView<Eigen::Lower>().transpose().solveInPlace(z);
+    });
+  }
+  for (Eigen::Index i = 0; i < n; ++i) x[order[i]] = scale * static_cast<double>(y[i]);
 }
 
 }  // namespace palpable
