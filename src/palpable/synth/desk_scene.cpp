@@ -226,7 +226,6 @@ std::vector<PaintedMesh> hand_meshes(std::span<const HandCapsule> hand) {
   meshes[1].image = 1;
   const auto sleeve = [](const HandCapsule& c) { return c.part == HandPart::kSleeve; };
 
-  constexpr double kBlend = 0.0026;      // m, width of the smooth union in the shading
   constexpr double kTile = 0.045;        // m of skin that the image shows
   constexpr double kShadeReach = 0.014;  // m, how far ambient light is blocked by the hand itself
   constexpr double kChordError = 0.00009;
@@ -236,6 +235,9 @@ std::vector<PaintedMesh> hand_meshes(std::span<const HandCapsule> hand) {
     const CapsuleMesh mesh = tessellate(c, own.back, kChordError);
     PaintedMesh& out = meshes[sleeve(own) ? 1 : 0];
     const auto first = static_cast<std::uint32_t>(out.vertices.size());
+    // Width of the smooth union in the shading, m: fingers keep their joints, the back of the hand
+    // is one surface.
+    const double blend = own.part == HandPart::kPalm ? 0.0055 : 0.0026;
     const double tile = sleeve(own) ? 0.05 : kTile;
     const double turns = std::max(1.0, std::round(kTurn * std::max(c.ra, c.rb) / tile * 2.0)) / 2.0;
     const Vector3d axis = (c.b - c.a).normalized();
@@ -257,10 +259,10 @@ std::vector<PaintedMesh> hand_meshes(std::span<const HandCapsule> hand) {
       bool hidden = false;
       for (const HandCapsule* other : near) {
         const double d = signed_distance(other->shape, x);
-        hidden = hidden || d < -2.0 * kBlend;
+        hidden = hidden || d < -2.0 * blend;
         if (d > 2.5 * kShadeReach) continue;
-        if (d < 4.0 * kBlend && sleeve(own) == sleeve(*other))
-          smooth += std::exp(-d / kBlend) * distance_normal(other->shape, x);
+        if (d < 4.0 * blend && sleeve(own) == sleeve(*other))
+          smooth += std::exp(-d / blend) * distance_normal(other->shape, x);
         open = std::min(open, signed_distance(other->shape, x + kShadeReach * smooth.normalized()));
       }
       if (hidden) smooth = n;

@@ -133,8 +133,8 @@ std::vector<HandCapsule> hand_capsules(const HandPose& pose) {
   for (const FingerShape& shape : kFingers)
     add(shape.root, shape.knuckle, shape.radii[0], shape.radii[1], HandPart::kPalm, up);
   for (std::size_t f = 0; f < 3; ++f)
-    add(kFingers[f].knuckle - Vector3d(0.012, 0, 0.001),
-        kFingers[f + 1].knuckle - Vector3d(0.012, 0, 0.001), 0.0108, 0.0102, HandPart::kPalm, up);
+    add(kFingers[f].knuckle - Vector3d(0.014, 0, 0.0035),
+        kFingers[f + 1].knuckle - Vector3d(0.014, 0, 0.0035), 0.0092, 0.0086, HandPart::kPalm, up);
   add(Vector3d(0.020, 0.016, -0.010), Vector3d(0.052, 0.022, -0.011), 0.0150, 0.0125,
       HandPart::kPalm, up);
   add(Vector3d(0.018, -0.018, -0.008), Vector3d(0.058, -0.027, -0.009), 0.0145, 0.0125,

@@ -307,8 +307,8 @@ PressClip PressClip::plan(const DeskBody& body, int frames, std::uint64_t seed) 
     return ranked;
   };
   std::vector<std::pair<double, double>> yaws;  // (value, yaw)
-  for (int i = 0; i < 24; ++i) {
-    const double yaw = 15.0 * i * kDegree;
+  for (int i = 0; i < 36; ++i) {
+    const double yaw = 10.0 * i * kDegree;
     const std::vector<Scored> ranked = ranked_sites(yaw);
     double value = 0.0;
     for (std::size_t s = 0; s < std::min<std::size_t>(5, ranked.size()); ++s)
@@ -424,7 +424,7 @@ PressClip PressClip::plan(const DeskBody& body, int frames, std::uint64_t seed) 
     return why.empty();
   };
   // Three different sites if any way of turning the body allows it.
-  for (const std::size_t needed : {3U, 1U})
+  for (const std::size_t needed : {3U, 2U, 1U})
     for (const auto& [value, yaw] : yaws)
       if (value > 0.0 && attempt(yaw, needed)) return clip;
   throw Error("the press clip cannot be planned for this body: " + why +

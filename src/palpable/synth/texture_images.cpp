@@ -128,16 +128,16 @@ ColorImage wood_image(int size, std::uint64_t seed) {
       const auto sb = s + static_cast<std::uint32_t>(board) * 977U;
       // Year rings: the board cuts a warped cone of rings lengthwise.
       const double warp = octaves(u, v, 3, 10, 4, 0.5, sb);
-      const double rings = std::sin(kTurn * (7.0 * (across + 0.15 * own) + 1.6 * warp));
+      const double rings = std::sin(kTurn * (9.0 * (across + 0.15 * own) + 0.9 * warp));
       const double fibres = octaves(u, v, 24, 700, 2, 0.6, sb + 5U);
       const double pores = noise(u, v, 110, 1000, sb + 9U);
       const double blotch = octaves(u, v, 4, 8, 3, 0.5, s + 31U);
-      double shade = 1.0 + 0.07 * rings + 0.075 * fibres + 0.05 * blotch + 0.09 * own;
+      double shade = 1.0 + 0.035 * rings + 0.085 * fibres + 0.05 * blotch + 0.09 * own;
       if (pores > 0.45) shade -= 0.35 * (pores - 0.45);
       const double edge = std::min(across, 1.0 - across) * size / kBoards;  // px to the joint
       if (edge < 2.0) shade *= 0.55 + 0.2 * edge;
       const double red = 1.0 + 0.02 * rings;
-      image(x, y) = {level(178 * shade * red), level(136 * shade), level(97 * shade / red)};
+      image(x, y) = {level(168 * shade * red), level(134 * shade), level(102 * shade / red)};
     }
   return image;
 }

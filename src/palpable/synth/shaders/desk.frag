@@ -42,7 +42,7 @@ void main() {
   encoded *= 1.0 - 0.10 * more.y * (0.6 + 0.4 * sin(image_uv.x * 180.0));
   if (dot(more.zw, more.zw) < 1.0) {  // a finger nail
     float rim = smoothstep(0.80, 1.0, dot(more.zw, more.zw));
-    encoded = mix(vec3(0.86, 0.69, 0.62), encoded * 0.90, rim);
+    encoded = mix(vec3(0.93, 0.75, 0.69), encoded * 0.84, rim);
     shine = 0.45;
     exponent = 45.0;
   }
