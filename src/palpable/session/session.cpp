@@ -22,6 +22,9 @@ namespace {
 // at 80 degrees changes by 1.6 % per pixel (depth_edges.h).
 constexpr double kJumpShare = 0.06;
 
+// The thickness behind a seen surface is at least so many sigma of its depth.
+constexpr double kThicknessInSigmas = 3;
+
 Eigen::AlignedBox3d box_of(const SurfaceMesh& surface) {
   return {surface.vertices.rowwise().minCoeff(), surface.vertices.rowwise().maxCoeff()};
 }
@@ -31,6 +34,15 @@ PressSettings with_noise(PressSettings press, const DepthNoise& noise, double sh
   press.noise_linear = share * noise.linear;
   press.noise_quadratic = share * noise.quadratic;
   return press;
+}
+
+// At depths where the surface itself is uncertain by half a finger, a finger's thickness would
+// leave nothing deep enough to be believed.
+SeenSurfaceSettings with_thickness(SeenSurfaceSettings surface, const DepthNoise& noise,
+                                   const Rigid3& camera_from_body) {
+  const double Z = std::max(camera_from_body.translation().z(), 0.0);
+  surface.thickness = std::max(surface.thickness, kThicknessInSigmas * noise.sigma(Z));
+  return surface;
 }
 
 std::optional<Problem> wrong_setting(const SessionSettings& s) {
@@ -65,7 +77,7 @@ struct Session::Parts {
         camera(std::move(c)),
         rest(body.surface.vertices.cast<float>()),
         region(box_of(body.surface)),
-        surface(settings.surface),
+        surface(with_thickness(settings.surface, camera.noise(), pose)),
         law(body, with_noise(settings.press, camera.noise(), settings.noise_share)) {
     if (settings.ignore_static) {
       background.emplace(camera.noise(),

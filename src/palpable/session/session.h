@@ -40,6 +40,7 @@ struct SessionSettings {
   bool ignore_static = false;
   int static_frames = 15;
   DepthSettings depth{};
+  /// The thickness is raised to 3 sigma of the depth at which the body stands.
   SeenSurfaceSettings surface{};
   /// Its noise is replaced by what the camera says of its depths, times the share below.
   PressSettings press{};
