@@ -205,6 +205,22 @@ TEST_CASE("a raw rig gives the depth of its rectified frame", "[vision][depth][S
   CHECK(seen.camera == camera.camera());
 }
 
+TEST_CASE("what the right eye cannot see has no depth", "[vision][depth]") {
+  const RectifiedStereo stereo = small_stereo();
+  const Plane plane{0.25, 0, 0};  // 44 px of disparity, 22 at half resolution
+  auto camera = value_or_throw(DepthCamera::make(format_of(stereo)));
+  SeenFrame seen;
+  camera.see(frame_of(plane, stereo, 9), seen);
+  int guessed = 0;
+  for (int y = 0; y < seen.depth.height(); ++y) {
+    for (int x = 0; x < 21; ++x) {
+      // A guess at the plane's own depth, which has its partner outside of the right image.
+      if (std::abs(seen.depth(x, y) - 0.25F) < 0.01F) ++guessed;
+    }
+  }
+  CHECK(guessed == 0);
+}
+
 TEST_CASE("where there is nothing to match, the depth is unknown", "[vision][depth]") {
   auto camera = value_or_throw(DepthCamera::make(format_of(small_stereo())));
   Frame frame;

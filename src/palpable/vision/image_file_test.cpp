@@ -125,6 +125,13 @@ TEST_CASE("an image that claims a huge size is refused before memory is taken fo
 
   for (const char* name : {"missing.png", "."})
     CHECK_FALSE(reader.read_color(folder / name, image).ok());
+  // After a good image, so that its picture would still be there to be taken for this one's.
+  cv::imwrite((folder / "good.png").string(), some_picture());
+  for (const std::string& start : {std::string("BM"), std::string("P6"), std::string("II*\0", 4)}) {
+    REQUIRE(reader.read_color(folder / "good.png", image).ok());
+    write_bytes(folder / "junk.png", start + std::string(100, 'x'));
+    CHECK_FALSE(reader.read_color(folder / "junk.png", image).ok());
+  }
   write_bytes(folder / "text.png", "no image at all");
   const auto text = reader.read_color(folder / "text.png", image);
   REQUIRE_FALSE(text.ok());
