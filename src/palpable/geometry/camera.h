@@ -69,7 +69,7 @@ struct StereoRig {
 struct RectifiedStereo {
   PinholeCamera camera;  ///< left eye; the right one differs by the baseline alone
   double baseline = 0;   ///< T in m, > 0
-  /// x_L - x_R of a point at infinity; not 0 for some published pairs (Middlebury's "doffs").
+  /// x_L - x_R of a point at infinity; not 0 for some published pairs (minus Middlebury's "doffs").
   double disparity_at_infinity_px = 0;
 
   /// Z = f T / d (Sec. 3.3), m; infinite or negative for a disparity at or below infinity's.
