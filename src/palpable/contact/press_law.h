@@ -37,7 +37,7 @@ struct PressSettings {
   double noise_quadratic = 0.006;
   /// Share of the noise in which the press stays as it is when the measurement trembles (and by
   /// which a touch that has begun needs less depth to go on).
-  double hysteresis = 0.5;
+  double hysteresis = 0.75;
   /// A vertex counts as inside when so many seen points say so: one flickering pixel does not
   /// press.
   int least_support = 4;

@@ -151,7 +151,7 @@ TEST_CASE("a full press takes three frames at 30 Hz, not as many as there are le
   Loop loop;
   loop.see({});
   int frames = 0;
-  while (frames < 20 && (!loop.state.touch || loop.state.touch->level < 0.9)) {
+  while (frames < 20 && (!loop.state.touch || loop.state.touch->level < 0.8)) {
     loop.see(finger(loop.sphere, {0, 0, 1}, 0.02));
     ++frames;
   }

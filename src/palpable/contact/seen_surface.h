@@ -34,7 +34,7 @@ struct SeenSurfaceSettings {
   int step = 2;
   /// Half side of the window in which a normal is fitted, px. Larger is smoother; at half of a
   /// finger's width the normals of its two flanks merge.
-  int normal_reach = 2;
+  int normal_reach = 3;
   double thickness = 0.016;  ///< m, t above: an adult's finger
   double band = 0.010;       ///< m, phi is exact up to here outside, and everywhere inside
   /// m at 1 m; grows as Z^2 (disparity has constant error). Neighbours that differ more in depth

@@ -160,6 +160,7 @@ TEST_CASE("the outermost pixels of a near thing before a far one are not believe
   }
   SeenSurfaceSettings settings;
   settings.step = 1;
+  settings.normal_reach = 2;
   SeenSurface seen(settings);
   seen.build(depth, kCamera, Rigid3::Identity(), box_around({0, 0, 0.4}, 0.05));
   CHECK(seen.points().size() == 38 * 38);

@@ -24,6 +24,7 @@ constexpr double kJumpShare = 0.06;
 
 // The thickness behind a seen surface is at least so many sigma of its depth.
 constexpr double kThicknessInSigmas = 3;
+constexpr double kPointsPerThickness = 5;
 
 Eigen::AlignedBox3d box_of(const SurfaceMesh& surface) {
   return {surface.vertices.rowwise().minCoeff(), surface.vertices.rowwise().maxCoeff()};
@@ -37,11 +38,14 @@ PressSettings with_noise(PressSettings press, const DepthNoise& noise, double sh
 }
 
 // At depths where the surface itself is uncertain by half a finger, a finger's thickness would
-// leave nothing deep enough to be believed.
-SeenSurfaceSettings with_thickness(SeenSurfaceSettings surface, const DepthNoise& noise,
-                                   const Rigid3& camera_from_body) {
+// leave nothing deep enough to be believed; and where points lie far apart, too few would say so.
+SeenSurfaceSettings fitted(SeenSurfaceSettings surface, const DepthCamera& camera,
+                           const Rigid3& camera_from_body) {
   const double Z = std::max(camera_from_body.translation().z(), 0.0);
-  surface.thickness = std::max(surface.thickness, kThicknessInSigmas * noise.sigma(Z));
+  surface.thickness = std::max(surface.thickness, kThicknessInSigmas * camera.noise().sigma(Z));
+  const double spacing = Z / camera.depth_camera().fx_px;  // of neighbouring pixels
+  const double step = std::floor(surface.thickness / (kPointsPerThickness * spacing));
+  surface.step = static_cast<int>(std::clamp(step, 1.0, static_cast<double>(surface.step)));
   return surface;
 }
 
@@ -77,7 +81,7 @@ struct Session::Parts {
         camera(std::move(c)),
         rest(body.surface.vertices.cast<float>()),
         region(box_of(body.surface)),
-        surface(with_thickness(settings.surface, camera.noise(), pose)),
+        surface(fitted(settings.surface, camera, pose)),
         law(body, with_noise(settings.press, camera.noise(), settings.noise_share)) {
     if (settings.ignore_static) {
       background.emplace(camera.noise(),

@@ -40,7 +40,8 @@ struct SessionSettings {
   bool ignore_static = false;
   int static_frames = 15;
   DepthSettings depth{};
-  /// The thickness is raised to 3 sigma of the depth at which the body stands.
+  /// Two of them are fitted to the depth at which the body stands: the thickness is raised to 3
+  /// sigma of it, the step lowered until points lie at most a fifth of the thickness apart.
   SeenSurfaceSettings surface{};
   /// Its noise is replaced by what the camera says of its depths, times the share below.
   PressSettings press{};
