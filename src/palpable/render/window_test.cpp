@@ -136,7 +136,7 @@ TEST_CASE("a window shows a picture upright and hands on what the mouse and the 
     return std::find_if(all.begin(), all.end(),
                         [&](const WindowEvent& event) { return event.kind == kind; });
   };
-  for (int i = 0; i < 40 && has(WindowEvent::Kind::kKey) == all.end(); ++i) {
+  for (int i = 0; i < 200 && has(WindowEvent::Kind::kKey) == all.end(); ++i) {
     const auto events = window.events(0.05);
     all.insert(all.end(), events.begin(), events.end());
   }
