@@ -13,6 +13,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 
 namespace palpable::app {
@@ -30,23 +31,21 @@ void print_reduction(const char* what, const ReductionReport& report) {
              report.reached ? "" : " (the tolerance was not reached: raise max_modes)");
 }
 
-// The error against the number of modes, both fields side by side, in about ten rows.
+// The error against the number of modes, both fields side by side, in about ten rows and the ends.
 void print_errors(const BakeReport& report) {
-  const auto& u = report.displacement.errors;
-  const auto& sigma = report.stress.errors;
+  const Eigen::VectorXd& u = report.displacement.errors;
+  const Eigen::VectorXd& sigma = report.stress.errors;
   const Eigen::Index most = std::max(u.size(), sigma.size());
+  std::set<Eigen::Index> rows{1, u.size(), sigma.size()};
   const Eigen::Index step = std::max<Eigen::Index>(1, most / 10);
-  fmt::print("\n{:>8} {:>16} {:>12}\n", "modes", "displacement", "stress");
+  for (Eigen::Index m = step; m <= most; m += step) rows.insert(m);
   const auto cell = [](const Eigen::VectorXd& errors, Eigen::Index m) {
     return m <= errors.size() ? fmt::format("{:.2e}", errors[m - 1]) : std::string("-");
   };
-  for (Eigen::Index m = 1; m <= most; m += m == 1 && step > 1 ? step - 1 : step) {
-    fmt::print("{:>8} {:>16} {:>12}\n", m, cell(u, m), cell(sigma, m));
-  }
-  if (u.size() % step != 0) fmt::print("{:>8} {:>16} {:>12}\n", u.size(), cell(u, u.size()), "");
-  if (sigma.size() % step != 0) {
-    fmt::print("{:>8} {:>16} {:>12}\n", sigma.size(), "", cell(sigma, sigma.size()));
-  }
+  fmt::print("\nrelative error against the number of modes\n{:>6} {:>14} {:>10}\n", "modes",
+             "displacement", "stress");
+  for (const Eigen::Index m : rows)
+    fmt::print("{:>6} {:>14} {:>10}\n", m, cell(u, m), cell(sigma, m));
   fmt::print("\n");
 }
 

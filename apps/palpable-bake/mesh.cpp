@@ -59,12 +59,12 @@ void add_mesh(CLI::App& app) {
   command
       ->add_option("--edge", options->edge,
                    "Remesh the surface to this edge length first, in metres (after --height)")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1e-6, 1e3))
       ->type_name("METRES");
   command
       ->add_option("--height", options->height,
                    "Scale to this height in metres and stand it on Z = 0")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1e-6, 1e3))
       ->type_name("METRES");
   command->add_option("--up", options->up, "Axis of the file that points up: x, y or z")
       ->check(CLI::IsMember({"x", "y", "z"}))

@@ -1,0 +1,67 @@
+#include "apps/common/progress_bar.h"
+
+#include "tests/support/test.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+namespace palpable::app {
+namespace {
+
+using Catch::Matchers::Contains;
+
+// What `work` makes a bar print.
+template <class Work>
+std::string printed(bool terminal, const Work& work) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
+  {
+    ProgressBar bar(file.get(), terminal);
+    work(bar);
+  }
+  std::rewind(file.get());
+  std::string text;
+  for (int c = std::fgetc(file.get()); c != EOF; c = std::fgetc(file.get())) {
+    text += static_cast<char>(c);
+  }
+  return text;
+}
+
+TEST_CASE("durations are told in two units at most", "[apps][progress]") {
+  CHECK(duration_text(0.4) == "0 s");
+  CHECK(duration_text(59.4) == "59 s");
+  CHECK(duration_text(59.6) == "1 min 00 s");
+  CHECK(duration_text(125) == "2 min 05 s");
+  CHECK(duration_text(2 * 3600 + 61) == "2 h 01 min");
+}
+
+TEST_CASE("the time left follows from the part that is done", "[apps][progress]") {
+  const std::string line = progress_line({"solving", 3, 12, "1 short"}, 30.0, 8);
+  CHECK_THAT(line, Contains("solving") && Contains("[##......]") && Contains(" 25 %") &&
+                       Contains("1 min 30 s left") && Contains("1 short"));
+  CHECK_THAT(progress_line({"solving", 0, 12, ""}, 30.0, 8), !Contains("left"));
+  CHECK_THAT(progress_line({"solving", 12, 12, ""}, 30.0, 8), Contains("100 %  30 s"));
+}
+
+TEST_CASE("a log gets one line for a short task, a terminal the same line redrawn",
+          "[apps][progress]") {
+  const auto work = [](ProgressBar& bar) {
+    for (int i = 0; i <= 50; ++i) bar.show({"first", double(i), 50, ""});
+    bar.show({"second", 0, 3, ""});
+  };
+  const std::string log = printed(false, work);
+  CHECK(std::count(log.begin(), log.end(), '\n') == 2);
+  CHECK_THAT(log, Contains("first") && Contains("100 %") && Contains("second") && !Contains("\r"));
+  const std::string bar = printed(true, work);
+  CHECK(std::count(bar.begin(), bar.end(), '\n') == 2);
+  CHECK_THAT(bar, Contains("\rfirst"));
+}
+
+TEST_CASE("a bar that never showed anything prints nothing", "[apps][progress]") {
+  CHECK(printed(true, [](ProgressBar&) {}).empty());
+  CHECK(printed(false, [](ProgressBar&) {}).empty());
+}
+
+}  // namespace
+}  // namespace palpable::app
