@@ -394,15 +394,15 @@ PressClip PressClip::plan(const DeskBody& body, int frames, std::uint64_t seed) 
     press(1, 122, 128, 136, 143);
     key(152, rest, left_away, 0.5);
     key(163, palm_at({0.20, 0.145, 0.095}, behind_turn), behind_turn, 0.8);
-    key(174, palm_at({0.035, 0.145, 0.084}, behind_turn), behind_turn, 1.0);
-    key(182, palm_at({0.015, 0.145, 0.082}, behind_turn), behind_turn, 1.0);
-    key(193, rest, left_away, 0.5);
-    press(2, 204, 218, 227, 236);
+    key(172, palm_at({0.035, 0.145, 0.084}, behind_turn), behind_turn, 1.0);
+    key(179, palm_at({0.015, 0.145, 0.082}, behind_turn), behind_turn, 1.0);
+    key(190, rest, left_away, 0.5);
+    press(2, 201, 213, 221, 229);
     key(kScriptLength, rest, left_away, 0.4);
     clip.in_front_ = {static_cast<int>(std::ceil(script(86))),
                       static_cast<int>(std::floor(script(103)))};
-    clip.behind_ = {static_cast<int>(std::ceil(script(171))),
-                    static_cast<int>(std::floor(script(185)))};
+    clip.behind_ = {static_cast<int>(std::ceil(script(169))),
+                    static_cast<int>(std::floor(script(182)))};
 
     // Every frame, all vertices: touched in the presses, at their places, and nowhere else.
     why.clear();
