@@ -10,7 +10,7 @@
 ///
 /// Two traps of ccx 2.20, both about units. A residual below 1e-6 counts as zero, whatever the
 /// deck's unit: a soft body of 0.1 m has nodal forces of 1e-3 N, so "1e-8" would mean 1e-3. And a
-/// D1 below about 1e-10 counts as not given and is replaced by 0.1 / (2 C10): in 1/Pa that is any
+/// D1 below 1e-10 counts as not given and is replaced by 0.1 / (2 C10): in 1/Pa that is any
 /// solid as stiff as glass. So decks are written in units in which an element's shear modulus and
 /// edge are of order 1e3 each, so its stiffness 1e9; results are converted back on reading.
 #pragma once
