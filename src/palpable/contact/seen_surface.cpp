@@ -16,6 +16,9 @@ using Eigen::Vector3i;
 // Cells beyond this many per axis would only hold memory: a body is under a metre.
 constexpr int kMostCells = 128;
 
+// Of the thickness, that an outline's margin may take.
+constexpr float kMarginShare = 0.8f;
+
 bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
 
 // The plane through the window around a pixel, found as 1/Z = a + b du + c dv: under perspective
@@ -67,6 +70,7 @@ std::optional<InverseDepthPlane> fit_plane(const DepthImage& depth, int u, int v
 SeenSurface::SeenSurface(const SeenSurfaceSettings& settings) : settings_(settings) {
   PALPABLE_EXPECT(settings.step >= 1, "every pixel is the finest decimation");
   PALPABLE_EXPECT(settings.normal_reach >= 1, "a normal needs neighbours");
+  PALPABLE_EXPECT(settings.left_margin >= 0, "a margin is not negative");
   PALPABLE_EXPECT(settings.thickness > 0 && settings.band > 0 && settings.largest_jump_at_1m > 0,
                   "thickness, band and jump are lengths above 0");
   cell_size_ = static_cast<float>(settings.thickness / 2 + settings.band);
@@ -119,6 +123,13 @@ void SeenSurface::build(const DepthImage& depth, const PinholeCamera& camera,
           falls_off(u, v + 1)) {
         continue;
       }
+      const int margin =
+          std::min(settings_.left_margin, static_cast<int>(kMarginShare * 2 * radius * fx / z));
+      bool at_left_outline = u < margin;
+      for (int k = 2; k <= margin && !at_left_outline; ++k) {
+        at_left_outline = !is_depth(depth(u - k, v)) || falls_off(u - k, v);
+      }
+      if (at_left_outline) continue;
       const auto plane = fit_plane(depth, u, v, settings_.normal_reach, jump);
       if (!plane) continue;
       // The plane n.X = k is 1/Z = n.ray / k: n is proportional to the gradient of 1/Z with respect

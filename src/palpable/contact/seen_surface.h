@@ -35,6 +35,11 @@ struct SeenSurfaceSettings {
   /// Half side of the window in which a normal is fitted, px. Larger is smoother; at half of a
   /// finger's width the normals of its two flanks merge.
   int normal_reach = 3;
+  /// A point needs so many known pixels on its left that are no farther away, px, but never more
+  /// than 0.8 thicknesses: something of a finger must be left. The strip left of a near thing is
+  /// seen by the left eye alone, and a matcher gives part of it the near thing's depth. 0 for a
+  /// camera that does not match a left and a right image.
+  int left_margin = 0;
   double thickness = 0.016;  ///< m, t above: an adult's finger
   double band = 0.010;       ///< m, phi is exact up to here outside, and everywhere inside
   /// m at 1 m; grows as Z^2 (disparity has constant error). Neighbours that differ more in depth

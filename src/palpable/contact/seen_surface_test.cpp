@@ -5,6 +5,7 @@
 #include "tests/support/seen_capsules.h"
 #include "tests/support/test.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -166,6 +167,31 @@ TEST_CASE("the outermost pixels of a near thing before a far one are not believe
   CHECK(seen.points().size() == 38 * 38);
 }
 
+TEST_CASE("a left margin drops what the matcher smears, up to 0.8 thicknesses",
+          "[contact][seen surface]") {
+  // A hand at 0.4 m over columns 50..89 before nothing: 14 px are a thickness of 16 mm.
+  DepthImage depth(kCamera.width, kCamera.height, std::numeric_limits<float>::quiet_NaN());
+  for (int v = 40; v < 80; ++v) {
+    for (int u = 50; u < 90; ++u) depth(u, v) = 0.4f;
+  }
+  const auto leftmost = [&](int margin) {
+    SeenSurfaceSettings settings;
+    settings.step = 1;
+    settings.normal_reach = 1;
+    settings.left_margin = margin;
+    SeenSurface seen(settings);
+    seen.build(depth, kCamera, Rigid3::Identity(), box_around({0, 0, 0.4}, 0.05));
+    double least = kCamera.width;
+    for (const SeenPoint& point : seen.points()) {
+      least = std::min(least, kCamera.project(point.point.cast<double>()).x());
+    }
+    return std::lround(least);
+  };
+  CHECK(leftmost(0) == 51);
+  CHECK(leftmost(6) == 56);
+  CHECK(leftmost(100) == 50 + 11);  // 0.8 * 14 px
+}
+
 TEST_CASE("building a second frame like the first and asking it allocates nothing",
           "[contact][frame loop]") {
   const DepthImage depth = test::depth_of({{{-0.05, 0, 0.4}, {0.05, 0, 0.4}, 0.01}}, kCamera);
@@ -189,6 +215,7 @@ TEST_CASE("a camera of another size and impossible settings are refused", "[cont
   CHECK_THROWS_AS(seen.build(std::vector<SeenPoint>{}, Eigen::AlignedBox3d()), ContractViolation);
   CHECK_THROWS_AS(SeenSurface({.step = 0}), ContractViolation);
   CHECK_THROWS_AS(SeenSurface({.normal_reach = 0}), ContractViolation);
+  CHECK_THROWS_AS(SeenSurface({.left_margin = -1}), ContractViolation);
   CHECK_THROWS_AS(SeenSurface({.thickness = 0}), ContractViolation);
 }
 
