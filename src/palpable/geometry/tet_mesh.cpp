@@ -28,10 +28,43 @@ Eigen::VectorXd tet_volumes(const TetMesh& mesh) {
 Eigen::VectorXd nodal_volumes(const TetMesh& mesh) {
   const Eigen::VectorXd volumes = tet_volumes(mesh);
   Eigen::VectorXd nodal = Eigen::VectorXd::Zero(mesh.node_count());
+  const double corner = mesh.is_quadratic() ? 1.0 / 36.0 : 1.0 / 4.0;
   for (int e = 0; e < mesh.tet_count(); ++e) {
-    for (int k = 0; k < 4; ++k) nodal[mesh.tets(k, e)] += volumes[e] / 4.0;
+    for (int k = 0; k < 4; ++k) nodal[mesh.tets(k, e)] += corner * volumes[e];
+    if (!mesh.is_quadratic()) continue;
+    for (const int n : mesh.edge_nodes.col(e)) nodal[n] += 4.0 / 27.0 * volumes[e];
   }
   return nodal;
+}
+
+TetMesh with_edge_nodes(const TetMesh& mesh) {
+  PALPABLE_EXPECT(!mesh.is_quadratic(), "a mesh of 4-node tetrahedra");
+  // (lower corner, higher corner, element, edge), so that sorting brings the same edges together.
+  std::vector<std::array<int, 4>> edges;
+  edges.reserve(6 * static_cast<std::size_t>(mesh.tet_count()));
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    for (int k = 0; k < 6; ++k) {
+      const auto [low, high] =
+          std::minmax({mesh.tets(kTetEdges[k][0], e), mesh.tets(kTetEdges[k][1], e)});
+      edges.push_back({low, high, e, k});
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  TetMesh fine;
+  fine.tets = mesh.tets;
+  fine.edge_nodes.resize(6, mesh.tet_count());
+  std::vector<std::array<int, 2>> ends;
+  for (const auto& [low, high, e, k] : edges) {
+    if (ends.empty() || ends.back() != std::array{low, high}) ends.push_back({low, high});
+    fine.edge_nodes(k, e) = mesh.node_count() + static_cast<int>(ends.size()) - 1;
+  }
+  fine.nodes.resize(3, mesh.node_count() + static_cast<Eigen::Index>(ends.size()));
+  fine.nodes.leftCols(mesh.node_count()) = mesh.nodes;
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    fine.nodes.col(mesh.node_count() + static_cast<Eigen::Index>(k)) =
+        0.5 * (mesh.nodes.col(ends[k][0]) + mesh.nodes.col(ends[k][1]));
+  }
+  return fine;
 }
 
 Boundary boundary_of(const TetMesh& mesh) {

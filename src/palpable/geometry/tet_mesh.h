@@ -12,20 +12,33 @@
 
 namespace palpable {
 
-/// Nodes and 4-node tetrahedra; (x1 - x0) x (x2 - x0) . (x3 - x0) > 0 in a mesh that is not
-/// inverted.
+/// The edges of a tetrahedron by its corners, in the order of edge_nodes (that of Abaqus' and
+/// CalculiX' C3D10 and of VTK's quadratic tetrahedron).
+inline constexpr int kTetEdges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
+
+/// Nodes and tetrahedra of 4 or, all of them, 10 nodes; (x1 - x0) x (x2 - x0) . (x3 - x0) > 0 in a
+/// mesh that is not inverted.
 struct TetMesh {
   Eigen::Matrix3Xd nodes;  ///< (3 x N) m
-  Eigen::Matrix4Xi tets;   ///< (4 x E) node indices
+  Eigen::Matrix4Xi tets;   ///< (4 x E) node indices of the corners
+  /// (6 x E) node indices of the edges' middles, kTetEdges; no columns: 4-node tetrahedra.
+  Eigen::Matrix<int, 6, Eigen::Dynamic> edge_nodes = {};
 
   [[nodiscard]] int node_count() const { return static_cast<int>(nodes.cols()); }
   [[nodiscard]] int tet_count() const { return static_cast<int>(tets.cols()); }
+  [[nodiscard]] bool is_quadratic() const { return edge_nodes.cols() > 0; }
 };
 
-/// (E) signed volumes, m^3.
+/// The same body with 10-node tetrahedra: a node in the middle of each edge, numbered after those
+/// of `mesh`, which keep their numbers. @pre `mesh` has 4-node tetrahedra
+[[nodiscard]] TetMesh with_edge_nodes(const TetMesh& mesh);
+
+/// (E) signed volumes between the corners, m^3.
 [[nodiscard]] Eigen::VectorXd tet_volumes(const TetMesh& mesh);
 
-/// (N) a quarter of the volume of the adjacent tetrahedra, m^3: the lumped mass of density 1.
+/// (N) the lumped mass of density 1, m^3: of each adjacent tetrahedron's volume a quarter; where it
+/// has ten nodes, 1/36 to a corner and 4/27 to an edge (in proportion to the consistent mass's
+/// diagonal; the plain row sums are negative at the corners).
 [[nodiscard]] Eigen::VectorXd nodal_volumes(const TetMesh& mesh);
 
 /// The skin of a volume, with vertices numbered anew and the way back.
@@ -34,7 +47,7 @@ struct Boundary {
   std::vector<int> node_of_vertex;  ///< surface vertex -> node of the volume mesh, increasing
 };
 
-/// Faces that belong to one tetrahedron only.
+/// Faces that belong to one tetrahedron only, by their corners.
 [[nodiscard]] Boundary boundary_of(const TetMesh& mesh);
 
 /// A box of nx x ny x nz cells, each cut into six tetrahedra (Kuhn); conforming. For tests,

@@ -33,6 +33,29 @@ TEST_CASE("the skin of a volume is watertight, faces outwards and encloses it", 
   }
 }
 
+TEST_CASE("a 10-node mesh has one node in the middle of each edge, shared by all around it",
+          "[geometry][quadratic]") {
+  const TetMesh mesh = brick(), fine = with_edge_nodes(mesh);
+  CHECK_FALSE(mesh.is_quadratic());
+  CHECK(fine.is_quadratic());
+  CHECK(fine.tets == mesh.tets);
+  CHECK(fine.nodes.leftCols(mesh.node_count()) == mesh.nodes);
+  REQUIRE(fine.edge_nodes.cols() == mesh.tet_count());
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    for (int k = 0; k < 6; ++k) {
+      const int a = mesh.tets(kTetEdges[k][0], e), b = mesh.tets(kTetEdges[k][1], e);
+      CHECK(fine.nodes.col(fine.edge_nodes(k, e)) ==
+            Vector3d(0.5 * (mesh.nodes.col(a) + mesh.nodes.col(b))));
+    }
+  }
+  // All edges of Kuhn's cells lie on the grid of half cells, whose every node they meet.
+  CHECK(fine.node_count() == (2 * 2 + 1) * (2 * 3 + 1) * (2 * 4 + 1));
+  CHECK(nodal_volumes(fine).minCoeff() > 0.0);
+  CHECK(nodal_volumes(fine).sum() == Approx(6.0).margin(tolerance(1e-13, "sum of 1440")));
+  CHECK(boundary_of(fine).surface.triangles == boundary_of(mesh).surface.triangles);
+  CHECK_THROWS_AS(with_edge_nodes(fine), ContractViolation);
+}
+
 TEST_CASE("a box without cells or extent is refused", "[geometry][errors]") {
   CHECK_THROWS_AS(box_tets({0, 0, 0}, {1, 1, 1}, 1, 0, 1), ContractViolation);
   CHECK_THROWS_AS(box_tets({0, 0, 0}, {1, 0, 1}, 1, 1, 1), ContractViolation);

@@ -41,6 +41,7 @@ CholeskyFactor rest_factor(const TetAssembly& assembly, const CholeskyAnalysis& 
 struct EquilibriumSolver::Shared {
   SolidModel model;
   EquilibriumSettings settings;
+  std::vector<HeldComponent> held;
   FactorWorkspace workspace;  // of the construction only
   TetAssembly assembly;
   CholeskyAnalysis analysis;
@@ -49,17 +50,19 @@ struct EquilibriumSolver::Shared {
   Shared(SolidModel the_model, EquilibriumSettings the_settings)
       : model(checked(std::move(the_model))),
         settings(the_settings),
+        held(held_components(model)),
         assembly(model),
         analysis(assembly.pattern(), workspace),
         at_rest(rest_factor(assembly, analysis, workspace)) {}
 
   [[nodiscard]] bool moves_supports() const {
-    return model.fixed_displacement.cols() > 0 && model.fixed_displacement.squaredNorm() > 0.0;
+    return std::any_of(held.begin(), held.end(),
+                       [](const HeldComponent& h) { return h.displacement != 0.0; });
   }
 
   static SolidModel checked(SolidModel model) {
     check_model(model);
-    if (static_cast<int>(model.fixed_nodes.size()) == model.mesh.node_count()) {
+    if (static_cast<Eigen::Index>(held_components(model).size()) == model.mesh.nodes.size()) {
       throw Error("every node of the body is fixed: nothing is left to solve; fix fewer nodes");
     }
     return model;
@@ -75,8 +78,7 @@ struct EquilibriumSolver::Shared {
     if (load.squaredNorm() > 0.0) {
       throw Error(
           "the load acts on fixed nodes only, so nothing would move; put it on nodes that are "
-          "free, "
-          "or fix fewer");
+          "free (and in directions that are), or fix fewer");
     }
     if (!moves_supports()) throw Error("the load is zero; give a force");
   }
@@ -108,6 +110,7 @@ class Walk {
         trial_force_(3, assembly_.node_count()) {
     now_.displacement = Matrix3Xd::Zero(3, assembly_.node_count());
     knots_.push_back({0.0, now_.displacement});
+    assembly_.gather(load_, free_load_);
   }
 
   [[nodiscard]] const Equilibrium& now() const { return now_; }
@@ -178,15 +181,7 @@ class Walk {
   static constexpr std::size_t kKnots = 6;
 
   void set_supports(double level, Matrix3Xd& u) const {
-    const SolidModel& model = shared_.model;
-    for (std::size_t k = 0; k < model.fixed_nodes.size(); ++k) {
-      if (model.fixed_displacement.cols() == 0) {
-        u.col(model.fixed_nodes[k]).setZero();
-      } else {
-        u.col(model.fixed_nodes[k]) =
-            level * model.fixed_displacement.col(static_cast<Eigen::Index>(k));
-      }
-    }
+    for (const HeldComponent& h : shared_.held) u.reshaped()[h.at] = level * h.displacement;
   }
 
   // Forces at u into force_, the residual at the free nodes into r_.
@@ -199,16 +194,9 @@ class Walk {
 
   void update_residual(double level) {
     assembly_.gather(force_, r_);
-    Eigen::Index at = 0;
-    double applied = 0.0, all = 0.0;
-    for (const int n : assembly_.free_nodes()) {
-      applied += (level * load_.col(n)).squaredNorm();
-      r_.template segment<3>(at) = level * load_.col(n) - force_.col(n);
-      all += force_.col(n).squaredNorm();
-      at += 3;
-    }
-    const double held = std::max(0.0, force_.squaredNorm() - all);
-    scale_ = std::sqrt(std::max(applied, held));
+    const double held = std::max(0.0, force_.squaredNorm() - r_.squaredNorm());
+    scale_ = std::max(level * free_load_.norm(), std::sqrt(held));
+    r_ = level * free_load_ - r_;
   }
 
   // Polynomial through the known states nearest to `level`; order 0 is the nearest state.
@@ -232,10 +220,8 @@ class Walk {
   // them would take the whole motion and be crushed.
   std::optional<Matrix3Xd> dragged(double level) {
     Matrix3Xd du = Matrix3Xd::Zero(3, assembly_.node_count());
-    Matrix3Xd here = now_.displacement, there = now_.displacement;
-    set_supports(level, du);
-    set_supports(now_.level, here);
-    for (const int n : shared_.model.fixed_nodes) du.col(n) -= here.col(n);
+    Matrix3Xd there(3, assembly_.node_count());
+    set_supports(level - now_.level, du);
     // Directional derivative of the forces by central differences; their error, about 1e-8, only
     // touches the start of a Newton iteration.
     const double h = 1e-4;
@@ -390,6 +376,7 @@ class Walk {
   std::optional<CholeskyFactor> own_factor_;
   bool factor_is_slow_ = false;
   CgScratch cg_scratch_;
+  VectorXd free_load_;  // at what is free, level 1
   VectorXd r_, d_;
   Matrix3Xd force_, trial_force_;
   double scale_ = 0.0;  // what the residual is relative to, N

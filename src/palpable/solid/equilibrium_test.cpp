@@ -252,6 +252,112 @@ TEST_CASE("a path that cannot go on keeps its good levels and says why", "[solid
   CHECK_THAT(path.why_stopped, Contains("load level 0.5 was not reached, the last that was is 0."));
 }
 
+// Every node of the plane X_axis = value held across it, at `displacement`.
+void hold_plane(SolidModel& model, int axis, double value, double displacement = 0.0) {
+  for (int n = 0; n < model.mesh.node_count(); ++n) {
+    if (std::abs(model.mesh.nodes(axis, n) - value) > 1e-12) continue;
+    Support support{.node = n, .held = {false, false, false}};
+    support.held[axis] = true;
+    support.displacement[axis] = displacement;
+    model.supports.push_back(support);
+  }
+}
+
+TEST_CASE("a block on three symmetry planes, drawn out, becomes thin without stress across",
+          "[solid][path][supports]") {
+  SolidModel model = cube("neo-hookean", 3);
+  model.fixed_nodes.clear();
+  for (int axis = 0; axis < 3; ++axis) hold_plane(model, axis, 0.0);
+  hold_plane(model, 2, kSide, 0.4 * kSide);
+  const Matrix3Xd none = Matrix3Xd::Zero(3, model.mesh.node_count());
+  const EquilibriumSolver solver(model, {.tolerance = 1e-10});
+  const PathResult path = solver.solve_path(none, std::array{0.25, 0.5, 1.0});
+  INFO(path.why_stopped);
+  REQUIRE(path.complete);
+  const Matrix3Xd& u = path.steps.back().displacement;
+  // diag(a, a, 1.4) X everywhere, and a such that nothing pulls across.
+  const double a = 1.0 + u(0, model.mesh.node_count() - 1) / kSide;
+  const Matrix3d F = Vector3d(a, a, 1.4).asDiagonal();
+  CHECK((a > 0.8 && a < 0.95));
+  CHECK((u - (F - Matrix3d::Identity()) * model.mesh.nodes).norm() <=
+        tolerance(1e-8, "residual of 1e-10 over a condition of tens") * u.norm());
+  const Matrix3d P = first_piola(model.material, F);
+  CHECK(std::abs(P(0, 0)) <= tolerance(1e-7, "as above") * P(2, 2));
+  // The reactions at the upper face are stress times area, the residual nowhere else.
+  const Matrix3Xd force = solver.internal_force(u);
+  double pull = 0.0;
+  for (int n = 0; n < model.mesh.node_count(); ++n) {
+    if (model.mesh.nodes(2, n) == kSide) pull += force(2, n);
+  }
+  CHECK(pull == Approx(P(2, 2) * kSide * kSide).epsilon(tolerance(1e-7, "as above")));
+}
+
+TEST_CASE("half a block on its plane of symmetry moves as the whole block does",
+          "[solid][path][supports]") {
+  // Two meshes that mirror each other make the whole, so that it is symmetric as the load is.
+  SolidModel half;
+  half.mesh = box_tets({0, 0, 0}, {kSide, kSide, kSide}, 3, 3, 3);
+  half.material = material_from_young("neo-hookean", 60e3, 0.4);
+  const int N = half.mesh.node_count();
+  SolidModel whole = half;
+  std::vector<int> mirrored(static_cast<std::size_t>(N));
+  for (int n = 0; n < N; ++n) {
+    if (half.mesh.nodes(2, n) == 0.0) half.fixed_nodes.push_back(n);
+    int& other = mirrored[static_cast<std::size_t>(n)];
+    other = n;
+    if (half.mesh.nodes(0, n) == 0.0) continue;
+    other = whole.mesh.node_count();
+    whole.mesh.nodes.conservativeResize(3, other + 1);
+    whole.mesh.nodes.col(other) = Vector3d(-1, 1, 1).cwiseProduct(half.mesh.nodes.col(n));
+  }
+  const int E = half.mesh.tet_count();
+  whole.mesh.tets.conservativeResize(4, 2 * E);
+  for (int e = 0; e < E; ++e) {
+    for (int k = 0; k < 4; ++k) {
+      whole.mesh.tets(k, E + e) = mirrored[static_cast<std::size_t>(half.mesh.tets(k, e))];
+    }
+    std::swap(whole.mesh.tets(2, E + e), whole.mesh.tets(3, E + e));
+  }
+  for (int n = 0; n < whole.mesh.node_count(); ++n) {
+    if (whole.mesh.nodes(2, n) == 0.0) whole.fixed_nodes.push_back(n);
+  }
+  hold_plane(half, 0, 0.0);
+  // 8 N on the upper edge x = side, leaning outwards, and its mirror image.
+  Matrix3Xd load = Matrix3Xd::Zero(3, N);
+  Matrix3Xd both = Matrix3Xd::Zero(3, whole.mesh.node_count());
+  for (int n = 0; n < N; ++n) {
+    if (half.mesh.nodes(0, n) != kSide || half.mesh.nodes(2, n) != kSide) continue;
+    load.col(n) = Vector3d(1, 0.5, -2);
+    both.col(n) = load.col(n);
+    both.col(mirrored[static_cast<std::size_t>(n)]) = Vector3d(-1, 0.5, -2);
+  }
+  const EquilibriumSettings exact{.tolerance = 1e-10};
+  const PathResult a = EquilibriumSolver(half, exact).solve_path(load, std::array{0.5, 1.0});
+  const PathResult b = EquilibriumSolver(whole, exact).solve_path(both, std::array{0.5, 1.0});
+  REQUIRE((a.complete && b.complete));
+  const Matrix3Xd& u = a.steps.back().displacement;
+  CHECK(u.cwiseAbs().maxCoeff() > 0.004);
+  CHECK((u - b.steps.back().displacement.leftCols(N)).norm() <=
+        tolerance(1e-8, "two residuals of 1e-10 over a condition of tens") * u.norm());
+  for (int n = 0; n < N; ++n) {
+    if (half.mesh.nodes(0, n) == 0.0) CHECK(u(0, n) == 0.0);
+  }
+  // The search for a load keeps to the plane, too.
+  const LoadSearch found = EquilibriumSolver(half).find_load(load / 8, 0.004);
+  CHECK(found.reached);
+}
+
+TEST_CASE("a load along held directions only is refused", "[solid][supports][errors]") {
+  SolidModel model = cube("neo-hookean", 2);
+  hold_plane(model, 0, kSide);
+  const EquilibriumSolver solver(model);
+  Matrix3Xd load = Matrix3Xd::Zero(3, model.mesh.node_count());
+  load(0, model.supports.back().node) = 1.0;
+  CHECK_THROWS_WITH(solver.solve_path(load, std::array{1.0}), Contains("fixed nodes only"));
+  load(1, model.supports.back().node) = 1.0;
+  CHECK(solver.solve_path(load, std::array{1.0}).complete);
+}
+
 TEST_CASE("a body cannot be crushed beyond zero height", "[solid][path]") {
   // The whole surface follows z -> (1 - 1.25 level) z, which inverts everything at level 0.8.
   SolidModel model = cube("neo-hookean", 3);

@@ -1,5 +1,5 @@
 /// @file
-/// The 4-node tetrahedron: shape functions that are linear in the undeformed position.
+/// Shape functions of the 4-node and the 10-node tetrahedron.
 #pragma once
 
 #include "palpable/geometry/tet_mesh.h"
@@ -8,23 +8,62 @@
 
 namespace palpable {
 
-/// Column a: dN_a/dX, 1/m, constant over the element; the columns add up to zero.
+/// The 4-node tetrahedron. Column a: dN_a/dX, 1/m, constant over the element; the columns add up to
+/// zero.
 struct ShapeGradients {
   Eigen::Matrix<double, 3, 4> g;
   double volume;  ///< m^3, undeformed; negative if the element is inverted
 };
 
-/// Gradients of element `e`. Not finite for an element of zero volume.
+/// Gradients of element `e`, whatever nodes its edges have. Not finite for zero volume.
 [[nodiscard]] ShapeGradients shape_gradients(const TetMesh& mesh, int e);
+
+namespace detail {
+template <class Gradients, class Nodes>
+Eigen::Matrix3d deformation_gradient(const Gradients& g, const Nodes& nodes,
+                                     const Eigen::Matrix3Xd& u) {
+  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
+  for (int a = 0; a < Gradients::ColsAtCompileTime; ++a) {
+    F.noalias() += u.col(nodes[a]) * g.col(a).transpose();
+  }
+  return F;
+}
+}  // namespace detail
 
 /// F = I + sum_a u_a (dN_a/dX)^T.
 /// @param u  (3 x N) m
 [[nodiscard]] inline Eigen::Matrix3d deformation_gradient(const Eigen::Matrix<double, 3, 4>& g,
                                                           const Eigen::Vector4i& nodes,
                                                           const Eigen::Matrix3Xd& u) {
-  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
-  for (int a = 0; a < 4; ++a) F.noalias() += u.col(nodes[a]) * g.col(a).transpose();
-  return F;
+  return detail::deformation_gradient(g, nodes, u);
 }
+[[nodiscard]] inline Eigen::Matrix3d deformation_gradient(const Eigen::Matrix<double, 3, 10>& g,
+                                                          const Eigen::Matrix<int, 10, 1>& nodes,
+                                                          const Eigen::Matrix3Xd& u) {
+  return detail::deformation_gradient(g, nodes, u);
+}
+
+/// The 10-node tetrahedron at one point: corners first, then edges as in kTetEdges.
+///
+///     N_a = L_a (2 L_a - 1) at corners,  N_ab = 4 L_a L_b on edges   (L barycentric coordinates)
+///
+/// Where L_3 = 0, the corners 0 1 2 and the edges 4 5 6 are the 6-node triangle.
+struct QuadraticShape {
+  Eigen::Matrix<double, 10, 1> N;
+  Eigen::Matrix<double, 3, 10> slope;  ///< d/dL_1, d/dL_2, d/dL_3 with L_0 = 1 - L_1 - L_2 - L_3
+};
+[[nodiscard]] QuadraticShape quadratic_shape(const Eigen::Vector4d& barycentric);
+
+/// Node indices of element `e` of a quadratic mesh: corners, then edges.
+[[nodiscard]] Eigen::Matrix<int, 10, 1> quadratic_nodes(const TetMesh& mesh, int e);
+
+/// dN_a/dX at one point of a 10-node tetrahedron, isoparametric: edges need not be straight.
+struct QuadraticGradients {
+  Eigen::Matrix<double, 3, 10> g;
+  double
+      volume;  ///< m^3, a sixth of det dX/dL there: that of the element if its edges are straight
+};
+[[nodiscard]] QuadraticGradients quadratic_gradients(const TetMesh& mesh, int e,
+                                                     const QuadraticShape& shape);
 
 }  // namespace palpable

@@ -2,10 +2,14 @@
 
 #include "palpable/base/error.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
+#include <string>
 #include <utility>
 
 namespace palpable {
@@ -59,6 +63,28 @@ void check_elements(const TetMesh& mesh) {
       mesh.tets(2, first), mesh.tets(3, first), first_volume));
 }
 
+// Every component that anything holds, increasing; one that is held twice is there twice.
+std::vector<HeldComponent> all_held(const SolidModel& model) {
+  std::vector<HeldComponent> all;
+  for (std::size_t k = 0; k < model.fixed_nodes.size(); ++k) {
+    for (int i = 0; i < 3; ++i) {
+      const double u = model.fixed_displacement.cols() == 0
+                           ? 0.0
+                           : model.fixed_displacement(i, static_cast<Eigen::Index>(k));
+      all.push_back({3 * static_cast<Eigen::Index>(model.fixed_nodes[k]) + i, u});
+    }
+  }
+  for (const Support& support : model.supports) {
+    for (int i = 0; i < 3; ++i) {
+      if (!support.held[i]) continue;
+      all.push_back({3 * static_cast<Eigen::Index>(support.node) + i, support.displacement[i]});
+    }
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const HeldComponent& a, const HeldComponent& b) { return a.at < b.at; });
+  return all;
+}
+
 // Root of the set that `node` belongs to, halving paths on the way.
 int root_of(std::vector<int>& parent, int node) {
   auto at = [&](int n) -> int& { return parent[static_cast<std::size_t>(n)]; };
@@ -69,23 +95,18 @@ int root_of(std::vector<int>& parent, int node) {
   return node;
 }
 
-void check_supports(const SolidModel& model) {
-  const TetMesh& mesh = model.mesh;
-  const int N = mesh.node_count();
-  std::vector<char> held(static_cast<std::size_t>(N), 0), used(static_cast<std::size_t>(N), 0);
+// Refuses what names no node, contradicts itself or is not a number.
+void check_held(const SolidModel& model) {
+  const int N = model.mesh.node_count();
+  std::vector<char> fixed(static_cast<std::size_t>(N), 0);
   for (const int n : model.fixed_nodes) {
     if (n < 0 || n >= N) {
       throw Error(
           fmt::format("fixed node {} does not exist; the body has nodes 0 to {}", n, N - 1));
     }
-    if (std::exchange(held[static_cast<std::size_t>(n)], char{1}) != 0) {
+    if (std::exchange(fixed[static_cast<std::size_t>(n)], char{1}) != 0) {
       throw Error(fmt::format("node {} is listed twice among the fixed nodes", n));
     }
-  }
-  if (model.fixed_nodes.empty()) {
-    throw Error(
-        "the body is held nowhere (the set of fixed nodes is empty), so it would fly away: fix at "
-        "least three nodes that are not on one line, usually those of the base");
   }
   const auto fixed_count = static_cast<Eigen::Index>(model.fixed_nodes.size());
   if (model.fixed_displacement.cols() != 0 && model.fixed_displacement.cols() != fixed_count) {
@@ -95,60 +116,127 @@ void check_supports(const SolidModel& model) {
   if (!model.fixed_displacement.allFinite()) {
     throw Error("a displacement of a fixed node is not finite");
   }
+  for (const Support& support : model.supports) {
+    if (support.node < 0 || support.node >= N) {
+      throw Error(fmt::format("a support holds node {}, but the body has nodes 0 to {}",
+                              support.node, N - 1));
+    }
+    if (!support.held.any()) {
+      throw Error(fmt::format("a support of node {} holds it in no direction", support.node));
+    }
+    for (int i = 0; i < 3; ++i) {
+      if (support.held[i] && !std::isfinite(support.displacement[i])) {
+        throw Error(
+            fmt::format("the displacement of the support of node {} is not finite", support.node));
+      }
+    }
+  }
+  std::vector<HeldComponent> all = all_held(model);
+  for (std::size_t k = 1; k < all.size(); ++k) {
+    if (all[k].at == all[k - 1].at && all[k].displacement != all[k - 1].displacement) {
+      throw Error(fmt::format("node {} is held in {} at two displacements, {} m and {} m",
+                              all[k].at / 3, "xyz"[all[k].at % 3], all[k - 1].displacement,
+                              all[k].displacement));
+    }
+  }
+}
+
+// What a part of the body can still do, in words; empty if its supports hold it.
+std::string freedom(const TetMesh& mesh, const std::vector<HeldComponent>& held) {
+  std::vector<Eigen::Index> nodes;
+  for (const HeldComponent& h : held) {
+    if (nodes.empty() || nodes.back() != h.at / 3) nodes.push_back(h.at / 3);
+  }
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Index n : nodes)
+    middle += mesh.nodes.col(n) / static_cast<double>(nodes.size());
+  double extent = 0.0;
+  for (const Eigen::Index n : nodes) extent = std::max(extent, (mesh.nodes.col(n) - middle).norm());
+  // Each held component as a row that six rigid motions (drift, turn about the middle) must not
+  // leave alone; turns are measured at the extent, so that the six compare.
+  Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
+  for (const HeldComponent& h : held) {
+    const Eigen::Vector3d axis = Eigen::Vector3d::Unit(h.at % 3);
+    Eigen::Matrix<double, 6, 1> row;
+    row << axis, (mesh.nodes.col(h.at / 3) - middle).cross(axis) / (extent > 0.0 ? extent : 1.0);
+    gram += row * row.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> modes(gram);
+  // 1e-6 of their extent, squared: held so nearly on a line, the tangent is singular to double
+  // precision.
+  const auto loose = (modes.eigenvalues().array() <= 1e-12 * modes.eigenvalues()[5]).count();
+  if (loose == 0 && !held.empty()) return {};
+  if (held.size() != 3 * nodes.size()) {
+    return fmt::format("its {} held directions leave {} of its 6 rigid motions free", held.size(),
+                       loose);
+  }
+  return nodes.size() < 3 ? fmt::format("only {} of its nodes are fixed", nodes.size())
+                          : fmt::format("its {} fixed nodes lie on one line", nodes.size());
+}
+
+void check_supports(const SolidModel& model) {
+  const TetMesh& mesh = model.mesh;
+  const int N = mesh.node_count();
+  const std::vector<HeldComponent> held = held_components(model);
+  if (held.empty()) {
+    throw Error(
+        "the body is held nowhere (the set of fixed nodes is empty), so it would fly away: fix at "
+        "least three nodes that are not on one line, usually those of the base");
+  }
 
   // Every separate part needs supports of its own.
+  std::vector<char> used(static_cast<std::size_t>(N), 0), is_held = used;
   std::vector<int> parent(static_cast<std::size_t>(N));
   std::iota(parent.begin(), parent.end(), 0);
   for (int e = 0; e < mesh.tet_count(); ++e) {
-    for (int k = 0; k < 4; ++k) {
-      used[static_cast<std::size_t>(mesh.tets(k, e))] = 1;
-      const int a = root_of(parent, mesh.tets(0, e)), b = root_of(parent, mesh.tets(k, e));
+    const auto join = [&](int n) {
+      used[static_cast<std::size_t>(n)] = 1;
+      const int a = root_of(parent, mesh.tets(0, e)), b = root_of(parent, n);
       parent[static_cast<std::size_t>(b)] = a;
+    };
+    for (const int n : mesh.tets.col(e)) join(n);
+    if (mesh.is_quadratic()) {
+      for (const int n : mesh.edge_nodes.col(e)) join(n);
     }
   }
-  std::vector<std::vector<int>> held_in_part(static_cast<std::size_t>(N));
+  std::vector<std::vector<HeldComponent>> held_in_part(static_cast<std::size_t>(N));
+  for (const HeldComponent& h : held) {
+    const auto n = static_cast<std::size_t>(h.at / 3);
+    is_held[n] = 1;
+    held_in_part[static_cast<std::size_t>(root_of(parent, static_cast<int>(n)))].push_back(h);
+  }
   std::vector<int> size(static_cast<std::size_t>(N), 0);
   for (int n = 0; n < N; ++n) {
-    if (used[static_cast<std::size_t>(n)] == 0 && held[static_cast<std::size_t>(n)] == 0) {
+    if (used[static_cast<std::size_t>(n)] == 0 && is_held[static_cast<std::size_t>(n)] == 0) {
       throw Error(fmt::format("node {} belongs to no tetrahedron; remove it from the mesh", n));
     }
-    const auto part = static_cast<std::size_t>(root_of(parent, n));
-    ++size[part];
-    if (held[static_cast<std::size_t>(n)] != 0) held_in_part[part].push_back(n);
+    ++size[static_cast<std::size_t>(root_of(parent, n))];
   }
   for (int n = 0; n < N; ++n) {
     const auto part = static_cast<std::size_t>(n);
     if (size[part] == 0 || used[part] == 0) continue;
-    const std::vector<int>& nodes = held_in_part[part];
-    // The largest distance from the first held node, then the largest from the line to there.
-    Eigen::Vector3d origin = Eigen::Vector3d::Zero(), along = origin;
-    double off_line = 0.0;
-    if (!nodes.empty()) origin = mesh.nodes.col(nodes.front());
-    for (const int m : nodes) {
-      const Eigen::Vector3d d = mesh.nodes.col(m) - origin;
-      if (d.squaredNorm() > along.squaredNorm()) along = d;
-    }
-    for (const int m : nodes) {
-      off_line = std::max(off_line, along.normalized().cross(mesh.nodes.col(m) - origin).norm());
-    }
-    // 1e-6 of their extent: held so nearly on a line, the tangent is singular to double precision.
-    if (nodes.size() >= 3 && off_line > 1e-6 * along.norm()) continue;
-    const std::string what = nodes.size() < 3
-                                 ? fmt::format("only {} of its nodes are fixed", nodes.size())
-                                 : fmt::format("its {} fixed nodes lie on one line", nodes.size());
+    const std::string what = freedom(mesh, held_in_part[part]);
+    if (what.empty()) continue;
     throw Error(fmt::format(
         "the supports are singular: {} ({} nodes, around node {}) is free to turn or drift, {}; "
-        "fix "
-        "at least three nodes that are not on one line",
+        "fix at least three nodes that are not on one line",
         size[part] == N ? "the body" : "a separate part of the body", size[part], n, what));
   }
 }
 
 }  // namespace
 
+std::vector<HeldComponent> held_components(const SolidModel& model) {
+  std::vector<HeldComponent> held = all_held(model);
+  const auto same = [](const HeldComponent& a, const HeldComponent& b) { return a.at == b.at; };
+  held.erase(std::unique(held.begin(), held.end(), same), held.end());
+  return held;
+}
+
 void check_model(const SolidModel& model) {
   check_material(model.material);
   check_elements(model.mesh);
+  check_held(model);
   check_supports(model);
 }
 

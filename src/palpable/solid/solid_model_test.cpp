@@ -3,6 +3,8 @@
 #include "palpable/base/error.h"
 #include "tests/support/test.h"
 
+#include <cmath>
+
 namespace palpable {
 namespace {
 
@@ -94,6 +96,73 @@ TEST_CASE("nodes that do not exist or are idle are refused", "[solid][model][err
   model = cube();
   model.material = NeoHookean{.C1 = -1, .D1 = 1};
   CHECK_THROWS_WITH(check_model(model), Contains("mu"));
+}
+
+// Every node of the plane X_axis = 0 held across it.
+void add_symmetry(SolidModel& model, int axis) {
+  for (int n = 0; n < model.mesh.node_count(); ++n) {
+    if (model.mesh.nodes(axis, n) != 0.0) continue;
+    Support support{.node = n, .held = {false, false, false}};
+    support.held[axis] = true;
+    model.supports.push_back(support);
+  }
+}
+
+TEST_CASE("three symmetry planes hold a body, two do not", "[solid][model][supports]") {
+  SolidModel model = cube();
+  model.fixed_nodes.clear();
+  add_symmetry(model, 0);
+  CHECK_THROWS_WITH(check_model(model), Contains("3 of its 6 rigid motions"));
+  add_symmetry(model, 1);
+  CHECK_THROWS_WITH(check_model(model), Contains("18 held directions leave 1 of its 6"));
+  add_symmetry(model, 2);
+  CHECK_NOTHROW(check_model(model));
+  // The planes share nodes on the edges; each component counts once.
+  CHECK(held_components(model).size() == 27);
+}
+
+TEST_CASE("six directions at three nodes are enough, if they are the right ones",
+          "[solid][model][supports]") {
+  SolidModel model = cube();
+  model.fixed_nodes = {0};
+  // Node 2 lies on the x axis, node 6 on the y axis.
+  model.supports = {{.node = 2, .held = {false, true, true}},
+                    {.node = 6, .held = {false, false, true}}};
+  CHECK_NOTHROW(check_model(model));
+  model.supports[1].held = {true, false, false};  // does not stop a turn about x
+  CHECK_THROWS_WITH(check_model(model), Contains("1 of its 6"));
+}
+
+TEST_CASE("what is held is listed once, with fixed nodes and supports together",
+          "[solid][model][supports]") {
+  SolidModel model = cube();
+  model.fixed_nodes = {3, 1};
+  model.fixed_displacement.resize(3, 2);
+  model.fixed_displacement << 30, 10, 31, 11, 32, 12;
+  model.supports = {{.node = 1, .held = {true, false, false}, .displacement = {10, 0, 0}},
+                    {.node = 2, .held = {false, true, false}, .displacement = {99, 7, 99}}};
+  const std::vector<HeldComponent> held = held_components(model);
+  REQUIRE(held.size() == 7);
+  const int at[] = {3, 4, 5, 7, 9, 10, 11};
+  const double u[] = {10, 11, 12, 7, 30, 31, 32};
+  for (std::size_t k = 0; k < 7; ++k) {
+    CHECK(held[k].at == at[k]);
+    CHECK(held[k].displacement == u[k]);
+  }
+}
+
+TEST_CASE("supports that contradict each other or hold nothing are refused",
+          "[solid][model][supports][errors]") {
+  SolidModel model = cube();
+  model.supports = {{.node = 0, .held = {true, false, false}, .displacement = {0.1, 0, 0}}};
+  CHECK_THROWS_WITH(check_model(model), Contains("node 0 is held in x at two displacements"));
+  model.supports = {{.node = 99, .held = {true, false, false}}};
+  CHECK_THROWS_WITH(check_model(model), Contains("node 99") && Contains("0 to 26"));
+  model.supports = {{.node = 20, .held = {false, false, false}}};
+  CHECK_THROWS_WITH(check_model(model), Contains("in no direction"));
+  model.supports = {
+      {.node = 20, .held = {false, true, false}, .displacement = {0, std::nan(""), 0}}};
+  CHECK_THROWS_WITH(check_model(model), Contains("node 20 is not finite"));
 }
 
 }  // namespace

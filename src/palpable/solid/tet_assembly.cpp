@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace palpable {
 
@@ -14,10 +15,15 @@ using Eigen::Matrix3Xd;
 TetAssembly::TetAssembly(const SolidModel& model) : material_(model.material) {
   const TetMesh& mesh = model.mesh;
   free_of_node_.assign(static_cast<std::size_t>(mesh.node_count()), 0);
-  for (const int n : model.fixed_nodes) free_of_node_[static_cast<std::size_t>(n)] = -1;
+  const std::vector<HeldComponent> held = held_components(model);
+  std::vector<int> held_directions(static_cast<std::size_t>(mesh.node_count()), 0);
+  for (const HeldComponent& h : held) ++held_directions[static_cast<std::size_t>(h.at / 3)];
   for (int n = 0; n < mesh.node_count(); ++n) {
     int& place = free_of_node_[static_cast<std::size_t>(n)];
-    if (place < 0) continue;
+    if (held_directions[static_cast<std::size_t>(n)] == 3) {
+      place = -1;
+      continue;
+    }
     place = static_cast<int>(free_nodes_.size());
     free_nodes_.push_back(n);
   }
@@ -41,6 +47,19 @@ TetAssembly::TetAssembly(const SolidModel& model) : material_(model.material) {
     row.erase(std::unique(row.begin(), row.end()), row.end());
     pattern_.column.insert(pattern_.column.end(), row.begin(), row.end());
     pattern_.row_start.push_back(static_cast<int>(pattern_.column.size()));
+  }
+
+  for (const HeldComponent& h : held) {
+    const int row = free_of(static_cast<int>(h.at / 3));
+    if (row < 0) continue;
+    HeldAxis axis{row, static_cast<int>(h.at % 3), {}};
+    // The pattern is symmetric: the rows in this column are the columns of this row.
+    for (int p = pattern_.row_start[static_cast<std::size_t>(row)];
+         p < pattern_.row_start[static_cast<std::size_t>(row) + 1]; ++p) {
+      axis.column_places.push_back(
+          pattern_.find(pattern_.column[static_cast<std::size_t>(p)], row));
+    }
+    held_axes_.push_back(std::move(axis));
   }
 
   elements_.resize(static_cast<std::size_t>(mesh.tet_count()));
@@ -119,6 +138,21 @@ void TetAssembly::tangent(const Matrix3Xd& u, BlockMatrix& K) const {
         }
       },
       material_);
+  hold(K);
+}
+
+void TetAssembly::hold(BlockMatrix& K) const {
+  for (const HeldAxis& held : held_axes_) {
+    const int diagonal = pattern_.find(held.row, held.row);
+    // Its own stiffness keeps the matrix as well scaled as it was.
+    const double stiffness = K.block(diagonal)(held.axis, held.axis);
+    for (int p = pattern_.row_start[static_cast<std::size_t>(held.row)];
+         p < pattern_.row_start[static_cast<std::size_t>(held.row) + 1]; ++p) {
+      K.block(p).row(held.axis).setZero();
+    }
+    for (const int p : held.column_places) K.block(p).col(held.axis).setZero();
+    K.block(diagonal)(held.axis, held.axis) = stiffness;
+  }
 }
 
 void TetAssembly::gather(const Matrix3Xd& field, Eigen::VectorXd& free) const {
@@ -128,6 +162,7 @@ void TetAssembly::gather(const Matrix3Xd& field, Eigen::VectorXd& free) const {
     free.segment<3>(at) = field.col(n);
     at += 3;
   }
+  for (const HeldAxis& held : held_axes_) free[3 * held.row + held.axis] = 0.0;
 }
 
 void TetAssembly::add_scattered(const Eigen::VectorXd& free, double scale, Matrix3Xd& field) const {

@@ -2,7 +2,11 @@
 /// Energy, forces and tangent of a whole body of linear tetrahedra: one pass over the elements
 /// each, nothing allocated.
 ///
-///   N  nodes      E  tetrahedra      M  free (not held) nodes, in the order of their index
+///   N  nodes      E  tetrahedra
+///   M  nodes that are free in some direction, in the order of their index
+///
+/// A node that is held in one or two directions keeps its block row: the tangent's rows and columns
+/// of the held directions are zero but for the diagonal, and gather() puts zeros there.
 #pragma once
 
 #include "palpable/solid/block_matrix.h"
@@ -30,18 +34,18 @@ class TetAssembly {
   explicit TetAssembly(const SolidModel& model);
 
   [[nodiscard]] int node_count() const { return static_cast<int>(free_of_node_.size()); }
-  [[nodiscard]] const std::vector<int>& free_nodes() const { return free_nodes_; }
   [[nodiscard]] const BlockPattern& pattern() const { return pattern_; }
 
   /// d/du of the stored energy, (3 x N), all nodes; `force` has its size already.
   BodyState force(const Eigen::Matrix3Xd& u, Eigen::Matrix3Xd& force) const;
 
-  /// d force / du at the free nodes. @pre no element is inverted under u
+  /// d force / du at what is free. @pre no element is inverted under u
   void tangent(const Eigen::Matrix3Xd& u, BlockMatrix& K) const;
 
-  /// (3M) the free nodes' columns, one after the other.
+  /// (3M) the free nodes' columns, one after the other; 0 in held directions.
   void gather(const Eigen::Matrix3Xd& field, Eigen::VectorXd& free) const;
-  /// Adds scale * free to the free nodes' columns.
+  /// Adds scale * free to the free nodes' columns; `free` is 0 in held directions, which a solution
+  /// of the tangent with such a right-hand side is.
   void add_scattered(const Eigen::VectorXd& free, double scale, Eigen::Matrix3Xd& field) const;
 
  private:
@@ -52,10 +56,19 @@ class TetAssembly {
     std::array<int, 16> place;  // block (a, b) at [4 a + b]; -1 where a node is held
   };
 
+  // Direction `axis` of free node `row`, held, and the places of all blocks in that column.
+  struct HeldAxis {
+    int row, axis;
+    std::vector<int> column_places;
+  };
+
+  void hold(BlockMatrix& K) const;
+
   Material material_;
   std::vector<Element> elements_;
   std::vector<int> free_of_node_;  // node -> free node, -1 if held
   std::vector<int> free_nodes_;
+  std::vector<HeldAxis> held_axes_;
   BlockPattern pattern_;
 };
 
