@@ -60,9 +60,10 @@ void check_input(const SolidModel& model, const Matrix3Xd& load, std::span<const
                             model.mesh.node_count()));
   }
   if (!load.allFinite()) throw Error("a nodal force is not finite");
-  if (load.isZero(0) && model.fixed_displacement.isZero(0)) {
-    throw Error("the load is zero; give a force");
-  }
+  const std::vector<HeldComponent> held = held_components(model);
+  const bool moved = std::any_of(held.begin(), held.end(),
+                                 [](const HeldComponent& h) { return h.displacement != 0.0; });
+  if (load.isZero(0) && !moved) { throw Error("the load is zero; give a force"); }
   double before = 0.0;
   for (const double level : levels) {
     PALPABLE_EXPECT(level > before && std::isfinite(level), "levels are above 0 and increase");
@@ -428,7 +429,10 @@ std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
   deck += material_section(model.material, units.stress);
   deck += "*SOLID SECTION, ELSET=EALL, MATERIAL=BODY\n";
   deck += "*BOUNDARY\n";
-  for (const int n : model.fixed_nodes) fmt::format_to(out, "{},1,3\n", n + 1);
+  const std::vector<HeldComponent> held = held_components(model);
+  for (const HeldComponent& h : held) {
+    fmt::format_to(out, "{0},{1},{1}\n", h.at / 3 + 1, h.at % 3 + 1);
+  }
   deck += "*TIME POINTS, NAME=LEVELS\n";
   for (const double level : levels) fmt::format_to(out, "{}\n", number(level));
 
@@ -443,30 +447,19 @@ std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
   // I_0, I_R, I_P, I_C: a tight tolerance takes more iterations before divergence is suspected
   // (from I_0 on), slow convergence (I_R) and failure (I_C).
   deck += "*CONTROLS, PARAMETERS=TIME INCREMENTATION\n8,16,9,24\n";
-  std::vector<bool> held(static_cast<std::size_t>(model.mesh.node_count()));
-  for (std::size_t k = 0; k < model.fixed_nodes.size(); ++k) {
-    held[static_cast<std::size_t>(model.fixed_nodes[k])] = true;
+  deck += "*BOUNDARY\n";
+  Matrix3Xd load = full_load;
+  for (const HeldComponent& h : held) {
+    load.reshaped()[h.at] = 0.0;  // moves nothing
+    if (h.displacement == 0.0) continue;
+    fmt::format_to(out, "{0},{1},{1},{2}\n", h.at / 3 + 1, h.at % 3 + 1,
+                   number(last * h.displacement / units.length));
   }
-  if (!model.fixed_displacement.isZero(0)) {
-    deck += "*BOUNDARY\n";
-    for (std::size_t k = 0; k < model.fixed_nodes.size(); ++k) {
-      for (int i = 0; i < 3; ++i) {
-        const double u = model.fixed_displacement(i, static_cast<Eigen::Index>(k));
-        fmt::format_to(out, "{0},{1},{1},{2}\n", model.fixed_nodes[k] + 1, i + 1,
-                       number(last * u / units.length));
-      }
-    }
-  }
-  if (!full_load.isZero(0)) {
-    deck += "*CLOAD\n";
-    for (int n = 0; n < model.mesh.node_count(); ++n) {
-      if (held[static_cast<std::size_t>(n)]) continue;  // moves nothing
-      for (int i = 0; i < 3; ++i) {
-        if (full_load(i, n) == 0.0) continue;
-        fmt::format_to(out, "{},{},{}\n", n + 1, i + 1,
-                       number(last * full_load(i, n) / units.force()));
-      }
-    }
+  deck += "*CLOAD\n";
+  for (Eigen::Index at = 0; at < load.size(); ++at) {
+    const double force = load.reshaped()[at];
+    if (force == 0.0) continue;
+    fmt::format_to(out, "{},{},{}\n", at / 3 + 1, at % 3 + 1, number(last * force / units.force()));
   }
   // .dat has seven digits, .frd would have six.
   deck += "*NODE PRINT, NSET=NALL, TIME POINTS=LEVELS\nU\n";
