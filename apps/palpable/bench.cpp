@@ -189,6 +189,7 @@ void bench_live(const LiveBenchOptions& options) {
   Series series;
   Scene scene;
   ColorImage picture;
+  const double scale = stress_scale(run.session.body());
   int total = run.source->frame_count();
   if (options.live.frames > 0) total = std::min(total, options.live.frames);
   ProgressBar bar;
@@ -202,7 +203,7 @@ void bench_live(const LiveBenchOptions& options) {
       times.add(scene.times);
       {
         const StageTimer timer(times, "draw");
-        renderer.draw(view_of(scene, run.session), picture);
+        renderer.draw(view_of(scene, run.session, scale), picture);
       }
       add(series, times);
       vision.recycle(std::move(flight));

@@ -118,6 +118,7 @@ nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const
   result["site_changes"] = counts.site_changes;
   result["video_codec"] = output.codec();
   result["pictures"] = output.figures();
+  result["color_scale_pa"] = stress_scale(run.session.body());
   result["wall_s"] = wall;
   for (const auto& [stage, values] : output.times()) result["median_ms"][stage] = median(values);
   result["processed"] = counts.processed;
@@ -140,6 +141,7 @@ void live(const Options& options) {
 
   int total = run.source->frame_count();
   if (wanted.frames > 0) total = total > 0 ? std::min(total, wanted.frames) : wanted.frames;
+  const double scale = stress_scale(session.body());
   Counts counts;
   ProgressBar bar;
   const auto begin = std::chrono::steady_clock::now();
@@ -153,7 +155,8 @@ void live(const Options& options) {
       drawn->times.add(scene.times);
       {
         const StageTimer timer(drawn->times, "draw");
-        renderer.draw(view_of(scene, session), drawn->picture, &drawn->visible, &drawn->body_depth);
+        renderer.draw(view_of(scene, session, scale), drawn->picture, &drawn->visible,
+                      &drawn->body_depth);
       }
       drawn->number = scene.number;
       drawn->time = scene.time;

@@ -1,23 +1,40 @@
 #include "apps/palpable/scene_picture.h"
 
+#include "palpable/score/percentile.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 namespace palpable::app {
 namespace {
 
-// Part of the largest stress of all snapshots at which the colours end: the very largest stands at
-// single vertices under a full press and would leave all else blue.
-constexpr double kColorTop = 0.5;
+// m around a pressed site: whose stress the picture of a touch is to show.
+constexpr float kAroundSite = 0.04f;
 
 // m behind the body up to which something counts as passing behind it, not as far background.
 constexpr float kJustBehind = 0.3f;
 
 }  // namespace
 
-SceneView view_of(const Scene& scene, const Session& session) {
+double stress_scale(const ReducedBody& body) {
+  const auto V = static_cast<std::size_t>(body.surface.vertices.cols());
+  std::vector<float> stress(6 * V);
+  std::vector<float> mises(V);
+  std::vector<double> per_site;
+  for (std::size_t s = 0; s < body.sites.size(); ++s) {
+    body.stress.evaluate(std::array{static_cast<double>(s), 1.0}, stress);
+    von_mises(stress, mises);
+    per_site.push_back(percentile(std::vector<double>(mises.begin(), mises.end()), 0.99));
+  }
+  return std::max(percentile(per_site, 0.75), 1.0);
+}
+
+SceneView view_of(const Scene& scene, const Session& session, double scale) {
   SceneView view;
   view.background = &scene.seen->color;
   view.real_depth = &scene.seen->depth;
@@ -27,7 +44,7 @@ SceneView view_of(const Scene& scene, const Session& session) {
   look.normals = &scene.normals;
   look.triangles = &session.body().surface.triangles;
   look.scalar = scene.von_mises;
-  look.scalar_max = static_cast<float>(std::max(1.0, kColorTop * session.body().largest_von_mises));
+  look.scalar_max = static_cast<float>(scale);
   look.camera_from_body = session.camera_from_body();
   view.bodies.push_back(look);
   view.legend_title = "von Mises";
@@ -47,15 +64,16 @@ FigureScores figure_scores(const Scene& scene, const Session& session, const Mas
   if (!scene.touches.empty()) {
     const Touch& touch = scene.touches.front();
     const Site& site = session.body().sites[static_cast<std::size_t>(touch.site)];
-    const Eigen::Vector3d x =
-        session.camera_from_body() * scene.vertices.col(site.vertex).cast<double>();
-    const Eigen::Vector3d n =
-        session.camera_from_body().linear() * scene.normals.col(site.vertex).cast<double>();
-    // A press that one can look at: on the near side, with most of the body in view.
-    std::int64_t seen = 0;
-    for (const auto pixel : visible) seen += pixel != 0;
-    scores.touch = touch.press_depth * (n.dot(x) < 0 ? 1.0 : 0.3) *
-                   std::sqrt(static_cast<double>(seen) / static_cast<double>(visible.size()));
+    // The stress around the site that faces the camera.
+    const Eigen::Matrix3f R = session.camera_from_body().linear().cast<float>();
+    const Eigen::Vector3f t = session.camera_from_body().translation().cast<float>();
+    for (Eigen::Index k = 0; k < scene.vertices.cols(); ++k) {
+      const auto x = scene.vertices.col(k);
+      if ((x - scene.vertices.col(site.vertex)).norm() > kAroundSite) continue;
+      const float facing = -(R * scene.normals.col(k)).dot((R * x + t).normalized());
+      scores.touch += static_cast<double>(std::max(0.0f, facing) *
+                                          scene.von_mises[static_cast<std::size_t>(k)]);
+    }
     return scores;
   }
   std::int64_t body = 0;

@@ -4,13 +4,20 @@
 #pragma once
 
 #include "apps/palpable/live_output.h"
+#include "palpable/reduced/reduced_body.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/session/session.h"
 
 namespace palpable::app {
 
+/// Pa at the top of the colour scale: what one vertex in a hundred exceeds under a full press, at a
+/// site that is stiffer than three quarters of the others. The very largest stress stands at single
+/// vertices and would leave everything else in the lowest colours.
+[[nodiscard]] double stress_scale(const ReducedBody& body);
+
 /// The picture of a scene: pointers into both arguments, valid while they are.
-[[nodiscard]] SceneView view_of(const Scene& scene, const Session& session);
+/// @param scale  Pa, top of the colours
+[[nodiscard]] SceneView view_of(const Scene& scene, const Session& session, double scale);
 
 /// @param pressing  what may press in this frame (Session::pressing_depth)
 [[nodiscard]] FigureScores figure_scores(const Scene& scene, const Session& session,

@@ -24,7 +24,7 @@ constexpr double kJumpShare = 0.06;
 
 // The thickness behind a seen surface is at least so many sigma of its depth.
 constexpr double kThicknessInSigmas = 3;
-constexpr double kPointsPerThickness = 5;
+constexpr double kPointsPerThickness = 4;
 
 // Half-resolution px: how wide the strip is that a stereo matcher wrongly gives a hand's depth
 // (seen on the synthetic desk: 96 of 100 such pixels within 5, and holes beside them).
