@@ -54,6 +54,11 @@ height); what they converge to is right: extrapolated with a parabola in h^2, w 
 shortening u to 1 %. Shear (0.15 %) and stretching (0.2 % at the largest load) belong to the solid and
 not to the elastica.
 """),
+    "cook": ("Cook's membrane", """\
+Tapered panel (48 mm; 44 and 16 mm high) in plane strain, sheared by 1 N per mm of thickness; rise of the
+middle of its right edge. mu = 422.5 kPa, nu = 0.3. The reference states neither its point nor the
+volumetric part of its law; those shown reproduce it. One layer of elements, held in z at every node.
+"""),
 }
 
 
