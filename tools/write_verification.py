@@ -58,6 +58,7 @@ not to the elastica.
 Tapered panel (48 mm; 44 and 16 mm high) in plane strain, sheared by 1 N per mm of thickness; rise of the
 middle of its right edge. mu = 422.5 kPa, nu = 0.3. The reference states neither its point nor the
 volumetric part of its law; those shown reproduce it. One layer of elements, held in z at every node.
+CalculiX' 20-node bricks (C3D20, 32 x 32, NEO HOOKE; run once by hand) give 14.727 mm at that point.
 """),
 }
 
