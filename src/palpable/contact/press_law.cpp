@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 
@@ -16,6 +17,9 @@ constexpr float kRegionRadius = 0.025f;
 
 // A gap in the recording is not a licence to jump: s.
 constexpr double kLongestFrame = 0.1;
+
+// A measurement that differs by so many sigma is followed at once.
+constexpr double kPromptInSigmas = 4;
 
 // Halvings between two samples of the level axis: the rest is far below any camera's noise.
 constexpr int kBisections = 7;
@@ -50,6 +54,8 @@ PressLaw::PressLaw(const ReducedBody& body, const PressSettings& settings)
   PALPABLE_EXPECT(0 <= settings.hysteresis && settings.hysteresis <= 1, "hysteresis is a share");
   PALPABLE_EXPECT(0 <= settings.site_keeping && settings.site_keeping <= 1,
                   "site_keeping is a share");
+  PALPABLE_EXPECT(0 < settings.least_follow && settings.least_follow <= 1,
+                  "a press follows by a share in (0, 1]");
   PALPABLE_EXPECT(settings.fastest > 0, "a press must end some day");
 }
 
@@ -189,9 +195,17 @@ PressState PressLaw::advance(const PressState& previous, const SeenSurface& seen
     }
     double level = 0;
     if (need.depth > 0) {
-      const double slack = settings_.hysteresis * noise(need.seen_at);
-      const double depth =
-          std::clamp(previous.touch->press_depth, need.depth - slack, need.depth + slack);
+      const double sigma = noise(need.seen_at);
+      const double slack = settings_.hysteresis * sigma;
+      const double before = previous.touch->press_depth;
+      const double wanted = std::clamp(before, need.depth - slack, need.depth + slack);
+      // Calm where noise may be the reason, prompt where it cannot be.
+      const double change = std::abs(wanted - before);
+      const double follow =
+          change < kPromptInSigmas * sigma
+              ? std::max(settings_.least_follow, change / (kPromptInSigmas * sigma))
+              : 1.0;
+      const double depth = before + follow * (wanted - before);
       level = level_of_press_depth(*body_, site, depth);
     }
     if (level > 0) {

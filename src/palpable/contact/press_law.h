@@ -38,9 +38,12 @@ struct PressSettings {
   /// Share of the noise in which the press stays as it is when the measurement trembles (and by
   /// which a touch that has begun needs less depth to go on).
   double hysteresis = 0.75;
-  /// A vertex counts as inside when so many seen points say so: one flickering pixel does not
-  /// press.
-  int least_support = 4;
+  /// A vertex counts as inside when so many seen points say so: a few flickering pixels do not
+  /// press. A fingertip 1 mm inside, seen every 2.7 mm, has about 7.
+  int least_support = 6;
+  /// Share of the way to a new measurement that the press goes in one frame when the two differ by
+  /// little; all of the way from 4 times the noise on. Smaller is calmer and later.
+  double least_follow = 0.4;
   /// Vertices that move less than this share of the patch do not set the level (press_paths.h).
   double least_share = 0.5;
   /// The site is kept until another one is nearer than this share of the present one's distance to

@@ -146,7 +146,7 @@ TEST_CASE("a hand that leaves between two frames leaves the body at rest", "[con
   CHECK(paper.step > 0);
 }
 
-TEST_CASE("a full press takes three frames at 30 Hz, not as many as there are levels",
+TEST_CASE("a full press takes a few frames at 30 Hz, not as many as there are levels",
           "[contact][law]") {
   Loop loop;
   loop.see({});
@@ -155,7 +155,7 @@ TEST_CASE("a full press takes three frames at 30 Hz, not as many as there are le
     loop.see(finger(loop.sphere, {0, 0, 1}, 0.02));
     ++frames;
   }
-  CHECK(frames <= 4);
+  CHECK(frames <= 6);
   CHECK(frames >= 2);
 }
 
@@ -187,6 +187,22 @@ TEST_CASE("a pressed body does not tremble with the noise", "[contact][law]") {
     REQUIRE(touch.has_value());
     CHECK(touch->level == Approx(rest).epsilon(tolerance(1e-9, "held exactly")));
   }
+}
+
+TEST_CASE("one frame's small error moves the press by less than half of it", "[contact][law]") {
+  Loop loop;
+  loop.see(finger(loop.sphere, {0, 0, 1}, 0.008), 20);
+  REQUIRE(loop.state.touch);
+  const double before = loop.state.touch->press_depth;
+  // 2 mm: twice the noise at 0.4 m. Of the press as the mean over the patch it is less.
+  const double demanded = [&] {
+    Loop prompt({.hysteresis = 0, .least_follow = 1});
+    return prompt.see(finger(prompt.sphere, {0, 0, 1}, 0.010), 9)->press_depth;
+  }();
+  const double after = loop.see(finger(loop.sphere, {0, 0, 1}, 0.010))->press_depth;
+  CHECK(after >= before);
+  CHECK(after - before < 0.5 * (demanded - before));
+  CHECK(loop.see(finger(loop.sphere, {0, 0, 1}, 0.010), 20)->press_depth > after);
 }
 
 TEST_CASE("the tolerance grows with the square of the depth", "[contact][law]") {
@@ -342,6 +358,7 @@ TEST_CASE("settings out of range are refused", "[contact][errors]") {
   CHECK_THROWS_AS(PressLaw(body, {.noise_quadratic = -1}), ContractViolation);
   CHECK_THROWS_AS(PressLaw(body, {.hysteresis = 1.5}), ContractViolation);
   CHECK_THROWS_AS(PressLaw(body, {.least_share = 0}), ContractViolation);
+  CHECK_THROWS_AS(PressLaw(body, {.least_follow = 0}), ContractViolation);
   CHECK_THROWS_AS(PressLaw(body, {.fastest = 0}), ContractViolation);
 }
 
