@@ -1,6 +1,8 @@
 #include "palpable/solid/solid_model.h"
 
 #include "palpable/base/error.h"
+#include "palpable/solid/quadrature.h"
+#include "palpable/solid/shape_gradients.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -18,6 +20,46 @@ namespace {
 // A tetrahedron flatter than this, volume over longest edge cubed, has no usable gradients: a
 // regular one has 0.12, mesh generators stay above 1e-4.
 constexpr double kFlat = 1e-9;
+
+// A 10-node element must be right side out at every point where it is evaluated.
+void check_edge_nodes(const TetMesh& mesh) {
+  if (!mesh.is_quadratic()) return;
+  if (mesh.edge_nodes.cols() != mesh.tet_count()) {
+    throw Error(fmt::format("the mesh has {} tetrahedra but edge nodes for {}", mesh.tet_count(),
+                            mesh.edge_nodes.cols()));
+  }
+  for (const auto& [L, weight] : four_point_rule()) {
+    const QuadraticShape shape = quadratic_shape(L);
+    for (int e = 0; e < mesh.tet_count(); ++e) {
+      if (mesh.edge_nodes.col(e).minCoeff() < 0 ||
+          mesh.edge_nodes.col(e).maxCoeff() >= mesh.node_count()) {
+        throw Error(fmt::format("tetrahedron {} has an edge node outside of 0 to {}", e,
+                                mesh.node_count() - 1));
+      }
+      if (quadratic_gradients(mesh, e, shape).volume > 0.0) continue;
+      throw Error(fmt::format(
+          "tetrahedron {} is turned inside out by its edge nodes: move them to the middles of its "
+          "edges",
+          e));
+    }
+  }
+}
+
+void check_groups(const SolidModel& model) {
+  std::vector<char> grouped(static_cast<std::size_t>(model.mesh.tet_count()), 0);
+  for (const MaterialGroup& group : model.groups) {
+    check_material(group.material);
+    for (const int e : group.elements) {
+      if (e < 0 || e >= model.mesh.tet_count()) {
+        throw Error(fmt::format("a group of elements names tetrahedron {}; the body has 0 to {}", e,
+                                model.mesh.tet_count() - 1));
+      }
+      if (std::exchange(grouped[static_cast<std::size_t>(e)], char{1}) != 0) {
+        throw Error(fmt::format("tetrahedron {} is in the groups of elements twice", e));
+      }
+    }
+  }
+}
 
 void check_elements(const TetMesh& mesh) {
   if (mesh.tet_count() == 0) throw Error("the body's mesh has no tetrahedra");
@@ -53,7 +95,7 @@ void check_elements(const TetMesh& mesh) {
       first_volume = volume;
     }
   }
-  if (first < 0) return;
+  if (first < 0) return check_edge_nodes(mesh);
   throw Error(fmt::format(
       "the mesh has {} inverted and {} flat tetrahedra of {}; the first is tetrahedron {} (nodes "
       "{} "
@@ -226,6 +268,16 @@ void check_supports(const SolidModel& model) {
 
 }  // namespace
 
+std::vector<int> material_groups(const SolidModel& model) {
+  std::vector<int> group_of(static_cast<std::size_t>(model.mesh.tet_count()), -1);
+  for (std::size_t g = 0; g < model.groups.size(); ++g) {
+    for (const int e : model.groups[g].elements) {
+      group_of[static_cast<std::size_t>(e)] = static_cast<int>(g);
+    }
+  }
+  return group_of;
+}
+
 std::vector<HeldComponent> held_components(const SolidModel& model) {
   std::vector<HeldComponent> held = all_held(model);
   const auto same = [](const HeldComponent& a, const HeldComponent& b) { return a.at == b.at; };
@@ -236,6 +288,7 @@ std::vector<HeldComponent> held_components(const SolidModel& model) {
 void check_model(const SolidModel& model) {
   check_material(model.material);
   check_elements(model.mesh);
+  check_groups(model);
   check_held(model);
   check_supports(model);
 }

@@ -22,9 +22,15 @@ struct Support {
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
 };
 
+/// Elements that are made of something else than the rest.
+struct MaterialGroup {
+  Material material;
+  std::vector<int> elements;
+};
+
 struct SolidModel {
-  TetMesh mesh;  ///< undeformed, m
-  Material material = NeoHookean{1, 1};
+  TetMesh mesh;                          ///< undeformed, m; 4-node or 10-node tetrahedra
+  Material material = NeoHookean{1, 1};  ///< of all elements that are in no group
   /// Nodes held in all three directions (the Dirichlet boundary of eq. 3); each once, any order.
   std::vector<int> fixed_nodes;
   /// (3 x fixed_nodes.size()) m, where each held node is taken at load level 1; in between, level
@@ -33,7 +39,11 @@ struct SolidModel {
   /// Further holds, direction by direction. A node may be in several, and in fixed_nodes as well,
   /// as long as they agree where they hold the same direction.
   std::vector<Support> supports = {};
+  std::vector<MaterialGroup> groups = {};  ///< an element is in one group at most
 };
+
+/// (E) index into model.groups, -1: model.material.
+[[nodiscard]] std::vector<int> material_groups(const SolidModel& model);
 
 /// One direction of one node that is not free.
 struct HeldComponent {
@@ -47,7 +57,8 @@ struct HeldComponent {
 
 /// Says what would make every solve fail, before any is tried.
 /// @throws Error for: no elements; an index out of range; elements of zero or negative volume
-/// (which, how many); nodes that belong to no element; constants of the material out of range;
+/// (which, how many), or bent so far by its edge nodes; nodes that belong to no element; constants
+/// of a material out of range; groups that overlap;
 /// supports that leave the body (or a separate part of it) free to drift or turn; a fixed
 /// displacement of the wrong size; supports that contradict each other
 void check_model(const SolidModel& model);

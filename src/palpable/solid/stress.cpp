@@ -2,19 +2,53 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/solid/quadrature.h"
 #include "palpable/solid/shape_gradients.h"
 
 #include <Eigen/LU>
 #include <fmt/core.h>
 
+#include <array>
+#include <vector>
+
 namespace palpable {
 
-StressField element_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u) {
+using Eigen::Matrix3d;
+
+namespace {
+
+// Calls visit(e, q, gradients, nodes, volume) at every integration point.
+template <class Visit>
+void for_each_point(const TetMesh& mesh, const Visit& visit) {
+  if (!mesh.is_quadratic()) {
+    for (int e = 0; e < mesh.tet_count(); ++e) {
+      const ShapeGradients shape = shape_gradients(mesh, e);
+      visit(e, 0, shape.g, Eigen::Vector4i(mesh.tets.col(e)), shape.volume);
+    }
+    return;
+  }
+  std::array<QuadraticShape, 4> shapes;
+  for (std::size_t q = 0; q < 4; ++q) shapes[q] = quadratic_shape(four_point_rule()[q].barycentric);
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    const Eigen::Matrix<int, 10, 1> nodes = quadratic_nodes(mesh, e);
+    for (int q = 0; q < 4; ++q) {
+      const QuadraticGradients at =
+          quadratic_gradients(mesh, e, shapes[static_cast<std::size_t>(q)]);
+      visit(e, q, at.g, nodes, four_point_rule()[static_cast<std::size_t>(q)].weight * at.volume);
+    }
+  }
+}
+
+}  // namespace
+
+StressField point_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u) {
   const TetMesh& mesh = model.mesh;
   PALPABLE_EXPECT(u.cols() == mesh.node_count(), "one displacement for each node");
-  StressField stress(6, mesh.tet_count());
-  for (int e = 0; e < mesh.tet_count(); ++e) {
-    const Eigen::Matrix3d F = deformation_gradient(shape_gradients(mesh, e).g, mesh.tets.col(e), u);
+  const int Q = mesh.is_quadratic() ? 4 : 1;
+  const std::vector<int> group_of = material_groups(model);
+  StressField stress(6, Q * mesh.tet_count());
+  for_each_point(mesh, [&](int e, int q, const auto& g, const auto& nodes, double /*volume*/) {
+    const Matrix3d F = deformation_gradient(g, nodes, u);
     const double J = F.determinant();
     if (!(J > 0.0)) {
       throw Error(
@@ -22,9 +56,26 @@ StressField element_cauchy_stress(const SolidModel& model, const Eigen::Matrix3X
                       "stress: use a smaller load",
                       e, J));
     }
-    const Eigen::Matrix3d sigma = first_piola(model.material, F) * F.transpose() / J;
-    stress.col(e) << sigma(0, 0), sigma(1, 1), sigma(2, 2), sigma(0, 1), sigma(1, 2), sigma(2, 0);
-  }
+    const int group = group_of[static_cast<std::size_t>(e)];
+    const Material& material =
+        group < 0 ? model.material : model.groups[static_cast<std::size_t>(group)].material;
+    const Matrix3d sigma = first_piola(material, F) * F.transpose() / J;
+    stress.col(Q * e + q) << sigma(0, 0), sigma(1, 1), sigma(2, 2), sigma(0, 1), sigma(1, 2),
+        sigma(2, 0);
+  });
+  return stress;
+}
+
+StressField element_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u) {
+  const StressField points = point_cauchy_stress(model, u);
+  if (!model.mesh.is_quadratic()) return points;
+  StressField stress = StressField::Zero(6, model.mesh.tet_count());
+  Eigen::VectorXd volume = Eigen::VectorXd::Zero(model.mesh.tet_count());
+  for_each_point(model.mesh, [&](int e, int q, const auto&, const auto&, double V) {
+    stress.col(e) += V * points.col(4 * e + q);
+    volume[e] += V;
+  });
+  for (Eigen::Index e = 0; e < stress.cols(); ++e) stress.col(e) /= volume[e];
   return stress;
 }
 
@@ -35,10 +86,13 @@ StressField nodal_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd&
   Eigen::VectorXd weight = Eigen::VectorXd::Zero(mesh.node_count());
   for (int e = 0; e < mesh.tet_count(); ++e) {
     const double V = shape_gradients(mesh, e).volume;
-    for (int a = 0; a < 4; ++a) {
-      nodal.col(mesh.tets(a, e)) += V * elements.col(e);
-      weight[mesh.tets(a, e)] += V;
-    }
+    const auto add = [&](int n) {
+      nodal.col(n) += V * elements.col(e);
+      weight[n] += V;
+    };
+    for (const int n : mesh.tets.col(e)) add(n);
+    if (!mesh.is_quadratic()) continue;
+    for (const int n : mesh.edge_nodes.col(e)) add(n);
   }
   for (int n = 0; n < mesh.node_count(); ++n) {
     if (weight[n] > 0.0) nodal.col(n) /= weight[n];

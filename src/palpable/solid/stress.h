@@ -13,9 +13,14 @@ namespace palpable {
 /// (6 x n) symmetric tensors, xx yy zz xy yz zx.
 using StressField = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-/// (6 x E) sigma = P F^T / J, constant in each linear tetrahedron.
+/// (6 x Q E) sigma = P F^T / J at the integration points, those of element e in the columns Q e ..
+/// Q e + Q - 1: one point in 4-node tetrahedra, where it is constant; the four of four_point_rule()
+/// in 10-node ones.
 /// @param u  (3 x N) m
 /// @throws Error if an element is inverted (J <= 0) under u
+[[nodiscard]] StressField point_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u);
+
+/// (6 x E) the same, averaged over each element's points by their volumes.
 [[nodiscard]] StressField element_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u);
 
 /// (6 x N) mean of the elements around each node, weighted with their undeformed volume. First

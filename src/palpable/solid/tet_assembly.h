@@ -1,6 +1,6 @@
 /// @file
-/// Energy, forces and tangent of a whole body of linear tetrahedra: one pass over the elements
-/// each, nothing allocated.
+/// Energy, forces and tangent of a whole body of 4-node (one point) or 10-node (four points)
+/// tetrahedra: one pass over the elements each, nothing allocated.
 ///
 ///   N  nodes      E  tetrahedra
 ///   M  nodes that are free in some direction, in the order of their index
@@ -16,6 +16,8 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <cstddef>
+#include <variant>
 #include <vector>
 
 namespace palpable {
@@ -49,12 +51,27 @@ class TetAssembly {
   void add_scattered(const Eigen::VectorXd& free, double scale, Eigen::Matrix3Xd& field) const;
 
  private:
+  // A nodes, Q integration points.
+  template <int A, int Q>
   struct Element {
-    Eigen::Matrix<double, 3, 4> g;
-    double volume;
-    Eigen::Vector4i nodes;
-    std::array<int, 16> place;  // block (a, b) at [4 a + b]; -1 where a node is held
+    static constexpr int kNodes = A, kPoints = Q;
+    std::array<Eigen::Matrix<double, 3, A>, Q> g;
+    std::array<double, Q> volume;  // weights, m^3
+    Eigen::Matrix<int, A, 1> nodes;
+    std::array<int, A * A> place;  // block (a, b) at [A a + b]; -1 where a node is held
   };
+  // Elements of one kind and one material: what is chosen at run time is chosen once a group.
+  template <int A, int Q>
+  struct Group {
+    Material material;
+    std::vector<Element<A, Q>> elements;
+    std::vector<int> numbers;  // in the mesh
+  };
+  template <int A, int Q>
+  using Groups = std::vector<Group<A, Q>>;
+
+  template <int A, int Q>
+  void build(const SolidModel& model, Groups<A, Q>& groups);
 
   // Direction `axis` of free node `row`, held, and the places of all blocks in that column.
   struct HeldAxis {
@@ -64,8 +81,7 @@ class TetAssembly {
 
   void hold(BlockMatrix& K) const;
 
-  Material material_;
-  std::vector<Element> elements_;
+  std::variant<Groups<4, 1>, Groups<10, 4>> groups_;
   std::vector<int> free_of_node_;  // node -> free node, -1 if held
   std::vector<int> free_nodes_;
   std::vector<HeldAxis> held_axes_;
