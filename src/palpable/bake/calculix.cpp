@@ -285,18 +285,19 @@ class DatReader {
       state.level = level;
       need_level(time, level);
       state.displacement.resize(3, layout_.node_count);
-      table("node", layout_.node_count, 1, [&](int n, const std::array<double, 6>& row) {
+      table("node", layout_.node_count, 0, [&](int n, const std::array<double, 6>& row) {
         state.displacement.col(n) << row[0], row[1], row[2];
       });
       state.displacement *= layout_.units.length;
       if (!next_line_with_words()) throw Bad{"the file ends before the stresses"};
       need_level(heading("stresses"), level);
-      state.element_stress.resize(6, layout_.tet_count);
-      table("element", layout_.tet_count, 2, [&](int e, const std::array<double, 6>& row) {
-        // CalculiX: xx yy zz xy xz yz. Ours: xx yy zz xy yz zx.
-        state.element_stress.col(e) << row[0], row[1], row[2], row[3], row[5], row[4];
-      });
-      state.element_stress *= layout_.units.stress;
+      state.stress.resize(6, layout_.points * layout_.tet_count);
+      table("element", layout_.tet_count, layout_.points,
+            [&](int e, const std::array<double, 6>& row) {
+              // CalculiX: xx yy zz xy xz yz. Ours: xx yy zz xy yz zx.
+              state.stress.col(e) << row[0], row[1], row[2], row[3], row[5], row[4];
+            });
+      state.stress *= layout_.units.stress;
       states.push_back(std::move(state));
     }
     return states;
@@ -336,14 +337,16 @@ class DatReader {
     throw Bad{fmt::format("a result at time {} where level {} should be", time, level)};
   }
 
-  // `count` lines of: index, `indices` - 1 more indices that must be 1, then 3 or 6 numbers.
+  // Lines of: index and 3 numbers (points 0); or index, number of the integration point and 6
+  // numbers, a line for each of the points. `take` gets the column: index, or points index + point.
   template <class Take>
-  void table(std::string_view what, int count, std::size_t indices, const Take& take) {
-    const std::size_t values = indices == 1 ? 3 : 6;
-    std::vector<bool> seen(static_cast<std::size_t>(count));
-    for (int row = 0; row < count; ++row) {
+  void table(std::string_view what, int count, int points, const Take& take) {
+    const std::size_t indices = points == 0 ? 1 : 2, values = points == 0 ? 3 : 6;
+    const int per_index = std::max(points, 1), rows = per_index * count;
+    std::vector<bool> seen(static_cast<std::size_t>(rows));
+    for (int row = 0; row < rows; ++row) {
       if (!(row == 0 ? next_line_with_words() : next_line())) {
-        throw Bad{fmt::format("the file ends after {} of {} {}s", row, count, what)};
+        throw Bad{fmt::format("the file ends after {} of {} lines of {}s", row, rows, what)};
       }
       std::size_t found = 0;
       const auto words = split<8>(line_, found);
@@ -355,21 +358,22 @@ class DatReader {
       if (!parse_index(words[0], index) || index < 1 || index > count) {
         throw Bad{fmt::format("{} number '{}'; there are {}", what, shown(words[0]), count)};
       }
-      if (indices == 2 && (!parse_index(words[1], point) || point != 1)) {
-        throw Bad{fmt::format("integration point '{}'; a linear tetrahedron has only number 1",
-                              shown(words[1]))};
+      if (points > 0 && (!parse_index(words[1], point) || point < 1 || point > points)) {
+        throw Bad{
+            fmt::format("integration point '{}'; an element has {}", shown(words[1]), points)};
       }
-      if (seen[static_cast<std::size_t>(index - 1)]) {
+      const int column = per_index * (index - 1) + point - 1;
+      if (seen[static_cast<std::size_t>(column)]) {
         throw Bad{fmt::format("{} {} comes twice", what, index)};
       }
-      seen[static_cast<std::size_t>(index - 1)] = true;
+      seen[static_cast<std::size_t>(column)] = true;
       std::array<double, 6> numbers{};
       for (std::size_t k = 0; k < values; ++k) {
         if (!parse_fortran(words[indices + k], numbers[k])) {
           throw Bad{fmt::format("'{}' is not a finite number", shown(words[indices + k]))};
         }
       }
-      take(index - 1, numbers);
+      take(column, numbers);
     }
   }
 
@@ -421,10 +425,15 @@ std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
     const Eigen::Vector3d X = model.mesh.nodes.col(n) / units.length;
     fmt::format_to(out, "{},{},{},{}\n", n + 1, number(X[0]), number(X[1]), number(X[2]));
   }
-  deck += "*ELEMENT, TYPE=C3D4, ELSET=EALL\n";
+  const bool quadratic = model.mesh.is_quadratic();
+  fmt::format_to(out, "*ELEMENT, TYPE={}, ELSET=EALL\n", quadratic ? "C3D10" : "C3D4");
   for (int e = 0; e < model.mesh.tet_count(); ++e) {
-    const Eigen::Vector4i v = model.mesh.tets.col(e);
-    fmt::format_to(out, "{},{},{},{},{}\n", e + 1, v[0] + 1, v[1] + 1, v[2] + 1, v[3] + 1);
+    fmt::format_to(out, "{}", e + 1);
+    for (const int v : model.mesh.tets.col(e)) fmt::format_to(out, ",{}", v + 1);
+    if (quadratic) {
+      for (const int v : model.mesh.edge_nodes.col(e)) fmt::format_to(out, ",{}", v + 1);
+    }
+    deck += '\n';
   }
   deck += material_section(model.material, units.stress);
   deck += "*SOLID SECTION, ELSET=EALL, MATERIAL=BODY\n";
@@ -620,6 +629,7 @@ CalculixRun solve_with_calculix(const SolidModel& model, const Matrix3Xd& full_l
   std::ifstream dat(file("dat"), std::ios::binary);
   const CalculixDatLayout layout{.node_count = model.mesh.node_count(),
                                  .tet_count = model.mesh.tet_count(),
+                                 .points = model.mesh.is_quadratic() ? 4 : 1,
                                  .levels = {levels.begin(), levels.end()},
                                  .units = calculix_units(model)};
   run.states = value_or_throw(read_calculix_dat(dat, layout, file("dat").string()));

@@ -2,7 +2,8 @@
 /// Equilibrium paths by CalculiX (`ccx`), a solver that others wrote and trust, run as a program:
 /// to compare ours with it, and for those who would rather have their snapshots from it.
 ///
-///   N  nodes     E  tetrahedra     level  factor of the full load, as in solid/equilibrium.h
+///   N  nodes     E  tetrahedra     Q  integration points of one: 1 (C3D4) or 4 (C3D10)
+///   level  factor of the full load, as in solid/equilibrium.h
 ///
 /// One deck, one *STEP with NLGEOM, results printed at the levels only. CalculiX' laws under
 /// NLGEOM: *ELASTIC is St. Venant-Kirchhoff, *HYPERELASTIC, NEO HOOKE is NeoHookeanAbaqus (compared
@@ -46,7 +47,9 @@ struct CalculixSettings {
 struct CalculixState {
   double level = 0;
   Eigen::Matrix3Xd displacement;  ///< (3 x N) m
-  StressField element_stress;     ///< (6 x E) Cauchy, Pa, at the one integration point
+  /// (6 x Q E) Cauchy, Pa, at the integration points: those of element e from column Q e on. Point
+  /// q of four is the one nearest to corner q.
+  StressField stress;
 };
 
 struct CalculixRun {
@@ -98,6 +101,7 @@ struct CalculixUnits {
 struct CalculixDatLayout {
   int node_count = 0;
   int tet_count = 0;
+  int points = 1;              ///< Q
   std::vector<double> levels;  ///< those asked for; fewer may be there
   CalculixUnits units;         ///< calculix_units()
 };

@@ -99,7 +99,7 @@ TEST_CASE("the printed results of CalculiX are read in our order and units",
   // ccx prints xx yy zz xy xz yz in the deck's units; ours is xx yy zz xy yz zx in Pa.
   Eigen::Matrix<double, 6, 1> expected;
   expected << 200, 200, 300, 800, 600, 500;
-  CHECK(states[1].element_stress.col(1) == expected);
+  CHECK(states[1].stress.col(1) == expected);
 }
 
 TEST_CASE("fewer states than levels are an answer, as when CalculiX stops on the way",
@@ -197,7 +197,7 @@ TEST_CASE("no damage to a file of results makes the reader crash or return what 
     }
     for (const CalculixState& state : result.value()) {
       CHECK(state.displacement.allFinite());
-      CHECK(state.element_stress.allFinite());
+      CHECK(state.stress.allFinite());
     }
   }
 }
@@ -376,6 +376,28 @@ TEST_CASE("the residual that CalculiX leaves is as small as asked for, however s
                       "of the body"));
     }
   }
+}
+
+TEST_CASE("CalculiX stretches ten-node tetrahedra as the closed form says, at all four points",
+          "[bake][calculix]") {
+  if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
+  SolidModel model;
+  model.mesh = with_edge_nodes(box_tets({0, 0, 0}, {1, 0.8, 0.6}, 1, 1, 1));
+  model.material = NeoHookeanAbaqus{.C10 = 200, .D1 = 0.001};
+  for (int n = 0; n < model.mesh.node_count(); ++n) {
+    if (model.mesh.nodes.col(n) != Eigen::Vector3d(0.5, 0.4, 0.3)) model.fixed_nodes.push_back(n);
+  }
+  model.fixed_displacement =
+      Eigen::Vector3d(0.5, 0, 0).asDiagonal() * model.mesh.nodes(Eigen::all, model.fixed_nodes);
+  const CalculixRun run =
+      solve_with_calculix(model, Matrix3Xd::Zero(3, model.mesh.node_count()), std::array{1.0});
+  REQUIRE(run.complete);
+  CHECK((run.states[0].displacement.row(0) - 0.5 * model.mesh.nodes.row(0)).cwiseAbs().maxCoeff() <=
+        tolerance(1e-6, "seven printed digits"));
+  const auto xx = run.states[0].stress.row(0);
+  REQUIRE(xx.size() == 4 * model.mesh.tet_count());
+  // tests/verification has the formula.
+  CHECK((xx.array() - 1169.587).abs().maxCoeff() <= tolerance(2e-3, "seven printed digits"));
 }
 
 TEST_CASE("where CalculiX finds no way on, the states so far are the answer", "[bake][calculix]") {
