@@ -1,0 +1,135 @@
+#include "apps/palpable/vision_thread.h"
+
+#include "apps/palpable/bounded_queue.h"
+#include "tests/support/dented_sphere.h"
+#include "tests/support/seen_capsules.h"
+#include "tests/support/test.h"
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+/// A finger that sinks into a sphere 0.4 m away, frame by frame; every fifth image is damaged.
+class FingerSource : public FrameSource {
+ public:
+  FingerSource() {
+    format_.kind = FrameFormat::Kind::kColorDepth;
+    format_.width = 81;
+    format_.height = 61;
+    format_.depth_camera = {81, 61, 125, 125, 40, 30};
+  }
+  const FrameFormat& format() const override { return format_; }
+  FrameStatus next(Frame& frame) override {
+    if (number_ >= fails_at) throw std::runtime_error("the cable came off");
+    if (number_ >= 20) return FrameStatus::kEnd;
+    frame.number = number_++;
+    frame.time = frame.number / 30.0;
+    if (frame.number % 5 == 4) {
+      ++unreadable_;
+      return FrameStatus::kUnreadable;
+    }
+    const double y = -0.062 + 0.001 * frame.number;
+    frame.left = ColorImage(81, 61, Rgb{50, 60, 70});
+    frame.depth = test::depth_of({{{0, y, 0.4}, {0, y - 0.1, 0.38}, 0.009}}, format_.depth_camera);
+    return FrameStatus::kFrame;
+  }
+  int frame_count() const override { return 20; }
+  int unreadable_count() const override { return unreadable_; }
+  std::string last_trouble() const override { return "damaged"; }
+
+  int fails_at = 1000;
+
+ private:
+  FrameFormat format_;
+  int number_ = 0;
+  int unreadable_ = 0;
+};
+
+// The sphere of 5 cm with its middle at (0, 0, 0.4), its top towards -Y of the camera.
+Session session_for(const FrameSource& source) {
+  Rigid3 pose = Rigid3::Identity();
+  pose.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  pose.translation() = Eigen::Vector3d(0, 0.05, 0.4);
+  return std::move(Session::make(test::DentedSphere{}.body(), pose, source.format()).value());
+}
+
+TEST_CASE("seeing the next frame on another thread changes no result", "[apps][threads]") {
+  std::vector<Scene> expected;
+  {
+    FingerSource source;
+    Session session = session_for(source);
+    Frame frame;
+    for (FrameStatus status = source.next(frame); status != FrameStatus::kEnd;
+         status = source.next(frame)) {
+      if (status == FrameStatus::kFrame) expected.push_back(session.process(frame));
+    }
+  }
+  REQUIRE(expected.size() == 16);
+  REQUIRE(expected.back().touches.size() == 1);
+
+  FingerSource source;
+  Session session = session_for(source);
+  VisionThread vision(source, session, -1);
+  Scene scene;
+  std::size_t n = 0;
+  while (std::unique_ptr<FrameInFlight> flight = vision.next()) {
+    REQUIRE(n < expected.size());
+    session.respond(flight->seen, scene);
+    CHECK(scene.number == expected[n].number);
+    CHECK(scene.vertices == expected[n].vertices);
+    CHECK(scene.von_mises == expected[n].von_mises);
+    vision.recycle(std::move(flight));
+    ++n;
+  }
+  CHECK(n == expected.size());
+}
+
+TEST_CASE("the loop may stop after some frames, or be left in the middle", "[apps][threads]") {
+  FingerSource source;
+  Session session = session_for(source);
+  {
+    VisionThread vision(source, session, 3);
+    int frames = 0;
+    while (std::unique_ptr<FrameInFlight> flight = vision.next()) {
+      vision.recycle(std::move(flight));
+      ++frames;
+    }
+    CHECK(frames == 3);
+  }
+  VisionThread left_alone(source, session, -1);
+  CHECK(left_alone.next() != nullptr);
+}
+
+TEST_CASE("what goes wrong while seeing is told to whoever waits for the frame",
+          "[apps][threads][errors]") {
+  FingerSource source;
+  source.fails_at = 2;
+  Session session = session_for(source);
+  VisionThread vision(source, session, -1);
+  vision.recycle(vision.next());
+  vision.recycle(vision.next());
+  CHECK_THROWS_WITH(vision.next(), "the cable came off");
+}
+
+TEST_CASE("a queue hands everything over in order and tells that it is closed", "[apps][threads]") {
+  BoundedQueue<int> queue(2);
+  std::thread producer([&] {
+    for (int i = 0; i < 1000; ++i) queue.push(i);
+    queue.close();
+  });
+  int expected = 0;
+  while (const auto item = queue.pop()) CHECK(*item == expected++);
+  producer.join();
+  CHECK(expected == 1000);
+  CHECK_FALSE(queue.push(1));
+  CHECK_FALSE(queue.pop().has_value());
+}
+
+}  // namespace
+}  // namespace palpable::app
