@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 namespace palpable {
 namespace {
@@ -44,7 +45,7 @@ void compare(const std::string& body, const SolidModel& model, const Matrix3Xd& 
   double smallest_J = 1;
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const Matrix3Xd& u = ours.steps[k].displacement;
-    const StressField stress = element_cauchy_stress(model, u);
+    const StressField stress = point_cauchy_stress(model, u);
     const CalculixState& state = theirs.states[k];
     const double level_u =
         (u - state.displacement).colwise().norm().maxCoeff() / u.colwise().norm().maxCoeff();
@@ -62,7 +63,8 @@ void compare(const std::string& body, const SolidModel& model, const Matrix3Xd& 
   test::record("calculix", {{"body", body},
                             {"law", law_name(model.material)},
                             {"nodes", std::to_string(model.mesh.node_count())},
-                            {"tets", std::to_string(model.mesh.tet_count())},
+                            {"tets", fmt::format("{} {}", model.mesh.tet_count(),
+                                                 model.mesh.is_quadratic() ? "C3D10" : "C3D4")},
                             {"levels", std::to_string(levels.size())},
                             {"largest displacement", fmt::format("{:.3g} mm", 1e3 * largest_u)},
                             {"smallest J", fmt::format("{:.2f}", smallest_J)},
@@ -70,24 +72,46 @@ void compare(const std::string& body, const SolidModel& model, const Matrix3Xd& 
                             {"difference of stress", fmt::format("{:.1e}", difference_stress)}});
 }
 
-TEST_CASE("CalculiX bends a St. Venant-Kirchhoff beam as we do, at every level",
-          "[verification][calculix][long]") {
-  if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
+// A beam that bends both ways and twists: its tip load is along no axis.
+void compare_beam(const std::string& name, TetMesh mesh, const std::vector<MaterialGroup>& groups) {
   const double L = 0.3, h = 0.02, b = 0.03, E = 1e6;
   SolidModel model;
-  model.mesh = box_tets({0, 0, 0}, {L, b, h}, 30, 3, 3);
+  model.mesh = std::move(mesh);
   model.material = material_from_young("saint-venant-kirchhoff", E, 0.3);
+  model.groups = groups;
   std::vector<int> tip;
   for (int n = 0; n < model.mesh.node_count(); ++n) {
     if (model.mesh.nodes(0, n) == 0.0) model.fixed_nodes.push_back(n);
-    if (model.mesh.nodes(0, n) == L) tip.push_back(n);
+    if (model.mesh.nodes(0, n) > L - 1e-9) tip.push_back(n);
   }
-  // Not along an axis, so that the beam bends both ways and twists.
   const std::vector<double> weights(tip.size(), 1.0);
   const double EI = E * b * h * h * h / 12;
   const Matrix3Xd load =
       3.0 * EI / (L * L) * patch_force(model.mesh.node_count(), tip, weights, {0.1, 0.5, -1.0});
-  compare("beam, tip load", model, load, even_levels(10));
+  compare(name, model, load, even_levels(10));
+}
+
+TEST_CASE("CalculiX bends a St. Venant-Kirchhoff beam as we do, at every level",
+          "[verification][calculix][long]") {
+  if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
+  compare_beam("beam, tip load", box_tets({0, 0, 0}, {0.3, 0.03, 0.02}, 30, 3, 3), {});
+}
+
+TEST_CASE("CalculiX bends a beam of ten-node tetrahedra as we do, at every level",
+          "[verification][calculix][long]") {
+  if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
+  compare_beam("beam, tip load", with_edge_nodes(box_tets({0, 0, 0}, {0.3, 0.03, 0.02}, 15, 2, 1)),
+               {});
+}
+
+TEST_CASE("CalculiX bends a beam of two materials as we do, at every level",
+          "[verification][calculix][long]") {
+  if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
+  const TetMesh mesh = box_tets({0, 0, 0}, {0.3, 0.03, 0.02}, 24, 2, 2);
+  MaterialGroup soft{.material = material_from_young("neo-hooke-abaqus", 0.4e6, 0.4),
+                     .elements = {}};
+  for (int e = 0; e < mesh.tet_count(); e += 3) soft.elements.push_back(e);
+  compare_beam("beam of two materials, tip load", mesh, {soft});
 }
 
 // A ball on its base with two ears: thin parts that bend beside a thick one that is squeezed.

@@ -2,9 +2,9 @@
 // displacement that it needs are computed from it, and the solver must find it again, with an error
 // that falls as theory says: L2 norm by h^2, H1 norm by h for linear tetrahedra.
 #include "palpable/solid/equilibrium.h"
+#include "palpable/solid/quadrature.h"
 #include "palpable/solid/shape_gradients.h"
 #include "tests/support/test.h"
-#include "tests/verification/quadrature.h"
 #include "tests/verification/record.h"
 
 #include <Eigen/Dense>
@@ -85,7 +85,7 @@ Errors solve(const Material& material, int cells) {
   const Eigen::VectorXd volumes = tet_volumes(model.mesh);
   for (int e = 0; e < model.mesh.tet_count(); ++e) {
     const Eigen::Vector4i v = model.mesh.tets.col(e);
-    for (const auto& [barycentric, weight] : test::tetrahedron_rule()) {
+    for (const auto& [barycentric, weight] : tetrahedron_rule()) {
       const Vector3d at = X(Eigen::all, v) * barycentric;
       load(Eigen::all, v) +=
           volumes[e] * weight * body_force(material, at) * barycentric.transpose();
@@ -98,7 +98,7 @@ Errors solve(const Material& material, int cells) {
     if ((X(2, v).array() == 0.0).all()) continue;
     const Vector3d area =
         0.5 * Vector3d(X.col(v[1]) - X.col(v[0])).cross(Vector3d(X.col(v[2]) - X.col(v[0])));
-    for (const auto& [barycentric, weight] : test::triangle_rule()) {
+    for (const auto& [barycentric, weight] : triangle_rule()) {
       const Vector3d at = X(Eigen::all, v) * barycentric.head<3>();
       load(Eigen::all, v) +=
           weight * exact_stress(material, at) * area * barycentric.head<3>().transpose();
@@ -116,7 +116,7 @@ Errors solve(const Material& material, int cells) {
     const Eigen::Vector4i v = model.mesh.tets.col(e);
     const Matrix3d H =
         deformation_gradient(shape_gradients(model.mesh, e).g, v, u) - Matrix3d::Identity();
-    for (const auto& [barycentric, weight] : test::tetrahedron_rule()) {
+    for (const auto& [barycentric, weight] : tetrahedron_rule()) {
       const Vector3d at = X(Eigen::all, v) * barycentric;
       const Vector3d exact = exact_displacement(at);
       const Matrix3d exact_H = exact_gradient(at);
@@ -136,7 +136,7 @@ TEST_CASE("a tetrahedron's rule integrates what it promises", "[verification][qu
     for (int q = 0; p + q <= 3; ++q) {
       for (int r = 0; p + q + r <= 3; ++r) {
         double sum = 0;
-        for (const auto& [barycentric, weight] : test::tetrahedron_rule()) {
+        for (const auto& [barycentric, weight] : tetrahedron_rule()) {
           sum += weight * std::pow(barycentric[1], p) * std::pow(barycentric[2], q) *
                  std::pow(barycentric[3], r);
         }
@@ -150,7 +150,7 @@ TEST_CASE("a tetrahedron's rule integrates what it promises", "[verification][qu
   for (int p = 0; p <= 4; ++p) {
     for (int q = 0; p + q <= 4; ++q) {
       double sum = 0;
-      for (const auto& [barycentric, weight] : test::triangle_rule()) {
+      for (const auto& [barycentric, weight] : triangle_rule()) {
         sum += weight * std::pow(barycentric[1], p) * std::pow(barycentric[2], q);
       }
       CHECK(sum / 2 == Approx(factorial(p) * factorial(q) / factorial(p + q + 2))

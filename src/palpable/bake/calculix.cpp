@@ -73,15 +73,15 @@ void check_input(const SolidModel& model, const Matrix3Xd& load, std::span<const
 }
 
 // Material section of the deck; `unit` is Pa per unit of stress in the deck.
-std::string material_section(const Material& material, double unit) {
+std::string material_section(const Material& material, const std::string& name, double unit) {
   if (const auto* m = std::get_if<SaintVenantKirchhoff>(&material)) {
     const double sum = m->lambda + m->mu;
-    return fmt::format("*MATERIAL, NAME=BODY\n*ELASTIC\n{}, {}\n",
+    return fmt::format("*MATERIAL, NAME={}\n*ELASTIC\n{}, {}\n", name,
                        number(m->mu * (3.0 * m->lambda + 2.0 * m->mu) / sum / unit),
                        number(m->lambda / (2.0 * sum)));
   }
   if (const auto* m = std::get_if<NeoHookeanAbaqus>(&material)) {
-    return fmt::format("*MATERIAL, NAME=BODY\n*HYPERELASTIC, NEO HOOKE\n{}, {}\n",
+    return fmt::format("*MATERIAL, NAME={}\n*HYPERELASTIC, NEO HOOKE\n{}, {}\n", name,
                        number(m->C10 / unit), number(m->D1 * unit));
   }
   throw Error(fmt::format(
@@ -435,8 +435,20 @@ std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
     }
     deck += '\n';
   }
-  deck += material_section(model.material, units.stress);
-  deck += "*SOLID SECTION, ELSET=EALL, MATERIAL=BODY\n";
+  // What is in no group is BODY, the groups are GROUP1 and so on.
+  const std::vector<int> group_of = material_groups(model);
+  for (int g = -1; g < static_cast<int>(model.groups.size()); ++g) {
+    if (std::find(group_of.begin(), group_of.end(), g) == group_of.end()) continue;
+    const std::string name = g < 0 ? "BODY" : fmt::format("GROUP{}", g + 1);
+    const Material& material =
+        g < 0 ? model.material : model.groups[static_cast<std::size_t>(g)].material;
+    fmt::format_to(out, "*ELSET, ELSET={}\n", name);
+    for (std::size_t e = 0; e < group_of.size(); ++e) {
+      if (group_of[e] == g) fmt::format_to(out, "{}\n", e + 1);
+    }
+    deck += material_section(material, name, units.stress);
+    fmt::format_to(out, "*SOLID SECTION, ELSET={0}, MATERIAL={0}\n", name);
+  }
   deck += "*BOUNDARY\n";
   const std::vector<HeldComponent> held = held_components(model);
   for (const HeldComponent& h : held) {
