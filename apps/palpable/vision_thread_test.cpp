@@ -20,9 +20,9 @@ class FingerSource : public FrameSource {
  public:
   FingerSource() {
     format_.kind = FrameFormat::Kind::kColorDepth;
-    format_.width = 81;
-    format_.height = 61;
-    format_.depth_camera = {81, 61, 125, 125, 40, 30};
+    format_.width = 161;
+    format_.height = 121;
+    format_.depth_camera = {161, 121, 250, 250, 80, 60};
   }
   const FrameFormat& format() const override { return format_; }
   FrameStatus next(Frame& frame) override {
@@ -35,7 +35,7 @@ class FingerSource : public FrameSource {
       return FrameStatus::kUnreadable;
     }
     const double y = -0.062 + 0.001 * frame.number;
-    frame.left = ColorImage(81, 61, Rgb{50, 60, 70});
+    frame.left = ColorImage(161, 121, Rgb{50, 60, 70});
     frame.depth = test::depth_of({{{0, y, 0.4}, {0, y - 0.1, 0.38}, 0.009}}, format_.depth_camera);
     return FrameStatus::kFrame;
   }
