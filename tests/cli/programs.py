@@ -322,6 +322,60 @@ def _(programs, folder):
     assert isinstance(json.loads(result.stdout), dict)
 
 
+@case("a filmed hand, the live loop and its score fit together without the truth leaking")
+def _(programs, folder):
+    body = programs.small_body()
+    result = programs.run("synth", "press", "--body", body, "--frames", "64", "--seed", "3", "-o", folder / "clip")
+    if result.returncode != 0 and "EGL" in result.stderr:
+        print("SKIPPED: no OpenGL here: " + result.stderr.strip())
+        return
+    assert result.returncode == 0, result.stderr
+    results = []
+    for name in ("with", "without"):
+        if name == "without":  # the loop must not know where the truth is
+            (folder / "clip/truth").rename(folder / "truth")
+        programs.succeeds("live", body, "--source", folder / "clip/frames", "--out", folder / name)
+        for file in ("touch.mp4", "timing.csv", "touches.jsonl", "live.json"):
+            assert (folder / name / file).stat().st_size > 0 or file == "touches.jsonl", file
+        results.append((folder / name / "touches.jsonl").read_bytes())
+    assert results[0] == results[1], "the result depends on truth/"
+    header, *rows = (folder / "with/timing.csv").read_text().splitlines()
+    assert len(rows) == 64 and all(len(row.split(",")) == len(header.split(",")) for row in rows)
+    score = json.loads(programs.succeeds("score", folder / "truth", folder / "with", "--body", body, "--json").stdout)
+    for key in ("first_touch_delay_frames", "penetration_median_mm", "occlusion_iou", "reduction_error"):
+        assert key in score, score
+    assert score["occlusion_iou"] > 0.9, score
+
+
+def on_screen(programs, *words):
+    """Runs the program on a screen of its own (Xvfb); None where there is none."""
+    if shutil.which("xvfb-run") is None:
+        print("SKIPPED: xvfb-run is not installed")
+        return None
+    command = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", programs.palpable, *map(str, words)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=250, stdin=subprocess.DEVNULL)
+
+
+@case("a body is shown in a window that closes when asked")
+def _(programs, folder):
+    result = on_screen(programs, "view", programs.small_body(), "--close-after", "1")
+    assert result is None or result.returncode == 0, result.stderr
+    assert not list(folder.glob("*.png")), "pictures instead of a window"
+
+
+@case("the live loop shows itself in a window with the same result")
+def _(programs, folder):
+    write_stereo(folder / "clip", frames=3)
+    result = on_screen(programs, *live(programs, folder, "--window"))
+    if result is None:
+        return
+    assert result.returncode == 0, result.stderr
+    windowed = (folder / "out/touches.jsonl").read_bytes()
+    shutil.rmtree(folder / "out")
+    programs.succeeds(*live(programs, folder))
+    assert (folder / "out/touches.jsonl").read_bytes() == windowed
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--list", action="store_true")
