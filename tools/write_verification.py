@@ -24,9 +24,9 @@ objectivity and balance of forces are unit tests of `src/palpable/solid`.
 # table of the tests' output -> heading and text of its section
 SECTIONS = {
     "calculix": ("CalculiX on the same mesh and loads", """\
-Both programs solve the same linear tetrahedra (C3D4) under the same dead loads to a residual of 1e-8,
-at every level of a path from rest. Differences are the largest over nodes (displacement) or elements
-(Cauchy stress), relative to the largest value of that level; the worst level is shown. Bars: 1e-6 and
+Both programs solve the same tetrahedra (C3D4: 4 nodes, C3D10: 10) under the same dead loads to a residual of 1e-8,
+at every level of a path from rest. Differences are the largest over nodes (displacement) or
+integration points (Cauchy stress), relative to the largest value of that level; the worst level is shown. Bars: 1e-6 and
 1e-5. What is left is the rounding of CalculiX' printed output, seven digits.
 
 Two things had to be known to get there (`src/palpable/bake/calculix.h`): ccx 2.20 takes any residual

@@ -129,36 +129,6 @@ Errors solve(const Material& material, int cells) {
   return {std::sqrt(l2 / l2_exact), std::sqrt(h1 / h1_exact)};
 }
 
-TEST_CASE("a tetrahedron's rule integrates what it promises", "[verification][quadrature][long]") {
-  // Over the unit tetrahedron, x^p y^q z^r has the integral p! q! r! / (p + q + r + 3)!.
-  const auto factorial = [](int n) { return std::tgamma(n + 1.0); };
-  for (int p = 0; p <= 3; ++p) {
-    for (int q = 0; p + q <= 3; ++q) {
-      for (int r = 0; p + q + r <= 3; ++r) {
-        double sum = 0;
-        for (const auto& [barycentric, weight] : tetrahedron_rule()) {
-          sum += weight * std::pow(barycentric[1], p) * std::pow(barycentric[2], q) *
-                 std::pow(barycentric[3], r);
-        }
-        INFO(p << " " << q << " " << r);
-        CHECK(sum / 6 ==
-              Approx(factorial(p) * factorial(q) * factorial(r) / factorial(p + q + r + 3))
-                  .epsilon(tolerance(1e-13, "rounding")));
-      }
-    }
-  }
-  for (int p = 0; p <= 4; ++p) {
-    for (int q = 0; p + q <= 4; ++q) {
-      double sum = 0;
-      for (const auto& [barycentric, weight] : triangle_rule()) {
-        sum += weight * std::pow(barycentric[1], p) * std::pow(barycentric[2], q);
-      }
-      CHECK(sum / 2 == Approx(factorial(p) * factorial(q) / factorial(p + q + 2))
-                           .epsilon(tolerance(1e-13, "rounding")));
-    }
-  }
-}
-
 TEST_CASE(
     "a manufactured displacement is found with the orders of linear tetrahedra, under every law",
     "[verification][order][long]") {
