@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -27,6 +28,11 @@ constexpr std::array kLaws = {
     Law{"neo-hooke-abaqus",
         [](double lambda, double mu) -> Material {
           return NeoHookeanAbaqus{.C10 = 0.5 * mu, .D1 = 2.0 / (lambda + 2.0 / 3.0 * mu)};
+        }},
+    Law{"mooney-rivlin",
+        [](double lambda, double mu) -> Material {
+          const double C2 = std::min(0.1 * mu, 0.25 * lambda);
+          return MooneyRivlin{.C1 = 0.5 * mu - C2, .C2 = C2, .D1 = 0.5 * lambda - 2.0 * C2};
         }},
 };
 static_assert(kLaws.size() == std::variant_size_v<Material>);
@@ -70,6 +76,9 @@ LameConstants lame_constants(const Material& material) {
   if (const auto* m = std::get_if<NeoHookeanAbaqus>(&material)) {
     return {2.0 / m->D1 - 4.0 / 3.0 * m->C10, 2.0 * m->C10};
   }
+  if (const auto* m = std::get_if<MooneyRivlin>(&material)) {
+    return {2.0 * m->D1 + 4.0 * m->C2, 2.0 * (m->C1 + m->C2)};
+  }
   const auto& m = std::get<SaintVenantKirchhoff>(material);
   return {m.lambda, m.mu};
 }
@@ -82,6 +91,12 @@ void check_material(const Material& material) {
     throw Error(fmt::format(
         "material {} has mu = {} Pa and lambda = {} Pa; mu must be above 0 and lambda at least 0",
         law_name(material), mu, lambda));
+  }
+  if (const auto* m = std::get_if<MooneyRivlin>(&material)) {
+    if (m->C1 >= 0.0 && m->C2 >= 0.0 && m->D1 >= 0.0) return;
+    throw Error(fmt::format(
+        "material mooney-rivlin has C1 = {} Pa, C2 = {} Pa and D1 = {} Pa; none may be negative",
+        m->C1, m->C2, m->D1));
   }
 }
 

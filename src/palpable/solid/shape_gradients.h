@@ -19,9 +19,11 @@ struct ShapeGradients {
 [[nodiscard]] ShapeGradients shape_gradients(const TetMesh& mesh, int e);
 
 namespace detail {
+// Inlined by hand: called at every point of every pass, and the compiler stops short of it.
 template <class Gradients, class Nodes>
-Eigen::Matrix3d deformation_gradient(const Gradients& g, const Nodes& nodes,
-                                     const Eigen::Matrix3Xd& u) {
+[[gnu::always_inline]] inline Eigen::Matrix3d deformation_gradient(const Gradients& g,
+                                                                   const Nodes& nodes,
+                                                                   const Eigen::Matrix3Xd& u) {
   Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
   for (int a = 0; a < Gradients::ColsAtCompileTime; ++a) {
     F.noalias() += u.col(nodes[a]) * g.col(a).transpose();
