@@ -133,8 +133,14 @@ class Section {
   }
 
   const toml::node& need(const char* key) {
-    if (!has(key)) throw Error(fmt::format("{}: '{}'{} is missing", file_, key, in_section()));
-    return *table_.get(key);
+    if (has(key)) return *table_.get(key);
+    // A key that is missing is usually there, misspelt.
+    for (const auto& [word, node] : table_) {
+      if (nearest_word(word.str(), {key}).empty()) continue;
+      throw Error(fmt::format("{}:{}: unknown key '{}'{}; did you mean '{}'?", file_,
+                              word.source().begin.line, word.str(), in_section(), key));
+    }
+    throw Error(fmt::format("{}: '{}'{} is missing", file_, key, in_section()));
   }
 
   double in_range(const toml::node& node, const char* key, double value, Range range) const {

@@ -56,6 +56,14 @@ BodyMesh make_body_mesh(const BodyDescription& description) {
   for (int n = 0; n < body.mesh.node_count(); ++n) {
     if (z[n] <= held_below) body.fixed_nodes.push_back(n);
   }
+  // The solver would refuse this too, but does not know which key to change.
+  if (body.fixed_nodes.size() < 3) {
+    throw Error(
+        fmt::format("{}: the support holds {} of {} nodes, so the body is free to turn; raise "
+                    "'below' in [support] (now {} of the height)",
+                    description.source.string(), body.fixed_nodes.size(), body.mesh.node_count(),
+                    description.support.below));
+  }
   body.quality = quality_of(body.mesh);
   body.origin = fmt::format("{}, {}", shape.file.filename().string(), made);
   return body;
