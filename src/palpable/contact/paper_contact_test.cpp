@@ -36,7 +36,7 @@ TEST_CASE("nearer than delta_Incr raises the pseudo-time by one per frame up to 
 
 TEST_CASE("between delta_Incr and delta_Decr the pseudo-time falls by one per frame to 0",
           "[contact][Alg1]") {
-  PaperState state{3, 2, {}};
+  PaperState state{3, 2, Vector3d::Zero()};
   for (int frame = 1; frame <= 4; ++frame) {
     state = after(state, seen(3, 0.008));
     CHECK(state.step == std::max(2 - frame, 0));
@@ -44,13 +44,13 @@ TEST_CASE("between delta_Incr and delta_Decr the pseudo-time falls by one per fr
 }
 
 TEST_CASE("a distance of exactly a threshold changes nothing, as printed", "[contact][Alg1]") {
-  const PaperState pressed{3, 2, {}};
+  const PaperState pressed{3, 2, Vector3d::Zero()};
   CHECK(after(pressed, seen(3, 0.004)) == pressed);
   CHECK(after(pressed, seen(3, 0.012)) == pressed);
 }
 
 TEST_CASE("Algorithm 1 freezes when the hand leaves between two frames", "[contact][Alg1]") {
-  PaperState pressed{3, 2, {}};
+  PaperState pressed{3, 2, Vector3d::Zero()};
   for (int frame = 0; frame < 100; ++frame) {
     pressed = after(pressed, frame % 2 == 0 ? seen(3, 1.0) : std::nullopt);
   }
@@ -59,7 +59,7 @@ TEST_CASE("Algorithm 1 freezes when the hand leaves between two frames", "[conta
 
 TEST_CASE("Algorithm 1 takes the press along when another node becomes the nearest",
           "[contact][Alg1]") {
-  const PaperState jumped = after({3, 4, {}}, seen(1, 0.003));
+  const PaperState jumped = after({3, 4, Vector3d::Zero()}, seen(1, 0.003));
   CHECK(jumped.site == 1);
   CHECK(jumped.step == 5);
 }
@@ -83,7 +83,7 @@ TEST_CASE("the nodes that are queried have the shape that the press gives them",
   const test::DentedSphere sphere;
   const ReducedBody body = sphere.body();
   Eigen::Matrix3Xf nodes;
-  const PaperState state{1, 7, {}};
+  const PaperState state{1, 7, Vector3d::Zero()};
   deformed_nodes(state, body, nodes);
   REQUIRE(nodes.cols() == 5);
   for (int s = 0; s < 5; ++s) {
