@@ -48,8 +48,8 @@ std::vector<SeenPoint> finger(const test::DentedSphere& sphere, const Vector3d& 
 }
 
 struct Loop {
-  explicit Loop(const PressSettings& settings = {}, int subdivisions = 3)
-      : sphere{.subdivisions = subdivisions}, law(body, settings) {}
+  explicit Loop(const PressSettings& settings = {}, double dent_width = 0.012)
+      : sphere{.width = dent_width}, law(body, settings) {}
 
   /// `frames` times the same points: a third of a full press per frame is the most that is
   /// followed.
@@ -264,18 +264,28 @@ TEST_CASE("the press follows a hand that wanders to another site without a jump"
 
 TEST_CASE("the site is kept while it is pressed and the hand only trembles between two",
           "[contact][law]") {
-  Loop loop;
+  // Sites 0 and 1 are 90 degrees apart, and each dent reaches beyond the middle between them.
+  Loop loop({}, 0.035);
   const auto between = [](double angle) { return Vector3d(0, -std::sin(angle), std::cos(angle)); };
-  // Sites 0 and 1 are 90 degrees apart; just on site 0's side, then swaying about the middle.
-  loop.see(finger(loop.sphere, between(0.5), 0.008));
+  const double middle = std::numbers::pi / 4;
+  loop.see(finger(loop.sphere, between(middle - 0.15), 0.008));
   REQUIRE(loop.state.touch);
   REQUIRE(loop.state.touch->site == 0);
   for (int frame = 0; frame < 40; ++frame) {
-    const auto& touch =
-        loop.see(finger(loop.sphere, between(0.5 + 0.1 * std::sin(frame * 0.9)), 0.008));
+    const double angle = middle + 0.15 * std::sin(frame * 0.9);
+    const auto& touch = loop.see(finger(loop.sphere, between(angle), 0.008));
     REQUIRE(touch.has_value());
     CHECK(touch->site == 0);
   }
+}
+
+TEST_CASE("a vertex that is inside by less than the noise demands nothing", "[contact][law]") {
+  Loop loop({.noise_quadratic = 0.03});  // 4.8 mm at 0.4 m
+  loop.seen.build(finger(loop.sphere, {0, 0, 1}, 0.004), loop.region);
+  CHECK(loop.law.demanded_level(0, loop.seen).level == 0);
+  CHECK(loop.law.demanded_level(0, loop.seen, 0.5).level > 0);
+  loop.seen.build(finger(loop.sphere, {0, 0, 1}, 0.007), loop.region);
+  CHECK(loop.law.demanded_level(0, loop.seen).level > 0);
 }
 
 TEST_CASE("a touch between the sites is answered by the nearest one", "[contact][law]") {
