@@ -49,9 +49,9 @@ Index first_not_growing(const VectorXd& depth) {
 
 class SiteRun {
  public:
-  SiteRun(const EquilibriumSolver& solver, const Boundary& boundary, const Site& site,
-          const CampaignSettings& settings)
-      : solver_(solver), boundary_(boundary), settings_(settings) {
+  SiteRun(const EquilibriumSolver& solver, const StressRecovery& recovery, const Boundary& boundary,
+          const Site& site, const CampaignSettings& settings)
+      : solver_(solver), recovery_(recovery), boundary_(boundary), settings_(settings) {
     std::vector<int> nodes;
     std::vector<double> weights;
     for (std::size_t k = 0; k < site.patch.size(); ++k) {
@@ -134,13 +134,14 @@ class SiteRun {
   void compute_stress() {
     const StageTimer timer(result_.times, "stress");
     for (const Matrix3Xd& u : result_.displacement) {
-      result_.stress.push_back(nodal_cauchy_stress(solver_.model(), u));
+      result_.stress.push_back(nodal_cauchy_stress(solver_.model(), u, recovery_));
       const StressField skin = result_.stress.back()(Eigen::all, boundary_.node_of_vertex);
       result_.largest_von_mises = std::max(result_.largest_von_mises, von_mises(skin).maxCoeff());
     }
   }
 
   const EquilibriumSolver& solver_;
+  const StressRecovery& recovery_;
   const Boundary& boundary_;
   const CampaignSettings& settings_;
   Matrix3Xd unit_load_;  // 1 N in total
@@ -240,11 +241,12 @@ Campaign run_campaign(const EquilibriumSolver& solver, const Boundary& boundary,
             short_of_press > 0 ? fmt::format("{} short of the press", short_of_press) : ""});
   };
 
+  const StressRecovery recovery(solver.model().mesh);
   std::vector<std::optional<SiteRun>> runs(sites.size());
   report(progress, {"finding loads", 0.0, static_cast<double>(S), ""});
   in_parallel(S, threads, [&](int s) {
     const auto at = static_cast<std::size_t>(s);
-    runs[at].emplace(solver, boundary, sites[at], settings).find_load();
+    runs[at].emplace(solver, recovery, boundary, sites[at], settings).find_load();
     tell("finding loads", false);
   });
 

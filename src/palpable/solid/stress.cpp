@@ -5,6 +5,7 @@
 #include "palpable/solid/quadrature.h"
 #include "palpable/solid/shape_gradients.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <fmt/core.h>
 
@@ -79,7 +80,7 @@ StressField element_cauchy_stress(const SolidModel& model, const Eigen::Matrix3X
   return stress;
 }
 
-StressField nodal_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u) {
+StressField averaged_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u) {
   const TetMesh& mesh = model.mesh;
   const StressField elements = element_cauchy_stress(model, u);
   StressField nodal = StressField::Zero(6, mesh.node_count());
@@ -98,6 +99,28 @@ StressField nodal_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd&
     if (weight[n] > 0.0) nodal.col(n) /= weight[n];
   }
   return nodal;
+}
+
+StressField nodal_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u,
+                                const StressRecovery& recovery) {
+  return recovery.apply(point_cauchy_stress(model, u));
+}
+
+StressField nodal_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u) {
+  return nodal_cauchy_stress(model, u, StressRecovery(model.mesh));
+}
+
+Eigen::Matrix3Xd principal_stresses(const StressField& stress) {
+  Eigen::Matrix3Xd principal(3, stress.cols());
+  for (Eigen::Index n = 0; n < stress.cols(); ++n) {
+    const auto s = stress.col(n);
+    Matrix3d tensor;
+    tensor << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2];
+    principal.col(n) = Eigen::SelfAdjointEigenSolver<Matrix3d>(tensor, Eigen::EigenvaluesOnly)
+                           .eigenvalues()
+                           .reverse();
+  }
+  return principal;
 }
 
 Eigen::VectorXd von_mises(const StressField& stress) {

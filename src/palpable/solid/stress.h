@@ -5,6 +5,7 @@
 #pragma once
 
 #include "palpable/solid/solid_model.h"
+#include "palpable/solid/stress_recovery.h"
 
 #include <Eigen/Core>
 
@@ -23,12 +24,25 @@ using StressField = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 /// (6 x E) the same, averaged over each element's points by their volumes.
 [[nodiscard]] StressField element_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u);
 
-/// (6 x N) mean of the elements around each node, weighted with their undeformed volume. First
-/// order in the element size at the boundary, where it leans to the inside.
+/// (6 x N) recovered at the nodes by least squares over patches, stress_recovery.h.
+/// @param recovery  of model.mesh, made once for many states
 /// @throws Error if an element is inverted (J <= 0) under u
+[[nodiscard]] StressField nodal_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u,
+                                              const StressRecovery& recovery);
+/// The same for a single state.
 [[nodiscard]] StressField nodal_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u);
+
+/// (6 x N) mean of the elements around each node, weighted with their undeformed volume: what is
+/// often done, to compare with. First order in the element size at the boundary, where it leans to
+/// the inside.
+/// @throws Error if an element is inverted (J <= 0) under u
+[[nodiscard]] StressField averaged_cauchy_stress(const SolidModel& model,
+                                                 const Eigen::Matrix3Xd& u);
 
 /// (n) von Mises stress, sqrt(3/2 s : s) with s the deviator, Pa.
 [[nodiscard]] Eigen::VectorXd von_mises(const StressField& stress);
+
+/// (3 x n) principal stresses, largest first, Pa.
+[[nodiscard]] Eigen::Matrix3Xd principal_stresses(const StressField& stress);
 
 }  // namespace palpable

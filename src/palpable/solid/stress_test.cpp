@@ -30,8 +30,8 @@ TEST_CASE("a uniform deformation has the same Cauchy stress at every element and
   const Matrix3d sigma = first_piola(model.material, F) * F.transpose() / F.determinant();
   Eigen::Matrix<double, 6, 1> expected;  // the documented order
   expected << sigma(0, 0), sigma(1, 1), sigma(2, 2), sigma(0, 1), sigma(1, 2), sigma(0, 2);
-  for (const StressField& stress :
-       {element_cauchy_stress(model, u), nodal_cauchy_stress(model, u)}) {
+  for (const StressField& stress : {element_cauchy_stress(model, u), nodal_cauchy_stress(model, u),
+                                    averaged_cauchy_stress(model, u)}) {
     CHECK((stress.colwise() - expected).cwiseAbs().maxCoeff() <=
           tolerance(1e-10, "rounding of stresses of order 1e3"));
   }
@@ -59,6 +59,21 @@ TEST_CASE("the von Mises stress of tension, shear and pressure is that of the bo
   CHECK(s[0] == Approx(7.0));
   CHECK(s[1] == Approx(2.0 * std::sqrt(3.0)));
   CHECK(s[2] == 0.0);
+}
+
+TEST_CASE("principal stresses come largest first and keep trace and von Mises", "[solid][stress]") {
+  StressField stress(6, 2);
+  stress.col(0) << 0, 0, 0, 0, 2, 0;  // shear: +2, 0, -2
+  stress.col(1) << 5, -1, 3, 0.5, 2, -1;
+  const Eigen::Matrix3Xd p = principal_stresses(stress);
+  CHECK(p(0, 0) == Approx(2.0));
+  CHECK(p(1, 0) == Approx(0.0).margin(tolerance(1e-14, "rounding")));
+  CHECK(p(2, 0) == Approx(-2.0));
+  CHECK((p(0, 1) > p(1, 1) && p(1, 1) > p(2, 1)));
+  CHECK(p.col(1).sum() == Approx(7.0));
+  StressField diagonal = StressField::Zero(6, 1);
+  diagonal.topRows<3>() = p.col(1);
+  CHECK(von_mises(diagonal)[0] == Approx(von_mises(stress)[1]));
 }
 
 TEST_CASE("an inverted element has no Cauchy stress and is named", "[solid][stress][errors]") {

@@ -1,0 +1,49 @@
+/// @file
+/// Stress at the nodes from stress in the elements, by least squares over patches.
+///
+///   N  nodes     E  tetrahedra     Q  integration points of each (1 or 4)
+#pragma once
+
+#include "palpable/geometry/tet_mesh.h"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace palpable {
+
+/// Around each inner node a linear polynomial is fitted to the values at the integration points of
+/// the elements that touch it (Zienkiewicz and Zhu's superconvergent patch recovery). A node of the
+/// skin takes the mean of what the polynomials of the nearest inner nodes say at its place, because
+/// in its own one-sided patch the elements' errors would not cancel. A field that is linear in X
+/// comes out exactly everywhere, where averaging the elements leans to the inside.
+///
+/// Where the points lie so unluckily that errors would be enlarged (sum of |weights| above 5), or
+/// where no inner node is near, patches grow up to three elements wide; if even that does not help,
+/// the mean of the touching elements by volume is taken. Patches do not stop at the border between
+/// two materials.
+///
+/// All that depends on the mesh is computed once; apply() is const and may run in several threads.
+class StressRecovery {
+ public:
+  explicit StressRecovery(const TetMesh& mesh);
+
+  /// (R x N) from (R x Q E), columns as point_cauchy_stress() has them; R = 6.
+  [[nodiscard]] Eigen::Matrix<double, 6, Eigen::Dynamic> apply(
+      const Eigen::Matrix<double, 6, Eigen::Dynamic>& at_points) const;
+
+  /// Nodes that had to take the mean.
+  [[nodiscard]] int averaged_nodes() const { return averaged_nodes_; }
+
+ private:
+  struct Term {
+    int point;
+    double weight;
+  };
+  std::vector<int> start_;   // (N + 1) into terms_
+  std::vector<Term> terms_;  // value at node n: sum over its terms of weight * value at point
+  Eigen::Index points_ = 0;
+  int averaged_nodes_ = 0;
+};
+
+}  // namespace palpable
