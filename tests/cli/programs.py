@@ -80,10 +80,10 @@ law = "neo-hookean"
 young = "60 kPa"
 poisson = 0.4
 [support]
-below = 0.1
+below = 0.25
 [sites]
 count = 6
-above = 0.3
+above = 0.5
 [press]
 depth = 0.08
 levels = 5
@@ -149,7 +149,7 @@ def live(programs, folder, *more, source="clip"):
 
 # ---- cases -------------------------------------------------------------------------------------
 
-COMMANDS = ("mesh", "bake", "inspect", "view", "synth", "live", "score", "bench")
+COMMANDS = ("mesh", "bake", "solve", "inspect", "view", "synth", "live", "score", "bench")
 
 
 @case("help of the program and of each command has an example, on stdout, exit code 0")
@@ -181,6 +181,7 @@ def _(programs, folder):
 @case("a missing file is refused by every command")
 def _(programs, folder):
     for words in (("mesh", "none.stl", "-o", "x.msh"), ("bake", "none.toml", "-o", "x.palpable"),
+                  ("solve", "none.toml", "-o", "x.vtu"),
                   ("inspect", "none.palpable"), ("view", "none.palpable", "--out", "x"),
                   ("synth", "press", "--body", "none.palpable", "-o", "x"),
                   ("live", "none.palpable", "--source", "y", "--out", "x"),
@@ -195,6 +196,35 @@ def _(programs, folder):
     programs.refuses("mesh", folder / "ball.off", "-o", folder / "x.msh", says=says)
     programs.refuses("bake", folder / "ball.toml", "-o", folder / "x.palpable", says=says)
     assert not (folder / "x.msh").exists() and not (folder / "x.palpable").exists()
+
+
+@case("one solve prints its convergence table and writes a grid with displacement and stress")
+def _(programs, folder):
+    write_ball(folder)
+    for order, cell_type in ((1, 10), (2, 24)):
+        grid = folder / f"order{order}.vtu"
+        result = programs.succeeds("solve", folder / "ball.toml", "--site", "2", "--level", "0.5",
+                                   "--order", order, "-o", grid)
+        rows = [line.split() for line in result.stdout.splitlines()]
+        header = next(i for i, row in enumerate(rows) if row[:1] == ["level"])
+        table = [row for row in rows[header + 1:] if row and re.fullmatch(r"[0-9.]+", row[0])]
+        assert [float(row[0]) for row in table] == [0.2, 0.4, 0.5], table
+        assert all(float(row[3]) <= 1e-8 for row in table), table
+        data = grid.read_bytes()
+        for field in (b"displacement", b"cauchy_stress", b"von_mises"):
+            assert b'Name="' + field + b'"' in data, field
+        assert bytes([cell_type] * 20) in data
+
+
+@case("a solve of a site or level that is not there is refused")
+def _(programs, folder):
+    write_ball(folder)
+    programs.refuses("solve", folder / "ball.toml", "--site", "6", "-o", folder / "x.vtu",
+                     says=["site 6", "0 to 5"])
+    programs.refuses("solve", folder / "ball.toml", "--level", "1.5", "-o", folder / "x.vtu",
+                     says=["--level"])
+    programs.refuses("solve", folder / "ball.toml", "-o", folder / "none" / "x.vtu", says=["none"])
+    assert not (folder / "x.vtu").exists()
 
 
 @case("an inverted mesh is refused with the element")
@@ -216,7 +246,7 @@ def _(programs, folder):
 
 @case("supports that hold nothing are refused")
 def _(programs, folder):
-    write_ball(folder, BALL.replace("below = 0.1", "below = 1e-9"))
+    write_ball(folder, BALL.replace("below = 0.25", "below = 1e-9"))
     line = programs.refuses("bake", folder / "ball.toml", "-o", folder / "x.palpable", says=["support"])
     assert "below" in line, f"does not say which key to change: {line}"
 
@@ -245,7 +275,7 @@ def _(programs, folder):
 @case("a calibration for another image size is refused with both sizes")
 def _(programs, folder):
     write_stereo(folder / "clip", width=640)
-    programs.refuses(*live(programs, folder), says=["rectified.yml", "640", "320"])
+    programs.refuses(*live(programs, folder), says=["clip", "640", "320"])
 
 
 @case("unequal numbers of left and right images are refused with both numbers")
