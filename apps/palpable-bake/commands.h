@@ -15,6 +15,7 @@ namespace palpable::app {
 void add_mesh(CLI::App& app);
 /// @param command_line  as typed, for the provenance
 void add_bake(CLI::App& app, const std::string& command_line);
+void add_solve(CLI::App& app);
 void add_bench(CLI::App& app);
 
 }  // namespace palpable::app

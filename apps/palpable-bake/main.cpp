@@ -28,6 +28,7 @@ int run(int argc, char** argv) {
 
   add_mesh(app);
   add_bake(app, command_line);
+  add_solve(app);
   add_bench(app);
   return run_command_line(app, argc, argv);
 }

@@ -26,6 +26,7 @@ struct BakeCommand {
 constexpr std::array kBakeCommands{
     BakeCommand{"mesh", "Fill a watertight surface with tetrahedra"},
     BakeCommand{"bake", "Mesh, solve and reduce: a body file from a description"},
+    BakeCommand{"solve", "Press a body at one site and write it for ParaView"},
 };
 
 /// Becomes palpable-bake with the same arguments; returns only when that cannot be.

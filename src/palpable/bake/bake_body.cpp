@@ -1,5 +1,6 @@
 #include "palpable/bake/bake_body.h"
 
+#include "palpable/bake/body_problem.h"
 #include "palpable/bake/contact_sites.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
@@ -27,15 +28,6 @@ constexpr double kSolveTolerance = 1e-6;
 VectorXd value_weights(const TetMesh& mesh, const VectorXd& component_weights) {
   const VectorXd volumes = nodal_volumes(mesh);
   return (component_weights * volumes.transpose()).reshaped();
-}
-
-std::vector<std::uint8_t> fixed_vertices(const BodyMesh& mesh) {
-  std::vector<std::uint8_t> fixed(mesh.boundary.node_of_vertex.size(), 0);
-  for (std::size_t v = 0; v < fixed.size(); ++v) {
-    fixed[v] = std::binary_search(mesh.fixed_nodes.begin(), mesh.fixed_nodes.end(),
-                                  mesh.boundary.node_of_vertex[v]);
-  }
-  return fixed;
 }
 
 // The rows of the boundary's nodes, `components` per node.
@@ -213,28 +205,18 @@ BakedBody bake_body(const BodyDescription& description, const BakeSettings& sett
     return work();
   };
   report(progress, {"meshing", 0.0, 1.0, ""});
-  const BodyMesh mesh = timed("mesh", [&] { return make_body_mesh(description); });
+  BodyProblem problem = timed("mesh", [&] { return pose_body(description); });
+  const BodyMesh& mesh = problem.mesh;
   report(progress,
          {"meshing", 1.0, 1.0,
           fmt::format("{} nodes, {} tetrahedra", mesh.mesh.node_count(), mesh.mesh.tet_count())});
-  const std::vector<Site> sites = choose_sites(mesh.boundary.surface, fixed_vertices(mesh),
-                                               {.count = description.sites.count,
-                                                .lowest = description.sites.above * mesh.height,
-                                                .patch_distance = description.sites.patch});
-  const double press = description.press.depth * mesh.height;
-  refuse_press_through(mesh.boundary.surface, sites, press, mesh.height);
-  const EquilibriumSolver solver = timed("factor", [&] {
-    return EquilibriumSolver(SolidModel{
-        .mesh = mesh.mesh,
-        .material = material_from_young(description.material.law, description.material.young,
-                                        description.material.poisson),
-        .fixed_nodes = mesh.fixed_nodes,
-        .fixed_displacement = {}});
-  });
+  refuse_press_through(mesh.boundary.surface, problem.sites, problem.press, mesh.height);
+  const EquilibriumSolver solver =
+      timed("factor", [&] { return EquilibriumSolver(std::move(problem.model)); });
   const Campaign campaign = timed("campaign", [&] {
     return run_campaign(
-        solver, mesh.boundary, sites,
-        {.press = press, .levels = description.press.levels, .threads = settings.threads},
+        solver, mesh.boundary, problem.sites,
+        {.press = problem.press, .levels = description.press.levels, .threads = settings.threads},
         progress);
   });
   BakedBody baked = timed(

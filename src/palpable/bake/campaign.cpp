@@ -1,8 +1,8 @@
 #include "palpable/bake/campaign.h"
 
+#include "palpable/bake/body_problem.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
-#include "palpable/solid/patch_load.h"
 #include "palpable/solid/stress.h"
 
 #include <fmt/format.h>
@@ -52,13 +52,7 @@ class SiteRun {
   SiteRun(const EquilibriumSolver& solver, const StressRecovery& recovery, const Boundary& boundary,
           const Site& site, const CampaignSettings& settings)
       : solver_(solver), recovery_(recovery), boundary_(boundary), settings_(settings) {
-    std::vector<int> nodes;
-    std::vector<double> weights;
-    for (std::size_t k = 0; k < site.patch.size(); ++k) {
-      nodes.push_back(boundary.node_of_vertex[static_cast<std::size_t>(site.patch[k])]);
-      weights.push_back(static_cast<double>(site.weights[k]));
-    }
-    unit_load_ = patch_force(solver.model().mesh.node_count(), nodes, weights, site.direction);
+    unit_load_ = unit_load(site, boundary, solver.model().mesh.node_count());
   }
 
   // The load to which this site will be pressed.

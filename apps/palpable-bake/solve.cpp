@@ -1,0 +1,133 @@
+// palpable solve BODY.toml --site 5 --level 0.7 -o x.vtu
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable-bake/commands.h"
+#include "palpable/bake/body_problem.h"
+#include "palpable/base/error.h"
+#include "palpable/exchange/vtu_file.h"
+#include "palpable/solid/equilibrium.h"
+#include "palpable/solid/stress.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+struct Options {
+  std::string description;
+  std::string output;
+  int site = 0;
+  double level = 1.0;
+  int order = 1;
+};
+
+// The description's levels below the one that is asked for, and that one.
+std::vector<double> levels_to(double level, int count) {
+  std::vector<double> levels;
+  for (int l = 1; l <= count; ++l) {
+    const double at = static_cast<double>(l) / count;
+    if (at < level * (1.0 - 1e-9)) levels.push_back(at);
+  }
+  levels.push_back(level);
+  return levels;
+}
+
+void solve(const Options& options) {
+  // Where to write is looked at before the work, not after it.
+  const std::filesystem::path folder = std::filesystem::absolute(options.output).parent_path();
+  if (!std::filesystem::is_directory(folder)) {
+    throw Error(fmt::format("{}: the folder {} does not exist", options.output, folder.string()));
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  const BodyDescription description = read_body_description(options.description);
+  const BodyProblem problem = pose_body(description);
+  if (options.site >= static_cast<int>(problem.sites.size())) {
+    throw Error(fmt::format("there is no site {}; the body has 0 to {}", options.site,
+                            problem.sites.size() - 1));
+  }
+  const Site& site = problem.sites[static_cast<std::size_t>(options.site)];
+  const EquilibriumSolver solver(options.order == 2 ? with_edge_nodes(problem.model)
+                                                    : problem.model);
+  const TetMesh& mesh = solver.model().mesh;
+  const Eigen::Matrix3Xd unit = options.order == 2
+                                    ? unit_traction(site, problem.mesh.boundary, mesh)
+                                    : unit_load(site, problem.mesh.boundary, mesh.node_count());
+
+  const Eigen::Vector3d at = problem.mesh.boundary.surface.vertices.col(site.vertex);
+  fmt::print("{}: {} nodes, {} tetrahedra of {} nodes; {}, E = {:.4g} Pa, nu = {:.3g}\n",
+             description.name, mesh.node_count(), mesh.tet_count(), options.order == 2 ? 10 : 4,
+             description.material.law, description.material.young, description.material.poisson);
+  fmt::print("site {} at ({:.1f}, {:.1f}, {:.1f}) mm, pressed along ({:.3f}, {:.3f}, {:.3f})\n",
+             options.site, 1e3 * at[0], 1e3 * at[1], 1e3 * at[2], site.direction[0],
+             site.direction[1], site.direction[2]);
+  const LoadSearch search = solver.find_load(unit, problem.press);
+  if (!(search.load > 0.0)) throw Error("the site cannot be pressed: " + search.why_stopped);
+  fmt::print("level 1 is {:.4g} N, which press it in by {:.3f} mm{}{}\n\n", search.load,
+             1e3 * search.press, search.reached ? "" : ": ", search.why_stopped);
+
+  const std::vector<double> levels = levels_to(options.level, description.press.levels);
+  const PathResult path = solver.solve_path(search.load * unit, levels);
+  fmt::print("{:>8} {:>8} {:>6} {:>10} {:>11} {:>11}\n", "level", "Newton", "CG", "residual",
+             "press / mm", "smallest J");
+  for (const Equilibrium& step : path.steps) {
+    fmt::print("{:>8.4g} {:>8} {:>6} {:>10.1e} {:>11.4f} {:>11.3f}\n", step.level,
+               step.newton_steps, step.cg_iterations, step.residual,
+               1e3 * unit.cwiseProduct(step.displacement).sum(), step.smallest_volume_ratio);
+  }
+  fmt::print("\n");
+  if (path.steps.empty()) throw Error(path.why_stopped);
+  if (!path.complete) fmt::print("{}\n", path.why_stopped);
+
+  const Equilibrium& last = path.steps.back();
+  const StressField stress = nodal_cauchy_stress(solver.model(), last.displacement);
+  const Eigen::VectorXd mises = von_mises(stress);
+  const std::vector<VtuField> fields{{"displacement", last.displacement},
+                                     {"cauchy_stress", stress},
+                                     {"von_mises", mises.transpose()},
+                                     {"principal_stresses", principal_stresses(stress)},
+                                     {"load", last.level * search.load * unit}};
+  write_vtu_file(options.output, mesh, fields);
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  fmt::print(
+      "{}: level {:.4g}, displacement up to {:.3f} mm, von Mises stress up to {:.4g} kPa; {}\n",
+      options.output, last.level, 1e3 * last.displacement.colwise().norm().maxCoeff(),
+      1e-3 * mises.maxCoeff(), duration_text(taken.count()));
+}
+
+}  // namespace
+
+void add_solve(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("solve", "Press a body at one site and write it for ParaView");
+  command->add_option("body", options->description, "What to press (docs/body.md)")
+      ->required()
+      ->type_name("BODY.toml");
+  command->add_option("-o,--out", options->output, "VTK grid to write")
+      ->required()
+      ->type_name("FILE.vtu");
+  command->add_option("--site", options->site, "Which of the description's sites, from 0")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--level", options->level,
+                   "Share of the load that presses by the description's depth")
+      ->check(CLI::Range(1e-6, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--order", options->order,
+                   "1: 4-node tetrahedra; 2: 10-node ones on the same mesh, far more accurate")
+      ->check(CLI::Range(1, 2))
+      ->capture_default_str();
+  command->footer("Example: palpable solve bodies/bunny-demo.toml --site 5 --level 0.7 -o x.vtu");
+  command->callback([options] { solve(*options); });
+}
+
+}  // namespace palpable::app

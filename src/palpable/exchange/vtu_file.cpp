@@ -1,0 +1,121 @@
+#include "palpable/exchange/vtu_file.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/base/error.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "numbers are written as they lie in memory");
+
+// The header's lines about arrays and the bytes that they point to, kept in step.
+class Arrays {
+ public:
+  template <class T>
+  void add(std::string& xml, const char* type, const std::string& name, int components,
+           const T* values, std::size_t count) {
+    fmt::format_to(std::back_inserter(xml),
+                   "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" "
+                   "format=\"appended\" offset=\"{}\"/>\n",
+                   type, escaped(name), components, bytes_.size());
+    const std::uint64_t size = count * sizeof(T);
+    append(&size, sizeof(size));
+    append(values, size);
+  }
+  [[nodiscard]] const std::vector<char>& bytes() const { return bytes_; }
+
+ private:
+  static std::string escaped(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+      switch (c) {
+        case '&':
+          result += "&amp;";
+          break;
+        case '<':
+          result += "&lt;";
+          break;
+        case '"':
+          result += "&quot;";
+          break;
+        default:
+          result += c;
+      }
+    }
+    return result;
+  }
+  void append(const void* data, std::size_t size) {
+    if (size == 0) return;
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + size);
+    std::memcpy(bytes_.data() + at, data, size);
+  }
+  std::vector<char> bytes_;
+};
+
+void add_fields(std::string& xml, const char* section, std::span<const VtuField> fields, int count,
+                Arrays& arrays) {
+  xml += fmt::format("      <{}>\n", section);
+  for (const VtuField& field : fields) {
+    PALPABLE_EXPECT(field.values.cols() == count, "one column for each node or element");
+    arrays.add(xml, "Float64", field.name, static_cast<int>(field.values.rows()),
+               field.values.data(), static_cast<std::size_t>(field.values.size()));
+  }
+  xml += fmt::format("      </{}>\n", section);
+}
+
+}  // namespace
+
+void write_vtu_file(const std::filesystem::path& path, const TetMesh& mesh,
+                    std::span<const VtuField> node_fields,
+                    std::span<const VtuField> element_fields) {
+  const int E = mesh.tet_count(), per_element = mesh.is_quadratic() ? 10 : 4;
+  Eigen::MatrixXi connectivity(per_element, E);
+  connectivity.topRows(4) = mesh.tets;
+  if (mesh.is_quadratic()) connectivity.bottomRows(6) = mesh.edge_nodes;
+  std::vector<std::int32_t> ends;
+  for (int e = 1; e <= E; ++e) ends.push_back(per_element * e);
+  const std::vector<std::uint8_t> types(static_cast<std::size_t>(E),
+                                        mesh.is_quadratic() ? std::uint8_t{24} : std::uint8_t{10});
+
+  Arrays arrays;
+  std::string xml = fmt::format(
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\">\n"
+      "  <UnstructuredGrid>\n"
+      "    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
+      mesh.node_count(), E);
+  add_fields(xml, "PointData", node_fields, mesh.node_count(), arrays);
+  add_fields(xml, "CellData", element_fields, E, arrays);
+  xml += "      <Points>\n";
+  arrays.add(xml, "Float64", "points", 3, mesh.nodes.data(),
+             static_cast<std::size_t>(mesh.nodes.size()));
+  xml += "      </Points>\n      <Cells>\n";
+  arrays.add(xml, "Int32", "connectivity", 1, connectivity.data(),
+             static_cast<std::size_t>(connectivity.size()));
+  arrays.add(xml, "Int32", "offsets", 1, ends.data(), ends.size());
+  arrays.add(xml, "UInt8", "types", 1, types.data(), types.size());
+  xml +=
+      "      </Cells>\n    </Piece>\n  </UnstructuredGrid>\n"
+      "  <AppendedData encoding=\"raw\">\n_";
+
+  std::ofstream file(path, std::ios::binary);
+  file << xml;
+  file.write(arrays.bytes().data(), static_cast<std::streamsize>(arrays.bytes().size()));
+  file << "\n  </AppendedData>\n</VTKFile>\n";
+  file.close();
+  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
+}
+
+}  // namespace palpable
