@@ -1,5 +1,7 @@
 // The elastica: a slender cantilever that bends far under a dead load at its tip.
 #include "palpable/solid/equilibrium.h"
+#include "palpable/solid/loads.h"
+#include "palpable/solid/selection.h"
 #include "tests/support/test.h"
 #include "tests/verification/record.h"
 
@@ -30,33 +32,23 @@ struct Tip {
   double w, u;
 };
 
-// Mean displacement of the end face at the loads of the table, with `cells` cells over the height.
-std::array<Tip, 5> bend(int cells, int* nodes) {
+// Mean displacement of the end face at the loads of the table.
+std::array<Tip, 5> bend(const TetMesh& mesh) {
   SolidModel model;
-  const int along = static_cast<int>(std::lround(cells * kLength / kHeight));
-  model.mesh = box_tets({0, 0, 0}, {kLength, kWidth, kHeight}, along, cells, cells);
+  model.mesh = mesh;
   // nu = 0: the cross section keeps its shape, so that beam theory has nothing to neglect there.
   model.material = material_from_young("saint-venant-kirchhoff", kYoung, 0.0);
   const double I = kWidth * std::pow(kHeight, 3) / 12;
-  std::vector<int> tip;
-  for (int n = 0; n < model.mesh.node_count(); ++n) {
-    if (model.mesh.nodes(0, n) == 0.0) model.fixed_nodes.push_back(n);
-    if (model.mesh.nodes(0, n) > kLength - 1e-9) tip.push_back(n);
-  }
-  *nodes = model.mesh.node_count();
+  model.fixed_nodes = nodes_on_plane(mesh, {0, 0, 0}, {1, 0, 0}, 1e-9);
   // Shear spread evenly over the end face; its parabola dies out within a height.
-  Matrix3Xd load = Matrix3Xd::Zero(3, model.mesh.node_count());
-  Eigen::VectorXd share = Eigen::VectorXd::Zero(model.mesh.node_count());
-  const Boundary skin = boundary_of(model.mesh);
-  const Eigen::VectorXd areas = vertex_areas(skin.surface);
-  for (Eigen::Index t = 0; t < skin.surface.triangles.cols(); ++t) {
-    Eigen::Vector3i v = skin.surface.triangles.col(t);
-    for (int& k : v) k = skin.node_of_vertex[static_cast<std::size_t>(k)];
-    if ((model.mesh.nodes(0, v).array() < kLength - 1e-9).any()) continue;
-    for (const int n : v) share[n] += 1.0 / 3.0;  // all triangles of the face are alike
-  }
-  share /= share.sum();
-  load.row(2) = -10.0 * kYoung * I / (kLength * kLength) * share.transpose();
+  const Eigen::Matrix3Xi end = triangles_between(
+      skin_triangles(mesh), nodes_on_plane(mesh, {kLength, 0, 0}, {1, 0, 0}, 1e-9));
+  const double shear = 10.0 * kYoung * I / (kLength * kLength) / (kWidth * kHeight);
+  const Matrix3Xd load =
+      traction_load(mesh, end, [&](const Eigen::Vector3d&, const Eigen::Vector3d&) {
+        return Eigen::Vector3d(0, 0, -shear);
+      });
+  const Eigen::VectorXd share = load.row(2).transpose() / load.row(2).sum();
 
   std::vector<double> levels;
   for (int k = 1; k <= 10; ++k) levels.push_back(k / 10.0);
@@ -72,12 +64,47 @@ std::array<Tip, 5> bend(int cells, int* nodes) {
   return tips;
 }
 
+// `cells` over the height and the width, `along` over the length.
+TetMesh beam(int along, int cells) {
+  return box_tets({0, 0, 0}, {kLength, kWidth, kHeight}, along, cells, cells);
+}
+
+TEST_CASE("10-node tetrahedra, one over the height, bend as the elastica does",
+          "[verification][elastica][quadratic][long]") {
+  const TetMesh coarse = with_edge_nodes(beam(20, 1)), fine = with_edge_nodes(beam(40, 2));
+  const std::array<Tip, 5> a = bend(coarse), b = bend(fine);
+  for (std::size_t r = 0; r < kElastica.size(); ++r) {
+    const Row& row = kElastica[r];
+    INFO("P L^2 / EI = " << row.k << ": " << a[r].w << " " << b[r].w);
+    CHECK(a[r].w == Approx(row.w).epsilon(tolerance(0.006, "shear, stretching, the mesh")));
+    // Shear adds 0.6 (h/L)^2 = 0.15 % to a small deflection, and stretching k (h/L)^2 / 12.
+    const double off = tolerance(0.005, "shear 0.15 %, stretching 0.2 %, the mesh");
+    CHECK(b[r].w == Approx(row.w).epsilon(off));
+    CHECK(b[r].u == Approx(row.u).epsilon(2 * off));
+    const auto percent = [](double value, double exact) {
+      return fmt::format("{:+.2f} %", 100 * (value / exact - 1));
+    };
+    test::record("elastica-quadratic",
+                 {{"P L^2/EI", fmt::format("{:g}", row.k)},
+                  {"w/L", fmt::format("{:.5f}", row.w)},
+                  {fmt::format("{} nodes", coarse.node_count()), percent(a[r].w, row.w)},
+                  {fmt::format("{} nodes", fine.node_count()), percent(b[r].w, row.w)},
+                  {"u/L", fmt::format("{:.5f}", row.u)},
+                  {fmt::format("u/L, {} nodes", fine.node_count()), percent(b[r].u, row.u)}});
+  }
+}
+
 TEST_CASE("refined linear tetrahedra tend to the elastica from the stiff side",
           "[verification][elastica][long]") {
   std::array<int, 3> nodes{};
   const std::array<int, 3> cells{3, 4, 6};
   std::array<std::array<Tip, 5>, 3> tips;
-  for (std::size_t m = 0; m < 3; ++m) tips[m] = bend(cells[m], &nodes[m]);
+  for (std::size_t m = 0; m < 3; ++m) {
+    const TetMesh mesh =
+        beam(static_cast<int>(std::lround(cells[m] * kLength / kHeight)), cells[m]);
+    nodes[m] = mesh.node_count();
+    tips[m] = bend(mesh);
+  }
   for (std::size_t r = 0; r < kElastica.size(); ++r) {
     const Row& row = kElastica[r];
     INFO("P L^2 / EI = " << row.k);
