@@ -63,6 +63,21 @@ void fill_unknown(const DepthImage& depth, const PixelBox& box, int radius,
       filled[at(x, y)] = value;
     }
   }
+  // Runs that only the left eye sees are background, whatever is nearest. Offset 0: a known pixel.
+  for (int y = 0; y < height; ++y) {
+    float* out = filled.data() + at(0, y);
+    const signed char* offset = nearest_in_row.data() + at(0, y);
+    int last_known = -1;
+    for (int x = 0; x < width; ++x) {
+      if (offset[x] != 0) continue;
+      const int run = x - last_known - 1;
+      if (last_known >= 0 && run > 0 && run <= kLongestHalfSeen &&
+          out[last_known] > 1.1f * out[x]) {
+        std::fill(out + last_known + 1, out + x, out[last_known]);
+      }
+      last_known = x;
+    }
+  }
 }
 
 }  // namespace palpable

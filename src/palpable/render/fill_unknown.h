@@ -1,6 +1,7 @@
 /// @file
-/// Depth images have holes along every outline (what one eye sees and the other does not, what the
-/// matcher refuses). For occlusion a small hole is closed with its nearest known neighbour.
+/// Depth images have holes along every outline: what one eye sees and the other does not, what the
+/// matcher refuses. For occlusion they are closed: the first with the background, a small one of
+/// the second kind with its nearest known neighbour.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -20,9 +21,18 @@ struct PixelBox {
   [[nodiscard]] bool empty() const { return x1 <= x0 || y1 <= y0; }
 };
 
-/// Copies `box` of a depth image; an unknown pixel (NaN, infinite or not positive) becomes the
-/// depth of the nearest known pixel of the box within `radius` pixels (Euclidean; of two equally
-/// near, the farther depth, because what one eye alone sees is background), or 0 if there is none.
+/// The longest run of pixels that counts as half seen: at 0.2 m before a desk at 0.5 m a stereo
+/// pair of 63 mm and 350 px leaves 66 px; a hand at the body leaves 10 to 25.
+inline constexpr int kLongestHalfSeen = 64;
+
+/// Copies `box` of a depth image and closes its holes. An unknown pixel (NaN, infinite or not
+/// positive) becomes
+///
+/// - in a run between something far on its left and something near on its right (by a tenth of the
+///   depth or more, in the same row, at most kLongestHalfSeen pixels): the far depth. Directly left
+///   of a near thing lies what the left eye alone sees, and that is background;
+/// - else the depth of the nearest known pixel of the box within `radius` pixels (Euclidean; of two
+///   equally near, the farther depth), or 0 if there is none.
 ///
 /// @param nearest_in_row  workspace, kept between calls so that nothing is allocated
 /// @param filled          (box.height x box.width) row-major, overwritten

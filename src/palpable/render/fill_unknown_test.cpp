@@ -13,8 +13,18 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-/// The nearest known depth by looking at everything.
+bool is_known(float z) { return z > 0.0f && std::isfinite(z); }
+
+/// The docstring's rule by looking at everything.
 float slow_fill(const DepthImage& depth, const PixelBox& box, int radius, int x, int y) {
+  if (is_known(depth(x, y))) return depth(x, y);
+  int left = x, right = x;
+  while (left >= box.x0 && !is_known(depth(left, y))) --left;
+  while (right < box.x1 && !is_known(depth(right, y))) ++right;
+  if (left >= box.x0 && right < box.x1 && right - left - 1 <= kLongestHalfSeen &&
+      depth(left, y) > 1.1f * depth(right, y)) {
+    return depth(left, y);
+  }
   int best = radius * radius + 1;
   float value = 0;
   for (int v = box.y0; v < box.y1; ++v) {
@@ -57,6 +67,34 @@ TEST_CASE("a hole takes its nearest known neighbour within the radius", "[render
       }
     }
   }
+}
+
+TEST_CASE("left of a near thing a hole is background, right of it and within it is not",
+          "[render]") {
+  DepthImage depth(12, 1, 0.5f);
+  depth(5, 0) = depth(6, 0) = depth(9, 0) = 0.3f;  // a finger from 5 to 9 with a hole in it
+  depth(2, 0) = depth(3, 0) = depth(4, 0) = kUnknown;
+  depth(7, 0) = depth(8, 0) = kUnknown;
+  depth(10, 0) = kUnknown;
+  std::vector<signed char> nearest;
+  std::vector<float> filled;
+  fill_unknown(depth, {0, 0, 12, 1}, 3, nearest, filled);
+  CHECK(filled[4] == 0.5f);  // beside the finger, but to its left
+  CHECK(filled[2] == 0.5f);
+  CHECK(filled[7] == 0.3f);
+  CHECK(filled[8] == 0.3f);
+  CHECK(filled[10] == 0.5f);  // of two equally near the farther
+}
+
+TEST_CASE("a hole that is too long for one eye alone is not called background", "[render]") {
+  DepthImage depth(kLongestHalfSeen + 3, 1, kUnknown);
+  depth(0, 0) = 0.5f;
+  depth(kLongestHalfSeen + 2, 0) = 0.3f;
+  std::vector<signed char> nearest;
+  std::vector<float> filled;
+  fill_unknown(depth, {0, 0, depth.width(), 1}, 3, nearest, filled);
+  CHECK(filled[static_cast<std::size_t>(kLongestHalfSeen) + 1] == 0.3f);
+  CHECK(filled[kLongestHalfSeen / 2] == 0.0f);
 }
 
 TEST_CASE("what is not a depth counts as unknown", "[render]") {

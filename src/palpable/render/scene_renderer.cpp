@@ -281,9 +281,11 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view,
   const double sx = static_cast<double>(depth.width()) / view.camera.width;
   const double sy = static_cast<double>(depth.height()) / view.camera.height;
   const int margin = kHoleRadius + 2;
-  const PixelBox texels{std::max(static_cast<int>(box.x0 * sx) - margin, 0),
+  // Wide enough that both ends of what one eye alone sees lie within.
+  const int row_margin = kLongestHalfSeen + 1;
+  const PixelBox texels{std::max(static_cast<int>(box.x0 * sx) - row_margin, 0),
                         std::max(static_cast<int>(box.y0 * sy) - margin, 0),
-                        std::min(static_cast<int>(box.x1 * sx) + margin, depth.width()),
+                        std::min(static_cast<int>(box.x1 * sx) + row_margin, depth.width()),
                         std::min(static_cast<int>(box.y1 * sy) + margin, depth.height())};
   fill_unknown(depth, texels, kHoleRadius, nearest_in_row, filled);
   real_depth.upload(texels.x0, texels.y0, texels.width(), texels.height(), GL_RED, GL_FLOAT,
