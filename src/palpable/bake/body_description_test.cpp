@@ -95,7 +95,10 @@ TEST_CASE("the shipped demo body is the one that the issue asks for", "[bake][de
 }
 
 TEST_CASE("an unknown key is refused with the nearest known one", "[bake][description]") {
-  CHECK_THAT(complaint(with("poisson =", "poison =")),
+  CHECK_THAT(
+      complaint(with("poisson =", "poison =")),
+      StartsWith("dir/cube.toml:10: unknown key 'poison' in [material]; did you mean 'poisson'?"));
+  CHECK_THAT(complaint(with("poisson = 0.3", "")),
              StartsWith("dir/cube.toml: 'poisson' in [material] is missing"));
   CHECK_THAT(complaint(with("patch = 1", "patsh = 1")),
              StartsWith("dir/cube.toml:16: unknown key 'patsh' in [sites]; did you mean 'patch'?"));
