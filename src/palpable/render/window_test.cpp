@@ -2,6 +2,7 @@
 
 #include "palpable/render/gl_objects.h"
 #include "palpable/render/orbit_camera.h"
+#include "tests/support/foreign_leaks.h"
 #include "tests/support/test.h"
 
 #include <X11/Xlib.h>
@@ -71,6 +72,7 @@ TEST_CASE("a window shows a picture upright and hands on what the mouse and the 
           "[render][window]") {
   const VirtualScreen screen;
   if (!screen.ready()) PALPABLE_SKIP("no Xvfb (Debian package xvfb)");
+  const test::IgnoreForeignLeaks ignore;
   Result<palpable::Window> opened = palpable::Window::open("test", 320, 200);
   if (!opened.ok()) PALPABLE_SKIP(opened.problem().message);
   palpable::Window& window = opened.value();
