@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 FOLDERS = ("src", "apps", "tests", "examples")
 
@@ -12,8 +13,12 @@ def main():
     if tool is None:
         print("SKIPPED: clang-format 14 is not installed")
         return 0
-    tracked = subprocess.run(["git", "ls-files", *FOLDERS], check=True, capture_output=True, text=True)
-    sources = [name for name in tracked.stdout.split("\n") if name.endswith((".h", ".cpp"))]
+    version = subprocess.run([tool, "--version"], capture_output=True, text=True).stdout
+    if " 14." not in version:
+        print(f"SKIPPED: clang-format 14 is not installed, only {version.strip()}")
+        return 0
+    sources = sorted(str(path) for folder in FOLDERS for path in Path(folder).rglob("*")
+                     if path.suffix in (".h", ".cpp"))
     if not sources:
         sys.exit("check_format: found no sources")
     result = subprocess.run([tool, "--dry-run", "--Werror", *sources], capture_output=True, text=True)

@@ -22,6 +22,7 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <string>
@@ -182,7 +183,9 @@ struct LiveBenchOptions {
   bool json = false;
 };
 
-void bench_live(const LiveBenchOptions& options) {
+void bench_live(LiveBenchOptions options) {
+  // With --source synthetic the clip is filmed once and kept for the next bench.
+  options.live.clip = std::filesystem::temp_directory_path() / "palpable-bench-clip";
   LiveRun run = set_up_live(options.live);
   const GlContext context = value_or_throw(GlContext::offscreen());
   SceneRenderer renderer = value_or_throw(SceneRenderer::make());

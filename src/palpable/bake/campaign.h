@@ -1,5 +1,5 @@
 /// @file
-/// All sites at all load levels: the snapshots from which a body is reduced (paper Sec. 4.2).
+/// All sites at all load levels: the snapshots from which a body is reduced (paper Sec. 5.2).
 ///
 ///   N  nodes     S  sites     L  solved levels (level 0, at rest, is not among them)
 #pragma once

@@ -22,7 +22,7 @@ struct SiteSettings {
 /// support are asked.
 ///
 /// Each site comes with its patch, weights (nodal areas, summing to 1) and direction, towards the
-/// centre of mass of the enclosed solid (paper Sec. 4.2); its full load is left at 0.
+/// centre of mass of the enclosed solid (paper Sec. 5.2); its full load is left at 0.
 /// @param skin   watertight
 /// @param fixed  (V) 1 where the support holds the vertex
 /// @throws Error when fewer vertices than `count` may be sites

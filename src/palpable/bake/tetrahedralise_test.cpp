@@ -133,7 +133,7 @@ TEST_CASE("the Stanford bunny is meshed to the paper's size", "[bake][mesh][long
   bunny.vertices *= 0.1 / height;
   const SurfaceMesh fine = remesh_surface(bunny, 2.875e-3, "bunny");
   const TetMesh mesh = tetrahedralise(fine, "bunny");
-  // Sec. 4.2: 16,519 nodes, 87,916 tetrahedra, 3,733 boundary nodes, 7,462 triangles.
+  // Sec. 5.2: 16,519 nodes, 87,916 tetrahedra, 3,733 boundary nodes, 7,462 triangles.
   // Within a few per cent; versions of the libraries differ by about that.
   CHECK(std::abs(fine.vertex_count() - 3733) < 120);
   CHECK(std::abs(mesh.node_count() - 16519) < 1000);

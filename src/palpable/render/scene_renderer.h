@@ -79,8 +79,9 @@ class SceneRenderer {
   /// @param body_depth    may be null. Z in m of the nearest body, hidden or not; NaN elsewhere
   /// @throws ContractViolation when sizes do not match
   ///
-  /// An unknown depth hides nothing, except that holes of up to 6 texels are closed with their
-  /// nearest neighbour. Outlines are about 1 pixel soft. Bodies nearer than 10 mm are cut off.
+  /// An unknown depth hides nothing, except what fill_unknown.h closes: what one eye alone sees
+  /// with the background, other holes of up to 6 texels with their nearest neighbour. Outlines are
+  /// about 1 pixel soft. Bodies nearer than 10 mm are cut off.
   void draw(const SceneView& view, ColorImage& picture, MaskImage* body_visible = nullptr,
             DepthImage* body_depth = nullptr);
 

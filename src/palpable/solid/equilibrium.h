@@ -4,8 +4,8 @@
 ///   N  nodes      u  displacement, (3 x N) m     f  nodal forces, (3 x N) N
 ///   level  factor of the full load and of the fixed displacements, > 0
 ///
-/// Total Lagrangian linear tetrahedra: find u with u = level * fixed_displacement at the held nodes
-/// and at all others
+/// Total Lagrangian tetrahedra of 4 or 10 nodes: find u with u = level * fixed_displacement at the
+/// held nodes and at all others
 ///
 ///     internal_force(u) = level * f,      internal_force = d/du sum_e V_e Psi(F_e)
 ///
