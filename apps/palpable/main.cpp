@@ -57,24 +57,12 @@ int run(int argc, char** argv) {
   if (argc > 2 && std::string(argv[1]) == "bench" && std::string(argv[2]) == "bake") {
     return become_bake(argv);
   }
-#ifdef PALPABLE_HAS_VIEW
   add_view(app);
-#endif
-#ifdef PALPABLE_HAS_LIVE
   add_live(app);
-#endif
-#ifdef PALPABLE_HAS_INSPECT
   add_inspect(app);
-#endif
-#ifdef PALPABLE_HAS_SYNTH
   add_synth(app);
-#endif
-#ifdef PALPABLE_HAS_SCORE
   add_score(app);
-#endif
-#ifdef PALPABLE_HAS_BENCH
   add_bench(app);
-#endif
   return run_command_line(app, argc, argv);
 }
 
