@@ -1,6 +1,7 @@
 #include "palpable/score/touch_score.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/score/share.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -28,10 +29,21 @@ TouchScore score_touches(std::span<const std::uint8_t> truth, std::span<const st
   const auto first_true = first_of(truth);
   const auto first_found = first_of(found);
   if (first_true && first_found) score.first_touch_delay_frames = *first_found - *first_true;
-  const double both = score.both;
-  if (score.found_touching > 0) score.precision = both / score.found_touching;
-  if (score.truly_touching > 0) score.recall = both / score.truly_touching;
+  score.precision = share_of(score.both, score.found_touching);
+  score.recall = share_of(score.both, score.truly_touching);
   return score;
+}
+
+std::optional<double> score_sites(std::span<const int> truth, std::span<const int> found) {
+  PALPABLE_EXPECT(truth.size() == found.size(), "one entry per frame in both");
+  int named = 0;
+  int same = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (truth[i] < 0 || found[i] < 0) continue;
+    ++named;
+    same += truth[i] == found[i];
+  }
+  return share_of(same, named);
 }
 
 }  // namespace palpable

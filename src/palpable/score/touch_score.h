@@ -28,4 +28,12 @@ struct TouchScore {
 [[nodiscard]] TouchScore score_touches(std::span<const std::uint8_t> truth,
                                        std::span<const std::uint8_t> found);
 
+/// Whether the right place was felt: of the frames in which truth and result both name a site, the
+/// share in which it is the same one; nothing without such a frame.
+/// @param truth, found  site per frame; -1 where none is touched, or where the truth lies between
+///                      sites
+/// @throws ContractViolation when the lists differ in length
+[[nodiscard]] std::optional<double> score_sites(std::span<const int> truth,
+                                                std::span<const int> found);
+
 }  // namespace palpable

@@ -39,8 +39,16 @@ TEST_CASE("what never happens has no delay and no share", "[score]") {
   CHECK_FALSE(never_true.recall.has_value());
 }
 
+TEST_CASE("the site counts where truth and result name one", "[score]") {
+  const std::vector<int> truth{-1, 3, 3, 3, 5, -1, 2};
+  const std::vector<int> found{3, 3, 4, 3, -1, 2, 3};
+  CHECK(*score_sites(truth, found) == Approx(0.5));  // frames 1 2 3 6: right in 1 and 3
+  CHECK_FALSE(score_sites(std::vector{-1, 2}, std::vector{2, -1}).has_value());
+}
+
 TEST_CASE("lists of different lengths are refused", "[score][errors]") {
   CHECK_THROWS_AS(score_touches(Flags{0, 1}, Flags{0}), ContractViolation);
+  CHECK_THROWS_AS(score_sites(std::vector{0, 1}, std::vector{0}), ContractViolation);
 }
 
 }  // namespace

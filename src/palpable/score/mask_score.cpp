@@ -1,0 +1,36 @@
+#include "palpable/score/mask_score.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/score/share.h"
+
+#include <cstddef>
+
+namespace palpable {
+
+MaskScore& MaskScore::operator+=(const MaskScore& other) {
+  truth += other.truth;
+  found += other.found;
+  both += other.both;
+  pixels += other.pixels;
+  return *this;
+}
+
+std::optional<double> MaskScore::iou() const { return share_of(both, truth + found - both); }
+std::optional<double> MaskScore::recall() const { return share_of(both, truth); }
+
+MaskScore compare_masks(const GrayImage& truth, std::uint8_t bit, const MaskImage& found) {
+  PALPABLE_EXPECT(truth.width() == found.width() && truth.height() == found.height(),
+                  "masks of one frame have one size");
+  MaskScore score;
+  score.pixels = static_cast<std::int64_t>(truth.size());
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const bool is = (truth.data()[i] & bit) != 0;
+    const bool said = found.data()[i] != 0;
+    score.truth += is;
+    score.found += said;
+    score.both += is && said;
+  }
+  return score;
+}
+
+}  // namespace palpable

@@ -1,0 +1,34 @@
+/// @file
+/// A mask against the true one: what moves.
+#pragma once
+
+#include "palpable/geometry/image.h"
+
+#include <cstdint>
+#include <optional>
+
+namespace palpable {
+
+/// Pixels of one frame or, added up, of many.
+struct MaskScore {
+  std::int64_t truth = 0;   ///< set in the truth
+  std::int64_t found = 0;   ///< set in the result
+  std::int64_t both = 0;    ///< set in both
+  std::int64_t pixels = 0;  ///< compared
+
+  MaskScore& operator+=(const MaskScore& other);
+
+  /// Intersection over union; nothing when neither is set anywhere.
+  [[nodiscard]] std::optional<double> iou() const;
+  /// Share of the true pixels that were found; nothing when there are none.
+  [[nodiscard]] std::optional<double> recall() const;
+};
+
+/// Compares one frame.
+/// @param truth  bit `bit` of each pixel is the true mask
+/// @param found  not 0 where the result says so; the same size
+/// @throws ContractViolation for other sizes
+[[nodiscard]] MaskScore compare_masks(const GrayImage& truth, std::uint8_t bit,
+                                      const MaskImage& found);
+
+}  // namespace palpable

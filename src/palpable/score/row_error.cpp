@@ -1,0 +1,28 @@
+#include "palpable/score/row_error.h"
+
+#include "palpable/base/contract.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace palpable {
+
+std::optional<double> largest_row_error(std::span<const TrueRowOffset> truth,
+                                        std::span<const RowCorrection> corrections, int settle) {
+  PALPABLE_EXPECT(settle >= 0, "settling takes no negative time");
+  std::optional<double> largest;
+  std::optional<int> last_step;
+  std::size_t k = 0;
+  double correction = 0;
+  for (const TrueRowOffset& frame : truth) {
+    for (; k < corrections.size() && corrections[k].frame <= frame.frame; ++k)
+      correction = corrections[k].correction_px;
+    if (frame.step) last_step = frame.frame;
+    if (last_step && frame.frame <= *last_step + settle) continue;
+    largest = std::max(largest.value_or(0), std::abs(frame.offset_px - correction));
+  }
+  return largest;
+}
+
+}  // namespace palpable
