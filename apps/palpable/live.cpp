@@ -10,6 +10,7 @@
 #include "palpable/render/gl_context.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/render/window.h"
+#include "palpable/score/percentile.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -37,6 +38,8 @@ struct Options {
   bool window = false;
   bool pictures = false;
   bool no_masks = false;
+  bool no_depth = false;
+  bool overwrite = false;
 };
 
 // Where pictures are drawn: off screen, or into the context of a window that shows them.
@@ -57,19 +60,6 @@ Stage make_stage(bool with_window, const PinholeCamera& camera) {
     stage.offscreen = value_or_throw(GlContext::offscreen());
   }
   return stage;
-}
-
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // What happened, for live.json and the last lines on the screen.
@@ -120,7 +110,9 @@ nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const
   result["pictures"] = output.figures();
   result["color_scale_pa"] = stress_scale(run.session.body());
   result["wall_s"] = wall;
-  for (const auto& [stage, values] : output.times()) result["median_ms"][stage] = median(values);
+  for (const auto& [stage, values] : output.times()) {
+    if (!values.empty()) result["median_ms"][stage] = percentile(values, 0.5);
+  }
   result["processed"] = counts.processed;
   return result;
 }
@@ -131,13 +123,16 @@ void live(const Options& options) {
   ::setenv("OPENCV_LOG_LEVEL", "SILENT", 0);
 
   LiveOptions wanted = options.live;
+  clear_earlier_run(options.out, options.overwrite);
   wanted.clip = options.out / "clip";
   LiveRun run = set_up_live(wanted);
   Session& session = run.session;
   Stage stage = make_stage(options.window, session.camera());
   SceneRenderer renderer = value_or_throw(SceneRenderer::make());
-  make_folder(options.out);
-  LiveOutput output({options.out, !options.no_masks, options.pictures});
+  LiveOutput output({.folder = options.out,
+                     .depth = !options.no_depth,
+                     .masks = !options.no_masks,
+                     .figures = options.pictures});
 
   int total = run.source->frame_count();
   if (wanted.frames > 0) total = total > 0 ? std::min(total, wanted.frames) : wanted.frames;
@@ -161,6 +156,8 @@ void live(const Options& options) {
       drawn->number = scene.number;
       drawn->time = scene.time;
       drawn->touches = scene.touches;
+      drawn->camera_from_body = session.camera_from_body();
+      if (!options.no_depth) drawn->depth = scene.seen->depth;
       if (options.pictures) {
         drawn->scores = figure_scores(scene, session, drawn->visible, drawn->body_depth,
                                       session.pressing_depth());
@@ -233,8 +230,11 @@ void add_live(CLI::App& app) {
                     "Keep the pictures that show best: hand nearer, body nearer, touch");
   command->add_flag("--no-masks", options->no_masks,
                     "Leave out visible/ and body_depth/, which palpable score compares");
+  command->add_flag("--no-depth", options->no_depth, "Leave out depth/, the measured depth");
+  command->add_flag("--overwrite", options->overwrite, "Replace an earlier run in --out");
   command->footer(
-      "Writes touch.mp4, timing.csv, touches.jsonl, live.json, visible/ and body_depth/.\n"
+      "Writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, live.json,\n"
+      "depth/, visible/ and body_depth/ (docs/benchmark.md has the formats).\n"
       "Example: palpable live bunny.palpable --source synthetic --out out\n"
       "Example: palpable live bunny.palpable --source desk --place \"0 0.1 0.6 0 40 0\" "
       "--ignore-static --out out");

@@ -21,11 +21,17 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kInFlight = 4;
-constexpr float kDepthUnit = 1e-4f;  // m per count
-constexpr double kDefaultRate = 30;  // of a clip of one frame
+constexpr float kDepthUnit = 0.25e-3f;     // m per count of depth/ (docs/benchmark.md)
+constexpr float kBodyDepthUnit = 1e-4f;    // m per count of body_depth/
+constexpr float kLargestDepth = 65534.0f;  // counts; the next one means too close
+constexpr double kDefaultRate = 30;        // of a clip of one frame
 constexpr std::array kStages{"read",    "rectify",  "disparity", "depth", "background",
                              "contact", "evaluate", "draw",      "write"};
 constexpr std::array kFigureNames{"hand_nearer.png", "body_nearer.png", "touch.png"};
+// All that a run may leave in its folder, timing.csv first: every run begins with it.
+constexpr std::array kOutputs{"timing.csv", "touches.jsonl", "trajectory.txt", "pose.jsonl",
+                              "live.json",  "touch.mp4",     "depth",          "visible",
+                              "body_depth", kFigureNames[0], kFigureNames[1],  kFigureNames[2]};
 
 void make_folder(const fs::path& folder) {
   std::error_code error;
@@ -50,6 +56,22 @@ void write_image(const fs::path& path, const cv::Mat& image) {
   }
 }
 
+// 0 where unknown, or farther than the counts reach.
+cv::Mat counts_of(const DepthImage& depth) {
+  cv::Mat counts(depth.height(), depth.width(), CV_16UC1);
+  for (int y = 0; y < counts.rows; ++y) {
+    const float* from = depth.row(y);
+    auto* to = counts.ptr<std::uint16_t>(y);
+    for (int x = 0; x < counts.cols; ++x) {
+      const float count = std::round(from[x] / kDepthUnit);
+      to[x] = count >= 1.0f && count <= kLargestDepth  // false for NaN
+                  ? static_cast<std::uint16_t>(count)
+                  : std::uint16_t{0};
+    }
+  }
+  return counts;
+}
+
 // Half size, 0.1 mm: the mean of the two to four known depths of a block, 0 for fewer.
 cv::Mat halved(const DepthImage& depth) {
   cv::Mat half(depth.height() / 2, depth.width() / 2, CV_16UC1);
@@ -66,7 +88,7 @@ cv::Mat halved(const DepthImage& depth) {
         ++count;
       }
       const float counts =
-          count >= 2 ? std::round(sum / (static_cast<float>(count) * kDepthUnit)) : 0.0f;
+          count >= 2 ? std::round(sum / (static_cast<float>(count) * kBodyDepthUnit)) : 0.0f;
       out[x] = counts < 65535.0f ? static_cast<std::uint16_t>(counts) : std::uint16_t{0};
     }
   }
@@ -75,17 +97,46 @@ cv::Mat halved(const DepthImage& depth) {
 
 }  // namespace
 
-LiveOutput::LiveOutput(const LiveOutputSettings& settings)
-    : settings_(settings),
-      ready_(kInFlight),
-      free_(kInFlight),
-      timing_(open_file(settings.folder / "timing.csv")),
-      touches_(open_file(settings.folder / "touches.jsonl")) {
-  for (const char* folder : {"visible", "body_depth"}) {
+void clear_earlier_run(const fs::path& folder, bool overwrite) {
+  std::vector<fs::path> there;
+  for (const char* name : kOutputs) {
     std::error_code ignored;
-    fs::remove_all(settings_.folder / folder, ignored);  // of an earlier run: not to be mixed
-    if (settings_.masks) make_folder(settings_.folder / folder);
+    if (fs::exists(folder / name, ignored)) there.push_back(folder / name);
   }
+  if (there.empty()) return;
+  // A folder depth/ alone is somebody's data.
+  if (there.front() != folder / kOutputs[0]) {
+    throw Error(fmt::format("{}: is in the way and not of an earlier run; give another --out",
+                            there.front().string()));
+  }
+  if (!overwrite) {
+    throw Error(
+        fmt::format("{}: holds an earlier run; give another --out, or --overwrite to replace it",
+                    folder.string()));
+  }
+  for (const fs::path& path : there) {
+    std::error_code error;
+    fs::remove_all(path, error);
+    if (error) {
+      throw Error(fmt::format("{}: cannot be removed: {}", path.string(), error.message()));
+    }
+  }
+}
+
+LiveOutput::LiveOutput(const LiveOutputSettings& settings)
+    : settings_(settings), ready_(kInFlight), free_(kInFlight) {
+  const fs::path& folder = settings_.folder;
+  make_folder(folder);
+  if (settings_.depth) make_folder(folder / "depth");
+  if (settings_.masks) {
+    make_folder(folder / "visible");
+    make_folder(folder / "body_depth");
+  }
+  timing_ = open_file(folder / "timing.csv");
+  touches_ = open_file(folder / "touches.jsonl");
+  trajectory_ = open_file(folder / "trajectory.txt");
+  poses_ = open_file(folder / "pose.jsonl");
+  trajectory_ << "# time tx ty tz qx qy qz qw: world_from_camera of the rectified left camera\n";
   timing_ << "frame";
   for (const char* stage : kStages) {
     timing_ << "," << stage << "_ms";
@@ -143,16 +194,11 @@ void LiveOutput::run() {
 void LiveOutput::write_frame(DrawnFrame& frame) {
   {
     const StageTimer timer(frame.times, "write");
+    if (settings_.depth) write_depth(frame);
     if (settings_.masks) write_masks(frame);
     write_video(frame);
     consider(frame);
-    for (const Touch& touch : frame.touches) {
-      touches_ << fmt::format(
-          "{{\"frame\":{},\"time\":{:.6f},\"site\":{},\"level\":{:.6f},\"force\":{:.6f},"
-          "\"press_depth\":{:.7f},\"point\":[{:.6f},{:.6f},{:.6f}]}}\n",
-          frame.number, frame.time, touch.site, touch.level, touch.force, touch.press_depth,
-          touch.point_in_body.x(), touch.point_in_body.y(), touch.point_in_body.z());
-    }
+    write_lines(frame);
   }
   timing_ << frame.number;
   double total = 0;
@@ -163,6 +209,33 @@ void LiveOutput::write_frame(DrawnFrame& frame) {
     timing_ << fmt::format(",{:.3f}", ms);
   }
   timing_ << "\n";
+}
+
+void LiveOutput::write_lines(const DrawnFrame& frame) {
+  for (const Touch& touch : frame.touches) {
+    touches_ << fmt::format(
+        "{{\"frame\":{},\"time\":{:.6f},\"site\":{},\"level\":{:.6f},\"force\":{:.6f},"
+        "\"press_depth\":{:.7f},\"point\":[{:.6f},{:.6f},{:.6f}]}}\n",
+        frame.number, frame.time, touch.site, touch.level, touch.force, touch.press_depth,
+        touch.point_in_body.x(), touch.point_in_body.y(), touch.point_in_body.z());
+  }
+  const Eigen::Vector3d t = frame.world_from_camera.translation();
+  const Eigen::Quaterniond q(frame.world_from_camera.linear());
+  trajectory_ << fmt::format("{:.6f} {:.7f} {:.7f} {:.7f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
+                             frame.time, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+  poses_ << fmt::format("{{\"frame\":{},\"camera_from_body\":[", frame.number);
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      poses_ << fmt::format("{}{:.9g}", row + column > 0 ? "," : "",
+                            frame.camera_from_body.matrix()(row, column));
+    }
+  }
+  poses_ << "]}\n";
+}
+
+void LiveOutput::write_depth(const DrawnFrame& frame) {
+  write_image(settings_.folder / "depth" / fmt::format("{:06d}.png", frame.number),
+              counts_of(frame.depth));
 }
 
 void LiveOutput::write_masks(const DrawnFrame& frame) {
@@ -230,14 +303,11 @@ void LiveOutput::end_files() {
   video_.reset();
   close_file(timing_, settings_.folder / "timing.csv");
   close_file(touches_, settings_.folder / "touches.jsonl");
+  close_file(trajectory_, settings_.folder / "trajectory.txt");
+  close_file(poses_, settings_.folder / "pose.jsonl");
   for (std::size_t i = 0; i < best_.size(); ++i) {
-    const fs::path path = settings_.folder / kFigureNames[i];
-    if (settings_.figures) {
-      std::error_code ignored;
-      fs::remove(path, ignored);
-    }
     if (best_score_[i] <= 0) continue;
-    write_png(path, best_[i]);
+    write_png(settings_.folder / kFigureNames[i], best_[i]);
     figures_.emplace_back(kFigureNames[i]);
   }
 }

@@ -4,6 +4,9 @@
 ///   touch.mp4                 the pictures
 ///   timing.csv                ms per stage per frame
 ///   touches.jsonl             {"frame","time","site","level","force","press_depth","point"} in SI
+///   trajectory.txt            TUM: time tx ty tz qx qy qz qw, world_from_camera
+///   pose.jsonl                {"frame","camera_from_body"}: where the body was drawn, row by row
+///   depth/%06d.png            the measured Z, 16 bit, 0.25 mm, 0 unknown, 65535 too close
 ///   visible/%06d.png          255 where the body is seen
 ///   body_depth/%06d.png       Z of the whole body at half size, 16 bit, 0.1 mm, 0 none
 ///   hand_nearer.png body_nearer.png touch.png   the three situations of Fig. 9, if asked for
@@ -13,6 +16,7 @@
 #include "palpable/base/stage_clock.h"
 #include "palpable/contact/touch.h"
 #include "palpable/geometry/image.h"
+#include "palpable/geometry/rigid.h"
 
 #include <array>
 #include <exception>
@@ -44,19 +48,29 @@ struct DrawnFrame {
   ColorImage picture;
   MaskImage visible;
   DepthImage body_depth;  ///< full size
+  DepthImage depth;       ///< as measured; left empty when settings.depth is off
+  Rigid3 camera_from_body = Rigid3::Identity();   ///< where the body was drawn
+  Rigid3 world_from_camera = Rigid3::Identity();  ///< stays so for a fixed camera
   StageTimes times;
   FigureScores scores;
 };
 
 struct LiveOutputSettings {
-  std::filesystem::path folder;  ///< must exist
+  std::filesystem::path folder;  ///< made if it is not there
+  bool depth = true;
   bool masks = true;
   bool figures = false;
 };
 
+/// Keeps runs apart: removes what an earlier run left in `folder` (the files listed above and
+/// live.json, nothing else) if `overwrite` says so.
+/// @throws Error when there is such a run and `overwrite` is false, or when one of these names is
+/// there without timing.csv, and so of somebody else
+void clear_earlier_run(const std::filesystem::path& folder, bool overwrite);
+
 class LiveOutput {
  public:
-  /// @throws Error when files in the folder cannot be made
+  /// @throws Error when the folder or files in it cannot be made
   explicit LiveOutput(const LiveOutputSettings& settings);
   LiveOutput(const LiveOutput&) = delete;
   LiveOutput& operator=(const LiveOutput&) = delete;
@@ -81,6 +95,8 @@ class LiveOutput {
  private:
   void run();
   void write_frame(DrawnFrame& frame);
+  void write_lines(const DrawnFrame& frame);
+  void write_depth(const DrawnFrame& frame);
   void write_masks(const DrawnFrame& frame);
   void write_video(const DrawnFrame& frame);
   void open_video(const ColorImage& picture, double frames_per_second);
@@ -94,6 +110,8 @@ class LiveOutput {
   BoundedQueue<std::unique_ptr<DrawnFrame>> free_;
   std::ofstream timing_;
   std::ofstream touches_;
+  std::ofstream trajectory_;
+  std::ofstream poses_;
   std::unique_ptr<cv::VideoWriter> video_;
   ColorImage first_picture_;  // held back until the second frame tells the rate
   double first_time_ = 0;
