@@ -31,6 +31,7 @@ namespace fs = std::filesystem;
 
 constexpr double kFramesPerSecond = 30.0;
 constexpr int kJpegQuality = 96;
+constexpr double kDepthUnit = 0.00025;   // m per count (docs/benchmark.md)
 constexpr int kIgnoreStaticFrames = 15;  // what these show does not press
 
 DeskBody desk_body(const ReducedBody& body) {
@@ -79,15 +80,14 @@ void write_jpeg(const fs::path& path, ColorImage& picture) {
 }
 
 void write_depth(const fs::path& path, const DepthImage& depth) {
-  cv::Mat tenths(depth.height(), depth.width(), CV_16UC1);
+  cv::Mat counts(depth.height(), depth.width(), CV_16UC1);
   for (int y = 0; y < depth.height(); ++y)
     for (int x = 0; x < depth.width(); ++x) {
-      const float z = depth(x, y);
-      const float value = std::round(z * 1e4F);
-      tenths.at<std::uint16_t>(y, x) =
+      const float value = std::round(depth(x, y) / static_cast<float>(kDepthUnit));
+      counts.at<std::uint16_t>(y, x) =
           value >= 1.0F && value <= 65535.0F ? static_cast<std::uint16_t>(value) : std::uint16_t{0};
     }
-  write_image(path, tenths, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  write_image(path, counts, {cv::IMWRITE_PNG_COMPRESSION, 1});
 }
 
 std::string capsule_line(int frame, const std::vector<HandCapsule>& hand,
@@ -125,9 +125,9 @@ void write_texts(const fs::path& out, const PressClip& clip, const RectifiedSter
   camera.write(fmt::format(
       "# The rectified left camera (px; baseline in m). Depth images have half its size.\n"
       "fx = {:.12g}\nfy = {:.12g}\ncx = {:.12g}\ncy = {:.12g}\nwidth = {}\nheight = {}\n"
-      "baseline = {:.12g}\n",
+      "baseline = {:.12g}\nfps = {}\ndepth_unit_m = {}\n",
       stereo.camera.fx_px, stereo.camera.fy_px, stereo.camera.cx_px, stereo.camera.cy_px,
-      stereo.camera.width, stereo.camera.height, stereo.baseline));
+      stereo.camera.width, stereo.camera.height, stereo.baseline, kFramesPerSecond, kDepthUnit));
   camera.close();
 
   TextFile script(out / "truth" / "script.toml");

@@ -377,6 +377,166 @@ def _(programs, folder):
     assert score["occlusion_iou"] > 0.9, score
 
 
+# A truth and a result of three frames, 20 x 10 px, whose scores can be counted by hand.
+IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
+
+
+def lines(path, rows):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("".join((row if isinstance(row, str) else json.dumps(row)) + "\n" for row in rows))
+
+
+def images(folder, shade, bits, frames=3):
+    folder.mkdir(parents=True, exist_ok=True)
+    for n in range(frames):
+        (folder / f"{n:06d}.png").write_bytes(
+            png(20, 10, lambda x, y: shade(n, x, y), bits=bits, channels=1))
+
+
+def write_truth(folder):
+    """A desk at 0.5 m; a hand at 0.3 m over the left quarter; 4 px at 0.1 m. The camera goes 2 mm a frame."""
+    lines(folder / "camera.toml", ["width = 20", "height = 10", "fps = 2", "depth_unit_m = 0.00025"])
+    images(folder / "depth", lambda n, x, y: 400 if y == 9 and x > 15 else 1200 if x < 5 else 2000, 16)
+    images(folder / "labels", lambda n, x, y: 3 if x < 5 else 2, 8)
+    lines(folder / "trajectory.txt", [f"{n / 2} {0.002 * n} 0 0 0 0 0 1" for n in range(3)])
+    lines(folder / "contact.jsonl", [{"frame": n, "touching": n > 0, "site": 1 if n > 0 else -1} for n in range(3)])
+    lines(folder / "hand.jsonl", [{"frame": n, "capsules": [[0, 0, 0.3, 0, 0, 0.3, 0.02, 0.02]]} for n in range(3)])
+    lines(folder / "rig.jsonl", [{"frame": n, "row_offset_px": 0.25} for n in range(3)])
+    return folder
+
+
+def write_result(folder):
+    # The hand's depth is 2 % off in one column of five; the 0.1 m are called 0.5 m in one pixel of four.
+    images(folder / "depth", lambda n, x, y: 1224 if x == 0 else 1200 if x < 5
+           else (2000 if x == 16 else 65535) if y == 9 and x > 15 else 2000, 16)
+    images(folder / "moving", lambda n, x, y: 255 if x < 4 else 0, 8)
+    # A body at 0.4 m over columns 2..11: hidden up to column 4; drawn from column 6 on, in frame 2 from 5.
+    images(folder / "body_depth", lambda n, x, y: 4000 if 2 <= x <= 11 and y < 9 else 0, 16)
+    images(folder / "visible", lambda n, x, y: 255 if (5 if n == 2 else 6) <= x <= 11 and y < 9 else 0, 8)
+    lines(folder / "trajectory.txt", [f"{n / 2} 0 0 0 0 0 0 1" for n in range(3)])
+    lines(folder / "pose.jsonl", [{"frame": n, "camera_from_body": IDENTITY} for n in range(3)])
+    lines(folder / "touches.jsonl", [{"frame": 2, "site": 1}])
+    lines(folder / "rectification.jsonl", [{"frame": 0, "row_correction_px": 0.1}])
+    # A triangle with a corner 5 mm inside the hand. In frame 2 the corner rises by 3 mm, while the hand goes
+    # 2 mm with the camera: 1 mm is a pop.
+    for n in range(3):
+        (folder / "meshes").mkdir(exist_ok=True)
+        lines(folder / f"meshes/{n:06d}.ply", [
+            "ply", "format ascii 1.0", "element vertex 3", "property float x", "property float y",
+            "property float z", "element face 1", "property list uchar int vertex_indices", "end_header",
+            f"0 0 {0.315 if n < 2 else 0.318}", "0.1 0 0.4", "0 0.1 0.4", "3 0 1 2"])
+    return folder
+
+
+KEYS = """depth_median depth_within_1pct hand_within_1pct too_close_called_far ate_mm rpe_mm moving_iou moving_recall
+touch_precision touch_recall first_touch_delay_frames penetration_median_mm penetration_p99_mm largest_pop_mm
+occlusion_iou edge_error_px flicker jitter_mm row_error_px""".split()
+
+
+@case("a result made by hand has the scores that one counts")
+def _(programs, folder):
+    truth, result = write_truth(folder / "truth"), write_result(folder / "result")
+    scores = json.loads(programs.succeeds("score", truth, result, "--json").stdout)
+    def close(value, wanted):
+        assert abs(value - wanted) <= 1e-4 * max(1, abs(wanted)), f"{value} is not {wanted}\n{scores}"
+    assert set(scores["depth_median"]) == {"0.2", "0.3", "0.5", "1", "2", "5", "10", "15"}, scores
+    close(scores["depth_median"]["0.3"], 0)
+    close(scores["depth_within_1pct"]["0.3"], 0.8)
+    close(scores["depth_within_1pct"]["0.5"], 1)
+    assert scores["depth_median"]["5"] is None and scores["depth_within_1pct"]["5"] is None, scores
+    close(scores["hand_within_1pct"], 0.8)
+    close(scores["too_close_called_far"], 0.25)
+    close(scores["ate_mm"], 2 * (2 / 3) ** 0.5)  # 0, 2, 4 mm about their mean
+    close(scores["rpe_mm"], 4)
+    close(scores["moving_iou"], 0.8)
+    close(scores["moving_recall"], 0.8)
+    close(scores["touch_precision"], 1)
+    close(scores["touch_recall"], 0.5)
+    close(scores["touch_site"], 1)
+    assert scores["first_touch_delay_frames"] == 1, scores
+    close(scores["penetration_median_mm"], 3.5)  # 5 and 2 mm in the two frames that touch
+    close(scores["penetration_p99_mm"], 4.97)
+    close(scores["largest_pop_mm"], 1)
+    close(scores["occlusion_iou"], (6 / 7 + 6 / 7 + 1) / 3)
+    close(scores["edge_error_px"], 2 * 36 / 54)  # one column in two frames of three
+    close(scores["flicker"], 9 / 180)  # column 5 in the last of two steps
+    close(scores["jitter_mm"], 2 * (2 / 3) ** 0.5)
+    close(scores["row_error_px"], 0.15)
+    text = programs.succeeds("score", truth, result).stdout
+    assert "true touches that are felt" in text and "0.500" in text, text
+
+
+@case("what a result does not hold is null, one by one")
+def _(programs, folder):
+    truth = write_truth(folder / "truth")
+    parts = {"depth": 4, "moving": 2, "visible": 3, "trajectory.txt": 2, "touches.jsonl": 3, "pose.jsonl": 4,
+             "rectification.jsonl": 1, "meshes": 3}
+    for part, missing in parts.items():
+        result = write_result(folder / f"without {part}")
+        shutil.rmtree(result / part) if (result / part).is_dir() else (result / part).unlink()
+        scores = json.loads(programs.succeeds("score", truth, result, "--json").stdout)
+        assert set(KEYS) <= set(scores), set(KEYS) - set(scores)
+        nulls = [key for key in KEYS if scores[key] is None]
+        assert len(nulls) == missing, f"without {part}: {nulls}"
+
+
+@case("folders that are no truth and no result are refused with file and line")
+def _(programs, folder):
+    truth, result = write_truth(folder / "truth"), write_result(folder / "result")
+    (folder / "empty").mkdir()
+    programs.refuses("score", folder / "empty", result, says=["empty", "camera.toml"])
+    programs.refuses("score", truth, folder / "empty", says=["empty", "benchmark.md"])
+    with open(result / "touches.jsonl", "a") as touches:
+        touches.write("{\"frame\": 2, \"si\n")
+    programs.refuses("score", truth, result, says=["touches.jsonl: line 2"])
+    write_result(result)
+    (result / "depth/000001.png").write_bytes(png(10, 20, lambda x, y: 9, bits=16, channels=1))
+    programs.refuses("score", truth, result, says=["depth/000001.png", "10 x 20", "20 x 10"])
+    (result / "depth/000001.png").write_bytes(b"no picture")
+    programs.refuses("score", truth, result, says=["depth/000001.png"])
+    write_result(result)
+    text = (result / "meshes/000002.ply").read_text()
+    for old, new in (("vertex 3", "vertex 4"), ("face 1", "face 2"), ("3 0 1 2", "0.1 0.1 0.4\n3 0 1 2\n3 0 1 3")):
+        text = text.replace(old, new)
+    (result / "meshes/000002.ply").write_text(text)
+    programs.refuses("score", truth, result, says=["meshes/000002.ply", "4 vertices", "3"])
+
+
+@case("the example scores the depth of a method of one's own")
+def _(programs, folder):
+    write_truth(folder / "clip/truth")
+    for eye in ("left", "right"):
+        (folder / "clip/frames" / eye).mkdir(parents=True)
+        for n in range(3):
+            (folder / "clip/frames" / eye / f"{n:06d}.png").write_bytes(png(40, 20, texture(0)))
+    run = subprocess.run([sys.executable, ROOT / "examples/score_my_depth.py", folder / "clip", folder / "mine",
+                          programs.palpable], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    scores = json.loads(run.stdout)
+    # Its wall at 0.5 m is where the desk is, and nowhere else.
+    assert scores["depth_within_1pct"]["0.5"] == 1 and scores["hand_within_1pct"] == 0, scores
+    assert scores["too_close_called_far"] == 1 and scores["ate_mm"] is None, scores
+
+
+@case("an earlier run is replaced only if asked, and nobody else's files at all")
+def _(programs, folder):
+    write_stereo(folder / "clip", frames=2)
+    programs.succeeds(*live(programs, folder))
+    out = folder / "out"
+    for name in ("trajectory.txt", "pose.jsonl", "depth/000001.png", "visible/000001.png", "body_depth/000001.png"):
+        assert (out / name).stat().st_size > 0, name
+    before = (out / "live.json").read_bytes()
+    (out / "notes.txt").write_text("mine")
+    programs.refuses(*live(programs, folder), says=["out", "earlier run", "--overwrite"])
+    assert (out / "live.json").read_bytes() == before
+    programs.succeeds(*live(programs, folder, "--overwrite", "--no-depth"))
+    assert not (out / "depth").exists() and (out / "visible/000001.png").exists()
+    assert (out / "notes.txt").read_text() == "mine"
+    (folder / "data/depth").mkdir(parents=True)
+    programs.refuses(*live(programs, folder, "--overwrite")[:-3], "--out", folder / "data", "--overwrite",
+                     says=["data/depth", "not of an earlier run"])
+
+
 def on_screen(programs, *words, cwd=None):
     """Runs the program on a screen of its own (Xvfb); None where there is none."""
     if shutil.which("xvfb-run") is None:

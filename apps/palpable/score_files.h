@@ -1,0 +1,71 @@
+/// @file
+/// The folders that `palpable score` compares, read and checked; docs/benchmark.md has the formats.
+#pragma once
+
+#include "palpable/geometry/rigid.h"
+#include "palpable/score/depth_score.h"
+#include "palpable/score/penetration.h"
+#include "palpable/score/row_error.h"
+#include "palpable/score/trajectory_score.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace palpable::app {
+
+struct TrueContact {
+  bool touching = false;
+  int site = -1;  ///< -1 between sites, or not touching
+};
+
+/// What palpable synth writes beside its images. Only camera.toml must be there; lists of files
+/// that are not are empty.
+struct TruthFolder {
+  std::filesystem::path folder;
+  double depth_unit = 0;                          ///< m per count of depth/, in truth and result
+  double frames_per_second = 0;                   ///< > 0
+  int frames = 0;                                 ///< > 0
+  std::vector<TrueContact> contacts;              ///< one per frame
+  std::vector<StampedPose> trajectory;            ///< one per frame
+  std::map<int, std::vector<TrueCapsule>> hands;  ///< per frame, camera frame; no entry: no hand
+  std::vector<TrueRowOffset> rows;
+};
+
+struct FoundTouch {
+  int site = -1;                ///< -1: not said
+  std::optional<double> level;  ///< of the site's full load
+};
+
+/// What a run left. Nothing is there that the folder does not hold.
+struct ResultFolder {
+  std::filesystem::path folder;
+  /// (frames of the truth) 1 where live.json counts the frame as processed; all 1 without it.
+  std::vector<std::uint8_t> processed;
+  std::optional<Rigid3> camera_from_body;            ///< live.json
+  std::optional<std::map<int, FoundTouch>> touches;  ///< by frame
+  std::optional<std::map<int, Rigid3>> poses;        ///< camera_from_body by frame
+  std::optional<std::vector<StampedPose>> trajectory;
+  std::optional<std::vector<RowCorrection>> corrections;
+
+  /// Where the body was drawn: pose.jsonl, else live.json.
+  [[nodiscard]] std::optional<Rigid3> pose_at(int frame) const;
+};
+
+/// @param folder  TRUTH, or the folder that holds truth/
+/// @throws Error naming file and line when something is missing or makes no sense
+[[nodiscard]] TruthFolder read_truth_folder(const std::filesystem::path& folder);
+/// @throws Error as above, and when the folder holds none of the files of a result
+[[nodiscard]] ResultFolder read_result_folder(const std::filesystem::path& folder, int frames);
+
+/// FOLDER/KIND/%06d.png; nothing when there is no such file. @throws Error naming it when it cannot
+/// be read
+[[nodiscard]] std::optional<DepthCounts> read_counts(const std::filesystem::path& folder,
+                                                     const char* kind, int frame);
+/// The same for 8-bit images.
+[[nodiscard]] std::optional<GrayImage> read_gray(const std::filesystem::path& folder,
+                                                 const char* kind, int frame);
+
+}  // namespace palpable::app

@@ -1,0 +1,177 @@
+#include "apps/palpable/score_images.h"
+
+#include "apps/palpable/json_value.h"
+#include "palpable/base/error.h"
+#include "palpable/score/mask_score.h"
+#include "palpable/score/occlusion.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <string>
+
+namespace palpable::app {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr float kBodyDepthUnit = 1e-4f;  // m per count of body_depth/
+constexpr double kPictureScale = 2;      // full-size px per px of the truth
+constexpr double kPartlyHidden = 0.02;   // of the body, from which it counts as such
+
+DepthImage metres(const DepthCounts& counts, float unit) {
+  DepthImage depth(counts.width(), counts.height());
+  std::transform(counts.begin(), counts.end(), depth.begin(), [&](std::uint16_t count) {
+    return count == kNoDepth ? std::numeric_limits<float>::quiet_NaN()
+                             : static_cast<float>(count) * unit;
+  });
+  return depth;
+}
+
+// The images of one frame must be of one size, masks may be twice as large.
+template <class A, class B>
+void expect_size(const A& image, const B& truth, bool or_twice, const TruthFolder& of,
+                 const std::filesystem::path& folder, const char* kind, int frame) {
+  const bool same = image.width() == truth.width() && image.height() == truth.height();
+  const bool twice = image.width() == 2 * truth.width() && image.height() == 2 * truth.height();
+  if (same || (or_twice && twice)) return;
+  throw Error(fmt::format("{}: {} x {}, but {} is {} x {}",
+                          (folder / kind / fmt::format("{:06d}.png", frame)).string(),
+                          image.width(), image.height(),
+                          (of.folder / "depth" / fmt::format("{:06d}.png", frame)).string(),
+                          truth.width(), truth.height()));
+}
+
+MaskImage to_half(const MaskImage& mask, int width) {
+  if (mask.width() == width) return mask;
+  MaskImage half(mask.width() / 2, mask.height() / 2);
+  for (int y = 0; y < half.height(); ++y) {
+    for (int x = 0; x < half.width(); ++x) {
+      const int set = (mask(2 * x, 2 * y) != 0) + (mask(2 * x + 1, 2 * y) != 0) +
+                      (mask(2 * x, 2 * y + 1) != 0) + (mask(2 * x + 1, 2 * y + 1) != 0);
+      half(x, y) = set >= 2 ? 255 : 0;
+    }
+  }
+  return half;
+}
+
+// Masks are 255 or 0; what lossy tools made of them is set from the middle on.
+MaskImage as_mask(GrayImage gray) {
+  for (std::uint8_t& value : gray) value = value > 127 ? 255 : 0;
+  return gray;
+}
+
+class OcclusionSum {
+ public:
+  void add(int frame, const MaskImage& visible, const DepthImage& body, const DepthImage& real) {
+    SightImage truth = true_sight(body, real);
+    SightImage drawn = drawn_sight(visible, body);
+    const MaskOverlap overlap = overlap_of(truth, drawn);
+    ++frames_;
+    sum_ += overlap.iou();
+    worst_ = std::min(worst_, overlap.iou());
+    if (overlap.body > 0 &&
+        static_cast<double>(overlap.hidden) >= kPartlyHidden * static_cast<double>(overlap.body)) {
+      ++hidden_frames_;
+      hidden_sum_ += overlap.iou();
+    }
+    const BorderError border = border_error(truth, drawn);
+    border_.sum_px += border.sum_px;
+    border_.pixels += border.pixels;
+    if (last_frame_ == frame - 1 && truth_.width() == truth.width() &&
+        truth_.height() == truth.height()) {
+      const Flicker flicker = flicker_between(truth_, drawn_, truth, drawn);
+      flicker_.pixels += flicker.pixels;
+      flicker_.changed += flicker.changed;
+    }
+    last_frame_ = frame;
+    truth_ = std::move(truth);
+    drawn_ = std::move(drawn);
+  }
+
+  void write(ordered_json& scores) const {
+    const auto mean = [](double sum, int n) {
+      return n == 0 ? std::nullopt : std::optional(sum / n);
+    };
+    scores["occlusion_iou"] = or_null(mean(sum_, frames_));
+    scores["occlusion_iou_where_hidden"] = or_null(mean(hidden_sum_, hidden_frames_));
+    scores["occlusion_iou_worst_frame"] = frames_ > 0 ? ordered_json(worst_) : nullptr;
+    const std::optional<double> border = border_.mean_px();
+    scores["edge_error_px"] = border ? ordered_json(kPictureScale * *border) : nullptr;
+    scores["flicker"] = or_null(flicker_.share());
+  }
+
+ private:
+  int frames_ = 0;
+  double sum_ = 0;
+  double worst_ = 1;
+  int hidden_frames_ = 0;
+  double hidden_sum_ = 0;
+  BorderError border_;
+  Flicker flicker_;
+  int last_frame_ = -2;
+  SightImage truth_;
+  SightImage drawn_;
+};
+
+void write_depth(const DepthScore& score, bool any, ordered_json& scores) {
+  for (const char* key : {"depth_median", "depth_within_1pct", "depth_density"})
+    scores[key] = nullptr;
+  if (any) {
+    for (std::size_t k = 0; k < kDepthDistances.size(); ++k) {
+      const std::string distance = fmt::format("{}", kDepthDistances[k]);
+      scores["depth_median"][distance] = or_null(score.at[k].median_error);
+      scores["depth_within_1pct"][distance] = or_null(score.at[k].within_1pct);
+      scores["depth_density"][distance] = or_null(score.at[k].density);
+    }
+  }
+  scores["hand_within_1pct"] = or_null(score.hand_within_1pct);
+  scores["hand_near_frames"] = any ? ordered_json(score.near_frames) : nullptr;
+  scores["too_close_called_far"] = or_null(score.too_close_called_far);
+}
+
+}  // namespace
+
+void score_images(const TruthFolder& truth, const ResultFolder& result, const Progress& progress,
+                  ordered_json& scores) {
+  DepthScorer depth(truth.depth_unit);
+  bool any_depth = false;
+  MaskScore moving;
+  OcclusionSum occlusion;
+  for (int frame = 0; frame < truth.frames; ++frame) {
+    report(progress, {"comparing images", frame + 1.0, static_cast<double>(truth.frames), ""});
+    if (result.processed[static_cast<std::size_t>(frame)] == 0) continue;
+    const auto true_depth = read_counts(truth.folder, "depth", frame);
+    if (!true_depth) continue;
+    const auto labels = read_gray(truth.folder, "labels", frame);
+    if (labels) expect_size(*labels, *true_depth, false, truth, truth.folder, "labels", frame);
+
+    if (const auto found = read_counts(result.folder, "depth", frame)) {
+      expect_size(*found, *true_depth, false, truth, result.folder, "depth", frame);
+      depth.add(*true_depth, labels.value_or(GrayImage{}), *found);
+      any_depth = true;
+    }
+    if (labels) {
+      if (const auto found = read_gray(result.folder, "moving", frame)) {
+        expect_size(*found, *true_depth, true, truth, result.folder, "moving", frame);
+        moving += compare_masks(*labels, kMovingLabel, to_half(as_mask(*found), labels->width()));
+      }
+    }
+    const auto visible = read_gray(result.folder, "visible", frame);
+    const auto body = read_counts(result.folder, "body_depth", frame);
+    if (visible && body) {
+      expect_size(*visible, *true_depth, true, truth, result.folder, "visible", frame);
+      expect_size(*body, *true_depth, false, truth, result.folder, "body_depth", frame);
+      occlusion.add(frame, as_mask(*visible), metres(*body, kBodyDepthUnit),
+                    metres(*true_depth, static_cast<float>(truth.depth_unit)));
+    }
+  }
+  write_depth(depth.score(), any_depth, scores);
+  scores["moving_iou"] = or_null(moving.iou());
+  scores["moving_recall"] = or_null(moving.recall());
+  occlusion.write(scores);
+}
+
+}  // namespace palpable::app

@@ -1,0 +1,113 @@
+#include "apps/palpable/score_surface.h"
+
+#include "palpable/base/error.h"
+#include "palpable/geometry/mesh_file.h"
+#include "palpable/score/percentile.h"
+#include "palpable/score/pop.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+// What was drawn in each frame, body frame.
+class Surfaces {
+ public:
+  Surfaces(const ResultFolder& result, const ReducedBody* body)
+      : result_(result), body_(body), meshes_(fs::is_directory(result.folder / "meshes")) {}
+
+  [[nodiscard]] std::optional<Eigen::Matrix3Xd> at(int frame) const {
+    if (meshes_) return from_file(frame);
+    if (body_ == nullptr || !result_.touches) return std::nullopt;
+    return from_touch(frame);
+  }
+
+ private:
+  [[nodiscard]] std::optional<Eigen::Matrix3Xd> from_file(int frame) const {
+    const fs::path path = result_.folder / "meshes" / fmt::format("{:06d}.ply", frame);
+    if (!fs::exists(path)) return std::nullopt;
+    return value_or_throw(read_surface_file(path)).vertices;
+  }
+
+  [[nodiscard]] Eigen::Matrix3Xd from_touch(int frame) const {
+    const auto touch = result_.touches->find(frame);
+    if (touch == result_.touches->end()) return body_->surface.vertices;
+    const auto [site, level] = touch->second;
+    const fs::path path = result_.folder / "touches.jsonl";
+    if (site < 0 || !level) {
+      throw Error(fmt::format("{}: frame {} has no site and level, which --body needs",
+                              path.string(), frame));
+    }
+    if (static_cast<std::size_t>(site) >= body_->sites.size()) {
+      throw Error(fmt::format("{}: frame {} presses site {}, but {} has {} sites", path.string(),
+                              frame, site, body_->name, body_->sites.size()));
+    }
+    Eigen::Matrix3Xf u = Eigen::Matrix3Xf::Zero(3, body_->surface.vertices.cols());
+    body_->displacement.evaluate(std::array{static_cast<double>(site), *level},
+                                 std::span<float>(u.data(), static_cast<std::size_t>(u.size())));
+    return body_->surface.vertices + u.cast<double>();
+  }
+
+  const ResultFolder& result_;
+  const ReducedBody* body_;
+  bool meshes_;
+};
+
+}  // namespace
+
+void score_surface(const TruthFolder& truth, const ResultFolder& result, const ReducedBody* body,
+                   ordered_json& scores) {
+  for (const char* key :
+       {"penetration_median_mm", "penetration_p99_mm", "largest_pop_mm", "largest_pop_frame"})
+    scores[key] = nullptr;
+  const Surfaces surfaces(result, body);
+  std::vector<double> deepest;
+  PopScorer pops;
+  Eigen::Index vertices = 0;
+  for (int frame = 0; frame < truth.frames; ++frame) {
+    const auto f = static_cast<std::size_t>(frame);
+    const std::optional<Rigid3> pose = result.pose_at(frame);
+    if (result.processed[f] == 0 || !pose) continue;
+    std::optional<Eigen::Matrix3Xd> surface = surfaces.at(frame);
+    if (!surface) continue;
+    if (vertices != 0 && surface->cols() != vertices) {
+      throw Error(
+          fmt::format("{}: {} vertices, but frames before it {}; every frame shows one body",
+                      (result.folder / "meshes" / fmt::format("{:06d}.ply", frame)).string(),
+                      surface->cols(), vertices));
+    }
+    vertices = surface->cols();
+    PopFrame drawn;
+    drawn.number = frame;
+    drawn.camera_from_body = *pose;
+    if (!truth.trajectory.empty()) drawn.world_from_camera = truth.trajectory[f].world_from_camera;
+    if (const auto hand = truth.hands.find(frame); hand != truth.hands.end())
+      drawn.hand = hand->second;
+    if (!truth.contacts.empty() && truth.contacts[f].touching && !drawn.hand.empty()) {
+      const Eigen::Matrix3Xd in_camera =
+          (pose->linear() * *surface).colwise() + pose->translation();
+      deepest.push_back(deepest_penetration(in_camera, drawn.hand));
+    }
+    drawn.surface = std::move(*surface);
+    pops.add(std::move(drawn));
+  }
+  if (!deepest.empty()) {
+    scores["penetration_median_mm"] = 1e3 * percentile(deepest, 0.5);
+    scores["penetration_p99_mm"] = 1e3 * percentile(deepest, 0.99);
+  }
+  if (pops.largest()) {
+    scores["largest_pop_mm"] = 1e3 * pops.largest()->size;
+    scores["largest_pop_frame"] = pops.largest()->frame;
+  }
+}
+
+}  // namespace palpable::app
