@@ -1,0 +1,252 @@
+#!/usr/bin/env python3
+"""Films, plays and scores the sequences of the synthetic desk, one after another: docs/results/chain.json.
+
+    tools/run_benchmark.py [--programs DIR] [--body FILE] [--frames N] [--seed N] [--only NAME ...]
+                           [--data DIR] [--work DIR] [--keep] [-o FILE]
+
+Each sequence is filmed (palpable synth), played (palpable live, as a user would) and scored (palpable
+score --body); its folders are removed before the next unless --keep. The file is written after each, and
+sequences that are not run again keep their figures, so it can be stopped and gone on with. Recorded real
+sets below --data (default ../shared/data) are played by the same commands; those with a true camera path
+are scored for it. Then: tools/write_results.py.
+"""
+import argparse
+import datetime
+import json
+import math
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+SEQUENCES = ("still-tripod", "still", "still-hand", "walk", "walk-hand", "shake", "blur", "blur-hand",
+             "press", "pencil", "cup", "slide", "palm", "two-hands", "press-axial", "press-behind",
+             "dark", "textureless", "exposure", "rolling", "drift")
+
+# name: (folder below --data, further words for palpable live, reader of the true path or None). Places are
+# where a person would put the body; nobody has measured them.
+REAL = {
+    "hands_squirrel": ("hands_squirrel", ["--place", "-0.125 0.063 0.667 0 29 0", "--ignore-static"], None),
+    "hands_shoe": ("hands_shoe", ["--place", "0 0.05 0.55 0 40 0"], None),
+    "7-Scenes, kitchen": ("rgbd_pose_7scenes", ["--place", "0 0.1 1.2 0 20 0"], "7scenes"),
+    "KITTI, 16 pairs": ("stereo_video_kitti1", ["--place", "0 0.9 6 0 0 0", "--scale", "5"], "kitti"),
+    "ZED Mini, raw": ("zed/raw", ["--place", "0 0.1 1.2 0 0 0"], None),
+}
+
+TEXT = """\
+All sequences of `palpable synth`, played by `palpable live` and scored by `palpable score`. Today's chain
+is OpenCV's block matcher at half resolution and a camera that is taken to stand still: it has no tracking, no
+moving mask (null), and does not watch its rectification (null). Bad figures here are the reason why the next
+steps exist. `-` is what a result does not hold, or what a sequence has none of.
+"""
+
+
+def run(words, **options):
+    return subprocess.run([str(word) for word in words], capture_output=True, text=True, **options)
+
+
+def complaint(process):
+    lines = [line for line in process.stderr.splitlines() if line.startswith("palpable: ")]
+    return lines[-1].removeprefix("palpable: ") if lines else f"exit code {process.returncode}"
+
+
+def commit():
+    words = run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"]).stdout.strip()
+    changed = run(["git", "-C", ROOT, "status", "--porcelain", "-uno", "src", "apps"]).stdout.strip()
+    return words + (" with changes" if changed else "")
+
+
+def machine():
+    with open("/proc/cpuinfo") as info:
+        models = [line.split(":")[1].strip() for line in info if line.startswith("model name")]
+    return f"{len(os.sched_getaffinity(0))} cores of {models[0] if models else platform.machine()}"
+
+
+def timings(result):
+    live = json.loads((result / "live.json").read_text())
+    return {"frames": live["frames"], "frame_ms": 1e3 * live["wall_s"] / max(1, live["frames"]),
+            "first_touch_frame": live["first_touch_frame"], "unreadable": live["unreadable"]}
+
+
+def play(options, name, folder):
+    """The entry of one sequence: its scores, or the complaint of the command that refused."""
+    program = options.programs / "palpable"
+    words = [program, "synth", name, "--body", options.body, "--seed", options.seed, "-o", folder]
+    if options.frames:
+        words += ["--frames", options.frames]
+    begin = time.time()
+    film = run(words)
+    if film.returncode != 0:
+        return {"refused": f"synth: {complaint(film)}"}
+    filmed = time.time()
+    live = run([program, "live", options.body, "--source", folder / "frames", "--out", folder / "result"])
+    if live.returncode != 0:
+        return {"refused": f"live: {complaint(live)}"}
+    played = time.time()
+    score = run([program, "score", folder / "truth", folder / "result", "--body", options.body, "--json"])
+    if score.returncode != 0:
+        return {"refused": f"score: {complaint(score)}"}
+    return {**timings(folder / "result"), "film_s": round(filmed - begin, 1),
+            "play_s": round(played - filmed, 1), "score_s": round(time.time() - played, 1),
+            "scores": json.loads(score.stdout)}
+
+
+def true_path(folder, kind):
+    """Poses world_from_camera of a real set: rows of 12 numbers."""
+    if kind == "kitti":
+        return [list(map(float, line.split())) for line in (folder / "poses.txt").read_text().splitlines()]
+    return [list(map(float, path.read_text().split()))[:12] for path in sorted(folder.glob("*.pose.txt"))]
+
+
+def quaternion(r):
+    """(x, y, z, w) of a rotation given row by row, by its largest component (Shepperd 1978)."""
+    trace = r[0] + r[4] + r[8]
+    squares = [r[0] - r[4] - r[8], r[4] - r[0] - r[8], r[8] - r[0] - r[4], trace]
+    i = max(range(4), key=lambda k: squares[k])
+    s = 2 * math.sqrt(1 + squares[i])
+    sums = {(0, 1): r[1] + r[3], (0, 2): r[2] + r[6], (1, 2): r[5] + r[7],
+            (0, 3): r[7] - r[5], (1, 3): r[2] - r[6], (2, 3): r[3] - r[1]}
+    return [s / 4 if k == i else sums[min(i, k), max(i, k)] / s for k in range(4)]
+
+
+def write_path_truth(folder, poses, result):
+    """A TRUTH of a path alone; its times are those of the result, whose frames are all there."""
+    times = [float(line.split()[0]) for line in (result / "trajectory.txt").read_text().splitlines()
+             if not line.startswith("#")]
+    step = (times[-1] - times[0]) / max(1, len(times) - 1)
+    folder.mkdir()
+    (folder / "camera.toml").write_text(f"fps = {1 / step}\ndepth_unit_m = 0.00025\n")
+    with open(folder / "trajectory.txt", "w") as out:
+        for n, p in enumerate(poses):
+            q = quaternion([p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10]])
+            print(times[0] + n * step, p[3], p[7], p[11], *q, file=out)
+
+
+def play_real(options, name, folder):
+    below, words, kind = REAL[name]
+    source = options.data / below
+    if not source.is_dir():
+        return {"refused": f"no folder {source}"}
+    program = options.programs / "palpable"
+    live = run([program, "live", options.body, "--source", source, *words, "--out", folder / "result"])
+    if live.returncode != 0:
+        return {"refused": complaint(live)}
+    entry = timings(folder / "result")
+    if kind:
+        write_path_truth(folder / "truth", true_path(source, kind), folder / "result")
+        score = run([program, "score", folder / "truth", folder / "result", "--json"])
+        if score.returncode != 0:
+            return {"refused": f"score: {complaint(score)}"}
+        entry["scores"] = json.loads(score.stdout)
+    return entry
+
+
+DISTANCES = ("0.2", "0.3", "0.5", "1", "2", "5", "10", "15")
+
+
+def tables(entries, real):
+    scored = {name: entry for name, entry in entries.items() if "scores" in entry}
+
+    def rows(keys, percent=()):
+        for name, entry in scored.items():
+            cells = [entry["scores"].get(key) for key in keys]
+            if any(cells):
+                yield [name] + [100 * value if key in percent and value is not None else value
+                                for key, value in zip(keys, cells)]
+
+    def by_distance(key):
+        for name, entry in scored.items():
+            values = entry["scores"].get(key) or {}
+            yield [name] + [None if values.get(d) is None else 100 * values[d] for d in DISTANCES]
+
+    metres = [f"{d} m" for d in DISTANCES]
+    touch = ("frames_touching", "touch_precision", "touch_recall", "touch_site", "first_touch_delay_frames",
+             "penetration_median_mm", "penetration_p99_mm", "largest_pop_mm")
+    camera = ("ate_mm", "rpe_mm", "jitter_mm", "moving_iou", "moving_recall", "row_error_px")
+    sight = ("occlusion_iou", "occlusion_iou_where_hidden", "edge_error_px", "flicker")
+    hand = ("hand_near_frames", "hand_within_1pct", "too_close_called_far")
+    yield {"heading": "Share of pixels within 1 % of their true depth, in %",
+           "columns": ["sequence", *metres], "rows": list(by_distance("depth_within_1pct"))}
+    yield {"heading": "Median error of depth, in % (the paper's camera: 1 near, 9 at 15 m)",
+           "columns": ["sequence", *metres], "rows": list(by_distance("depth_median"))}
+    yield {"heading": "Near hands, in %", "columns": ["sequence", "near frames", "hand within 1 %", "too close called far"],
+           "rows": list(rows(hand, hand[1:]))}
+    yield {"heading": "Touch", "columns": ["sequence", "true frames", "precision", "recall", "site", "delay (frames)",
+                                           "penetration median (mm)", "99 of 100 (mm)", "largest pop (mm)"],
+           "rows": list(rows(touch))}
+    yield {"heading": "Occlusion", "columns": ["sequence", "IoU", "where hidden", "edge error (px)", "flicker"],
+           "rows": list(rows(sight))}
+    yield {"heading": "Camera, anchor, what moves, rectification",
+           "columns": ["sequence", "ATE (mm)", "RPE 1 s (mm)", "jitter (mm)", "moving IoU", "recall", "row error (px)"],
+           "rows": list(rows(camera))}
+    yield {"heading": "Time", "columns": ["sequence", "frames", "film (s)", "play (s)", "ms a frame", "score (s)"],
+           "text": "Wall time on the machine below, which other work shared.",
+           "rows": [[name, entry["frames"], entry["film_s"], entry["play_s"], entry["frame_ms"], entry["score_s"]]
+                    for name, entry in scored.items()]}
+    refused = [[name, entry["refused"]] for name, entry in entries.items() if "refused" in entry]
+    if refused:
+        yield {"heading": "Not scored", "columns": ["sequence", "why"], "rows": refused}
+    if real:
+        yield {"heading": "Real recordings, by the same commands",
+               "text": "Places of the body are made up; only the camera's path has a truth, where it has one.",
+               "columns": ["recording", "frames", "ms a frame", "first touch", "ATE (mm)", "RPE 1 s (mm)", "remark"],
+               "rows": [[name, entry.get("frames"), entry.get("frame_ms"), entry.get("first_touch_frame"),
+                         entry.get("scores", {}).get("ate_mm"), entry.get("scores", {}).get("rpe_mm"),
+                         entry.get("refused", "")] for name, entry in real.items()]}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--programs", type=Path, default=ROOT / "build/release/bin")
+    parser.add_argument("--body", type=Path)
+    parser.add_argument("--frames", type=int, help="of each sequence; default: its full length")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", nargs="+", default=[*SEQUENCES, *REAL], metavar="NAME")
+    parser.add_argument("--data", type=Path, default=ROOT / "../shared/data")
+    parser.add_argument("--work", type=Path, default=ROOT / "build/benchmark")
+    parser.add_argument("--keep", action="store_true")
+    parser.add_argument("-o", "--out", type=Path, default=ROOT / "docs/results/chain.json")
+    options = parser.parse_args()
+    if options.body is None:
+        bodies = [ROOT / "build/bodies/bunny-dense.palpable", ROOT / "out/demo/bunny.palpable"]
+        options.body = next((body for body in bodies if body.is_file()), None)
+    if options.body is None or not options.body.is_file():
+        sys.exit(f"run_benchmark: no body {options.body or 'in build/bodies or out/demo'}; ./demo bakes one")
+    for name in options.only:
+        if name not in SEQUENCES and name not in REAL:
+            sys.exit(f"run_benchmark: no sequence '{name}'; there are: {', '.join([*SEQUENCES, *REAL])}")
+
+    file = json.loads(options.out.read_text()) if options.out.is_file() else {}
+    entries, real = file.get("entries", {}), file.get("real", {})
+    for name in options.only:
+        folder = options.work / name.replace(" ", "_").replace(",", "")
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        into, player = (entries, play) if name in SEQUENCES else (real, play_real)
+        into[name] = {"commit": commit(), "seed": options.seed, **player(options, name, folder)}
+        if not options.keep:
+            shutil.rmtree(folder)
+        print(name, {key: value for key, value in into[name].items() if key != "scores"}, flush=True)
+
+        entries = {key: entries[key] for key in SEQUENCES if key in entries}
+        real = {key: real[key] for key in REAL if key in real}
+        lengths = sorted({entry["frames"] for entry in entries.values() if "frames" in entry})
+        length = f"Seed {options.seed}; frames per sequence: {', '.join(map(str, lengths))}.\n"
+        if options.frames:
+            length += f"\n**Shortened to at most {options.frames} frames to save time**; full lengths are 600 to 1,000.\n"
+        content = {"title": "Today's chain on the test ground", "order": 20, "text": TEXT + "\n" + length,
+                   "command": "tools/run_benchmark.py" + (f" --frames {options.frames}" if options.frames else ""),
+                   "date": datetime.date.today().isoformat(), "commit": commit(), "machine": machine(),
+                   "tables": [one for one in tables(entries, real) if one["rows"]], "entries": entries, "real": real}
+        options.out.parent.mkdir(parents=True, exist_ok=True)
+        options.out.write_text(json.dumps(content, indent=1) + "\n")
+    print(f"{options.out}; now run tools/write_results.py")
+
+
+if __name__ == "__main__":
+    main()
