@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -63,6 +64,40 @@ TetMesh with_edge_nodes(const TetMesh& mesh) {
   for (std::size_t k = 0; k < ends.size(); ++k) {
     fine.nodes.col(mesh.node_count() + static_cast<Eigen::Index>(k)) =
         0.5 * (mesh.nodes.col(ends[k][0]) + mesh.nodes.col(ends[k][1]));
+  }
+  return fine;
+}
+
+TetMesh split_into_eight(const TetMesh& mesh) {
+  PALPABLE_EXPECT(mesh.is_quadratic(), "a mesh of 10-node tetrahedra");
+  // Nodes of an element: corners 0..3, then edges 4..9 as in kTetEdges.
+  constexpr int kCorners[4][4] = {{0, 4, 6, 7}, {4, 1, 5, 8}, {6, 5, 2, 9}, {7, 8, 9, 3}};
+  // A diagonal joins the middles of opposite edges; the other four go around it, so that
+  // (diagonal, one, next) is positive.
+  struct Cut {
+    int from, to, around[4];
+  };
+  constexpr Cut kCuts[3] = {{4, 9, {5, 6, 7, 8}}, {5, 7, {4, 8, 9, 6}}, {6, 8, {4, 5, 9, 7}}};
+  TetMesh fine;
+  fine.nodes = mesh.nodes;
+  fine.tets.resize(4, 8 * static_cast<Eigen::Index>(mesh.tet_count()));
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    Eigen::Matrix<int, 10, 1> node;
+    node << mesh.tets.col(e), mesh.edge_nodes.col(e);
+    Eigen::Index child = 8 * static_cast<Eigen::Index>(e);
+    for (const auto& c : kCorners) {
+      fine.tets.col(child++) << node[c[0]], node[c[1]], node[c[2]], node[c[3]];
+    }
+    const auto length = [&](const Cut& cut) {
+      return (mesh.nodes.col(node[cut.from]) - mesh.nodes.col(node[cut.to])).squaredNorm();
+    };
+    const Cut& cut =
+        *std::min_element(std::begin(kCuts), std::end(kCuts),
+                          [&](const Cut& a, const Cut& b) { return length(a) < length(b); });
+    for (int k = 0; k < 4; ++k) {
+      fine.tets.col(child++) << node[cut.from], node[cut.to], node[cut.around[k]],
+          node[cut.around[(k + 1) % 4]];
+    }
   }
   return fine;
 }

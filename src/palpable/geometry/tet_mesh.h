@@ -33,6 +33,12 @@ struct TetMesh {
 /// of `mesh`, which keep their numbers. @pre `mesh` has 4-node tetrahedra
 [[nodiscard]] TetMesh with_edge_nodes(const TetMesh& mesh);
 
+/// The same nodes with 4-node tetrahedra, eight for each of `mesh`: one at each corner, and the
+/// octahedron in the middle cut along the shortest of its three diagonals, which keeps the pieces
+/// well shaped. Those of tetrahedron e are 8 e .. 8 e + 7.
+/// @pre `mesh` has 10-node tetrahedra
+[[nodiscard]] TetMesh split_into_eight(const TetMesh& mesh);
+
 /// (E) signed volumes between the corners, m^3.
 [[nodiscard]] Eigen::VectorXd tet_volumes(const TetMesh& mesh);
 

@@ -56,6 +56,32 @@ TEST_CASE("a 10-node mesh has one node in the middle of each edge, shared by all
   CHECK_THROWS_AS(with_edge_nodes(fine), ContractViolation);
 }
 
+TEST_CASE("a 10-node mesh splits into 4-node tetrahedra on the same nodes, whatever its diagonals",
+          "[geometry][quadratic]") {
+  // Stretched along each axis in turn, so that each of the three diagonals is the shortest one.
+  for (int axis = 0; axis < 3; ++axis) {
+    INFO("axis " << axis);
+    TetMesh coarse = brick();
+    coarse.nodes.row(axis) *= 5.0;
+    const TetMesh mesh = with_edge_nodes(coarse), fine = split_into_eight(mesh);
+    CHECK_FALSE(fine.is_quadratic());
+    CHECK(fine.nodes == mesh.nodes);
+    REQUIRE(fine.tet_count() == 8 * mesh.tet_count());
+    const Eigen::VectorXd volumes = tet_volumes(mesh), parts = tet_volumes(fine);
+    for (int e = 0; e < mesh.tet_count(); ++e) {
+      for (int k = 0; k < 8; ++k) {
+        CHECK(parts[8 * e + k] ==
+              Approx(volumes[e] / 8).epsilon(tolerance(1e-12, "rounding of corners near 5")));
+      }
+    }
+    // Conforming: no face within is left without its neighbour.
+    const SurfaceMesh skin = boundary_of(fine).surface;
+    CHECK(skin.triangle_count() == 4 * boundary_of(mesh).surface.triangle_count());
+    CHECK(check_watertight(skin).describe() == "watertight");
+  }
+  CHECK_THROWS_AS(split_into_eight(brick()), ContractViolation);
+}
+
 TEST_CASE("a box without cells or extent is refused", "[geometry][errors]") {
   CHECK_THROWS_AS(box_tets({0, 0, 0}, {1, 1, 1}, 1, 0, 1), ContractViolation);
   CHECK_THROWS_AS(box_tets({0, 0, 0}, {1, 0, 1}, 1, 1, 1), ContractViolation);
