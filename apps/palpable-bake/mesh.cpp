@@ -23,6 +23,7 @@ struct Options {
   std::string output;
   std::optional<double> edge, height;
   std::string up = "z";
+  int order = 1;
 };
 
 void mesh(const Options& options) {
@@ -34,7 +35,8 @@ void mesh(const Options& options) {
     place_in_body_frame(surface.vertices, up, options.height);
   }
   if (options.edge) surface = remesh_surface(surface, *options.edge, options.surface);
-  const TetMesh volume = tetrahedralise(surface, options.surface);
+  TetMesh volume = tetrahedralise(surface, options.surface);
+  if (options.order == 2) volume = with_edge_nodes(volume);
   write_msh_file(options.output, volume);
   const TetQuality quality = quality_of(volume);
   fmt::print(
@@ -68,6 +70,11 @@ void add_mesh(CLI::App& app) {
       ->type_name("METRES");
   command->add_option("--up", options->up, "Axis of the file that points up: x, y or z")
       ->check(CLI::IsMember({"x", "y", "z"}))
+      ->capture_default_str();
+  command
+      ->add_option("--order", options->order,
+                   "1: tetrahedra of 4 nodes; 2: of 10, with one in the middle of each edge")
+      ->check(CLI::Range(1, 2))
       ->capture_default_str();
   command->footer(
       "Example: palpable mesh bunny.off -o bunny.msh --up y --height 0.15 --edge 0.007");

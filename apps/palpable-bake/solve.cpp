@@ -3,6 +3,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/body_problem.h"
+#include "palpable/bake/press_solver.h"
 #include "palpable/base/error.h"
 #include "palpable/exchange/vtu_file.h"
 #include "palpable/solid/equilibrium.h"
@@ -25,7 +26,7 @@ struct Options {
   std::string output;
   int site = 0;
   double level = 1.0;
-  int order = 1;
+  int order = 0;  // as the description says
 };
 
 // The description's levels below the one that is asked for, and that one.
@@ -46,40 +47,57 @@ void solve(const Options& options) {
     throw Error(fmt::format("{}: the folder {} does not exist", options.output, folder.string()));
   }
   const auto begin = std::chrono::steady_clock::now();
-  const BodyDescription description = read_body_description(options.description);
+  BodyDescription description = read_body_description(options.description);
+  if (options.order > 0) {
+    description.shape.order = options.order;
+    description.shape.order_place = "--order";
+  }
   const BodyProblem problem = pose_body(description);
   if (options.site >= static_cast<int>(problem.sites.size())) {
     throw Error(fmt::format("there is no site {}; the body has 0 to {}", options.site,
                             problem.sites.size() - 1));
   }
   const Site& site = problem.sites[static_cast<std::size_t>(options.site)];
-  const EquilibriumSolver solver(options.order == 2 ? with_edge_nodes(problem.model)
-                                                    : problem.model);
+  const EquilibriumSolver solver(problem.model);
+  const PressSolver presses(solver, problem.preload);
   const TetMesh& mesh = solver.model().mesh;
-  const Eigen::Matrix3Xd unit = options.order == 2
-                                    ? unit_traction(site, problem.mesh.boundary, mesh)
-                                    : unit_load(site, problem.mesh.boundary, mesh.node_count());
+  const Eigen::Matrix3Xd unit = unit_load(site, problem.mesh.boundary, mesh.node_count());
 
   const Eigen::Vector3d at = problem.mesh.boundary.surface.vertices.col(site.vertex);
-  fmt::print("{}: {} nodes, {} tetrahedra of {} nodes; {}, E = {:.4g} Pa, nu = {:.3g}\n",
-             description.name, mesh.node_count(), mesh.tet_count(), options.order == 2 ? 10 : 4,
-             description.material.law, description.material.young, description.material.poisson);
+  fmt::print("{}: {} nodes, {} tetrahedra of {} nodes; {}\n", description.name, mesh.node_count(),
+             mesh.tet_count(), mesh.is_quadratic() ? 10 : 4, material_line(description.material));
+  for (const BodyDescription::MaterialPart& part : description.groups) {
+    fmt::print("a part of it: {}\n", material_line(part.material));
+  }
+  if (presses.is_preloaded()) {
+    fmt::print(
+        "gravity, pressures and moved supports come first: nodes move by up to {:.4g} mm, presses "
+        "are counted from there\n",
+        1e3 * presses.rest().colwise().norm().maxCoeff());
+  }
   fmt::print("site {} at ({:.1f}, {:.1f}, {:.1f}) mm, pressed along ({:.3f}, {:.3f}, {:.3f})\n",
              options.site, 1e3 * at[0], 1e3 * at[1], 1e3 * at[2], site.direction[0],
              site.direction[1], site.direction[2]);
-  const LoadSearch search = solver.find_load(unit, problem.press);
-  if (!(search.load > 0.0)) throw Error("the site cannot be pressed: " + search.why_stopped);
-  fmt::print("level 1 is {:.4g} N, which press it in by {:.3f} mm{}{}\n\n", search.load,
-             1e3 * search.press, search.reached ? "" : ": ", search.why_stopped);
+  double full_load = problem.force;
+  if (full_load > 0.0) {
+    fmt::print("level 1 is {:.4g} N\n\n", full_load);
+  } else {
+    const LoadSearch search = presses.find_load(unit, problem.press);
+    if (!(search.load > 0.0)) throw Error("the site cannot be pressed: " + search.why_stopped);
+    full_load = search.load;
+    fmt::print("level 1 is {:.4g} N, which press it in by {:.3f} mm{}{}\n\n", search.load,
+               1e3 * search.press, search.reached ? "" : ": ", search.why_stopped);
+  }
 
   const std::vector<double> levels = levels_to(options.level, description.press.levels);
-  const PathResult path = solver.solve_path(search.load * unit, levels);
+  const PathResult path = presses.solve_path(full_load * unit, levels);
   fmt::print("{:>8} {:>8} {:>6} {:>10} {:>11} {:>11}\n", "level", "Newton", "CG", "residual",
              "press / mm", "smallest J");
   for (const Equilibrium& step : path.steps) {
     fmt::print("{:>8.4g} {:>8} {:>6} {:>10.1e} {:>11.4f} {:>11.3f}\n", step.level,
                step.newton_steps, step.cg_iterations, step.residual,
-               1e3 * unit.cwiseProduct(step.displacement).sum(), step.smallest_volume_ratio);
+               1e3 * unit.cwiseProduct(step.displacement - presses.rest()).sum(),
+               step.smallest_volume_ratio);
   }
   fmt::print("\n");
   if (path.steps.empty()) throw Error(path.why_stopped);
@@ -92,7 +110,7 @@ void solve(const Options& options) {
                                      {"cauchy_stress", stress},
                                      {"von_mises", mises.transpose()},
                                      {"principal_stresses", principal_stresses(stress)},
-                                     {"load", last.level * search.load * unit}};
+                                     {"load", last.level * full_load * unit}};
   write_vtu_file(options.output, mesh, fields);
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   fmt::print(
@@ -117,15 +135,17 @@ void add_solve(CLI::App& app) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command
-      ->add_option("--level", options->level,
-                   "Share of the load that presses by the description's depth")
+      ->add_option(
+          "--level", options->level,
+          "Share of the description's full press: its force, or the load that gives its depth")
       ->check(CLI::Range(1e-6, 1.0))
       ->capture_default_str();
   command
-      ->add_option("--order", options->order,
-                   "1: 4-node tetrahedra; 2: 10-node ones on the same mesh, far more accurate")
-      ->check(CLI::Range(1, 2))
-      ->capture_default_str();
+      ->add_option(
+          "--order", options->order,
+          "1: 4-node tetrahedra; 2: 10-node ones, far more accurate (default: what 'order' "
+          "in the description says)")
+      ->check(CLI::Range(1, 2));
   command->footer("Example: palpable solve bodies/bunny-demo.toml --site 5 --level 0.7 -o x.vtu");
   command->callback([options] { solve(*options); });
 }

@@ -1,7 +1,6 @@
 #include "palpable/bake/bake_body.h"
 
 #include "palpable/bake/body_problem.h"
-#include "palpable/bake/contact_sites.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 
@@ -11,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <variant>
 
 namespace palpable {
 namespace {
@@ -116,9 +116,55 @@ void refuse_press_through(const SurfaceMesh& skin, const std::vector<Site>& site
                   press, press / height, nearest, nearest / height));
 }
 
-std::string material_line(const BodyDescription::MaterialLaw& material) {
-  return fmt::format("{}, Young's modulus {:.4g} Pa, Poisson's ratio {:.3g}", material.law,
-                     material.young, material.poisson);
+std::string materials_line(const BodyDescription& description) {
+  std::string line = material_line(description.material);
+  for (const BodyDescription::MaterialPart& part : description.groups) {
+    line += fmt::format("; a part of it {}", material_line(part.material));
+  }
+  return line;
+}
+
+std::string loads_line(const BodyDescription& description, const BodyMesh& mesh,
+                       const Campaign& campaign) {
+  const BodyDescription::Sites& sites = description.sites;
+  const auto reached = std::count_if(campaign.outcomes.begin(), campaign.outcomes.end(),
+                                     [](const SiteOutcome& o) { return o.reached_press; });
+  const std::string where =
+      sites.at.empty() ? fmt::format("farthest points above {:.3g} of the height", sites.above)
+                       : std::string("at the places given");
+  std::string direction = "to the centre of mass";
+  if (std::holds_alternative<BodyDescription::Sites::AlongNormal>(sites.direction)) {
+    direction = "along the inward normal of the patch";
+  } else if (const auto* given = std::get_if<Eigen::Vector3d>(&sites.direction)) {
+    direction =
+        fmt::format("along ({:.3g}, {:.3g}, {:.3g})", (*given)[0], (*given)[1], (*given)[2]);
+  }
+  const BodyDescription::Press& press = description.press;
+  const std::string range =
+      press.force ? fmt::format("a force of {:.4g} N; {} sites bear it", *press.force, reached)
+                  : fmt::format("a press of {:.4g} m; {} sites reach it",
+                                press.length.value_or(press.depth * mesh.height), reached);
+  return fmt::format("{} sites, {}, patches of graph distance {}, dead loads {}, {} levels to {}",
+                     campaign.sites.size(), where, sites.patch, direction,
+                     campaign.levels.size() - 1, range);
+}
+
+// Empty where nothing acts on the body but presses.
+std::string preload_line(const BodyDescription& description, const Campaign& campaign) {
+  if (campaign.rest.isZero(0.0)) return {};
+  std::string line;
+  if (const auto& gravity = description.gravity) {
+    const Eigen::Vector3d& g = gravity->acceleration;
+    line += fmt::format("weight at {:.4g} kg/m^3 and ({:.4g}, {:.4g}, {:.4g}) m/s^2, ",
+                        gravity->density, g[0], g[1], g[2]);
+  }
+  for (const BodyDescription::Pressure& pressure : description.pressures) {
+    line += fmt::format("a pressure of {:.4g} Pa, ", pressure.pressure);
+  }
+  return fmt::format(
+      "{}and what supports move, first and in full: nodes move by up to {:.4g} m. The surface is "
+      "that of the body so loaded; displacement and stress are what a press adds",
+      line, campaign.rest.colwise().norm().maxCoeff());
 }
 
 std::string reduction_line(const char* what, int modes, const ReductionReport& report,
@@ -137,26 +183,20 @@ void add_provenance(const BodyDescription& description, const BakeSettings& sett
   const BakeReport& report = baked.report;
   add("description", description.source.filename().string());
   add("mesh source", mesh.origin);
-  add("mesh", fmt::format("{} nodes, {} linear tetrahedra, boundary {} vertices, {} triangles; "
+  add("mesh", fmt::format("{} nodes, {} {}-node tetrahedra, boundary {} vertices, {} triangles; "
                           "dihedral angles {:.1f} to {:.1f} degrees, volume {:.4g} m^3",
-                          report.nodes, report.tets, report.vertices, report.triangles,
-                          mesh.quality.smallest_dihedral_degrees,
+                          report.nodes, report.tets, mesh.mesh.is_quadratic() ? 10 : 4,
+                          report.vertices, report.triangles, mesh.quality.smallest_dihedral_degrees,
                           mesh.quality.largest_dihedral_degrees, mesh.quality.volume));
   add("material", baked.body.material);
-  add("support", fmt::format("{} nodes below {:.3g} of the height are held",
-                             mesh.fixed_nodes.size(), description.support.below));
-  const auto reached = std::count_if(campaign.outcomes.begin(), campaign.outcomes.end(),
-                                     [](const SiteOutcome& o) { return o.reached_press; });
-  add("loads",
-      fmt::format(
-          "{} sites, farthest points above {:.3g} of the height, patches of graph distance "
-          "{}, dead loads to the centre of mass, {} levels to a press of {:.4g} m; {} sites "
-          "reach it",
-          campaign.sites.size(), description.sites.above, description.sites.patch,
-          campaign.levels.size() - 1, description.press.depth * mesh.height, reached));
-  add("solver",
-      "total Lagrangian linear tetrahedra, Newton with conjugate gradients preconditioned by a "
-      "sparse Cholesky factor");
+  add("support", fmt::format("{} nodes are held in all directions, {} in some or moved",
+                             mesh.fixed_nodes.size(), mesh.supports.size()));
+  const std::string preload = preload_line(description, campaign);
+  if (!preload.empty()) add("preload", preload);
+  add("loads", loads_line(description, mesh, campaign));
+  add("solver", fmt::format("total Lagrangian {}-node tetrahedra, Newton with conjugate gradients "
+                            "preconditioned by a sparse Cholesky factor",
+                            mesh.mesh.is_quadratic() ? 10 : 4));
   add("reduction",
       "non-intrusive PGD over site and level, all functions updated after each mode, space "
       "weighted "
@@ -179,8 +219,11 @@ BakedBody reduce_campaign(const Campaign& campaign, const BodyMesh& mesh,
   ReducedField sigma =
       reduce_field("stress", campaign.stress, (VectorXd(6) << 1, 1, 1, 2, 2, 2).finished(),
                    campaign, mesh, settings, progress);
+  // The body at rest lies there as its preload leaves it.
+  SurfaceMesh surface = mesh.boundary.surface;
+  surface.vertices += campaign.rest(Eigen::all, mesh.boundary.node_of_vertex);
   BakedBody baked{ReducedBody{.name = {},
-                              .surface = mesh.boundary.surface,
+                              .surface = std::move(surface),
                               .fixed = fixed_vertices(mesh),
                               .sites = campaign.sites,
                               .displacement = std::move(u.field),
@@ -210,19 +253,24 @@ BakedBody bake_body(const BodyDescription& description, const BakeSettings& sett
   report(progress,
          {"meshing", 1.0, 1.0,
           fmt::format("{} nodes, {} tetrahedra", mesh.mesh.node_count(), mesh.mesh.tet_count())});
-  refuse_press_through(mesh.boundary.surface, problem.sites, problem.press, mesh.height);
+  if (std::holds_alternative<BodyDescription::Sites::ToCentre>(description.sites.direction)) {
+    refuse_press_through(mesh.boundary.surface, problem.sites, problem.press, mesh.height);
+  }
   const EquilibriumSolver solver =
       timed("factor", [&] { return EquilibriumSolver(std::move(problem.model)); });
   const Campaign campaign = timed("campaign", [&] {
-    return run_campaign(
-        solver, mesh.boundary, problem.sites,
-        {.press = problem.press, .levels = description.press.levels, .threads = settings.threads},
-        progress);
+    return run_campaign(solver, mesh.boundary, problem.sites,
+                        {.press = problem.press,
+                         .force = problem.force,
+                         .levels = description.press.levels,
+                         .preload = problem.preload,
+                         .threads = settings.threads},
+                        progress);
   });
   BakedBody baked = timed(
       "reduce", [&] { return reduce_campaign(campaign, mesh, description.reduction, progress); });
   baked.body.name = description.name;
-  baked.body.material = material_line(description.material);
+  baked.body.material = materials_line(description);
   BakeReport& made = baked.report;
   made.nodes = mesh.mesh.node_count();
   made.tets = mesh.mesh.tet_count();

@@ -6,6 +6,8 @@
 #include "palpable/reduced/body_file.h"
 #include "tests/support/test.h"
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -35,7 +37,8 @@ struct Kitchen {
     body.source = folder / "egg.toml";
     body.shape = {.file = folder / "egg.ply", .up = UpAxis::kY, .height = 0.08, .edge = {}};
     body.material = {.law = "neo-hookean", .young = 40e3, .poisson = 0.35};
-    body.support.below = 0.15;
+    body.supports = {{.where = {Where::Below{0.15}, "egg.toml:9: 'below' in [support]"}}};
+    body.supports_place = "egg.toml:8: [support]";
     body.sites = {.count = 3, .above = 0.4, .patch = 1};
     body.press = {.depth = 0.06, .levels = 4};
     body.reduction = {.tolerance = 1e-3, .max_modes = 100};
@@ -160,6 +163,50 @@ TEST_CASE("a volume mesh is baked like a surface", "[bake][body]") {
   CHECK(baked.body.surface.vertices.col(0).isApprox(Eigen::Vector3d(-0.03, -0.025, 0.0)));
 }
 
+TEST_CASE("a body of 10-node elements has all nodes of its skin in the file",
+          "[bake][body][quadratic]") {
+  const Kitchen kitchen;
+  write_msh_file(kitchen.folder / "block.msh", box_tets({0, 0, 0}, {0.06, 0.05, 0.04}, 3, 3, 2));
+  BodyDescription block = kitchen.egg();
+  block.shape = {.file = kitchen.folder / "block.msh", .up = UpAxis::kZ, .height = {}, .edge = {}};
+  block.sites.count = 2;
+  block.press.levels = 3;
+  const BakedBody one = bake_body(block, {});
+  block.shape.order = 2;
+  const BakedBody two = bake_body(block, {});
+  CHECK(two.report.nodes == 7 * 7 * 5);
+  CHECK(two.report.tets == one.report.tets);
+  CHECK(two.report.triangles == 4 * one.report.triangles);
+  CHECK(two.body.error.displacement_pooled <= 1e-3);
+  CHECK(two.body.error.stress_pooled <= 1e-3);
+  CHECK(two.report.displacement.evaluated_worst < 0.02);
+  CHECK(two.report.stress.evaluated_worst < 0.02);
+  const std::filesystem::path file = kitchen.folder / "block.palpable";
+  write_body_file(file, two.body);
+  CHECK(value_or_throw(read_body_file(file)).surface.vertices == two.body.surface.vertices);
+}
+
+TEST_CASE("a body that sags under its weight lies so in its file, and presses start there",
+          "[bake][body][preload]") {
+  const Kitchen kitchen;
+  BodyDescription heavy = kitchen.egg();
+  heavy.gravity = BodyDescription::Gravity{.density = 3000};
+  heavy.sites.count = 2;
+  heavy.press.levels = 2;
+  const BakedBody baked = bake_body(heavy, {});
+  const BodyMesh mesh = make_body_mesh(heavy);
+  const double sag = mesh.height - baked.body.surface.vertices.row(2).maxCoeff();
+  CHECK(sag > 0.001);
+  CHECK(baked.body.press_depth.row(0).isZero(0.0));
+  CHECK(baked.body.press_depth(2, 0) == Approx(0.06 * 0.08).epsilon(1e-3));
+  std::vector<float> u(static_cast<std::size_t>(baked.body.displacement.value_count()));
+  baked.body.displacement.evaluate(std::array{0.0, 0.0}, u);
+  CHECK(*std::max_element(u.begin(), u.end()) == 0.0f);
+  std::string all;
+  for (const auto& [key, value] : baked.body.provenance) all += key + ": " + value + "\n";
+  CHECK_THAT(all, Contains("preload: weight at 3000 kg/m^3") && Contains("what a press adds"));
+}
+
 TEST_CASE("a bake that cannot be says why in one line", "[bake][body]") {
   const Kitchen kitchen;
   const auto complaint = [](const BodyDescription& description) -> std::string {
@@ -196,8 +243,9 @@ TEST_CASE("a bake that cannot be says why in one line", "[bake][body]") {
   {
     INFO("singular supports");
     BodyDescription body = kitchen.egg();
-    body.support.below = 1e-6;  // the egg stands on one point
-    CHECK_THAT(complaint(body), Contains("fixed") || Contains("held") || Contains("support"));
+    body.supports[0].where.what = Where::Below{1e-6};  // the egg stands on one point
+    CHECK_THAT(complaint(body), Contains("egg.toml:8: [support] does not hold the body") &&
+                                    Contains("free to turn"));
   }
   {
     INFO("a load that cannot be reached");

@@ -1,7 +1,9 @@
 #include "palpable/bake/body_description.h"
 
+#include "palpable/bake/law_constants.h"
+#include "palpable/bake/toml_section.h"
+#include "palpable/bake/volume_mesh.h"
 #include "palpable/base/error.h"
-#include "palpable/base/nearest_word.h"
 #include "palpable/solid/material.h"
 
 #include <fmt/format.h>
@@ -9,207 +11,275 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
-#include <cstdint>
 #include <fstream>
-#include <initializer_list>
 #include <iterator>
+#include <limits>
 #include <utility>
-#include <vector>
 
 namespace palpable {
 namespace {
 
-struct Unit {
-  std::string_view name;
-  double size;  // in SI
-};
-constexpr std::array kLengths{Unit{"m", 1.0}, Unit{"cm", 1e-2}, Unit{"mm", 1e-3}};
-constexpr std::array kPressures{Unit{"Pa", 1.0}, Unit{"kPa", 1e3}, Unit{"MPa", 1e6},
-                                Unit{"GPa", 1e9}};
-
-struct Range {
-  double low, high;
-  bool open_low = false, open_high = false;  // the end itself is not allowed
-
-  [[nodiscard]] bool contains(double x) const {
-    return (open_low ? x > low : x >= low) && (open_high ? x < high : x <= high);
-  }
-  [[nodiscard]] std::string text() const {
-    return fmt::format("{} {} and {} {}", open_low ? "above" : "at least", low,
-                       open_high ? "below" : "at most", high);
-  }
-};
-
-// One table of the file: hands out its values and at the end knows what nobody asked for.
-class Section {
- public:
-  Section(const std::string& file, std::string name, const toml::table& table)
-      : file_(file), name_(std::move(name)), table_(table) {}
-
-  std::string text(const char* key) {
-    const toml::node& node = need(key);
-    const auto value = node.value_exact<std::string>();
-    if (!value || value->empty()) bad(node, key, "must be a text in quotes");
-    return *value;
-  }
-
-  std::string choice(const char* key, const std::vector<std::string>& choices,
-                     const std::string& otherwise) {
-    if (!has(key)) return otherwise;
-    const std::string value = text(key);
-    if (std::find(choices.begin(), choices.end(), value) == choices.end()) {
-      const std::string guess = nearest_word(value, choices);
-      bad(*table_.get(key), key,
-          fmt::format("is '{}', must be one of '{}'{}", value, fmt::join(choices, "', '"),
-                      guess.empty() ? "" : fmt::format("; did you mean '{}'?", guess)));
-    }
-    return value;
-  }
-
-  double number(const char* key, Range range) {
-    const toml::node& node = need(key);
-    if (!node.is_number()) bad(node, key, "must be a number without unit");
-    const double value = node.value<double>().value_or(std::nan(""));
-    return in_range(node, key, value, range);
-  }
-  double number(const char* key, Range range, double otherwise) {
-    return has(key) ? number(key, range) : otherwise;
-  }
-
-  int integer(const char* key, int low, int high) {
-    const toml::node& node = need(key);
-    const auto value = node.value_exact<std::int64_t>();
-    if (!value) bad(node, key, "must be a whole number");
-    in_range(node, key, static_cast<double>(*value),
-             {static_cast<double>(low), static_cast<double>(high)});
-    return static_cast<int>(*value);
-  }
-  int integer(const char* key, int low, int high, int otherwise) {
-    return has(key) ? integer(key, low, high) : otherwise;
-  }
-
-  double length(const char* key, Range range) { return quantity(key, kLengths, range, "150 mm"); }
-  double pressure(const char* key, Range range) {
-    return quantity(key, kPressures, range, "60 kPa");
-  }
-
-  bool has(const char* key) {
-    if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.emplace_back(key);
-    return table_.contains(key);
-  }
-
-  // A table within this one; an empty one when it is missing.
-  Section section(const char* key) {
-    static const toml::table kEmpty;
-    if (!has(key)) return {file_, key, kEmpty};
-    const toml::node& node = *table_.get(key);
-    if (!node.is_table()) bad(node, key, fmt::format("must be a section [{}]", key));
-    return {file_, key, *node.as_table()};
-  }
-
-  // To be called when all keys have been asked for.
-  void refuse_unknown() const {
-    for (const auto& [key, node] : table_) {
-      const std::string word(key.str());
-      if (std::find(asked_.begin(), asked_.end(), word) != asked_.end()) continue;
-      const std::string guess = nearest_word(word, asked_);
-      throw Error(fmt::format(
-          "{}:{}: unknown key '{}'{}; {}", file_, key.source().begin.line, word, in_section(),
-          guess.empty() ? fmt::format("known are '{}'", fmt::join(asked_, "', '"))
-                        : fmt::format("did you mean '{}'?", guess)));
-    }
-  }
-
- private:
-  [[nodiscard]] std::string in_section() const {
-    return name_.empty() ? "" : fmt::format(" in [{}]", name_);
-  }
-
-  [[noreturn]] void bad(const toml::node& node, const char* key, const std::string& what) const {
-    throw Error(
-        fmt::format("{}:{}: '{}'{} {}", file_, node.source().begin.line, key, in_section(), what));
-  }
-
-  const toml::node& need(const char* key) {
-    if (has(key)) return *table_.get(key);
-    // A key that is missing is usually there, misspelt.
-    for (const auto& [word, node] : table_) {
-      if (nearest_word(word.str(), {key}).empty()) continue;
-      throw Error(fmt::format("{}:{}: unknown key '{}'{}; did you mean '{}'?", file_,
-                              word.source().begin.line, word.str(), in_section(), key));
-    }
-    throw Error(fmt::format("{}: '{}'{} is missing", file_, key, in_section()));
-  }
-
-  double in_range(const toml::node& node, const char* key, double value, Range range) const {
-    if (!range.contains(value)) {
-      bad(node, key, fmt::format("is {}, must be {}", value, range.text()));
-    }
-    return value;
-  }
-
-  template <std::size_t n>
-  double quantity(const char* key, const std::array<Unit, n>& units, Range range,
-                  const char* example) {
-    const toml::node& node = need(key);
-    const std::string wanted = fmt::format("must be a text with a unit, such as \"{}\"", example);
-    const auto value = node.value_exact<std::string>();
-    if (!value) bad(node, key, wanted);
-    double number = 0;
-    const char* end = value->data() + value->size();
-    const auto [rest, code] = std::from_chars(value->data(), end, number);
-    std::string_view unit(rest, static_cast<std::size_t>(end - rest));
-    unit.remove_prefix(std::min(unit.find_first_not_of(' '), unit.size()));
-    const auto at = std::find_if(units.begin(), units.end(),
-                                 [unit](const Unit& known) { return known.name == unit; });
-    if (code != std::errc() || at == units.end()) {
-      bad(node, key, fmt::format("is \"{}\", {}", value->substr(0, 40), wanted));
-    }
-    return in_range(node, key, number * at->size, range);
-  }
-
-  const std::string& file_;
-  std::string name_;  // of the section; empty for the file itself
-  const toml::table& table_;
-  std::vector<std::string> asked_;
-};
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// No body of this program is larger, and no modulus above that of diamond.
+constexpr Range kLength{0.0, 100.0, true};
+constexpr Range kModulus{0.0, 1e13, true};
+constexpr Range kFraction{0.0, 1.0, true, true};
 
 UpAxis up_axis(const std::string& text) {
   return text == "x" ? UpAxis::kX : text == "y" ? UpAxis::kY : UpAxis::kZ;
 }
 
-void read_shape(Section section, const std::string& file, BodyDescription& body) {
+void read_shape(TomlSection section, const std::string& file, BodyDescription& body) {
+  BodyDescription::Shape& shape = body.shape;
   const bool surface = section.has("surface");
   const bool mesh = section.has("mesh");
   if (surface == mesh) {
     throw Error(
         fmt::format("{}: [shape] needs either 'surface' (a file of triangles) or 'mesh' "
-                    "(a .msh file of tetrahedra){}",
+                    "(a .msh or .inp file of tetrahedra){}",
                     file, surface ? ", not both" : ""));
   }
   std::filesystem::path path = section.text(surface ? "surface" : "mesh");
   if (path.is_relative()) path = body.source.parent_path() / path;
-  body.shape.file = path.lexically_normal();
-  if (mesh && !body.shape.is_volume()) {
-    throw Error(fmt::format("{}: 'mesh' in [shape] names '{}', which does not end in .msh", file,
-                            path.filename().string()));
+  shape.file = path.lexically_normal();
+  if (mesh && !shape.is_volume()) {
+    section.bad("mesh", fmt::format("names '{}', which does not end in .msh or .inp",
+                                    path.filename().string()));
   }
-  body.shape.up = up_axis(section.choice("up", {"x", "y", "z"}, "z"));
-  const Range lengths{0.0, 100.0, true};
-  if (section.has("height")) body.shape.height = section.length("height", lengths);
-  if (section.has("edge")) body.shape.edge = section.length("edge", lengths);
-  if (mesh && body.shape.edge) {
-    throw Error(
-        fmt::format("{}: 'edge' in [shape] remeshes a surface; a 'mesh' is taken as it is", file));
+  shape.up = up_axis(section.choice("up", {"x", "y", "z"}, "z"));
+  if (section.has("height")) shape.height = section.quantity("height", Quantity::kLength, kLength);
+  const std::string unit = section.choice("unit", {"m", "cm", "mm"}, "m");
+  shape.unit = unit == "m" ? 1.0 : unit == "cm" ? 1e-2 : 1e-3;
+  if (shape.height && section.has("unit")) {
+    section.bad("unit",
+                "says what lengths in the file are, and 'height' scales them anew: leave "
+                "one of the two out");
   }
+  if (section.has("edge")) shape.edge = section.quantity("edge", Quantity::kLength, kLength);
+  if (mesh && shape.edge) { section.bad("edge", "remeshes a surface; a 'mesh' is taken as it is"); }
+  shape.order_place = section.place("order");
+  if (section.has("order")) shape.order = section.integer("order", 1, 2);
+  section.refuse_unknown();
+}
+
+// The constants of `law`; 'young' and 'poisson' or those of its formula.
+BodyDescription::MaterialLaw read_law(TomlSection& section, const std::string& default_law) {
+  BodyDescription::MaterialLaw material;
+  material.law = section.choice("law", law_names(), default_law);
+  const std::vector<LawConstant>& own = law_constants(material.law);
+  std::vector<const char*> names;
+  for (const LawConstant& constant : own) names.push_back(constant.name);
+  const std::vector<std::string> given = section.present(names);
+  if (given.empty()) {
+    material.young = section.quantity("young", Quantity::kPressure, kModulus);
+    material.poisson = section.number("poisson", {0.0, 0.5, false, true});
+    return material;
+  }
+  for (const char* elastic : {"young", "poisson"}) {
+    if (section.has(elastic)) {
+      section.bad(elastic, fmt::format("does not go with '{}': give either 'young' and 'poisson' "
+                                       "or all of '{}'",
+                                       given.front(), fmt::join(names, "', '")));
+    }
+  }
+  for (const LawConstant& constant : own) {
+    const Range range{0.0, constant.per_pressure ? kInfinity : kModulus.high, !constant.may_be_zero,
+                      constant.per_pressure};
+    material.constants.push_back(section.quantity(
+        constant.name, constant.per_pressure ? Quantity::kPerPressure : Quantity::kPressure,
+        range));
+  }
+  try {
+    (void)material_from_constants(material.law, material.constants);
+  } catch (const Error& error) {
+    section.bad(given.front().c_str(),
+                fmt::format("is part of constants that cannot be: {}", error.what()));
+  }
+  return material;
+}
+
+// Which keys a place in the body may be given by.
+enum class Parts { kNodes, kFaces, kElements };
+
+Where::Plane read_plane(TomlSection section, Parts parts) {
+  Where::Plane plane;
+  plane.point = section.quantities("point", Quantity::kLength);
+  plane.normal = section.direction("normal");
+  // A ten-millionth of a body of 0.1 m: what rounding does to coordinates, and not more.
+  plane.distance = 1e-8;
+  if (parts != Parts::kElements && section.has("distance")) {
+    plane.distance = section.quantity("distance", Quantity::kLength, {0.0, kLength.high});
+  }
+  section.refuse_unknown();
+  return plane;
+}
+
+Where::Box read_box(TomlSection section) {
+  const Where::Box box{section.quantities("low", Quantity::kLength),
+                       section.quantities("high", Quantity::kLength)};
+  if ((box.low.array() > box.high.array()).any()) {
+    section.bad("low", "lies above 'high' in one direction: no point is between them");
+  }
+  section.refuse_unknown();
+  return box;
+}
+
+// Nothing where none of the keys is there.
+std::optional<Where> read_where(TomlSection& section, Parts parts) {
+  std::vector<const char*> keys{"below", "above", "plane", "box"};
+  if (parts == Parts::kNodes) keys.push_back("nearest");
+  keys.push_back("set");
+  const std::vector<std::string> given = section.present(keys);
+  if (given.empty()) return std::nullopt;
+  if (given.size() > 1) {
+    section.bad(given[1].c_str(),
+                fmt::format("does not go with '{}': a place is given by one of '{}'; use several "
+                            "sections for several places",
+                            given[0], fmt::join(keys, "', '")));
+  }
+  const char* key = *std::find(keys.begin(), keys.end(), given[0]);
+  Where where;
+  where.place = section.place(key);
+  if (given[0] == "below") where.what = Where::Below{section.number(key, kFraction)};
+  if (given[0] == "above") where.what = Where::Above{section.number(key, kFraction)};
+  if (given[0] == "plane") where.what = read_plane(section.section(key), parts);
+  if (given[0] == "box") where.what = read_box(section.section(key));
+  if (given[0] == "nearest") where.what = Where::Nearest{section.points(key)};
+  if (given[0] == "set") where.what = Where::Named{section.text(key)};
+  return where;
+}
+
+void refuse_nowhere(const TomlSection& section, const char* what) {
+  throw Error(fmt::format("{} does not say {}: give 'below', 'above', 'plane', 'box' or 'set'",
+                          section.place(), what));
+}
+
+void read_material(TomlSection section, BodyDescription& body) {
+  for (TomlSection& group : section.sections("group")) {
+    const std::string law = section.choice("law", law_names(), body.material.law);
+    BodyDescription::MaterialPart part{read_law(group, law), {}};
+    const std::optional<Where> where = read_where(group, Parts::kElements);
+    if (!where) refuse_nowhere(group, "which elements it is about");
+    part.where = *where;
+    group.refuse_unknown();
+    body.groups.push_back(std::move(part));
+  }
+  body.material = read_law(section, body.material.law);
+  section.refuse_unknown();
+}
+
+BodyDescription::Support read_support(TomlSection& section) {
+  BodyDescription::Support support;
+  support.where.place = section.place();
+  if (const auto where = read_where(section, Parts::kNodes)) support.where = *where;
+  if (section.has("hold")) {
+    const std::string hold = section.text("hold");
+    support.held = {false, false, false};
+    for (const char direction : hold) {
+      if (direction < 'x' || direction > 'z' || support.held[direction - 'x']) {
+        section.bad("hold", fmt::format("is '{}', must be made of x, y and z, each once at most, "
+                                        "such as \"xyz\" or \"z\"",
+                                        hold));
+      }
+      support.held[direction - 'x'] = true;
+    }
+  }
+  if (section.has("displacement")) {
+    support.displacement = section.quantities("displacement", Quantity::kLength);
+    for (int i = 0; i < 3; ++i) {
+      if (support.held[i] || support.displacement[i] == 0.0) continue;
+      section.bad("displacement", fmt::format("moves nodes in {}, where 'hold' leaves them free: "
+                                              "name that direction in 'hold'",
+                                              "xyz"[i]));
+    }
+  }
+  section.refuse_unknown();
+  return support;
+}
+
+void read_supports(TomlSection& root, BodyDescription& body) {
+  std::vector<TomlSection> sections = root.sections("support");
+  body.supports_place = fmt::format("{}: [support]", body.source.string());
+  body.supports[0].where.place = body.supports_place;
+  if (sections.empty()) return;
+  body.supports.clear();
+  for (TomlSection& section : sections) body.supports.push_back(read_support(section));
+  body.supports_place =
+      sections.size() == 1 ? body.supports[0].where.place : sections.front().place();
+}
+
+void read_loads(TomlSection& root, BodyDescription& body) {
+  if (root.has("gravity")) {
+    TomlSection section = root.section("gravity");
+    BodyDescription::Gravity gravity{
+        section.quantity("density", Quantity::kDensity, {0.0, 1e5, true})};
+    if (section.has("acceleration")) {
+      gravity.acceleration = section.quantities("acceleration", Quantity::kAcceleration);
+    }
+    section.refuse_unknown();
+    body.gravity = gravity;
+  }
+  for (TomlSection& section : root.sections("pressure")) {
+    BodyDescription::Pressure load{
+        section.quantity("pressure", Quantity::kPressure, {-kModulus.high, kModulus.high}), {}};
+    const std::optional<Where> where = read_where(section, Parts::kFaces);
+    if (!where) refuse_nowhere(section, "on which faces it acts");
+    load.where = *where;
+    section.refuse_unknown();
+    body.pressures.push_back(std::move(load));
+  }
+}
+
+void read_sites(TomlSection section, BodyDescription& body) {
+  BodyDescription::Sites& sites = body.sites;
+  const std::vector<std::string> given = section.present({"points", "sets"});
+  if (given.empty()) {
+    sites.count = section.integer("count", 1, 100000);
+    sites.above = section.number("above", {0.0, 1.0, false, true}, sites.above);
+  } else {
+    if (given.size() > 1) section.bad("sets", "does not go with 'points': give one of the two");
+    for (const char* key : {"count", "above"}) {
+      if (section.has(key)) {
+        section.bad(key, fmt::format("chooses sites, which '{}' lists: leave one of the two out",
+                                     given[0]));
+      }
+    }
+    if (given[0] == "points") {
+      sites.at.push_back({Where::Nearest{section.points("points")}, section.place("points")});
+    } else {
+      for (std::string& name : section.texts("sets")) {
+        sites.at.push_back({Where::Named{std::move(name)}, section.place("sets")});
+      }
+    }
+  }
+  sites.patch = section.integer("patch", 0, 20, sites.patch);
+  if (section.has("direction") && section.is_array("direction")) {
+    sites.direction = section.direction("direction");
+  } else if (section.choice("direction", {"centre", "normal"}, "centre") == "normal") {
+    sites.direction = BodyDescription::Sites::AlongNormal{};
+  }
+  section.refuse_unknown();
+}
+
+void read_press(TomlSection section, BodyDescription& body) {
+  BodyDescription::Press& press = body.press;
+  if (section.has("force")) {
+    if (section.has("depth")) {
+      section.bad("force", "does not go with 'depth': the load is given by one of the two");
+    }
+    press.force = section.quantity("force", Quantity::kForce, {0.0, 1e9, true});
+  } else if (section.has("depth") && section.is_text("depth")) {
+    press.length = section.quantity("depth", Quantity::kLength, kLength);
+  } else {
+    press.depth = section.number("depth", {0.0, 1.0, true}, press.depth);
+  }
+  press.levels = section.integer("levels", 2, 1000, press.levels);
   section.refuse_unknown();
 }
 
 }  // namespace
 
-bool BodyDescription::Shape::is_volume() const { return file.extension() == ".msh"; }
+bool BodyDescription::Shape::is_volume() const { return is_volume_file(file); }
 
 BodyDescription parse_body_description(std::string_view text, const std::filesystem::path& path) {
   const std::string file = path.string();
@@ -221,32 +291,16 @@ BodyDescription parse_body_description(std::string_view text, const std::filesys
   }
   BodyDescription body;
   body.source = path;
-  Section root(file, "", table);
+  TomlSection root(file, "", table);
   body.name = root.text("name");
   read_shape(root.section("shape"), file, body);
+  read_material(root.section("material"), body);
+  read_supports(root, body);
+  read_loads(root, body);
+  read_sites(root.section("sites"), body);
+  read_press(root.section("press"), body);
 
-  Section material = root.section("material");
-  body.material.law = material.choice("law", law_names(), body.material.law);
-  body.material.young = material.pressure("young", {0.0, 1e13, true});
-  body.material.poisson = material.number("poisson", {0.0, 0.5, false, true});
-  material.refuse_unknown();
-
-  Section support = root.section("support");
-  body.support.below = support.number("below", {0.0, 1.0, true, true}, body.support.below);
-  support.refuse_unknown();
-
-  Section sites = root.section("sites");
-  body.sites.count = sites.integer("count", 1, 100000);
-  body.sites.above = sites.number("above", {0.0, 1.0, false, true}, body.sites.above);
-  body.sites.patch = sites.integer("patch", 0, 20, body.sites.patch);
-  sites.refuse_unknown();
-
-  Section press = root.section("press");
-  body.press.depth = press.number("depth", {0.0, 1.0, true}, body.press.depth);
-  body.press.levels = press.integer("levels", 2, 1000, body.press.levels);
-  press.refuse_unknown();
-
-  Section reduction = root.section("reduction");
+  TomlSection reduction = root.section("reduction");
   body.reduction.tolerance =
       reduction.number("tolerance", {1e-6, 1.0, false, true}, body.reduction.tolerance);
   body.reduction.max_modes = reduction.integer("max_modes", 1, 100000, body.reduction.max_modes);

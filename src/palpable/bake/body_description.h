@@ -3,47 +3,121 @@
 /// examples: docs/body.md.
 #pragma once
 
+#include <Eigen/Core>
+
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
 
 namespace palpable {
 
 /// The axis of the shape's file that points up in the body frame.
 enum class UpAxis { kX, kY, kZ };
 
+/// A part of the body, in the body frame, in m.
+struct Where {
+  /// The lowest fraction of the height, or what is above one.
+  struct Below {
+    double fraction;
+  };
+  struct Above {
+    double fraction;
+  };
+  /// Nodes and faces within `distance` of the plane; elements on the side to which it points.
+  struct Plane {
+    Eigen::Vector3d point, normal;
+    double distance;
+  };
+  struct Box {
+    Eigen::Vector3d low, high;
+  };
+  /// The node nearest to each point.
+  struct Nearest {
+    std::vector<Eigen::Vector3d> points;
+  };
+  /// A set of the mesh's file.
+  struct Named {
+    std::string name;
+  };
+  std::variant<Below, Above, Plane, Box, Nearest, Named> what = Below{0};
+  /// "cube.toml:12: 'below' in [support]": how messages about it begin.
+  std::string place = {};
+};
+
 /// A body to be baked. Defaults are those of the schema; fields without one are required there.
 struct BodyDescription {
   std::string name;
 
   struct Shape {
-    std::filesystem::path file;    ///< a surface (.stl .ply .obj .3ds .off) or a volume (.msh)
+    std::filesystem::path file;    ///< a surface (.stl .ply .obj .3ds .off) or a volume (.msh .inp)
     UpAxis up = UpAxis::kZ;        ///< of the file
-    std::optional<double> height;  ///< m, scaled to; none: lengths in the file are metres
+    std::optional<double> height;  ///< m, scaled to; none: lengths in the file are in `unit`
     std::optional<double> edge;    ///< m, remeshed to; none: the surface as it is
+    double unit = 1.0;             ///< m, of lengths in the file
+    /// Nodes of a tetrahedron: 1: four, 2: ten. None: as the file has it, four for a surface.
+    std::optional<int> order = {};
+    std::string order_place = {};  ///< how messages about it begin
     [[nodiscard]] bool is_volume() const;
   } shape;
 
+  /// Young's modulus and Poisson's ratio, or the law's own constants.
   struct MaterialLaw {
     std::string law = "neo-hookean";
-    double young = 0;    ///< Pa
-    double poisson = 0;  ///< -
+    double young = 0;                    ///< Pa
+    double poisson = 0;                  ///< -
+    std::vector<double> constants = {};  ///< SI, as law_constants(); empty: the two above
   } material;
 
+  /// Elements that are made of something else; by their middles.
+  struct MaterialPart {
+    MaterialLaw material;
+    Where where;
+  };
+  std::vector<MaterialPart> groups = {};
+
+  /// Nodes that are held.
   struct Support {
-    double below = 0.03;  ///< fraction of the height: lower nodes are held
-  } support;
+    Where where = {Where::Below{0.03}, {}};
+    Eigen::Array<bool, 3, 1> held = {true, true, true};      ///< x, y, z
+    Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< m; 0 where not held
+  };
+  std::vector<Support> supports = {Support{}};
+  std::string supports_place = {};  ///< how messages about all of them begin
+
+  /// The body's own weight.
+  struct Gravity {
+    double density;                                    ///< kg/m^3
+    Eigen::Vector3d acceleration = {0.0, 0.0, -9.81};  ///< m/s^2
+  };
+  std::optional<Gravity> gravity = {};
+
+  struct Pressure {
+    double pressure;  ///< Pa, > 0 pushes into the body
+    Where where;      ///< faces of the skin, all of whose corners lie there
+  };
+  std::vector<Pressure> pressures = {};
 
   struct Sites {
-    int count = 0;
-    double above = 0.10;  ///< fraction of the height: no site lower
+    int count = 0;        ///< of sites that are spread over the skin; not with `at`
+    double above = 0.10;  ///< fraction of the height: no such site lower
     int patch = 2;        ///< graph distance
+    /// Towards the centre of mass, along the inward normal of the patch, or this way.
+    struct ToCentre {};
+    struct AlongNormal {};
+    std::variant<ToCentre, AlongNormal, Eigen::Vector3d> direction = ToCentre{};
+    /// The skin's vertices nearest to points, or those of sets; none: `count` of them, far apart.
+    std::vector<Where> at = {};
   } sites;
 
   struct Press {
-    double depth = 0.10;  ///< fraction of the height, along the load
-    int levels = 10;      ///< solved load levels, 1 / levels .. 1
+    double depth = 0.10;                ///< along the load: a fraction of the height
+    std::optional<double> length = {};  ///< m, instead of the fraction
+    std::optional<double> force = {};   ///< N, instead of a depth
+    int levels = 10;                    ///< solved load levels, 1 / levels .. 1
   } press;
 
   struct Reduction {

@@ -1,6 +1,6 @@
 #include "palpable/bake/body_mesh.h"
 
-#include "palpable/bake/msh_file.h"
+#include "palpable/bake/places.h"
 #include "palpable/bake/remesh.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <utility>
 
 namespace palpable {
@@ -28,45 +29,106 @@ void place_in_body_frame(Eigen::Matrix3Xd& points, UpAxis up, std::optional<doub
   if (height) points *= *height / (high[2] - low[2]);
 }
 
-BodyMesh make_body_mesh(const BodyDescription& description) {
-  const BodyDescription::Shape& shape = description.shape;
+Boundary split_boundary_of(const TetMesh& mesh) {
+  return boundary_of(mesh.is_quadratic() ? split_into_eight(mesh) : mesh);
+}
+
+namespace {
+
+// The tetrahedra of the shape in the body frame, and how they came about.
+VolumeMesh make_volume(const BodyDescription::Shape& shape, std::string& made) {
   const std::string name = shape.file.string();
-  BodyMesh body;
-  std::string made;
+  VolumeMesh volume;
   if (shape.is_volume()) {
-    body.mesh = value_or_throw(read_msh_file(shape.file));
-    place_in_body_frame(body.mesh.nodes, shape.up, shape.height);
+    volume = value_or_throw(read_volume_file(shape.file));
+    if (shape.order == 1 && volume.mesh.is_quadratic()) {
+      throw Error(fmt::format("{} is 1, but '{}' has 10-node tetrahedra; leave 'order' out",
+                              shape.order_place, shape.file.filename().string()));
+    }
+    volume.mesh.nodes *= shape.unit;
+    place_in_body_frame(volume.mesh.nodes, shape.up, shape.height);
     made = "tetrahedra as in the file";
   } else {
     SurfaceMesh surface = value_or_throw(read_surface_file(shape.file));
     // Before placing, so that a defect is reported where the file has it.
     require_solid_surface(surface, name);
+    surface.vertices *= shape.unit;
     place_in_body_frame(surface.vertices, shape.up, shape.height);
     made = "TetGen 1.5";
     if (shape.edge) {
       surface = remesh_surface(surface, *shape.edge, name);
       made = fmt::format("CGAL isotropic remeshing to {:.4g} m, TetGen 1.5", *shape.edge);
     }
-    body.mesh = tetrahedralise(surface, name);
+    volume.mesh = tetrahedralise(surface, name);
   }
-  body.boundary = boundary_of(body.mesh);
-  const auto z = body.mesh.nodes.row(2);
-  body.height = z.maxCoeff() - z.minCoeff();
-  const double held_below = z.minCoeff() + description.support.below * body.height;
-  for (int n = 0; n < body.mesh.node_count(); ++n) {
-    if (z[n] <= held_below) body.fixed_nodes.push_back(n);
+  if (shape.order == 2 && !volume.mesh.is_quadratic()) {
+    volume = with_edge_nodes(std::move(volume));
+    made += ", a node in the middle of each edge";
   }
-  // The solver would refuse this too, but does not know which key to change.
-  if (body.fixed_nodes.size() < 3) {
-    throw Error(
-        fmt::format("{}: the support holds {} of {} nodes, so the body is free to turn; raise "
-                    "'below' in [support] (now {} of the height)",
-                    description.source.string(), body.fixed_nodes.size(), body.mesh.node_count(),
-                    description.support.below));
+  return volume;
+}
+
+// What all supports together do to one node.
+struct Hold {
+  int by[3] = {-1, -1, -1};  // the support that holds each direction
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
+};
+
+void hold_nodes(const VolumeMesh& volume, const BodyDescription& description, BodyMesh& body) {
+  std::map<int, Hold> holds;
+  for (std::size_t s = 0; s < description.supports.size(); ++s) {
+    const BodyDescription::Support& support = description.supports[s];
+    for (const int n : nodes_at(volume, support.where)) {
+      Hold& hold = holds[n];
+      for (int i = 0; i < 3; ++i) {
+        if (!support.held[i]) continue;
+        if (hold.by[i] >= 0 && hold.displacement[i] != support.displacement[i]) {
+          const Eigen::Vector3d X = volume.mesh.nodes.col(n);
+          throw Error(fmt::format(
+              "{}: moves the node at ({:.4g}, {:.4g}, {:.4g}) m by {} m in {}, but {} by {} m: let "
+              "each node be held in each direction by one of them",
+              support.where.place, X[0], X[1], X[2], support.displacement[i], "xyz"[i],
+              description.supports[static_cast<std::size_t>(hold.by[i])].where.place,
+              hold.displacement[i]));
+        }
+        hold.by[i] = static_cast<int>(s);
+        hold.displacement[i] = support.displacement[i];
+      }
+    }
   }
+  for (const auto& [node, hold] : holds) {
+    const Eigen::Array<bool, 3, 1> held(hold.by[0] >= 0, hold.by[1] >= 0, hold.by[2] >= 0);
+    if (held.all() && hold.displacement.isZero(0.0)) {
+      body.fixed_nodes.push_back(node);
+    } else {
+      body.supports.push_back({node, held, hold.displacement});
+    }
+  }
+}
+
+}  // namespace
+
+BodyMesh make_body_mesh(const BodyDescription& description) {
+  std::string made;
+  VolumeMesh volume = make_volume(description.shape, made);
+  BodyMesh body;
+  hold_nodes(volume, description, body);
+  body.mesh = std::move(volume.mesh);
+  body.sets = std::move(volume.sets);
+  body.boundary = split_boundary_of(body.mesh);
+  body.height = body.mesh.nodes.row(2).maxCoeff();
   body.quality = quality_of(body.mesh);
-  body.origin = fmt::format("{}, {}", shape.file.filename().string(), made);
+  body.origin = fmt::format("{}, {}", description.shape.file.filename().string(), made);
   return body;
+}
+
+std::vector<std::uint8_t> held_nodes(const BodyMesh& body) {
+  std::vector<std::uint8_t> held(static_cast<std::size_t>(body.mesh.node_count()), 0);
+  for (const int n : body.fixed_nodes) held[static_cast<std::size_t>(n)] = 1;
+  for (const Support& support : body.supports) {
+    held[static_cast<std::size_t>(support.node)] = support.held.all();
+  }
+  return held;
 }
 
 }  // namespace palpable

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace palpable {
@@ -18,13 +19,28 @@ struct BodyProblem {
   BodyMesh mesh;
   SolidModel model;
   std::vector<Site> sites;  ///< full loads not found yet
-  double press = 0;         ///< m: how far a patch shall give way at full load
+  double press = 0;         ///< m: how far a patch shall give way at full load; 0: see force
+  double force = 0;         ///< N: the full load; 0: the one that gives the press
+  /// (3 x N) N: what acts on the body before anybody presses it, weight and pressures. No columns:
+  /// nothing does.
+  Eigen::Matrix3Xd preload;
 };
 
-/// @throws Error for what cannot be read, meshed or held, or has too few places for its sites
+/// Everything that the description says, checked: a problem that is posed can be solved, up to
+/// what the body does on the way.
+/// @throws Error, one line that names file and key, for what cannot be read or meshed; places
+///         without nodes, faces or elements, sets that the mesh does not have; groups of elements
+///         that overlap; supports that contradict each other or leave the body free to drift or
+///         turn; sites that the support holds, or fewer places for sites than are asked for
 [[nodiscard]] BodyProblem pose_body(const BodyDescription& description);
 
-/// (V) 1 where the support holds the vertex of the skin.
+/// The material that a description states. @throws Error as material_from_young()
+[[nodiscard]] Material material_of(const BodyDescription::MaterialLaw& law);
+
+/// One line for people: law, constants with units, and what they mean at small strains.
+[[nodiscard]] std::string material_line(const BodyDescription::MaterialLaw& law);
+
+/// (V) 1 where the support holds the vertex of the skin in all directions.
 [[nodiscard]] std::vector<std::uint8_t> fixed_vertices(const BodyMesh& mesh);
 
 /// (3 x N) forces of 1 N in total on the site's patch, by its weights and along its direction.

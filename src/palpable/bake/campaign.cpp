@@ -1,6 +1,7 @@
 #include "palpable/bake/campaign.h"
 
 #include "palpable/bake/body_problem.h"
+#include "palpable/bake/press_solver.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 #include "palpable/solid/stress.h"
@@ -47,16 +48,39 @@ Index first_not_growing(const VectorXd& depth) {
   return l;
 }
 
+// Stress recovery, and what it recovers from the body that nobody presses.
+struct RestStress {
+  explicit RestStress(const PressSolver& solver)
+      : model(solver.solver().model()), recovery(model.mesh) {
+    if (solver.is_preloaded()) stress = nodal_cauchy_stress(model, solver.rest(), recovery);
+  }
+
+  // What the press adds in the state u.
+  [[nodiscard]] StressField added(const Matrix3Xd& u) const {
+    StressField whole = nodal_cauchy_stress(model, u, recovery);
+    if (stress.cols() > 0) whole -= stress;
+    return whole;
+  }
+
+  const SolidModel& model;
+  StressRecovery recovery;
+  StressField stress;  // no columns: none
+};
+
 class SiteRun {
  public:
-  SiteRun(const EquilibriumSolver& solver, const StressRecovery& recovery, const Boundary& boundary,
+  SiteRun(const PressSolver& solver, const RestStress& at_rest, const Boundary& boundary,
           const Site& site, const CampaignSettings& settings)
-      : solver_(solver), recovery_(recovery), boundary_(boundary), settings_(settings) {
-    unit_load_ = unit_load(site, boundary, solver.model().mesh.node_count());
+      : solver_(solver), at_rest_(at_rest), boundary_(boundary), settings_(settings) {
+    unit_load_ = unit_load(site, boundary, solver.solver().model().mesh.node_count());
   }
 
   // The load to which this site will be pressed.
   void find_load() {
+    if (settings_.force > 0.0) {
+      result_.full_load = settings_.force;
+      return;
+    }
     const StageTimer timer(result_.times, "load search");
     const LoadSearch search = solver_.find_load(unit_load_, settings_.press);
     result_.full_load = search.load;
@@ -101,7 +125,7 @@ class SiteRun {
     VectorXd depth = VectorXd::Zero(solved + 1);
     for (Index l = 1; l <= solved; ++l) {
       const Equilibrium& state = path.steps[static_cast<std::size_t>(l - 1)];
-      depth[l] = unit_load_.cwiseProduct(state.displacement).sum();
+      depth[l] = unit_load_.cwiseProduct(state.displacement - solver_.rest()).sum();
       result_.outcome.newton_steps += state.newton_steps;
       result_.outcome.cg_iterations += state.cg_iterations;
     }
@@ -120,6 +144,7 @@ class SiteRun {
     for (Equilibrium& state : path.steps) {
       result_.outcome.smallest_volume_ratio =
           std::min(result_.outcome.smallest_volume_ratio, state.smallest_volume_ratio);
+      // From the unloaded body, until the stress has been computed from it.
       result_.displacement.push_back(std::move(state.displacement));
     }
     return true;
@@ -127,15 +152,16 @@ class SiteRun {
 
   void compute_stress() {
     const StageTimer timer(result_.times, "stress");
-    for (const Matrix3Xd& u : result_.displacement) {
-      result_.stress.push_back(nodal_cauchy_stress(solver_.model(), u, recovery_));
+    for (Matrix3Xd& u : result_.displacement) {
+      result_.stress.push_back(at_rest_.added(u));
       const StressField skin = result_.stress.back()(Eigen::all, boundary_.node_of_vertex);
       result_.largest_von_mises = std::max(result_.largest_von_mises, von_mises(skin).maxCoeff());
+      u -= solver_.rest();
     }
   }
 
-  const EquilibriumSolver& solver_;
-  const StressRecovery& recovery_;
+  const PressSolver& solver_;
+  const RestStress& at_rest_;
   const Boundary& boundary_;
   const CampaignSettings& settings_;
   Matrix3Xd unit_load_;  // 1 N in total
@@ -220,7 +246,8 @@ Campaign run_campaign(const EquilibriumSolver& solver, const Boundary& boundary,
                       std::vector<Site> sites, const CampaignSettings& settings,
                       const Progress& progress) {
   PALPABLE_EXPECT(!sites.empty(), "a campaign has sites");
-  PALPABLE_EXPECT(settings.press > 0.0 && settings.levels >= 2, "a press, and at least two levels");
+  PALPABLE_EXPECT((settings.press > 0.0 || settings.force > 0.0) && settings.levels >= 2,
+                  "a press or a force, and at least two levels");
   const int S = static_cast<int>(sites.size());
   const int threads = thread_count(settings.threads);
 
@@ -235,12 +262,15 @@ Campaign run_campaign(const EquilibriumSolver& solver, const Boundary& boundary,
             short_of_press > 0 ? fmt::format("{} short of the press", short_of_press) : ""});
   };
 
-  const StressRecovery recovery(solver.model().mesh);
+  const PressSolver presses(solver, settings.preload);
+  const RestStress at_rest(presses);
   std::vector<std::optional<SiteRun>> runs(sites.size());
   report(progress, {"finding loads", 0.0, static_cast<double>(S), ""});
   in_parallel(S, threads, [&](int s) {
     const auto at = static_cast<std::size_t>(s);
-    runs[at].emplace(solver, recovery, boundary, sites[at], settings).find_load();
+    try {
+      runs[at].emplace(presses, at_rest, boundary, sites[at], settings).find_load();
+    } catch (const Error& error) { throw Error(fmt::format("site {}: {}", s, error.what())); }
     tell("finding loads", false);
   });
 
@@ -257,8 +287,10 @@ Campaign run_campaign(const EquilibriumSolver& solver, const Boundary& boundary,
     results[at] = runs[at]->take();
     tell("solving sites", !results[at].outcome.reached_press);
   });
-  return assemble(std::move(sites), std::move(results), settings.levels,
-                  solver.model().mesh.node_count());
+  Campaign campaign = assemble(std::move(sites), std::move(results), settings.levels,
+                               solver.model().mesh.node_count());
+  campaign.rest = presses.rest();
+  return campaign;
 }
 
 }  // namespace palpable

@@ -20,34 +20,43 @@ namespace palpable {
 
 struct CampaignSettings {
   double press = 0;  ///< m: how far the patch of a site shall give way along its load at level 1
+  double force = 0;  ///< N: the load at level 1, if above 0; then `press` is not read
   int levels = 10;   ///< L: equal steps of the load, 1/L .. 1
+  /// (3 x N) N: what acts on the body all the while; no columns: nothing. Supports that move have
+  /// moved all the way before the first press.
+  Eigen::Matrix3Xd preload = Eigen::Matrix3Xd(3, 0);
   int threads =
       0;  ///< sites solved side by side; 0: one per core. The result does not depend on it
 };
 
 /// How the path of one site went.
 struct SiteOutcome {
-  bool reached_press = true;
-  double press = 0;       ///< m, at level 1
-  std::string shortfall;  ///< one line; empty when the press was reached
+  bool reached_press = true;  ///< or bears the force that was asked for
+  double press = 0;           ///< m, at level 1
+  std::string shortfall;      ///< one line; empty when the press was reached
   int newton_steps = 0;
   int cg_iterations = 0;
   double smallest_volume_ratio = 1;  ///< min det F over elements and levels
 };
 
 struct Campaign {
-  std::vector<Site> sites;            ///< (S) with full_load found
-  Eigen::VectorXd levels;             ///< (L + 1) 0, 1/L .. 1
-  SnapshotTensor displacement;        ///< (3N x S L) m; parameters site, level (1/L .. 1)
-  SnapshotTensor stress;              ///< (6N x S L) Pa, Cauchy, xx yy zz xy yz zx per node
+  std::vector<Site> sites;  ///< (S) with full_load found
+  Eigen::VectorXd levels;   ///< (L + 1) 0, 1/L .. 1
+  /// (3 x N) m: the displacement of the preloaded body, from which presses are counted; zero
+  /// without a preload.
+  Eigen::Matrix3Xd rest;
+  /// (3N x S L) m; parameters site, level (1/L .. 1). What the press adds to `rest`.
+  SnapshotTensor displacement;
+  /// (6N x S L) Pa, Cauchy, xx yy zz xy yz zx per node. What the press adds to the stress at rest.
+  SnapshotTensor stress;
   Eigen::MatrixXd press_depth;        ///< (L + 1 x S) m, 0 in the first row, increasing downwards
   std::vector<SiteOutcome> outcomes;  ///< (S)
   double largest_von_mises = 0;       ///< Pa, over all snapshots and boundary nodes
   StageTimes times;  ///< load search, solve, stress: milliseconds, summed over all threads
 };
 
-/// For each site: the load at which its patch gives way by the press (bisection-free search of the
-/// solver), then the path to that load and the stress at each level. Loads act on the patch in
+/// For each site: the load at which its patch gives way by the press (or the force that is given),
+/// then the path to that load and the stress at each level. Loads act on the patch in
 /// proportion to its weights, along the site's direction, and keep it (dead loads).
 ///
 /// A site whose body yields, buckles or turns an element inside out before the press is baked up to
@@ -55,7 +64,11 @@ struct Campaign {
 /// strictly with every level, because the live half inverts that table.
 ///
 /// @param boundary  of solver.model().mesh; sites refer to its vertices
-/// @throws Error if no site reaches the press, or one site cannot be pressed at all
+/// With a preload the body at rest is the preloaded one, and everything here is what the press adds
+/// to that (PressSolver): the live half shows a body as it lies there, and where it is touched.
+/// @throws Error if no site reaches the press, one site cannot be pressed at all, or the body
+/// cannot
+///         bear the preload
 [[nodiscard]] Campaign run_campaign(const EquilibriumSolver& solver, const Boundary& boundary,
                                     std::vector<Site> sites, const CampaignSettings& settings,
                                     const Progress& progress = {});

@@ -1,7 +1,9 @@
 #include "palpable/bake/campaign.h"
 
+#include "palpable/bake/body_problem.h"
 #include "palpable/bake/contact_sites.h"
 #include "palpable/base/error.h"
+#include "palpable/solid/loads.h"
 #include "palpable/solid/stress.h"
 #include "tests/support/test.h"
 
@@ -141,6 +143,66 @@ TEST_CASE("a press that no load reaches is refused", "[bake][campaign]") {
   // St. Venant-Kirchhoff's law softens in compression until it collapses.
   CHECK_THROWS_WITH(Block("saint-venant-kirchhoff").run(0.04, 2),
                     Contains("ask for a smaller press"));
+}
+
+TEST_CASE("a force that is given is the full load of every site", "[bake][campaign]") {
+  const Block block;
+  const CampaignSettings settings{.force = 1.5, .levels = 3, .threads = 1};
+  const Campaign campaign = run_campaign(block.solver, block.boundary, block.sites, settings);
+  for (const Site& site : campaign.sites) CHECK(site.full_load == 1.5);
+  for (const SiteOutcome& outcome : campaign.outcomes) CHECK(outcome.reached_press);
+  CHECK(campaign.press_depth.row(3).minCoeff() > 0.0);
+  CHECK(campaign.press_depth.row(3).maxCoeff() > 1.2 * campaign.press_depth.row(3).minCoeff());
+}
+
+TEST_CASE("a base that is moved as a whole changes no snapshot, only where the body is",
+          "[bake][campaign][preload]") {
+  const Block block;
+  const Eigen::Vector3d step(0.001, 0.002, -0.003);
+  SolidModel model = block.model("neo-hookean");
+  model.fixed_displacement = step.replicate(1, static_cast<Eigen::Index>(model.fixed_nodes.size()));
+  const EquilibriumSolver moved(model);
+  const CampaignSettings settings{.press = 0.004,
+                                  .levels = 2,
+                                  .preload = gravity_load(block.mesh, 1000, {0, 0, -9.81}),
+                                  .threads = 1};
+  const Campaign a = run_campaign(block.solver, block.boundary, block.sites, settings);
+  const Campaign b = run_campaign(moved, block.boundary, block.sites, settings);
+  CHECK(((b.rest - a.rest).colwise() - step).cwiseAbs().maxCoeff() <=
+        tolerance(1e-8, "a rigid motion of 4 mm, solved to 1e-8 of the forces"));
+  CHECK((a.displacement.values - b.displacement.values).cwiseAbs().maxCoeff() <=
+        tolerance(1e-4, "two searches, each to 1e-5 of the press") * 0.004);
+  CHECK((a.stress.values - b.stress.values).cwiseAbs().maxCoeff() <=
+        tolerance(1e-4, "likewise") * a.stress.values.cwiseAbs().maxCoeff());
+}
+
+TEST_CASE("what a press adds to the weight is what the snapshots hold",
+          "[bake][campaign][preload]") {
+  const Block block;
+  const Eigen::Matrix3Xd weight = gravity_load(block.mesh, 4000, {0, 0, -9.81});
+  const CampaignSettings settings{.press = 0.003, .levels = 2, .preload = weight, .threads = 1};
+  const Campaign campaign = run_campaign(block.solver, block.boundary, block.sites, settings);
+  CHECK(campaign.rest.row(2).minCoeff() < -1e-4);
+  const StressField at_rest = nodal_cauchy_stress(block.solver.model(), campaign.rest);
+  for (Eigen::Index s = 0; s < 3; ++s) {
+    const Site& site = campaign.sites[std::size_t(s)];
+    CHECK(std::abs(campaign.press_depth(2, s) - 0.003) <=
+          tolerance(1e-3, "the search of the load") * 0.003);
+    for (Eigen::Index l = 0; l < 2; ++l) {
+      const Eigen::VectorXd added = campaign.displacement.values.col(2 * s + l);
+      const Eigen::Matrix3Xd u = campaign.rest + Eigen::Map<const Eigen::Matrix3Xd>(
+                                                     added.data(), 3, block.mesh.node_count());
+      const Eigen::Matrix3Xd press = 0.5 * static_cast<double>(l + 1) * site.full_load *
+                                     unit_load(site, block.boundary, block.mesh.node_count());
+      Eigen::Matrix3Xd off = block.solver.internal_force(u) - weight - press;
+      for (const int n : block.solver.model().fixed_nodes) off.col(n).setZero();
+      CHECK(off.cwiseAbs().maxCoeff() <=
+            tolerance(1e-6, "the solver stops at 1e-8") * site.full_load);
+      const StressField stress = nodal_cauchy_stress(block.solver.model(), u) - at_rest;
+      CHECK((campaign.stress.values.col(2 * s + l) - stress.reshaped()).cwiseAbs().maxCoeff() <=
+            tolerance(1e-9, "the same sums") * stress.cwiseAbs().maxCoeff());
+    }
+  }
 }
 
 }  // namespace

@@ -3,9 +3,11 @@
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace palpable {
@@ -17,23 +19,105 @@ std::size_t farthest(const std::vector<double>& distances) {
                                   distances.begin());
 }
 
+// Mean outward normal of the patch, not normalised: of its triangles, or of those around its middle
+// where it is too small to hold one.
+Eigen::Vector3d patch_normal(const SurfaceMesh& skin, const std::vector<int>& patch) {
+  const auto in_patch = [&](int v) {
+    return std::find(patch.begin(), patch.end(), v) != patch.end();
+  };
+  Eigen::Vector3d within = Eigen::Vector3d::Zero(), around = within;
+  for (const auto& t : skin.triangles.colwise()) {
+    const auto corner = [&](int k) -> Eigen::Vector3d { return skin.vertices.col(t[k]); };
+    const bool touches = (t.array() == patch.front()).any();
+    const bool inside = std::all_of(t.begin(), t.end(), in_patch);
+    if (!touches && !inside) continue;
+    const Eigen::Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    if (touches) around += normal;
+    if (inside) within += normal;
+  }
+  return within.isZero(0.0) ? around : within;
+}
+
+// Makes sites of vertices, with what they share.
+class SiteMaker {
+ public:
+  SiteMaker(const SurfaceMesh& skin, const std::vector<std::uint8_t>& fixed,
+            const SiteSettings& settings)
+      : skin_(skin),
+        fixed_(fixed),
+        settings_(settings),
+        neighbours_(vertex_neighbours(skin)),
+        areas_(settings.areas.size() > 0 ? settings.areas : vertex_areas(skin)),
+        centre_(enclosed_centroid(skin)) {
+    PALPABLE_EXPECT(fixed.size() == static_cast<std::size_t>(skin.vertex_count()),
+                    "one flag per vertex");
+    PALPABLE_EXPECT(areas_.size() == skin.vertex_count(), "one area per vertex");
+    PALPABLE_EXPECT(settings.patch_distance >= 0, "a patch has an extent");
+  }
+
+  [[nodiscard]] const Eigen::Vector3d& centre() const { return centre_; }
+  [[nodiscard]] bool is_fixed(int vertex) const {
+    return fixed_[static_cast<std::size_t>(vertex)] != 0;
+  }
+  [[nodiscard]] std::vector<int> patch_of(int vertex) const {
+    return graph_patch(neighbours_, vertex, settings_.patch_distance);
+  }
+
+  [[nodiscard]] Site make(int vertex) const {
+    Site site;
+    site.vertex = vertex;
+    site.patch = patch_of(vertex);
+    std::erase_if(site.patch, [&](int v) { return is_fixed(v); });
+    double patch_area = 0;
+    for (const int p : site.patch) patch_area += areas_[p];
+    // A patch of one corner of 10-node elements has none: all of the load goes there.
+    const bool has_area = patch_area > 0.0;
+    for (const int p : site.patch) {
+      site.weights.push_back(has_area ? static_cast<float>(areas_[p] / patch_area)
+                                      : (p == vertex ? 1.0f : 0.0f));
+    }
+    site.direction = direction(site);
+    return site;
+  }
+
+ private:
+  [[nodiscard]] Eigen::Vector3d direction(const Site& site) const {
+    const Eigen::Vector3d x = skin_.vertices.col(site.vertex);
+    Eigen::Vector3d towards = settings_.given;
+    if (settings_.direction == SiteDirection::kToCentre) towards = centre_ - x;
+    if (settings_.direction == SiteDirection::kAlongNormal) {
+      towards = -patch_normal(skin_, site.patch);
+    }
+    const double length = towards.norm();
+    if (!(length > 0.0) || !std::isfinite(length)) {
+      throw Error(
+          fmt::format("the site at ({:.4g}, {:.4g}, {:.4g}) m has no direction: it lies at "
+                      "the centre of mass, or its patch has no normal; give a 'direction' "
+                      "in [sites]",
+                      x[0], x[1], x[2]));
+    }
+    return towards / length;
+  }
+
+  const SurfaceMesh& skin_;
+  const std::vector<std::uint8_t>& fixed_;
+  const SiteSettings& settings_;
+  std::vector<std::vector<int>> neighbours_;
+  Eigen::VectorXd areas_;
+  Eigen::Vector3d centre_;
+};
+
 }  // namespace
 
 std::vector<Site> choose_sites(const SurfaceMesh& skin, const std::vector<std::uint8_t>& fixed,
                                const SiteSettings& settings) {
-  PALPABLE_EXPECT(fixed.size() == static_cast<std::size_t>(skin.vertex_count()),
-                  "one flag per vertex");
-  PALPABLE_EXPECT(settings.count >= 1 && settings.patch_distance >= 0, "at least one site");
-  const auto neighbours = vertex_neighbours(skin);
-  const Eigen::VectorXd areas = vertex_areas(skin);
-  const Eigen::Vector3d centre = enclosed_centroid(skin);
-
+  PALPABLE_EXPECT(settings.count >= 1, "at least one site");
+  const SiteMaker maker(skin, fixed, settings);
   std::vector<int> candidates;
   for (int v = 0; v < skin.vertex_count(); ++v) {
     if (skin.vertices(2, v) < settings.lowest) continue;
-    const std::vector<int> patch = graph_patch(neighbours, v, settings.patch_distance);
-    if (std::none_of(patch.begin(), patch.end(),
-                     [&](int p) { return fixed[static_cast<std::size_t>(p)] != 0; })) {
+    const std::vector<int> patch = maker.patch_of(v);
+    if (std::none_of(patch.begin(), patch.end(), [&](int p) { return maker.is_fixed(p); })) {
       candidates.push_back(v);
     }
   }
@@ -46,7 +130,7 @@ std::vector<Site> choose_sites(const SurfaceMesh& skin, const std::vector<std::u
 
   std::vector<double> distances(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    distances[i] = (skin.vertices.col(candidates[i]) - centre).norm();
+    distances[i] = (skin.vertices.col(candidates[i]) - maker.centre()).norm();
   }
   std::size_t next = farthest(distances);
   std::fill(distances.begin(), distances.end(), std::numeric_limits<double>::infinity());
@@ -54,23 +138,29 @@ std::vector<Site> choose_sites(const SurfaceMesh& skin, const std::vector<std::u
   std::vector<Site> sites;
   while (sites.size() < static_cast<std::size_t>(settings.count)) {
     const Eigen::Vector3d x = skin.vertices.col(candidates[next]);
-    Site site;
-    site.vertex = candidates[next];
-    site.patch = graph_patch(neighbours, site.vertex, settings.patch_distance);
-    double patch_area = 0;
-    for (const int p : site.patch) patch_area += areas[p];
-    for (const int p : site.patch)
-      site.weights.push_back(static_cast<float>(areas[p] / patch_area));
-    site.direction = (centre - x).normalized();
-    if (!site.direction.allFinite() || site.direction.isZero()) {
-      throw Error(
-          fmt::format("site {} lies at the centre of mass: no load points there", sites.size()));
-    }
-    sites.push_back(std::move(site));
+    sites.push_back(maker.make(candidates[next]));
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       distances[i] = std::min(distances[i], (skin.vertices.col(candidates[i]) - x).norm());
     }
     next = farthest(distances);
+  }
+  return sites;
+}
+
+std::vector<Site> sites_at(const SurfaceMesh& skin, const std::vector<std::uint8_t>& fixed,
+                           const std::vector<int>& vertices, const SiteSettings& settings) {
+  const SiteMaker maker(skin, fixed, settings);
+  std::vector<Site> sites;
+  for (const int v : vertices) {
+    if (maker.is_fixed(v)) {
+      const Eigen::Vector3d x = skin.vertices.col(v);
+      throw Error(
+          fmt::format("the site at ({:.4g}, {:.4g}, {:.4g}) m lies on a node that [support] holds, "
+                      "where a load "
+                      "moves nothing: choose another place, or hold less",
+                      x[0], x[1], x[2]));
+    }
+    sites.push_back(maker.make(v));
   }
   return sites;
 }

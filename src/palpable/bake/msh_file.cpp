@@ -1,13 +1,15 @@
 #include "palpable/bake/msh_file.h"
 
+#include "palpable/bake/mesh_text.h"
+
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
-#include <cmath>
 #include <cstdint>
 #include <fstream>
-#include <iterator>
-#include <optional>
+#include <map>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -17,52 +19,25 @@ namespace palpable {
 namespace {
 
 // Gmsh's numbers of the element types that matter here.
-constexpr int kTriangle = 2, kTetrahedron = 4, kQuadraticTetrahedron = 11;
-
-// What the functions below throw; it never leaves this file.
-struct Bad {
-  std::size_t line;
-  std::string what;
+struct ElementType {
+  int number, dimension, corners, nodes;
 };
+constexpr std::array kTypes = {ElementType{15, 0, 1, 1}, ElementType{1, 1, 2, 2},
+                               ElementType{8, 1, 2, 3},  ElementType{2, 2, 3, 3},
+                               ElementType{9, 2, 3, 6},  ElementType{4, 3, 4, 4},
+                               ElementType{11, 3, 4, 10}};
+constexpr int kTriangle = 2, kQuadraticTriangle = 9, kTetrahedron = 4, kQuadraticTetrahedron = 11;
+// Hexahedra, prisms and pyramids of orders 1 and 2, tetrahedra of higher ones: to skip them would
+// leave holes in the body.
+constexpr std::array kOtherSolids = {5, 6, 7, 12, 13, 14, 17, 18, 19, 29, 30, 31};
 
-// The text, word by word, with the line for messages.
-class Text {
- public:
-  explicit Text(std::string_view text) : rest_(text) {}
-
-  // The next line, without its end; nothing at the end of the text.
-  std::optional<std::string_view> next_line() {
-    if (rest_.empty()) return std::nullopt;
-    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-    std::string_view line = rest_.substr(0, end);
-    rest_.remove_prefix(std::min(end + 1, rest_.size()));
-    ++line_;
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    return line;
-  }
-
-  std::string_view need_line() {
-    const auto line = next_line();
-    if (!line) bad("the file ends too early");
-    return *line;
-  }
-
-  // Upper bound of how many rows may follow: each needs at least two bytes.
-  [[nodiscard]] std::size_t rows_left() const { return rest_.size() / 2 + 1; }
-
-  [[nodiscard]] std::size_t line() const { return line_; }
-
-  [[noreturn]] void bad(std::string what) const { throw Bad{line_, std::move(what)}; }
-
- private:
-  std::string_view rest_;
-  std::size_t line_ = 0;
-};
+// Gmsh numbers the last two edges of a tetrahedron the other way round than kTetEdges.
+constexpr int kGmshEdge[10] = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
 
 // The numbers of one line.
 class Numbers {
  public:
-  Numbers(const Text& text, std::string_view line) : text_(text), line_(line) {}
+  Numbers(const MeshText& text, std::string_view line) : text_(text), line_(line) {}
 
   template <class T>
   T next(const char* what) {
@@ -90,48 +65,38 @@ class Numbers {
   }
 
  private:
-  const Text& text_;
+  const MeshText& text_;
   std::string_view line_;
 };
 
-struct Element {
-  std::int64_t tag;
-  std::size_t line;
-  std::int64_t nodes[4];
-};
-
-struct Content {
-  std::unordered_map<std::int64_t, Eigen::Vector3d> nodes;
-  std::vector<Element> tets;
-};
-
-void add_node(const Text& text, Content& content, std::int64_t tag, Numbers& numbers) {
-  Eigen::Vector3d x;
-  for (int k = 0; k < 3; ++k) x[k] = numbers.next<double>("a coordinate");
-  if (!x.allFinite()) text.bad(fmt::format("node {} is not a finite point", tag));
-  if (!content.nodes.emplace(tag, x).second) text.bad(fmt::format("node {} comes twice", tag));
-}
-
-void check_type(const Text& text, int type) {
-  if (type == kQuadraticTetrahedron) {
-    text.bad("quadratic tetrahedra; save the mesh with element order 1");
+// Nothing for a type that is skipped.
+const ElementType* find_type(const MeshText& text, int number) {
+  if (std::find(kOtherSolids.begin(), kOtherSolids.end(), number) != kOtherSolids.end()) {
+    text.bad(fmt::format(
+        "an element of Gmsh's type {}; only tetrahedra of 4 or 10 nodes (types 4 and 11) are read: "
+        "mesh the body with those",
+        number));
   }
-}
-
-void add_tet(Content& content, std::int64_t tag, std::size_t line, Numbers& numbers) {
-  Element element{tag, line, {}};
-  for (std::int64_t& node : element.nodes) node = numbers.next<std::int64_t>("a node number");
-  content.tets.push_back(element);
+  for (const ElementType& type : kTypes) {
+    if (type.number == number) return &type;
+  }
+  return nullptr;
 }
 
 class MshReader {
  public:
   explicit MshReader(std::string_view text) : text_(text) {}
 
-  Content read() {
+  FileMesh read() {
     while (const auto line = text_.next_line()) {
       if (*line == "$MeshFormat") {
         read_format();
+      } else if (*line == "$PhysicalNames") {
+        read_names();
+        end_section("$EndPhysicalNames");
+      } else if (*line == "$Entities" && version_ == 4) {
+        read_entities();
+        end_section("$EndEntities");
       } else if (*line == "$Nodes") {
         need_format();
         version_ < 4 ? read_nodes_2() : read_nodes_4();
@@ -147,7 +112,7 @@ class MshReader {
       }
     }
     if (version_ == 0) text_.bad("not a Gmsh file: it has no $MeshFormat");
-    return std::move(content_);
+    return std::move(mesh_);
   }
 
  private:
@@ -181,12 +146,97 @@ class MshReader {
     text_.bad(fmt::format("{} is missing", end));
   }
 
+  void read_names() {
+    const std::size_t count = numbers().count("the number of names");
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string_view line = text_.need_line();
+      Numbers row(text_, line);
+      const int dimension = row.next<int>("a group's dimension");
+      const auto tag = row.next<std::int64_t>("a group's number");
+      const std::size_t begin = line.find('"'), end = line.rfind('"');
+      if (begin == end) text_.bad("a group's name is not in quotes");
+      const std::string_view name = line.substr(begin + 1, end - begin - 1);
+      if (name.empty()) text_.bad("a group's name is empty");
+      names_[{dimension, tag}] = std::string(name);
+    }
+  }
+
+  // Version 4 keeps an entity's physical groups here and not with its elements.
+  void read_entities() {
+    Numbers head = numbers();
+    std::array<std::size_t, 4> counts{};
+    for (std::size_t& count : counts) count = head.count("the number of entities");
+    for (int dimension = 0; dimension < 4; ++dimension) {
+      for (std::size_t i = 0; i < counts[static_cast<std::size_t>(dimension)]; ++i) {
+        Numbers row = numbers();
+        const auto tag = row.next<std::int64_t>("an entity's number");
+        // A point's place, or the two corners of a bounding box.
+        for (int k = 0; k < (dimension == 0 ? 3 : 6); ++k) (void)row.next<double>("a coordinate");
+        const std::size_t groups = row.count("the number of groups");
+        for (std::size_t g = 0; g < groups; ++g) {
+          // The sign is that of the entity in its group.
+          const auto group = row.next<std::int64_t>("a group's number");
+          groups_[{dimension, tag}].push_back(group < 0 ? -group : group);
+        }
+      }
+    }
+  }
+
+  void add_node(std::int64_t number, Numbers& row) {
+    Eigen::Vector3d x;
+    for (int k = 0; k < 3; ++k) x[k] = row.next<double>("a coordinate");
+    if (!x.allFinite()) text_.bad(fmt::format("node {} is not a finite point", number));
+    if (!mesh_.nodes.emplace(number, x).second) {
+      text_.bad(fmt::format("node {} comes twice", number));
+    }
+  }
+
+  [[nodiscard]] std::string group_name(int dimension, std::int64_t group) const {
+    const auto named = names_.find({dimension, group});
+    return named != names_.end() ? named->second : std::to_string(group);
+  }
+
+  // An element's nodes are next in its row.
+  void add_element(const ElementType& type, std::int64_t number,
+                   const std::vector<std::int64_t>& groups, Numbers& row) {
+    std::array<std::int64_t, 10> nodes{};
+    for (int k = 0; k < type.nodes; ++k) {
+      nodes[static_cast<std::size_t>(type.dimension == 3 ? kGmshEdge[k] : k)] =
+          row.next<std::int64_t>("a node number");
+    }
+    if (type.dimension == 3) return add_tet(type, number, groups, nodes);
+    for (const std::int64_t group : groups) {
+      const std::string name = group_name(type.dimension, group);
+      if (type.dimension == 2) {
+        mesh_.face_sets[name].push_back({nodes[0], nodes[1], nodes[2]});
+      } else {
+        FileMesh::Nodes& set = mesh_.node_sets[name];
+        if (set.line == 0) set.line = text_.line();
+        set.numbers.insert(set.numbers.end(), nodes.begin(), nodes.begin() + type.nodes);
+      }
+    }
+  }
+
+  void add_tet(const ElementType& type, std::int64_t number,
+               const std::vector<std::int64_t>& groups, const std::array<std::int64_t, 10>& nodes) {
+    // Version 2 lists an element once for each of its groups.
+    const auto [at, is_new] = tet_of_.try_emplace(number, static_cast<int>(mesh_.tets.size()));
+    if (is_new) {
+      mesh_.tets.push_back({number, text_.line(), type.nodes, nodes});
+    } else if (mesh_.tets[static_cast<std::size_t>(at->second)].nodes != nodes) {
+      text_.bad(fmt::format("element {} comes twice, with different nodes", number));
+    }
+    for (const std::int64_t group : groups) {
+      mesh_.tet_sets[group_name(3, group)].push_back(at->second);
+    }
+  }
+
   void read_nodes_2() {
     const std::size_t count = numbers().count("the number of nodes");
     for (std::size_t i = 0; i < count; ++i) {
       Numbers row = numbers();
       const auto tag = row.next<std::int64_t>("a node's number");
-      add_node(text_, content_, tag, row);
+      add_node(tag, row);
     }
   }
 
@@ -196,11 +246,15 @@ class MshReader {
       Numbers row = numbers();
       const auto tag = row.next<std::int64_t>("an element's number");
       const int type = row.next<int>("an element's type");
-      check_type(text_, type);
-      if (type != kTetrahedron) continue;
+      const ElementType* known = find_type(text_, type);
+      if (known == nullptr) continue;
       const std::size_t tags = row.count("the number of tags");
-      for (std::size_t k = 0; k < tags; ++k) (void)row.next<std::int64_t>("a tag");
-      add_tet(content_, tag, text_.line(), row);
+      std::vector<std::int64_t> groups;
+      for (std::size_t k = 0; k < tags; ++k) {
+        const auto group = row.next<std::int64_t>("a tag");
+        if (k == 0 && group != 0) groups.push_back(group);  // 0: in no group
+      }
+      add_element(*known, tag, groups, row);
     }
   }
 
@@ -218,7 +272,7 @@ class MshReader {
       }
       for (const std::int64_t tag : tags) {
         Numbers row = numbers();
-        add_node(text_, content_, tag, row);
+        add_node(tag, row);
       }
     }
   }
@@ -227,97 +281,52 @@ class MshReader {
     const std::size_t blocks = numbers().count("the number of element blocks");
     for (std::size_t b = 0; b < blocks; ++b) {
       Numbers head = numbers();
-      (void)head.next<int>("an entity's dimension");
-      (void)head.next<std::int64_t>("an entity's number");
+      const int dimension = head.next<int>("an entity's dimension");
+      const auto entity = head.next<std::int64_t>("an entity's number");
       const int type = head.next<int>("an element's type");
-      check_type(text_, type);
+      const ElementType* known = find_type(text_, type);
+      const auto groups = groups_.find({dimension, entity});
       const std::size_t count = head.count("the number of elements");
       for (std::size_t i = 0; i < count; ++i) {
         Numbers row = numbers();
-        if (type != kTetrahedron) continue;
+        if (known == nullptr) continue;
         const auto tag = row.next<std::int64_t>("an element's number");
-        add_tet(content_, tag, text_.line(), row);
+        add_element(*known, tag,
+                    groups != groups_.end() ? groups->second : std::vector<std::int64_t>{}, row);
       }
     }
   }
 
-  Text text_;
-  Content content_;
-  int version_ = 0;  // 2 or 4; 0 before $MeshFormat
+  MeshText text_;
+  FileMesh mesh_;
+  using Key = std::pair<int, std::int64_t>;          // dimension, number
+  std::map<Key, std::string> names_;                 // of groups
+  std::map<Key, std::vector<std::int64_t>> groups_;  // of entities
+  std::unordered_map<std::int64_t, int> tet_of_;     // by the element's number
+  int version_ = 0;                                  // 2 or 4; 0 before $MeshFormat
 };
-
-TetMesh make_mesh(const Content& content) {
-  if (content.tets.empty()) {
-    throw Bad{0, "holds no tetrahedra; make some from a surface with 'palpable mesh'"};
-  }
-  TetMesh mesh;
-  mesh.tets.resize(4, static_cast<Eigen::Index>(content.tets.size()));
-  std::unordered_map<std::int64_t, int> number_of;
-  std::vector<Eigen::Vector3d> nodes;
-  for (std::size_t e = 0; e < content.tets.size(); ++e) {
-    const Element& tet = content.tets[e];
-    for (int k = 0; k < 4; ++k) {
-      const auto at = content.nodes.find(tet.nodes[k]);
-      if (at == content.nodes.end()) {
-        throw Bad{tet.line, fmt::format("tetrahedron {} has a corner {} that is not a node",
-                                        tet.tag, tet.nodes[k])};
-      }
-      const auto [number, is_new] =
-          number_of.try_emplace(tet.nodes[k], static_cast<int>(nodes.size()));
-      if (is_new) nodes.push_back(at->second);
-      mesh.tets(k, static_cast<Eigen::Index>(e)) = number->second;
-    }
-  }
-  mesh.nodes.resize(3, static_cast<Eigen::Index>(nodes.size()));
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    mesh.nodes.col(static_cast<Eigen::Index>(i)) = nodes[i];
-  }
-  const Eigen::VectorXd volumes = tet_volumes(mesh);
-  int bad_count = 0;
-  std::size_t first = 0;
-  for (std::size_t e = content.tets.size(); e-- > 0;) {
-    if (volumes[static_cast<Eigen::Index>(e)] > 0.0) continue;
-    ++bad_count;
-    first = e;
-  }
-  if (bad_count > 0) {
-    const double volume = volumes[static_cast<Eigen::Index>(first)];
-    throw Bad{content.tets[first].line,
-              fmt::format("{} of {} tetrahedra {} inverted or flat, the first is number {} with a "
-                          "volume of {:.3g}; mesh the surface again, or swap two of its nodes",
-                          bad_count, content.tets.size(), bad_count == 1 ? "is" : "are",
-                          content.tets[first].tag, volume)};
-  }
-  return mesh;
-}
 
 }  // namespace
 
-Result<TetMesh> parse_msh(std::string_view text, std::string_view name) {
-  try {
-    return make_mesh(MshReader(text).read());
-  } catch (const Bad& bad) {
-    if (bad.line == 0) return Problem{fmt::format("{}: {}", name, bad.what)};
-    return Problem{fmt::format("{}: line {}: {}", name, bad.line, bad.what)};
-  } catch (const std::bad_alloc&) {
-    return Problem{fmt::format("{}: needs more memory than there is", name)};
-  }
+Result<VolumeMesh> parse_msh(std::string_view text, std::string_view name) {
+  return read_mesh_text(text, name, [](std::string_view t) { return MshReader(t).read(); });
 }
 
-Result<TetMesh> read_msh_file(const std::filesystem::path& path) {
-  std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code)) {
-    return Problem{fmt::format("{}: no such file", path.string())};
-  }
-  std::ifstream file(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file) return Problem{fmt::format("{}: cannot be read", path.string())};
-  return parse_msh(text, path.string());
+Result<VolumeMesh> read_msh_file(const std::filesystem::path& path) {
+  return read_mesh_bytes(path, parse_msh);
 }
 
 void write_msh_file(const std::filesystem::path& path, const TetMesh& mesh) {
   const Boundary boundary = boundary_of(mesh);
   const int triangles = boundary.surface.triangle_count();
+  std::map<std::array<int, 2>, int> middles;
+  for (Eigen::Index e = 0; e < mesh.edge_nodes.cols(); ++e) {
+    for (int k = 0; k < 6; ++k) {
+      const auto [low, high] =
+          std::minmax({mesh.tets(kTetEdges[k][0], e), mesh.tets(kTetEdges[k][1], e)});
+      middles[{low, high}] = mesh.edge_nodes(k, e);
+    }
+  }
   std::string text = fmt::format(
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
       "$PhysicalNames\n2\n2 2 \"boundary\"\n3 1 \"body\"\n$EndPhysicalNames\n$Nodes\n{}\n",
@@ -328,16 +337,29 @@ void write_msh_file(const std::filesystem::path& path, const TetMesh& mesh) {
   }
   text += fmt::format("$EndNodes\n$Elements\n{}\n", mesh.tet_count() + triangles);
   for (int t = 0; t < triangles; ++t) {
-    const auto node = [&](int k) {
-      return boundary.node_of_vertex[static_cast<std::size_t>(boundary.surface.triangles(k, t))] +
-             1;
-    };
-    text += fmt::format("{} {} 2 2 1 {} {} {}\n", t + 1, kTriangle, node(0), node(1), node(2));
+    std::array<int, 3> v{};
+    for (int k = 0; k < 3; ++k) {
+      v[static_cast<std::size_t>(k)] =
+          boundary.node_of_vertex[static_cast<std::size_t>(boundary.surface.triangles(k, t))];
+    }
+    text += fmt::format("{} {} 2 2 1 {} {} {}", t + 1,
+                        mesh.is_quadratic() ? kQuadraticTriangle : kTriangle, v[0] + 1, v[1] + 1,
+                        v[2] + 1);
+    for (std::size_t k = 0; mesh.is_quadratic() && k < 3; ++k) {
+      const auto [low, high] = std::minmax({v[k], v[(k + 1) % 3]});
+      text += fmt::format(" {}", middles.at({low, high}) + 1);
+    }
+    text += '\n';
   }
   for (int e = 0; e < mesh.tet_count(); ++e) {
     const auto v = mesh.tets.col(e);
-    text += fmt::format("{} {} 2 1 1 {} {} {} {}\n", triangles + e + 1, kTetrahedron, v[0] + 1,
+    text += fmt::format("{} {} 2 1 1 {} {} {} {}", triangles + e + 1,
+                        mesh.is_quadratic() ? kQuadraticTetrahedron : kTetrahedron, v[0] + 1,
                         v[1] + 1, v[2] + 1, v[3] + 1);
+    for (int k = 0; mesh.is_quadratic() && k < 6; ++k) {
+      text += fmt::format(" {}", mesh.edge_nodes(kGmshEdge[k + 4] - 4, e) + 1);
+    }
+    text += '\n';
   }
   text += "$EndElements\n";
   std::ofstream file(path, std::ios::binary);

@@ -78,7 +78,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 }
 
 std::string complaint(const std::string& text) {
-  const Result<TetMesh> result = parse_msh(text, "a.msh");
+  const Result<VolumeMesh> result = parse_msh(text, "a.msh");
   return result.ok() ? "" : result.problem().message;
 }
 
@@ -87,7 +87,7 @@ TEST_CASE("a written mesh reads back to the last bit", "[bake][msh]") {
   mesh.nodes.array() += 1.0 / 3.0;  // digits that do not end
   const TemporaryFile file;
   write_msh_file(file.path, mesh);
-  const TetMesh again = value_or_throw(read_msh_file(file.path));
+  const TetMesh again = value_or_throw(read_msh_file(file.path)).mesh;
   REQUIRE(again.node_count() == mesh.node_count());
   REQUIRE(again.tet_count() == mesh.tet_count());
   // Nodes are numbered anew in the order in which tetrahedra use them; corners keep their order.
@@ -100,11 +100,65 @@ TEST_CASE("a written mesh reads back to the last bit", "[bake][msh]") {
 
 TEST_CASE("versions 2.2 and 4.1 of the format give the same tetrahedron", "[bake][msh]") {
   for (const std::string& text : {kVersion2, kVersion4}) {
-    const TetMesh mesh = value_or_throw(parse_msh(text, "a.msh"));
+    const TetMesh mesh = value_or_throw(parse_msh(text, "a.msh")).mesh;
     REQUIRE(mesh.tet_count() == 1);
     CHECK(mesh.node_count() == 4);  // the node that no tetrahedron uses is dropped
     CHECK(std::abs(tet_volumes(mesh)[0] - 1.0 / 6.0) < 1e-15);
   }
+}
+
+TEST_CASE("10-node tetrahedra are written and read with their edges in our order",
+          "[bake][msh][quadratic]") {
+  const TetMesh mesh = with_edge_nodes(box_tets({0, 0, 0}, {0.3, 0.1, 0.2}, 2, 1, 1));
+  const TemporaryFile file;
+  write_msh_file(file.path, mesh);
+  const VolumeMesh again = value_or_throw(read_msh_file(file.path));
+  REQUIRE(again.mesh.is_quadratic());
+  REQUIRE(again.mesh.node_count() == mesh.node_count());
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    for (int k = 0; k < 6; ++k) {
+      CHECK(again.mesh.nodes.col(again.mesh.edge_nodes(k, e)) ==
+            mesh.nodes.col(mesh.edge_nodes(k, e)));
+    }
+  }
+  CHECK(again.sets.tets.at("body").size() == static_cast<std::size_t>(mesh.tet_count()));
+  CHECK(again.sets.faces.at("boundary").size() ==
+        static_cast<std::size_t>(boundary_of(mesh).surface.triangle_count()));
+}
+
+TEST_CASE("physical groups become sets, by name or number, in both versions", "[bake][msh]") {
+  const VolumeMesh two = value_or_throw(
+      parse_msh(replaced(replaced(kVersion2, "1\n3 1 \"body\"", "2\n3 1 \"the body\"\n0 4 \"tip\""),
+                         "1 15 2 0 1 1\n2 2 2 0 1", "1 15 2 4 1 9\n2 2 2 8 1"),
+                "a.msh"));
+  CHECK(two.sets.tets.at("the body") == std::vector{0});
+  REQUIRE(two.sets.nodes.at("tip").size() == 1);
+  CHECK(two.mesh.nodes.col(two.sets.nodes.at("tip")[0]) == Eigen::Vector3d(0, 0, 1));
+  CHECK(two.sets.faces.at("8").size() == 1);
+
+  std::string text = replaced(kVersion4, "$Entities\n0 0 0 1\n1 0 0 0 1 1 1 0 0\n",
+                              "$PhysicalNames\n2\n2 5 \"foot\"\n3 6 \"rubber\"\n$EndPhysicalNames\n"
+                              "$Entities\n1 0 1 1\n7 0 0 1 1 3\n1 0 0 0 1 1 0 1 -5 0\n"
+                              "1 0 0 0 1 1 1 1 6 1 1\n");
+  text = replaced(text, "2 2 1 2\n2 1 2 1\n", "3 3 1 3\n0 7 15 1\n3 9\n2 1 2 1\n");
+  text = replaced(text, "3 1 4 1\n2 1 2 7 9", "3 1 4 1\n2 1 2 7 9");
+  const VolumeMesh four = value_or_throw(parse_msh(text, "a.msh"));
+  CHECK(four.sets.tets.at("rubber") == std::vector{0});
+  CHECK(four.sets.faces.at("foot").size() == 1);
+  REQUIRE(four.sets.nodes.at("3").size() == 1);
+  CHECK(four.mesh.nodes.col(four.sets.nodes.at("3")[0]) == Eigen::Vector3d(0, 0, 1));
+}
+
+TEST_CASE("an element in two groups of version 2 is one element", "[bake][msh]") {
+  const std::string again = "3 4 3 1 1 0 1 2 7 9\n3 4 3 2 1 0 1 2 7 9\n";
+  const std::string text =
+      replaced(replaced(kVersion2, "3 4 3 1 1 0 1 2 7 9\n", again), "$Elements\n3", "$Elements\n4");
+  const VolumeMesh volume = value_or_throw(parse_msh(text, "a.msh"));
+  CHECK(volume.mesh.tet_count() == 1);
+  CHECK(volume.sets.tets.at("body") == std::vector{0});
+  CHECK(volume.sets.tets.at("2") == std::vector{0});
+  CHECK_THAT(complaint(replaced(text, "2 1 0 1 2 7 9\n$", "2 1 0 1 7 9 2\n$")),
+             Contains("element 3 comes twice, with different nodes"));
 }
 
 TEST_CASE("line ends of Windows are read", "[bake][msh]") {
@@ -137,7 +191,11 @@ TEST_CASE("bad meshes are refused with file, line and reason", "[bake][msh]") {
   CHECK_THAT(complaint(replaced(kVersion2, "$Nodes\n5", "$Nodes\n-5")), Contains("more than"));
   CHECK_THAT(complaint(replaced(kVersion2, "1 2 7 9\n", "1 2 7 8\n")),
              Contains("line 20: tetrahedron 3 has a corner 8 that is not a node"));
-  CHECK_THAT(complaint(replaced(kVersion2, "3 4 3", "3 11 3")), Contains("quadratic tetrahedra"));
+  CHECK_THAT(complaint(replaced(kVersion2, "3 4 3", "3 11 3")),
+             Contains("line 20: a node number is missing"));
+  CHECK_THAT(complaint(replaced(kVersion2, "3 4 3", "3 5 3")),
+             Contains("line 20: an element of Gmsh's type 5; only tetrahedra"));
+  CHECK_THAT(complaint(replaced(kVersion2, "3 1 \"body\"", "3 1 body")), Contains("not in quotes"));
   CHECK_THAT(complaint(replaced(kVersion2, "3 4 3 1 1 0 1 2 7 9\n", "3 15 2 0 1 1\n")),
              Contains("a.msh: holds no tetrahedra"));
   CHECK_THAT(read_msh_file("no/such.msh").problem().message, Contains("no/such.msh: no such file"));
@@ -155,11 +213,11 @@ TEST_CASE("whatever is cut off or overwritten, the reader answers", "[bake][msh]
       for (int i = 0; i < 3; ++i) {
         damaged[random() % damaged.size()] = static_cast<char>(random() % 256);
       }
-      const Result<TetMesh> result = parse_msh(damaged, "a.msh");
+      const Result<VolumeMesh> result = parse_msh(damaged, "a.msh");
       if (!result.ok()) continue;
       INFO("seed " << seed);
-      CHECK(tet_volumes(result.value()).minCoeff() > 0.0);
-      CHECK(result.value().nodes.allFinite());
+      CHECK(tet_volumes(result.value().mesh).minCoeff() > 0.0);
+      CHECK(result.value().mesh.nodes.allFinite());
     }
   }
 }

@@ -1,0 +1,42 @@
+#include "palpable/bake/volume_mesh.h"
+
+#include "palpable/bake/inp_file.h"
+#include "palpable/bake/msh_file.h"
+#include "palpable/base/contract.h"
+
+#include <algorithm>
+
+namespace palpable {
+
+std::vector<int> with_edge_middles(const TetMesh& mesh, const std::vector<int>& nodes) {
+  std::vector<char> chosen(static_cast<std::size_t>(mesh.node_count()), 0);
+  for (const int n : nodes) chosen[static_cast<std::size_t>(n)] = 1;
+  std::vector<int> all = nodes;
+  for (Eigen::Index e = 0; e < mesh.edge_nodes.cols(); ++e) {
+    for (int k = 0; k < 6; ++k) {
+      const auto a = static_cast<std::size_t>(mesh.tets(kTetEdges[k][0], e));
+      const auto b = static_cast<std::size_t>(mesh.tets(kTetEdges[k][1], e));
+      if (chosen[a] != 0 && chosen[b] != 0) all.push_back(mesh.edge_nodes(k, e));
+    }
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+VolumeMesh with_edge_nodes(VolumeMesh volume) {
+  volume.mesh = with_edge_nodes(volume.mesh);
+  for (auto& [name, nodes] : volume.sets.nodes) nodes = with_edge_middles(volume.mesh, nodes);
+  return volume;
+}
+
+bool is_volume_file(const std::filesystem::path& path) {
+  return path.extension() == ".msh" || path.extension() == ".inp";
+}
+
+Result<VolumeMesh> read_volume_file(const std::filesystem::path& path) {
+  PALPABLE_EXPECT(is_volume_file(path), "a file of a volume mesh");
+  return path.extension() == ".msh" ? read_msh_file(path) : read_inp_file(path);
+}
+
+}  // namespace palpable
