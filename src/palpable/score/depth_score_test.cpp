@@ -42,6 +42,13 @@ TEST_CASE("median error and share within 1 % are those that one counts by hand",
   }
 }
 
+TEST_CASE("1 % of the true depth is within, and a ten-thousandth more is not", "[score]") {
+  DepthScorer scorer(kMillimetre);
+  scorer.add(row({10000, 10000, 10000, 10000, 0, 0, 0}), kNone,
+             row({10100, 10101, 9900, 9899, 0, 0, 0}));
+  CHECK(scorer.score().at[6].within == 2);
+}
+
 TEST_CASE("a distance holds what lies within 15 % of it", "[score]") {
   DepthScorer scorer(kMillimetre);
   const auto image = row({169, 170, 230, 231, 254, 255, 345});

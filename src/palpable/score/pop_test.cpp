@@ -78,14 +78,27 @@ TEST_CASE("frames between which one is missing are not compared", "[score]") {
 }
 
 TEST_CASE("the hand's way is that in the world, whatever the camera does", "[score]") {
-  // The camera goes 50 mm to the right, so a hand at rest goes 50 mm to the left in its image.
+  // The camera goes from 30 mm left of the body to 50 mm right of it; the hand, above the body,
+  // goes 1 mm to the right.
   PopScorer scorer;
-  PopFrame before = frame(0, 0, 0);
-  PopFrame now = frame(1, 0.004, -0.05);
+  PopFrame before = frame(0, 0, 0.03);
+  before.world_from_camera.translation() = Vector3d(-0.03, 0, 0);
+  before.camera_from_body.translation() = Vector3d(0.03, 0, 0);
+  PopFrame now = frame(1, 0.004, -0.05 + 0.001);
   now.world_from_camera.translation() = Vector3d(0.05, 0, 0);
   now.camera_from_body.translation() = Vector3d(-0.05, 0, 0);
   scorer.add(before);
   scorer.add(now);
+  CHECK(scorer.largest()->size == Approx(0.003));
+}
+
+TEST_CASE("the part of the hand that is far away explains nothing either", "[score]") {
+  PopScorer scorer;
+  for (int n = 0; n < 2; ++n) {
+    PopFrame f = frame(n, 0.004 * n, 0);
+    f.hand.push_back(frame(n, 0, kFar + n).hand.front());
+    scorer.add(f);
+  }
   CHECK(scorer.largest()->size == Approx(0.004));
 }
 
