@@ -59,7 +59,13 @@ void solve(const Options& options) {
   }
   const Site& site = problem.sites[static_cast<std::size_t>(options.site)];
   const EquilibriumSolver solver(problem.model);
-  const PressSolver presses(solver, problem.preload);
+  const PressSolver presses = [&] {
+    try {
+      return PressSolver(solver, problem.preload);
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}: {}", options.description, error.what()));
+    }
+  }();
   const TetMesh& mesh = solver.model().mesh;
   const Eigen::Matrix3Xd unit = unit_load(site, problem.mesh.boundary, mesh.node_count());
 

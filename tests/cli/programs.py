@@ -106,6 +106,60 @@ def write_ball(folder, text=BALL, holes=0):
     return folder / "ball.toml"
 
 
+# A bar of 20 x 20 x 60 mm in millimetres, as Abaqus would write it: six cubes of six tetrahedra.
+BAR = """name = "bar"
+[shape]
+mesh = "bar.inp"
+unit = "mm"
+[material]
+young = "60 kPa"
+poisson = 0.4
+[support]
+set = "BASE"
+[sites]
+sets = "TIP"
+patch = 1
+direction = [1, 0, 0]
+[press]
+depth = "3 mm"
+levels = 2
+"""
+
+
+def bar_deck(kind="C3D4"):
+    nodes = [(x, y, z) for z in range(7) for y in range(3) for x in range(3)]
+    number = {xyz: i + 1 for i, xyz in enumerate(nodes)}
+    lines = ["*HEADING", "a bar", "*NODE"]
+    lines += [f"{number[p]}, {10 * p[0]}, {10 * p[1]}, {10 * p[2]}" for p in nodes]
+    lines.append(f"*ELEMENT, TYPE={kind}, ELSET=BAR")
+    orders = ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2))
+    elements = 0
+    for z in range(6):
+        for y in range(2):
+            for x in range(2):
+                for k, order in enumerate(orders):
+                    corner, walk = [x, y, z], [(x, y, z)]
+                    for axis in order:
+                        corner[axis] += 1
+                        walk.append(tuple(corner))
+                    if k >= 3:
+                        walk[2], walk[3] = walk[3], walk[2]
+                    elements += 1
+                    lines.append(", ".join(map(str, [elements, *(number[p] for p in walk)])))
+    lines += ["*NSET, NSET=BASE, GENERATE", "1, 9", "*NSET, NSET=TIP", "59", "*NSET, NSET=NOBODY", "",
+              "*ELSET, ELSET=LOWER, GENERATE", f"1, {elements // 2}",
+              "*ELSET, ELSET=MIDDLE, GENERATE", f"{elements // 3}, {elements * 2 // 3}",
+              "*SURFACE, NAME=SIDE, TYPE=ELEMENT", "BAR, S1", "*STEP", "*STATIC", "*END STEP"]
+    return "\n".join(lines) + "\n"
+
+
+def write_bar(folder, text=BAR, deck=None):
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "bar.inp").write_text(bar_deck() if deck is None else deck)
+    (folder / "bar.toml").write_text(text)
+    return folder / "bar.toml"
+
+
 def png(width, height, shade, bits=8, channels=3):
     """A picture of small squares, as a PNG; without any library."""
     rows = b""
@@ -265,6 +319,119 @@ def _(programs, folder):
                      says=["ball.toml", "10", "poison", "poisson"])
 
 
+def solved(result):
+    """(load at level 1, the table's rows) of a `palpable solve`."""
+    load = float(re.search(r"level 1 is ([0-9.e+-]+) N", result.stdout)[1])
+    rows = [line.split() for line in result.stdout.splitlines()]
+    return load, [row for row in rows if len(row) == 6 and re.fullmatch(r"[0-9.]+", row[0])]
+
+
+@case("a deck of Abaqus is solved and baked, with its sets as support and site, in both orders")
+def _(programs, folder):
+    toml = write_bar(folder)
+    loads = {}
+    for order in (1, 2):
+        toml.write_text(BAR.replace('unit = "mm"', f'unit = "mm"\norder = {order}'))
+        result = programs.succeeds("solve", toml, "-o", folder / "x.vtu")
+        assert "site 0 at (0.0, 0.0, 60.0) mm, pressed along (1.000, 0.000, 0.000)" in result.stdout, result.stdout
+        loads[order], table = solved(result)
+        assert abs(float(table[-1][4]) - 3.0) < 0.01, table
+        programs.succeeds("bake", toml, "-o", folder / "bar.palpable")
+        text = programs.succeeds("inspect", folder / "bar.palpable").stdout
+        assert f"{4 if order == 1 else 10}-node tetrahedra" in text, text
+    # 4-node tetrahedra are too stiff in bending, on a mesh of two across by far.
+    assert loads[2] < 0.8 * loads[1], loads
+    programs.refuses("solve", toml, "--order", "3", "-o", folder / "x.vtu", says=["--order"])
+    result = programs.succeeds("solve", toml, "--order", "1", "-o", folder / "x.vtu")
+    assert solved(result)[0] == loads[1]
+
+
+@case("groups, held directions, weight and pressure of a description change what a solve finds")
+def _(programs, folder):
+    toml = write_bar(folder)
+    def load(text):
+        toml.write_text(text)
+        return solved(programs.succeeds("solve", toml, "-o", folder / "x.vtu"))[0]
+    plain = load(BAR)
+    stiff = load(BAR.replace('[support]', '[[material.group]]\nset = "lower"\nC1 = "1 MPa"\n'
+                             'D1 = "4 MPa"\n[support]'))
+    assert stiff > 3 * plain, (stiff, plain)
+    # A base that may slide along x gives way more; the far edge alone holds it.
+    sliding = load(BAR.replace('set = "BASE"', 'set = "BASE"\nhold = "yz"').replace("[support]", "[[support]]")
+                   + '[[support]]\nhold = "x"\nbox = {low = ["-10 mm", "-10 mm", "0 mm"], '
+                   'high = ["-10 mm", "10 mm", "0 mm"]}\n')
+    assert sliding < 0.99 * plain, (sliding, plain)
+    heavy = BAR + '[gravity]\ndensity = "3000 kg/m^3"\n'
+    toml.write_text(heavy)
+    result = programs.succeeds("solve", toml, "-o", folder / "x.vtu")
+    assert "come first: nodes move by up to" in result.stdout, result.stdout
+    weak, table = solved(result)
+    assert weak < 0.97 * plain, (weak, plain)  # a column under its weight is easier to bend
+    assert abs(float(table[-1][4]) - 3.0) < 0.01, table  # counted from the loaded shape
+    pulled = load(BAR + '[[pressure]]\npressure = "-10 kPa"\nabove = 0.99\n')
+    assert pulled > 1.05 * plain, (pulled, plain)
+    toml.write_text(BAR.replace('depth = "3 mm"', 'force = "0.01 N"'))
+    result = programs.succeeds("solve", toml, "-o", folder / "x.vtu")
+    assert solved(result)[0] == 0.01, result.stdout
+    programs.succeeds("bake", toml, "-o", folder / "bar.palpable")
+    assert "a force of 0.01 N" in programs.succeeds("inspect", folder / "bar.palpable").stdout
+
+
+@case("what a description cannot mean is refused with file, line and key")
+def _(programs, folder):
+    toml = write_bar(folder)
+    def refuses(what, by, *says):
+        assert what in BAR, what
+        toml.write_text(BAR.replace(what, by))
+        for words in (("solve", toml, "-o", folder / "x.vtu"), ("bake", toml, "-o", folder / "x.palpable")):
+            programs.refuses(*words, says=says)
+    refuses("poisson = 0.4", "poisson = 0.5", "bar.toml:7: 'poisson' in [material] is 0.5", "below 0.5")
+    refuses('young = "60 kPa"\npoisson = 0.4', 'C1 = "-1 kPa"\nD1 = "1 kPa"',
+            "bar.toml:6: 'C1' in [material] is -1000, must be above 0")
+    refuses('set = "BASE"', 'set = "BASE"\nhold = "z"', "bar.toml:9: 'set' in [support] does not hold the body",
+            "free to turn or drift")
+    refuses('set = "BASE"', 'nearest = ["0 mm", "0 mm", "0 mm"]', "bar.toml:9: 'nearest' in [support]",
+            "only 1 of its nodes are fixed", "fix at least three")
+    refuses('set = "BASE"', 'set = "BASSE"', "bar.toml:9: 'set' in [support]: the mesh has no set 'BASSE'",
+            "did you mean 'BASE'?")
+    refuses('set = "BASE"', 'set = "NOBODY"', "bar.toml:9: 'set' in [support]", "'NOBODY' is empty")
+    refuses('set = "BASE"', 'box = {low = ["1 m", "1 m", "1 m"], high = ["2 m", "2 m", "2 m"]}',
+            "bar.toml:9: 'box' in [support]: no node lies in the box", "the body reaches from")
+    refuses('sets = "TIP"', 'sets = "BASE"', "bar.toml:11: 'sets' in [sites]: the site at", "[support] holds")
+    refuses('sets = "TIP"', 'sets = "BAR"', "bar.toml:11: 'sets' in [sites]: the mesh has no set of nodes")
+    refuses('[support]', '[[material.group]]\nset = "LOWER"\nyoung = "1 kPa"\npoisson = 0\n'
+            '[[material.group]]\nset = "MIDDLE"\nyoung = "2 kPa"\npoisson = 0\n[support]',
+            "bar.toml:13: 'set' in [[material.group]]", "are in another one already", "bar.toml:9")
+    refuses('unit = "mm"', 'order = 3', "bar.toml:4: 'order' in [shape] is 3, must be at least 1 and at most 2")
+    refuses('depth = "3 mm"', 'force = "3 mm"', "bar.toml:15: 'force' in [press]", '"2 N"')
+    assert not (folder / "x.vtu").exists() and not (folder / "x.palpable").exists()
+
+
+@case("a body that cannot bear its preload says so")
+def _(programs, folder):
+    toml = write_bar(folder, BAR + '[gravity]\ndensity = "90 g/cm^3"\n')
+    for words in (("solve", toml, "-o", folder / "x.vtu"), ("bake", toml, "-o", folder / "x.palpable")):
+        programs.refuses(*words, says=["bar.toml: ", "cannot bear", "gravity"])
+
+
+@case("a deck that is no mesh of tetrahedra is refused with file and line")
+def _(programs, folder):
+    deck = bar_deck()
+    rows = deck.splitlines()
+    first = next(i for i, row in enumerate(rows) if row.startswith("*ELEMENT")) + 1
+    def refuses(text, *says):
+        write_bar(folder, deck=text)
+        programs.refuses("solve", folder / "bar.toml", "-o", folder / "x.vtu", says=["bar.inp", *says])
+    def with_row(at, row):
+        return "\n".join([*rows[:at], row, *rows[at + 1:]]) + "\n"
+    refuses(bar_deck("C3D8"), f"line {first}", "element type C3D8 is not supported", "C3D4 and C3D10")
+    refuses(with_row(first, "1, 1, 2, 5, 999"), f"line {first + 1}", "tetrahedron 1 has a corner 999")
+    refuses(with_row(first, "1, 1, 2, 5, 4"), f"line {first + 1}", "inverted or flat", "number 1")
+    refuses("\n".join(rows[:first]) + "\n1, 1, 2,", f"line {first + 1}", "cut off")
+    refuses("\n".join(rows[:first - 1]) + "\n", "holds no tetrahedra")
+    refuses("hello\n", "line 1", "not an Abaqus or CalculiX deck")
+
+
 @case("a folder that does not exist for the result is refused before the work")
 def _(programs, folder):
     write_ball(folder)
@@ -344,6 +511,8 @@ def _(programs, folder):
                                "--edge", "0.02")
     assert re.search(r"\d+ nodes", result.stdout + result.stderr)
     assert (folder / "ball.msh").read_text().startswith("$MeshFormat")
+    programs.succeeds("mesh", folder / "ball.off", "-o", folder / "ten.msh", "--edge", "0.5", "--order", "2")
+    assert re.search(r"^\d+ 11 2 1 1( \d+){10}$", (folder / "ten.msh").read_text(), re.M)
 
 
 @case("a bench prints one JSON object on stdout")

@@ -101,19 +101,19 @@ ReducedField reduce_field(const char* name, const SnapshotTensor& snapshots,
 
 // Loads point to the centre of mass: a site pressed beyond it would come out on the other side, and
 // the solver, which knows no contact of a body with itself, would let it.
-void refuse_press_through(const SurfaceMesh& skin, const std::vector<Site>& sites, double press,
-                          double height) {
+void refuse_press_through(const BodyDescription& description, const SurfaceMesh& skin,
+                          const std::vector<Site>& sites, double press, double height) {
   const Eigen::Vector3d centre = enclosed_centroid(skin);
   double nearest = std::numeric_limits<double>::infinity();
   for (const Site& site : sites) {
     nearest = std::min(nearest, (centre - skin.vertices.col(site.vertex)).norm());
   }
   if (press < nearest) return;
-  throw Error(
-      fmt::format("a press of {:.3g} m ({:.3g} of the height) would push a site past the centre of "
-                  "mass, {:.3g} "
-                  "m away: no load reaches that; ask for a depth below {:.2g}",
-                  press, press / height, nearest, nearest / height));
+  throw Error(fmt::format(
+      "{}: a press of {:.3g} m ({:.3g} of the height) would push a site past the centre of "
+      "mass, {:.3g} "
+      "m away: no load reaches that; ask for a depth below {:.2g}",
+      description.source.string(), press, press / height, nearest, nearest / height));
 }
 
 std::string materials_line(const BodyDescription& description) {
@@ -254,18 +254,23 @@ BakedBody bake_body(const BodyDescription& description, const BakeSettings& sett
          {"meshing", 1.0, 1.0,
           fmt::format("{} nodes, {} tetrahedra", mesh.mesh.node_count(), mesh.mesh.tet_count())});
   if (std::holds_alternative<BodyDescription::Sites::ToCentre>(description.sites.direction)) {
-    refuse_press_through(mesh.boundary.surface, problem.sites, problem.press, mesh.height);
+    refuse_press_through(description, mesh.boundary.surface, problem.sites, problem.press,
+                         mesh.height);
   }
   const EquilibriumSolver solver =
       timed("factor", [&] { return EquilibriumSolver(std::move(problem.model)); });
   const Campaign campaign = timed("campaign", [&] {
-    return run_campaign(solver, mesh.boundary, problem.sites,
-                        {.press = problem.press,
-                         .force = problem.force,
-                         .levels = description.press.levels,
-                         .preload = problem.preload,
-                         .threads = settings.threads},
-                        progress);
+    try {
+      return run_campaign(solver, mesh.boundary, problem.sites,
+                          {.press = problem.press,
+                           .force = problem.force,
+                           .levels = description.press.levels,
+                           .preload = problem.preload,
+                           .threads = settings.threads},
+                          progress);
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}: {}", description.source.string(), error.what()));
+    }
   });
   BakedBody baked = timed(
       "reduce", [&] { return reduce_campaign(campaign, mesh, description.reduction, progress); });

@@ -116,7 +116,8 @@ BodyMesh make_body_mesh(const BodyDescription& description) {
   body.mesh = std::move(volume.mesh);
   body.sets = std::move(volume.sets);
   body.boundary = split_boundary_of(body.mesh);
-  body.height = body.mesh.nodes.row(2).maxCoeff();
+  // Remeshing may leave the lowest vertex a little above Z = 0.
+  body.height = body.mesh.nodes.row(2).maxCoeff() - body.mesh.nodes.row(2).minCoeff();
   body.quality = quality_of(body.mesh);
   body.origin = fmt::format("{}, {}", description.shape.file.filename().string(), made);
   return body;

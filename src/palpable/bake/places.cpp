@@ -76,10 +76,10 @@ std::vector<std::string> names_of(const Sets&... sets) {
   return {names.begin(), names.end()};
 }
 
-double height_of(const TetMesh& mesh) { return mesh.nodes.row(2).maxCoeff(); }
-
-std::vector<int> nodes_between(const TetMesh& mesh, double low, double high) {
-  return nodes_in_box(mesh, {-kInfinity, -kInfinity, low}, {kInfinity, kInfinity, high});
+// Z at a fraction of the height, from the lowest node.
+double level_of(const TetMesh& mesh, double fraction) {
+  const double low = mesh.nodes.row(2).minCoeff(), high = mesh.nodes.row(2).maxCoeff();
+  return low + fraction * (high - low);
 }
 
 std::vector<int> corners_of(const std::vector<Eigen::Vector3i>& faces) {
@@ -93,11 +93,15 @@ std::vector<int> corners_of(const std::vector<Eigen::Vector3i>& faces) {
 struct NodesAt {
   const VolumeMesh& volume;
 
+  // There always are some: the lowest and the highest node.
   std::vector<int> operator()(const Where::Below& below) const {
-    return nodes_between(volume.mesh, -kInfinity, below.fraction * height_of(volume.mesh));
+    return nodes_in_box(volume.mesh, Eigen::Vector3d::Constant(-kInfinity),
+                        {kInfinity, kInfinity, level_of(volume.mesh, below.fraction)});
   }
   std::vector<int> operator()(const Where::Above& above) const {
-    return nodes_between(volume.mesh, above.fraction * height_of(volume.mesh), kInfinity);
+    return nodes_in_box(volume.mesh,
+                        {-kInfinity, -kInfinity, level_of(volume.mesh, above.fraction)},
+                        Eigen::Vector3d::Constant(kInfinity));
   }
   std::vector<int> operator()(const Where::Plane& plane) const {
     return nodes_on_plane(volume.mesh, plane.point, plane.normal, plane.distance);
@@ -157,11 +161,11 @@ struct TetsAt {
   }
 
   std::vector<int> operator()(const Where::Below& below) const {
-    const double limit = below.fraction * height_of(volume.mesh);
+    const double limit = level_of(volume.mesh, below.fraction);
     return where_middle([&](const Eigen::Vector3d& X) { return X[2] <= limit; });
   }
   std::vector<int> operator()(const Where::Above& above) const {
-    const double limit = above.fraction * height_of(volume.mesh);
+    const double limit = level_of(volume.mesh, above.fraction);
     return where_middle([&](const Eigen::Vector3d& X) { return X[2] > limit; });
   }
   std::vector<int> operator()(const Where::Plane& plane) const {
