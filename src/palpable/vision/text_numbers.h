@@ -1,0 +1,24 @@
+/// @file
+/// Numbers in small text files, read the same way whatever the locale.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace palpable {
+
+/// Nothing unless the whole text is one finite number; a leading + is allowed.
+[[nodiscard]] std::optional<double> to_number(std::string_view text);
+
+/// All numbers of a text, apart by white space, commas, semicolons or square brackets. Nothing when
+/// anything else is in it.
+[[nodiscard]] std::optional<std::vector<double>> to_numbers(std::string_view text);
+
+/// The lines of a text file without '#' comments, line ends and empty lines. Nothing when it cannot
+/// be read or has more than 64 MB.
+[[nodiscard]] std::optional<std::vector<std::string>> read_lines(const std::filesystem::path& path);
+
+}  // namespace palpable
