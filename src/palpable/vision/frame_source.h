@@ -1,5 +1,5 @@
 /// @file
-/// Where frames come from.
+/// Where frames come from: a camera, or a recording of one.
 #pragma once
 
 #include "palpable/vision/frame.h"
@@ -10,13 +10,27 @@ namespace palpable {
 
 enum class FrameStatus {
   kFrame,       ///< the frame was filled
-  kUnreadable,  ///< this one could not be read: its number is set, its images are unspecified
+  kUnreadable,  ///< this one could not be used: its number is set, its images are unspecified
+  kWaiting,     ///< nothing came within kLongestWait; state() says whether that is trouble
   kEnd          ///< nothing was read and nothing will be
 };
 
+/// How a source does at present. A recording is always kRunning.
+enum class SourceState {
+  kRunning,
+  kStalled,  ///< the camera is there, but no pictures come
+  kGone      ///< the camera is not there; it is looked for, and frames go on when it is back
+};
+
 /// A sequence of frames, read once from front to back by one thread.
+///
+/// A recording waits for whoever reads it: no frame is passed over. A live source gives the newest
+/// frame that it has, and the numbers of those that nobody took in time are missing.
 class FrameSource {
  public:
+  /// s; next() of a live source answers kWaiting after it, so that whoever calls can end.
+  static constexpr double kLongestWait = 0.1;
+
   virtual ~FrameSource() = default;
 
   /// Constant over the life of the source.
@@ -32,8 +46,14 @@ class FrameSource {
   /// How many answers were kUnreadable so far.
   [[nodiscard]] virtual int unreadable_count() const = 0;
 
-  /// Why the last unreadable frame was, naming its file; empty when there was none.
+  /// Why the last unreadable frame was, naming its file, or what keeps a camera from giving
+  /// pictures; empty when there was nothing.
   [[nodiscard]] virtual std::string last_trouble() const = 0;
+
+  /// Whether frames come at their own pace and not at the reader's.
+  [[nodiscard]] virtual bool is_live() const { return false; }
+
+  [[nodiscard]] virtual SourceState state() const { return SourceState::kRunning; }
 };
 
 }  // namespace palpable

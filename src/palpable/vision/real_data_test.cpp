@@ -2,23 +2,20 @@
 // says so, where its data is not.
 #include "palpable/vision/calibration_file.h"
 #include "palpable/vision/depth_camera.h"
+#include "palpable/vision/factory_calibration.h"
 #include "palpable/vision/folder_source.h"
-#include "palpable/vision/image_file.h"
 #include "palpable/vision/opencv_views.h"
 #include "palpable/vision/rectification.h"
 #include "palpable/vision/static_background.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
-#include <Eigen/Geometry>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -161,33 +158,13 @@ TEST_CASE("the time-of-flight camera's resting desk scatters no more than the mo
 
 const fs::path kZed = kData / "zed";
 
-// The factory's numbers: lengths mm; RX CV RZ are one rotation vector, rad.
 StereoRig zed_rig() {
-  std::map<std::string, double> numbers;
-  std::ifstream in(kZed / "SN10027514.conf");
-  std::string section;
-  for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("[")) section = line.substr(1, line.find(']') - 1);
-    const auto equals = line.find('=');
-    if (equals == std::string::npos) continue;
-    numbers[section + "." + line.substr(0, equals)] = std::stod(line.substr(equals + 1));
-  }
-  const auto lens = [&](const std::string& s) {
-    return DistortedCamera{{1280, 720, numbers.at(s + ".fx"), numbers.at(s + ".fy"),
-                            numbers.at(s + ".cx"), numbers.at(s + ".cy")},
-                           {numbers.at(s + ".k1"), numbers.at(s + ".k2"), numbers.at(s + ".p1"),
-                            numbers.at(s + ".p2"), numbers.at(s + ".k3")}};
-  };
-  StereoRig rig;
-  rig.left = lens("LEFT_CAM_HD");
-  rig.right = lens("RIGHT_CAM_HD");
-  const Eigen::Vector3d turn(numbers.at("STEREO.RX_HD"), numbers.at("STEREO.CV_HD"),
-                             numbers.at("STEREO.RZ_HD"));
-  rig.right_from_left.linear() =
-      Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
-  rig.right_from_left.translation() << -numbers.at("STEREO.Baseline") / 1000,
-      numbers.at("STEREO.TY") / 1000, numbers.at("STEREO.TZ") / 1000;
-  return rig;
+  return value_or_throw(read_factory_calibration(kZed / "SN10027514.conf", 1280, 720)).rig;
+}
+
+// The raw pairs as a folder, left_* beside right_*, with the camera's own file.
+std::unique_ptr<FrameSource> zed_source() {
+  return value_or_throw(open_folder(kZed / "raw", {.calibration = kZed / "SN10027514.conf"}));
 }
 
 // Row of the match in the right image minus the row in the left one, for corners whose best match
@@ -237,18 +214,15 @@ GrayImage gray_of(const ColorImage& color) {
 TEST_CASE("a real ZED Mini's rows agree after rectification with its factory numbers",
           "[vision][real][Sec3.3]") {
   if (!fs::exists(kZed / "raw")) PALPABLE_SKIP("no folder " + (kZed / "raw").string());
-  const StereoRig rig = zed_rig();
-  CHECK(what_is_wrong_with(rig).empty());
-  Rectification rectification(rig);
+  const auto source = zed_source();
+  CHECK(source->format().rig.left == zed_rig().left);
+  Rectification rectification(source->format().rig);
+  Frame frame;
   for (const char* distance : {"05m", "10m"}) {
     INFO(distance);
-    ImageFileReader reader;
-    ColorImage left;
-    ColorImage right;
-    REQUIRE(
-        reader.read_color(kZed / "raw" / (std::string("left_") + distance + ".png"), left).ok());
-    REQUIRE(
-        reader.read_color(kZed / "raw" / (std::string("right_") + distance + ".png"), right).ok());
+    REQUIRE(source->next(frame) == FrameStatus::kFrame);
+    const ColorImage& left = frame.left;
+    const ColorImage& right = frame.right;
     const auto raw = row_differences(gray_of(left), gray_of(right));
     GrayImage left_rows;
     GrayImage right_rows;
@@ -266,16 +240,10 @@ TEST_CASE("a real ZED Mini's rows agree after rectification with its factory num
 
 TEST_CASE("a real ZED Mini pair gives depth, from raw images", "[vision][real][Sec3.3]") {
   if (!fs::exists(kZed / "raw")) PALPABLE_SKIP("no folder " + (kZed / "raw").string());
-  const StereoRig rig = zed_rig();
-  ImageFileReader reader;
+  const auto source = zed_source();
   Frame frame;
-  REQUIRE(reader.read_color(kZed / "raw/left_05m.png", frame.left).ok());
-  REQUIRE(reader.read_color(kZed / "raw/right_05m.png", frame.right).ok());
-  FrameFormat format;
-  format.width = 1280;
-  format.height = 720;
-  format.rig = rig;
-  auto camera = value_or_throw(DepthCamera::make(format));
+  REQUIRE(source->next(frame) == FrameStatus::kFrame);
+  auto camera = value_or_throw(DepthCamera::make(source->format()));
   SeenFrame seen;
   camera.see(frame, seen);
   INFO("known " << known_share(seen.depth));
