@@ -1,0 +1,33 @@
+/// @file
+/// A recorded video as a source of frames: both eyes side by side, or a file for each eye.
+#pragma once
+
+#include "palpable/base/error.h"
+#include "palpable/vision/frame_source.h"
+
+#include <filesystem>
+#include <memory>
+
+namespace palpable {
+
+struct VideoSettings {
+  /// Empty: a file beside the video with its name and .yml (clip.mp4, clip.yml), or
+  /// calibration.yml, rectified.yml or the one SN*.conf in its folder.
+  std::filesystem::path calibration{};
+  bool without_calibration = false;  ///< as in folder_source.h
+};
+
+/// Whether the name ends like a video's: avi, mp4, mkv, mov, webm, m4v, mpg.
+[[nodiscard]] bool is_video_name(const std::filesystem::path& path);
+
+/// Opens the left eye's (or both eyes') file and, if named, the right eye's, whose frames belong
+/// together by their number. Frames are decoded one ahead; times are the file's own. A file that is
+/// cut off ends where it is cut off; frames of another size are unreadable.
+///
+/// A problem, one line that names the file: not there, no video that can be decoded, no or a wrong
+/// calibration, files of different sizes.
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> open_video(const std::filesystem::path& left,
+                                                              const std::filesystem::path& right,
+                                                              const VideoSettings& settings = {});
+
+}  // namespace palpable
