@@ -2,6 +2,7 @@
 /// Hands work from one thread to another, and waits when the other does not keep up.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -36,6 +37,28 @@ class BoundedQueue {
     items_.pop_front();
     changed_.notify_all();
     return item;
+  }
+
+  /// The same, but waits at most so long: nothing then, too; drained() tells the two apart.
+  std::optional<T> pop_within(std::chrono::duration<double> wait) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, wait, [this] { return closed_ || !items_.empty(); });
+    if (items_.empty()) return std::nullopt;
+    T item = std::move(items_.front());
+    items_.pop_front();
+    changed_.notify_all();
+    return item;
+  }
+
+  /// Closed and empty: nothing will come any more.
+  [[nodiscard]] bool drained() {
+    const std::lock_guard lock(mutex_);
+    return closed_ && items_.empty();
+  }
+
+  [[nodiscard]] bool closed() {
+    const std::lock_guard lock(mutex_);
+    return closed_;
   }
 
   /// No more items come. What is in the queue can still be taken.

@@ -16,5 +16,7 @@ void add_inspect(CLI::App& app);
 void add_synth(CLI::App& app);
 void add_score(CLI::App& app);
 void add_bench(CLI::App& app);
+void add_cameras(CLI::App& app);
+void add_calibrate(CLI::App& app);
 
 }  // namespace palpable::app

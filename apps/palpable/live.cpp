@@ -17,7 +17,9 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -62,6 +64,30 @@ Stage make_stage(bool with_window, const PinholeCamera& camera) {
   return stage;
 }
 
+// Whether the user has closed the window or pressed Escape.
+bool ended_by(Window& window) {
+  bool ended = window.closed();
+  for (const WindowEvent& event : window.events()) {
+    ended |= event.kind == WindowEvent::Kind::kKey && event.key == WindowEvent::kEscape;
+  }
+  return ended;
+}
+
+// Ctrl-C ends a run as its last frame would, with all its files.
+std::atomic<bool> interrupted = false;
+
+bool asked_to_end() { return interrupted; }
+
+void listen_for_ctrl_c() {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    // A second one ends the program at once.
+    std::signal(signal, [](int which) {
+      interrupted = true;
+      std::signal(which, SIG_DFL);
+    });
+  }
+}
+
 // What happened, for live.json and the last lines on the screen.
 struct Counts {
   std::vector<int> processed;  // numbers of the frames
@@ -70,6 +96,9 @@ struct Counts {
   int site_changes = 0;
   int last_site = -1;
   double deepest = 0;  // m
+  SourceTroubles troubles;
+  std::string last_trouble;
+  std::vector<std::string> reports;  // of the source, in its words
 
   void add(const Scene& scene) {
     processed.push_back(scene.number);
@@ -100,7 +129,12 @@ nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const
   }
   result["camera_from_body"] = matrix;
   result["frames"] = counts.processed.size();
-  result["unreadable"] = run.source->unreadable_count();
+  result["unreadable"] = counts.troubles.unreadable;
+  result["source_troubles"] = {{"back_in_time", counts.troubles.back_in_time},
+                               {"dropped", counts.troubles.dropped},
+                               {"stalls", counts.troubles.stalls},
+                               {"losses", counts.troubles.losses},
+                               {"reports", counts.reports}};
   result["frames_touching"] = counts.touching;
   result["first_touch_frame"] =
       counts.first_touch ? nlohmann::ordered_json(*counts.first_touch) : nullptr;
@@ -140,10 +174,26 @@ void live(const Options& options) {
   Counts counts;
   ProgressBar bar;
   const auto begin = std::chrono::steady_clock::now();
+  listen_for_ctrl_c();
   {
     VisionThread vision(*run.source, session, wanted.frames);
     Scene scene;
-    while (std::unique_ptr<FrameInFlight> flight = vision.next()) {
+    const auto hear = [&] {
+      for (std::string& line : vision.take_reports()) {
+        bar.finish();
+        fmt::print(stderr, "{}\n", line);
+        counts.reports.push_back(std::move(line));
+      }
+      counts.troubles = vision.troubles();
+      counts.last_trouble = vision.last_trouble();
+    };
+    while (!vision.ended() && !asked_to_end()) {
+      std::unique_ptr<FrameInFlight> flight = vision.next_within(FrameSource::kLongestWait);
+      hear();
+      if (!flight) {  // the picture and the body stay as they are
+        if (stage.window && ended_by(*stage.window)) break;
+        continue;
+      }
       session.respond(flight->seen, scene);
       std::unique_ptr<DrawnFrame> drawn = output.blank();
       drawn->times = flight->times;
@@ -167,11 +217,7 @@ void live(const Options& options) {
 
       if (stage.window) {
         stage.window->show(drawn->picture);
-        for (const WindowEvent& event : stage.window->events()) {
-          if (event.kind == WindowEvent::Kind::kKey && event.key == WindowEvent::kEscape) {
-            total = static_cast<int>(counts.processed.size());
-          }
-        }
+        if (ended_by(*stage.window)) total = static_cast<int>(counts.processed.size());
       }
       output.write(std::move(drawn));
       const auto done = static_cast<double>(counts.processed.size());
@@ -182,15 +228,16 @@ void live(const Options& options) {
                       : fmt::format("site {}, {:.1f} mm", scene.touches.front().site,
                                     scene.touches.front().press_depth * 1e3)});
       }
-      if (stage.window && (stage.window->closed() || done >= total)) break;
+      if (total > 0 && done >= total) break;
     }
+    hear();
   }
   output.finish();
   bar.finish();
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   if (counts.processed.empty()) {
     throw Error(fmt::format("{}: no frame could be read ({} unreadable; {})", run.images.string(),
-                            run.source->unreadable_count(), run.source->last_trouble()));
+                            counts.troubles.unreadable, counts.last_trouble));
   }
   if (stage.errors().count() > 0) {
     throw Error(fmt::format("OpenGL reported {} errors, first: {}", stage.errors().count(),
@@ -201,10 +248,8 @@ void live(const Options& options) {
 
   fmt::print("{} frames in {:.1f} s ({:.0f} ms each), {} unreadable\n", counts.processed.size(),
              wall.count(), 1e3 * wall.count() / static_cast<double>(counts.processed.size()),
-             run.source->unreadable_count());
-  if (run.source->unreadable_count() > 0) {
-    fmt::print("last unreadable: {}\n", run.source->last_trouble());
-  }
+             counts.troubles.unreadable);
+  if (counts.troubles.unreadable > 0) { fmt::print("last unreadable: {}\n", counts.last_trouble); }
   if (counts.first_touch) {
     fmt::print("touched in {} frames, first in frame {}, at most {:.1f} mm deep\n", counts.touching,
                *counts.first_touch, counts.deepest * 1e3);
@@ -235,9 +280,14 @@ void add_live(CLI::App& app) {
   command->footer(
       "Writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, live.json,\n"
       "depth/, visible/ and body_depth/ (docs/benchmark.md has the formats).\n"
+      "A recording waits for the loop unless --paced. A camera that stalls or goes away does not "
+      "end\n"
+      "the run: the last state is held until pictures come again; Ctrl-C ends it.\n"
       "Example: palpable live bunny.palpable --source synthetic --out out\n"
       "Example: palpable live bunny.palpable --source desk --place \"0 0.1 0.6 0 40 0\" "
-      "--ignore-static --out out");
+      "--ignore-static --out out\n"
+      "Example: palpable live bunny.palpable --source /dev/video0 --calibration SN10027514.conf "
+      "--place \"0 0.1 0.6 0 40 0\" --window --out out");
   command->callback([options] { live(*options); });
 }
 

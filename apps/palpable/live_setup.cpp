@@ -6,7 +6,8 @@
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/scaled_body.h"
-#include "palpable/vision/folder_source.h"
+#include "palpable/vision/open_source.h"
+#include "palpable/vision/paced_source.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -66,10 +67,10 @@ Rigid3 place_of(const LiveOptions& options, const SceneFile& scene, const fs::pa
     return read_pose(text);
   }
   if (scene.camera_from_body) return *scene.camera_from_body;
-  throw Error(
-      fmt::format("{}: has no scene.toml that says where the body stands; give --place \"x y z "
-                  "roll pitch yaw\"",
-                  images.string()));
+  throw Error(fmt::format(
+      "{}: has no scene.toml beside it that says where the body stands; give --place \"x y z "
+      "roll pitch yaw\"",
+      images.string()));
 }
 
 }  // namespace
@@ -77,10 +78,16 @@ Rigid3 place_of(const LiveOptions& options, const SceneFile& scene, const fs::pa
 void add_live_options(CLI::App& command, LiveOptions& options) {
   command.add_option("body", options.body, "Body file")->required();
   command
-      .add_option("--source", options.source,
-                  "Folder of images (left/ right/, side by side, or colour + depth, with their "
-                  "calibration), or: synthetic")
+      .add_option(
+          "--source", options.input.source,
+          "A folder (left/ right/, side by side, colour + depth, EuRoC, KITTI, TUM, "
+          "7-Scenes), images by name (\"cam0/*.png\"), a video file, a camera (/dev/video0), "
+          "or: synthetic")
       ->required();
+  add_source_options(command, options.input);
+  command.add_flag("--paced", options.paced,
+                   "Play a recording at its own pace, leaving out what the loop has no time for; "
+                   "otherwise it waits for the loop");
   command
       .add_option("--place", options.place,
                   "Where the body stands in the camera: \"x y z roll pitch yaw\" (m right, down, "
@@ -103,11 +110,15 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
 
 LiveRun set_up_live(const LiveOptions& options) {
   ReducedBody body = value_or_throw(read_body_file(options.body));
-  const fs::path images =
-      options.source == "synthetic" ? synthetic_clip(options, body) : fs::path(options.source);
+  CameraRequest request = request_of(options.input);
+  if (request.device == "synthetic") request.device = synthetic_clip(options, body).string();
+  const fs::path images = request.device;
   if (options.scale != 1) body = scaled(body, options.scale);
-  std::unique_ptr<FrameSource> source = value_or_throw(open_folder(images));
-  const SceneFile scene = read_scene_file(images / "scene.toml");
+  std::unique_ptr<FrameSource> source = value_or_throw(open_source(request));
+  if (options.paced && !source->is_live()) source = paced(std::move(source));
+  std::error_code ignored;
+  const fs::path folder = fs::is_directory(images, ignored) ? images : images.parent_path();
+  const SceneFile scene = read_scene_file(folder / "scene.toml");
   const Rigid3 pose = place_of(options, scene, images);
 
   SessionSettings settings;

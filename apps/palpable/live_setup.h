@@ -3,6 +3,7 @@
 /// session.
 #pragma once
 
+#include "apps/palpable/source_options.h"
 #include "palpable/session/session.h"
 #include "palpable/vision/frame_source.h"
 
@@ -19,8 +20,9 @@ namespace palpable::app {
 
 struct LiveOptions {
   std::filesystem::path body;
-  std::string source;              ///< a folder, or "synthetic"
+  SourceOptions input;             ///< its source may also be "synthetic"
   std::filesystem::path clip;      ///< where a synthetic clip is kept
+  bool paced = false;              ///< a recording at its own pace instead of the loop's
   std::vector<std::string> place;  ///< words; empty: from the folder's scene.toml
   double scale = 1;
   bool ignore_static = false;
@@ -34,7 +36,7 @@ void add_live_options(CLI::App& command, LiveOptions& options);
 struct LiveRun {
   std::unique_ptr<FrameSource> source;
   Session session;
-  std::filesystem::path images;  ///< the folder that is played
+  std::filesystem::path images;  ///< the folder, file or device that is played
 };
 
 /// Reads the body, films the synthetic clip if it is wanted and not there yet, opens the images,

@@ -62,6 +62,8 @@ int run(int argc, char** argv) {
   add_inspect(app);
   add_synth(app);
   add_score(app);
+  add_cameras(app);
+  add_calibrate(app);
   add_bench(app);
   return run_command_line(app, argc, argv);
 }

@@ -1,6 +1,6 @@
 #include "apps/palpable/vision_thread.h"
 
-#include <optional>
+#include <iterator>
 #include <utility>
 
 namespace palpable::app {
@@ -22,6 +22,7 @@ VisionThread::~VisionThread() {
 
 void VisionThread::run(FrameSource& source, Session& session, int frames) {
   try {
+    SourceGuard guard(source);
     for (int seen = 0; frames < 0 || seen < frames;) {
       std::optional<std::unique_ptr<FrameInFlight>> item = free_.pop();
       if (!item) break;
@@ -30,9 +31,12 @@ void VisionThread::run(FrameSource& source, Session& session, int frames) {
       flight.times.clear();
       {
         const StageTimer timer(flight.times, "read");
-        while (status == FrameStatus::kUnreadable) status = source.next(flight.frame);
+        while (status != FrameStatus::kFrame && status != FrameStatus::kEnd && !ready_.closed()) {
+          status = guard.next(flight.frame);
+          tell(guard);
+        }
       }
-      if (status == FrameStatus::kEnd) break;
+      if (status != FrameStatus::kFrame) break;
       flight.times.add(session.see(flight.frame, flight.seen));
       ++seen;
       if (!ready_.push(std::move(*item))) break;
@@ -41,11 +45,47 @@ void VisionThread::run(FrameSource& source, Session& session, int frames) {
   ready_.close();
 }
 
-std::unique_ptr<FrameInFlight> VisionThread::next() {
-  std::optional<std::unique_ptr<FrameInFlight>> item = ready_.pop();
+std::unique_ptr<FrameInFlight> VisionThread::given(
+    std::optional<std::unique_ptr<FrameInFlight>> item) {
   if (item) return std::move(*item);
-  if (trouble_) std::rethrow_exception(trouble_);
+  static_cast<void>(ended());
   return nullptr;
+}
+
+bool VisionThread::ended() {
+  if (!ready_.drained()) return false;
+  if (trouble_) std::rethrow_exception(trouble_);
+  return true;
+}
+
+std::unique_ptr<FrameInFlight> VisionThread::next() { return given(ready_.pop()); }
+
+std::unique_ptr<FrameInFlight> VisionThread::next_within(double seconds) {
+  return given(ready_.pop_within(std::chrono::duration<double>(seconds)));
+}
+
+void VisionThread::tell(SourceGuard& guard) {
+  std::vector<std::string> reports = guard.take_reports();
+  const std::lock_guard lock(told_mutex_);
+  troubles_ = guard.troubles();
+  last_trouble_ = guard.last_trouble();
+  reports_.insert(reports_.end(), std::make_move_iterator(reports.begin()),
+                  std::make_move_iterator(reports.end()));
+}
+
+std::vector<std::string> VisionThread::take_reports() {
+  const std::lock_guard lock(told_mutex_);
+  return std::exchange(reports_, {});
+}
+
+SourceTroubles VisionThread::troubles() {
+  const std::lock_guard lock(told_mutex_);
+  return troubles_;
+}
+
+std::string VisionThread::last_trouble() {
+  const std::lock_guard lock(told_mutex_);
+  return last_trouble_;
 }
 
 void VisionThread::recycle(std::unique_ptr<FrameInFlight> frame) { free_.push(std::move(frame)); }

@@ -2,6 +2,7 @@
 
 #include "apps/palpable/bounded_queue.h"
 #include "tests/support/dented_sphere.h"
+#include "tests/support/misbehaving_camera.h"
 #include "tests/support/seen_capsules.h"
 #include "tests/support/test.h"
 
@@ -115,6 +116,74 @@ TEST_CASE("what goes wrong while seeing is told to whoever waits for the frame",
   vision.recycle(vision.next());
   vision.recycle(vision.next());
   CHECK_THROWS_WITH(vision.next(), "the cable came off");
+}
+
+TEST_CASE("a camera that does everything wrong never stops the loop, and the last state is held",
+          "[apps][threads][errors]") {
+  using test::Act;
+  std::vector<Act> acts(8, Act::kGood);
+  for (const Act bad : {Act::kStall, Act::kDrop, Act::kResize, Act::kNoDepth, Act::kGarbage,
+                        Act::kNoise, Act::kNoTime, Act::kBackInTime, Act::kGone}) {
+    acts.insert(acts.end(), 3, bad);
+    acts.insert(acts.end(), 2, Act::kGood);
+  }
+  acts.push_back(Act::kNewClock);
+  acts.insert(acts.end(), 9, Act::kGood);
+
+  // Only the good frames, without the loop: what the bad ones may not change.
+  std::vector<Scene> expected;
+  {
+    test::MisbehavingCamera camera(acts);
+    Session session = session_for(camera);
+    SourceGuard guard(camera);
+    Frame frame;
+    for (FrameStatus status = guard.next(frame); status != FrameStatus::kEnd;
+         status = guard.next(frame)) {
+      if (status == FrameStatus::kFrame) expected.push_back(session.process(frame));
+    }
+  }
+  REQUIRE(expected.size() == 8 + 9 * 2 + 10 - (SourceGuard::kClockRestart - 1));
+  REQUIRE(expected.back().touches.size() == 1);
+
+  test::MisbehavingCamera camera(acts);
+  Session session = session_for(camera);
+  VisionThread vision(camera, session, -1);
+  Scene scene;
+  std::size_t n = 0;
+  std::vector<std::string> reports;
+  while (!vision.ended()) {
+    std::unique_ptr<FrameInFlight> flight = vision.next_within(0.001);
+    for (std::string& line : vision.take_reports()) reports.push_back(std::move(line));
+    if (!flight) continue;  // the picture stays as it is
+    REQUIRE(n < expected.size());
+    session.respond(flight->seen, scene);
+    CHECK(scene.number == expected[n].number);
+    CHECK(scene.vertices == expected[n].vertices);
+    CHECK(scene.touches.size() == expected[n].touches.size());
+    // Once touched, touched through all of it: the finger never leaves.
+    if (n > 0 && !expected[n - 1].touches.empty()) CHECK(scene.touches.size() == 1);
+    vision.recycle(std::move(flight));
+    ++n;
+  }
+  CHECK(n == expected.size());
+  const SourceTroubles troubles = vision.troubles();
+  CHECK(troubles.unreadable == 6 * 3 + SourceGuard::kClockRestart - 1);
+  CHECK(troubles.dropped == 3);
+  CHECK(troubles.stalls == 1);
+  CHECK(troubles.losses == 1);
+  CHECK(troubles.back_in_time == 3 + SourceGuard::kClockRestart - 1);
+  // Six kinds of bad frames, the new clock's first old frames and its restart, stall, loss, and
+  // twice "come again".
+  CHECK(reports.size() == 6 + 2 + 4);
+}
+
+TEST_CASE("the loop can be left while a camera is silent", "[apps][threads]") {
+  test::MisbehavingCamera camera({test::Act::kStall});
+  camera.repeats_last = true;
+  Session session = session_for(camera);
+  VisionThread vision(camera, session, -1);
+  CHECK(vision.next_within(0.001) == nullptr);
+  CHECK_FALSE(vision.ended());
 }
 
 TEST_CASE("a queue hands everything over in order and tells that it is closed", "[apps][threads]") {

@@ -1,0 +1,72 @@
+#include "apps/palpable/source_options.h"
+
+#include "palpable/base/error.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include <cstdlib>
+#include <sstream>
+
+namespace palpable::app {
+
+void add_source_options(CLI::App& command, SourceOptions& options) {
+  command.add_option(
+      "--right", options.right,
+      "The right eye's camera, video or images by name; --source is then the left's");
+  command.add_option("--depth", options.depth,
+                     "The depth camera, or depth images by name, with the same view as --source");
+  command.add_option(
+      "--calibration", options.calibration,
+      "OpenCV YAML, a ZED's SN*.conf or intrinsics.txt. Default: what lies beside the "
+      "images, or what palpable calibrate has kept of the camera");
+  command.add_option(
+      "--size", options.size,
+      "Of a camera: WIDTHxHEIGHT of its picture, both eyes' together if side by side");
+  command.add_option("--fps", options.frames_per_second, "Of a camera: pictures a second")
+      ->check(CLI::Range(0.1, 1000.0));
+  command.add_option("--exposure", options.exposure_ms, "Of a camera: fixed exposure, ms")
+      ->check(CLI::Range(0.01, 10000.0));
+  command.add_option("--gain", options.gain, "Of a camera: fixed gain, in its own unit")
+      ->check(CLI::Range(0.0, 1e6));
+  command.add_flag(
+      "--lock-exposure", options.lock_exposure,
+      "Of a camera: after a second, keep exposure, gain and white balance as they are");
+}
+
+CameraRequest request_of(const SourceOptions& options) {
+  CameraRequest request;
+  request.device = options.source;
+  request.right = options.right;
+  request.depth = options.depth;
+  request.calibration = options.calibration;
+  request.folders = calibration_folders();
+  if (!options.size.empty()) {
+    std::istringstream text(options.size);
+    char times = 0;
+    if (!(text >> request.width >> times >> request.height) || times != 'x' || !text.eof() ||
+        request.width < 1 || request.height < 1) {
+      throw Error(fmt::format("--size {}: should be like 2560x720", options.size));
+    }
+  }
+  request.frames_per_second = options.frames_per_second;
+  if (options.exposure_ms > 0) request.exposure_ms = options.exposure_ms;
+  if (options.gain >= 0) request.gain = options.gain;
+  request.lock = options.lock_exposure;
+  return request;
+}
+
+std::vector<std::filesystem::path> calibration_folders() {
+  std::vector<std::filesystem::path> folders;
+  const char* config = std::getenv("XDG_CONFIG_HOME");
+  const char* home = std::getenv("HOME");
+  if (config != nullptr && *config != '\0') {
+    folders.push_back(std::filesystem::path(config) / "palpable");
+  } else if (home != nullptr && *home != '\0') {
+    folders.push_back(std::filesystem::path(home) / ".config/palpable");
+  }
+  folders.emplace_back("/usr/local/zed/settings");
+  return folders;
+}
+
+}  // namespace palpable::app

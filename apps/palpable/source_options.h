@@ -1,0 +1,41 @@
+/// @file
+/// What commands that look at images share: the options that name a source, and the source itself.
+#pragma once
+
+#include "palpable/vision/camera_source.h"
+#include "palpable/vision/frame_source.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace palpable::app {
+
+struct SourceOptions {
+  std::string source;  ///< folder, images by name, video file or /dev/video*
+  std::string right;
+  std::string depth;
+  std::filesystem::path calibration;
+  std::string size;  ///< "2560x720"; empty: chosen
+  double frames_per_second = 0;
+  double exposure_ms = 0;  ///< 0: automatic
+  double gain = -1;        ///< negative: automatic
+  bool lock_exposure = false;
+};
+
+/// Adds all but --source, which commands explain in their own words.
+void add_source_options(CLI::App& command, SourceOptions& options);
+
+/// The options as the library reads them. @throws Error when --size is no size
+[[nodiscard]] CameraRequest request_of(const SourceOptions& options);
+
+/// Where calibrations of cameras are kept: ~/.config/palpable (or XDG's), then where a ZED's own
+/// software puts its files.
+[[nodiscard]] std::vector<std::filesystem::path> calibration_folders();
+
+}  // namespace palpable::app
