@@ -1,10 +1,18 @@
 #!/usr/bin/env python3
-"""write_verification.py [PROGRAM]: docs/verification.md from what the verification tests measure.
+"""write_verification.py [PROGRAM]: docs/verification.md from what was measured.
 
 Runs PROGRAM (default build/release/bin/verification_tests), collects its lines that begin with
 VERIFICATION and writes them as tables between the texts below. Stops without writing when a test
 fails or a table has no rows (CalculiX not installed, for instance).
+
+What takes longer than a test may is read from docs/results, where a bench's --json output is kept:
+
+    palpable bench elements --json > docs/results/elements.json
+    palpable bench solid --verify --json > docs/results/solid.json
 """
+import json
+import math
+import statistics
 import subprocess
 import sys
 from pathlib import Path
@@ -12,13 +20,16 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 OUTPUT = ROOT / "docs/verification.md"
 
+RESULTS = ROOT / "docs/results"
+
 HEAD = """\
 # Verification
 
 How far the equilibrium solver (`solid`) is from what is known without it. All figures are printed by
-the tests of `tests/verification`, which `./check` runs and which hold them to the bars named here;
-`tools/write_verification.py` writes this page from their output. Patch tests, derivative tests,
-objectivity and balance of forces are unit tests of `src/palpable/solid`.
+the tests of `tests/verification`, which `./check` runs and which hold them to the bars named here,
+or by a bench where that is said; `tools/write_verification.py` writes this page from their output.
+Patch tests, derivative tests, objectivity and balance of forces are unit tests of
+`src/palpable/solid`.
 """
 
 # table of the tests' output -> heading and text of its section
@@ -43,8 +54,11 @@ A smooth displacement with strains of tens of percent is chosen on a pyramid wit
 force, traction on five faces and prescribed displacement of the base follow from it. Errors are
 relative. Theory: order 2 for u and 1 for grad u with 4-node elements, 3 and 2 with 10-node ones.
 
-The sides rise by 45 degrees on purpose. On a cube, where the held face meets free ones at 90 degrees,
-the order of u was 1.4 to 1.7: the dual problem has a singular edge there.
+The sides rise by 45 degrees on purpose; the next table says why.
+"""),
+    "manufactured-box": ("Manufactured solutions in a box", """\
+The same in a box, where the held face meets free ones at 90 degrees: the order of u is lower, because
+the dual problem has a singular edge there, that of grad u is not.
 """),
     "elastica": ("The elastica", """\
 A cantilever of 1 x 0.1 x 0.05 m (nu = 0, St. Venant-Kirchhoff) with a dead load at its tip, against the
@@ -63,10 +77,15 @@ limit as the linear meshes extrapolated above.
 Tapered panel (48 mm; 44 and 16 mm high) in plane strain, sheared by 1 N per mm of thickness; rise of the
 middle of its right edge. mu = 422.5 kPa, nu = 0.3. The reference states neither its point nor the
 volumetric part of its law; those shown reproduce it. One layer of elements, held in z at every node.
-CalculiX' 20-node bricks (C3D20, 32 x 32, NEO HOOKE; run once by hand) give 14.727 mm at that point.
 """),
     "cook-quadratic": ("Cook's membrane with 10-node tetrahedra", """\
 The same panel under the Abaqus form.
+"""),
+    "elements-coarse": ("4-node and 10-node tetrahedra on the same nodes", """\
+A ball with two ears under patch loads (eq. (7)), meshed coarsely; its tetrahedra split in eight make
+4-node tetrahedra with exactly the nodes of the 10-node ones. Errors against 10-node tetrahedra on the
+split mesh under the same traction field; displacement and von Mises stress in the relative L2 norm.
+The test holds 10-node tetrahedra to 0.6 of the errors of 4-node ones, here and everywhere.
 """),
 }
 
@@ -87,6 +106,159 @@ def markdown(rows):
     return "\n".join(lines) + "\n"
 
 
+def percent(value, digits=1):
+    return "-" if value is None else f"{100 * value:.{digits}f} %"
+
+
+def signed_percent(value):
+    return "-" if value is None else f"{100 * value:+.1f} %"
+
+
+def seconds(value):
+    return f"{value:.3g} s"
+
+
+def median_of(rows, mesh, quantity):
+    """Median over the rows that have it, of the errors' size; the sign is that of their median."""
+    values = [row["errors"][mesh][quantity] for row in rows if mesh in row["errors"]]
+    values = [value for value in values if value is not None]
+    return statistics.median(values) if values else None
+
+
+def cost_of(mesh):
+    """CPU of one path, set-up included: the median over the sites."""
+    return mesh["setup_cpu_s"] + statistics.median(mesh["path_cpu_s"])
+
+
+def at_cost(cost, coarse, fine):
+    """Error at `cost` on the line in logarithms through two (cost, error)."""
+    along = math.log(cost / coarse[0]) / math.log(fine[0] / coarse[0])
+    size = abs(coarse[1]) * abs(fine[1] / coarse[1]) ** along
+    return math.copysign(size, coarse[1])
+
+
+def elements_section(results):
+    """Which element is truer on the paper's bunny: text and tables."""
+    nested, direct = results["nested"], results["direct"]
+    meshes = {mesh["name"]: mesh for mesh in nested["meshes"]}
+    own = {mesh["name"]: mesh for mesh in direct["meshes"]}
+    shares = sorted({row["share"] for row in nested["presses"] if row["share"] > 0})
+    nu = nested["presses"][0]["poisson"]
+
+    def rows_at(study, share, poisson=nu):
+        return [row for row in study["presses"] if row["share"] == share and row["poisson"] == poisson]
+
+    text = [f"""\
+Measured on {results["date"]} by `{results["command"]}` ({results["wall_s"] / 60:.0f} minutes);
+`{results["description"]}`, {results["law"]}, full press {1e3 * results["full_press_m"]:.0f} mm = 10 % of
+the height.
+
+A coarse mesh of the body ({meshes["4-node, coarse"]["nodes"]} nodes) is given edge nodes ("10-node") and is split,
+each tetrahedron into eight ("4-node"): both have the same {meshes["10-node"]["nodes"]} nodes, fill the same
+polyhedron and are held at the same faces. The reference is the split mesh with edge nodes,
+{meshes["reference"]["nodes"]} nodes. The traction is that of a patch of graph distance 2 on the split mesh's skin,
+linear in its triangles and the same field on all meshes. Loads are those that press the 10-node mesh
+by the share of the full press. Errors are relative to the reference: of the press (below zero: too
+stiff), of displacement and of von Mises stress at the nodes (L2 norms over the body).
+"""]
+
+    table = []
+    for share in shares:
+        for row in rows_at(nested, share):
+            site = nested["sites"][row["site"]]
+            entry = {"site": str(row["site"]),
+                     "height": f"{100 * site['height']:.0f} %",
+                     "press": f"{share:g}",
+                     "reference": "-" if row["press_m"] is None else f"{1e3 * row['press_m']:.2f} mm"}
+            for mesh in ("4-node", "10-node"):
+                errors = row["errors"][mesh]
+                entry[f"{mesh}: press"] = signed_percent(errors["press"])
+                entry[f"{mesh}: u"] = percent(errors["displacement"])
+                entry[f"{mesh}: von Mises"] = percent(errors["von_mises"])
+            table.append(entry)
+    text.append(f"Each site, nu = {nu}; its height in per cent of the body's; the share of the full press:\n")
+    text.append(markdown(table))
+    for study in (nested, direct):
+        for row in study["presses"]:
+            if row["why_stopped"]:
+                text.append(f"Site {row['site']}, share {row['share']:g}: the reference stops: {row['why_stopped']}\n")
+
+    share = shares[-1]
+    costs = {name: cost_of(mesh) for name, mesh in meshes.items() if mesh["path_cpu_s"]}
+    quantities = ("press", "displacement", "von_mises")
+
+    def line(label, nodes, cost, errors):
+        return {"mesh": label, "nodes": nodes, "CPU of a path": cost, "press": signed_percent(errors[0]),
+                "u": percent(errors[1]), "von Mises": percent(errors[2])}
+
+    table = []
+    for name in ("4-node, coarse", "4-node", "10-node", "4-node, fine"):
+        rows = rows_at(nested, share)
+        table.append(line(name, str(meshes[name]["nodes"]), seconds(costs[name]),
+                          [median_of(rows, name, q) for q in quantities]))
+    cost = costs["10-node"]
+    ends = ("4-node", "4-node, fine") if cost >= costs["4-node"] else ("4-node, coarse", "4-node")
+    equal = []
+    for q in quantities:
+        coarse, fine = (median_of(rows_at(nested, share), name, q) for name in ends)
+        equal.append(at_cost(cost, (costs[ends[0]], coarse), (costs[ends[1]], fine)))
+    table.append(line("4-node at the cost of 10-node", f"between {meshes[ends[0]]['nodes']} and {meshes[ends[1]]['nodes']}",
+                      seconds(cost), equal))
+    table.append(line("4-node, the body's own mesh (other reference)", str(own["4-node"]["nodes"]),
+                      seconds(cost_of(own["4-node"])),
+                      [median_of(rows_at(direct, share), "4-node", q) for q in quantities]))
+    text.append(f"""\
+Medians over the sites at {share:g} of the full press. CPU of a path: the solver made, its factor included, and
+the presses of {", ".join(f"{s:g}" for s in shares)} of the full one; the median of the sites. The row at the
+same cost lies between two meshes, on a straight line in logarithms. The last row is the mesh that the
+description makes ({own["4-node"]["nodes"]} nodes), against itself with edge nodes ({own["reference"]["nodes"]}).
+""")
+    text.append(markdown(table))
+
+    table = []
+    for poisson in sorted({row["poisson"] for row in nested["presses"]}):
+        entry = {"nu": f"{poisson:g}"}
+        for label, study, mesh in (("4-node", nested, "4-node"), ("10-node", nested, "10-node"),
+                                   ("4-node, the body's own mesh", direct, "4-node")):
+            values = sorted(row["errors"][mesh]["press"] for row in rows_at(study, 0, poisson))
+            entry[label] = " / ".join(signed_percent(v) for v in
+                                      (values[-1], statistics.median(values), values[0]))
+        table.append(entry)
+    text.append(f"""\
+The response to a small load (a hundredth of the full press) of {len(nested["sites"])} sites: error of the press, least / median /
+greatest.
+""")
+    text.append(markdown(table))
+    return "\n".join(text)
+
+
+def solid_section(results):
+    """The full-size comparison with CalculiX: text and table."""
+    rows = [{"body": f"bunny, site {row['site']}", "law": results["law"], "nodes": str(results["nodes"]),
+             "tets": f"{results['tets']} C3D4", "levels": str(results["levels"]),
+             "press": percent(row["press_fraction"]), "smallest J": f"{row['smallest_volume_ratio']:.2f}",
+             "difference of u": f"{row['max_rel_difference_u']:.1e}",
+             "difference of stress": f"{row['max_rel_difference_stress']:.1e}"} for row in results["sites"]]
+    rows += [{"body": row["body"], "law": row["law"], "nodes": str(row["nodes"]),
+              "tets": f"{row['tets']} {row['element']}", "levels": str(row["levels"]), "press": "",
+              "smallest J": f"{row['smallest_volume_ratio']:.2f}",
+              "difference of u": f"{row['max_rel_difference_u']:.1e}",
+              "difference of stress": f"{row['max_rel_difference_stress']:.1e}"}
+             for row in results.get("verified", [])]
+    return f"""\
+The same comparison on meshes of full size, at every level, measured on {results["date"]} by
+`{results["command"]}`, which ends with exit code 1 if the bars do not hold. Press: of the height.
+
+""" + markdown(rows)
+
+
+# file in docs/results -> heading, and who makes its text
+MEASURED = {
+    "solid": ("CalculiX on meshes of full size", solid_section),
+    "elements": ("4-node and 10-node tetrahedra on the paper's bunny", elements_section),
+}
+
+
 def main():
     if len(sys.argv) > 2 or sys.argv[1:] in (["-h"], ["--help"]):
         sys.exit(__doc__)
@@ -105,6 +277,11 @@ def main():
     parts = [HEAD]
     for name, (heading, text) in SECTIONS.items():
         parts.append(f"## {heading}\n\n{text}\n{markdown(tables[name])}")
+    for name, (heading, section) in MEASURED.items():
+        file = RESULTS / f"{name}.json"
+        if not file.is_file():
+            sys.exit(f"write_verification: {file.relative_to(ROOT)} is not there (see --help); nothing written")
+        parts.append(f"## {heading}\n\n{section(json.loads(file.read_text()))}")
     OUTPUT.write_text("\n".join(parts))
     print(f"{OUTPUT.relative_to(ROOT)}: {sum(map(len, tables.values()))} rows in {len(tables)} tables")
 

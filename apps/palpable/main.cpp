@@ -7,11 +7,13 @@
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <unistd.h>
 
@@ -28,6 +30,9 @@ constexpr std::array kBakeCommands{
     BakeCommand{"bake", "Mesh, solve and reduce: a body file from a description"},
     BakeCommand{"solve", "Press a body at one site and write it for ParaView"},
 };
+
+// Of `palpable bench`, those that palpable-bake has.
+constexpr std::array<std::string_view, 3> kBakeBenches{"bake", "solid", "elements"};
 
 /// Becomes palpable-bake with the same arguments; returns only when that cannot be.
 int become_bake(char** argv) {
@@ -54,7 +59,8 @@ int run(int argc, char** argv) {
     if (argc > 1 && std::string(argv[1]) == command.name) return become_bake(argv);
     app.add_subcommand(command.name, command.what);
   }
-  if (argc > 2 && std::string(argv[1]) == "bench" && std::string(argv[2]) == "bake") {
+  if (argc > 2 && std::string(argv[1]) == "bench" &&
+      std::find(kBakeBenches.begin(), kBakeBenches.end(), argv[2]) != kBakeBenches.end()) {
     return become_bake(argv);
   }
   add_view(app);

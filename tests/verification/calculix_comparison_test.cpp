@@ -1,16 +1,17 @@
 // Our solver and CalculiX on the same meshes, laws and loads, each solved to 1e-8.
+#include "palpable/bake/calculix_comparison.h"
+
 #include "palpable/bake/body_mesh.h"
-#include "palpable/bake/calculix.h"
 #include "palpable/bake/contact_sites.h"
 #include "palpable/bake/tetrahedralise.h"
 #include "palpable/solid/equilibrium.h"
 #include "palpable/solid/patch_load.h"
 #include "tests/support/test.h"
 #include "tests/verification/record.h"
+#include "tests/verification/shapes.h"
 
 #include <Eigen/Dense>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -41,35 +42,24 @@ void compare(const std::string& body, const SolidModel& model, const Matrix3Xd& 
   INFO(theirs.why_stopped);
   REQUIRE(theirs.complete);
 
-  double largest_u = 0, largest_stress = 0, difference_u = 0, difference_stress = 0;
-  double smallest_J = 1;
-  for (std::size_t k = 0; k < levels.size(); ++k) {
-    const Matrix3Xd& u = ours.steps[k].displacement;
-    const StressField stress = point_cauchy_stress(model, u);
-    const CalculixState& state = theirs.states[k];
-    const double level_u =
-        (u - state.displacement).colwise().norm().maxCoeff() / u.colwise().norm().maxCoeff();
-    const double level_stress =
-        (stress - state.stress).cwiseAbs().maxCoeff() / stress.cwiseAbs().maxCoeff();
-    INFO("level " << levels[k]);
-    CHECK(level_u <= tolerance(1e-6, "issue 4; both solved to 1e-8, ccx prints seven digits"));
-    CHECK(level_stress <= tolerance(1e-5, "issue 4; both solved to 1e-8, ccx prints seven digits"));
-    difference_u = std::max(difference_u, level_u);
-    difference_stress = std::max(difference_stress, level_stress);
-    largest_u = std::max(largest_u, u.colwise().norm().maxCoeff());
-    largest_stress = std::max(largest_stress, stress.cwiseAbs().maxCoeff());
-    smallest_J = std::min(smallest_J, ours.steps[k].smallest_volume_ratio);
-  }
-  test::record("calculix", {{"body", body},
-                            {"law", law_name(model.material)},
-                            {"nodes", std::to_string(model.mesh.node_count())},
-                            {"tets", fmt::format("{} {}", model.mesh.tet_count(),
-                                                 model.mesh.is_quadratic() ? "C3D10" : "C3D4")},
-                            {"levels", std::to_string(levels.size())},
-                            {"largest displacement", fmt::format("{:.3g} mm", 1e3 * largest_u)},
-                            {"smallest J", fmt::format("{:.2f}", smallest_J)},
-                            {"difference of u", fmt::format("{:.1e}", difference_u)},
-                            {"difference of stress", fmt::format("{:.1e}", difference_stress)}});
+  const PathDifference difference = compare_paths(model, ours, theirs);
+  CHECK(difference.levels == static_cast<int>(levels.size()));
+  CHECK(difference.displacement <=
+        tolerance(kDisplacementBar, "issue 4; both solved to 1e-8, ccx prints seven digits"));
+  CHECK(difference.stress <=
+        tolerance(kStressBar, "issue 4; both solved to 1e-8, ccx prints seven digits"));
+  test::record(
+      "calculix",
+      {{"body", body},
+       {"law", law_name(model.material)},
+       {"nodes", std::to_string(model.mesh.node_count())},
+       {"tets",
+        fmt::format("{} {}", model.mesh.tet_count(), model.mesh.is_quadratic() ? "C3D10" : "C3D4")},
+       {"levels", std::to_string(levels.size())},
+       {"largest displacement", fmt::format("{:.3g} mm", 1e3 * difference.largest_displacement)},
+       {"smallest J", fmt::format("{:.2f}", difference.smallest_volume_ratio)},
+       {"difference of u", fmt::format("{:.1e}", difference.displacement)},
+       {"difference of stress", fmt::format("{:.1e}", difference.stress)}});
 }
 
 // A beam that bends both ways and twists: its tip load is along no axis.
@@ -114,27 +104,11 @@ TEST_CASE("CalculiX bends a beam of two materials as we do, at every level",
   compare_beam("beam of two materials, tip load", mesh, {soft});
 }
 
-// A ball on its base with two ears: thin parts that bend beside a thick one that is squeezed.
-SurfaceMesh ball_with_ears() {
-  const double R = 0.04;
-  SurfaceMesh surface = sphere_surface({0, 0, 0}, 1.0, 3);
-  const Vector3d left = Vector3d(0.5, 0.1, 1).normalized(),
-                 right = Vector3d(-0.5, -0.1, 1).normalized();
-  for (int v = 0; v < surface.vertex_count(); ++v) {
-    const Vector3d n = surface.vertices.col(v).normalized();
-    const auto ear = [&](const Vector3d& axis) {
-      return std::exp(-(n - axis).squaredNorm() / (0.3 * 0.3));
-    };
-    surface.vertices.col(v) = R * (1.0 + 0.7 * (ear(left) + ear(right))) * n;
-  }
-  return surface;
-}
-
 TEST_CASE("CalculiX presses a neo-Hookean ball with ears as we do, at every level",
           "[verification][calculix][long]") {
   if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
   SolidModel model;
-  model.mesh = tetrahedralise(ball_with_ears(), "ball with ears");
+  model.mesh = tetrahedralise(test::ball_with_ears(3), "ball with ears");
   model.material = material_from_young("neo-hooke-abaqus", 70e3, 0.3);
   const double bottom = model.mesh.nodes.row(2).minCoeff(),
                top = model.mesh.nodes.row(2).maxCoeff();

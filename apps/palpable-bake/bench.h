@@ -1,0 +1,15 @@
+/// @file
+/// The benches of the offline half: one file each, named after the bench.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace palpable::app {
+
+void add_bench_bake(CLI::App& bench);
+void add_bench_elements(CLI::App& bench);
+void add_bench_solid(CLI::App& bench);
+
+}  // namespace palpable::app
