@@ -3,6 +3,7 @@
 #include "palpable/base/error.h"
 #include "tests/support/test.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace palpable {
@@ -89,6 +90,69 @@ TEST_CASE("the same skin has the same sites, and more sites begin with the fewer
   const auto c = choose_sites(ball.skin, ball.fixed, fewer);
   for (std::size_t s = 0; s < a.size(); ++s) CHECK(a[s].vertex == b[s].vertex);
   for (std::size_t s = 0; s < c.size(); ++s) CHECK(a[s].vertex == c[s].vertex);
+}
+
+TEST_CASE("a listed site keeps its place, and what is held of its patch carries nothing",
+          "[bake][sites]") {
+  const Ball ball;
+  const std::vector<Site> chosen = choose_sites(ball.skin, ball.fixed, kSettings);
+  const std::vector<Site> again =
+      sites_at(ball.skin, ball.fixed, {chosen[3].vertex, chosen[1].vertex}, kSettings);
+  REQUIRE(again.size() == 2);
+  CHECK(again[0].vertex == chosen[3].vertex);
+  CHECK(again[0].patch == chosen[3].patch);
+  CHECK(again[1].weights == chosen[1].weights);
+
+  // The lowest free vertex has held neighbours.
+  int lowest = -1;
+  for (int v = 0; v < ball.skin.vertex_count(); ++v) {
+    if (ball.fixed[std::size_t(v)] != 0) continue;
+    if (lowest < 0 || ball.skin.vertices(2, v) < ball.skin.vertices(2, lowest)) lowest = v;
+  }
+  const Site low = sites_at(ball.skin, ball.fixed, {lowest}, kSettings).front();
+  CHECK(low.patch.size() < 16);
+  float sum = 0;
+  for (std::size_t k = 0; k < low.patch.size(); ++k) {
+    CHECK(ball.fixed[std::size_t(low.patch[k])] == 0);
+    sum += low.weights[k];
+  }
+  CHECK(sum == Approx(1.0f));
+  const auto held = std::find(ball.fixed.begin(), ball.fixed.end(), 1) - ball.fixed.begin();
+  CHECK_THROWS_WITH(sites_at(ball.skin, ball.fixed, {static_cast<int>(held)}, kSettings),
+                    Catch::Matchers::Contains("lies on a node that [support] holds"));
+}
+
+TEST_CASE("loads point along the inward normal of the patch or the way that is given",
+          "[bake][sites]") {
+  const Ball ball;
+  SiteSettings settings = kSettings;
+  settings.direction = SiteDirection::kAlongNormal;
+  for (const Site& site : choose_sites(ball.skin, ball.fixed, settings)) {
+    const Eigen::Vector3d inwards =
+        (Eigen::Vector3d(0, 0, 0.05) - ball.skin.vertices.col(site.vertex)).normalized();
+    CHECK(site.direction.dot(inwards) >
+          1.0 - tolerance(0.01, "a patch of a ball is nearly symmetric"));
+  }
+  settings.direction = SiteDirection::kGiven;
+  settings.given = {0, 4, -3};
+  for (const Site& site : choose_sites(ball.skin, ball.fixed, settings)) {
+    CHECK(site.direction.isApprox(Eigen::Vector3d(0, 0.8, -0.6)));
+  }
+}
+
+TEST_CASE("the areas that a load is shared by may be given", "[bake][sites]") {
+  const Ball ball;
+  SiteSettings settings = kSettings;
+  settings.areas = Eigen::VectorXd::Zero(ball.skin.vertex_count());
+  const int v = choose_sites(ball.skin, ball.fixed, kSettings).front().vertex;
+  const Site alone = sites_at(ball.skin, ball.fixed, {v}, settings).front();
+  CHECK(alone.weights.front() == 1.0f);  // nowhere else to go
+  settings.areas[alone.patch[2]] = 3.0;
+  settings.areas[alone.patch[5]] = 1.0;
+  const Site two = sites_at(ball.skin, ball.fixed, {v}, settings).front();
+  CHECK(two.weights[0] == 0.0f);
+  CHECK(two.weights[2] == 0.75f);
+  CHECK(two.weights[5] == 0.25f);
 }
 
 TEST_CASE("more sites than vertices that may be one are refused", "[bake][sites]") {
