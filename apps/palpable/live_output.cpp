@@ -51,7 +51,10 @@ void close_file(std::ofstream& file, const fs::path& path) {
 }
 
 void write_image(const fs::path& path, const cv::Mat& image) {
-  if (!cv::imwrite(path.string(), image, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
+  // Run lengths suit masks and smooth depth: smaller and a little faster than zlib's own choice.
+  const std::vector<int> settings{cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY,
+                                  cv::IMWRITE_PNG_STRATEGY_RLE};
+  if (!cv::imwrite(path.string(), image, settings)) {
     throw Error(fmt::format("{}: cannot be written (disk full?)", path.string()));
   }
 }

@@ -706,6 +706,23 @@ def _(programs, folder):
                      says=["data/depth", "not of an earlier run"])
 
 
+@case("a wall that live measures is scored as a wall, and its camera as one that stands still")
+def _(programs, folder):
+    write_stereo(folder / "clip", frames=3)
+    programs.succeeds(*live(programs, folder))
+    truth = folder / "truth"
+    lines(truth / "camera.toml", ["fps = 30", "depth_unit_m = 0.00025"])
+    (truth / "depth").mkdir()
+    for n in range(3):  # 175 px * 0.063 m / 25 px
+        (truth / f"depth/{n:06d}.png").write_bytes(png(WIDTH // 2, HEIGHT // 2, lambda x, y: 1764, bits=16, channels=1))
+    lines(truth / "trajectory.txt", [f"{n / 30:.6f} 0 0 0 0 0 0 1" for n in range(3)])
+    scores = json.loads(programs.succeeds("score", truth, folder / "out", "--json").stdout)
+    # 25 px are 12.5 at the half size that is matched: half a pixel of it are 4 %. 12 of 160 columns have no partner.
+    assert scores["depth_median"]["0.5"] < 0.04 and scores["depth_density"]["0.5"] > 0.85, scores
+    assert scores["ate_mm"] < 1e-6 and scores["trajectory_share"] == 1 and scores["jitter_mm"] < 1e-6, scores
+    assert scores["moving_iou"] is None and scores["row_error_px"] is None, scores
+
+
 def on_screen(programs, *words, cwd=None):
     """Runs the program on a screen of its own (Xvfb); None where there is none."""
     if shutil.which("xvfb-run") is None:
