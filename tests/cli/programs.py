@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 import zlib
+from math import cos, sin
 from pathlib import Path
 
 CASES = {}
@@ -203,7 +204,8 @@ def live(programs, folder, *more, source="clip"):
 
 # ---- cases -------------------------------------------------------------------------------------
 
-COMMANDS = ("mesh", "bake", "solve", "inspect", "view", "synth", "live", "score", "bench")
+COMMANDS = ("mesh", "bake", "solve", "inspect", "view", "synth", "live", "score", "bench", "cameras",
+            "calibrate")
 
 
 @case("help of the program and of each command has an example, on stdout, exit code 0")
@@ -780,6 +782,134 @@ def _(programs, folder):
                           "--place", place, "--out", folder / name)
         press[name] = json.loads((folder / name / "live.json").read_text())["frames_touching"]
     assert press == {"among": 1, "before": 0}, press
+
+
+@case("cameras says what is plugged in, or clearly that nothing is")
+def _(programs, folder):
+    text = programs.succeeds("cameras").stdout
+    listed = json.loads(programs.succeeds("cameras", "--json").stdout)["cameras"]
+    devices = sorted(Path("/dev").glob("video[0-9]*"))
+    assert len(listed) == len(devices), (listed, devices)
+    if not devices:
+        assert text.startswith("no camera: there is no /dev/video*"), text
+    for device in devices:
+        assert str(device) in text, text
+
+
+@case("a camera that is not there is refused with the command that lists them")
+def _(programs, folder):
+    says = ["no camera /dev/video99", "palpable cameras"]
+    programs.refuses(*live(programs, folder, source="/dev/video99"), says=says)
+    programs.refuses("calibrate", "--source", "/dev/video99", says=says)
+    programs.refuses(*live(programs, folder, "--size", "2560", source="/dev/video99"), says=["--size 2560"])
+    write_stereo(folder / "clip")
+    programs.refuses(*live(programs, folder, "--exposure", "5"), says=["clip", "is a recording"])
+
+
+def write_boards(folder, poses, square=0.03):
+    """A board of 7 x 4 inner corners before two eyes 70 mm apart, as gray pictures without a library."""
+    focal, width, height = 300.0, 320, 240
+    for eye, offset in (("left", 0.0), ("right", 0.07)):
+        (folder / eye).mkdir(parents=True)
+        for n, (a, b, x, y, z) in enumerate(poses):
+            # Columns of the rotation about X by a, then about Y by b; the board's point (X, Y, 0).
+            right = (cos(b), 0.0, -sin(b))
+            down = (sin(a) * sin(b), cos(a), sin(a) * cos(b))
+            middle = (x - offset, y, z)
+            m = [[middle[i] - 3 * square * right[i] - 1.5 * square * down[i], right[i], down[i]]
+                 for i in range(3)]
+            # Ray (u, v, 1) to (X, Y): the cross products of the columns solve the 3 x 3 system.
+            def cross(p, q):
+                return (p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0])
+            o, e1, e2 = ([row[i] for row in m] for i in range(3))
+            n0, n1, n2 = cross(e1, e2), cross(e2, o), cross(o, e1)
+            rows = bytearray()
+            for v in range(height):
+                for u in range(width):
+                    light = 0
+                    for du, dv in ((-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)):
+                        r, s = (u + du - 159.5) / focal, (v + dv - 119.5) / focal
+                        scale = n0[0] * r + n0[1] * s + n0[2]
+                        column = (n1[0] * r + n1[1] * s + n1[2]) / scale / square + 1
+                        row = (n2[0] * r + n2[1] * s + n2[2]) / scale / square + 1
+                        black = 0 <= column < 8 and 0 <= row < 5 and (int(column) + int(row)) % 2 == 0
+                        light += 20 if black else 235
+                    rows.append(light // 4)
+            (folder / eye / f"{n}.pgm").write_bytes(b"P5 %d %d 255\n" % (width, height) + rows)
+
+
+@case("pictures of a board become a calibration, and a bad set is refused with the reason")
+def _(programs, folder):
+    poses = [(0.4, 0.0, 0.03, 0.0, 0.40), (-0.4, 0.1, 0.05, 0.02, 0.42), (0.0, 0.5, 0.0, -0.02, 0.40),
+             (0.1, -0.5, 0.06, 0.01, 0.42), (0.3, 0.3, 0.03, 0.04, 0.45), (-0.3, -0.3, 0.02, -0.03, 0.38),
+             (0.35, -0.25, 0.07, 0.0, 0.43), (-0.1, 0.2, 0.0, 0.03, 0.36)]
+    write_boards(folder / "boards", poses)
+    words = ("calibrate", "--source", folder / "boards", "--board", "7x4", "--square", "30")
+    result = programs.succeeds(*words, "-o", folder / "found.yml", "--json")
+    found = json.loads(result.stdout)
+    assert found["boards"] == 8, found
+    # A pixel of four samples places an edge to an eighth: corners of 0.1 px, lenses to a percent.
+    for eye in ("left", "right"):
+        for name in ("fx_px", "fy_px"):
+            assert abs(found[eye][name] / 300 - 1) < 0.02, found
+    assert abs(found["baseline_m"] - 0.07) < 0.0014, found
+    assert found["row_error_px"] < 0.3 and found["reprojection_px"] < 0.3, found
+    table = programs.succeeds(*words, "-o", folder / "again.yml").stdout
+    assert "reprojection" in table and "rows after rectification" in table, table
+    checked = programs.succeeds(*words, "--check", folder / "found.yml").stdout
+    assert "rows after rectification" in checked, checked
+    # The file is what live reads.
+    programs.succeeds(*live(programs, folder, "--calibration", folder / "found.yml", "--frames", "2",
+                            source="boards"))
+
+    programs.refuses(*words, says=["-o is needed"])
+    programs.refuses("calibrate", "--source", folder / "boards", "--board", "9", "-o", folder / "x.yml",
+                     says=["--board 9", "9x6"])
+    programs.refuses("calibrate", "--source", folder / "boards", "--board", "9x6", "-o", folder / "x.yml",
+                     says=["boards", "in 0 pairs", "at least 6"])
+    for eye, other in (("left", "right"), ("right", "left")):
+        (folder / "swapped").mkdir(exist_ok=True)
+        shutil.copytree(folder / "boards" / eye, folder / "swapped" / other)
+    programs.refuses("calibrate", "--source", folder / "swapped", *words[3:], "-o", folder / "x.yml",
+                     says=["the eyes are swapped"])
+    assert not (folder / "x.yml").exists()
+
+
+@case("a recording waits for the loop unless it is paced, and a video plays like a folder")
+def _(programs, folder):
+    write_stereo(folder / "clip", frames=6)
+    programs.succeeds(*live(programs, folder))
+    counts = json.loads((folder / "out/live.json").read_text())
+    assert counts["processed"] == list(range(6)), counts
+    video = folder / "eye.mp4"
+    shutil.copy(folder / "out/touch.mp4", video)
+    shutil.rmtree(folder / "out")
+    programs.succeeds(*live(programs, folder, "--paced"))
+    counts = json.loads((folder / "out/live.json").read_text())
+    processed = counts["processed"]
+    assert processed[0] == 0 and processed == sorted(set(processed)), counts
+    assert len(processed) + counts["source_troubles"]["dropped"] == processed[-1] + 1, counts
+    shutil.rmtree(folder / "out")
+
+    programs.refuses(*live(programs, folder, source="eye.mp4"), says=["eye.mp4", "--right"])
+    programs.refuses(*live(programs, folder, "--right", video, source="eye.mp4"),
+                     says=["eye.mp4", "no calibration"])
+    programs.succeeds(*live(programs, folder, "--right", video, "--calibration", folder / "clip/rectified.yml",
+                            source="eye.mp4"))
+    assert json.loads((folder / "out/live.json").read_text())["frames"] == 6
+
+
+@case("a real ZED Mini's raw pairs play with the camera's own factory file")
+def _(programs, folder):
+    data = ROOT / "../shared/data/zed"
+    if not data.exists():
+        print(f"SKIPPED: no folder {data}")
+        return
+    programs.refuses("live", programs.small_body(), "--source", data / "raw", "--place", "0 0 1 0 0 0",
+                     "--out", folder / "out", says=["raw", "--calibration"])
+    programs.succeeds("live", programs.small_body(), "--source", data / "raw", "--calibration",
+                      data / "SN10027514.conf", "--place", "0 0 1 0 0 0", "--out", folder / "out")
+    assert json.loads((folder / "out/live.json").read_text())["frames"] == 2
 
 
 def main():
