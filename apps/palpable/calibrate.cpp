@@ -168,7 +168,12 @@ void check(const Options& options, const FrameFormat& format, const Seen& seen) 
                             options.check.string(), checked.width, checked.height, format.width,
                             format.height));
   }
-  const double rows = value_or_throw(row_error_px(seen.views, checked.rig));
+  const Result<double> error = row_error_px(seen.views, checked.rig);
+  if (!error.ok()) {
+    throw Error(fmt::format("{}: {}; --board counts the inner corners", options.source.source,
+                            error.problem().message));
+  }
+  const double rows = error.value();
   if (options.json) {
     const nlohmann::ordered_json result = {
         {"pairs", seen.pairs}, {"boards", seen.views.size()}, {"row_error_px", rows}};
