@@ -28,14 +28,18 @@ SEQUENCES = ("still-tripod", "still", "still-hand", "walk", "walk-hand", "shake"
              "press", "pencil", "cup", "slide", "palm", "two-hands", "press-axial", "press-behind",
              "dark", "textureless", "exposure", "rolling", "drift")
 
-# name: (folder below --data, further words for palpable live, reader of the true path or None). Places are
-# where a person would put the body; nobody has measured them.
+# Places are where a person might put the body; nobody has measured them. {data} and {work} are folders;
+# "intrinsics" is written to {work}/intrinsics.txt; "path" says how the set states its true camera path.
 REAL = {
-    "hands_squirrel": ("hands_squirrel", ["--place", "-0.125 0.063 0.667 0 29 0", "--ignore-static"], None),
-    "hands_shoe": ("hands_shoe", ["--place", "0 0.05 0.55 0 40 0"], None),
-    "7-Scenes, kitchen": ("rgbd_pose_7scenes", ["--place", "0 0.1 1.2 0 20 0"], "7scenes"),
-    "KITTI, 16 pairs": ("stereo_video_kitti1", ["--place", "0 0.9 6 0 0 0", "--scale", "5"], "kitti"),
-    "ZED Mini, raw": ("zed/raw", ["--place", "0 0.1 1.2 0 0 0"], None),
+    "hands_squirrel": {"folder": "hands_squirrel", "place": "-0.125 0.063 0.667 0 29 0", "words": ["--ignore-static"]},
+    # Its intrinsics are not published; these are a guess.
+    "hands_shoe": {"folder": "hands_shoe", "place": "0 0.05 0.3 0 40 0", "intrinsics": "920 920 640 360",
+                   "words": ["--calibration", "{work}/intrinsics.txt"]},
+    "7-Scenes, kitchen": {"folder": "rgbd_pose_7scenes", "place": "0 0 0.6 0 20 0", "path": "7scenes"},
+    "KITTI, 16 pairs": {"folder": "stereo_video_kitti1", "place": "0 0.9 6 0 0 0", "words": ["--scale", "5"],
+                        "path": "kitti"},
+    "ZED Mini, raw": {"folder": "zed/raw", "place": "0 0.1 1.2 0 0 0",
+                      "words": ["--calibration", "{data}/zed/SN10027514.conf"]},
 }
 
 TEXT = """\
@@ -128,17 +132,21 @@ def write_path_truth(folder, poses, result):
 
 
 def play_real(options, name, folder):
-    below, words, kind = REAL[name]
-    source = options.data / below
+    real = REAL[name]
+    source = options.data / real["folder"]
     if not source.is_dir():
         return {"refused": f"no folder {source}"}
+    if "intrinsics" in real:
+        (folder / "intrinsics.txt").write_text(real["intrinsics"] + "\n")
+    words = [word.format(data=options.data, work=folder) for word in real.get("words", [])]
     program = options.programs / "palpable"
-    live = run([program, "live", options.body, "--source", source, *words, "--out", folder / "result"])
+    live = run([program, "live", options.body, "--source", source, "--place", real["place"], *words,
+                "--out", folder / "result"])
     if live.returncode != 0:
         return {"refused": complaint(live)}
     entry = timings(folder / "result")
-    if kind:
-        write_path_truth(folder / "truth", true_path(source, kind), folder / "result")
+    if "path" in real:
+        write_path_truth(folder / "truth", true_path(source, real["path"]), folder / "result")
         score = run([program, "score", folder / "truth", folder / "result", "--json"])
         if score.returncode != 0:
             return {"refused": f"score: {complaint(score)}"}
