@@ -25,6 +25,7 @@ enum class Act {
   kGarbage,     ///< says itself that it cannot be read
   kNoise,       ///< depths that are no depths: infinite, negative, 0
   kNoTime,      ///< a time that is no number
+  kStuckClock,  ///< a time that is always the same
   kBackInTime,  ///< one frame from long ago
   kNewClock,    ///< from here on times begin anew
   kGone,        ///< the camera is not there
@@ -84,6 +85,9 @@ class MisbehavingCamera final : public FrameSource {
         break;
       case Act::kNoTime:
         frame.time = std::numeric_limits<double>::quiet_NaN();
+        break;
+      case Act::kStuckClock:
+        frame.time = -1;
         break;
       case Act::kBackInTime:
         frame.time -= 5;

@@ -239,6 +239,10 @@ Result<std::unique_ptr<FrameSource>> open_camera(const CameraRequest& request,
                                                  VideoSystem& system) {
   const Result<CameraInfo> info = ask_camera(system, request.device);
   if (!info.ok()) return info.problem();
+  if (request.lock && !info.value().has_exposure && !info.value().has_gain) {
+    return Problem{
+        fmt::format("{} has neither exposure nor gain that can be locked", request.device)};
+  }
   const bool has_depth = !request.depth.empty();
   const std::string& other = has_depth ? request.depth : request.right;
   const bool two = !other.empty();

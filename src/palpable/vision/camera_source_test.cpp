@@ -281,6 +281,9 @@ TEST_CASE("exposure and gain are set, or held as the camera has found them", "[v
   wanted.exposure_ms.reset();
   wanted.gain = 1;
   CHECK(contains(refusal(other, wanted), "has no gain that can be set"));
+  wanted = request();
+  wanted.lock = true;
+  CHECK(contains(refusal(other, wanted), "neither exposure nor gain that can be locked"));
 }
 
 TEST_CASE("what a camera can do is asked for, size by size", "[vision][camera]") {

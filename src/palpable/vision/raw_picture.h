@@ -33,9 +33,8 @@ struct RawPicture {
 [[nodiscard]] bool is_color_format(std::uint32_t format);
 [[nodiscard]] bool is_depth_format(std::uint32_t format);
 
-/// Empty, or why the bytes are no picture of their size: too few, a JPEG that is cut off.
-/// Colours of 16 .. 235 (what UVC calls full range is not asked) become 0 .. 255; a gray picture
-/// gray colours.
+/// Empty, or why the bytes are no picture of their size: too few, a JPEG that is cut off. YUV is
+/// BT.601 with luma in 16 .. 235; a gray picture gives gray colours.
 [[nodiscard]] std::string to_color(const RawPicture& raw, ColorImage& image);
 
 /// The same for depth: steps of `unit` m; 0 and 65535 become NaN.

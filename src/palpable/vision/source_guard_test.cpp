@@ -134,6 +134,16 @@ TEST_CASE("old frames that come between new ones never move the clock", "[vision
   CHECK(result.times.back() == Approx(result.frames.back() / 30.0));
 }
 
+TEST_CASE("a clock that stands still is no new clock", "[vision][guard]") {
+  std::vector<Act> acts(3, Act::kGood);
+  acts.insert(acts.end(), 3 * SourceGuard::kClockRestart, Act::kStuckClock);
+  acts.push_back(Act::kGood);
+  const Run result = run(acts);
+  CHECK(result.troubles.back_in_time == 3 * SourceGuard::kClockRestart);
+  CHECK(result.frames == std::vector<int>{0, 1, 2, 3 + 3 * SourceGuard::kClockRestart});
+  CHECK(result.reports.size() == 1);
+}
+
 TEST_CASE("a camera that fails all day is counted without end but not reported without end",
           "[vision][guard]") {
   std::vector<Act> acts;
