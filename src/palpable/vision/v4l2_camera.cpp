@@ -411,8 +411,6 @@ const RawPicture& V4l2Camera::picture() const { return parts_->picture; }
 double V4l2Camera::time() const { return parts_->time; }
 int V4l2Camera::sequence() const { return parts_->sequence; }
 const std::string& V4l2Camera::trouble() const { return parts_->trouble; }
-int V4l2Camera::width() const { return parts_->settings.width; }
-int V4l2Camera::height() const { return parts_->settings.height; }
 double V4l2Camera::frames_per_second() const { return parts_->rate; }
 
 bool V4l2Camera::reopen() {

@@ -80,8 +80,6 @@ class V4l2Camera {
   /// hold is named; empty when it holds all.
   [[nodiscard]] std::string lock();
 
-  [[nodiscard]] int width() const;
-  [[nodiscard]] int height() const;
   [[nodiscard]] double frames_per_second()
       const;  ///< as the device promised; 30 if it does not say
 
