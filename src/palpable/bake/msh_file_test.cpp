@@ -126,6 +126,37 @@ TEST_CASE("10-node tetrahedra are written and read with their edges in our order
         static_cast<std::size_t>(boundary_of(mesh).surface.triangle_count()));
 }
 
+TEST_CASE("the ten nodes of Gmsh's type 11 are corners and the edges 01 12 20 30 23 13",
+          "[bake][msh][quadratic]") {
+  const std::string text = R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+10
+1 0 0 0
+2 2 0 0
+3 0 2 0
+4 0 0 2
+5 1 0 0
+6 1 1 0
+7 0 1 0
+8 0 0 1
+9 0 1 1
+10 1 0 1
+$EndNodes
+$Elements
+1
+1 11 2 1 1 1 2 3 4 5 6 7 8 9 10
+$EndElements
+)";
+  const TetMesh mesh = value_or_throw(parse_msh(text, "a.msh")).mesh;
+  for (int k = 0; k < 6; ++k) {
+    const Eigen::Vector3d middle = 0.5 * (mesh.nodes.col(mesh.tets(kTetEdges[k][0], 0)) +
+                                          mesh.nodes.col(mesh.tets(kTetEdges[k][1], 0)));
+    CHECK(mesh.nodes.col(mesh.edge_nodes(k, 0)) == middle);
+  }
+}
+
 TEST_CASE("physical groups become sets, by name or number, in both versions", "[bake][msh]") {
   const VolumeMesh two = value_or_throw(
       parse_msh(replaced(replaced(kVersion2, "1\n3 1 \"body\"", "2\n3 1 \"the body\"\n0 4 \"tip\""),
