@@ -279,7 +279,8 @@ def main():
     for name, (heading, section) in MEASURED.items():
         file = RESULTS / f"{name}.json"
         if not file.is_file():
-            sys.exit(f"write_verification: {file.relative_to(ROOT)} is not there (see --help); nothing written")
+            print(f"write_verification: no {file.relative_to(ROOT)} (see --help), so no section about it", file=sys.stderr)
+            continue
         parts.append(f"## {heading}\n\n{section(json.loads(file.read_text()))}")
     OUTPUT.write_text("\n".join(parts))
     print(f"{OUTPUT.relative_to(ROOT)}: {sum(map(len, tables.values()))} rows in {len(tables)} tables")
