@@ -389,10 +389,4 @@ ElementStudy study_elements(const ElementFamily& family, const ElementStudySetti
   return Study(family, settings, progress).run();
 }
 
-double error_at_cost(double cost, const Eigen::Vector2d& coarse, const Eigen::Vector2d& fine) {
-  const double along = std::log(cost / coarse[0]) / std::log(fine[0] / coarse[0]);
-  return std::copysign(std::abs(coarse[1]) * std::pow(std::abs(fine[1] / coarse[1]), along),
-                       coarse[1]);
-}
-
 }  // namespace palpable

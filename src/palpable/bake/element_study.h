@@ -100,9 +100,4 @@ struct ElementStudy {
                                           const ElementStudySettings& settings,
                                           const Progress& progress = {});
 
-/// Error at `cost`, on the straight line in logarithms between two meshes of (cost, error); for
-/// signed errors that of their size, with the sign of the first.
-[[nodiscard]] double error_at_cost(double cost, const Eigen::Vector2d& coarse,
-                                   const Eigen::Vector2d& fine);
-
 }  // namespace palpable

@@ -96,12 +96,5 @@ TEST_CASE("a study compares every mesh under every press, and the reference with
   }
 }
 
-TEST_CASE("an error at a cost between two meshes lies on their line in logarithms",
-          "[bake][elements]") {
-  const double rounding = tolerance(1e-14, "powers");
-  CHECK(error_at_cost(10, {1, -0.08}, {100, -0.02}) == Approx(-0.04).epsilon(rounding));
-  CHECK(error_at_cost(1, {1, 0.08}, {100, 0.02}) == Approx(0.08).epsilon(rounding));
-}
-
 }  // namespace
 }  // namespace palpable
