@@ -51,7 +51,8 @@ Rigid3 board_pose(std::mt19937_64& random, double tilt) {
 std::vector<BoardView> views_of(const StereoRig& rig, int count, double tilt, double noise_px,
                                 unsigned seed) {
   auto random = test::random_case(seed);
-  std::normal_distribution<double> noise(0, noise_px);
+  std::normal_distribution<double> unit(0, 1);
+  const auto noise = [&](std::mt19937_64& r) { return noise_px * unit(r); };
   std::vector<BoardView> views;
   for (int n = 0; n < count; ++n) {
     const Rigid3 left_from_board = board_pose(random, tilt);
