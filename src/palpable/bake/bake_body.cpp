@@ -19,10 +19,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Residual of the snapshots relative to the load: what it leaves in the displacement is a hundredth
-// of what the tightest reduction gives up, and each further digit costs a Newton step per level.
-constexpr double kSolveTolerance = 1e-6;
-
 // (c N) the weight of each value so that the norm is an integral over the body: the node's volume,
 // and for stress twice that where a component stands for two equal ones (xy and yx).
 VectorXd value_weights(const TetMesh& mesh, const VectorXd& component_weights) {
