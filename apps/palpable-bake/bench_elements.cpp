@@ -62,7 +62,8 @@ nlohmann::ordered_json json_of(const ElementStudy& study, double height) {
       row["errors"][study.members[m].name] = {
           {"press", number(press.errors[m].press)},
           {"displacement", number(press.errors[m].displacement)},
-          {"von_mises", number(press.errors[m].von_mises)}};
+          {"element_von_mises", number(press.errors[m].element_von_mises)},
+          {"nodal_von_mises", number(press.errors[m].nodal_von_mises)}};
     }
     result["presses"].push_back(std::move(row));
   }
@@ -79,8 +80,11 @@ void print(const char* heading, const ElementStudy& study) {
         member.name, member.nodes, member.tets, member.nodes_per_tet, member.setup_cpu_s,
         member.path_cpu_s.empty() ? 0.0 : paths / static_cast<double>(member.path_cpu_s.size()));
   }
-  fmt::print("  {:>4} {:>5} {:>6} {:>9}  errors: press, displacement, von Mises stress\n", "site",
-             "nu", "share", "press/mm");
+  fmt::print(
+      "  {:>4} {:>5} {:>6} {:>9}  errors: press, displacement, von Mises stress in the elements "
+      "and "
+      "at nodes\n",
+      "site", "nu", "share", "press/mm");
   for (const ElementPress& press : study.presses) {
     fmt::print("  {:>4} {:>5.2f} {:>6.2f} {:>9.4f}", press.site, press.poisson, press.share,
                1e3 * press.press);
@@ -91,8 +95,8 @@ void print(const char* heading, const ElementStudy& study) {
     for (std::size_t m = 0; m < press.errors.size(); ++m) {
       const ElementErrors& e = press.errors[m];
       if (!std::isfinite(e.press)) continue;
-      fmt::print("  | {} {:+.2f} {:.2f} {:.1f} %", study.members[m].name, 100 * e.press,
-                 100 * e.displacement, 100 * e.von_mises);
+      fmt::print("  | {} {:+.2f} {:.2f} {:.1f} {:.1f} %", study.members[m].name, 100 * e.press,
+                 100 * e.displacement, 100 * e.element_von_mises, 100 * e.nodal_von_mises);
     }
     fmt::print("\n");
   }

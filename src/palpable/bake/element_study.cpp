@@ -5,10 +5,12 @@
 #include "palpable/base/error.h"
 #include "palpable/solid/equilibrium.h"
 #include "palpable/solid/loads.h"
+#include "palpable/solid/quadrature.h"
 #include "palpable/solid/selection.h"
 #include "palpable/solid/shape_gradients.h"
 #include "palpable/solid/stress.h"
 
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,6 +18,7 @@
 #include <cmath>
 #include <ctime>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace palpable {
@@ -25,6 +28,9 @@ using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
 namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr ElementErrors kNoErrors{kNone, kNone, kNone, kNone};
 
 // Of the whole process.
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -127,10 +133,39 @@ Matrix3Xd traction_of(const Site& site, const Boundary& skin, int node_count) {
 
 // All that the states of one mesh are compared by.
 struct State {
-  Matrix3Xd u;  // at the reference's nodes
-  VectorXd von_mises;
-  double press = std::numeric_limits<double>::quiet_NaN();
+  Matrix3Xd u;         // at the reference's nodes
+  VectorXd at_points;  // von Mises stress at the reference's integration points
+  VectorXd at_nodes;   // von Mises stress at the mesh's own nodes
+  double press = kNone;
 };
+
+// (6 x N) what 10-node elements have at their nodes, the mean by volume: the polynomial of degree 1
+// through the four points of an element, taken to its corners and edges.
+StressField own_nodal_stress(const SolidModel& model, const StressField& at_points) {
+  const TetMesh& mesh = model.mesh;
+  const VectorXd volumes = tet_volumes(mesh);
+  Eigen::Matrix4d to_corners;  // barycentric coordinates of the points, a row each; then inverted
+  for (Eigen::Index q = 0; q < 4; ++q) {
+    to_corners.row(q) = four_point_rule()[static_cast<std::size_t>(q)].barycentric.transpose();
+  }
+  to_corners = to_corners.inverse().eval();
+  StressField sum = StressField::Zero(6, mesh.node_count());
+  VectorXd weights = VectorXd::Zero(mesh.node_count());
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    const Eigen::Matrix<double, 6, 4> corners =
+        at_points.middleCols<4>(4 * e) * to_corners.transpose();
+    const auto add = [&](int node, const Eigen::Matrix<double, 6, 1>& value) {
+      sum.col(node) += volumes[e] * value;
+      weights[node] += volumes[e];
+    };
+    for (int k = 0; k < 4; ++k) add(mesh.tets(k, e), corners.col(k));
+    for (int k = 0; k < 6; ++k) {
+      add(mesh.edge_nodes(k, e),
+          0.5 * (corners.col(kTetEdges[k][0]) + corners.col(kTetEdges[k][1])));
+    }
+  }
+  return sum * weights.cwiseInverse().asDiagonal();
+}
 
 double relative_l2(const VectorXd& weights, const auto& difference_squared,
                    const auto& reference_squared) {
@@ -160,6 +195,7 @@ class Study {
       unit_.push_back(traction_load(reference.mesh, triangles, corner_traction_.back()));
     }
     volumes_ = nodal_volumes(reference.mesh);
+    point_volumes_ = tet_volumes(reference.mesh).transpose().replicate(4, 1).reshaped();
     total_ = 0;
     for (std::size_t p = 0; p < settings.poisson.size(); ++p) {
       for (std::size_t m = 0; m <= family.members.size(); ++m) total_ += weight(m) * jobs(m, p);
@@ -269,7 +305,9 @@ class Study {
     const double begin = cpu_seconds();
     const EquilibriumSolver solver(with_material(model_of(m), poisson), settings);
     if (p == 0) report_of.setup_cpu_s = cpu_seconds() - begin;
-    const StressRecovery recovery(solver.model().mesh);
+    std::optional<StressRecovery> recovery;
+    if (!is_reference) recovery.emplace(solver.model().mesh);
+    const SolidModel there = with_material(family_.reference, poisson);
     done_ += 10 * weight(m);
 
     std::size_t at = first;
@@ -293,8 +331,16 @@ class Study {
           if (k < path.steps.size()) {
             const Matrix3Xd& u = path.steps[k].displacement;
             state.press = unit.cwiseProduct(u).sum();
-            state.von_mises = von_mises(nodal_cauchy_stress(solver.model(), u, recovery));
             state.u = is_reference ? u : Matrix3Xd(u * family_.members[m].to_reference.transpose());
+            // The same gradients as on its own mesh, where that is nested.
+            StressField at_points;
+            if (in_linear_response(m)) {
+              at_points = point_cauchy_stress(there, state.u);
+              state.at_points = von_mises(at_points);
+            }
+            state.at_nodes =
+                von_mises(is_reference ? own_nodal_stress(there, at_points)
+                                       : nodal_cauchy_stress(solver.model(), u, *recovery));
           }
           if (is_reference) {
             study_.presses.push_back(
@@ -304,8 +350,7 @@ class Study {
                  .load = levels[k],
                  .press = state.press,
                  .why_stopped = k < path.steps.size() ? "" : path.why_stopped,
-                 .errors = std::vector<ElementErrors>(family_.members.size(),
-                                                      {std::nan(""), std::nan(""), std::nan("")})});
+                 .errors = std::vector<ElementErrors>(family_.members.size(), kNoErrors)});
             truth_.push_back(std::move(state));
           } else {
             study_.presses[at].errors[m] = errors(state, truth_[at - first]);
@@ -317,17 +362,20 @@ class Study {
   }
 
   [[nodiscard]] ElementErrors errors(const State& state, const State& truth) const {
-    if (state.u.cols() == 0 || truth.u.cols() == 0) {
-      return {std::nan(""), std::nan(""), std::nan("")};
-    }
+    if (state.u.cols() == 0 || truth.u.cols() == 0) { return kNoErrors; }
     // Stress where both have recovered it: a family's meshes share their first nodes.
     const Eigen::Index shared =
-        std::min<Eigen::Index>(state.von_mises.size(), corner_count(family_.reference.mesh));
-    const VectorXd mine = state.von_mises.head(shared), right = truth.von_mises.head(shared);
+        std::min<Eigen::Index>(state.at_nodes.size(), corner_count(family_.reference.mesh));
+    const VectorXd mine = state.at_nodes.head(shared), right = truth.at_nodes.head(shared);
     return {.press = state.press / truth.press - 1.0,
             .displacement = relative_l2(volumes_, (state.u - truth.u).colwise().squaredNorm(),
                                         truth.u.colwise().squaredNorm()),
-            .von_mises =
+            .element_von_mises =
+                state.at_points.size() == 0
+                    ? kNone
+                    : relative_l2(point_volumes_, (state.at_points - truth.at_points).cwiseAbs2(),
+                                  truth.at_points.cwiseAbs2()),
+            .nodal_von_mises =
                 relative_l2(volumes_.head(shared), (mine - right).cwiseAbs2(), right.cwiseAbs2())};
   }
 
@@ -341,6 +389,7 @@ class Study {
       loads_;                 // per site: that of the linear response, those of shares
   std::vector<State> truth_;  // of one Poisson's ratio
   VectorXd volumes_;          // m^3, at the reference's nodes
+  VectorXd point_volumes_;    // m^3 of the element, at the reference\'s points
   double done_ = 0, total_ = 1;
 };
 

@@ -64,7 +64,12 @@ struct ElementStudySettings {
 struct ElementErrors {
   double press = 0;         ///< signed: below 0 is too stiff
   double displacement = 0;  ///< L2 norm over the body
-  double von_mises = 0;     ///< L2 norm over the body
+  /// Von Mises stress in the elements, L2 norm over the body; NaN where the mesh is not nested.
+  double element_von_mises = 0;
+  /// Von Mises stress recovered at the nodes, L2 norm over those that the meshes share. The
+  /// reference's is not recovered in patches, which would favour meshes with the same patches, but
+  /// the mean of what its elements have at a node.
+  double nodal_von_mises = 0;
 };
 
 /// One press of one site.
