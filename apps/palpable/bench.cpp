@@ -1,6 +1,7 @@
 // palpable bench: ms per stage of the live half, median and 99th percentile.
 
 #include "apps/common/progress_bar.h"
+#include "apps/palpable/bench_sgbm.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/live_setup.h"
 #include "apps/palpable/place.h"
@@ -249,6 +250,8 @@ void add_bench(CLI::App& app) {
   add_body_bench("evaluate", "Displacement, stress and normals of the reduced body",
                  bench_evaluate);
   add_body_bench("contact", "A finger at 640 x 360 on the first site", bench_contact);
+
+  add_bench_sgbm(*bench);
 
   auto options = std::make_shared<LiveBenchOptions>();
   CLI::App* live = bench->add_subcommand("live", "The whole loop, without writing files");

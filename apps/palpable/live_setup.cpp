@@ -2,7 +2,7 @@
 
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/place.h"
-#include "apps/palpable/press_clip_folder.h"
+#include "apps/palpable/sequence_folder.h"
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/scaled_body.h"
@@ -38,7 +38,7 @@ std::uint64_t hash_of_file(const fs::path& path) {
 // The clip is filmed once for a body and kept; the label, written last, says that it is whole.
 fs::path synthetic_clip(const LiveOptions& options, const ReducedBody& body) {
   const std::string label =
-      fmt::format("palpable {} press {} frames seed {} body {:016x}\n", PALPABLE_VERSION,
+      fmt::format("palpable {} demo {} frames seed {} body {:016x}\n", PALPABLE_VERSION,
                   kClipFrames, kClipSeed, hash_of_file(options.body));
   const fs::path label_file = options.clip / "made_for.txt";
   std::string found;
@@ -53,7 +53,8 @@ fs::path synthetic_clip(const LiveOptions& options, const ReducedBody& body) {
     }
     fs::remove_all(options.clip, error);
     ProgressBar bar;
-    write_press_clip(body, kClipFrames, kClipSeed, options.clip, bar.progress());
+    write_sequence(body, {"demo", kClipFrames, kClipSeed, options.body.filename().string()},
+                   options.clip, bar.progress());
     bar.finish();
     std::ofstream(label_file) << label;
   }

@@ -2,58 +2,84 @@
 //
 //   DIR/frames/{left,right}/%06d.jpg   raw pairs, as a camera gives them
 //   DIR/frames/calibration.yml         OpenCV stereo calibration (T in metres)
-//   DIR/frames/scene.toml              where the body stands, in the rectified left camera
-//   DIR/truth/hand.jsonl               capsules per frame, rectified left camera, m
-//   DIR/truth/contact.jsonl            the hand against the undeformed body
-//   DIR/truth/depth/%06d.png           16 bit, 0.1 mm, 0 none; rectified left camera at half size
-//   DIR/truth/camera.toml, script.toml that camera; what happens when
+//   DIR/frames/scene.toml              where the body stands, in the first rectified left camera
+//   DIR/truth/                         what docs/benchmark.md lists
 
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
-#include "apps/palpable/press_clip_folder.h"
+#include "apps/palpable/sequence_folder.h"
 #include "palpable/base/error.h"
+#include "palpable/base/nearest_word.h"
 #include "palpable/reduced/body_file.h"
+#include "palpable/synth/sequence.h"
 
 #include <CLI/CLI.hpp>
+#include <fmt/core.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace palpable::app {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct SynthOptions {
-  std::string clip;
-  std::filesystem::path body;
-  int frames = 300;
+  std::string name;
+  fs::path body;
+  int frames = 0;  // 0: the sequence's own
   std::uint64_t seed = 1;
-  std::filesystem::path out;
+  fs::path out;
 };
+
+const SequenceKind& kind_of(const std::string& name) {
+  const auto kinds = sequence_kinds();
+  const auto found = std::find_if(kinds.begin(), kinds.end(),
+                                  [&](const SequenceKind& k) { return k.name == name; });
+  if (found != kinds.end()) return *found;
+  std::vector<std::string> names;
+  for (const SequenceKind& kind : kinds) names.emplace_back(kind.name);
+  const std::string nearest = nearest_word(name, names);
+  throw Error(fmt::format("no sequence is called '{}'{}; palpable synth --help lists them", name,
+                          nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
+}
 
 }  // namespace
 
 void add_synth(CLI::App& app) {
   auto options = std::make_shared<SynthOptions>();
   CLI::App* command = app.add_subcommand(
-      "synth", "Write a clip of the synthetic desk: stereo images, calibration, truth");
-  command->add_option("clip", options->clip, "What happens: press (a finger presses the body)")
-      ->required()
-      ->check(CLI::IsMember({"press"}));
-  command->add_option("--body", options->body, "Body file: what is pressed, and where")->required();
-  command->add_option("--frames", options->frames, "Length at 30 fps; the first 60 have no hand")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  command->add_option("--seed", options->seed, "Textures, noise, sites, depths")
+      "synth", "Film a sequence of the synthetic desk: stereo images, calibration, truth");
+  command->add_option("name", options->name, "Which sequence (below)")->required();
+  command->add_option("--body", options->body,
+                      "Body file: what is pressed, and where. Default: "
+                      "build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable");
+  command
+      ->add_option("--frames", options->frames,
+                   "Length at 30 fps; the first 60 have no hand. Default: see below")
+      ->check(CLI::Range(1, 100000));
+  command->add_option("--seed", options->seed, "Textures, noise, places, depths, motions")
       ->capture_default_str();
   command->add_option("-o,--out", options->out, "Folder for frames/ and truth/")->required();
-  command->footer(
-      "Example: palpable synth press --body bunny.palpable --frames 300 --seed 1 -o clip");
+  std::string footer = "Sequences (frames):\n";
+  for (const SequenceKind& kind : sequence_kinds())
+    footer += fmt::format("  {:<14}{:>5}  {}\n", kind.name, kind.frames, kind.what);
+  command->footer(footer +
+                  "docs/benchmark.md says what each promises and what is written.\n"
+                  "Example: palpable synth press --body bunny.palpable --seed 1 -o clip");
   command->callback([options] {
-    const ReducedBody body = value_or_throw(read_body_file(options->body));
+    const SequenceKind& kind = kind_of(options->name);
+    const fs::path file = options->body.empty() ? default_body() : options->body;
+    const ReducedBody body = value_or_throw(read_body_file(file));
     ProgressBar bar;
-    write_press_clip(body, options->frames, options->seed, options->out, bar.progress());
+    write_sequence(body,
+                   {options->name, options->frames > 0 ? options->frames : kind.frames,
+                    options->seed, file.filename().string()},
+                   options->out, bar.progress());
   });
 }
 

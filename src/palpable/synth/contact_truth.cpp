@@ -43,4 +43,72 @@ std::vector<int> vertices_inside(std::span<const Capsule> hand, const Eigen::Mat
   return inside;
 }
 
+namespace {
+
+/// The way from x, which lies inside, along `direction` until it leaves the union: the deepest
+/// capsule's own depth can always be walked.
+double way_out(std::span<const Capsule> hand, Eigen::Vector3d x, const Eigen::Vector3d& direction) {
+  constexpr double kStop = 1e-6;   // m
+  constexpr double kReach = 0.10;  // m: no body is thicker where it is pressed
+  double way = 0.0;
+  while (way < kReach) {
+    const double step = -signed_distance(hand, x);
+    if (step < kStop) break;
+    way += step;
+    x += step * direction;
+  }
+  return way;
+}
+
+/// A capsule in its box: outside the box is outside the capsule, and cheap to see.
+struct Boxed {
+  Capsule capsule;
+  Eigen::Array3d low, high;
+};
+
+/// Those that reach into the box of the points.
+std::vector<Boxed> near_ones(std::span<const Capsule> hand, const Eigen::Matrix3Xd& points) {
+  std::vector<Boxed> near;
+  if (points.cols() == 0) return near;
+  const Eigen::Array3d low = points.rowwise().minCoeff();
+  const Eigen::Array3d high = points.rowwise().maxCoeff();
+  for (const Capsule& c : hand) {
+    const double r = std::max(c.ra, c.rb);
+    const Boxed boxed{c, c.a.cwiseMin(c.b).array() - r, c.a.cwiseMax(c.b).array() + r};
+    if ((boxed.low <= high).all() && (boxed.high >= low).all()) near.push_back(boxed);
+  }
+  return near;
+}
+
+bool is_inside(const std::vector<Boxed>& near, const Eigen::Vector3d& x) {
+  for (const Boxed& one : near) {
+    if ((x.array() < one.low).any() || (x.array() > one.high).any()) continue;
+    if (signed_distance(one.capsule, x) < 0.0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool touches(std::span<const Capsule> hand, const Eigen::Matrix3Xd& points) {
+  const std::vector<Boxed> near = near_ones(hand, points);
+  for (Eigen::Index i = 0; !near.empty() && i < points.cols(); ++i)
+    if (is_inside(near, points.col(i))) return true;
+  return false;
+}
+
+PressTruth press_truth(std::span<const Capsule> hand, const SurfacePoints& body) {
+  const std::vector<Boxed> near = near_ones(hand, body.points);
+  std::vector<Capsule> capsules;
+  for (const Boxed& one : near) capsules.push_back(one.capsule);
+  PressTruth truth;
+  for (Eigen::Index i = 0; !near.empty() && i < body.points.cols(); ++i) {
+    if (!is_inside(near, body.points.col(i))) continue;
+    const double depth = way_out(capsules, body.points.col(i), body.inwards.col(i));
+    if (truth.point >= 0 && depth <= truth.depth) continue;
+    truth = {true, depth, static_cast<int>(i)};
+  }
+  return truth;
+}
+
 }  // namespace palpable

@@ -61,5 +61,25 @@ TEST_CASE("skipping far capsules changes nothing", "[synth]") {
     for (int v = 0; v < 3; ++v) nearest = std::min(nearest, signed_distance(hand, vertices.col(v)));
     const ContactTruth truth = contact_truth(hand, vertices);
     CHECK((truth.touching ? -truth.depth : truth.clearance) == nearest);
+    CHECK(touches(hand, vertices) == (nearest < 0.0));
   }
+}
+
+TEST_CASE(
+    "a finger that comes along the normal is as deep as it has moved on, beyond its radius too",
+    "[synth]") {
+  const SurfacePoints box =
+      sample_surface(box_surface({-0.05, -0.05, -0.05}, {0.05, 0.05, 0.0}), 0.001);
+  for (const double depth : {0.001, 0.005, 0.012}) {
+    INFO("depth " << depth);
+    const std::vector<Capsule> finger = {{{0, 0, 0.007 - depth}, {0, 0, 0.06}, 0.007, 0.009}};
+    const PressTruth truth = press_truth(finger, box);
+    REQUIRE(truth.touching);
+    CHECK(std::abs(truth.depth - depth) <=
+          tolerance(2e-5, "a point of the surface every millimetre"));
+    CHECK(box.points.col(truth.point).head<2>().norm() < 0.001);
+  }
+  const std::vector<Capsule> above = {{{0, 0, 0.0071}, {0, 0, 0.06}, 0.007, 0.009}};
+  CHECK_FALSE(press_truth(above, box).touching);
+  CHECK_FALSE(press_truth({}, box).touching);
 }

@@ -1,7 +1,7 @@
 /// @file
 /// Draws the synthetic desk as a stereo camera sees it, and the truth of its depth.
 ///
-/// Frames: desk (press_clip.h) and camera (the rectified left eye; geometry/camera.h).
+/// Frames: desk (desk_body.h) and camera (the rectified left eye; geometry/camera.h).
 #pragma once
 
 #include "palpable/base/error.h"
@@ -9,10 +9,12 @@
 #include "palpable/geometry/image.h"
 #include "palpable/synth/desk_scene.h"
 #include "palpable/synth/rig.h"
+#include "palpable/synth/sequence.h"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
-#include <span>
+#include <string>
 
 namespace palpable {
 
@@ -21,7 +23,7 @@ struct RawPair {
   ColorImage left, right;
 };
 
-/// What the pictures depend on besides the hand.
+/// What the pictures depend on besides camera and movers.
 struct DeskCamera {
   StereoRig rig;  ///< as calibrated
   SensorFaults faults;
@@ -29,28 +31,46 @@ struct DeskCamera {
   Rigid3 camera_from_left = Rigid3::Identity();
 };
 
-/// OpenGL without a screen. Deterministic: the same seed, hand and frame give the same bytes on the
-/// same machine. Move-only; use it on the thread that made it.
+/// What one frame shows. The shutter is open round the frame's moment, and the middle row is read
+/// then, so camera and movers are asked for moments up to half a frame away.
+struct DeskMoment {
+  int frame = 0;
+  std::function<Rigid3(double)> camera_from_desk;
+  std::function<Movers(double)> movers;
+  RigState rig;
+};
+[[nodiscard]] DeskMoment moment_of(const Sequence& sequence, int frame);
+
+/// What is true of one frame, in the rectified left camera.
+struct DeskTruth {
+  DepthImage depth;  ///< Z in m at the pixel centres; NaN where nothing is
+  MaskImage labels;  ///< kMovesLabel and kBothSeeLabel, or 0
+};
+inline constexpr std::uint8_t kMovesLabel = 1;    ///< hand, sleeve, pencil or cup
+inline constexpr std::uint8_t kBothSeeLabel = 2;  ///< the right eye sees the same point
+
+/// OpenGL without a screen. Deterministic: the same seed, movers and frame give the same bytes on
+/// the same machine. Move-only; use it on the thread that made it.
 class DeskRenderer {
  public:
   /// Makes a context and uploads the scene; a second or two. A problem where there is no
   /// OpenGL 4.5.
   static Result<DeskRenderer> make(const DeskCamera& camera, const DeskScene& scene,
-                                   std::uint64_t seed);
+                                   const DeskLook& look);
   DeskRenderer(DeskRenderer&&) noexcept;
   DeskRenderer& operator=(DeskRenderer&&) noexcept;
   ~DeskRenderer();
 
-  /// One exposure.
-  /// @param hand   its capsules in the desk frame; empty for no hand
-  /// @param frame  number of the exposure: the noise depends on it
-  void draw(const Rigid3& camera_from_desk, std::span<const HandCapsule> hand, int frame,
-            RawPair& pictures);
+  /// One pair. Motion blur is the mean of up to ten moments, one for each 1.5 px of motion; a
+  /// rolling shutter is six bands, each with its own moment and turned from row to row within it.
+  /// The noise depends on the frame's number.
+  void draw(const DeskMoment& moment, RawPair& pictures);
 
-  /// Z in the rectified left camera at the pixel centres of `view`, of the desk's surfaces and the
-  /// hand; NaN where nothing is.
-  void draw_depth(const Rigid3& camera_from_desk, std::span<const HandCapsule> hand,
-                  const PinholeCamera& view, DepthImage& depth);
+  /// Depth and labels at the frame's moment.
+  /// @param view      the rectified left camera, at any size
+  /// @param baseline  m, of the rectified pair
+  void draw_truth(const DeskMoment& moment, const PinholeCamera& view, double baseline,
+                  DeskTruth& truth);
 
   /// Errors that the driver has reported so far: bugs.
   [[nodiscard]] int gl_error_count() const;

@@ -1,6 +1,5 @@
 #include "palpable/synth/desk_renderer.h"
 
-#include "palpable/synth/press_clip.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Geometry>
@@ -8,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 using namespace palpable;
 using palpable::test::tolerance;
@@ -55,9 +55,20 @@ DeskScene scene_of(std::vector<PaintedMesh> meshes) {
 
 std::optional<DeskRenderer> renderer_of(const DeskScene& scene, std::uint64_t seed,
                                         const SensorFaults& faults) {
-  Result<DeskRenderer> made = DeskRenderer::make({zed_mini_rig(), faults, kSame}, scene, seed);
+  DeskLook look;
+  look.seed = seed;
+  Result<DeskRenderer> made = DeskRenderer::make({zed_mini_rig(), faults, kSame}, scene, look);
   if (!made.ok()) return std::nullopt;
   return std::move(made).value();
+}
+
+/// A frame in which camera and movers stand.
+DeskMoment still(int frame, std::vector<HandCapsule> hand = {}) {
+  return {frame, [](double) { return kSame; },
+          [hand = std::move(hand)](double) {
+            return Movers{hand, std::nullopt};
+          },
+          RigState{}};
 }
 
 double luma(const Rgb& c) { return 0.299 * c.r + 0.587 * c.g + 0.114 * c.b; }
@@ -96,7 +107,7 @@ TEST_CASE("a point's picture lies in both raw images where the rig projects it",
   std::optional<DeskRenderer> renderer = renderer_of(scene_of(squares), 1, faults);
   if (!renderer) PALPABLE_SKIP(kNoGl);
   RawPair pair;
-  renderer->draw(kSame, {}, 0, pair);
+  renderer->draw(still(0), pair);
 
   const StereoRig rig = zed_mini_rig();
   double rows = 0.0;
@@ -141,8 +152,9 @@ TEST_CASE("the depth of the truth is the analytic Z of planes and capsules", "[s
   const std::vector<HandCapsule> hand = hand_capsules(pose);
   const std::vector<Capsule> shapes = shapes_of(hand);
   const PinholeCamera view{213, 121, 130, 131, 104.3, 61.8};
-  DepthImage depth;
-  renderer->draw_depth(kSame, hand, view, depth);
+  DeskTruth truth;
+  renderer->draw_truth(still(0, hand), view, 0.063, truth);
+  const DepthImage& depth = truth.depth;
   REQUIRE(depth.width() == 213);
 
   int on_hand = 0, on_plane = 0, wrong = 0;
@@ -180,8 +192,9 @@ TEST_CASE("the depth of the truth is the analytic Z of planes and capsules", "[s
 TEST_CASE("where nothing is the depth is unknown", "[synth][gl]") {
   std::optional<DeskRenderer> renderer = renderer_of(scene_of({square({0, 0, 1}, 0.1, 0)}), 1, {});
   if (!renderer) PALPABLE_SKIP(kNoGl);
-  DepthImage depth;
-  renderer->draw_depth(kSame, {}, {64, 48, 40, 40, 31.5, 23.5}, depth);
+  DeskTruth truth;
+  renderer->draw_truth(still(0), {64, 48, 40, 40, 31.5, 23.5}, 0.063, truth);
+  const DepthImage& depth = truth.depth;
   CHECK(std::isnan(depth(0, 0)));
   CHECK(std::abs(depth(31, 23) - 1.0F) <= tolerance(1e-6, "float"));
 }
@@ -194,8 +207,8 @@ TEST_CASE("noise is 0.6 to 0.8 grey levels, new in every frame and the same for 
   std::optional<DeskRenderer> first = renderer_of(scene, 3, faults);
   if (!first) PALPABLE_SKIP(kNoGl);
   RawPair a, b, other;
-  first->draw(kSame, {}, 7, a);
-  first->draw(kSame, {}, 8, b);
+  first->draw(still(7), a);
+  first->draw(still(8), b);
 
   double squares = 0.0, sum = 0.0;
   int count = 0;
@@ -221,12 +234,12 @@ TEST_CASE("noise is 0.6 to 0.8 grey levels, new in every frame and the same for 
 
   std::optional<DeskRenderer> second = renderer_of(scene, 3, faults);
   REQUIRE(second);
-  second->draw(kSame, {}, 7, other);
+  second->draw(still(7), other);
   CHECK(other.left == a.left);
   CHECK(other.right == a.right);
   std::optional<DeskRenderer> third = renderer_of(scene, 4, faults);
   REQUIRE(third);
-  third->draw(kSame, {}, 7, other);
+  third->draw(still(7), other);
   CHECK(other.left != a.left);
 }
 
@@ -234,7 +247,7 @@ TEST_CASE("corners are darker than the middle by the vignetting", "[synth][gl]")
   std::optional<DeskRenderer> renderer = renderer_of(scene_of({square({0, 0, 1}, 5.0, 0)}), 1, {});
   if (!renderer) PALPABLE_SKIP(kNoGl);
   RawPair pair;
-  renderer->draw(kSame, {}, 0, pair);
+  renderer->draw(still(0), pair);
   const auto mean = [&](int x0, int y0) {
     double sum = 0.0;
     for (int y = y0; y < y0 + 12; ++y)
@@ -256,9 +269,9 @@ TEST_CASE("the desk has a hand in it when a hand is there, and the same desk whe
   pose.elbow = {-0.25, 0.0, 0.4};
   pose.shoulder = {-0.5, 0.0, 0.4};
   RawPair before, with, after;
-  renderer->draw(kSame, {}, 0, before);
-  renderer->draw(kSame, hand_capsules(pose), 1, with);
-  renderer->draw(kSame, {}, 2, after);
+  renderer->draw(still(0), before);
+  renderer->draw(still(1, hand_capsules(pose)), with);
+  renderer->draw(still(2), after);
   CHECK(before.left == after.left);
   int changed = 0;
   for (int y = 0; y < 720; ++y)
@@ -266,4 +279,138 @@ TEST_CASE("the desk has a hand in it when a hand is there, and the same desk whe
   CHECK(changed > 20000);
   CHECK(changed < 700000);
   CHECK(renderer->gl_error_count() == 0);
+}
+
+TEST_CASE("labels say what moves and what the right eye sees too", "[synth][gl]") {
+  // A wall at 1 m and a ball before it: the wall left of the ball is hidden from the right eye.
+  std::optional<DeskRenderer> renderer = renderer_of(scene_of({square({0, 0, 1}, 5.0, 0)}), 1, {});
+  if (!renderer) PALPABLE_SKIP(kNoGl);
+  HandCapsule ball;
+  ball.shape = {{0, 0, 0.4}, {0, 0, 0.4001}, 0.05, 0.05};
+  const PinholeCamera view{320, 180, 175, 175, 159.5, 89.5};
+  constexpr double kBaseline = 0.063;
+  DeskTruth truth;
+  renderer->draw_truth(still(0, {ball}), view, kBaseline, truth);
+  int wrong = 0;
+  int moving = 0;
+  int hidden = 0;
+  for (int y = 0; y < view.height; ++y)
+    for (int x = 0; x < view.width; ++x) {
+      const double z = truth.depth(x, y);
+      const bool moves = (truth.labels(x, y) & kMovesLabel) != 0;
+      const bool both = (truth.labels(x, y) & kBothSeeLabel) != 0;
+      wrong += moves != (z < 0.9) ? 1 : 0;
+      moving += moves ? 1 : 0;
+      const Eigen::Vector3d point = view.unproject(x, y, z);
+      const Eigen::Vector3d right_eye(kBaseline, 0, 0);
+      const Eigen::Vector3d ray = point - right_eye;
+      const std::vector<Capsule> shapes = {ball.shape};
+      const double met = ray_distance(shapes, right_eye, ray.normalized(), 2.0);
+      const double u = view.project(ray).x();
+      const bool truly = met > ray.norm() - 0.004 && u >= 0.0 && u <= view.width - 1.0;
+      hidden += truly ? 0 : 1;
+      // Within a pixel of a border either answer is right.
+      const double beside = std::min(signed_distance(shapes, right_eye + 0.4 / ray.z() * ray),
+                                     signed_distance(shapes, 0.4 / z * point));
+      if (both != truly && std::abs(beside) > 0.006 && u > 1.0 && u < view.width - 2.0) ++wrong;
+    }
+  CHECK(moving > 1000);
+  CHECK(hidden > 1000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("an exposure smears a turning camera's picture by the angle it turns", "[synth][gl]") {
+  std::vector<PaintedMesh> squares = {square({0, 0, 1.0}, 0.015, 1)};
+  std::optional<DeskRenderer> renderer = renderer_of(scene_of(squares), 1, {0.0, 1.0, 0.0, 0.0});
+  if (!renderer) PALPABLE_SKIP(kNoGl);
+  constexpr double kRate = 0.02;  // rad a frame
+  DeskMoment turning = still(3);
+  turning.camera_from_desk = [](double frame) {
+    return Rigid3(Eigen::AngleAxisd(kRate * (frame - 3.0), Eigen::Vector3d::UnitY()));
+  };
+  RawPair sharp, smeared;
+  renderer->draw(turning, sharp);
+  turning.rig.exposure = 0.5 / kFramesPerSecond;
+  renderer->draw(turning, smeared);
+  const Eigen::Vector2d at = zed_mini_rig().left.project({0, 0, 1.0});
+  // Second moment along the row: a box of width w adds w^2 / 12.
+  const auto spread = [&](const ColorImage& image) {
+    double sum = 0, first = 0, second = 0;
+    const auto v = static_cast<int>(std::lround(at.y()));
+    for (int y = v - 12; y <= v + 12; ++y)
+      for (int x = static_cast<int>(at.x()) - 30; x <= static_cast<int>(at.x()) + 30; ++x) {
+        const double light = std::pow(luma(image(x, y)) / 255.0, 2.0);
+        sum += light;
+        first += light * x;
+        second += light * x * x;
+      }
+    return std::pair(first / sum, second / sum - first * first / (sum * sum));
+  };
+  const auto [middle_sharp, wide_sharp] = spread(sharp.left);
+  const auto [middle_smeared, wide_smeared] = spread(smeared.left);
+  const double width = 700.21 * kRate * 0.5;  // px
+  CHECK(std::abs(middle_smeared - middle_sharp) <=
+        tolerance(0.1, "the shutter is open round the moment"));
+  CHECK(std::abs(wide_smeared - wide_sharp - width * width / 12.0) <=
+        tolerance(0.8, "5 moments instead of all, of 4 px^2; grey levels are rounded"));
+}
+
+TEST_CASE("a rolling shutter reads each row at its own moment", "[synth][gl]") {
+  std::vector<PaintedMesh> squares;
+  std::vector<Eigen::Vector3d> points;
+  for (const double y : {-0.40, -0.22, 0.0, 0.20, 0.38}) {
+    points.emplace_back(0.05, y, 1.0);
+    squares.push_back(square(points.back(), 0.015, 1));
+  }
+  std::optional<DeskRenderer> renderer = renderer_of(scene_of(squares), 1, {0.0, 1.0, 0.0, 0.0});
+  if (!renderer) PALPABLE_SKIP(kNoGl);
+  constexpr double kRate = 0.01;  // rad a frame
+  const auto pose = [](double frame) {
+    return Rigid3(Eigen::AngleAxisd(kRate * (frame - 3.0), Eigen::Vector3d::UnitY()));
+  };
+  DeskMoment turning = still(3);
+  turning.camera_from_desk = pose;
+  turning.rig.readout = 0.9 / kFramesPerSecond;
+  RawPair pair;
+  renderer->draw(turning, pair);
+  const DistortedCamera& left = zed_mini_rig().left;
+  for (const Eigen::Vector3d& point : points) {
+    INFO("point " << point.transpose());
+    // Where the picture of the point is read: its row's moment, found by going round twice.
+    Eigen::Vector2d at = left.project(point);
+    for (int i = 0; i < 4; ++i) at = left.project(pose(3.0 + 0.9 * (at.y() / 719.0 - 0.5)) * point);
+    CHECK((bright_spot(pair.left, at) - at).norm() <= tolerance(0.2, "as without readout: 0.1 px"));
+  }
+}
+
+TEST_CASE("a right image that sinks lies lower by so many rows", "[synth][gl]") {
+  std::optional<DeskRenderer> renderer =
+      renderer_of(scene_of({square({0, 0.1, 0.8}, 0.015, 1)}), 1, {0.0, 1.0, 0.0, 0.0});
+  if (!renderer) PALPABLE_SKIP(kNoGl);
+  const StereoRig rig = zed_mini_rig();
+  const Eigen::Vector3d point(0, 0.1, 0.8);
+  const Eigen::Vector2d in_right = rig.right.project(rig.right_from_left * point);
+  const Eigen::Vector2d in_left = rig.left.project(point);
+  DeskMoment moment = still(0);
+  RawPair before, after;
+  renderer->draw(moment, before);
+  moment.rig.row_offset_px = 1.5;
+  renderer->draw(moment, after);
+  const double sunk =
+      bright_spot(after.right, in_right).y() - bright_spot(before.right, in_right).y();
+  CHECK(std::abs(sunk - 1.5) <= tolerance(0.05, "grey levels are rounded"));
+  CHECK(bright_spot(after.left, in_left) == bright_spot(before.left, in_left));
+}
+
+TEST_CASE("half of the light is half of the light", "[synth][gl]") {
+  std::optional<DeskRenderer> renderer =
+      renderer_of(scene_of({square({0, 0, 1}, 5.0, 0)}), 1, {0.0, 1.0, 0.0, 0.0});
+  if (!renderer) PALPABLE_SKIP(kNoGl);
+  DeskMoment moment = still(0);
+  RawPair full, half;
+  renderer->draw(moment, full);
+  moment.rig.light = 0.5;
+  renderer->draw(moment, half);
+  CHECK(std::abs(luma(half.left(640, 360)) / luma(full.left(640, 360)) - std::sqrt(0.5)) <=
+        tolerance(0.01, "rounded to grey levels"));
 }

@@ -2,6 +2,7 @@
 
 #include "palpable/synth/random.h"
 #include "palpable/synth/texture_images.h"
+#include "palpable/synth/things.h"
 
 #include <Eigen/Geometry>
 
@@ -151,40 +152,10 @@ PaintedMesh mug(const Vector3d& base, double handle_turn, int image) {
   return mesh;
 }
 
-}  // namespace
+enum SceneImage : int { kWood, kWall, kPage, kRed, kBlue, kGreen, kCarton, kGlaze, kFloor, kDoor };
 
-DeskScene desk_scene(std::uint64_t seed) {
-  DeskScene scene;
-  Random random(seed, "desk");
-  enum : int { kWood, kWall, kPage, kRed, kBlue, kGreen, kCarton, kGlaze };
-  scene.images = {wood_image(2048, seed),
-                  plaster_image(1024, seed),
-                  page_image(700, 990, seed),
-                  book_image(1024, {150, 52, 46}, seed + 1),
-                  book_image(1024, {52, 84, 122}, seed + 2),
-                  book_image(1024, {96, 112, 66}, seed + 3),
-                  carton_image(1024, {214, 180, 120}, seed),
-                  glaze_image(1024, seed)};
-
-  // 2048 px of wood are 0.82 m; the desk ends 0.62 m behind the body, the wall stands there.
-  PaintedMesh desk;
-  desk.image = kWood;
-  desk.gloss = 0.06F;
-  desk.sharpness = 18.0F;
-  constexpr double kWoodSize = 0.82;
-  add_quad(desk,
-           {Vector3d(-1.4, -0.8, 0), Vector3d(1.4, -0.8, 0), Vector3d(1.4, 0.62, 0),
-            Vector3d(-1.4, 0.62, 0)},
-           {0.0, 0.0}, {2.8 / kWoodSize, 1.42 / kWoodSize});
-  scene.meshes.push_back(desk);
-  PaintedMesh wall;
-  wall.image = kWall;
-  add_quad(wall,
-           {Vector3d(-2.5, 0.64, -0.8), Vector3d(2.5, 0.64, -0.8), Vector3d(2.5, 0.64, 1.8),
-            Vector3d(-2.5, 0.64, 1.8)},
-           {0.0, 0.0}, {5.0, 2.6});
-  scene.meshes.push_back(wall);
-
+/// All that lies on the desk.
+void put_things_on_desk(DeskScene& scene, Random& random) {
   const auto jitter = [&](double x, double y, double z) {
     return Vector3d(x + random.between(-0.01, 0.01), y + random.between(-0.01, 0.01), z);
   };
@@ -215,31 +186,287 @@ DeskScene desk_scene(std::uint64_t seed) {
       jitter(-0.22, -0.13, 0.0), {0.148, 0.21, 0.0008}, degrees(17, 6),
       {{0, 0, 1, 1}, {0, 0, 1, 0.01}, {0, 0, 1, 0.01}, {0, 0, 1, 0.01}, {0, 0, 1, 0.01}}, kPage);
   scene.meshes.push_back(page);
+}
+
+/// A rectangle that shows its image so many times.
+PaintedMesh panel(const std::array<Vector3d, 4>& corners, int image, double u, double v) {
+  PaintedMesh mesh;
+  mesh.image = image;
+  mesh.in_shadows = false;
+  add_quad(mesh, corners, {0.0, 0.0}, {u, v});
+  return mesh;
+}
+
+constexpr double kFloorZ = -0.74;  // m, seen from the desk
+constexpr double kCeilingZ = 1.90;
+
+/// A room of 9 x 11 m round the desk; a corridor leads out of its far wall to 15 m.
+void build_room(DeskScene& scene, Random& random, bool bare) {
+  const double left = -4.5, right = 4.5, back = -4.0, far = 7.0;
+  const double door_left = -0.4, door_right = 1.8, door_top = 1.45, end = 14.3;
+  const auto upright = [](double x0, double y0, double x1, double y1, double z0, double z1) {
+    return std::array<Vector3d, 4>{Vector3d(x0, y0, z0), Vector3d(x1, y1, z0), Vector3d(x1, y1, z1),
+                                   Vector3d(x0, y0, z1)};
+  };
+  const auto wall = [&](double x0, double y0, double x1, double y1, double z0, double z1,
+                        int image) {
+    const double wide = std::hypot(x1 - x0, y1 - y0);
+    scene.meshes.push_back(panel(upright(x0, y0, x1, y1, z0, z1), image, wide, z1 - z0));
+  };
+  const auto level = [&](double x0, double y0, double x1, double y1, double z, bool up, int image,
+                         double tile) {
+    std::array<Vector3d, 4> corners = {Vector3d(x0, y0, z), Vector3d(x1, y0, z),
+                                       Vector3d(x1, y1, z), Vector3d(x0, y1, z)};
+    if (!up) std::swap(corners[1], corners[3]);
+    scene.meshes.push_back(panel(corners, image, (x1 - x0) / tile, (y1 - y0) / tile));
+  };
+  level(left, back, right, end, kFloorZ, true, kFloor, 1.7);
+  level(left, back, right, end, kCeilingZ, false, kWall, 1.0);
+  wall(left, back, left, far, kFloorZ, kCeilingZ, kWall);
+  wall(right, far, right, back, kFloorZ, kCeilingZ, kWall);
+  wall(right, back, left, back, kFloorZ, kCeilingZ, kWall);
+  wall(left, far, door_left, far, kFloorZ, kCeilingZ, kWall);
+  wall(door_right, far, right, far, kFloorZ, kCeilingZ, kWall);
+  wall(door_left, far, door_right, far, door_top, kCeilingZ, kWall);
+  wall(door_left, far, door_left, end, kFloorZ, kCeilingZ, kWall);
+  wall(door_right, end, door_right, far, kFloorZ, kCeilingZ, kWall);
+  wall(door_left, end, door_right, end, kFloorZ, kCeilingZ, kWall);
+  if (bare) return;
+
+  // Pictures and notices, a hand's breadth before the plaster that they hang on.
+  const auto poster = [&](double x0, double y0, double x1, double y1, double z0, double z1,
+                          int image) {
+    PaintedMesh mesh = panel(upright(x0, y0, x1, y1, z0, z1), image, 1.0, 1.0);
+    scene.meshes.push_back(mesh);
+  };
+  poster(0.15, end - 0.01, 1.25, end - 0.01, 0.0, 1.1, kCarton);
+  poster(-3.9, far - 0.01, -2.7, far - 0.01, 0.1, 1.3, kCarton);
+  poster(-2.2, far - 0.01, -1.4, far - 0.01, -0.1, 1.05, kPage);
+  poster(2.2, far - 0.01, 3.2, far - 0.01, 0.1, 1.2, kRed);
+  poster(right - 0.01, 4.6, right - 0.01, 3.4, 0.1, 1.2, kBlue);
+  poster(right - 0.01, 2.3, right - 0.01, 1.4, 0.0, 1.2, kPage);
+  poster(right - 0.01, 0.7, right - 0.01, -0.3, 0.2, 1.2, kCarton);
+  poster(left + 0.01, -0.5, left + 0.01, 0.6, 0.0, 1.1, kGreen);
+  poster(left + 0.01, 1.6, left + 0.01, 2.4, 0.0, 1.2, kPage);
+  for (const double y : {8.6, 10.4, 12.2}) {
+    poster(door_left + 0.01, y, door_left + 0.01, y + 0.9, 0.0, 1.1, kDoor);
+    poster(door_right - 0.01, y + 0.7, door_right - 0.01, y - 0.2, 0.1, 1.0, kPage);
+  }
+
+  // Furniture: cases, shelves and boxes between 1.5 and 7 m away.
+  const auto furniture = [&](double x, double y, double z, const Vector3d& size, double yaw,
+                             int image) {
+    PaintedMesh mesh =
+        box({x + random.between(-0.05, 0.05), y + random.between(-0.05, 0.05), z}, size, yaw,
+            {{0, 0, 1, 1}, {0, 0, 1, 1}, {0, 0, 1, 1}, {0, 0, 1, 1}, {0, 0, 1, 1}}, image);
+    mesh.in_shadows = false;
+    scene.meshes.push_back(mesh);
+  };
+  furniture(-3.2, 6.5, kFloorZ, {1.6, 0.5, 0.9}, 0.0, kDoor);
+  furniture(3.1, 6.4, kFloorZ, {1.4, 0.6, 0.8}, 0.0, kDoor);
+  furniture(3.9, 3.8, kFloorZ, {0.6, 1.4, 0.75}, 0.05, kWood);
+  furniture(3.8, 1.0, kFloorZ, {0.7, 0.9, 0.6}, -0.1, kCarton);
+  furniture(3.7, 0.95, kFloorZ + 0.6, {0.4, 0.5, 0.35}, 0.3, kCarton);
+  furniture(3.5, -1.2, kFloorZ, {0.6, 0.6, 0.5}, 0.4, kCarton);
+  furniture(2.2, 2.6, kFloorZ, {0.45, 0.45, 0.5}, 0.5, kCarton);
+  furniture(-1.6, 3.1, kFloorZ, {0.5, 0.5, 0.45}, 0.2, kCarton);
+  furniture(-0.9, 4.4, kFloorZ, {0.6, 0.4, 0.7}, -0.3, kBlue);
+  furniture(0.6, 3.6, kFloorZ, {0.4, 0.4, 0.4}, 0.7, kCarton);
+  furniture(1.2, 5.4, kFloorZ, {0.5, 0.4, 0.6}, 0.2, kRed);
+  furniture(-3.6, 1.8, kFloorZ, {0.7, 1.2, 0.8}, 0.0, kDoor);
+  furniture(-2.9, 0.6, kFloorZ, {0.45, 0.5, 0.5}, 0.3, kCarton);
+  furniture(0.9, 9.4, kFloorZ, {0.5, 0.4, 0.7}, 0.1, kCarton);
+  furniture(0.1, 11.9, kFloorZ, {0.5, 0.4, 0.6}, 0.1, kBlue);
+}
+
+/// Below the top: its edges and four legs.
+void carry_desk(DeskScene& scene) {
+  constexpr double kThick = 0.03;
+  const auto part = [&](const Vector3d& at, const Vector3d& size) {
+    PaintedMesh mesh = box(
+        at, size, 0.0,
+        {{0, 0, 1, 0.2}, {0, 0, 1, 0.2}, {0, 0, 1, 0.2}, {0, 0, 1, 0.2}, {0, 0, 1, 0.2}}, kWood);
+    mesh.in_shadows = false;
+    scene.meshes.push_back(mesh);
+  };
+  // The board's own top is the desk; it lies a millimetre lower.
+  part({0.0, -0.09, -kThick}, {2.8, 1.42, kThick - 0.001});
+  for (const double x : {-1.34, 1.34})
+    for (const double y : {-0.74, 0.56}) part({x, y, kFloorZ}, {0.07, 0.07, -kThick - kFloorZ});
+}
+
+}  // namespace
+
+DeskScene desk_scene(const DeskLook& look) {
+  DeskScene scene;
+  const std::uint64_t seed = look.seed;
+  Random random(seed, "desk");
+  if (look.bare) {
+    const ColorImage white(8, 8, Rgb{206, 206, 202});
+    scene.images.assign(10, white);
+  } else {
+    scene.images = {wood_image(2048, seed),
+                    plaster_image(1024, seed),
+                    page_image(700, 990, seed),
+                    book_image(1024, {150, 52, 46}, seed + 1),
+                    book_image(1024, {52, 84, 122}, seed + 2),
+                    book_image(1024, {96, 112, 66}, seed + 3),
+                    carton_image(1024, {214, 180, 120}, seed),
+                    glaze_image(1024, seed)};
+    if (look.room) {
+      scene.images.push_back(tile_image(1024, seed));
+      scene.images.push_back(panel_image(512, seed));
+    }
+  }
+
+  // 2048 px of wood are 0.82 m. Near things are last: what they hide is not shaded.
+  Random furnishing(seed, "room");
+  if (look.room) build_room(scene, furnishing, look.bare);
+  if (look.room) carry_desk(scene);
+  PaintedMesh desk;
+  desk.image = kWood;
+  desk.gloss = 0.06F;
+  desk.sharpness = 18.0F;
+  constexpr double kWoodSize = 0.82;
+  add_quad(desk,
+           {Vector3d(-1.4, -0.8, 0), Vector3d(1.4, -0.8, 0), Vector3d(1.4, 0.62, 0),
+            Vector3d(-1.4, 0.62, 0)},
+           {0.0, 0.0}, {2.8 / kWoodSize, 1.42 / kWoodSize});
+  scene.meshes.push_back(desk);
+  if (!look.room) {  // the desk ends 0.62 m behind the body, a wall stands there
+    PaintedMesh wall;
+    wall.image = kWall;
+    add_quad(wall,
+             {Vector3d(-2.5, 0.64, -0.8), Vector3d(2.5, 0.64, -0.8), Vector3d(2.5, 0.64, 1.8),
+              Vector3d(-2.5, 0.64, 1.8)},
+             {0.0, 0.0}, {5.0, 2.6});
+    scene.meshes.push_back(wall);
+  }
+  if (!look.bare) put_things_on_desk(scene, random);
   return scene;
 }
 
-std::vector<PaintedMesh> hand_meshes(std::span<const HandCapsule> hand) {
-  std::vector<PaintedMesh> meshes(2);
-  meshes[0].image = 0;
-  meshes[0].gloss = 0.20F;
-  meshes[0].sharpness = 18.0F;
-  meshes[1].image = 1;
+namespace {
+
+/// The cup as one piece: outside, rounded rim, inside, floor, handle; in its own frame.
+PaintedMesh cup_mesh() {
+  PaintedMesh mesh;
+  mesh.gloss = 0.45F;
+  mesh.sharpness = 50.0F;
+  const double R = kCupRadius;
+  const double h = kCupHeight;
+  const double r = kCupWallRadius;
+  const Vector3d base = Vector3d::Zero();
+  std::vector<Vector2d> rim;  // half a circle over the wall
+  for (int i = 0; i <= 8; ++i) {
+    const double t = std::numbers::pi * i / 8.0;
+    rim.emplace_back(R - r + r * std::cos(t), h - r + r * std::sin(t));
+  }
+  std::vector<Vector2d> foot;
+  for (int i = 0; i <= 4; ++i) {
+    const double t = 0.5 * std::numbers::pi * (i / 4.0 - 1.0);
+    foot.emplace_back(R - r + r * std::cos(t), r + r * std::sin(t));
+  }
+  add_turned(mesh, base, {{0.0001, 0.0}, foot.front()}, 0.99, 0.98);
+  add_turned(mesh, base, foot, 0.98, 0.96);
+  add_turned(mesh, base, {foot.back(), {R, 0.03}, {R, 0.06}, rim.front()}, 0.96, 0.06);
+  add_turned(mesh, base, rim, 0.06, 0.02);
+  add_turned(mesh, base, {rim.back(), {R - 2 * r, 0.006}}, 0.02, 0.14);
+  add_turned(mesh, base, {{R - 2 * r, 0.006}, {0.0001, 0.006}}, 0.14, 0.16);
+  return mesh;
+}
+
+void move(PaintedMesh& mesh, const Rigid3& transform) {
+  const Eigen::Isometry3f T = transform.cast<float>();
+  for (PaintedVertex& v : mesh.vertices) {
+    v.position = T * v.position;
+    v.normal = T.linear() * v.normal;
+  }
+}
+
+enum MoverImage : int { kSkin, kCloth, kPaint, kRawWood, kLead, kCupGlaze, kMoverImages };
+
+MoverImage image_of(HandPart part) {
+  switch (part) {
+    case HandPart::kSleeve:
+      return kCloth;
+    case HandPart::kPencil:
+      return kPaint;
+    case HandPart::kPencilWood:
+      return kRawWood;
+    case HandPart::kPencilLead:
+      return kLead;
+    case HandPart::kCup:
+      return kCupGlaze;
+    case HandPart::kPalm:
+    case HandPart::kBone:
+    case HandPart::kFingerTip:
+    case HandPart::kForearm:
+      break;
+  }
+  return kSkin;
+}
+
+bool is_held(const HandCapsule& c) { return image_of(c.part) >= kPaint; }
+
+}  // namespace
+
+std::vector<ColorImage> mover_images(const DeskLook& look) {
+  return {skin_image(512, look.skin_texture, look.seed),
+          cloth_image(256, look.seed),
+          pencil_image(256, look.seed),
+          ColorImage(8, 8, Rgb{222, 184, 138}),
+          ColorImage(8, 8, Rgb{58, 58, 62}),
+          glaze_image(1024, look.seed + 1)};
+}
+
+std::vector<PaintedMesh> mover_meshes(std::span<const HandCapsule> capsules,
+                                      const std::optional<Rigid3>& desk_from_cup,
+                                      const DeskLook& look) {
+  std::vector<PaintedMesh> meshes(kMoverImages);
+  for (int i = 0; i < kMoverImages; ++i) meshes[static_cast<std::size_t>(i)].image = i;
+  meshes[kSkin].gloss = static_cast<float>(look.skin_gloss);
+  meshes[kSkin].sharpness = 18.0F;
+  meshes[kPaint].gloss = 0.35F;
+  meshes[kPaint].sharpness = 40.0F;
+  if (desk_from_cup) {
+    static const PaintedMesh kCup = cup_mesh();
+    PaintedMesh cup = kCup;
+    move(cup, *desk_from_cup);
+    cup.image = kCupGlaze;
+    meshes[kCupGlaze] = std::move(cup);
+  }
   const auto sleeve = [](const HandCapsule& c) { return c.part == HandPart::kSleeve; };
 
   constexpr double kTile = 0.045;        // m of skin that the image shows
   constexpr double kShadeReach = 0.014;  // m, how far ambient light is blocked by the hand itself
   constexpr double kChordError = 0.00009;
   std::uint32_t number = 0;
-  for (const HandCapsule& own : hand) {
+  std::vector<const HandCapsule*> drawn;
+  std::vector<HandCapsule> hand;  // what shades each other
+  const std::size_t staves = static_cast<std::size_t>(kCupStaves);
+  std::size_t of_cup = 0;
+  for (const HandCapsule& c : capsules) {
+    // The wall is drawn as one piece; the handle as it is.
+    if (c.part == HandPart::kCup && desk_from_cup && of_cup++ % (staves + kCupHandleParts) < staves)
+      continue;
+    drawn.push_back(&c);
+    if (!is_held(c)) hand.push_back(c);
+  }
+  for (const HandCapsule* one : drawn) {
+    const HandCapsule& own = *one;
     const Capsule& c = own.shape;
     const CapsuleMesh mesh = tessellate(c, own.back, kChordError);
-    PaintedMesh& out = meshes[sleeve(own) ? 1 : 0];
+    PaintedMesh& out = meshes[image_of(own.part)];
     const auto first = static_cast<std::uint32_t>(out.vertices.size());
     // Width of the smooth union in the shading, m: fingers keep their joints, the back of the hand
     // is one surface.
     const double blend = own.part == HandPart::kPalm ? 0.0055 : 0.0026;
-    const double tile = sleeve(own) ? 0.05 : kTile;
-    const double turns = std::max(1.0, std::round(kTurn * std::max(c.ra, c.rb) / tile * 2.0)) / 2.0;
+    const double tile = sleeve(own) || own.part == HandPart::kPencil ? 0.05 : kTile;
+    const double turns =
+        own.part == HandPart::kPencil
+            ? 1.0
+            : std::max(1.0, std::round(kTurn * std::max(c.ra, c.rb) / tile * 2.0)) / 2.0;
     const Vector3d axis = (c.b - c.a).normalized();
     const Vector3d back = (own.back - own.back.dot(axis) * axis).normalized();
     const Vector3d side = axis.cross(back);
@@ -249,7 +476,9 @@ std::vector<PaintedMesh> hand_meshes(std::span<const HandCapsule> hand) {
     const Vector3d middle = 0.5 * (c.a + c.b);
     const double reach = 0.5 * (c.b - c.a).norm() + std::max(c.ra, c.rb) + 2.0 * kShadeReach;
     for (const HandCapsule& other : hand)
-      if (&other != &own && signed_distance(other.shape, middle) < reach) near.push_back(&other);
+      if (!is_held(own) && (other.shape.a != c.a || other.shape.b != c.b) &&
+          signed_distance(other.shape, middle) < reach)
+        near.push_back(&other);
 
     for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
       const Vector3d x = mesh.vertices.col(v);

@@ -1,6 +1,6 @@
 /// @file
 /// What lies on the synthetic desk: triangles with painted surfaces, in the desk frame
-/// (press_clip.h).
+/// (desk_body.h).
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -9,6 +9,8 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 namespace palpable {
@@ -27,9 +29,21 @@ struct PaintedVertex {
 struct PaintedMesh {
   std::vector<PaintedVertex> vertices;
   std::vector<std::uint32_t> indices;  ///< three a triangle
-  int image = 0;                       ///< index in DeskScene::images, or in the hand's two
+  int image = 0;                       ///< index in DeskScene::images, or in mover_images()
   float gloss = 0.0F;                  ///< strength of the highlight
   float sharpness = 20.0F;             ///< exponent of the highlight
+  bool in_shadows = true;              ///< lies where the desk's things cast shadows
+};
+
+/// Which desk in which room.
+struct DeskLook {
+  std::uint64_t seed = 1;
+  /// A room of 9 x 11 m with a corridor behind it, so that surfaces lie up to 15.5 m away; else
+  /// a wall right behind the desk.
+  bool room = true;
+  bool bare = false;          ///< nothing on the desk or the walls, no texture anywhere
+  double skin_texture = 1.0;  ///< contrast of the skin's blotches and lines against a real hand's
+  double skin_gloss = 0.20;   ///< strength of the highlight on skin
 };
 
 /// All that does not move.
@@ -38,13 +52,19 @@ struct DeskScene {
   std::vector<PaintedMesh> meshes;
 };
 
-/// A wooden desk before a wall, with books, a carton, a mug, a written page. The place round the
-/// body and to its right, where the hand comes from, is free.
-[[nodiscard]] DeskScene desk_scene(std::uint64_t seed);
+/// A wooden desk with books, a carton, a mug, a written page. The place round the body and to its
+/// right, where the hand comes from, is free.
+[[nodiscard]] DeskScene desk_scene(const DeskLook& look);
 
-/// The hand's surface: [0] skin, [1] sleeve. Vertices lie on the capsules; between them the
-/// triangles stay within 0.09 mm. Normals are those of the capsules' smooth union, so that joints
-/// are shaded as a hand and not as a chain of sausages.
-[[nodiscard]] std::vector<PaintedMesh> hand_meshes(std::span<const HandCapsule> hand);
+/// What movers are painted with; PaintedMesh::image of mover_meshes() counts in them.
+[[nodiscard]] std::vector<ColorImage> mover_images(const DeskLook& look);
+
+/// The movers' surfaces, one mesh for each image. Vertices lie on the capsules; between them the
+/// triangles stay within 0.09 mm. Normals of skin and sleeve are those of the capsules' smooth
+/// union, so that joints are shaded as a hand and not as a chain of sausages. A cup is turned as
+/// one piece where its frame is given, and its capsules are left out.
+[[nodiscard]] std::vector<PaintedMesh> mover_meshes(std::span<const HandCapsule> capsules,
+                                                    const std::optional<Rigid3>& desk_from_cup,
+                                                    const DeskLook& look);
 
 }  // namespace palpable

@@ -90,6 +90,16 @@ HandGesture open_gesture() {
   return g;
 }
 
+HandGesture flat_gesture() {
+  HandGesture g;
+  g.fingers[0] = {0.03, 0.06, 0.06, 0.04};
+  g.fingers[1] = {0.00, 0.07, 0.06, 0.04};
+  g.fingers[2] = {-0.03, 0.07, 0.06, 0.04};
+  g.fingers[3] = {-0.08, 0.08, 0.08, 0.05};
+  g.thumb = {0.55, 0.25, 0.15, 0.10};
+  return g;
+}
+
 HandGesture blend(const HandGesture& first, const HandGesture& second, double share) {
   const auto mix = [share](double a, double b) { return a + share * (b - a); };
   HandGesture g;

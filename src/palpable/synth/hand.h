@@ -37,6 +37,7 @@ struct HandGesture {
 
 [[nodiscard]] HandGesture pointing_gesture();  ///< index straight, the others closed
 [[nodiscard]] HandGesture open_gesture();      ///< all nearly straight and spread
+[[nodiscard]] HandGesture flat_gesture();      ///< all straight and side by side
 /// Angles between two gestures, 0 the first and 1 the second.
 [[nodiscard]] HandGesture blend(const HandGesture& first, const HandGesture& second, double share);
 
@@ -48,8 +49,18 @@ struct HandPose {
   Eigen::Vector3d shoulder = Eigen::Vector3d(-0.5, 0, 0.1);  ///< in the desk frame
 };
 
-/// What a capsule belongs to, for its look.
-enum class HandPart { kPalm, kBone, kFingerTip, kForearm, kSleeve };
+/// What a capsule belongs to, for its look. The last four are things that a hand holds (things.h).
+enum class HandPart {
+  kPalm,
+  kBone,
+  kFingerTip,
+  kForearm,
+  kSleeve,
+  kPencil,
+  kPencilWood,
+  kPencilLead,
+  kCup
+};
 
 /// One capsule with its look.
 struct HandCapsule {

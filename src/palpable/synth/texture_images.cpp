@@ -282,6 +282,66 @@ ColorImage skin_image(int size, double contrast, std::uint64_t seed) {
   return image;
 }
 
+ColorImage tile_image(int size, std::uint64_t seed) {
+  const std::uint32_t s = stream(seed, "tiles");
+  ColorImage image(size, size);
+  constexpr int kTiles = 4;
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const double u = static_cast<double>(x) / size;
+      const double v = static_cast<double>(y) / size;
+      const int i = x * kTiles / size;
+      const int j = y * kTiles / size;
+      double shade = 0.92 + 0.05 * lattice(i, j, s) + 0.06 * octaves(u, v, 9, 9, 4, 0.6, s + 1U);
+      const double speckle = noise(u, v, 260, 260, s + 7U);
+      if (speckle > 0.45) shade -= 0.22 * (speckle - 0.3);
+      const int edge_x = std::min(x * kTiles % size, size - 1 - x * kTiles % size) / kTiles;
+      const int edge_y = std::min(y * kTiles % size, size - 1 - y * kTiles % size) / kTiles;
+      if (std::min(edge_x, edge_y) < size / 260) shade *= 0.6;
+      image(x, y) = {level(158 * shade), level(150 * shade), level(140 * shade)};
+    }
+  return image;
+}
+
+ColorImage panel_image(int size, std::uint64_t seed) {
+  const std::uint32_t s = stream(seed, "panel");
+  ColorImage image(size, size);
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const double u = static_cast<double>(x) / size;
+      const double v = static_cast<double>(y) / size;
+      double shade = 0.95 + 0.05 * octaves(u, v, 5, 40, 3, 0.6, s);
+      // Two doors side by side, each with a sunk panel.
+      const double w = 2.0 * u - std::floor(2.0 * u);
+      const double rim = std::min(std::min(w, 1.0 - w), std::min(v, 1.0 - v));
+      if (rim < 0.02) shade *= 0.55;
+      if (rim > 0.14 && rim < 0.16) shade *= 0.72;
+      if (rim >= 0.16) shade *= 0.93;
+      image(x, y) = {level(150 * shade), level(128 * shade), level(98 * shade)};
+      if (std::abs(v - 0.5) < 0.06 && std::abs(w - (u < 0.5 ? 0.92 : 0.08)) < 0.012)
+        image(x, y) = {60, 60, 64};
+    }
+  roughen(image, 0.04, stream(seed, "paint"));
+  return image;
+}
+
+ColorImage pencil_image(int size, std::uint64_t seed) {
+  Random random(seed, "pencil");
+  ColorImage image(size, size, Rgb{206, 150, 44});
+  for (int y = 0; y < size; ++y)  // six faces
+    for (int x = 0; x < size; ++x) {
+      const double face = 0.90 + 0.12 * lattice(6 * y / size, 1, 5U);
+      image(x, y) = scaled(image(x, y), face);
+    }
+  fill(image, size / 20, 0, size / 9, size, {36, 60, 44});
+  fill(image, size / 2, 0, size * 53 / 100, size, {36, 60, 44});
+  print_words(image, size / 6, size / 12, size / 2, size / 4, size / 8, {40, 40, 36}, random);
+  print_words(image, size * 6 / 10, size * 58 / 100, size, size * 3 / 4, size / 8, {40, 40, 36},
+              random);
+  roughen(image, 0.03, stream(seed, "lacquer"));
+  return image;
+}
+
 ColorImage cloth_image(int size, std::uint64_t seed) {
   const std::uint32_t s = stream(seed, "cloth");
   ColorImage image(size, size);

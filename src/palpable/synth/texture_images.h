@@ -25,6 +25,13 @@ namespace palpable {
 [[nodiscard]] ColorImage glaze_image(int size, std::uint64_t seed);
 /// Skin: weak blotches and finer lines, `contrast` 1 is a real hand's.
 [[nodiscard]] ColorImage skin_image(int size, double contrast, std::uint64_t seed);
+/// A floor of stone tiles, 4 x 4 in the image, speckled, with joints.
+[[nodiscard]] ColorImage tile_image(int size, std::uint64_t seed);
+/// The front of a cupboard or a door: two panels with a frame, a handle, worn paint (does not
+/// tile).
+[[nodiscard]] ColorImage panel_image(int size, std::uint64_t seed);
+/// The paint of a pencil: stripes round it and a printed name along it.
+[[nodiscard]] ColorImage pencil_image(int size, std::uint64_t seed);
 /// Woven cloth.
 [[nodiscard]] ColorImage cloth_image(int size, std::uint64_t seed);
 

@@ -1,5 +1,6 @@
 #version 450 core
-// Z in the camera, m: the truth of depth.
+// Z in the camera, m, and whether it moves: the truth of depth.
 in float depth;
-out float z;
-void main() { z = depth; }
+uniform float moves;  // 1: hand, sleeve, pencil or cup
+out vec2 truth;
+void main() { truth = vec2(depth, moves); }

@@ -5,17 +5,22 @@ in vec3 at;
 in vec3 n;
 in vec2 image_uv;
 in vec4 more;
-in vec3 in_static_light;
+in vec3 in_static_light;  // 0..1 within the shadow map's box
 in vec3 in_hand_light;
 
+// Defined by the program: STILL_SHADOWS where the desk's things cast shadows, MOVING_SHADOWS where
+// something moves besides.
 uniform sampler2D image;
+#ifdef STILL_SHADOWS
 uniform sampler2DShadow static_shadow;
+#endif
+#ifdef MOVING_SHADOWS
 uniform sampler2DShadow hand_shadow;
+#endif
 uniform vec3 eye;     // desk frame, m
 uniform vec3 to_sun;  // desk frame, unit
 uniform float gloss;
 uniform float sharpness;
-uniform int hand_casts_shadow;  // 0: nothing is in the hand's shadow map yet
 
 out vec4 color;
 
@@ -49,10 +54,12 @@ void main() {
   vec3 albedo = encoded * encoded;
   float facing = dot(normal, to_sun);
   float sun = max(facing, 0.0);
-  if (sun > 0.0) {
-    sun *= lit(static_shadow, in_static_light, 0.0011);
-    if (hand_casts_shadow != 0) sun *= lit(hand_shadow, in_hand_light, 0.0022);
-  }
+#ifdef STILL_SHADOWS
+  sun *= lit(static_shadow, in_static_light, 0.0011);
+#endif
+#ifdef MOVING_SHADOWS
+  sun *= lit(hand_shadow, in_hand_light, 0.0022);
+#endif
   vec3 room = mix(kGround, kSky, 0.5 + 0.5 * normal.z) * more.x;
   vec3 light = albedo * (room + sun * kSun);
   if (shine > 0.0 && sun > 0.0) {

@@ -1,8 +1,13 @@
 #version 450 core
-// Lens and sensor: where each raw pixel's light comes from, vignetting, gain, noise.
+// Lens and sensor: where each raw pixel's light comes from, vignetting, gain, noise. With EXPOSED
+// defined the light was gathered before (lens.frag).
+#ifdef EXPOSED
+uniform sampler2D exposed;  // linear light, per raw pixel
+#else
 uniform sampler2D ideal;     // encoded as the square root of light
 uniform sampler2D lens_map;  // per raw pixel: place in the ideal picture, px (pixel centre = 0)
 uniform vec2 ideal_size;     // px
+#endif
 uniform vec2 optical_centre; // raw px
 uniform float corner_radius; // px, from the centre to the far corner
 uniform float vignetting;    // share of the light lost there
@@ -33,8 +38,12 @@ float normal_of(uint bits) {
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
+#ifdef EXPOSED
+  vec3 encoded = sqrt(texelFetch(exposed, pixel, 0).rgb);
+#else
   vec2 source = texelFetch(lens_map, pixel, 0).xy;
   vec3 encoded = textureLod(ideal, (source + 0.5) / ideal_size, 0.0).rgb;
+#endif
   vec2 off = (vec2(pixel) - optical_centre) / corner_radius;
   float falloff = gain * (1.0 - vignetting * dot(off, off));
   uvec3 bits = scatter(uvec3(uint(pixel.x), uint(pixel.y), uint(noise_key)));

@@ -1,0 +1,167 @@
+// palpable bench sgbm-reference: OpenCV's SGBM on the near frames of `press`. Prototypes measured
+// that it gets three quarters of a near hand to within 1 %; scenes on which it gets much more prove
+// nothing about hands (docs/benchmark.md).
+
+#include "apps/palpable/bench_sgbm.h"
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable/sequence_folder.h"
+#include "palpable/base/error.h"
+#include "palpable/reduced/body_file.h"
+#include "palpable/score/percentile.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+constexpr int kRange = 320;  // disparities
+constexpr int kFrames = 600;
+constexpr std::size_t kMostFrames = 72;  // of the near ones, evenly spread
+constexpr int kJpegQuality = 96;         // as the sequences are written
+
+struct SgbmOptions {
+  std::filesystem::path body;
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+
+// The hand's median depth is 0.12-0.5 m and it covers 5 % of the image or more.
+bool is_near(const DeskTruth& truth) {
+  std::vector<double> depths;
+  for (int y = 0; y < truth.depth.height(); ++y)
+    for (int x = 0; x < truth.depth.width(); ++x)
+      if ((truth.labels(x, y) & kMovesLabel) != 0)
+        depths.push_back(static_cast<double>(truth.depth(x, y)));
+  if (static_cast<double>(depths.size()) < 0.05 * static_cast<double>(truth.depth.size()))
+    return false;
+  const double median = percentile(depths, 0.5);
+  return median >= 0.12 && median <= 0.5;
+}
+
+// What a player of the written sequence gets.
+void through_jpeg(ColorImage& picture) {
+  const cv::Mat rgb(picture.height(), picture.width(), CV_8UC3, picture.data());
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  bgr = cv::imdecode(bytes, cv::IMREAD_COLOR);
+  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+}
+
+cv::Mat padded(GrayImage& luma) {
+  const cv::Mat image(luma.height(), luma.width(), CV_8UC1, luma.data());
+  cv::Mat wide;
+  cv::copyMakeBorder(image, wide, 0, 0, kRange, 0, cv::BORDER_REPLICATE);
+  return wide;
+}
+
+void bench_sgbm(const SgbmOptions& options) {
+  const std::filesystem::path file = options.body.empty() ? default_body() : options.body;
+  const ReducedBody body = value_or_throw(read_body_file(file));
+  const Sequence sequence = plan_sequence("press", desk_body(body), kFrames, options.seed);
+  Film film = film_of(sequence);
+  const RectifiedStereo& stereo = film.geometry.stereo;
+  ProgressBar bar;
+
+  DeskTruth truth;
+  std::vector<int> near;
+  for (int frame = kFramesWithoutHand; frame < kFrames; frame += 2) {
+    film.renderer.draw_truth(moment_of(sequence, frame), stereo.camera.scaled_down(4),
+                             stereo.baseline, truth);
+    if (is_near(truth)) near.push_back(frame);
+    bar.show({"looking for near frames", frame + 1.0, static_cast<double>(kFrames), ""});
+  }
+  const std::size_t frames = std::min(near.size(), kMostFrames);
+
+  const cv::Ptr<cv::StereoSGBM> matcher = cv::StereoSGBM::create(0, kRange, 5);
+  matcher->setMode(cv::StereoSGBM::MODE_SGBM_3WAY);
+  matcher->setP1(8 * 25);
+  matcher->setP2(32 * 25);
+  matcher->setUniquenessRatio(5);
+  Rectification rectification(film.rig);
+  RawPair pair;
+  GrayImage left, right;
+  std::size_t hand = 0, dense = 0, within = 0;
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < frames; ++i) {
+    const DeskMoment moment = moment_of(sequence, near[i * near.size() / frames]);
+    film.renderer.draw(moment, pair);
+    film.renderer.draw_truth(moment, stereo.camera, stereo.baseline, truth);
+    through_jpeg(pair.left);
+    through_jpeg(pair.right);
+    rectification.rectify_luma(Rectification::Eye::kLeft, pair.left, left);
+    rectification.rectify_luma(Rectification::Eye::kRight, pair.right, right);
+    cv::Mat disparity;
+    matcher->compute(padded(left), padded(right), disparity);
+    constexpr std::uint8_t kWanted = kMovesLabel | kBothSeeLabel;
+    for (int y = 0; y < truth.depth.height(); ++y)
+      for (int x = 0; x < truth.depth.width(); ++x) {
+        if ((truth.labels(x, y) & kWanted) != kWanted) continue;
+        ++hand;
+        const double d = disparity.at<std::int16_t>(y, x + kRange) / 16.0;
+        if (d <= 0.0) continue;
+        ++dense;
+        const double z = static_cast<double>(truth.depth(x, y));
+        const double error = std::abs(stereo.depth(d) - z) / z;
+        within += error <= 0.01 ? 1 : 0;
+        if ((x + y) % 7 == 0) errors.push_back(error);
+      }
+    bar.show({"matching", static_cast<double>(i + 1), static_cast<double>(frames), ""});
+  }
+  bar.finish();
+  if (hand == 0) throw Error("the sequence has no near frame: the body hides the hand");
+
+  const auto share = [&](std::size_t part) {
+    return static_cast<double>(part) / static_cast<double>(hand);
+  };
+  nlohmann::ordered_json result;
+  result["bench"] = "sgbm-reference";
+  result["body"] = body.name;
+  result["seed"] = options.seed;
+  result["near_frames"] = 2 * near.size();  // every second one was looked at
+  result["frames"] = frames;
+  result["hand_within_1pct"] = share(within);
+  result["hand_density"] = share(dense);
+  result["hand_median_error"] = errors.empty() ? nlohmann::ordered_json(nullptr)
+                                               : nlohmann::ordered_json(percentile(errors, 0.5));
+  if (options.json) {
+    fmt::print("{}\n", result.dump(2));
+    return;
+  }
+  fmt::print(
+      "OpenCV SGBM, {} of {} near frames of press, seed {}: {:.1f} % of the hand within 1 % "
+      "(density {:.1f} %); 65 to 85 % are expected\n",
+      frames, 2 * near.size(), options.seed, 100 * share(within), 100 * share(dense));
+}
+
+}  // namespace
+
+void add_bench_sgbm(CLI::App& bench) {
+  auto options = std::make_shared<SgbmOptions>();
+  CLI::App* command = bench.add_subcommand(
+      "sgbm-reference", "How well OpenCV's SGBM sees the near hand of the sequence press");
+  command->add_option("--body", options->body,
+                      "Body file. Default: build/bodies/bunny-dense.palpable, else "
+                      "out/demo/bunny.palpable");
+  command->add_option("--seed", options->seed, "Of the sequence")->capture_default_str();
+  command->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command->footer("Example: palpable bench sgbm-reference --seed 1 --json");
+  command->callback([options] { bench_sgbm(*options); });
+}
+
+}  // namespace palpable::app
