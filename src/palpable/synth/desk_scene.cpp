@@ -155,20 +155,19 @@ PaintedMesh mug(const Vector3d& base, double handle_turn, int image) {
 enum SceneImage : int { kWood, kWall, kPage, kRed, kBlue, kGreen, kCarton, kGlaze, kFloor, kDoor };
 
 /// All that lies on the desk.
-void put_things_on_desk(DeskScene& scene, Random& random) {
+void put_things_on_desk(DeskScene& scene, Random& random, bool left_free) {
   const auto jitter = [&](double x, double y, double z) {
     return Vector3d(x + random.between(-0.01, 0.01), y + random.between(-0.01, 0.01), z);
   };
   const auto degrees = [&](double middle, double spread) {
     return (middle + random.between(-spread, spread)) * std::numbers::pi / 180.0;
   };
+  // The pile and the mug are placed even where they stay away, so that the rest lies where it does.
+  std::vector<PaintedMesh> left;
   // Left, behind: a pile of books.
-  scene.meshes.push_back(
-      book(jitter(-0.27, 0.26, 0.0), {0.23, 0.165, 0.032}, degrees(14, 4), kBlue));
-  scene.meshes.push_back(
-      book(jitter(-0.26, 0.26, 0.032), {0.21, 0.150, 0.024}, degrees(4, 5), kRed));
-  scene.meshes.push_back(
-      book(jitter(-0.27, 0.255, 0.056), {0.18, 0.125, 0.019}, degrees(22, 5), kGreen));
+  left.push_back(book(jitter(-0.27, 0.26, 0.0), {0.23, 0.165, 0.032}, degrees(14, 4), kBlue));
+  left.push_back(book(jitter(-0.26, 0.26, 0.032), {0.21, 0.150, 0.024}, degrees(4, 5), kRed));
+  left.push_back(book(jitter(-0.27, 0.255, 0.056), {0.18, 0.125, 0.019}, degrees(22, 5), kGreen));
   // Behind, a carton; further right another book, standing behind where the arm comes from.
   PaintedMesh carton = box(jitter(0.06, 0.44, 0.0), {0.155, 0.085, 0.135}, degrees(-12, 5),
                            {{0.0, 0.86, 1.0, 1.0},
@@ -180,7 +179,8 @@ void put_things_on_desk(DeskScene& scene, Random& random) {
   scene.meshes.push_back(carton);
   scene.meshes.push_back(
       book(jitter(0.36, 0.47, 0.0), {0.22, 0.16, 0.038}, degrees(-24, 4), kGreen));
-  scene.meshes.push_back(mug(jitter(-0.215, 0.055, 0.0), degrees(200, 15), kGlaze));
+  left.push_back(mug(jitter(-0.215, 0.055, 0.0), degrees(200, 15), kGlaze));
+  if (!left_free) scene.meshes.insert(scene.meshes.end(), left.begin(), left.end());
   // A written page, a millimetre thick so that it lies on the desk and not in it.
   PaintedMesh page = box(
       jitter(-0.22, -0.13, 0.0), {0.148, 0.21, 0.0008}, degrees(17, 6),
@@ -342,7 +342,7 @@ DeskScene desk_scene(const DeskLook& look) {
              {0.0, 0.0}, {5.0, 2.6});
     scene.meshes.push_back(wall);
   }
-  if (!look.bare) put_things_on_desk(scene, random);
+  if (!look.bare) put_things_on_desk(scene, random, look.left_free);
   return scene;
 }
 

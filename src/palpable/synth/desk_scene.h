@@ -41,6 +41,7 @@ struct DeskLook {
   /// A room of 9 x 11 m with a corridor behind it, so that surfaces lie up to 15.5 m away; else
   /// a wall right behind the desk.
   bool room = true;
+  bool left_free = false;     ///< nothing lies left of the body: a second hand comes from there
   bool bare = false;          ///< nothing on the desk or the walls, no texture anywhere
   double skin_texture = 1.0;  ///< contrast of the skin's blotches and lines against a real hand's
   double skin_gloss = 0.20;   ///< strength of the highlight on skin

@@ -427,6 +427,7 @@ Sequence plan_presses(std::string_view name, const DeskBody& body, int frames, s
     sequence.camera_from_desk = on_tripod();
     sequence.rig = [](int) { return RigState{}; };
     sequence.desk_from_body = desk_from_body;
+    sequence.look.left_free = style.two_hands;
     sequence.touches = right.touches();
     sequence.spans = right.spans();
     std::vector<HandPath> paths = {right.path()};

@@ -350,6 +350,7 @@ TEST_CASE("two hands press from both sides", "[synth][long]") {
   CHECK(from_left);
   CHECK(from_right);
   CHECK(s.movers(300).capsules.size() == 2 * kHandCapsuleCount);
+  CHECK(s.look.left_free);  // the left hand rests where books and mug lie otherwise
 }
 
 TEST_CASE("disturbances are what they are called", "[synth]") {
