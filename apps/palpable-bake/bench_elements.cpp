@@ -95,8 +95,12 @@ void print(const char* heading, const ElementStudy& study) {
     for (std::size_t m = 0; m < press.errors.size(); ++m) {
       const ElementErrors& e = press.errors[m];
       if (!std::isfinite(e.press)) continue;
-      fmt::print("  | {} {:+.2f} {:.2f} {:.1f} {:.1f} %", study.members[m].name, 100 * e.press,
-                 100 * e.displacement, 100 * e.element_von_mises, 100 * e.nodal_von_mises);
+      fmt::print("  | {} {:+.2f} {:.2f} {} {:.1f} %", study.members[m].name, 100 * e.press,
+                 100 * e.displacement,
+                 std::isfinite(e.element_von_mises)
+                     ? fmt::format("{:.1f}", 100 * e.element_von_mises)
+                     : "-",
+                 100 * e.nodal_von_mises);
     }
     fmt::print("\n");
   }

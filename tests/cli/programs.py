@@ -523,6 +523,30 @@ def _(programs, folder):
     assert isinstance(json.loads(result.stdout), dict)
 
 
+@case("the solver's benches print one JSON object that docs/results.md takes")
+def _(programs, folder):
+    write_ball(folder)
+    result = programs.succeeds("bench", "solid", folder / "ball.toml", "--ours-only", "--sites", "0",
+                               "--levels", "3", "--repeats", "1", "--json")
+    solid = json.loads(result.stdout)
+    for key in ("path_cpu_s", "nodes", "tets", "levels", "law", "press_fraction"):
+        assert key in solid, key
+    assert solid["levels"] == 3 and abs(solid["press_fraction"] - 0.08) < 1e-4, solid
+    result = programs.succeeds("bench", "elements", folder / "ball.toml", "--sites", "2", "--pressed", "1",
+                               "--poisson", "0.4", "--json")
+    elements = json.loads(result.stdout)
+    # The claim of docs/verification.md, on the coarsest ball.
+    for press in elements["nested"]["presses"]:
+        assert abs(press["errors"]["10-node"]["press"]) < abs(press["errors"]["4-node"]["press"]), press
+    for section in (solid, elements):
+        assert section["title"] and section["date"] and section["command"].startswith("palpable bench")
+    no_edge = folder / "no_edge.toml"
+    no_edge.write_text(BALL.replace('edge = "12 mm"\n', ""))
+    for words in (("solid", "--ours-only"), ("elements",)):
+        programs.refuses("bench", *words, folder / "none.toml", says=["none.toml"])
+        programs.refuses("bench", *words, no_edge, says=["no_edge.toml", "edge"])
+
+
 @case("a filmed hand, the live loop and its score fit together without the truth leaking")
 def _(programs, folder):
     body = programs.small_body()
