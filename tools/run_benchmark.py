@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 SEQUENCES = ("still-tripod", "still", "still-hand", "walk", "walk-hand", "shake", "blur", "blur-hand",
              "press", "pencil", "cup", "slide", "palm", "two-hands", "press-axial", "press-behind",
-             "dark", "textureless", "exposure", "rolling", "drift")
+             "dark", "textureless", "exposure", "rolling", "drift", "demo")
 
 # Places are where a person might put the body; nobody has measured them. {data} and {work} are folders;
 # "intrinsics" is written to {work}/intrinsics.txt; "path" says how the set states its true camera path.
@@ -236,19 +236,23 @@ def main():
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         into, player = (entries, play) if name in SEQUENCES else (real, play_real)
-        into[name] = {"commit": commit(), "seed": options.seed, **player(options, name, folder)}
+        into[name] = {"commit": commit(), "seed": options.seed, "cut_to": options.frames,
+                      **player(options, name, folder)}
         if not options.keep:
             shutil.rmtree(folder)
         print(name, {key: value for key, value in into[name].items() if key != "scores"}, flush=True)
 
         entries = {key: entries[key] for key in SEQUENCES if key in entries}
         real = {key: real[key] for key in REAL if key in real}
-        lengths = sorted({entry["frames"] for entry in entries.values() if "frames" in entry})
-        length = f"Seed {options.seed}; frames per sequence: {', '.join(map(str, lengths))}.\n"
-        if options.frames:
-            length += f"\n**Shortened to at most {options.frames} frames to save time**; full lengths are 600 to 1,000.\n"
-        content = {"title": "Today's chain on the test ground", "order": 20, "text": TEXT + "\n" + length,
-                   "command": "tools/run_benchmark.py" + (f" --frames {options.frames}" if options.frames else ""),
+        text = TEXT + f"\nSeed {options.seed}."
+        if any(entry.get("cut_to") for entry in entries.values()):
+            text += (" **To save time sequences were cut to the frames shown under Time**; full lengths are 600 to"
+                     " 1,000 (demo 300).")
+        missing = [name for name in SEQUENCES if name not in entries]
+        if missing:
+            text += f" Not run yet: {', '.join(missing)}."
+        content = {"title": "Today's chain on the test ground", "order": 20, "text": text,
+                   "command": ["tools/run_benchmark.py    # all, at full length", "tools/write_results.py"],
                    "date": datetime.date.today().isoformat(), "commit": commit(), "machine": machine(),
                    "tables": [one for one in tables(entries, real) if one["rows"]], "entries": entries, "real": real}
         options.out.parent.mkdir(parents=True, exist_ok=True)
