@@ -34,6 +34,13 @@ target_include_directories(palpable_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_D
 # gomp: Debian's CHOLMOD starts four OpenMP threads of its own unless told not to (GPL-3 with the
 # runtime library exception; comes with the compiler).
 target_link_libraries(palpable_cholmod INTERFACE ${CHOLMOD_LIBRARY} gomp)
+
+# OpenBLAS (BSD), Debian's serial build: the dense kernels of the sparse factor, one thread; solid.
+find_path(CBLAS_INCLUDE_DIR cblas.h REQUIRED)
+find_library(OPENBLAS_LIBRARY openblas PATH_SUFFIXES openblas-serial REQUIRED)
+add_library(palpable_blas INTERFACE)
+target_include_directories(palpable_blas SYSTEM INTERFACE ${CBLAS_INCLUDE_DIR})
+target_link_libraries(palpable_blas INTERFACE ${OPENBLAS_LIBRARY})
 # CGAL 5.5 (GPL-3 for surface remeshing): isotropic remeshing before the volume; bake.
 find_package(CGAL 5.5 REQUIRED)
 # TetGen 1.5 (AGPL-3): tetrahedra; bake.

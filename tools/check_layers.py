@@ -15,7 +15,7 @@ THIRD_PARTIES = {
     r"Eigen/": "Eigen", r"fmt/": "fmt", r"opencv2/": "OpenCV", r"hdf5\.h$": "HDF5",
     r"epoxy/": "epoxy", r"EGL/": "EGL", r"GLFW/": "GLFW", r"X11/": "X11", r"imgui": "imgui", r"png\.h$": "libpng",
     r"nlohmann/": "nlohmann-json", r"toml\+\+/": "tomlplusplus", r"CGAL/": "CGAL",
-    r"tetgen\.h$": "TetGen", r"cholmod\.h$": "CHOLMOD", r"catch2/": "Catch2", r"CLI/": "CLI11",
+    r"tetgen\.h$": "TetGen", r"cholmod\.h$": "CHOLMOD", r"cblas\.h$": "OpenBLAS", r"catch2/": "Catch2", r"CLI/": "CLI11",
     r"ceres/": "Ceres", r"hwy/": "Highway", r"mpi\.h$": "MPI", r"zlib\.h$": "zlib",
 }
 POSIX = re.compile(r"^(unistd|fcntl|sys/\w+|poll|signal|pthread|sched|time|linux/videodev2)\.h$")

@@ -2,21 +2,20 @@
 
 namespace palpable {
 
-CgResult conjugate_gradients(const BlockMatrix& K, const CholeskyFactor& preconditioner,
-                             const Eigen::VectorXd& b, double relative_tolerance,
-                             int max_iterations, Eigen::VectorXd& x, CgScratch& scratch,
-                             FactorWorkspace& workspace) {
+CgResult conjugate_gradients(const CgSystem& system, const Eigen::VectorXd& b,
+                             double relative_tolerance, int max_iterations, Eigen::VectorXd& x,
+                             CgScratch& scratch) {
   auto& [r, z, p, Kp] = scratch;
   x.setZero(b.size());
   r = b;
   const double goal = relative_tolerance * b.norm();
   CgResult result;
   if (r.norm() <= goal) return result;
-  preconditioner.solve_roughly(r, z, workspace);
+  system.preconditioner(r, z);
   p = z;
   double rz = r.dot(z);
   while (result.iterations < max_iterations) {
-    K.multiply(p, Kp);
+    system.K(p, Kp);
     const double curvature = p.dot(Kp);
     if (!(curvature > 0.0)) {
       result.end = CgEnd::kNegativeCurvature;
@@ -26,8 +25,9 @@ CgResult conjugate_gradients(const BlockMatrix& K, const CholeskyFactor& precond
     const double step = rz / curvature;
     x += step * p;
     r -= step * Kp;
+    if (system.visit) system.visit(p, Kp);
     if (r.norm() <= goal) return result;
-    preconditioner.solve_roughly(r, z, workspace);
+    system.preconditioner(r, z);
     const double rz_before = rz;
     rz = r.dot(z);
     p = z + (rz / rz_before) * p;

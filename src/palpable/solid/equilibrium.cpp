@@ -1,8 +1,11 @@
 #include "palpable/solid/equilibrium.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
 #include "palpable/solid/conjugate_gradients.h"
+#include "palpable/solid/quasi_newton.h"
+#include "palpable/solid/sparse_cholesky.h"
 #include "palpable/solid/tet_assembly.h"
 
 #include <fmt/core.h>
@@ -22,9 +25,13 @@ namespace {
 
 // Tangent of the undeformed body, factorised: what every call starts with.
 CholeskyFactor rest_factor(const TetAssembly& assembly, const CholeskyAnalysis& analysis,
-                           FactorWorkspace& workspace) {
+                           FactorWorkspace& workspace, SolverSetup& setup) {
   BlockMatrix K(assembly.pattern());
-  assembly.tangent(Matrix3Xd::Zero(3, assembly.node_count()), K);
+  {
+    const CpuTimer timer(setup.tangent_s);
+    assembly.tangent(Matrix3Xd::Zero(3, assembly.node_count()), K);
+  }
+  const CpuTimer timer(setup.factor_s);
   std::optional<CholeskyFactor> factor = CholeskyFactor::make(analysis, K, workspace);
   if (!factor) {
     throw Error(
@@ -32,7 +39,16 @@ CholeskyFactor rest_factor(const TetAssembly& assembly, const CholeskyAnalysis& 
         "enough nodes are fixed; parts that hang together by a single node or edge do that, so "
         "mesh the body anew or fix nodes of each part");
   }
+  setup.factor_flops = analysis.factor_flops();
+  setup.factor_bytes = static_cast<double>(factor->bytes());
   return *std::move(factor);
+}
+
+// Whatever `make` makes, its CPU time added to `seconds`.
+template <class Make>
+auto timed(double& seconds, const Make& make) {
+  const CpuTimer timer(seconds);
+  return make();
 }
 
 }  // namespace
@@ -42,6 +58,7 @@ struct EquilibriumSolver::Shared {
   SolidModel model;
   EquilibriumSettings settings;
   std::vector<HeldComponent> held;
+  SolverSetup setup;
   FactorWorkspace workspace;  // of the construction only
   TetAssembly assembly;
   CholeskyAnalysis analysis;
@@ -51,9 +68,12 @@ struct EquilibriumSolver::Shared {
       : model(checked(std::move(the_model))),
         settings(the_settings),
         held(held_components(model)),
-        assembly(model),
-        analysis(assembly.pattern(), workspace),
-        at_rest(rest_factor(assembly, analysis, workspace)) {}
+        assembly(timed(setup.pattern_s, [&] { return TetAssembly(model); })),
+        analysis(timed(setup.ordering_s,
+                       [&] { return CholeskyAnalysis(assembly.pattern(), workspace); })),
+        at_rest(rest_factor(assembly, analysis, workspace, setup)) {
+    setup.element_bytes = static_cast<double>(assembly.bytes());
+  }
 
   [[nodiscard]] bool moves_supports() const {
     return std::any_of(held.begin(), held.end(),
@@ -104,10 +124,10 @@ class Walk {
         assembly_(shared.assembly),
         settings_(shared.settings),
         load_(full_load),
-        K_(assembly_.pattern()),
         factor_(&shared.at_rest),
         force_(3, assembly_.node_count()),
-        trial_force_(3, assembly_.node_count()) {
+        direction_(Matrix3Xd::Zero(3, assembly_.node_count())),
+        change_(3, assembly_.node_count()) {
     now_.displacement = Matrix3Xd::Zero(3, assembly_.node_count());
     knots_.push_back({0.0, now_.displacement});
     assembly_.gather(load_, free_load_);
@@ -117,6 +137,7 @@ class Walk {
   [[nodiscard]] const Failure& failure() const { return failure_; }
   [[nodiscard]] int factors() const { return factors_; }
   [[nodiscard]] int halvings() const { return halvings_; }
+  [[nodiscard]] const SolveTimes& times() const { return times_; }
 
   // Goes to `target`, in smaller increments where one does not do. False: now() is the last good
   // state on the way and failure() says why.
@@ -144,7 +165,8 @@ class Walk {
   // d press / d load of the undeformed body, m/N.
   double first_compliance() {
     assembly_.gather(load_, r_);
-    factor_->solve(r_, d_, workspace_);
+    // A guess to start from: three digits are plenty.
+    solve_tangent(now_.displacement, 1e-3);
     return r_.dot(d_);
   }
 
@@ -176,17 +198,23 @@ class Walk {
     double level;
     Matrix3Xd u;
   };
-  // Powers above the fourth amplify the solver's own error more than they add.
-  static constexpr int kHighestOrder = 4;
-  static constexpr std::size_t kKnots = 6;
+  // With 26 levels, each order up to the seventh took half a digit more off the first residual;
+  // from there on the solver's own error, amplified by 2^order, eats what is gained.
+  static constexpr int kHighestOrder = 7;
+  static constexpr std::size_t kKnots = 9;
 
   void set_supports(double level, Matrix3Xd& u) const {
     for (const HeldComponent& h : shared_.held) u.reshaped()[h.at] = level * h.displacement;
   }
 
+  BodyState force_at(const Matrix3Xd& u) {
+    const CpuTimer timer(times_.force_s);
+    return assembly_.force(u, force_);
+  }
+
   // Forces at u into force_, the residual at the free nodes into r_.
   BodyState evaluate(double level, const Matrix3Xd& u) {
-    const BodyState state = assembly_.force(u, force_);
+    const BodyState state = force_at(u);
     if (!std::isfinite(state.energy)) return state;
     update_residual(level);
     return state;
@@ -220,23 +248,11 @@ class Walk {
   // them would take the whole motion and be crushed.
   std::optional<Matrix3Xd> dragged(double level) {
     Matrix3Xd du = Matrix3Xd::Zero(3, assembly_.node_count());
-    Matrix3Xd there(3, assembly_.node_count());
     set_supports(level - now_.level, du);
-    // Directional derivative of the forces by central differences; their error, about 1e-8, only
-    // touches the start of a Newton iteration.
-    const double h = 1e-4;
-    Matrix3Xd other(3, assembly_.node_count());
-    there = now_.displacement + h * du;
-    if (!std::isfinite(assembly_.force(there, other).energy)) return std::nullopt;
-    there = now_.displacement - h * du;
-    if (!std::isfinite(assembly_.force(there, trial_force_).energy)) return std::nullopt;
-    other = (other - trial_force_) / (2.0 * h);
-    other = (level - now_.level) * load_ - other;
-    assembly_.gather(other, r_);
-    assembly_.tangent(now_.displacement, K_);
-    const CgResult cg = conjugate_gradients(K_, *factor_, r_, 1e-3, settings_.max_cg_iterations, d_,
-                                            cg_scratch_, workspace_);
-    cg_iterations_ += cg.iterations;
+    assembly_.force_change(now_.displacement, du, change_);
+    change_ = (level - now_.level) * load_ - change_;
+    assembly_.gather(change_, r_);
+    const CgResult cg = solve_tangent(now_.displacement, 1e-3);
     if (cg.end != CgEnd::kConverged) return std::nullopt;
     Matrix3Xd u = now_.displacement + du;
     assembly_.add_scattered(d_, 1.0, u);
@@ -255,11 +271,13 @@ class Walk {
     const int highest = std::min(kHighestOrder, static_cast<int>(knots_.size()) - 1);
     Matrix3Xd best;
     double best_residual = std::numeric_limits<double>::infinity();
-    for (int order = 0; order <= highest; ++order) {
+    // The best order is among the highest, unless those turn an element inside out.
+    for (int order = highest; order >= 0; --order) {
+      if (order < highest - 2 && std::isfinite(best_residual)) break;
       Matrix3Xd u = extrapolated(level, order);
       const bool finite = std::isfinite(evaluate(level, u).energy);
       const double residual = finite ? r_.norm() : std::numeric_limits<double>::infinity();
-      if (order == 0 || residual < best_residual) {
+      if (best.cols() == 0 || residual <= best_residual) {
         best = std::move(u);
         best_residual = residual;
       }
@@ -267,8 +285,14 @@ class Walk {
     return best;
   }
 
-  bool renew_factor() {
-    std::optional<CholeskyFactor> fresh = CholeskyFactor::make(shared_.analysis, K_, workspace_);
+  bool renew_factor(const Matrix3Xd& u) {
+    if (!K_) K_.emplace(assembly_.pattern());
+    {
+      const CpuTimer timer(times_.tangent_s);
+      assembly_.tangent(u, *K_);
+    }
+    const CpuTimer timer(times_.factor_s);
+    std::optional<CholeskyFactor> fresh = CholeskyFactor::make(shared_.analysis, *K_, workspace_);
     if (!fresh) return false;
     own_factor_ = std::move(fresh);
     factor_ = &*own_factor_;
@@ -277,25 +301,45 @@ class Walk {
     return true;
   }
 
+  // d_ with tangent(u) d_ = r_ at what is free.
+  CgResult solve_tangent(const Matrix3Xd& u, double relative_tolerance) {
+    const CgSystem system{
+        .K =
+            [&](const VectorXd& x, VectorXd& y) {
+              const CpuTimer timer(times_.product_s);
+              assembly_.set_free(x, direction_);
+              assembly_.force_change(u, direction_, change_);
+              assembly_.gather(change_, y);
+            },
+        .preconditioner =
+            [&](const VectorXd& b, VectorXd& x) {
+              const CpuTimer timer(times_.precondition_s);
+              learnt_.solve(*factor_, b, x, workspace_);
+            },
+        .visit = [&](const VectorXd& s, const VectorXd& Ks) { learnt_.note(s, Ks); }};
+    const CgResult cg = conjugate_gradients(system, r_, relative_tolerance,
+                                            settings_.max_cg_iterations, d_, cg_scratch_);
+    cg_iterations_ += cg.iterations;
+    learnt_.learn();
+    return cg;
+  }
+
   // The Newton step at u for the residual r_, into d_.
   Failure newton_step(const Matrix3Xd& u) {
-    assembly_.tangent(u, K_);
-    if (factor_is_slow_ && !renew_factor()) return {.stop = Stop::kNegativeCurvature};
+    if (factor_is_slow_ && !renew_factor(u)) return {.stop = Stop::kNegativeCurvature};
     // As exact as the quadratic convergence of Newton's method can use, and not more than the goal
     // needs.
     const double relative = r_.norm() / scale_;
     const double forcing =
         std::max(std::min(0.05, relative), std::min(0.5, 0.3 * settings_.tolerance / relative));
     for (int attempt = 0; attempt < 2; ++attempt) {
-      const CgResult cg = conjugate_gradients(
-          K_, *factor_, r_, forcing, settings_.max_cg_iterations, d_, cg_scratch_, workspace_);
-      cg_iterations_ += cg.iterations;
+      const CgResult cg = solve_tangent(u, forcing);
       if (cg.end == CgEnd::kNegativeCurvature) return {.stop = Stop::kNegativeCurvature};
       if (cg.end == CgEnd::kConverged) {
         factor_is_slow_ = cg.iterations > settings_.refresh_iterations;
         return {};
       }
-      if (!renew_factor()) return {.stop = Stop::kNegativeCurvature};
+      if (!renew_factor(u)) return {.stop = Stop::kNegativeCurvature};
     }
     return {.stop = Stop::kNoConvergence, .residual = relative};
   }
@@ -330,7 +374,7 @@ class Walk {
       for (;; share *= 0.5) {
         trial = u;
         assembly_.add_scattered(d_, share, trial);
-        trial_state = assembly_.force(trial, force_);
+        trial_state = force_at(trial);
         if (std::isfinite(trial_state.energy)) {
           const double trial_potential =
               trial_state.energy - level * load_.cwiseProduct(trial).sum();
@@ -371,20 +415,22 @@ class Walk {
   const Matrix3Xd& load_;
 
   FactorWorkspace workspace_;
-  BlockMatrix K_;
+  std::optional<BlockMatrix> K_;  // only where the factor is renewed
   const CholeskyFactor* factor_;
   std::optional<CholeskyFactor> own_factor_;
   bool factor_is_slow_ = false;
+  QuasiNewton learnt_;
   CgScratch cg_scratch_;
   VectorXd free_load_;  // at what is free, level 1
   VectorXd r_, d_;
-  Matrix3Xd force_, trial_force_;
+  Matrix3Xd force_, direction_, change_;
   double scale_ = 0.0;  // what the residual is relative to, N
 
   std::vector<Knot>
       knots_;  // known states, the undeformed one first; nearest first after predict()
   Equilibrium now_;
   Failure failure_;
+  SolveTimes times_;
   int newton_steps_ = 0, cg_iterations_ = 0, factors_ = 0, halvings_ = 0;
 };
 
@@ -397,6 +443,7 @@ EquilibriumSolver::EquilibriumSolver(EquilibriumSolver&&) noexcept = default;
 EquilibriumSolver& EquilibriumSolver::operator=(EquilibriumSolver&&) noexcept = default;
 
 const SolidModel& EquilibriumSolver::model() const { return shared_->model; }
+const SolverSetup& EquilibriumSolver::setup() const { return shared_->setup; }
 
 PathResult EquilibriumSolver::solve_path(const Matrix3Xd& full_load,
                                          std::span<const double> levels) const {
@@ -406,6 +453,7 @@ PathResult EquilibriumSolver::solve_path(const Matrix3Xd& full_load,
     PALPABLE_EXPECT(level > before && std::isfinite(level), "levels are above 0 and increase");
     before = level;
   }
+  const double begin = thread_cpu_seconds();
   Walk walk(*shared_, full_load);
   PathResult path;
   path.steps.reserve(levels.size());
@@ -423,6 +471,8 @@ PathResult EquilibriumSolver::solve_path(const Matrix3Xd& full_load,
   }
   path.factors = walk.factors();
   path.halvings = walk.halvings();
+  path.times = walk.times();
+  path.times.total_s = thread_cpu_seconds() - begin;
   return path;
 }
 
@@ -540,14 +590,14 @@ double EquilibriumSolver::stored_energy(const Matrix3Xd& u) const {
 Matrix3Xd EquilibriumSolver::tangent_times(const Matrix3Xd& u, const Matrix3Xd& du) const {
   PALPABLE_EXPECT(u.cols() == model().mesh.node_count() && du.cols() == u.cols(),
                   "one displacement for each node");
-  BlockMatrix K(shared_->assembly.pattern());
-  shared_->assembly.tangent(u, K);
-  VectorXd x, y;
+  VectorXd x;
+  Matrix3Xd free = Matrix3Xd::Zero(3, u.cols()), result(3, u.cols());
   shared_->assembly.gather(du, x);
-  K.multiply(x, y);
-  Matrix3Xd result = Matrix3Xd::Zero(3, u.cols());
-  shared_->assembly.add_scattered(y, 1.0, result);
-  return result;
+  shared_->assembly.set_free(x, free);
+  shared_->assembly.force_change(u, free, result);
+  shared_->assembly.gather(result, x);
+  shared_->assembly.set_free(x, free);
+  return free;
 }
 
 }  // namespace palpable

@@ -9,9 +9,11 @@
 ///
 ///     internal_force(u) = level * f,      internal_force = d/du sum_e V_e Psi(F_e)
 ///
-/// Newton's method on that; each step is solved by conjugate gradients preconditioned with a
-/// Cholesky factor of an older tangent. The factor of the undeformed body usually serves for a
-/// whole path and for all sites; it is renewed (per call, never shared) when iterations grow.
+/// Newton's method on that, from a start extrapolated over the levels before. Each step is solved
+/// by conjugate gradients, whose products are passes over the elements and whose preconditioner is
+/// the factor of the undeformed tangent, improved by what earlier solves learnt (quasi_newton.h).
+/// That factor usually serves for a whole path and for all sites; it is renewed (per call, never
+/// shared) where iterations grow all the same.
 #pragma once
 
 #include "palpable/solid/solid_model.h"
@@ -32,10 +34,9 @@ struct EquilibriumSettings {
   int max_newton_steps = 30;  ///< per increment, before the increment is halved
   /// How often an increment may be halved in succession before the path stops.
   int max_halvings = 6;
-  /// A step that takes more iterations than this renews the factor before the next one. Lower: more
-  /// factors, each worth about 25 iterations; higher: more iterations. On a block of 2,200 nodes
-  /// pressed by a fifth of its height, paths took 0.34 s with 10, 0.41 with 20, 0.48 from 40 on.
-  int refresh_iterations = 15;
+  /// A step that takes more iterations than this renews the factor before the next one. A factor is
+  /// worth some 60 iterations on a bunny of 16,000 nodes.
+  int refresh_iterations = 40;
   int max_cg_iterations =
       400;  ///< per Newton step; then the factor is renewed and it is tried again
 };
@@ -58,6 +59,27 @@ enum class Stop {
   kNoConvergence       ///< Newton's method or its linear solver ran out of steps
 };
 
+/// Where the CPU time of a path went, s.
+struct SolveTimes {
+  double factor_s = 0;        ///< factors that were renewed on the way
+  double tangent_s = 0;       ///< tangents assembled for them
+  double precondition_s = 0;  ///< solves with the factor, learning included
+  double product_s = 0;       ///< tangent times vector
+  double force_s = 0;         ///< forces, that is residuals
+  double total_s = 0;         ///< of all, with what is none of these
+};
+
+/// What a solver's construction took, and how large its factor is.
+struct SolverSetup {
+  double pattern_s = 0;      ///< CPU: element blocks, neighbours
+  double ordering_s = 0;     ///< order of elimination and structure of the factor
+  double tangent_s = 0;      ///< tangent of the undeformed body
+  double factor_s = 0;       ///< its factor
+  double factor_flops = 0;   ///< of one factorisation
+  double factor_bytes = 0;   ///< what one solve reads, twice
+  double element_bytes = 0;  ///< what one pass over the elements reads
+};
+
 struct PathResult {
   std::vector<Equilibrium> steps;  ///< one per level reached, in order
   bool complete = false;           ///< all levels reached
@@ -65,6 +87,7 @@ struct PathResult {
   std::string why_stopped;  ///< empty when complete: one line, with the last good level
   int factors = 0;          ///< how often the factor was renewed on the way
   int halvings = 0;         ///< increments that had to be cut
+  SolveTimes times;
 };
 
 struct LoadSearch {
@@ -81,7 +104,8 @@ struct LoadSearch {
 /// made once; every call has its own workspace. All const members may be called from several
 /// threads at once on one object (sites side by side); a call itself uses one thread.
 ///
-/// Memory: the factor, 9 kB a node for a compact body of 4,000 nodes and 17 kB for one of 17,500.
+/// Memory: the factor, 4 kB a node on a bunny of 16,000 nodes (for a moment twice as much again),
+/// and per call 0.8 kB a node.
 class EquilibriumSolver {
  public:
   /// @throws Error as check_model()
@@ -91,6 +115,7 @@ class EquilibriumSolver {
   EquilibriumSolver& operator=(EquilibriumSolver&&) noexcept;
 
   [[nodiscard]] const SolidModel& model() const;
+  [[nodiscard]] const SolverSetup& setup() const;
 
   /// States at `levels` of `full_load`, from the undeformed body on. Increments that fail are cut
   /// into smaller ones; where that does not help either, the path ends at the last good level and

@@ -8,9 +8,7 @@
 ///   P    first Piola-Kirchhoff stress, dPsi/dF       (3 x 3) Pa
 #pragma once
 
-#include "palpable/solid/tangent.h"
-
-#include <Eigen/Core>
+#include "palpable/solid/law.h"
 
 namespace palpable {
 
@@ -25,13 +23,44 @@ struct MooneyRivlin {
   double D1;  ///< Pa, >= 0
 };
 
-/// Psi(F), energy per undeformed volume in J/m^3; infinite for J <= 0.
-[[nodiscard]] double energy_density(const MooneyRivlin& material, const Eigen::Matrix3d& F);
+template <class T>
+PALPABLE_ALWAYS_INLINE T energy_density(const MooneyRivlin& law, const Deformation<T>& d) {
+  const Tensor<T> C = transposed_product(d.F, d.F);
+  const T I2 = 0.5 * (d.I1 * d.I1 - inner(C, C));
+  const T ln_J = logarithm(d.J);
+  return law.C1 * (d.I1 - 3.0 - 2.0 * ln_J) + law.C2 * (I2 - 3.0 - 4.0 * ln_J) +
+         law.D1 * ln_J * ln_J;
+}
 
-/// P(F) in Pa. @throws ContractViolation if J <= 0, where there is no stress.
-[[nodiscard]] Eigen::Matrix3d first_piola(const MooneyRivlin& material, const Eigen::Matrix3d& F);
+/// P = 2 C1 (F - F^-T) + 2 C2 (I1 F - F C - 2 F^-T) + 2 D1 ln J F^-T, from dI1/dF = 2 F,
+/// dI2/dF = 2 (I1 F - F C) and d(ln J)/dF = F^-T.
+template <class T>
+PALPABLE_ALWAYS_INLINE Tensor<T> first_piola(const MooneyRivlin& law, const Deformation<T>& d) {
+  const Tensor<T> C = transposed_product(d.F, d.F);
+  return (2.0 * law.C1) * (d.F - d.G) +
+         (2.0 * law.C2) * (d.I1 * d.F - product(d.F, C) - 2.0 * d.G) +
+         T(2.0 * law.D1 * logarithm(d.J)) * d.G;
+}
 
-/// dP/dF in Pa. @throws ContractViolation if J <= 0.
-[[nodiscard]] Tangent tangent(const MooneyRivlin& material, const Eigen::Matrix3d& F);
+/// With G = F^-T, dG = -G dF^T G and dC = dF^T F + F^T dF:
+///
+///     dP = 2 (C1 + C2 I1) dF + 4 C2 (F : dF) F - 2 C2 (dF C + F dC)
+///          + (2 C1 + 4 C2 - 2 D1 ln J) G dF^T G + 2 D1 (G : dF) G
+template <class T>
+PALPABLE_ALWAYS_INLINE Tensor<T> first_piola_along(const MooneyRivlin& law, const Deformation<T>& d,
+                                                   const Tensor<T>& dF) {
+  const Tensor<T> C = transposed_product(d.F, d.F);
+  const Tensor<T> half = transposed_product(d.F, dF);
+  Tensor<T> dC;
+  for (int j = 0; j < 3; ++j) {
+    for (int i = 0; i < 3; ++i) dC(i, j) = half(i, j) + half(j, i);
+  }
+  const T on_dF = 2.0 * law.C1 + 2.0 * law.C2 * d.I1;
+  const T on_F = 4.0 * law.C2 * inner(d.F, dF);
+  const T swap = 2.0 * law.C1 + 4.0 * law.C2 - 2.0 * law.D1 * logarithm(d.J);
+  const T on_G = 2.0 * law.D1 * inner(d.G, dF);
+  return on_dF * dF + on_F * d.F + swap * swapped(d.G, dF) + on_G * d.G -
+         (2.0 * law.C2) * (product(dF, C) + product(d.F, dC));
+}
 
 }  // namespace palpable

@@ -7,9 +7,7 @@
 ///   P    first Piola-Kirchhoff stress, dPsi/dF       (3 x 3) Pa
 #pragma once
 
-#include "palpable/solid/tangent.h"
-
-#include <Eigen/Core>
+#include "palpable/solid/law.h"
 
 namespace palpable {
 
@@ -25,14 +23,25 @@ struct NeoHookean {
   double D1;  ///< Pa, >= 0
 };
 
-/// Psi(F), energy per undeformed volume in J/m^3. Infinite for J <= 0, which is what lets a line
-/// search back away from an inverted element instead of stopping.
-[[nodiscard]] double energy_density(const NeoHookean& material, const Eigen::Matrix3d& F);
+template <class T>
+PALPABLE_ALWAYS_INLINE T energy_density(const NeoHookean& law, const Deformation<T>& d) {
+  const T ln_J = logarithm(d.J);
+  return law.C1 * (d.I1 - 3.0 - 2.0 * ln_J) + law.D1 * ln_J * ln_J;
+}
 
-/// P(F) in Pa. @throws ContractViolation if J <= 0, where there is no stress.
-[[nodiscard]] Eigen::Matrix3d first_piola(const NeoHookean& material, const Eigen::Matrix3d& F);
+/// P = 2 C1 (F - F^-T) + 2 D1 ln J F^-T, from dI1/dF = 2 F and d(ln J)/dF = F^-T.
+template <class T>
+PALPABLE_ALWAYS_INLINE Tensor<T> first_piola(const NeoHookean& law, const Deformation<T>& d) {
+  const T ln_J = logarithm(d.J);
+  return (2.0 * law.C1) * (d.F - d.G) + T(2.0 * law.D1 * ln_J) * d.G;
+}
 
-/// dP/dF in Pa. @throws ContractViolation if J <= 0.
-[[nodiscard]] Tangent tangent(const NeoHookean& material, const Eigen::Matrix3d& F);
+/// With G = F^-T and dG = -G dF^T G:  dP = 2 C1 dF + (2 C1 - 2 D1 ln J) G dF^T G + 2 D1 (G : dF) G.
+template <class T>
+PALPABLE_ALWAYS_INLINE Tensor<T> first_piola_along(const NeoHookean& law, const Deformation<T>& d,
+                                                   const Tensor<T>& dF) {
+  const T swap = 2.0 * law.C1 - 2.0 * law.D1 * logarithm(d.J);
+  return (2.0 * law.C1) * dF + swap * swapped(d.G, dF) + T(2.0 * law.D1 * inner(d.G, dF)) * d.G;
+}
 
 }  // namespace palpable

@@ -8,9 +8,7 @@
 ///   P      first Piola-Kirchhoff stress, dPsi/dF       (3 x 3) Pa
 #pragma once
 
-#include "palpable/solid/tangent.h"
-
-#include <Eigen/Core>
+#include "palpable/solid/law.h"
 
 namespace palpable {
 
@@ -28,15 +26,37 @@ struct NeoHookeanAbaqus {
   double D1;   ///< 1/Pa, > 0: the reciprocal of what eq. (7) calls by this name
 };
 
-/// Psi(F), energy per undeformed volume in J/m^3. The formula is finite or complex for J <= 0; we
-/// return infinity there, as for the other laws: no body can be in that state.
-[[nodiscard]] double energy_density(const NeoHookeanAbaqus& material, const Eigen::Matrix3d& F);
+template <class T>
+PALPABLE_ALWAYS_INLINE T energy_density(const NeoHookeanAbaqus& law, const Deformation<T>& d) {
+  const T r = inverse_cube_root(d.J);
+  return law.C10 * (r * r * d.I1 - 3.0) + (d.J - 1.0) * (d.J - 1.0) * (1.0 / law.D1);
+}
 
-/// P(F) in Pa. @throws ContractViolation if J <= 0, where there is no stress.
-[[nodiscard]] Eigen::Matrix3d first_piola(const NeoHookeanAbaqus& material,
-                                          const Eigen::Matrix3d& F);
+/// P = a (F - I1/3 F^-T) + b F^-T with a = 2 C10 J^(-2/3) and b = 2/D1 (J - 1) J, from
+/// dI1/dF = 2 F and dJ/dF = J F^-T.
+template <class T>
+PALPABLE_ALWAYS_INLINE Tensor<T> first_piola(const NeoHookeanAbaqus& law, const Deformation<T>& d) {
+  const T r = inverse_cube_root(d.J);
+  const T a = 2.0 * law.C10 * r * r;
+  const T b = (2.0 / law.D1) * (d.J - 1.0) * d.J;
+  return a * d.F + T(b - a * d.I1 * (1.0 / 3.0)) * d.G;
+}
 
-/// dP/dF in Pa. @throws ContractViolation if J <= 0.
-[[nodiscard]] Tangent tangent(const NeoHookeanAbaqus& material, const Eigen::Matrix3d& F);
+/// With G = F^-T, dG = -G dF^T G and da = -2/3 a (G : dF):
+///
+///     dP = a dF - 2/3 a ((G : dF) F + (F : dF) G) + (a I1/3 - b) G dF^T G
+///          + (2/9 a I1 + 2/D1 (2 J - 1) J) (G : dF) G
+template <class T>
+PALPABLE_ALWAYS_INLINE Tensor<T> first_piola_along(const NeoHookeanAbaqus& law,
+                                                   const Deformation<T>& d, const Tensor<T>& dF) {
+  const T r = inverse_cube_root(d.J);
+  const T a = 2.0 * law.C10 * r * r;
+  const T swap = a * d.I1 * (1.0 / 3.0) - (2.0 / law.D1) * (d.J - 1.0) * d.J;
+  const T straight = (2.0 / 9.0) * a * d.I1 + (2.0 / law.D1) * (2.0 * d.J - 1.0) * d.J;
+  const T G_dF = inner(d.G, dF);
+  const T mixed = (-2.0 / 3.0) * a;
+  return a * dF + T(mixed * G_dF) * d.F + T(mixed * inner(d.F, dF) + straight * G_dF) * d.G +
+         swap * swapped(d.G, dF);
+}
 
 }  // namespace palpable

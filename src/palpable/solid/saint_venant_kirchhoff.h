@@ -7,9 +7,7 @@
 ///   P    first Piola-Kirchhoff stress, F S           (3 x 3) Pa
 #pragma once
 
-#include "palpable/solid/tangent.h"
-
-#include <Eigen/Core>
+#include "palpable/solid/law.h"
 
 namespace palpable {
 
@@ -24,15 +22,50 @@ struct SaintVenantKirchhoff {
   double mu;      ///< Pa, > 0
 };
 
-/// Psi(F), energy per undeformed volume in J/m^3. The formula is finite for J <= 0; we return
-/// infinity there, as for the other laws: no body can be in that state.
-[[nodiscard]] double energy_density(const SaintVenantKirchhoff& material, const Eigen::Matrix3d& F);
+namespace detail {
+// E = (F^T F - I) / 2
+template <class T>
+PALPABLE_ALWAYS_INLINE Tensor<T> green_strain(const Tensor<T>& F) {
+  Tensor<T> E = 0.5 * transposed_product(F, F);
+  for (int i = 0; i < 3; ++i) E(i, i) -= 0.5;
+  return E;
+}
 
-/// P(F) in Pa. Defined by the formula for every F.
-[[nodiscard]] Eigen::Matrix3d first_piola(const SaintVenantKirchhoff& material,
-                                          const Eigen::Matrix3d& F);
+// lambda tr E I + 2 mu E
+template <class T>
+PALPABLE_ALWAYS_INLINE Tensor<T> hooke(const SaintVenantKirchhoff& law, const Tensor<T>& E) {
+  Tensor<T> S = (2.0 * law.mu) * E;
+  const T pressure = law.lambda * trace(E);
+  for (int i = 0; i < 3; ++i) S(i, i) += pressure;
+  return S;
+}
+}  // namespace detail
 
-/// dP/dF in Pa. Defined by the formula for every F.
-[[nodiscard]] Tangent tangent(const SaintVenantKirchhoff& material, const Eigen::Matrix3d& F);
+template <class T>
+PALPABLE_ALWAYS_INLINE T energy_density(const SaintVenantKirchhoff& law, const Deformation<T>& d) {
+  const Tensor<T> E = detail::green_strain(d.F);
+  const T trace_E = trace(E);
+  return 0.5 * law.lambda * trace_E * trace_E + law.mu * inner(E, E);
+}
+
+/// P = F S
+template <class T>
+PALPABLE_ALWAYS_INLINE Tensor<T> first_piola(const SaintVenantKirchhoff& law,
+                                             const Deformation<T>& d) {
+  return product(d.F, detail::hooke(law, detail::green_strain(d.F)));
+}
+
+/// dP = dF S + F dS, where dS follows from dE = (dF^T F + F^T dF) / 2 as S from E.
+template <class T>
+PALPABLE_ALWAYS_INLINE Tensor<T> first_piola_along(const SaintVenantKirchhoff& law,
+                                                   const Deformation<T>& d, const Tensor<T>& dF) {
+  const Tensor<T> half = transposed_product(d.F, dF);
+  Tensor<T> dE;
+  for (int j = 0; j < 3; ++j) {
+    for (int i = 0; i < 3; ++i) dE(i, j) = 0.5 * (half(i, j) + half(j, i));
+  }
+  return product(dF, detail::hooke(law, detail::green_strain(d.F))) +
+         product(d.F, detail::hooke(law, dE));
+}
 
 }  // namespace palpable

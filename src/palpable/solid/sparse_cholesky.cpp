@@ -2,11 +2,16 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/solid/triangular_panels.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cblas.h>
 #include <cholmod.h>
+#include <cmath>
+#include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -15,18 +20,16 @@
 extern "C" {
 void omp_set_max_active_levels(int levels);
 int omp_get_max_active_levels(void);
+// LAPACK: A = L L^T of the lower triangle; info > 0 where A is not positive definite.
+void spotrf_(const char* triangle, const int* n, float* A, const int* stride, int* info);
 }
 
 namespace palpable {
 
 struct FactorWorkspace::Content {
   cholmod_common common{};
-  // Reused by cholmod_solve2 from one solve to the next.
-  cholmod_dense* X = nullptr;
-  cholmod_dense* Y = nullptr;
-  cholmod_dense* E = nullptr;
   // Of solve_roughly(): the solution in the order of elimination, and rows of it side by side.
-  Eigen::VectorXf permuted, gathered;
+  std::vector<float> permuted, gathered;
 
   Content() {
     cholmod_start(&common);
@@ -39,12 +42,7 @@ struct FactorWorkspace::Content {
   }
   Content(const Content&) = delete;
   Content& operator=(const Content&) = delete;
-  ~Content() {
-    cholmod_free_dense(&X, &common);
-    cholmod_free_dense(&Y, &common);
-    cholmod_free_dense(&E, &common);
-    cholmod_finish(&common);
-  }
+  ~Content() { cholmod_finish(&common); }
 };
 
 FactorWorkspace::FactorWorkspace() : content_(std::make_unique<Content>()) {}
@@ -150,13 +148,31 @@ struct LowerColumns {
 }  // namespace
 
 struct CholeskyAnalysis::Content {
+  BlockPattern pattern;
   LowerColumns columns;
   cholmod_factor* symbolic = nullptr;
+  std::vector<int> place_of_unknown;     // unknown -> its place in the order of elimination
+  std::vector<int> supernode_of_column;  // in that order
+  double flops = 0;
 
-  explicit Content(const BlockPattern& pattern) : columns(pattern) {}
+  explicit Content(const BlockPattern& the_pattern) : pattern(the_pattern), columns(the_pattern) {}
   Content(const Content&) = delete;
   Content& operator=(const Content&) = delete;
   ~Content() { free_factor(symbolic); }
+
+  [[nodiscard]] int size() const { return static_cast<int>(symbolic->n); }
+  [[nodiscard]] std::span<const int> order() const {
+    return {static_cast<const int*>(symbolic->Perm), symbolic->n};
+  }
+  [[nodiscard]] TriangularPanels::Supernodes supernodes() const {
+    const auto* const first_row = static_cast<const int*>(symbolic->pi);
+    return {{static_cast<const int*>(symbolic->super), symbolic->nsuper + 1},
+            {first_row, symbolic->nsuper + 1},
+            {static_cast<const int*>(symbolic->s),
+             static_cast<std::size_t>(first_row[symbolic->nsuper])}};
+  }
+  // Of each panel in an array of all, as CHOLMOD lays them out.
+  [[nodiscard]] const int* first_value() const { return static_cast<const int*>(symbolic->px); }
 };
 
 CholeskyAnalysis::CholeskyAnalysis(const BlockPattern& pattern, FactorWorkspace& workspace) {
@@ -202,85 +218,239 @@ CholeskyAnalysis::CholeskyAnalysis(const BlockPattern& pattern, FactorWorkspace&
     refuse_if_out_of_memory(common);
     throw Error("the structure of the sparse factor could not be determined");
   }
+  PALPABLE_EXPECT(content->symbolic->is_super && content->symbolic->itype == CHOLMOD_INT,
+                  "the factor is supernodal, with int indices, as asked for");
+  content->flops = common.fl;
+  content->place_of_unknown.resize(3 * M);
+  for (int place = 0; place < content->size(); ++place) {
+    content->place_of_unknown[static_cast<std::size_t>(
+        content->order()[static_cast<std::size_t>(place)])] = place;
+  }
+  const std::span<const int> first_column = content->supernodes().first_column;
+  for (std::size_t k = 0; k + 1 < first_column.size(); ++k) {
+    content->supernode_of_column.resize(static_cast<std::size_t>(first_column[k + 1]),
+                                        static_cast<int>(k));
+  }
   content_ = std::move(content);
 }
 
 double CholeskyAnalysis::nonzeros() const { return static_cast<double>(content_->symbolic->xsize); }
+double CholeskyAnalysis::factor_flops() const { return content_->flops; }
 
+// Of K / scale, whose numbers are of order one whatever the unit of stiffness.
 struct CholeskyFactor::Content {
-  cholmod_factor* factor = nullptr;
-  Eigen::VectorXf rounded;  // factor->x
-
-  Content() = default;
-  Content(const Content&) = delete;
-  Content& operator=(const Content&) = delete;
-  ~Content() { free_factor(factor); }
+  std::shared_ptr<const CholeskyAnalysis::Content> analysis;
+  TriangularPanels panels;
+  double scale = 1.0;
 };
+
+namespace {
+
+// The largest entry of the diagonal.
+double scale_of(const BlockMatrix& K) {
+  double largest = 0.0;
+  for (int row = 0; row < K.pattern().rows(); ++row) {
+    largest = std::max(largest, K.block(K.pattern().find(row, row)).diagonal().maxCoeff());
+  }
+  return largest;
+}
+
+// What elimination may leave of a diagonal entry, relative to that entry: less is rounding, and the
+// matrix is singular to this precision.
+template <class Number>
+constexpr double kSmallestPivot = 100.0 * std::numeric_limits<Number>::epsilon();
+
+// Over the columns of a factorised panel of K / scale.
+template <class Number>
+double smallest_pivot(const CholeskyAnalysis::Content& analysis, const BlockMatrix& K, double scale,
+                      int k, const Number* panel) {
+  const TriangularPanels::Supernodes s = analysis.supernodes();
+  const auto at = static_cast<std::size_t>(k);
+  const int first = s.first_column[at], columns = s.first_column[at + 1] - first;
+  const std::ptrdiff_t stride = s.first_row[at + 1] - s.first_row[at];
+  double smallest = 1.0;
+  for (int j = 0; j < columns; ++j) {
+    const int unknown = analysis.order()[static_cast<std::size_t>(first + j)];
+    const int node = unknown / 3, axis = unknown % 3;
+    const double before = K.block(K.pattern().find(node, node))(axis, axis) / scale;
+    const double pivot = static_cast<double>(panel[j + j * stride]);
+    smallest = std::min(smallest, pivot * pivot / before);
+  }
+  return smallest;
+}
+
+// The supernodal factor in single precision, left-looking: each panel takes the products of the
+// panels to its left that reach into its columns, then is factorised itself (as CHOLMOD does it in
+// double precision; Chen, Davis, Hager, Rajamanickam 2008, sec. 3.2).
+class SingleFactor {
+ public:
+  SingleFactor(const CholeskyAnalysis::Content& analysis, double scale)
+      : analysis_(analysis),
+        scale_(scale),
+        s_(analysis.supernodes()),
+        values_(static_cast<std::size_t>(analysis.symbolic->xsize)),
+        row_in_panel_(static_cast<std::size_t>(analysis.size())),
+        waiting_(s_.first_column.size() - 1, -1),
+        next_waiting_(waiting_.size(), -1),
+        used_rows_(waiting_.size(), 0) {}
+
+  // False: not positive definite as far as single precision can tell, or too near to that.
+  bool factorise(const BlockMatrix& K) {
+    for (int k = 0; k < count(); ++k) {
+      for (int i = 0; i < rows(k); ++i) row_in_panel_[at(row_list(k)[i])] = i;
+      fill(k, K);
+      for (int left = waiting_[at(k)]; left >= 0;) {
+        const int next = next_waiting_[at(left)];
+        subtract(left, k);
+        left = next;
+      }
+      if (!eliminate(k, K)) return false;
+    }
+    return true;
+  }
+
+  void copy_to(TriangularPanels& panels) {
+    for (int k = 0; k < count(); ++k) panels.set(k, panel(k));
+  }
+
+ private:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  [[nodiscard]] int count() const { return static_cast<int>(s_.first_column.size()) - 1; }
+  [[nodiscard]] int columns(int k) const {
+    return s_.first_column[at(k + 1)] - s_.first_column[at(k)];
+  }
+  [[nodiscard]] int rows(int k) const { return s_.first_row[at(k + 1)] - s_.first_row[at(k)]; }
+  [[nodiscard]] const int* row_list(int k) const { return s_.rows.data() + s_.first_row[at(k)]; }
+  [[nodiscard]] float* panel(int k) { return values_.data() + analysis_.first_value()[k]; }
+
+  // The entries of K in the columns of panel k.
+  void fill(int k, const BlockMatrix& K) {
+    const BlockPattern& pattern = K.pattern();
+    const int first = s_.first_column[at(k)], stride = rows(k);
+    float* const X = panel(k);
+    for (int j = 0; j < columns(k); ++j) {
+      const int unknown = analysis_.order()[at(first + j)];
+      const int node = unknown / 3, axis = unknown % 3;
+      for (int p = pattern.row_start[at(node)]; p < pattern.row_start[at(node + 1)]; ++p) {
+        const auto B = K.block(p);
+        for (int i = 0; i < 3; ++i) {
+          const int row = analysis_.place_of_unknown[at(3 * pattern.column[at(p)] + i)];
+          if (row < first + j) continue;
+          X[static_cast<std::ptrdiff_t>(j) * stride + row_in_panel_[at(row)]] =
+              static_cast<float>(B(axis, i) / scale_);
+        }
+      }
+    }
+  }
+
+  // Takes from panel k what panel `left` contributes to it.
+  void subtract(int left, int k) {
+    const int begin = used_rows_[at(left)], all = rows(left), depth = columns(left);
+    const int* const row = row_list(left);
+    const int end_column = s_.first_column[at(k + 1)];
+    const int end = static_cast<int>(std::lower_bound(row + begin, row + all, end_column) - row);
+    const int width = end - begin, height = all - begin;
+    product_.resize(at(width) * at(height));
+    const float* const L = panel(left);
+    cblas_ssyrk(CblasColMajor, CblasLower, CblasNoTrans, width, depth, 1.0F, L + begin, all, 0.0F,
+                product_.data(), height);
+    if (height > width) {
+      cblas_sgemm(CblasColMajor, CblasNoTrans, CblasTrans, height - width, width, depth, 1.0F,
+                  L + end, all, L + begin, all, 0.0F, product_.data() + width, height);
+    }
+    target_.resize(at(height));
+    for (int i = 0; i < height; ++i) target_[at(i)] = row_in_panel_[at(row[begin + i])];
+    for (int j = 0; j < width; ++j) {
+      float* const column = panel(k) + static_cast<std::ptrdiff_t>(target_[at(j)]) * rows(k);
+      const float* const from = product_.data() + static_cast<std::ptrdiff_t>(j) * height;
+      for (int i = j; i < height; ++i) column[target_[at(i)]] -= from[i];
+    }
+    used_rows_[at(left)] = end;
+    wait(left);
+  }
+
+  bool eliminate(int k, const BlockMatrix& K) {
+    const int n = columns(k), stride = rows(k);
+    float* const X = panel(k);
+    int info = 0;
+    spotrf_("L", &n, X, &stride, &info);
+    if (info != 0) return false;
+    if (smallest_pivot(analysis_, K, scale_, k, X) < kSmallestPivot<float>) return false;
+    if (stride > n) {
+      cblas_strsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, stride - n, n,
+                  1.0F, X, stride, X + n, stride);
+    }
+    used_rows_[at(k)] = n;
+    wait(k);
+    return true;
+  }
+
+  // Panel `left` is next needed by the supernode of its first row that was not used yet.
+  void wait(int left) {
+    if (used_rows_[at(left)] == rows(left)) return;
+    const int where = analysis_.supernode_of_column[at(row_list(left)[used_rows_[at(left)]])];
+    next_waiting_[at(left)] = waiting_[at(where)];
+    waiting_[at(where)] = left;
+  }
+
+  const CholeskyAnalysis::Content& analysis_;
+  double scale_;
+  TriangularPanels::Supernodes s_;
+  std::vector<float> values_, product_;
+  std::vector<int> row_in_panel_, target_;
+  // Lists of the panels that a supernode has to subtract, as links.
+  std::vector<int> waiting_, next_waiting_;
+  std::vector<int> used_rows_;
+};
+
+}  // namespace
 
 std::optional<CholeskyFactor> CholeskyFactor::make(const CholeskyAnalysis& analysis,
                                                    const BlockMatrix& K,
                                                    FactorWorkspace& workspace) {
+  auto content = std::make_shared<Content>();
+  content->analysis = analysis.content_;
+  const TriangularPanels::Supernodes supernodes = analysis.content().supernodes();
+  content->panels = TriangularPanels(supernodes);
+  content->scale = scale_of(K);
+  if (!(content->scale > 0.0) || !std::isfinite(content->scale)) return std::nullopt;
+  {
+    SingleFactor single(analysis.content(), content->scale);
+    if (single.factorise(K)) {
+      single.copy_to(content->panels);
+      return CholeskyFactor(std::move(content));
+    }
+  }
   const OneThread one_thread;
   cholmod_common& common = workspace.content().common;
-  auto content = std::make_shared<Content>();
-  content->factor =
+  cholmod_factor* L =
       cholmod_copy_factor(const_cast<cholmod_factor*>(analysis.content().symbolic), &common);
   LowerColumns columns = analysis.content().columns;
   columns.fill(K);
+  for (double& value : columns.value) value /= content->scale;
   cholmod_sparse A = columns.view();
-  if (content->factor != nullptr) cholmod_factorize(&A, content->factor, &common);
+  if (L != nullptr) cholmod_factorize(&A, L, &common);
+  bool definite = L != nullptr && common.status != CHOLMOD_NOT_POSDEF && L->minor >= L->n;
+  if (definite) {
+    for (int k = 0; k < static_cast<int>(L->nsuper); ++k) {
+      const double* const panel =
+          static_cast<const double*>(L->x) + static_cast<const int*>(L->px)[k];
+      content->panels.set(k, panel);
+      definite = definite && smallest_pivot(analysis.content(), K, content->scale, k, panel) >=
+                                 kSmallestPivot<double>;
+    }
+  }
+  free_factor(L);
   refuse_if_out_of_memory(common);
-  if (content->factor == nullptr || common.status == CHOLMOD_NOT_POSDEF ||
-      content->factor->minor < content->factor->n) {
-    return std::nullopt;
-  }
-  PALPABLE_EXPECT(content->factor->is_super && content->factor->itype == CHOLMOD_INT,
-                  "the factor is supernodal, with int indices, as asked for");
-  content->rounded =
-      Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(content->factor->x),
-                                        static_cast<Eigen::Index>(content->factor->xsize))
-          .cast<float>();
+  if (!definite) return std::nullopt;
   return CholeskyFactor(std::move(content));
-}
-
-void CholeskyFactor::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x,
-                           FactorWorkspace& workspace) const {
-  const OneThread one_thread;
-  FactorWorkspace::Content& scratch = workspace.content();
-  PALPABLE_EXPECT(b.size() == static_cast<Eigen::Index>(content_->factor->n),
-                  "the right-hand side has the size of the matrix");
-  cholmod_dense B{};
-  B.nrow = B.nzmax = B.d = static_cast<std::size_t>(b.size());
-  B.ncol = 1;
-  B.x = const_cast<double*>(b.data());  // only read
-  B.xtype = CHOLMOD_REAL;
-  B.dtype = CHOLMOD_DOUBLE;
-  if (cholmod_solve2(CHOLMOD_A, content_->factor, &B, nullptr, &scratch.X, nullptr, &scratch.Y,
-                     &scratch.E, &scratch.common) == 0) {
-    refuse_if_out_of_memory(scratch.common);
-    throw Error("the sparse factor could not be applied");
-  }
-  x = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(scratch.X->x), b.size());
 }
 
 void CholeskyFactor::solve_roughly(const Eigen::VectorXd& b, Eigen::VectorXd& x,
                                    FactorWorkspace& workspace) const {
-  const cholmod_factor& L = *content_->factor;
-  const auto n = static_cast<Eigen::Index>(L.n);
+  const CholeskyAnalysis::Content& analysis = *content_->analysis;
+  const Eigen::Index n = analysis.size();
   PALPABLE_EXPECT(b.size() == n, "the right-hand side has the size of the matrix");
-  // Supernode k: columns super[k] .. super[k + 1] of L, stored as one dense panel whose rows are
-  // numbered by s[pi[k]] .. s[pi[k + 1]]; the first of those rows are its own columns.
-  const int* const order = static_cast<const int*>(L.Perm);
-  const int* const super = static_cast<const int*>(L.super);
-  const int* const row_begin = static_cast<const int*>(L.pi);
-  const int* const value_begin = static_cast<const int*>(L.px);
-  const int* const rows = static_cast<const int*>(L.s);
-  const auto supernodes = static_cast<Eigen::Index>(L.nsuper);
-
-  Eigen::VectorXf& y = workspace.content().permuted;
-  Eigen::VectorXf& g = workspace.content().gathered;
-  y.resize(n);
-  g.resize(n);
   x.resize(n);
   // Single precision has a small range: work with numbers of order one.
   const double scale = b.cwiseAbs().maxCoeff();
@@ -288,35 +458,20 @@ void CholeskyFactor::solve_roughly(const Eigen::VectorXd& b, Eigen::VectorXd& x,
     x.setZero();
     return;
   }
-  for (Eigen::Index i = 0; i < n; ++i) y[i] = static_cast<float>(b[order[i]] / scale);
-
-  using Panel = Eigen::Map<const Eigen::MatrixXf, 0, Eigen::OuterStride<>>;
-  const auto visit = [&](Eigen::Index k, auto&& work) {
-    const int columns = super[k + 1] - super[k];
-    const int panel_rows = row_begin[k + 1] - row_begin[k];
-    const float* const values = content_->rounded.data() + value_begin[k];
-    const Panel own(values, columns, columns, Eigen::OuterStride<>(panel_rows));
-    const Panel below(values + columns, panel_rows - columns, columns,
-                      Eigen::OuterStride<>(panel_rows));
-    work(y.segment(super[k], columns), own, below, rows + row_begin[k] + columns);
-  };
-  for (Eigen::Index k = 0; k < supernodes; ++k) {  // L z = b
-    visit(k, [&](auto z, const Panel& own, const Panel& below, const int* below_rows) {
-      own.template triangularView<Eigen::Lower>().solveInPlace(z);
-      auto down = g.head(below.rows());
-      down.noalias() = below * z;
-      for (Eigen::Index i = 0; i < below.rows(); ++i) y[below_rows[i]] -= down[i];
-    });
+  std::vector<float>& y = workspace.content().permuted;
+  std::vector<float>& z = workspace.content().gathered;
+  y.resize(static_cast<std::size_t>(n));
+  z.resize(content_->panels.scratch_size());
+  const int* const order = analysis.order().data();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    y[static_cast<std::size_t>(i)] = static_cast<float>(b[order[i]] / scale);
   }
-  for (Eigen::Index k = supernodes; k-- > 0;) {  // L^T x = z
-    visit(k, [&](auto z, const Panel& own, const Panel& below, const int* below_rows) {
-      auto up = g.head(below.rows());
-      for (Eigen::Index i = 0; i < below.rows(); ++i) up[i] = y[below_rows[i]];
-      z.noalias() -= below.transpose() * up;
-      own.template triangularView<Eigen::Lower>().transpose().solveInPlace(z);
-    });
+  content_->panels.solve(best_simd_level(), y, z);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    x[order[i]] = scale / content_->scale * static_cast<double>(y[static_cast<std::size_t>(i)]);
   }
-  for (Eigen::Index i = 0; i < n; ++i) x[order[i]] = scale * static_cast<double>(y[i]);
 }
+
+std::size_t CholeskyFactor::bytes() const { return content_->panels.bytes(); }
 
 }  // namespace palpable

@@ -1,6 +1,10 @@
 /// @file
-/// Sparse Cholesky factors of symmetric positive definite block matrices, by CHOLMOD (supernodal,
-/// METIS ordering of the nodes).
+/// Sparse Cholesky factors of symmetric positive definite block matrices, as preconditioners.
+///
+/// Order of elimination and structure come from METIS and CHOLMOD, once for all matrices of a
+/// pattern. The numbers are computed in single precision (supernodal, left-looking, on BLAS) and
+/// kept in 16 bits: on the bunny of 16,000 nodes a path took 259 iterations with 8 bits of mantissa
+/// where it took 248 with 24, and a solve costs its bytes.
 ///
 /// CHOLMOD keeps its settings and scratch memory in a "common" object that one thread may use at a
 /// time; a finished factor may be read by many. So: one FactorWorkspace per thread (or per call),
@@ -11,6 +15,7 @@
 
 #include <Eigen/Core>
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 
@@ -41,29 +46,33 @@ class CholeskyAnalysis {
   struct Content;
   [[nodiscard]] const Content& content() const { return *content_; }
 
-  /// Nonzeros of L, counting each 8 bytes.
+  /// Nonzeros of L, zeros inside its panels included.
   [[nodiscard]] double nonzeros() const;
+  /// Floating-point operations of one factorisation.
+  [[nodiscard]] double factor_flops() const;
 
  private:
+  friend class CholeskyFactor;
   std::shared_ptr<const Content> content_;
 };
 
-/// L with L L^T = P K P^T.
+/// L with L L^T ~= P K P^T.
 class CholeskyFactor {
  public:
-  /// The factor of K, or nothing if K is not positive definite.
+  /// The factor of K, or nothing if K is not positive definite. Where single precision breaks down
+  /// before K does, double precision (CHOLMOD) is tried.
   /// @throws Error if memory runs out
   static std::optional<CholeskyFactor> make(const CholeskyAnalysis& analysis, const BlockMatrix& K,
                                             FactorWorkspace& workspace);
 
-  /// x = K^-1 b. Several threads may do so at once, each with its own workspace. Allocates only
-  /// the first time that a workspace is used with a size.
-  void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x, FactorWorkspace& workspace) const;
-
-  /// x ~= K^-1 b to about six digits, with a copy of L in single precision: what preconditioning
-  /// needs, at half the bytes, and bytes are its whole cost.
+  /// x ~= K^-1 b: b and x are of the size of the matrix, and the map from b to x is symmetric and
+  /// positive definite. Several threads may do so at once, each with its own workspace. Allocates
+  /// only the first time that a workspace is used with a size.
   void solve_roughly(const Eigen::VectorXd& b, Eigen::VectorXd& x,
                      FactorWorkspace& workspace) const;
+
+  /// What a solve reads, twice.
+  [[nodiscard]] std::size_t bytes() const;
 
  private:
   struct Content;

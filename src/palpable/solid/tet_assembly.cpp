@@ -1,8 +1,7 @@
 #include "palpable/solid/tet_assembly.h"
 
 #include "palpable/solid/quadrature.h"
-
-#include <Eigen/LU>
+#include "palpable/solid/shape_gradients.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,110 +15,54 @@ using Eigen::Matrix3Xd;
 
 namespace {
 
-// Gradients and weights of element `number` at its integration points.
-template <class Element>
-void set_points(const TetMesh& mesh, int number, Element& element) {
-  if constexpr (Element::kNodes == 4) {
-    const ShapeGradients shape = shape_gradients(mesh, number);
-    element.g[0] = shape.g;
-    element.volume[0] = shape.volume;
-    element.nodes = mesh.tets.col(number);
-  } else {
-    for (std::size_t q = 0; q < element.g.size(); ++q) {
-      const auto& [L, weight] = four_point_rule()[q];
-      const QuadraticGradients shape = quadratic_gradients(mesh, number, quadratic_shape(L));
-      element.g[q] = shape.g;
-      element.volume[q] = weight * shape.volume;
-    }
-    element.nodes = quadratic_nodes(mesh, number);
-  }
+// What a block holds of one element.
+template <int A, int Q>
+struct ElementPoints {
+  std::array<Eigen::Matrix<double, 3, A>, Q> g;
+  std::array<double, Q> weight;
+  Eigen::Matrix<int, A, 1> nodes;
+};
+
+ElementPoints<4, 1> points_of(const TetMesh& mesh, int number, ElementPoints<4, 1>) {
+  const ShapeGradients shape = shape_gradients(mesh, number);
+  return {{shape.g}, {shape.volume}, mesh.tets.col(number)};
 }
 
-// Adds one group's forces and energy; false, and `state` says where, if an element is inverted.
-template <class Law, class Group>
-bool add_force(const Law& law, const Group& group, const Matrix3Xd& u, Matrix3Xd& force,
-               BodyState& state) {
-  std::size_t number = 0;
-  for (const auto& element : group.elements) {
-    for (std::size_t q = 0; q < element.g.size(); ++q) {
-      const auto& g = element.g[q];
-      const Matrix3d F = deformation_gradient(g, element.nodes, u);
-      const double J = F.determinant();
-      if (!(J >= state.smallest_volume_ratio)) {
-        state.smallest_volume_ratio = J;
-        state.most_compressed = group.numbers[number];
-      }
-      if (!(J > 0.0)) return false;  // also when u is not finite
-      state.energy += element.volume[q] * energy_density(law, F);
-      const Matrix3d stress = element.volume[q] * first_piola(law, F);
-      for (Eigen::Index a = 0; a < g.cols(); ++a) {
-        force.col(element.nodes[a]).noalias() += stress * g.col(a);
-      }
-    }
-    ++number;
+ElementPoints<10, 4> points_of(const TetMesh& mesh, int number, ElementPoints<10, 4> element) {
+  for (std::size_t q = 0; q < 4; ++q) {
+    const auto& [L, weight] = four_point_rule()[q];
+    const QuadraticGradients shape = quadratic_gradients(mesh, number, quadratic_shape(L));
+    element.g[q] = shape.g;
+    element.weight[q] = weight * shape.volume;
   }
-  return true;
+  element.nodes = quadratic_nodes(mesh, number);
+  return element;
 }
 
-// Adds one group's tangent: K_ab,ik = sum_q V_q g_aJ A_iJkL g_bL, first over L for each b, then
-// over J for each a <= b; the other triangle is its mirror image.
-template <class Law, class Group>
-void add_tangent(const Law& law, const Group& group, const Matrix3Xd& u, BlockMatrix& K) {
-  using Element = typename decltype(group.elements)::value_type;
-  constexpr int A = Element::kNodes, Q = Element::kPoints;
-  const auto place_of = [](const Element& element, int a, int b) {
-    return element.place[static_cast<std::size_t>(A * a + b)];
-  };
-  const auto add = [&](const Element& element, int a, int b, int place, const Matrix3d& block) {
-    K.block(place) += block;
-    if (a < b) K.block(place_of(element, b, a)) += block.transpose();
-  };
-  std::array<Matrix3d, Q == 1 ? 1 : A*(A + 1) / 2> sums;  // over the points, if there are several
-  for (const Element& element : group.elements) {
-    if constexpr (Q > 1) sums.fill(Matrix3d::Zero());
+// The block that holds `numbers` from `first` on.
+template <int A, int Q>
+ElementBlock<A, Q> block_of(const TetMesh& mesh, const std::vector<int>& numbers,
+                            std::size_t first) {
+  ElementBlock<A, Q> block;
+  for (int lane = 0; lane < kPackSize; ++lane) {
+    const std::size_t wanted = first + static_cast<std::size_t>(lane);
+    const bool exists = wanted < numbers.size();
+    const ElementPoints<A, Q> element =
+        points_of(mesh, exists ? numbers[wanted] : numbers.back(), ElementPoints<A, Q>{});
     for (std::size_t q = 0; q < Q; ++q) {
-      const auto& g = element.g[q];
-      const Matrix3d F = deformation_gradient(g, element.nodes, u);
-      const Tangent C = palpable::tangent(law, F);
-      const double V = element.volume[q];
-      std::size_t pair = 0;
-      for (int b = 0; b < A; ++b) {
-        if (place_of(element, b, b) < 0) {
-          pair += static_cast<std::size_t>(b) + 1;
-          continue;
-        }
-        Eigen::Matrix<double, 9, 3> T = C.leftCols<3>() * (V * g(0, b));
-        T.noalias() += C.middleCols<3>(3) * (V * g(1, b));
-        T.noalias() += C.rightCols<3>() * (V * g(2, b));
-        for (int a = 0; a <= b; ++a, ++pair) {
-          const int place = place_of(element, a, b);
-          if (place < 0) continue;
-          Matrix3d block = T.topRows<3>() * g(0, a);
-          block.noalias() += T.middleRows<3>(3) * g(1, a);
-          block.noalias() += T.bottomRows<3>() * g(2, a);
-          if constexpr (Q > 1) {
-            sums[pair] += block;
-          } else {
-            add(element, a, b, place, block);
-          }
-        }
+      for (int a = 0; a < A; ++a) {
+        for (int J = 0; J < 3; ++J) block.points[q].g[a][J][lane] = element.g[q](J, a);
       }
+      block.points[q].weight[lane] = exists ? element.weight[q] : 0.0;
     }
-    if constexpr (Q > 1) {
-      std::size_t pair = 0;
-      for (int b = 0; b < A; ++b) {
-        for (int a = 0; a <= b; ++a, ++pair) {
-          const int place = place_of(element, a, b);
-          if (place >= 0) add(element, a, b, place, sums[pair]);
-        }
-      }
-    }
+    for (int a = 0; a < A; ++a) block.nodes[a][lane] = element.nodes[a];
   }
+  return block;
 }
 
 }  // namespace
 
-TetAssembly::TetAssembly(const SolidModel& model) {
+TetAssembly::TetAssembly(const SolidModel& model, SimdLevel simd) : simd_(simd) {
   const TetMesh& mesh = model.mesh;
   free_of_node_.assign(static_cast<std::size_t>(mesh.node_count()), 0);
   const std::vector<HeldComponent> held = held_components(model);
@@ -159,27 +102,32 @@ template <int A, int Q>
 void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
   const TetMesh& mesh = model.mesh;
   const std::vector<int> group_of_element = material_groups(model);
-  groups.push_back({model.material, {}, {}});
-  for (const MaterialGroup& group : model.groups) groups.push_back({group.material, {}, {}});
+  groups.push_back({model.material, {}, {}, {}});
+  for (const MaterialGroup& group : model.groups) groups.push_back({group.material, {}, {}, {}});
   for (int e = 0; e < mesh.tet_count(); ++e) {
-    auto& group =
-        groups[static_cast<std::size_t>(group_of_element[static_cast<std::size_t>(e)] + 1)];
-    group.numbers.push_back(e);
-    set_points(mesh, e, group.elements.emplace_back());
+    const int group = group_of_element[static_cast<std::size_t>(e)];
+    groups[static_cast<std::size_t>(group + 1)].numbers.push_back(e);
   }
+
+  const auto free_of = [&](int node) { return free_of_node_[static_cast<std::size_t>(node)]; };
+  const auto nodes_of = [&](int e) -> Eigen::Matrix<int, A, 1> {
+    if constexpr (A == 4) {
+      return mesh.tets.col(e);
+    } else {
+      return quadratic_nodes(mesh, e);
+    }
+  };
 
   // Neighbours of each free node, itself included.
   std::vector<std::vector<int>> neighbours(free_nodes_.size());
-  const auto free_of = [&](int node) { return free_of_node_[static_cast<std::size_t>(node)]; };
-  for (const auto& group : groups) {
-    for (const auto& element : group.elements) {
-      for (const int a : element.nodes) {
-        const int row = free_of(a);
-        if (row < 0) continue;
-        for (const int b : element.nodes) {
-          const int column = free_of(b);
-          if (column >= 0) neighbours[static_cast<std::size_t>(row)].push_back(column);
-        }
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    const auto nodes = nodes_of(e);
+    for (const int a : nodes) {
+      const int row = free_of(a);
+      if (row < 0) continue;
+      for (const int b : nodes) {
+        const int column = free_of(b);
+        if (column >= 0) neighbours[static_cast<std::size_t>(row)].push_back(column);
       }
     }
   }
@@ -192,11 +140,16 @@ void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
   }
 
   for (auto& group : groups) {
-    for (auto& element : group.elements) {
+    for (std::size_t first = 0; first < group.numbers.size(); first += kPackSize) {
+      group.blocks.push_back(block_of<A, Q>(mesh, group.numbers, first));
+    }
+    for (const int e : group.numbers) {
+      const auto nodes = nodes_of(e);
+      std::array<int, A* A>& places = group.places.emplace_back();
       for (int a = 0; a < A; ++a) {
         for (int b = 0; b < A; ++b) {
-          const int row = free_of(element.nodes[a]), column = free_of(element.nodes[b]);
-          element.place[static_cast<std::size_t>(A * a + b)] =
+          const int row = free_of(nodes[a]), column = free_of(nodes[b]);
+          places[static_cast<std::size_t>(A * a + b)] =
               row < 0 || column < 0 ? -1 : pattern_.find(row, column);
         }
       }
@@ -204,31 +157,72 @@ void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
   }
 }
 
+std::size_t TetAssembly::bytes() const {
+  std::size_t sum = 0;
+  const auto add_group = [&]<int A, int Q>(const Group<A, Q>& group) {
+    sum += group.blocks.size() * sizeof(ElementBlock<A, Q>);
+  };
+  std::visit([&](const auto& groups) { std::for_each(groups.begin(), groups.end(), add_group); },
+             groups_);
+  return sum;
+}
+
 BodyState TetAssembly::force(const Matrix3Xd& u, Matrix3Xd& force) const {
   force.setZero();
   BodyState state;
   state.smallest_volume_ratio = std::numeric_limits<double>::infinity();
-  const bool sound = std::visit(
-      [&](const auto& groups) {
-        return std::all_of(groups.begin(), groups.end(), [&](const auto& group) {
-          return std::visit([&](const auto& law) { return add_force(law, group, u, force, state); },
-                            group.material);
-        });
-      },
-      groups_);
-  if (!sound) state.energy = std::numeric_limits<double>::infinity();
+  const auto add_group = [&]<int A, int Q>(const Group<A, Q>& group) {
+    const ForceSums sums =
+        add_forces<A, Q>(simd_, group.material, group.blocks, u.data(), force.data());
+    state.energy += sums.inverted ? std::numeric_limits<double>::infinity() : sums.energy;
+    if (sums.most_compressed < 0 || sums.smallest_volume_ratio >= state.smallest_volume_ratio) {
+      return;
+    }
+    state.smallest_volume_ratio = sums.smallest_volume_ratio;
+    const auto last = group.numbers.size() - 1;
+    state.most_compressed =
+        group.numbers[std::min(static_cast<std::size_t>(sums.most_compressed), last)];
+  };
+  std::visit([&](const auto& groups) { std::for_each(groups.begin(), groups.end(), add_group); },
+             groups_);
+  if (std::isnan(state.energy)) state.energy = std::numeric_limits<double>::infinity();
   return state;
+}
+
+void TetAssembly::force_change(const Matrix3Xd& u, const Matrix3Xd& du, Matrix3Xd& change) const {
+  change.setZero();
+  const auto add_group = [&]<int A, int Q>(const Group<A, Q>& group) {
+    add_force_changes<A, Q>(simd_, group.material, group.blocks, u.data(), du.data(),
+                            change.data());
+  };
+  std::visit([&](const auto& groups) { std::for_each(groups.begin(), groups.end(), add_group); },
+             groups_);
 }
 
 void TetAssembly::tangent(const Matrix3Xd& u, BlockMatrix& K) const {
   K.set_zero();
-  std::visit(
-      [&](const auto& groups) {
-        for (const auto& group : groups) {
-          std::visit([&](const auto& law) { add_tangent(law, group, u, K); }, group.material);
+  const auto add_group = [&]<int A, int Q>(const Group<A, Q>& group) {
+    ElementTangents<A> eight;
+    std::size_t element = 0;
+    for (const ElementBlock<A, Q>& block : group.blocks) {
+      element_tangents<A, Q>(simd_, group.material, block, u.data(), eight);
+      for (int lane = 0; lane < kPackSize && element < group.places.size(); ++lane, ++element) {
+        const std::array<int, A* A>& places = group.places[element];
+        for (int a = 0; a < A; ++a) {
+          for (int b = a; b < A; ++b) {
+            const int place = places[static_cast<std::size_t>(A * a + b)];
+            if (place < 0) continue;
+            Matrix3d ab;
+            for (int k = 0; k < 9; ++k) ab(k) = eight.K[a][b][k][lane];
+            K.block(place) += ab;
+            if (a < b) K.block(places[static_cast<std::size_t>(A * b + a)]) += ab.transpose();
+          }
         }
-      },
-      groups_);
+      }
+    }
+  };
+  std::visit([&](const auto& groups) { std::for_each(groups.begin(), groups.end(), add_group); },
+             groups_);
   hold(K);
 }
 
@@ -254,6 +248,14 @@ void TetAssembly::gather(const Matrix3Xd& field, Eigen::VectorXd& free) const {
     at += 3;
   }
   for (const HeldAxis& held : held_axes_) free[3 * held.row + held.axis] = 0.0;
+}
+
+void TetAssembly::set_free(const Eigen::VectorXd& free, Matrix3Xd& field) const {
+  Eigen::Index at = 0;
+  for (const int n : free_nodes_) {
+    field.col(n) = free.segment<3>(at);
+    at += 3;
+  }
 }
 
 void TetAssembly::add_scattered(const Eigen::VectorXd& free, double scale, Matrix3Xd& field) const {

@@ -10,7 +10,7 @@
 #pragma once
 
 #include "palpable/solid/block_matrix.h"
-#include "palpable/solid/shape_gradients.h"
+#include "palpable/solid/element_kernels.h"
 #include "palpable/solid/solid_model.h"
 
 #include <Eigen/Core>
@@ -33,10 +33,12 @@ struct BodyState {
 class TetAssembly {
  public:
   /// @param model  checked (check_model); copied from, not referred to
-  explicit TetAssembly(const SolidModel& model);
+  explicit TetAssembly(const SolidModel& model, SimdLevel simd = best_simd_level());
 
   [[nodiscard]] int node_count() const { return static_cast<int>(free_of_node_.size()); }
   [[nodiscard]] const BlockPattern& pattern() const { return pattern_; }
+  /// What one pass over the elements reads, fields not counted.
+  [[nodiscard]] std::size_t bytes() const;
 
   /// d/du of the stored energy, (3 x N), all nodes; `force` has its size already.
   BodyState force(const Eigen::Matrix3Xd& u, Eigen::Matrix3Xd& force) const;
@@ -44,28 +46,28 @@ class TetAssembly {
   /// d force / du at what is free. @pre no element is inverted under u
   void tangent(const Eigen::Matrix3Xd& u, BlockMatrix& K) const;
 
+  /// change = d force / du along du, (3 x N), all nodes: the tangent's product without the tangent,
+  /// at the cost of a pass over the elements. @pre no element is inverted under u
+  void force_change(const Eigen::Matrix3Xd& u, const Eigen::Matrix3Xd& du,
+                    Eigen::Matrix3Xd& change) const;
+
   /// (3M) the free nodes' columns, one after the other; 0 in held directions.
   void gather(const Eigen::Matrix3Xd& field, Eigen::VectorXd& free) const;
+  /// The free nodes' columns become those of `free`; the others are left alone.
+  void set_free(const Eigen::VectorXd& free, Eigen::Matrix3Xd& field) const;
   /// Adds scale * free to the free nodes' columns; `free` is 0 in held directions, which a solution
   /// of the tangent with such a right-hand side is.
   void add_scattered(const Eigen::VectorXd& free, double scale, Eigen::Matrix3Xd& field) const;
 
  private:
-  // A nodes, Q integration points.
-  template <int A, int Q>
-  struct Element {
-    static constexpr int kNodes = A, kPoints = Q;
-    std::array<Eigen::Matrix<double, 3, A>, Q> g;
-    std::array<double, Q> volume;  // weights, m^3
-    Eigen::Matrix<int, A, 1> nodes;
-    std::array<int, A * A> place;  // block (a, b) at [A a + b]; -1 where a node is held
-  };
   // Elements of one kind and one material: what is chosen at run time is chosen once a group.
   template <int A, int Q>
   struct Group {
     Material material;
-    std::vector<Element<A, Q>> elements;
-    std::vector<int> numbers;  // in the mesh
+    std::vector<ElementBlock<A, Q>> blocks;
+    std::vector<int> numbers;                    // of the elements, in the mesh
+    std::vector<std::array<int, A * A>> places;  // per element: block (a, b) of the pattern at
+                                                 // [A a + b]; -1 where a node is held
   };
   template <int A, int Q>
   using Groups = std::vector<Group<A, Q>>;
@@ -81,6 +83,7 @@ class TetAssembly {
 
   void hold(BlockMatrix& K) const;
 
+  SimdLevel simd_;
   std::variant<Groups<4, 1>, Groups<10, 4>> groups_;
   std::vector<int> free_of_node_;  // node -> free node, -1 if held
   std::vector<int> free_nodes_;

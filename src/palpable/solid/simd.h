@@ -1,0 +1,47 @@
+/// @file
+/// Which vector instructions the processor has, found out once at run time.
+#pragma once
+
+namespace palpable {
+
+/// Instructions to use. All levels give the same numbers up to rounding.
+enum class SimdLevel { kPlain, kAvx2, kAvx512 };
+
+/// The widest that this processor has.
+[[nodiscard]] inline SimdLevel best_simd_level() {
+#ifdef __x86_64__
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512vl")) {
+    return SimdLevel::kAvx512;
+  }
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return SimdLevel::kAvx2;
+#endif
+  return SimdLevel::kPlain;
+}
+
+/// Pass::run(arguments...), compiled for `level`. It has to be forced inline, and so has everything
+/// it calls: what is not, runs with the instructions that every processor has.
+template <class Pass, class... Arguments>
+auto run_plain(Arguments&... arguments) {
+  return Pass::run(arguments...);
+}
+#ifdef __x86_64__
+template <class Pass, class... Arguments>
+[[gnu::target("avx2,fma")]] auto run_avx2(Arguments&... arguments) {
+  return Pass::run(arguments...);
+}
+template <class Pass, class... Arguments>
+[[gnu::target("avx512f,avx512dq,avx512vl,avx2,fma")]] auto run_avx512(Arguments&... arguments) {
+  return Pass::run(arguments...);
+}
+#endif
+template <class Pass, class... Arguments>
+auto run_at(SimdLevel level, Arguments&... arguments) {
+#ifdef __x86_64__
+  if (level == SimdLevel::kAvx512) return run_avx512<Pass>(arguments...);
+  if (level == SimdLevel::kAvx2) return run_avx2<Pass>(arguments...);
+#endif
+  return run_plain<Pass>(arguments...);
+}
+
+}  // namespace palpable

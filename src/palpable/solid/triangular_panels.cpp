@@ -1,0 +1,169 @@
+#include "palpable/solid/triangular_panels.h"
+
+#include "palpable/solid/tensor.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+namespace palpable {
+namespace {
+
+constexpr int kWidth = 16;
+constexpr int kGroup = 4;  // columns that share one pass over the rows
+
+using Floats = float __attribute__((vector_size(kWidth * sizeof(float))));
+using Words = std::uint32_t __attribute__((vector_size(kWidth * sizeof(std::uint32_t))));
+using HalfWords = BFloat16 __attribute__((vector_size(kWidth * sizeof(BFloat16))));
+
+BFloat16 rounded(float x) {
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  return static_cast<BFloat16>((bits + 0x7fffU + ((bits >> 16U) & 1U)) >> 16U);
+}
+
+PALPABLE_ALWAYS_INLINE float widened(BFloat16 x) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(x) << 16U);
+}
+
+PALPABLE_ALWAYS_INLINE void load(const BFloat16* from, Floats& to) {
+  HalfWords half;
+  std::memcpy(&half, from, sizeof half);
+  to = (Floats)(__builtin_convertvector(half, Words) << 16U);
+}
+
+}  // namespace
+
+// Forward and backward through one panel, kGroup columns at a time. `z` holds the panel's entries
+// of the vector, gathered, and zeros up to its padded length.
+struct TriangularPanels::Solve {
+  template <int kColumns>
+  PALPABLE_ALWAYS_INLINE static void forward(const BFloat16* panel, int stride, int j,
+                                             const float* inverse, float* z) {
+    float solved[kColumns];
+    for (int c = 0; c < kColumns; ++c) {
+      float value = z[j + c];
+      for (int b = 0; b < c; ++b) value -= widened(panel[b * stride + j + c]) * solved[b];
+      solved[c] = value * inverse[c];
+    }
+    for (int i = j / kWidth * kWidth; i < stride; i += kWidth) {
+      Floats sum;
+      std::memcpy(&sum, z + i, sizeof sum);
+      for (int c = 0; c < kColumns; ++c) {
+        Floats column;
+        load(panel + c * stride + i, column);
+        sum -= column * solved[c];
+      }
+      std::memcpy(z + i, &sum, sizeof sum);
+    }
+    // The pass ran over these rows as well.
+    for (int c = 0; c < kColumns; ++c) z[j + c] = solved[c];
+  }
+
+  template <int kColumns>
+  PALPABLE_ALWAYS_INLINE static void backward(const BFloat16* panel, int stride, int j,
+                                              const float* inverse, float* z) {
+    float own[kColumns];
+    for (int c = 0; c < kColumns; ++c) {
+      own[c] = z[j + c];
+      z[j + c] = 0.0F;  // the pass is about the rows below the group
+    }
+    Floats sums[kColumns] = {};
+    for (int i = j / kWidth * kWidth; i < stride; i += kWidth) {
+      Floats below;
+      std::memcpy(&below, z + i, sizeof below);
+      for (int c = 0; c < kColumns; ++c) {
+        Floats column;
+        load(panel + c * stride + i, column);
+        sums[c] += column * below;
+      }
+    }
+    for (int c = kColumns; c-- > 0;) {
+      float value = own[c];
+      for (int lane = 0; lane < kWidth; ++lane) value -= sums[c][lane];
+      for (int b = c + 1; b < kColumns; ++b) value -= widened(panel[c * stride + j + b]) * z[j + b];
+      z[j + c] = value * inverse[c];
+    }
+  }
+
+  PALPABLE_ALWAYS_INLINE static int run(const TriangularPanels& L, float* y, float* z) {
+    const Supernodes& s = L.supernodes_;
+    const int count = static_cast<int>(s.first_column.size()) - 1;
+    const auto at = [](const auto& list, int k) { return list[static_cast<std::size_t>(k)]; };
+    for (int k = 0; k < count; ++k) {
+      const int first = at(s.first_column, k), columns = at(s.first_column, k + 1) - first;
+      const int rows = at(s.first_row, k + 1) - at(s.first_row, k), stride = padded(rows);
+      const int* const row = s.rows.data() + at(s.first_row, k);
+      const BFloat16* const panel = L.panel(k);
+      const float* const inverse = L.inverse_diagonal_.data() + first;
+      for (int i = 0; i < columns; ++i) z[i] = y[first + i];
+      for (int i = columns; i < stride; ++i) z[i] = 0.0F;
+      int j = 0;
+      for (; j + kGroup <= columns; j += kGroup) {
+        forward<kGroup>(panel + j * std::ptrdiff_t{stride}, stride, j, inverse + j, z);
+      }
+      for (; j < columns; ++j) {
+        forward<1>(panel + j * std::ptrdiff_t{stride}, stride, j, inverse + j, z);
+      }
+      for (int i = 0; i < columns; ++i) y[first + i] = z[i];
+      for (int i = columns; i < rows; ++i) y[row[i]] += z[i];
+    }
+    for (int k = count; k-- > 0;) {
+      const int first = at(s.first_column, k), columns = at(s.first_column, k + 1) - first;
+      const int rows = at(s.first_row, k + 1) - at(s.first_row, k), stride = padded(rows);
+      const int* const row = s.rows.data() + at(s.first_row, k);
+      const BFloat16* const panel = L.panel(k);
+      const float* const inverse = L.inverse_diagonal_.data() + first;
+      for (int i = 0; i < rows; ++i) z[i] = y[row[i]];
+      for (int i = rows; i < stride; ++i) z[i] = 0.0F;
+      // From the last column back, in the groups of the way forward.
+      int j = columns;
+      for (; j % kGroup != 0; --j) {
+        backward<1>(panel + (j - 1) * std::ptrdiff_t{stride}, stride, j - 1, inverse + j - 1, z);
+      }
+      for (; j > 0; j -= kGroup) {
+        backward<kGroup>(panel + (j - kGroup) * std::ptrdiff_t{stride}, stride, j - kGroup,
+                         inverse + j - kGroup, z);
+      }
+      for (int i = 0; i < columns; ++i) y[first + i] = z[i];
+    }
+    return 0;
+  }
+};
+
+TriangularPanels::TriangularPanels(const Supernodes& supernodes) : supernodes_(supernodes) {
+  std::size_t size = 0;
+  for (std::size_t k = 0; k + 1 < supernodes.first_column.size(); ++k) {
+    const int columns = supernodes.first_column[k + 1] - supernodes.first_column[k];
+    const int stride = padded(supernodes.first_row[k + 1] - supernodes.first_row[k]);
+    start_.push_back(size);
+    size += static_cast<std::size_t>(columns) * static_cast<std::size_t>(stride / kWidth);
+    scratch_size_ = std::max(scratch_size_, static_cast<std::size_t>(stride));
+  }
+  values_.assign(size, Sixteen{});
+  inverse_diagonal_.assign(static_cast<std::size_t>(supernodes.first_column.back()), 0.0F);
+}
+
+template <class Number>
+void TriangularPanels::set(int k, const Number* values) {
+  const auto at = static_cast<std::size_t>(k);
+  const int first = supernodes_.first_column[at];
+  const int columns = supernodes_.first_column[at + 1] - first;
+  const int rows = supernodes_.first_row[at + 1] - supernodes_.first_row[at];
+  const int stride = padded(rows);
+  for (int j = 0; j < columns; ++j) {
+    const Number* const from = values + static_cast<std::ptrdiff_t>(j) * rows;
+    BFloat16* const to = values_[start_[at]].of + static_cast<std::ptrdiff_t>(j) * stride;
+    for (int i = j + 1; i < rows; ++i) to[i] = rounded(static_cast<float>(from[i]));
+    inverse_diagonal_[static_cast<std::size_t>(first + j)] = static_cast<float>(1.0 / from[j]);
+  }
+}
+template void TriangularPanels::set<float>(int, const float*);
+template void TriangularPanels::set<double>(int, const double*);
+
+void TriangularPanels::solve(SimdLevel simd, std::span<float> y, std::span<float> scratch) const {
+  float* const values = y.data();
+  float* const z = scratch.data();
+  run_at<Solve>(simd, *this, values, z);
+}
+
+}  // namespace palpable
