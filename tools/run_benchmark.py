@@ -163,7 +163,7 @@ def tables(entries, real):
     def rows(keys, percent=()):
         for name, entry in scored.items():
             cells = [entry["scores"].get(key) for key in keys]
-            if any(cells):
+            if any(cell is not None for cell in cells[1:]):
                 yield [name] + [100 * value if key in percent and value is not None else value
                                 for key, value in zip(keys, cells)]
 
