@@ -149,8 +149,8 @@ def elements_section(results):
 
     text = [f"""\
 Measured on {results["date"]} by `{results["command"]}` ({results["wall_s"] / 60:.0f} minutes);
-`{results["description"]}`, {results["law"]}, full press {1e3 * results["full_press_m"]:.0f} mm = 10 % of
-the height.
+`{results["description"]}` with an edge of {1e3 * results["edge_m"]:g} mm, {results["law"]}, full press
+{1e3 * results["full_press_m"]:.0f} mm = 10 % of the height.
 
 A coarse mesh of the body ({meshes["4-node, coarse"]["nodes"]} nodes) is given edge nodes ("10-node") and is split,
 each tetrahedron into eight ("4-node"): both have the same {meshes["10-node"]["nodes"]} nodes, fill the same

@@ -162,7 +162,8 @@ void bench_elements(const Options& options) {
   result["date"] = date_today();
   result["machine"] = processor_name();
   result["command"] = fmt::format(
-      "palpable bench elements {} --sites {} --pressed {} --poisson {} --json", options.description,
+      "palpable bench elements {}{} --sites {} --pressed {} --poisson {} --json",
+      options.description, options.edge > 0.0 ? fmt::format(" --edge {:g}", options.edge) : "",
       options.sites, options.pressed, fmt::join(options.poisson, " "));
   result["title"] = "4-node and 10-node tetrahedra";
   result["order"] = 50;
@@ -172,6 +173,7 @@ void bench_elements(const Options& options) {
   result["body"] = description.name;
   result["description"] = std::filesystem::path(options.description).filename().string();
   result["law"] = settings.law;
+  result["edge_m"] = *description.shape.edge;
   result["height_m"] = height;
   result["full_press_m"] = settings.press;
   result["nested"] = json_of(nested, nested_height);

@@ -64,24 +64,24 @@ std::vector<double> even_levels(int count) {
 // One path of ours, all of it: the solver made, its factor of the undeformed body included.
 struct OurPath {
   PathResult path;
-  double cpu_s = 0;    // the median of the repeats
+  double cpu_s = 0;    // the median of the repeats; all else is of that repeat
   double setup_s = 0;  // of it, making the solver
+  SolverSetup setup;
 };
 OurPath solve_ours(const SolidModel& model, const Matrix3Xd& load,
                    const std::vector<double>& levels, int repeats) {
-  OurPath result;
-  std::vector<std::pair<double, double>> times;
-  for (int r = 0; r < repeats; ++r) {
+  std::vector<OurPath> runs(static_cast<std::size_t>(repeats));
+  for (OurPath& run : runs) {
     const double begin = cpu_seconds();
     const EquilibriumSolver solver(model, {.tolerance = kTolerance});
-    const double made = cpu_seconds();
-    result.path = solver.solve_path(load, levels);
-    const double end = cpu_seconds();
-    times.emplace_back(end - begin, made - begin);
+    run.setup_s = cpu_seconds() - begin;
+    run.path = solver.solve_path(load, levels);
+    run.cpu_s = cpu_seconds() - begin;
+    run.setup = solver.setup();
   }
-  std::sort(times.begin(), times.end());
-  std::tie(result.cpu_s, result.setup_s) = times[times.size() / 2];
-  return result;
+  std::sort(runs.begin(), runs.end(),
+            [](const OurPath& a, const OurPath& b) { return a.cpu_s < b.cpu_s; });
+  return std::move(runs[runs.size() / 2]);
 }
 
 struct Counts {
@@ -96,10 +96,29 @@ Counts counts_of(const PathResult& path) {
   return counts;
 }
 
+// Where the CPU time went.
+Json stages_of(const OurPath& ours) {
+  const SolverSetup& setup = ours.setup;
+  const SolveTimes& times = ours.path.times;
+  const double tangent = setup.tangent_s + times.tangent_s;
+  const double factor = setup.factor_s + times.factor_s;
+  const double solve = times.precondition_s + times.product_s;
+  const double before = setup.pattern_s + setup.ordering_s;
+  return {{"pattern_and_ordering", before},
+          {"tangent", tangent},
+          {"factor", factor},
+          {"solve", solve},
+          {"solve_preconditioner", times.precondition_s},
+          {"solve_products", times.product_s},
+          {"force", times.force_s},
+          {"rest", ours.cpu_s - before - tangent - factor - solve - times.force_s}};
+}
+
 Json json_of(const OurPath& ours) {
   const Counts counts = counts_of(ours.path);
   return {{"cpu_s", ours.cpu_s},
           {"setup_s", ours.setup_s},
+          {"stages_s", stages_of(ours)},
           {"newton_steps", counts.newton},
           {"cg_iterations", counts.cg},
           {"factors_renewed", ours.path.factors},
@@ -182,6 +201,35 @@ Json json_of(const Pair& pair, const Options& options) {
   row["largest_displacement_m"] = pair.difference.largest_displacement;
   row["smallest_volume_ratio"] = pair.difference.smallest_volume_ratio;
   return row;
+}
+
+// What one path takes at least on this machine, by any method that for each level evaluates the
+// forces once, a product with the tangent once and the factor once, and makes one factor: bytes at
+// the rate of a copy between arrays as large as the factor, operations at the rate of multiply-adds
+// in registers, in single precision, nothing overlapping and nothing kept in a cache.
+Json floor_of(const TetMesh& mesh, const SolverSetup& setup, int levels) {
+  const MachineRates rates = measure_machine(static_cast<std::size_t>(setup.factor_bytes));
+  // Displacements read, forces written and read, 3 doubles a node each.
+  const double element_bytes = setup.element_bytes + 72.0 * mesh.node_count();
+  // At each point F and the forces take 18 multiply-adds a node together, the law about 100
+  // operations.
+  const double points = mesh.is_quadratic() ? 4 : 1, nodes = mesh.is_quadratic() ? 10 : 4;
+  const double element_flops = mesh.tet_count() * points * (36.0 * nodes + 100.0);
+  const double pass =
+      std::max(element_bytes / rates.bytes_per_s, element_flops / rates.flops_per_s);
+  const double application = 2.0 * setup.factor_bytes / rates.bytes_per_s;
+  const double factor = setup.factor_flops / rates.flops_per_s;
+  return {{"copy_bytes_per_s", rates.bytes_per_s},
+          {"flops_per_s", rates.flops_per_s},
+          {"vectors", rates.vectors},
+          {"element_pass_bytes", element_bytes},
+          {"element_pass_flops", element_flops},
+          {"element_pass_s", pass},
+          {"factor_bytes", setup.factor_bytes},
+          {"factor_application_s", application},
+          {"factor_flops", setup.factor_flops},
+          {"factor_s", factor},
+          {"path_s", factor + levels * (2.0 * pass + application)}};
 }
 
 Json at_json(const Vector3d& at) { return {at[0], at[1], at[2]}; }
@@ -294,7 +342,41 @@ Json section_tables(const Json& result, const Options& options) {
   for (const Json& site : result["ten_node"]["sites"]) {
     add(site, fmt::format("10-node, {} nodes", result["ten_node"]["nodes"].get<int>()));
   }
-  return Json::array({std::move(paths)});
+  Json stages = {
+      {"heading", "Where our CPU time goes"},
+      {"columns",
+       {"site", "pattern, ordering", "tangent", "factor", "solve", "forces", "rest", "all, s"}},
+      {"rows", Json::array()}};
+  for (const Json& site : result["sites"]) {
+    const Json& s = site["stages_s"];
+    stages["rows"].push_back({std::to_string(site["site"].get<int>()), s["pattern_and_ordering"],
+                              s["tangent"], s["factor"], s["solve"], s["force"], s["rest"],
+                              site["cpu_s"]});
+  }
+  const Json& floor = result["floor"];
+  Json least = {
+      {"heading", "What this machine would take at least"},
+      {"text",
+       fmt::format("One factor, and for each level one pass over the elements for the forces, one "
+                   "for a product with the tangent, and one application of the factor: **{:.3g} "
+                   "s**. Memory at the rate of a copy between arrays as large as the factor, "
+                   "{:.3g} GB/s; operations in single precision at the rate of multiply-adds in "
+                   "registers, {:.3g} GFlop/s ({}); nothing kept in a cache. Peak memory of the "
+                   "program: {:.0f} MB.",
+                   result["floor_s"].get<double>(), 1e-9 * floor["copy_bytes_per_s"].get<double>(),
+                   1e-9 * floor["flops_per_s"].get<double>(), floor["vectors"].get<std::string>(),
+                   1e-6 * result["memory_bytes"].get<double>())},
+      {"columns", {"once", "MB", "MFlop", "ms"}},
+      {"rows", Json::array()}};
+  const auto add_least = [&](const char* what, double bytes, double flops, double seconds) {
+    least["rows"].push_back({what, 1e-6 * bytes, 1e-6 * flops, 1e3 * seconds});
+  };
+  add_least("pass over the elements", floor["element_pass_bytes"], floor["element_pass_flops"],
+            floor["element_pass_s"]);
+  add_least("application of the factor, read twice", floor["factor_bytes"],
+            floor["factor_bytes"].get<double>(), floor["factor_application_s"]);
+  add_least("factor", floor["factor_bytes"], floor["factor_flops"], floor["factor_s"]);
+  return Json::array({std::move(paths), std::move(stages), std::move(least)});
 }
 
 void bench_solid(const Options& options) {
@@ -328,6 +410,7 @@ void bench_solid(const Options& options) {
   std::vector<Vector3d> places;
   std::vector<double> cpu, ccx_cpu, ratios, fractions;
   double difference_u = 0, difference_stress = 0;
+  Json floor;
   Runs runs(options.verify ? 1.5 * static_cast<double>(options.sites.size())
                            : static_cast<double>(options.sites.size()));
   std::vector<std::string> beyond;
@@ -361,6 +444,7 @@ void bench_solid(const Options& options) {
     row.update(json_of(pair, options));
     sites.push_back(std::move(row));
     cpu.push_back(pair.ours.cpu_s);
+    if (floor.is_null()) floor = floor_of(mesh, pair.ours.setup, options.levels);
     ccx_cpu.push_back(pair.theirs.cpu_seconds);
     ratios.push_back(pair.theirs.cpu_seconds / pair.ours.cpu_s);
     fractions.push_back(press);
@@ -373,8 +457,9 @@ void bench_solid(const Options& options) {
   result["order"] = 40;
   result["date"] = date_today();
   result["machine"] = processor_name();
-  result["command"] = fmt::format("palpable bench solid {}{} --json", options.description,
-                                  options.verify ? " --verify" : "");
+  result["command"] =
+      fmt::format("palpable bench solid {} --sites {} --levels {}{} --json", options.description,
+                  fmt::join(options.sites, " "), options.levels, options.verify ? " --verify" : "");
   result["body"] = description.name;
   result["law"] = options.law;
   result["young_Pa"] = description.material.young;
@@ -392,7 +477,9 @@ void bench_solid(const Options& options) {
     result["max_rel_difference_u"] = difference_u;
     result["max_rel_difference_stress"] = difference_stress;
   }
+  result["floor_s"] = floor["path_s"];
   result["memory_bytes"] = memory;
+  result["floor"] = std::move(floor);
   result["sites"] = std::move(sites);
   const BodyProblem ten = pose_body(of_ten_nodes(description, places));
   result["ten_node"] = ten_node_figures(ten, levels, options.repeats);

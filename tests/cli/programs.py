@@ -529,7 +529,7 @@ def _(programs, folder):
     result = programs.succeeds("bench", "solid", folder / "ball.toml", "--ours-only", "--sites", "0",
                                "--levels", "3", "--repeats", "1", "--json")
     solid = json.loads(result.stdout)
-    for key in ("path_cpu_s", "nodes", "tets", "levels", "law", "press_fraction"):
+    for key in ("path_cpu_s", "nodes", "tets", "levels", "law", "press_fraction", "floor_s"):
         assert key in solid, key
     assert solid["levels"] == 3 and abs(solid["press_fraction"] - 0.08) < 1e-4, solid
     result = programs.succeeds("bench", "elements", folder / "ball.toml", "--sites", "2", "--pressed", "1",
