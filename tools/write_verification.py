@@ -257,7 +257,7 @@ The same comparison on meshes of full size, at every level, measured on {results
 # file in docs/results -> heading, and who makes its text
 MEASURED = {
     "solid": ("CalculiX on meshes of full size", solid_section),
-    "elements": ("4-node and 10-node tetrahedra on the paper's bunny", elements_section),
+    "elements": ("4-node and 10-node tetrahedra on the bunny", elements_section),
 }
 
 
