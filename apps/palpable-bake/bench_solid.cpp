@@ -388,13 +388,14 @@ void bench_solid(const Options& options) {
                     options.program));
   }
   BodyDescription description = read_body_description(options.description);
-  description.material.law = options.law;
-  if (!description.shape.edge) {
+  if (!description.shape.edge || !description.material.constants.empty()) {
     throw Error(
-        fmt::format("{}: the bench needs an edge in [shape]: it meshes the body with twice "
-                    "that edge, too",
+        fmt::format("{}: the bench needs an edge in [shape], because it meshes the body "
+                    "with twice that edge, too, and a material by young and poisson",
                     options.description));
   }
+  description.material.law = options.law;
+  description.shape.order = 1;
   const BodyProblem problem = pose_body(description);
   if (problem.preload.cols() > 0 || problem.force > 0.0 || !problem.model.groups.empty()) {
     throw Error(
