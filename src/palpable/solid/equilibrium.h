@@ -105,7 +105,7 @@ struct LoadSearch {
 /// threads at once on one object (sites side by side); a call itself uses one thread.
 ///
 /// Memory: the factor, 4 kB a node on a bunny of 16,000 nodes (for a moment twice as much again),
-/// and per call 0.8 kB a node.
+/// and per call up to 2 kB a node.
 class EquilibriumSolver {
  public:
   /// @throws Error as check_model()
