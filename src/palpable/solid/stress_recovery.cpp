@@ -7,7 +7,6 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
-#include <span>
 #include <vector>
 
 namespace palpable {
@@ -41,53 +40,37 @@ struct Neighbours {
   }
 };
 
-// (3 x Q E) places of the integration points.
-Eigen::Matrix3Xd point_places(const TetMesh& mesh) {
-  const int Q = mesh.is_quadratic() ? 4 : 1;
-  Eigen::Matrix3Xd places(3, Q * mesh.tet_count());
-  for (int e = 0; e < mesh.tet_count(); ++e) {
-    if (Q == 1) {
-      places.col(e) = mesh.nodes(Eigen::all, mesh.tets.col(e)).rowwise().mean();
-      continue;
-    }
-    for (int q = 0; q < Q; ++q) {
-      const auto& L = four_point_rule()[static_cast<std::size_t>(q)].barycentric;
-      places.col(Q * e + q) =
-          mesh.nodes(Eigen::all, quadratic_nodes(mesh, e)) * quadratic_shape(L).N;
-    }
-  }
-  return places;
-}
-
 std::vector<char> skin_nodes(const TetMesh& mesh) {
   std::vector<char> skin(static_cast<std::size_t>(mesh.node_count()), 0);
   for (const int n : boundary_of(mesh).node_of_vertex) skin[static_cast<std::size_t>(n)] = 1;
-  // The middle of an edge between two corners of the skin nearly always lies there too; one that
-  // does not only gets a larger patch.
-  for (Eigen::Index e = 0; e < mesh.edge_nodes.cols(); ++e) {
-    for (int k = 0; k < 6; ++k) {
-      const auto a = static_cast<std::size_t>(mesh.tets(kTetEdges[k][0], e));
-      const auto b = static_cast<std::size_t>(mesh.tets(kTetEdges[k][1], e));
-      if (skin[a] != 0 && skin[b] != 0) {
-        skin[static_cast<std::size_t>(mesh.edge_nodes(k, e))] = 1;
-      }
-    }
-  }
   return skin;
 }
 
-}  // namespace
+// (10 x 4) of a linear field's values at the four integration points, those at corners and edges.
+//
+// With L = a at its own corner and b at the others, a + 3 b = 1, a field sum_c f_c L_c has the
+// value v_q = (a - b) f_q + b sum_c f_c at point q, and sum_q v_q = sum_c f_c.
+Eigen::Matrix<double, 10, 4> nodes_from_points() {
+  const Eigen::Vector4d& L = four_point_rule()[0].barycentric;
+  const double own = L.maxCoeff(), other = L.minCoeff();
+  Eigen::Matrix<double, 10, 4> weights;
+  weights.topRows<4>() =
+      (Eigen::Matrix4d::Identity() - Eigen::Matrix4d::Constant(other)) / (own - other);
+  for (int k = 0; k < 6; ++k) {
+    weights.row(4 + k) = 0.5 * (weights.row(kTetEdges[static_cast<std::size_t>(k)][0]) +
+                                weights.row(kTetEdges[static_cast<std::size_t>(k)][1]));
+  }
+  return weights;
+}
 
-namespace {
-
-// A linear polynomial fitted to the values at the points of some elements.
+// A linear polynomial fitted to the values of some elements.
 struct Fit {
-  std::vector<int> points;
-  // (4 x points) coefficients of 1 and of (X - origin) from the values; none if it cannot be made.
+  std::vector<int> elements;
+  // (4 x elements) coefficients of 1 and of (X - origin) from the values; none if it cannot be made.
   Eigen::Matrix4Xd coefficients;
   Eigen::Vector3d origin;
 
-  // (points) weights of the values in the polynomial at X.
+  // (elements) weights of the values in the polynomial at X.
   [[nodiscard]] Eigen::VectorXd weights_at(const Eigen::Vector3d& X) const {
     Eigen::Vector4d p;
     p << 1.0, X - origin;
@@ -95,17 +78,14 @@ struct Fit {
   }
 };
 
-Fit fit_around(const Eigen::Vector3d& origin, std::span<const int> elements, int Q,
+Fit fit_around(const Eigen::Vector3d& origin, const std::vector<int>& elements,
                const Eigen::Matrix3Xd& places) {
-  Fit fit{{}, {}, origin};
-  for (const int e : elements) {
-    for (int q = 0; q < Q; ++q) fit.points.push_back(Q * e + q);
-  }
-  const auto count = static_cast<Eigen::Index>(fit.points.size());
+  Fit fit{elements, {}, origin};
+  const auto count = static_cast<Eigen::Index>(fit.elements.size());
   if (count < 6) return fit;  // four unknowns: with hardly more points nothing is smoothed
   Eigen::Matrix4Xd p(4, count);
   p.row(0).setOnes();
-  p.bottomRows<3>() = places(Eigen::all, fit.points).colwise() - origin;
+  p.bottomRows<3>() = places(Eigen::all, fit.elements).colwise() - origin;
   const double extent = p.bottomRows<3>().colwise().norm().maxCoeff();
   if (!(extent > 0.0)) return fit;
   p.bottomRows<3>() /= extent;
@@ -120,10 +100,39 @@ Fit fit_around(const Eigen::Vector3d& origin, std::span<const int> elements, int
 }  // namespace
 
 StressRecovery::StressRecovery(const TetMesh& mesh) {
-  const int N = mesh.node_count(), Q = mesh.is_quadratic() ? 4 : 1;
-  points_ = static_cast<Eigen::Index>(Q) * mesh.tet_count();
+  if (mesh.is_quadratic()) {
+    recover_from_elements(mesh);
+  } else {
+    recover_from_patches(mesh);
+  }
+}
+
+void StressRecovery::recover_from_elements(const TetMesh& mesh) {
+  points_ = 4 * static_cast<Eigen::Index>(mesh.tet_count());
   const Neighbours around(mesh);
-  const Eigen::Matrix3Xd places = point_places(mesh);
+  const Eigen::Matrix<double, 10, 4> weights = nodes_from_points();
+  start_.push_back(0);
+  for (int n = 0; n < mesh.node_count(); ++n) {
+    const int begin = around.start[static_cast<std::size_t>(n)];
+    const int end = around.start[static_cast<std::size_t>(n) + 1];
+    for (int k = begin; k < end; ++k) {
+      const int e = around.element[static_cast<std::size_t>(k)];
+      const Eigen::Matrix<int, 10, 1> nodes = quadratic_nodes(mesh, e);
+      const auto place = std::find(nodes.begin(), nodes.end(), n) - nodes.begin();
+      for (int q = 0; q < 4; ++q) terms_.push_back({4 * e + q, weights(place, q) / (end - begin)});
+    }
+    start_.push_back(static_cast<int>(terms_.size()));
+  }
+}
+
+void StressRecovery::recover_from_patches(const TetMesh& mesh) {
+  const int N = mesh.node_count();
+  points_ = mesh.tet_count();
+  const Neighbours around(mesh);
+  Eigen::Matrix3Xd places(3, mesh.tet_count());
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    places.col(e) = mesh.nodes(Eigen::all, mesh.tets.col(e)).rowwise().mean();
+  }
   const Eigen::VectorXd volumes = tet_volumes(mesh);
   const std::vector<char> skin = skin_nodes(mesh);
 
@@ -157,7 +166,7 @@ StressRecovery::StressRecovery(const TetMesh& mesh) {
     Fit& fit = fits[static_cast<std::size_t>(n)];
     if (skin[static_cast<std::size_t>(n)] != 0) continue;
     for (int rings = 1; rings <= 2; ++rings) {
-      fit = fit_around(mesh.nodes.col(n), patch_of(n, rings), Q, places);
+      fit = fit_around(mesh.nodes.col(n), patch_of(n, rings), places);
       if (fit.coefficients.cols() == 0) continue;
       if (fit.coefficients.row(0).lpNorm<1>() <= kMostAmplification) break;
       fit.coefficients.resize(4, 0);
@@ -167,8 +176,8 @@ StressRecovery::StressRecovery(const TetMesh& mesh) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(points_);  // weights of one node; zero in between
   std::vector<int> touched;
   const auto add = [&](const Fit& fit, const Eigen::VectorXd& weights, double share) {
-    for (std::size_t k = 0; k < fit.points.size(); ++k) {
-      const int point = fit.points[k];
+    for (std::size_t k = 0; k < fit.elements.size(); ++k) {
+      const int point = fit.elements[k];
       if (sum[point] == 0.0) touched.push_back(point);
       sum[point] += share * weights[static_cast<Eigen::Index>(k)];
     }
@@ -201,7 +210,7 @@ StressRecovery::StressRecovery(const TetMesh& mesh) {
       }
     }
     for (int rings = 2; rings <= kMostRings && !found; ++rings) {
-      const Fit fit = fit_around(X, patch_of(n, rings), Q, places);
+      const Fit fit = fit_around(X, patch_of(n, rings), places);
       if (fit.coefficients.cols() == 0) continue;
       const Eigen::VectorXd weights = fit.weights_at(X);
       if (!(weights.lpNorm<1>() <= kMostAmplification)) continue;
@@ -212,9 +221,7 @@ StressRecovery::StressRecovery(const TetMesh& mesh) {
       const std::vector<int> patch = patch_of(n, 1);
       double volume = 0.0;
       for (const int e : patch) volume += volumes[e];
-      for (const int e : patch) {
-        for (int q = 0; q < Q; ++q) terms_.push_back({Q * e + q, volumes[e] / volume / Q});
-      }
+      for (const int e : patch) terms_.push_back({e, volumes[e] / volume});
       averaged_nodes_ += patch.empty() ? 0 : 1;
     }
     for (const int point : touched) {
