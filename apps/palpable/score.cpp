@@ -42,10 +42,14 @@ void score_trajectories(const TruthFolder& truth, const ResultFolder& result,
   for (const char* key : {"ate_mm", "rpe_mm", "rpe_deg", "trajectory_share"}) scores[key] = nullptr;
   if (truth.trajectory.empty() || !result.trajectory) return;
   const double half_a_frame = 0.5 / truth.frames_per_second;
-  const std::vector<PosePair> pairs =
-      match_in_time(truth.trajectory, *result.trajectory, half_a_frame);
-  scores["trajectory_share"] =
-      static_cast<double>(pairs.size()) / static_cast<double>(truth.trajectory.size());
+  std::vector<StampedPose> asked;
+  for (std::size_t f = 0; f < truth.trajectory.size(); ++f)
+    if (result.processed[f] != 0) asked.push_back(truth.trajectory[f]);
+  const std::vector<PosePair> pairs = match_in_time(asked, *result.trajectory, half_a_frame);
+  if (!asked.empty()) {
+    scores["trajectory_share"] =
+        static_cast<double>(pairs.size()) / static_cast<double>(asked.size());
+  }
   if (pairs.empty()) return;
   const TrajectoryScore score = score_trajectory(pairs);
   scores["ate_mm"] = 1e3 * score.ate;
@@ -98,7 +102,11 @@ void score_rows(const TruthFolder& truth, const ResultFolder& result, ordered_js
   scores["row_error_px"] = nullptr;
   if (!result.corrections) return;
   const int second = static_cast<int>(std::lround(truth.frames_per_second));
-  scores["row_error_px"] = or_null(largest_row_error(truth.rows, *result.corrections, second));
+  std::vector<std::uint8_t> looked_at;
+  for (const TrueRowOffset& row : truth.rows)
+    looked_at.push_back(result.processed[static_cast<std::size_t>(row.frame)]);
+  scores["row_error_px"] =
+      or_null(largest_row_error(truth.rows, *result.corrections, second, looked_at));
 }
 
 std::string text_of(const ordered_json& value, int digits) {
@@ -123,6 +131,7 @@ void print(const ordered_json& scores) {
     fmt::print("{:<44}{}{}\n", text, text_of(value, digits), value.is_null() ? "" : unit);
   };
   line("frames", "frames", "", 0);
+  line("frames whose depth is scored", "depth_frames", "", 0);
   print_depth(scores);
   line("near hand within 1 %", "hand_within_1pct", "", 3);
   line("too close, but called far", "too_close_called_far", "", 4);
@@ -142,6 +151,7 @@ void print(const ordered_json& scores) {
     fmt::print("{:<44}{:.2e}\n", "error of the reduced model, pooled",
                scores["reduction_error"].get<double>());
   }
+  line("frames whose occlusion is scored", "occlusion_frames", "", 0);
   line("visible body, intersection over union", "occlusion_iou", "", 3);
   line("  where a hand hides part of it", "occlusion_iou_where_hidden", "", 3);
   line("  in the worst frame", "occlusion_iou_worst_frame", "", 3);

@@ -11,6 +11,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -63,11 +64,15 @@ void for_each_object(const fs::path& path, Take take) {
   for_each_line(path, [&](const std::string& line) { take(json::parse(line)); });
 }
 
-int frame_of(const json& line) {
-  const int frame = line.at("frame").get<int>();
+// A frame's number: a whole one, for get<int>() would cut off what is not.
+int frame_number(const json& value) {
+  if (!value.is_number_integer()) refuse(fmt::format("{} is no frame's number", value.dump()));
+  const auto frame = value.get<std::int64_t>();
   if (frame < 0 || frame >= kMostFrames) refuse(fmt::format("frame {} is no frame", frame));
-  return frame;
+  return static_cast<int>(frame);
 }
+
+int frame_of(const json& line) { return frame_number(line.at("frame")); }
 
 // As frame_of, for files whose frames must come in order.
 int next_frame_of(const json& line, int last) {
@@ -197,11 +202,14 @@ void read_live(const fs::path& path, ResultFolder& result) {
       result.camera_from_body = rigid_of(live.at("camera_from_body"));
     if (!live.contains("processed")) return;
     std::vector<std::uint8_t> processed(result.processed.size(), 0);
-    for (const int frame : live.at("processed").get<std::vector<int>>()) {
-      if (frame >= 0 && static_cast<std::size_t>(frame) < processed.size())
-        processed[static_cast<std::size_t>(frame)] = 1;
+    if (!live.at("processed").is_array()) refuse("processed is no list of frames");
+    for (const json& value : live.at("processed")) {
+      const auto frame = static_cast<std::size_t>(frame_number(value));
+      if (frame < processed.size()) processed[frame] = 1;
     }
     result.processed = std::move(processed);
+  } catch (const json::parse_error& error) {
+    throw Error(fmt::format("{}: no JSON at character {}", path.string(), error.byte));
   } catch (const json::exception& error) {
     throw Error(fmt::format("{}: {}", path.string(), without_brackets(error.what())));
   } catch (const Error& error) { throw Error(fmt::format("{}: {}", path.string(), error.what())); }

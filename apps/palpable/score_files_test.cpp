@@ -164,7 +164,12 @@ TEST_CASE("a result that makes no sense is refused with file and line", "[apps][
       {"pose.jsonl: line 1", "no rigid motion"}));
   CHECK(says(result_refusal("rectification.jsonl", "{\"frame\":0,\"row_correction_px\":null}\n"),
              {"rectification.jsonl: line 1"}));
-  CHECK(says(result_refusal("live.json", "{\"processed\":[0,\n\n"), {"live.json", "line 3"}));
+  CHECK(says(result_refusal("live.json", "{\"processed\":[0,\n\n"), {"live.json: no JSON at"}));
+  CHECK(says(result_refusal("live.json", "{\"processed\":[0,1.5]}"), {"live.json", "1.5 is no"}));
+  CHECK(says(result_refusal("live.json", "{\"processed\":2}"), {"live.json", "no list"}));
+  CHECK(says(result_refusal("live.json", "[1]"), {"live.json"}));
+  CHECK(says(result_refusal("touches.jsonl", "{\"frame\":0.5}\n"),
+             {"touches.jsonl: line 1", "0.5 is no"}));
   CHECK(says(result_refusal("trajectory.txt", "0 0 0 x 0 0 0 1\n"), {"trajectory.txt: line 1"}));
 }
 

@@ -91,10 +91,17 @@ class OcclusionSum {
     drawn_ = std::move(drawn);
   }
 
+  // A frame without the body's depth: nothing was drawn, and what hides it nobody can tell.
+  void add_missing() {
+    ++frames_;
+    worst_ = 0;
+  }
+
   void write(ordered_json& scores) const {
     const auto mean = [](double sum, int n) {
       return n == 0 ? std::nullopt : std::optional(sum / n);
     };
+    scores["occlusion_frames"] = frames_;
     scores["occlusion_iou"] = or_null(mean(sum_, frames_));
     scores["occlusion_iou_where_hidden"] = or_null(mean(hidden_sum_, hidden_frames_));
     scores["occlusion_iou_worst_frame"] = frames_ > 0 ? ordered_json(worst_) : nullptr;
@@ -116,7 +123,9 @@ class OcclusionSum {
   SightImage drawn_;
 };
 
-void write_depth(const DepthScore& score, bool any, ordered_json& scores) {
+void write_depth(const DepthScore& score, int frames, ordered_json& scores) {
+  const bool any = frames > 0;
+  scores["depth_frames"] = frames;
   for (const char* key : {"depth_median", "depth_within_1pct", "depth_density"})
     scores[key] = nullptr;
   if (any) {
@@ -137,9 +146,17 @@ void write_depth(const DepthScore& score, bool any, ordered_json& scores) {
 void score_images(const TruthFolder& truth, const ResultFolder& result, const Progress& progress,
                   ordered_json& scores) {
   DepthScorer depth(truth.depth_unit);
-  bool any_depth = false;
+  int depth_frames = 0;
   MaskScore moving;
   OcclusionSum occlusion;
+  const auto holds = [&](const char* kind) {
+    return std::filesystem::is_directory(result.folder / kind);
+  };
+  // A folder that is there stands for all its frames: one that holds only the good ones gains
+  // nothing by it.
+  const bool any_depth = holds("depth");
+  const bool any_moving = holds("moving");
+  const bool any_visible = holds("visible") && holds("body_depth");
   for (int frame = 0; frame < truth.frames; ++frame) {
     report(progress, {"comparing images", frame + 1.0, static_cast<double>(truth.frames), ""});
     if (result.processed[static_cast<std::size_t>(frame)] == 0) continue;
@@ -148,27 +165,33 @@ void score_images(const TruthFolder& truth, const ResultFolder& result, const Pr
     const auto labels = read_gray(truth.folder, "labels", frame);
     if (labels) expect_size(*labels, *true_depth, false, truth, truth.folder, "labels", frame);
 
-    if (const auto found = read_counts(result.folder, "depth", frame)) {
+    if (any_depth) {
+      auto found = read_counts(result.folder, "depth", frame);
+      if (!found) found.emplace(true_depth->width(), true_depth->height(), kNoDepth);
       expect_size(*found, *true_depth, false, truth, result.folder, "depth", frame);
       depth.add(*true_depth, labels.value_or(GrayImage{}), *found);
-      any_depth = true;
+      ++depth_frames;
     }
-    if (labels) {
-      if (const auto found = read_gray(result.folder, "moving", frame)) {
-        expect_size(*found, *true_depth, true, truth, result.folder, "moving", frame);
-        moving += compare_masks(*labels, kMovingLabel, to_half(as_mask(*found), labels->width()));
-      }
+    if (labels && any_moving) {
+      auto found = read_gray(result.folder, "moving", frame);
+      if (!found) found.emplace(labels->width(), labels->height(), std::uint8_t{0});
+      expect_size(*found, *true_depth, true, truth, result.folder, "moving", frame);
+      moving += compare_masks(*labels, kMovingLabel, to_half(as_mask(*found), labels->width()));
     }
-    const auto visible = read_gray(result.folder, "visible", frame);
+    if (!any_visible) continue;
     const auto body = read_counts(result.folder, "body_depth", frame);
-    if (visible && body) {
+    if (!body) {
+      occlusion.add_missing();
+    } else {
+      auto visible = read_gray(result.folder, "visible", frame);
+      if (!visible) visible.emplace(true_depth->width(), true_depth->height(), std::uint8_t{0});
       expect_size(*visible, *true_depth, true, truth, result.folder, "visible", frame);
       expect_size(*body, *true_depth, false, truth, result.folder, "body_depth", frame);
       occlusion.add(frame, as_mask(*visible), metres(*body, kBodyDepthUnit),
                     metres(*true_depth, static_cast<float>(truth.depth_unit)));
     }
   }
-  write_depth(depth.score(), any_depth, scores);
+  write_depth(depth.score(), depth_frames, scores);
   scores["moving_iou"] = or_null(moving.iou());
   scores["moving_recall"] = or_null(moving.recall());
   occlusion.write(scores);

@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -23,11 +24,18 @@ using nlohmann::ordered_json;
 class Surfaces {
  public:
   Surfaces(const ResultFolder& result, const ReducedBody* body)
-      : result_(result), body_(body), meshes_(fs::is_directory(result.folder / "meshes")) {}
+      : result_(result), body_(body), meshes_(fs::is_directory(result.folder / "meshes")) {
+    const auto known = [](const auto& touch) {
+      return touch.second.site >= 0 && touch.second.level.has_value();
+    };
+    // One frame of an unknown shape leaves none: the worst ones might be those.
+    touches_say_it_ = body != nullptr && result.touches &&
+                      std::all_of(result.touches->begin(), result.touches->end(), known);
+  }
 
   [[nodiscard]] std::optional<Eigen::Matrix3Xd> at(int frame) const {
     if (meshes_) return from_file(frame);
-    if (body_ == nullptr || !result_.touches) return std::nullopt;
+    if (!touches_say_it_) return std::nullopt;
     return from_touch(frame);
   }
 
@@ -43,10 +51,6 @@ class Surfaces {
     if (touch == result_.touches->end()) return body_->surface.vertices;
     const auto [site, level] = touch->second;
     const fs::path path = result_.folder / "touches.jsonl";
-    if (site < 0 || !level) {
-      throw Error(fmt::format("{}: frame {} has no site and level, which --body needs",
-                              path.string(), frame));
-    }
     if (static_cast<std::size_t>(site) >= body_->sites.size()) {
       throw Error(fmt::format("{}: frame {} presses site {}, but {} has {} sites", path.string(),
                               frame, site, body_->name, body_->sites.size()));
@@ -60,6 +64,7 @@ class Surfaces {
   const ResultFolder& result_;
   const ReducedBody* body_;
   bool meshes_;
+  bool touches_say_it_ = false;
 };
 
 }  // namespace

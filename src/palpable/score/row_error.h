@@ -2,6 +2,7 @@
 /// Whether a rig that goes out of alignment is noticed and put right.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -28,8 +29,12 @@ struct RowCorrection {
 /// 0, afterwards it holds until the next. Nothing when no frame is left.
 /// @param truth, corrections  frames strictly increasing
 /// @param settle              frames, >= 0: those of one second
+/// @param looked_at           (frames of `truth`) 0: the frame's error does not count, though a
+///                            step in it does. Empty: all count
+/// @throws ContractViolation for a negative `settle` or another length of `looked_at`
 [[nodiscard]] std::optional<double> largest_row_error(std::span<const TrueRowOffset> truth,
                                                       std::span<const RowCorrection> corrections,
-                                                      int settle);
+                                                      int settle,
+                                                      std::span<const std::uint8_t> looked_at = {});
 
 }  // namespace palpable

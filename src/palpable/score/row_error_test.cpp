@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 #include "tests/support/test.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace palpable {
@@ -30,6 +31,17 @@ TEST_CASE("a correction holds until the next, and is 0 before the first", "[scor
 TEST_CASE("too much is as wrong as too little", "[score]") {
   CHECK(*largest_row_error(kTruth, std::vector<RowCorrection>{{0, 0.4}, {3, 0.6}}, 2) ==
         Approx(0.3));
+}
+
+TEST_CASE("a frame that was not looked at has no row error, but its step counts", "[score]") {
+  const std::vector<RowCorrection> found{{0, 0.1}, {6, 0.6}};
+  const std::vector<std::uint8_t> without_4_and_5{1, 1, 1, 1, 0, 0, 1};
+  CHECK(*largest_row_error(kTruth, found, 0) == Approx(0.5));
+  CHECK(*largest_row_error(kTruth, found, 0, without_4_and_5) == Approx(0.0));
+  const std::vector<std::uint8_t> without_the_step{1, 1, 1, 0, 1, 1, 1};
+  CHECK(*largest_row_error(kTruth, found, 2, without_the_step) == Approx(0.0));
+  CHECK_THROWS_AS(largest_row_error(kTruth, {}, 0, std::vector<std::uint8_t>{1}),
+                  ContractViolation);
 }
 
 TEST_CASE("where all frames are just after a step there is no error", "[score]") {
