@@ -675,6 +675,50 @@ def _(programs, folder):
         assert len(nulls) == missing, f"without {part}: {nulls}"
 
 
+@case("frames that a result leaves out are misses, and frames that it never saw are not")
+def _(programs, folder):
+    truth, result = write_truth(folder / "truth"), write_result(folder / "result")
+    def score():
+        return json.loads(programs.succeeds("score", truth, result, "--json").stdout)
+    def close(value, wanted):
+        assert abs(value - wanted) <= 1e-4 * max(1, abs(wanted)), f"{value} is not {wanted}"
+    for kind in ("depth", "moving", "visible", "body_depth"):
+        (result / kind / "000001.png").unlink()
+    scores = score()
+    assert scores["depth_frames"] == 3 and scores["occlusion_frames"] == 3, scores
+    close(scores["depth_within_1pct"]["0.3"], 0.8 * 2 / 3)
+    close(scores["hand_within_1pct"], 0.8 * 2 / 3)
+    close(scores["too_close_called_far"], 0.25 * 2 / 3)
+    close(scores["moving_recall"], 0.8 * 2 / 3)
+    close(scores["occlusion_iou"], (6 / 7 + 1) / 3)
+    assert scores["occlusion_iou_worst_frame"] == 0, scores
+    # Frame 1 was not looked at: nothing of it counts, neither images nor path nor rows.
+    (result / "live.json").write_text(json.dumps({"processed": [0, 2]}))
+    lines(result / "rectification.jsonl", [{"frame": n, "row_correction_px": 9 if n == 1 else 0.1} for n in range(3)])
+    lines(result / "trajectory.txt", [f"{n / 2} {0.5 if n == 1 else 0} 0 0 0 0 0 1" for n in range(3)])
+    scores = score()
+    assert scores["depth_frames"] == 2 and scores["occlusion_frames"] == 2, scores
+    close(scores["depth_within_1pct"]["0.3"], 0.8)
+    close(scores["occlusion_iou"], (6 / 7 + 1) / 2)
+    close(scores["row_error_px"], 0.15)
+    close(scores["ate_mm"], 2)  # 0 and 4 mm about their mean
+    close(scores["rpe_mm"], 4)
+    assert scores["trajectory_share"] == 1, scores
+
+
+@case("touches that do not say where and how deep leave the drawn surface unscored")
+def _(programs, folder):
+    truth, result = write_truth(folder / "truth"), write_result(folder / "result")
+    shutil.rmtree(result / "meshes")
+    for touch, known in (({"site": 1, "level": 0.5}, True), ({"site": 1}, False), ({"level": 0.5}, False), ({}, False)):
+        lines(result / "touches.jsonl", [{"frame": 2, **touch}])
+        scores = json.loads(programs.succeeds("score", truth, result, "--body", programs.small_body(), "--json").stdout)
+        for key in ("penetration_median_mm", "penetration_p99_mm", "largest_pop_mm", "largest_pop_frame"):
+            assert (scores[key] is not None) == known, f"{touch}: {key}\n{scores}"
+    lines(result / "touches.jsonl", [{"frame": 2, "site": 99, "level": 0.5}])
+    programs.refuses("score", truth, result, "--body", programs.small_body(), says=["touches.jsonl", "site 99"])
+
+
 @case("folders that are no truth and no result are refused with file and line")
 def _(programs, folder):
     truth, result = write_truth(folder / "truth"), write_result(folder / "result")
