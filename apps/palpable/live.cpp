@@ -157,12 +157,16 @@ void live(const Options& options) {
   ::setenv("OPENCV_LOG_LEVEL", "SILENT", 0);
 
   LiveOptions wanted = options.live;
-  clear_earlier_run(options.out, options.overwrite);
+  const SourceOptions& input = wanted.input;
+  const std::vector<fs::path> earlier =
+      earlier_run(options.out, options.overwrite,
+                  {wanted.body, input.source, input.right, input.depth, input.calibration});
   wanted.clip = options.out / "clip";
   LiveRun run = set_up_live(wanted);
   Session& session = run.session;
   Stage stage = make_stage(options.window, session.camera());
   SceneRenderer renderer = value_or_throw(SceneRenderer::make());
+  remove_earlier_run(earlier);  // not before: all that could be wrong with the options was not
   LiveOutput output({.folder = options.out,
                      .depth = !options.no_depth,
                      .masks = !options.no_masks,

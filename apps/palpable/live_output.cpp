@@ -98,15 +98,25 @@ cv::Mat halved(const DepthImage& depth) {
   return half;
 }
 
+// Whether `path` is `folder` or something in it, links followed.
+bool lies_in(const fs::path& path, const fs::path& folder) {
+  std::error_code error;
+  const fs::path inner = fs::weakly_canonical(fs::absolute(path), error);
+  const fs::path outer = fs::weakly_canonical(fs::absolute(folder), error);
+  const fs::path relative = inner.lexically_relative(outer);
+  return !relative.empty() && *relative.begin() != "..";
+}
+
 }  // namespace
 
-void clear_earlier_run(const fs::path& folder, bool overwrite) {
+std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
+                                  const std::vector<fs::path>& needed) {
   std::vector<fs::path> there;
   for (const char* name : kOutputs) {
     std::error_code ignored;
     if (fs::exists(folder / name, ignored)) there.push_back(folder / name);
   }
-  if (there.empty()) return;
+  if (there.empty()) return there;
   // A folder depth/ alone is somebody's data.
   if (there.front() != folder / kOutputs[0]) {
     throw Error(fmt::format("{}: is in the way and not of an earlier run; give another --out",
@@ -117,6 +127,20 @@ void clear_earlier_run(const fs::path& folder, bool overwrite) {
         fmt::format("{}: holds an earlier run; give another --out, or --overwrite to replace it",
                     folder.string()));
   }
+  for (const fs::path& input : needed) {
+    if (input.empty()) continue;
+    const bool is_out = lies_in(input, folder) && lies_in(folder, input);
+    const auto holds = [&](const fs::path& path) { return lies_in(input, path); };
+    if (!is_out && std::none_of(there.begin(), there.end(), holds)) continue;
+    throw Error(
+        fmt::format("{}: is needed by this run and --overwrite would remove it with {}; "
+                    "give another --out",
+                    input.string(), folder.string()));
+  }
+  return there;
+}
+
+void remove_earlier_run(const std::vector<fs::path>& there) {
   for (const fs::path& path : there) {
     std::error_code error;
     fs::remove_all(path, error);

@@ -62,11 +62,17 @@ struct LiveOutputSettings {
   bool figures = false;
 };
 
-/// Keeps runs apart: removes what an earlier run left in `folder` (the files listed above and
-/// live.json, nothing else) if `overwrite` says so.
-/// @throws Error when there is such a run and `overwrite` is false, or when one of these names is
-/// there without timing.csv, and so of somebody else
-void clear_earlier_run(const std::filesystem::path& folder, bool overwrite);
+/// Keeps runs apart: what an earlier run left in `folder` (the files listed above and live.json,
+/// nothing else); empty when there is none. Removes nothing yet.
+/// @param needed  paths that this run reads; empty ones are skipped
+/// @throws Error when there is such a run and `overwrite` is false, when one of these names is
+/// there without timing.csv, and so of somebody else, or when a needed path would go with them
+[[nodiscard]] std::vector<std::filesystem::path> earlier_run(
+    const std::filesystem::path& folder, bool overwrite,
+    const std::vector<std::filesystem::path>& needed);
+
+/// Removes what earlier_run found. @throws Error when that cannot be done
+void remove_earlier_run(const std::vector<std::filesystem::path>& there);
 
 class LiveOutput {
  public:
