@@ -198,6 +198,7 @@ void read_live(const fs::path& path, ResultFolder& result) {
   std::ifstream in(path);
   try {
     const json live = json::parse(in);
+    if (!live.is_object()) refuse("is no JSON object");
     if (live.contains("camera_from_body"))
       result.camera_from_body = rigid_of(live.at("camera_from_body"));
     if (!live.contains("processed")) return;
