@@ -27,7 +27,9 @@ enum class Act {
   kNoTime,      ///< a time that is no number
   kStuckClock,  ///< a time that is always the same
   kBackInTime,  ///< one frame from long ago
+  kFarFuture,   ///< one frame from days ahead
   kNewClock,    ///< from here on times begin anew
+  kLateClock,   ///< from here on times are a minute later
   kGone,        ///< the camera is not there
 };
 
@@ -65,8 +67,12 @@ class MisbehavingCamera final : public FrameSource {
     }
     state_ = SourceState::kRunning;
     frame.number = number_++;
-    if (act == Act::kNewClock) clock_begin_ = frame.number;
-    frame.time = (frame.number - clock_begin_) / 30.0;
+    if (act == Act::kNewClock) {
+      clock_begin_ = frame.number;
+      late_ = 0;
+    }
+    if (act == Act::kLateClock) late_ += 60;
+    frame.time = (frame.number - clock_begin_) / 30.0 + late_;
     if (act == Act::kGarbage) {
       ++unreadable_;
       trouble_ = "the picture is cut off";
@@ -92,6 +98,9 @@ class MisbehavingCamera final : public FrameSource {
       case Act::kBackInTime:
         frame.time -= 5;
         break;
+      case Act::kFarFuture:
+        frame.time += 1e6;
+        break;
       case Act::kNoise: {
         constexpr std::array kBad{std::numeric_limits<float>::infinity(), -1.0F, 0.0F};
         std::size_t i = 0;
@@ -112,6 +121,7 @@ class MisbehavingCamera final : public FrameSource {
   std::size_t at_ = 0;
   int number_ = 0;
   int clock_begin_ = 0;
+  double late_ = 0;  // s
   int depth_mm_ = 0;
   int unreadable_ = 0;
   SourceState state_ = SourceState::kRunning;

@@ -1,6 +1,7 @@
 #include "palpable/vision/paced_source.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -26,25 +27,36 @@ class PacedSource final : public FrameSource {
       std::swap(frame, ahead_);
       return *std::exchange(ahead_status_, std::nullopt);
     }
-    if (!begin_) begin_ = clock_.now() - ahead_.time;
-    const double wait = *begin_ + ahead_.time - clock_.now();
+    const double wait = *due_ - clock_.now();
     if (wait > 0) clock_.sleep(std::min(wait, kLongestWait));
     if (wait > kLongestWait) return FrameStatus::kWaiting;
     do {
       std::swap(frame, ahead_);
       read_ahead();
-    } while (ahead_status_ == FrameStatus::kFrame && *begin_ + ahead_.time <= clock_.now());
+    } while (ahead_status_ == FrameStatus::kFrame && *due_ <= clock_.now());
     return FrameStatus::kFrame;
   }
 
  private:
-  void read_ahead() { ahead_status_ = source_->next(ahead_); }
+  void read_ahead() {
+    // A gap in a recording is not sat out, and a time that is wrong stops nothing.
+    constexpr double kLongestStep = 2;  // s
+    ahead_status_ = source_->next(ahead_);
+    if (ahead_status_ != FrameStatus::kFrame || !std::isfinite(ahead_.time)) {
+      if (!due_) due_ = clock_.now();
+      return;
+    }
+    const double step = ahead_.time - last_time_.value_or(ahead_.time);
+    due_ = due_.value_or(clock_.now()) + std::clamp(step, 0.0, kLongestStep);
+    last_time_ = ahead_.time;
+  }
 
   std::unique_ptr<FrameSource> source_;
   WallClock& clock_;
-  std::optional<double> begin_;  // when the recording's time 0 was, on the clock
   Frame ahead_;
   std::optional<FrameStatus> ahead_status_;  // nothing: ahead_ is not filled
+  std::optional<double> due_;                // when the last frame read is due, on the clock
+  std::optional<double> last_time_;          // its own time
 };
 
 }  // namespace

@@ -65,5 +65,23 @@ TEST_CASE("an unreadable frame is told, and a long wait is cut into short ones",
   CHECK(frame.number == 11);
 }
 
+TEST_CASE("a time from the far future or none at all holds nothing up", "[vision][paced]") {
+  for (const Act act : {Act::kFarFuture, Act::kNoTime, Act::kLateClock}) {
+    HandClock clock;
+    std::vector<Act> acts(9, Act::kGood);
+    acts[3] = act;
+    const auto source = paced(std::make_unique<MisbehavingCamera>(acts), clock);
+    const double begin = clock.time;
+    Frame frame;
+    int frames = 0;
+    for (int calls = 0; calls < 100; ++calls) {
+      if (source->next(frame) == FrameStatus::kFrame) ++frames;
+    }
+    CHECK(frames >= 8);  // of two that are due at once, the newer
+    CHECK(frame.number == 8);
+    CHECK(clock.time - begin < 4);
+  }
+}
+
 }  // namespace
 }  // namespace palpable

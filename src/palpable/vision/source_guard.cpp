@@ -70,22 +70,34 @@ std::string SourceGuard::what_is_wrong_with(Frame& frame) {
 
 std::string SourceGuard::time_trouble(Frame& frame) {
   if (!std::isfinite(frame.time)) return "its time is not a number";
+  constexpr double kLongestPeriod = 1;  // s; more is a gap
   double time = frame.time + offset_;
-  if (has_time_ && time <= last_time_) {
-    behind_ = behind_ > 0 && time > behind_time_ ? behind_ + 1 : 1;
-    behind_time_ = time;
-    if (behind_ < kClockRestart) {
-      ++troubles_.back_in_time;
+  Odd odd = Odd::kNone;
+  if (has_time_ && time <= last_time_) odd = Odd::kBehind;
+  if (has_time_ && !may_jump_ && time > last_time_ + longest_gap_) odd = Odd::kAhead;
+  if (odd != Odd::kNone) {
+    odd_row_ = odd == odd_ && time > odd_time_ ? odd_row_ + 1 : 1;
+    const double step = time - std::exchange(odd_time_, time);
+    odd_ = odd;
+    if (odd_row_ < kClockRestart) {
+      if (odd == Odd::kBehind) ++troubles_.back_in_time;
       return fmt::format("it is from {:.3f} s, after one from {:.3f} s", time, last_time_);
     }
-    const double moved = last_time_ + period_ - time;
-    offset_ += moved;
-    time += moved;
-    report(fmt::format("the source's clock began anew before frame {}; its times go on",
-                       frame.number));
+    if (odd == Odd::kBehind) {
+      const double moved = last_time_ + period_ - time;
+      offset_ += moved;
+      time += moved;
+      report(fmt::format("the source's clock began anew before frame {}; its times go on",
+                         frame.number));
+    } else {
+      longest_gap_ = std::max(longest_gap_, 2 * step);
+      report(fmt::format("the source's clock went on by {:.3f} s before frame {}",
+                         time - last_time_, frame.number));
+    }
   }
-  behind_ = 0;
-  if (has_time_) period_ = time - last_time_;
+  odd_ = Odd::kNone;
+  may_jump_ = false;
+  if (has_time_ && time - last_time_ < kLongestPeriod) period_ = time - last_time_;
   has_time_ = true;
   last_time_ = time;
   frame.time = time;
@@ -105,10 +117,16 @@ void SourceGuard::watch_state() {
       break;
     case SourceState::kGone:
       ++troubles_.losses;
-      report(fmt::format("the camera is gone {}{}; looking for it", after, why));
+      is_lost_ = true;
+      report_always(fmt::format("the camera is gone {}{}; looking for it", after, why));
       break;
     case SourceState::kRunning:
-      report("pictures come again");
+      may_jump_ = true;
+      if (std::exchange(is_lost_, false)) {
+        report_always("pictures come again");
+      } else {
+        report("pictures come again");
+      }
       break;
   }
   state_ = now;

@@ -5,6 +5,7 @@
 #include "palpable/vision/frame_source.h"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpable {
@@ -24,11 +25,16 @@ struct SourceTroubles {
 /// A camera whose clock begins anew (it was plugged in again, its driver restarted) would be back
 /// in time for ever. After kClockRestart frames in a row that are older than the last good one, but
 /// not than each other, its times are taken to go on from there.
+///
+/// One frame from the far future would make all later ones old. After a jump of more than
+/// kLongestGap frames are held back until as many in a row, each later than the one before, say the
+/// same; their times are then kept. After a stall or a loss a jump is what is expected.
 class SourceGuard {
  public:
   static constexpr int kClockRestart = 5;
+  static constexpr double kLongestGap = 5;  ///< s
   /// Beyond it troubles are counted, not reported: a camera that fails every second frame all day
-  /// fills no disk.
+  /// fills no disk. A camera that is gone or back is always reported.
   static constexpr int kMostReports = 200;
 
   /// @param source  must outlive this
@@ -49,6 +55,7 @@ class SourceGuard {
   [[nodiscard]] std::string time_trouble(Frame& frame);
   void watch_state();
   void report(std::string line);
+  void report_always(std::string line) { reports_.push_back(std::move(line)); }
 
   FrameSource& source_;
   SourceState state_ = SourceState::kRunning;
@@ -59,11 +66,15 @@ class SourceGuard {
   bool in_bad_row_ = false;
   int last_number_ = -1;
   bool has_time_ = false;
-  double last_time_ = 0;      // s, of the last frame let through
-  double period_ = 1.0 / 30;  // s, between the last two
-  double offset_ = 0;         // s, added to the source's times since its clock began anew
-  int behind_ = 0;            // frames in a row older than last_time_
-  double behind_time_ = 0;    // the last such frame's
+  bool may_jump_ = false;             // pictures come again, and none was let through yet
+  bool is_lost_ = false;              // the camera went away, and no picture came since
+  double last_time_ = 0;              // s, of the last frame let through
+  double period_ = 1.0 / 30;          // s, between the last two
+  double longest_gap_ = kLongestGap;  // s; more where a source's frames are that far apart
+  double offset_ = 0;                 // s, added to the source's times since its clock began anew
+  enum class Odd { kNone, kBehind, kAhead } odd_ = Odd::kNone;
+  int odd_row_ = 0;      // frames in a row that were odd in the same way
+  double odd_time_ = 0;  // the last such frame's
 };
 
 }  // namespace palpable

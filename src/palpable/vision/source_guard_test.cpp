@@ -68,6 +68,7 @@ TEST_CASE("a frame that the loop cannot use is left out, counted and explained",
                         Case{Act::kGarbage, "the picture is cut off"},
                         Case{Act::kNoise, "depths are negative, 0 or infinite"},
                         Case{Act::kNoTime, "its time is not a number"},
+                        Case{Act::kFarFuture, "it is from 1000000.067 s, after one from 0.033 s"},
                         Case{Act::kBackInTime, "it is from -4.933 s, after one from 0.033 s"}}) {
     INFO(c.says);
     const Run result = run({Act::kGood, Act::kGood, c.act, Act::kGood});
@@ -123,6 +124,40 @@ TEST_CASE("a clock that begins anew costs a few frames and then goes on", "[visi
   CHECK(contains(result.reports[1], "clock began anew before frame 14"));
 }
 
+TEST_CASE("frames from the far future never move the clock", "[vision][guard]") {
+  std::vector<Act> acts;
+  for (int i = 0; i < 3 * SourceGuard::kClockRestart; ++i) {
+    acts.push_back(Act::kGood);
+    acts.push_back(Act::kFarFuture);
+  }
+  const Run result = run(acts);
+  CHECK(result.frames.size() == 3 * SourceGuard::kClockRestart);
+  CHECK(result.times.back() == Approx(result.frames.back() / 30.0));
+}
+
+TEST_CASE("a recording's gap costs a few frames and leaves the clock's pace as it was",
+          "[vision][guard]") {
+  std::vector<Act> acts(10, Act::kGood);
+  acts.push_back(Act::kLateClock);
+  acts.insert(acts.end(), SourceGuard::kClockRestart - 1, Act::kGood);
+  acts.push_back(Act::kNewClock);  // its times go on by a period, not by a minute
+  acts.insert(acts.end(), 9, Act::kGood);
+  const Run result = run(acts);
+  const int held = SourceGuard::kClockRestart - 1;
+  REQUIRE(result.frames.size() == acts.size() - static_cast<std::size_t>(2 * held));
+  CHECK(result.times[10] == Approx(60 + (10 + held) / 30.0));
+  CHECK(result.times[11] - result.times[10] == Approx(1 / 30.0));
+  CHECK(result.troubles.back_in_time == held);
+  REQUIRE(result.reports.size() == 4);
+  CHECK(contains(result.reports[1], "clock went on by 60"));
+}
+
+TEST_CASE("after a stall pictures may be from any later time", "[vision][guard]") {
+  const Run result = run({Act::kGood, Act::kStall, Act::kLateClock, Act::kGood});
+  CHECK(result.frames == std::vector<int>{0, 1, 2});
+  CHECK(result.times[1] == Approx(60 + 1 / 30.0));
+}
+
 TEST_CASE("old frames that come between new ones never move the clock", "[vision][guard]") {
   std::vector<Act> acts;
   for (int i = 0; i < 3 * SourceGuard::kClockRestart; ++i) {
@@ -154,6 +189,12 @@ TEST_CASE("a camera that fails all day is counted without end but not reported w
   const Run result = run(acts);
   CHECK(result.troubles.unreadable == 300);
   CHECK(result.reports.size() == SourceGuard::kMostReports);
+
+  acts.insert(acts.end(), {Act::kGone, Act::kGood});
+  const Run lost = run(acts);
+  REQUIRE(lost.reports.size() == SourceGuard::kMostReports + 2);
+  CHECK(contains(lost.reports[SourceGuard::kMostReports], "the camera is gone"));
+  CHECK(contains(lost.reports.back(), "come again"));
 }
 
 }  // namespace
