@@ -10,9 +10,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace palpable {
@@ -155,13 +157,17 @@ Result<EurocCamera> read_euroc_camera(const fs::path& path) {
         "and T_BS",
         path.string())};
   }
+  if (!is_image_side(size[0]) || !is_image_side(size[1])) {
+    return Problem{fmt::format("{} has an image of {} x {} px", path.string(), size[0], size[1])};
+  }
   EurocCamera camera;
   camera.lens = {{static_cast<int>(size[0]), static_cast<int>(size[1]), f[0], f[1], f[2], f[3]},
                  {k[0], k[1], k[2], k[3], 0}};
   camera.body_from_camera = *pose;
   for (const std::string& line : *lines) {
     if (!line.starts_with("rate_hz:")) continue;
-    camera.rate = to_number(line.substr(line.find_first_not_of(" \t", 8))).value_or(camera.rate);
+    const auto rate = to_numbers(std::string_view(line).substr(8));
+    if (rate && rate->size() == 1 && rate->front() > 0) camera.rate = rate->front();
   }
   return camera;
 }
@@ -187,12 +193,10 @@ Result<Recording> euroc(const fs::path& folder) {
   // double.
   const std::vector<fs::path> lefts = images_in(folder / "cam0/data");
   const auto nanoseconds = [](std::string_view text) {
-    long long value = 0;
-    for (const char c : text) {
-      if (c < '0' || c > '9') return -1LL;
-      value = value * 10 + (c - '0');
-    }
-    return value;
+    long long value = -1;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool is_whole = error == std::errc() && end == text.data() + text.size();
+    return is_whole && value >= 0 ? value : -1LL;
   };
   const long long begin = lefts.empty() ? 0 : nanoseconds(lefts.front().stem().string());
   std::map<double, Rigid3> poses;
@@ -200,8 +204,9 @@ Result<Recording> euroc(const fs::path& folder) {
   for (const std::string& line : truth.value_or(std::vector<std::string>{})) {
     const auto n = to_numbers(line);
     if (!n || n->size() < 8) continue;
-    const double time =
-        kNanosecond * static_cast<double>(nanoseconds(line.substr(0, line.find(','))) - begin);
+    const long long stamp = nanoseconds(std::string_view(line).substr(0, line.find(',')));
+    if (stamp < 0) continue;
+    const double time = kNanosecond * static_cast<double>(stamp - begin);
     poses[time] =
         pose_of(Eigen::Vector3d((*n)[1], (*n)[2], (*n)[3]), (*n)[4], (*n)[5], (*n)[6], (*n)[7]);
   }

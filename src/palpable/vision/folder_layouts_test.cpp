@@ -94,6 +94,21 @@ TEST_CASE("a folder of EuRoC: pairs of one stamp, the rig from its files, poses 
   CHECK(frame.time == Approx(0.1).epsilon(1e-6));
   CHECK(frame.right(0, 0).r == 20);
 
+  // A rate that is none and a stamp beyond 64 bits are left alone.
+  std::string odd = euroc_sensor(0.02);
+  odd.replace(odd.find("rate_hz: 20"), 11, "rate_hz:");
+  write_bytes(mav / "cam0/sensor.yaml", odd);
+  for (const char* eye : {"cam0", "cam1"}) {
+    write_image(mav / eye / "data/99999999999999999999.png", 10);
+  }
+  const Recording again = value_or_throw(recognise_folder(folder / "MH_01"));
+  CHECK(again.unmatched == 2);
+  CHECK(again.frames.size() == 2);
+  odd.replace(odd.find("[40, 24]"), 8, "[1e300, 24]");
+  write_bytes(mav / "cam0/sensor.yaml", odd);
+  CHECK(contains(refusal(folder / "MH_01"), "cam0/sensor.yaml has an image of 1e+300 x 24 px"));
+  write_bytes(mav / "cam0/sensor.yaml", euroc_sensor(0.02));
+
   write_bytes(mav / "cam1/sensor.yaml", "resolution: [40, 24]\n");
   CHECK(contains(refusal(folder / "MH_01"), "cam1/sensor.yaml is no EuRoC camera"));
 }

@@ -6,9 +6,11 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace palpable {
@@ -59,8 +61,7 @@ Result<SourceCalibration> read_intrinsics(const std::filesystem::path& path) {
                                path.string(), n[0], n[1])};
   }
   if (n.size() > kFewest) {
-    const auto is_side = [](double v) { return v >= 1 && v <= 16384 && v == std::floor(v); };
-    if (!is_side(n[4]) || !is_side(n[5])) {
+    if (!is_image_side(n[4]) || !is_image_side(n[5])) {
       return Problem{fmt::format("{} has an image of {} x {} px", path.string(), n[4], n[5])};
     }
     format.width = format.depth_camera.width = static_cast<int>(n[4]);
@@ -81,6 +82,14 @@ Result<SourceCalibration> read_intrinsics(const std::filesystem::path& path) {
 
 Result<SourceCalibration> read_source_calibration(const std::filesystem::path& path, int width,
                                                   int height) {
+  // A pipe would be waited for, a recording named by mistake read to its end.
+  constexpr std::uintmax_t kLargestFile = 1u << 20;  // bytes
+  std::error_code error;
+  const bool is_file = std::filesystem::is_regular_file(path, error);
+  if (is_file ? std::filesystem::file_size(path, error) > kLargestFile
+              : std::filesystem::exists(path, error)) {
+    return Problem{fmt::format("{} is no calibration file", path.string())};
+  }
   if (path.extension() == ".conf") {
     const Result<StereoCalibration> factory = read_factory_calibration(path, width, height);
     if (!factory.ok()) return factory.problem();

@@ -35,6 +35,10 @@ std::optional<std::vector<double>> to_numbers(std::string_view text) {
   return numbers;
 }
 
+bool is_image_side(double pixels) {
+  return pixels >= 1 && pixels <= 16384 && pixels == std::floor(pixels);
+}
+
 std::optional<std::vector<std::string>> read_lines(const std::filesystem::path& path) {
   std::error_code error;
   if (std::filesystem::file_size(path, error) > kLargestFile || error) return std::nullopt;

@@ -17,6 +17,9 @@ namespace palpable {
 /// anything else is in it.
 [[nodiscard]] std::optional<std::vector<double>> to_numbers(std::string_view text);
 
+/// Whether a number is a whole count of pixels that an image may have in a row or column.
+[[nodiscard]] bool is_image_side(double pixels);
+
 /// The lines of a text file without '#' comments, line ends and empty lines. Nothing when it cannot
 /// be read or has more than 64 MB.
 [[nodiscard]] std::optional<std::vector<std::string>> read_lines(const std::filesystem::path& path);
