@@ -8,6 +8,8 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <memory>
@@ -419,6 +421,18 @@ TEST_CASE("raw pictures become the colours that they hold", "[vision][camera]") 
   CHECK(contains(to_color(raw, image), "no picture in H264"));
   raw = {kYuyv, 2, 2, 4, yuyv.data(), yuyv.size()};
   CHECK(contains(to_color(raw, image), "4 of 8 bytes"));
+  raw = {kYuyv, 2, 2, 2, yuyv.data(), yuyv.size()};
+  CHECK(contains(to_color(raw, image), "a row has 2 bytes; 2 px have 4"));
+  DepthImage depth;
+  raw.format = kDepth;
+  CHECK(contains(to_depth(raw, 1e-3, depth), "a row has 2 bytes; 2 px have 4"));
+  // A header that declares a gigapixel is not believed.
+  raw = {four_letters("MJPG"), 16, 16, 0, jpeg.data(), jpeg.size()};
+  const std::array<std::uint8_t, 2> frame_header{0xFF, 0xC0};
+  const auto at = std::search(jpeg.begin(), jpeg.end(), frame_header.begin(), frame_header.end());
+  REQUIRE(at != jpeg.end());
+  at[5] = at[7] = 0x80;
+  CHECK(contains(to_color(raw, image), "says it has 32784 x 32784 px, not 16 x 16"));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "palpable/vision/image_file.h"
 
+#include "palpable/vision/jpeg_size.h"
 #include "palpable/vision/opencv_views.h"
 
 #include <fmt/core.h>
@@ -56,23 +57,6 @@ std::uint64_t big_endian(const Bytes& bytes, std::size_t at, int count) {
   return value;
 }
 
-// The size that a JPEG's frame header declares; nothing if there is none.
-std::optional<Size> jpeg_size(const Bytes& bytes) {
-  std::size_t at = 2;
-  while (at + 9 <= bytes.size() && bytes[at] == 0xFF) {
-    const std::uint8_t marker = bytes[at + 1];
-    if (marker == 0xFF) {  // fill byte
-      ++at;
-      continue;
-    }
-    const bool is_frame =
-        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
-    if (is_frame) return Size{big_endian(bytes, at + 7, 2), big_endian(bytes, at + 5, 2)};
-    at += 2 + big_endian(bytes, at + 2, 2);
-  }
-  return std::nullopt;
-}
-
 // What is wrong with the file before it is decoded, as far as its frame tells; empty if nothing.
 std::string what_is_wrong_with(const Bytes& bytes) {
   if (!is_known_format(bytes)) return "is no image";
@@ -82,8 +66,9 @@ std::string what_is_wrong_with(const Bytes& bytes) {
     size = {big_endian(bytes, 16, 4), big_endian(bytes, 20, 4)};
   } else if (starts_with(bytes, "\xff\xd8")) {
     if (!ends_with_mark(bytes, "\xff\xd9")) return "is cut off";
-    size = jpeg_size(bytes);
-    if (!size) return "is damaged";
+    const std::optional<JpegSize> declared = jpeg_size(bytes.data(), bytes.size());
+    if (!declared) return "is damaged";
+    size = {declared->width, declared->height};
   }
   if (size &&
       (size->width == 0 || size->height == 0 || size->width * size->height > kLargestImage)) {

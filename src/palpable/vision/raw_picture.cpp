@@ -1,5 +1,6 @@
 #include "palpable/vision/raw_picture.h"
 
+#include "palpable/vision/jpeg_size.h"
 #include "palpable/vision/opencv_views.h"
 
 #include <fmt/core.h>
@@ -9,7 +10,10 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <exception>
 #include <limits>
+#include <optional>
+#include <utility>
 
 namespace palpable {
 namespace {
@@ -42,6 +46,15 @@ std::string too_short(const RawPicture& raw, std::size_t wanted) {
   return fmt::format("the camera sent {} of {} bytes", raw.size, wanted);
 }
 
+// Rows that a device says are shorter than their pixels would be read beyond their end. Empty, or
+// what is wrong.
+std::string row_trouble(const RawPicture& raw, int pixel_bytes) {
+  const auto least = static_cast<std::size_t>(raw.width) * static_cast<std::size_t>(pixel_bytes);
+  if (raw.row_bytes >= least) return {};
+  return fmt::format("the camera says that a row has {} bytes; {} px have {}", raw.row_bytes,
+                     raw.width, least);
+}
+
 std::string decode_jpeg(const RawPicture& raw, ColorImage& image) {
   // A decoder fills a cut picture up with gray and says nothing. Cameras pad behind the last mark.
   constexpr std::array<std::uint8_t, 2> kEnd{0xFF, 0xD9};
@@ -49,10 +62,16 @@ std::string decode_jpeg(const RawPicture& raw, ColorImage& image) {
   const std::uint8_t* tail = end - std::min<std::size_t>(raw.size, 1024);
   if (raw.size < 4 || raw.data[0] != 0xFF || raw.data[1] != 0xD8) return "the picture is no JPEG";
   if (std::search(tail, end, kEnd.begin(), kEnd.end()) == end) return "the picture is cut off";
+  const std::optional<JpegSize> size = jpeg_size(raw.data, raw.size);
+  if (!size) return "the picture is damaged";
+  if (std::cmp_not_equal(size->width, raw.width) || std::cmp_not_equal(size->height, raw.height)) {
+    return fmt::format("the picture says it has {} x {} px, not {} x {}", size->width, size->height,
+                       raw.width, raw.height);
+  }
   // For reading only; OpenCV has no matrix of constants.
   const cv::Mat bytes(1, static_cast<int>(raw.size), CV_8UC1,
                       const_cast<std::uint8_t*>(raw.data));  // NOLINT
-  const cv::Mat decoded = cv::imdecode(bytes, cv::IMREAD_COLOR);
+  const cv::Mat decoded = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
   if (decoded.empty()) return "the picture is damaged";
   image.resize(decoded.cols, decoded.rows);
   cv::Mat target = view(image);
@@ -82,6 +101,9 @@ std::string to_color(const RawPicture& raw, ColorImage& image) {
     if (raw.format == kMotionJpeg || raw.format == kJpeg) return decode_jpeg(raw, image);
     const ColorFormat* format = color_format(raw.format);
     if (format == nullptr) return fmt::format("no picture in {}", letters_of(raw.format));
+    if (std::string trouble = row_trouble(raw, CV_ELEM_SIZE(format->type)); !trouble.empty()) {
+      return trouble;
+    }
     const bool planes = format->bits == 12;  // luma rows, then half as many of colour
     const int rows = planes ? raw.height * 3 / 2 : raw.height;
     const std::size_t wanted = raw.row_bytes * static_cast<std::size_t>(rows);
@@ -97,10 +119,15 @@ std::string to_color(const RawPicture& raw, ColorImage& image) {
       cv::cvtColor(source, target, format->conversion);
     }
     return {};
-  } catch (const cv::Exception& e) { return "the picture is damaged: " + e.err; }
+  } catch (const cv::Exception& e) {
+    return "the picture is damaged: " + e.err;
+  } catch (const std::exception& e) {  // no memory
+    return fmt::format("the picture cannot be kept: {}", e.what());
+  }
 }
 
 std::string to_depth(const RawPicture& raw, double unit, DepthImage& image) {
+  if (std::string trouble = row_trouble(raw, 2); !trouble.empty()) return trouble;
   const std::size_t wanted = raw.row_bytes * static_cast<std::size_t>(raw.height);
   if (raw.size < wanted) return too_short(raw, wanted);
   image.resize(raw.width, raw.height);
