@@ -23,25 +23,55 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Tangent of the undeformed body, factorised: what every call starts with.
-CholeskyFactor rest_factor(const TetAssembly& assembly, const CholeskyAnalysis& analysis,
-                           FactorWorkspace& workspace, SolverSetup& setup) {
+// What a body can do at rest: its tangent there, factorised; what every call starts with.
+struct RestFactor {
+  FactorPrecision precision = FactorPrecision::k16Bits;
+  CholeskyFactor factor;
+};
+
+// Conjugate gradients on K with the factor of K itself, under the body's own weight, sideways too:
+// the loads that ask most of what is slender. One or two iterations if the factor is as good as
+// exact.
+int iterations_with_own_factor(const BlockMatrix& K, const CholeskyFactor& factor,
+                               FactorWorkspace& workspace) {
+  constexpr double kDigits = 1e-4;
+  constexpr int kMost = 20;
+  const CgSystem system{
+      .K = [&](const VectorXd& x, VectorXd& y) { K.multiply(x, y); },
+      .preconditioner = [&](const VectorXd& b,
+                            VectorXd& x) { factor.solve_roughly(b, x, workspace); }};
+  CgScratch scratch;
+  VectorXd x;
+  const CgResult cg = conjugate_gradients(system, VectorXd::Ones(3 * K.pattern().rows()), kDigits,
+                                          kMost, x, scratch);
+  return cg.end == CgEnd::kConverged ? cg.iterations : kMost + 1;
+}
+
+RestFactor rest_factor(const TetAssembly& assembly, const CholeskyAnalysis& analysis,
+                       FactorWorkspace& workspace, SolverSetup& setup) {
+  // Compact bodies take a few, slender ones many with 16 bits.
+  constexpr int kGoodEnough = 6;
   BlockMatrix K(assembly.pattern());
   {
     const CpuTimer timer(setup.tangent_s);
     assembly.tangent(Matrix3Xd::Zero(3, assembly.node_count()), K);
   }
   const CpuTimer timer(setup.factor_s);
-  std::optional<CholeskyFactor> factor = CholeskyFactor::make(analysis, K, workspace);
-  if (!factor) {
-    throw Error(
-        "the undeformed body can move without resistance: its stiffness is singular although "
-        "enough nodes are fixed; parts that hang together by a single node or edge do that, so "
-        "mesh the body anew or fix nodes of each part");
-  }
   setup.factor_flops = analysis.factor_flops();
-  setup.factor_bytes = static_cast<double>(factor->bytes());
-  return *std::move(factor);
+  for (const FactorPrecision precision : {FactorPrecision::k16Bits, FactorPrecision::k32Bits}) {
+    std::optional<CholeskyFactor> factor = CholeskyFactor::make(analysis, K, precision, workspace);
+    if (!factor) break;
+    if (precision == FactorPrecision::k16Bits &&
+        iterations_with_own_factor(K, *factor, workspace) > kGoodEnough) {
+      continue;
+    }
+    setup.factor_bytes = static_cast<double>(factor->bytes());
+    return {precision, *std::move(factor)};
+  }
+  throw Error(
+      "the undeformed body can move without resistance: its stiffness is singular although "
+      "enough nodes are fixed; parts that hang together by a single node or edge do that, so "
+      "mesh the body anew or fix nodes of each part");
 }
 
 // Whatever `make` makes, its CPU time added to `seconds`.
@@ -62,7 +92,7 @@ struct EquilibriumSolver::Shared {
   FactorWorkspace workspace;  // of the construction only
   TetAssembly assembly;
   CholeskyAnalysis analysis;
-  CholeskyFactor at_rest;
+  RestFactor at_rest;
 
   Shared(SolidModel the_model, EquilibriumSettings the_settings)
       : model(checked(std::move(the_model))),
@@ -124,7 +154,7 @@ class Walk {
         assembly_(shared.assembly),
         settings_(shared.settings),
         load_(full_load),
-        factor_(&shared.at_rest),
+        factor_(&shared.at_rest.factor),
         force_(3, assembly_.node_count()),
         direction_(Matrix3Xd::Zero(3, assembly_.node_count())),
         change_(3, assembly_.node_count()) {
@@ -187,6 +217,11 @@ class Walk {
             "load "
             "levels",
             settings_.max_newton_steps, failure_.residual);
+      case Stop::kLinearSolver:
+        return fmt::format(
+            "conjugate gradients did not converge in {} iterations (relative residual {:.2g}): the "
+            "body is too slender, too nearly incompressible or of too unlike materials for them",
+            settings_.max_cg_iterations, failure_.residual);
       case Stop::kNone:
         break;
     }
@@ -292,7 +327,8 @@ class Walk {
       assembly_.tangent(u, *K_);
     }
     const CpuTimer timer(times_.factor_s);
-    std::optional<CholeskyFactor> fresh = CholeskyFactor::make(shared_.analysis, *K_, workspace_);
+    std::optional<CholeskyFactor> fresh =
+        CholeskyFactor::make(shared_.analysis, *K_, shared_.at_rest.precision, workspace_);
     if (!fresh) return false;
     own_factor_ = std::move(fresh);
     factor_ = &*own_factor_;
@@ -339,9 +375,9 @@ class Walk {
         factor_is_slow_ = cg.iterations > settings_.refresh_iterations;
         return {};
       }
-      if (!renew_factor(u)) return {.stop = Stop::kNegativeCurvature};
+      if (attempt == 0 && !renew_factor(u)) return {.stop = Stop::kNegativeCurvature};
     }
-    return {.stop = Stop::kNoConvergence, .residual = relative};
+    return {.stop = Stop::kLinearSolver, .residual = relative};
   }
 
   // Equilibrium at `level`, from the best prediction; on success it becomes now().
@@ -353,7 +389,8 @@ class Walk {
     Matrix3Xd trial;
     for (int step = 0;; ++step) {
       const double norm = r_.norm();
-      if (norm <= settings_.tolerance * scale_) {
+      // A load so small that rounding is larger than the tolerance is solved to that.
+      if (norm <= std::max(settings_.tolerance * scale_, assembly_.force_noise())) {
         accept(level, std::move(u), state, scale_ > 0.0 ? norm / scale_ : 0.0);
         return {};
       }
@@ -368,7 +405,7 @@ class Walk {
       // halves the residual: close to the solution the potential cannot tell any more.
       const double potential = state.energy - level * load_.cwiseProduct(u).sum();
       const double slope = -r_.dot(d_);
-      const double rounding = 1e-13 * (std::abs(state.energy) + std::abs(potential));
+      const double rounding = assembly_.energy_noise() + 1e-13 * std::abs(potential);
       BodyState trial_state;
       double share = 1.0;
       for (;; share *= 0.5) {

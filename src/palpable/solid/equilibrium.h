@@ -34,8 +34,8 @@ struct EquilibriumSettings {
   int max_newton_steps = 30;  ///< per increment, before the increment is halved
   /// How often an increment may be halved in succession before the path stops.
   int max_halvings = 6;
-  /// A step that takes more iterations than this renews the factor before the next one. A factor is
-  /// worth some 60 iterations on a bunny of 16,000 nodes.
+  /// A step that takes more iterations than this renews the factor before the next one: a factor
+  /// costs as much as some 60 iterations on a bunny of 16,000 nodes, and serves several steps.
   int refresh_iterations = 40;
   int max_cg_iterations =
       400;  ///< per Newton step; then the factor is renewed and it is tried again
@@ -56,7 +56,8 @@ enum class Stop {
   kNone,
   kInversion,          ///< every shortened step turns an element inside out
   kNegativeCurvature,  ///< the tangent is not positive definite: the body buckles or collapses
-  kNoConvergence       ///< Newton's method or its linear solver ran out of steps
+  kNoConvergence,      ///< Newton's method ran out of steps
+  kLinearSolver        ///< conjugate gradients did, with a fresh factor, too
 };
 
 /// Where the CPU time of a path went, s.
@@ -104,8 +105,8 @@ struct LoadSearch {
 /// made once; every call has its own workspace. All const members may be called from several
 /// threads at once on one object (sites side by side); a call itself uses one thread.
 ///
-/// Memory: the factor, 4 kB a node on a bunny of 16,000 nodes (for a moment twice as much again),
-/// and per call up to 2 kB a node.
+/// Memory: the factor, 4 kB a node on a bunny of 16,000 nodes (8 in 32 bits; 8 more while it is
+/// made), and per call 2 kB a node; 5 kB more, and a factor of its own, where that is renewed.
 class EquilibriumSolver {
  public:
   /// @throws Error as check_model()

@@ -466,5 +466,42 @@ TEST_CASE("sites solved side by side have exactly the states of sites solved in 
   }
 }
 
+TEST_CASE("a slender, nearly incompressible beam of 10-node tetrahedra bends to the end",
+          "[solid][path]") {
+  // 8 bits of a factor cannot carry a stiffness of bending beside one of pressing that differ so.
+  SolidModel model;
+  model.mesh = with_edge_nodes(box_tets({0, 0, 0}, {1.0, 0.02, 0.01}, 60, 1, 1));
+  model.material = material_from_young("neo-hookean", 60e3, 0.49);
+  std::vector<int> tip;
+  for (int n = 0; n < model.mesh.node_count(); ++n) {
+    if (model.mesh.nodes(0, n) == 0.0) model.fixed_nodes.push_back(n);
+    if (model.mesh.nodes(0, n) == 1.0) tip.push_back(n);
+  }
+  const double EI = 60e3 * 0.02 * std::pow(0.01, 3) / 12;
+  const std::vector<double> weights(tip.size(), 1.0);
+  const Matrix3Xd load = EI * patch_force(model.mesh.node_count(), tip, weights, {0, 0, -1});
+  const PathResult path =
+      EquilibriumSolver(model).solve_path(load, std::vector<double>{0.25, 0.5, 0.75, 1.0});
+  INFO(path.why_stopped);
+  REQUIRE(path.complete);
+  // The elastica under P L^2 / EI = 1 (docs/verification.md).
+  CHECK(-path.steps.back().displacement(2, tip.front()) ==
+        Approx(0.30172).epsilon(tolerance(0.03, "one element over the height")));
+}
+
+TEST_CASE("a press of a millionth of the height is solved as any other", "[solid][path]") {
+  // So little energy that its rounding is larger: the line search must not mistake that for a hill.
+  for (const std::string& law : law_names()) {
+    const SolidModel model = cube(law);
+    const EquilibriumSolver solver(model);
+    const Matrix3Xd load = press_at(model, kTop);
+    for (const double level : {1e-7, 1e-5, 1e-3}) {
+      const PathResult path = solver.solve_path(load, std::vector<double>{level});
+      INFO(law << ", level " << level << ": " << path.why_stopped);
+      CHECK(path.complete);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace palpable

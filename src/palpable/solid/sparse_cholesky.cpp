@@ -164,7 +164,7 @@ struct CholeskyAnalysis::Content {
   [[nodiscard]] std::span<const int> order() const {
     return {static_cast<const int*>(symbolic->Perm), symbolic->n};
   }
-  [[nodiscard]] TriangularPanels::Supernodes supernodes() const {
+  [[nodiscard]] Supernodes supernodes() const {
     const auto* const first_row = static_cast<const int*>(symbolic->pi);
     return {{static_cast<const int*>(symbolic->super), symbolic->nsuper + 1},
             {first_row, symbolic->nsuper + 1},
@@ -240,7 +240,7 @@ double CholeskyAnalysis::factor_flops() const { return content_->flops; }
 // Of K / scale, whose numbers are of order one whatever the unit of stiffness.
 struct CholeskyFactor::Content {
   std::shared_ptr<const CholeskyAnalysis::Content> analysis;
-  TriangularPanels panels;
+  std::variant<TriangularPanels<BFloat16>, TriangularPanels<float>> panels;
   double scale = 1.0;
 };
 
@@ -264,7 +264,7 @@ constexpr double kSmallestPivot = 100.0 * std::numeric_limits<Number>::epsilon()
 template <class Number>
 double smallest_pivot(const CholeskyAnalysis::Content& analysis, const BlockMatrix& K, double scale,
                       int k, const Number* panel) {
-  const TriangularPanels::Supernodes s = analysis.supernodes();
+  const Supernodes s = analysis.supernodes();
   const auto at = static_cast<std::size_t>(k);
   const int first = s.first_column[at], columns = s.first_column[at + 1] - first;
   const std::ptrdiff_t stride = s.first_row[at + 1] - s.first_row[at];
@@ -309,7 +309,8 @@ class SingleFactor {
     return true;
   }
 
-  void copy_to(TriangularPanels& panels) {
+  template <class Panels>
+  void copy_to(Panels& panels) {
     for (int k = 0; k < count(); ++k) panels.set(k, panel(k));
   }
 
@@ -395,7 +396,7 @@ class SingleFactor {
 
   const CholeskyAnalysis::Content& analysis_;
   double scale_;
-  TriangularPanels::Supernodes s_;
+  Supernodes s_;
   std::vector<float> values_, product_;
   std::vector<int> row_in_panel_, target_;
   // Lists of the panels that a supernode has to subtract, as links.
@@ -405,45 +406,65 @@ class SingleFactor {
 
 }  // namespace
 
+namespace {
+
+// CHOLMOD's factor of K / scale into the panels; false if K is not positive definite.
+template <class Panels>
+bool factorise_in_double(const CholeskyAnalysis::Content& analysis, const BlockMatrix& K,
+                         double scale, cholmod_common& common, Panels& panels) {
+  const OneThread one_thread;
+  LowerColumns columns = analysis.columns;
+  columns.fill(K);
+  for (double& value : columns.value) value /= scale;
+  cholmod_sparse A = columns.view();
+  const std::unique_ptr<cholmod_factor, void (*)(cholmod_factor*)> L(
+      cholmod_copy_factor(analysis.symbolic, &common), free_factor);
+  if (L) cholmod_factorize(&A, L.get(), &common);
+  refuse_if_out_of_memory(common);
+  if (!L || common.status != CHOLMOD_OK || L->minor < L->n) return false;
+  for (int k = 0; k < static_cast<int>(L->nsuper); ++k) {
+    const double* const panel =
+        static_cast<const double*>(L->x) + static_cast<const int*>(L->px)[k];
+    if (smallest_pivot(analysis, K, scale, k, panel) < kSmallestPivot<double>) return false;
+    panels.set(k, panel);
+  }
+  return true;
+}
+
+}  // namespace
+
 std::optional<CholeskyFactor> CholeskyFactor::make(const CholeskyAnalysis& analysis,
-                                                   const BlockMatrix& K,
-                                                   FactorWorkspace& workspace) {
+                                                   const BlockMatrix& K, FactorPrecision precision,
+                                                   FactorWorkspace& workspace) try {
   auto content = std::make_shared<Content>();
   content->analysis = analysis.content_;
-  const TriangularPanels::Supernodes supernodes = analysis.content().supernodes();
-  content->panels = TriangularPanels(supernodes);
   content->scale = scale_of(K);
   if (!(content->scale > 0.0) || !std::isfinite(content->scale)) return std::nullopt;
-  {
-    SingleFactor single(analysis.content(), content->scale);
-    if (single.factorise(K)) {
-      single.copy_to(content->panels);
-      return CholeskyFactor(std::move(content));
-    }
+  const Supernodes supernodes = analysis.content().supernodes();
+  if (precision == FactorPrecision::k16Bits) {
+    content->panels.emplace<TriangularPanels<BFloat16>>(supernodes);
+  } else {
+    content->panels.emplace<TriangularPanels<float>>(supernodes);
   }
-  const OneThread one_thread;
-  cholmod_common& common = workspace.content().common;
-  cholmod_factor* L =
-      cholmod_copy_factor(const_cast<cholmod_factor*>(analysis.content().symbolic), &common);
-  LowerColumns columns = analysis.content().columns;
-  columns.fill(K);
-  for (double& value : columns.value) value /= content->scale;
-  cholmod_sparse A = columns.view();
-  if (L != nullptr) cholmod_factorize(&A, L, &common);
-  bool definite = L != nullptr && common.status != CHOLMOD_NOT_POSDEF && L->minor >= L->n;
-  if (definite) {
-    for (int k = 0; k < static_cast<int>(L->nsuper); ++k) {
-      const double* const panel =
-          static_cast<const double*>(L->x) + static_cast<const int*>(L->px)[k];
-      content->panels.set(k, panel);
-      definite = definite && smallest_pivot(analysis.content(), K, content->scale, k, panel) >=
-                                 kSmallestPivot<double>;
-    }
-  }
-  free_factor(L);
-  refuse_if_out_of_memory(common);
+  const bool definite = std::visit(
+      [&](auto& panels) {
+        {
+          SingleFactor single(analysis.content(), content->scale);
+          if (single.factorise(K)) {
+            single.copy_to(panels);
+            return true;
+          }
+        }
+        return factorise_in_double(analysis.content(), K, content->scale,
+                                   workspace.content().common, panels);
+      },
+      content->panels);
   if (!definite) return std::nullopt;
   return CholeskyFactor(std::move(content));
+} catch (const std::bad_alloc&) {
+  throw Error(fmt::format(
+      "the sparse factor does not fit into memory ({:.1f} million nonzeros); use a coarser mesh",
+      analysis.nonzeros() / 1e6));
 }
 
 void CholeskyFactor::solve_roughly(const Eigen::VectorXd& b, Eigen::VectorXd& x,
@@ -461,17 +482,23 @@ void CholeskyFactor::solve_roughly(const Eigen::VectorXd& b, Eigen::VectorXd& x,
   std::vector<float>& y = workspace.content().permuted;
   std::vector<float>& z = workspace.content().gathered;
   y.resize(static_cast<std::size_t>(n));
-  z.resize(content_->panels.scratch_size());
   const int* const order = analysis.order().data();
   for (Eigen::Index i = 0; i < n; ++i) {
     y[static_cast<std::size_t>(i)] = static_cast<float>(b[order[i]] / scale);
   }
-  content_->panels.solve(best_simd_level(), y, z);
+  std::visit(
+      [&](const auto& panels) {
+        z.resize(panels.scratch_size());
+        panels.solve(best_simd_level(), y, z);
+      },
+      content_->panels);
   for (Eigen::Index i = 0; i < n; ++i) {
     x[order[i]] = scale / content_->scale * static_cast<double>(y[static_cast<std::size_t>(i)]);
   }
 }
 
-std::size_t CholeskyFactor::bytes() const { return content_->panels.bytes(); }
+std::size_t CholeskyFactor::bytes() const {
+  return std::visit([](const auto& panels) { return panels.bytes(); }, content_->panels);
+}
 
 }  // namespace palpable

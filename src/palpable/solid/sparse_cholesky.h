@@ -2,9 +2,10 @@
 /// Sparse Cholesky factors of symmetric positive definite block matrices, as preconditioners.
 ///
 /// Order of elimination and structure come from METIS and CHOLMOD, once for all matrices of a
-/// pattern. The numbers are computed in single precision (supernodal, left-looking, on BLAS) and
-/// kept in 16 bits: on the bunny of 16,000 nodes a path took 259 iterations with 8 bits of mantissa
-/// where it took 248 with 24, and a solve costs its bytes.
+/// pattern. The numbers are computed in single precision (supernodal, left-looking, on BLAS). For
+/// compact bodies they are kept in 16 bits: a solve costs its bytes, and on the bunny of 16,000
+/// nodes a path took 259 iterations with 8 bits of mantissa where it took 248 with 24. For slender
+/// or nearly incompressible ones, whose stiffnesses differ by more than 8 bits can carry, in 32.
 ///
 /// CHOLMOD keeps its settings and scratch memory in a "common" object that one thread may use at a
 /// time; a finished factor may be read by many. So: one FactorWorkspace per thread (or per call),
@@ -56,6 +57,9 @@ class CholeskyAnalysis {
   std::shared_ptr<const Content> content_;
 };
 
+/// In which a factor is kept.
+enum class FactorPrecision { k16Bits, k32Bits };
+
 /// L with L L^T ~= P K P^T.
 class CholeskyFactor {
  public:
@@ -63,7 +67,7 @@ class CholeskyFactor {
   /// before K does, double precision (CHOLMOD) is tried.
   /// @throws Error if memory runs out
   static std::optional<CholeskyFactor> make(const CholeskyAnalysis& analysis, const BlockMatrix& K,
-                                            FactorWorkspace& workspace);
+                                            FactorPrecision precision, FactorWorkspace& workspace);
 
   /// x ~= K^-1 b: b and x are of the size of the matrix, and the map from b to x is symmetric and
   /// positive definite. Several threads may do so at once, each with its own workspace. Allocates

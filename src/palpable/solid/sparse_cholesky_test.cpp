@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include <array>
+
 namespace palpable {
 namespace {
 
@@ -86,7 +88,7 @@ TEST_CASE("the sparse factor solves what the dense one solves, to its 8 bits", "
       FactorWorkspace workspace;
       const CholeskyAnalysis analysis(pattern, workspace);
       CHECK(analysis.nonzeros() >= 120 * 121 / 2 * 0.05);
-      const auto factor = CholeskyFactor::make(analysis, K, workspace);
+      const auto factor = CholeskyFactor::make(analysis, K, FactorPrecision::k16Bits, workspace);
       REQUIRE(factor);
       CHECK(static_cast<double>(factor->bytes()) >= 2 * analysis.nonzeros());
       const VectorXd b = load * VectorXd::LinSpaced(120, -1, 2);
@@ -101,11 +103,44 @@ TEST_CASE("the sparse factor solves what the dense one solves, to its 8 bits", "
   }
 }
 
+TEST_CASE("what single precision cannot factorise, double precision can, and 32 bits keep",
+          "[solid][sparse]") {
+  // A free chain on a weak foundation: moved as a whole it resists 1e-7 of its own stiffness.
+  const BlockPattern pattern = chain(40);
+  BlockMatrix K(pattern);
+  for (int r = 0; r < 40; ++r) {
+    for (const int c : {r - 2, r - 1, r + 1, r + 2}) {
+      if (c < 0 || c >= 40) continue;
+      K.block(pattern.find(r, c)) -= Matrix3d::Identity();
+      K.block(pattern.find(r, r)) += Matrix3d::Identity();
+    }
+    K.block(pattern.find(r, r)) += 1e-7 * Matrix3d::Identity();
+  }
+  FactorWorkspace workspace;
+  const CholeskyAnalysis analysis(pattern, workspace);
+  const VectorXd b = VectorXd::LinSpaced(120, -1, 2);
+  std::array<int, 2> iterations{};
+  for (const auto precision : {FactorPrecision::k16Bits, FactorPrecision::k32Bits}) {
+    const auto factor = CholeskyFactor::make(analysis, K, precision, workspace);
+    REQUIRE(factor);
+    CgScratch scratch;
+    VectorXd x;
+    const CgResult result =
+        conjugate_gradients(system_of(K, *factor, workspace), b, 1e-8, 400, x, scratch);
+    CHECK(result.end == CgEnd::kConverged);
+    iterations[static_cast<std::size_t>(precision)] = result.iterations;
+  }
+  INFO(iterations[0] << " iterations with 16 bits, " << iterations[1] << " with 32");
+  CHECK(iterations[1] <= 4);
+  CHECK(iterations[1] < iterations[0]);
+}
+
 TEST_CASE("the rough solve is a symmetric map, as conjugate gradients need it", "[solid][sparse]") {
   const BlockPattern pattern = chain(33);  // panels of 99 unknowns: none a multiple of 16
   FactorWorkspace workspace;
   const CholeskyAnalysis analysis(pattern, workspace);
-  const auto factor = CholeskyFactor::make(analysis, some_matrix(pattern, 12, 7), workspace);
+  const auto factor = CholeskyFactor::make(analysis, some_matrix(pattern, 12, 7),
+                                           FactorPrecision::k16Bits, workspace);
   REQUIRE(factor);
   MatrixXd inverse(99, 99);
   VectorXd x;
@@ -122,8 +157,10 @@ TEST_CASE("a matrix that is not positive definite has no factor", "[solid][spars
   const BlockPattern pattern = chain(12);
   FactorWorkspace workspace;
   const CholeskyAnalysis analysis(pattern, workspace);
-  CHECK_FALSE(CholeskyFactor::make(analysis, some_matrix(pattern, 0, 3), workspace));
-  CHECK(CholeskyFactor::make(analysis, some_matrix(pattern, 20, 3), workspace));  // and goes on
+  CHECK_FALSE(CholeskyFactor::make(analysis, some_matrix(pattern, 0, 3), FactorPrecision::k16Bits,
+                                   workspace));
+  CHECK(CholeskyFactor::make(analysis, some_matrix(pattern, 20, 3), FactorPrecision::k16Bits,
+                             workspace));  // and goes on
 }
 
 TEST_CASE("conjugate gradients with an older factor reach the tolerance asked for",
@@ -132,7 +169,7 @@ TEST_CASE("conjugate gradients with an older factor reach the tolerance asked fo
   const BlockMatrix older = some_matrix(pattern, 20, 2), K = some_matrix(pattern, 16, 4);
   FactorWorkspace workspace;
   const CholeskyAnalysis analysis(pattern, workspace);
-  const auto factor = CholeskyFactor::make(analysis, older, workspace);
+  const auto factor = CholeskyFactor::make(analysis, older, FactorPrecision::k16Bits, workspace);
   REQUIRE(factor);
   const VectorXd b = VectorXd::LinSpaced(120, -1, 2);
   VectorXd x;
@@ -160,7 +197,7 @@ TEST_CASE("what one solve learns serves the next", "[solid][sparse]") {
   }
   FactorWorkspace workspace;
   const CholeskyAnalysis analysis(pattern, workspace);
-  const auto factor = CholeskyFactor::make(analysis, older, workspace);
+  const auto factor = CholeskyFactor::make(analysis, older, FactorPrecision::k16Bits, workspace);
   REQUIRE(factor);
   QuasiNewton learnt(24);
   CgSystem system = system_of(K, *factor, workspace);
@@ -200,7 +237,7 @@ TEST_CASE("conjugate gradients notice a matrix that is not positive definite", "
   const BlockMatrix older = some_matrix(pattern, 20, 2), K = some_matrix(pattern, -1, 4);
   FactorWorkspace workspace;
   const CholeskyAnalysis analysis(pattern, workspace);
-  const auto factor = CholeskyFactor::make(analysis, older, workspace);
+  const auto factor = CholeskyFactor::make(analysis, older, FactorPrecision::k16Bits, workspace);
   REQUIRE(factor);
   VectorXd x;
   CgScratch scratch;

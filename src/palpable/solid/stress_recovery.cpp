@@ -66,7 +66,8 @@ Eigen::Matrix<double, 10, 4> nodes_from_points() {
 // A linear polynomial fitted to the values of some elements.
 struct Fit {
   std::vector<int> elements;
-  // (4 x elements) coefficients of 1 and of (X - origin) from the values; none if it cannot be made.
+  // (4 x elements) coefficients of 1 and of (X - origin) from the values; none if it cannot be
+  // made.
   Eigen::Matrix4Xd coefficients;
   Eigen::Vector3d origin;
 

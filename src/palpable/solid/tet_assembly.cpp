@@ -118,6 +118,20 @@ void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
     }
   };
 
+  // A few roundings of the numbers that energy and stress of an element are made of.
+  const Eigen::VectorXd volumes = tet_volumes(mesh);
+  double squares = 0.0;
+  for (const auto& group : groups) {
+    const auto [lambda, mu] = lame_constants(group.material);
+    const double rounding = 8.0 * std::numeric_limits<double>::epsilon() * (lambda + 2.0 * mu);
+    for (const int e : group.numbers) {
+      energy_noise_ += rounding * volumes[e];
+      // A regular tetrahedron of volume V has faces of 1.8 V^(2/3) each.
+      squares += 4.0 * std::pow(1.8 * rounding * std::cbrt(volumes[e] * volumes[e]), 2);
+    }
+  }
+  force_noise_ = std::sqrt(squares);
+
   // Neighbours of each free node, itself included.
   std::vector<std::vector<int>> neighbours(free_nodes_.size());
   for (int e = 0; e < mesh.tet_count(); ++e) {

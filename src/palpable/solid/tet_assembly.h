@@ -37,6 +37,11 @@ class TetAssembly {
 
   [[nodiscard]] int node_count() const { return static_cast<int>(free_of_node_.size()); }
   [[nodiscard]] const BlockPattern& pattern() const { return pattern_; }
+  /// How far rounding may put the energy off, J: each element's is a difference of numbers of the
+  /// size of its stiffness, however little it is strained.
+  [[nodiscard]] double energy_noise() const { return energy_noise_; }
+  /// The same for the norm of all nodal forces, N: stiffness times the area of an element's faces.
+  [[nodiscard]] double force_noise() const { return force_noise_; }
   /// What one pass over the elements reads, fields not counted.
   [[nodiscard]] std::size_t bytes() const;
 
@@ -84,6 +89,7 @@ class TetAssembly {
   void hold(BlockMatrix& K) const;
 
   SimdLevel simd_;
+  double energy_noise_ = 0, force_noise_ = 0;
   std::variant<Groups<4, 1>, Groups<10, 4>> groups_;
   std::vector<int> free_of_node_;  // node -> free node, -1 if held
   std::vector<int> free_nodes_;

@@ -16,15 +16,20 @@ using Floats = float __attribute__((vector_size(kWidth * sizeof(float))));
 using Words = std::uint32_t __attribute__((vector_size(kWidth * sizeof(std::uint32_t))));
 using HalfWords = BFloat16 __attribute__((vector_size(kWidth * sizeof(BFloat16))));
 
-BFloat16 rounded(float x) {
+void round_to(float x, float& stored) { stored = x; }
+void round_to(float x, BFloat16& stored) {
   const auto bits = std::bit_cast<std::uint32_t>(x);
-  return static_cast<BFloat16>((bits + 0x7fffU + ((bits >> 16U) & 1U)) >> 16U);
+  stored = static_cast<BFloat16>((bits + 0x7fffU + ((bits >> 16U) & 1U)) >> 16U);
 }
 
+PALPABLE_ALWAYS_INLINE float widened(float x) { return x; }
 PALPABLE_ALWAYS_INLINE float widened(BFloat16 x) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(x) << 16U);
 }
 
+PALPABLE_ALWAYS_INLINE void load(const float* from, Floats& to) {
+  std::memcpy(&to, from, sizeof to);
+}
 PALPABLE_ALWAYS_INLINE void load(const BFloat16* from, Floats& to) {
   HalfWords half;
   std::memcpy(&half, from, sizeof half);
@@ -35,9 +40,10 @@ PALPABLE_ALWAYS_INLINE void load(const BFloat16* from, Floats& to) {
 
 // Forward and backward through one panel, kGroup columns at a time. `z` holds the panel's entries
 // of the vector, gathered, and zeros up to its padded length.
-struct TriangularPanels::Solve {
+template <class Stored>
+struct TriangularPanels<Stored>::Solve {
   template <int kColumns>
-  PALPABLE_ALWAYS_INLINE static void forward(const BFloat16* panel, int stride, int j,
+  PALPABLE_ALWAYS_INLINE static void forward(const Stored* panel, int stride, int j,
                                              const float* inverse, float* z) {
     float solved[kColumns];
     for (int c = 0; c < kColumns; ++c) {
@@ -60,7 +66,7 @@ struct TriangularPanels::Solve {
   }
 
   template <int kColumns>
-  PALPABLE_ALWAYS_INLINE static void backward(const BFloat16* panel, int stride, int j,
+  PALPABLE_ALWAYS_INLINE static void backward(const Stored* panel, int stride, int j,
                                               const float* inverse, float* z) {
     float own[kColumns];
     for (int c = 0; c < kColumns; ++c) {
@@ -93,7 +99,7 @@ struct TriangularPanels::Solve {
       const int first = at(s.first_column, k), columns = at(s.first_column, k + 1) - first;
       const int rows = at(s.first_row, k + 1) - at(s.first_row, k), stride = padded(rows);
       const int* const row = s.rows.data() + at(s.first_row, k);
-      const BFloat16* const panel = L.panel(k);
+      const Stored* const panel = L.panel(k);
       const float* const inverse = L.inverse_diagonal_.data() + first;
       for (int i = 0; i < columns; ++i) z[i] = y[first + i];
       for (int i = columns; i < stride; ++i) z[i] = 0.0F;
@@ -111,7 +117,7 @@ struct TriangularPanels::Solve {
       const int first = at(s.first_column, k), columns = at(s.first_column, k + 1) - first;
       const int rows = at(s.first_row, k + 1) - at(s.first_row, k), stride = padded(rows);
       const int* const row = s.rows.data() + at(s.first_row, k);
-      const BFloat16* const panel = L.panel(k);
+      const Stored* const panel = L.panel(k);
       const float* const inverse = L.inverse_diagonal_.data() + first;
       for (int i = 0; i < rows; ++i) z[i] = y[row[i]];
       for (int i = rows; i < stride; ++i) z[i] = 0.0F;
@@ -130,7 +136,8 @@ struct TriangularPanels::Solve {
   }
 };
 
-TriangularPanels::TriangularPanels(const Supernodes& supernodes) : supernodes_(supernodes) {
+template <class Stored>
+TriangularPanels<Stored>::TriangularPanels(const Supernodes& supernodes) : supernodes_(supernodes) {
   std::size_t size = 0;
   for (std::size_t k = 0; k + 1 < supernodes.first_column.size(); ++k) {
     const int columns = supernodes.first_column[k + 1] - supernodes.first_column[k];
@@ -143,8 +150,9 @@ TriangularPanels::TriangularPanels(const Supernodes& supernodes) : supernodes_(s
   inverse_diagonal_.assign(static_cast<std::size_t>(supernodes.first_column.back()), 0.0F);
 }
 
+template <class Stored>
 template <class Number>
-void TriangularPanels::set(int k, const Number* values) {
+void TriangularPanels<Stored>::set(int k, const Number* values) {
   const auto at = static_cast<std::size_t>(k);
   const int first = supernodes_.first_column[at];
   const int columns = supernodes_.first_column[at + 1] - first;
@@ -152,18 +160,25 @@ void TriangularPanels::set(int k, const Number* values) {
   const int stride = padded(rows);
   for (int j = 0; j < columns; ++j) {
     const Number* const from = values + static_cast<std::ptrdiff_t>(j) * rows;
-    BFloat16* const to = values_[start_[at]].of + static_cast<std::ptrdiff_t>(j) * stride;
-    for (int i = j + 1; i < rows; ++i) to[i] = rounded(static_cast<float>(from[i]));
+    Stored* const to = values_[start_[at]].of + static_cast<std::ptrdiff_t>(j) * stride;
+    for (int i = j + 1; i < rows; ++i) round_to(static_cast<float>(from[i]), to[i]);
     inverse_diagonal_[static_cast<std::size_t>(first + j)] = static_cast<float>(1.0 / from[j]);
   }
 }
-template void TriangularPanels::set<float>(int, const float*);
-template void TriangularPanels::set<double>(int, const double*);
 
-void TriangularPanels::solve(SimdLevel simd, std::span<float> y, std::span<float> scratch) const {
+template <class Stored>
+void TriangularPanels<Stored>::solve(SimdLevel simd, std::span<float> y,
+                                     std::span<float> scratch) const {
   float* const values = y.data();
   float* const z = scratch.data();
   run_at<Solve>(simd, *this, values, z);
 }
+
+template class TriangularPanels<BFloat16>;
+template class TriangularPanels<float>;
+template void TriangularPanels<BFloat16>::set(int, const float*);
+template void TriangularPanels<BFloat16>::set(int, const double*);
+template void TriangularPanels<float>::set(int, const float*);
+template void TriangularPanels<float>::set(int, const double*);
 
 }  // namespace palpable

@@ -1,6 +1,6 @@
 /// @file
-/// A sparse lower triangular matrix in 16 bits a number, and solving with it: the preconditioner's
-/// whole cost is reading these bytes.
+/// A sparse lower triangular matrix in 16 or 32 bits a number, and solving with it: the
+/// preconditioner's whole cost is reading these bytes.
 ///
 /// Columns come in supernodes: runs of columns with the same rows below them. A supernode is one
 /// dense panel, column by column; its first rows are its own columns.
@@ -18,21 +18,23 @@ namespace palpable {
 /// The upper half of a float: its range, 8 bits of its mantissa.
 using BFloat16 = std::uint16_t;
 
+/// Supernode k of n columns in S supernodes.
+struct Supernodes {
+  std::span<const int> first_column;  ///< (S + 1) increasing from 0 to n
+  std::span<const int> first_row;     ///< (S + 1) places in `rows`
+  std::span<const int> rows;          ///< of panel k from first_row[k] on, increasing
+};
+
+/// @tparam Stored  BFloat16 or float
+template <class Stored>
 class TriangularPanels {
  public:
-  /// Supernode k of n columns in S supernodes.
-  struct Supernodes {
-    std::span<const int> first_column;  ///< (S + 1) increasing from 0 to n
-    std::span<const int> first_row;     ///< (S + 1) places in `rows`
-    std::span<const int> rows;          ///< of panel k from first_row[k] on, increasing
-  };
-
   TriangularPanels() = default;
   /// Room for the panels, all zero.
   /// @param supernodes  must outlive the object
   explicit TriangularPanels(const Supernodes& supernodes);
 
-  /// Takes over one panel, rounded to 16 bits.
+  /// Takes over one panel, rounded.
   /// @param values  column by column, rows x columns of supernode k; above the diagonal ignored
   template <class Number>
   void set(int k, const Number* values);
@@ -51,12 +53,12 @@ class TriangularPanels {
   struct Solve;
   // What one vector instruction works on; aligned, so that none straddles two cache lines.
   static constexpr int kWidth = 16;
-  struct alignas(kWidth * sizeof(BFloat16)) Sixteen {
-    BFloat16 of[kWidth];
+  struct alignas(kWidth * sizeof(Stored)) Sixteen {
+    Stored of[kWidth];
   };
   // Columns are padded so that each begins with a Sixteen.
   static constexpr int padded(int rows) { return (rows + kWidth - 1) / kWidth * kWidth; }
-  [[nodiscard]] const BFloat16* panel(int k) const {
+  [[nodiscard]] const Stored* panel(int k) const {
     return values_[start_[static_cast<std::size_t>(k)]].of;
   }
 
