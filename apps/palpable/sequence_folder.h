@@ -12,9 +12,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 
 namespace palpable::app {
+
+/// Seeds are noted in TOML files, whose whole numbers end here.
+inline constexpr std::uint64_t kLargestSeed = std::numeric_limits<std::int64_t>::max();
 
 /// Which sequence.
 struct SequenceOrder {

@@ -63,6 +63,7 @@ void add_synth(CLI::App& app) {
                    "Length at 30 fps; the first 60 have no hand. Default: see below")
       ->check(CLI::Range(1, 100000));
   command->add_option("--seed", options->seed, "Textures, noise, places, depths, motions")
+      ->check(CLI::Range(std::uint64_t{0}, kLargestSeed))
       ->capture_default_str();
   command->add_option("-o,--out", options->out, "Folder for frames/ and truth/")->required();
   std::string footer = "Sequences (frames):\n";
