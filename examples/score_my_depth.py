@@ -18,9 +18,11 @@ def write_depth(path, rows, unit):
     head = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 16, 0, 0, 0, 0)
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(data, 1)) + chunk(b"IEND", b""))
 
+if len(sys.argv) not in (3, 4):
+    sys.exit("usage: score_my_depth.py CLIP RESULT [PALPABLE]")
 clip, result, *program = map(Path, sys.argv[1:])
 camera = tomllib.loads((clip / "truth/camera.toml").read_text())
-(result / "depth").mkdir(parents=True)
+(result / "depth").mkdir(parents=True, exist_ok=True)
 pairs = zip(*(sorted((clip / "frames" / eye).iterdir()) for eye in ("left", "right")))
 for number, (left, right) in enumerate(pairs):
     write_depth(result / f"depth/{number:06d}.png", depth_of(left, right, camera), camera["depth_unit_m"])

@@ -558,6 +558,16 @@ def without_times(folder):
     return said
 
 
+@case("a seed is a whole number from 0 on")
+def _(programs, folder):
+    for seed in ("-1", "x", "1.5", "9223372036854775808"):
+        programs.refuses("synth", "press", "--seed", seed, "-o", folder / "clip", says=["--seed", seed])
+        programs.refuses("bench", "sgbm-reference", "--seed", seed, says=["--seed", seed])
+    programs.refuses("synth", "press", "--body", "none.palpable", "--seed", "9223372036854775807", "-o", folder / "clip",
+                     says=["none.palpable"])
+    assert not (folder / "clip").exists()
+
+
 @case("a filmed hand, the live loop and its score fit together without the truth leaking")
 def _(programs, folder):
     body = programs.small_body()
@@ -768,6 +778,12 @@ def _(programs, folder):
     # Its wall at 0.5 m is where the desk is, and nowhere else.
     assert scores["depth_within_1pct"]["0.5"] == 1 and scores["hand_within_1pct"] == 0, scores
     assert scores["too_close_called_far"] == 1 and scores["ate_mm"] is None, scores
+    # Once more into the same folder; and without arguments it says how to use it.
+    run = subprocess.run([sys.executable, ROOT / "examples/score_my_depth.py", folder / "clip", folder / "mine",
+                          programs.palpable], capture_output=True, text=True)
+    assert run.returncode == 0 and json.loads(run.stdout) == scores, run.stderr
+    run = subprocess.run([sys.executable, ROOT / "examples/score_my_depth.py"], capture_output=True, text=True)
+    assert run.returncode != 0 and run.stderr.startswith("usage: ") and run.stderr.count("\n") == 1, run.stderr
 
 
 @case("an earlier run is replaced only if asked, and nobody else's files at all")
