@@ -68,9 +68,10 @@ class VideoReader final : public FrameReader {
 
   FrameStatus read(int number, Frame& frame, std::string& trouble) override {
     frame.number = number;
+    if (is_damaged_) return FrameStatus::kEnd;
     frame.time = number / frames_per_second_;
     const bool two = !right_.path.empty();
-    if (!next(left_, two ? frame.left : both_)) return FrameStatus::kEnd;
+    if (!next(left_, two ? frame.left : both_)) return end(left_, number, trouble);
     // Before the first frame's own time is known there is none to subtract.
     const double time = 1e-3 * left_.capture.get(cv::CAP_PROP_POS_MSEC);
     if (number == 0) begin_ = time;
@@ -78,7 +79,7 @@ class VideoReader final : public FrameReader {
     if (std::isfinite(time) && time - begin_ > last_time_) frame.time = time - begin_;
     last_time_ = frame.time;
     if (two) {
-      if (!next(right_, frame.right)) return FrameStatus::kEnd;
+      if (!next(right_, frame.right)) return end(right_, number, trouble);
     } else {
       split_side_by_side(both_, frame.left, frame.right);
     }
@@ -93,6 +94,15 @@ class VideoReader final : public FrameReader {
   }
 
  private:
+  // A video that has fewer frames than it says is told once before the end.
+  FrameStatus end(const VideoFile& file, int number, std::string& trouble) {
+    if (number >= count()) return FrameStatus::kEnd;
+    is_damaged_ = true;
+    trouble = fmt::format("{} is damaged: it ends after {} of {} frames", file.path.string(),
+                          number, file.frames);
+    return FrameStatus::kUnreadable;
+  }
+
   bool next(VideoFile& file, ColorImage& image) {
     try {
       if (!file.capture.read(decoded_) || decoded_.type() != CV_8UC3) return false;
@@ -109,6 +119,7 @@ class VideoReader final : public FrameReader {
   double frames_per_second_;
   double begin_ = 0;
   double last_time_ = -1;
+  bool is_damaged_ = false;
   cv::Mat decoded_;
   ColorImage both_;
 };

@@ -22,7 +22,8 @@ struct VideoSettings {
 
 /// Opens the left eye's (or both eyes') file and, if named, the right eye's, whose frames belong
 /// together by their number. Frames are decoded one ahead; times are the file's own. A file that is
-/// cut off ends where it is cut off; frames of another size are unreadable.
+/// cut off or damaged ends there, after one unreadable frame that says so; frames of another size
+/// are unreadable.
 ///
 /// A problem, one line that names the file: not there, no video that can be decoded, no or a wrong
 /// calibration, files of different sizes.

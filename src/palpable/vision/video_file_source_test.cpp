@@ -8,6 +8,8 @@
 
 #include <opencv2/videoio.hpp>
 
+#include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
@@ -107,6 +109,32 @@ TEST_CASE("a video that is cut off ends there, and one that is none is refused",
   int frames = 0;
   while (cut.value()->next(frame) == FrameStatus::kFrame) ++frames;
   CHECK(frames < 20);
+}
+
+TEST_CASE("a video that is damaged on its way says so before it ends", "[vision][video]") {
+  const ScratchFolder folder("video_damaged");
+  write_video(folder / "l.avi", kWidth, 20, 10);
+  write_video(folder / "r.avi", kWidth, 20, 10);
+  // No frame of the second half is left, but the header and the index are.
+  std::string bytes = test::file_bytes(folder / "r.avi");
+  const std::size_t index = bytes.rfind("idx1");
+  REQUIRE(index != std::string::npos);
+  std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 2),
+            bytes.begin() + static_cast<std::ptrdiff_t>(index), '\0');
+  test::write_bytes(folder / "r.avi", bytes);
+  const auto source = value_or_throw(open_video(folder / "l.avi", folder / "r.avi", {{}, true}));
+  REQUIRE(source->frame_count() == 20);
+  Frame frame;
+  int frames = 0;
+  FrameStatus status = source->next(frame);
+  for (; status == FrameStatus::kFrame; status = source->next(frame)) ++frames;
+  CHECK(frames > 0);
+  CHECK(frames < 20);
+  CHECK(status == FrameStatus::kUnreadable);
+  CHECK(contains(source->last_trouble(), "r.avi is damaged: it ends after"));
+  CHECK(contains(source->last_trouble(), "of 20 frames"));
+  CHECK(source->unreadable_count() == 1);
+  CHECK(source->next(frame) == FrameStatus::kEnd);
 }
 
 TEST_CASE("a source is told by its name", "[vision][video][folder]") {
