@@ -34,7 +34,8 @@ class CameraSource final : public FrameSource {
       : system_(system),
         format_(std::move(format)),
         depth_unit_(depth_unit),
-        lock_(lock),
+        is_locked_(!lock),
+        wants_lock_(lock),
         first_(std::move(first)),
         second_(std::move(second)),
         last_picture_(system.now()) {}
@@ -57,7 +58,6 @@ class CameraSource final : public FrameSource {
       const V4l2Camera::Grab grab = camera.grab(left);
       if (grab == V4l2Camera::Grab::kGone) return lose(camera);
       if (grab == V4l2Camera::Grab::kNothing) return wait();
-      last_picture_ = system_.now();
       frame.number = first_.sequence();
       std::string trouble =
           grab == V4l2Camera::Grab::kBroken ? camera.trouble() : convert(camera, is_first);
@@ -73,7 +73,10 @@ class CameraSource final : public FrameSource {
     std::swap(frame.left, left_);
     std::swap(frame.right, right_);
     std::swap(frame.depth, depth_);
-    if (lock_ && frame.time > kLockAfter) lock();
+    last_picture_ = system_.now();
+    never_pair_ = false;
+    if (!running_from_) running_from_ = frame.time;
+    if (!is_locked_ && frame.time - *running_from_ > kLockAfter) lock();
     return FrameStatus::kFrame;
   }
 
@@ -100,17 +103,21 @@ class CameraSource final : public FrameSource {
     const double apart = first_.time() - second_->time();
     if (std::abs(apart) * first_.frames_per_second() <= kTogether) return;
     (apart < 0 ? has_first_ : has_second_) = false;
+    never_pair_ = true;
   }
 
   FrameStatus leave_out(std::string trouble) {
     ++unreadable_;
+    last_picture_ = system_.now();
     trouble_ = std::move(trouble);
     return FrameStatus::kUnreadable;
   }
 
   FrameStatus wait() {
     if (system_.now() - last_picture_ > kStall) {
-      if (state_ == SourceState::kRunning) trouble_.clear();
+      if (state_ == SourceState::kRunning) {
+        trouble_ = never_pair_ ? "both cameras give pictures, but none of the same moment" : "";
+      }
       state_ = SourceState::kStalled;
     }
     return FrameStatus::kWaiting;
@@ -133,12 +140,14 @@ class CameraSource final : public FrameSource {
     last_try_ = system_.now();
     if (!first_.reopen() || (second_ && !second_->reopen())) return false;
     last_picture_ = system_.now();
+    is_locked_ = !wants_lock_;  // a device that was plugged in again is automatic again
+    running_from_.reset();
     state_ = SourceState::kStalled;  // until a picture comes
     return true;
   }
 
   void lock() {
-    lock_ = false;
+    is_locked_ = true;
     static_cast<void>(first_.lock());
     if (second_ && format_.kind == FrameFormat::Kind::kStereo) static_cast<void>(second_->lock());
   }
@@ -146,14 +155,17 @@ class CameraSource final : public FrameSource {
   VideoSystem& system_;
   FrameFormat format_;
   double depth_unit_;
-  bool lock_;
+  bool is_locked_;  // or is not to be
+  bool wants_lock_;
   V4l2Camera first_;
   std::optional<V4l2Camera> second_;
   SourceState state_ = SourceState::kRunning;
   int unreadable_ = 0;
   std::string trouble_;
-  std::optional<double> begin_;  // the driver's time of the first frame
-  double last_picture_;          // when, by the system's clock
+  std::optional<double> begin_;         // the driver's time of the first frame
+  std::optional<double> running_from_;  // Frame::time of the first one since the device is open
+  double last_picture_;      // when a frame or an unreadable picture came, by the system's clock
+  bool never_pair_ = false;  // what came since then was of different moments
   double last_try_ = 0;
   bool has_first_ = false;  // left_ (or both eyes) is filled and not given away yet
   bool has_second_ = false;

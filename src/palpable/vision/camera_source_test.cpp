@@ -206,6 +206,54 @@ TEST_CASE("the pictures of two cameras are paired by their times", "[vision][cam
   CHECK(frames >= 15);
 }
 
+TEST_CASE("two cameras whose pictures are never of one moment are stalled, and say why",
+          "[vision][camera]") {
+  FakeVideo video;
+  FakeDevice left = stereo_camera();
+  left.modes = {{kGrey, kWidth, kHeight, {30}}};
+  FakeDevice right = left;
+  right.path = "/dev/video2";
+  left.film(100, 30, 10, kOne, 0);
+  right.film(100.05, 30, 10, kOne, 100);  // 50 ms apart; a period of what they promise has 33
+  video.cameras = {left, right};
+  CameraRequest wanted = request();
+  wanted.right = "/dev/video2";
+  const auto source = value_or_throw(open_camera(wanted, video));
+  Frame frame;
+  while (video.time < 102) {
+    const double before = video.time;
+    CHECK(source->next(frame) == FrameStatus::kWaiting);
+    CHECK(video.time - before <= 0.1001);
+  }
+  CHECK(source->state() == SourceState::kStalled);
+  CHECK(contains(source->last_trouble(), "none of the same moment"));
+}
+
+TEST_CASE("a camera that comes back is held again as it was asked for", "[vision][camera]") {
+  FakeVideo video;
+  video.cameras = {stereo_camera()};
+  FakeDevice& camera = video.cameras[0];
+  const std::map<std::uint32_t, int> automatic{{V4L2_CID_EXPOSURE_AUTO, 3},
+                                               {V4L2_CID_EXPOSURE_ABSOLUTE, 77}};
+  camera.controls = automatic;
+  camera.film(100, 60, 30, kBoth);
+  camera.film(110, 60, 30, kBoth);
+  camera.gone_from = 103;
+  camera.gone_until = 108;
+  CameraRequest wanted = request();
+  wanted.lock = true;
+  const auto source = value_or_throw(open_camera(wanted, video));
+  Frame frame;
+  while (video.time < 105) static_cast<void>(source->next(frame));
+  CHECK(source->state() == SourceState::kGone);
+  CHECK(camera.controls[V4L2_CID_EXPOSURE_AUTO] == V4L2_EXPOSURE_MANUAL);
+  camera.controls = automatic;  // it was without power
+  while (video.time < 110.9) static_cast<void>(source->next(frame));
+  CHECK(camera.controls == automatic);
+  while (video.time < 111.5) static_cast<void>(source->next(frame));
+  CHECK(camera.controls[V4L2_CID_EXPOSURE_AUTO] == V4L2_EXPOSURE_MANUAL);
+}
+
 TEST_CASE("colour and depth of one view come as frames with depth in metres", "[vision][camera]") {
   const ScratchFolder folder("camera_depth");
   test::write_bytes(folder / "intrinsics.txt", "30 30 16 5 32 10 0.0001");
