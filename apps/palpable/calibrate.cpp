@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <numbers>
 #include <sstream>
@@ -155,6 +156,15 @@ fs::path output_of(const Options& options, const FrameFormat& format) {
   return folder / calibration_name(info.name, format.width, format.height);
 }
 
+// Before anybody shows boards. @throws Error when the file could not be written
+void try_output(const fs::path& output) {
+  std::error_code error;
+  const bool was_there = fs::exists(output, error);
+  const bool can_be = std::ofstream(output, std::ios::app).good();
+  if (!was_there) fs::remove(output, error);
+  if (!can_be) throw Error(fmt::format("{}: cannot be written", output.string()));
+}
+
 void check(const Options& options, const FrameFormat& format, const Seen& seen) {
   const SourceCalibration calibration =
       value_or_throw(read_source_calibration(options.check, format.width, format.height));
@@ -200,6 +210,7 @@ void calibrate(const Options& options) {
                             options.source.source));
   }
   const fs::path output = options.check.empty() ? output_of(options, format) : fs::path();
+  if (!output.empty()) try_output(output);
   const Seen seen = look(*source, pattern, options.views);
   if (!options.check.empty()) {
     check(options, format, seen);
@@ -253,9 +264,11 @@ void add_calibrate(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--check", options->check,
                       "Make none; say how far this calibration's rows are apart on the boards");
-  command->add_option("-o,--output", options->output,
-                      "Calibration file (OpenCV YAML). Default for a camera: where palpable live "
-                      "finds it");
+  command
+      ->add_option("-o,--output", options->output,
+                   "Calibration file (OpenCV YAML). Default for a camera: where palpable live "
+                   "finds it")
+      ->excludes("--check");
   command->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
   add_source_options(*command, options->source);
   command->remove_option(command->get_option("--depth"));

@@ -20,7 +20,6 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -152,10 +151,6 @@ nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const
 }
 
 void live(const Options& options) {
-  // Their chatter about codecs is no message of ours.
-  ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
-  ::setenv("OPENCV_LOG_LEVEL", "SILENT", 0);
-
   LiveOptions wanted = options.live;
   const SourceOptions& input = wanted.input;
   const std::vector<fs::path> earlier =
@@ -247,8 +242,13 @@ void live(const Options& options) {
     throw Error(fmt::format("OpenGL reported {} errors, first: {}", stage.errors().count(),
                             stage.errors().first()));
   }
-  std::ofstream(options.out / "live.json")
-      << summary(options, run, counts, output, wall.count()).dump(2) << "\n";
+  const fs::path summary_file = options.out / "live.json";
+  std::ofstream file(summary_file);
+  file << summary(options, run, counts, output, wall.count()).dump(2) << "\n";
+  file.close();
+  if (!file) {
+    throw Error(fmt::format("{}: cannot be written (disk full?)", summary_file.string()));
+  }
 
   fmt::print("{} frames in {:.1f} s ({:.0f} ms each), {} unreadable\n", counts.processed.size(),
              wall.count(), 1e3 * wall.count() / static_cast<double>(counts.processed.size()),

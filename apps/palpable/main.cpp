@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <string>
@@ -46,6 +47,10 @@ int become_bake(char** argv) {
 }
 
 int run(int argc, char** argv) {
+  // The chatter of image and video readers about codecs is no message of ours.
+  ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+  ::setenv("OPENCV_LOG_LEVEL", "SILENT", 0);
+
   CLI::App app("Virtual deformable bodies that real hands press, seen by a stereo camera.",
                "palpable");
   app.set_version_flag("--version", std::string("palpable ") + PALPABLE_VERSION);
