@@ -6,7 +6,8 @@
 
 Each sequence is filmed (palpable synth), played (palpable live, as a user would) and scored (palpable
 score --body); its folders are removed before the next unless --keep. The file is written after each, and
-sequences that are not run again keep their figures, so it can be stopped and gone on with. Recorded real
+sequences that are not run again keep their figures, so it can be stopped and gone on with; a "note" written
+into it by hand is kept too. Recorded real
 sets below --data (default ../shared/data) are played by the same commands; those with a true camera path
 are scored for it. Then: tools/write_results.py.
 """
@@ -254,6 +255,7 @@ def main():
         content = {"title": "Today's chain on the test ground", "order": 20, "text": text,
                    "command": ["tools/run_benchmark.py    # all, at full length", "tools/write_results.py"],
                    "date": datetime.date.today().isoformat(), "commit": commit(), "machine": machine(),
+                   **({"note": file["note"]} if "note" in file else {}),
                    "tables": [one for one in tables(entries, real) if one["rows"]], "entries": entries, "real": real}
         options.out.parent.mkdir(parents=True, exist_ok=True)
         options.out.write_text(json.dumps(content, indent=1) + "\n")
