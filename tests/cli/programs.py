@@ -6,6 +6,7 @@ A refusal is one clear line on stderr that begins with "palpable: ", nothing on 
 import argparse
 import fcntl
 import json
+import os
 import re
 import shutil
 import struct
@@ -981,6 +982,10 @@ def _(programs, folder):
                             source="boards"))
 
     programs.refuses(*words, says=["-o is needed"])
+    programs.refuses(*words, "-o", folder / "none/x.yml", says=["none/x.yml", "cannot be written"])
+    programs.refuses(*words, "-o", folder / "x.yml", "--check", folder / "found.yml", says=["--check", "--output"])
+    os.mkfifo(folder / "pipe.yml")
+    programs.refuses(*words, "--check", folder / "pipe.yml", says=["pipe.yml is no calibration file"])
     programs.refuses("calibrate", "--source", folder / "boards", "--board", "9", "-o", folder / "x.yml",
                      says=["--board 9", "9x6"])
     programs.refuses("calibrate", "--source", folder / "boards", "--board", "9x6", "-o", folder / "x.yml",
