@@ -198,8 +198,10 @@ TEST_CASE("blur turns fast enough to smear, with rests; shake moves by up to 14 
   CHECK(turn < 4.0 * kDegree);
 }
 
-TEST_CASE("a working hand covers 15-40 % of the view in half of the frames, and presses nothing",
-          "[synth][long]") {
+TEST_CASE(
+    "a working hand covers 15-40 % of the view in half of the frames, and except on a walk presses "
+    "nothing",
+    "[synth][long]") {
   for (const char* name : {"still-hand", "walk-hand", "blur-hand"}) {
     INFO(name);
     const Sequence s = plan(name, 2);
