@@ -7,6 +7,7 @@
 #include "palpable/bake/body_problem.h"
 #include "palpable/bake/calculix_comparison.h"
 #include "palpable/bake/contact_sites.h"
+#include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
 #include "palpable/solid/patch_load.h"
 
@@ -72,11 +73,11 @@ OurPath solve_ours(const SolidModel& model, const Matrix3Xd& load,
                    const std::vector<double>& levels, int repeats) {
   std::vector<OurPath> runs(static_cast<std::size_t>(repeats));
   for (OurPath& run : runs) {
-    const double begin = cpu_seconds();
+    const double begin = process_cpu_seconds();
     const EquilibriumSolver solver(model, {.tolerance = kTolerance});
-    run.setup_s = cpu_seconds() - begin;
+    run.setup_s = process_cpu_seconds() - begin;
     run.path = solver.solve_path(load, levels);
-    run.cpu_s = cpu_seconds() - begin;
+    run.cpu_s = process_cpu_seconds() - begin;
     run.setup = solver.setup();
   }
   std::sort(runs.begin(), runs.end(),

@@ -1,6 +1,7 @@
 #include "apps/palpable-bake/machine.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/base/cpu_time.h"
 
 #include <fmt/core.h>
 
@@ -62,12 +63,6 @@ constexpr int kChains = 8;
 
 }  // namespace
 
-double cpu_seconds() {
-  timespec now{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 double peak_memory() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
@@ -100,10 +95,10 @@ MachineRates measure_machine(std::size_t copied_bytes) {
   constexpr int kRepeats = 5;
   for (int r = 0; r < kRepeats; ++r) {
     from[0] = static_cast<char>(r);
-    const double begin = cpu_seconds();
+    const double begin = process_cpu_seconds();
     std::memcpy(to.data(), from.data(), copied_bytes);
-    rates.bytes_per_s = std::max(rates.bytes_per_s,
-                                 2.0 * static_cast<double>(copied_bytes) / (cpu_seconds() - begin));
+    rates.bytes_per_s = std::max(rates.bytes_per_s, 2.0 * static_cast<double>(copied_bytes) /
+                                                        (process_cpu_seconds() - begin));
     // Read, so that the copy is not dropped.
     if (to[0] != from[0]) rates.bytes_per_s = 0;
   }
@@ -120,11 +115,11 @@ MachineRates measure_machine(std::size_t copied_bytes) {
 #endif
   constexpr long kSteps = 5'000'000;
   for (int r = 0; r < kRepeats; ++r) {
-    const double begin = cpu_seconds();
+    const double begin = process_cpu_seconds();
     volatile float result = spin(kSteps);
     static_cast<void>(result);
-    rates.flops_per_s =
-        std::max(rates.flops_per_s, 2.0 * lanes * kChains * kSteps / (cpu_seconds() - begin));
+    rates.flops_per_s = std::max(rates.flops_per_s,
+                                 2.0 * lanes * kChains * kSteps / (process_cpu_seconds() - begin));
   }
   return rates;
 }

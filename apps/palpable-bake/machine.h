@@ -16,12 +16,8 @@ struct MachineRates {
 
 /// Takes about half a second.
 /// @param copied_bytes  size of each of the two arrays, > 0; below that of a cache, it is the
-/// cache's
-///                      bandwidth that is measured
+///                      cache's bandwidth that is measured
 [[nodiscard]] MachineRates measure_machine(std::size_t copied_bytes);
-
-/// Of this process, all its threads, user and system; seconds since it began.
-[[nodiscard]] double cpu_seconds();
 
 /// The most memory that this process ever held, bytes.
 [[nodiscard]] double peak_memory();

@@ -220,9 +220,9 @@ SolidModel with_edge_nodes(const SolidModel& model) {
   return fine;
 }
 
-Matrix3Xd unit_traction(const Site& site, const Boundary& boundary, const TetMesh& mesh) {
+Matrix3Xd patch_traction(const Site& site, const Boundary& boundary, int node_count) {
   const Eigen::VectorXd areas = vertex_areas(boundary.surface);
-  Matrix3Xd traction = Matrix3Xd::Zero(3, mesh.node_count());
+  Matrix3Xd traction = Matrix3Xd::Zero(3, node_count);
   double sum = 0.0;
   for (const float w : site.weights) sum += static_cast<double>(w);
   for (std::size_t k = 0; k < site.patch.size(); ++k) {
@@ -230,9 +230,13 @@ Matrix3Xd unit_traction(const Site& site, const Boundary& boundary, const TetMes
     traction.col(boundary.node_of_vertex[static_cast<std::size_t>(v)]) =
         static_cast<double>(site.weights[k]) / (sum * areas[v]) * site.direction.normalized();
   }
+  return traction;
+}
+
+Matrix3Xd unit_traction(const Site& site, const Boundary& boundary, const TetMesh& mesh) {
   Eigen::Matrix3Xi triangles = boundary.surface.triangles;
   for (int& n : triangles.reshaped()) n = boundary.node_of_vertex[static_cast<std::size_t>(n)];
-  return traction_load(mesh, triangles, traction);
+  return traction_load(mesh, triangles, patch_traction(site, boundary, mesh.node_count()));
 }
 
 }  // namespace palpable

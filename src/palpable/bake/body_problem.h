@@ -51,6 +51,12 @@ struct BodyProblem {
 /// @pre model has 4-node elements
 [[nodiscard]] SolidModel with_edge_nodes(const SolidModel& model);
 
+/// (3 x N) Pa at the nodes of the site's patch, linear in each triangle of the skin; 1 N in total.
+/// @param boundary    boundary_of() the mesh from which the site is
+/// @param node_count  N
+[[nodiscard]] Eigen::Matrix3Xd patch_traction(const Site& site, const Boundary& boundary,
+                                              int node_count);
+
 /// (3 x N) the same traction field as unit_load(), linear in each triangle of the skin,
 /// consistently on a mesh that may have edge nodes; 1 N in total.
 /// @param boundary  boundary_of() the mesh from which the site is

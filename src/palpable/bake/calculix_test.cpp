@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 #include "palpable/solid/equilibrium.h"
+#include "tests/support/replaced.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
@@ -23,6 +24,7 @@ namespace {
 
 using Catch::Matchers::Contains;
 using Eigen::Matrix3Xd;
+using test::replaced;
 using test::tolerance;
 
 constexpr const char* kNoCalculix = "CalculiX (ccx, Debian calculix-ccx) is not installed";
@@ -79,12 +81,6 @@ Result<std::vector<CalculixState>> parse(const std::string& text,
                                          const CalculixDatLayout& layout = kTwoLevels) {
   std::istringstream in(text);
   return read_calculix_dat(in, layout, "body.dat");
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, from.size(), to);
 }
 
 TEST_CASE("the printed results of CalculiX are read in our order and units",

@@ -1,24 +1,22 @@
 #include "palpable/bake/element_study.h"
 
+#include "palpable/bake/body_problem.h"
 #include "palpable/bake/contact_sites.h"
 #include "palpable/base/contract.h"
+#include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
 #include "palpable/solid/equilibrium.h"
 #include "palpable/solid/loads.h"
-#include "palpable/solid/quadrature.h"
 #include "palpable/solid/selection.h"
 #include "palpable/solid/shape_gradients.h"
 #include "palpable/solid/stress.h"
 
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
 #include <limits>
-#include <optional>
 #include <utility>
 
 namespace palpable {
@@ -31,9 +29,6 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr ElementErrors kNoErrors{kNone, kNone, kNone, kNone};
-
-// Of the whole process.
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 Sparse identity(Eigen::Index n) {
   Sparse one(n, n);
@@ -117,20 +112,6 @@ SolidModel split(const SolidModel& model) {
   return fine;
 }
 
-// Pa at the reference's nodes, linear in each triangle of the skin, 1 N in total.
-Matrix3Xd traction_of(const Site& site, const Boundary& skin, int node_count) {
-  const VectorXd areas = vertex_areas(skin.surface);
-  Matrix3Xd traction = Matrix3Xd::Zero(3, node_count);
-  double sum = 0.0;
-  for (const float w : site.weights) sum += static_cast<double>(w);
-  for (std::size_t k = 0; k < site.patch.size(); ++k) {
-    const int v = site.patch[k];
-    traction.col(skin.node_of_vertex[static_cast<std::size_t>(v)]) =
-        static_cast<double>(site.weights[k]) / (sum * areas[v]) * site.direction;
-  }
-  return traction;
-}
-
 // All that the states of one mesh are compared by.
 struct State {
   Matrix3Xd u;         // at the reference's nodes
@@ -138,34 +119,6 @@ struct State {
   VectorXd at_nodes;   // von Mises stress at the mesh's own nodes
   double press = kNone;
 };
-
-// (6 x N) what 10-node elements have at their nodes, the mean by volume: the polynomial of degree 1
-// through the four points of an element, taken to its corners and edges.
-StressField own_nodal_stress(const SolidModel& model, const StressField& at_points) {
-  const TetMesh& mesh = model.mesh;
-  const VectorXd volumes = tet_volumes(mesh);
-  Eigen::Matrix4d to_corners;  // barycentric coordinates of the points, a row each; then inverted
-  for (Eigen::Index q = 0; q < 4; ++q) {
-    to_corners.row(q) = four_point_rule()[static_cast<std::size_t>(q)].barycentric.transpose();
-  }
-  to_corners = to_corners.inverse().eval();
-  StressField sum = StressField::Zero(6, mesh.node_count());
-  VectorXd weights = VectorXd::Zero(mesh.node_count());
-  for (int e = 0; e < mesh.tet_count(); ++e) {
-    const Eigen::Matrix<double, 6, 4> corners =
-        at_points.middleCols<4>(4 * e) * to_corners.transpose();
-    const auto add = [&](int node, const Eigen::Matrix<double, 6, 1>& value) {
-      sum.col(node) += volumes[e] * value;
-      weights[node] += volumes[e];
-    };
-    for (int k = 0; k < 4; ++k) add(mesh.tets(k, e), corners.col(k));
-    for (int k = 0; k < 6; ++k) {
-      add(mesh.edge_nodes(k, e),
-          0.5 * (corners.col(kTetEdges[k][0]) + corners.col(kTetEdges[k][1])));
-    }
-  }
-  return sum * weights.cwiseInverse().asDiagonal();
-}
 
 double relative_l2(const VectorXd& weights, const auto& difference_squared,
                    const auto& reference_squared) {
@@ -191,7 +144,7 @@ class Study {
     const Eigen::Matrix3Xi triangles = skin_triangles(reference.mesh);
     for (const Site& site : study_.sites) {
       study_.places.push_back(family.skin.surface.vertices.col(site.vertex));
-      corner_traction_.push_back(traction_of(site, family.skin, corners));
+      corner_traction_.push_back(patch_traction(site, family.skin, corners));
       unit_.push_back(traction_load(reference.mesh, triangles, corner_traction_.back()));
     }
     volumes_ = nodal_volumes(reference.mesh);
@@ -302,11 +255,10 @@ class Study {
     // A factor of so many nodes is worth more iterations than the default has in mind.
     if (model_of(m).mesh.node_count() > 50'000) settings.refresh_iterations = 100;
     show(fmt::format("{}, factor", report_of.name));
-    const double begin = cpu_seconds();
+    const double begin = process_cpu_seconds();
     const EquilibriumSolver solver(with_material(model_of(m), poisson), settings);
-    if (p == 0) report_of.setup_cpu_s = cpu_seconds() - begin;
-    std::optional<StressRecovery> recovery;
-    if (!is_reference) recovery.emplace(solver.model().mesh);
+    if (p == 0) report_of.setup_cpu_s = process_cpu_seconds() - begin;
+    const StressRecovery recovery(solver.model().mesh);
     const SolidModel there = with_material(family_.reference, poisson);
     done_ += 10 * weight(m);
 
@@ -321,9 +273,9 @@ class Study {
         PathResult path;
         if (!linear || in_linear_response(m)) {
           show(fmt::format("{}, nu {}, site {}", report_of.name, poisson, s));
-          const double start = cpu_seconds();
+          const double start = process_cpu_seconds();
           path = solver.solve_path(unit, levels);
-          if (!linear) report_of.path_cpu_s.push_back(cpu_seconds() - start);
+          if (!linear) report_of.path_cpu_s.push_back(process_cpu_seconds() - start);
           done_ += (linear ? 1 : 4) * weight(m);
         }
         for (std::size_t k = 0; k < count; ++k) {
@@ -333,14 +285,10 @@ class Study {
             state.press = unit.cwiseProduct(u).sum();
             state.u = is_reference ? u : Matrix3Xd(u * family_.members[m].to_reference.transpose());
             // The same gradients as on its own mesh, where that is nested.
-            StressField at_points;
             if (in_linear_response(m)) {
-              at_points = point_cauchy_stress(there, state.u);
-              state.at_points = von_mises(at_points);
+              state.at_points = von_mises(point_cauchy_stress(there, state.u));
             }
-            state.at_nodes =
-                von_mises(is_reference ? own_nodal_stress(there, at_points)
-                                       : nodal_cauchy_stress(solver.model(), u, *recovery));
+            state.at_nodes = von_mises(nodal_cauchy_stress(solver.model(), u, recovery));
           }
           if (is_reference) {
             study_.presses.push_back(

@@ -1,6 +1,7 @@
 #include "palpable/bake/inp_file.h"
 
 #include "palpable/bake/calculix.h"
+#include "tests/support/replaced.h"
 #include "tests/support/test.h"
 
 #include <array>
@@ -12,6 +13,7 @@ namespace palpable {
 namespace {
 
 using Catch::Matchers::Contains;
+using test::replaced;
 using test::tolerance;
 
 // Two tetrahedra on a common face, as Abaqus writes them; node 50 belongs to nobody.
@@ -46,12 +48,6 @@ LEFT, S1
 *STATIC
 *END STEP
 )";
-
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
-  const std::size_t at = text.find(what);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, what.size(), with);
-}
 
 std::string complaint(const std::string& text) {
   const Result<VolumeMesh> result = parse_inp(text, "a.inp");

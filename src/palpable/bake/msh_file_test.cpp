@@ -1,5 +1,6 @@
 #include "palpable/bake/msh_file.h"
 
+#include "tests/support/replaced.h"
 #include "tests/support/test.h"
 
 #include <filesystem>
@@ -9,6 +10,8 @@
 
 namespace palpable {
 namespace {
+
+using test::replaced;
 
 using Catch::Matchers::Contains;
 
@@ -70,12 +73,6 @@ $Elements
 2 1 2 7 9
 $EndElements
 )";
-
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
-  const std::size_t at = text.find(what);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, what.size(), with);
-}
 
 std::string complaint(const std::string& text) {
   const Result<VolumeMesh> result = parse_msh(text, "a.msh");

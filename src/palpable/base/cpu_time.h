@@ -13,6 +13,13 @@ namespace palpable {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+/// CPU seconds of the whole process, all its threads, since it began.
+[[nodiscard]] inline double process_cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 /// Adds the CPU time of a scope, in seconds, to a sum.
 class CpuTimer {
  public:

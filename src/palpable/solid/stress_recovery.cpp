@@ -111,16 +111,21 @@ StressRecovery::StressRecovery(const TetMesh& mesh) {
 void StressRecovery::recover_from_elements(const TetMesh& mesh) {
   points_ = 4 * static_cast<Eigen::Index>(mesh.tet_count());
   const Neighbours around(mesh);
+  const Eigen::VectorXd volumes = tet_volumes(mesh);
   const Eigen::Matrix<double, 10, 4> weights = nodes_from_points();
   start_.push_back(0);
   for (int n = 0; n < mesh.node_count(); ++n) {
     const int begin = around.start[static_cast<std::size_t>(n)];
     const int end = around.start[static_cast<std::size_t>(n) + 1];
+    double volume = 0.0;
+    for (int k = begin; k < end; ++k)
+      volume += volumes[around.element[static_cast<std::size_t>(k)]];
     for (int k = begin; k < end; ++k) {
       const int e = around.element[static_cast<std::size_t>(k)];
       const Eigen::Matrix<int, 10, 1> nodes = quadratic_nodes(mesh, e);
       const auto place = std::find(nodes.begin(), nodes.end(), n) - nodes.begin();
-      for (int q = 0; q < 4; ++q) terms_.push_back({4 * e + q, weights(place, q) / (end - begin)});
+      for (int q = 0; q < 4; ++q)
+        terms_.push_back({4 * e + q, weights(place, q) * volumes[e] / volume});
     }
     start_.push_back(static_cast<int>(terms_.size()));
   }

@@ -1,5 +1,6 @@
 #include "palpable/vision/calibration_file.h"
 
+#include "tests/support/replaced.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
@@ -15,6 +16,7 @@
 namespace palpable {
 namespace {
 
+using test::replaced;
 using test::ScratchFolder;
 using test::write_bytes;
 
@@ -35,12 +37,6 @@ StereoCalibration some_calibration() {
 std::string text_of_some_calibration(const ScratchFolder& folder) {
   write_stereo_calibration(folder / "good.yml", some_calibration());
   return test::file_bytes(folder / "good.yml");
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, from.size(), to);
 }
 
 TEST_CASE("a calibration comes back with every bit", "[vision][calibration]") {
