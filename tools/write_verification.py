@@ -249,7 +249,7 @@ def solid_section(results):
              for row in results.get("verified", [])]
     return f"""\
 The same comparison on meshes of full size, at every level, measured on {results["date"]} by
-`{results["command"]}`, which ends with exit code 1 if the bars do not hold. Press: of the height.
+`{results["command"]}`, which with `--verify` ends with exit code 1 if the bars do not hold. Press: of the height.
 
 """ + markdown(rows)
 

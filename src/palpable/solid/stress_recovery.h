@@ -27,7 +27,7 @@ namespace palpable {
 /// a node takes the mean, by volume, of what the elements that touch it say there. A linear field
 /// comes out exactly here too, and no detail is lost to a patch: on coarse bodies the patches'
 /// error was half as large again (von Mises stress of a pressed ball with ears, 23-30 % against
-/// 14-17 %).
+/// 14-18 %).
 ///
 /// All that depends on the mesh is computed once; apply() is const and may run in several threads.
 class StressRecovery {
