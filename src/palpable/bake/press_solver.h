@@ -19,9 +19,9 @@ namespace palpable {
 /// The preload comes first and in full; presses and their levels are counted from the shape that it
 /// gives the body. All loads are dead and the body is elastic, so a state does not depend on the
 /// way to it, as long as nothing buckles; each is reached from the unloaded body with all loads
-/// growing together, since EquilibriumSolver has no part of a load that stays. That takes about
-/// four times as long as a plain path, on which each level starts from those before it. Without a
-/// preload, everything is handed to EquilibriumSolver as it is.
+/// growing together, since EquilibriumSolver has no part of a load that stays. That takes
+/// several times as long as a plain path, on which each level starts from those before it. Without
+/// a preload, everything is handed to EquilibriumSolver as it is.
 ///
 /// Const members may be called from several threads.
 class PressSolver {
