@@ -19,6 +19,7 @@ inline constexpr int kPackSize = 8;
 /// is handed from one to the other says so itself (kPackAlignment).
 using Pack = double __attribute__((vector_size(kPackSize * sizeof(double))));
 using PackBits = std::int64_t __attribute__((vector_size(kPackSize * sizeof(std::int64_t))));
+using PackWords = std::uint64_t __attribute__((vector_size(kPackSize * sizeof(std::uint64_t))));
 inline constexpr int kPackAlignment = sizeof(Pack);
 
 /// m[i + 3 J] is entry (i, J): column by column, as Eigen stores them.
@@ -102,10 +103,11 @@ PALPABLE_ALWAYS_INLINE double logarithm(double x) { return std::log(x); }
 /// x = 2^e m with m in [1/sqrt 2, sqrt 2), ln m = 2 artanh((m - 1) / (m + 1)) by its power series,
 /// whose rest after the 21st power is below 1e-17 of the first term there.
 PALPABLE_ALWAYS_INLINE Pack logarithm(const Pack& x) {
-  // Adding the bits of 1 / (1 / sqrt 2) carries mantissas from sqrt 2 on into the exponent.
-  const PackBits bits = (PackBits)x;
-  const PackBits e = ((bits + (0x3ff0000000000000 - 0x3fe6a09e667f3bcd)) >> 52) - 0x3ff;
-  const Pack m = (Pack)(bits - (e << 52));
+  // Adding the bits of 1 / (1 / sqrt 2) carries mantissas from sqrt 2 on into the exponent. Without
+  // a sign, because lanes of inverted elements pass here too: their sums wrap, and nobody reads them.
+  const PackWords bits = (PackWords)x;
+  const PackBits e = ((PackBits)(bits + (0x3ff0000000000000 - 0x3fe6a09e667f3bcd)) >> 52) - 0x3ff;
+  const Pack m = (Pack)(bits - ((PackWords)e << 52));
   const Pack s = (m - 1.0) / (m + 1.0);
   const Pack q = s * s;
   Pack series = q * (1.0 / 21) + 1.0 / 19;
