@@ -104,7 +104,8 @@ PALPABLE_ALWAYS_INLINE double logarithm(double x) { return std::log(x); }
 /// whose rest after the 21st power is below 1e-17 of the first term there.
 PALPABLE_ALWAYS_INLINE Pack logarithm(const Pack& x) {
   // Adding the bits of 1 / (1 / sqrt 2) carries mantissas from sqrt 2 on into the exponent. Without
-  // a sign, because lanes of inverted elements pass here too: their sums wrap, and nobody reads them.
+  // a sign, because lanes of inverted elements pass here too: their sums wrap, and nobody reads
+  // them.
   const PackWords bits = (PackWords)x;
   const PackBits e = ((PackBits)(bits + (0x3ff0000000000000 - 0x3fe6a09e667f3bcd)) >> 52) - 0x3ff;
   const Pack m = (Pack)(bits - ((PackWords)e << 52));
