@@ -5,6 +5,7 @@
 #pragma once
 
 #include "palpable/bake/greedy_pgd.h"
+#include "palpable/bake/site_run.h"
 #include "palpable/base/progress.h"
 #include "palpable/base/stage_clock.h"
 #include "palpable/geometry/tet_mesh.h"
@@ -26,17 +27,7 @@ struct CampaignSettings {
   /// moved all the way before the first press.
   Eigen::Matrix3Xd preload = Eigen::Matrix3Xd(3, 0);
   int threads =
-      0;  ///< sites solved side by side; 0: one per core. The result does not depend on it
-};
-
-/// How the path of one site went.
-struct SiteOutcome {
-  bool reached_press = true;  ///< or bears the force that was asked for
-  double press = 0;           ///< m, at level 1
-  std::string shortfall;      ///< one line; empty when the press was reached
-  int newton_steps = 0;
-  int cg_iterations = 0;
-  double smallest_volume_ratio = 1;  ///< min det F over elements and levels
+      0;  ///< batches solved side by side; 0: one per core. The result does not depend on it
 };
 
 struct Campaign {
@@ -55,20 +46,10 @@ struct Campaign {
   StageTimes times;  ///< load search, solve, stress: milliseconds, summed over all threads
 };
 
-/// For each site: the load at which its patch gives way by the press (or the force that is given),
-/// then the path to that load and the stress at each level. Loads act on the patch in
-/// proportion to its weights, along the site's direction, and keep it (dead loads).
-///
-/// A site whose body yields, buckles or turns an element inside out before the press is baked up to
-/// what it reaches, and its outcome says so. Its load is lowered until the press depth grows
-/// strictly with every level, because the live half inverts that table.
-///
+/// Solves all sites, batch by batch (site_run.h), on some threads.
 /// @param boundary  of solver.model().mesh; sites refer to its vertices
-/// With a preload the body at rest is the preloaded one, and everything here is what the press adds
-/// to that (PressSolver): the live half shows a body as it lies there, and where it is touched.
 /// @throws Error if no site reaches the press, one site cannot be pressed at all, or the body
-/// cannot
-///         bear the preload
+///         cannot bear the preload
 [[nodiscard]] Campaign run_campaign(const EquilibriumSolver& solver, const Boundary& boundary,
                                     std::vector<Site> sites, const CampaignSettings& settings,
                                     const Progress& progress = {});
