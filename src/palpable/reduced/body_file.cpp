@@ -1,181 +1,33 @@
 #include "palpable/reduced/body_file.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/reduced/hdf5_tools.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <cstdint>
-#include <fcntl.h>
-#include <fstream>
-#include <hdf5.h>
-#include <memory>
+#include <new>
+#include <string_view>
 #include <system_error>
-#include <unistd.h>
 
 namespace palpable {
 namespace {
 
-// Largest count of anything that a body file may hold: a guard against absurd sizes in a damaged
-// file, far above any real body.
-constexpr hsize_t kLargestCount = 200'000'000;
+using hdf5::Handle;
+using hdf5::make_group;
+using hdf5::open_group;
+using hdf5::read_number;
+using hdf5::read_table;
+using hdf5::read_text;
+using hdf5::require;
+using hdf5::Table;
+using hdf5::Trouble;
+using hdf5::write_number;
+using hdf5::write_table;
+using hdf5::write_text;
 
-// A body file is an HDF5 file behind a user block, a feature of HDF5 that its tools skip. Ours is a
-// short text with the size and a checksum of the whole rest. It is compared before HDF5 sees a
-// byte, because HDF5 1.10 does not survive every damaged file (the fuzz test found reads of freed
-// memory), and a body file must never crash its reader.
-constexpr std::size_t kUserBlock = 512;
-constexpr std::string_view kMagic = "palpable body file, layout ";
-
-// What the low-level functions below throw; it never leaves this file.
-struct Trouble {
-  std::string what;
-};
-
-// An HDF5 identifier that closes itself.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close)(hid_t), const std::string& what) : id_(id), close_(close) {
-    if (id < 0) throw Trouble{what};
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  ~Handle() { close_(id_); }
-  operator hid_t() const { return id_; }  // NOLINT: stands for the identifier
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-// HDF5 prints its own error stack to stderr unless told not to; a library never prints.
-class QuietHdf5 {
- public:
-  QuietHdf5() {
-    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  QuietHdf5(const QuietHdf5&) = delete;
-  QuietHdf5& operator=(const QuietHdf5&) = delete;
-  ~QuietHdf5() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
-
- private:
-  H5E_auto2_t function_ = nullptr;
-  void* data_ = nullptr;
-};
-
-template <class T>
-hid_t native_type();
-template <>
-hid_t native_type<float>() {
-  return H5T_NATIVE_FLOAT;
-}
-template <>
-hid_t native_type<double>() {
-  return H5T_NATIVE_DOUBLE;
-}
-template <>
-hid_t native_type<int>() {
-  return H5T_NATIVE_INT;
-}
-template <>
-hid_t native_type<std::uint8_t>() {
-  return H5T_NATIVE_UINT8;
-}
-
-// FNV-1a: each byte enters by an exclusive or and a multiplication, so that any one changed byte
-// changes the result.
-std::uint64_t checksum(std::string_view bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const char byte : bytes) {
-    hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
-  }
-  return hash;
-}
-
-// What the user block must hold in front of `content`.
-std::string user_block(std::string_view content) {
-  std::string block = fmt::format("{}{}\nbytes {}\nfnv1a {:016x}\n", kMagic, kBodyFileVersion,
-                                  content.size(), checksum(content));
-  block.resize(kUserBlock, '\0');
-  return block;
-}
-
-std::string all_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file) throw Trouble{"cannot be read"};
-  return bytes;
-}
-
-void check_user_block(const std::string& bytes) {
-  if (bytes.substr(0, kMagic.size()) != kMagic) throw Trouble{"not a body file of Palpable"};
-  const std::string version =
-      bytes.substr(kMagic.size(), bytes.find('\n', kMagic.size()) - kMagic.size());
-  if (version != std::to_string(kBodyFileVersion)) {
-    throw Trouble{
-        fmt::format("layout version '{}' where this program reads {}; bake the body again",
-                    version.substr(0, 20), kBodyFileVersion)};
-  }
-  if (bytes.size() <= kUserBlock || std::string_view(bytes).substr(0, kUserBlock) !=
-                                        user_block(std::string_view(bytes).substr(kUserBlock))) {
-    throw Trouble{"truncated or damaged (its checksum differs); copy it again or bake it again"};
-  }
-}
-
-// ---- writing ---------------------------------------------------------------------------------
-
-void check(herr_t status, const std::string& what) {
-  if (status < 0) throw Trouble{what};
-}
-
-// Eigen stores columns, HDF5 rows: a (r x c) matrix is written as a dataset of c rows and r
-// columns, so that each dataset row is one vertex, triangle or mode.
-template <class T>
-void write_table(hid_t file, const char* name, const T* data, hsize_t rows, hsize_t columns) {
-  const hsize_t size[2] = {rows, columns};
-  const Handle space(H5Screate_simple(2, size, nullptr), H5Sclose, "no memory");
-  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "no memory");
-  check(H5Pset_obj_track_times(creation, false), name);  // same content, same bytes
-  if (rows * columns > 0) {
-    check(H5Pset_chunk(creation, 2, size), name);
-    check(H5Pset_fletcher32(creation), name);  // a flipped bit is found on reading
-  }
-  const Handle set(
-      H5Dcreate2(file, name, native_type<T>(), space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose,
-      fmt::format("dataset '{}' cannot be made", name));
-  if (rows * columns > 0) {
-    check(H5Dwrite(set, native_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data),
-          fmt::format("dataset '{}' cannot be written", name));
-  }
-}
-
-void write_text(hid_t object, const char* name, const std::string& text) {
-  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, "no memory");
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "no memory");
-  check(H5Tset_size(type, std::max<std::size_t>(text.size(), 1)), name);
-  check(H5Tset_strpad(type, H5T_STR_NULLPAD), name);
-  check(H5Tset_cset(type, H5T_CSET_UTF8), name);
-  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
-                         fmt::format("attribute '{}' cannot be made", name));
-  const std::string padded = text.empty() ? std::string(1, '\0') : text;
-  check(H5Awrite(attribute, type, padded.data()), name);
-}
-
-void write_number(hid_t object, const char* name, double value) {
-  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, "no memory");
-  const Handle attribute(
-      H5Acreate2(object, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
-      fmt::format("attribute '{}' cannot be made", name));
-  check(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value), name);
-}
-
-Handle make_group(hid_t file, const char* name) {
-  const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "no memory");
-  check(H5Pset_obj_track_times(creation, false), name);
-  return Handle(H5Gcreate2(file, name, H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose,
-                fmt::format("group '{}' cannot be made", name));
-}
+constexpr std::string_view kKind = "palpable body file";
 
 void write_field(hid_t file, const char* name, const SeparatedField& field) {
   const Handle group = make_group(file, name);
@@ -190,10 +42,6 @@ void write_field(hid_t file, const char* name, const SeparatedField& field) {
     write_table(g, "samples", axis.samples.data(), n, 1);
     write_table(g, "functions", axis.functions.data(), m, n);
   }
-}
-
-void require(bool condition, const std::string& what) {
-  if (!condition) throw Trouble{what};
 }
 
 void write_all(hid_t file, const ReducedBody& body) {
@@ -259,93 +107,6 @@ void write_all(hid_t file, const ReducedBody& body) {
 }
 
 // ---- reading ---------------------------------------------------------------------------------
-
-template <class T>
-struct Table {
-  std::vector<T> data;  // rows * columns, row by row
-  hsize_t rows = 0;
-  hsize_t columns = 0;
-};
-
-template <class T>
-Table<T> read_table(hid_t file, const char* name) {
-  const Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose,
-                   fmt::format("dataset '{}' is missing", name));
-  const Handle type(H5Dget_type(set), H5Tclose, fmt::format("dataset '{}' has no type", name));
-  constexpr bool is_integer = std::is_integral_v<T>;
-  if (H5Tget_class(type) != (is_integer ? H5T_INTEGER : H5T_FLOAT)) {
-    throw Trouble{fmt::format("dataset '{}' does not hold {}", name,
-                              is_integer ? "integers" : "floating-point numbers")};
-  }
-  const Handle space(H5Dget_space(set), H5Sclose, fmt::format("dataset '{}' has no size", name));
-  if (H5Sget_simple_extent_ndims(space) != 2) {
-    throw Trouble{fmt::format("dataset '{}' is not a table", name)};
-  }
-  hsize_t size[2];
-  H5Sget_simple_extent_dims(space, size, nullptr);
-  if (size[0] > kLargestCount || size[1] > kLargestCount ||
-      (size[1] > 0 && size[0] > kLargestCount / size[1])) {
-    throw Trouble{fmt::format("dataset '{}' claims {} x {} values", name, size[0], size[1])};
-  }
-  // A damaged header may claim more than the file holds: allocate only what is stored.
-  if (H5Dget_storage_size(set) < size[0] * size[1] * H5Tget_size(type)) {
-    throw Trouble{fmt::format("dataset '{}' is cut short", name)};
-  }
-  Table<T> table{std::vector<T>(size[0] * size[1]), size[0], size[1]};
-  if (!table.data.empty() &&
-      H5Dread(set, native_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, table.data.data()) < 0) {
-    throw Trouble{fmt::format("dataset '{}' is damaged", name)};
-  }
-  return table;
-}
-
-template <class T>
-Table<T> read_table(hid_t file, const char* name, hsize_t rows, hsize_t columns) {
-  Table<T> table = read_table<T>(file, name);
-  if (table.rows != rows || table.columns != columns) {
-    throw Trouble{fmt::format("dataset '{}' is {} x {} where {} x {} is needed", name, table.rows,
-                              table.columns, rows, columns)};
-  }
-  return table;
-}
-
-std::string read_text(hid_t object, const char* name) {
-  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose,
-                         fmt::format("attribute '{}' is missing", name));
-  const Handle type(H5Aget_type(attribute), H5Tclose,
-                    fmt::format("attribute '{}' is damaged", name));
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0) {
-    throw Trouble{fmt::format("attribute '{}' is not a text", name)};
-  }
-  const Handle space(H5Aget_space(attribute), H5Sclose, name);
-  if (H5Sget_simple_extent_npoints(space) != 1) {
-    throw Trouble{fmt::format("attribute '{}' is not one text", name)};
-  }
-  std::string text(H5Tget_size(type), '\0');
-  if (H5Aread(attribute, type, text.data()) < 0) {
-    throw Trouble{fmt::format("attribute '{}' is damaged", name)};
-  }
-  text.resize(std::min(text.find('\0'), text.size()));
-  return text;
-}
-
-double read_number(hid_t object, const char* name) {
-  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose,
-                         fmt::format("attribute '{}' is missing", name));
-  const Handle type(H5Aget_type(attribute), H5Tclose, name);
-  const Handle space(H5Aget_space(attribute), H5Sclose, name);
-  double value = 0;
-  if (H5Tget_class(type) != H5T_FLOAT || H5Sget_simple_extent_npoints(space) != 1 ||
-      H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0) {
-    throw Trouble{fmt::format("attribute '{}' is not a number", name)};
-  }
-  return value;
-}
-
-Handle open_group(hid_t file, const char* name) {
-  return Handle(H5Gopen2(file, name, H5P_DEFAULT), H5Gclose,
-                fmt::format("group '{}' is missing", name));
-}
 
 template <class T>
 bool all_finite(const std::vector<T>& values) {
@@ -530,38 +291,10 @@ ReducedBody read_all(hid_t file) {
   return body;
 }
 
-// HDF5 works in memory only: a full disk while it writes would leave it unable to close the file.
-Handle in_memory() { return Handle(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "no memory"); }
-
-std::string to_bytes(const ReducedBody& body) {
-  const Handle access = in_memory();
-  check(H5Pset_fapl_core(access, std::size_t{1} << 20, false), "no memory");
-  const Handle file(H5Fcreate("body", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, "no memory");
-  write_all(file, body);
-  check(H5Fflush(file, H5F_SCOPE_GLOBAL), "no memory");
-  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
-  if (size <= 0) throw Trouble{"no memory"};
-  std::string content(static_cast<std::size_t>(size), '\0');
-  if (H5Fget_file_image(file, content.data(), content.size()) != size) throw Trouble{"no memory"};
-  return user_block(content) + content;
-}
-
-ReducedBody from_bytes(std::string bytes) {
-  check_user_block(bytes);
-  const Handle access = in_memory();
-  check(H5Pset_fapl_core(access, std::size_t{1} << 20, false), "no memory");
-  check(H5Pset_file_image(access, bytes.data() + kUserBlock, bytes.size() - kUserBlock),
-        "no memory");
-  const Handle file(H5Fopen("body", H5F_ACC_RDONLY, access), H5Fclose, "HDF5 cannot open it");
-  return read_all(file);
-}
-
-// Flushes a file, or the folder that names it, to the disk.
-void sync_to_disk(const std::filesystem::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return;  // a file system without it: nothing more can be done
-  ::fsync(descriptor);
-  ::close(descriptor);
+ReducedBody from_bytes(const std::string& bytes) {
+  const hdf5::Image image(bytes, kKind, kBodyFileVersion, "a body file of Palpable",
+                          "bake the body again");
+  return read_all(image.file());
 }
 
 }  // namespace
@@ -575,9 +308,9 @@ Result<ReducedBody> read_body_file(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path, code)) {
     return Problem{fmt::format("{}: not a file", path.string())};
   }
-  const QuietHdf5 quiet;
+  const hdf5::Quiet quiet;
   try {
-    return from_bytes(all_bytes(path));
+    return from_bytes(hdf5::all_bytes(path));
   } catch (const Trouble& trouble) {
     return Problem{fmt::format("{}: {}", path.string(), trouble.what)};
   } catch (const std::bad_alloc&) {
@@ -586,27 +319,14 @@ Result<ReducedBody> read_body_file(const std::filesystem::path& path) {
 }
 
 void write_body_file(const std::filesystem::path& path, const ReducedBody& body) {
-  std::filesystem::path aside = path;
-  aside += ".part";
-  const QuietHdf5 quiet;
-  std::error_code code;
+  const hdf5::Quiet quiet;
   try {
-    const std::string bytes = to_bytes(body);
+    const std::string bytes =
+        hdf5::image_of(kKind, kBodyFileVersion, [&](hid_t file) { write_all(file, body); });
     (void)from_bytes(bytes);  // a body that breaks a promise of reduced_body.h is not written
-    std::ofstream file(aside, std::ios::binary);
-    if (!file) throw Trouble{"cannot be created; does the folder exist and may you write there?"};
-    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    file.close();
-    if (!file) throw Trouble{"cannot be written; is the disk full?"};
-    sync_to_disk(aside);
-    std::filesystem::rename(aside, path);
-    sync_to_disk(path.parent_path().empty() ? "." : path.parent_path());
+    hdf5::write_durably(path, bytes);
   } catch (const Trouble& trouble) {
-    std::filesystem::remove(aside, code);
     throw Error(fmt::format("{}: {}", path.string(), trouble.what));
-  } catch (const std::filesystem::filesystem_error& error) {
-    std::filesystem::remove(aside, code);
-    throw Error(fmt::format("{}: {}", path.string(), error.code().message()));
   }
 }
 

@@ -1,0 +1,237 @@
+#include "palpable/reduced/hdf5_tools.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <unistd.h>
+
+namespace palpable::hdf5 {
+namespace {
+
+constexpr std::size_t kUserBlock = 512;
+
+// What the user block must hold in front of `content`.
+std::string user_block(std::string_view kind, int layout, std::string_view content) {
+  std::string block = fmt::format("{}, layout {}\nbytes {}\nfnv1a {:016x}\n", kind, layout,
+                                  content.size(), fnv1a(content));
+  block.resize(kUserBlock, '\0');
+  return block;
+}
+
+void check_user_block(const std::string& bytes, std::string_view kind, int layout,
+                      std::string_view what, std::string_view remedy) {
+  const std::string magic = fmt::format("{}, layout ", kind);
+  if (bytes.substr(0, magic.size()) != magic) throw Trouble{fmt::format("not {}", what)};
+  const std::string version =
+      bytes.substr(magic.size(), bytes.find('\n', magic.size()) - magic.size());
+  if (version != std::to_string(layout)) {
+    throw Trouble{fmt::format("layout version '{}' where this program reads {}; {}",
+                              version.substr(0, 20), layout, remedy)};
+  }
+  if (bytes.size() <= kUserBlock ||
+      std::string_view(bytes).substr(0, kUserBlock) !=
+          user_block(kind, layout, std::string_view(bytes).substr(kUserBlock))) {
+    throw Trouble{
+        fmt::format("truncated or damaged (its checksum differs); copy it again or {}", remedy)};
+  }
+}
+
+Handle in_memory() { return Handle(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "no memory"); }
+
+Handle open_image(const std::string& bytes, std::string_view kind, int layout,
+                  std::string_view what, std::string_view remedy) {
+  check_user_block(bytes, kind, layout, what, remedy);
+  const Handle access = in_memory();
+  check(H5Pset_fapl_core(access, std::size_t{1} << 20, false), "no memory");
+  check(H5Pset_file_image(access, const_cast<char*>(bytes.data()) + kUserBlock,
+                          bytes.size() - kUserBlock),
+        "no memory");
+  return Handle(H5Fopen("image", H5F_ACC_RDONLY, access), H5Fclose, "HDF5 cannot open it");
+}
+
+// Flushes a file, or the folder that names it, to the disk.
+void sync_to_disk(const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return;  // a file system without it: nothing more can be done
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
+}  // namespace
+
+std::uint64_t fnv1a(std::string_view bytes, std::uint64_t hash) {
+  for (const char byte : bytes) {
+    hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
+  }
+  return hash;
+}
+
+void check(herr_t status, const std::string& what) {
+  if (status < 0) throw Trouble{what};
+}
+
+void require(bool condition, const std::string& what) {
+  if (!condition) throw Trouble{what};
+}
+
+void write_bytes(hid_t file, const char* name, hid_t type, const void* data, hsize_t rows,
+                 hsize_t columns) {
+  const hsize_t size[2] = {rows, columns};
+  const Handle space(H5Screate_simple(2, size, nullptr), H5Sclose, "no memory");
+  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "no memory");
+  check(H5Pset_obj_track_times(creation, false), name);  // same content, same bytes
+  if (rows * columns > 0) {
+    check(H5Pset_chunk(creation, 2, size), name);
+    check(H5Pset_fletcher32(creation), name);  // a flipped bit is found on reading
+  }
+  const Handle set(H5Dcreate2(file, name, type, space, H5P_DEFAULT, creation, H5P_DEFAULT),
+                   H5Dclose, fmt::format("dataset '{}' cannot be made", name));
+  if (rows * columns > 0) {
+    check(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data),
+          fmt::format("dataset '{}' cannot be written", name));
+  }
+}
+
+void write_block(hid_t file, const char* name, const float* data,
+                 const std::vector<hsize_t>& size) {
+  const Handle space(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr),
+                     H5Sclose, "no memory");
+  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "no memory");
+  check(H5Pset_obj_track_times(creation, false), name);
+  const Handle set(
+      H5Dcreate2(file, name, H5T_NATIVE_FLOAT, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose,
+      fmt::format("dataset '{}' cannot be made", name));
+  check(H5Dwrite(set, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, data),
+        fmt::format("dataset '{}' cannot be written", name));
+}
+
+void write_text(hid_t object, const char* name, const std::string& text) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, "no memory");
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "no memory");
+  check(H5Tset_size(type, std::max<std::size_t>(text.size(), 1)), name);
+  check(H5Tset_strpad(type, H5T_STR_NULLPAD), name);
+  check(H5Tset_cset(type, H5T_CSET_UTF8), name);
+  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                         fmt::format("attribute '{}' cannot be made", name));
+  const std::string padded = text.empty() ? std::string(1, '\0') : text;
+  check(H5Awrite(attribute, type, padded.data()), name);
+}
+
+void write_number(hid_t object, const char* name, double value) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, "no memory");
+  const Handle attribute(
+      H5Acreate2(object, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+      fmt::format("attribute '{}' cannot be made", name));
+  check(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value), name);
+}
+
+Handle make_group(hid_t file, const char* name) {
+  const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "no memory");
+  check(H5Pset_obj_track_times(creation, false), name);
+  return Handle(H5Gcreate2(file, name, H5P_DEFAULT, creation, H5P_DEFAULT), H5Gclose,
+                fmt::format("group '{}' cannot be made", name));
+}
+
+std::string read_text(hid_t object, const char* name) {
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose,
+                         fmt::format("attribute '{}' is missing", name));
+  const Handle type(H5Aget_type(attribute), H5Tclose,
+                    fmt::format("attribute '{}' is damaged", name));
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0) {
+    throw Trouble{fmt::format("attribute '{}' is not a text", name)};
+  }
+  const Handle space(H5Aget_space(attribute), H5Sclose, name);
+  if (H5Sget_simple_extent_npoints(space) != 1) {
+    throw Trouble{fmt::format("attribute '{}' is not one text", name)};
+  }
+  std::string text(H5Tget_size(type), '\0');
+  if (H5Aread(attribute, type, text.data()) < 0) {
+    throw Trouble{fmt::format("attribute '{}' is damaged", name)};
+  }
+  text.resize(std::min(text.find('\0'), text.size()));
+  return text;
+}
+
+double read_number(hid_t object, const char* name) {
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose,
+                         fmt::format("attribute '{}' is missing", name));
+  const Handle type(H5Aget_type(attribute), H5Tclose, name);
+  const Handle space(H5Aget_space(attribute), H5Sclose, name);
+  double value = 0;
+  if (H5Tget_class(type) != H5T_FLOAT || H5Sget_simple_extent_npoints(space) != 1 ||
+      H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0) {
+    throw Trouble{fmt::format("attribute '{}' is not a number", name)};
+  }
+  return value;
+}
+
+Handle open_group(hid_t file, const char* name) {
+  return Handle(H5Gopen2(file, name, H5P_DEFAULT), H5Gclose,
+                fmt::format("group '{}' is missing", name));
+}
+
+std::string image_of(std::string_view kind, int layout, const std::function<void(hid_t)>& fill) {
+  const Handle access = in_memory();
+  check(H5Pset_fapl_core(access, std::size_t{1} << 20, false), "no memory");
+  const Handle file(H5Fcreate("image", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, "no memory");
+  fill(file);
+  check(H5Fflush(file, H5F_SCOPE_GLOBAL), "no memory");
+  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
+  if (size <= 0) throw Trouble{"no memory"};
+  std::string bytes(kUserBlock + static_cast<std::size_t>(size), '\0');
+  if (H5Fget_file_image(file, bytes.data() + kUserBlock, static_cast<std::size_t>(size)) != size) {
+    throw Trouble{"no memory"};
+  }
+  const std::string block = user_block(kind, layout, std::string_view(bytes).substr(kUserBlock));
+  std::copy(block.begin(), block.end(), bytes.begin());
+  return bytes;
+}
+
+Image::Image(const std::string& bytes, std::string_view kind, int layout, std::string_view what,
+             std::string_view remedy)
+    : file_(open_image(bytes, kind, layout, what, remedy)) {}
+
+std::string all_bytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  if (!file) throw Trouble{"cannot be read"};
+  return bytes;
+}
+
+void write_durably(const std::filesystem::path& path, std::string_view bytes,
+                   const std::string& suffix) {
+  std::filesystem::path aside = path;
+  aside += suffix;
+  const int file = ::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (file < 0) {
+    throw Trouble{
+        fmt::format("cannot be created ({}); does the folder exist and may you write there?",
+                    std::strerror(errno))};
+  }
+  const auto give_up = [&](int problem) {
+    ::close(file);
+    ::unlink(aside.c_str());
+    throw Trouble{fmt::format("cannot be written: {}", std::strerror(problem))};
+  };
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) give_up(written == 0 ? ENOSPC : errno);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  // EINVAL, ENOTSUP: a file system that cannot sync; nothing more can be done there.
+  if (::fsync(file) != 0 && errno != EINVAL && errno != ENOTSUP) give_up(errno);
+  ::close(file);
+  if (::rename(aside.c_str(), path.c_str()) != 0) {
+    const int problem = errno;
+    ::unlink(aside.c_str());
+    throw Trouble{std::strerror(problem)};
+  }
+  sync_to_disk(path.parent_path().empty() ? "." : path.parent_path());
+}
+
+}  // namespace palpable::hdf5

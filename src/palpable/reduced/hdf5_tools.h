@@ -1,0 +1,171 @@
+/// @file
+/// What reading and writing HDF5 files is made of here: identifiers that close themselves, tables,
+/// texts, and whole files as checked bytes (docs/body_file.md, docs/snapshots.md).
+///
+/// HDF5 is not safe in several threads at once: callers take turns.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <hdf5.h>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace palpable::hdf5 {
+
+/// Largest count of anything that a file may hold: a guard against absurd sizes in a damaged
+/// file, far above anything real.
+inline constexpr hsize_t kLargestCount = 200'000'000;
+
+/// What all functions here throw; whoever uses them turns it into an Error or a Problem that names
+/// the file.
+struct Trouble {
+  std::string what;
+};
+
+/// An HDF5 identifier that closes itself.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t), const std::string& what) : id_(id), close_(close) {
+    if (id < 0) throw Trouble{what};
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() { close_(id_); }
+  operator hid_t() const { return id_; }  // NOLINT: stands for the identifier
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+/// HDF5 prints its own error stack to stderr unless told not to; a library never prints.
+class Quiet {
+ public:
+  Quiet() {
+    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  Quiet(const Quiet&) = delete;
+  Quiet& operator=(const Quiet&) = delete;
+  ~Quiet() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+
+ private:
+  H5E_auto2_t function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+[[nodiscard]] inline hid_t native(float) { return H5T_NATIVE_FLOAT; }
+[[nodiscard]] inline hid_t native(double) { return H5T_NATIVE_DOUBLE; }
+[[nodiscard]] inline hid_t native(int) { return H5T_NATIVE_INT; }
+[[nodiscard]] inline hid_t native(std::uint8_t) { return H5T_NATIVE_UINT8; }
+
+/// FNV-1a: each byte enters by an exclusive or and a multiplication, so that any one changed byte
+/// changes the result.
+[[nodiscard]] std::uint64_t fnv1a(std::string_view bytes, std::uint64_t hash = 0xcbf29ce484222325u);
+
+void check(herr_t status, const std::string& what);
+void require(bool condition, const std::string& what);
+
+/// Eigen stores columns, HDF5 rows: a (r x c) matrix is written as a dataset of c rows and r
+/// columns, so that each dataset row is one vertex, triangle or mode.
+void write_bytes(hid_t file, const char* name, hid_t type, const void* data, hsize_t rows,
+                 hsize_t columns);
+template <class T>
+void write_table(hid_t file, const char* name, const T* data, hsize_t rows, hsize_t columns) {
+  write_bytes(file, name, native(T{}), data, rows, columns);
+}
+/// A dataset of any number of dimensions in one piece, so that parts of it are read as such.
+void write_block(hid_t file, const char* name, const float* data, const std::vector<hsize_t>& size);
+
+void write_text(hid_t object, const char* name, const std::string& text);
+void write_number(hid_t object, const char* name, double value);
+[[nodiscard]] Handle make_group(hid_t file, const char* name);
+
+template <class T>
+struct Table {
+  std::vector<T> data;  ///< rows * columns, row by row
+  hsize_t rows = 0;
+  hsize_t columns = 0;
+};
+
+template <class T>
+Table<T> read_table(hid_t file, const char* name) {
+  const Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose,
+                   fmt::format("dataset '{}' is missing", name));
+  const Handle type(H5Dget_type(set), H5Tclose, fmt::format("dataset '{}' has no type", name));
+  constexpr bool is_integer = std::is_integral_v<T>;
+  if (H5Tget_class(type) != (is_integer ? H5T_INTEGER : H5T_FLOAT)) {
+    throw Trouble{fmt::format("dataset '{}' does not hold {}", name,
+                              is_integer ? "integers" : "floating-point numbers")};
+  }
+  const Handle space(H5Dget_space(set), H5Sclose, fmt::format("dataset '{}' has no size", name));
+  if (H5Sget_simple_extent_ndims(space) != 2) {
+    throw Trouble{fmt::format("dataset '{}' is not a table", name)};
+  }
+  hsize_t size[2];
+  H5Sget_simple_extent_dims(space, size, nullptr);
+  if (size[0] > kLargestCount || size[1] > kLargestCount ||
+      (size[1] > 0 && size[0] > kLargestCount / size[1])) {
+    throw Trouble{fmt::format("dataset '{}' claims {} x {} values", name, size[0], size[1])};
+  }
+  // A damaged header may claim more than the file holds: allocate only what is stored.
+  if (H5Dget_storage_size(set) < size[0] * size[1] * H5Tget_size(type)) {
+    throw Trouble{fmt::format("dataset '{}' is cut short", name)};
+  }
+  Table<T> table{std::vector<T>(size[0] * size[1]), size[0], size[1]};
+  if (!table.data.empty() &&
+      H5Dread(set, native(T{}), H5S_ALL, H5S_ALL, H5P_DEFAULT, table.data.data()) < 0) {
+    throw Trouble{fmt::format("dataset '{}' is damaged", name)};
+  }
+  return table;
+}
+
+template <class T>
+Table<T> read_table(hid_t file, const char* name, hsize_t rows, hsize_t columns) {
+  Table<T> table = read_table<T>(file, name);
+  if (table.rows != rows || table.columns != columns) {
+    throw Trouble{fmt::format("dataset '{}' is {} x {} where {} x {} is needed", name, table.rows,
+                              table.columns, rows, columns)};
+  }
+  return table;
+}
+
+[[nodiscard]] std::string read_text(hid_t object, const char* name);
+[[nodiscard]] double read_number(hid_t object, const char* name);
+[[nodiscard]] Handle open_group(hid_t file, const char* name);
+
+/// The bytes of a whole file: behind a user block, a feature of HDF5 that its tools skip, what
+/// `fill` puts into an HDF5 file in memory. Ours is a short text, "KIND, layout N", with the size
+/// and a checksum of the whole rest. It is compared before HDF5 sees a byte, because HDF5 1.10 does
+/// not survive every damaged file (the fuzz test found reads of freed memory). In memory, because
+/// HDF5 that meets a full disk cannot close its file any more.
+[[nodiscard]] std::string image_of(std::string_view kind, int layout,
+                                   const std::function<void(hid_t)>& fill);
+
+/// An HDF5 file in memory, opened from such bytes after they have been checked.
+class Image {
+ public:
+  /// @param what   e.g. "a body file of Palpable", for messages
+  /// @param remedy e.g. "bake the body again", likewise
+  Image(const std::string& bytes, std::string_view kind, int layout, std::string_view what,
+        std::string_view remedy);
+  [[nodiscard]] hid_t file() const { return file_; }
+
+ private:
+  Handle file_;
+};
+
+[[nodiscard]] std::string all_bytes(const std::filesystem::path& path);
+
+/// Writes aside, syncs, and renames into place: a reader sees the old file or the whole new one.
+/// Aside is `path` with `suffix`; it is gone after any end but a killed process.
+void write_durably(const std::filesystem::path& path, std::string_view bytes,
+                   const std::string& suffix = ".part");
+
+}  // namespace palpable::hdf5
