@@ -1,6 +1,5 @@
 #include "palpable/bake/body_description.h"
 
-#include "palpable/bake/law_constants.h"
 #include "palpable/bake/toml_section.h"
 #include "palpable/bake/volume_mesh.h"
 #include "palpable/base/error.h"
@@ -66,7 +65,7 @@ void read_shape(TomlSection section, const std::string& file, BodyDescription& b
 BodyDescription::MaterialLaw read_law(TomlSection& section, const std::string& default_law) {
   BodyDescription::MaterialLaw material;
   material.law = section.choice("law", law_names(), default_law);
-  const std::vector<LawConstant>& own = law_constants(material.law);
+  const std::span<const LawConstant> own = law_constants(material.law);
   std::vector<const char*> names;
   for (const LawConstant& constant : own) names.push_back(constant.name);
   const std::vector<std::string> given = section.present(names);
@@ -105,8 +104,6 @@ Where::Plane read_plane(TomlSection section, Parts parts) {
   Where::Plane plane;
   plane.point = section.quantities("point", Quantity::kLength);
   plane.normal = section.direction("normal");
-  // A ten-millionth of a body of 0.1 m: what rounding does to coordinates, and not more.
-  plane.distance = 1e-8;
   if (parts != Parts::kElements && section.has("distance")) {
     plane.distance = section.quantity("distance", Quantity::kLength, {0.0, kLength.high});
   }

@@ -27,10 +27,11 @@ struct Where {
   struct Above {
     double fraction;
   };
-  /// Nodes and faces within `distance` of the plane; elements on the side to which it points.
+  /// Nodes and faces within `distance` of the plane, by default within a millionth of the body's
+  /// diagonal: mesh files have six digits and more; elements on the side to which it points.
   struct Plane {
     Eigen::Vector3d point, normal;
-    double distance;
+    std::optional<double> distance = std::nullopt;
   };
   struct Box {
     Eigen::Vector3d low, high;

@@ -1,7 +1,6 @@
 #include "palpable/bake/body_problem.h"
 
 #include "palpable/bake/contact_sites.h"
-#include "palpable/bake/law_constants.h"
 #include "palpable/bake/places.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"

@@ -361,6 +361,7 @@ class InpReader {
 
   void read_node_set(const Keyword& keyword) {
     FileMesh::Nodes& set = node_set(need_name(keyword, "NSET"), keyword);
+    if (keyword.has("ELSET")) add_nodes_of(keyword, set);
     for (; line_ && !line_->starts_with('*'); next()) {
       const std::vector<std::string_view> words = split(*line_);
       if (keyword.has("GENERATE")) {
@@ -382,6 +383,28 @@ class InpReader {
         bound(set.numbers.size());
       }
     }
+  }
+
+  // *NSET, NSET=.., ELSET=..: the nodes of a set of elements.
+  void add_nodes_of(const Keyword& keyword, FileMesh::Nodes& set) {
+    const std::string wanted = keyword.get("ELSET");
+    const auto elements = element_names_.find(upper(wanted));
+    if (elements == element_names_.end()) {
+      throw MeshDefect{keyword.line, fmt::format("'{}' is no set of elements named before",
+                                                 wanted.substr(0, 40))};
+    }
+    for (const std::int64_t number : elements_[elements->second]) {
+      const int tet = element_of_.at(number);
+      if (tet < 0) {
+        const auto& corners = triangles_.at(number);
+        set.numbers.insert(set.numbers.end(), corners.begin(), corners.end());
+        continue;
+      }
+      const FileMesh::Tet& element = mesh_.tets[static_cast<std::size_t>(tet)];
+      set.numbers.insert(set.numbers.end(), element.nodes.begin(),
+                         element.nodes.begin() + element.node_count);
+    }
+    bound(set.numbers.size());
   }
 
   // A set that names itself again and again would double with each line.
@@ -431,11 +454,19 @@ class InpReader {
       const std::vector<std::string_view> words = split(*line_);
       const std::string face = words.size() > 1 ? upper(words[1]) : "";
       if (face.size() != 2 || face[0] != 'S' || face[1] < '1' || face[1] > '4') {
-        text_.bad(fmt::format("'{}' is no face of a tetrahedron; those are S1 to S4", face));
+        leave_out(name, text_.line(),
+                  fmt::format("'{}' is no face of a tetrahedron; those are S1 to S4",
+                              face.substr(0, 40)));
+        continue;
       }
       surfaces_.push_back(
           {name, std::string(words[0]), static_cast<std::size_t>(face[1] - '1'), text_.line()});
     }
+  }
+
+  // A deck may hold surfaces that nobody asks for: of shells, springs, rigid bodies.
+  void leave_out(const std::string& surface, std::size_t line, const std::string& why) {
+    mesh_.unusable.try_emplace(surface, fmt::format("line {} of its file: {}", line, why));
   }
 
   // At the end, since a surface may come before its sets.
@@ -447,21 +478,25 @@ class InpReader {
       } else {
         const auto set = element_names_.find(upper(row.elements));
         if (set == element_names_.end()) {
-          throw MeshDefect{row.line, fmt::format("'{}' is neither an element nor a set of elements",
-                                                 row.elements.substr(0, 40))};
+          leave_out(row.name, row.line,
+                    fmt::format("'{}' is neither an element nor a set of elements",
+                                row.elements.substr(0, 40)));
+          continue;
         }
         elements = elements_[set->second];
       }
       for (const std::int64_t number : elements) {
         const auto at = element_of_.find(number);
         if (at == element_of_.end() || at->second < 0) {
-          throw MeshDefect{row.line, fmt::format("element {} is no tetrahedron", number)};
+          leave_out(row.name, row.line, fmt::format("element {} is no tetrahedron", number));
+          break;
         }
         const auto& nodes = mesh_.tets[static_cast<std::size_t>(at->second)].nodes;
         const auto& face = kFaces[row.face];
         mesh_.face_sets[row.name].push_back({nodes[face[0]], nodes[face[1]], nodes[face[2]]});
       }
     }
+    for (const auto& [name, why] : mesh_.unusable) mesh_.face_sets.erase(name);
   }
 
   struct SurfaceRow {

@@ -13,8 +13,10 @@ namespace palpable {
 /// Reads nodes, tetrahedra (C3D4 or C3D10 and their variants such as C3D10M, all of one kind) and
 /// sets: *NSET and NSET= name nodes, *ELSET and ELSET= tetrahedra or, of triangular elements (S3,
 /// CPS3, M3D6 ...), faces, *SURFACE of TYPE=ELEMENT faces. Sets may be made of sets named before
-/// them, and GENERATEd; a set named twice grows. One *PART with one *INSTANCE that stays where it
-/// is may stand around all that.
+/// them, of the nodes of elements (*NSET, ELSET=), and GENERATEd; a set named twice grows. A
+/// surface of what is no tetrahedron is left out, and refused when it is asked for
+/// (MeshSets::unusable). One *PART with one *INSTANCE that stays where it is may stand around all
+/// that.
 ///
 /// What is neither is skipped: materials, steps, boundary conditions, beams, shells of four nodes,
 /// springs. Refused, since a body without it would be another: solids that are no tetrahedra,

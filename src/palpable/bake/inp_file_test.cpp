@@ -41,6 +41,11 @@ left, 20
 *SURFACE, NAME=FOOT, TYPE=ELEMENT
 LEFT, S1
 20, S1
+*SURFACE, NAME=SHELL, TYPE=ELEMENT
+LEFT, SPOS
+*SURFACE, NAME=GONE, TYPE=ELEMENT
+nobody, S1
+*NSET, NSET=OF LEFT, ELSET=left
 *MATERIAL, NAME=RUBBER
 *HYPERELASTIC, NEO HOOKE
 10000., 0.0001
@@ -71,6 +76,11 @@ TEST_CASE("a deck gives nodes, tetrahedra and sets, whatever the case of its wor
   CHECK(volume.sets.tets.at("BOTH") == std::vector{0, 1});
   REQUIRE(volume.sets.faces.at("FOOT").size() == 2);
   CHECK(volume.sets.faces.at("FOOT")[0] == Eigen::Vector3i(0, 1, 2));
+  CHECK(volume.sets.nodes.at("OF LEFT") == std::vector{0, 1, 2, 3});
+  // Surfaces of what is no tetrahedron are remembered with the reason, the others are read.
+  CHECK(volume.sets.faces.size() == 1);
+  CHECK_THAT(volume.sets.unusable.at("SHELL"), Contains("line 44") && Contains("SPOS"));
+  CHECK_THAT(volume.sets.unusable.at("GONE"), Contains("'nobody' is neither"));
 }
 
 TEST_CASE("each face of a tetrahedron has Abaqus' number", "[bake][inp]") {

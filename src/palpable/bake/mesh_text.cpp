@@ -118,6 +118,7 @@ VolumeMesh number_anew(const FileMesh& file) {
       if (used) kept.push_back(corners);
     }
   }
+  volume.sets.unusable = file.unusable;
   return volume;
 }
 

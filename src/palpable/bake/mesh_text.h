@@ -63,6 +63,7 @@ struct FileMesh {
   std::map<std::string, Nodes> node_sets;
   std::map<std::string, std::vector<int>> tet_sets;  // indices into tets
   std::map<std::string, std::vector<std::array<std::int64_t, 3>>> face_sets;
+  std::map<std::string, std::string> unusable;  // of MeshSets
 };
 
 /// Numbers everything anew: nodes in the order in which tetrahedra use them, others dropped.

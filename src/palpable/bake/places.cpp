@@ -48,6 +48,9 @@ const typename Sets::mapped_type* find_set(const Sets& sets, const std::string& 
 // Says what there is instead of `name`. @param wanted  e.g. "nodes or faces"
 [[noreturn]] void refuse_name(const MeshSets& sets, const std::string& name,
                               const std::string& wanted, const std::vector<std::string>& known) {
+  if (const std::string* why = find_set(sets.unusable, name)) {
+    throw Error(fmt::format("the mesh's set '{}' cannot be used: {}", name, *why));
+  }
   const bool other_kind = find_set(sets.nodes, name) != nullptr ||
                           find_set(sets.tets, name) != nullptr ||
                           find_set(sets.faces, name) != nullptr;
@@ -104,7 +107,10 @@ struct NodesAt {
                         Eigen::Vector3d::Constant(kInfinity));
   }
   std::vector<int> operator()(const Where::Plane& plane) const {
-    return nodes_on_plane(volume.mesh, plane.point, plane.normal, plane.distance);
+    const Eigen::Vector3d size =
+        volume.mesh.nodes.rowwise().maxCoeff() - volume.mesh.nodes.rowwise().minCoeff();
+    return nodes_on_plane(volume.mesh, plane.point, plane.normal,
+                          plane.distance.value_or(1e-6 * size.norm()));
   }
   std::vector<int> operator()(const Where::Box& box) const {
     return nodes_in_box(volume.mesh, box.low, box.high);

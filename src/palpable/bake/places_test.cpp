@@ -109,6 +109,10 @@ TEST_CASE("a place that holds nothing and a set that is not there are refused wi
                return faces_at(volume, at(Where::Nearest{{{0, 0, 0}}}));
              }),
              Contains("no triangle of the skin"));
+  VolumeMesh odd = volume;
+  odd.sets.unusable["SHELL"] = "line 3 of its file: 'SPOS' is no face of a tetrahedron";
+  CHECK_THAT(complaint([&] { return faces_at(odd, at(Where::Named{"shell"})); }),
+             Contains("the mesh's set 'shell' cannot be used: line 3 of its file"));
   VolumeMesh inner = volume;
   inner.sets.faces["Lid"] = {Eigen::Vector3i(0, 1, 40)};
   CHECK_THAT(complaint([&] { return faces_at(inner, at(Where::Named{"Lid"})); }),

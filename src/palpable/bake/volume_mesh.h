@@ -20,6 +20,9 @@ struct MeshSets {
   std::map<std::string, std::vector<int>> nodes;              ///< increasing, each once
   std::map<std::string, std::vector<int>> tets;               ///< likewise
   std::map<std::string, std::vector<Eigen::Vector3i>> faces;  ///< corner nodes, in any order
+  /// Sets that the file has and that mean nothing here, with the reason; said when one is asked
+  /// for.
+  std::map<std::string, std::string> unusable;
 };
 
 struct VolumeMesh {

@@ -1,12 +1,14 @@
 /// @file
-/// How a law of hyperelasticity is written: three templates over the kind of number,
+/// How a law of hyperelasticity is written: a struct of its constants, which says what it and they
+/// are called and how they hang together with Lame's (kName, kConstants, from_lame(), lame()), and
+/// three templates over the kind of number,
 ///
 ///   T energy_density(const Law&, const Deformation<T>&)                        Psi, J/m^3
 ///   Tensor<T> first_piola(const Law&, const Deformation<T>&)                   P = dPsi/dF, Pa
 ///   Tensor<T> first_piola_along(const Law&, const Deformation<T>&, dF)         dP/dF : dF, Pa
 ///
 /// for J > 0. T is a double (what this header makes of them: functions of a matrix) or a pack of
-/// eight (element_kernels.cpp).
+/// eight (element_kernels.cpp). Its row in the table of laws is its place in Material (material.h).
 #pragma once
 
 #include "palpable/base/contract.h"
@@ -15,9 +17,23 @@
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace palpable {
+
+/// One constant of a law, as its formula names it.
+struct LawConstant {
+  const char* name;
+  bool per_pressure = false;  ///< 1/Pa instead of Pa
+  bool may_be_zero = false;   ///< none may be negative
+};
+
+/// Small-strain constants, Pa.
+struct LameConstants {
+  double lambda;
+  double mu;
+};
 
 /// What all laws are made of.
 template <class T>

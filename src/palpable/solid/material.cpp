@@ -1,41 +1,57 @@
 #include "palpable/solid/material.h"
 
+#include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <type_traits>
 
 namespace palpable {
 namespace {
 
-// A new law is one file and one row here (and its alternative of Material).
+// What Material's alternatives say about themselves.
 struct Law {
   std::string_view name;
-  Material (*from_lame)(double lambda, double mu);
+  std::span<const LawConstant> constants;
+  Material (*from_lame)(LameConstants);
+  Material (*from_values)(std::span<const double>);  // one for each constant
 };
-constexpr std::array kLaws = {
-    Law{"neo-hookean",
-        [](double lambda, double mu) -> Material {
-          return NeoHookean{.C1 = 0.5 * mu, .D1 = 0.5 * lambda};
-        }},
-    Law{"saint-venant-kirchhoff",
-        [](double lambda, double mu) -> Material {
-          return SaintVenantKirchhoff{.lambda = lambda, .mu = mu};
-        }},
-    Law{"neo-hooke-abaqus",
-        [](double lambda, double mu) -> Material {
-          return NeoHookeanAbaqus{.C10 = 0.5 * mu, .D1 = 2.0 / (lambda + 2.0 / 3.0 * mu)};
-        }},
-    Law{"mooney-rivlin",
-        [](double lambda, double mu) -> Material {
-          const double C2 = std::min(0.1 * mu, 0.25 * lambda);
-          return MooneyRivlin{.C1 = 0.5 * mu - C2, .C2 = C2, .D1 = 0.5 * lambda - 2.0 * C2};
-        }},
-};
-static_assert(kLaws.size() == std::variant_size_v<Material>);
+
+template <class L>
+constexpr Law row() {
+  using Values = std::array<double, L::kConstants.size()>;
+  static_assert(sizeof(L) == sizeof(Values), "a law is its constants, in the order of kConstants");
+  return {L::kName, L::kConstants, [](LameConstants k) -> Material { return L::from_lame(k); },
+          [](std::span<const double> given) -> Material {
+            Values values;
+            std::copy_n(given.begin(), values.size(), values.begin());
+            return std::bit_cast<L>(values);
+          }};
+}
+template <class... Laws>
+constexpr std::array<Law, sizeof...(Laws)> table_of(std::type_identity<std::variant<Laws...>>) {
+  return {row<Laws>()...};
+}
+constexpr auto kLaws = table_of(std::type_identity<Material>{});
+
+const Law& law_of(std::string_view name) {
+  for (const Law& law : kLaws) {
+    if (law.name == name) return law;
+  }
+  throw Error(fmt::format("unknown material law \"{}\"; known are \"{}\"", name,
+                          fmt::join(law_names(), "\", \"")));
+}
+
+// The values of a law's constants.
+template <class L>
+std::array<double, L::kConstants.size()> values_of(const L& law) {
+  return std::bit_cast<std::array<double, L::kConstants.size()>>(law);
+}
 
 }  // namespace
 
@@ -62,28 +78,42 @@ Material material_from_young(std::string_view law, double E, double nu) {
   }
   const double mu = E / (2.0 * (1.0 + nu));
   const double lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
-  for (const Law& known : kLaws) {
-    if (known.name == law) return known.from_lame(lambda, mu);
-  }
-  std::string names;
-  for (const Law& known : kLaws)
-    names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", known.name);
-  throw Error(fmt::format("unknown material law \"{}\"; known are {}", law, names));
+  return law_of(law).from_lame({.lambda = lambda, .mu = mu});
+}
+
+std::span<const LawConstant> law_constants(std::string_view law) { return law_of(law).constants; }
+
+Material material_from_constants(std::string_view law, std::span<const double> values) {
+  const Law& known = law_of(law);
+  PALPABLE_EXPECT(values.size() == known.constants.size(), "one value for each constant");
+  const Material material = known.from_values(values);
+  check_material(material);
+  return material;
 }
 
 LameConstants lame_constants(const Material& material) {
-  if (const auto* m = std::get_if<NeoHookean>(&material)) return {2.0 * m->D1, 2.0 * m->C1};
-  if (const auto* m = std::get_if<NeoHookeanAbaqus>(&material)) {
-    return {2.0 / m->D1 - 4.0 / 3.0 * m->C10, 2.0 * m->C10};
-  }
-  if (const auto* m = std::get_if<MooneyRivlin>(&material)) {
-    return {2.0 * m->D1 + 4.0 * m->C2, 2.0 * (m->C1 + m->C2)};
-  }
-  const auto& m = std::get<SaintVenantKirchhoff>(material);
-  return {m.lambda, m.mu};
+  return std::visit([](const auto& law) { return law.lame(); }, material);
+}
+
+YoungPoisson young_poisson(const Material& material) {
+  const auto [lambda, mu] = lame_constants(material);
+  return {mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu), 0.5 * lambda / (lambda + mu)};
 }
 
 void check_material(const Material& material) {
+  std::visit(
+      [](const auto& law) {
+        const auto values = values_of(law);
+        for (std::size_t k = 0; k < values.size(); ++k) {
+          const LawConstant& constant = law.kConstants[k];
+          const bool fits = constant.may_be_zero ? values[k] >= 0.0 : values[k] > 0.0;
+          if (fits && std::isfinite(values[k])) continue;
+          throw Error(fmt::format("material {} has {} = {} {}; it must be {} 0", law.kName,
+                                  constant.name, values[k], constant.per_pressure ? "1/Pa" : "Pa",
+                                  constant.may_be_zero ? "at least" : "above"));
+        }
+      },
+      material);
   const auto [lambda, mu] = lame_constants(material);
   // Where lambda is a difference (2/D1 - 4/3 C10), nu = 0 may leave a rounding below zero.
   const double rounding = 1e-12 * mu;
@@ -91,12 +121,6 @@ void check_material(const Material& material) {
     throw Error(fmt::format(
         "material {} has mu = {} Pa and lambda = {} Pa; mu must be above 0 and lambda at least 0",
         law_name(material), mu, lambda));
-  }
-  if (const auto* m = std::get_if<MooneyRivlin>(&material)) {
-    if (m->C1 >= 0.0 && m->C2 >= 0.0 && m->D1 >= 0.0) return;
-    throw Error(fmt::format(
-        "material mooney-rivlin has C1 = {} Pa, C2 = {} Pa and D1 = {} Pa; none may be negative",
-        m->C1, m->C2, m->D1));
   }
 }
 

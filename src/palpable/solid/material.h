@@ -7,6 +7,7 @@
 #include "palpable/solid/neo_hookean_abaqus.h"
 #include "palpable/solid/saint_venant_kirchhoff.h"
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -14,14 +15,13 @@
 
 namespace palpable {
 
-/// One homogeneous material. Every law has energy_density, first_piola and tangent.
+/// One homogeneous material, and the table of the laws: each is one file (law.h) and its row here.
 using Material = std::variant<NeoHookean, SaintVenantKirchhoff, NeoHookeanAbaqus, MooneyRivlin>;
 
 /// The law `law` with Young's modulus E and Poisson's ratio nu at small strains:
 /// mu = E / (2 (1 + nu)), lambda = E nu / ((1 + nu) (1 - 2 nu)).
 ///
-/// Mooney-Rivlin has one constant more: C2 = C1 / 4, as filled rubbers have it, or less where nu is
-/// so small (below 0.14) that D1 would turn negative.
+/// What a law has beyond these two it chooses itself (MooneyRivlin::from_lame).
 /// @param law  one of law_names()
 /// @param E    Pa, > 0
 /// @param nu   0 <= nu < 0.5; linear tetrahedra lock as nu nears 0.5 (10 % too stiff at 0.45)
@@ -34,15 +34,25 @@ using Material = std::variant<NeoHookean, SaintVenantKirchhoff, NeoHookeanAbaqus
 /// The law's name as in law_names().
 [[nodiscard]] std::string law_name(const Material& material);
 
-/// Small-strain constants, Pa.
-struct LameConstants {
-  double lambda;
-  double mu;
-};
+/// The law's own constants, in the order in which material_from_constants() takes them.
+/// @throws Error for an unknown law
+[[nodiscard]] std::span<const LawConstant> law_constants(std::string_view law);
+
+/// @param values  SI, one for each of law_constants(law)
+/// @throws Error for an unknown law, and as check_material()
+[[nodiscard]] Material material_from_constants(std::string_view law,
+                                               std::span<const double> values);
+
 [[nodiscard]] LameConstants lame_constants(const Material& material);
 
-/// @throws Error unless the constants are finite, mu > 0 and lambda >= 0 (and, for Mooney-Rivlin,
-/// each of its constants is >= 0)
+/// Young's modulus (Pa) and Poisson's ratio at small strains.
+struct YoungPoisson {
+  double young, poisson;
+};
+[[nodiscard]] YoungPoisson young_poisson(const Material& material);
+
+/// @throws Error unless the law's constants are finite and none is negative, or zero where it must
+/// not, and mu > 0 and lambda >= 0
 void check_material(const Material& material);
 
 [[nodiscard]] double energy_density(const Material& material, const Eigen::Matrix3d& F);

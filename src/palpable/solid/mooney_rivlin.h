@@ -21,6 +21,20 @@ struct MooneyRivlin {
   double C1;  ///< Pa, >= 0
   double C2;  ///< Pa, >= 0, not both zero
   double D1;  ///< Pa, >= 0
+
+  static constexpr const char* kName = "mooney-rivlin";
+  static constexpr std::array kConstants{LawConstant{.name = "C1", .may_be_zero = true},
+                                         LawConstant{.name = "C2", .may_be_zero = true},
+                                         LawConstant{.name = "D1", .may_be_zero = true}};
+  /// With C2 = C1 / 4, as filled rubbers have it, or less where Poisson's ratio is so small (below
+  /// 0.14) that D1 would turn negative.
+  static MooneyRivlin from_lame(LameConstants k) {
+    const double C2 = std::min(0.1 * k.mu, 0.25 * k.lambda);
+    return {.C1 = 0.5 * k.mu - C2, .C2 = C2, .D1 = 0.5 * k.lambda - 2.0 * C2};
+  }
+  [[nodiscard]] LameConstants lame() const {
+    return {.lambda = 2.0 * D1 + 4.0 * C2, .mu = 2.0 * (C1 + C2)};
+  }
 };
 
 template <class T>

@@ -21,6 +21,12 @@ namespace palpable {
 struct NeoHookean {
   double C1;  ///< Pa, > 0
   double D1;  ///< Pa, >= 0
+
+  static constexpr const char* kName = "neo-hookean";
+  static constexpr std::array kConstants{LawConstant{.name = "C1"},
+                                         LawConstant{.name = "D1", .may_be_zero = true}};
+  static NeoHookean from_lame(LameConstants k) { return {.C1 = 0.5 * k.mu, .D1 = 0.5 * k.lambda}; }
+  [[nodiscard]] LameConstants lame() const { return {.lambda = 2.0 * D1, .mu = 2.0 * C1}; }
 };
 
 template <class T>

@@ -24,6 +24,16 @@ namespace palpable {
 struct NeoHookeanAbaqus {
   double C10;  ///< Pa, > 0
   double D1;   ///< 1/Pa, > 0: the reciprocal of what eq. (7) calls by this name
+
+  static constexpr const char* kName = "neo-hooke-abaqus";
+  static constexpr std::array kConstants{LawConstant{.name = "C10"},
+                                         LawConstant{.name = "D1", .per_pressure = true}};
+  static NeoHookeanAbaqus from_lame(LameConstants k) {
+    return {.C10 = 0.5 * k.mu, .D1 = 2.0 / (k.lambda + 2.0 / 3.0 * k.mu)};
+  }
+  [[nodiscard]] LameConstants lame() const {
+    return {.lambda = 2.0 / D1 - 4.0 / 3.0 * C10, .mu = 2.0 * C10};
+  }
 };
 
 template <class T>

@@ -20,6 +20,12 @@ namespace palpable {
 struct SaintVenantKirchhoff {
   double lambda;  ///< Pa, >= 0
   double mu;      ///< Pa, > 0
+
+  static constexpr const char* kName = "saint-venant-kirchhoff";
+  static constexpr std::array kConstants{LawConstant{.name = "lambda", .may_be_zero = true},
+                                         LawConstant{.name = "mu"}};
+  static SaintVenantKirchhoff from_lame(LameConstants k) { return {k.lambda, k.mu}; }
+  [[nodiscard]] LameConstants lame() const { return {lambda, mu}; }
 };
 
 namespace detail {
