@@ -7,12 +7,14 @@ find_package(fmt 9 REQUIRED)                 # MIT: text; base and above
 find_package(Threads REQUIRED)
 
 find_package(PkgConfig REQUIRED)
-pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5)  # BSD-like: body files; reduced
+pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5)  # BSD-like: body files, snapshots; reduced, bake
 
 # --- live half ---------------------------------------------------------------------------------
 # Apache-2.0: images, rectification, block matching, video; vision. Its video module brings
 # Debian's ffmpeg, a GPL build (docs/licences.md).
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs calib3d videoio)
+# Apache-2.0 or BSD: vector instructions chosen at run time, the stereo matcher; vision.
+pkg_check_modules(hwy REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)  # MIT: GL entry points; render
 pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)      # MIT (libglvnd): GL without a screen; render
 find_package(glfw3 3.3 REQUIRED)                         # zlib: windows; render
@@ -41,6 +43,8 @@ find_library(OPENBLAS_LIBRARY openblas PATH_SUFFIXES openblas-serial REQUIRED)
 add_library(palpable_blas INTERFACE)
 target_include_directories(palpable_blas SYSTEM INTERFACE ${CBLAS_INCLUDE_DIR})
 target_link_libraries(palpable_blas INTERFACE ${OPENBLAS_LIBRARY})
+# Open MPI 4.1 (BSD): campaigns on several machines; the program palpable-bake.
+find_package(MPI 3.0 REQUIRED COMPONENTS C)
 # CGAL 5.5 (GPL-3 for surface remeshing): isotropic remeshing before the volume; bake.
 find_package(CGAL 5.5 REQUIRED)
 # TetGen 1.5 (AGPL-3): tetrahedra; bake.

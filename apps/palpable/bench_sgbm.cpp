@@ -5,9 +5,8 @@
 #include "apps/palpable/bench_sgbm.h"
 
 #include "apps/common/progress_bar.h"
-#include "apps/palpable/sequence_folder.h"
+#include "apps/palpable/near_frames.h"
 #include "palpable/base/error.h"
-#include "palpable/reduced/body_file.h"
 #include "palpable/score/percentile.h"
 
 #include <CLI/CLI.hpp>
@@ -15,7 +14,6 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
@@ -28,44 +26,17 @@
 namespace palpable::app {
 namespace {
 
-constexpr int kRange = 320;  // disparities
-constexpr int kFrames = 600;
+constexpr int kRange = 320;              // disparities
 constexpr std::size_t kMostFrames = 72;  // of the near ones, evenly spread
-constexpr int kStep = 2;                 // one in so many frames is asked whether it is near
 constexpr double kLeastWithin = 0.65;    // what a scene must give to prove something about hands
 constexpr double kMostWithin = 0.85;
 constexpr std::size_t kLeastNear = 60;  // frames that must be near to say so
-constexpr int kJpegQuality = 96;        // as the sequences are written
 
 struct SgbmOptions {
   std::filesystem::path body;
   std::uint64_t seed = 1;
   bool json = false;
 };
-
-// The hand's median depth is 0.12-0.5 m and it covers 5 % of the image or more.
-bool is_near(const DeskTruth& truth) {
-  std::vector<double> depths;
-  for (int y = 0; y < truth.depth.height(); ++y)
-    for (int x = 0; x < truth.depth.width(); ++x)
-      if ((truth.labels(x, y) & kMovesLabel) != 0)
-        depths.push_back(static_cast<double>(truth.depth(x, y)));
-  if (static_cast<double>(depths.size()) < 0.05 * static_cast<double>(truth.depth.size()))
-    return false;
-  const double median = percentile(depths, 0.5);
-  return median >= 0.12 && median <= 0.5;
-}
-
-// What a player of the written sequence gets.
-void through_jpeg(ColorImage& picture) {
-  const cv::Mat rgb(picture.height(), picture.width(), CV_8UC3, picture.data());
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
-  bgr = cv::imdecode(bytes, cv::IMREAD_COLOR);
-  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
-}
 
 cv::Mat padded(GrayImage& luma) {
   const cv::Mat image(luma.height(), luma.width(), CV_8UC1, luma.data());
@@ -75,39 +46,25 @@ cv::Mat padded(GrayImage& luma) {
 }
 
 void bench_sgbm(const SgbmOptions& options) {
-  const std::filesystem::path file = options.body.empty() ? default_body() : options.body;
-  const ReducedBody body = value_or_throw(read_body_file(file));
-  const Sequence sequence = plan_sequence("press", desk_body(body), kFrames, options.seed);
-  Film film = film_of(sequence);
-  const RectifiedStereo& stereo = film.geometry.stereo;
   ProgressBar bar;
-
-  DeskTruth truth;
-  std::vector<int> near;
-  for (int frame = kFramesWithoutHand; frame < kFrames; frame += kStep) {
-    film.renderer.draw_truth(moment_of(sequence, frame), stereo.camera.scaled_down(4),
-                             stereo.baseline, truth);
-    if (is_near(truth)) near.push_back(frame);
-    bar.show({"looking for near frames", frame + 1.0, static_cast<double>(kFrames), ""});
-  }
-  const std::size_t frames = std::min(near.size(), kMostFrames);
+  NearFrames near(options.body.empty() ? default_body() : options.body, options.seed,
+                  bar.progress());
+  const RectifiedStereo& stereo = near.stereo();
+  const std::vector<int> frames = near.spread(kMostFrames);
 
   const cv::Ptr<cv::StereoSGBM> matcher = cv::StereoSGBM::create(0, kRange, 5);
   matcher->setMode(cv::StereoSGBM::MODE_SGBM_3WAY);
   matcher->setP1(8 * 25);
   matcher->setP2(32 * 25);
   matcher->setUniquenessRatio(5);
-  Rectification rectification(film.rig);
+  Rectification rectification(near.rig());
   RawPair pair;
+  DeskTruth truth;
   GrayImage left, right;
   std::size_t hand = 0, dense = 0, within = 0;
   std::vector<double> errors;
-  for (std::size_t i = 0; i < frames; ++i) {
-    const DeskMoment moment = moment_of(sequence, near[i * near.size() / frames]);
-    film.renderer.draw(moment, pair);
-    film.renderer.draw_truth(moment, stereo.camera, stereo.baseline, truth);
-    through_jpeg(pair.left);
-    through_jpeg(pair.right);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    near.draw(frames[i], 1, pair, truth);
     rectification.rectify_luma(Rectification::Eye::kLeft, pair.left, left);
     rectification.rectify_luma(Rectification::Eye::kRight, pair.right, right);
     cv::Mat disparity;
@@ -125,23 +82,23 @@ void bench_sgbm(const SgbmOptions& options) {
         within += error <= 0.01 ? 1 : 0;
         if ((x + y) % 7 == 0) errors.push_back(error);
       }
-    bar.show({"matching", static_cast<double>(i + 1), static_cast<double>(frames), ""});
+    bar.show({"matching", static_cast<double>(i + 1), static_cast<double>(frames.size()), ""});
   }
   bar.finish();
-  if (hand == 0) throw Error("the sequence has no near frame: the body hides the hand");
+  if (hand == 0) throw Error("no near frame has a pixel of the hand that both eyes see");
 
   const auto share = [&](std::size_t part) {
     return static_cast<double>(part) / static_cast<double>(hand);
   };
-  const std::size_t near_frames = kStep * near.size();  // the frames between were not looked at
+  const std::size_t near_frames = near.estimate();
   const bool within_expected =
       share(within) >= kLeastWithin && share(within) <= kMostWithin && near_frames >= kLeastNear;
   nlohmann::ordered_json result;
   result["bench"] = "sgbm-reference";
-  result["body"] = body.name;
+  result["body"] = near.body_name();
   result["seed"] = options.seed;
   result["near_frames_estimate"] = near_frames;
-  result["frames"] = frames;
+  result["frames"] = frames.size();
   result["hand_within_1pct"] = share(within);
   result["hand_density"] = share(dense);
   result["hand_median_error"] = errors.empty() ? nlohmann::ordered_json(nullptr)
@@ -153,7 +110,7 @@ void bench_sgbm(const SgbmOptions& options) {
     fmt::print(
         "OpenCV SGBM, {} of about {} near frames of press, seed {}: {:.1f} % of the hand within "
         "1 % (density {:.1f} %)\n",
-        frames, near_frames, options.seed, 100 * share(within), 100 * share(dense));
+        frames.size(), near_frames, options.seed, 100 * share(within), 100 * share(dense));
   }
   if (!within_expected) {
     throw Error(fmt::format(

@@ -1,0 +1,48 @@
+/// @file
+/// A few threads that stand ready, for work of milliseconds that is done for every frame.
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace palpable {
+
+/// The caller and size - 1 threads of its own. Takes no memory once it is made.
+class Crew {
+ public:
+  /// @param size  >= 1
+  explicit Crew(int size);
+  Crew(const Crew&) = delete;
+  Crew& operator=(const Crew&) = delete;
+  ~Crew();
+
+  [[nodiscard]] int size() const { return static_cast<int>(threads_.size()) + 1; }
+
+  /// Calls work(i) once for each i in [0, count), all threads together, and returns when all are
+  /// done. `work` must not throw.
+  template <class Work>
+  void run(int count, const Work& work) {
+    run(count, &work, [](const void* w, int i) { (*static_cast<const Work*>(w))(i); });
+  }
+
+ private:
+  using Call = void (*)(const void*, int);
+  void run(int count, const void* work, Call call);
+  void help();
+  void take_turns(std::unique_lock<std::mutex>& lock);
+
+  std::vector<std::thread> threads_;
+  std::mutex mutex_;
+  std::condition_variable begun_;
+  std::condition_variable done_;
+  const void* work_ = nullptr;
+  Call call_ = nullptr;
+  int next_ = 0;
+  int count_ = 0;
+  int unfinished_ = 0;
+  bool ends_ = false;
+};
+
+}  // namespace palpable

@@ -1,0 +1,73 @@
+/// @file
+/// From winners to disparities that can be believed: checks, sub-pixel, and filters.
+///
+/// A disparity is a whole number of 1/kDisparitySteps px.
+#pragma once
+
+#include "palpable/geometry/image.h"
+#include "palpable/vision/stereo_kernels.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace palpable {
+
+using Disparities = Image<std::int16_t>;
+inline constexpr int kDisparitySteps = 64;
+inline constexpr std::int16_t kUnknownDisparity = INT16_MIN;
+inline constexpr std::int16_t kTooCloseDisparity = INT16_MAX;
+[[nodiscard]] constexpr bool is_measured(std::int16_t d) {
+  return d != kUnknownDisparity && d != kTooCloseDisparity;
+}
+
+/// How well a pixel is known, 0-255: 0 not at all; kFilledConfidence it was filled from its
+/// neighbours; else kLeastConfidence and more, the more the better both eyes' codes agree.
+inline constexpr std::uint8_t kFilledConfidence = 32;
+inline constexpr std::uint8_t kLeastConfidence = 64;
+
+/// Keeps the winners of rows [y_begin, y_end) that the right eye agrees with, and gives them their
+/// fraction of a pixel.
+///
+/// Left-right: of all left pixels that claim the right pixel x - d the one with the smallest S (of
+/// equals the nearest) owns it; a winner that is more than `left_right_px` away from the owner's
+/// disparity is hidden or wrong. So is one whose partner is outside of the right picture, and one
+/// at either end of the range, whose true minimum may lie beyond.
+///
+/// Fraction: the tip of two lines of equal slope through S(d - 1), S(d), S(d + 1),
+///
+///     (S(d-1) - S(d+1)) / (2 (max(S(d-1), S(d+1)) - S(d))),   -1/2 .. 1/2
+///
+/// @param owners  scratch, one per thread
+void check_winners(const Winners& winners, int first, int disparities, int left_right_px,
+                   int y_begin, int y_end, Disparities& out, GrayImage& confidence,
+                   std::vector<std::uint32_t>& owners);
+
+/// Median of 3 x 3 for rows [y_begin, y_end); pixels that are not measured stay so and count as
+/// neighbours that agree. The border is copied.
+void median_3x3(const Disparities& in, int y_begin, int y_end, Disparities& out);
+
+/// Makes unknown all 4-connected patches of fewer than `size` pixels in which neighbours differ by
+/// at most `step`: the answer of cv::filterSpeckles.
+class SpeckleFilter {
+ public:
+  void operator()(Disparities& d, int size, int step);
+
+ private:
+  struct Run {
+    int begin;
+    int end;
+    int y;
+    int parent;
+    int size;
+  };
+  int root(int run);
+  std::vector<Run> runs_;
+};
+
+/// Fills unknown stretches of a row of at most `longest` px: between two ends that differ by at
+/// most `step` straight from one to the other; else, if `also_edges`, with the farther end (what a
+/// near thing hides belongs to what lies behind it). Sets their confidence to kFilledConfidence.
+void fill_gaps(int longest, int step, bool also_edges, int y_begin, int y_end, Disparities& d,
+               GrayImage& confidence);
+
+}  // namespace palpable

@@ -1,0 +1,536 @@
+// The matcher's loops for whatever vector instructions there are, by Google Highway: this file is
+// compiled once for each instruction set, and the best one is chosen when the program runs.
+//
+// A vector holds `kBlocks` blocks of 16 bytes. Each block belongs to another strip of rows, so that
+// nothing ever moves between blocks and all vector widths do the same arithmetic. In a block, lane
+// l of register j belongs to the disparity d = l R + j with R = D / 16: the neighbours d - 1 and d
+// + 1 are then whole registers, but for the first and the last register, which are shifted by one
+// lane.
+//
+// Shapes of the row buffers, a row at a time:
+//   costs, above, sum (W x R x N) bytes, N = 16 kBlocks
+
+#include "palpable/vision/stereo_kernels.h"
+
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+#define HWY_WANT_AVX3_DL
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "palpable/vision/stereo_kernels.cpp"
+// What each file of Highway needs first:
+#include <hwy/foreach_target.h>
+// clang-format off
+#include <hwy/highway.h>
+// clang-format on
+
+#ifndef PALPABLE_STEREO_KERNELS_ONCE
+#define PALPABLE_STEREO_KERNELS_ONCE
+namespace palpable {
+namespace {
+
+constexpr std::size_t kBlock = 16;  // bytes
+constexpr std::size_t kWidestVector = 64;
+constexpr int kGuard = 64;                  // bytes beyond the end of a row that a vector may read
+constexpr std::uint8_t kNoNeighbour = 127;  // above every P2 + cost, and P1 more is still a byte
+
+// Where the parts of a gang's workspace begin, in bytes.
+struct Workspace {
+  std::size_t costs = 0, above = 0, above_least = 0, sum = 0, left = 0, right = 0, raw = 0,
+              across = 0, padded = 0, bytes = 0;
+
+  Workspace(int width, int disparities, std::size_t N) {
+    const auto W = static_cast<std::size_t>(width);
+    const auto D = static_cast<std::size_t>(disparities);
+    const std::size_t R = D / kBlock;
+    const auto take = [this](std::size_t size) {
+      const std::size_t begin = bytes;
+      bytes += (size + kWidestVector - 1) / kWidestVector * kWidestVector;
+      return begin;
+    };
+    costs = take(W * R * N);
+    above = take(W * R * N);
+    sum = take(W * R * N);
+    above_least = take(W * N);
+    left = take(3 * W * N);
+    right = take(3 * (W + R + kBlock) * N);
+    raw = take(3 * R * N);
+    across = take(R * N);
+    padded = take(W + D + 4 * kBlock);
+  }
+};
+
+}  // namespace
+}  // namespace palpable
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace palpable::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_TARGET == HWY_SCALAR
+// What a processor without any of the vector instructions runs.
+void census(const GrayImage& image, CensusCodes& codes) {
+  scalar_stereo_kernels().census(image, codes);
+}
+void match(const MatchJob& job, int first_strip, int count, std::uint8_t* workspace) {
+  scalar_stereo_kernels().match(job, first_strip, count, workspace);
+}
+#else
+
+// --- census ------------------------------------------------------------------------------------
+
+// One row of codes; rows[i] is row y - 2 + i, padded by 2 on the left and kGuard on the right.
+HWY_ATTR void census_row(const std::uint8_t* const rows[5], int width, CensusCodes& codes, int y) {
+  const hn::ScalableTag<std::uint8_t> d;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  const auto step = hn::Set(d, static_cast<std::uint8_t>(kCensusStep));
+  // Eight neighbours for each byte, in the order in which the plain version walks.
+  for (int x = 0; x < width; x += lanes) {
+    const auto centre = hn::SaturatedSub(hn::LoadU(d, rows[2] + x + 2), step);
+    int bit = 0;
+    std::size_t plane = 0;
+    auto code = hn::Zero(d);
+    alignas(kWidestVector) std::uint8_t tail[256];
+    for (int dy = 0; dy < 5; ++dy) {
+      for (int dx = 0; dx < 5; ++dx) {
+        if (dx == 2 && dy == 2) continue;
+        const auto neighbour = hn::LoadU(d, rows[dy] + x + dx);
+        const auto darker = hn::Lt(neighbour, centre);
+        const auto one = hn::Set(d, static_cast<std::uint8_t>(1U << bit));
+        code = hn::Or(code, hn::And(hn::VecFromMask(d, darker), one));
+        if (++bit < 8) continue;
+        if (x + lanes <= width) {
+          hn::StoreU(code, d, codes[plane].row(y) + x);
+        } else {
+          hn::Store(code, d, tail);
+          std::memcpy(codes[plane].row(y) + x, tail, static_cast<std::size_t>(width - x));
+        }
+        code = hn::Zero(d);
+        bit = 0;
+        ++plane;
+      }
+    }
+  }
+}
+
+HWY_ATTR void census(const GrayImage& image, CensusCodes& codes) {
+  const int width = image.width();
+  const int height = image.height();
+  // Five padded rows at a time: a thread's own, so that the second frame takes no memory.
+  static thread_local std::vector<std::uint8_t> ring;
+  const auto stride = static_cast<std::size_t>(width + 4 + kGuard + 256);
+  if (ring.size() < 5 * stride) ring.resize(5 * stride);
+  const auto load = [&](int y) {
+    std::uint8_t* to = ring.data() + static_cast<std::size_t>((y + 5) % 5) * stride;
+    const std::uint8_t* from = image.row(std::clamp(y, 0, height - 1));
+    to[0] = to[1] = from[0];
+    std::memcpy(to + 2, from, static_cast<std::size_t>(width));
+    std::memset(to + 2 + width, from[width - 1], stride - static_cast<std::size_t>(width) - 2);
+  };
+  for (int y = -2; y < 2; ++y) load(y);
+  for (int y = 0; y < height; ++y) {
+    load(y + 2);
+    const std::uint8_t* rows[5];
+    for (int i = 0; i < 5; ++i) {
+      rows[i] = ring.data() + static_cast<std::size_t>((y - 2 + i + 5) % 5) * stride;
+    }
+    census_row(rows, width, codes, y);
+  }
+}
+
+// --- aggregation -------------------------------------------------------------------------------
+
+template <class Tag>
+using Bytes = hn::Vec<Tag>;
+
+// The smallest lane of each block, in all of its lanes.
+template <class Tag, class V = Bytes<Tag>>
+HWY_INLINE V least_of_block(Tag d, V v) {
+  v = hn::Min(v, hn::CombineShiftRightBytes<8>(d, v, v));
+  v = hn::Min(v, hn::CombineShiftRightBytes<4>(d, v, v));
+  v = hn::Min(v, hn::CombineShiftRightBytes<2>(d, v, v));
+  return hn::Min(v, hn::CombineShiftRightBytes<1>(d, v, v));
+}
+
+// What a path's step needs of the pixel before.
+template <class Tag, class V = Bytes<Tag>>
+struct Walk {
+  V previous;  // of d - 1
+  V here;      // of d
+  V last;      // of d + 1 for the last register
+  V least;
+  V limit;  // least + P2
+
+  HWY_INLINE Walk(Tag d, const std::uint8_t* path, int R, V the_least, V p2) {
+    const auto none = hn::Set(d, kNoNeighbour);
+    const std::size_t N = hn::Lanes(d);
+    here = hn::Load(d, path);
+    previous = hn::CombineShiftRightBytes<15>(
+        d, hn::Load(d, path + static_cast<std::size_t>(R - 1) * N), none);
+    last = hn::CombineShiftRightBytes<1>(d, none, here);
+    least = the_least;
+    limit = hn::Add(the_least, p2);
+  }
+  // L of one register, `next` being the path's next register before it changes.
+  HWY_INLINE V step(V cost, V next, V p1) {
+    const V sides = hn::Add(hn::Min(previous, next), p1);
+    const V best = hn::Min(hn::Min(here, limit), sides);
+    previous = here;
+    here = next;
+    return hn::Add(hn::Sub(best, least), cost);
+  }
+};
+
+// 16 rows of 16 bytes become 16 columns.
+template <class D16, class V16>
+HWY_INLINE void transpose_16(D16 d16, V16 (&v)[16]) {
+  V16 w[16];
+  for (int round = 0; round < 2; ++round) {
+    for (std::size_t i = 0; i < 8; ++i) {
+      w[2 * i] = hn::InterleaveLower(d16, v[i], v[i + 8]);
+      w[2 * i + 1] = hn::InterleaveUpper(d16, v[i], v[i + 8]);
+    }
+    for (std::size_t i = 0; i < 8; ++i) {
+      v[2 * i] = hn::InterleaveLower(d16, w[i], w[i + 8]);
+      v[2 * i + 1] = hn::InterleaveUpper(d16, w[i], w[i + 8]);
+    }
+  }
+}
+
+template <class Tag>
+class Gang {
+  using V = Bytes<Tag>;
+  static constexpr std::size_t N = hn::MaxLanes(Tag());
+  static constexpr int kBlocks = static_cast<int>(N / kBlock);
+
+ public:
+  HWY_INLINE Gang(const MatchJob& job, int first_strip, std::uint8_t* memory)
+      : job_(job),
+        first_strip_(first_strip),
+        W_((*job.left)[0].width()),
+        H_((*job.left)[0].height()),
+        R_(job.disparities / static_cast<int>(kBlock)) {
+    const Workspace at(W_, job.disparities, N);
+    costs_ = memory + at.costs;
+    above_ = memory + at.above;
+    above_least_ = memory + at.above_least;
+    sum_ = memory + at.sum;
+    left_ = memory + at.left;
+    right_ = memory + at.right;
+    raw_ = memory + at.raw;
+    across_ = memory + at.across;
+    padded_ = memory + at.padded;
+  }
+
+  HWY_INLINE void run() {
+    std::memset(above_, 0, stride() * static_cast<std::size_t>(W_));
+    std::memset(above_least_, 0, N * static_cast<std::size_t>(W_));
+    int rows = 0;
+    for (int b = 0; b < kBlocks; ++b) {
+      const StripRows strip = strip_of(b);
+      rows = std::max(rows, strip.end - strip.begin);
+    }
+    for (int t = -kWarmUpRows; t < rows; ++t) {
+      start_strips(t);
+      load_row(t);
+      if (t < 0) {
+        forwards<false>();
+      } else {
+        forwards<true>();
+        backwards(t);
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] HWY_INLINE StripRows strip_of(int block) const {
+    return rows_of_strip(first_strip_ + block, H_);
+  }
+  [[nodiscard]] HWY_INLINE std::size_t stride() const { return static_cast<std::size_t>(R_) * N; }
+  [[nodiscard]] HWY_INLINE int row_of(int block, int t) const {
+    return std::clamp(strip_of(block).begin + t, 0, H_ - 1);
+  }
+
+  // A strip whose warm-up would begin above the picture begins at the picture's first row.
+  HWY_INLINE void start_strips(int t) {
+    for (int b = 0; b < kBlocks; ++b) {
+      if (strip_of(b).begin + t != 0) continue;
+      for (int x = 0; x < W_; ++x) {
+        const auto at = static_cast<std::size_t>(x);
+        std::memset(above_least_ + at * N + static_cast<std::size_t>(b) * kBlock, 0, kBlock);
+        for (int j = 0; j < R_; ++j) {
+          std::memset(above_ + at * stride() + static_cast<std::size_t>(j) * N +
+                          static_cast<std::size_t>(b) * kBlock,
+                      0, kBlock);
+        }
+      }
+    }
+  }
+
+  // Codes of the rows, spread over lanes: left_[plane][x] is x's code in all lanes; lane l of
+  // right_[plane][q] is the code of the right pixel q - (R - 1) - first - l R.
+  HWY_INLINE void load_row(int t) {
+    const hn::FixedTag<std::uint8_t, 16> d16;
+    for (int b = 0; b < kBlocks; ++b) {
+      const int y = row_of(b, t);
+      const std::size_t block = static_cast<std::size_t>(b) * kBlock;
+      for (std::size_t plane = 0; plane < 3; ++plane) {
+        const std::uint8_t* codes = (*job_.left)[plane].row(y);
+        std::uint8_t* to = left_ + plane * static_cast<std::size_t>(W_) * N + block;
+        for (int x = 0; x < W_; ++x) {
+          hn::StoreU(hn::Set(d16, codes[x]), d16, to + static_cast<std::size_t>(x) * N);
+        }
+        spread_right((*job_.right)[plane].row(y), right_ + plane * right_plane() + block);
+      }
+    }
+  }
+  [[nodiscard]] HWY_INLINE std::size_t right_plane() const {
+    return (static_cast<std::size_t>(W_ + R_) + kBlock) * N;
+  }
+  HWY_INLINE void spread_right(const std::uint8_t* codes, std::uint8_t* to) {
+    const hn::FixedTag<std::uint8_t, 16> d16;
+    // padded_[i] is the pixel i - (D - 1) - first, the border's beyond the border.
+    const int D = job_.disparities;
+    const int length = W_ + D + 2 * static_cast<int>(kBlock);
+    const int from = -(D - 1) - job_.first;
+    const int begin = std::clamp(-from, 0, length);
+    const int end = std::clamp(W_ - from, 0, length);
+    std::memset(padded_, codes[0], static_cast<std::size_t>(begin));
+    if (end > begin) {
+      std::memcpy(padded_ + begin, codes + begin + from, static_cast<std::size_t>(end - begin));
+    }
+    std::memset(padded_ + end, codes[W_ - 1], static_cast<std::size_t>(length - end));
+    const int count = W_ + R_ - 1;
+    for (int q = 0; q < count; q += static_cast<int>(kBlock)) {
+      // q - (R-1) - l R, counted from padded_[0]: + D - 1, and D = 16 R.
+      hn::Vec<decltype(d16)> v[16];
+      for (int l = 0; l < 16; ++l) { v[l] = hn::LoadU(d16, padded_ + q + (15 - l) * R_); }
+      transpose_16(d16, v);
+      for (std::size_t i = 0; i < 16; ++i) {
+        hn::StoreU(v[i], d16, to + (static_cast<std::size_t>(q) + i) * N);
+      }
+    }
+  }
+
+  // Hamming distances at x into slot x % 3 of raw_.
+  HWY_INLINE void raw_costs(int x) {
+    const Tag d;
+    const std::size_t W = static_cast<std::size_t>(W_);
+    const auto at = static_cast<std::size_t>(x);
+    const V l0 = hn::Load(d, left_ + at * N);
+    const V l1 = hn::Load(d, left_ + (W + at) * N);
+    const V l2 = hn::Load(d, left_ + (2 * W + at) * N);
+    const std::uint8_t* right = right_ + (at + static_cast<std::size_t>(R_) - 1) * N;
+    std::uint8_t* to = raw_ + static_cast<std::size_t>(x % 3) * stride();
+    const std::size_t plane = right_plane();
+    for (int j = 0; j < R_; ++j) {
+      const V c0 = hn::PopulationCount(hn::Xor(l0, hn::Load(d, right)));
+      const V c1 = hn::PopulationCount(hn::Xor(l1, hn::Load(d, right + plane)));
+      const V c2 = hn::PopulationCount(hn::Xor(l2, hn::Load(d, right + 2 * plane)));
+      hn::Store(hn::Add(hn::Add(c0, c1), c2), d, to);
+      to += N;
+      right -= N;
+    }
+  }
+
+  // From left to right: costs, the path from above and, if the row is wanted, the path from the
+  // left and the sum of both.
+  template <bool kWanted>
+  HWY_INLINE void forwards() {
+    const Tag d;
+    const V p1 = hn::Set(d, static_cast<std::uint8_t>(job_.p1));
+    const V p2 = hn::Set(d, static_cast<std::uint8_t>(job_.p2));
+    const int R = R_;
+    V across_least = hn::Zero(d);
+    if (kWanted) std::memset(across_, 0, stride());
+    raw_costs(0);
+    for (int x = 0; x < W_; ++x) {
+      if (x + 1 < W_) raw_costs(x + 1);
+      const auto slot = [&](int column) {
+        return raw_ + static_cast<std::size_t>(std::clamp(column, 0, W_ - 1) % 3) * stride();
+      };
+      const std::uint8_t* raw_before = slot(x - 1);
+      const std::uint8_t* raw_here = slot(x);
+      const std::uint8_t* raw_after = slot(x + 1);
+      std::uint8_t* above = above_ + static_cast<std::size_t>(x) * stride();
+      std::uint8_t* costs = costs_ + static_cast<std::size_t>(x) * stride();
+      std::uint8_t* sum = sum_ + static_cast<std::size_t>(x) * stride();
+      std::uint8_t* least_at = above_least_ + static_cast<std::size_t>(x) * N;
+      Walk<Tag> down(d, above, R, hn::Load(d, least_at), p2);
+      Walk<Tag> along(d, kWanted ? across_ : above, R, across_least, p2);
+      V least_down = hn::Set(d, std::uint8_t{255});
+      V least_along = least_down;
+      for (int j = 0; j < R; ++j) {
+        const auto at = static_cast<std::size_t>(j) * N;
+        const V sides = hn::AverageRound(hn::Load(d, raw_before + at), hn::Load(d, raw_after + at));
+        const V cost = hn::AverageRound(sides, hn::Load(d, raw_here + at));
+        const bool is_last = j + 1 == R;
+        const V L = down.step(cost, is_last ? down.last : hn::Load(d, above + at + N), p1);
+        least_down = hn::Min(least_down, L);
+        hn::Store(L, d, above + at);
+        if (kWanted) {
+          const V A = along.step(cost, is_last ? along.last : hn::Load(d, across_ + at + N), p1);
+          least_along = hn::Min(least_along, A);
+          hn::Store(A, d, across_ + at);
+          hn::Store(cost, d, costs + at);
+          hn::Store(hn::Add(L, A), d, sum + at);
+        }
+      }
+      hn::Store(least_of_block(d, least_down), d, least_at);
+      if (kWanted) across_least = least_of_block(d, least_along);
+    }
+  }
+
+  // From right to left: the path from the right, the whole sum, and its winner.
+  HWY_INLINE void backwards(int t) {
+    const Tag d;
+    const V p1 = hn::Set(d, static_cast<std::uint8_t>(job_.p1));
+    const V p2 = hn::Set(d, static_cast<std::uint8_t>(job_.p2));
+    const int R = R_;
+    V across_least = hn::Zero(d);
+    std::memset(across_, 0, stride());
+    for (int x = W_ - 1; x >= 0; --x) {
+      const std::uint8_t* costs = costs_ + static_cast<std::size_t>(x) * stride();
+      std::uint8_t* sum = sum_ + static_cast<std::size_t>(x) * stride();
+      Walk<Tag> along(d, across_, R, across_least, p2);
+      V least_along = hn::Set(d, std::uint8_t{255});
+      V best = least_along;
+      V which = hn::Zero(d);
+      V number = hn::Zero(d);
+      const V one = hn::Set(d, std::uint8_t{1});
+      for (int j = 0; j < R; ++j) {
+        const auto at = static_cast<std::size_t>(j) * N;
+        const bool is_last = j + 1 == R;
+        const V A = along.step(hn::Load(d, costs + at),
+                               is_last ? along.last : hn::Load(d, across_ + at + N), p1);
+        least_along = hn::Min(least_along, A);
+        hn::Store(A, d, across_ + at);
+        const V S = hn::Add(hn::Load(d, sum + at), A);
+        hn::Store(S, d, sum + at);
+        which = hn::IfThenElse(hn::Lt(S, best), number, which);
+        best = hn::Min(best, S);
+        number = hn::Add(number, one);
+      }
+      across_least = least_of_block(d, least_along);
+      take_winners(t, x, best, which, sum);
+    }
+  }
+
+  HWY_INLINE void take_winners(int t, int x, V best, V which, const std::uint8_t* sum) {
+    const Tag d;
+    const V least = least_of_block(d, best);
+    // The smallest d of a block's equals lies in its lowest lane.
+    alignas(kWidestVector) std::uint8_t winners[8 * ((N + 63) / 64) + 8];
+    alignas(kWidestVector) std::uint8_t registers[N];
+    alignas(kWidestVector) std::uint8_t costs[N];
+    hn::StoreMaskBits(d, hn::Eq(best, least), winners);
+    hn::Store(which, d, registers);
+    hn::Store(least, d, costs);
+    for (int b = 0; b < kBlocks; ++b) {
+      const StripRows strip = strip_of(b);
+      if (strip.begin + t >= strip.end) continue;
+      std::uint16_t bits = 0;
+      std::memcpy(&bits, winners + 2 * b, 2);
+      const int lane = __builtin_ctz(bits);
+      const std::size_t block = static_cast<std::size_t>(b) * kBlock;
+      const int j = registers[block + static_cast<std::size_t>(lane)];
+      const int best_d = lane * R_ + j;
+      const auto S = [&](int l, int k) {
+        return sum[static_cast<std::size_t>(k) * N + block + static_cast<std::size_t>(l)];
+      };
+      Winners& out = *job_.winners;
+      const int y = strip.begin + t;
+      out.best(x, y) = static_cast<std::uint16_t>(best_d);
+      out.cost(x, y) = costs[block];
+      out.before(x, y) = j > 0      ? S(lane, j - 1)
+                         : lane > 0 ? S(lane - 1, R_ - 1)
+                                    : std::uint8_t{255};
+      out.after(x, y) = j + 1 < R_  ? S(lane, j + 1)
+                        : lane < 15 ? S(lane + 1, 0)
+                                    : std::uint8_t{255};
+    }
+  }
+
+  MatchJob job_;
+  int first_strip_;
+  int W_;
+  int H_;
+  int R_;
+  std::uint8_t* costs_;
+  std::uint8_t* above_;
+  std::uint8_t* above_least_;
+  std::uint8_t* sum_;
+  std::uint8_t* left_;
+  std::uint8_t* right_;
+  std::uint8_t* raw_;
+  std::uint8_t* across_;
+  std::uint8_t* padded_;
+};
+
+template <std::size_t kBytes>
+HWY_INLINE void run_gang(const MatchJob& job, int strip, std::uint8_t* workspace) {
+  Gang<hn::CappedTag<std::uint8_t, kBytes>>(job, strip, workspace).run();
+}
+
+HWY_ATTR void match(const MatchJob& job, int first_strip, int count, std::uint8_t* workspace) {
+  constexpr std::size_t kLanes = hn::MaxLanes(hn::ScalableTag<std::uint8_t>());
+  int strip = first_strip;
+  const int end = first_strip + count;
+  while (strip < end) {
+    if (kLanes >= 64 && end - strip >= 4) {
+      run_gang<64>(job, strip, workspace);
+      strip += 4;
+    } else if (kLanes >= 32 && end - strip >= 2) {
+      run_gang<32>(job, strip, workspace);
+      strip += 2;
+    } else {
+      run_gang<16>(job, strip, workspace);
+      strip += 1;
+    }
+  }
+}
+
+#endif  // HWY_SCALAR
+
+}  // namespace palpable::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace palpable {
+namespace {
+HWY_EXPORT(census);
+HWY_EXPORT(match);
+
+std::vector<StereoKernels> find_kernels() {
+  std::vector<StereoKernels> kernels;
+  // Highway lists the best first. Its choice is one for the whole program, so it is put back.
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    if (target == HWY_SCALAR) continue;  // ours is below
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    kernels.push_back(
+        {hwy::TargetName(target), &HWY_DYNAMIC_DISPATCH(census), &HWY_DYNAMIC_DISPATCH(match)});
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  kernels.push_back(scalar_stereo_kernels());
+  return kernels;
+}
+
+}  // namespace
+
+std::size_t kernel_workspace_bytes(int width, int disparities) {
+  return Workspace(width, disparities, kWidestVector).bytes;
+}
+
+std::span<const StereoKernels> stereo_kernels() {
+  static const std::vector<StereoKernels> kernels = find_kernels();
+  return kernels;
+}
+
+}  // namespace palpable
+
+#endif

@@ -1,0 +1,92 @@
+/// @file
+/// The inner loops of the stereo matcher, once plain and once vectorised; both give the same bytes.
+///
+///   W, H  width and height of the matched images, px
+///   D     disparities searched, a multiple of 16
+///
+/// **Census** (Zabih and Woodfill 1994): bit n of a pixel's code says whether neighbour n of its
+/// 5 x 5 window is darker than the pixel by more than kCensusStep grey levels; 24 bits in three
+/// bytes. Codes do not change with exposure or gain.
+///
+/// **Cost** of disparity d at x: the number of differing bits of left(x) and right(x - first - d),
+/// averaged over x-1, x, x+1 with weights 1 2 1 (rounded as avg(avg(c-, c+), c) with
+/// avg(a, b) = (a + b + 1) / 2). Beyond the border the border's code stands.
+///
+/// **Aggregation** (semi-global matching, Hirschmueller 2008) along r = from the left, from the
+/// right and from above:
+///
+///     L_r(p, d) = C(p, d) + min( L_r(p-r, d), L_r(p-r, d +- 1) + P1, min_k L_r(p-r, k) + P2 )
+///                 - min_k L_r(p-r, k)
+///     S(p, d) = sum of the three L_r
+///
+/// At a path's start L_r = C. The picture is cut into kStrips bands of rows; the path from above
+/// starts anew kWarmUpRows above each band, so that bands can be worked on side by side: in the
+/// lanes of one vector and on several threads, with the same result whatever the number.
+#pragma once
+
+#include "palpable/geometry/image.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace palpable {
+
+inline constexpr int kStrips = 4;
+inline constexpr int kWarmUpRows = 16;
+inline constexpr int kCensusStep = 1;
+/// Costs are at most 24, so that with this much for a jump a sum of three paths fits a byte.
+inline constexpr int kLargestP2 = 61;
+inline constexpr int kMostDisparities = 512;
+
+/// Three bytes of code per pixel, each in an image of its own (H x W).
+using CensusCodes = std::array<GrayImage, 3>;
+
+/// What the aggregation found for each pixel (H x W each).
+struct Winners {
+  Image<std::uint16_t> best;  ///< the d of the smallest S, the smallest such d
+  GrayImage cost;             ///< S(best)
+  GrayImage before;           ///< S(best - 1), 255 if there is none
+  GrayImage after;            ///< S(best + 1), 255 if there is none
+
+  void resize(int width, int height);
+};
+
+struct MatchJob {
+  const CensusCodes* left = nullptr;
+  const CensusCodes* right = nullptr;
+  int first = 0;        ///< px, may be negative
+  int disparities = 0;  ///< D
+  int p1 = 0;           ///< P1 <= P2
+  int p2 = 0;           ///< P2 <= kLargestP2
+  Winners* winners = nullptr;
+};
+
+/// One implementation of the loops.
+struct StereoKernels {
+  const char* name;  ///< "scalar", "SSE4", "AVX2", "AVX3" (AVX-512), "AVX3_DL" (with byte popcount)
+  /// Codes of a whole image; `codes` has its size already.
+  void (*census)(const GrayImage& image, CensusCodes& codes);
+  /// Winners of the rows of strips first_strip .. first_strip + count - 1, and of no others.
+  /// @param workspace  kernel_workspace_bytes() of memory, aligned to 64 bytes; one per thread
+  void (*match)(const MatchJob& job, int first_strip, int count, std::uint8_t* workspace);
+};
+
+[[nodiscard]] std::size_t kernel_workspace_bytes(int width, int disparities);
+
+/// Rows [begin, end) of strip s.
+struct StripRows {
+  int begin;
+  int end;
+};
+[[nodiscard]] constexpr StripRows rows_of_strip(int strip, int height) {
+  return {strip * height / kStrips, (strip + 1) * height / kStrips};
+}
+
+/// The slow, obvious one.
+[[nodiscard]] const StereoKernels& scalar_stereo_kernels();
+/// All that this processor can run, best first; the last is the scalar one.
+[[nodiscard]] std::span<const StereoKernels> stereo_kernels();
+
+}  // namespace palpable

@@ -1,0 +1,158 @@
+#include "palpable/vision/stereo_kernels.h"
+
+#include "tests/support/test.h"
+
+#include <algorithm>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+struct Pair {
+  GrayImage left;
+  GrayImage right;
+};
+
+// Random brightness, shifted by a disparity that grows along x, with noise: every path has steps,
+// jumps and ties.
+Pair some_pair(int width, int height, unsigned seed) {
+  auto random = test::random_case(seed);
+  Pair pair{GrayImage(width, height), GrayImage(width, height)};
+  for (std::uint8_t& p : pair.left) p = static_cast<std::uint8_t>(random() % 24 + 100);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      pair.right(x, y) =
+          static_cast<std::uint8_t>(pair.left((x + 5 + x / 9) % width, y) + random() % 3);
+    }
+  }
+  return pair;
+}
+
+class Workspace {
+ public:
+  Workspace(int width, int disparities) : bytes_(kernel_workspace_bytes(width, disparities) + 64) {
+    void* at = bytes_.data();
+    std::size_t room = bytes_.size();
+    begin_ = static_cast<std::uint8_t*>(std::align(64, bytes_.size() - 64, at, room));
+  }
+  [[nodiscard]] std::uint8_t* begin() const { return begin_; }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::uint8_t* begin_ = nullptr;
+};
+
+struct Found {
+  CensusCodes left;
+  CensusCodes right;
+  Winners winners;
+};
+
+Found run(const StereoKernels& kernels, const Pair& pair, int first, int disparities, int p1,
+          int p2, int strips_at_once) {
+  const int width = pair.left.width();
+  const int height = pair.left.height();
+  Found found;
+  for (CensusCodes* codes : {&found.left, &found.right}) {
+    for (GrayImage& plane : *codes) plane.resize(width, height);
+  }
+  kernels.census(pair.left, found.left);
+  kernels.census(pair.right, found.right);
+  found.winners.resize(width, height);
+  const Workspace workspace(width, disparities);
+  const MatchJob job{&found.left, &found.right, first, disparities, p1, p2, &found.winners};
+  for (int strip = 0; strip < kStrips; strip += strips_at_once) {
+    kernels.match(job, strip, strips_at_once, workspace.begin());
+  }
+  return found;
+}
+
+TEST_CASE("all instruction sets give the winners of the plain loops, bit for bit",
+          "[vision][stereo]") {
+  struct Case {
+    int width, height, first, disparities, p1, p2;
+  };
+  unsigned seed = 0;
+  for (const Case& c :
+       {Case{203, 75, 0, 48, 3, 40}, Case{64, 41, -3, 16, 5, 40}, Case{131, 67, 12, 256, 10, 61},
+        Case{90, 4, 0, 32, 0, 0}, Case{33, 20, -20, 304, 3, 45}}) {
+    const Pair pair = some_pair(c.width, c.height, seed++);
+    const Found plain =
+        run(scalar_stereo_kernels(), pair, c.first, c.disparities, c.p1, c.p2, kStrips);
+    for (const StereoKernels& kernels : stereo_kernels()) {
+      for (const int at_once : {4, 2, 1}) {
+        INFO(kernels.name << ", " << at_once << " strips at once, width " << c.width << ", "
+                          << c.disparities << " disparities");
+        const Found found = run(kernels, pair, c.first, c.disparities, c.p1, c.p2, at_once);
+        CHECK(found.left == plain.left);
+        CHECK(found.right == plain.right);
+        CHECK(found.winners.best == plain.winners.best);
+        CHECK(found.winners.cost == plain.winners.cost);
+        CHECK(found.winners.before == plain.winners.before);
+        CHECK(found.winners.after == plain.winners.after);
+      }
+    }
+  }
+}
+
+TEST_CASE("the plain loops are always there, and this processor has more", "[vision][stereo]") {
+  const auto kernels = stereo_kernels();
+  REQUIRE_FALSE(kernels.empty());
+  CHECK(std::string(kernels.back().name) == "scalar");
+#ifdef __x86_64__
+  if (__builtin_cpu_supports("avx2")) {
+    CHECK(std::any_of(kernels.begin(), kernels.end(),
+                      [](const StereoKernels& k) { return std::string(k.name) == "AVX2"; }));
+    CHECK(std::string(kernels.front().name) != "scalar");
+  }
+#endif
+}
+
+TEST_CASE("a census code is the same at another exposure", "[vision][stereo]") {
+  Pair pair{GrayImage(40, 12), GrayImage(40, 12)};
+  auto random = test::random_case(3);
+  for (std::uint8_t& p : pair.left) p = static_cast<std::uint8_t>(random() % 30 * 4 + 20);
+  std::transform(pair.left.begin(), pair.left.end(), pair.right.begin(),
+                 [](std::uint8_t p) { return static_cast<std::uint8_t>(p * 3 / 2 + 9); });
+  const Found found = run(scalar_stereo_kernels(), pair, 0, 16, 3, 40, kStrips);
+  CHECK(found.left == found.right);
+}
+
+TEST_CASE("a picture that is shifted is found at its shift, at no cost", "[vision][stereo]") {
+  const int width = 120;
+  const int shift = 23;
+  Pair pair{GrayImage(width, 40), GrayImage(width, 40)};
+  auto random = test::random_case(5);
+  std::vector<std::uint8_t> row(width + shift);
+  for (int y = 0; y < 40; ++y) {
+    for (std::uint8_t& p : row) p = static_cast<std::uint8_t>(random() % 200);
+    std::copy_n(row.begin(), width, pair.left.row(y));
+    std::copy_n(row.begin() + shift, width, pair.right.row(y));
+  }
+  const Found found = run(stereo_kernels().front(), pair, 4, 32, 3, 40, kStrips);
+  for (int y = 2; y < 38; ++y) {
+    // Where a partner lies outside, the path from the left has a cost that it takes along for a
+    // while; at the right border windows are cut.
+    for (int x = 2 * shift; x < width - 3; ++x) {
+      REQUIRE(found.winners.best(x, y) + 4 == shift);
+      REQUIRE(found.winners.cost(x, y) == 0);
+    }
+  }
+}
+
+TEST_CASE("strips cover every row once", "[vision][stereo]") {
+  for (int height = 1; height < 40; ++height) {
+    int next = 0;
+    for (int strip = 0; strip < kStrips; ++strip) {
+      CHECK(rows_of_strip(strip, height).begin == next);
+      next = rows_of_strip(strip, height).end;
+    }
+    CHECK(next == height);
+  }
+}
+
+}  // namespace
+}  // namespace palpable
