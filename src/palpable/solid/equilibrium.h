@@ -27,6 +27,8 @@
 
 namespace palpable {
 
+class Lane;
+
 struct EquilibriumSettings {
   /// A state counts as solved when the residual at the free nodes is below this, relative to the
   /// norm of the applied forces, or of the forces at the held nodes if those are larger.
@@ -91,6 +93,22 @@ struct PathResult {
   SolveTimes times;
 };
 
+/// A body that something acts on already, from the state that this leaves.
+struct Preloaded {
+  Eigen::Matrix3Xd force;  ///< (3 x N) N
+  /// (3 x N) m: in equilibrium with `force`, supports moved all the way.
+  Eigen::Matrix3Xd rest;
+};
+
+/// How a path is walked.
+struct PathOptions {
+  /// The path starts from there; that force acts on all the way, in full, and supports stay where
+  /// they are. Levels and presses are counted from that state. nullptr: from the undeformed body.
+  const Preloaded* preloaded = nullptr;
+  /// Shares each pass through the factor with others (lockstep.h). nullptr: alone.
+  Lane* lane = nullptr;
+};
+
 struct LoadSearch {
   double load = 0;   ///< N; the last good one if not reached
   double press = 0;  ///< m, sum(unit_load . u) there
@@ -99,6 +117,27 @@ struct LoadSearch {
   std::string why_stopped;  ///< empty when reached
   Equilibrium state;        ///< at `load`
   int solves = 0;           ///< equilibria computed
+};
+
+/// How far a body shall be pressed, and in how many steps.
+struct PressGoal {
+  double press = 0;  ///< m: sum(unit_load . u) at the full load, > 0
+  double force = 0;  ///< N: the full load, if above 0; then `press` is not read
+  int levels = 10;   ///< L >= 1: equal steps of the load
+};
+
+/// A path to the load that presses as far as asked for.
+struct PressPath {
+  double full_load = 0;            ///< N
+  std::vector<Equilibrium> steps;  ///< (L) at level 1/L .. 1 of full_load
+  Eigen::VectorXd press;           ///< (L + 1) m: 0 and sum(unit_load . u) of each, increasing
+  bool reached = false;            ///< the press, or the force
+  Stop stop = Stop::kNone;
+  std::string why_stopped;  ///< empty when reached
+  int newton_steps = 0, cg_iterations = 0;
+  int factors = 0;   ///< how often the factor was renewed
+  int halvings = 0;  ///< increments that had to be cut
+  SolveTimes times;
 };
 
 /// The solver of one model: pattern, shape gradients and the factor of the undeformed tangent are
@@ -126,16 +165,28 @@ class EquilibriumSolver {
   /// @throws Error if the load is zero, not finite, or acts on held nodes only
   /// @throws ContractViolation for a load of the wrong size or levels that do not increase
   [[nodiscard]] PathResult solve_path(const Eigen::Matrix3Xd& full_load,
-                                      std::span<const double> levels) const;
+                                      std::span<const double> levels,
+                                      const PathOptions& options = {}) const;
 
   /// The load at which the patch has given way by `wanted_press`: a with
   /// sum(unit_load . u(a unit_load)) = wanted_press, the displacement conjugate to the load
   /// (for patch_force(): the weighted mean displacement of the patch along the direction).
   /// Goes there in steps of the press and closes in with warm-started solves; to 1e-6 relative.
-  /// Needs a model without fixed displacements (Error otherwise).
+  /// Needs supports that stay (Error otherwise): a model without fixed displacements, or a preload.
   /// @param wanted_press  m, > 0
   /// @throws Error as solve_path()
-  [[nodiscard]] LoadSearch find_load(const Eigen::Matrix3Xd& unit_load, double wanted_press) const;
+  [[nodiscard]] LoadSearch find_load(const Eigen::Matrix3Xd& unit_load, double wanted_press,
+                                     const PathOptions& options = {}) const;
+
+  /// find_load() and then solve_path(), for less than the two: the search goes in steps of the
+  /// press to three digits only, and the path's states are interpolated between those first.
+  ///
+  /// A body that yields, buckles or would turn an element inside out before the goal is solved up
+  /// to a little less than what it reaches, with `reached` false. The full load is lowered until
+  /// the press grows strictly with every level. No steps: not even a small part of it is borne.
+  /// @throws Error as find_load()
+  [[nodiscard]] PressPath press_path(const Eigen::Matrix3Xd& unit_load, const PressGoal& goal,
+                                     const PathOptions& options = {}) const;
 
   /// Forces that hold the body in the state u: d/du of the stored energy, (3 x N) N. At held nodes
   /// of an equilibrium: the reactions plus the load applied there.
@@ -150,9 +201,10 @@ class EquilibriumSolver {
   [[nodiscard]] Eigen::Matrix3Xd tangent_times(const Eigen::Matrix3Xd& u,
                                                const Eigen::Matrix3Xd& du) const;
 
+  struct Core;  ///< what the calls share; internal to this module: solver_core.h
+
  private:
-  struct Shared;
-  std::unique_ptr<const Shared> shared_;
+  std::unique_ptr<const Core> core_;
 };
 
 }  // namespace palpable

@@ -4,10 +4,10 @@
 
 namespace palpable {
 
-void QuasiNewton::solve(const CholeskyFactor& factor, const Eigen::VectorXd& b, Eigen::VectorXd& x,
-                        FactorWorkspace& workspace) {
+void QuasiNewton::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x,
+                        const LinearMap& apply_factor) {
   if (pairs_.empty()) {
-    factor.solve_roughly(b, x, workspace);
+    apply_factor(b, x);
     return;
   }
   // The two loops of L-BFGS (Nocedal and Wright, algorithm 7.4), in numbers of order one.
@@ -24,7 +24,7 @@ void QuasiNewton::solve(const CholeskyFactor& factor, const Eigen::VectorXd& b, 
     q_ -= static_cast<float>(shares_[i]) * pair.y;
   }
   wide_ = q_.cast<double>();
-  factor.solve_roughly(wide_, x, workspace);
+  apply_factor(wide_, x);
   z_ = x.cast<float>();
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const Pair& pair = pairs_[i];

@@ -10,7 +10,7 @@
 /// without pairs, 359 with 16, 248 with 32 and 206 with 64.
 #pragma once
 
-#include "palpable/solid/sparse_cholesky.h"
+#include "palpable/solid/conjugate_gradients.h"
 
 #include <Eigen/Core>
 
@@ -25,8 +25,8 @@ class QuasiNewton {
   explicit QuasiNewton(int capacity = 32) : capacity_(capacity) {}
 
   /// x ~= K^-1 b, symmetric and positive definite whatever was learnt.
-  void solve(const CholeskyFactor& factor, const Eigen::VectorXd& b, Eigen::VectorXd& x,
-             FactorWorkspace& workspace);
+  /// @param apply_factor  x ~= inverse of the older tangent times b
+  void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x, const LinearMap& apply_factor);
 
   /// A direction s and K s, noted for the next system: the current one's preconditioner must not
   /// change under conjugate gradients. @pre s . Ks > 0

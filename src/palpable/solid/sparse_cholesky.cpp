@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cblas.h>
 #include <cholmod.h>
 #include <cmath>
@@ -26,10 +27,18 @@ void spotrf_(const char* triangle, const int* n, float* A, const int* stride, in
 
 namespace palpable {
 
+namespace {
+struct alignas(64) SixteenFloats {
+  float of[CholeskyFactor::kMostTogether];
+};
+}  // namespace
+
 struct FactorWorkspace::Content {
   cholmod_common common{};
   // Of solve_roughly(): the solution in the order of elimination, and rows of it side by side.
   std::vector<float> permuted, gathered;
+  // The same of solve_together().
+  std::vector<SixteenFloats> many_permuted, many_gathered;
 
   Content() {
     cholmod_start(&common);
@@ -494,6 +503,47 @@ void CholeskyFactor::solve_roughly(const Eigen::VectorXd& b, Eigen::VectorXd& x,
       content_->panels);
   for (Eigen::Index i = 0; i < n; ++i) {
     x[order[i]] = scale / content_->scale * static_cast<double>(y[static_cast<std::size_t>(i)]);
+  }
+}
+
+void CholeskyFactor::solve_together(std::span<const Eigen::VectorXd* const> b,
+                                    std::span<Eigen::VectorXd* const> x,
+                                    FactorWorkspace& workspace) const {
+  const std::size_t count = b.size();
+  PALPABLE_EXPECT(count == x.size() && count <= kMostTogether, "as many solutions as systems, 16");
+  const CholeskyAnalysis::Content& analysis = *content_->analysis;
+  const Eigen::Index n = analysis.size();
+  const int* const order = analysis.order().data();
+  const auto rows = static_cast<std::size_t>(n);
+  std::vector<SixteenFloats>& y = workspace.content().many_permuted;
+  std::vector<SixteenFloats>& z = workspace.content().many_gathered;
+  y.resize(rows);
+  // Single precision has a small range: work with numbers of order one.
+  std::array<double, kMostTogether> scale{}, inverse{};
+  for (std::size_t s = 0; s < count; ++s) {
+    PALPABLE_EXPECT(b[s]->size() == n, "the right-hand side has the size of the matrix");
+    scale[s] = b[s]->cwiseAbs().maxCoeff();
+    inverse[s] = scale[s] > 0.0 ? 1.0 / scale[s] : 0.0;
+  }
+  for (std::size_t i = 0; i < rows; ++i) {
+    y[i] = {};
+    for (std::size_t s = 0; s < count; ++s) {
+      y[i].of[s] = static_cast<float>((*b[s])[order[i]] * inverse[s]);
+    }
+  }
+  std::visit(
+      [&](const auto& panels) {
+        z.resize(panels.scratch_size());
+        panels.solve_together(best_simd_level(), {y.data()->of, kMostTogether * y.size()},
+                              {z.data()->of, kMostTogether * z.size()});
+      },
+      content_->panels);
+  for (std::size_t s = 0; s < count; ++s) {
+    x[s]->resize(n);
+    const double back = scale[s] / content_->scale;
+    for (std::size_t i = 0; i < rows; ++i) {
+      (*x[s])[order[i]] = back * static_cast<double>(y[i].of[s]);
+    }
   }
 }
 

@@ -136,6 +136,128 @@ struct TriangularPanels<Stored>::Solve {
   }
 };
 
+// The same for several vectors: `z` holds a row of kSystems numbers for each entry. Numbers of the
+// panel are widened a tile of kWidth rows at a time, from where each is spread over the lanes.
+template <class Stored>
+struct TriangularPanels<Stored>::SolveTogether {
+  using Row = float __attribute__((vector_size(kSystems * sizeof(float)), may_alias));
+  template <int kColumns>
+  struct alignas(kWidth * sizeof(float)) Tile {
+    float of[kColumns][kWidth];
+  };
+
+  // By reference: vectors wider than the plain ABI's must not be returned.
+  PALPABLE_ALWAYS_INLINE static Row& row(float* z, std::ptrdiff_t i) {
+    return *reinterpret_cast<Row*>(z + i * kSystems);
+  }
+
+  template <int kColumns>
+  PALPABLE_ALWAYS_INLINE static void widen(const Stored* panel, std::ptrdiff_t stride, int i,
+                                           Tile<kColumns>& tile) {
+    for (int c = 0; c < kColumns; ++c) {
+      Floats column;
+      load(panel + c * stride + i, column);
+      std::memcpy(tile.of[c], &column, sizeof column);
+    }
+  }
+
+  template <int kColumns>
+  PALPABLE_ALWAYS_INLINE static void forward(const Stored* panel, int stride, int rows, int j,
+                                             const float* inverse, float* z) {
+    Row solved[kColumns];
+    for (int c = 0; c < kColumns; ++c) {
+      Row value = row(z, j + c);
+      for (int b = 0; b < c; ++b) value -= widened(panel[b * stride + j + c]) * solved[b];
+      solved[c] = value * inverse[c];
+      row(z, j + c) = solved[c];
+    }
+    Tile<kColumns> tile;
+    for (int i = j / kWidth * kWidth; i < rows; i += kWidth) {
+      widen<kColumns>(panel, stride, i, tile);
+      const int begin = std::max(j + kColumns - i, 0), end = std::min(rows - i, kWidth);
+      for (int k = begin; k < end; ++k) {
+        Row sum = row(z, i + k);
+        for (int c = 0; c < kColumns; ++c) sum -= tile.of[c][k] * solved[c];
+        row(z, i + k) = sum;
+      }
+    }
+  }
+
+  template <int kColumns>
+  PALPABLE_ALWAYS_INLINE static void backward(const Stored* panel, int stride, int rows, int j,
+                                              const float* inverse, float* z) {
+    Row sums[kColumns] = {};
+    Tile<kColumns> tile;
+    for (int i = j / kWidth * kWidth; i < rows; i += kWidth) {
+      widen<kColumns>(panel, stride, i, tile);
+      const int begin = std::max(j + kColumns - i, 0), end = std::min(rows - i, kWidth);
+      for (int k = begin; k < end; ++k) {
+        const Row below = row(z, i + k);
+        for (int c = 0; c < kColumns; ++c) sums[c] += tile.of[c][k] * below;
+      }
+    }
+    for (int c = kColumns; c-- > 0;) {
+      Row value = row(z, j + c) - sums[c];
+      for (int b = c + 1; b < kColumns; ++b) {
+        value -= widened(panel[c * stride + j + b]) * row(z, j + b);
+      }
+      row(z, j + c) = value * inverse[c];
+    }
+  }
+
+  PALPABLE_ALWAYS_INLINE static int run(const TriangularPanels& L, float* y, float* z) {
+    constexpr int kMost = 8, kSome = 4;  // columns that share one pass over the rows
+    const Supernodes& s = L.supernodes_;
+    const int count = static_cast<int>(s.first_column.size()) - 1;
+    const auto at = [](const auto& list, int k) { return list[static_cast<std::size_t>(k)]; };
+    for (int k = 0; k < count; ++k) {
+      const int first = at(s.first_column, k), columns = at(s.first_column, k + 1) - first;
+      const int rows = at(s.first_row, k + 1) - at(s.first_row, k), stride = padded(rows);
+      const int* const places = s.rows.data() + at(s.first_row, k);
+      const Stored* const panel = L.panel(k);
+      const float* const inverse = L.inverse_diagonal_.data() + first;
+      for (int i = 0; i < columns; ++i) row(z, i) = row(y, first + i);
+      for (int i = columns; i < rows; ++i) row(z, i) = Row{};
+      int j = 0;
+      for (; j + kMost <= columns; j += kMost) {
+        forward<kMost>(panel + j * std::ptrdiff_t{stride}, stride, rows, j, inverse + j, z);
+      }
+      if (j + kSome <= columns) {
+        forward<kSome>(panel + j * std::ptrdiff_t{stride}, stride, rows, j, inverse + j, z);
+        j += kSome;
+      }
+      for (; j < columns; ++j) {
+        forward<1>(panel + j * std::ptrdiff_t{stride}, stride, rows, j, inverse + j, z);
+      }
+      for (int i = 0; i < columns; ++i) row(y, first + i) = row(z, i);
+      for (int i = columns; i < rows; ++i) row(y, places[i]) += row(z, i);
+    }
+    for (int k = count; k-- > 0;) {
+      const int first = at(s.first_column, k), columns = at(s.first_column, k + 1) - first;
+      const int rows = at(s.first_row, k + 1) - at(s.first_row, k), stride = padded(rows);
+      const int* const places = s.rows.data() + at(s.first_row, k);
+      const Stored* const panel = L.panel(k);
+      const float* const inverse = L.inverse_diagonal_.data() + first;
+      for (int i = 0; i < rows; ++i) row(z, i) = row(y, places[i]);
+      int j = columns;
+      for (; j % kSome != 0; --j) {
+        backward<1>(panel + (j - 1) * std::ptrdiff_t{stride}, stride, rows, j - 1, inverse + j - 1,
+                    z);
+      }
+      if (j % kMost != 0) {
+        j -= kSome;
+        backward<kSome>(panel + j * std::ptrdiff_t{stride}, stride, rows, j, inverse + j, z);
+      }
+      for (; j > 0; j -= kMost) {
+        backward<kMost>(panel + (j - kMost) * std::ptrdiff_t{stride}, stride, rows, j - kMost,
+                        inverse + j - kMost, z);
+      }
+      for (int i = 0; i < columns; ++i) row(y, first + i) = row(z, i);
+    }
+    return 0;
+  }
+};
+
 template <class Stored>
 TriangularPanels<Stored>::TriangularPanels(const Supernodes& supernodes) : supernodes_(supernodes) {
   std::size_t size = 0;
@@ -172,6 +294,14 @@ void TriangularPanels<Stored>::solve(SimdLevel simd, std::span<float> y,
   float* const values = y.data();
   float* const z = scratch.data();
   run_at<Solve>(simd, *this, values, z);
+}
+
+template <class Stored>
+void TriangularPanels<Stored>::solve_together(SimdLevel simd, std::span<float> y,
+                                              std::span<float> scratch) const {
+  float* const values = y.data();
+  float* const z = scratch.data();
+  run_at<SolveTogether>(simd, *this, values, z);
 }
 
 template class TriangularPanels<BFloat16>;

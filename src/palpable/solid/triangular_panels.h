@@ -45,12 +45,21 @@ class TriangularPanels {
   void solve(SimdLevel simd, std::span<float> y, std::span<float> scratch) const;
   [[nodiscard]] std::size_t scratch_size() const { return scratch_size_; }
 
+  static constexpr int kSystems = 16;
+  /// The same for kSystems vectors side by side, each entry's kSystems numbers together. What comes
+  /// out of one of them does not depend on the others: each is one lane of the arithmetic. (It
+  /// differs from what solve() gives by rounding: sums are taken in another order.)
+  /// @param y        (n * kSystems), aligned to 64 bytes
+  /// @param scratch  at least scratch_size() * kSystems, aligned to 64 bytes
+  void solve_together(SimdLevel simd, std::span<float> y, std::span<float> scratch) const;
+
   [[nodiscard]] std::size_t bytes() const {
     return values_.size() * sizeof(Sixteen) + inverse_diagonal_.size() * sizeof(float);
   }
 
  private:
   struct Solve;
+  struct SolveTogether;
   // What one vector instruction works on; aligned, so that none straddles two cache lines.
   static constexpr int kWidth = 16;
   struct alignas(kWidth * sizeof(Stored)) Sixteen {

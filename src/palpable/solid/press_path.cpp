@@ -1,0 +1,205 @@
+#include "palpable/base/contract.h"
+#include "palpable/base/cpu_time.h"
+#include "palpable/base/error.h"
+#include "palpable/solid/equilibrium.h"
+#include "palpable/solid/solver_core.h"
+#include "palpable/solid/walk.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace palpable {
+
+using Eigen::Matrix3Xd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double kStride = 1.0 / 6.0;  // of the wanted press per step; failures shorten it anyway
+constexpr int kMostSolves = 100;
+
+// A site that stops early is taken this fraction of the way: the very last state that the solver
+// found is often its last because the next is none.
+constexpr double kBackOff = 0.97;
+// How often a load may be lowered before we say that the body cannot be pressed there.
+constexpr int kMostLowerings = 12;
+
+struct SearchTolerances {
+  double on_the_way = 0;  // of the states, see EquilibriumSettings
+  double at_the_end = 0;
+  double press = 0;  // of the wanted one
+};
+
+// The load that presses by `wanted`, along a walk whose load is of 1 N.
+LoadSearch search_load(Walk& walk, double wanted, const SearchTolerances& tolerances) {
+  struct Point {
+    double load, press;
+  };
+  LoadSearch search;
+  std::vector<Point> points{{0.0, 0.0}};
+  // The next guess comes from the polynomial load(press) through the nearest points.
+  const double compliance = walk.first_compliance();
+  const auto load_for = [&](double press) {
+    if (points.size() == 1) return press / compliance;
+    std::vector<Point> near = points;
+    std::sort(near.begin(), near.end(), [&](const Point& a, const Point& b) {
+      return std::abs(a.press - press) < std::abs(b.press - press);
+    });
+    if (near.size() > 4) near.resize(4);
+    double load = 0.0;
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      double weight = 1.0;
+      for (std::size_t j = 0; j < near.size(); ++j) {
+        if (j != i) weight *= (press - near[j].press) / (near[i].press - near[j].press);
+      }
+      load += weight * near[i].load;
+    }
+    return load;
+  };
+  const auto stopped = [&](Stop stop, const std::string& why) {
+    search.stop = stop;
+    search.why_stopped = fmt::format(
+        "a press of {:.4g} mm was not reached, the last good one is {:.4g} mm at {:.4g} N: {}",
+        1e3 * wanted, 1e3 * search.press, search.load, why);
+  };
+
+  std::optional<Point> above;  // the smallest load known to press too far
+  while (search.solves < kMostSolves) {
+    const Point last_below =
+        *std::max_element(points.begin(), points.end(), [&](const Point& a, const Point& b) {
+          const auto key = [&](const Point& p) { return p.press < wanted ? p.press : -1.0; };
+          return key(a) < key(b);
+        });
+    const double next_press = std::min(last_below.press + kStride * wanted, wanted);
+    // Half a stride before the end there is nothing left that a rough state could tell.
+    const bool closes_in = above || next_press > (1.0 - 0.5 * kStride) * wanted;
+    double load = 0.0;
+    if (above) {
+      load = load_for(wanted);
+      const double width = above->load - last_below.load;
+      // Guesses outside the bracket, or at its very ends, bring nothing: halve it instead.
+      if (!(load > last_below.load + 1e-9 * width && load < above->load - 1e-9 * width)) {
+        load = 0.5 * (last_below.load + above->load);
+      }
+    } else {
+      load = load_for(closes_in ? wanted : next_press);
+      // An extrapolation may turn back; the press grows with the load on a stable path.
+      if (!(load > last_below.load)) load = last_below.load + kStride * wanted / compliance;
+    }
+    const bool arrived =
+        walk.advance(load, closes_in ? tolerances.at_the_end : tolerances.on_the_way);
+    ++search.solves;
+    const Point here{walk.now().level, walk.work_conjugate()};
+    search.load = here.load;
+    search.press = here.press;
+    search.state = walk.now();
+    if (closes_in && std::abs(here.press - wanted) <= tolerances.press * wanted) {
+      search.reached = true;
+      search.why_stopped.clear();
+      return search;
+    }
+    if (!arrived) {
+      stopped(walk.failure().stop, walk.describe_failure());
+      return search;
+    }
+    if (here.press > wanted) {
+      if (!above || here.load < above->load) above = here;
+    } else if (here.press <= last_below.press) {
+      stopped(Stop::kNegativeCurvature,
+              "the press does not grow with the load any more: the body has snapped into another "
+              "shape");
+      return search;
+    }
+    points.push_back(here);
+  }
+  stopped(Stop::kNoConvergence, fmt::format("no load found in {} solves", kMostSolves));
+  return search;
+}
+
+void check_press_load(const EquilibriumSolver::Core& core, const Matrix3Xd& unit_load,
+                      const PathOptions& options) {
+  if (core.moves_supports() && options.preloaded == nullptr) {
+    throw Error(
+        "a load cannot be searched for while supports move; give fixed displacements of zero");
+  }
+  core.check_load(unit_load);
+}
+
+// The states at equal steps of path.full_load, lowered until they go through.
+void walk_levels(Walk& walk, int levels, double tolerance, PressPath& path) {
+  for (int lowering = 0; lowering <= kMostLowerings; ++lowering) {
+    walk.return_to_start();
+    path.steps.clear();
+    path.press = VectorXd::Zero(levels + 1);
+    int good = 0;
+    for (int l = 1; l <= levels; ++l, ++good) {
+      const double level = static_cast<double>(l) / levels;
+      if (!walk.advance(level * path.full_load, tolerance)) {
+        path.stop = walk.failure().stop;
+        path.why_stopped = walk.describe_failure();
+        break;
+      }
+      path.newton_steps += walk.now().newton_steps;
+      path.cg_iterations += walk.now().cg_iterations;
+      path.press[l] = walk.work_conjugate();
+      if (!(path.press[l] > path.press[l - 1])) {
+        path.stop = Stop::kNegativeCurvature;
+        path.why_stopped = "its patch does not give way further as the load grows";
+        break;
+      }
+      path.steps.push_back(walk.now());
+      path.steps.back().level = level;
+    }
+    if (good == levels) return;
+    path.reached = false;
+    // The last good level becomes the full load; if not even the first is good, a part of it.
+    path.full_load *= good > 0 ? kBackOff * good / levels : 0.5 / levels;
+  }
+  path.steps.clear();
+  path.full_load = 0.0;
+}
+
+}  // namespace
+
+LoadSearch EquilibriumSolver::find_load(const Matrix3Xd& unit_load, double wanted_press,
+                                        const PathOptions& options) const {
+  PALPABLE_EXPECT(wanted_press > 0.0 && std::isfinite(wanted_press), "the press is above 0 m");
+  check_press_load(*core_, unit_load, options);
+  Walk walk(*core_, unit_load, options);
+  const double tolerance = core_->settings.tolerance;
+  // 1e-6 of the press: its effect drowns in the mesh's error.
+  return search_load(walk, wanted_press, {tolerance, tolerance, 1e-6});
+}
+
+PressPath EquilibriumSolver::press_path(const Matrix3Xd& unit_load, const PressGoal& goal,
+                                        const PathOptions& options) const {
+  PALPABLE_EXPECT(goal.force > 0.0 || goal.press > 0.0, "a press or a force above 0");
+  PALPABLE_EXPECT(goal.levels >= 1, "at least one level");
+  check_press_load(*core_, unit_load, options);
+  const double begin = thread_cpu_seconds();
+  const double tolerance = core_->settings.tolerance;
+  Walk walk(*core_, unit_load, options);
+  PressPath path;
+  path.full_load = goal.force;
+  path.reached = true;
+  if (!(goal.force > 0.0)) {
+    const LoadSearch search =
+        search_load(walk, goal.press, {std::max(tolerance, 1e-3), tolerance, 1e-5});
+    path.full_load = search.reached ? search.load : kBackOff * search.load;
+    path.reached = search.reached;
+    path.stop = search.stop;
+    path.why_stopped = search.why_stopped;
+  }
+  if (path.full_load > 0.0) walk_levels(walk, goal.levels, tolerance, path);
+  path.factors = walk.factors();
+  path.halvings = walk.halvings();
+  path.times = walk.times();
+  path.times.total_s = thread_cpu_seconds() - begin;
+  return path;
+}
+
+}  // namespace palpable

@@ -1,0 +1,111 @@
+#include "palpable/solid/solver_core.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/base/cpu_time.h"
+#include "palpable/base/error.h"
+#include "palpable/solid/conjugate_gradients.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace palpable {
+
+using Eigen::Matrix3Xd;
+using Eigen::VectorXd;
+
+namespace {
+
+// Conjugate gradients on K with the factor of K itself, under the body's own weight, sideways too:
+// the loads that ask most of what is slender. One or two iterations if the factor is as good as
+// exact.
+int iterations_with_own_factor(const BlockMatrix& K, const CholeskyFactor& factor,
+                               FactorWorkspace& workspace) {
+  constexpr double kDigits = 1e-4;
+  constexpr int kMost = 20;
+  const CgSystem system{
+      .K = [&](const VectorXd& x, VectorXd& y) { K.multiply(x, y); },
+      .preconditioner = [&](const VectorXd& b,
+                            VectorXd& x) { factor.solve_roughly(b, x, workspace); }};
+  CgScratch scratch;
+  VectorXd x;
+  const CgResult cg = conjugate_gradients(system, VectorXd::Ones(3 * K.pattern().rows()), kDigits,
+                                          kMost, x, scratch);
+  return cg.end == CgEnd::kConverged ? cg.iterations : kMost + 1;
+}
+
+RestFactor rest_factor(const TetAssembly& assembly, const CholeskyAnalysis& analysis,
+                       FactorWorkspace& workspace, SolverSetup& setup) {
+  // Compact bodies take a few, slender ones many with 16 bits.
+  constexpr int kGoodEnough = 6;
+  BlockMatrix K(assembly.pattern());
+  {
+    const CpuTimer timer(setup.tangent_s);
+    assembly.tangent(Matrix3Xd::Zero(3, assembly.node_count()), K);
+  }
+  const CpuTimer timer(setup.factor_s);
+  setup.factor_flops = analysis.factor_flops();
+  for (const FactorPrecision precision : {FactorPrecision::k16Bits, FactorPrecision::k32Bits}) {
+    std::optional<CholeskyFactor> factor = CholeskyFactor::make(analysis, K, precision, workspace);
+    if (!factor) break;
+    if (precision == FactorPrecision::k16Bits &&
+        iterations_with_own_factor(K, *factor, workspace) > kGoodEnough) {
+      continue;
+    }
+    setup.factor_bytes = static_cast<double>(factor->bytes());
+    return {precision, *std::move(factor)};
+  }
+  throw Error(
+      "the undeformed body can move without resistance: its stiffness is singular although "
+      "enough nodes are fixed; parts that hang together by a single node or edge do that, so "
+      "mesh the body anew or fix nodes of each part");
+}
+
+// Whatever `make` makes, its CPU time added to `seconds`.
+template <class Make>
+auto timed(double& seconds, const Make& make) {
+  const CpuTimer timer(seconds);
+  return make();
+}
+
+SolidModel checked(SolidModel model) {
+  check_model(model);
+  if (static_cast<Eigen::Index>(held_components(model).size()) == model.mesh.nodes.size()) {
+    throw Error("every node of the body is fixed: nothing is left to solve; fix fewer nodes");
+  }
+  return model;
+}
+
+}  // namespace
+
+EquilibriumSolver::Core::Core(SolidModel the_model, EquilibriumSettings the_settings)
+    : model(checked(std::move(the_model))),
+      settings(the_settings),
+      held(held_components(model)),
+      assembly(timed(setup.pattern_s, [&] { return TetAssembly(model); })),
+      analysis(
+          timed(setup.ordering_s, [&] { return CholeskyAnalysis(assembly.pattern(), workspace); })),
+      at_rest(rest_factor(assembly, analysis, workspace, setup)) {
+  setup.element_bytes = static_cast<double>(assembly.bytes());
+}
+
+bool EquilibriumSolver::Core::moves_supports() const {
+  return std::any_of(held.begin(), held.end(),
+                     [](const HeldComponent& h) { return h.displacement != 0.0; });
+}
+
+void EquilibriumSolver::Core::check_load(const Matrix3Xd& load) const {
+  PALPABLE_EXPECT(load.cols() == model.mesh.node_count(), "one force for each node of the body");
+  if (!load.allFinite()) throw Error("a nodal force is not finite");
+  VectorXd at_free_nodes;
+  assembly.gather(load, at_free_nodes);
+  if (at_free_nodes.squaredNorm() > 0.0) return;
+  if (load.squaredNorm() > 0.0) {
+    throw Error(
+        "the load acts on fixed nodes only, so nothing would move; put it on nodes that are "
+        "free (and in directions that are), or fix fewer");
+  }
+  if (!moves_supports()) throw Error("the load is zero; give a force");
+}
+
+}  // namespace palpable

@@ -1,0 +1,358 @@
+#include "palpable/solid/walk.h"
+
+#include "palpable/base/cpu_time.h"
+#include "palpable/solid/lockstep.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace palpable {
+
+using Eigen::Matrix3Xd;
+using Eigen::VectorXd;
+
+namespace {
+
+// With 26 levels, each order up to the seventh took half a digit more off the first residual;
+// from there on the solver's own error, amplified by 2^order, eats what is gained.
+constexpr int kHighestOrder = 7;
+constexpr std::size_t kMostKnots = 9;
+
+// A polynomial through states at such levels would be one through their errors.
+bool is_close(double a, double b) { return std::abs(a - b) < 1e-3 * std::max(a, b); }
+
+Walk::Failure inverted(const BodyState& state) {
+  return {.stop = Stop::kInversion,
+          .element = state.most_compressed,
+          .volume_ratio = state.smallest_volume_ratio};
+}
+
+}  // namespace
+
+Walk::Walk(const EquilibriumSolver::Core& core, const Matrix3Xd& load, const PathOptions& options)
+    : core_(core),
+      assembly_(core.assembly),
+      settings_(core.settings),
+      load_(load),
+      preloaded_(options.preloaded),
+      lane_(options.lane),
+      supports_grow_(preloaded_ == nullptr && core.moves_supports()),
+      factor_(&core.at_rest.factor),
+      force_(3, assembly_.node_count()),
+      direction_(Matrix3Xd::Zero(3, assembly_.node_count())),
+      change_(3, assembly_.node_count()) {
+  assembly_.gather(load_, free_load_);
+  if (preloaded_ != nullptr) {
+    start_.displacement = preloaded_->rest;
+    assembly_.gather(preloaded_->force, free_preload_);
+  } else {
+    start_.displacement = Matrix3Xd::Zero(3, assembly_.node_count());
+    free_preload_ = VectorXd::Zero(free_load_.size());
+  }
+  now_ = start_;
+  knots_.push_back({0.0, now_.displacement});
+}
+
+double Walk::work_conjugate() const {
+  return load_.cwiseProduct(now_.displacement - start_.displacement).sum();
+}
+
+bool Walk::advance(double target, double tolerance) {
+  newton_steps_ = cg_iterations_ = 0;
+  double step = target - now_.level;
+  int halvings_in_succession = 0;
+  while (now_.level != target) {
+    const double left = target - now_.level;
+    const double level = std::abs(step) >= std::abs(left) ? target : now_.level + step;
+    failure_ = solve(level, tolerance);
+    if (!failure_) {
+      if (halvings_in_succession > 0) --halvings_in_succession;
+      step *= 2.0;
+      continue;
+    }
+    if (halvings_in_succession == settings_.max_halvings) return false;
+    ++halvings_in_succession;
+    ++halvings_;
+    step = 0.5 * (level - now_.level);
+  }
+  return true;
+}
+
+void Walk::return_to_start() {
+  for (Knot& knot : knots_) {
+    if (knot.level != 0.0) guides_.push_back(std::move(knot));
+  }
+  knots_.clear();
+  knots_.push_back({0.0, start_.displacement});
+  now_ = start_;
+}
+
+double Walk::first_compliance() {
+  assembly_.gather(load_, r_);
+  // A guess to start from: three digits are plenty.
+  solve_tangent(now_.displacement, 1e-3);
+  return r_.dot(d_);
+}
+
+std::string Walk::describe_failure() const {
+  switch (failure_.stop) {
+    case Stop::kInversion:
+      return fmt::format(
+          "element {} would be turned inside out (J = {:.2g}); press less, or mesh the body "
+          "finer "
+          "there",
+          failure_.element, failure_.volume_ratio);
+    case Stop::kNegativeCurvature:
+      return "the body loses its stiffness there (negative curvature: it buckles or collapses); "
+             "press less, or use a law that stiffens under compression (neo-hookean)";
+    case Stop::kNoConvergence:
+      return fmt::format(
+          "Newton's method did not converge in {} steps (relative residual {:.2g}); try more "
+          "load "
+          "levels",
+          settings_.max_newton_steps, failure_.residual);
+    case Stop::kLinearSolver:
+      return fmt::format(
+          "conjugate gradients did not converge in {} iterations (relative residual {:.2g}): the "
+          "body is too slender, too nearly incompressible or of too unlike materials for them",
+          settings_.max_cg_iterations, failure_.residual);
+    case Stop::kNone:
+      break;
+  }
+  return {};
+}
+
+void Walk::set_supports(double level, Matrix3Xd& u) const {
+  const double share = supports_grow_ ? level : 1.0;
+  for (const HeldComponent& h : core_.held) u.reshaped()[h.at] = share * h.displacement;
+}
+
+BodyState Walk::force_at(const Matrix3Xd& u) {
+  const CpuTimer timer(times_.force_s);
+  return assembly_.force(u, force_);
+}
+
+// Forces at u into force_, the residual at the free nodes into r_.
+BodyState Walk::evaluate(double level, const Matrix3Xd& u) {
+  const BodyState state = force_at(u);
+  if (!std::isfinite(state.energy)) return state;
+  update_residual(level);
+  return state;
+}
+
+void Walk::update_residual(double level) {
+  assembly_.gather(force_, r_);
+  const double held = std::max(0.0, force_.squaredNorm() - r_.squaredNorm());
+  r_ = free_preload_ + level * free_load_ - r_;
+  scale_ = std::max((free_preload_ + level * free_load_).norm(), std::sqrt(held));
+}
+
+double Walk::load_potential(double level, const Matrix3Xd& u) const {
+  const double of_load = -level * load_.cwiseProduct(u).sum();
+  return preloaded_ == nullptr ? of_load : of_load - preloaded_->force.cwiseProduct(u).sum();
+}
+
+// Polynomial through the first order + 1 of the knots.
+Matrix3Xd Walk::through(const std::vector<const Knot*>& knots, double level, int order) const {
+  Matrix3Xd u = Matrix3Xd::Zero(3, assembly_.node_count());
+  for (int i = 0; i <= order; ++i) {
+    const Knot& knot = *knots[static_cast<std::size_t>(i)];
+    double weight = 1.0;
+    for (int j = 0; j <= order; ++j) {
+      if (j == i) continue;
+      const double other = knots[static_cast<std::size_t>(j)]->level;
+      weight *= (level - other) / (knot.level - other);
+    }
+    u += weight * knot.u;
+  }
+  set_supports(level, u);
+  return u;
+}
+
+// Supports that move drag the body along: the tangent says how. Without this the elements beside
+// them would take the whole motion and be crushed.
+std::optional<Matrix3Xd> Walk::dragged(double level) {
+  Matrix3Xd du = Matrix3Xd::Zero(3, assembly_.node_count());
+  set_supports(level - now_.level, du);
+  assembly_.force_change(now_.displacement, du, change_);
+  change_ = (level - now_.level) * load_ - change_;
+  assembly_.gather(change_, r_);
+  const CgResult cg = solve_tangent(now_.displacement, 1e-3);
+  if (cg.end != CgEnd::kConverged) return std::nullopt;
+  Matrix3Xd u = now_.displacement + du;
+  assembly_.add_scattered(d_, 1.0, u);
+  return u;
+}
+
+// The best start that the known states offer, judged by its residual.
+Matrix3Xd Walk::predict(double level) {
+  if (knots_.size() == 1 && supports_grow_) {
+    if (auto u = dragged(level)) return *std::move(u);
+  }
+  const auto nearer = [&](const Knot& a, const Knot& b) {
+    return std::abs(a.level - level) < std::abs(b.level - level);
+  };
+  std::sort(knots_.begin(), knots_.end(), nearer);
+  if (knots_.size() > kMostKnots) knots_.resize(kMostKnots);
+  std::vector<const Knot*> nearest;
+  for (const std::vector<Knot>* const list : {&knots_, &guides_}) {
+    for (const Knot& knot : *list) {
+      // Of two that are close together, the guide was solved to fewer digits: their difference
+      // means nothing.
+      const bool is_new = std::none_of(nearest.begin(), nearest.end(), [&](const Knot* other) {
+        return is_close(other->level, knot.level);
+      });
+      if (is_new) nearest.push_back(&knot);
+    }
+  }
+  std::sort(nearest.begin(), nearest.end(),
+            [&](const Knot* a, const Knot* b) { return nearer(*a, *b); });
+  const int highest = std::min(kHighestOrder, static_cast<int>(nearest.size()) - 1);
+  Matrix3Xd best;
+  double best_residual = std::numeric_limits<double>::infinity();
+  // The best order is among the highest, unless those turn an element inside out.
+  for (int order = highest; order >= 0; --order) {
+    if (order < highest - 2 && std::isfinite(best_residual)) break;
+    Matrix3Xd u = through(nearest, level, order);
+    const bool finite = std::isfinite(evaluate(level, u).energy);
+    const double residual = finite ? r_.norm() : std::numeric_limits<double>::infinity();
+    if (best.cols() == 0 || residual <= best_residual) {
+      best = std::move(u);
+      best_residual = residual;
+    }
+  }
+  return best;
+}
+
+bool Walk::renew_factor(const Matrix3Xd& u) {
+  if (!K_) K_.emplace(assembly_.pattern());
+  {
+    const CpuTimer timer(times_.tangent_s);
+    assembly_.tangent(u, *K_);
+  }
+  const CpuTimer timer(times_.factor_s);
+  std::optional<CholeskyFactor> fresh =
+      CholeskyFactor::make(core_.analysis, *K_, core_.at_rest.precision, workspace_);
+  if (!fresh) return false;
+  own_factor_ = std::move(fresh);
+  factor_ = &*own_factor_;
+  ++factors_;
+  factor_is_slow_ = false;
+  return true;
+}
+
+// d_ with tangent(u) d_ = r_ at what is free.
+CgResult Walk::solve_tangent(const Matrix3Xd& u, double relative_tolerance) {
+  const auto apply_factor = [&](const VectorXd& b, VectorXd& x) {
+    if (lane_ != nullptr && !own_factor_) {
+      lane_->solve(*factor_, b, x);
+    } else {
+      factor_->solve_roughly(b, x, workspace_);
+    }
+  };
+  const CgSystem system{
+      .K =
+          [&](const VectorXd& x, VectorXd& y) {
+            const CpuTimer timer(times_.product_s);
+            assembly_.set_free(x, direction_);
+            assembly_.force_change(u, direction_, change_);
+            assembly_.gather(change_, y);
+          },
+      .preconditioner =
+          [&](const VectorXd& b, VectorXd& x) {
+            const CpuTimer timer(times_.precondition_s);
+            learnt_.solve(b, x, apply_factor);
+          },
+      .visit = [&](const VectorXd& s, const VectorXd& Ks) { learnt_.note(s, Ks); }};
+  const CgResult cg = conjugate_gradients(system, r_, relative_tolerance,
+                                          settings_.max_cg_iterations, d_, cg_scratch_);
+  cg_iterations_ += cg.iterations;
+  learnt_.learn();
+  return cg;
+}
+
+// The Newton step at u for the residual r_, into d_.
+Walk::Failure Walk::newton_step(const Matrix3Xd& u, double tolerance) {
+  if (factor_is_slow_ && !renew_factor(u)) return {.stop = Stop::kNegativeCurvature};
+  // As exact as the quadratic convergence of Newton's method can use, and not more than the goal
+  // needs.
+  const double relative = r_.norm() / scale_;
+  const double forcing =
+      std::max(std::min(0.05, relative), std::min(0.5, 0.3 * tolerance / relative));
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    const CgResult cg = solve_tangent(u, forcing);
+    if (cg.end == CgEnd::kNegativeCurvature) return {.stop = Stop::kNegativeCurvature};
+    if (cg.end == CgEnd::kConverged) {
+      factor_is_slow_ = cg.iterations > settings_.refresh_iterations;
+      return {};
+    }
+    if (attempt == 0 && !renew_factor(u)) return {.stop = Stop::kNegativeCurvature};
+  }
+  return {.stop = Stop::kLinearSolver, .residual = relative};
+}
+
+// Equilibrium at `level`, from the best prediction; on success it becomes now().
+Walk::Failure Walk::solve(double level, double tolerance) {
+  Matrix3Xd u = predict(level);
+  set_supports(level, u);
+  BodyState state = evaluate(level, u);
+  if (!std::isfinite(state.energy)) return inverted(state);
+  Matrix3Xd trial;
+  for (int step = 0;; ++step) {
+    const double norm = r_.norm();
+    // A load so small that rounding is larger than the tolerance is solved to that.
+    if (norm <= std::max(tolerance * scale_, assembly_.force_noise())) {
+      accept(level, std::move(u), state, scale_ > 0.0 ? norm / scale_ : 0.0);
+      return {};
+    }
+    if (step == settings_.max_newton_steps) {
+      return {.stop = Stop::kNoConvergence, .residual = norm / scale_};
+    }
+    if (const Failure failure = newton_step(u, tolerance)) return failure;
+    ++newton_steps_;
+
+    // d_ points downhill in the potential, because the tangent was positive along all that
+    // conjugate gradients saw. A step is taken if it lowers the potential as Armijo asks, or
+    // halves the residual: close to the solution the potential cannot tell any more.
+    const double potential = state.energy + load_potential(level, u);
+    const double slope = -r_.dot(d_);
+    const double rounding = assembly_.energy_noise() + 1e-13 * std::abs(potential);
+    BodyState trial_state;
+    double share = 1.0;
+    for (;; share *= 0.5) {
+      trial = u;
+      assembly_.add_scattered(d_, share, trial);
+      trial_state = force_at(trial);
+      if (std::isfinite(trial_state.energy)) {
+        const double trial_potential = trial_state.energy + load_potential(level, trial);
+        update_residual(level);
+        if (trial_potential <= potential + 1e-4 * share * slope + rounding) break;
+        if (r_.norm() <= 0.5 * norm) break;
+      }
+      // 2^-20: such a step moves nothing that a picture or a stress would show.
+      if (share < 1e-6) {
+        if (!std::isfinite(trial_state.energy)) return inverted(trial_state);
+        return {.stop = Stop::kNoConvergence, .residual = norm / scale_};
+      }
+    }
+    std::swap(u, trial);
+    state = trial_state;
+  }
+}
+
+void Walk::accept(double level, Matrix3Xd u, const BodyState& state, double residual) {
+  std::erase_if(knots_, [&](const Knot& knot) { return is_close(knot.level, level); });
+  knots_.push_back({level, u});
+  now_.displacement = std::move(u);
+  now_.level = level;
+  now_.newton_steps = newton_steps_;
+  now_.cg_iterations = cg_iterations_;
+  now_.residual = residual;
+  now_.smallest_volume_ratio = state.smallest_volume_ratio;
+}
+
+}  // namespace palpable

@@ -1,0 +1,111 @@
+/// @file
+/// One walk along an equilibrium path: the state so far, and everything that a step needs.
+/// Internal to this module; equilibrium.h is what others use.
+#pragma once
+
+#include "palpable/solid/conjugate_gradients.h"
+#include "palpable/solid/equilibrium.h"
+#include "palpable/solid/quasi_newton.h"
+#include "palpable/solid/solver_core.h"
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpable {
+
+/// Newton's method from level to level, in either direction:
+///
+///     internal_force(u) = preload + level * load      at the free nodes
+///
+/// with a start extrapolated or interpolated over the states that are known.
+class Walk {
+ public:
+  /// Why a solve ended, with what is worth telling.
+  struct Failure {
+    Stop stop = Stop::kNone;
+    int element = -1;         ///< kInversion
+    double volume_ratio = 0;  ///< kInversion
+    double residual = 0;      ///< kNoConvergence, kLinearSolver
+    explicit operator bool() const { return stop != Stop::kNone; }
+  };
+
+  /// At level 0: the undeformed body, or the preloaded one. All that is referred to must live as
+  /// long.
+  /// @param load  (3 x N) N, at level 1
+  Walk(const EquilibriumSolver::Core& core, const Eigen::Matrix3Xd& load,
+       const PathOptions& options);
+
+  [[nodiscard]] const Equilibrium& now() const { return now_; }
+  [[nodiscard]] const Failure& failure() const { return failure_; }
+  [[nodiscard]] int factors() const { return factors_; }
+  [[nodiscard]] int halvings() const { return halvings_; }
+  [[nodiscard]] const SolveTimes& times() const { return times_; }
+  /// load . (u - u at level 0), N m at level 1: the press where the load is of 1 N.
+  [[nodiscard]] double work_conjugate() const;
+
+  /// Goes to `target`, in smaller increments where one does not do. False: now() is the last good
+  /// state on the way and failure() says why.
+  /// @param tolerance  as EquilibriumSettings::tolerance
+  bool advance(double target, double tolerance);
+
+  /// Back to level 0. The states that are known stay known: starts are interpolated between them.
+  void return_to_start();
+
+  /// d work_conjugate / d level at level 0, m/N: to three digits.
+  double first_compliance();
+
+  [[nodiscard]] std::string describe_failure() const;
+
+ private:
+  struct Knot {
+    double level;
+    Eigen::Matrix3Xd u;
+  };
+
+  void set_supports(double level, Eigen::Matrix3Xd& u) const;
+  BodyState force_at(const Eigen::Matrix3Xd& u);
+  BodyState evaluate(double level, const Eigen::Matrix3Xd& u);
+  void update_residual(double level);
+  [[nodiscard]] double load_potential(double level, const Eigen::Matrix3Xd& u) const;
+  [[nodiscard]] Eigen::Matrix3Xd through(const std::vector<const Knot*>& knots, double level,
+                                         int order) const;
+  std::optional<Eigen::Matrix3Xd> dragged(double level);
+  Eigen::Matrix3Xd predict(double level);
+  bool renew_factor(const Eigen::Matrix3Xd& u);
+  CgResult solve_tangent(const Eigen::Matrix3Xd& u, double relative_tolerance);
+  Failure newton_step(const Eigen::Matrix3Xd& u, double tolerance);
+  Failure solve(double level, double tolerance);
+  void accept(double level, Eigen::Matrix3Xd u, const BodyState& state, double residual);
+
+  const EquilibriumSolver::Core& core_;
+  const TetAssembly& assembly_;
+  const EquilibriumSettings& settings_;
+  const Eigen::Matrix3Xd& load_;
+  const Preloaded* preloaded_;  // nullptr: nothing acts but the load
+  Lane* lane_;                  // nullptr: alone
+  bool supports_grow_;          // move in proportion to the level
+
+  FactorWorkspace workspace_;
+  std::optional<BlockMatrix> K_;  // only where the factor is renewed
+  const CholeskyFactor* factor_;
+  std::optional<CholeskyFactor> own_factor_;
+  bool factor_is_slow_ = false;
+  QuasiNewton learnt_;
+  CgScratch cg_scratch_;
+  Eigen::VectorXd free_load_, free_preload_;  // at what is free, level 1
+  Eigen::VectorXd r_, d_;
+  Eigen::Matrix3Xd force_, direction_, change_;
+  double scale_ = 0.0;  // what the residual is relative to, N
+
+  // Known states: those of this way, that at level 0 among them, and those of an earlier way.
+  std::vector<Knot> knots_, guides_;
+  Equilibrium start_, now_;
+  Failure failure_;
+  SolveTimes times_;
+  int newton_steps_ = 0, cg_iterations_ = 0, factors_ = 0, halvings_ = 0;
+};
+
+}  // namespace palpable
