@@ -41,17 +41,17 @@ left, 20
 *SURFACE, NAME=FOOT, TYPE=ELEMENT
 LEFT, S1
 20, S1
-*SURFACE, NAME=SHELL, TYPE=ELEMENT
-LEFT, SPOS
-*SURFACE, NAME=GONE, TYPE=ELEMENT
-nobody, S1
-*NSET, NSET=OF LEFT, ELSET=left
 *MATERIAL, NAME=RUBBER
 *HYPERELASTIC, NEO HOOKE
 10000., 0.0001
 *STEP
 *STATIC
 *END STEP
+*SURFACE, NAME=SHELL, TYPE=ELEMENT
+LEFT, SPOS
+*SURFACE, NAME=GONE, TYPE=ELEMENT
+nobody, S1
+*NSET, NSET=OF LEFT, ELSET=left
 )";
 
 std::string complaint(const std::string& text) {
@@ -79,7 +79,7 @@ TEST_CASE("a deck gives nodes, tetrahedra and sets, whatever the case of its wor
   CHECK(volume.sets.nodes.at("OF LEFT") == std::vector{0, 1, 2, 3});
   // Surfaces of what is no tetrahedron are remembered with the reason, the others are read.
   CHECK(volume.sets.faces.size() == 1);
-  CHECK_THAT(volume.sets.unusable.at("SHELL"), Contains("line 44") && Contains("SPOS"));
+  CHECK_THAT(volume.sets.unusable.at("SHELL"), Contains("line 32") && Contains("SPOS"));
   CHECK_THAT(volume.sets.unusable.at("GONE"), Contains("'nobody' is neither"));
 }
 
@@ -229,8 +229,12 @@ TEST_CASE("bad decks are refused with file, line and reason", "[bake][inp]") {
   CHECK_THAT(complaint(replaced(kDeck, "1, 3\n", "3, 1\n")), Contains("GENERATE needs a first"));
   CHECK_THAT(complaint(replaced(kDeck, "left, 20", "left, 21")),
              Contains("element 21 does not exist"));
-  CHECK_THAT(complaint(replaced(kDeck, "20, S1", "20, S5")), Contains("'S5' is no face"));
-  CHECK_THAT(complaint(replaced(kDeck, "20, S1", "LOST, S1")), Contains("'LOST' is neither"));
+  const auto unusable = [](const std::string& row) {
+    return value_or_throw(parse_inp(replaced(kDeck, "20, S1", row), "a.inp"))
+        .sets.unusable.at("FOOT");
+  };
+  CHECK_THAT(unusable("20, S5"), Contains("'S5' is no face"));
+  CHECK_THAT(unusable("LOST, S1"), Contains("'LOST' is neither"));
   CHECK_THAT(complaint(replaced(kDeck, "*MATERIAL", "*INCLUDE, INPUT=x.inp\n*MATERIAL")),
              Contains("line 25: *INCLUDE is not read"));
   CHECK_THAT(read_inp_file("no/such.inp").problem().message, Contains("no/such.inp: no such file"));
