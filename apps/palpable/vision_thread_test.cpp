@@ -31,17 +31,13 @@ class FingerSource : public FrameSource {
     if (number_ >= 20) return FrameStatus::kEnd;
     frame.number = number_++;
     frame.time = frame.number / 30.0;
-    if (frame.number % 5 == 4) {
-      ++unreadable_;
-      return FrameStatus::kUnreadable;
-    }
+    if (frame.number % 5 == 4) return FrameStatus::kUnreadable;
     const double y = -0.062 + 0.001 * frame.number;
     frame.left = ColorImage(161, 121, Rgb{50, 60, 70});
     frame.depth = test::depth_of({{{0, y, 0.4}, {0, y - 0.1, 0.38}, 0.009}}, format_.depth_camera);
     return FrameStatus::kFrame;
   }
   int frame_count() const override { return 20; }
-  int unreadable_count() const override { return unreadable_; }
   std::string last_trouble() const override { return "damaged"; }
 
   int fails_at = 1000;
@@ -49,7 +45,6 @@ class FingerSource : public FrameSource {
  private:
   FrameFormat format_;
   int number_ = 0;
-  int unreadable_ = 0;
 };
 
 // The sphere of 5 cm with its middle at (0, 0, 0.4), its top towards -Y of the camera.

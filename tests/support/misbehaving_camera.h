@@ -47,7 +47,6 @@ class MisbehavingCamera final : public FrameSource {
 
   const FrameFormat& format() const override { return format_; }
   int frame_count() const override { return -1; }
-  int unreadable_count() const override { return unreadable_; }
   std::string last_trouble() const override { return trouble_; }
   bool is_live() const override { return true; }
   SourceState state() const override { return state_; }
@@ -74,7 +73,6 @@ class MisbehavingCamera final : public FrameSource {
     if (act == Act::kLateClock) late_ += 60;
     frame.time = (frame.number - clock_begin_) / 30.0 + late_;
     if (act == Act::kGarbage) {
-      ++unreadable_;
       trouble_ = "the picture is cut off";
       return FrameStatus::kUnreadable;
     }
@@ -123,7 +121,6 @@ class MisbehavingCamera final : public FrameSource {
   int clock_begin_ = 0;
   double late_ = 0;  // s
   int depth_mm_ = 0;
-  int unreadable_ = 0;
   SourceState state_ = SourceState::kRunning;
   std::string trouble_;
 };

@@ -15,7 +15,8 @@ namespace palpable {
 
 /// What the rig's images have that its calibration does not say.
 struct SensorFaults {
-  double noise_grey_levels = 0.65;  ///< standard deviation of the luma before it is rounded
+  double noise_grey_levels = 0.65;  ///< standard deviation of the luma before it is rounded (0.71
+                                    ///< after: rounding adds 1/sqrt 12)
   double right_gain = 1.0;          ///< of the right eye against the left, linear
   double vignetting = 0.22;         ///< light lost in a corner of the picture
   /// How far the true right image lies below what the calibration says.

@@ -42,8 +42,8 @@ class CameraSource final : public FrameSource {
 
   const FrameFormat& format() const override { return format_; }
   int frame_count() const override { return -1; }
-  int unreadable_count() const override { return unreadable_; }
   std::string last_trouble() const override { return trouble_; }
+  std::vector<std::string> take_notes() override { return std::exchange(notes_, {}); }
   bool is_live() const override { return true; }
   SourceState state() const override { return state_; }
 
@@ -107,7 +107,6 @@ class CameraSource final : public FrameSource {
   }
 
   FrameStatus leave_out(std::string trouble) {
-    ++unreadable_;
     last_picture_ = system_.now();
     trouble_ = std::move(trouble);
     return FrameStatus::kUnreadable;
@@ -131,6 +130,11 @@ class CameraSource final : public FrameSource {
     return FrameStatus::kWaiting;
   }
 
+  void lock(V4l2Camera& camera, const char* which) {
+    const std::string cannot = camera.lock();
+    if (!cannot.empty()) notes_.push_back(fmt::format("{} does not lock: {}", which, cannot));
+  }
+
   // True when all devices are there again.
   bool reopen() {
     if (system_.now() - last_try_ < kReopen) {
@@ -148,8 +152,8 @@ class CameraSource final : public FrameSource {
 
   void lock() {
     is_locked_ = true;
-    static_cast<void>(first_.lock());
-    if (second_ && format_.kind == FrameFormat::Kind::kStereo) static_cast<void>(second_->lock());
+    lock(first_, second_ ? "the first camera" : "the camera");
+    if (second_ && format_.kind == FrameFormat::Kind::kStereo) lock(*second_, "the second camera");
   }
 
   VideoSystem& system_;
@@ -160,7 +164,7 @@ class CameraSource final : public FrameSource {
   V4l2Camera first_;
   std::optional<V4l2Camera> second_;
   SourceState state_ = SourceState::kRunning;
-  int unreadable_ = 0;
+  std::vector<std::string> notes_;
   std::string trouble_;
   std::optional<double> begin_;         // the driver's time of the first frame
   std::optional<double> running_from_;  // Frame::time of the first one since the device is open

@@ -173,6 +173,10 @@ TEST_CASE("a folder of TUM: colour and depth of one moment, depth in fifths of a
       Eigen::Vector3d(-1, -1, 1).asDiagonal().toDenseMatrix()));
 
   const auto source = value_or_throw(open_folder(set));
+  CHECK(source->take_notes() ==
+        std::vector<std::string>{"1 images have no partner of the same moment and are left "
+                                 "out"});
+  CHECK(source->take_notes().empty());
   CHECK(source->format().depth_camera.fx_px == 520.9);
   CHECK(source->format().depth_camera.width == kWidth);
   Frame frame;

@@ -5,6 +5,7 @@
 #include "palpable/vision/frame.h"
 
 #include <string>
+#include <vector>
 
 namespace palpable {
 
@@ -36,15 +37,16 @@ class FrameSource {
   /// Constant over the life of the source.
   [[nodiscard]] virtual const FrameFormat& format() const = 0;
 
-  /// Fills `frame`, whose memory is used again where it suffices. Goes on after kUnreadable, which
-  /// is counted; after kEnd every further call answers kEnd. Never throws for what the world does.
+  /// Fills `frame`, whose memory is used again where it suffices. Goes on after kUnreadable; after
+  /// kEnd every further call answers kEnd. Never throws for what the world does.
   virtual FrameStatus next(Frame& frame) = 0;
 
   /// Frames in all, the unreadable ones included; -1 when the source cannot know.
   [[nodiscard]] virtual int frame_count() const = 0;
 
-  /// How many answers were kUnreadable so far.
-  [[nodiscard]] virtual int unreadable_count() const = 0;
+  /// What is to be told once and concerns no single frame: images left out because they have no
+  /// partner, an exposure that could not be locked. One line each; empties the list.
+  [[nodiscard]] virtual std::vector<std::string> take_notes() { return {}; }
 
   /// Why the last unreadable frame was, naming its file, or what keeps a camera from giving
   /// pictures; empty when there was nothing.

@@ -15,8 +15,8 @@ class PacedSource final : public FrameSource {
 
   const FrameFormat& format() const override { return source_->format(); }
   int frame_count() const override { return source_->frame_count(); }
-  int unreadable_count() const override { return source_->unreadable_count(); }
   std::string last_trouble() const override { return source_->last_trouble(); }
+  std::vector<std::string> take_notes() override { return source_->take_notes(); }
   bool is_live() const override { return true; }
   SourceState state() const override { return source_->state(); }
 

@@ -17,6 +17,7 @@ class ReadAhead final : public FrameSource {
       : reader_(std::move(reader)),
         format_(reader_->format()),
         count_(reader_->count()),
+        notes_(reader_->notes()),
         thread_([this] { run(); }) {}
 
   ReadAhead(const ReadAhead&) = delete;
@@ -33,8 +34,8 @@ class ReadAhead final : public FrameSource {
 
   const FrameFormat& format() const override { return format_; }
   int frame_count() const override { return count_; }
-  int unreadable_count() const override { return unreadable_; }
   std::string last_trouble() const override { return last_trouble_; }
+  std::vector<std::string> take_notes() override { return std::exchange(notes_, {}); }
 
   FrameStatus next(Frame& frame) override {
     if (ended_) return FrameStatus::kEnd;
@@ -47,10 +48,7 @@ class ReadAhead final : public FrameSource {
     is_full_ = false;
     lock.unlock();
     changed_.notify_all();
-    if (status == FrameStatus::kUnreadable) {
-      ++unreadable_;
-      last_trouble_ = std::move(trouble);
-    }
+    if (status == FrameStatus::kUnreadable) last_trouble_ = std::move(trouble);
     return status;
   }
 
@@ -83,7 +81,7 @@ class ReadAhead final : public FrameSource {
   std::unique_ptr<FrameReader> reader_;  // the thread's alone
   FrameFormat format_;
   int count_ = 0;
-  int unreadable_ = 0;
+  std::vector<std::string> notes_;
   bool ended_ = false;
   std::string last_trouble_;
 

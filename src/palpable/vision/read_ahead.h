@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace palpable {
 
@@ -17,6 +18,8 @@ class FrameReader {
   [[nodiscard]] virtual const FrameFormat& format() const = 0;
   /// Frames in all; -1 when it cannot know.
   [[nodiscard]] virtual int count() const = 0;
+  /// As FrameSource::take_notes(), told once.
+  [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
   /// Reads frame `number`; asked for 0, 1, 2, ... until it answers kEnd. With kUnreadable,
   /// `trouble` says why.
   virtual FrameStatus read(int number, Frame& frame, std::string& trouble) = 0;

@@ -139,6 +139,9 @@ void SourceGuard::report(std::string line) {
   reports_.push_back(std::move(line));
 }
 
-std::vector<std::string> SourceGuard::take_reports() { return std::exchange(reports_, {}); }
+std::vector<std::string> SourceGuard::take_reports() {
+  for (std::string& note : source_.take_notes()) reports_.push_back(std::move(note));
+  return std::exchange(reports_, {});
+}
 
 }  // namespace palpable

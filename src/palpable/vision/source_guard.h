@@ -46,8 +46,8 @@ class SourceGuard {
   [[nodiscard]] const SourceTroubles& troubles() const { return troubles_; }
   /// Why the last frame was not usable; empty when there was none.
   [[nodiscard]] const std::string& last_trouble() const { return last_trouble_; }
-  /// What is new since the last call, one line each: the first bad frame of a row, a stall, a
-  /// camera that is gone or back.
+  /// What is new since the last call, one line each: the source's notes, the first bad frame of a
+  /// row, a stall, a camera that is gone or back.
   [[nodiscard]] std::vector<std::string> take_reports();
 
  private:
