@@ -28,7 +28,8 @@ std::string duration_text(double seconds) {
   return fmt::format("{} h {:02} min", s / 3600, s % 3600 / 60);
 }
 
-std::string progress_line(const ProgressReport& report, double elapsed, int bar_width) {
+std::string progress_line(const ProgressReport& report, double elapsed, int bar_width,
+                          double begun) {
   const double fraction = std::clamp(report.done / report.total, 0.0, 1.0);
   std::string line = fmt::format("{:<22}", report.task);
   if (bar_width > 0) {
@@ -38,8 +39,9 @@ std::string progress_line(const ProgressReport& report, double elapsed, int bar_
   line += fmt::format(" {:3.0f} %", 100.0 * fraction);
   if (fraction >= 1.0) {
     line += fmt::format("  {}", duration_text(elapsed));
-  } else if (fraction >= kLeastFraction) {
-    line += fmt::format("  {} left", duration_text(elapsed * (1.0 - fraction) / fraction));
+  } else if (fraction - begun >= kLeastFraction) {
+    line +=
+        fmt::format("  {} left", duration_text(elapsed * (1.0 - fraction) / (fraction - begun)));
   }
   if (!report.note.empty()) line += "  " + report.note;
   return line;
@@ -69,10 +71,11 @@ void ProgressBar::show(const ProgressReport& report) {
     finish();
     task_ = report.task;
     begin_ = now;
+    begun_ = std::clamp(report.done / report.total, 0.0, 1.0);
     drawn_ = now - std::chrono::hours(1);
     if (!terminal_) drawn_ = now;  // a log needs no line for a task that has just begun
   }
-  last_line_ = progress_line(report, seconds(now - begin_), terminal_ ? kBarWidth : 0);
+  last_line_ = progress_line(report, seconds(now - begin_), terminal_ ? kBarWidth : 0, begun_);
   shown_last_ = false;
   if (seconds(now - drawn_) < (terminal_ ? kRedrawSeconds : kLogSeconds)) return;
   drawn_ = now;

@@ -45,6 +45,7 @@ class ProgressBar {
   std::string last_line_;    // of it, for its end
   bool shown_last_ = false;  // last_line_ has been printed
   Clock::time_point begin_;  // of the task
+  double begun_ = 0;         // fraction done at that time
   Clock::time_point drawn_;  // when something was last drawn
 };
 
@@ -53,7 +54,9 @@ class ProgressBar {
 
 /// The line for one report, without line end: task, bar or per cent, time left, note.
 /// @param bar_width  0: no bar   @param elapsed  seconds since the task began
+/// @param begun      fraction that was done already when the task began, 0 .. 1: of work that goes
+///                   on where it was stopped
 [[nodiscard]] std::string progress_line(const ProgressReport& report, double elapsed,
-                                        int bar_width);
+                                        int bar_width, double begun = 0);
 
 }  // namespace palpable::app

@@ -44,6 +44,13 @@ TEST_CASE("the time left follows from the part that is done", "[apps][progress]"
   CHECK_THAT(progress_line({"solving", 12, 12, ""}, 30.0, 8), Contains("100 %  30 s"));
 }
 
+TEST_CASE("what an earlier run did says nothing about the time left of this one",
+          "[apps][progress]") {
+  // Half was there, a quarter more took 30 s: the last quarter takes as long.
+  CHECK_THAT(progress_line({"solving", 9, 12, ""}, 30.0, 8, 0.5), Contains("30 s left"));
+  CHECK_THAT(progress_line({"solving", 6, 12, ""}, 30.0, 8, 0.5), !Contains("left"));
+}
+
 TEST_CASE("a log gets one line for a short task, a terminal the same line redrawn",
           "[apps][progress]") {
   const auto work = [](ProgressBar& bar) {

@@ -1,20 +1,22 @@
 // palpable bake BODY.toml -o bunny.palpable
 
 #include "apps/common/progress_bar.h"
+#include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/bake_body.h"
+#include "palpable/bake/crew.h"
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_file.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <set>
 #include <string>
+#include <vector>
 
 namespace palpable::app {
 namespace {
@@ -22,73 +24,74 @@ namespace {
 struct Options {
   std::string description;
   std::string output;
+  std::string store;
+  std::string shard;
+  std::string solver = "own";
+  std::vector<std::string> at;
   int threads = 0;
 };
 
-void print_reduction(const char* what, const ReductionReport& report) {
-  fmt::print("{}: {} modes, error {:.2g} pooled, {:.2g} at the worst snapshot{}\n", what,
-             report.errors.size(), report.pooled, report.worst,
-             report.reached ? "" : " (the tolerance was not reached: raise max_modes)");
-}
-
-// The error against the number of modes, both fields side by side, in about ten rows and the ends.
-void print_errors(const BakeReport& report) {
-  const Eigen::VectorXd& u = report.displacement.errors;
-  const Eigen::VectorXd& sigma = report.stress.errors;
-  const Eigen::Index most = std::max(u.size(), sigma.size());
-  std::set<Eigen::Index> rows{1, u.size(), sigma.size()};
-  const Eigen::Index step = std::max<Eigen::Index>(1, most / 10);
-  for (Eigen::Index m = step; m <= most; m += step) rows.insert(m);
-  const auto cell = [](const Eigen::VectorXd& errors, Eigen::Index m) {
-    return m <= errors.size() ? fmt::format("{:.2e}", errors[m - 1]) : std::string("-");
-  };
-  fmt::print("\nrelative error against the number of modes\n{:>6} {:>14} {:>10}\n", "modes",
-             "displacement", "stress");
-  for (const Eigen::Index m : rows)
-    fmt::print("{:>6} {:>14} {:>10}\n", m, cell(u, m), cell(sigma, m));
-  fmt::print("\n");
-}
-
-void bake(const Options& options, const std::string& command_line) {
-  // Where to write is looked at before the work, not after it.
-  const std::filesystem::path folder = std::filesystem::absolute(options.output).parent_path();
-  if (!std::filesystem::is_directory(folder)) {
-    throw Error(fmt::format("{}: the folder {} does not exist", options.output, folder.string()));
+// "2/4" is the second of four.
+void read_shard(const std::string& text, BakeSettings& settings) {
+  int number = 0, count = 0, read = 0;
+  if (std::sscanf(text.c_str(), "%d/%d%n", &number, &count, &read) != 2 ||
+      read != static_cast<int>(text.size()) || number < 1 || count < number) {
+    throw Error(fmt::format("--shard {}: must be I/N, such as 1/4, 2/4, 3/4 and 4/4", text));
   }
+  settings.shard = number - 1;
+  settings.shards = count;
+}
+
+std::filesystem::path store_of(const Options& options) {
+  if (!options.store.empty()) return options.store;
+  return std::filesystem::path(options.output).replace_extension(".snapshots");
+}
+
+void bake(const Options& options, const std::string& command_line, Crew& crew) {
+  require_folder_of(options.output);
   const auto begin = std::chrono::steady_clock::now();
   const BodyDescription description = read_body_description(options.description);
+  BakeSettings settings{.threads = options.threads,
+                        .version = std::string("palpable ") + PALPABLE_VERSION,
+                        .command_line = command_line,
+                        .store = store_of(options),
+                        .solver = options.solver};
+  if (!options.shard.empty()) read_shard(options.shard, settings);
+  const ReduceSettings reduction{
+      .at = parse_values(options.at), .version = settings.version, .command_line = command_line};
   ProgressBar bar;
-  const BakedBody baked = bake_body(description,
-                                    {.threads = options.threads,
-                                     .version = std::string("palpable ") + PALPABLE_VERSION,
-                                     .command_line = command_line},
-                                    bar.progress());
+  const Progress progress = crew.leads() ? bar.progress() : Progress{};
+  const FilledStore filled = fill_store(description, settings, crew, progress);
+  if (!crew.leads()) return;
+  const std::string folder = filled.store.folder().string();
+  if (settings.shards > 1) {
+    bar.finish();
+    fmt::print(
+        "{}: {} sites solved here, {} were there; when all shards are done: "
+        "palpable merge {} and the like -o NAME.snapshots\n",
+        folder, filled.campaign.solved, filled.campaign.reused, folder);
+    return;
+  }
+  const BakedBody baked = reduce_store(filled.store, reduction, progress);
   bar.finish();
   write_body_file(options.output, baked.body);
-
-  const BakeReport& report = baked.report;
-  print_errors(report);
-  for (std::size_t s = 0; s < report.outcomes.size(); ++s) {
-    const SiteOutcome& outcome = report.outcomes[s];
-    if (outcome.reached_press) continue;
-    fmt::print("site {}: pressed {:.3g} m in only: {}\n", s, outcome.press, outcome.shortfall);
-  }
-  const auto reached = std::count_if(report.outcomes.begin(), report.outcomes.end(),
-                                     [](const SiteOutcome& o) { return o.reached_press; });
-  fmt::print("{} nodes, {} tetrahedra; {} sites x {} levels, {} reach the press\n", report.nodes,
-             report.tets, baked.body.sites.size(), baked.body.levels().size() - 1, reached);
-  print_reduction("displacement", report.displacement);
-  print_reduction("stress", report.stress);
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
-  std::error_code code;
-  fmt::print("{}: {:.1f} MB in {}; look at it with: palpable view {}\n", options.output,
-             static_cast<double>(std::filesystem::file_size(options.output, code)) / 1e6,
-             duration_text(taken.count()), options.output);
+  const StoreContent& content = filled.store.content();
+  print_body_report(baked, options.output, taken.count());
+  fmt::print(
+      "snapshots: {}, {} sites solved, {} were there; look at them with ParaView: "
+      "{}/campaign.xdmf\n",
+      folder, filled.campaign.solved, filled.campaign.reused, folder);
+  if (content.parameters.empty()) return;
+  fmt::print(
+      "this body file holds one value of each parameter ({}); for another: palpable reduce "
+      "{} --at {}=... -o FILE\n",
+      baked.body.material, folder, content.parameters[0].name);
 }
 
 }  // namespace
 
-void add_bake(CLI::App& app, const std::string& command_line) {
+void add_bake(CLI::App& app, const std::string& command_line, Crew& crew) {
   const auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("bake", "Mesh, solve and reduce: a body file from a description");
@@ -98,11 +101,31 @@ void add_bake(CLI::App& app, const std::string& command_line) {
   command->add_option("-o,--out", options->output, "Body file to write")
       ->required()
       ->type_name("FILE");
+  command
+      ->add_option("--snapshots", options->store,
+                   "Folder of the snapshots, where what is valid is not solved again; else beside "
+                   "the body file, NAME.snapshots")
+      ->type_name("FOLDER");
   command->add_option("--threads", options->threads, "Sites solved side by side; 0: one per core")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
-  command->footer("Example: palpable bake bodies/bunny-demo.toml -o bunny.palpable");
-  command->callback([options, command_line] { bake(*options, command_line); });
+  command
+      ->add_option("--shard", options->shard,
+                   "Solve only this part of the sites and stop there (docs/scaling.md)")
+      ->type_name("I/N");
+  command->add_option("--solver", options->solver, "own, or calculix: runs ccx")
+      ->check(CLI::IsMember({"own", "calculix"}))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--at", options->at,
+          "Of a further parameter, the value that the body file holds; else the middle one")
+      ->type_name("NAME=VALUE");
+  command->footer(
+      "What is killed goes on where it was when the same command is run again.\n"
+      "On several cores or machines: mpirun -n 4 palpable bake ...\n"
+      "Example: palpable bake bodies/bunny-demo.toml -o bunny.palpable");
+  command->callback([options, command_line, &crew] { bake(*options, command_line, crew); });
 }
 
 }  // namespace palpable::app

@@ -10,11 +10,18 @@ namespace CLI {
 class App;
 }
 
+namespace palpable {
+class Crew;
+}
+
 namespace palpable::app {
 
 void add_mesh(CLI::App& app);
 /// @param command_line  as typed, for the provenance
-void add_bake(CLI::App& app, const std::string& command_line);
+/// @param crew          outlives the app
+void add_bake(CLI::App& app, const std::string& command_line, Crew& crew);
+void add_merge(CLI::App& app);
+void add_reduce(CLI::App& app, const std::string& command_line);
 void add_solve(CLI::App& app);
 void add_bench(CLI::App& app);
 

@@ -2,16 +2,23 @@
 
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/commands.h"
+#include "apps/palpable-bake/mpi_crew.h"
+#include "palpable/bake/crew.h"
 
 #include <CLI/CLI.hpp>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace palpable::app {
 namespace {
 
 int run(int argc, char** argv) {
+  std::optional<MpiCrew> ranks;
+  LocalCrew threads;
+  if (MpiCrew::is_launched()) ranks.emplace(&argc, &argv);
+  Crew& crew = ranks ? static_cast<Crew&>(*ranks) : threads;
   // Under the name by which it was called, `palpable` or `palpable-bake`, so that what --help and
   // the provenance say can be typed again.
   const std::string name = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "";
@@ -27,10 +34,14 @@ int run(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) command_line += std::string(" ") + argv[i];
 
   add_mesh(app);
-  add_bake(app, command_line);
+  add_bake(app, command_line, crew);
+  add_merge(app);
+  add_reduce(app, command_line);
   add_solve(app);
   add_bench(app);
-  return run_command_line(app, argc, argv);
+  const int code = run_command_line(app, argc, argv);
+  if (ranks) ranks->end(code != 0);
+  return code;
 }
 
 }  // namespace

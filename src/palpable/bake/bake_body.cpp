@@ -1,14 +1,19 @@
 #include "palpable/bake/bake_body.h"
 
 #include "palpable/bake/body_problem.h"
+#include "palpable/bake/greedy_pgd.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 #include <limits>
+#include <system_error>
 #include <utility>
 #include <variant>
 
@@ -49,24 +54,48 @@ SeparatedField as_field(const SeparatedTensor& separated, const VectorXd& levels
           {std::move(site), std::move(level)}};
 }
 
-double largest_evaluation_error(const SeparatedField& field, const MatrixXd& snapshots,
-                                const Boundary& boundary, int components) {
-  const MatrixXd truth = boundary_rows(snapshots, boundary, components);
-  const ParameterAxis& site = field.axes()[0];
-  const ParameterAxis& level = field.axes()[1];
+// One point's units, as sites x levels.
+struct PointSnapshots {
+  const SnapshotStore& store;
+  int point;
+
+  [[nodiscard]] int unit(int site) const { return point * store.content().site_count() + site; }
+  [[nodiscard]] SnapshotRows rows(const StoredField& field) const {
+    const int S = store.content().site_count(), L = store.content().level_count();
+    return {Index{store.content().mesh.node_count()} * field.components,
+            {S, L},
+            [this, field, S, L](Index first, Index count) {
+              MatrixXd values(count, Index{S} * L);
+              for (int s = 0; s < S; ++s) {
+                values.middleCols(Index{s} * L, L) =
+                    store.rows(unit(s), field, first, count).cast<double>();
+              }
+              return values;
+            }};
+  }
+};
+
+double largest_evaluation_error(const SeparatedField& reduced, const PointSnapshots& snapshots,
+                                const StoredField& field, const Boundary& boundary) {
+  const ParameterAxis& site = reduced.axes()[0];
+  const ParameterAxis& level = reduced.axes()[1];
   const Index L = level.samples.size() - 1;
-  std::vector<float> values(static_cast<std::size_t>(field.value_count()));
-  const Eigen::Map<const Eigen::VectorXf> evaluated(values.data(), field.value_count());
-  double largest = 0;
+  const Index rows = Index{snapshots.store.content().mesh.node_count()} * field.components;
+  std::vector<float> values(static_cast<std::size_t>(reduced.value_count()));
+  const Eigen::Map<const Eigen::VectorXf> evaluated(values.data(), reduced.value_count());
+  double largest = 0, whole = 0;
   for (Index s = 0; s < site.samples.size(); ++s) {
+    const MatrixXd all =
+        snapshots.store.rows(snapshots.unit(static_cast<int>(s)), field, 0, rows).cast<double>();
+    const MatrixXd truth = boundary_rows(all, boundary, field.components);
+    whole = std::max(whole, truth.cwiseAbs().maxCoeff());
     for (Index l = 0; l < L; ++l) {
       const double mu[2] = {site.samples[s], level.samples[l + 1]};
-      field.evaluate(mu, values);
-      largest = std::max(largest,
-                         (evaluated.cast<double>() - truth.col(s * L + l)).cwiseAbs().maxCoeff());
+      reduced.evaluate(mu, values);
+      largest = std::max(largest, (evaluated.cast<double>() - truth.col(l)).cwiseAbs().maxCoeff());
     }
   }
-  return largest / truth.cwiseAbs().maxCoeff();
+  return largest / whole;
 }
 
 struct ReducedField {
@@ -74,24 +103,22 @@ struct ReducedField {
   ReductionReport report;
 };
 
-ReducedField reduce_field(const char* name, const SnapshotTensor& snapshots,
-                          const VectorXd& component_weights, const Campaign& campaign,
-                          const BodyMesh& mesh, const BodyDescription::Reduction& settings,
-                          const Progress& progress) {
-  const GreedySettings greedy{.tolerance = settings.tolerance, .max_modes = settings.max_modes};
+ReducedField reduce_field(const StoredField& field, const VectorXd& component_weights,
+                          const PointSnapshots& snapshots, const Boundary& boundary,
+                          const GreedySettings& greedy, const Progress& progress) {
   const Progress named = [&](const ProgressReport& r) {
-    report(progress, {fmt::format("reducing {}", name), r.done, r.total, r.note});
+    report(progress, {fmt::format("reducing {}", field.name), r.done, r.total, r.note});
   };
-  const GreedyResult result =
-      separate(snapshots, value_weights(mesh.mesh, component_weights), greedy, named);
-  const int components = static_cast<int>(component_weights.size());
-  ReducedField reduced{as_field(result.separated, campaign.levels, mesh.boundary, components), {}};
+  const StoreContent& content = snapshots.store.content();
+  const GreedyResult result = separate(
+      snapshots.rows(field), value_weights(content.mesh, component_weights), greedy, named);
+  ReducedField reduced{as_field(result.separated, content.levels, boundary, field.components), {}};
   reduced.report.errors = result.errors;
   reduced.report.reached = result.reached;
   reduced.report.pooled = result.error;
   reduced.report.worst = result.snapshot_errors.maxCoeff();
   reduced.report.evaluated_worst =
-      largest_evaluation_error(reduced.field, snapshots.values, mesh.boundary, components);
+      largest_evaluation_error(reduced.field, snapshots, field, boundary);
   return reduced;
 }
 
@@ -121,10 +148,8 @@ std::string materials_line(const BodyDescription& description) {
 }
 
 std::string loads_line(const BodyDescription& description, const BodyMesh& mesh,
-                       const Campaign& campaign) {
+                       std::size_t site_count) {
   const BodyDescription::Sites& sites = description.sites;
-  const auto reached = std::count_if(campaign.outcomes.begin(), campaign.outcomes.end(),
-                                     [](const SiteOutcome& o) { return o.reached_press; });
   const std::string where =
       sites.at.empty() ? fmt::format("farthest points above {:.3g} of the height", sites.above)
                        : std::string("at the places given");
@@ -137,17 +162,27 @@ std::string loads_line(const BodyDescription& description, const BodyMesh& mesh,
   }
   const BodyDescription::Press& press = description.press;
   const std::string range =
-      press.force ? fmt::format("a force of {:.4g} N; {} sites bear it", *press.force, reached)
-                  : fmt::format("a press of {:.4g} m; {} sites reach it",
-                                press.length.value_or(press.depth * mesh.height), reached);
+      press.force
+          ? fmt::format("a force of {:.4g} N", *press.force)
+          : fmt::format("a press of {:.4g} m", press.length.value_or(press.depth * mesh.height));
   return fmt::format("{} sites, {}, patches of graph distance {}, dead loads {}, {} levels to {}",
-                     campaign.sites.size(), where, sites.patch, direction,
-                     campaign.levels.size() - 1, range);
+                     site_count, where, sites.patch, direction, press.levels, range);
+}
+
+void vary(BodyDescription::MaterialLaw& law, const BodyDescription::Parameter& parameter,
+          double value) {
+  using What = BodyDescription::Parameter::What;
+  if (parameter.what == What::kYoung) law.young = value;
+  if (parameter.what == What::kPoisson) law.poisson = value;
+  if (parameter.what != What::kStiffness) return;
+  law.young *= value;
+  for (std::size_t k = 0; k < law.constants.size(); ++k) {
+    law.constants[k] *= law_constants(law.law)[k].per_pressure ? 1.0 / value : value;
+  }
 }
 
 // Empty where nothing acts on the body but presses.
-std::string preload_line(const BodyDescription& description, const Campaign& campaign) {
-  if (campaign.rest.isZero(0.0)) return {};
+std::string preload_line(const BodyDescription& description) {
   std::string line;
   if (const auto& gravity = description.gravity) {
     const Eigen::Vector3d& g = gravity->acceleration;
@@ -157,10 +192,11 @@ std::string preload_line(const BodyDescription& description, const Campaign& cam
   for (const BodyDescription::Pressure& pressure : description.pressures) {
     line += fmt::format("a pressure of {:.4g} Pa, ", pressure.pressure);
   }
-  return fmt::format(
-      "{}and what supports move, first and in full: nodes move by up to {:.4g} m. The surface is "
-      "that of the body so loaded; displacement and stress are what a press adds",
-      line, campaign.rest.colwise().norm().maxCoeff());
+  const bool moves =
+      std::any_of(description.supports.begin(), description.supports.end(),
+                  [](const BodyDescription::Support& s) { return !s.displacement.isZero(0.0); });
+  if (line.empty() && !moves) return {};
+  return line + "and what supports move, first and in full";
 }
 
 std::string reduction_line(const char* what, int modes, const ReductionReport& report,
@@ -171,80 +207,166 @@ std::string reduction_line(const char* what, int modes, const ReductionReport& r
       what, modes, report.pooled, tolerance, report.reached ? "" : ", not reached", report.worst);
 }
 
-void add_provenance(const BodyDescription& description, const BakeSettings& settings,
-                    const BodyMesh& mesh, const Campaign& campaign, BakedBody& baked) {
+// (P) what the body is made of at each combination of the parameters' values.
+std::vector<PointMaterials> points_of(const BodyDescription& description) {
+  std::size_t P = 1;
+  for (const BodyDescription::Parameter& parameter : description.parameters) {
+    P *= parameter.values.size();
+  }
+  std::vector<PointMaterials> points;
+  for (std::size_t p = 0; p < P; ++p) {
+    BodyDescription here = description;
+    std::size_t rest = p;
+    for (std::size_t k = description.parameters.size(); k-- > 0;) {
+      const BodyDescription::Parameter& parameter = description.parameters[k];
+      BodyDescription::MaterialLaw& law =
+          parameter.group < 0 ? here.material
+                              : here.groups[static_cast<std::size_t>(parameter.group)].material;
+      vary(law, parameter, parameter.values[rest % parameter.values.size()]);
+      rest /= parameter.values.size();
+    }
+    try {
+      PointMaterials point{material_of(here.material), {}};
+      for (const auto& group : here.groups) point.groups.push_back(material_of(group.material));
+      points.push_back(std::move(point));
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}: {}", description.parameters[0].place, error.what()));
+    }
+  }
+  return points;
+}
+
+// What is known before anything is solved; reduce_store() completes the lines of preload and loads.
+StoreContent content_of(const BodyDescription& description, const CampaignPlan& plan,
+                        const BodyMesh& mesh) {
+  StoreContent content;
+  content.name = description.name;
+  content.material = materials_line(description);
+  content.mesh = mesh.mesh;
+  content.fixed = fixed_vertices(mesh);
+  content.sites = plan.sites;
+  content.levels = VectorXd::LinSpaced(plan.run.levels + 1, 0.0, 1.0);
+  content.keys = unit_keys(plan);
+  for (const BodyDescription::Parameter& parameter : description.parameters) {
+    content.parameters.push_back(
+        {parameter.name, Eigen::Map<const VectorXd>(parameter.values.data(),
+                                                    static_cast<Index>(parameter.values.size()))});
+  }
+  content.tolerance = description.reduction.tolerance;
+  content.max_modes = description.reduction.max_modes;
   const auto add = [&](const char* key, std::string value) {
-    baked.body.provenance.emplace_back(key, std::move(value));
+    content.provenance.emplace_back(key, std::move(value));
   };
-  const BakeReport& report = baked.report;
   add("description", description.source.filename().string());
   add("mesh source", mesh.origin);
-  add("mesh", fmt::format("{} nodes, {} {}-node tetrahedra, boundary {} vertices, {} triangles; "
-                          "dihedral angles {:.1f} to {:.1f} degrees, volume {:.4g} m^3",
-                          report.nodes, report.tets, mesh.mesh.is_quadratic() ? 10 : 4,
-                          report.vertices, report.triangles, mesh.quality.smallest_dihedral_degrees,
-                          mesh.quality.largest_dihedral_degrees, mesh.quality.volume));
-  add("material", baked.body.material);
+  add("mesh",
+      fmt::format("{} nodes, {} {}-node tetrahedra, boundary {} vertices, {} triangles; "
+                  "dihedral angles {:.1f} to {:.1f} degrees, volume {:.4g} m^3",
+                  mesh.mesh.node_count(), mesh.mesh.tet_count(), mesh.mesh.is_quadratic() ? 10 : 4,
+                  mesh.boundary.surface.vertex_count(), mesh.boundary.surface.triangle_count(),
+                  mesh.quality.smallest_dihedral_degrees, mesh.quality.largest_dihedral_degrees,
+                  mesh.quality.volume));
+  add("material", content.material);
   add("support", fmt::format("{} nodes are held in all directions, {} in some or moved",
                              mesh.fixed_nodes.size(), mesh.supports.size()));
-  const std::string preload = preload_line(description, campaign);
+  const std::string preload = preload_line(description);
   if (!preload.empty()) add("preload", preload);
-  add("loads", loads_line(description, mesh, campaign));
-  add("solver", fmt::format("total Lagrangian {}-node tetrahedra, Newton with conjugate gradients "
-                            "preconditioned by a sparse Cholesky factor",
-                            mesh.mesh.is_quadratic() ? 10 : 4));
-  add("reduction",
-      "non-intrusive PGD over site and level, all functions updated after each mode, space "
-      "weighted "
-      "by nodal volume");
-  const double tolerance = description.reduction.tolerance;
-  add("displacement", reduction_line("displacement", baked.body.displacement.mode_count(),
-                                     report.displacement, tolerance));
-  add("stress", reduction_line("nodal Cauchy stress", baked.body.stress.mode_count(), report.stress,
-                               tolerance));
-  if (!settings.version.empty()) add("program", settings.version);
-  if (!settings.command_line.empty()) add("command line", settings.command_line);
+  add("loads", loads_line(description, mesh, plan.sites.size()));
+  add("solver",
+      plan.solver == "calculix"
+          ? fmt::format("CalculiX (ccx), {}-node tetrahedra; loads found by the own solver",
+                        mesh.mesh.is_quadratic() ? 10 : 4)
+          : fmt::format("total Lagrangian {}-node tetrahedra, Newton with conjugate gradients "
+                        "preconditioned by a sparse Cholesky factor",
+                        mesh.mesh.is_quadratic() ? 10 : 4));
+  return content;
 }
+
+// The point whose parameters have the values asked for.
+int point_at(const StoreContent& content, const std::map<std::string, double>& at) {
+  for (const auto& [name, value] : at) {
+    const auto known = std::find_if(content.parameters.begin(), content.parameters.end(),
+                                    [&](const StoredParameter& p) { return p.name == name; });
+    if (known != content.parameters.end()) continue;
+    std::string names;
+    for (const StoredParameter& p : content.parameters) names += fmt::format(" '{}'", p.name);
+    throw Error(fmt::format(
+        "these snapshots have no parameter '{}';{}", name,
+        names.empty() ? " there is none beside site and level" : " there are:" + names));
+  }
+  int point = 0;
+  for (const StoredParameter& parameter : content.parameters) {
+    const auto n = static_cast<int>(parameter.values.size());
+    int k = n / 2;
+    if (const auto wanted = at.find(parameter.name); wanted != at.end()) {
+      const auto distance = (parameter.values.array() - wanted->second).abs();
+      if (!(distance.minCoeff(&k) <= 1e-9 * std::abs(wanted->second))) {
+        throw Error(fmt::format("'{}' has no value {:.6g}; there are: {:.6g}", parameter.name,
+                                wanted->second,
+                                fmt::join(parameter.values.begin(), parameter.values.end(), " ")));
+      }
+    }
+    point = point * n + k;
+  }
+  return point;
+}
+
+void require_complete(const SnapshotStore& store, int point, const Progress& progress) {
+  const int S = store.content().site_count();
+  for (int s = 0; s < S; ++s) {
+    const int unit = point * S + s;
+    const std::string why = store.why_not(unit);
+    report(progress, {"looking for snapshots", s + 1.0, static_cast<double>(S), ""});
+    if (why.empty()) continue;
+    throw Error(
+        fmt::format("{}: {}; the bake that made these snapshots, run again, adds what is "
+                    "missing",
+                    store.unit_file(unit).string(), why));
+  }
+}
+
+// A field of nothing, for snapshots without stress.
+SeparatedField zero_field(Index values, int sites, const VectorXd& levels) {
+  return {Eigen::MatrixXf::Zero(values, 1),
+          {{"site", VectorXd::LinSpaced(sites, 0.0, sites - 1.0), MatrixXd::Zero(sites, 1),
+            Between::kNothing},
+           {"level", levels, MatrixXd::Zero(levels.size(), 1), Between::kSmooth}}};
+}
+
+// A folder that goes when the bake ends.
+class TemporaryStore {
+ public:
+  TemporaryStore() {
+    std::string pattern =
+        (std::filesystem::temp_directory_path() / "palpable-snapshots-XXXXXX").string();
+    if (::mkdtemp(pattern.data()) == nullptr) {
+      throw Error(fmt::format("{}: cannot be made: {}", pattern, std::strerror(errno)));
+    }
+    path_ = pattern;
+  }
+  TemporaryStore(const TemporaryStore&) = delete;
+  TemporaryStore& operator=(const TemporaryStore&) = delete;
+  ~TemporaryStore() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 }  // namespace
 
-BakedBody reduce_campaign(const Campaign& campaign, const BodyMesh& mesh,
-                          const BodyDescription::Reduction& settings, const Progress& progress) {
-  ReducedField u = reduce_field("displacement", campaign.displacement, VectorXd::Ones(3), campaign,
-                                mesh, settings, progress);
-  ReducedField sigma =
-      reduce_field("stress", campaign.stress, (VectorXd(6) << 1, 1, 1, 2, 2, 2).finished(),
-                   campaign, mesh, settings, progress);
-  // The body at rest lies there as its preload leaves it.
-  SurfaceMesh surface = mesh.boundary.surface;
-  surface.vertices += campaign.rest(Eigen::all, mesh.boundary.node_of_vertex);
-  BakedBody baked{ReducedBody{.name = {},
-                              .surface = std::move(surface),
-                              .fixed = fixed_vertices(mesh),
-                              .sites = campaign.sites,
-                              .displacement = std::move(u.field),
-                              .stress = std::move(sigma.field),
-                              .press_depth = campaign.press_depth,
-                              .largest_von_mises = campaign.largest_von_mises,
-                              .error = {u.report.pooled, u.report.worst, sigma.report.pooled,
-                                        sigma.report.worst},
-                              .material = {},
-                              .provenance = {}},
-                  {}};
-  baked.report.displacement = std::move(u.report);
-  baked.report.stress = std::move(sigma.report);
-  return baked;
-}
-
-BakedBody bake_body(const BodyDescription& description, const BakeSettings& settings,
-                    const Progress& progress) {
+FilledStore fill_store(const BodyDescription& description, const BakeSettings& settings, Crew& crew,
+                       const Progress& progress) {
+  PALPABLE_EXPECT(!settings.store.empty(), "snapshots have a place");
   StageTimes wall;
-  const auto timed = [&](const char* stage, auto&& work) {
-    const StageTimer timer(wall, stage);
-    return work();
-  };
   report(progress, {"meshing", 0.0, 1.0, ""});
-  BodyProblem problem = timed("mesh", [&] { return pose_body(description); });
+  BodyProblem problem = [&] {
+    const StageTimer timer(wall, "mesh");
+    return pose_body(description);
+  }();
   const BodyMesh& mesh = problem.mesh;
   report(progress,
          {"meshing", 1.0, 1.0,
@@ -253,34 +375,141 @@ BakedBody bake_body(const BodyDescription& description, const BakeSettings& sett
     refuse_press_through(description, mesh.boundary.surface, problem.sites, problem.press,
                          mesh.height);
   }
-  const EquilibriumSolver solver =
-      timed("factor", [&] { return EquilibriumSolver(std::move(problem.model)); });
-  const Campaign campaign = timed("campaign", [&] {
-    try {
-      return run_campaign(solver, mesh.boundary, problem.sites,
-                          {.press = problem.press,
-                           .force = problem.force,
-                           .levels = description.press.levels,
-                           .preload = problem.preload,
-                           .threads = settings.threads},
-                          progress);
-    } catch (const Error& error) {
-      throw Error(fmt::format("{}: {}", description.source.string(), error.what()));
+  const CampaignPlan plan{
+      .model = std::move(problem.model),
+      .boundary = mesh.boundary,
+      .sites = std::move(problem.sites),
+      .run = {.press = problem.press, .force = problem.force, .levels = description.press.levels},
+      .preload = std::move(problem.preload),
+      .points = points_of(description),
+      .solver = settings.solver};
+  StoreContent content = content_of(description, plan, mesh);
+  std::optional<StageTimer> timer(std::in_place, wall, "campaign");
+  SnapshotStore store = crew.leads() ? SnapshotStore::create(settings.store, std::move(content))
+                                     : SnapshotStore::attach(settings.store, std::move(content));
+  try {
+    CampaignReport campaign = run_campaign(
+        plan, store, crew,
+        {.threads = settings.threads, .shard = settings.shard, .shards = settings.shards},
+        progress);
+    timer.reset();
+    return {std::move(store), std::move(campaign), wall};
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", description.source.string(), error.what()));
+  }
+}
+
+BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& settings,
+                       const Progress& progress) {
+  StageTimes wall;
+  std::optional<StageTimer> timer(std::in_place, wall, "reduce");
+  const StoreContent& content = store.content();
+  const PointSnapshots snapshots{store, point_at(content, settings.at)};
+  require_complete(store, snapshots.point, progress);
+  const GreedySettings greedy{.tolerance = settings.tolerance.value_or(content.tolerance),
+                              .max_modes = settings.max_modes.value_or(content.max_modes)};
+  const Boundary boundary = split_boundary_of(content.mesh);
+  const auto field = [&](const char* name) -> const StoredField* {
+    for (const StoredField& f : content.fields) {
+      if (f.name == name) return &f;
     }
-  });
-  BakedBody baked = timed(
-      "reduce", [&] { return reduce_campaign(campaign, mesh, description.reduction, progress); });
-  baked.body.name = description.name;
-  baked.body.material = materials_line(description);
+    return nullptr;
+  };
+  const StoredField* moved = field("displacement");
+  const StoredField* stressed = field("stress");
+  if (moved == nullptr) {
+    throw Error(fmt::format("{}: has no displacement", store.folder().string()));
+  }
+  ReducedField u = reduce_field(*moved, VectorXd::Ones(3), snapshots, boundary, greedy, progress);
+  ReducedField sigma = stressed != nullptr
+                           ? reduce_field(*stressed, (VectorXd(6) << 1, 1, 1, 2, 2, 2).finished(),
+                                          snapshots, boundary, greedy, progress)
+                           : ReducedField{zero_field(6 * boundary.surface.vertices.cols(),
+                                                     content.site_count(), content.levels),
+                                          {}};
+
+  BakedBody baked{ReducedBody{.name = content.name,
+                              .surface = boundary.surface,
+                              .fixed = content.fixed,
+                              .sites = content.sites,
+                              .displacement = std::move(u.field),
+                              .stress = std::move(sigma.field),
+                              .press_depth = MatrixXd(content.levels.size(), content.site_count()),
+                              .error = {u.report.pooled, u.report.worst, sigma.report.pooled,
+                                        sigma.report.worst},
+                              .material = content.material,
+                              .provenance = {}},
+                  {}};
+  ReducedBody& body = baked.body;
   BakeReport& made = baked.report;
-  made.nodes = mesh.mesh.node_count();
-  made.tets = mesh.mesh.tet_count();
-  made.vertices = mesh.boundary.surface.vertex_count();
-  made.triangles = mesh.boundary.surface.triangle_count();
-  made.outcomes = campaign.outcomes;
+  double farthest_rest = 0;
+  for (int s = 0; s < content.site_count(); ++s) {
+    StoredUnit unit = store.unit(snapshots.unit(s));
+    body.sites[static_cast<std::size_t>(s)].full_load = unit.full_load;
+    body.press_depth.col(s) = unit.press_depth;
+    body.largest_von_mises = std::max(body.largest_von_mises, unit.largest_von_mises);
+    made.outcomes.push_back(std::move(unit.outcome));
+    if (s > 0 || unit.rest.cols() == 0) continue;
+    // The body at rest lies there as its preload leaves it; the same for all sites.
+    body.surface.vertices += unit.rest(Eigen::all, boundary.node_of_vertex);
+    farthest_rest = unit.rest.colwise().norm().maxCoeff();
+  }
+  made.displacement = std::move(u.report);
+  made.stress = std::move(sigma.report);
+  made.nodes = content.mesh.node_count();
+  made.tets = content.mesh.tet_count();
+  made.vertices = boundary.surface.vertex_count();
+  made.triangles = boundary.surface.triangle_count();
+
+  const std::vector<double> values = content.values_at(snapshots.point);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    body.material += fmt::format("; {} {:.6g}", content.parameters[k].name, values[k]);
+  }
+  const auto reached = std::count_if(made.outcomes.begin(), made.outcomes.end(),
+                                     [](const SiteOutcome& o) { return o.reached_press; });
+  for (auto [key, value] : content.provenance) {
+    if (key == "material") value = body.material;
+    if (key == "loads") value += fmt::format("; {} sites reach it", reached);
+    if (key == "preload") {
+      value += fmt::format(
+          ": nodes move by up to {:.4g} m. The surface is that of the body so loaded; displacement "
+          "and stress are what a press adds",
+          farthest_rest);
+    }
+    body.provenance.emplace_back(key, value);
+  }
+  const auto add = [&](const char* key, std::string value) {
+    body.provenance.emplace_back(key, std::move(value));
+  };
+  add("reduction",
+      "non-intrusive PGD over site and level, all functions updated after each mode, space "
+      "weighted by nodal volume");
+  add("displacement", reduction_line("displacement", body.displacement.mode_count(),
+                                     made.displacement, greedy.tolerance));
+  add("stress", stressed != nullptr
+                    ? reduction_line("nodal Cauchy stress", body.stress.mode_count(), made.stress,
+                                     greedy.tolerance)
+                    : "none: the snapshots have no stress, it is taken as zero");
+  if (!settings.version.empty()) add("program", settings.version);
+  if (!settings.command_line.empty()) add("command line", settings.command_line);
+  timer.reset();
   made.wall = wall;
-  made.threads = campaign.times;
-  add_provenance(description, settings, mesh, campaign, baked);
+  return baked;
+}
+
+BakedBody bake_body(const BodyDescription& description, const BakeSettings& settings,
+                    const Progress& progress) {
+  std::optional<TemporaryStore> temporary;
+  BakeSettings with_store = settings;
+  if (with_store.store.empty()) with_store.store = temporary.emplace().path();
+  LocalCrew crew;
+  const FilledStore filled = fill_store(description, with_store, crew, progress);
+  BakedBody baked = reduce_store(
+      filled.store, {.version = settings.version, .command_line = settings.command_line}, progress);
+  StageTimes wall = filled.wall;
+  wall.add(baked.report.wall);
+  baked.report.wall = wall;
+  baked.report.threads = filled.campaign.times;
   return baked;
 }
 

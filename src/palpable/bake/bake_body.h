@@ -1,15 +1,19 @@
 /// @file
-/// The whole bake: description -> mesh -> campaign -> reduction -> body.
+/// The whole bake: description -> mesh -> campaign in a store -> reduction -> body.
 #pragma once
 
 #include "palpable/bake/body_description.h"
 #include "palpable/bake/body_mesh.h"
 #include "palpable/bake/campaign.h"
-#include "palpable/bake/greedy_pgd.h"
+#include "palpable/bake/crew.h"
+#include "palpable/bake/snapshot_store.h"
 #include "palpable/base/progress.h"
 #include "palpable/base/stage_clock.h"
 #include "palpable/reduced/reduced_body.h"
 
+#include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
 
 namespace palpable {
@@ -18,6 +22,21 @@ struct BakeSettings {
   int threads = 0;           ///< 0: one per core
   std::string version;       ///< of the program, for the provenance
   std::string command_line;  ///< likewise
+  /// Folder of the snapshots, made if absent; what is valid there is not solved again. Empty: a
+  /// temporary one, which is removed.
+  std::filesystem::path store = {};
+  std::string solver = "own";  ///< or "calculix"
+  int shard = 0, shards = 1;   ///< as CampaignSettings
+};
+
+/// What to make of a store.
+struct ReduceSettings {
+  std::optional<double> tolerance = {};  ///< none: as the body's description says
+  std::optional<int> max_modes = {};     ///< likewise
+  /// Values of parameters beyond site and level, of which a body file holds one each. Of one that
+  /// is not named: the value in the middle of its list.
+  std::map<std::string, double> at = {};
+  std::string version = {}, command_line = {};  ///< for the provenance
 };
 
 /// How one field was reduced, and how much of it was lost.
@@ -35,7 +54,7 @@ struct BakeReport {
   int nodes = 0, tets = 0, vertices = 0, triangles = 0;
   std::vector<SiteOutcome> outcomes;
   ReductionReport displacement, stress;
-  StageTimes wall;     ///< ms by the clock on the wall: mesh, factor, campaign, reduce
+  StageTimes wall;     ///< ms by the clock on the wall: mesh, campaign, reduce
   StageTimes threads;  ///< ms of the campaign's parts, summed over threads
 };
 
@@ -44,14 +63,27 @@ struct BakedBody {
   BakeReport report;
 };
 
-/// Bakes a body. Deterministic, whatever the number of threads.
-/// @throws Error for everything in the world that is not as hoped: mesh, supports, loads
+/// Meshes, and solves the campaign into settings.store.
+struct FilledStore {
+  SnapshotStore store;
+  CampaignReport campaign;
+  StageTimes wall;  ///< ms: mesh, campaign
+};
+
+/// @pre settings.store is not empty
+/// @throws Error for everything in the world that is not as hoped: mesh, supports, loads, disk
+[[nodiscard]] FilledStore fill_store(const BodyDescription& description,
+                                     const BakeSettings& settings, Crew& crew,
+                                     const Progress& progress = {});
+
+/// Reduces the snapshots of a complete store to a body, boundary only. Reads them in blocks:
+/// memory is 200 MB, 24 bytes for each pair of snapshots and what the modes take.
+/// @throws Error if a unit is missing or damaged, or `at` names what the store does not have
+[[nodiscard]] BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& settings,
+                                     const Progress& progress = {});
+
+/// Both. Deterministic, whatever the number of threads.
 [[nodiscard]] BakedBody bake_body(const BodyDescription& description, const BakeSettings& settings,
                                   const Progress& progress = {});
-
-/// The last step of it: snapshots of a campaign on `mesh` to a body, boundary only.
-[[nodiscard]] BakedBody reduce_campaign(const Campaign& campaign, const BodyMesh& mesh,
-                                        const BodyDescription::Reduction& settings,
-                                        const Progress& progress = {});
 
 }  // namespace palpable

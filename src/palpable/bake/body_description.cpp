@@ -158,11 +158,81 @@ void read_material(TomlSection section, BodyDescription& body) {
     const std::optional<Where> where = read_where(group, Parts::kElements);
     if (!where) refuse_nowhere(group, "which elements it is about");
     part.where = *where;
+    if (group.has("name")) part.name = group.text("name");
+    for (const BodyDescription::MaterialPart& other : body.groups) {
+      if (part.name.empty() || part.name != other.name) continue;
+      group.bad("name", fmt::format("is '{}', as of another group", part.name));
+    }
     group.refuse_unknown();
     body.groups.push_back(std::move(part));
   }
   body.material = read_law(section, body.material.law);
   section.refuse_unknown();
+}
+
+// Which material a parameter is about: -1 for [material].
+int read_parameter_group(TomlSection& section, const BodyDescription& body) {
+  const std::string of = section.text("of");
+  if (of == "body") return -1;
+  std::string names = "'body'";
+  for (std::size_t g = 0; g < body.groups.size(); ++g) {
+    if (body.groups[g].name == of) return static_cast<int>(g);
+    if (!body.groups[g].name.empty()) names += fmt::format(", '{}'", body.groups[g].name);
+  }
+  section.bad("of",
+              fmt::format("is '{}', must be the 'name' of a [[material.group]], or 'body' for "
+                          "[material]; here: {}",
+                          of, names));
+}
+
+void read_parameters(TomlSection& root, BodyDescription& body) {
+  using Parameter = BodyDescription::Parameter;
+  for (TomlSection& section : root.sections("parameter")) {
+    Parameter parameter;
+    parameter.place = section.place();
+    parameter.name = section.text("name");
+    for (const Parameter& other : body.parameters) {
+      if (other.name == parameter.name) {
+        section.bad("name", fmt::format("is '{}', as of another parameter", other.name));
+      }
+    }
+    if (parameter.name == "site" || parameter.name == "level") {
+      section.bad("name", fmt::format("is '{}', which every body has", parameter.name));
+    }
+    parameter.group = read_parameter_group(section, body);
+    const BodyDescription::MaterialLaw& law =
+        parameter.group < 0 ? body.material
+                            : body.groups[static_cast<std::size_t>(parameter.group)].material;
+    const std::vector<std::string> given = section.present({"stiffness", "young", "poisson"});
+    if (given.size() != 1) {
+      throw Error(
+          fmt::format("{} needs one of 'stiffness' (factors), 'young' and 'poisson', each a "
+                      "list of values",
+                      section.place()));
+    }
+    const char* key = given[0] == "stiffness" ? "stiffness"
+                      : given[0] == "young"   ? "young"
+                                              : "poisson";
+    if (given[0] == "stiffness") {
+      parameter.values = section.numbers(key, {0.0, 1e6, true});
+    } else if (!law.constants.empty()) {
+      section.bad(key,
+                  "varies a material that is given by its law's own constants: vary its "
+                  "'stiffness'");
+    } else if (given[0] == "young") {
+      parameter.what = Parameter::What::kYoung;
+      parameter.values = section.quantity_list(key, Quantity::kPressure, kModulus);
+    } else {
+      parameter.what = Parameter::What::kPoisson;
+      parameter.values = section.numbers(key, {0.0, 0.5, false, true});
+    }
+    for (std::size_t k = 1; k < parameter.values.size(); ++k) {
+      if (parameter.values[k - 1] < parameter.values[k]) continue;
+      section.bad(key, "must be a list of values that grow");
+    }
+    section.refuse_unknown();
+    body.parameters.push_back(std::move(parameter));
+  }
 }
 
 BodyDescription::Support read_support(TomlSection& section) {
@@ -292,6 +362,7 @@ BodyDescription parse_body_description(std::string_view text, const std::filesys
   body.name = root.text("name");
   read_shape(root.section("shape"), file, body);
   read_material(root.section("material"), body);
+  read_parameters(root, body);
   read_supports(root, body);
   read_loads(root, body);
   read_sites(root.section("sites"), body);

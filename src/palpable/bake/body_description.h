@@ -77,8 +77,24 @@ struct BodyDescription {
   struct MaterialPart {
     MaterialLaw material;
     Where where;
+    std::string name = {};  ///< for parameters; may be empty
   };
   std::vector<MaterialPart> groups = {};
+
+  /// What a campaign varies beside site and level.
+  struct Parameter {
+    enum class What {
+      kStiffness,  ///< a factor of all constants that are pressures
+      kYoung,      ///< Pa
+      kPoisson
+    };
+    std::string name;
+    int group = -1;  ///< of `groups`; -1: `material`
+    What what = What::kStiffness;
+    std::vector<double> values;  ///< increasing, at least one
+    std::string place = {};      ///< how messages about it begin
+  };
+  std::vector<Parameter> parameters = {};
 
   /// Nodes that are held.
   struct Support {

@@ -1,57 +1,74 @@
 /// @file
-/// All sites at all load levels: the snapshots from which a body is reduced (paper Sec. 5.2).
+/// All sites at all load levels and all parameter values, solved into a store (paper Sec. 5.2).
 ///
-///   N  nodes     S  sites     L  solved levels (level 0, at rest, is not among them)
+///   N  nodes     S  sites     L  solved levels     P  points (snapshot_store.h)
 #pragma once
 
-#include "palpable/bake/greedy_pgd.h"
+#include "palpable/bake/crew.h"
 #include "palpable/bake/site_run.h"
+#include "palpable/bake/snapshot_store.h"
 #include "palpable/base/progress.h"
 #include "palpable/base/stage_clock.h"
-#include "palpable/geometry/tet_mesh.h"
-#include "palpable/reduced/reduced_body.h"
-#include "palpable/solid/equilibrium.h"
+#include "palpable/solid/solid_model.h"
 
 #include <Eigen/Core>
 
+#include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 namespace palpable {
 
-struct CampaignSettings {
-  double press = 0;  ///< m: how far the patch of a site shall give way along its load at level 1
-  double force = 0;  ///< N: the load at level 1, if above 0; then `press` is not read
-  int levels = 10;   ///< L: equal steps of the load, 1/L .. 1
+/// What a body is made of at one point of the parameters.
+struct PointMaterials {
+  Material material;
+  std::vector<Material> groups;  ///< one for each of model.groups
+};
+
+/// What is to be solved.
+struct CampaignPlan {
+  SolidModel model;         ///< at the first point
+  Boundary boundary;        ///< of model.mesh; sites refer to its vertices
+  std::vector<Site> sites;  ///< (S) full loads not known yet
+  SiteRunSettings run;
   /// (3 x N) N: what acts on the body all the while; no columns: nothing. Supports that move have
   /// moved all the way before the first press.
   Eigen::Matrix3Xd preload = Eigen::Matrix3Xd(3, 0);
-  int threads =
-      0;  ///< batches solved side by side; 0: one per core. The result does not depend on it
+  std::vector<PointMaterials> points;  ///< (P) at least one
+  std::string solver = "own";          ///< or "calculix", see CalculixSites
 };
 
-struct Campaign {
-  std::vector<Site> sites;  ///< (S) with full_load found
-  Eigen::VectorXd levels;   ///< (L + 1) 0, 1/L .. 1
-  /// (3 x N) m: the displacement of the preloaded body, from which presses are counted; zero
-  /// without a preload.
-  Eigen::Matrix3Xd rest;
-  /// (3N x S L) m; parameters site, level (1/L .. 1). What the press adds to `rest`.
-  SnapshotTensor displacement;
-  /// (6N x S L) Pa, Cauchy, xx yy zz xy yz zx per node. What the press adds to the stress at rest.
-  SnapshotTensor stress;
-  Eigen::MatrixXd press_depth;        ///< (L + 1 x S) m, 0 in the first row, increasing downwards
-  std::vector<SiteOutcome> outcomes;  ///< (S)
-  double largest_von_mises = 0;       ///< Pa, over all snapshots and boundary nodes
-  StageTimes times;  ///< load search, solve, stress: milliseconds, summed over all threads
+/// (P S) for each unit what it is computed from: layout and revision of this program's work, mesh,
+/// materials, supports, loads, levels, and the sites of its whole batch.
+[[nodiscard]] std::vector<std::uint64_t> unit_keys(const CampaignPlan& plan);
+
+struct CampaignSettings {
+  int threads = 0;  ///< batches solved side by side; 0: one per core. Results do not depend on it
+  /// Only every `shards`-th batch from number `shard` on is solved here.
+  int shard = 0;
+  int shards = 1;
+  std::string calculix = "ccx";  ///< the program, for plan.solver "calculix"
 };
 
-/// Solves all sites, batch by batch (site_run.h), on some threads.
-/// @param boundary  of solver.model().mesh; sites refer to its vertices
-/// @throws Error if no site reaches the press, one site cannot be pressed at all, or the body
-///         cannot bear the preload
-[[nodiscard]] Campaign run_campaign(const EquilibriumSolver& solver, const Boundary& boundary,
-                                    std::vector<Site> sites, const CampaignSettings& settings,
-                                    const Progress& progress = {});
+struct CampaignReport {
+  int reused = 0;  ///< units that were there already
+  int solved = 0;
+  int missing = 0;   ///< of other shards
+  StageTimes times;  ///< load search, solve, stress, write: milliseconds, summed over threads
+};
+
+/// Solves what the store does not hold yet. A batch's files are written as it ends; nothing that is
+/// finished is lost, whatever ends the program. The store's bytes depend on nothing but the plan.
+///
+/// A model that turns out too large for memory is not refused here: a batch takes
+/// 36 N L bytes a site for its snapshots, the solver what equilibrium.h says.
+/// @param store  of unit_keys(plan)
+/// @throws Error if no site of a point reaches the press, one site cannot be pressed at all, the
+///         body cannot bear the preload, or the store cannot be written
+[[nodiscard]] CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store,
+                                          Crew& crew, const CampaignSettings& settings,
+                                          const Progress& progress = {});
 
 }  // namespace palpable

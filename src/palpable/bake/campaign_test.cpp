@@ -1,210 +1,212 @@
 #include "palpable/bake/campaign.h"
 
-#include "palpable/bake/body_problem.h"
 #include "palpable/bake/contact_sites.h"
+#include "palpable/bake/merge_stores.h"
 #include "palpable/base/error.h"
-#include "palpable/solid/loads.h"
-#include "palpable/solid/stress.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
+#include <algorithm>
+#include <map>
 #include <mutex>
 
 namespace palpable {
 namespace {
 
+namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
-using test::tolerance;
+using test::file_bytes;
 
-// A block of rubber that stands on the ground.
+// A block of rubber that stands on the ground, at two stiffnesses of its upper half.
 struct Block {
-  TetMesh mesh = box_tets({-0.03, -0.02, 0}, {0.03, 0.02, 0.05}, 4, 3, 4);
-  Boundary boundary = boundary_of(mesh);
-  EquilibriumSolver solver;
-  std::vector<Site> sites;
+  CampaignPlan plan;
+  StoreContent content;
 
-  explicit Block(const char* law = "neo-hookean") : solver(model(law)) {
-    std::vector<std::uint8_t> fixed;
-    for (const auto& x : boundary.surface.vertices.colwise()) fixed.push_back(x[2] < 0.001);
-    sites =
-        choose_sites(boundary.surface, fixed, {.count = 3, .lowest = 0.02, .patch_distance = 1});
-  }
-  [[nodiscard]] SolidModel model(const char* law) const {
-    SolidModel model{.mesh = mesh,
-                     .material = material_from_young(law, 60e3, 0.4),
-                     .fixed_nodes = {},
-                     .fixed_displacement = {}};
-    for (int n = 0; n < mesh.node_count(); ++n) {
-      if (mesh.nodes(2, n) < 0.001) model.fixed_nodes.push_back(n);
+  explicit Block(const char* law = "neo-hookean", double press = 0.004, int points = 1) {
+    SolidModel& model = plan.model;
+    model.mesh = box_tets({-0.03, -0.02, 0}, {0.03, 0.02, 0.05}, 4, 3, 4);
+    model.material = material_from_young(law, 60e3, 0.4);
+    for (int n = 0; n < model.mesh.node_count(); ++n) {
+      if (model.mesh.nodes(2, n) < 0.001) model.fixed_nodes.push_back(n);
     }
-    return model;
+    MaterialGroup upper{model.material, {}};
+    for (int e = 0; e < model.mesh.tet_count(); e += 2) upper.elements.push_back(e);
+    model.groups.push_back(upper);
+    plan.boundary = boundary_of(model.mesh);
+    for (const auto& x : plan.boundary.surface.vertices.colwise()) {
+      content.fixed.push_back(x[2] < 0.001);
+    }
+    plan.sites = choose_sites(plan.boundary.surface, content.fixed,
+                              {.count = 3, .lowest = 0.02, .patch_distance = 1});
+    plan.run = {.press = press, .levels = 2};
+    for (int p = 0; p < points; ++p) {
+      plan.points.push_back({model.material, {material_from_young(law, 60e3 * (1 + p), 0.4)}});
+    }
+    content.name = "block";
+    content.mesh = model.mesh;
+    content.sites = plan.sites;
+    content.levels = Eigen::VectorXd::LinSpaced(3, 0.0, 1.0);
+    if (points > 1) {
+      content.parameters.push_back({"upper", Eigen::VectorXd::LinSpaced(points, 1, points)});
+    }
+    content.keys = unit_keys(plan);
   }
-  [[nodiscard]] Campaign run(double press, int threads, const Progress& progress = {}) const {
-    return run_campaign(solver, boundary, sites, {.press = press, .levels = 4, .threads = threads},
-                        progress);
+  CampaignReport run(const fs::path& folder, CampaignSettings settings = {},
+                     const Progress& progress = {}) const {
+    LocalCrew crew;
+    return run_campaign(plan, SnapshotStore::create(folder, content), crew, settings, progress);
   }
 };
 
-TEST_CASE("each site gives way by the press at its full load, in steps that only grow",
+std::map<std::string, std::string> all_files(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    files[entry.path().filename().string()] = file_bytes(entry.path());
+  }
+  return files;
+}
+
+TEST_CASE("a store has the same bytes from one thread and from five", "[bake][campaign][threads]") {
+  const test::ScratchFolder folder("campaign_threads");
+  const Block block;
+  block.run(folder / "one", {.threads = 1});
+  block.run(folder / "five", {.threads = 5});
+  const auto one = all_files(folder / "one");
+  CHECK(one.size() == 3 + 2);  // sites, campaign.h5, campaign.xdmf
+  CHECK(one == all_files(folder / "five"));
+}
+
+TEST_CASE("what is valid is used again, what is damaged, foreign or gone is solved again",
+          "[bake][campaign]") {
+  const test::ScratchFolder folder("campaign_resume");
+  const Block block("neo-hookean", 0.004, 2);
+  const CampaignReport first = block.run(folder / "store", {.threads = 1});
+  CHECK((first.solved == 6 && first.reused == 0));
+  const auto files = all_files(folder / "store");
+  REQUIRE(files.contains("point_001_site_0002.h5"));
+
+  CHECK(block.run(folder / "store").solved == 0);
+  CHECK(all_files(folder / "store") == files);
+
+  fs::remove(folder / "store/point_000_site_0001.h5");
+  std::string bytes = files.at("point_001_site_0000.h5");
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  std::ofstream(folder / "store/point_001_site_0000.h5", std::ios::binary) << bytes;
+  std::ofstream(folder / "store/point_001_site_0001.h5", std::ios::binary)
+      << files.at("point_001_site_0002.h5");
+  std::ofstream(folder / "store/point_001_site_0002.h5.part-elsewhere-7") << "killed";
+  const CampaignReport again = block.run(folder / "store");
+  CHECK(again.solved >= 3);
+  CHECK(again.solved + again.reused == 6);
+  CHECK(all_files(folder / "store") == files);
+}
+
+TEST_CASE("a snapshot is of its mesh, material, load and levels, and of no other",
           "[bake][campaign]") {
   const Block block;
-  const double press = 0.004;
-  const Campaign campaign = block.run(press, 1);
-  REQUIRE(campaign.sites.size() == 3);
-  CHECK(campaign.levels == Eigen::VectorXd::LinSpaced(5, 0.0, 1.0));
-  for (Eigen::Index s = 0; s < 3; ++s) {
-    INFO("site " << s);
-    const Site& site = campaign.sites[std::size_t(s)];
-    CHECK(campaign.outcomes[std::size_t(s)].reached_press);
-    CHECK(site.full_load > 0.0);
-    CHECK(campaign.press_depth(0, s) == 0.0);
-    CHECK(std::abs(campaign.press_depth(4, s) - press) <=
-          tolerance(1e-3, "the search of the load") * press);
-    for (Eigen::Index l = 0; l < 4; ++l) {
-      CHECK(campaign.press_depth(l + 1, s) > campaign.press_depth(l, s));
-      // What the table says is the weighted displacement of the patch along the load.
-      const Eigen::VectorXd u = campaign.displacement.values.col(s * 4 + l);
-      double depth = 0;
-      for (std::size_t k = 0; k < site.patch.size(); ++k) {
-        const int node = block.boundary.node_of_vertex[std::size_t(site.patch[k])];
-        depth += static_cast<double>(site.weights[k]) * site.direction.dot(u.segment<3>(3 * node));
-      }
-      CHECK(std::abs(depth - campaign.press_depth(l + 1, s)) <=
-            tolerance(1e-6, "weights and snapshots are single precision") * press);
-    }
-  }
+  const std::vector<std::uint64_t> keys = block.content.keys;
+  const auto changed = [&](const auto& change) {
+    Block other;
+    change(other.plan);
+    const std::vector<std::uint64_t> now = unit_keys(other.plan);
+    return std::none_of(keys.begin(), keys.end(), [&](std::uint64_t key) {
+      return std::find(now.begin(), now.end(), key) != now.end();
+    });
+  };
+  CHECK_FALSE(changed([](CampaignPlan&) {}));
+  CHECK(changed([](CampaignPlan& p) { p.model.mesh.nodes(0, 7) += 1e-15; }));
+  CHECK(changed([](CampaignPlan& p) {
+    p.points[0].material = material_from_young("neo-hookean", 61e3, 0.4);
+  }));
+  CHECK(changed([](CampaignPlan& p) {
+    p.points[0].groups[0] = material_from_young("mooney-rivlin", 60e3, 0.4);
+  }));
+  CHECK(changed([](CampaignPlan& p) { p.model.groups[0].elements.pop_back(); }));
+  CHECK(changed([](CampaignPlan& p) { p.model.fixed_nodes.pop_back(); }));
+  CHECK(changed([](CampaignPlan& p) { p.run.press *= 1.01; }));
+  CHECK(changed([](CampaignPlan& p) { p.run.levels = 3; }));
+  CHECK(changed([](CampaignPlan& p) { p.solver = "calculix"; }));
+  CHECK(changed([](CampaignPlan& p) {
+    for (Site& site : p.sites) site.direction = -site.direction;
+  }));
+  CHECK(changed(
+      [](CampaignPlan& p) { p.preload = Eigen::Matrix3Xd::Zero(3, p.model.mesh.node_count()); }));
 }
 
-TEST_CASE("every snapshot is in equilibrium with its load", "[bake][campaign]") {
-  const Block block;
-  const Campaign campaign = block.run(0.004, 1);
-  for (Eigen::Index k = 0; k < campaign.displacement.values.cols(); ++k) {
-    INFO("snapshot " << k);
-    const Eigen::Matrix3Xd u =
-        campaign.displacement.values.col(k).reshaped(3, block.mesh.node_count());
-    const Eigen::Matrix3Xd force = block.solver.internal_force(u);
-    const Site& site = campaign.sites[std::size_t(k / 4)];
-    const double load = site.full_load * static_cast<double>(k % 4 + 1) / 4.0;
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // over free nodes: the load and nothing else
-    for (int n = 0; n < block.mesh.node_count(); ++n) {
-      if (block.mesh.nodes(2, n) >= 0.001) sum += force.col(n);
-    }
-    CHECK((sum - load * site.direction).norm() <=
-          tolerance(1e-5, "the solver's tolerance, summed over nodes") * load);
-    const StressField stress = nodal_cauchy_stress(block.solver.model(), u);
-    CHECK((campaign.stress.values.col(k) - stress.reshaped()).cwiseAbs().maxCoeff() <=
-          tolerance(1e-5, "of a displacement in single precision") * stress.cwiseAbs().maxCoeff());
-  }
+TEST_CASE("shards merge to what one bake leaves, byte for byte", "[bake][campaign]") {
+  const test::ScratchFolder folder("campaign_shards");
+  const Block block("neo-hookean", 0.004, 2);
+  block.run(folder / "whole", {.threads = 2});
+  block.run(folder / "a", {.shard = 0, .shards = 2});
+  CHECK_THROWS_WITH(merge_stores({folder / "a"}, folder / "merged"),
+                    Contains("of 6 snapshot files are in none of the folders") &&
+                        Contains("missing") && Contains("once more"));
+  block.run(folder / "b", {.shard = 1, .shards = 2});
+  merge_stores({folder / "a", folder / "b"}, folder / "merged");
+  CHECK(all_files(folder / "merged") == all_files(folder / "whole"));
+
+  const Block other("neo-hookean", 0.003, 2);
+  other.run(folder / "c", {.shard = 1, .shards = 2});
+  CHECK_THROWS_WITH(merge_stores({folder / "a", folder / "c"}, folder / "merged"),
+                    Contains("c: not of the same campaign as"));
 }
 
-TEST_CASE("the colour scale ends at the largest von Mises stress of the skin", "[bake][campaign]") {
+TEST_CASE("snapshots come back from the store as they were solved", "[bake][campaign]") {
+  const test::ScratchFolder folder("campaign_rows");
   const Block block;
-  const Campaign campaign = block.run(0.004, 1);
-  double largest = 0;
-  for (Eigen::Index k = 0; k < campaign.stress.values.cols(); ++k) {
-    for (const int node : block.boundary.node_of_vertex) {
-      const auto s = campaign.stress.values.col(k).segment<6>(6 * node);
-      const double v = std::sqrt(
-          0.5 * (std::pow(s[0] - s[1], 2) + std::pow(s[1] - s[2], 2) + std::pow(s[2] - s[0], 2)) +
-          3.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
-      largest = std::max(largest, v);
+  block.run(folder / "store");
+  const SnapshotStore store = SnapshotStore::open(folder / "store");
+  CHECK(store.content().name == "block");
+  CHECK(store.content().mesh.nodes == block.content.mesh.nodes);
+  CHECK(store.content().sites[2].patch == block.plan.sites[2].patch);
+  const EquilibriumSolver solver(block.plan.model);
+  const SiteSolver presses(solver, block.plan.boundary, Eigen::Matrix3Xd(3, 0));
+  StageTimes times;
+  const std::vector<int> batches = site_batches(3);
+  for (std::size_t b = 0; b + 1 < batches.size(); ++b) {
+    const std::vector<Site> sites(block.plan.sites.begin() + batches[b],
+                                  block.plan.sites.begin() + batches[b + 1]);
+    int s = batches[b];
+    for (const SiteSnapshots& site : solve_sites(presses, sites, s, block.plan.run, times)) {
+      CHECK(store.rows(s, {"displacement", 3}, 0, site.displacement.rows()) == site.displacement);
+      // A block that begins and ends within nodes.
+      CHECK(store.rows(s, {"stress", 6}, 13, 40) == site.stress.middleRows(13, 40));
+      CHECK(store.unit(s).press_depth == site.press_depth);
+      CHECK(store.unit(s).full_load == site.full_load);
+      ++s;
     }
   }
-  CHECK(std::abs(campaign.largest_von_mises - largest) <=
-        tolerance(1e-6, "snapshots are single precision") * largest);
-}
-
-TEST_CASE("the campaign is the same on one thread and on five", "[bake][campaign][threads]") {
-  const Block block;
-  const Campaign one = block.run(0.004, 1), five = block.run(0.004, 5);
-  CHECK(one.displacement.values == five.displacement.values);
-  CHECK(one.stress.values == five.stress.values);
-  CHECK(one.press_depth == five.press_depth);
 }
 
 TEST_CASE("progress is reported one at a time and reaches the end", "[bake][campaign][threads]") {
-  const Block block;
+  const test::ScratchFolder folder("campaign_progress");
   std::mutex only_one;
-  std::string task;
-  double done = 0;
-  int ends = 0;
+  double done = 0, last = 0;
   const auto listen = [&](const ProgressReport& r) {
     const std::unique_lock lock(only_one, std::try_to_lock);
     CHECK(lock.owns_lock());
-    if (r.task != task) done = 0;
-    task = r.task;
+    if (r.task != "solving sites") return;
     CHECK(r.done >= done);
     CHECK(r.total == 3.0);
-    done = r.done;
-    ends += r.done == r.total;
+    done = last = r.done;
   };
-  (void)block.run(0.003, 3, listen);
-  CHECK(ends >= 1);
+  Block("neo-hookean", 0.003).run(folder / "store", {.threads = 3}, listen);
+  CHECK(last == 3.0);
 }
 
 TEST_CASE("a press that no load reaches is refused", "[bake][campaign]") {
+  const test::ScratchFolder folder("campaign_refused");
   // St. Venant-Kirchhoff's law softens in compression until it collapses.
-  CHECK_THROWS_WITH(Block("saint-venant-kirchhoff").run(0.04, 2),
+  CHECK_THROWS_WITH(Block("saint-venant-kirchhoff", 0.04).run(folder / "store"),
                     Contains("ask for a smaller press"));
 }
 
-TEST_CASE("a force that is given is the full load of every site", "[bake][campaign]") {
-  const Block block;
-  const CampaignSettings settings{.force = 1.5, .levels = 3, .threads = 1};
-  const Campaign campaign = run_campaign(block.solver, block.boundary, block.sites, settings);
-  for (const Site& site : campaign.sites) CHECK(site.full_load == 1.5);
-  for (const SiteOutcome& outcome : campaign.outcomes) CHECK(outcome.reached_press);
-  CHECK(campaign.press_depth.row(3).minCoeff() > 0.0);
-  CHECK(campaign.press_depth.row(3).maxCoeff() > 1.2 * campaign.press_depth.row(3).minCoeff());
-}
-
-TEST_CASE("a base that is moved as a whole changes no snapshot, only where the body is",
-          "[bake][campaign][preload]") {
-  const Block block;
-  const Eigen::Vector3d step(0.001, 0.002, -0.003);
-  SolidModel model = block.model("neo-hookean");
-  model.fixed_displacement = step.replicate(1, static_cast<Eigen::Index>(model.fixed_nodes.size()));
-  const EquilibriumSolver moved(model);
-  const CampaignSettings settings{.press = 0.004,
-                                  .levels = 2,
-                                  .preload = gravity_load(block.mesh, 1000, {0, 0, -9.81}),
-                                  .threads = 1};
-  const Campaign a = run_campaign(block.solver, block.boundary, block.sites, settings);
-  const Campaign b = run_campaign(moved, block.boundary, block.sites, settings);
-  CHECK(((b.rest - a.rest).colwise() - step).cwiseAbs().maxCoeff() <=
-        tolerance(1e-8, "a rigid motion of 4 mm, solved to 1e-8 of the forces"));
-  CHECK((a.displacement.values - b.displacement.values).cwiseAbs().maxCoeff() <=
-        tolerance(1e-4, "two searches, each to 1e-5 of the press") * 0.004);
-  CHECK((a.stress.values - b.stress.values).cwiseAbs().maxCoeff() <=
-        tolerance(1e-4, "likewise") * a.stress.values.cwiseAbs().maxCoeff());
-}
-
-TEST_CASE("what a press adds to the weight is what the snapshots hold",
-          "[bake][campaign][preload]") {
-  const Block block;
-  const Eigen::Matrix3Xd weight = gravity_load(block.mesh, 4000, {0, 0, -9.81});
-  const CampaignSettings settings{.press = 0.003, .levels = 2, .preload = weight, .threads = 1};
-  const Campaign campaign = run_campaign(block.solver, block.boundary, block.sites, settings);
-  CHECK(campaign.rest.row(2).minCoeff() < -1e-4);
-  const StressField at_rest = nodal_cauchy_stress(block.solver.model(), campaign.rest);
-  for (Eigen::Index s = 0; s < 3; ++s) {
-    const Site& site = campaign.sites[std::size_t(s)];
-    CHECK(std::abs(campaign.press_depth(2, s) - 0.003) <=
-          tolerance(1e-3, "the search of the load") * 0.003);
-    for (Eigen::Index l = 0; l < 2; ++l) {
-      const Eigen::VectorXd added = campaign.displacement.values.col(2 * s + l);
-      const Eigen::Matrix3Xd u = campaign.rest + Eigen::Map<const Eigen::Matrix3Xd>(
-                                                     added.data(), 3, block.mesh.node_count());
-      const Eigen::Matrix3Xd press = 0.5 * static_cast<double>(l + 1) * site.full_load *
-                                     unit_load(site, block.boundary, block.mesh.node_count());
-      Eigen::Matrix3Xd off = block.solver.internal_force(u) - weight - press;
-      for (const int n : block.solver.model().fixed_nodes) off.col(n).setZero();
-      CHECK(off.cwiseAbs().maxCoeff() <=
-            tolerance(1e-5, "a displacement in single precision") * site.full_load);
-      const StressField stress = nodal_cauchy_stress(block.solver.model(), u) - at_rest;
-      CHECK((campaign.stress.values.col(2 * s + l) - stress.reshaped()).cwiseAbs().maxCoeff() <=
-            tolerance(1e-5, "a displacement in single precision") * stress.cwiseAbs().maxCoeff());
-    }
-  }
+TEST_CASE("a folder that holds something else is no place for snapshots", "[bake][campaign]") {
+  const test::ScratchFolder folder("campaign_folder");
+  std::ofstream(folder / "letter.txt") << "dear reader";
+  CHECK_THROWS_WITH(Block().run(folder.path()), Contains("holds something else than snapshots"));
+  CHECK_THROWS_WITH(SnapshotStore::open(folder.path()), Contains("not a folder of snapshots"));
+  CHECK_THROWS_WITH(SnapshotStore::open(folder / "none"), Contains("no such folder"));
 }
 
 }  // namespace

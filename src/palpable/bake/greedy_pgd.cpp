@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -173,25 +174,40 @@ class Greedy {
   Functions G_;
 };
 
-void check_arguments(const SnapshotTensor& snapshots, const VectorXd& weights,
+void check_arguments(const std::vector<int>& sizes, Index rows, const VectorXd& weights,
                      const GreedySettings& settings) {
-  PALPABLE_EXPECT(!snapshots.sizes.empty(), "a tensor has at least one parameter");
-  for (const int n : snapshots.sizes) PALPABLE_EXPECT(n >= 1, "a parameter has samples");
-  PALPABLE_EXPECT(snapshots.values.cols() == product(snapshots.sizes), "one column per snapshot");
-  PALPABLE_EXPECT(weights.size() == snapshots.values.rows() && weights.size() > 0,
-                  "one weight per value");
+  PALPABLE_EXPECT(!sizes.empty(), "a tensor has at least one parameter");
+  for (const int n : sizes) PALPABLE_EXPECT(n >= 1, "a parameter has samples");
+  PALPABLE_EXPECT(weights.size() == rows && rows > 0, "one weight per value");
   PALPABLE_EXPECT(weights.minCoeff() > 0.0, "weights are positive");
   PALPABLE_EXPECT(settings.tolerance >= 1e-6, "a tolerance below 1e-6 is lost in the Gram matrix");
   PALPABLE_EXPECT(settings.max_modes >= 1 && settings.max_passes >= 1, "at least one of each");
-  if (!snapshots.values.allFinite()) throw Error("a snapshot holds values that are not numbers");
-  if (snapshots.values.isZero(0.0))
-    throw Error("all snapshots are zero: there is nothing to reduce");
+}
+
+SnapshotRows rows_of(const SnapshotTensor& snapshots) {
+  PALPABLE_EXPECT(snapshots.values.cols() == product(snapshots.sizes), "one column per snapshot");
+  return {snapshots.values.rows(), snapshots.sizes,
+          [&](Index first, Index count) { return snapshots.values.middleRows(first, count); }};
+}
+
+// Calls visit(first, rows) for all rows, in blocks that fit into memory.
+template <class Visit>
+void for_blocks(const SnapshotRows& snapshots, const Visit& visit) {
+  constexpr Index kBlockValues = 25'000'000;  // 200 MB of doubles
+  const Index K = product(snapshots.sizes);
+  const Index block = std::max<Index>(1, kBlockValues / K);
+  for (Index first = 0; first < snapshots.values; first += block) {
+    const Index count = std::min(block, snapshots.values - first);
+    const MatrixXd rows = snapshots.read(first, count);
+    PALPABLE_EXPECT(rows.rows() == count && rows.cols() == K, "the rows that were asked for");
+    visit(first, rows);
+  }
 }
 
 // Runs the greedy sweep to its end.
-Greedy run(const MatrixXd& C, const SnapshotTensor& snapshots, const GreedySettings& settings,
+Greedy run(const MatrixXd& C, const std::vector<int>& sizes, const GreedySettings& settings,
            const Progress& progress, GreedyResult& result) {
-  Greedy greedy(C, snapshots.sizes, settings);
+  Greedy greedy(C, sizes, settings);
   std::vector<double> errors;
   // Done as the error falls from 1 to the tolerance, on a logarithmic scale.
   const double total = -std::log10(settings.tolerance);
@@ -207,11 +223,8 @@ Greedy run(const MatrixXd& C, const SnapshotTensor& snapshots, const GreedySetti
   return greedy;
 }
 
-void measure(const SnapshotTensor& snapshots, const VectorXd& weights, GreedyResult& result) {
-  const MatrixXd left = snapshots.values - expand(result.separated);
-  const VectorXd lost = (left.array().square().colwise() * weights.array()).colwise().sum();
-  const VectorXd whole =
-      (snapshots.values.array().square().colwise() * weights.array()).colwise().sum();
+// From the squares of what is left of each snapshot and of the whole of it.
+void set_errors(const VectorXd& lost, const VectorXd& whole, GreedyResult& result) {
   result.error = std::sqrt(lost.sum() / whole.sum());
   result.snapshot_errors = VectorXd::Zero(lost.size());
   for (Index k = 0; k < lost.size(); ++k) {
@@ -219,16 +232,56 @@ void measure(const SnapshotTensor& snapshots, const VectorXd& weights, GreedyRes
   }
 }
 
+// F = A `combination`, and what is then left of the snapshots.
+void finish(const SnapshotRows& snapshots, const VectorXd& weights, const MatrixXd& combination,
+            GreedyResult& result) {
+  SeparatedTensor& separated = result.separated;
+  separated.F.resize(snapshots.values, combination.cols());
+  const MatrixXd table = products(separated.G, snapshots.sizes);  // (K x m)
+  VectorXd lost = VectorXd::Zero(table.rows()), whole = lost;
+  for_blocks(snapshots, [&](Index first, const MatrixXd& A) {
+    const auto w = weights.segment(first, A.rows()).array();
+    const MatrixXd F = A * combination;
+    separated.F.middleRows(first, A.rows()) = F;
+    const MatrixXd left = A - F * table.transpose();
+    lost += (left.array().square().colwise() * w).colwise().sum().matrix().transpose();
+    whole += (A.array().square().colwise() * w).colwise().sum().matrix().transpose();
+  });
+  set_errors(lost, whole, result);
+}
+
+void measure(const SnapshotTensor& snapshots, const VectorXd& weights, GreedyResult& result) {
+  const MatrixXd left = snapshots.values - expand(result.separated);
+  const VectorXd lost = (left.array().square().colwise() * weights.array()).colwise().sum();
+  const VectorXd whole =
+      (snapshots.values.array().square().colwise() * weights.array()).colwise().sum();
+  set_errors(lost, whole, result);
+}
+
 }  // namespace
 
 GreedyResult separate(const SnapshotTensor& snapshots, const VectorXd& weights,
                       const GreedySettings& settings, const Progress& progress) {
-  check_arguments(snapshots, weights, settings);
-  const MatrixXd& A = snapshots.values;
+  return separate(rows_of(snapshots), weights, settings, progress);
+}
+
+GreedyResult separate(const SnapshotRows& snapshots, const VectorXd& weights,
+                      const GreedySettings& settings, const Progress& progress) {
+  check_arguments(snapshots.sizes, snapshots.values, weights, settings);
+  const Index K = product(snapshots.sizes);
   // A^T W A = V S^2 V^T gives C = S V^T, the coordinates in Q = A V S^-1.
-  const MatrixXd weighted = weights.cwiseSqrt().asDiagonal() * A;
-  MatrixXd gram = MatrixXd::Zero(A.cols(), A.cols());
-  gram.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
+  MatrixXd gram = MatrixXd::Zero(K, K);
+  report(progress, {"products of snapshots", 0.0, 1.0, ""});
+  for_blocks(snapshots, [&](Index first, const MatrixXd& A) {
+    if (!A.allFinite()) throw Error("a snapshot holds values that are not numbers");
+    const MatrixXd weighted = weights.segment(first, A.rows()).cwiseSqrt().asDiagonal() * A;
+    gram.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
+    report(progress, {"products of snapshots", static_cast<double>(first + A.rows()),
+                      static_cast<double>(snapshots.values), ""});
+  });
+  if (gram.diagonal().isZero(0.0)) {
+    throw Error("all snapshots are zero: there is nothing to reduce");
+  }
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(gram);
   if (eigen.info() != Eigen::Success) throw Error("the snapshots' Gram matrix has no eigenvalues");
   const VectorXd& squares = eigen.eigenvalues();  // increasing
@@ -241,21 +294,20 @@ GreedyResult separate(const SnapshotTensor& snapshots, const VectorXd& weights,
 
   GreedyResult result;
   const MatrixXd C = S.asDiagonal() * V.transpose();
-  const Greedy greedy = run(C, snapshots, settings, progress, result);
+  const Greedy greedy = run(C, snapshots.sizes, settings, progress, result);
   result.separated.G = greedy.G();
-  const MatrixXd combination = V * (S.cwiseInverse().asDiagonal() * greedy.F());  // (K x m)
-  result.separated.F = A * combination;
-  measure(snapshots, weights, result);
+  // (K x m)
+  finish(snapshots, weights, V * (S.cwiseInverse().asDiagonal() * greedy.F()), result);
   return result;
 }
 
 GreedyResult separate_in_full_space(const SnapshotTensor& snapshots, const VectorXd& weights,
                                     const GreedySettings& settings, const Progress& progress) {
-  check_arguments(snapshots, weights, settings);
+  check_arguments(snapshots.sizes, snapshots.values.rows(), weights, settings);
   const VectorXd root = weights.cwiseSqrt();
   GreedyResult result;
   const MatrixXd C = root.asDiagonal() * snapshots.values;
-  const Greedy greedy = run(C, snapshots, settings, progress, result);
+  const Greedy greedy = run(C, snapshots.sizes, settings, progress, result);
   result.separated.G = greedy.G();
   result.separated.F = root.cwiseInverse().asDiagonal() * greedy.F();
   measure(snapshots, weights, result);

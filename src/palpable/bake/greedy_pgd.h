@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include <functional>
 #include <vector>
 
 namespace palpable {
@@ -20,6 +21,14 @@ namespace palpable {
 struct SnapshotTensor {
   Eigen::MatrixXd values;  ///< (N x K) the last parameter runs fastest: k = (k_1 n_2 + k_2) n_3 ...
   std::vector<int> sizes;  ///< (p) n_j, each >= 1
+};
+
+/// The same table where it need not fit into memory: read in blocks of rows.
+struct SnapshotRows {
+  Eigen::Index values = 0;  ///< N
+  std::vector<int> sizes;   ///< (p) n_j
+  /// (count x K) rows first .. first + count - 1
+  std::function<Eigen::MatrixXd(Eigen::Index first, Eigen::Index count)> read;
 };
 
 /// u(X, mu) ~= sum_i F_i(X) G_i^1(mu_1) ... G_i^p(mu_p) on the samples.
@@ -68,6 +77,10 @@ struct GreedyResult {
 /// @throws Error if the snapshots are all zero or not finite
 /// @throws ContractViolation for sizes that do not fit, weights <= 0, tolerance < 1e-6
 [[nodiscard]] GreedyResult separate(const SnapshotTensor& snapshots, const Eigen::VectorXd& weights,
+                                    const GreedySettings& settings, const Progress& progress = {});
+
+/// The same from a source that is read twice, in blocks of about 200 MB.
+[[nodiscard]] GreedyResult separate(const SnapshotRows& snapshots, const Eigen::VectorXd& weights,
                                     const GreedySettings& settings, const Progress& progress = {});
 
 /// The same without the change of coordinates: two hundred times slower, for comparison in tests.

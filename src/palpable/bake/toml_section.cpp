@@ -156,6 +156,29 @@ std::vector<std::string> TomlSection::texts(const char* key) {
   return all;
 }
 
+std::vector<double> TomlSection::numbers(const char* key, Range range) {
+  const toml::node& node = need(key);
+  const toml::array* list = node.as_array();
+  if (list == nullptr || list->empty()) bad(node, key, "must be a list, such as [0.5, 1, 2]");
+  std::vector<double> all;
+  for (const toml::node& entry : *list) {
+    if (!entry.is_number()) bad(entry, key, "must be a list of numbers without unit");
+    all.push_back(in_range(entry, key, entry.value<double>().value_or(std::nan("")), range));
+  }
+  return all;
+}
+
+std::vector<double> TomlSection::quantity_list(const char* key, Quantity what, Range range) {
+  const toml::node& node = need(key);
+  const toml::array* list = node.as_array();
+  if (list == nullptr || list->empty()) bad(node, key, "must be a list of texts with a unit");
+  std::vector<double> all;
+  for (const toml::node& entry : *list) {
+    all.push_back(in_range(entry, key, parse(entry, key, what), range));
+  }
+  return all;
+}
+
 bool TomlSection::has(const char* key) {
   if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.emplace_back(key);
   return table_->contains(key);

@@ -55,6 +55,10 @@ class TomlSection {
   /// One text or a list of texts, none empty.
   [[nodiscard]] std::vector<std::string> texts(const char* key);
 
+  /// A list of numbers without unit, or of texts with one, in SI; at least one.
+  [[nodiscard]] std::vector<double> numbers(const char* key, Range range);
+  [[nodiscard]] std::vector<double> quantity_list(const char* key, Quantity what, Range range);
+
   [[nodiscard]] bool has(const char* key);
   [[nodiscard]] bool is_text(const char* key) const;
   [[nodiscard]] bool is_array(const char* key) const;

@@ -1,0 +1,88 @@
+#include "apps/palpable-bake/body_report.h"
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable-bake/machine.h"
+#include "palpable/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <system_error>
+
+namespace palpable::app {
+namespace {
+
+void print_reduction(const char* what, const ReductionReport& report) {
+  fmt::print("{}: {} modes, error {:.2g} pooled, {:.2g} at the worst snapshot{}\n", what,
+             report.errors.size(), report.pooled, report.worst,
+             report.reached ? "" : " (the tolerance was not reached: raise max_modes)");
+}
+
+// The error against the number of modes, both fields side by side, in about ten rows and the ends.
+void print_errors(const BakeReport& report) {
+  const Eigen::VectorXd& u = report.displacement.errors;
+  const Eigen::VectorXd& sigma = report.stress.errors;
+  const Eigen::Index most = std::max(u.size(), sigma.size());
+  std::set<Eigen::Index> rows{1, u.size(), sigma.size()};
+  const Eigen::Index step = std::max<Eigen::Index>(1, most / 10);
+  for (Eigen::Index m = step; m <= most; m += step) rows.insert(m);
+  const auto cell = [](const Eigen::VectorXd& errors, Eigen::Index m) {
+    return m <= errors.size() ? fmt::format("{:.2e}", errors[m - 1]) : std::string("-");
+  };
+  fmt::print("\nrelative error against the number of modes\n{:>6} {:>14} {:>10}\n", "modes",
+             "displacement", "stress");
+  for (const Eigen::Index m : rows)
+    fmt::print("{:>6} {:>14} {:>10}\n", m, cell(u, m), cell(sigma, m));
+  fmt::print("\n");
+}
+
+}  // namespace
+
+void require_folder_of(const std::filesystem::path& output) {
+  const std::filesystem::path folder = std::filesystem::absolute(output).parent_path();
+  if (!std::filesystem::is_directory(folder)) {
+    throw Error(fmt::format("{}: the folder {} does not exist", output.string(), folder.string()));
+  }
+}
+
+void print_body_report(const BakedBody& baked, const std::string& output, double seconds) {
+  const BakeReport& report = baked.report;
+  print_errors(report);
+  for (std::size_t s = 0; s < report.outcomes.size(); ++s) {
+    const SiteOutcome& outcome = report.outcomes[s];
+    if (outcome.reached_press) continue;
+    fmt::print("site {}: pressed {:.3g} m in only: {}\n", s, outcome.press, outcome.shortfall);
+  }
+  const auto reached = std::count_if(report.outcomes.begin(), report.outcomes.end(),
+                                     [](const SiteOutcome& o) { return o.reached_press; });
+  fmt::print("{} nodes, {} tetrahedra; {} sites x {} levels, {} reach the press\n", report.nodes,
+             report.tets, baked.body.sites.size(), baked.body.levels().size() - 1, reached);
+  print_reduction("displacement", report.displacement);
+  print_reduction("stress", report.stress);
+  std::error_code code;
+  fmt::print(
+      "{}: {:.1f} MB in {}, with at most {:.0f} MB of memory; look at it with: palpable view {}\n",
+      output, static_cast<double>(std::filesystem::file_size(output, code)) / 1e6,
+      duration_text(seconds), peak_memory() / 1e6, output);
+}
+
+std::map<std::string, double> parse_values(const std::vector<std::string>& texts) {
+  std::map<std::string, double> values;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    char* end = nullptr;
+    const double value =
+        equals == std::string::npos ? 0.0 : std::strtod(text.c_str() + equals + 1, &end);
+    if (end == nullptr || end == text.c_str() + equals + 1 || *end != '\0' || equals == 0) {
+      throw Error(
+          fmt::format("--at {}: must be a parameter and one of its values, such as "
+                      "ears=0.5",
+                      text));
+    }
+    values[text.substr(0, equals)] = value;
+  }
+  return values;
+}
+
+}  // namespace palpable::app

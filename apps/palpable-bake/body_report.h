@@ -1,0 +1,24 @@
+/// @file
+/// What bake and reduce say about the body that they made, and where they refuse to write.
+#pragma once
+
+#include "palpable/bake/bake_body.h"
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+
+/// Before the work, not after it. @throws Error when the folder of `output` does not exist
+void require_folder_of(const std::filesystem::path& output);
+
+/// Errors against the number of modes, sites that fall short, sizes, and the file.
+/// @param seconds  since the command began
+void print_body_report(const BakedBody& baked, const std::string& output, double seconds);
+
+/// "ears=0.5" each. @throws Error for another form
+[[nodiscard]] std::map<std::string, double> parse_values(const std::vector<std::string>& texts);
+
+}  // namespace palpable::app

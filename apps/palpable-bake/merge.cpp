@@ -1,0 +1,51 @@
+// palpable merge one.snapshots two.snapshots -o all.snapshots
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable-bake/body_report.h"
+#include "apps/palpable-bake/commands.h"
+#include "palpable/bake/merge_stores.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+struct Options {
+  std::vector<std::string> parts;
+  std::string output;
+};
+
+void merge(const Options& options) {
+  require_folder_of(options.output);
+  ProgressBar bar;
+  const SnapshotStore merged =
+      merge_stores({options.parts.begin(), options.parts.end()}, options.output, bar.progress());
+  bar.finish();
+  fmt::print("{}: {} sites x {} levels; make a body of them with: palpable reduce {} -o FILE\n",
+             options.output, merged.content().unit_count(), merged.content().level_count(),
+             options.output);
+}
+
+}  // namespace
+
+void add_merge(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("merge", "Collect snapshots of one campaign that were solved apart");
+  command->add_option("parts", options->parts, "Folders that palpable bake --shard filled")
+      ->required()
+      ->type_name("FOLDER");
+  command->add_option("-o,--out", options->output, "Folder to collect them in; may be one of them")
+      ->required()
+      ->type_name("FOLDER");
+  command->footer("Example: palpable merge a.snapshots b.snapshots -o bunny.snapshots");
+  command->callback([options] { merge(*options); });
+}
+
+}  // namespace palpable::app

@@ -1,0 +1,228 @@
+#include "apps/palpable-bake/mpi_crew.h"
+
+#include "palpable/base/error.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <mpi.h>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <unistd.h>
+#include <utility>
+
+namespace palpable::app {
+namespace {
+
+// What travels. From a follower: kAsk {finished piece or -1, its answer}, kFailed (text), kBye.
+// From the leader: kPiece {number or -1}, kList, kEnd {1: the work failed}.
+enum Tag : int { kAsk = 1, kFailed, kBye, kPiece, kList, kEnd };
+
+constexpr auto kNap = std::chrono::milliseconds(2);
+
+struct Mail {
+  int from = 0, tag = 0;
+  std::vector<char> bytes;
+
+  [[nodiscard]] std::vector<int> ints() const {
+    std::vector<int> values(bytes.size() / sizeof(int));
+    std::copy_n(bytes.data(), values.size() * sizeof(int), reinterpret_cast<char*>(values.data()));
+    return values;
+  }
+};
+
+std::optional<Mail> look(int from, int tag) {
+  int is_there = 0;
+  MPI_Status status;
+  MPI_Iprobe(from, tag, MPI_COMM_WORLD, &is_there, &status);
+  if (is_there == 0) return std::nullopt;
+  int size = 0;
+  MPI_Get_count(&status, MPI_BYTE, &size);
+  Mail mail{status.MPI_SOURCE, status.MPI_TAG, std::vector<char>(static_cast<std::size_t>(size))};
+  MPI_Recv(mail.bytes.data(), size, MPI_BYTE, mail.from, mail.tag, MPI_COMM_WORLD,
+           MPI_STATUS_IGNORE);
+  return mail;
+}
+
+Mail wait_for(int from, int tag) {
+  while (true) {
+    if (std::optional<Mail> mail = look(from, tag)) return std::move(*mail);
+    std::this_thread::sleep_for(kNap);
+  }
+}
+
+void send(int to, int tag, const void* data, std::size_t bytes) {
+  MPI_Send(data, static_cast<int>(bytes), MPI_BYTE, to, tag, MPI_COMM_WORLD);
+}
+void send(int to, int tag, const std::vector<int>& values) {
+  send(to, tag, values.data(), values.size() * sizeof(int));
+}
+
+std::string message_of(const std::exception_ptr& problem) {
+  try {
+    std::rethrow_exception(problem);
+  } catch (const std::exception& error) { return error.what(); }
+}
+
+}  // namespace
+
+bool MpiCrew::is_launched() {
+  const char* size = std::getenv("OMPI_COMM_WORLD_SIZE");
+  return size != nullptr && std::atoi(size) > 1;
+}
+
+MpiCrew::MpiCrew(int* argc, char*** argv) {
+  int provided = 0;
+  MPI_Init_thread(argc, argv, MPI_THREAD_SERIALIZED, &provided);
+  if (provided < MPI_THREAD_SERIALIZED) {
+    throw Error(
+        "this MPI cannot be used from several threads in turn; run without mpirun, with "
+        "--shard");
+  }
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+  MPI_Comm_size(MPI_COMM_WORLD, &size_);
+  if (leads()) return;
+  // One process speaks. What the others have to say is kept, in case it is they alone who fail.
+  kept_ = std::tmpfile();
+  if (kept_ == nullptr) return;
+  stderr_ = ::dup(STDERR_FILENO);
+  ::dup2(::fileno(kept_), STDERR_FILENO);
+}
+
+MpiCrew::~MpiCrew() {
+  if (!ended_) end(true);
+}
+
+int MpiCrew::threads(int wanted) const {
+  if (wanted > 0) return wanted;
+  const char* neighbours = std::getenv("OMPI_COMM_WORLD_LOCAL_SIZE");
+  const int here = neighbours != nullptr ? std::max(1, std::atoi(neighbours)) : 1;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / here);
+}
+
+std::vector<int> MpiCrew::agree(std::vector<int> list) {
+  if (!leads()) return wait_for(0, kList).ints();
+  for (int rank = 1; rank < size_; ++rank) send(rank, kList, list);
+  return list;
+}
+
+void MpiCrew::share(int count, int threads, const std::function<int(int)>& work,
+                    const std::function<void(int, int)>& finished) {
+  if (leads()) {
+    lead(count, threads, work, finished);
+  } else {
+    follow(threads, work);
+  }
+}
+
+void MpiCrew::lead(int count, int threads, const std::function<int(int)>& work,
+                   const std::function<void(int, int)>& finished) {
+  std::atomic<int> next{0};
+  std::atomic<bool> failed{false};
+  std::atomic<int> working{threads};
+  std::mutex telling;
+  std::exception_ptr problem;
+  const auto fail = [&](const std::exception_ptr& what) {
+    const std::lock_guard lock(telling);
+    if (!problem) problem = what;
+    failed = true;
+  };
+  const auto piece = [&] {
+    if (failed) return -1;
+    const int i = next++;
+    return i < count ? i : -1;
+  };
+  std::vector<std::thread> own;
+  for (int t = 0; t < threads; ++t) {
+    own.emplace_back([&] {
+      try {
+        for (int i = piece(); i >= 0; i = piece()) {
+          const int answer = work(i);
+          const std::lock_guard lock(telling);
+          finished(i, answer);
+        }
+      } catch (...) { fail(std::current_exception()); }
+      --working;
+    });
+  }
+  // Only this thread of the leader speaks MPI.
+  for (int followers = size_ - 1; followers > 0 || working > 0;) {
+    const std::optional<Mail> mail =
+        followers > 0 ? look(MPI_ANY_SOURCE, MPI_ANY_TAG) : std::nullopt;
+    if (!mail) {
+      std::this_thread::sleep_for(kNap);
+    } else if (mail->tag == kAsk) {
+      const std::vector<int> done = mail->ints();
+      if (done[0] >= 0) {
+        const std::lock_guard lock(telling);
+        finished(done[0], done[1]);
+      }
+      send(mail->from, kPiece, {piece()});
+    } else if (mail->tag == kFailed) {
+      fail(std::make_exception_ptr(Error(std::string(mail->bytes.begin(), mail->bytes.end()))));
+    } else if (mail->tag == kBye) {
+      --followers;
+    }
+  }
+  for (std::thread& thread : own) thread.join();
+  for (int rank = 1; rank < size_; ++rank) send(rank, kEnd, {problem ? 1 : 0});
+  if (problem) std::rethrow_exception(problem);
+}
+
+void MpiCrew::follow(int threads, const std::function<int(int)>& work) {
+  std::mutex speaking;
+  const auto run = [&] {
+    std::vector<int> done{-1, 0};
+    try {
+      while (true) {
+        int i = -1;
+        {
+          const std::lock_guard lock(speaking);
+          send(0, kAsk, done);
+          i = wait_for(0, kPiece).ints()[0];
+        }
+        if (i < 0) return;
+        done = {i, work(i)};
+      }
+    } catch (...) {
+      const std::string text = message_of(std::current_exception());
+      const std::lock_guard lock(speaking);
+      send(0, kFailed, text.data(), text.size());
+    }
+  };
+  std::vector<std::thread> others;
+  for (int t = 1; t < threads; ++t) others.emplace_back(run);
+  run();
+  for (std::thread& thread : others) thread.join();
+  send(0, kBye, {0});
+  if (wait_for(0, kEnd).ints()[0] != 0) throw Error("another process of the campaign failed");
+}
+
+void MpiCrew::end(bool failed) {
+  ended_ = true;
+  if (leads()) {
+    if (failed) MPI_Abort(MPI_COMM_WORLD, 1);
+    for (int rank = 1; rank < size_; ++rank) send(rank, kEnd, {0});
+    MPI_Finalize();
+    return;
+  }
+  if (failed) {
+    // The leader, which most often fails for the same reason, is given time to end the job itself.
+    std::this_thread::sleep_for(std::chrono::seconds(3));
+    if (kept_ != nullptr) {
+      std::fflush(stderr);
+      ::dup2(stderr_, STDERR_FILENO);
+      std::rewind(kept_);
+      for (int c = std::fgetc(kept_); c != EOF; c = std::fgetc(kept_)) std::fputc(c, stderr);
+    }
+    MPI_Abort(MPI_COMM_WORLD, 1);
+  }
+  (void)wait_for(0, kEnd);
+  MPI_Finalize();
+}
+
+}  // namespace palpable::app

@@ -1,0 +1,75 @@
+// palpable reduce bunny.snapshots -o bunny.palpable
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable-bake/body_report.h"
+#include "apps/palpable-bake/commands.h"
+#include "palpable/bake/bake_body.h"
+#include "palpable/reduced/body_file.h"
+
+#include <CLI/CLI.hpp>
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+struct Options {
+  std::string store;
+  std::string output;
+  double tolerance = 0;
+  int max_modes = 0;
+  std::vector<std::string> at;
+};
+
+void reduce(const Options& options, const std::string& command_line) {
+  require_folder_of(options.output);
+  const auto begin = std::chrono::steady_clock::now();
+  ReduceSettings settings{.at = parse_values(options.at),
+                          .version = std::string("palpable ") + PALPABLE_VERSION,
+                          .command_line = command_line};
+  if (options.tolerance > 0.0) settings.tolerance = options.tolerance;
+  if (options.max_modes > 0) settings.max_modes = options.max_modes;
+  const SnapshotStore store = SnapshotStore::open(options.store);
+  ProgressBar bar;
+  const BakedBody baked = reduce_store(store, settings, bar.progress());
+  bar.finish();
+  write_body_file(options.output, baked.body);
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  print_body_report(baked, options.output, taken.count());
+}
+
+}  // namespace
+
+void add_reduce(CLI::App& app, const std::string& command_line) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("reduce", "Make a body file from snapshots");
+  command
+      ->add_option("snapshots", options->store,
+                   "What palpable bake, merge or import-snapshots left")
+      ->required()
+      ->type_name("FOLDER");
+  command->add_option("-o,--out", options->output, "Body file to write")
+      ->required()
+      ->type_name("FILE");
+  command
+      ->add_option("--tolerance", options->tolerance,
+                   "Relative error over all snapshots, for displacement and stress each; else as "
+                   "the body's description says")
+      ->check(CLI::Range(1e-6, 0.999));
+  command
+      ->add_option("--max-modes", options->max_modes,
+                   "Stop at this many modes at the latest; else likewise")
+      ->check(CLI::Range(1, 100000));
+  command
+      ->add_option(
+          "--at", options->at,
+          "Of a further parameter, the value that the body file holds; else the middle one")
+      ->type_name("NAME=VALUE");
+  command->footer("Example: palpable reduce bunny.snapshots --tolerance 1e-3 -o bunny.palpable");
+  command->callback([options, command_line] { reduce(*options, command_line); });
+}
+
+}  // namespace palpable::app
