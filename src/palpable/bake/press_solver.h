@@ -9,18 +9,19 @@
 
 #include <Eigen/Core>
 
-#include <memory>
 #include <span>
 
 namespace palpable {
 
+/// EquilibriumSettings::tolerance for snapshots. Against 1e-10 it changes displacement and stress
+/// of the bunny by less than 1e-5 of their norms, at the ears too (docs/body.md); the reduction
+/// gives up a hundred times more, the mesh ten thousand times.
+inline constexpr double kSnapshotTolerance = 1e-6;
+
 /// Equilibria under  preload + level * press,  supports moved all the way at every level.
 ///
 /// The preload comes first and in full; presses and their levels are counted from the shape that it
-/// gives the body. All loads are dead and the body is elastic, so a state does not depend on the
-/// way to it, as long as nothing buckles; each is reached from the unloaded body with all loads
-/// growing together, since EquilibriumSolver has no part of a load that stays. That takes
-/// several times as long as a plain path, on which each level starts from those before it. Without
+/// gives the body, and paths start there: they cost what paths of the unloaded body do. Without
 /// a preload, everything is handed to EquilibriumSolver as it is.
 ///
 /// Const members may be called from several threads.
@@ -32,26 +33,27 @@ class PressSolver {
   PressSolver(const EquilibriumSolver& solver, const Eigen::Matrix3Xd& preload);
 
   [[nodiscard]] const EquilibriumSolver& solver() const { return solver_; }
-  [[nodiscard]] bool is_preloaded() const { return preload_.cols() > 0; }
+  [[nodiscard]] bool is_preloaded() const { return is_preloaded_; }
   /// (3 x N) u under the preload alone; zero without one.
-  [[nodiscard]] const Eigen::Matrix3Xd& rest() const { return rest_; }
+  [[nodiscard]] const Eigen::Matrix3Xd& rest() const { return preloaded_.rest; }
 
-  /// As EquilibriumSolver::solve_path(); displacements are from the unloaded body.
+  /// As EquilibriumSolver's; displacements are from the unloaded body, presses from rest().
+  /// @param lane  shares passes through the factor; nullptr: alone
   [[nodiscard]] PathResult solve_path(const Eigen::Matrix3Xd& full_load,
-                                      std::span<const double> levels) const;
-
-  /// As EquilibriumSolver::find_load(), with the press sum(unit_load . (u - rest())).
-  [[nodiscard]] LoadSearch find_load(const Eigen::Matrix3Xd& unit_load, double wanted_press) const;
+                                      std::span<const double> levels, Lane* lane = nullptr) const;
+  [[nodiscard]] LoadSearch find_load(const Eigen::Matrix3Xd& unit_load, double wanted_press,
+                                     Lane* lane = nullptr) const;
+  [[nodiscard]] PressPath press_path(const Eigen::Matrix3Xd& unit_load, const PressGoal& goal,
+                                     Lane* lane = nullptr) const;
 
  private:
-  // One state; `complete` is false where it was not reached.
-  [[nodiscard]] PathResult solve(const Eigen::Matrix3Xd& press) const;
+  [[nodiscard]] PathOptions options(Lane* lane) const {
+    return {.preloaded = is_preloaded_ ? &preloaded_ : nullptr, .lane = lane};
+  }
 
   const EquilibriumSolver& solver_;
-  // The same body with supports that stay where they are, to guess loads with; if they move.
-  std::unique_ptr<const EquilibriumSolver> unmoved_;
-  Eigen::Matrix3Xd preload_;  // no columns: none, and no support moves
-  Eigen::Matrix3Xd rest_;
+  bool is_preloaded_ = false;
+  Preloaded preloaded_;
 };
 
 }  // namespace palpable

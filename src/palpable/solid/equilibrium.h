@@ -39,6 +39,8 @@ struct EquilibriumSettings {
   /// A step that takes more iterations than this renews the factor before the next one: a factor
   /// costs as much as some 60 iterations on a bunny of 16,000 nodes, and serves several steps.
   int refresh_iterations = 40;
+  /// The same in lockstep, where a factor of one's own shares no pass with others.
+  int refresh_iterations_in_lockstep = 150;
   int max_cg_iterations =
       400;  ///< per Newton step; then the factor is renewed and it is tried again
 };
@@ -117,6 +119,7 @@ struct LoadSearch {
   std::string why_stopped;  ///< empty when reached
   Equilibrium state;        ///< at `load`
   int solves = 0;           ///< equilibria computed
+  int newton_steps = 0, cg_iterations = 0;
 };
 
 /// How far a body shall be pressed, and in how many steps.
@@ -133,10 +136,10 @@ struct PressPath {
   Eigen::VectorXd press;           ///< (L + 1) m: 0 and sum(unit_load . u) of each, increasing
   bool reached = false;            ///< the press, or the force
   Stop stop = Stop::kNone;
-  std::string why_stopped;  ///< empty when reached
-  int newton_steps = 0, cg_iterations = 0;
-  int factors = 0;   ///< how often the factor was renewed
-  int halvings = 0;  ///< increments that had to be cut
+  std::string why_stopped;                  ///< empty when reached
+  int newton_steps = 0, cg_iterations = 0;  ///< of the search, too
+  int factors = 0;                          ///< how often the factor was renewed
+  int halvings = 0;                         ///< increments that had to be cut
   SolveTimes times;
 };
 

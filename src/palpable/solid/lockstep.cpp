@@ -2,8 +2,8 @@
 
 #include "palpable/base/contract.h"
 
-#include <array>
 #include <condition_variable>
+#include <deque>
 #include <exception>
 #include <limits>
 #include <memory>
@@ -58,110 +58,150 @@ class Items {
   int item_of_problem_ = 0;
 };
 
-// Lanes take turns: 0, 1, ... , then the factor is applied for all that wait, then 0 again.
-class Group {
+// Says who runs. Lanes are ready, running, or waiting for a factor to be applied; of those that
+// wait, one is woken to do that for a batch of them.
+class Lanes {
  public:
-  explicit Group(int lanes) : lanes_(static_cast<std::size_t>(lanes)) {}
+  Lanes(int lanes, int threads) : lanes_(static_cast<std::size_t>(lanes)), threads_(threads) {
+    for (Seat& seat : lanes_) ready_.push_back(&seat);
+    const std::lock_guard lock(mutex_);
+    dispatch();
+  }
 
   void run(std::size_t self, Items& items, const std::function<void(int, Lane&)>& work) {
-    {
-      std::unique_lock lock(mutex_);
-      wait_for_turn(self, lock);
-    }
-    OfGroup lane(*this, self);
+    Seat& seat = lanes_[self];
+    wait_until_granted(seat);
+    OfSeat lane(*this, seat);
     while (const std::optional<int> item = items.take()) {
       try {
         work(*item, lane);
       } catch (...) { items.failed(*item); }
     }
-    std::unique_lock lock(mutex_);
-    lanes_[self].has_left = true;
-    pass_turn(self);
+    const std::lock_guard lock(mutex_);
+    --running_;
+    dispatch();
   }
 
  private:
-  struct State {
-    bool has_left = false;
-    std::condition_variable turn_has_come;
-    // What is asked for; no factor: nothing.
+  struct Seat {
+    std::condition_variable woken;
+    bool granted = false;      // may run
+    std::vector<Seat*> batch;  // whose systems this one is to solve
+    // What is asked for.
     const CholeskyFactor* factor = nullptr;
     const Eigen::VectorXd* b = nullptr;
     Eigen::VectorXd* x = nullptr;
     std::exception_ptr problem;
   };
 
-  class OfGroup final : public Lane {
+  class OfSeat final : public Lane {
    public:
-    OfGroup(Group& group, std::size_t self) : group_(group), self_(self) {}
+    OfSeat(Lanes& lanes, Seat& seat) : lanes_(lanes), seat_(seat) {}
     void solve(const CholeskyFactor& factor, const Eigen::VectorXd& b,
                Eigen::VectorXd& x) override {
-      group_.solve(self_, factor, b, x);
+      lanes_.solve(seat_, factor, b, x);
     }
 
    private:
-    Group& group_;
-    std::size_t self_;
+    Lanes& lanes_;
+    Seat& seat_;
   };
 
-  void solve(std::size_t self, const CholeskyFactor& factor, const Eigen::VectorXd& b,
+  void solve(Seat& seat, const CholeskyFactor& factor, const Eigen::VectorXd& b,
              Eigen::VectorXd& x) {
+    {
+      const std::lock_guard lock(mutex_);
+      seat.factor = &factor;
+      seat.b = &b;
+      seat.x = &x;
+      waiting_.push_back(&seat);
+      --running_;
+      dispatch();
+    }
+    wait_until_granted(seat);
+    if (seat.problem) std::rethrow_exception(std::exchange(seat.problem, nullptr));
+  }
+
+  void wait_until_granted(Seat& seat) {
     std::unique_lock lock(mutex_);
-    State& state = lanes_[self];
-    state.factor = &factor;
-    state.b = &b;
-    state.x = &x;
-    pass_turn(self);
-    wait_for_turn(self, lock);
-    if (state.problem) std::rethrow_exception(std::exchange(state.problem, nullptr));
-  }
-
-  void wait_for_turn(std::size_t self, std::unique_lock<std::mutex>& lock) {
-    lanes_[self].turn_has_come.wait(lock, [&] { return turn_ == self; });
-  }
-
-  void pass_turn(std::size_t self) {
-    for (std::size_t i = self + 1; i < lanes_.size(); ++i) {
-      if (!lanes_[i].has_left) return give_turn(i);
+    for (;;) {
+      seat.woken.wait(lock, [&] { return seat.granted || !seat.batch.empty(); });
+      if (seat.granted) break;
+      const std::vector<Seat*> batch = std::exchange(seat.batch, {});
+      std::unique_ptr<FactorWorkspace> workspace = take_workspace();
+      lock.unlock();
+      apply_factor(batch, *workspace);
+      lock.lock();
+      workspaces_.push_back(std::move(workspace));
+      ready_.insert(ready_.end(), batch.begin(), batch.end());
+      --running_;
+      dispatch();
     }
-    apply_factors();
-    for (std::size_t i = 0; i < lanes_.size(); ++i) {
-      if (!lanes_[i].has_left) return give_turn(i);
+    seat.granted = false;
+  }
+
+  // Under the lock, as the next.
+  void dispatch() {
+    while (running_ < threads_) {
+      std::vector<Seat*> batch = next_batch();
+      if (batch.size() == CholeskyFactor::kMostTogether ||
+          (!batch.empty() && ready_.empty() && running_ == 0)) {
+        for (const Seat* const seat : batch) std::erase(waiting_, seat);
+        Seat& who = *batch.front();
+        who.batch = std::move(batch);
+        ++running_;
+        who.woken.notify_one();
+      } else if (!ready_.empty()) {
+        Seat& who = *ready_.front();
+        ready_.pop_front();
+        who.granted = true;
+        ++running_;
+        who.woken.notify_one();
+      } else {
+        return;
+      }
     }
   }
 
-  void give_turn(std::size_t to) {
-    turn_ = to;
-    lanes_[to].turn_has_come.notify_one();
+  // Those that wait for the same factor as the one that has waited longest.
+  [[nodiscard]] std::vector<Seat*> next_batch() const {
+    std::vector<Seat*> batch;
+    for (Seat* const seat : waiting_) {
+      if (seat->factor != waiting_.front()->factor) continue;
+      batch.push_back(seat);
+      if (batch.size() == CholeskyFactor::kMostTogether) break;
+    }
+    return batch;
   }
 
-  // Everybody waits, so nobody minds that the lock is held.
-  void apply_factors() {
-    for (State& first : lanes_) {
-      if (first.factor == nullptr) continue;
-      const CholeskyFactor& factor = *first.factor;
-      std::array<const Eigen::VectorXd*, CholeskyFactor::kMostTogether> b{};
-      std::array<Eigen::VectorXd*, CholeskyFactor::kMostTogether> x{};
-      std::array<State*, CholeskyFactor::kMostTogether> of{};
-      std::size_t count = 0;
-      for (State& state : lanes_) {
-        if (state.factor != &factor) continue;
-        b[count] = state.b;
-        x[count] = state.x;
-        of[count++] = &state;
-        state.factor = nullptr;
-      }
-      try {
-        factor.solve_together({b.data(), count}, {x.data(), count}, workspace_);
-      } catch (...) {
-        for (std::size_t i = 0; i < count; ++i) of[i]->problem = std::current_exception();
-      }
+  std::unique_ptr<FactorWorkspace> take_workspace() {
+    if (workspaces_.empty()) return std::make_unique<FactorWorkspace>();
+    std::unique_ptr<FactorWorkspace> workspace = std::move(workspaces_.back());
+    workspaces_.pop_back();
+    return workspace;
+  }
+
+  static void apply_factor(const std::vector<Seat*>& batch, FactorWorkspace& workspace) {
+    std::vector<const Eigen::VectorXd*> b;
+    std::vector<Eigen::VectorXd*> x;
+    for (const Seat* const seat : batch) {
+      b.push_back(seat->b);
+      x.push_back(seat->x);
+    }
+    try {
+      batch.front()->factor->solve_together(b, x, workspace);
+    } catch (...) {
+      for (Seat* const seat : batch) seat->problem = std::current_exception();
     }
   }
 
   std::mutex mutex_;
-  std::vector<State> lanes_;
-  std::size_t turn_ = 0;
-  FactorWorkspace workspace_;
+  std::vector<Seat> lanes_;
+  int threads_;
+  int running_ = 0;  // lanes, and batches that are solved
+  std::deque<Seat*> ready_;
+  std::vector<Seat*> waiting_;  // longest first
+  std::vector<std::unique_ptr<FactorWorkspace>> workspaces_;
 };
 
 }  // namespace
@@ -169,21 +209,12 @@ class Group {
 void run_in_lockstep(const std::function<std::optional<int>()>& next,
                      const std::function<void(int item, Lane& lane)>& work,
                      const LockstepSettings& settings) {
-  PALPABLE_EXPECT(settings.groups >= 1, "at least one group");
-  PALPABLE_EXPECT(settings.lanes >= 1 && settings.lanes <= CholeskyFactor::kMostTogether,
-                  "1 to 16 lanes");
+  PALPABLE_EXPECT(settings.threads >= 1 && settings.lanes >= 1, "at least one lane that runs");
   Items items(next);
-  std::vector<std::unique_ptr<Group>> groups;
+  Lanes lanes(settings.lanes, settings.threads);
   std::vector<std::thread> threads;
-  for (int g = 0; g < settings.groups; ++g) {
-    groups.push_back(std::make_unique<Group>(settings.lanes));
-  }
-  for (int lane = 0; lane < settings.lanes; ++lane) {
-    for (const auto& group : groups) {
-      threads.emplace_back([&items, &work, &group = *group, self = static_cast<std::size_t>(lane)] {
-        group.run(self, items, work);
-      });
-    }
+  for (std::size_t lane = 0; lane < static_cast<std::size_t>(settings.lanes); ++lane) {
+    threads.emplace_back([&, lane] { lanes.run(lane, items, work); });
   }
   for (std::thread& thread : threads) thread.join();
   items.rethrow();

@@ -1,13 +1,12 @@
 /// @file
 /// Solves that go side by side and share each pass through a factor.
 ///
-/// Every solve is written as if it were alone, on a thread of its own: a *lane*. Up to 16 lanes
-/// make a group, of which one runs at a time. A lane that wants the factor applied waits, and when
-/// all that are left wait, one pass through the factor serves them all
+/// Every solve is written as if it were alone, on a thread of its own: a *lane*. A lane that wants
+/// the factor applied waits; when 16 wait, or all do, one pass through the factor serves them
 /// (CholeskyFactor::solve_together): on a bunny of 16,000 nodes 2.2 ms each instead of 16, on a
-/// machine whose memory others used, too.
+/// machine whose memory others used, too. As many lanes run at a time as cores may be used.
 ///
-/// What a lane computes does not depend on the others, to the bit. So neither the number of groups
+/// What a lane computes does not depend on the others, to the bit. So neither the number of cores
 /// and lanes nor the order of the items matters to any result.
 #pragma once
 
@@ -24,15 +23,17 @@ namespace palpable {
 class Lane {
  public:
   virtual ~Lane() = default;
-  /// CholeskyFactor::solve_roughly(), together with what the other lanes of the group ask of the
-  /// same factor. Others run meanwhile.
+  /// CholeskyFactor::solve_roughly(), together with what other lanes ask of the same factor. Others
+  /// run meanwhile.
   virtual void solve(const CholeskyFactor& factor, const Eigen::VectorXd& b,
                      Eigen::VectorXd& x) = 0;
 };
 
 struct LockstepSettings {
-  int groups = 1;                             ///< that many cores are used, >= 1
-  int lanes = CholeskyFactor::kMostTogether;  ///< of each group, 1 .. 16: memory for speed
+  int threads = 1;  ///< that run at a time, >= 1
+  /// Items in progress, >= 1: some more than 16 for each thread keep every pass full. Each costs
+  /// the memory of its solve.
+  int lanes = 24;
 };
 
 /// Calls work(item, lane) for every item that `next` hands out, as soon as a lane is free, until it

@@ -93,6 +93,8 @@ LoadSearch search_load(Walk& walk, double wanted, const SearchTolerances& tolera
     const bool arrived =
         walk.advance(load, closes_in ? tolerances.at_the_end : tolerances.on_the_way);
     ++search.solves;
+    search.newton_steps += walk.now().newton_steps;
+    search.cg_iterations += walk.now().cg_iterations;
     const Point here{walk.now().level, walk.work_conjugate()};
     search.load = here.load;
     search.press = here.press;
@@ -190,6 +192,8 @@ PressPath EquilibriumSolver::press_path(const Matrix3Xd& unit_load, const PressG
     const LoadSearch search =
         search_load(walk, goal.press, {std::max(tolerance, 1e-3), tolerance, 1e-5});
     path.full_load = search.reached ? search.load : kBackOff * search.load;
+    path.newton_steps = search.newton_steps;
+    path.cg_iterations = search.cg_iterations;
     path.reached = search.reached;
     path.stop = search.stop;
     path.why_stopped = search.why_stopped;

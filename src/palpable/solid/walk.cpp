@@ -198,32 +198,39 @@ Matrix3Xd Walk::predict(double level) {
   };
   std::sort(knots_.begin(), knots_.end(), nearer);
   if (knots_.size() > kMostKnots) knots_.resize(kMostKnots);
-  std::vector<const Knot*> nearest;
-  for (const std::vector<Knot>* const list : {&knots_, &guides_}) {
-    for (const Knot& knot : *list) {
-      // Of two that are close together, the guide was solved to fewer digits: their difference
-      // means nothing.
-      const bool is_new = std::none_of(nearest.begin(), nearest.end(), [&](const Knot* other) {
-        return is_close(other->level, knot.level);
-      });
-      if (is_new) nearest.push_back(&knot);
-    }
+  std::vector<const Knot*> own, with_guides;
+  for (const Knot& knot : knots_) own.push_back(&knot);
+  with_guides = own;
+  for (const Knot& guide : guides_) {
+    const bool is_new = std::none_of(own.begin(), own.end(), [&](const Knot* other) {
+      return is_close(other->level, guide.level);
+    });
+    if (is_new) with_guides.push_back(&guide);
   }
-  std::sort(nearest.begin(), nearest.end(),
+  std::sort(with_guides.begin(), with_guides.end(),
             [&](const Knot* a, const Knot* b) { return nearer(*a, *b); });
-  const int highest = std::min(kHighestOrder, static_cast<int>(nearest.size()) - 1);
+
   Matrix3Xd best;
   double best_residual = std::numeric_limits<double>::infinity();
-  // The best order is among the highest, unless those turn an element inside out.
-  for (int order = highest; order >= 0; --order) {
-    if (order < highest - 2 && std::isfinite(best_residual)) break;
-    Matrix3Xd u = through(nearest, level, order);
+  const auto try_order = [&](const std::vector<const Knot*>& knots, int order) {
+    Matrix3Xd u = through(knots, level, order);
     const bool finite = std::isfinite(evaluate(level, u).energy);
     const double residual = finite ? r_.norm() : std::numeric_limits<double>::infinity();
     if (best.cols() == 0 || residual <= best_residual) {
       best = std::move(u);
       best_residual = residual;
     }
+  };
+  const auto highest_order = [](const std::vector<const Knot*>& knots) {
+    return std::min(kHighestOrder, static_cast<int>(knots.size()) - 1);
+  };
+  // Guides are on both sides but were solved to few digits.
+  if (with_guides.size() > own.size()) try_order(with_guides, highest_order(with_guides));
+  // The best order is among the highest, unless those turn an element inside out.
+  const int highest = highest_order(own);
+  for (int order = highest; order >= 0; --order) {
+    if (order < highest - 2 && std::isfinite(best_residual)) break;
+    try_order(own, order);
   }
   return best;
 }
@@ -287,7 +294,8 @@ Walk::Failure Walk::newton_step(const Matrix3Xd& u, double tolerance) {
     const CgResult cg = solve_tangent(u, forcing);
     if (cg.end == CgEnd::kNegativeCurvature) return {.stop = Stop::kNegativeCurvature};
     if (cg.end == CgEnd::kConverged) {
-      factor_is_slow_ = cg.iterations > settings_.refresh_iterations;
+      factor_is_slow_ = cg.iterations > (lane_ != nullptr ? settings_.refresh_iterations_in_lockstep
+                                                          : settings_.refresh_iterations);
       return {};
     }
     if (attempt == 0 && !renew_factor(u)) return {.stop = Stop::kNegativeCurvature};
