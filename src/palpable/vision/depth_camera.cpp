@@ -4,6 +4,8 @@
 #include "palpable/vision/calibration_file.h"
 #include "palpable/vision/opencv_views.h"
 #include "palpable/vision/rectification.h"
+#include "palpable/vision/row_watch.h"
+#include "palpable/vision/stereo_matcher.h"
 
 #include <fmt/core.h>
 #include <opencv2/calib3d.hpp>
@@ -12,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <optional>
 #include <string>
@@ -21,6 +24,11 @@ namespace palpable {
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+// The guard looks for things down to here, m: at 40 mm neither eye is in focus.
+constexpr double kGuardNearest = 0.05;
+
+constexpr int kMostThreads = 16;
+
 constexpr int kSubpixels = 16;  // OpenCV's disparities come in sixteenths of a pixel
 
 // Cost block and penalties of the reference settings (research/vision.md): P1 for a step of one
@@ -47,34 +55,68 @@ struct DepthCamera::Parts {
 
   // Stereo only.
   std::optional<Rectification> rectification;
-  RectifiedStereo matched;      // the rig at the resolution of matching
-  int first_disparity = 0;      // px
-  int disparities = 0;          // multiple of 16
-  std::vector<float> depth_of;  // by disparity in sixteenths, from first_disparity on
-  cv::Ptr<cv::StereoSGBM> matcher;
-  GrayImage left;
+  RectifiedStereo matched;  // the rig at the resolution of matching
+  int first_disparity = 0;  // px
+  int disparities = 0;      // multiple of 16
+  GrayImage left;           // as large as the raw images
   GrayImage right;
+  GrayImage left_half;
+  GrayImage right_half;
+
+  // kCensus
+  std::optional<StereoMatcher> own;
+  MatchedPair pair;
+  std::optional<RowWatch> watch;
+  double row_correction_px = 0;
+
+  // kOpenCv
+  std::vector<float> depth_of;  // by disparity in sixteenths, from first_disparity on
+  cv::Ptr<cv::StereoSGBM> opencv;
   cv::Mat left_padded;
   cv::Mat right_padded;
   cv::Mat disparity;  // CV_16SC1, sixteenths
 
-  void prepare_matching();
+  void find_range();
+  void prepare_own();
+  void prepare_opencv();
   void see_stereo(const Frame& frame, SeenFrame& seen);
+  void rectify(const Frame& frame, SeenFrame& seen);
+  void match_own(SeenFrame& seen);
+  void watch_rows(SeenFrame& seen);
+  void match_opencv(SeenFrame& seen);
 };
 
-void DepthCamera::Parts::prepare_matching() {
+void DepthCamera::Parts::find_range() {
   const double f_T = matched.camera.fx_px * matched.baseline;
   const double infinity = matched.disparity_at_infinity_px;
   // One less and one more than the range needs, because neither end is trusted.
   first_disparity = static_cast<int>(std::floor(infinity + f_T / settings.farthest)) - 1;
-  // What both eyes
-  // see at a disparity of half the width or more is a strip at the border.
+  // What both eyes see at a disparity of half the width or more is a strip at the border.
   const int last = std::min(static_cast<int>(std::ceil(infinity + f_T / settings.nearest)) + 1,
                             std::max(matched.camera.width / 2, first_disparity + 16));
   disparities = (last - first_disparity + 1 + 15) / 16 * 16;
-  matcher = cv::StereoSGBM::create(first_disparity, disparities, kBlock, kP1, kP2,
-                                   kLargestLeftRightDifference, 63, kUniquenessPercent,
-                                   settings.speckle_size_px, 1, cv::StereoSGBM::MODE_SGBM_3WAY);
+}
+
+void DepthCamera::Parts::prepare_own() {
+  StereoMatcherSettings s = settings.full_resolution ? full_matching() : near_matching();
+  s.first = first_disparity;
+  const int most = (kMostDisparities - 1 - std::abs(first_disparity)) / 16 * 16;
+  s.disparities = disparities = std::min(disparities, most);
+  const double f_T = matched.camera.fx_px * matched.baseline;
+  // At a quarter of the resolution, from the same end of the range on.
+  const double widest = matched.camera.width;
+  s.guard_disparities =
+      static_cast<int>(std::min(f_T / kGuardNearest + std::abs(first_disparity), widest) / 4);
+  s.guard_disparities = std::min(s.guard_disparities, most);
+  s.threads = settings.threads;
+  own.emplace(s);
+  if (settings.watch_rows) watch.emplace(camera);
+}
+
+void DepthCamera::Parts::prepare_opencv() {
+  opencv = cv::StereoSGBM::create(first_disparity, disparities, kBlock, kP1, kP2,
+                                  kLargestLeftRightDifference, 63, kUniquenessPercent,
+                                  settings.speckle_size_px, 1, cv::StereoSGBM::MODE_SGBM_3WAY);
 
   depth_of.resize(static_cast<std::size_t>(disparities * kSubpixels), kUnknown);
   // A minimum at either end of the range has only one neighbour: the true one may lie outside.
@@ -87,27 +129,75 @@ void DepthCamera::Parts::prepare_matching() {
 }
 
 void DepthCamera::Parts::see_stereo(const Frame& frame, SeenFrame& seen) {
-  using Eye = Rectification::Eye;
   {
     const StageTimer timer(times, "rectify");
-    rectification->rectify(Eye::kLeft, frame.left, seen.color);
+    rectify(frame, seen);
+  }
+  if (own) {
+    match_own(seen);
+  } else {
+    match_opencv(seen);
+  }
+}
+
+void DepthCamera::Parts::rectify(const Frame& frame, SeenFrame& seen) {
+  using Eye = Rectification::Eye;
+  rectification->rectify(Eye::kLeft, frame.left, seen.color);
+  Rectification::luma(seen.color, left);
+  rectification->rectify_luma(Eye::kRight, frame.right, right);
+  if (settings.full_resolution) return;
+  Rectification::halve(left, left_half);
+  Rectification::halve(right, right_half);
+}
+
+void DepthCamera::Parts::match_own(SeenFrame& seen) {
+  {
+    const StageTimer timer(times, "disparity");
     if (settings.full_resolution) {
-      rectification->rectify_luma(Eye::kLeft, frame.left, left);
-      rectification->rectify_luma(Eye::kRight, frame.right, right);
+      own->match(left, right, pair);
     } else {
-      rectification->rectify_luma_half(Eye::kLeft, frame.left, left);
-      rectification->rectify_luma_half(Eye::kRight, frame.right, right);
+      own->match(left_half, right_half, pair);
+      own->refine(left, right, pair);
     }
   }
+  const StageTimer timer(times, "depth");
+  if (watch) watch_rows(seen);
+  const auto f_T = static_cast<float>(kDisparitySteps * matched.camera.fx_px * matched.baseline);
+  const auto infinity = static_cast<float>(kDisparitySteps * matched.disparity_at_infinity_px);
+  const auto farthest = static_cast<float>(settings.farthest);
+  for (std::size_t i = 0; i < seen.depth.size(); ++i) {
+    const std::int16_t d = pair.disparity.data()[i];
+    const float Z = f_T / (static_cast<float>(d) - infinity);
+    const bool known = is_measured(d) && Z > 0 && Z <= farthest;
+    seen.depth.data()[i] = known ? Z : kUnknown;
+    seen.confidence.data()[i] = known ? pair.confidence.data()[i] : std::uint8_t{0};
+    seen.too_close.data()[i] = d == kTooCloseDisparity ? 255 : 0;
+  }
+}
+
+// What is found now helps from the next frame on.
+void DepthCamera::Parts::watch_rows(SeenFrame& seen) {
+  const RowError& error = watch->measure(left, right, pair.disparity, pair.confidence,
+                                         settings.full_resolution ? 1 : 2);
+  seen.row_error_px = error.median_px;
+  if (const std::optional<EyeTilt> due = watch->correction_due()) {
+    rectification->turn_right(due->rotation());
+    row_correction_px += due->pitch * camera.fy_px;
+  }
+}
+
+void DepthCamera::Parts::match_opencv(SeenFrame& seen) {
+  const GrayImage& l = settings.full_resolution ? left : left_half;
+  const GrayImage& r = settings.full_resolution ? right : right_half;
   // OpenCV computes no column x < first + disparities (and, if first < 0, none of the last -first):
   // padding moves those columns out of the picture.
   const int pad_left = std::max(first_disparity + disparities, 0);
   const int pad_right = std::max(-first_disparity, 0);
   {
     const StageTimer timer(times, "disparity");
-    cv::copyMakeBorder(view(left), left_padded, 0, 0, pad_left, pad_right, cv::BORDER_REPLICATE);
-    cv::copyMakeBorder(view(right), right_padded, 0, 0, pad_left, pad_right, cv::BORDER_REPLICATE);
-    matcher->compute(left_padded, right_padded, disparity);
+    cv::copyMakeBorder(view(l), left_padded, 0, 0, pad_left, pad_right, cv::BORDER_REPLICATE);
+    cv::copyMakeBorder(view(r), right_padded, 0, 0, pad_left, pad_right, cv::BORDER_REPLICATE);
+    opencv->compute(left_padded, right_padded, disparity);
   }
   const StageTimer timer(times, "depth");
   const int width = matched.camera.width;
@@ -186,8 +276,21 @@ Result<DepthCamera> DepthCamera::make(const FrameFormat& format, const DepthSett
     return Problem{fmt::format("images of {} x {} are too small for stereo: 64 x 32 at least",
                                format.width, format.height)};
   }
+  parts->find_range();
+  if (settings.matcher == DepthSettings::Matcher::kCensus) {
+    if (settings.threads < 1 || settings.threads > kMostThreads) {
+      return Problem{fmt::format("matching on {} threads: 1 to {} are possible", settings.threads,
+                                 kMostThreads)};
+    }
+    if (std::abs(parts->first_disparity) > kMostDisparities / 2) {
+      return Problem{fmt::format("the disparity at infinity is {} px; the matcher reaches {}",
+                                 parts->matched.disparity_at_infinity_px, kMostDisparities / 2)};
+    }
+    parts->prepare_own();
+    return DepthCamera(std::move(parts));
+  }
   try {
-    parts->prepare_matching();
+    parts->prepare_opencv();
   } catch (const cv::Exception& e) { return Problem{"no matcher for this rig: " + e.err}; }
   return DepthCamera(std::move(parts));
 }
@@ -199,8 +302,14 @@ void DepthCamera::see(const Frame& frame, SeenFrame& seen) {
   seen.time = frame.time;
   seen.camera = p.camera;
   seen.depth_camera = p.depth_camera;
+  seen.row_error_px = std::numeric_limits<double>::quiet_NaN();
+  seen.row_correction_px = p.row_correction_px;
   seen.color.resize(p.camera.width, p.camera.height);
   seen.depth.resize(p.depth_camera.width, p.depth_camera.height);
+  if (p.own) {
+    seen.too_close.resize(p.depth_camera.width, p.depth_camera.height);
+    seen.confidence.resize(p.depth_camera.width, p.depth_camera.height);
+  }
 
   const int width = p.format.width;
   const int height = p.format.height;
@@ -227,6 +336,8 @@ void DepthCamera::see(const Frame& frame, SeenFrame& seen) {
   if (usable) return;
   std::fill(seen.color.begin(), seen.color.end(), Rgb{});
   std::fill(seen.depth.begin(), seen.depth.end(), kUnknown);
+  std::fill(seen.too_close.begin(), seen.too_close.end(), std::uint8_t{0});
+  std::fill(seen.confidence.begin(), seen.confidence.end(), std::uint8_t{0});
 }
 
 const PinholeCamera& DepthCamera::camera() const { return parts_->camera; }

@@ -8,6 +8,7 @@
 #include "palpable/vision/depth_noise.h"
 #include "palpable/vision/frame.h"
 
+#include <limits>
 #include <memory>
 
 namespace palpable {
@@ -20,20 +21,39 @@ struct SeenFrame {
   PinholeCamera camera;  ///< of `color`
   DepthImage depth;      ///< Z in m, NaN unknown; half as large as `color` for stereo
   PinholeCamera depth_camera;
+  /// 255 where something is nearer than the searched range (its depth is unknown); of the depth's
+  /// size. Empty when nothing watches for that: time of flight, OpenCV's matcher.
+  MaskImage too_close;
+  /// How well a depth is known (disparity_filters.h), 0 where it is not; of the depth's size. Empty
+  /// when the camera or OpenCV's matcher does not say.
+  GrayImage confidence;
+  /// Median row error of matched points in this frame, px of the full images, positive where the
+  /// right image lies lower; NaN when too few points say so or nothing watches.
+  double row_error_px = std::numeric_limits<double>::quiet_NaN();
+  /// By how much the right image's middle was moved up in this frame beyond the calibration, px.
+  double row_correction_px = 0;
 };
 
 struct DepthSettings {
-  /// Disparities are searched up to this depth in m. A range that is too short does not leave
-  /// holes, it calls near things far, so it reaches nearer than anything that touches: 0.14 m is
-  /// 157 px at half resolution of a 720p pair (f = 700 px, T = 63 mm).
-  double nearest = 0.14;
+  enum class Matcher {
+    kCensus,  ///< stereo_matcher.h
+    kOpenCv   ///< cv::StereoSGBM, 3-way: the reference
+  };
+  Matcher matcher = Matcher::kCensus;
+  /// Disparities are searched up to this depth in m: 184 px at half resolution of a 720p pair
+  /// (f = 700 px, T = 63 mm). A range that is too short does not leave holes, it calls near things
+  /// far; kCensus guards against that, kOpenCv does not.
+  double nearest = 0.12;
   /// Depths beyond are unknown, m. At 720p half a pixel of disparity is 25 % of the depth at 20 m.
   double farthest = 20.0;
-  /// Stereo at full resolution instead of half: for small images and benchmarks; about 6 times the
-  /// time.
+  /// Stereo matched at full resolution instead of half: for scenes, small images and benchmarks;
+  /// about 6 times the time.
   bool full_resolution = false;
-  /// A patch of connected pixels smaller than this is noise and becomes unknown.
+  /// A patch of connected pixels smaller than this is noise and becomes unknown (kOpenCv).
   int speckle_size_px = 60;
+  int threads = 2;  ///< of kCensus; the depth does not depend on it
+  /// Measure the row error of every frame, and correct it once it lasts (row_watch.h; kCensus).
+  bool watch_rows = true;
 };
 
 /// Turns frames of one format into depth. Takes memory while it is made and at the first frame;

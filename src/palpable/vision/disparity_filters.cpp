@@ -102,6 +102,44 @@ void median_3x3(const Disparities& in, int y_begin, int y_end, Disparities& out)
   }
 }
 
+void smooth_surfaces(const Disparities& in, int y_begin, int y_end, Disparities& out) {
+  constexpr int kReach = 2;
+  constexpr int kChunk = 128;  // columns at a time, so that the sums stay in registers' reach
+  const int width = in.width();
+  const int height = in.height();
+  std::int16_t sum[kChunk];
+  std::int16_t count[kChunk];
+  for (int y = y_begin; y < y_end; ++y) {
+    const std::int16_t* here = in.row(y);
+    for (int begin = 0; begin < width; begin += kChunk) {
+      const int end = std::min(begin + kChunk, width);
+      std::fill_n(sum, end - begin, std::int16_t{0});
+      std::fill_n(count, end - begin, std::int16_t{0});
+      for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, height - 1); ++v) {
+        for (int i = -kReach; i <= kReach; ++i) {
+          const std::int16_t* other = in.row(v) + i;
+          const int from = std::max(begin, -i);
+          const int to = std::min(end, width - i);
+          for (int x = from; x < to; ++x) {
+            // Differences wrap around, but kMostDisparities keeps those to the two marks large.
+            const auto difference = static_cast<std::uint16_t>(other[x] - here[x]);
+            const auto moved = static_cast<std::uint16_t>(difference + kSmoothStep);
+            const auto near = static_cast<std::uint16_t>(moved <= 2 * kSmoothStep ? 0xffff : 0);
+            sum[x - begin] = static_cast<std::int16_t>(sum[x - begin] + (difference & near));
+            count[x - begin] = static_cast<std::int16_t>(count[x - begin] + (near & 1));
+          }
+        }
+      }
+      for (int x = begin; x < end; ++x) {
+        const int n = count[x - begin];  // >= 1: the pixel itself
+        const int twice = 2 * sum[x - begin];
+        const int mean = (twice >= 0 ? twice + n : twice - n) / (2 * n);
+        out(x, y) = is_measured(here[x]) ? static_cast<std::int16_t>(here[x] + mean) : here[x];
+      }
+    }
+  }
+}
+
 int SpeckleFilter::root(int run) {
   const auto at = [this](int i) -> Run& { return runs_[static_cast<std::size_t>(i)]; };
   while (at(run).parent != run) {
@@ -111,7 +149,8 @@ int SpeckleFilter::root(int run) {
   return run;
 }
 
-void SpeckleFilter::operator()(Disparities& d, int size, int step) {
+void SpeckleFilter::operator()(const SpeckleLimits& limits, int step, const GrayImage& confidence,
+                               Disparities& d) {
   const int width = d.width();
   const int height = d.height();
   // As many runs as pixels at the worst.
@@ -131,7 +170,9 @@ void SpeckleFilter::operator()(Disparities& d, int size, int step) {
       int end = x + 1;
       while (end < width && is_measured(here[end]) && near(here[end], here[end - 1])) ++end;
       const auto me = static_cast<int>(runs_.size());
-      runs_.push_back({x, end, y, me, end - x});
+      std::int64_t sure = 0;
+      for (int i = x; i < end; ++i) sure += confidence(i, y);
+      runs_.push_back({x, end, y, me, end - x, sure});
       // The runs above that share a column; the last one may reach the next run too.
       while (above < row_begin && runs_[above].end <= x) ++above;
       const std::int16_t* up = y > 0 ? d.row(y - 1) : nullptr;
@@ -143,8 +184,11 @@ void SpeckleFilter::operator()(Disparities& d, int size, int step) {
         const int mine = root(me);
         const int other = root(static_cast<int>(i));
         if (mine == other) continue;
-        runs_[static_cast<std::size_t>(mine)].parent = other;
-        runs_[static_cast<std::size_t>(other)].size += runs_[static_cast<std::size_t>(mine)].size;
+        Run& from = runs_[static_cast<std::size_t>(mine)];
+        Run& to = runs_[static_cast<std::size_t>(other)];
+        from.parent = other;
+        to.size += from.size;
+        to.confidence += from.confidence;
       }
       x = end;
     }
@@ -152,7 +196,10 @@ void SpeckleFilter::operator()(Disparities& d, int size, int step) {
   }
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     const Run run = runs_[i];
-    if (runs_[static_cast<std::size_t>(root(static_cast<int>(i)))].size >= size) continue;
+    const Run& patch = runs_[static_cast<std::size_t>(root(static_cast<int>(i)))];
+    const bool doubtful = patch.size < limits.doubtful_size &&
+                          patch.confidence < std::int64_t{limits.doubtful_confidence} * patch.size;
+    if (patch.size >= limits.size && !doubtful) continue;
     std::fill(d.row(run.y) + run.begin, d.row(run.y) + run.end, kUnknownDisparity);
   }
 }

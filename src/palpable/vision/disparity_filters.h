@@ -1,7 +1,5 @@
 /// @file
 /// From winners to disparities that can be believed: checks, sub-pixel, and filters.
-///
-/// A disparity is a whole number of 1/kDisparitySteps px.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -11,14 +9,6 @@
 #include <vector>
 
 namespace palpable {
-
-using Disparities = Image<std::int16_t>;
-inline constexpr int kDisparitySteps = 64;
-inline constexpr std::int16_t kUnknownDisparity = INT16_MIN;
-inline constexpr std::int16_t kTooCloseDisparity = INT16_MAX;
-[[nodiscard]] constexpr bool is_measured(std::int16_t d) {
-  return d != kUnknownDisparity && d != kTooCloseDisparity;
-}
 
 /// How well a pixel is known, 0-255: 0 not at all; kFilledConfidence it was filled from its
 /// neighbours; else kLeastConfidence and more, the more the better both eyes' codes agree.
@@ -46,11 +36,21 @@ void check_winners(const Winners& winners, int first, int disparities, int left_
 /// neighbours that agree. The border is copied.
 void median_3x3(const Disparities& in, int y_begin, int y_end, Disparities& out);
 
-/// Makes unknown all 4-connected patches of fewer than `size` pixels in which neighbours differ by
-/// at most `step`: the answer of cv::filterSpeckles.
+/// Which patches a SpeckleFilter takes for noise.
+struct SpeckleLimits {
+  int size = 0;  ///< px; smaller patches
+  /// Larger ones too, up to this size, when their mean confidence is below `doubtful_confidence`:
+  /// what lies beyond the searched range comes out as patches that hardly agree with the other eye.
+  int doubtful_size = 0;
+  int doubtful_confidence = 160;
+};
+
+/// Makes unknown all 4-connected patches that are noise; within a patch neighbours differ by at
+/// most `step`. With doubtful_size 0 this is the answer of cv::filterSpeckles.
 class SpeckleFilter {
  public:
-  void operator()(Disparities& d, int size, int step);
+  void operator()(const SpeckleLimits& limits, int step, const GrayImage& confidence,
+                  Disparities& d);
 
  private:
   struct Run {
@@ -59,10 +59,16 @@ class SpeckleFilter {
     int y;
     int parent;
     int size;
+    std::int64_t confidence;  // summed
   };
   int root(int run);
   std::vector<Run> runs_;
 };
+
+/// Replaces each measured pixel of rows [y_begin, y_end) by the mean of those of its 5 x 5 window
+/// that differ from it by at most kSmoothStep: surfaces become smooth, jumps stay.
+inline constexpr int kSmoothStep = 2 * kDisparitySteps;
+void smooth_surfaces(const Disparities& in, int y_begin, int y_end, Disparities& out);
 
 /// Fills unknown stretches of a row of at most `longest` px: between two ends that differ by at
 /// most `step` straight from one to the other; else, if `also_edges`, with the farther end (what a

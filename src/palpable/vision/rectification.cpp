@@ -83,37 +83,43 @@ struct Rectification::Maps {
     cv::Mat xy;
     cv::Mat fraction;
   };
-  bool warps = true;
+  bool warps[2] = {true, true};
+  DistortedCamera raw[2];
   Table full[2];
   Table half[2];
   cv::Mat gray;       // luma of a raw image
   cv::Mat gray_half;  // the same, averaged two by two
 };
 
-Rectification::Rectification(const StereoRig& rig)
-    : geometry_(rectified_geometry(rig)), maps_(std::make_unique<Maps>()) {
+void Rectification::make_tables(Eye eye) {
+  const auto i = static_cast<std::size_t>(eye);
   const PinholeCamera& camera = geometry_.stereo.camera;
   const PinholeCamera half = camera.scaled_down(2);
-  for (const Eye eye : {Eye::kLeft, Eye::kRight}) {
-    const DistortedCamera& raw = eye == Eye::kLeft ? rig.left : rig.right;
-    const Rigid3& rectified_from_raw =
-        eye == Eye::kLeft ? geometry_.rectified_from_left : geometry_.rectified_from_right;
-    const auto make = [&](const PinholeCamera& target, cv::Mat& x, cv::Mat& y) {
-      cv::initUndistortRectifyMap(camera_matrix(raw.pinhole), distortion(raw),
-                                  to_cv(rectified_from_raw.linear()), camera_matrix(target),
-                                  cv::Size(target.width, target.height), CV_32FC1, x, y);
-    };
-    const auto i = static_cast<std::size_t>(eye);
-    cv::Mat x;
-    cv::Mat y;
-    make(camera, x, y);
-    cv::convertMaps(x, y, maps_->full[i].xy, maps_->full[i].fraction, CV_16SC2);
-    // The raw pixel (u, v) lies in the raw image of half the size at ((u + 0.5) / 2 - 0.5, ...).
-    make(half, x, y);
-    x = (x + 0.5) * 0.5 - 0.5;
-    y = (y + 0.5) * 0.5 - 0.5;
-    cv::convertMaps(x, y, maps_->half[i].xy, maps_->half[i].fraction, CV_16SC2);
-  }
+  const DistortedCamera& raw = maps_->raw[i];
+  const Rigid3& rectified_from_raw =
+      eye == Eye::kLeft ? geometry_.rectified_from_left : geometry_.rectified_from_right;
+  const auto make = [&](const PinholeCamera& target, cv::Mat& x, cv::Mat& y) {
+    cv::initUndistortRectifyMap(camera_matrix(raw.pinhole), distortion(raw),
+                                to_cv(rectified_from_raw.linear()), camera_matrix(target),
+                                cv::Size(target.width, target.height), CV_32FC1, x, y);
+  };
+  cv::Mat x;
+  cv::Mat y;
+  make(camera, x, y);
+  cv::convertMaps(x, y, maps_->full[i].xy, maps_->full[i].fraction, CV_16SC2);
+  // The raw pixel (u, v) lies in the raw image of half the size at ((u + 0.5) / 2 - 0.5, ...).
+  make(half, x, y);
+  x = (x + 0.5) * 0.5 - 0.5;
+  y = (y + 0.5) * 0.5 - 0.5;
+  cv::convertMaps(x, y, maps_->half[i].xy, maps_->half[i].fraction, CV_16SC2);
+}
+
+Rectification::Rectification(const StereoRig& rig)
+    : geometry_(rectified_geometry(rig)), maps_(std::make_unique<Maps>()) {
+  maps_->raw[0] = rig.left;
+  maps_->raw[1] = rig.right;
+  make_tables(Eye::kLeft);
+  make_tables(Eye::kRight);
 }
 
 Rectification::Rectification(const RectifiedStereo& stereo) : maps_(std::make_unique<Maps>()) {
@@ -121,7 +127,14 @@ Rectification::Rectification(const RectifiedStereo& stereo) : maps_(std::make_un
   PALPABLE_EXPECT(wrong.empty(), wrong.c_str());
   geometry_.stereo = stereo;
   geometry_.rectified_from_right.translation().x() = stereo.baseline;
-  maps_->warps = false;
+  maps_->warps[0] = maps_->warps[1] = false;
+  maps_->raw[0].pinhole = maps_->raw[1].pinhole = stereo.camera;
+}
+
+void Rectification::turn_right(const Eigen::Matrix3d& turn) {
+  geometry_.rectified_from_right.linear() = turn * geometry_.rectified_from_right.linear();
+  make_tables(Eye::kRight);
+  maps_->warps[1] = true;
 }
 
 Rectification::Rectification(Rectification&&) noexcept = default;
@@ -134,12 +147,25 @@ void Rectification::rectify(Eye eye, const ColorImage& raw, ColorImage& rectifie
                   "an image has the size of its rig");
   rectified.resize(camera.width, camera.height);
   cv::Mat target = view(rectified);
-  if (!maps_->warps) {
+  if (!maps_->warps[static_cast<std::size_t>(eye)]) {
     view(raw).copyTo(target);
     return;
   }
   const Maps::Table& table = maps_->full[static_cast<std::size_t>(eye)];
   cv::remap(view(raw), target, table.xy, table.fraction, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+}
+
+void Rectification::luma(const ColorImage& color, GrayImage& luma) {
+  luma.resize(color.width(), color.height());
+  cv::Mat target = view(luma);
+  cv::cvtColor(view(color), target, cv::COLOR_RGB2GRAY);
+}
+
+void Rectification::halve(const GrayImage& image, GrayImage& half) {
+  half.resize(image.width() / 2, image.height() / 2);
+  cv::Mat target = view(half);
+  const cv::Mat even = view(image)(cv::Rect(0, 0, 2 * half.width(), 2 * half.height()));
+  cv::resize(even, target, target.size(), 0, 0, cv::INTER_AREA);
 }
 
 void Rectification::rectify_luma(Eye eye, const ColorImage& raw, GrayImage& rectified) {
@@ -148,7 +174,7 @@ void Rectification::rectify_luma(Eye eye, const ColorImage& raw, GrayImage& rect
                   "an image has the size of its rig");
   rectified.resize(camera.width, camera.height);
   cv::Mat target = view(rectified);
-  if (!maps_->warps) {
+  if (!maps_->warps[static_cast<std::size_t>(eye)]) {
     cv::cvtColor(view(raw), target, cv::COLOR_RGB2GRAY);
     return;
   }
@@ -167,7 +193,7 @@ void Rectification::rectify_luma_half(Eye eye, const ColorImage& raw, GrayImage&
   cv::cvtColor(view(raw), maps_->gray, cv::COLOR_RGB2GRAY);
   // Of an odd size the last row or column has no partner.
   const cv::Mat even = maps_->gray(cv::Rect(0, 0, 2 * half.width, 2 * half.height));
-  if (!maps_->warps) {
+  if (!maps_->warps[static_cast<std::size_t>(eye)]) {
     cv::resize(even, target, target.size(), 0, 0, cv::INTER_AREA);
     return;
   }

@@ -44,9 +44,18 @@ class Rectification {
 
   enum class Eye { kLeft, kRight };
 
+  /// Turns the right eye by a small rotation: from now on its rays are `turn` times what they were.
+  /// What a rig that was knocked or grew warm needs (row_watch.h). Takes as long as a few frames.
+  void turn_right(const Eigen::Matrix3d& turn);
+
   /// The rectified image at full size.
   /// @throws ContractViolation when the image has another size than the rig
   void rectify(Eye eye, const ColorImage& raw, ColorImage& rectified);
+
+  /// Luma of any colour image, as rectify_luma has it.
+  static void luma(const ColorImage& color, GrayImage& luma);
+  /// Means of two by two pixels; of an odd size the last row or column is left out.
+  static void halve(const GrayImage& image, GrayImage& half);
 
   /// Its luma.
   void rectify_luma(Eye eye, const ColorImage& raw, GrayImage& rectified);
@@ -57,6 +66,7 @@ class Rectification {
 
  private:
   struct Maps;
+  void make_tables(Eye eye);
   RectifiedGeometry geometry_;
   std::unique_ptr<Maps> maps_;
 };

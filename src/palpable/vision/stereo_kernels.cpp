@@ -32,8 +32,10 @@ namespace {
 
 constexpr std::size_t kBlock = 16;  // bytes
 constexpr std::size_t kWidestVector = 64;
-constexpr int kGuard = 64;                  // bytes beyond the end of a row that a vector may read
 constexpr std::uint8_t kNoNeighbour = 127;  // above every P2 + cost, and P1 more is still a byte
+
+// Bytes of one of census()'s five rows: what a vector may read beyond its end is there.
+std::size_t census_stride(int width) { return static_cast<std::size_t>(width + 4 + 320); }
 
 // Where the parts of a gang's workspace begin, in bytes.
 struct Workspace {
@@ -71,17 +73,20 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
 // What a processor without any of the vector instructions runs.
-void census(const GrayImage& image, CensusCodes& codes) {
-  scalar_stereo_kernels().census(image, codes);
+void census(const GrayImage& image, CensusCodes& codes, std::uint8_t* workspace) {
+  scalar_stereo_kernels().census(image, codes, workspace);
 }
 void match(const MatchJob& job, int first_strip, int count, std::uint8_t* workspace) {
   scalar_stereo_kernels().match(job, first_strip, count, workspace);
+}
+void refine(const GrayImage& left, const GrayImage& right, int y_begin, int y_end, Disparities& d) {
+  scalar_stereo_kernels().refine(left, right, y_begin, y_end, d);
 }
 #else
 
 // --- census ------------------------------------------------------------------------------------
 
-// One row of codes; rows[i] is row y - 2 + i, padded by 2 on the left and kGuard on the right.
+// One row of codes; rows[i] is row y - 2 + i, padded by 2 on the left, by more on the right.
 HWY_ATTR void census_row(const std::uint8_t* const rows[5], int width, CensusCodes& codes, int y) {
   const hn::ScalableTag<std::uint8_t> d;
   const auto lanes = static_cast<int>(hn::Lanes(d));
@@ -115,15 +120,13 @@ HWY_ATTR void census_row(const std::uint8_t* const rows[5], int width, CensusCod
   }
 }
 
-HWY_ATTR void census(const GrayImage& image, CensusCodes& codes) {
+HWY_ATTR void census(const GrayImage& image, CensusCodes& codes, std::uint8_t* ring) {
   const int width = image.width();
   const int height = image.height();
-  // Five padded rows at a time: a thread's own, so that the second frame takes no memory.
-  static thread_local std::vector<std::uint8_t> ring;
-  const auto stride = static_cast<std::size_t>(width + 4 + kGuard + 256);
-  if (ring.size() < 5 * stride) ring.resize(5 * stride);
+  // Five padded rows at a time.
+  const std::size_t stride = census_stride(width);
   const auto load = [&](int y) {
-    std::uint8_t* to = ring.data() + static_cast<std::size_t>((y + 5) % 5) * stride;
+    std::uint8_t* to = ring + static_cast<std::size_t>((y + 5) % 5) * stride;
     const std::uint8_t* from = image.row(std::clamp(y, 0, height - 1));
     to[0] = to[1] = from[0];
     std::memcpy(to + 2, from, static_cast<std::size_t>(width));
@@ -134,7 +137,7 @@ HWY_ATTR void census(const GrayImage& image, CensusCodes& codes) {
     load(y + 2);
     const std::uint8_t* rows[5];
     for (int i = 0; i < 5; ++i) {
-      rows[i] = ring.data() + static_cast<std::size_t>((y - 2 + i + 5) % 5) * stride;
+      rows[i] = ring + static_cast<std::size_t>((y - 2 + i + 5) % 5) * stride;
     }
     census_row(rows, width, codes, y);
   }
@@ -492,6 +495,47 @@ HWY_ATTR void match(const MatchJob& job, int first_strip, int count, std::uint8_
   }
 }
 
+// --- fraction of a pixel -----------------------------------------------------------------------
+
+HWY_ATTR void refine(const GrayImage& left, const GrayImage& right, int y_begin, int y_end,
+                     Disparities& d) {
+  const hn::FixedTag<std::uint8_t, 8> d8;
+  const hn::FixedTag<std::int16_t, 8> d16;
+  const hn::FixedTag<std::int32_t, 4> d32;
+  const auto load = [&](const std::uint8_t* p)
+                        HWY_ATTR { return hn::PromoteTo(d16, hn::LoadU(d8, p)); };
+  const auto one = hn::Set(d16, std::int16_t{1});
+  for (int y = y_begin; y < y_end; ++y) {
+    std::int16_t* row = d.row(y);
+    for (int x = 0; x < d.width(); ++x) {
+      if (!is_measured(row[x])) continue;
+      const RefineWindow window(x, y, row[x], left.width(), left.height());
+      if (!window.inside) continue;
+      const auto fraction = hn::Set(d16, static_cast<std::int16_t>(window.fraction));
+      auto sum_g = hn::Zero(d32), sum_r = sum_g, sum_gg = sum_g, sum_gr = sum_g;
+      auto rest_g = sum_g, rest_r = sum_g, rest_gg = sum_g, rest_gr = sum_g;
+      for (int i = 0; i < kRefineRows; ++i) {
+        const std::uint8_t* L = left.row(window.top + i) + window.left;
+        const std::uint8_t* R = right.row(window.top + i) + window.right;
+        const auto g = hn::Sub(load(L + 1), load(L - 1));
+        const auto R0 = load(R);
+        const auto between = hn::Mul(hn::Sub(load(R + 1), R0), fraction);
+        const auto r = hn::Sub(hn::ShiftLeft<6>(hn::Sub(load(L), R0)), between);
+        sum_g = hn::ReorderWidenMulAccumulate(d32, g, one, sum_g, rest_g);
+        sum_r = hn::ReorderWidenMulAccumulate(d32, r, one, sum_r, rest_r);
+        sum_gg = hn::ReorderWidenMulAccumulate(d32, g, g, sum_gg, rest_gg);
+        sum_gr = hn::ReorderWidenMulAccumulate(d32, g, r, sum_gr, rest_gr);
+      }
+      const auto total = [&](auto sum, auto rest) HWY_ATTR {
+        return std::int64_t{hn::GetLane(hn::SumOfLanes(d32, hn::Add(sum, rest)))};
+      };
+      const RefineSums sums{total(sum_g, rest_g), total(sum_r, rest_r), total(sum_gg, rest_gg),
+                            total(sum_gr, rest_gr)};
+      row[x] = static_cast<std::int16_t>(row[x] + sums.step());
+    }
+  }
+}
+
 #endif  // HWY_SCALAR
 
 }  // namespace palpable::HWY_NAMESPACE
@@ -503,6 +547,7 @@ namespace palpable {
 namespace {
 HWY_EXPORT(census);
 HWY_EXPORT(match);
+HWY_EXPORT(refine);
 
 std::vector<StereoKernels> find_kernels() {
   std::vector<StereoKernels> kernels;
@@ -511,8 +556,8 @@ std::vector<StereoKernels> find_kernels() {
     if (target == HWY_SCALAR) continue;  // ours is below
     hwy::SetSupportedTargetsForTest(target);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    kernels.push_back(
-        {hwy::TargetName(target), &HWY_DYNAMIC_DISPATCH(census), &HWY_DYNAMIC_DISPATCH(match)});
+    kernels.push_back({hwy::TargetName(target), &HWY_DYNAMIC_DISPATCH(census),
+                       &HWY_DYNAMIC_DISPATCH(match), &HWY_DYNAMIC_DISPATCH(refine)});
   }
   hwy::SetSupportedTargetsForTest(0);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
@@ -523,7 +568,7 @@ std::vector<StereoKernels> find_kernels() {
 }  // namespace
 
 std::size_t kernel_workspace_bytes(int width, int disparities) {
-  return Workspace(width, disparities, kWidestVector).bytes;
+  return std::max(Workspace(width, disparities, kWidestVector).bytes, 5 * census_stride(width));
 }
 
 std::span<const StereoKernels> stereo_kernels() {

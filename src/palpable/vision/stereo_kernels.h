@@ -22,6 +22,15 @@
 /// At a path's start L_r = C. The picture is cut into kStrips bands of rows; the path from above
 /// starts anew kWarmUpRows above each band, so that bands can be worked on side by side: in the
 /// lanes of one vector and on several threads, with the same result whatever the number.
+///
+/// **Fraction of a pixel at full resolution**: at disparity d of an image of half the size, the
+/// full images differ in a window of 8 x 6 px around (2x, 2y) by r(u) = L(u) - R(u - 2d), where
+/// R is interpolated along the row. With g = dL/du the window matches best (Lucas and Kanade 1981,
+/// between images that may differ by a constant) after a step of
+///
+///     -cov(g, r) / (var(g) + kFlatness)       full pixels
+///
+/// which is cut at kLongestStep: what would move farther is an edge or a highlight.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -38,7 +47,17 @@ inline constexpr int kWarmUpRows = 16;
 inline constexpr int kCensusStep = 1;
 /// Costs are at most 24, so that with this much for a jump a sum of three paths fits a byte.
 inline constexpr int kLargestP2 = 61;
-inline constexpr int kMostDisparities = 512;
+/// Disparities lie this far from 0 at most: they and their differences fit 16 bits.
+inline constexpr int kMostDisparities = 496;
+
+inline constexpr int kDisparitySteps = 64;  ///< a disparity is a whole number of 1/64 px
+
+using Disparities = Image<std::int16_t>;
+inline constexpr std::int16_t kUnknownDisparity = INT16_MIN;
+inline constexpr std::int16_t kTooCloseDisparity = INT16_MAX;
+[[nodiscard]] constexpr bool is_measured(std::int16_t d) {
+  return d != kUnknownDisparity && d != kTooCloseDisparity;
+}
 
 /// Three bytes of code per pixel, each in an image of its own (H x W).
 using CensusCodes = std::array<GrayImage, 3>;
@@ -66,11 +85,35 @@ struct MatchJob {
 /// One implementation of the loops.
 struct StereoKernels {
   const char* name;  ///< "scalar", "SSE4", "AVX2", "AVX3" (AVX-512), "AVX3_DL" (with byte popcount)
-  /// Codes of a whole image; `codes` has its size already.
-  void (*census)(const GrayImage& image, CensusCodes& codes);
+  /// Codes of a whole image; `codes` has its size already. Workspace as below.
+  void (*census)(const GrayImage& image, CensusCodes& codes, std::uint8_t* workspace);
   /// Winners of the rows of strips first_strip .. first_strip + count - 1, and of no others.
   /// @param workspace  kernel_workspace_bytes() of memory, aligned to 64 bytes; one per thread
   void (*match)(const MatchJob& job, int first_strip, int count, std::uint8_t* workspace);
+  /// Moves the measured disparities of rows [y_begin, y_end) of an image of half the size to where
+  /// the full images match best. Pixels whose window leaves a picture stay as they are.
+  void (*refine)(const GrayImage& left, const GrayImage& right, int y_begin, int y_end,
+                 Disparities& d);
+};
+
+/// What `refine` sums over a pixel's window: g = L(u+1) - L(u-1), r in 1/64 grey levels.
+struct RefineSums {
+  std::int64_t g = 0, r = 0, gg = 0, gr = 0;
+
+  /// The step in 1/64 px of the half image.
+  [[nodiscard]] int step() const;
+};
+inline constexpr int kRefineColumns = 8;  // from 2x - 3
+inline constexpr int kRefineRows = 6;     // from 2y - 2
+
+/// Where the window of half pixel (x, y) lies, or `inside` false where it leaves a picture.
+struct RefineWindow {
+  RefineWindow(int x, int y, std::int16_t d, int width, int height);
+  bool inside;
+  int left;      ///< first column of L
+  int right;     ///< first column of R
+  int top;       ///< first row
+  int fraction;  ///< weight of R(u + 1), 1/64
 };
 
 [[nodiscard]] std::size_t kernel_workspace_bytes(int width, int disparities);

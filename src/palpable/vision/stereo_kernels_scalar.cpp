@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kReach = 2;  // of the census window
 
-void census(const GrayImage& image, CensusCodes& codes) {
+void census(const GrayImage& image, CensusCodes& codes, std::uint8_t* /*workspace*/) {
   const int width = image.width();
   const int height = image.height();
   for (int y = 0; y < height; ++y) {
@@ -122,7 +122,59 @@ void match(const MatchJob& job, int first_strip, int count, std::uint8_t* /*work
   }
 }
 
+void refine(const GrayImage& left, const GrayImage& right, int y_begin, int y_end, Disparities& d) {
+  for (int y = y_begin; y < y_end; ++y) {
+    for (int x = 0; x < d.width(); ++x) {
+      if (!is_measured(d(x, y))) continue;
+      const RefineWindow window(x, y, d(x, y), left.width(), left.height());
+      if (!window.inside) continue;
+      RefineSums sums;
+      for (int i = 0; i < kRefineRows; ++i) {
+        const std::uint8_t* L = left.row(window.top + i) + window.left;
+        const std::uint8_t* R = right.row(window.top + i) + window.right;
+        for (int j = 0; j < kRefineColumns; ++j) {
+          const int g = L[j + 1] - L[j - 1];
+          const int r = 64 * L[j] - (64 * R[j] + (R[j + 1] - R[j]) * window.fraction);
+          sums.g += g;
+          sums.r += r;
+          sums.gg += g * g;
+          sums.gr += g * r;
+        }
+      }
+      d(x, y) = static_cast<std::int16_t>(d(x, y) + sums.step());
+    }
+  }
+}
+
+// Variance below which a window is flat, (grey levels per pixel)^2 summed over it: a window of this
+// much texture takes half of its step.
+constexpr int kFlatness = 16;
+constexpr int kLongestStep = 16;  // 1/64 px of the half image: half a pixel of the full one
+
 }  // namespace
+
+int RefineSums::step() const {
+  constexpr std::int64_t n = kRefineColumns * kRefineRows;
+  // g is twice the gradient and r is 64 times the difference: their ratio is 1/32 full px = 1/64
+  // half px.
+  const auto covariance = static_cast<double>(n * gr - g * r);
+  const auto variance = static_cast<double>(n * gg - g * g + 4 * n * kFlatness);
+  const double moved = std::clamp(-covariance / variance, -1.0 * kLongestStep, 1.0 * kLongestStep);
+  return static_cast<int>(moved < 0 ? moved - 0.5 : moved + 0.5);
+}
+
+RefineWindow::RefineWindow(int x, int y, std::int16_t d, int width, int height) {
+  const int shift = 2 * d;  // 1/64 full px
+  const int whole = (shift + kDisparitySteps - 1) >> 6;
+  static_assert(kDisparitySteps == 64);
+  left = 2 * x - 3;
+  right = left - whole;
+  top = 2 * y - 2;
+  fraction = whole * kDisparitySteps - shift;
+  // One column more on each side of L for the gradient, one on the right of R to interpolate.
+  inside = left >= 1 && left + kRefineColumns < width && right >= 0 &&
+           right + kRefineColumns < width && top >= 0 && top + kRefineRows <= height;
+}
 
 void Winners::resize(int width, int height) {
   best.resize(width, height);
@@ -132,7 +184,7 @@ void Winners::resize(int width, int height) {
 }
 
 const StereoKernels& scalar_stereo_kernels() {
-  static constexpr StereoKernels kernels{"scalar", census, match};
+  static constexpr StereoKernels kernels{"scalar", census, match, refine};
   return kernels;
 }
 

@@ -59,10 +59,10 @@ Found run(const StereoKernels& kernels, const Pair& pair, int first, int dispari
   for (CensusCodes* codes : {&found.left, &found.right}) {
     for (GrayImage& plane : *codes) plane.resize(width, height);
   }
-  kernels.census(pair.left, found.left);
-  kernels.census(pair.right, found.right);
   found.winners.resize(width, height);
   const Workspace workspace(width, disparities);
+  kernels.census(pair.left, found.left, workspace.begin());
+  kernels.census(pair.right, found.right, workspace.begin());
   const MatchJob job{&found.left, &found.right, first, disparities, p1, p2, &found.winners};
   for (int strip = 0; strip < kStrips; strip += strips_at_once) {
     kernels.match(job, strip, strips_at_once, workspace.begin());

@@ -7,13 +7,14 @@
 #include <cstdint>
 #include <cstdlib>
 #include <new>
+#include <utility>
 #include <vector>
 
 namespace palpable {
 namespace {
 
 constexpr int kGuardShrink = 4;
-constexpr int kGuardSpecklePx = 8;
+constexpr SpeckleLimits kGuardSpeckles{8, 0};
 constexpr int kSpeckleStep = kDisparitySteps;  // neighbours of one patch differ by 1 px at most
 constexpr int kGapStep = 3 * kDisparitySteps / 2;
 
@@ -85,6 +86,7 @@ struct StereoMatcher::Parts {
   GrayImage guard_left;
   GrayImage guard_right;
   Disparities coarse;
+  Disparities unsmoothed;
   std::vector<AlignedBytes> workspaces;  // one per strip: two threads never share one
   std::vector<std::vector<std::uint32_t>> owners;
   SpeckleFilter speckles;
@@ -110,14 +112,16 @@ struct StereoMatcher::Parts {
 void StereoMatcher::Parts::find_winners(Pass& p, const GrayImage& left, const GrayImage& right,
                                         int first, int disparities) {
   p.resize(left.width(), left.height());
-  crew.run(2,
-           [&](int eye) { kernels->census(eye == 0 ? left : right, eye == 0 ? p.left : p.right); });
+  const std::size_t bytes = kernel_workspace_bytes(left.width(), disparities);
+  for (AlignedBytes& workspace : workspaces) workspace.at_least(bytes);
+  crew.run(2, [&](int eye) {
+    kernels->census(eye == 0 ? left : right, eye == 0 ? p.left : p.right,
+                    workspaces[static_cast<std::size_t>(eye)].begin());
+  });
   const MatchJob job{&p.left, &p.right, first, disparities, settings.p1, settings.p2, &p.winners};
   // As many strips at once as leaves work for every thread: wide vectors hold several.
   const int shares = std::min(crew.size(), kStrips);
   const int strips = kStrips / (shares >= 4 ? 4 : shares >= 2 ? 2 : 1);
-  const std::size_t bytes = kernel_workspace_bytes(left.width(), disparities);
-  for (AlignedBytes& workspace : workspaces) workspace.at_least(bytes);
   crew.run(kStrips / strips, [&](int i) {
     kernels->match(job, i * strips, strips, workspaces[static_cast<std::size_t>(i)].begin());
   });
@@ -147,7 +151,7 @@ void StereoMatcher::Parts::mark_too_close(const GrayImage& left, const GrayImage
   find_winners(guard, guard_left, guard_right, first, settings.guard_disparities);
   coarse.resize(guard_left.width(), guard_left.height());
   check(guard, first, settings.guard_disparities, 1, coarse, guard.confidence);
-  guard_speckles(coarse, kGuardSpecklePx, kSpeckleStep);
+  guard_speckles(kGuardSpeckles, kSpeckleStep, guard.confidence, coarse);
 
   const int end = settings.first + settings.disparities;
   const int limit = (end - 3) * kDisparitySteps / kGuardShrink;
@@ -181,6 +185,7 @@ StereoMatcherSettings near_matching() {
   StereoMatcherSettings settings;
   settings.disparities = 192;
   settings.guard_disparities = 112;
+  settings.speckles.doubtful_size = 1000;
   return settings;
 }
 
@@ -217,7 +222,7 @@ void StereoMatcher::match(const GrayImage& left, const GrayImage& right, Matched
   out.confidence.resize(left.width(), left.height());
   p.find_winners(p.pass, left, right, s.first, s.disparities);
   p.check(p.pass, s.first, s.disparities, s.left_right_px, out.disparity, out.confidence);
-  p.speckles(out.disparity, s.speckle_px, kSpeckleStep);
+  p.speckles(s.speckles, kSpeckleStep, out.confidence, out.disparity);
   if (s.guard_disparities > 0 && left.width() >= 64 && left.height() >= 64) {
     p.mark_too_close(left, right, out);
   }
@@ -230,6 +235,27 @@ void StereoMatcher::match(const GrayImage& left, const GrayImage& right, Matched
         if (!is_measured(out.disparity(x, y))) out.confidence(x, y) = 0;
       }
     }
+  });
+}
+
+void StereoMatcher::refine(const GrayImage& left_full, const GrayImage& right_full,
+                           MatchedPair& pair) {
+  const int width = pair.disparity.width();
+  const int height = pair.disparity.height();
+  PALPABLE_EXPECT(left_full.width() / 2 == width && left_full.height() / 2 == height &&
+                      right_full.width() == left_full.width() &&
+                      right_full.height() == left_full.height(),
+                  "the full images are twice as large");
+  Parts& p = *parts_;
+  p.unsmoothed.resize(width, height);
+  p.crew.run(kStrips, [&](int strip) {
+    const StripRows rows = rows_of_strip(strip, height);
+    p.kernels->refine(left_full, right_full, rows.begin, rows.end, pair.disparity);
+  });
+  std::swap(p.unsmoothed, pair.disparity);
+  p.crew.run(kStrips, [&](int strip) {
+    const StripRows rows = rows_of_strip(strip, height);
+    smooth_surfaces(p.unsmoothed, rows.begin, rows.end, pair.disparity);
   });
 }
 
