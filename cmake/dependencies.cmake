@@ -43,6 +43,8 @@ find_library(OPENBLAS_LIBRARY openblas PATH_SUFFIXES openblas-serial REQUIRED)
 add_library(palpable_blas INTERFACE)
 target_include_directories(palpable_blas SYSTEM INTERFACE ${CBLAS_INCLUDE_DIR})
 target_link_libraries(palpable_blas INTERFACE ${OPENBLAS_LIBRARY})
+find_package(pugixml 1.13 REQUIRED)  # MIT: .vtu files of others; bake
+find_package(ZLIB REQUIRED)          # zlib: packed ones; bake
 # Open MPI 4.1 (BSD): campaigns on several machines; the program palpable-bake.
 find_package(MPI 3.0 REQUIRED COMPONENTS C)
 # CGAL 5.5 (GPL-3 for surface remeshing): isotropic remeshing before the volume; bake.

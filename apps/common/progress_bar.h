@@ -56,7 +56,7 @@ class ProgressBar {
 /// @param bar_width  0: no bar   @param elapsed  seconds since the task began
 /// @param begun      fraction that was done already when the task began, 0 .. 1: of work that goes
 ///                   on where it was stopped
-[[nodiscard]] std::string progress_line(const ProgressReport& report, double elapsed,
-                                        int bar_width, double begun = 0);
+[[nodiscard]] std::string progress_line(const ProgressReport& report, double elapsed, int bar_width,
+                                        double begun = 0);
 
 }  // namespace palpable::app

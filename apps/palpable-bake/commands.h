@@ -21,6 +21,7 @@ void add_mesh(CLI::App& app);
 /// @param crew          outlives the app
 void add_bake(CLI::App& app, const std::string& command_line, Crew& crew);
 void add_merge(CLI::App& app);
+void add_import_snapshots(CLI::App& app);
 void add_reduce(CLI::App& app, const std::string& command_line);
 void add_solve(CLI::App& app);
 void add_bench(CLI::App& app);

@@ -36,6 +36,7 @@ int run(int argc, char** argv) {
   add_mesh(app);
   add_bake(app, command_line, crew);
   add_merge(app);
+  add_import_snapshots(app);
   add_reduce(app, command_line);
   add_solve(app);
   add_bench(app);

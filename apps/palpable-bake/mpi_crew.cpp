@@ -18,9 +18,9 @@
 namespace palpable::app {
 namespace {
 
-// What travels. From a follower: kAsk {finished piece or -1, its answer}, kFailed (text), kBye.
-// From the leader: kPiece {number or -1}, kList, kEnd {1: the work failed}.
-enum Tag : int { kAsk = 1, kFailed, kBye, kPiece, kList, kEnd };
+// What travels. From a follower: kAsk, kDone {piece, its answer}, kFailed (text), kBye. From the
+// leader: kPiece {number or -1}, kList, kEnd {1: the work failed}.
+enum Tag : int { kAsk = 1, kDone, kFailed, kBye, kPiece, kList, kEnd };
 
 constexpr auto kNap = std::chrono::milliseconds(2);
 
@@ -110,20 +110,19 @@ std::vector<int> MpiCrew::agree(std::vector<int> list) {
   return list;
 }
 
-void MpiCrew::share(int count, int threads, const std::function<int(int)>& work,
+void MpiCrew::share(int count, const std::function<void(const Pieces&)>& run,
                     const std::function<void(int, int)>& finished) {
   if (leads()) {
-    lead(count, threads, work, finished);
+    lead(count, run, finished);
   } else {
-    follow(threads, work);
+    follow(run);
   }
 }
 
-void MpiCrew::lead(int count, int threads, const std::function<int(int)>& work,
+void MpiCrew::lead(int count, const std::function<void(const Pieces&)>& run,
                    const std::function<void(int, int)>& finished) {
   std::atomic<int> next{0};
-  std::atomic<bool> failed{false};
-  std::atomic<int> working{threads};
+  std::atomic<bool> failed{false}, working{true};
   std::mutex telling;
   std::exception_ptr problem;
   const auto fail = [&](const std::exception_ptr& what) {
@@ -131,73 +130,60 @@ void MpiCrew::lead(int count, int threads, const std::function<int(int)>& work,
     if (!problem) problem = what;
     failed = true;
   };
-  const auto piece = [&] {
-    if (failed) return -1;
+  const auto piece = [&]() -> std::optional<int> {
+    if (failed) return std::nullopt;
     const int i = next++;
-    return i < count ? i : -1;
+    return i < count ? std::optional(i) : std::nullopt;
   };
-  std::vector<std::thread> own;
-  for (int t = 0; t < threads; ++t) {
-    own.emplace_back([&] {
-      try {
-        for (int i = piece(); i >= 0; i = piece()) {
-          const int answer = work(i);
-          const std::lock_guard lock(telling);
-          finished(i, answer);
-        }
-      } catch (...) { fail(std::current_exception()); }
-      --working;
-    });
-  }
+  const auto done = [&](int i, int answer) {
+    const std::lock_guard lock(telling);
+    finished(i, answer);
+  };
+  std::thread own([&] {
+    try {
+      run({piece, done});
+    } catch (...) { fail(std::current_exception()); }
+    working = false;
+  });
   // Only this thread of the leader speaks MPI.
-  for (int followers = size_ - 1; followers > 0 || working > 0;) {
+  for (int followers = size_ - 1; followers > 0 || working;) {
     const std::optional<Mail> mail =
         followers > 0 ? look(MPI_ANY_SOURCE, MPI_ANY_TAG) : std::nullopt;
     if (!mail) {
       std::this_thread::sleep_for(kNap);
     } else if (mail->tag == kAsk) {
-      const std::vector<int> done = mail->ints();
-      if (done[0] >= 0) {
-        const std::lock_guard lock(telling);
-        finished(done[0], done[1]);
-      }
-      send(mail->from, kPiece, {piece()});
+      send(mail->from, kPiece, {piece().value_or(-1)});
+    } else if (mail->tag == kDone) {
+      const std::vector<int> what = mail->ints();
+      done(what[0], what[1]);
     } else if (mail->tag == kFailed) {
       fail(std::make_exception_ptr(Error(std::string(mail->bytes.begin(), mail->bytes.end()))));
     } else if (mail->tag == kBye) {
       --followers;
     }
   }
-  for (std::thread& thread : own) thread.join();
+  own.join();
   for (int rank = 1; rank < size_; ++rank) send(rank, kEnd, {problem ? 1 : 0});
   if (problem) std::rethrow_exception(problem);
 }
 
-void MpiCrew::follow(int threads, const std::function<int(int)>& work) {
+void MpiCrew::follow(const std::function<void(const Pieces&)>& run) {
   std::mutex speaking;
-  const auto run = [&] {
-    std::vector<int> done{-1, 0};
-    try {
-      while (true) {
-        int i = -1;
-        {
-          const std::lock_guard lock(speaking);
-          send(0, kAsk, done);
-          i = wait_for(0, kPiece).ints()[0];
-        }
-        if (i < 0) return;
-        done = {i, work(i)};
-      }
-    } catch (...) {
-      const std::string text = message_of(std::current_exception());
-      const std::lock_guard lock(speaking);
-      send(0, kFailed, text.data(), text.size());
-    }
-  };
-  std::vector<std::thread> others;
-  for (int t = 1; t < threads; ++t) others.emplace_back(run);
-  run();
-  for (std::thread& thread : others) thread.join();
+  try {
+    run({[&]() -> std::optional<int> {
+           const std::lock_guard lock(speaking);
+           send(0, kAsk, {0});
+           const int i = wait_for(0, kPiece).ints()[0];
+           return i < 0 ? std::nullopt : std::optional(i);
+         },
+         [&](int piece, int answer) {
+           const std::lock_guard lock(speaking);
+           send(0, kDone, {piece, answer});
+         }});
+  } catch (...) {
+    const std::string text = message_of(std::current_exception());
+    send(0, kFailed, text.data(), text.size());
+  }
   send(0, kBye, {0});
   if (wait_for(0, kEnd).ints()[0] != 0) throw Error("another process of the campaign failed");
 }

@@ -1,7 +1,7 @@
 /// @file
 /// A campaign on several machines: `mpirun -n N palpable bake ...` (Open MPI).
 ///
-/// All processes see the same files. The first one leads; it hands out batches one at a time, so a
+/// All processes see the same files. The first one leads; it hands out sites one at a time, so a
 /// slow machine holds nobody up, and works itself. Waiting processes sleep between looks at their
 /// mail: Open MPI's own waiting takes a whole core.
 #pragma once
@@ -27,7 +27,7 @@ class MpiCrew : public Crew {
   /// Cores are shared among the processes of a machine.
   [[nodiscard]] int threads(int wanted) const override;
   [[nodiscard]] std::vector<int> agree(std::vector<int> list) override;
-  void share(int count, int threads, const std::function<int(int)>& work,
+  void share(int count, const std::function<void(const Pieces&)>& run,
              const std::function<void(int, int)>& finished) override;
 
   /// The last that a process does; the others wait for the leader.
@@ -35,9 +35,9 @@ class MpiCrew : public Crew {
   void end(bool failed);
 
  private:
-  void lead(int count, int threads, const std::function<int(int)>& work,
+  void lead(int count, const std::function<void(const Pieces&)>& run,
             const std::function<void(int, int)>& finished);
-  void follow(int threads, const std::function<int(int)>& work);
+  void follow(const std::function<void(const Pieces&)>& run);
 
   int rank_ = 0, size_ = 1;
   bool ended_ = false;

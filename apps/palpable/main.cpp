@@ -30,6 +30,7 @@ constexpr std::array kBakeCommands{
     BakeCommand{"mesh", "Fill a watertight surface with tetrahedra"},
     BakeCommand{"bake", "Mesh, solve and reduce: a body file from a description"},
     BakeCommand{"merge", "Collect snapshots of one campaign that were solved apart"},
+    BakeCommand{"import-snapshots", "Take over what another solver has computed"},
     BakeCommand{"reduce", "Make a body file from snapshots"},
     BakeCommand{"solve", "Press a body at one site and write it for ParaView"},
 };

@@ -6,7 +6,8 @@
 
 #include <Eigen/Core>
 
-#include <span>
+#include <algorithm>
+#include <optional>
 #include <vector>
 
 namespace palpable::test {
@@ -25,7 +26,6 @@ inline SolvedSites solved_sites(const EquilibriumSolver& solver, const Boundary&
                                 std::vector<Site> sites, const SiteRunSettings& settings,
                                 const Eigen::Matrix3Xd& preload = Eigen::Matrix3Xd(3, 0)) {
   const SiteSolver presses(solver, boundary, preload);
-  const std::vector<int> batches = site_batches(static_cast<int>(sites.size()));
   const Eigen::Index N = solver.model().mesh.node_count(), L = settings.levels;
   const auto S = static_cast<Eigen::Index>(sites.size());
   SolvedSites all;
@@ -33,21 +33,22 @@ inline SolvedSites solved_sites(const EquilibriumSolver& solver, const Boundary&
   all.displacement.resize(3 * N, S * L);
   all.stress.resize(6 * N, S * L);
   all.press_depth.resize(L + 1, S);
-  for (std::size_t b = 0; b + 1 < batches.size(); ++b) {
-    StageTimes times;
-    const int first = batches[b], count = batches[b + 1] - batches[b];
-    const std::span<const Site> batch(&sites[static_cast<std::size_t>(first)],
-                                      static_cast<std::size_t>(count));
-    Eigen::Index s = first;
-    for (const SiteSnapshots& site : solve_sites(presses, batch, first, settings, times)) {
-      all.displacement.middleCols(s * L, L) = site.displacement.cast<double>();
-      all.stress.middleCols(s * L, L) = site.stress.cast<double>();
-      all.press_depth.col(s) = site.press_depth;
-      all.outcomes.push_back(site.outcome);
-      all.largest_von_mises = std::max(all.largest_von_mises, site.largest_von_mises);
-      sites[static_cast<std::size_t>(s++)].full_load = site.full_load;
-    }
-  }
+  all.outcomes.resize(sites.size());
+  int next = 0;
+  const SiteStream stream{
+      [&]() -> std::optional<int> { return next < S ? std::optional(next++) : std::nullopt; },
+      [](int, double) {},
+      [&](int at, const SiteSnapshots& site, const StageTimes&) {
+        const Eigen::Index s = at;
+        all.displacement.middleCols(s * L, L) = site.displacement.cast<double>();
+        all.stress.middleCols(s * L, L) = site.stress.cast<double>();
+        all.press_depth.col(s) = site.press_depth;
+        all.outcomes[static_cast<std::size_t>(s)] = site.outcome;
+        all.largest_von_mises = std::max(all.largest_von_mises, site.largest_von_mises);
+        sites[static_cast<std::size_t>(s)].full_load = site.full_load;
+      }};
+  const std::vector<Site> as_given = sites;
+  solve_sites(presses, as_given, settings, 1, stream);
   all.sites = std::move(sites);
   return all;
 }

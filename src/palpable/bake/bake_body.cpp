@@ -236,52 +236,6 @@ std::vector<PointMaterials> points_of(const BodyDescription& description) {
   return points;
 }
 
-// What is known before anything is solved; reduce_store() completes the lines of preload and loads.
-StoreContent content_of(const BodyDescription& description, const CampaignPlan& plan,
-                        const BodyMesh& mesh) {
-  StoreContent content;
-  content.name = description.name;
-  content.material = materials_line(description);
-  content.mesh = mesh.mesh;
-  content.fixed = fixed_vertices(mesh);
-  content.sites = plan.sites;
-  content.levels = VectorXd::LinSpaced(plan.run.levels + 1, 0.0, 1.0);
-  content.keys = unit_keys(plan);
-  for (const BodyDescription::Parameter& parameter : description.parameters) {
-    content.parameters.push_back(
-        {parameter.name, Eigen::Map<const VectorXd>(parameter.values.data(),
-                                                    static_cast<Index>(parameter.values.size()))});
-  }
-  content.tolerance = description.reduction.tolerance;
-  content.max_modes = description.reduction.max_modes;
-  const auto add = [&](const char* key, std::string value) {
-    content.provenance.emplace_back(key, std::move(value));
-  };
-  add("description", description.source.filename().string());
-  add("mesh source", mesh.origin);
-  add("mesh",
-      fmt::format("{} nodes, {} {}-node tetrahedra, boundary {} vertices, {} triangles; "
-                  "dihedral angles {:.1f} to {:.1f} degrees, volume {:.4g} m^3",
-                  mesh.mesh.node_count(), mesh.mesh.tet_count(), mesh.mesh.is_quadratic() ? 10 : 4,
-                  mesh.boundary.surface.vertex_count(), mesh.boundary.surface.triangle_count(),
-                  mesh.quality.smallest_dihedral_degrees, mesh.quality.largest_dihedral_degrees,
-                  mesh.quality.volume));
-  add("material", content.material);
-  add("support", fmt::format("{} nodes are held in all directions, {} in some or moved",
-                             mesh.fixed_nodes.size(), mesh.supports.size()));
-  const std::string preload = preload_line(description);
-  if (!preload.empty()) add("preload", preload);
-  add("loads", loads_line(description, mesh, plan.sites.size()));
-  add("solver",
-      plan.solver == "calculix"
-          ? fmt::format("CalculiX (ccx), {}-node tetrahedra; loads found by the own solver",
-                        mesh.mesh.is_quadratic() ? 10 : 4)
-          : fmt::format("total Lagrangian {}-node tetrahedra, Newton with conjugate gradients "
-                        "preconditioned by a sparse Cholesky factor",
-                        mesh.mesh.is_quadratic() ? 10 : 4));
-  return content;
-}
-
 // The point whose parameters have the values asked for.
 int point_at(const StoreContent& content, const std::map<std::string, double>& at) {
   for (const auto& [name, value] : at) {
@@ -358,6 +312,41 @@ class TemporaryStore {
 
 }  // namespace
 
+StoreContent content_of(const BodyDescription& description, const BodyProblem& problem) {
+  const BodyMesh& mesh = problem.mesh;
+  StoreContent content;
+  content.name = description.name;
+  content.material = materials_line(description);
+  content.mesh = mesh.mesh;
+  content.fixed = fixed_vertices(mesh);
+  content.sites = problem.sites;
+  for (const BodyDescription::Parameter& parameter : description.parameters) {
+    content.parameters.push_back(
+        {parameter.name, Eigen::Map<const VectorXd>(parameter.values.data(),
+                                                    static_cast<Index>(parameter.values.size()))});
+  }
+  content.tolerance = description.reduction.tolerance;
+  content.max_modes = description.reduction.max_modes;
+  const auto add = [&](const char* key, std::string value) {
+    content.provenance.emplace_back(key, std::move(value));
+  };
+  add("description", description.source.filename().string());
+  add("mesh source", mesh.origin);
+  add("mesh",
+      fmt::format("{} nodes, {} {}-node tetrahedra, boundary {} vertices, {} triangles; "
+                  "dihedral angles {:.1f} to {:.1f} degrees, volume {:.4g} m^3",
+                  mesh.mesh.node_count(), mesh.mesh.tet_count(), mesh.mesh.is_quadratic() ? 10 : 4,
+                  mesh.boundary.surface.vertex_count(), mesh.boundary.surface.triangle_count(),
+                  mesh.quality.smallest_dihedral_degrees, mesh.quality.largest_dihedral_degrees,
+                  mesh.quality.volume));
+  add("material", content.material);
+  add("support", fmt::format("{} nodes are held in all directions, {} in some or moved",
+                             mesh.fixed_nodes.size(), mesh.supports.size()));
+  const std::string preload = preload_line(description);
+  if (!preload.empty()) add("preload", preload);
+  return content;
+}
+
 FilledStore fill_store(const BodyDescription& description, const BakeSettings& settings, Crew& crew,
                        const Progress& progress) {
   PALPABLE_EXPECT(!settings.store.empty(), "snapshots have a place");
@@ -375,15 +364,25 @@ FilledStore fill_store(const BodyDescription& description, const BakeSettings& s
     refuse_press_through(description, mesh.boundary.surface, problem.sites, problem.press,
                          mesh.height);
   }
-  const CampaignPlan plan{
-      .model = std::move(problem.model),
-      .boundary = mesh.boundary,
-      .sites = std::move(problem.sites),
-      .run = {.press = problem.press, .force = problem.force, .levels = description.press.levels},
-      .preload = std::move(problem.preload),
-      .points = points_of(description),
-      .solver = settings.solver};
-  StoreContent content = content_of(description, plan, mesh);
+  StoreContent content = content_of(description, problem);
+  const int levels = description.press.levels, order = mesh.mesh.is_quadratic() ? 10 : 4;
+  content.levels = VectorXd::LinSpaced(levels + 1, 0.0, 1.0);
+  content.provenance.emplace_back("loads", loads_line(description, mesh, content.sites.size()));
+  content.provenance.emplace_back(
+      "solver",
+      settings.solver == "calculix"
+          ? fmt::format("CalculiX (ccx), {}-node tetrahedra; loads found by the own solver", order)
+          : fmt::format("total Lagrangian {}-node tetrahedra, Newton with conjugate gradients "
+                        "preconditioned by a sparse Cholesky factor",
+                        order));
+  const CampaignPlan plan{.model = std::move(problem.model),
+                          .boundary = mesh.boundary,
+                          .sites = std::move(problem.sites),
+                          .run = {.press = problem.press, .force = problem.force, .levels = levels},
+                          .preload = std::move(problem.preload),
+                          .points = points_of(description),
+                          .solver = settings.solver};
+  content.keys = unit_keys(plan);
   std::optional<StageTimer> timer(std::in_place, wall, "campaign");
   SnapshotStore store = crew.leads() ? SnapshotStore::create(settings.store, std::move(content))
                                      : SnapshotStore::attach(settings.store, std::move(content));

@@ -4,6 +4,7 @@
 
 #include "palpable/bake/body_description.h"
 #include "palpable/bake/body_mesh.h"
+#include "palpable/bake/body_problem.h"
 #include "palpable/bake/campaign.h"
 #include "palpable/bake/crew.h"
 #include "palpable/bake/snapshot_store.h"
@@ -62,6 +63,11 @@ struct BakedBody {
   ReducedBody body;
   BakeReport report;
 };
+
+/// What is known of a body before anything is solved; levels, keys, and where the snapshots come
+/// from are left to the caller.
+[[nodiscard]] StoreContent content_of(const BodyDescription& description,
+                                      const BodyProblem& problem);
 
 /// Meshes, and solves the campaign into settings.store.
 struct FilledStore {

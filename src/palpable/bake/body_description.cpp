@@ -35,14 +35,14 @@ void read_shape(TomlSection section, const std::string& file, BodyDescription& b
   if (surface == mesh) {
     throw Error(
         fmt::format("{}: [shape] needs either 'surface' (a file of triangles) or 'mesh' "
-                    "(a .msh or .inp file of tetrahedra){}",
+                    "(a .msh, .inp, .vtu or .vtk file of tetrahedra){}",
                     file, surface ? ", not both" : ""));
   }
   std::filesystem::path path = section.text(surface ? "surface" : "mesh");
   if (path.is_relative()) path = body.source.parent_path() / path;
   shape.file = path.lexically_normal();
   if (mesh && !shape.is_volume()) {
-    section.bad("mesh", fmt::format("names '{}', which does not end in .msh or .inp",
+    section.bad("mesh", fmt::format("names '{}', which does not end in .msh, .inp, .vtu or .vtk",
                                     path.filename().string()));
   }
   shape.up = up_axis(section.choice("up", {"x", "y", "z"}, "z"));

@@ -54,7 +54,8 @@ struct BodyDescription {
   std::string name;
 
   struct Shape {
-    std::filesystem::path file;    ///< a surface (.stl .ply .obj .3ds .off) or a volume (.msh .inp)
+    std::filesystem::path
+        file;  ///< a surface (.stl .ply .obj .3ds .off) or a volume (.msh .inp .vtu .vtk)
     UpAxis up = UpAxis::kZ;        ///< of the file
     std::optional<double> height;  ///< m, scaled to; none: lengths in the file are in `unit`
     std::optional<double> edge;    ///< m, remeshed to; none: the surface as it is

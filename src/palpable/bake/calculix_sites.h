@@ -7,7 +7,6 @@
 #include <functional>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace palpable {
 
@@ -24,11 +23,14 @@ class CalculixSites {
 
   /// As solve_sites(); the error of a deck that ccx refuses, or of a law that it does not have, is
   /// in its own words.
-  [[nodiscard]] std::vector<SiteSnapshots> solve(std::span<const Site> sites, int first,
-                                                 const SiteRunSettings& settings, StageTimes& times,
-                                                 const std::function<void(double)>& tick) const;
+  void solve(std::span<const Site> sites, const SiteRunSettings& settings, int threads,
+             const SiteStream& stream) const;
 
  private:
+  [[nodiscard]] SiteSnapshots solve_site(const Site& place, const SiteRunSettings& settings,
+                                         StageTimes& times,
+                                         const std::function<void(double)>& tick) const;
+
   const SiteSolver& solver_;
   std::string program_;
 };

@@ -1,17 +1,16 @@
 #include "palpable/bake/campaign.h"
 
 #include "palpable/bake/calculix_sites.h"
+#include "palpable/bake/press_solver.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 #include <mutex>
 #include <numeric>
 #include <optional>
-#include <span>
 #include <utility>
 
 namespace palpable {
@@ -80,35 +79,29 @@ void refuse_if_out_of_reach(const SnapshotStore& store, int point, double press)
 // Counts sites for the bar, those of earlier runs included.
 class Account {
  public:
-  Account(const Progress& progress, int there, int total)
-      : progress_(progress), done_(there), total_(total) {
+  Account(const Progress& progress, int there, int total, int units)
+      : progress_(progress),
+        done_(there),
+        total_(total),
+        parts_(static_cast<std::size_t>(units), 0.0) {
     if (there > 0) found_ = fmt::format("{} were there", there);
-  }
-  // A part of a batch that is being solved here, in sites.
-  void part(int batch, double sites) {
-    const std::lock_guard lock(mutex_);
-    if (static_cast<std::size_t>(batch) >= parts_.size()) {
-      parts_.resize(static_cast<std::size_t>(batch) + 1, 0.0);
-    }
-    parts_[static_cast<std::size_t>(batch)] = sites;
-    tell();
-  }
-  void finished(int batch, int sites, int fell_short) {
-    const std::lock_guard lock(mutex_);
-    if (static_cast<std::size_t>(batch) < parts_.size()) {
-      parts_[static_cast<std::size_t>(batch)] = 0.0;
-    }
-    done_ += sites;
-    short_ += fell_short;
-    tell();
   }
   void begin() {
     const std::lock_guard lock(mutex_);
     tell();
   }
-  void next_point() {
+  // A part of a unit that is being solved here.
+  void part(int unit, double part) {
     const std::lock_guard lock(mutex_);
-    parts_.clear();
+    parts_[static_cast<std::size_t>(unit)] = part;
+    tell();
+  }
+  void finished(int unit, int fell_short) {
+    const std::lock_guard lock(mutex_);
+    parts_[static_cast<std::size_t>(unit)] = 0.0;
+    done_ += 1.0;
+    short_ += fell_short;
+    tell();
   }
 
  private:
@@ -132,27 +125,18 @@ class Account {
 }  // namespace
 
 std::vector<std::uint64_t> unit_keys(const CampaignPlan& plan) {
-  const int S = static_cast<int>(plan.sites.size());
-  const std::vector<int> batches = site_batches(S);
   const Digest problem = digest_of_problem(plan);
   std::vector<std::uint64_t> keys;
   for (const PointMaterials& point : plan.points) {
     Digest at_point = problem;
     add(at_point, point.material);
     for (const Material& group : point.groups) add(at_point, group);
-    for (std::size_t b = 0; b + 1 < batches.size(); ++b) {
-      Digest batch = at_point;
-      for (int s = batches[b]; s < batches[b + 1]; ++s) {
-        const Site& site = plan.sites[static_cast<std::size_t>(s)];
-        add(batch, site.patch);
-        batch.add(site.weights.data(), site.weights.size() * sizeof(float));
-        batch.add(site.direction);
-      }
-      for (int s = batches[b]; s < batches[b + 1]; ++s) {
-        Digest unit = batch;
-        unit.add(s - batches[b]);
-        keys.push_back(unit.value());
-      }
+    for (const Site& site : plan.sites) {
+      Digest unit = at_point;
+      add(unit, site.patch);
+      unit.add(site.weights.data(), site.weights.size() * sizeof(float));
+      unit.add(site.direction);
+      keys.push_back(unit.value());
     }
   }
   return keys;
@@ -163,91 +147,65 @@ CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store
   const int S = static_cast<int>(plan.sites.size()), P = static_cast<int>(plan.points.size());
   PALPABLE_EXPECT(S > 0 && P > 0, "a campaign has sites and points");
   PALPABLE_EXPECT(store.content().unit_count() == S * P, "the store is of this plan");
-  const std::vector<int> batches = site_batches(S);
-  const int B = static_cast<int>(batches.size()) - 1;
   const int threads = crew.threads(settings.threads);
-  const auto of_shard = [&](int p, int b) {
-    return (p * B + b) % settings.shards == settings.shard;
-  };
 
   CampaignReport result;
-  std::vector<char> there(static_cast<std::size_t>(P * S), 0);
-  std::vector<int> pending;  // p B + b
-  int total = 0;
+  std::vector<int> pending;
   if (crew.leads()) {
-    for (int p = 0; p < P; ++p) {
-      for (int b = 0; b < B; ++b) {
-        const int first = batches[static_cast<std::size_t>(b)];
-        const int end = batches[static_cast<std::size_t>(b) + 1];
-        if (!of_shard(p, b)) {
-          result.missing += end - first;
-          continue;
-        }
-        total += end - first;
-        bool complete = true;
-        for (int s = first; s < end; ++s) {
-          const bool has = store.has(p * S + s);
-          there[static_cast<std::size_t>(p * S + s)] = has;
-          result.reused += has;
-          complete &= has;
-        }
-        if (!complete) pending.push_back(p * B + b);
-        report(progress, {"looking for snapshots", static_cast<double>(p * S + end),
-                          static_cast<double>(P * S), ""});
+    for (int u = 0; u < S * P; ++u) {
+      report(progress, {"looking for snapshots", u + 1.0, static_cast<double>(S * P), ""});
+      if (u % settings.shards != settings.shard) {
+        ++result.missing;
+      } else if (store.has(u)) {
+        ++result.reused;
+      } else {
+        pending.push_back(u);
       }
     }
   }
   pending = crew.agree(std::move(pending));
 
-  Account account(progress, result.reused, total);
+  Account account(progress, result.reused, result.reused + static_cast<int>(pending.size()), S * P);
   std::mutex timing;
   for (int p = 0; p < P; ++p) {
     std::vector<int> here;
-    for (const int at : pending) {
-      if (at / B == p) here.push_back(at % B);
+    for (const int u : pending) {
+      if (u / S == p) here.push_back(u % S);
     }
     if (here.empty()) continue;
     account.begin();
-    account.next_point();
-    const EquilibriumSolver solver(model_at(plan, p));
+    const EquilibriumSolver solver(model_at(plan, p), {.tolerance = kSnapshotTolerance});
     const SiteSolver presses(solver, plan.boundary, plan.preload);
     std::optional<CalculixSites> calculix;
     if (plan.solver == "calculix") calculix.emplace(presses, settings.calculix);
-    // The number of the batch's sites that fall short of the press.
-    const auto work = [&](int i) {
-      const int b = here[static_cast<std::size_t>(i)];
-      const int first = batches[static_cast<std::size_t>(b)];
-      const int count = batches[static_cast<std::size_t>(b) + 1] - first;
-      const std::span<const Site> sites(&plan.sites[static_cast<std::size_t>(first)],
-                                        static_cast<std::size_t>(count));
-      StageTimes spent;
-      const auto tick = [&](double done) { account.part(i, done * count); };
-      const std::vector<SiteSnapshots> solved =
-          calculix ? calculix->solve(sites, first, plan.run, spent, tick)
-                   : solve_sites(presses, sites, first, plan.run, spent, tick);
-      int fell_short = 0;
-      {
-        const StageTimer timer(spent, "write");
-        for (int k = 0; k < count; ++k) {
-          const SiteSnapshots& site = solved[static_cast<std::size_t>(k)];
-          store.write(p * S + first + k, site, presses.rest());
-          fell_short += !site.outcome.reached_press;
-        }
+    const auto run = [&](const Pieces& pieces) {
+      const SiteStream stream{[&]() -> std::optional<int> {
+                                const std::optional<int> i = pieces.next();
+                                return i ? std::optional(here[static_cast<std::size_t>(*i)])
+                                         : std::nullopt;
+                              },
+                              [&](int s, double part) { account.part(p * S + s, part); },
+                              [&](int s, SiteSnapshots snapshots, StageTimes spent) {
+                                {
+                                  const StageTimer timer(spent, "write");
+                                  store.write(p * S + s, snapshots, presses.rest());
+                                }
+                                {
+                                  const std::lock_guard lock(timing);
+                                  result.times.add(spent);
+                                }
+                                pieces.finished(s, snapshots.outcome.reached_press ? 0 : 1);
+                              }};
+      if (calculix) {
+        calculix->solve(plan.sites, plan.run, threads, stream);
+      } else {
+        solve_sites(presses, plan.sites, plan.run, threads, stream);
       }
-      const std::lock_guard lock(timing);
-      result.times.add(spent);
-      return fell_short;
     };
-    const auto finished = [&](int i, int fell_short) {
-      const auto b = static_cast<std::size_t>(here[static_cast<std::size_t>(i)]);
-      int count = 0;
-      for (int s = batches[b]; s < batches[b + 1]; ++s) {
-        count += !there[static_cast<std::size_t>(p * S + s)];
-      }
-      result.solved += count;
-      account.finished(i, count, fell_short);
-    };
-    crew.share(static_cast<int>(here.size()), threads, work, finished);
+    crew.share(static_cast<int>(here.size()), run, [&](int s, int fell_short) {
+      ++result.solved;
+      account.finished(p * S + s, fell_short);
+    });
   }
   if (!crew.leads() || result.missing > 0) return result;
   if (plan.run.force == 0.0) {

@@ -41,12 +41,12 @@ struct CampaignPlan {
 };
 
 /// (P S) for each unit what it is computed from: layout and revision of this program's work, mesh,
-/// materials, supports, loads, levels, and the sites of its whole batch.
+/// materials, supports, loads, levels, and its site.
 [[nodiscard]] std::vector<std::uint64_t> unit_keys(const CampaignPlan& plan);
 
 struct CampaignSettings {
-  int threads = 0;  ///< batches solved side by side; 0: one per core. Results do not depend on it
-  /// Only every `shards`-th batch from number `shard` on is solved here.
+  int threads = 0;  ///< 0: one per core. Results do not depend on it
+  /// Only every `shards`-th unit from number `shard` on is solved here.
   int shard = 0;
   int shards = 1;
   std::string calculix = "ccx";  ///< the program, for plan.solver "calculix"
@@ -56,14 +56,14 @@ struct CampaignReport {
   int reused = 0;  ///< units that were there already
   int solved = 0;
   int missing = 0;   ///< of other shards
-  StageTimes times;  ///< load search, solve, stress, write: milliseconds, summed over threads
+  StageTimes times;  ///< solve, stress, write: milliseconds, summed over sites
 };
 
-/// Solves what the store does not hold yet. A batch's files are written as it ends; nothing that is
+/// Solves what the store does not hold yet. A site's file is written as it ends; nothing that is
 /// finished is lost, whatever ends the program. The store's bytes depend on nothing but the plan.
 ///
-/// A model that turns out too large for memory is not refused here: a batch takes
-/// 36 N L bytes a site for its snapshots, the solver what equilibrium.h says.
+/// Memory: the solver (equilibrium.h), and for each site in progress 84 N L bytes: its states in
+/// double precision, its snapshots in single precision and their file.
 /// @param store  of unit_keys(plan)
 /// @throws Error if no site of a point reaches the press, one site cannot be pressed at all, the
 ///         body cannot bear the preload, or the store cannot be written

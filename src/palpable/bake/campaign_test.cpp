@@ -4,6 +4,7 @@
 #include "palpable/bake/merge_stores.h"
 #include "palpable/base/error.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/solved_sites.h"
 #include "tests/support/test.h"
 
 #include <algorithm>
@@ -96,7 +97,7 @@ TEST_CASE("what is valid is used again, what is damaged, foreign or gone is solv
       << files.at("point_001_site_0002.h5");
   std::ofstream(folder / "store/point_001_site_0002.h5.part-elsewhere-7") << "killed";
   const CampaignReport again = block.run(folder / "store");
-  CHECK(again.solved >= 3);
+  CHECK(again.solved == 3);
   CHECK(again.solved + again.reused == 6);
   CHECK(all_files(folder / "store") == files);
 }
@@ -159,22 +160,16 @@ TEST_CASE("snapshots come back from the store as they were solved", "[bake][camp
   CHECK(store.content().name == "block");
   CHECK(store.content().mesh.nodes == block.content.mesh.nodes);
   CHECK(store.content().sites[2].patch == block.plan.sites[2].patch);
-  const EquilibriumSolver solver(block.plan.model);
-  const SiteSolver presses(solver, block.plan.boundary, Eigen::Matrix3Xd(3, 0));
-  StageTimes times;
-  const std::vector<int> batches = site_batches(3);
-  for (std::size_t b = 0; b + 1 < batches.size(); ++b) {
-    const std::vector<Site> sites(block.plan.sites.begin() + batches[b],
-                                  block.plan.sites.begin() + batches[b + 1]);
-    int s = batches[b];
-    for (const SiteSnapshots& site : solve_sites(presses, sites, s, block.plan.run, times)) {
-      CHECK(store.rows(s, {"displacement", 3}, 0, site.displacement.rows()) == site.displacement);
-      // A block that begins and ends within nodes.
-      CHECK(store.rows(s, {"stress", 6}, 13, 40) == site.stress.middleRows(13, 40));
-      CHECK(store.unit(s).press_depth == site.press_depth);
-      CHECK(store.unit(s).full_load == site.full_load);
-      ++s;
-    }
+  const test::SolvedSites solved = test::solved_sites(
+      EquilibriumSolver(block.plan.model), block.plan.boundary, block.plan.sites, block.plan.run);
+  for (int s = 0; s < 3; ++s) {
+    const Eigen::MatrixXd u = solved.displacement.middleCols(2 * s, 2);
+    CHECK(store.rows(s, {"displacement", 3}, 0, u.rows()).cast<double>() == u);
+    // A block that begins and ends within nodes.
+    CHECK(store.rows(s, {"stress", 6}, 13, 40).cast<double>() ==
+          solved.stress.block(13, 2 * s, 40, 2));
+    CHECK(store.unit(s).press_depth == solved.press_depth.col(s));
+    CHECK(store.unit(s).full_load == solved.sites[static_cast<std::size_t>(s)].full_load);
   }
 }
 

@@ -3,9 +3,16 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace palpable {
+
+/// How a process comes by its pieces of work.
+struct Pieces {
+  std::function<std::optional<int>()> next;
+  std::function<void(int piece, int answer)> finished;
+};
 
 /// Hands out numbered pieces of work. All processes of a crew call the same members in the same
 /// order.
@@ -20,11 +27,12 @@ class Crew {
   /// The leader's list, in every process.
   [[nodiscard]] virtual std::vector<int> agree(std::vector<int> list) = 0;
 
-  /// Runs work(i) once for each 0 <= i < count, somewhere, in increasing order of i as threads are
-  /// free. In the leader, finished(i, work(i)) follows, one call at a time.
-  /// @throws what work threw for the lowest i, when all have ended; pieces not begun are left out.
-  ///         In a process that does not lead: an Error for a failure of any other
-  virtual void share(int count, int threads, const std::function<int(int)>& work,
+  /// Hands out each 0 <= i < count once, in increasing order: every process calls run() once, which
+  /// asks `next` for pieces, from any of its threads, until there are none, and tells `finished` of
+  /// each with an answer. In the leader, finished(i, answer) follows, one call at a time.
+  /// @throws what run() threw, when all processes have ended; nothing more is handed out then. In
+  ///         a process that does not lead: an Error for a failure of any other
+  virtual void share(int count, const std::function<void(const Pieces&)>& run,
                      const std::function<void(int, int)>& finished) = 0;
 };
 
@@ -34,7 +42,7 @@ class LocalCrew : public Crew {
   [[nodiscard]] bool leads() const override { return true; }
   [[nodiscard]] int threads(int wanted) const override;
   [[nodiscard]] std::vector<int> agree(std::vector<int> list) override { return list; }
-  void share(int count, int threads, const std::function<int(int)>& work,
+  void share(int count, const std::function<void(const Pieces&)>& run,
              const std::function<void(int, int)>& finished) override;
 };
 

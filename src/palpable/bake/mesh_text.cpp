@@ -77,7 +77,10 @@ VolumeMesh number_anew(const FileMesh& file) {
                                                tet.number, k < 4 ? "corner" : "middle node", node)};
       }
       const auto [number, is_new] = number_of.try_emplace(node, static_cast<int>(nodes.size()));
-      if (is_new) nodes.push_back(at->second);
+      if (is_new) {
+        nodes.push_back(at->second);
+        volume.numbers.push_back(node);
+      }
       (k < 4 ? mesh.tets(k, e) : mesh.edge_nodes(k - 4, e)) = number->second;
     }
   }

@@ -1,5 +1,5 @@
 /// @file
-/// The work of a campaign, one batch of sites at a time: loads, paths, stresses.
+/// The work of a campaign: loads, paths, stresses of sites, many at a time.
 ///
 ///   N  nodes     L  solved levels (level 0, at rest, is not among them)
 #pragma once
@@ -14,6 +14,7 @@
 #include <Eigen/Core>
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -51,7 +52,7 @@ struct SiteSnapshots {
   SiteOutcome outcome;
 };
 
-/// The body before anybody presses it, and what every batch shares.
+/// The body before anybody presses it, and what all sites share.
 class SiteSolver {
  public:
   /// @param solver, boundary  outlive this; boundary of solver.model().mesh
@@ -74,27 +75,31 @@ class SiteSolver {
   StressField rest_stress_;  // no columns: none
 };
 
-/// The batches of a campaign of `site_count` sites: first site of each, and one past the last site.
-/// A function of the count alone, so that results depend neither on threads nor on processes.
-[[nodiscard]] std::vector<int> site_batches(int site_count);
+/// How sites come and go while they are solved. `next` is called by one thread at a time, the
+/// others by several at once.
+struct SiteStream {
+  /// The number of the next site; none: that was all.
+  std::function<std::optional<int>()> next;
+  /// The part of a site that is done, 0 .. 1.
+  std::function<void(int site, double part)> tick;
+  /// @param times  solve, stress: milliseconds, waiting for other lanes included
+  std::function<void(int site, SiteSnapshots snapshots, const StageTimes& times)> finished;
+};
 
-/// For each site of a batch: the load at which its patch gives way by the press (or the force that
-/// is given), then the path to that load and the stress at each level. Loads act on the patch in
-/// proportion to its weights, along the site's direction, and keep it (dead loads).
+/// For each site that the stream hands out: the load at which its patch gives way by the press (or
+/// the force that is given), then the path to that load and the stress at each level. Loads act on
+/// the patch in proportion to its weights, along the site's direction, and keep it (dead loads).
 ///
 /// A site whose body yields, buckles or turns an element inside out before the press is solved up
 /// to what it reaches, and its outcome says so. Its load is lowered until the press depth grows
 /// strictly with every level, because the live half inverts that table.
 ///
-/// A function of its arguments, to the last bit. May run in several threads on one `solver`.
-/// @param first  number of the first site, for messages
-/// @param times  adds load search, solve, stress: milliseconds
-/// @param tick   called from this thread with the done part of the batch, 0 .. 1; may be empty
-/// @throws Error naming the site, if one cannot be pressed at all
-[[nodiscard]] std::vector<SiteSnapshots> solve_sites(const SiteSolver& solver,
-                                                     std::span<const Site> sites, int first,
-                                                     const SiteRunSettings& settings,
-                                                     StageTimes& times,
-                                                     const std::function<void(double)>& tick = {});
+/// What a site's snapshots are depends on nothing but `solver`, the site and the settings, to the
+/// last bit: not on threads, nor on which other sites are solved beside it.
+/// @param sites    all of the campaign
+/// @param threads  that run at a time
+/// @throws Error naming the site, if one cannot be pressed at all; what the stream throws
+void solve_sites(const SiteSolver& solver, std::span<const Site> sites,
+                 const SiteRunSettings& settings, int threads, const SiteStream& stream);
 
 }  // namespace palpable

@@ -2,6 +2,7 @@
 
 #include "palpable/bake/inp_file.h"
 #include "palpable/bake/msh_file.h"
+#include "palpable/bake/vtk_volume.h"
 #include "palpable/base/contract.h"
 
 #include <algorithm>
@@ -31,12 +32,14 @@ VolumeMesh with_edge_nodes(VolumeMesh volume) {
 }
 
 bool is_volume_file(const std::filesystem::path& path) {
-  return path.extension() == ".msh" || path.extension() == ".inp";
+  const auto is = [&](const char* ending) { return path.extension() == ending; };
+  return is(".msh") || is(".inp") || is(".vtu") || is(".vtk");
 }
 
 Result<VolumeMesh> read_volume_file(const std::filesystem::path& path) {
   PALPABLE_EXPECT(is_volume_file(path), "a file of a volume mesh");
-  return path.extension() == ".msh" ? read_msh_file(path) : read_inp_file(path);
+  if (path.extension() == ".msh") return read_msh_file(path);
+  return path.extension() == ".inp" ? read_inp_file(path) : read_vtk_volume(path);
 }
 
 }  // namespace palpable

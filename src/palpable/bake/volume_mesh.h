@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -28,6 +29,8 @@ struct MeshSets {
 struct VolumeMesh {
   TetMesh mesh;
   MeshSets sets;
+  /// (N) of each node in the file; none for those that with_edge_nodes() adds.
+  std::vector<std::int64_t> numbers = {};
 };
 
 /// The same body with 10-node tetrahedra, as with_edge_nodes(TetMesh); a set of nodes takes the
@@ -39,10 +42,10 @@ struct VolumeMesh {
 [[nodiscard]] std::vector<int> with_edge_middles(const TetMesh& mesh,
                                                  const std::vector<int>& nodes);
 
-/// Whether the file's name is that of a volume mesh: .msh or .inp, in small letters.
+/// Whether the file's name is that of a volume mesh: .msh, .inp, .vtu or .vtk, in small letters.
 [[nodiscard]] bool is_volume_file(const std::filesystem::path& path);
 
-/// Reads a volume mesh by the ending of its name: msh_file.h, inp_file.h.
+/// Reads a volume mesh by the ending of its name: msh_file.h, inp_file.h, vtk_volume.h.
 /// @pre is_volume_file(path)
 [[nodiscard]] Result<VolumeMesh> read_volume_file(const std::filesystem::path& path);
 

@@ -1,0 +1,59 @@
+// palpable import-snapshots FOLDER --manifest runs.toml -o bunny.snapshots
+
+#include "palpable/bake/import_snapshots.h"
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable-bake/body_report.h"
+#include "apps/palpable-bake/commands.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+
+namespace palpable::app {
+namespace {
+
+struct Options {
+  std::string folder;
+  std::string manifest;
+  std::string output;
+};
+
+void import(const Options& options) {
+  require_folder_of(options.output);
+  const ImportManifest manifest = read_import_manifest(options.manifest);
+  ProgressBar bar;
+  const SnapshotStore store =
+      import_snapshots(options.folder, manifest, options.output, bar.progress());
+  bar.finish();
+  std::string fields;
+  for (const StoredField& field : store.content().fields) fields += " " + field.name;
+  fmt::print("{}: {} sites x {} levels,{}; make a body of them with: palpable reduce {} -o FILE\n",
+             options.output, store.content().unit_count(), store.content().level_count(), fields,
+             options.output);
+}
+
+}  // namespace
+
+void add_import_snapshots(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "import-snapshots", "Take over what another solver has computed (docs/snapshots.md)");
+  command->add_option("folder", options->folder, "Where the files are")
+      ->required()
+      ->check(CLI::ExistingDirectory)
+      ->type_name("FOLDER");
+  command->add_option("--manifest", options->manifest, "Which file is which snapshot")
+      ->required()
+      ->type_name("FILE.toml");
+  command->add_option("-o,--out", options->output, "Folder of snapshots to write")
+      ->required()
+      ->type_name("FOLDER");
+  command->footer(
+      "Example: palpable import-snapshots runs --manifest runs.toml -o bunny.snapshots");
+  command->callback([options] { import(*options); });
+}
+
+}  // namespace palpable::app
