@@ -109,6 +109,8 @@ class Lanes {
 
   void solve(Seat& seat, const CholeskyFactor& factor, const Eigen::VectorXd& b,
              Eigen::VectorXd& x) {
+    // Not in the batch, where it would fail for all.
+    PALPABLE_EXPECT(b.size() == factor.size(), "the right-hand side has the size of the matrix");
     {
       const std::lock_guard lock(mutex_);
       seat.factor = &factor;

@@ -547,6 +547,8 @@ void CholeskyFactor::solve_together(std::span<const Eigen::VectorXd* const> b,
   }
 }
 
+Eigen::Index CholeskyFactor::size() const { return content_->analysis->size(); }
+
 std::size_t CholeskyFactor::bytes() const {
   return std::visit([](const auto& panels) { return panels.bytes(); }, content_->panels);
 }

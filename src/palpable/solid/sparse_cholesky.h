@@ -86,6 +86,8 @@ class CholeskyFactor {
   void solve_together(std::span<const Eigen::VectorXd* const> b,
                       std::span<Eigen::VectorXd* const> x, FactorWorkspace& workspace) const;
 
+  /// Rows of the matrix.
+  [[nodiscard]] Eigen::Index size() const;
   /// What a solve reads, twice.
   [[nodiscard]] std::size_t bytes() const;
 
