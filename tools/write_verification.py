@@ -159,9 +159,8 @@ polyhedron and are held at the same faces. The reference is the split mesh with 
 linear in its triangles and the same field on all meshes. Loads are those that press the 10-node mesh
 by the share of the full press. Errors are relative to the reference: of the press (below zero: too
 stiff), of displacement and of von Mises stress in the elements (L2 norms over the body). At nodes: von
-Mises stress as recovered (`stress_recovery.h`; here, for 10-node elements too, still by patches, which the
-table of the ball shows to be worse than what they do now), against the mean of what the reference's own
-elements have there.
+Mises stress as recovered (`stress_recovery.h`), against the mean of what the reference's own elements
+have there.
 """]
 
     table = []
