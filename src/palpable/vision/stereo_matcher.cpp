@@ -112,6 +112,10 @@ struct StereoMatcher::Parts {
 void StereoMatcher::Parts::find_winners(Pass& p, const GrayImage& left, const GrayImage& right,
                                         int first, int disparities) {
   p.resize(left.width(), left.height());
+  if (settings.find_winners) {
+    settings.find_winners(left, right, first, disparities, p.winners);
+    return;
+  }
   const std::size_t bytes = kernel_workspace_bytes(left.width(), disparities);
   for (AlignedBytes& workspace : workspaces) workspace.at_least(bytes);
   crew.run(2, [&](int eye) {

@@ -1,0 +1,98 @@
+#include "palpable/gpu/gl_stereo.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/render/gl_context.h"
+#include "palpable/vision/stereo_matcher.h"
+#include "tests/support/test.h"
+
+#include <random>
+
+namespace palpable {
+namespace {
+
+struct Pair {
+  GrayImage left;
+  GrayImage right;
+};
+
+Pair some_pair(int width, int height, unsigned seed) {
+  auto random = test::random_case(seed);
+  Pair pair{GrayImage(width, height), GrayImage(width, height)};
+  for (std::uint8_t& p : pair.left) p = static_cast<std::uint8_t>(random() % 30 + 100);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      pair.right(x, y) =
+          static_cast<std::uint8_t>(pair.left((x + 6 + y / 12) % width, y) + random() % 3);
+    }
+  }
+  return pair;
+}
+
+TEST_CASE("the compute shaders find the winners of the plain loops, bit for bit", "[gpu]") {
+  Result<GlContext> context = GlContext::offscreen();
+  if (!context.ok()) PALPABLE_SKIP(context.problem().message);
+  GlStereo stereo = value_or_throw(GlStereo::make());
+  struct Case {
+    int width, height, first, disparities, p1, p2;
+  };
+  unsigned seed = 0;
+  for (const Case& c :
+       {Case{70, 41, 0, 32, 3, 40}, Case{65, 9, -5, 80, 10, 61}, Case{40, 75, 2, 16, 0, 0}}) {
+    INFO("width " << c.width << ", " << c.disparities << " disparities");
+    const Pair pair = some_pair(c.width, c.height, seed++);
+    CensusCodes left, right;
+    for (GrayImage& plane : left) plane.resize(c.width, c.height);
+    for (GrayImage& plane : right) plane.resize(c.width, c.height);
+    const StereoKernels& plain = scalar_stereo_kernels();
+    plain.census(pair.left, left, nullptr);
+    plain.census(pair.right, right, nullptr);
+    Winners expected;
+    expected.resize(c.width, c.height);
+    plain.match({&left, &right, c.first, c.disparities, c.p1, c.p2, &expected}, 0, kStrips,
+                nullptr);
+    Winners found;
+    stereo.find_winners(pair.left, pair.right, c.first, c.disparities, c.p1, c.p2, found);
+    CHECK(found.best == expected.best);
+    CHECK(found.cost == expected.cost);
+    CHECK(found.before == expected.before);
+    CHECK(found.after == expected.after);
+  }
+  CHECK(context.value().errors().count() == 0);
+}
+
+TEST_CASE("with the winners of the GPU the matcher's disparities are the same", "[gpu]") {
+  Result<GlContext> context = GlContext::offscreen();
+  if (!context.ok()) PALPABLE_SKIP(context.problem().message);
+  GlStereo stereo = value_or_throw(GlStereo::make());
+  const Pair pair = some_pair(96, 64, 7);
+  StereoMatcherSettings settings = near_matching();
+  settings.disparities = 32;
+  settings.guard_disparities = 16;
+  MatchedPair expected, found;
+  StereoMatcher(settings).match(pair.left, pair.right, expected);
+  int calls = 0;
+  settings.find_winners = [&](const GrayImage& left, const GrayImage& right, int first,
+                              int disparities, Winners& winners) {
+    ++calls;
+    stereo.find_winners(left, right, first, disparities, settings.p1, settings.p2, winners);
+  };
+  StereoMatcher(settings).match(pair.left, pair.right, found);
+  CHECK(calls == 2);  // the pass and its guard
+  CHECK(found.disparity == expected.disparity);
+  CHECK(found.confidence == expected.confidence);
+}
+
+TEST_CASE("images of two sizes and numbers out of range are refused", "[gpu][refusal]") {
+  Result<GlContext> context = GlContext::offscreen();
+  if (!context.ok()) PALPABLE_SKIP(context.problem().message);
+  GlStereo stereo = value_or_throw(GlStereo::make());
+  const GrayImage image(20, 20);
+  Winners winners;
+  CHECK_THROWS_AS(stereo.find_winners(image, GrayImage(20, 21), 0, 16, 3, 40, winners),
+                  ContractViolation);
+  CHECK_THROWS_AS(stereo.find_winners(image, image, 0, 0, 3, 40, winners), ContractViolation);
+  CHECK_THROWS_AS(stereo.find_winners(image, image, 0, 16, 41, 40, winners), ContractViolation);
+}
+
+}  // namespace
+}  // namespace palpable
