@@ -1,6 +1,7 @@
 // palpable bench: ms per stage of the live half, median and 99th percentile.
 
 #include "apps/common/progress_bar.h"
+#include "apps/palpable/bench_depth.h"
 #include "apps/palpable/bench_sgbm.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/live_setup.h"
@@ -251,6 +252,7 @@ void add_bench(CLI::App& app) {
                  bench_evaluate);
   add_body_bench("contact", "A finger at 640 x 360 on the first site", bench_contact);
 
+  add_bench_depth(*bench);
   add_bench_sgbm(*bench);
 
   auto options = std::make_shared<LiveBenchOptions>();

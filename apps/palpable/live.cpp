@@ -206,7 +206,12 @@ void live(const Options& options) {
       drawn->time = scene.time;
       drawn->touches = scene.touches;
       drawn->camera_from_body = session.camera_from_body();
-      if (!options.no_depth) drawn->depth = scene.seen->depth;
+      if (!options.no_depth) {
+        drawn->depth = scene.seen->depth;
+        drawn->too_close = scene.seen->too_close;
+      }
+      drawn->row_error_px = scene.seen->row_error_px;
+      drawn->row_correction_px = scene.seen->row_correction_px;
       if (options.pictures) {
         drawn->scores = figure_scores(scene, session, drawn->visible, drawn->body_depth,
                                       session.pressing_depth());
@@ -282,7 +287,9 @@ void add_live(CLI::App& app) {
   command->add_flag("--no-depth", options->no_depth, "Leave out depth/, the measured depth");
   command->add_flag("--overwrite", options->overwrite, "Replace an earlier run in --out");
   command->footer(
-      "Writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, live.json,\n"
+      "Writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, "
+      "rectification.jsonl,\n"
+      "live.json,\n"
       "depth/, visible/ and body_depth/ (docs/benchmark.md has the formats).\n"
       "A recording waits for the loop unless --paced. A camera that stalls or goes away does not "
       "end\n"

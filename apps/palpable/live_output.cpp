@@ -23,15 +23,17 @@ namespace fs = std::filesystem;
 constexpr std::size_t kInFlight = 4;
 constexpr float kDepthUnit = 0.25e-3f;     // m per count of depth/ (docs/benchmark.md)
 constexpr float kBodyDepthUnit = 1e-4f;    // m per count of body_depth/
-constexpr float kLargestDepth = 65534.0f;  // counts; the next one means too close
-constexpr double kDefaultRate = 30;        // of a clip of one frame
+constexpr float kLargestDepth = 65534.0f;  // counts
+constexpr std::uint16_t kTooCloseCount = 65535;
+constexpr double kDefaultRate = 30;  // of a clip of one frame
 constexpr std::array kStages{"read",    "rectify",  "disparity", "depth", "background",
                              "contact", "evaluate", "draw",      "write"};
 constexpr std::array kFigureNames{"hand_nearer.png", "body_nearer.png", "touch.png"};
 // All that a run may leave in its folder, timing.csv first: every run begins with it.
-constexpr std::array kOutputs{"timing.csv", "touches.jsonl", "trajectory.txt", "pose.jsonl",
-                              "live.json",  "touch.mp4",     "depth",          "visible",
-                              "body_depth", kFigureNames[0], kFigureNames[1],  kFigureNames[2]};
+constexpr std::array kOutputs{
+    "timing.csv",    "touches.jsonl", "trajectory.txt", "pose.jsonl", "live.json",
+    "touch.mp4",     "depth",         "visible",        "body_depth", "rectification.jsonl",
+    kFigureNames[0], kFigureNames[1], kFigureNames[2]};
 
 void make_folder(const fs::path& folder) {
   std::error_code error;
@@ -59,8 +61,8 @@ void write_image(const fs::path& path, const cv::Mat& image) {
   }
 }
 
-// 0 where unknown, or farther than the counts reach.
-cv::Mat counts_of(const DepthImage& depth) {
+// 0 where unknown, or farther than the counts reach; kTooCloseCount where nearer than measured.
+cv::Mat counts_of(const DepthImage& depth, const MaskImage& too_close) {
   cv::Mat counts(depth.height(), depth.width(), CV_16UC1);
   for (int y = 0; y < counts.rows; ++y) {
     const float* from = depth.row(y);
@@ -70,6 +72,10 @@ cv::Mat counts_of(const DepthImage& depth) {
       to[x] = count >= 1.0f && count <= kLargestDepth  // false for NaN
                   ? static_cast<std::uint16_t>(count)
                   : std::uint16_t{0};
+    }
+    if (too_close.empty()) continue;
+    for (int x = 0; x < counts.cols; ++x) {
+      if (too_close(x, y) != 0) to[x] = kTooCloseCount;
     }
   }
   return counts;
@@ -163,6 +169,7 @@ LiveOutput::LiveOutput(const LiveOutputSettings& settings)
   touches_ = open_file(folder / "touches.jsonl");
   trajectory_ = open_file(folder / "trajectory.txt");
   poses_ = open_file(folder / "pose.jsonl");
+  corrections_ = open_file(folder / "rectification.jsonl");
   trajectory_ << "# time tx ty tz qx qy qz qw: world_from_camera of the rectified left camera\n";
   timing_ << "frame";
   for (const char* stage : kStages) {
@@ -258,11 +265,19 @@ void LiveOutput::write_lines(const DrawnFrame& frame) {
     }
   }
   poses_ << "]}\n";
+  const double correction = frame.row_correction_px;
+  if (last_correction_ != correction) {
+    last_correction_ = correction;
+    corrections_ << fmt::format(
+        "{{\"frame\":{},\"row_correction_px\":{:.4f},\"row_error_px\":{}}}\n", frame.number,
+        correction,
+        std::isnan(frame.row_error_px) ? "null" : fmt::format("{:.4f}", frame.row_error_px));
+  }
 }
 
 void LiveOutput::write_depth(const DrawnFrame& frame) {
   write_image(settings_.folder / "depth" / fmt::format("{:06d}.png", frame.number),
-              counts_of(frame.depth));
+              counts_of(frame.depth, frame.too_close));
 }
 
 void LiveOutput::write_masks(const DrawnFrame& frame) {
@@ -332,6 +347,7 @@ void LiveOutput::end_files() {
   close_file(touches_, settings_.folder / "touches.jsonl");
   close_file(trajectory_, settings_.folder / "trajectory.txt");
   close_file(poses_, settings_.folder / "pose.jsonl");
+  close_file(corrections_, settings_.folder / "rectification.jsonl");
   for (std::size_t i = 0; i < best_.size(); ++i) {
     if (best_score_[i] <= 0) continue;
     write_png(settings_.folder / kFigureNames[i], best_[i]);

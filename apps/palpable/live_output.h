@@ -5,6 +5,11 @@
 ///   timing.csv                ms per stage per frame
 ///   touches.jsonl             {"frame","time","site","level","force","press_depth","point"} in SI
 ///   trajectory.txt            TUM: time tx ty tz qx qy qz qw, world_from_camera
+///   rectification.jsonl       stereo: {"frame":n,"row_correction_px":c,"row_error_px":e}: from
+///   this
+///                             frame on the right image was moved up by c rows beyond the
+///                             calibration; e is the error that was left in it (null: too few
+///                             points)
 ///   pose.jsonl                {"frame","camera_from_body"}: where the body was drawn, row by row
 ///   depth/%06d.png            the measured Z, 16 bit, 0.25 mm, 0 unknown, 65535 too close
 ///   visible/%06d.png          255 where the body is seen
@@ -23,6 +28,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -47,8 +53,11 @@ struct DrawnFrame {
   std::vector<Touch> touches;
   ColorImage picture;
   MaskImage visible;
-  DepthImage body_depth;  ///< full size
-  DepthImage depth;       ///< as measured; left empty when settings.depth is off
+  DepthImage body_depth;         ///< full size
+  DepthImage depth;              ///< as measured; left empty when settings.depth is off
+  MaskImage too_close;           ///< of its size, or empty
+  double row_error_px = 0;       ///< of the rectified pair; NaN where nothing watches
+  double row_correction_px = 0;  ///< by how much the right image was moved up
   Rigid3 camera_from_body = Rigid3::Identity();   ///< where the body was drawn
   Rigid3 world_from_camera = Rigid3::Identity();  ///< stays so for a fixed camera
   StageTimes times;
@@ -118,6 +127,8 @@ class LiveOutput {
   std::ofstream touches_;
   std::ofstream trajectory_;
   std::ofstream poses_;
+  std::ofstream corrections_;
+  std::optional<double> last_correction_;
   std::unique_ptr<cv::VideoWriter> video_;
   ColorImage first_picture_;  // held back until the second frame tells the rate
   double first_time_ = 0;

@@ -105,6 +105,13 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
                   "press: the level from the measured depth; paper: Algorithm 1 as printed")
       ->check(CLI::IsMember({"press", "paper"}))
       ->capture_default_str();
+  command
+      .add_option(
+          "--matcher", options.matcher,
+          "How stereo pairs are matched. census: this project's, from touching distance on, "
+          "rows watched; opencv: its semi-global block matcher")
+      ->check(CLI::IsMember({"census", "opencv"}))
+      ->capture_default_str();
   command.add_option("--frames", options.frames, "Stop after so many frames")
       ->check(CLI::Range(1, 100'000'000));
 }
@@ -124,6 +131,7 @@ LiveRun set_up_live(const LiveOptions& options) {
 
   SessionSettings settings;
   settings.contact = options.contact == "paper" ? ContactKind::kPaper : ContactKind::kPress;
+  if (options.matcher == "opencv") settings.depth.matcher = DepthSettings::Matcher::kOpenCv;
   const int static_frames = scene.ignore_static_frames.value_or(0);
   settings.ignore_static = options.ignore_static || static_frames > 0;
   if (static_frames > 0) settings.static_frames = static_frames;

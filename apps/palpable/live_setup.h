@@ -27,6 +27,7 @@ struct LiveOptions {
   double scale = 1;
   bool ignore_static = false;
   std::string contact = "press";
+  std::string matcher = "census";
   int frames = -1;  ///< at most; negative: all
 };
 

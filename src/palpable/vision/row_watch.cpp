@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kReach = 5;  // of a point's window, px
 constexpr int kSteps = 6;
+constexpr int kTries = 4;          // places in a cell, across and down, until one has texture
 constexpr double kFarthest = 2.5;  // px; a point that wanders farther is lost
 constexpr double kConverged = 0.03;
 constexpr std::uint8_t kSure = 150;  // confidence of a point
@@ -141,6 +142,23 @@ void RowWatch::fit() {
   error_.tilt = {pitch, roll};
 }
 
+void RowWatch::follow_one_of(const GrayImage& left, const GrayImage& right,
+                             const Disparities& disparity, const GrayImage& confidence, int factor,
+                             Eigen::Vector2i corner, int cell) {
+  for (int i = 0; i < kTries * kTries; ++i) {
+    const int x = corner.x() + (2 * (i % kTries) + 1) * cell / (2 * kTries);
+    const int y = corner.y() + (2 * (i / kTries) + 1) * cell / (2 * kTries);
+    if (x >= disparity.width() || y >= disparity.height()) continue;
+    const std::int16_t d = disparity(x, y);
+    if (!is_measured(d) || confidence(x, y) < kSure) continue;
+    const auto point = follow(left, right, factor * x, factor * y,
+                              static_cast<double>(factor) * d / kDisparitySteps);
+    if (!point) continue;
+    points_.push_back(*point);
+    return;
+  }
+}
+
 const RowError& RowWatch::measure(const GrayImage& left, const GrayImage& right,
                                   const Disparities& disparity, const GrayImage& confidence,
                                   int factor) {
@@ -150,15 +168,10 @@ const RowError& RowWatch::measure(const GrayImage& left, const GrayImage& right,
                       disparity.height() == left.height() / factor,
                   "images and disparities fit the camera");
   points_.clear();
-  const int cell = std::max(settings_.cell_px / factor, 1);
-  for (int y = cell / 2; y < disparity.height(); y += cell) {
-    for (int x = cell / 2; x < disparity.width(); x += cell) {
-      const std::int16_t d = disparity(x, y);
-      if (!is_measured(d) || confidence(x, y) < kSure) continue;
-      // The centre of the small pixel lies (factor - 1) / 2 beside the full pixel factor x.
-      const auto point = follow(left, right, factor * x, factor * y,
-                                static_cast<double>(factor) * d / kDisparitySteps);
-      if (point) points_.push_back(*point);
+  const int cell = std::max(settings_.cell_px / factor, kTries);
+  for (int y = 0; y < disparity.height(); y += cell) {
+    for (int x = 0; x < disparity.width(); x += cell) {
+      follow_one_of(left, right, disparity, confidence, factor, {x, y}, cell);
     }
   }
   error_ = {static_cast<int>(points_.size()), std::numeric_limits<double>::quiet_NaN(), {}};

@@ -70,6 +70,9 @@ class RowWatch {
   };
   std::optional<Point> follow(const GrayImage& left, const GrayImage& right, int u, int v,
                               double disparity) const;
+  // The first of a cell's places that can be followed, if any.
+  void follow_one_of(const GrayImage& left, const GrayImage& right, const Disparities& disparity,
+                     const GrayImage& confidence, int factor, Eigen::Vector2i corner, int cell);
   void fit();
 
   PinholeCamera camera_;
