@@ -13,9 +13,9 @@
 
 namespace palpable {
 
-/// EquilibriumSettings::tolerance for snapshots. Against 1e-10 it changes displacement and stress
-/// of the bunny by less than 1e-5 of their norms, at the ears too (docs/body.md); the reduction
-/// gives up a hundred times more, the mesh ten thousand times.
+/// EquilibriumSettings::tolerance for snapshots. Against 1e-10, on six sites of the bunny, ears
+/// among them, it changed displacements by at most 9e-8 of their norm and stresses by 2e-7 (steps
+/// overshoot it); snapshots are stored with 6e-8, and a reduction gives up 5e-4.
 inline constexpr double kSnapshotTolerance = 1e-6;
 
 /// Equilibria under  preload + level * press,  supports moved all the way at every level.

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -62,9 +63,12 @@ class Items {
 // wait, one is woken to do that for a batch of them.
 class Lanes {
  public:
-  Lanes(int lanes, int threads) : lanes_(static_cast<std::size_t>(lanes)), threads_(threads) {
-    for (Seat& seat : lanes_) ready_.push_back(&seat);
+  Lanes(int lanes, int threads) : lanes_(static_cast<std::size_t>(lanes)), threads_(threads) {}
+
+  // The first `count` lanes have threads that call run().
+  void begin(std::size_t count) {
     const std::lock_guard lock(mutex_);
+    for (std::size_t lane = 0; lane < count; ++lane) ready_.push_back(&lanes_[lane]);
     dispatch();
   }
 
@@ -216,8 +220,14 @@ void run_in_lockstep(const std::function<std::optional<int>()>& next,
   Lanes lanes(settings.lanes, settings.threads);
   std::vector<std::thread> threads;
   for (std::size_t lane = 0; lane < static_cast<std::size_t>(settings.lanes); ++lane) {
-    threads.emplace_back([&, lane] { lanes.run(lane, items, work); });
+    try {
+      threads.emplace_back([&, lane] { lanes.run(lane, items, work); });
+    } catch (const std::system_error&) {  // fewer do as well
+      if (threads.empty()) throw;
+      break;
+    }
   }
+  lanes.begin(threads.size());
   for (std::thread& thread : threads) thread.join();
   items.rethrow();
 }

@@ -202,9 +202,9 @@ Matrix3Xd Walk::predict(double level) {
   for (const Knot& knot : knots_) own.push_back(&knot);
   with_guides = own;
   for (const Knot& guide : guides_) {
-    const bool is_new = std::none_of(own.begin(), own.end(), [&](const Knot* other) {
-      return is_close(other->level, guide.level);
-    });
+    const bool is_new =
+        std::none_of(with_guides.begin(), with_guides.end(),
+                     [&](const Knot* other) { return is_close(other->level, guide.level); });
     if (is_new) with_guides.push_back(&guide);
   }
   std::sort(with_guides.begin(), with_guides.end(),
