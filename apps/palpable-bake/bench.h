@@ -9,6 +9,7 @@ class App;
 namespace palpable::app {
 
 void add_bench_bake(CLI::App& bench);
+void add_bench_campaign(CLI::App& bench);
 void add_bench_elements(CLI::App& bench);
 void add_bench_solid(CLI::App& bench);
 

@@ -23,7 +23,7 @@ namespace palpable::app {
 namespace {
 
 struct Options {
-  std::string description = "bodies/bunny-paper-mesh.toml";
+  std::string description = "bodies/bunny.toml";
   int sites = 12;
   int pressed = 6;
   std::vector<double> poisson{0.4, 0.3, 0.45};
@@ -208,7 +208,7 @@ void add_bench_elements(CLI::App& bench) {
       "Solves on eight times the nodes for comparison: 10 GB of memory and half an hour for a "
       "body\n"
       "of 17,000 nodes.\n"
-      "Example: palpable bench elements bodies/bunny-paper-mesh.toml --json");
+      "Example: palpable bench elements bodies/bunny.toml --json");
   command->callback([options] { bench_elements(*options); });
 }
 

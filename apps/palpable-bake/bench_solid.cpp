@@ -35,7 +35,7 @@ using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string description = "bodies/bunny-paper-mesh.toml";
+  std::string description = "bodies/bunny.toml";
   std::string law = "neo-hooke-abaqus";
   std::vector<int> sites{0, 3, 1};  // of the bunny: an ear, the back, low at the base
   int levels = 26;

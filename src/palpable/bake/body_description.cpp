@@ -56,6 +56,16 @@ void read_shape(TomlSection section, const std::string& file, BodyDescription& b
   }
   if (section.has("edge")) shape.edge = section.quantity("edge", Quantity::kLength, kLength);
   if (mesh && shape.edge) { section.bad("edge", "remeshes a surface; a 'mesh' is taken as it is"); }
+  for (const auto& [key, length] :
+       {std::pair{"inner_edge", &shape.inner_edge}, std::pair{"wrap", &shape.wrap}}) {
+    if (!section.has(key)) continue;
+    *length = section.quantity(key, Quantity::kLength, kLength);
+    if (mesh) section.bad(key, "is for a surface; a 'mesh' is taken as it is");
+  }
+  if (shape.wrap && !shape.edge) {
+    section.bad("wrap",
+                "leaves triangles of all sizes: give an 'edge', to which they are remeshed");
+  }
   shape.order_place = section.place("order");
   if (section.has("order")) shape.order = section.integer("order", 1, 2);
   section.refuse_unknown();
@@ -303,9 +313,10 @@ void read_sites(TomlSection section, BodyDescription& body) {
   if (given.empty()) {
     sites.count = section.integer("count", 1, 100000);
     sites.above = section.number("above", {0.0, 1.0, false, true}, sites.above);
+    sites.salient = section.choice("choose", {"spread", "salient"}, "spread") == "salient";
   } else {
     if (given.size() > 1) section.bad("sets", "does not go with 'points': give one of the two");
-    for (const char* key : {"count", "above"}) {
+    for (const char* key : {"count", "above", "choose"}) {
       if (section.has(key)) {
         section.bad(key, fmt::format("chooses sites, which '{}' lists: leave one of the two out",
                                      given[0]));

@@ -59,6 +59,8 @@ struct BodyDescription {
     UpAxis up = UpAxis::kZ;        ///< of the file
     std::optional<double> height;  ///< m, scaled to; none: lengths in the file are in `unit`
     std::optional<double> edge;    ///< m, remeshed to; none: the surface as it is
+    std::optional<double> inner_edge = {};  ///< m, of tetrahedra far inside; none: as on the skin
+    std::optional<double> wrap = {};  ///< m, wrapped around the file's triangles; none: as they are
     double unit = 1.0;             ///< m, of lengths in the file
     /// Nodes of a tetrahedron: 1: four, 2: ten. None: as the file has it, four for a surface.
     std::optional<int> order = {};
@@ -120,7 +122,8 @@ struct BodyDescription {
   std::vector<Pressure> pressures = {};
 
   struct Sites {
-    int count = 0;        ///< of sites that are spread over the skin; not with `at`
+    int count = 0;         ///< of sites that are chosen; not with `at`
+    bool salient = false;  ///< by curvature; otherwise far apart
     double above = 0.10;  ///< fraction of the height: no such site lower
     int patch = 2;        ///< graph distance
     /// Towards the centre of mass, along the inward normal of the patch, or this way.

@@ -147,6 +147,24 @@ TEST_CASE("a shape is either a surface or a mesh", "[bake][description]") {
              Contains("does not end in .msh or .inp"));
   CHECK_THAT(complaint(with("surface = \"cube.ply\"", "mesh = \"cube.msh\"")),
              Contains("dir/cube.toml:5: 'edge' in [shape] remeshes a surface"));
+  for (const char* key : {"wrap", "inner_edge"}) {
+    CHECK_THAT(complaint(with("surface = \"cube.ply\"\nheight = \"10 cm\"\nedge = \"8mm\"",
+                              std::string("mesh = \"cube.msh\"\n") + key + " = \"2 mm\"")),
+               Contains(std::string("'") + key + "' in [shape] is for a surface"));
+  }
+  CHECK_THAT(complaint(with("edge = \"8mm\"", "wrap = \"2 mm\"")), Contains("give an 'edge'"));
+  const BodyDescription body = parse_body_description(
+      with("up =", "wrap = \"2 mm\"\ninner_edge = \"2 cm\"\nup ="), "dir/cube.toml");
+  CHECK(body.shape.wrap.value() == Approx(0.002).margin(1e-15));
+  CHECK(body.shape.inner_edge.value() == Approx(0.02).margin(1e-15));
+}
+
+TEST_CASE("sites are chosen far apart, or where the skin is curved most", "[bake][description]") {
+  CHECK_FALSE(parse_body_description(kBody, "dir/cube.toml").sites.salient);
+  CHECK(
+      parse_body_description(with("count = 7", "count = 7\nchoose = \"salient\""), "dir/cube.toml")
+          .sites.salient);
+  CHECK_THAT(complaint(with("count = 7", "count = 7\nchoose = \"saliant\"")), Contains("salient"));
 }
 
 // The description with other sections; `sections` without [material] or [sites] get those of a

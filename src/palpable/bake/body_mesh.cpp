@@ -51,15 +51,21 @@ VolumeMesh make_volume(const BodyDescription::Shape& shape, std::string& made) {
   } else {
     SurfaceMesh surface = value_or_throw(read_surface_file(shape.file));
     // Before placing, so that a defect is reported where the file has it.
-    require_solid_surface(surface, name);
+    if (!shape.wrap) require_solid_surface(surface, name);
     surface.vertices *= shape.unit;
     place_in_body_frame(surface.vertices, shape.up, shape.height);
     made = "TetGen 1.5";
+    if (shape.wrap) surface = wrap_surface(surface, *shape.wrap);
     if (shape.edge) {
       surface = remesh_surface(surface, *shape.edge, name);
       made = fmt::format("CGAL isotropic remeshing to {:.4g} m, TetGen 1.5", *shape.edge);
     }
-    volume.mesh = tetrahedralise(surface, name);
+    if (shape.wrap) {
+      // The wrap is a little larger than what it is around.
+      place_in_body_frame(surface.vertices, UpAxis::kZ, shape.height);
+      made = fmt::format("CGAL alpha wrapping with {:.4g} m, {}", *shape.wrap, made);
+    }
+    volume.mesh = tetrahedralise(surface, name, shape.inner_edge);
   }
   if (shape.order == 2 && !volume.mesh.is_quadratic()) {
     volume = with_edge_nodes(std::move(volume));

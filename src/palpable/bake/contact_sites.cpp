@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
 
 namespace palpable {
 namespace {
@@ -107,7 +109,89 @@ class SiteMaker {
   Eigen::Vector3d centre_;
 };
 
+// Farthest points, the first of them farthest from `centre`.
+std::vector<int> far_apart(const SurfaceMesh& skin, const std::vector<int>& candidates,
+                           const Eigen::Vector3d& centre, int count) {
+  std::vector<double> distances(candidates.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    distances[i] = (skin.vertices.col(candidates[i]) - centre).norm();
+  }
+  std::size_t next = farthest(distances);
+  std::fill(distances.begin(), distances.end(), std::numeric_limits<double>::infinity());
+  std::vector<int> chosen;
+  while (chosen.size() < static_cast<std::size_t>(count)) {
+    const Eigen::Vector3d x = skin.vertices.col(candidates[next]);
+    chosen.push_back(candidates[next]);
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      distances[i] = std::min(distances[i], (skin.vertices.col(candidates[i]) - x).norm());
+    }
+    next = farthest(distances);
+  }
+  return chosen;
+}
+
+std::vector<int> most_salient(const SurfaceMesh& skin, std::vector<int> candidates,
+                              const SiteSettings& settings) {
+  const Eigen::VectorXd score = salience(skin, settings.patch_distance);
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [&](int a, int b) { return score[a] > score[b]; });
+  const Eigen::VectorXd areas = vertex_areas(skin);
+  double area = 0.0;
+  for (const int v : candidates) area += areas[v];
+  const auto count = static_cast<std::size_t>(settings.count);
+  std::vector<int> chosen;
+  for (double apart = 0.5 * std::sqrt(area / settings.count); chosen.size() < count;
+       apart *= 2.0 / 3.0) {
+    for (const int v : candidates) {
+      if (chosen.size() == count) break;
+      const bool is_free = std::all_of(chosen.begin(), chosen.end(), [&](int other) {
+        return other != v && (skin.vertices.col(other) - skin.vertices.col(v)).norm() >= apart;
+      });
+      if (is_free) chosen.push_back(v);
+    }
+  }
+  return chosen;
+}
+
 }  // namespace
+
+Eigen::VectorXd salience(const SurfaceMesh& skin, int patch_distance) {
+  const auto normal = [&](Eigen::Index t) -> Eigen::Vector3d {
+    const Eigen::Vector3d a = skin.vertices.col(skin.triangles(0, t));
+    return (Eigen::Vector3d(skin.vertices.col(skin.triangles(1, t))) - a)
+        .cross(Eigen::Vector3d(skin.vertices.col(skin.triangles(2, t))) - a)
+        .normalized();
+  };
+  // Each edge, met from both its triangles: their angle times its length, half to each end.
+  Eigen::VectorXd bend = Eigen::VectorXd::Zero(skin.vertex_count());
+  std::map<std::pair<int, int>, Eigen::Index> triangle_of;
+  for (Eigen::Index t = 0; t < skin.triangles.cols(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      triangle_of[{skin.triangles(k, t), skin.triangles((k + 1) % 3, t)}] = t;
+    }
+  }
+  for (const auto& [edge, t] : triangle_of) {
+    const auto [from, to] = edge;
+    const auto other = triangle_of.find({to, from});
+    if (from > to || other == triangle_of.end()) continue;
+    const Eigen::Vector3d along = skin.vertices.col(to) - skin.vertices.col(from);
+    const Eigen::Vector3d a = normal(t), b = normal(other->second);
+    const double angle = std::atan2(a.cross(b).dot(along.normalized()), a.dot(b));
+    for (const int v : {from, to}) bend[v] += 0.25 * angle * along.norm();
+  }
+  const Eigen::VectorXd areas = vertex_areas(skin);
+  const std::vector<std::vector<int>> neighbours = vertex_neighbours(skin);
+  Eigen::VectorXd result(skin.vertex_count());
+  for (int v = 0; v < skin.vertex_count(); ++v) {
+    double bent = 0.0, area = 0.0;
+    for (const int p : graph_patch(neighbours, v, patch_distance)) {
+      bent += bend[p];
+      area += areas[p];
+    }
+    result[v] = area > 0.0 ? std::abs(bent / area) : 0.0;
+  }
+  return result;
+}
 
 std::vector<Site> choose_sites(const SurfaceMesh& skin, const std::vector<std::uint8_t>& fixed,
                                const SiteSettings& settings) {
@@ -128,22 +212,11 @@ std::vector<Site> choose_sites(const SurfaceMesh& skin, const std::vector<std::u
         candidates.size(), skin.vertex_count(), settings.lowest, settings.count));
   }
 
-  std::vector<double> distances(candidates.size());
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    distances[i] = (skin.vertices.col(candidates[i]) - maker.centre()).norm();
-  }
-  std::size_t next = farthest(distances);
-  std::fill(distances.begin(), distances.end(), std::numeric_limits<double>::infinity());
-
   std::vector<Site> sites;
-  while (sites.size() < static_cast<std::size_t>(settings.count)) {
-    const Eigen::Vector3d x = skin.vertices.col(candidates[next]);
-    sites.push_back(maker.make(candidates[next]));
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      distances[i] = std::min(distances[i], (skin.vertices.col(candidates[i]) - x).norm());
-    }
-    next = farthest(distances);
-  }
+  const std::vector<int> chosen = settings.choice == SiteChoice::kSalient
+                                      ? most_salient(skin, candidates, settings)
+                                      : far_apart(skin, candidates, maker.centre(), settings.count);
+  for (const int v : chosen) sites.push_back(maker.make(v));
   return sites;
 }
 

@@ -4,7 +4,9 @@
 #include "tests/support/test.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <set>
 
 namespace palpable {
 namespace {
@@ -163,6 +165,35 @@ TEST_CASE("more sites than vertices that may be one are refused", "[bake][sites]
   settings.lowest = 1.0;
   settings.count = 1;
   CHECK_THROWS_AS(choose_sites(ball.skin, ball.fixed, settings), Error);
+}
+
+TEST_CASE("the salience of a sphere is one over its radius", "[bake][sites]") {
+  const Eigen::VectorXd found = salience(sphere_surface({0, 0, 0}, 0.05, 3), 2);
+  CHECK(std::abs(found.minCoeff() * 0.05 - 1.0) <= tolerance(0.05, "of 1,280 flat triangles"));
+  CHECK(std::abs(found.maxCoeff() * 0.05 - 1.0) <= tolerance(0.05, "likewise"));
+}
+
+TEST_CASE("salient sites are where the skin is curved most, and apart", "[bake][sites]") {
+  // Tips at +-Z, radius of curvature there a^2 / c: a twelfth of that at the waist.
+  SurfaceMesh egg = sphere_surface({0, 0, 0}, 0.02, 3);
+  egg.vertices.row(2) *= 3.0;
+  const std::vector<std::uint8_t> fixed(std::size_t(egg.vertex_count()), 0);
+  const auto choose = [&](int count) {
+    return choose_sites(egg, fixed,
+                        {.choice = SiteChoice::kSalient, .count = count, .lowest = -1.0});
+  };
+  const std::vector<Site> tips = choose(2);
+  CHECK(std::abs(egg.vertices(2, tips[0].vertex)) > 0.05);
+  CHECK(egg.vertices(2, tips[0].vertex) * egg.vertices(2, tips[1].vertex) < 0.0);
+  const std::vector<Site> many = choose(30), again = choose(30);
+  std::set<int> vertices;
+  for (std::size_t s = 0; s < many.size(); ++s) {
+    vertices.insert(many[s].vertex);
+    CHECK(many[s].vertex == again[s].vertex);
+  }
+  CHECK(vertices.size() == 30);
+  // All that there are, when so many are asked for.
+  CHECK(choose(egg.vertex_count()).size() == std::size_t(egg.vertex_count()));
 }
 
 }  // namespace

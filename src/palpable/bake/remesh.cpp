@@ -9,6 +9,7 @@
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
+#include <CGAL/alpha_wrap_3.h>
 #include <fmt/format.h>
 
 #include <array>
@@ -27,6 +28,9 @@ using Face = Mesh::Face_index;
 constexpr double kSharpDegrees = 80.0;
 // Rounds of splitting, collapsing, flipping and relaxing; later ones change nothing visible.
 constexpr unsigned kRounds = 5;
+
+// Of a wrap's distance in its size: small enough for a picture, large enough to be quick.
+constexpr double kWrapOffset = 7.0;
 
 Eigen::Vector3d to_eigen(const Point& p) { return {p.x(), p.y(), p.z()}; }
 
@@ -112,6 +116,21 @@ SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length,
                             error.what(), edge_length));
   }
   return remeshed;
+}
+
+SurfaceMesh wrap_surface(const SurfaceMesh& surface, double size) {
+  PALPABLE_EXPECT(size > 0.0, "a length is positive");
+  if (surface.triangle_count() == 0) throw Error("there are no triangles to wrap");
+  std::vector<Point> points;
+  for (const auto& x : surface.vertices.colwise()) points.emplace_back(x[0], x[1], x[2]);
+  std::vector<std::array<std::size_t, 3>> triangles;
+  for (const auto& t : surface.triangles.colwise()) {
+    triangles.push_back({static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
+                         static_cast<std::size_t>(t[2])});
+  }
+  Mesh wrapped;
+  CGAL::alpha_wrap_3(points, triangles, size, size / kWrapOffset, wrapped);
+  return from_cgal(wrapped);
 }
 
 double mean_edge_length(const SurfaceMesh& surface) {

@@ -23,6 +23,14 @@ void require_solid_surface(const SurfaceMesh& surface, const std::string& name);
 [[nodiscard]] SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length,
                                          const std::string& name);
 
+/// A closed surface around the triangles of another that may have holes, pass through itself or be
+/// a heap of triangles (CGAL's alpha wrapping): all that a ball of diameter `size` rolling outside
+/// can reach. It lies `size` / 7 outside of what it wraps; hollows and holes narrower than `size`
+/// are bridged. Triangles are of all sizes: remesh_surface() comes next. Deterministic.
+/// @param size  m, > 0
+/// @throws Error for a surface without triangles
+[[nodiscard]] SurfaceMesh wrap_surface(const SurfaceMesh& surface, double size);
+
 /// Mean length of the edges, m. @throws ContractViolation for a surface without triangles
 [[nodiscard]] double mean_edge_length(const SurfaceMesh& surface);
 

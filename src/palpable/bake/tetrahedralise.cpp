@@ -61,11 +61,13 @@ void fill(tetgenio& in, const SurfaceMesh& surface) {
 
 }  // namespace
 
-TetMesh tetrahedralise(const SurfaceMesh& surface, const std::string& name) {
+TetMesh tetrahedralise(const SurfaceMesh& surface, const std::string& name,
+                       std::optional<double> inner_edge) {
   require_solid_surface(surface, name);
   tetgenio in, out;
   fill(in, surface);
-  const double largest_volume = kVolumeOfEdgeCubed * std::pow(mean_edge_length(surface), 3);
+  const double largest_volume =
+      kVolumeOfEdgeCubed * std::pow(inner_edge ? *inner_edge : mean_edge_length(surface), 3);
   // p: a surface is given; Y: keep it; q: radius to edge ratio and smallest dihedral angle,
   // degrees; a: largest volume, m^3; Q: say nothing.
   std::string switches = fmt::format("pYQq1.3/12a{:.9f}", largest_volume);

@@ -4,6 +4,7 @@
 
 #include "palpable/geometry/tet_mesh.h"
 
+#include <optional>
 #include <string>
 
 namespace palpable {
@@ -20,9 +21,11 @@ struct TetQuality {
 /// edge ratios are below 1.3 (where the surface lets them) and volumes suit the surface's own mean
 /// edge length. Deterministic. One call at a time: TetGen keeps global state.
 ///
-/// @param name  what to call the surface in messages
+/// @param name        what to call the surface in messages
+/// @param inner_edge  m, of edges far from the surface; none: the surface's mean edge
 /// @throws Error as require_solid_surface(), and when TetGen gives up
-[[nodiscard]] TetMesh tetrahedralise(const SurfaceMesh& surface, const std::string& name);
+[[nodiscard]] TetMesh tetrahedralise(const SurfaceMesh& surface, const std::string& name,
+                                     std::optional<double> inner_edge = std::nullopt);
 
 [[nodiscard]] TetQuality quality_of(const TetMesh& mesh);
 

@@ -12,6 +12,7 @@ namespace palpable {
 namespace {
 
 using Catch::Matchers::Contains;
+using Eigen::Vector3d;
 using test::tolerance;
 
 SurfaceMesh joined(const SurfaceMesh& a, const SurfaceMesh& b) {
@@ -139,6 +140,37 @@ TEST_CASE("the Stanford bunny is meshed to the paper's size", "[bake][mesh][long
   CHECK(std::abs(mesh.node_count() - 16519) < 1000);
   CHECK(std::abs(mesh.tet_count() - 87916) < 7000);
   CHECK(quality_of(mesh).smallest_dihedral_degrees > 5.0);
+}
+
+TEST_CASE("an inner edge makes tetrahedra larger inside and leaves the skin alone",
+          "[bake][mesh]") {
+  const SurfaceMesh sphere = sphere_surface({0, 0, 0}, 0.05, 3);
+  const double edge = mean_edge_length(sphere);
+  const TetMesh fine = tetrahedralise(sphere, "test"),
+                coarse = tetrahedralise(sphere, "test", 3 * edge);
+  CHECK(coarse.tet_count() < 0.8 * fine.tet_count());
+  CHECK(tet_volumes(coarse).maxCoeff() > 2.0 * tet_volumes(fine).maxCoeff());
+  CHECK(boundary_of(coarse).surface.vertices == sphere.vertices);
+}
+
+TEST_CASE("a heap of triangles with holes is wrapped into a solid", "[bake][mesh]") {
+  // Two spheres that pass through each other, one with a hole.
+  SurfaceMesh heap =
+      joined(sphere_surface({0, 0, 0}, 0.05, 3), sphere_surface({0.04, 0, 0}, 0.05, 3));
+  heap.triangles = heap.triangles.leftCols(heap.triangle_count() - 3).eval();
+  CHECK_THROWS_AS(require_solid_surface(heap, "heap"), Error);
+  const double size = 0.03;
+  const SurfaceMesh wrap = wrap_surface(heap, size);
+  CHECK_NOTHROW(require_solid_surface(wrap, "wrap"));
+  const Vector3d low = wrap.vertices.rowwise().minCoeff(),
+                 high = wrap.vertices.rowwise().maxCoeff();
+  // Outside by a seventh of the size, and nowhere by more than twice that in the extremes.
+  for (const double over : {-0.05 - low[0], high[0] - 0.09, -0.05 - low[2], high[2] - 0.05}) {
+    CHECK(over > 0.0);
+    CHECK(over < 2.0 * size / 7.0);
+  }
+  CHECK(tetrahedralise(remesh_surface(wrap, 0.01, "wrap"), "wrap").tet_count() > 1000);
+  CHECK_THROWS_AS(wrap_surface(SurfaceMesh{}, size), Error);
 }
 
 }  // namespace
