@@ -43,8 +43,14 @@ void read_shard(const std::string& text, BakeSettings& settings) {
 }
 
 std::filesystem::path store_of(const Options& options) {
-  if (!options.store.empty()) return options.store;
-  return std::filesystem::path(options.output).replace_extension(".snapshots");
+  std::filesystem::path store = options.store;
+  if (store.empty()) store = std::filesystem::path(options.output).replace_extension(".snapshots");
+  if (store == options.output) {
+    throw Error(fmt::format("{}: the body file cannot have the name of its snapshots; call it "
+                            "{}.palpable",
+                            options.output, store.stem().string()));
+  }
+  return store;
 }
 
 void bake(const Options& options, const std::string& command_line, Crew& crew) {
@@ -82,6 +88,10 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
       "snapshots: {}, {} sites solved, {} were there; look at them with ParaView: "
       "{}/campaign.xdmf\n",
       folder, filled.campaign.solved, filled.campaign.reused, folder);
+  if (!content.linear.empty()) {
+    fmt::print("linear responses of {} vertices: {} of {} files made now\n", content.linear.size(),
+               filled.campaign.linear_solved, content.linear_file_count());
+  }
   if (content.parameters.empty()) return;
   fmt::print(
       "this body file holds one value of each parameter ({}); for another: palpable reduce "

@@ -17,7 +17,13 @@ namespace {
 int run(int argc, char** argv) {
   std::optional<MpiCrew> ranks;
   LocalCrew threads;
-  if (MpiCrew::is_launched()) ranks.emplace(&argc, &argv);
+  if (MpiCrew::is_launched()) {
+    ranks.emplace(&argc, &argv);
+    if (argc < 2 || std::string(argv[1]) != "bake") {
+      print_error("mpirun is for 'palpable bake': start other commands without it");
+      ranks->end(true);
+    }
+  }
   Crew& crew = ranks ? static_cast<Crew&>(*ranks) : threads;
   // Under the name by which it was called, `palpable` or `palpable-bake`, so that what --help and
   // the provenance say can be typed again.

@@ -142,6 +142,59 @@ def _(programs, folder):
     programs.succeeds("reduce", folder / "bar.snapshots", "-o", folder / "bar.palpable")
 
 
+@case("a campaign by CalculiX makes the same body, and says what ccx says")
+def _(programs, folder):
+    if shutil.which("ccx") is None:
+        print("SKIPPED: ccx is not installed")
+        return
+    law = BLOCK.replace("[material]", '[material]\nlaw = "neo-hooke-abaqus"').replace("count = 6", "count = 2")
+    toml = base.write_bar(folder, law)
+    said = programs.succeeds("bake", toml, "-o", folder / "ccx.palpable", "--solver", "calculix")
+    assert "solving sites" in said.stderr and "2 sites solved, 0 were there" in said.stdout, said
+    programs.succeeds("bake", toml, "-o", folder / "own.palpable")
+    modes = {}
+    for name in ("ccx", "own"):
+        text = programs.succeeds("inspect", folder / f"{name}.palpable").stdout
+        assert ("CalculiX (ccx)" in text) == (name == "ccx"), text
+        modes[name] = re.findall(r"(\d+) modes, relative L2", text)
+    assert modes["ccx"] == modes["own"], modes
+    # Snapshots of one solver are none of the other.
+    again = programs.succeeds("bake", toml, "-o", folder / "ccx.palpable").stdout
+    assert "2 sites solved, 0 were there" in again, again
+    toml.write_text(BLOCK)
+    programs.refuses("bake", toml, "-o", folder / "x.palpable", "--solver", "calculix",
+                     says=["site 0", "neo-hookean", "CalculiX"])
+    path = os.environ["PATH"]
+    os.environ["PATH"] = str(folder)
+    try:
+        programs.refuses("bake", toml, "-o", folder / "x.palpable", "--solver", "calculix",
+                         says=["'ccx' is not installed"])
+    finally:
+        os.environ["PATH"] = path
+
+
+@case("linear responses are stored beside the snapshots, and used again")
+def _(programs, folder):
+    base.write_bar(folder, BLOCK.replace("count = 6", "count = 2\nlinear = true"))
+    words = ("bake", "bar.toml", "-o", "bar.palpable")
+    said = programs.succeeds(*words, cwd=folder).stdout
+    assert "linear responses of 49 vertices: 1 of 1 files made now" in said, said
+    whole = files_of(folder / "bar.snapshots")
+    assert len(whole["linear_0000.h5"]) > 49 * 58 * 12
+    assert "0 of 1 files made now" in programs.succeeds(*words, cwd=folder).stdout
+    (folder / "bar.snapshots/linear_0000.h5").write_bytes(whole["linear_0000.h5"][:-100])
+    # Another press changes all snapshots and no response, but what is damaged is made again.
+    assert "1 of 1 files made now" in programs.succeeds(*words, cwd=folder).stdout
+    assert files_of(folder / "bar.snapshots") == whole
+    base.write_bar(folder, BLOCK.replace("count = 6", "count = 2\nlinear = true").replace('"2 mm"', '"1 mm"'))
+    said = programs.succeeds(*words, cwd=folder).stdout
+    assert "2 sites solved" in said and "0 of 1 files made now" in said, said
+    for i in (1, 2):
+        programs.succeeds("bake", "bar.toml", "-o", f"{i}.palpable", "--shard", f"{i}/2", cwd=folder)
+    programs.succeeds("merge", folder / "1.snapshots", folder / "2.snapshots", "-o", folder / "all.snapshots")
+    assert files_of(folder / "all.snapshots") == files_of(folder / "bar.snapshots")
+
+
 @case("the job array of the Slurm example leaves nothing to solve")
 def _(programs, folder):
     base.write_bar(folder, BLOCK)
@@ -365,9 +418,7 @@ def _(programs, folder):
         assert stores[kind]["site_0000.h5"] == stores["vtu"]["site_0000.h5"], kind
     programs.succeeds("reduce", folder / "npy.snapshots", "-o", folder / "npy.palpable")
     text = programs.succeeds("inspect", folder / "npy.palpable").stdout
-    assert "imported by npy.toml" in text and "1 of 1" not in text, text
-    # The bar as it was solved here, pressed by as much.
-    programs.succeeds("bake", bar, "-o", folder / "bar.palpable")
+    assert "imported by npy.toml" in text, text
 
 
 @case("a bad manifest or file of snapshots gives one clear error")
@@ -392,7 +443,7 @@ def _(programs, folder):
     refuses(good.replace("site = 0\nlevel", "site = 3\nlevel"), "site 3", "sites 0 to 0")
     refuses(good.replace('force = "1.5 N"', ""), "needs 'force'")
     refuses(good.replace('name = "displacement"', 'name = "displacment"'), "displacement")
-    refuses(good.replace('"level_1.vtu"', '"level_2.vtu"').replace('file = "level_2.vtu"\n[[', 'file = "level_2.vtu"\n[['),
+    refuses(good.replace('"level_1.vtu"', '"level_2.vtu"'),
             "has moved", "not more than")
     refuses(good.replace("from = \"cauchy_stress\"", "from = \"von_mises\""), "stress needs 6")
     (folder / "runs.toml").write_text(IMPORTED.replace("0 mm\", \"0 mm\", \"60 mm", "0 m\", \"0 kg\", \"60 mm"))

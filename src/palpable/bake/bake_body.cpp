@@ -378,11 +378,14 @@ FilledStore fill_store(const BodyDescription& description, const BakeSettings& s
   const CampaignPlan plan{.model = std::move(problem.model),
                           .boundary = mesh.boundary,
                           .sites = std::move(problem.sites),
+                          .linear = std::move(problem.linear_sites),
                           .run = {.press = problem.press, .force = problem.force, .levels = levels},
                           .preload = std::move(problem.preload),
                           .points = points_of(description),
                           .solver = settings.solver};
   content.keys = unit_keys(plan);
+  for (const Site& site : plan.linear) content.linear.push_back(site.vertex);
+  if (!plan.linear.empty()) content.linear_key = linear_key(plan);
   std::optional<StageTimer> timer(std::in_place, wall, "campaign");
   SnapshotStore store = crew.leads() ? SnapshotStore::create(settings.store, std::move(content))
                                      : SnapshotStore::attach(settings.store, std::move(content));

@@ -331,6 +331,10 @@ void read_sites(TomlSection section, BodyDescription& body) {
     }
   }
   sites.patch = section.integer("patch", 0, 20, sites.patch);
+  sites.linear = section.flag("linear", false);
+  if (sites.linear && !body.parameters.empty()) {
+    section.bad("linear", "does not go with [[parameter]]: responses are stored for one body");
+  }
   if (section.has("direction") && section.is_array("direction")) {
     sites.direction = section.direction("direction");
   } else if (section.choice("direction", {"centre", "normal"}, "centre") == "normal") {

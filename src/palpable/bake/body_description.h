@@ -122,6 +122,8 @@ struct BodyDescription {
   std::vector<Pressure> pressures = {};
 
   struct Sites {
+    /// The linear response of every vertex of the skin to its own patch load is stored, too.
+    bool linear = false;
     int count = 0;         ///< of sites that are chosen; not with `at`
     bool salient = false;  ///< by curvature; otherwise far apart
     double above = 0.10;  ///< fraction of the height: no such site lower

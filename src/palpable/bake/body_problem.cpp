@@ -40,20 +40,34 @@ Eigen::VectorXd nodal_areas(const BodyMesh& body) {
   return (areas.array() > 1e-9 * areas.maxCoeff()).select(areas, 0.0);
 }
 
-std::vector<Site> place_sites(const BodyDescription& description, const BodyMesh& body) {
+SiteSettings site_settings(const BodyDescription& description, const BodyMesh& body) {
   const BodyDescription::Sites& wanted = description.sites;
-  SiteSettings settings{.choice = wanted.salient ? SiteChoice::kSalient : SiteChoice::kSpread,
-                        .count = wanted.count,
-                        .lowest = wanted.above * body.height,
-                        .patch_distance = wanted.patch};
+  SiteSettings settings{
+      .count = wanted.count, .lowest = wanted.above * body.height, .patch_distance = wanted.patch};
   if (std::holds_alternative<BodyDescription::Sites::AlongNormal>(wanted.direction)) {
     settings.direction = SiteDirection::kAlongNormal;
   } else if (const auto* given = std::get_if<Eigen::Vector3d>(&wanted.direction)) {
     settings.direction = SiteDirection::kGiven;
     settings.given = *given;
   }
-  const SurfaceMesh& skin = body.boundary.surface;
   if (body.mesh.is_quadratic()) settings.areas = nodal_areas(body);
+  return settings;
+}
+
+// Every vertex that is not held.
+std::vector<Site> all_sites(const BodyDescription& description, const BodyMesh& body) {
+  const std::vector<std::uint8_t> fixed = fixed_vertices(body);
+  std::vector<int> vertices;
+  for (std::size_t v = 0; v < fixed.size(); ++v) {
+    if (fixed[v] == 0) vertices.push_back(static_cast<int>(v));
+  }
+  return sites_at(body.boundary.surface, fixed, vertices, site_settings(description, body));
+}
+
+std::vector<Site> place_sites(const BodyDescription& description, const BodyMesh& body) {
+  const BodyDescription::Sites& wanted = description.sites;
+  const SiteSettings settings = site_settings(description, body);
+  const SurfaceMesh& skin = body.boundary.surface;
   if (wanted.at.empty()) {
     // A patch that slides on a support would carry less than its load: none of those is chosen.
     std::vector<std::uint8_t> held = held_nodes(body);
@@ -195,6 +209,7 @@ BodyProblem pose_body(const BodyDescription& description) {
   refuse_unsolvable(description, problem.model);
   problem.preload = preload_of(description, volume);
   problem.sites = place_sites(description, body);
+  if (description.sites.linear) problem.linear_sites = all_sites(description, body);
   problem.force = description.press.force.value_or(0.0);
   if (problem.force == 0.0) {
     problem.press = description.press.length.value_or(description.press.depth * body.height);

@@ -19,8 +19,10 @@ struct BodyProblem {
   BodyMesh mesh;
   SolidModel model;
   std::vector<Site> sites;  ///< full loads not found yet
-  double press = 0;         ///< m: how far a patch shall give way at full load; 0: see force
-  double force = 0;         ///< N: the full load; 0: the one that gives the press
+  /// Every vertex of the skin that is not held, with its patch; none unless they are asked for.
+  std::vector<Site> linear_sites;
+  double press = 0;  ///< m: how far a patch shall give way at full load; 0: see force
+  double force = 0;  ///< N: the full load; 0: the one that gives the press
   /// (3 x N) N: what acts on the body before anybody presses it, weight and pressures. No columns:
   /// nothing does.
   Eigen::Matrix3Xd preload;

@@ -28,6 +28,12 @@ void add(Digest& digest, const std::vector<int>& list) {
   digest.add(list.data(), list.size() * sizeof(int));
 }
 
+void add(Digest& digest, const Site& site) {
+  add(digest, site.patch);
+  digest.add(site.weights.data(), site.weights.size() * sizeof(float));
+  digest.add(site.direction);
+}
+
 // What all points share.
 Digest digest_of_problem(const CampaignPlan& plan) {
   Digest digest;
@@ -74,6 +80,52 @@ void refuse_if_out_of_reach(const SnapshotStore& store, int point, double press)
       "no load presses any of the {} sites in by {:.3g} m: the farthest gets to {:.3g} m, then {}; "
       "ask for a smaller press",
       S, press, farthest->press, farthest->shortfall));
+}
+
+// Solves what is missing of the linear responses, file by file.
+void solve_linear_responses(const CampaignPlan& plan, const SnapshotStore& store, Crew& crew,
+                            const CampaignSettings& settings, const Progress& progress,
+                            CampaignReport& result) {
+  const int files = store.content().linear_file_count();
+  std::vector<int> pending;
+  int there = 0;
+  if (crew.leads()) {
+    for (int k = 0; k < files; ++k) {
+      if (k % settings.shards != settings.shard) {
+        ++result.missing;
+      } else if (store.has_linear(k)) {
+        ++there;
+      } else {
+        pending.push_back(k);
+      }
+    }
+  }
+  pending = crew.agree(std::move(pending));
+  if (pending.empty()) return;
+  const double total = there + static_cast<double>(pending.size());
+  report(progress, {"linear responses", static_cast<double>(there), total, ""});
+  // A response is exact to the solver's tolerance of a residual that is as small as its load.
+  const EquilibriumSolver solver(model_at(plan, 0), {.tolerance = kSnapshotTolerance});
+  const SiteSolver presses(solver, plan.boundary, plan.preload);
+  crew.share(
+      static_cast<int>(pending.size()),
+      [&](const Pieces& pieces) {
+        solve_linear(presses, plan.linear, kLinearRow, crew.threads(settings.threads),
+                     {[&]() -> std::optional<int> {
+                        const std::optional<int> i = pieces.next();
+                        if (!i) return std::nullopt;
+                        return kLinearRow * pending[static_cast<std::size_t>(*i)];
+                      },
+                      [&](int first, const Eigen::MatrixXf& u) {
+                        store.write_linear(first / kLinearRow, u);
+                        pieces.finished(first / kLinearRow, 0);
+                      }});
+      },
+      [&](int, int) {
+        ++result.linear_solved;
+        report(progress,
+               {"linear responses", there + static_cast<double>(result.linear_solved), total, ""});
+      });
 }
 
 // Counts sites for the bar, those of earlier runs included.
@@ -124,6 +176,17 @@ class Account {
 
 }  // namespace
 
+std::uint64_t linear_key(const CampaignPlan& plan) {
+  CampaignPlan pressed_by_nothing = plan;
+  pressed_by_nothing.run = {};
+  pressed_by_nothing.solver = "own";
+  Digest digest = digest_of_problem(pressed_by_nothing);
+  add(digest, plan.points[0].material);
+  for (const Material& group : plan.points[0].groups) add(digest, group);
+  for (const Site& site : plan.linear) add(digest, site);
+  return digest.value();
+}
+
 std::vector<std::uint64_t> unit_keys(const CampaignPlan& plan) {
   const Digest problem = digest_of_problem(plan);
   std::vector<std::uint64_t> keys;
@@ -133,9 +196,7 @@ std::vector<std::uint64_t> unit_keys(const CampaignPlan& plan) {
     for (const Material& group : point.groups) add(at_point, group);
     for (const Site& site : plan.sites) {
       Digest unit = at_point;
-      add(unit, site.patch);
-      unit.add(site.weights.data(), site.weights.size() * sizeof(float));
-      unit.add(site.direction);
+      add(unit, site);
       keys.push_back(unit.value());
     }
   }
@@ -206,6 +267,10 @@ CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store
       ++result.solved;
       account.finished(p * S + s, fell_short);
     });
+  }
+  if (!plan.linear.empty()) {
+    PALPABLE_EXPECT(P == 1, "linear responses are of one body");
+    solve_linear_responses(plan, store, crew, settings, progress, result);
   }
   if (!crew.leads() || result.missing > 0) return result;
   if (plan.run.force == 0.0) {

@@ -32,6 +32,8 @@ struct CampaignPlan {
   SolidModel model;         ///< at the first point
   Boundary boundary;        ///< of model.mesh; sites refer to its vertices
   std::vector<Site> sites;  ///< (S) full loads not known yet
+  /// Whose linear responses are stored, too; may be none. Only with one point.
+  std::vector<Site> linear;
   SiteRunSettings run;
   /// (3 x N) N: what acts on the body all the while; no columns: nothing. Supports that move have
   /// moved all the way before the first press.
@@ -44,6 +46,9 @@ struct CampaignPlan {
 /// materials, supports, loads, levels, and its site.
 [[nodiscard]] std::vector<std::uint64_t> unit_keys(const CampaignPlan& plan);
 
+/// The same of the linear responses.
+[[nodiscard]] std::uint64_t linear_key(const CampaignPlan& plan);
+
 struct CampaignSettings {
   int threads = 0;  ///< 0: one per core. Results do not depend on it
   /// Only every `shards`-th unit from number `shard` on is solved here.
@@ -55,15 +60,16 @@ struct CampaignSettings {
 struct CampaignReport {
   int reused = 0;  ///< units that were there already
   int solved = 0;
-  int missing = 0;   ///< of other shards
-  StageTimes times;  ///< solve, stress, write: milliseconds, summed over sites
+  int missing = 0;        ///< of other shards
+  int linear_solved = 0;  ///< files of linear responses
+  StageTimes times;       ///< solve, stress, write: milliseconds, summed over sites
 };
 
 /// Solves what the store does not hold yet. A site's file is written as it ends; nothing that is
 /// finished is lost, whatever ends the program. The store's bytes depend on nothing but the plan.
 ///
-/// Memory: the solver (equilibrium.h), and for each site in progress 84 N L bytes: its states in
-/// double precision, its snapshots in single precision and their file.
+/// Memory: the solver (equilibrium.h), 24 N L bytes for the states of each of up to 24 sites in
+/// progress (lockstep.h), 60 N L for the snapshots of one that is being written and their file.
 /// @param store  of unit_keys(plan)
 /// @throws Error if no site of a point reaches the press, one site cannot be pressed at all, the
 ///         body cannot bear the preload, or the store cannot be written

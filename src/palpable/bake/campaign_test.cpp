@@ -2,6 +2,7 @@
 
 #include "palpable/bake/contact_sites.h"
 #include "palpable/bake/merge_stores.h"
+#include "palpable/bake/press_solver.h"
 #include "palpable/base/error.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/solved_sites.h"
@@ -160,8 +161,9 @@ TEST_CASE("snapshots come back from the store as they were solved", "[bake][camp
   CHECK(store.content().name == "block");
   CHECK(store.content().mesh.nodes == block.content.mesh.nodes);
   CHECK(store.content().sites[2].patch == block.plan.sites[2].patch);
-  const test::SolvedSites solved = test::solved_sites(
-      EquilibriumSolver(block.plan.model), block.plan.boundary, block.plan.sites, block.plan.run);
+  const test::SolvedSites solved =
+      test::solved_sites(EquilibriumSolver(block.plan.model, {.tolerance = kSnapshotTolerance}),
+                         block.plan.boundary, block.plan.sites, block.plan.run);
   for (int s = 0; s < 3; ++s) {
     const Eigen::MatrixXd u = solved.displacement.middleCols(2 * s, 2);
     CHECK(store.rows(s, {"displacement", 3}, 0, u.rows()).cast<double>() == u);
@@ -171,6 +173,50 @@ TEST_CASE("snapshots come back from the store as they were solved", "[bake][camp
     CHECK(store.unit(s).press_depth == solved.press_depth.col(s));
     CHECK(store.unit(s).full_load == solved.sites[static_cast<std::size_t>(s)].full_load);
   }
+}
+
+TEST_CASE("linear responses are reciprocal and the beginning of every press", "[bake][campaign]") {
+  const test::ScratchFolder folder("campaign_linear");
+  Block block;
+  std::vector<int> vertices;
+  for (int v = 0; v < block.plan.boundary.surface.vertex_count(); ++v) {
+    if (block.content.fixed[static_cast<std::size_t>(v)] == 0) vertices.push_back(v);
+  }
+  block.plan.linear =
+      sites_at(block.plan.boundary.surface, block.content.fixed, vertices, {.patch_distance = 1});
+  block.content.linear = vertices;
+  block.content.linear_key = linear_key(block.plan);
+  REQUIRE(vertices.size() > kLinearRow);  // two files
+  const CampaignReport report = block.run(folder / "store", {.threads = 2});
+  CHECK(report.linear_solved == 2);
+  CHECK(block.run(folder / "store").linear_solved == 0);
+  const SnapshotStore store = SnapshotStore::open(folder / "store");
+  CHECK(store.content().linear == vertices);
+  Eigen::MatrixXd G(store.linear(0).rows(), static_cast<Eigen::Index>(vertices.size()));
+  G << store.linear(0).cast<double>(), store.linear(1).cast<double>();
+  // (V x n) what each site's load does at each patch: w_i . G_j, symmetric (Betti).
+  Eigen::MatrixXd work(G.cols(), G.cols());
+  for (Eigen::Index i = 0; i < G.cols(); ++i) {
+    const Site& site = block.plan.linear[static_cast<std::size_t>(i)];
+    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(G.cols());
+    for (std::size_t k = 0; k < site.patch.size(); ++k) {
+      sum += static_cast<double>(site.weights[k]) * site.direction.transpose() *
+             G.middleRows(3 * site.patch[k], 3);
+    }
+    work.row(i) = sum;
+  }
+  CHECK((work - work.transpose()).cwiseAbs().maxCoeff() <=
+        test::tolerance(1e-4, "the square of a small load") * work.cwiseAbs().maxCoeff());
+  CHECK(work.diagonal().minCoeff() > 0.0);
+  // The first of two levels of a gentle press is nearly linear.
+  block.plan.run.press = 1e-5;
+  block.content.keys = unit_keys(block.plan);
+  block.run(folder / "gentle");
+  const SnapshotStore gentle = SnapshotStore::open(folder / "gentle");
+  const Site& site = block.plan.sites[0];
+  const auto at = std::find(vertices.begin(), vertices.end(), site.vertex) - vertices.begin();
+  const double half = 0.5 * gentle.unit(0).full_load;
+  CHECK(half * work(at, at) == Approx(gentle.unit(0).press_depth[1]).epsilon(1e-3));
 }
 
 TEST_CASE("progress is reported one at a time and reaches the end", "[bake][campaign][threads]") {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace palpable {
@@ -15,7 +16,8 @@ SnapshotStore merge_stores(const std::vector<std::filesystem::path>& parts,
   std::vector<SnapshotStore> stores;
   for (const std::filesystem::path& part : parts) {
     SnapshotStore store = SnapshotStore::open(part);
-    if (!stores.empty() && store.content().keys != stores[0].content().keys) {
+    if (!stores.empty() && (store.content().keys != stores[0].content().keys ||
+                            store.content().linear_key != stores[0].content().linear_key)) {
       throw Error(fmt::format(
           "{}: not of the same campaign as {}: mesh, material, loads, sites, levels or program "
           "version differ",
@@ -42,6 +44,24 @@ SnapshotStore merge_stores(const std::vector<std::filesystem::path>& parts,
       first_missing = u;
       why = stores.back().why_not(u);
     }
+  }
+  const int rows = merged.content().linear_file_count();
+  int lost_rows = 0;
+  for (int k = 0; k < rows; ++k) {
+    if (merged.has_linear(k)) continue;
+    const auto part = std::find_if(stores.begin(), stores.end(),
+                                   [&](const SnapshotStore& store) { return store.has_linear(k); });
+    if (part == stores.end()) {
+      ++lost_rows;
+    } else {
+      merged.copy_linear_from(*part, k);
+    }
+  }
+  if (lost_rows > 0 && missing == 0) {
+    throw Error(
+        fmt::format("{} of {} files of linear responses are in none of the folders: run "
+                    "the shards that did not end once more",
+                    lost_rows, rows));
   }
   if (missing > 0) {
     throw Error(fmt::format(

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace palpable {
@@ -79,6 +80,33 @@ void solve_sites(const SiteSolver& solver, std::span<const Site> sites,
     SiteSnapshots snapshots = snapshots_of(solver, path);
     timer.reset();
     stream.finished(s, std::move(snapshots), times);
+  };
+  run_in_lockstep(stream.next, work, {.threads = threads});
+}
+
+void solve_linear(const SiteSolver& solver, std::span<const Site> sites, int count, int threads,
+                  const LinearStream& stream) {
+  const SolidModel& model = solver.presses().solver().model();
+  const Boundary& boundary = solver.boundary();
+  // Strains of about 1e-5 where the load acts on a few elements of a hundredth of the body.
+  const Eigen::Vector3d size =
+      model.mesh.nodes.rowwise().maxCoeff() - model.mesh.nodes.rowwise().minCoeff();
+  const double force = 1e-9 * young_poisson(model.material).young * size.squaredNorm();
+  const auto work = [&](int first, Lane& lane) {
+    const int end = std::min(first + count, static_cast<int>(sites.size()));
+    Eigen::MatrixXf responses(3 * boundary.surface.vertices.cols(), end - first);
+    for (int s = first; s < end; ++s) {
+      const Matrix3Xd unit =
+          unit_load(sites[static_cast<std::size_t>(s)], boundary, model.mesh.node_count());
+      const PathResult path = solver.presses().solve_path(force * unit, std::array{1.0}, &lane);
+      if (!path.complete) {
+        throw Error(fmt::format("vertex {}: no linear response: {}",
+                                sites[static_cast<std::size_t>(s)].vertex, path.why_stopped));
+      }
+      const Matrix3Xd u = (path.steps[0].displacement - solver.rest()) / force;
+      responses.col(s - first) = u(Eigen::all, boundary.node_of_vertex).reshaped().cast<float>();
+    }
+    stream.finished(first, std::move(responses));
   };
   run_in_lockstep(stream.next, work, {.threads = threads});
 }

@@ -102,4 +102,17 @@ struct SiteStream {
 void solve_sites(const SiteSolver& solver, std::span<const Site> sites,
                  const SiteRunSettings& settings, int threads, const SiteStream& stream);
 
+/// How linear responses come and go; as SiteStream.
+struct LinearStream {
+  std::function<std::optional<int>()> next;  ///< the first of a row of sites
+  /// @param u  (3V x count) m/N on the skin: displacement per force on each of the row's patches
+  std::function<void(int first, Eigen::MatrixXf u)> finished;
+};
+
+/// The linear response of the body at rest to loads on sites first .. first + count - 1 (fewer at
+/// the end): that to a force so small that nothing but its square is left out (1e-5 of the
+/// response). As solve_sites() otherwise.
+void solve_linear(const SiteSolver& solver, std::span<const Site> sites, int count, int threads,
+                  const LinearStream& stream);
+
 }  // namespace palpable

@@ -22,6 +22,7 @@ using hdf5::Handle;
 using hdf5::Trouble;
 
 constexpr std::string_view kUnitKind = "palpable snapshots";
+constexpr std::string_view kLinearKind = "palpable linear responses";
 constexpr std::string_view kCampaignKind = "palpable campaign";
 constexpr std::string_view kRemedy = "bake it again";
 constexpr const char* kCampaignFile = "campaign.h5";
@@ -118,6 +119,11 @@ void write_content(hid_t file, const StoreContent& content) {
   for (const std::uint64_t key : content.keys) keys += hex(key);
   hdf5::write_table(file, "keys", reinterpret_cast<const std::uint8_t*>(keys.data()),
                     content.keys.size(), 16);
+  if (!content.linear.empty()) {
+    const Handle g = hdf5::make_group(file, "linear");
+    write_column(g, "vertex", content.linear);
+    hdf5::write_text(g, "key", hex(content.linear_key));
+  }
   {
     const Handle g = hdf5::make_group(file, "parameters");
     hdf5::write_number(g, "count", static_cast<double>(content.parameters.size()));
@@ -221,6 +227,11 @@ StoreContent read_content(hid_t file) {
     const std::string text(keys.data.begin() + static_cast<std::ptrdiff_t>(16 * u),
                            keys.data.begin() + static_cast<std::ptrdiff_t>(16 * u + 16));
     content.keys.push_back(std::stoull(text, nullptr, 16));
+  }
+  if (H5Lexists(file, "linear", H5P_DEFAULT) > 0) {
+    const Handle g = hdf5::open_group(file, "linear");
+    content.linear = hdf5::read_table<int>(g, "vertex").data;
+    content.linear_key = std::stoull(hdf5::read_text(g, "key"), nullptr, 16);
   }
   {
     const Handle g = hdf5::open_group(file, "parameters");
@@ -461,6 +472,67 @@ Eigen::MatrixXf SnapshotStore::rows(int unit, const StoredField& field, Index fi
   });
 }
 
+fs::path SnapshotStore::linear_file(int k) const {
+  return folder_ / fmt::format("linear_{:04}.h5", k);
+}
+
+bool SnapshotStore::has_linear(int k) const {
+  std::error_code code;
+  if (!fs::is_regular_file(linear_file(k), code)) return false;
+  try {
+    const std::string bytes = hdf5::all_bytes(linear_file(k));
+    const std::lock_guard turn(hdf5_turn());
+    const hdf5::Quiet quiet;
+    const hdf5::Image image(bytes, kLinearKind, kSnapshotLayout, "linear responses", kRemedy);
+    return hdf5::read_text(image.file(), "key") == hex(content_.linear_key);
+  } catch (const Trouble&) { return false; }
+}
+
+void SnapshotStore::write_linear(int k, const Eigen::MatrixXf& responses) const {
+  about(linear_file(k), [&] {
+    std::string bytes;
+    {
+      const std::lock_guard turn(hdf5_turn());
+      const hdf5::Quiet quiet;
+      bytes = hdf5::image_of(kLinearKind, kSnapshotLayout, [&](hid_t h) {
+        hdf5::write_text(h, "key", hex(content_.linear_key));
+        const auto first = content_.linear.begin() + std::ptrdiff_t{k} * kLinearRow;
+        write_column(h, "vertex", std::vector<int>(first, first + responses.cols()));
+        hdf5::write_block(h, "displacement", responses.data(),
+                          {static_cast<hsize_t>(responses.cols()),
+                           static_cast<hsize_t>(responses.rows()) / 3, 3});
+      });
+    }
+    hdf5::write_durably(linear_file(k), bytes, own_suffix());
+  });
+}
+
+Eigen::MatrixXf SnapshotStore::linear(int k) const {
+  return about(linear_file(k), [&] {
+    const std::lock_guard turn(hdf5_turn());
+    const hdf5::Quiet quiet;
+    const Handle file = open_checked(linear_file(k));
+    const Handle set(H5Dopen2(file, "displacement", H5P_DEFAULT), H5Dclose,
+                     "dataset 'displacement' is missing");
+    const Handle space(H5Dget_space(set), H5Sclose, "dataset without size");
+    hsize_t size[3] = {};
+    hdf5::require(H5Sget_simple_extent_ndims(space) == 3 &&
+                      H5Sget_simple_extent_dims(space, size, nullptr) == 3 &&
+                      size[0] <= kLinearRow && size[1] == content_.fixed.size() && size[2] == 3,
+                  "dataset 'displacement' has another size than the skin");
+    Eigen::MatrixXf values(static_cast<Index>(3 * size[1]), static_cast<Index>(size[0]));
+    hdf5::check(H5Dread(set, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+                "dataset 'displacement' cannot be read");
+    return values;
+  });
+}
+
+void SnapshotStore::copy_linear_from(const SnapshotStore& other, int k) const {
+  about(linear_file(k), [&] {
+    hdf5::write_durably(linear_file(k), hdf5::all_bytes(other.linear_file(k)), own_suffix());
+  });
+}
+
 void SnapshotStore::finish() const {
   const fs::path file = folder_ / kXdmfFile;
   about(file, [&] {
@@ -468,11 +540,15 @@ void SnapshotStore::finish() const {
     if (!fs::exists(file) || hdf5::all_bytes(file) != text) {
       hdf5::write_durably(file, text, own_suffix());
     }
-    std::set<fs::path> ours{kCampaignFile, kXdmfFile, "linear.h5"};
+    std::set<fs::path> ours{kCampaignFile, kXdmfFile};
+    for (int k = 0; k < content_.linear_file_count(); ++k) {
+      ours.insert(linear_file(k).filename());
+    }
     for (int u = 0; u < content_.unit_count(); ++u) ours.insert(unit_file(u).filename());
     for (const auto& entry : fs::directory_iterator(folder_)) {
       const std::string name = entry.path().filename().string();
       const bool made_here = name.starts_with("site_") || name.starts_with("point_") ||
+                             name.starts_with("linear_") ||
                              name.find(".part-") != std::string::npos;
       if (made_here && !ours.contains(name)) fs::remove(entry.path());
     }

@@ -23,6 +23,8 @@
 namespace palpable {
 
 inline constexpr int kSnapshotLayout = 0;
+/// Linear responses in one file.
+inline constexpr int kLinearRow = 64;
 
 /// A parameter beyond site and level.
 struct StoredParameter {
@@ -46,6 +48,8 @@ struct StoreContent {
   std::vector<StoredParameter> parameters;
   std::vector<StoredField> fields = {{"displacement", 3}, {"stress", 6}};
   std::vector<std::uint64_t> keys;  ///< (P S) what each unit was computed from
+  std::vector<int> linear;          ///< vertices of the skin whose linear response is stored, too
+  std::uint64_t linear_key = 0;     ///< what those were computed from
   std::vector<std::pair<std::string, std::string>> provenance;
   double tolerance = 5e-4;  ///< asked of a reduction, unless somebody asks otherwise
   int max_modes = 300;
@@ -53,6 +57,9 @@ struct StoreContent {
   [[nodiscard]] int site_count() const { return static_cast<int>(sites.size()); }
   [[nodiscard]] int level_count() const { return static_cast<int>(levels.size()) - 1; }
   [[nodiscard]] int unit_count() const { return static_cast<int>(keys.size()); }
+  [[nodiscard]] int linear_file_count() const {
+    return (static_cast<int>(linear.size()) + kLinearRow - 1) / kLinearRow;
+  }
   [[nodiscard]] int point_count() const { return unit_count() / site_count(); }
   /// The values of all parameters at a point.
   [[nodiscard]] std::vector<double> values_at(int point) const;
@@ -131,6 +138,14 @@ class SnapshotStore {
   /// @pre has(unit) @throws Error when it cannot be read
   [[nodiscard]] Eigen::MatrixXf rows(int unit, const StoredField& field, Eigen::Index first,
                                      Eigen::Index count) const;
+
+  /// Linear responses: those of vertices content().linear[kLinearRow k ...], see solve_linear().
+  [[nodiscard]] std::filesystem::path linear_file(int k) const;
+  [[nodiscard]] bool has_linear(int k) const;
+  void write_linear(int k, const Eigen::MatrixXf& responses) const;
+  /// (3V x kLinearRow, fewer in the last) m/N. @pre has_linear(k)
+  [[nodiscard]] Eigen::MatrixXf linear(int k) const;
+  void copy_linear_from(const SnapshotStore& other, int k) const;
 
   /// When all units are there: writes campaign.xdmf, which ParaView opens, and removes what earlier
   /// campaigns and killed processes left behind.

@@ -102,6 +102,14 @@ int TomlSection::integer(const char* key, int low, int high, int otherwise) {
   return has(key) ? integer(key, low, high) : otherwise;
 }
 
+bool TomlSection::flag(const char* key, bool otherwise) {
+  if (!has(key)) return otherwise;
+  const toml::node& node = need(key);
+  const auto value = node.value_exact<bool>();
+  if (!value) bad(node, key, "must be true or false");
+  return *value;
+}
+
 double TomlSection::quantity(const char* key, Quantity what, Range range) {
   const toml::node& node = need(key);
   return in_range(node, key, parse(node, key, what), range);

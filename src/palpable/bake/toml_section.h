@@ -44,6 +44,8 @@ class TomlSection {
   [[nodiscard]] double number(const char* key, Range range, double otherwise);
   [[nodiscard]] int integer(const char* key, int low, int high);
   [[nodiscard]] int integer(const char* key, int low, int high, int otherwise);
+  /// true or false.
+  [[nodiscard]] bool flag(const char* key, bool otherwise);
   /// In SI, e.g. "150 mm".
   [[nodiscard]] double quantity(const char* key, Quantity what, Range range);
   /// Three texts with units, in SI.
