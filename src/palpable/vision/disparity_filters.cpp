@@ -171,7 +171,10 @@ void SpeckleFilter::operator()(const SpeckleLimits& limits, int step, const Gray
       while (end < width && is_measured(here[end]) && near(here[end], here[end - 1])) ++end;
       const auto me = static_cast<int>(runs_.size());
       std::int64_t sure = 0;
-      for (int i = x; i < end; ++i) sure += confidence(i, y);
+      if (limits.doubtful_size > 0) {
+        const std::uint8_t* of_row = confidence.row(y);
+        for (int i = x; i < end; ++i) sure += of_row[i];
+      }
       runs_.push_back({x, end, y, me, end - x, sure});
       // The runs above that share a column; the last one may reach the next run too.
       while (above < row_begin && runs_[above].end <= x) ++above;

@@ -13,6 +13,7 @@
 #include "palpable/vision/stereo_kernels.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <vector>
 
@@ -33,6 +34,12 @@ namespace {
 constexpr std::size_t kBlock = 16;  // bytes
 constexpr std::size_t kWidestVector = 64;
 constexpr std::uint8_t kNoNeighbour = 127;  // above every P2 + cost, and P1 more is still a byte
+
+constexpr std::array<std::uint8_t, 64> byte_of_block() {
+  std::array<std::uint8_t, 64> bytes{};
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(i / kBlock);
+  return bytes;
+}
 
 // Bytes of one of census()'s five rows: what a vector may read beyond its end is there.
 std::size_t census_stride(int width) { return static_cast<std::size_t>(width + 4 + 320); }
@@ -55,7 +62,7 @@ struct Workspace {
     above = take(W * R * N);
     sum = take(W * R * N);
     above_least = take(W * N);
-    left = take(3 * W * N);
+    left = take(3 * (W + 2 * kBlock) * (N / kBlock) + kBlock);
     right = take(3 * (W + R + kBlock) * N);
     raw = take(3 * R * N);
     across = take(R * N);
@@ -272,21 +279,52 @@ class Gang {
     }
   }
 
-  // Codes of the rows, spread over lanes: left_[plane][x] is x's code in all lanes; lane l of
-  // right_[plane][q] is the code of the right pixel q - (R - 1) - first - l R.
+  // Codes of the rows: left_[plane][x] holds one byte for each block; lane l of right_[plane][q] is
+  // the code of the right pixel q - (R - 1) - first - l R.
   HWY_INLINE void load_row(int t) {
-    const hn::FixedTag<std::uint8_t, 16> d16;
-    for (int b = 0; b < kBlocks; ++b) {
-      const int y = row_of(b, t);
-      const std::size_t block = static_cast<std::size_t>(b) * kBlock;
-      for (std::size_t plane = 0; plane < 3; ++plane) {
-        const std::uint8_t* codes = (*job_.left)[plane].row(y);
-        std::uint8_t* to = left_ + plane * static_cast<std::size_t>(W_) * N + block;
-        for (int x = 0; x < W_; ++x) {
-          hn::StoreU(hn::Set(d16, codes[x]), d16, to + static_cast<std::size_t>(x) * N);
-        }
-        spread_right((*job_.right)[plane].row(y), right_ + plane * right_plane() + block);
+    for (std::size_t plane = 0; plane < 3; ++plane) {
+      for (int b = 0; b < kBlocks; ++b) {
+        const std::size_t block = static_cast<std::size_t>(b) * kBlock;
+        spread_right((*job_.right)[plane].row(row_of(b, t)),
+                     right_ + plane * right_plane() + block);
       }
+      zip_left(t, plane);
+    }
+  }
+  [[nodiscard]] HWY_INLINE std::size_t left_plane() const {
+    return (static_cast<std::size_t>(W_) + 2 * kBlock) * static_cast<std::size_t>(kBlocks);
+  }
+  HWY_INLINE void zip_left(int t, std::size_t plane) {
+    const hn::FixedTag<std::uint8_t, 16> d16;
+    std::uint8_t* to = left_ + plane * left_plane();
+    const std::uint8_t* rows[4] = {};
+    for (int b = 0; b < kBlocks; ++b) rows[b] = (*job_.left)[plane].row(row_of(b, t));
+    int x = 0;
+    if (kBlocks > 1) {
+      for (; x + static_cast<int>(kBlock) <= W_; x += static_cast<int>(kBlock)) {
+        const auto row = [&](int b) HWY_ATTR { return hn::LoadU(d16, rows[b % kBlocks] + x); };
+        std::uint8_t* at = to + static_cast<std::size_t>(x) * static_cast<std::size_t>(kBlocks);
+        const auto even = row(0);
+        const auto odd = row(1);
+        if (kBlocks == 2) {
+          hn::StoreU(hn::InterleaveLower(d16, even, odd), d16, at);
+          hn::StoreU(hn::InterleaveUpper(d16, even, odd), d16, at + kBlock);
+          continue;
+        }
+        const auto two = row(2);
+        const auto three = row(3);
+        const auto e0 = hn::InterleaveLower(d16, even, two),
+                   e1 = hn::InterleaveUpper(d16, even, two);
+        const auto o0 = hn::InterleaveLower(d16, odd, three),
+                   o1 = hn::InterleaveUpper(d16, odd, three);
+        hn::StoreU(hn::InterleaveLower(d16, e0, o0), d16, at);
+        hn::StoreU(hn::InterleaveUpper(d16, e0, o0), d16, at + kBlock);
+        hn::StoreU(hn::InterleaveLower(d16, e1, o1), d16, at + 2 * kBlock);
+        hn::StoreU(hn::InterleaveUpper(d16, e1, o1), d16, at + 3 * kBlock);
+      }
+    }
+    for (; x < W_; ++x) {
+      for (int b = 0; b < kBlocks; ++b) to[x * kBlocks + b] = rows[b][x];
     }
   }
   [[nodiscard]] HWY_INLINE std::size_t right_plane() const {
@@ -320,11 +358,18 @@ class Gang {
   // Hamming distances at x into slot x % 3 of raw_.
   HWY_INLINE void raw_costs(int x) {
     const Tag d;
-    const std::size_t W = static_cast<std::size_t>(W_);
     const auto at = static_cast<std::size_t>(x);
-    const V l0 = hn::Load(d, left_ + at * N);
-    const V l1 = hn::Load(d, left_ + (W + at) * N);
-    const V l2 = hn::Load(d, left_ + (2 * W + at) * N);
+    // Block b takes byte b.
+    alignas(kWidestVector) static constexpr std::array<std::uint8_t, 64> kByteOfBlock =
+        byte_of_block();
+    const V which = hn::Load(d, kByteOfBlock.data());
+    const std::uint8_t* left = left_ + at * static_cast<std::size_t>(kBlocks);
+    const auto spread = [&](std::size_t plane) HWY_ATTR {
+      return hn::TableLookupBytes(hn::LoadDup128(d, left + plane * left_plane()), which);
+    };
+    const V l0 = spread(0);
+    const V l1 = spread(1);
+    const V l2 = spread(2);
     const std::uint8_t* right = right_ + (at + static_cast<std::size_t>(R_) - 1) * N;
     std::uint8_t* to = raw_ + static_cast<std::size_t>(x % 3) * stride();
     const std::size_t plane = right_plane();
