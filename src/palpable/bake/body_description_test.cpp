@@ -144,7 +144,7 @@ TEST_CASE("a shape is either a surface or a mesh", "[bake][description]") {
   CHECK_THAT(complaint(with("surface = \"cube.ply\"", "")), Contains("needs either"));
   CHECK_THAT(complaint(with("up =", "mesh = \"a.msh\"\nup =")), Contains("not both"));
   CHECK_THAT(complaint(with("surface = \"cube.ply\"", "mesh = \"cube.ply\"")),
-             Contains("does not end in .msh or .inp"));
+             Contains("does not end in .msh, .inp, .vtu or .vtk"));
   CHECK_THAT(complaint(with("surface = \"cube.ply\"", "mesh = \"cube.msh\"")),
              Contains("dir/cube.toml:5: 'edge' in [shape] remeshes a surface"));
   for (const char* key : {"wrap", "inner_edge"}) {
