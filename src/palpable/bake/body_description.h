@@ -61,7 +61,7 @@ struct BodyDescription {
     std::optional<double> edge;    ///< m, remeshed to; none: the surface as it is
     std::optional<double> inner_edge = {};  ///< m, of tetrahedra far inside; none: as on the skin
     std::optional<double> wrap = {};  ///< m, wrapped around the file's triangles; none: as they are
-    double unit = 1.0;             ///< m, of lengths in the file
+    double unit = 1.0;                ///< m, of lengths in the file
     /// Nodes of a tetrahedron: 1: four, 2: ten. None: as the file has it, four for a surface.
     std::optional<int> order = {};
     std::string order_place = {};  ///< how messages about it begin
@@ -122,12 +122,12 @@ struct BodyDescription {
   std::vector<Pressure> pressures = {};
 
   struct Sites {
-    /// The linear response of every vertex of the skin to its own patch load is stored, too.
-    bool linear = false;
     int count = 0;         ///< of sites that are chosen; not with `at`
     bool salient = false;  ///< by curvature; otherwise far apart
-    double above = 0.10;  ///< fraction of the height: no such site lower
-    int patch = 2;        ///< graph distance
+    double above = 0.10;   ///< fraction of the height: no such site lower
+    int patch = 2;         ///< graph distance
+    /// The linear response of every vertex of the skin to its own patch load is stored, too.
+    bool linear = false;
     /// Towards the centre of mass, along the inward normal of the patch, or this way.
     struct ToCentre {};
     struct AlongNormal {};

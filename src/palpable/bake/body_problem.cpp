@@ -42,8 +42,10 @@ Eigen::VectorXd nodal_areas(const BodyMesh& body) {
 
 SiteSettings site_settings(const BodyDescription& description, const BodyMesh& body) {
   const BodyDescription::Sites& wanted = description.sites;
-  SiteSettings settings{
-      .count = wanted.count, .lowest = wanted.above * body.height, .patch_distance = wanted.patch};
+  SiteSettings settings{.choice = wanted.salient ? SiteChoice::kSalient : SiteChoice::kSpread,
+                        .count = wanted.count,
+                        .lowest = wanted.above * body.height,
+                        .patch_distance = wanted.patch};
   if (std::holds_alternative<BodyDescription::Sites::AlongNormal>(wanted.direction)) {
     settings.direction = SiteDirection::kAlongNormal;
   } else if (const auto* given = std::get_if<Eigen::Vector3d>(&wanted.direction)) {
