@@ -46,9 +46,10 @@ std::filesystem::path store_of(const Options& options) {
   std::filesystem::path store = options.store;
   if (store.empty()) store = std::filesystem::path(options.output).replace_extension(".snapshots");
   if (store == options.output) {
-    throw Error(fmt::format("{}: the body file cannot have the name of its snapshots; call it "
-                            "{}.palpable",
-                            options.output, store.stem().string()));
+    throw Error(
+        fmt::format("{}: the body file cannot have the name of its snapshots; call it "
+                    "{}.palpable",
+                    options.output, store.stem().string()));
   }
   return store;
 }
