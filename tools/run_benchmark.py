@@ -45,9 +45,9 @@ REAL = {
 
 TEXT = """\
 All sequences of `palpable synth`, played by `palpable live` and scored by `palpable score`. Today's chain
-is OpenCV's block matcher at half resolution and a camera that is taken to stand still: it has no tracking, no
-moving mask (null), and does not watch its rectification (null). Bad figures here are the reason why the next
-steps exist. `-` is what a result does not hold, or what a sequence has none of.
+is a stereo matcher of our own (half resolution, refined at the full one) whose rows are watched and corrected,
+and a camera that is taken to stand still: it has no tracking and no moving mask (null). Bad figures here are
+the reason why the next steps exist. `-` is what a result does not hold, or what a sequence has none of.
 """
 
 
