@@ -11,7 +11,8 @@ namespace palpable {
 /// How a process comes by its pieces of work.
 struct Pieces {
   std::function<std::optional<int>()> next;
-  std::function<void(int piece, int answer)> finished;
+  /// Two numbers for the leader about a piece that is done: which work it was, and how it went.
+  std::function<void(int what, int answer)> finished;
 };
 
 /// Hands out numbered pieces of work. All processes of a crew call the same members in the same
@@ -29,7 +30,7 @@ class Crew {
 
   /// Hands out each 0 <= i < count once, in increasing order: every process calls run() once, which
   /// asks `next` for pieces, from any of its threads, until there are none, and tells `finished` of
-  /// each with an answer. In the leader, finished(i, answer) follows, one call at a time.
+  /// each. In the leader, finished() is then called with the same numbers, one call at a time.
   /// @throws what run() threw, when all processes have ended; nothing more is handed out then. In
   ///         a process that does not lead: an Error for a failure of any other
   virtual void share(int count, const std::function<void(const Pieces&)>& run,
