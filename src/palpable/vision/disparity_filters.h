@@ -67,7 +67,7 @@ class SpeckleFilter {
 
 /// Replaces each measured pixel of rows [y_begin, y_end) by the mean of those of its 5 x 5 window
 /// that differ from it by at most kSmoothStep: surfaces become smooth, jumps stay.
-inline constexpr int kSmoothStep = 2 * kDisparitySteps;
+inline constexpr int kSmoothStep = kDisparitySteps / 2;
 void smooth_surfaces(const Disparities& in, int y_begin, int y_end, Disparities& out);
 
 /// Fills unknown stretches of a row of at most `longest` px: between two ends that differ by at

@@ -196,10 +196,14 @@ std::optional<EyeTilt> RowWatch::correction_due() {
   const double median = median_over_frames([](const RowError& e) { return e.median_px; });
   const EyeTilt tilt{median_over_frames([](const RowError& e) { return e.tilt.pitch; }),
                      median_over_frames([](const RowError& e) { return e.tilt.roll; })};
+  // Few points scatter: three frames in four have to be off to the same side.
+  const auto agreeing = std::count_if(history_.begin(), history_.end(), [&](const RowError& e) {
+    return e.median_px * median > 0 && std::abs(e.median_px) > settings_.limit_px / 2;
+  });
+  const bool off = std::abs(median) > settings_.limit_px &&
+                   4 * static_cast<std::size_t>(agreeing) >= 3 * kFrames;
   const double edge = std::abs(tilt.roll) * camera_.width / 2.0;
-  if (std::abs(median) <= settings_.limit_px && edge <= settings_.limit_edge_px) {
-    return std::nullopt;
-  }
+  if (!off && edge <= settings_.limit_edge_px) return std::nullopt;
   seen_ = 0;
   return tilt;
 }

@@ -20,7 +20,7 @@ namespace palpable {
 struct RowWatchSettings {
   int cell_px = 64;            ///< one point is followed in each cell of so many px
   int least_points = 20;       ///< fewer say nothing
-  double limit_px = 0.1;       ///< a median error beyond is corrected
+  double limit_px = 0.04;      ///< a median error beyond is corrected if most frames agree on it
   double limit_edge_px = 0.3;  ///< so is a roll that moves the picture's side by this much
 };
 
