@@ -182,6 +182,8 @@ TEST_CASE("linear responses are reciprocal and the beginning of every press", "[
   for (int v = 0; v < block.plan.boundary.surface.vertex_count(); ++v) {
     if (block.content.fixed[static_cast<std::size_t>(v)] == 0) vertices.push_back(v);
   }
+  // Some twice, so that there are two files.
+  for (std::size_t k = 0; k < 10; ++k) vertices.push_back(vertices[k]);
   block.plan.linear =
       sites_at(block.plan.boundary.surface, block.content.fixed, vertices, {.patch_distance = 1});
   block.content.linear = vertices;
