@@ -57,7 +57,7 @@ VolumeMesh make_volume(const BodyDescription::Shape& shape, std::string& made) {
     made = "TetGen 1.5";
     if (shape.wrap) surface = wrap_surface(surface, *shape.wrap);
     if (shape.edge) {
-      surface = remesh_surface(surface, *shape.edge, name);
+      surface = remesh_surface(surface, *shape.edge, name, !shape.wrap);
       made = fmt::format("CGAL isotropic remeshing to {:.4g} m, TetGen 1.5", *shape.edge);
     }
     if (shape.wrap) {

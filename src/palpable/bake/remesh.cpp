@@ -99,12 +99,12 @@ void require_solid_surface(const SurfaceMesh& surface, const std::string& name) 
   (void)checked(surface, name);
 }
 
-SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length,
-                           const std::string& name) {
+SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length, const std::string& name,
+                           bool keep_sharp_edges) {
   PALPABLE_EXPECT(edge_length > 0.0, "an edge length is positive");
   Mesh mesh = checked(surface, name);
   auto sharp = mesh.add_property_map<Mesh::Edge_index, bool>("e:sharp", false).first;
-  PMP::detect_sharp_edges(mesh, kSharpDegrees, sharp);
+  if (keep_sharp_edges) PMP::detect_sharp_edges(mesh, kSharpDegrees, sharp);
   PMP::isotropic_remeshing(
       mesh.faces(), edge_length, mesh,
       PMP::parameters::number_of_iterations(kRounds).edge_is_constrained_map(sharp));

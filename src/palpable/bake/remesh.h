@@ -15,13 +15,14 @@ namespace palpable {
 void require_solid_surface(const SurfaceMesh& surface, const std::string& name);
 
 /// A surface over the same shape whose edges are about `edge_length` long. Vertices stay on the
-/// given surface; edges sharper than 80 degrees are kept. Deterministic.
+/// given surface; edges sharper than 80 degrees are kept, unless they are but the creases of a
+/// wrap. Deterministic.
 /// @param edge_length  m, > 0
 /// @param name         for messages
 /// @throws Error as require_solid_surface(), for the result too: an edge length too coarse for thin
 ///         parts makes their sides meet
 [[nodiscard]] SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length,
-                                         const std::string& name);
+                                         const std::string& name, bool keep_sharp_edges = true);
 
 /// A closed surface around the triangles of another that may have holes, pass through itself or be
 /// a heap of triangles (CGAL's alpha wrapping): all that a ball of diameter `size` rolling outside
