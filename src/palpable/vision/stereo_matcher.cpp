@@ -190,8 +190,8 @@ StereoMatcherSettings near_matching() {
   settings.disparities = 192;
   settings.guard_disparities = 112;
   settings.p1 = 6;
-  settings.left_right_px = 0;
-  settings.longest_gap_px = 3;
+  settings.left_right_px = 2;
+  settings.longest_gap_px = 8;
   settings.speckles.doubtful_size = 1000;
   return settings;
 }
