@@ -49,6 +49,7 @@ if [ ! -s build/meshes/bunny.off ]; then
     fail "npm could not fetch the package bunny 1.0.1; is there a network?"
   tar -xzf "$folder"/bunny-1.0.1.tgz -C "$folder"
   python3 tools/bunny_to_off.py "$folder/package/index.js" build/meshes/bunny.off
+  rm -rf "$folder"
 fi
 
 [ "${1:-}" = check ] || [ "${1:-}" = bodies ] || exit 0
