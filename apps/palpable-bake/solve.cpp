@@ -40,6 +40,20 @@ std::vector<double> levels_to(double level, int count) {
   return levels;
 }
 
+// A row for each Newton step with the residual before it, and one for the state that was found.
+void print_convergence(const Equilibrium& state, double press) {
+  int number = 0;
+  for (const NewtonStep& step : state.convergence) {
+    fmt::print("{:>8} {:>6} {:>10.1e} {:>6} {:>6.3g}\n",
+               number == 0 ? fmt::format("{:.4g}", state.level) : "", number, step.residual,
+               step.cg_iterations, step.share);
+    ++number;
+  }
+  fmt::print("{:>8} {:>6} {:>10.1e} {:>6} {:>6} {:>11.4f} {:>11.3f}\n",
+             number == 0 ? fmt::format("{:.4g}", state.level) : "", number, state.residual, "", "",
+             1e3 * press, state.smallest_volume_ratio);
+}
+
 void solve(const Options& options) {
   // Where to write is looked at before the work, not after it.
   const std::filesystem::path folder = std::filesystem::absolute(options.output).parent_path();
@@ -72,6 +86,11 @@ void solve(const Options& options) {
   const Eigen::Vector3d at = problem.mesh.boundary.surface.vertices.col(site.vertex);
   fmt::print("{}: {} nodes, {} tetrahedra of {} nodes; {}\n", description.name, mesh.node_count(),
              mesh.tet_count(), mesh.is_quadratic() ? 10 : 4, material_line(description.material));
+  fmt::print("held: {} nodes in all directions", problem.model.fixed_nodes.size());
+  if (const std::size_t some = problem.model.supports.size(); some > 0) {
+    fmt::print(", {} in some or moved", some);
+  }
+  fmt::print("\n");
   for (const BodyDescription::MaterialPart& part : description.groups) {
     fmt::print("a part of it: {}\n", material_line(part.material));
   }
@@ -97,13 +116,10 @@ void solve(const Options& options) {
 
   const std::vector<double> levels = levels_to(options.level, description.press.levels);
   const PathResult path = presses.solve_path(full_load * unit, levels);
-  fmt::print("{:>8} {:>8} {:>6} {:>10} {:>11} {:>11}\n", "level", "Newton", "CG", "residual",
-             "press / mm", "smallest J");
-  for (const Equilibrium& step : path.steps) {
-    fmt::print("{:>8.4g} {:>8} {:>6} {:>10.1e} {:>11.4f} {:>11.3f}\n", step.level,
-               step.newton_steps, step.cg_iterations, step.residual,
-               1e3 * unit.cwiseProduct(step.displacement - presses.rest()).sum(),
-               step.smallest_volume_ratio);
+  fmt::print("{:>8} {:>6} {:>10} {:>6} {:>6} {:>11} {:>11}\n", "level", "Newton", "residual", "CG",
+             "share", "press / mm", "smallest J");
+  for (const Equilibrium& state : path.steps) {
+    print_convergence(state, unit.cwiseProduct(state.displacement - presses.rest()).sum());
   }
   fmt::print("\n");
   if (path.steps.empty()) throw Error(path.why_stopped);
@@ -112,11 +128,13 @@ void solve(const Options& options) {
   const Equilibrium& last = path.steps.back();
   const StressField stress = nodal_cauchy_stress(solver.model(), last.displacement);
   const Eigen::VectorXd mises = von_mises(stress);
+  Eigen::Matrix3Xd load = last.level * full_load * unit;
+  if (problem.preload.cols() > 0) load += problem.preload;
   const std::vector<VtuField> fields{{"displacement", last.displacement},
                                      {"cauchy_stress", stress},
                                      {"von_mises", mises.transpose()},
                                      {"principal_stresses", principal_stresses(stress)},
-                                     {"load", last.level * full_load * unit}};
+                                     {"load", load}};
   write_vtu_file(options.output, mesh, fields);
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   fmt::print(

@@ -264,9 +264,20 @@ def _(programs, folder):
                                    "--order", order, "-o", grid)
         rows = [line.split() for line in result.stdout.splitlines()]
         header = next(i for i, row in enumerate(rows) if row[:1] == ["level"])
-        table = [row for row in rows[header + 1:] if row and re.fullmatch(r"[0-9.]+", row[0])]
-        assert [float(row[0]) for row in table] == [0.2, 0.4, 0.5], table
-        assert all(float(row[3]) <= 1e-8 for row in table), table
+        # Newton steps of a level are numbered from 0; the first row begins with the level, the last, of
+        # the state that was found, ends with the press and the smallest J.
+        levels, residuals = [], []
+        for row in rows[header + 1:]:
+            if not row:
+                break
+            if row[1] == "0":
+                levels.append(float(row.pop(0)))
+                residuals.append([])
+            assert int(row[0]) == len(residuals[-1]), row
+            residuals[-1].append(float(row[1]))
+        assert levels == [0.2, 0.4, 0.5], rows
+        for column in residuals:
+            assert len(column) > 1 and column[-1] == min(column) <= 1e-8, column
         data = grid.read_bytes()
         for field in (b"displacement", b"cauchy_stress", b"von_mises"):
             assert b'Name="' + field + b'"' in data, field

@@ -45,6 +45,13 @@ struct EquilibriumSettings {
       400;  ///< per Newton step; then the factor is renewed and it is tried again
 };
 
+/// One step of Newton's method.
+struct NewtonStep {
+  double residual = 0;    ///< before it; relative, as EquilibriumSettings::tolerance
+  int cg_iterations = 0;  ///< that found it
+  double share = 1;       ///< of it that was taken: 1, 1/2, 1/4 ...
+};
+
 /// One state of the body.
 struct Equilibrium {
   Eigen::Matrix3Xd displacement;  ///< (3 x N) m
@@ -53,6 +60,8 @@ struct Equilibrium {
   int cg_iterations = 0;             ///< likewise
   double residual = 0;               ///< relative, as EquilibriumSettings::tolerance
   double smallest_volume_ratio = 1;  ///< min over elements of J = det F
+  /// The steps from the level before, those of increments that failed among them.
+  std::vector<NewtonStep> convergence = {};
 };
 
 /// What keeps a solve from going on.

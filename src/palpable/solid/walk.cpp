@@ -62,7 +62,8 @@ double Walk::work_conjugate() const {
 }
 
 bool Walk::advance(double target, double tolerance) {
-  newton_steps_ = cg_iterations_ = 0;
+  convergence_.clear();
+  cg_iterations_ = 0;
   double step = target - now_.level;
   int halvings_in_succession = 0;
   while (now_.level != target) {
@@ -320,8 +321,9 @@ Walk::Failure Walk::solve(double level, double tolerance) {
     if (step == settings_.max_newton_steps) {
       return {.stop = Stop::kNoConvergence, .residual = norm / scale_};
     }
+    const int iterations_before = cg_iterations_;
     if (const Failure failure = newton_step(u, tolerance)) return failure;
-    ++newton_steps_;
+    const int iterations = cg_iterations_ - iterations_before;
 
     // d_ points downhill in the potential, because the tangent was positive along all that
     // conjugate gradients saw. A step is taken if it lowers the potential as Armijo asks, or
@@ -347,6 +349,7 @@ Walk::Failure Walk::solve(double level, double tolerance) {
         return {.stop = Stop::kNoConvergence, .residual = norm / scale_};
       }
     }
+    convergence_.push_back({scale_ > 0.0 ? norm / scale_ : 0.0, iterations, share});
     std::swap(u, trial);
     state = trial_state;
   }
@@ -357,7 +360,8 @@ void Walk::accept(double level, Matrix3Xd u, const BodyState& state, double resi
   knots_.push_back({level, u});
   now_.displacement = std::move(u);
   now_.level = level;
-  now_.newton_steps = newton_steps_;
+  now_.newton_steps = static_cast<int>(convergence_.size());
+  now_.convergence = convergence_;
   now_.cg_iterations = cg_iterations_;
   now_.residual = residual;
   now_.smallest_volume_ratio = state.smallest_volume_ratio;

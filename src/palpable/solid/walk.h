@@ -105,7 +105,8 @@ class Walk {
   Equilibrium start_, now_;
   Failure failure_;
   SolveTimes times_;
-  int newton_steps_ = 0, cg_iterations_ = 0, factors_ = 0, halvings_ = 0;
+  std::vector<NewtonStep> convergence_;  // since advance() was called
+  int cg_iterations_ = 0, factors_ = 0, halvings_ = 0;
 };
 
 }  // namespace palpable
