@@ -42,7 +42,7 @@ struct SessionSettings {
   DepthSettings depth{};
   /// Two of them are fitted to the depth at which the body stands: the thickness is raised to 3
   /// sigma of it, the step lowered until points lie at most a quarter of the thickness apart. For
-  /// stereo the left margin is at least 12 px.
+  /// stereo the left margin is at least 4 px, with OpenCV's matcher 12.
   SeenSurfaceSettings surface{};
   /// Its noise is replaced by what the camera says of its depths, times the share below.
   PressSettings press{};
