@@ -365,12 +365,7 @@ bool BodyDescription::Shape::is_volume() const { return is_volume_file(file); }
 
 BodyDescription parse_body_description(std::string_view text, const std::filesystem::path& path) {
   const std::string file = path.string();
-  toml::table table;
-  try {
-    table = toml::parse(text, file);
-  } catch (const toml::parse_error& error) {
-    throw Error(fmt::format("{}:{}: {}", file, error.source().begin.line, error.description()));
-  }
+  const toml::table table = parse_toml(text, file);
   BodyDescription body;
   body.source = path;
   TomlSection root(file, "", table);

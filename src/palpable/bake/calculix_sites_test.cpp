@@ -1,8 +1,8 @@
 #include "palpable/bake/calculix_sites.h"
 
 #include "palpable/bake/calculix.h"
-#include "palpable/bake/contact_sites.h"
 #include "palpable/base/error.h"
+#include "tests/support/rubber_block.h"
 #include "tests/support/solved_sites.h"
 #include "tests/support/test.h"
 
@@ -12,27 +12,10 @@ namespace {
 using Catch::Matchers::Contains;
 using test::tolerance;
 
-// A block of rubber that stands on the ground.
-struct Block {
-  TetMesh mesh = box_tets({-0.03, -0.02, 0}, {0.03, 0.02, 0.05}, 4, 3, 4);
-  Boundary boundary = boundary_of(mesh);
-  std::vector<Site> sites;
-
-  Block() {
-    std::vector<std::uint8_t> fixed;
-    for (const auto& x : boundary.surface.vertices.colwise()) fixed.push_back(x[2] < 0.001);
-    sites =
-        choose_sites(boundary.surface, fixed, {.count = 2, .lowest = 0.02, .patch_distance = 1});
-  }
+struct Block : test::RubberBlock {
+  Block() : RubberBlock(2) {}
   [[nodiscard]] EquilibriumSolver solver(const char* law) const {
-    SolidModel model{.mesh = mesh,
-                     .material = material_from_young(law, 60e3, 0.4),
-                     .fixed_nodes = {},
-                     .fixed_displacement = {}};
-    for (int n = 0; n < mesh.node_count(); ++n) {
-      if (mesh.nodes(2, n) < 0.001) model.fixed_nodes.push_back(n);
-    }
-    return EquilibriumSolver(std::move(model));
+    return EquilibriumSolver(model(law));
   }
 };
 

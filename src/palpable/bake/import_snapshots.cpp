@@ -344,12 +344,7 @@ ImportManifest read_import_manifest(const fs::path& path) {
   const std::string text((std::istreambuf_iterator<char>(stream)),
                          std::istreambuf_iterator<char>());
   const std::string file = path.string();
-  toml::table table;
-  try {
-    table = toml::parse(text, file);
-  } catch (const toml::parse_error& error) {
-    throw Error(fmt::format("{}:{}: {}", file, error.source().begin.line, error.description()));
-  }
+  const toml::table table = parse_toml(text, file);
   ImportManifest manifest;
   manifest.source = path;
   TomlSection root(file, "", table);

@@ -1,10 +1,10 @@
 #include "palpable/bake/site_run.h"
 
 #include "palpable/bake/body_problem.h"
-#include "palpable/bake/contact_sites.h"
 #include "palpable/base/error.h"
 #include "palpable/solid/loads.h"
 #include "palpable/solid/stress.h"
+#include "tests/support/rubber_block.h"
 #include "tests/support/solved_sites.h"
 #include "tests/support/test.h"
 
@@ -15,29 +15,10 @@ using test::solved_sites;
 using test::SolvedSites;
 using test::tolerance;
 
-// A block of rubber that stands on the ground.
-struct Block {
-  TetMesh mesh = box_tets({-0.03, -0.02, 0}, {0.03, 0.02, 0.05}, 4, 3, 4);
-  Boundary boundary = boundary_of(mesh);
+struct Block : test::RubberBlock {
   EquilibriumSolver solver;
-  std::vector<Site> sites;
 
-  explicit Block(const char* law = "neo-hookean") : solver(model(law)) {
-    std::vector<std::uint8_t> fixed;
-    for (const auto& x : boundary.surface.vertices.colwise()) fixed.push_back(x[2] < 0.001);
-    sites =
-        choose_sites(boundary.surface, fixed, {.count = 3, .lowest = 0.02, .patch_distance = 1});
-  }
-  [[nodiscard]] SolidModel model(const char* law) const {
-    SolidModel model{.mesh = mesh,
-                     .material = material_from_young(law, 60e3, 0.4),
-                     .fixed_nodes = {},
-                     .fixed_displacement = {}};
-    for (int n = 0; n < mesh.node_count(); ++n) {
-      if (mesh.nodes(2, n) < 0.001) model.fixed_nodes.push_back(n);
-    }
-    return model;
-  }
+  explicit Block(const char* law = "neo-hookean") : RubberBlock(3), solver(model(law)) {}
   [[nodiscard]] SolvedSites run(double press) const {
     return solved_sites(solver, boundary, sites, {.press = press, .levels = 4});
   }

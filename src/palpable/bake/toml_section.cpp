@@ -53,6 +53,14 @@ Units units_of(Quantity what) {
 
 }  // namespace
 
+toml::table parse_toml(std::string_view text, const std::string& file) {
+  try {
+    return toml::parse(text, file);
+  } catch (const toml::parse_error& error) {
+    throw Error(fmt::format("{}:{}: {}", file, error.source().begin.line, error.description()));
+  }
+}
+
 std::string Range::text() const {
   const std::string lowest = fmt::format("{} {}", open_low ? "above" : "at least", low);
   if (high == std::numeric_limits<double>::infinity()) return lowest;

@@ -13,6 +13,10 @@
 
 namespace palpable {
 
+/// @param file  for messages
+/// @throws Error naming file and line where the text is no TOML
+[[nodiscard]] toml::table parse_toml(std::string_view text, const std::string& file);
+
 /// Where a number may lie.
 struct Range {
   double low, high;

@@ -3,30 +3,11 @@
 #include "palpable/base/contract.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/vision/stereo_matcher.h"
+#include "tests/support/noisy_pair.h"
 #include "tests/support/test.h"
-
-#include <random>
 
 namespace palpable {
 namespace {
-
-struct Pair {
-  GrayImage left;
-  GrayImage right;
-};
-
-Pair some_pair(int width, int height, unsigned seed) {
-  auto random = test::random_case(seed);
-  Pair pair{GrayImage(width, height), GrayImage(width, height)};
-  for (std::uint8_t& p : pair.left) p = static_cast<std::uint8_t>(random() % 30 + 100);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      pair.right(x, y) =
-          static_cast<std::uint8_t>(pair.left((x + 6 + y / 12) % width, y) + random() % 3);
-    }
-  }
-  return pair;
-}
 
 TEST_CASE("the compute shaders find the winners of the plain loops, bit for bit", "[gpu]") {
   Result<GlContext> context = GlContext::offscreen();
@@ -39,7 +20,7 @@ TEST_CASE("the compute shaders find the winners of the plain loops, bit for bit"
   for (const Case& c :
        {Case{70, 41, 0, 32, 3, 40}, Case{65, 9, -5, 80, 10, 61}, Case{40, 75, 2, 16, 0, 0}}) {
     INFO("width " << c.width << ", " << c.disparities << " disparities");
-    const Pair pair = some_pair(c.width, c.height, seed++);
+    const test::NoisyPair pair = test::noisy_pair(c.width, c.height, seed++);
     CensusCodes left, right;
     for (GrayImage& plane : left) plane.resize(c.width, c.height);
     for (GrayImage& plane : right) plane.resize(c.width, c.height);
@@ -64,7 +45,7 @@ TEST_CASE("with the winners of the GPU the matcher's disparities are the same", 
   Result<GlContext> context = GlContext::offscreen();
   if (!context.ok()) PALPABLE_SKIP(context.problem().message);
   GlStereo stereo = value_or_throw(GlStereo::make());
-  const Pair pair = some_pair(96, 64, 7);
+  const test::NoisyPair pair = test::noisy_pair(96, 64, 7);
   StereoMatcherSettings settings = near_matching();
   settings.disparities = 32;
   settings.guard_disparities = 16;

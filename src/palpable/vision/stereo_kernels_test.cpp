@@ -1,5 +1,6 @@
 #include "palpable/vision/stereo_kernels.h"
 
+#include "tests/support/noisy_pair.h"
 #include "tests/support/test.h"
 
 #include <algorithm>
@@ -11,25 +12,8 @@
 namespace palpable {
 namespace {
 
-struct Pair {
-  GrayImage left;
-  GrayImage right;
-};
-
-// Random brightness, shifted by a disparity that grows along x, with noise: every path has steps,
-// jumps and ties.
-Pair some_pair(int width, int height, unsigned seed) {
-  auto random = test::random_case(seed);
-  Pair pair{GrayImage(width, height), GrayImage(width, height)};
-  for (std::uint8_t& p : pair.left) p = static_cast<std::uint8_t>(random() % 24 + 100);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      pair.right(x, y) =
-          static_cast<std::uint8_t>(pair.left((x + 5 + x / 9) % width, y) + random() % 3);
-    }
-  }
-  return pair;
-}
+using test::noisy_pair;
+using test::NoisyPair;
 
 class Workspace {
  public:
@@ -51,7 +35,7 @@ struct Found {
   Winners winners;
 };
 
-Found run(const StereoKernels& kernels, const Pair& pair, int first, int disparities, int p1,
+Found run(const StereoKernels& kernels, const NoisyPair& pair, int first, int disparities, int p1,
           int p2, int strips_at_once) {
   const int width = pair.left.width();
   const int height = pair.left.height();
@@ -79,7 +63,7 @@ TEST_CASE("all instruction sets give the winners of the plain loops, bit for bit
   for (const Case& c :
        {Case{203, 75, 0, 48, 3, 40}, Case{64, 41, -3, 16, 5, 40}, Case{131, 67, 12, 256, 10, 61},
         Case{90, 4, 0, 32, 0, 0}, Case{33, 20, -20, 304, 3, 45}}) {
-    const Pair pair = some_pair(c.width, c.height, seed++);
+    const NoisyPair pair = noisy_pair(c.width, c.height, seed++);
     const Found plain =
         run(scalar_stereo_kernels(), pair, c.first, c.disparities, c.p1, c.p2, kStrips);
     for (const StereoKernels& kernels : stereo_kernels()) {
@@ -112,7 +96,7 @@ TEST_CASE("the plain loops are always there, and this processor has more", "[vis
 }
 
 TEST_CASE("a census code is the same at another exposure", "[vision][stereo]") {
-  Pair pair{GrayImage(40, 12), GrayImage(40, 12)};
+  NoisyPair pair{GrayImage(40, 12), GrayImage(40, 12)};
   auto random = test::random_case(3);
   for (std::uint8_t& p : pair.left) p = static_cast<std::uint8_t>(random() % 30 * 4 + 20);
   std::transform(pair.left.begin(), pair.left.end(), pair.right.begin(),
@@ -124,7 +108,7 @@ TEST_CASE("a census code is the same at another exposure", "[vision][stereo]") {
 TEST_CASE("a picture that is shifted is found at its shift, at no cost", "[vision][stereo]") {
   const int width = 120;
   const int shift = 23;
-  Pair pair{GrayImage(width, 40), GrayImage(width, 40)};
+  NoisyPair pair{GrayImage(width, 40), GrayImage(width, 40)};
   auto random = test::random_case(5);
   std::vector<std::uint8_t> row(width + shift);
   for (int y = 0; y < 40; ++y) {

@@ -1,7 +1,7 @@
 #include "palpable/vision/stereo_matcher.h"
 
 #include "palpable/base/contract.h"
-#include "palpable/vision/crew.h"
+#include "palpable/vision/standing_threads.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -80,7 +80,7 @@ int rounded_up(int disparities) { return (disparities + 15) / 16 * 16; }
 struct StereoMatcher::Parts {
   StereoMatcherSettings settings;
   const StereoKernels* kernels;
-  Crew crew;
+  StandingThreads crew;
   Pass pass;
   Pass guard;
   GrayImage guard_left;

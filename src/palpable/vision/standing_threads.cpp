@@ -1,15 +1,15 @@
-#include "palpable/vision/crew.h"
+#include "palpable/vision/standing_threads.h"
 
 #include "palpable/base/contract.h"
 
 namespace palpable {
 
-Crew::Crew(int size) {
+StandingThreads::StandingThreads(int size) {
   PALPABLE_EXPECT(size >= 1 && size <= 64, "a crew has 1 to 64 threads");
   for (int i = 1; i < size; ++i) threads_.emplace_back([this] { help(); });
 }
 
-Crew::~Crew() {
+StandingThreads::~StandingThreads() {
   {
     const std::lock_guard lock(mutex_);
     ends_ = true;
@@ -18,7 +18,7 @@ Crew::~Crew() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-void Crew::run(int count, const void* work, Call call) {
+void StandingThreads::run(int count, const void* work, Call call) {
   if (threads_.empty()) {
     for (int i = 0; i < count; ++i) call(work, i);
     return;
@@ -33,7 +33,7 @@ void Crew::run(int count, const void* work, Call call) {
   done_.wait(lock, [this] { return unfinished_ == 0; });
 }
 
-void Crew::take_turns(std::unique_lock<std::mutex>& lock) {
+void StandingThreads::take_turns(std::unique_lock<std::mutex>& lock) {
   while (next_ < count_) {
     const int mine = next_++;
     lock.unlock();
@@ -43,7 +43,7 @@ void Crew::take_turns(std::unique_lock<std::mutex>& lock) {
   }
 }
 
-void Crew::help() {
+void StandingThreads::help() {
   std::unique_lock lock(mutex_);
   while (true) {
     begun_.wait(lock, [this] { return ends_ || next_ < count_; });

@@ -1,4 +1,4 @@
-#include "palpable/vision/crew.h"
+#include "palpable/vision/standing_threads.h"
 
 #include "tests/support/allocations.h"
 #include "tests/support/test.h"
@@ -12,7 +12,7 @@ namespace {
 
 TEST_CASE("a crew does each piece once, whatever its size", "[vision][threads]") {
   for (const int size : {1, 2, 3}) {
-    Crew crew(size);
+    StandingThreads crew(size);
     CHECK(crew.size() == size);
     for (const int count : {0, 1, 2, 7, 64}) {
       for (int again = 0; again < 20; ++again) {
@@ -25,7 +25,7 @@ TEST_CASE("a crew does each piece once, whatever its size", "[vision][threads]")
 }
 
 TEST_CASE("a crew that stands takes no memory", "[vision]") {
-  Crew crew(2);
+  StandingThreads crew(2);
   std::atomic<int> sum = 0;
   crew.run(4, [&](int i) { sum += i; });
   CHECK(test::allocations_during([&] { crew.run(4, [&](int i) { sum += i; }); }) == 0);

@@ -10,13 +10,13 @@
 namespace palpable {
 
 /// The caller and size - 1 threads of its own. Takes no memory once it is made.
-class Crew {
+class StandingThreads {
  public:
   /// @param size  >= 1
-  explicit Crew(int size);
-  Crew(const Crew&) = delete;
-  Crew& operator=(const Crew&) = delete;
-  ~Crew();
+  explicit StandingThreads(int size);
+  StandingThreads(const StandingThreads&) = delete;
+  StandingThreads& operator=(const StandingThreads&) = delete;
+  ~StandingThreads();
 
   [[nodiscard]] int size() const { return static_cast<int>(threads_.size()) + 1; }
 
