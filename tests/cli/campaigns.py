@@ -206,7 +206,7 @@ def _(programs, folder):
     assert "0 sites solved, 6 were there" in said, said
 
 
-@case("mpirun with four ranks leaves the bytes of one process; a killed rank loses nothing")
+@case("mpirun with four ranks leaves the bytes of one process, and a killed rank loses nothing")
 def _(programs, folder):
     mpirun = shutil.which("mpirun")
     if mpirun is None:
