@@ -265,7 +265,9 @@ double scale_of(const BlockMatrix& K) {
 }
 
 // What elimination may leave of a diagonal entry, relative to that entry: less is rounding, and the
-// matrix is singular to this precision.
+// matrix is singular to this precision. Rounding leaves 5.5 epsilon of the last pivots of a free
+// chain (the tests'), and of the pivots of the shipped bodies none is below 1e-3, which is 8,000
+// epsilon in single precision: the bound lies between the two.
 template <class Number>
 constexpr double kSmallestPivot = 100.0 * std::numeric_limits<Number>::epsilon();
 

@@ -123,10 +123,12 @@ TEST_CASE(
          << ", inside " << fine[0].inside << " order " << order(0, &Errors::inside)
          << "; averaged: skin " << fine[1].skin << " order " << order(1, &Errors::skin)
          << ", inside " << fine[1].inside << " order " << order(1, &Errors::inside));
-    CHECK(order(0, &Errors::skin) > 1.6);
-    CHECK(order(1, &Errors::skin) < 1.2);
-    CHECK(fine[0].skin < 0.4 * fine[1].skin);
-    CHECK(fine[0].inside < 1.1 * fine[1].inside);
+    // Second order is what linear patches can have at best; at a skin without neighbours on one
+    // side a plain average keeps the first order of the elements.
+    CHECK(order(0, &Errors::skin) >= 2 - tolerance(0.4, "two meshes, before the asymptote"));
+    CHECK(order(1, &Errors::skin) <= 1 + tolerance(0.2, "two meshes, before the asymptote"));
+    CHECK(fine[0].skin < 0.5 * fine[1].skin);  // what makes recovery worth its code
+    CHECK(fine[0].inside <= fine[1].inside);   // and nothing is paid for it inside
   }
 }
 
