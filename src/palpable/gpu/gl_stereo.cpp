@@ -91,11 +91,10 @@ Result<GlStereo> GlStereo::make() {
 }
 
 void GlStereo::find_winners(const GrayImage& left, const GrayImage& right, int first,
-                            int disparities, int p1, int p2, Winners& winners) {
+                            int disparities, const PathPenalties& penalties, Winners& winners) {
   PALPABLE_EXPECT(left.width() == right.width() && left.height() == right.height() && !left.empty(),
                   "both eyes see images of one size");
-  PALPABLE_EXPECT(disparities >= 1 && disparities <= kMostDisparities && p1 >= 0 && p1 <= p2 &&
-                      p2 <= kLargestP2,
+  PALPABLE_EXPECT(disparities >= 1 && disparities <= kMostDisparities && penalties.are_sound(),
                   "disparities and penalties as the plain loops have them");
   Parts& p = *parts_;
   const int W = left.width();
@@ -120,9 +119,10 @@ void GlStereo::find_winners(const GrayImage& left, const GrayImage& right, int f
     Parts::set(*program, "H", H);
     Parts::set(*program, "D", disparities);
     Parts::set(*program, "first", first);
-    Parts::set(*program, "P1", p1);
-    Parts::set(*program, "P2", p2);
   }
+  Parts::set(p.path, "P1", penalties.p1);
+  Parts::set(p.path, "P2", penalties.p2);
+  Parts::set(p.path, "P2_LEAST", penalties.p2_least);
   Parts::set(p.census, "STEP", kCensusStep);
   Parts::set(p.path, "STRIPS", kStrips);
   Parts::set(p.path, "WARM_UP", kWarmUpRows);

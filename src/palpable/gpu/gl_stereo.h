@@ -26,7 +26,7 @@ class GlStereo {
   /// @param disparities  1 to kMostDisparities
   /// @throws ContractViolation when the images differ in size or a number is out of range
   void find_winners(const GrayImage& left, const GrayImage& right, int first, int disparities,
-                    int p1, int p2, Winners& winners);
+                    const PathPenalties& penalties, Winners& winners);
 
  private:
   struct Parts;

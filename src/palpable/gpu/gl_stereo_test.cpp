@@ -14,11 +14,12 @@ TEST_CASE("the compute shaders find the winners of the plain loops, bit for bit"
   if (!context.ok()) PALPABLE_SKIP(context.problem().message);
   GlStereo stereo = value_or_throw(GlStereo::make());
   struct Case {
-    int width, height, first, disparities, p1, p2;
+    int width, height, first, disparities;
+    PathPenalties penalties;
   };
   unsigned seed = 0;
-  for (const Case& c :
-       {Case{70, 41, 0, 32, 3, 40}, Case{65, 9, -5, 80, 10, 61}, Case{40, 75, 2, 16, 0, 0}}) {
+  for (const Case& c : {Case{70, 41, 0, 32, {3, 40, 6}}, Case{65, 9, -5, 80, {10, 61, 61}},
+                        Case{40, 75, 2, 16, {0, 0, 0}}}) {
     INFO("width " << c.width << ", " << c.disparities << " disparities");
     const test::NoisyPair pair = test::noisy_pair(c.width, c.height, seed++);
     CensusCodes left, right;
@@ -29,10 +30,10 @@ TEST_CASE("the compute shaders find the winners of the plain loops, bit for bit"
     plain.census(pair.right, right, nullptr);
     Winners expected;
     expected.resize(c.width, c.height);
-    plain.match({&left, &right, c.first, c.disparities, c.p1, c.p2, &expected}, 0, kStrips,
-                nullptr);
+    plain.match({&left, &right, &pair.left, c.first, c.disparities, c.penalties, &expected}, 0,
+                kStrips, nullptr);
     Winners found;
-    stereo.find_winners(pair.left, pair.right, c.first, c.disparities, c.p1, c.p2, found);
+    stereo.find_winners(pair.left, pair.right, c.first, c.disparities, c.penalties, found);
     CHECK(found.best == expected.best);
     CHECK(found.cost == expected.cost);
     CHECK(found.before == expected.before);
@@ -55,7 +56,7 @@ TEST_CASE("with the winners of the GPU the matcher's disparities are the same", 
   settings.find_winners = [&](const GrayImage& left, const GrayImage& right, int first,
                               int disparities, Winners& winners) {
     ++calls;
-    stereo.find_winners(left, right, first, disparities, settings.p1, settings.p2, winners);
+    stereo.find_winners(left, right, first, disparities, settings.penalties, winners);
   };
   StereoMatcher(settings).match(pair.left, pair.right, found);
   CHECK(calls == 2);  // the pass and its guard
@@ -69,10 +70,13 @@ TEST_CASE("images of two sizes and numbers out of range are refused", "[gpu][ref
   GlStereo stereo = value_or_throw(GlStereo::make());
   const GrayImage image(20, 20);
   Winners winners;
-  CHECK_THROWS_AS(stereo.find_winners(image, GrayImage(20, 21), 0, 16, 3, 40, winners),
+  const PathPenalties usual{3, 40, 6};
+  const PathPenalties upside_down{41, 40, 40};
+  CHECK_THROWS_AS(stereo.find_winners(image, GrayImage(20, 21), 0, 16, usual, winners),
                   ContractViolation);
-  CHECK_THROWS_AS(stereo.find_winners(image, image, 0, 0, 3, 40, winners), ContractViolation);
-  CHECK_THROWS_AS(stereo.find_winners(image, image, 0, 16, 41, 40, winners), ContractViolation);
+  CHECK_THROWS_AS(stereo.find_winners(image, image, 0, 0, usual, winners), ContractViolation);
+  CHECK_THROWS_AS(stereo.find_winners(image, image, 0, 16, upside_down, winners),
+                  ContractViolation);
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ std::size_t census_stride(int width) { return static_cast<std::size_t>(width + 4
 // Where the parts of a gang's workspace begin, in bytes.
 struct Workspace {
   std::size_t costs = 0, above = 0, above_least = 0, sum = 0, left = 0, right = 0, raw = 0,
-              across = 0, padded = 0, bytes = 0;
+              across = 0, padded = 0, p2_along = 0, p2_down = 0, bytes = 0;
 
   Workspace(int width, int disparities, std::size_t N) {
     const auto W = static_cast<std::size_t>(width);
@@ -67,6 +67,8 @@ struct Workspace {
     raw = take(3 * R * N);
     across = take(R * N);
     padded = take(W + D + 4 * kBlock);
+    p2_along = take((W + kBlock) * (N / kBlock));
+    p2_down = take((W + kBlock) * (N / kBlock));
   }
 };
 
@@ -232,6 +234,8 @@ class Gang {
     raw_ = memory + at.raw;
     across_ = memory + at.across;
     padded_ = memory + at.padded;
+    p2_along_ = memory + at.p2_along;
+    p2_down_ = memory + at.p2_down;
   }
 
   HWY_INLINE void run() {
@@ -290,6 +294,26 @@ class Gang {
       }
       zip_left(t, plane);
     }
+    for (int b = 0; b < kBlocks; ++b) load_p2(row_of(b, t), b);
+  }
+  // P2 of the steps to the row's pixels: one byte for each block.
+  HWY_INLINE void load_p2(int y, int b) {
+    const GrayImage& image = *job_.image;
+    const std::uint8_t* here = image.row(y);
+    const std::uint8_t* above = image.row(std::max(y - 1, 0));
+    int before = here[0];
+    for (int x = 0; x < W_; ++x) {
+      p2_along_[x * kBlocks + b] = job_.penalties.p2_across(here[x] - before);
+      p2_down_[x * kBlocks + b] = job_.penalties.p2_across(here[x] - above[x]);
+      before = here[x];
+    }
+  }
+  // Byte b of `bytes` in all lanes of block b.
+  [[nodiscard]] HWY_INLINE V spread(const std::uint8_t* bytes) const {
+    const Tag d;
+    alignas(kWidestVector) static constexpr std::array<std::uint8_t, 64> kByteOfBlock =
+        byte_of_block();
+    return hn::TableLookupBytes(hn::LoadDup128(d, bytes), hn::Load(d, kByteOfBlock.data()));
   }
   [[nodiscard]] HWY_INLINE std::size_t left_plane() const {
     return (static_cast<std::size_t>(W_) + 2 * kBlock) * static_cast<std::size_t>(kBlocks);
@@ -359,17 +383,10 @@ class Gang {
   HWY_INLINE void raw_costs(int x) {
     const Tag d;
     const auto at = static_cast<std::size_t>(x);
-    // Block b takes byte b.
-    alignas(kWidestVector) static constexpr std::array<std::uint8_t, 64> kByteOfBlock =
-        byte_of_block();
-    const V which = hn::Load(d, kByteOfBlock.data());
     const std::uint8_t* left = left_ + at * static_cast<std::size_t>(kBlocks);
-    const auto spread = [&](std::size_t plane) HWY_ATTR {
-      return hn::TableLookupBytes(hn::LoadDup128(d, left + plane * left_plane()), which);
-    };
-    const V l0 = spread(0);
-    const V l1 = spread(1);
-    const V l2 = spread(2);
+    const V l0 = spread(left);
+    const V l1 = spread(left + left_plane());
+    const V l2 = spread(left + 2 * left_plane());
     const std::uint8_t* right = right_ + (at + static_cast<std::size_t>(R_) - 1) * N;
     std::uint8_t* to = raw_ + static_cast<std::size_t>(x % 3) * stride();
     const std::size_t plane = right_plane();
@@ -388,8 +405,7 @@ class Gang {
   template <bool kWanted>
   HWY_INLINE void forwards() {
     const Tag d;
-    const V p1 = hn::Set(d, static_cast<std::uint8_t>(job_.p1));
-    const V p2 = hn::Set(d, static_cast<std::uint8_t>(job_.p2));
+    const V p1 = hn::Set(d, static_cast<std::uint8_t>(job_.penalties.p1));
     const int R = R_;
     V across_least = hn::Zero(d);
     if (kWanted) std::memset(across_, 0, stride());
@@ -406,8 +422,9 @@ class Gang {
       std::uint8_t* costs = costs_ + static_cast<std::size_t>(x) * stride();
       std::uint8_t* sum = sum_ + static_cast<std::size_t>(x) * stride();
       std::uint8_t* least_at = above_least_ + static_cast<std::size_t>(x) * N;
-      Walk<Tag> down(d, above, R, hn::Load(d, least_at), p2);
-      Walk<Tag> along(d, kWanted ? across_ : above, R, across_least, p2);
+      Walk<Tag> down(d, above, R, hn::Load(d, least_at), spread(p2_down_ + x * kBlocks));
+      Walk<Tag> along(d, kWanted ? across_ : above, R, across_least,
+                      spread(p2_along_ + x * kBlocks));
       V least_down = hn::Set(d, std::uint8_t{255});
       V least_along = least_down;
       for (int j = 0; j < R; ++j) {
@@ -434,15 +451,15 @@ class Gang {
   // From right to left: the path from the right, the whole sum, and its winner.
   HWY_INLINE void backwards(int t) {
     const Tag d;
-    const V p1 = hn::Set(d, static_cast<std::uint8_t>(job_.p1));
-    const V p2 = hn::Set(d, static_cast<std::uint8_t>(job_.p2));
+    const V p1 = hn::Set(d, static_cast<std::uint8_t>(job_.penalties.p1));
     const int R = R_;
     V across_least = hn::Zero(d);
     std::memset(across_, 0, stride());
     for (int x = W_ - 1; x >= 0; --x) {
       const std::uint8_t* costs = costs_ + static_cast<std::size_t>(x) * stride();
       std::uint8_t* sum = sum_ + static_cast<std::size_t>(x) * stride();
-      Walk<Tag> along(d, across_, R, across_least, p2);
+      Walk<Tag> along(d, across_, R, across_least,
+                      spread(p2_along_ + std::min(x + 1, W_ - 1) * kBlocks));
       V least_along = hn::Set(d, std::uint8_t{255});
       V best = least_along;
       V which = hn::Zero(d);
@@ -515,6 +532,8 @@ class Gang {
   std::uint8_t* raw_;
   std::uint8_t* across_;
   std::uint8_t* padded_;
+  std::uint8_t* p2_along_;
+  std::uint8_t* p2_down_;
 };
 
 template <std::size_t kBytes>

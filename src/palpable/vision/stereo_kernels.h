@@ -15,11 +15,15 @@
 /// **Aggregation** (semi-global matching, Hirschmueller 2008) along r = from the left, from the
 /// right and from above:
 ///
-///     L_r(p, d) = C(p, d) + min( L_r(p-r, d), L_r(p-r, d +- 1) + P1, min_k L_r(p-r, k) + P2 )
+///     L_r(p, d) = C(p, d) + min( L_r(p-r, d), L_r(p-r, d +- 1) + P1, min_k L_r(p-r, k) + P2(p, r)
+///     )
 ///                 - min_k L_r(p-r, k)
+///     P2(p, r)  = max( p2_least, p2 - |I(p) - I(p-r)| )      I: grey levels of the left image
 ///     S(p, d) = sum of the three L_r
 ///
-/// At a path's start L_r = C. The picture is cut into kStrips bands of rows; the path from above
+/// A jump is cheap where the picture has an edge: between a finger and the desk just behind it a
+/// constant P2 costs more than a ramp of P1 steps, and ramps are what a touch is lost in. At a
+/// path's start L_r = C. The picture is cut into kStrips bands of rows; the path from above
 /// starts anew kWarmUpRows above each band, so that bands can be worked on side by side: in the
 /// lanes of one vector and on several threads, with the same result whatever the number.
 ///
@@ -72,13 +76,29 @@ struct Winners {
   void resize(int width, int height);
 };
 
+/// Of a step of one disparity and of a jump, in bits of the census code.
+struct PathPenalties {
+  int p1 = 0;
+  int p2 = 0;        ///< <= kLargestP2
+  int p2_least = 0;  ///< p1 <= p2_least <= p2
+
+  /// P2 between two pixels that differ by so many grey levels.
+  [[nodiscard]] std::uint8_t p2_across(int difference) const {
+    const int fallen = p2 - (difference < 0 ? -difference : difference);
+    return static_cast<std::uint8_t>(fallen > p2_least ? fallen : p2_least);
+  }
+  [[nodiscard]] bool are_sound() const {
+    return 0 <= p1 && p1 <= p2_least && p2_least <= p2 && p2 <= kLargestP2;
+  }
+};
+
 struct MatchJob {
   const CensusCodes* left = nullptr;
   const CensusCodes* right = nullptr;
-  int first = 0;        ///< px, may be negative
-  int disparities = 0;  ///< D
-  int p1 = 0;           ///< P1 <= P2
-  int p2 = 0;           ///< P2 <= kLargestP2
+  const GrayImage* image = nullptr;  ///< the left one
+  int first = 0;                     ///< px, may be negative
+  int disparities = 0;               ///< D
+  PathPenalties penalties;
   Winners* winners = nullptr;
 };
 

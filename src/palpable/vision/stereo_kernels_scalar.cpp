@@ -64,18 +64,20 @@ void costs_of_row(const MatchJob& job, int y, Costs& raw, Costs& costs) {
   }
 }
 
-// One step of a path. `previous` empty: the path starts here.
-void step(const MatchJob& job, const int* cost, const int* previous, int* path) {
+// One step of a path, between pixels that differ by so many grey levels. `previous` empty: the path
+// starts here.
+void step(const MatchJob& job, const int* cost, int difference, const int* previous, int* path) {
   const int D = job.disparities;
   if (previous == nullptr) {
     std::copy(cost, cost + D, path);
     return;
   }
   const int least = *std::min_element(previous, previous + D);
+  const int p2 = job.penalties.p2_across(difference);
   for (int d = 0; d < D; ++d) {
-    int best = std::min(previous[d], least + job.p2);
-    if (d > 0) best = std::min(best, previous[d - 1] + job.p1);
-    if (d + 1 < D) best = std::min(best, previous[d + 1] + job.p1);
+    int best = std::min(previous[d], least + p2);
+    if (d > 0) best = std::min(best, previous[d - 1] + job.penalties.p1);
+    if (d + 1 < D) best = std::min(best, previous[d + 1] + job.penalties.p1);
     path[d] = cost[d] + best - least;
   }
 }
@@ -93,8 +95,11 @@ void match(const MatchJob& job, int first_strip, int count, std::uint8_t* /*work
     const int start = std::max(rows.begin - kWarmUpRows, 0);
     for (int y = start; y < rows.end; ++y) {
       costs_of_row(job, y, raw, costs);
+      const std::uint8_t* grey = job.image->row(y);
+      const std::uint8_t* grey_above = job.image->row(std::max(y - 1, 0));
       for (int x = 0; x < width; ++x) {
-        step(job, at(costs, x), y > start ? at(above, x) : nullptr, at(above_next, x));
+        step(job, at(costs, x), grey[x] - grey_above[x], y > start ? at(above, x) : nullptr,
+             at(above_next, x));
       }
       above.swap(above_next);
       if (y < rows.begin) continue;
@@ -103,11 +108,13 @@ void match(const MatchJob& job, int first_strip, int count, std::uint8_t* /*work
         for (int d = 0; d < D; ++d) at(sum, x)[d] += at(across, x)[d];
       };
       for (int x = 0; x < width; ++x) {
-        step(job, at(costs, x), x > 0 ? at(across, x - 1) : nullptr, at(across, x));
+        step(job, at(costs, x), grey[x] - grey[std::max(x - 1, 0)],
+             x > 0 ? at(across, x - 1) : nullptr, at(across, x));
         add(x);
       }
       for (int x = width - 1; x >= 0; --x) {
-        step(job, at(costs, x), x + 1 < width ? at(across, x + 1) : nullptr, at(across, x));
+        step(job, at(costs, x), grey[x] - grey[std::min(x + 1, width - 1)],
+             x + 1 < width ? at(across, x + 1) : nullptr, at(across, x));
         add(x);
       }
       for (int x = 0; x < width; ++x) {

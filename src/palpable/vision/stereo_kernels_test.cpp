@@ -35,8 +35,8 @@ struct Found {
   Winners winners;
 };
 
-Found run(const StereoKernels& kernels, const NoisyPair& pair, int first, int disparities, int p1,
-          int p2, int strips_at_once) {
+Found run(const StereoKernels& kernels, const NoisyPair& pair, int first, int disparities,
+          const PathPenalties& penalties, int strips_at_once) {
   const int width = pair.left.width();
   const int height = pair.left.height();
   Found found;
@@ -47,7 +47,8 @@ Found run(const StereoKernels& kernels, const NoisyPair& pair, int first, int di
   const Workspace workspace(width, disparities);
   kernels.census(pair.left, found.left, workspace.begin());
   kernels.census(pair.right, found.right, workspace.begin());
-  const MatchJob job{&found.left, &found.right, first, disparities, p1, p2, &found.winners};
+  const MatchJob job{&found.left, &found.right, &pair.left,    first,
+                     disparities, penalties,    &found.winners};
   for (int strip = 0; strip < kStrips; strip += strips_at_once) {
     kernels.match(job, strip, strips_at_once, workspace.begin());
   }
@@ -57,20 +58,21 @@ Found run(const StereoKernels& kernels, const NoisyPair& pair, int first, int di
 TEST_CASE("all instruction sets give the winners of the plain loops, bit for bit",
           "[vision][stereo]") {
   struct Case {
-    int width, height, first, disparities, p1, p2;
+    int width, height, first, disparities;
+    PathPenalties penalties;
   };
   unsigned seed = 0;
-  for (const Case& c :
-       {Case{203, 75, 0, 48, 3, 40}, Case{64, 41, -3, 16, 5, 40}, Case{131, 67, 12, 256, 10, 61},
-        Case{90, 4, 0, 32, 0, 0}, Case{33, 20, -20, 304, 3, 45}}) {
+  for (const Case& c : {Case{203, 75, 0, 48, {3, 40, 6}}, Case{64, 41, -3, 16, {5, 40, 40}},
+                        Case{131, 67, 12, 256, {10, 61, 20}}, Case{90, 4, 0, 32, {0, 0, 0}},
+                        Case{33, 20, -20, 304, {3, 45, 3}}}) {
     const NoisyPair pair = noisy_pair(c.width, c.height, seed++);
     const Found plain =
-        run(scalar_stereo_kernels(), pair, c.first, c.disparities, c.p1, c.p2, kStrips);
+        run(scalar_stereo_kernels(), pair, c.first, c.disparities, c.penalties, kStrips);
     for (const StereoKernels& kernels : stereo_kernels()) {
       for (const int at_once : {4, 2, 1}) {
         INFO(kernels.name << ", " << at_once << " strips at once, width " << c.width << ", "
                           << c.disparities << " disparities");
-        const Found found = run(kernels, pair, c.first, c.disparities, c.p1, c.p2, at_once);
+        const Found found = run(kernels, pair, c.first, c.disparities, c.penalties, at_once);
         CHECK(found.left == plain.left);
         CHECK(found.right == plain.right);
         CHECK(found.winners.best == plain.winners.best);
@@ -101,7 +103,7 @@ TEST_CASE("a census code is the same at another exposure", "[vision][stereo]") {
   for (std::uint8_t& p : pair.left) p = static_cast<std::uint8_t>(random() % 30 * 4 + 20);
   std::transform(pair.left.begin(), pair.left.end(), pair.right.begin(),
                  [](std::uint8_t p) { return static_cast<std::uint8_t>(p * 3 / 2 + 9); });
-  const Found found = run(scalar_stereo_kernels(), pair, 0, 16, 3, 40, kStrips);
+  const Found found = run(scalar_stereo_kernels(), pair, 0, 16, {3, 40, 6}, kStrips);
   CHECK(found.left == found.right);
 }
 
@@ -116,7 +118,7 @@ TEST_CASE("a picture that is shifted is found at its shift, at no cost", "[visio
     std::copy_n(row.begin(), width, pair.left.row(y));
     std::copy_n(row.begin() + shift, width, pair.right.row(y));
   }
-  const Found found = run(stereo_kernels().front(), pair, 4, 32, 3, 40, kStrips);
+  const Found found = run(stereo_kernels().front(), pair, 4, 32, {3, 40, 6}, kStrips);
   for (int y = 2; y < 38; ++y) {
     // Where a partner lies outside, the path from the left has a cost that it takes along for a
     // while; at the right border windows are cut.
@@ -125,6 +127,50 @@ TEST_CASE("a picture that is shifted is found at its shift, at no cost", "[visio
       REQUIRE(found.winners.cost(x, y) == 0);
     }
   }
+}
+
+TEST_CASE("where the picture has an edge disparities jump, where it has none they may ramp",
+          "[vision][stereo]") {
+  // A thing 9 px nearer than what is behind it, both with little texture: nine steps of P1 = 3 cost
+  // less than a jump at 40.
+  const int width = 200;
+  const int height = 64;
+  const int edge = 120;
+  const int background = 8;
+  const int foreground = 17;
+  const auto on_the_ramp = [&](int brighter, int p2_least) {
+    NoisyPair pair{GrayImage(width, height), GrayImage(width, height)};
+    auto random = test::random_case(6);
+    std::vector<int> near_row(width + 64), far_row(width + 64);
+    for (int y = 0; y < height; ++y) {
+      for (int& v : near_row) v = 100 + brighter + static_cast<int>(random() % 5);
+      for (int& v : far_row) v = 100 + static_cast<int>(random() % 5);
+      for (int x = 0; x < width; ++x) {
+        const auto seen = [&](int near_u, int far_u) {
+          return static_cast<std::uint8_t>(near_u >= edge
+                                               ? near_row[static_cast<std::size_t>(near_u)]
+                                               : far_row[static_cast<std::size_t>(far_u)]);
+        };
+        pair.left(x, y) = seen(x, x);
+        pair.right(x, y) = seen(x + foreground, x + background);
+      }
+    }
+    const Found found = run(stereo_kernels().front(), pair, 0, 32, {3, 40, p2_least}, kStrips);
+    int count = 0;
+    for (int y = 2; y + 2 < height; ++y) {
+      for (int x = edge - 30; x < edge + 20; ++x) {
+        const int d = found.winners.best(x, y);
+        count += d > background + 1 && d < foreground - 1 ? 1 : 0;
+      }
+    }
+    return count;
+  };
+  const int falling = on_the_ramp(60, 6);
+  const int constant = on_the_ramp(60, 40);
+  INFO(falling << " pixels between the two with P2 that falls, " << constant << " with one P2");
+  // Not none: what the left eye alone sees has no true partner.
+  CHECK(4 * falling < 3 * constant);
+  CHECK(on_the_ramp(0, 6) > falling);
 }
 
 TEST_CASE("strips cover every row once", "[vision][stereo]") {

@@ -16,7 +16,7 @@ namespace {
 constexpr int kGuardShrink = 4;
 constexpr SpeckleLimits kGuardSpeckles{8, 0};
 constexpr int kSpeckleStep = kDisparitySteps;  // neighbours of one patch differ by 1 px at most
-constexpr int kGapStep = 3 * kDisparitySteps / 2;
+constexpr int kGapStep = 2 * kDisparitySteps;
 
 // Memory that is aligned for vectors of every width.
 class AlignedBytes {
@@ -122,7 +122,7 @@ void StereoMatcher::Parts::find_winners(Pass& p, const GrayImage& left, const Gr
     kernels->census(eye == 0 ? left : right, eye == 0 ? p.left : p.right,
                     workspaces[static_cast<std::size_t>(eye)].begin());
   });
-  const MatchJob job{&p.left, &p.right, first, disparities, settings.p1, settings.p2, &p.winners};
+  const MatchJob job{&p.left, &p.right, &left, first, disparities, settings.penalties, &p.winners};
   // As many strips at once as leaves work for every thread: wide vectors hold several.
   const int shares = std::min(crew.size(), kStrips);
   const int strips = kStrips / (shares >= 4 ? 4 : shares >= 2 ? 2 : 1);
@@ -189,9 +189,8 @@ StereoMatcherSettings near_matching() {
   StereoMatcherSettings settings;
   settings.disparities = 192;
   settings.guard_disparities = 112;
-  settings.p1 = 6;
-  settings.left_right_px = 2;
-  settings.longest_gap_px = 8;
+  settings.penalties = {3, 40, 6};
+  settings.longest_gap_px = 16;
   settings.speckles.doubtful_size = 1000;
   return settings;
 }
@@ -199,15 +198,14 @@ StereoMatcherSettings near_matching() {
 StereoMatcherSettings full_matching() {
   StereoMatcherSettings settings;
   settings.disparities = 128;
-  settings.p1 = 5;
+  settings.penalties = {5, 40, 40};
   settings.longest_gap_px = 24;
   settings.fill_edges = true;
   return settings;
 }
 
 StereoMatcher::StereoMatcher(const StereoMatcherSettings& settings) {
-  PALPABLE_EXPECT(settings.p1 >= 0 && settings.p1 <= settings.p2 && settings.p2 <= kLargestP2,
-                  "penalties are 0 <= P1 <= P2 <= 61");
+  PALPABLE_EXPECT(settings.penalties.are_sound(), "penalties are 0 <= P1 <= P2 <= 61");
   PALPABLE_EXPECT(
       settings.disparities >= 1 && settings.guard_disparities >= 0 &&
           rounded_up(settings.disparities) + std::abs(settings.first) <= kMostDisparities - 1 &&

@@ -19,12 +19,7 @@ namespace palpable {
 struct StereoMatcherSettings {
   int first = 0;          ///< smallest disparity, px; may be negative
   int disparities = 128;  ///< how many; rounded up to a multiple of 16; at most kMostDisparities
-  /// Penalties of a step of one pixel and of a jump, in bits of the census code. A smaller P1 keeps
-  /// more of a slanted hand, but then what only the left eye sees beside it comes out as a ramp
-  /// from its edge to the background, and a press law that looks for edges misses touches: with 3
-  /// and left_right_px 3, 27 % of the demo clip's touching frames instead of 93 %.
-  int p1 = 3;
-  int p2 = 40;
+  PathPenalties penalties{3, 40, 40};
   int left_right_px = 2;  ///< by how much the right eye's answer may differ
   SpeckleLimits speckles{100, 0};
   int longest_gap_px = 8;   ///< stretches of a row that are filled from their ends
@@ -54,7 +49,7 @@ struct MatchedPair {
 /// The answer does not depend on the number of threads nor on the instruction set.
 class StereoMatcher {
  public:
-  /// @throws ContractViolation unless 0 <= p1 <= p2 <= kLargestP2, 1 <= disparities and
+  /// @throws ContractViolation unless 0 <= p1 <= p2_least <= p2 <= kLargestP2, 1 <= disparities and
   /// first + disparities fit kMostDisparities, threads >= 1
   explicit StereoMatcher(const StereoMatcherSettings& settings);
   StereoMatcher(StereoMatcher&&) noexcept;

@@ -214,9 +214,10 @@ TEST_CASE("settings that do not fit 16 bits, and images of two sizes, are refuse
     change(settings);
     CHECK_THROWS_AS(StereoMatcher(settings), ContractViolation);
   };
-  refused([](auto& s) { s.p1 = s.p2 + 1; });
-  refused([](auto& s) { s.p1 = -1; });
-  refused([](auto& s) { s.p2 = kLargestP2 + 1; });
+  refused([](auto& s) { s.penalties.p1 = s.penalties.p2_least + 1; });
+  refused([](auto& s) { s.penalties.p2_least = s.penalties.p2 + 1; });
+  refused([](auto& s) { s.penalties.p1 = -1; });
+  refused([](auto& s) { s.penalties.p2 = kLargestP2 + 1; });
   refused([](auto& s) { s.disparities = 0; });
   refused([](auto& s) { s.disparities = kMostDisparities; });
   refused([](auto& s) { s.first = -kMostDisparities; });

@@ -8,6 +8,9 @@ layout(local_size_x = 64) in;
 uniform int DIRECTION;
 uniform int STRIPS;
 uniform int WARM_UP;
+uniform int P1;
+uniform int P2;        // between pixels of one grey level
+uniform int P2_LEAST;  // across an edge of the picture
 
 shared uint path[MOST + 2];  // L of disparity d at d + 1
 shared uint least_of[64];
@@ -44,14 +47,18 @@ void main() {
     skipped = begin - y;
     steps = (strip + 1) * H / STRIPS - y;
   }
+  int grey_before = 0;
   for (int i = 0; i < steps; ++i) {
+    int grey = int(luma[y * W + x]);
+    uint jump = uint(max(P2 - abs(grey - grey_before), P2_LEAST));
+    grey_before = grey;
     uint lowest = i == 0 ? 0u : least();
     uint next[MOST / 64];
     int k = 0;
     for (int d = me; d < D; d += 64) {
       uint c = cost(x, y, d);
       if (i > 0) {
-        uint best = min(path[d + 1], lowest + uint(P2));
+        uint best = min(path[d + 1], lowest + jump);
         if (d > 0) best = min(best, path[d] + uint(P1));
         if (d + 1 < D) best = min(best, path[d + 2] + uint(P1));
         c += best - lowest;

@@ -13,8 +13,6 @@ uniform int W;
 uniform int H;
 uniform int D;
 uniform int first;
-uniform int P1;
-uniform int P2;
 
 uint raw_cost(int x, int y, int d) {
   int partner = clamp(x - first - d, 0, W - 1);
