@@ -37,7 +37,8 @@ target_include_directories(palpable_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_D
 # runtime library exception; comes with the compiler).
 target_link_libraries(palpable_cholmod INTERFACE ${CHOLMOD_LIBRARY} gomp)
 
-# OpenBLAS (BSD), Debian's serial build: the dense kernels of the sparse factor, one thread; solid.
+# OpenBLAS (BSD), Debian's serial build: the dense kernels of the sparse factor, the
+# factors of snapshot tables, one thread; solid, bake.
 find_path(CBLAS_INCLUDE_DIR cblas.h REQUIRED)
 find_library(OPENBLAS_LIBRARY openblas PATH_SUFFIXES openblas-serial REQUIRED)
 add_library(palpable_blas INTERFACE)

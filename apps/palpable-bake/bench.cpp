@@ -16,6 +16,7 @@ void add_bench(CLI::App& app) {
   add_bench_campaign(*bench);
   add_bench_solid(*bench);
   add_bench_elements(*bench);
+  add_bench_reduce(*bench);
 }
 
 }  // namespace palpable::app

@@ -11,6 +11,7 @@ namespace palpable::app {
 void add_bench_bake(CLI::App& bench);
 void add_bench_campaign(CLI::App& bench);
 void add_bench_elements(CLI::App& bench);
+void add_bench_reduce(CLI::App& bench);
 void add_bench_solid(CLI::App& bench);
 
 }  // namespace palpable::app

@@ -14,8 +14,12 @@ namespace palpable::app {
 namespace {
 
 void print_reduction(const char* what, const ReductionReport& report) {
-  fmt::print("{}: {} modes, error {:.2g} pooled, {:.2g} at the worst snapshot{}\n", what,
-             report.errors.size(), report.pooled, report.worst,
+  fmt::print("{}: {}, {} modes{}, error {:.2g} pooled, {:.2g} at the worst snapshot{}\n", what,
+             method_name(report.method), report.modes,
+             report.method == ReductionMethod::kPerSite
+                 ? fmt::format(" at most, {} in all", report.columns)
+                 : std::string(),
+             report.pooled, report.worst,
              report.reached ? "" : " (the tolerance was not reached: raise max_modes)");
 }
 

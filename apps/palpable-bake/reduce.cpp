@@ -19,6 +19,7 @@ namespace {
 struct Options {
   std::string store;
   std::string output;
+  std::string method, norm;
   double tolerance = 0;
   int max_modes = 0;
   std::vector<std::string> at;
@@ -30,6 +31,8 @@ void reduce(const Options& options, const std::string& command_line) {
   ReduceSettings settings{.at = parse_values(options.at),
                           .version = std::string("palpable ") + PALPABLE_VERSION,
                           .command_line = command_line};
+  if (!options.method.empty()) settings.method = method_named(options.method);
+  if (!options.norm.empty()) settings.own_norms = options.norm == "own";
   if (options.tolerance > 0.0) settings.tolerance = options.tolerance;
   if (options.max_modes > 0) settings.max_modes = options.max_modes;
   const SnapshotStore store = SnapshotStore::open(options.store);
@@ -55,20 +58,35 @@ void add_reduce(CLI::App& app, const std::string& command_line) {
       ->required()
       ->type_name("FILE");
   command
-      ->add_option("--tolerance", options->tolerance,
-                   "Relative error over all snapshots, for displacement and stress each; else as "
-                   "the body's description says")
+      ->add_option(
+          "--method", options->method,
+          "per-site, pgd (the paper's), pgd2, pod, cp or hosvd (docs/reduction.md); else as "
+          "the body's description says")
+      ->check(CLI::IsMember(method_names()));
+  command
+      ->add_option(
+          "-e,--error,--tolerance", options->tolerance,
+          "Relative error for displacement and stress each: over all snapshots, or with "
+          "per-site over those of each site; else as the description says, or with another "
+          "method 1e-3 (per-site: 1e-4)")
       ->check(CLI::Range(1e-6, 0.999));
   command
-      ->add_option("--max-modes", options->max_modes,
+      ->add_option("-n,--modes,--max-modes", options->max_modes,
                    "Stop at this many modes at the latest; else likewise")
       ->check(CLI::Range(1, 100000));
+  command
+      ->add_option(
+          "--norm", options->norm,
+          "own: each snapshot counts by its own norm, so that small presses are as accurate "
+          "as large ones; pooled: by its size. Else own with per-site, pooled otherwise")
+      ->check(CLI::IsMember({"own", "pooled"}));
   command
       ->add_option(
           "--at", options->at,
           "Of a further parameter, the value that the body file holds; else the middle one")
       ->type_name("NAME=VALUE");
-  command->footer("Example: palpable reduce bunny.snapshots --tolerance 1e-3 -o bunny.palpable");
+  command->footer(
+      "Example: palpable reduce bunny.snapshots --method pgd --error 1e-3 -o bunny.palpable");
   command->callback([options, command_line] { reduce(*options, command_line); });
 }
 

@@ -234,7 +234,8 @@ void add_bench(CLI::App& app) {
   bench->require_subcommand(1);
   bench->footer(
       "palpable bench bake times the parts of a bake, palpable bench solid one equilibrium path\n"
-      "against CalculiX, palpable bench elements says how true 4-node and 10-node tetrahedra are.\n"
+      "against CalculiX, palpable bench elements says how true 4-node and 10-node tetrahedra are,\n"
+      "palpable bench reduce compares all reductions.\n"
       "Example: palpable bench evaluate bunny.palpable --json");
   const auto add_body_bench = [&](const char* name, const char* what,
                                   void (*run)(const BodyOptions&)) {

@@ -1,7 +1,8 @@
 #include "palpable/bake/bake_body.h"
 
 #include "palpable/bake/body_problem.h"
-#include "palpable/bake/greedy_pgd.h"
+#include "palpable/bake/reduction.h"
+#include "palpable/bake/store_rows.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 
@@ -24,13 +25,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// (c N) the weight of each value so that the norm is an integral over the body: the node's volume,
-// and for stress twice that where a component stands for two equal ones (xy and yx).
-VectorXd value_weights(const TetMesh& mesh, const VectorXd& component_weights) {
-  const VectorXd volumes = nodal_volumes(mesh);
-  return (component_weights * volumes.transpose()).reshaped();
-}
-
 // The rows of the boundary's nodes, `components` per node.
 MatrixXd boundary_rows(const MatrixXd& values, const Boundary& boundary, int components) {
   MatrixXd rows(static_cast<Index>(boundary.node_of_vertex.size()) * components, values.cols());
@@ -43,50 +37,54 @@ MatrixXd boundary_rows(const MatrixXd& values, const Boundary& boundary, int com
 }
 
 // The body at rest is level 0 and no snapshot: there every level function is 0.
-SeparatedField as_field(const SeparatedTensor& separated, const VectorXd& levels,
-                        const Boundary& boundary, int components) {
-  const Index S = separated.G[0].rows(), L = separated.G[1].rows(), m = separated.F.cols();
-  ParameterAxis site{"site", VectorXd::LinSpaced(S, 0.0, static_cast<double>(S - 1)),
-                     separated.G[0], Between::kNothing};
-  ParameterAxis level{"level", levels, MatrixXd::Zero(L + 1, m), Between::kSmooth};
-  level.functions.bottomRows(L) = separated.G[1];
-  return {boundary_rows(separated.F, boundary, components).cast<float>(),
-          {std::move(site), std::move(level)}};
+MatrixXd with_rest(const MatrixXd& G) {
+  MatrixXd all = MatrixXd::Zero(G.rows() + 1, G.cols());
+  all.bottomRows(G.rows()) = G;
+  return all;
 }
 
-// One point's units, as sites x levels.
-struct PointSnapshots {
-  const SnapshotStore& store;
-  int point;
-
-  [[nodiscard]] int unit(int site) const { return point * store.content().site_count() + site; }
-  [[nodiscard]] SnapshotRows rows(const StoredField& field) const {
-    const int S = store.content().site_count(), L = store.content().level_count();
-    return {Index{store.content().mesh.node_count()} * field.components,
-            {S, L},
-            [this, field, S, L](Index first, Index count) {
-              MatrixXd values(count, Index{S} * L);
-              for (int s = 0; s < S; ++s) {
-                values.middleCols(Index{s} * L, L) =
-                    store.rows(unit(s), field, first, count).cast<double>();
-              }
-              return values;
-            }};
+// As the live half evaluates it: a block of modes is modes whose site function is 1 at its own site
+// and 0 at the others.
+SeparatedField as_field(const std::vector<SeparatedTensor>& blocks, int sites,
+                        const VectorXd& levels, const Boundary& boundary, int components) {
+  ParameterAxis site{"site", VectorXd::LinSpaced(sites, 0.0, sites - 1.0), {}, Between::kNothing};
+  ParameterAxis level{"level", levels, {}, Between::kSmooth};
+  if (blocks.size() == 1 && blocks[0].G.size() == 2) {
+    site.functions = blocks[0].G[0];
+    level.functions = with_rest(blocks[0].G[1]);
+    return {boundary_rows(blocks[0].F, boundary, components).cast<float>(),
+            {std::move(site), std::move(level)}};
   }
-};
+  PALPABLE_EXPECT(static_cast<int>(blocks.size()) == sites, "a block for each site");
+  Index m = 0;
+  for (const SeparatedTensor& block : blocks) m += block.F.cols();
+  Eigen::MatrixXf F(static_cast<Index>(boundary.node_of_vertex.size()) * components, m);
+  site.functions = MatrixXd::Zero(sites, m);
+  level.functions.resize(levels.size(), m);
+  m = 0;
+  for (int s = 0; s < sites; ++s) {
+    const SeparatedTensor& block = blocks[static_cast<std::size_t>(s)];
+    const Index own = block.F.cols();
+    F.middleCols(m, own) = boundary_rows(block.F, boundary, components).cast<float>();
+    site.functions.block(s, m, 1, own).setOnes();
+    level.functions.middleCols(m, own) = with_rest(block.G[0]);
+    m += own;
+  }
+  return {std::move(F), {std::move(site), std::move(level)}};
+}
 
-double largest_evaluation_error(const SeparatedField& reduced, const PointSnapshots& snapshots,
-                                const StoredField& field, const Boundary& boundary) {
+double largest_evaluation_error(const SeparatedField& reduced, const SnapshotStore& store,
+                                int point, const StoredField& field, const Boundary& boundary) {
   const ParameterAxis& site = reduced.axes()[0];
   const ParameterAxis& level = reduced.axes()[1];
   const Index L = level.samples.size() - 1;
-  const Index rows = Index{snapshots.store.content().mesh.node_count()} * field.components;
+  const Index rows = Index{store.content().mesh.node_count()} * field.components;
+  const int S = store.content().site_count();
   std::vector<float> values(static_cast<std::size_t>(reduced.value_count()));
   const Eigen::Map<const Eigen::VectorXf> evaluated(values.data(), reduced.value_count());
   double largest = 0, whole = 0;
   for (Index s = 0; s < site.samples.size(); ++s) {
-    const MatrixXd all =
-        snapshots.store.rows(snapshots.unit(static_cast<int>(s)), field, 0, rows).cast<double>();
+    const MatrixXd all = store.rows(point * S + static_cast<int>(s), field, 0, rows).cast<double>();
     const MatrixXd truth = boundary_rows(all, boundary, field.components);
     whole = std::max(whole, truth.cwiseAbs().maxCoeff());
     for (Index l = 0; l < L; ++l) {
@@ -103,22 +101,42 @@ struct ReducedField {
   ReductionReport report;
 };
 
-ReducedField reduce_field(const StoredField& field, const VectorXd& component_weights,
-                          const PointSnapshots& snapshots, const Boundary& boundary,
-                          const GreedySettings& greedy, const Progress& progress) {
+double median(VectorXd values) {
+  const auto middle = values.begin() + values.size() / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+ReducedField reduce_field(const StoredField& field, const SnapshotStore& store, int point,
+                          const Boundary& boundary, const ReductionSettings& settings,
+                          const Progress& progress) {
   const Progress named = [&](const ProgressReport& r) {
     report(progress, {fmt::format("reducing {}", field.name), r.done, r.total, r.note});
   };
-  const StoreContent& content = snapshots.store.content();
-  const GreedyResult result = separate(
-      snapshots.rows(field), value_weights(content.mesh, component_weights), greedy, named);
-  ReducedField reduced{as_field(result.separated, content.levels, boundary, field.components), {}};
-  reduced.report.errors = result.errors;
-  reduced.report.reached = result.reached;
-  reduced.report.pooled = result.error;
-  reduced.report.worst = result.snapshot_errors.maxCoeff();
+  const StoreContent& content = store.content();
+  const int S = content.site_count();
+  const VectorXd weights = value_weights(content.mesh, field);
+  Reduction result = reduce(snapshot_rows(store, point, field), weights, settings, named);
+  ReductionReport report{.method = settings.method,
+                         .modes = result.most_modes(),
+                         .errors = result.errors,
+                         .ranks = result.ranks,
+                         .bound = result.bound,
+                         .reached = result.reached,
+                         .pooled = result.error,
+                         .median = median(result.snapshot_errors),
+                         .worst = result.snapshot_errors.maxCoeff()};
+  if (result.blocks.size() == 1 && result.blocks[0].G.size() == 1) {
+    // The live half has no table over site and level together; blocks of it are evaluated faster.
+    result.blocks = as_blocks(result.blocks[0], S, weights, 0.1 * settings.tolerance);
+  }
+  report.columns = result.total_modes();
+  ReducedField reduced{as_field(result.blocks, S, content.levels, boundary, field.components),
+                       std::move(report)};
+  reduced.report.bytes = 4.0 * static_cast<double>(reduced.field.value_count()) *
+                         static_cast<double>(reduced.report.columns);
   reduced.report.evaluated_worst =
-      largest_evaluation_error(reduced.field, snapshots, field, boundary);
+      largest_evaluation_error(reduced.field, store, point, field, boundary);
   return reduced;
 }
 
@@ -199,12 +217,37 @@ std::string preload_line(const BodyDescription& description) {
   return line + "and what supports move, first and in full";
 }
 
-std::string reduction_line(const char* what, int modes, const ReductionReport& report,
-                           double tolerance) {
+std::string reduction_line(const char* what, const ReductionReport& report,
+                           const ReductionSettings& asked) {
+  const std::string modes =
+      asked.method == ReductionMethod::kPerSite
+          ? fmt::format("blocks of up to {} modes, {} in all", report.modes, report.columns)
+          : fmt::format("{} modes", report.modes);
   return fmt::format(
-      "{}: {} modes, relative L2 error over the volume {:.3g} pooled (asked {:.3g}{}), {:.3g} at "
-      "the worst snapshot in its own norm",
-      what, modes, report.pooled, tolerance, report.reached ? "" : ", not reached", report.worst);
+      "{}: {}, relative L2 error over the volume {:.3g} pooled (asked {:.3g}{}{}), {:.3g} at the "
+      "median snapshot and {:.3g} at the worst, in their own norms",
+      what, modes, report.pooled, asked.tolerance,
+      asked.weight_snapshots ? " in the mean of own norms" : "",
+      report.reached ? "" : ", not reached", report.median, report.worst);
+}
+
+const char* method_line(ReductionMethod method) {
+  switch (method) {
+    case ReductionMethod::kPerSite:
+      return "a POD of each site's levels, in blocks";
+    case ReductionMethod::kPgd:
+      return "non-intrusive PGD over site and level, all functions updated after each mode";
+    case ReductionMethod::kPgd2:
+      return "non-intrusive PGD, site and level together, all functions updated after each mode; "
+             "stored in blocks of sites";
+    case ReductionMethod::kPod:
+      return "POD, site and level together; stored in blocks of sites";
+    case ReductionMethod::kCp:
+      return "CP-ALS over site and level";
+    case ReductionMethod::kHosvd:
+      return "ST-HOSVD; stored in blocks of sites";
+  }
+  return "";
 }
 
 // (P) what the body is made of at each combination of the parameters' values.
@@ -263,6 +306,20 @@ int point_at(const StoreContent& content, const std::map<std::string, double>& a
     point = point * n + k;
   }
   return point;
+}
+
+// Another method than the store's has other defaults, too.
+ReductionSettings wanted_of(const ReduceSettings& settings, const ReductionSettings& stored) {
+  ReductionSettings wanted = stored;
+  if (settings.method && *settings.method != stored.method) {
+    wanted.method = *settings.method;
+    wanted.tolerance = default_tolerance(wanted.method);
+    wanted.weight_snapshots = wanted.method == ReductionMethod::kPerSite;
+  }
+  if (settings.tolerance) wanted.tolerance = *settings.tolerance;
+  if (settings.max_modes) wanted.max_modes = *settings.max_modes;
+  if (settings.own_norms) wanted.weight_snapshots = *settings.own_norms;
+  return wanted;
 }
 
 void require_complete(const SnapshotStore& store, int point, const Progress& progress) {
@@ -325,8 +382,7 @@ StoreContent content_of(const BodyDescription& description, const BodyProblem& p
         {parameter.name, Eigen::Map<const VectorXd>(parameter.values.data(),
                                                     static_cast<Index>(parameter.values.size()))});
   }
-  content.tolerance = description.reduction.tolerance;
-  content.max_modes = description.reduction.max_modes;
+  content.reduction = description.reduction;
   const auto add = [&](const char* key, std::string value) {
     content.provenance.emplace_back(key, std::move(value));
   };
@@ -345,6 +401,26 @@ StoreContent content_of(const BodyDescription& description, const BodyProblem& p
   const std::string preload = preload_line(description);
   if (!preload.empty()) add("preload", preload);
   return content;
+}
+
+// Turns the plan of a campaign into that of the levels between its own.
+void hold_out(const SnapshotStore& campaign, CampaignPlan& plan, StoreContent& content) {
+  if (campaign.content().keys != content.keys) {
+    throw Error(fmt::format("{}: is of another campaign than this description's",
+                            campaign.folder().string()));
+  }
+  for (int u = 0; u < campaign.content().unit_count(); ++u) {
+    const std::string why = campaign.why_not(u);
+    if (!why.empty()) throw Error(fmt::format("{}: {}", campaign.unit_file(u).string(), why));
+    plan.full_loads.push_back(campaign.unit(u).full_load);
+  }
+  const int L = content.level_count();
+  for (int m = 0; m < L; ++m) {
+    plan.run.at.push_back((m + 0.5) / L);
+    content.levels[m + 1] = plan.run.at.back();
+  }
+  plan.linear.clear();
+  content.keys = unit_keys(plan);
 }
 
 FilledStore fill_store(const BodyDescription& description, const BakeSettings& settings, Crew& crew,
@@ -375,15 +451,16 @@ FilledStore fill_store(const BodyDescription& description, const BakeSettings& s
           : fmt::format("total Lagrangian {}-node tetrahedra, Newton with conjugate gradients "
                         "preconditioned by a sparse Cholesky factor",
                         order));
-  const CampaignPlan plan{.model = std::move(problem.model),
-                          .boundary = mesh.boundary,
-                          .sites = std::move(problem.sites),
-                          .linear = std::move(problem.linear_sites),
-                          .run = {.press = problem.press, .force = problem.force, .levels = levels},
-                          .preload = std::move(problem.preload),
-                          .points = points_of(description),
-                          .solver = settings.solver};
+  CampaignPlan plan{.model = std::move(problem.model),
+                    .boundary = mesh.boundary,
+                    .sites = std::move(problem.sites),
+                    .linear = std::move(problem.linear_sites),
+                    .run = {.press = problem.press, .force = problem.force, .levels = levels},
+                    .preload = std::move(problem.preload),
+                    .points = points_of(description),
+                    .solver = settings.solver};
   content.keys = unit_keys(plan);
+  if (settings.held_out_of != nullptr) hold_out(*settings.held_out_of, plan, content);
   for (const Site& site : plan.linear) content.linear.push_back(site.vertex);
   if (!plan.linear.empty()) content.linear_key = linear_key(plan);
   std::optional<StageTimer> timer(std::in_place, wall, "campaign");
@@ -406,26 +483,18 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
   StageTimes wall;
   std::optional<StageTimer> timer(std::in_place, wall, "reduce");
   const StoreContent& content = store.content();
-  const PointSnapshots snapshots{store, point_at(content, settings.at)};
-  require_complete(store, snapshots.point, progress);
-  const GreedySettings greedy{.tolerance = settings.tolerance.value_or(content.tolerance),
-                              .max_modes = settings.max_modes.value_or(content.max_modes)};
+  const int point = point_at(content, settings.at);
+  require_complete(store, point, progress);
+  const ReductionSettings wanted = wanted_of(settings, content.reduction);
   const Boundary boundary = split_boundary_of(content.mesh);
-  const auto field = [&](const char* name) -> const StoredField* {
-    for (const StoredField& f : content.fields) {
-      if (f.name == name) return &f;
-    }
-    return nullptr;
-  };
-  const StoredField* moved = field("displacement");
-  const StoredField* stressed = field("stress");
+  const StoredField* moved = find_field(content, "displacement");
+  const StoredField* stressed = find_field(content, "stress");
   if (moved == nullptr) {
     throw Error(fmt::format("{}: has no displacement", store.folder().string()));
   }
-  ReducedField u = reduce_field(*moved, VectorXd::Ones(3), snapshots, boundary, greedy, progress);
+  ReducedField u = reduce_field(*moved, store, point, boundary, wanted, progress);
   ReducedField sigma = stressed != nullptr
-                           ? reduce_field(*stressed, (VectorXd(6) << 1, 1, 1, 2, 2, 2).finished(),
-                                          snapshots, boundary, greedy, progress)
+                           ? reduce_field(*stressed, store, point, boundary, wanted, progress)
                            : ReducedField{zero_field(6 * boundary.surface.vertices.cols(),
                                                      content.site_count(), content.levels),
                                           {}};
@@ -446,7 +515,7 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
   BakeReport& made = baked.report;
   double farthest_rest = 0;
   for (int s = 0; s < content.site_count(); ++s) {
-    StoredUnit unit = store.unit(snapshots.unit(s));
+    StoredUnit unit = store.unit(point * content.site_count() + s);
     body.sites[static_cast<std::size_t>(s)].full_load = unit.full_load;
     body.press_depth.col(s) = unit.press_depth;
     body.largest_von_mises = std::max(body.largest_von_mises, unit.largest_von_mises);
@@ -463,7 +532,7 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
   made.vertices = boundary.surface.vertex_count();
   made.triangles = boundary.surface.triangle_count();
 
-  const std::vector<double> values = content.values_at(snapshots.point);
+  const std::vector<double> values = content.values_at(point);
   for (std::size_t k = 0; k < values.size(); ++k) {
     body.material += fmt::format("; {} {:.6g}", content.parameters[k].name, values[k]);
   }
@@ -483,15 +552,11 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
   const auto add = [&](const char* key, std::string value) {
     body.provenance.emplace_back(key, std::move(value));
   };
-  add("reduction",
-      "non-intrusive PGD over site and level, all functions updated after each mode, space "
-      "weighted by nodal volume");
-  add("displacement", reduction_line("displacement", body.displacement.mode_count(),
-                                     made.displacement, greedy.tolerance));
-  add("stress", stressed != nullptr
-                    ? reduction_line("nodal Cauchy stress", body.stress.mode_count(), made.stress,
-                                     greedy.tolerance)
-                    : "none: the snapshots have no stress, it is taken as zero");
+  add("reduction", fmt::format("{} ({}), space weighted by nodal volume",
+                               method_name(wanted.method), method_line(wanted.method)));
+  add("displacement", reduction_line("displacement", made.displacement, wanted));
+  add("stress", stressed != nullptr ? reduction_line("nodal Cauchy stress", made.stress, wanted)
+                                    : "none: the snapshots have no stress, it is taken as zero");
   if (!settings.version.empty()) add("program", settings.version);
   if (!settings.command_line.empty()) add("command line", settings.command_line);
   timer.reset();

@@ -7,6 +7,7 @@
 #include "palpable/bake/body_problem.h"
 #include "palpable/bake/campaign.h"
 #include "palpable/bake/crew.h"
+#include "palpable/bake/reduction.h"
 #include "palpable/bake/snapshot_store.h"
 #include "palpable/base/progress.h"
 #include "palpable/base/stage_clock.h"
@@ -28,12 +29,19 @@ struct BakeSettings {
   std::filesystem::path store = {};
   std::string solver = "own";  ///< or "calculix"
   int shard = 0, shards = 1;   ///< as CampaignSettings
+  /// A complete campaign of the same description: then `store` gets the levels half way between its
+  /// levels, (m + 1/2) / L, of the same loads, solved afresh: what a reduced body was not made
+  /// from.
+  const SnapshotStore* held_out_of = nullptr;
 };
 
 /// What to make of a store.
 struct ReduceSettings {
-  std::optional<double> tolerance = {};  ///< none: as the body's description says
-  std::optional<int> max_modes = {};     ///< likewise
+  std::optional<ReductionMethod> method = {};  ///< none: as the body's description says
+  /// None: as the description says, or of another method than its: default_tolerance().
+  std::optional<double> tolerance = {};
+  std::optional<int> max_modes = {};   ///< none: as the description says
+  std::optional<bool> own_norms = {};  ///< ReductionSettings::weight_snapshots; likewise
   /// Values of parameters beyond site and level, of which a body file holds one each. Of one that
   /// is not named: the value in the middle of its list.
   std::map<std::string, double> at = {};
@@ -42,10 +50,17 @@ struct ReduceSettings {
 
 /// How one field was reduced, and how much of it was lost.
 struct ReductionReport {
-  Eigen::VectorXd errors;  ///< relative pooled L2 after 1, 2, ... modes (see GreedyResult)
-  bool reached = true;     ///< the tolerance was met
-  double pooled = 0;       ///< of the result, over the volume
-  double worst = 0;        ///< largest error of one snapshot in its own norm, over the volume
+  ReductionMethod method = ReductionMethod::kPerSite;
+  int modes = 0;                ///< with kPerSite the most of one site
+  int columns = 0;              ///< modes that the body file holds, of all blocks
+  double bytes = 0;             ///< of those, boundary only, single precision
+  Eigen::VectorXd errors = {};  ///< after 1, 2, ... modes (see Reduction)
+  std::vector<int> ranks = {};  ///< kHosvd
+  std::optional<double> bound = {};
+  bool reached = true;  ///< the tolerance was met
+  double pooled = 0;    ///< of the result, over the volume
+  double median = 0;    ///< error of the middle snapshot in its own norm, over the volume
+  double worst = 0;     ///< of the worst one
   /// Largest difference of the body as the live half evaluates it (single precision, boundary) from
   /// the snapshots there, relative to the largest value of all. Contains the reduction error.
   double evaluated_worst = 0;

@@ -379,8 +379,14 @@ BodyDescription parse_body_description(std::string_view text, const std::filesys
   read_press(root.section("press"), body);
 
   TomlSection reduction = root.section("reduction");
-  body.reduction.tolerance =
-      reduction.number("tolerance", {1e-6, 1.0, false, true}, body.reduction.tolerance);
+  ReductionSettings& wanted = body.reduction;
+  wanted.method = *method_named(
+      reduction.choice("method", method_names(), std::string(method_name(wanted.method))));
+  wanted.tolerance =
+      reduction.number("tolerance", {1e-6, 1.0, false, true}, default_tolerance(wanted.method));
+  const bool by_site = wanted.method == ReductionMethod::kPerSite;
+  wanted.weight_snapshots =
+      reduction.choice("norm", {"own", "pooled"}, by_site ? "own" : "pooled") == "own";
   body.reduction.max_modes = reduction.integer("max_modes", 1, 100000, body.reduction.max_modes);
   reduction.refuse_unknown();
   root.refuse_unknown();

@@ -3,6 +3,8 @@
 /// examples: docs/body.md.
 #pragma once
 
+#include "palpable/bake/reduction.h"
+
 #include <Eigen/Core>
 
 #include <filesystem>
@@ -143,10 +145,9 @@ struct BodyDescription {
     int levels = 10;                    ///< solved load levels, 1 / levels .. 1
   } press;
 
-  struct Reduction {
-    double tolerance = 5e-4;  ///< relative pooled L2 error, for displacement and for stress
-    int max_modes = 300;
-  } reduction;
+  /// Of displacement and of stress.
+  ReductionSettings reduction = {.tolerance = default_tolerance(ReductionMethod::kPerSite),
+                                 .weight_snapshots = true};
 
   std::filesystem::path source;  ///< the TOML file
 };

@@ -74,6 +74,25 @@ TEST_CASE("every key of a description arrives in SI units", "[bake][description]
   CHECK(body.reduction.max_modes == 50);
 }
 
+TEST_CASE("a description says how to reduce, and each method has defaults of its own",
+          "[bake][description]") {
+  const ReductionSettings usual = parse_body_description(kBody, "cube.toml").reduction;
+  CHECK(usual.method == ReductionMethod::kPerSite);
+  CHECK(usual.weight_snapshots);
+  const ReductionSettings paper =
+      parse_body_description(with("tolerance = 1e-4", "method = \"pgd\""), "cube.toml").reduction;
+  CHECK(paper.method == ReductionMethod::kPgd);
+  CHECK(paper.tolerance == 1e-3);
+  CHECK_FALSE(paper.weight_snapshots);
+  const ReductionSettings given =
+      parse_body_description(with("tolerance = 1e-4", "method = \"cp\"\nnorm = \"own\""), "cube.toml")
+          .reduction;
+  CHECK(given.method == ReductionMethod::kCp);
+  CHECK(given.weight_snapshots);
+  CHECK_THAT(complaint(with("tolerance = 1e-4", "method = \"svd\"")),
+             Contains("cube.toml:22") && Contains("'method' in [reduction]") && Contains("hosvd"));
+}
+
 TEST_CASE("what has a default may be left out", "[bake][description]") {
   const BodyDescription body = parse_body_description(
       "name = 'a'\nshape.mesh = '/x/a.msh'\nmaterial = {young = '1 kPa', poisson = 0}\n"
@@ -108,7 +127,7 @@ TEST_CASE("an unknown key is refused with the nearest known one", "[bake][descri
              StartsWith("dir/cube.toml:16: unknown key 'patsh' in [sites]; did you mean 'patch'?"));
   CHECK_THAT(complaint(with("[reduction]", "[redcution]")),
              StartsWith("dir/cube.toml:20: unknown key 'redcution'; did you mean 'reduction'?"));
-  CHECK_THAT(complaint(kBody + "zzzzz = 1\n"), Contains("known are 'tolerance', 'max_modes'"));
+  CHECK_THAT(complaint(kBody + "zzzzz = 1\n"), Contains("known are 'method', 'tolerance', 'norm'"));
 }
 
 TEST_CASE("quantities need a unit that fits", "[bake][description]") {

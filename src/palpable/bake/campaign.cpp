@@ -53,6 +53,8 @@ Digest digest_of_problem(const CampaignPlan& plan) {
   digest.add(plan.run.press);
   digest.add(plan.run.force);
   digest.add(plan.run.levels);
+  for (const double level : plan.run.at) digest.add(level);
+  for (const double load : plan.full_loads) digest.add(load);
   return digest;
 }
 
@@ -208,6 +210,9 @@ CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store
   const int S = static_cast<int>(plan.sites.size()), P = static_cast<int>(plan.points.size());
   PALPABLE_EXPECT(S > 0 && P > 0, "a campaign has sites and points");
   PALPABLE_EXPECT(store.content().unit_count() == S * P, "the store is of this plan");
+  PALPABLE_EXPECT(plan.run.at.empty() ||
+                      (static_cast<int>(plan.full_loads.size()) == S * P && plan.solver == "own"),
+                  "given levels need a load for each unit, and the own solver");
   const int threads = crew.threads(settings.threads);
 
   CampaignReport result;
@@ -260,7 +265,12 @@ CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store
       if (calculix) {
         calculix->solve(plan.sites, plan.run, threads, stream);
       } else {
-        solve_sites(presses, plan.sites, plan.run, threads, stream);
+        SiteRunSettings here_run = plan.run;
+        if (!plan.run.at.empty()) {
+          here_run.full_loads.assign(plan.full_loads.begin() + std::ptrdiff_t{p} * S,
+                                     plan.full_loads.begin() + std::ptrdiff_t{p + 1} * S);
+        }
+        solve_sites(presses, plan.sites, here_run, threads, stream);
       }
     };
     crew.share(static_cast<int>(here.size()), run, [&](int s, int fell_short) {
@@ -273,7 +283,7 @@ CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store
     solve_linear_responses(plan, store, crew, settings, progress, result);
   }
   if (!crew.leads() || result.missing > 0) return result;
-  if (plan.run.force == 0.0) {
+  if (plan.run.force == 0.0 && plan.run.at.empty()) {
     for (int p = 0; p < P; ++p) refuse_if_out_of_reach(store, p, plan.run.press);
   }
   store.finish();

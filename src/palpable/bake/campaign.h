@@ -40,6 +40,8 @@ struct CampaignPlan {
   Eigen::Matrix3Xd preload = Eigen::Matrix3Xd(3, 0);
   std::vector<PointMaterials> points;  ///< (P) at least one
   std::string solver = "own";          ///< or "calculix", see CalculixSites
+  /// (P S) with run.at: the load of each unit at level 1, N; run.full_loads is then not read.
+  std::vector<double> full_loads = {};
 };
 
 /// (P S) for each unit what it is computed from: layout and revision of this program's work, mesh,

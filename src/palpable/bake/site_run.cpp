@@ -45,6 +45,30 @@ SiteSnapshots snapshots_of(const SiteSolver& solver, const PressPath& path) {
   return site;
 }
 
+// As press_path(), to a load that is known.
+PressPath path_through(const PressSolver& presses, const Matrix3Xd& unit, double full_load,
+                       std::span<const double> levels, Lane& lane) {
+  PathResult solved = presses.solve_path(full_load * unit, levels, &lane);
+  PressPath path{.full_load = full_load,
+                 .steps = std::move(solved.steps),
+                 .press = {},
+                 .reached = solved.complete,
+                 .stop = solved.stop,
+                 .why_stopped = std::move(solved.why_stopped),
+                 .factors = solved.factors,
+                 .halvings = solved.halvings,
+                 .times = solved.times};
+  path.press = VectorXd::Zero(static_cast<Index>(path.steps.size()) + 1);
+  for (std::size_t l = 0; l < path.steps.size(); ++l) {
+    const Equilibrium& step = path.steps[l];
+    path.press[static_cast<Index>(l) + 1] =
+        unit.cwiseProduct(step.displacement - presses.rest()).sum();
+    path.newton_steps += step.newton_steps;
+    path.cg_iterations += step.cg_iterations;
+  }
+  return path;
+}
+
 }  // namespace
 
 SiteSolver::SiteSolver(const EquilibriumSolver& solver, const Boundary& boundary,
@@ -62,8 +86,11 @@ StressField SiteSolver::added_stress(const Matrix3Xd& u) const {
 
 void solve_sites(const SiteSolver& solver, std::span<const Site> sites,
                  const SiteRunSettings& settings, int threads, const SiteStream& stream) {
-  PALPABLE_EXPECT((settings.press > 0.0 || settings.force > 0.0) && settings.levels >= 2,
+  PALPABLE_EXPECT(!settings.at.empty() ||
+                      ((settings.press > 0.0 || settings.force > 0.0) && settings.levels >= 2),
                   "a press or a force, and at least two levels");
+  PALPABLE_EXPECT(settings.full_loads.size() == (settings.at.empty() ? 0 : sites.size()),
+                  "a load of each site, where levels are given");
   const PressGoal goal{.press = settings.press, .force = settings.force, .levels = settings.levels};
   const auto work = [&](int s, Lane& lane) {
     const Site& site = sites[static_cast<std::size_t>(s)];
@@ -71,9 +98,17 @@ void solve_sites(const SiteSolver& solver, std::span<const Site> sites,
     std::optional<StageTimer> timer(std::in_place, times, "solve");
     const Matrix3Xd unit =
         unit_load(site, solver.boundary(), solver.presses().solver().model().mesh.node_count());
-    const PressPath path = solver.presses().press_path(unit, goal, &lane);
+    const PressPath path =
+        settings.at.empty()
+            ? solver.presses().press_path(unit, goal, &lane)
+            : path_through(solver.presses(), unit, settings.full_loads[static_cast<std::size_t>(s)],
+                           settings.at, lane);
     if (path.steps.empty()) {
       throw Error(fmt::format("site {}: cannot be pressed: {}", s, path.why_stopped));
+    }
+    if (!settings.at.empty() && !path.reached) {
+      throw Error(fmt::format("site {}: a load that was borne before is not borne again: {}", s,
+                              path.why_stopped));
     }
     stream.tick(s, 0.9);
     timer.emplace(times, "stress");

@@ -29,6 +29,10 @@ struct SiteRunSettings {
   double press = 0;  ///< m: how far the patch of a site shall give way along its load at level 1
   double force = 0;  ///< N: the load at level 1, if above 0; then `press` is not read
   int levels = 10;   ///< L: equal steps of the load, 1/L .. 1
+  /// (L) instead: these levels, increasing, of loads that are known (held-out levels).
+  std::vector<double> at = {};
+  /// (S) N: the load of each site at level 1; with `at` only.
+  std::vector<double> full_loads = {};
 };
 
 /// How the path of one site went.

@@ -109,8 +109,10 @@ void write_sites(hid_t file, const std::vector<Site>& sites) {
 void write_content(hid_t file, const StoreContent& content) {
   hdf5::write_text(file, "name", content.name);
   hdf5::write_text(file, "material", content.material);
-  hdf5::write_number(file, "tolerance", content.tolerance);
-  hdf5::write_number(file, "max_modes", content.max_modes);
+  hdf5::write_text(file, "method", std::string(method_name(content.reduction.method)));
+  hdf5::write_number(file, "tolerance", content.reduction.tolerance);
+  hdf5::write_number(file, "max_modes", content.reduction.max_modes);
+  hdf5::write_number(file, "own_norms", content.reduction.weight_snapshots ? 1 : 0);
   write_mesh(file, content.mesh, content.fixed);
   write_sites(file, content.sites);
   hdf5::write_table(file, "levels", content.levels.data(),
@@ -215,8 +217,18 @@ StoreContent read_content(hid_t file) {
   StoreContent content;
   content.name = hdf5::read_text(file, "name");
   content.material = hdf5::read_text(file, "material");
-  content.tolerance = hdf5::read_number(file, "tolerance");
-  content.max_modes = static_cast<int>(hdf5::read_number(file, "max_modes"));
+  content.reduction.tolerance = hdf5::read_number(file, "tolerance");
+  content.reduction.max_modes = static_cast<int>(hdf5::read_number(file, "max_modes"));
+  if (H5Aexists(file, "method") > 0) {
+    const std::string name = hdf5::read_text(file, "method");
+    const std::optional<ReductionMethod> method = method_named(name);
+    hdf5::require(method.has_value(), fmt::format("there is no reduction '{}'", name));
+    content.reduction.method = *method;
+    content.reduction.weight_snapshots = hdf5::read_number(file, "own_norms") != 0;
+  } else {  // of before there were others
+    content.reduction.method = ReductionMethod::kPgd;
+    content.reduction.weight_snapshots = false;
+  }
   content.mesh = read_mesh(file, content.fixed);
   content.sites = read_sites(file);
   content.levels = read_column(file, "levels");

@@ -7,6 +7,7 @@
 ///   one site at one point, p S + s: what one file holds
 #pragma once
 
+#include "palpable/bake/reduction.h"
 #include "palpable/bake/site_run.h"
 #include "palpable/geometry/tet_mesh.h"
 #include "palpable/reduced/reduced_body.h"
@@ -51,8 +52,9 @@ struct StoreContent {
   std::vector<int> linear;          ///< vertices of the skin whose linear response is stored, too
   std::uint64_t linear_key = 0;     ///< what those were computed from
   std::vector<std::pair<std::string, std::string>> provenance;
-  double tolerance = 5e-4;  ///< asked of a reduction, unless somebody asks otherwise
-  int max_modes = 300;
+  /// Asked for, unless somebody asks otherwise.
+  ReductionSettings reduction = {.tolerance = default_tolerance(ReductionMethod::kPerSite),
+                                 .weight_snapshots = true};
 
   [[nodiscard]] int site_count() const { return static_cast<int>(sites.size()); }
   [[nodiscard]] int level_count() const { return static_cast<int>(levels.size()) - 1; }
