@@ -85,12 +85,13 @@ TEST_CASE("a description says how to reduce, and each method has defaults of its
   CHECK(paper.tolerance == 1e-3);
   CHECK_FALSE(paper.weight_snapshots);
   const ReductionSettings given =
-      parse_body_description(with("tolerance = 1e-4", "method = \"cp\"\nnorm = \"own\""), "cube.toml")
+      parse_body_description(with("tolerance = 1e-4", "method = \"cp\"\nnorm = \"own\""),
+                             "cube.toml")
           .reduction;
   CHECK(given.method == ReductionMethod::kCp);
   CHECK(given.weight_snapshots);
   CHECK_THAT(complaint(with("tolerance = 1e-4", "method = \"svd\"")),
-             Contains("cube.toml:22") && Contains("'method' in [reduction]") && Contains("hosvd"));
+             Contains("cube.toml:21") && Contains("'method' in [reduction]") && Contains("hosvd"));
 }
 
 TEST_CASE("what has a default may be left out", "[bake][description]") {

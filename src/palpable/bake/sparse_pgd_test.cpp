@@ -45,10 +45,8 @@ TEST_CASE("the polynomials of sparse PGD are Legendre's", "[bake][sparse]") {
   CHECK((basis_functions(held, 5.0) - 0.75 * phi).norm() <= tolerance(1e-15, "rounding"));
 }
 
-TEST_CASE(
-    "sparse PGD finds separated polynomials from a few scattered samples and says so "
-    "between them",
-    "[bake][sparse]") {
+TEST_CASE("sparse PGD finds separated polynomials between a few scattered samples",
+          "[bake][sparse]") {
   for (unsigned seed = 0; seed < 5; ++seed) {
     INFO("seed " << seed);
     auto random = random_case(seed);
