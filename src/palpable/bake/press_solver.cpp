@@ -52,9 +52,15 @@ LoadSearch PressSolver::find_load(const Matrix3Xd& unit_load, double wanted_pres
   return solver_.find_load(unit_load, wanted_press, options(lane));
 }
 
-PressPath PressSolver::press_path(const Matrix3Xd& unit_load, const PressGoal& goal,
-                                  Lane* lane) const {
-  return solver_.press_path(unit_load, goal, options(lane));
+Matrix3Xd PressSolver::linear_response(const Matrix3Xd& load, Lane* lane) const {
+  return solver_.linear_response(load, options(lane));
+}
+
+PressPath PressSolver::press_path(const Matrix3Xd& unit_load, const PressGoal& goal, Lane* lane,
+                                  std::function<void(double part)> tick) const {
+  PathOptions with_tick = options(lane);
+  with_tick.tick = std::move(tick);
+  return solver_.press_path(unit_load, goal, with_tick);
 }
 
 }  // namespace palpable

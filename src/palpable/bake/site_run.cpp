@@ -69,6 +69,16 @@ PressPath path_through(const PressSolver& presses, const Matrix3Xd& unit, double
   return path;
 }
 
+// Sites in progress: with 16 and some more for each thread, one thread's pass through the factor is
+// full while the others' lanes do the rest. Bounded by the memory they may take together.
+int lanes_for(const SiteSolver& solver, int levels, int threads) {
+  constexpr double kMemory = 2e9;        // bytes
+  constexpr double kLearntBytes = 1500;  // a node: what a lane's solver learns, and its vectors
+  const double a_lane =
+      solver.presses().solver().model().mesh.node_count() * (24.0 * levels + kLearntBytes);
+  return std::clamp(static_cast<int>(kMemory / a_lane), threads, 20 * threads);
+}
+
 }  // namespace
 
 SiteSolver::SiteSolver(const EquilibriumSolver& solver, const Boundary& boundary,
@@ -100,7 +110,8 @@ void solve_sites(const SiteSolver& solver, std::span<const Site> sites,
         unit_load(site, solver.boundary(), solver.presses().solver().model().mesh.node_count());
     const PressPath path =
         settings.at.empty()
-            ? solver.presses().press_path(unit, goal, &lane)
+            ? solver.presses().press_path(unit, goal, &lane,
+                                          [&](double part) { stream.tick(s, 0.95 * part); })
             : path_through(solver.presses(), unit, settings.full_loads[static_cast<std::size_t>(s)],
                            settings.at, lane);
     if (path.steps.empty()) {
@@ -110,40 +121,37 @@ void solve_sites(const SiteSolver& solver, std::span<const Site> sites,
       throw Error(fmt::format("site {}: a load that was borne before is not borne again: {}", s,
                               path.why_stopped));
     }
-    stream.tick(s, 0.9);
     timer.emplace(times, "stress");
     SiteSnapshots snapshots = snapshots_of(solver, path);
     timer.reset();
     stream.finished(s, std::move(snapshots), times);
   };
-  run_in_lockstep(stream.next, work, {.threads = threads});
+  run_in_lockstep(stream.next, work,
+                  {.threads = threads, .lanes = lanes_for(solver, settings.levels, threads)});
 }
 
 void solve_linear(const SiteSolver& solver, std::span<const Site> sites, int count, int threads,
                   const LinearStream& stream) {
   const SolidModel& model = solver.presses().solver().model();
   const Boundary& boundary = solver.boundary();
-  // Strains of about 1e-5 where the load acts on a few elements of a hundredth of the body.
-  const Eigen::Vector3d size =
-      model.mesh.nodes.rowwise().maxCoeff() - model.mesh.nodes.rowwise().minCoeff();
-  const double force = 1e-9 * young_poisson(model.material).young * size.squaredNorm();
   const auto work = [&](int first, Lane& lane) {
     const int end = std::min(first + count, static_cast<int>(sites.size()));
     Eigen::MatrixXf responses(3 * boundary.surface.vertices.cols(), end - first);
     for (int s = first; s < end; ++s) {
       const Matrix3Xd unit =
           unit_load(sites[static_cast<std::size_t>(s)], boundary, model.mesh.node_count());
-      const PathResult path = solver.presses().solve_path(force * unit, std::array{1.0}, &lane);
-      if (!path.complete) {
-        throw Error(fmt::format("vertex {}: no linear response: {}",
-                                sites[static_cast<std::size_t>(s)].vertex, path.why_stopped));
+      Matrix3Xd u;
+      try {
+        u = solver.presses().linear_response(unit, &lane);
+      } catch (const Error& e) {
+        throw Error(
+            fmt::format("vertex {}: {}", sites[static_cast<std::size_t>(s)].vertex, e.what()));
       }
-      const Matrix3Xd u = (path.steps[0].displacement - solver.rest()) / force;
       responses.col(s - first) = u(Eigen::all, boundary.node_of_vertex).reshaped().cast<float>();
     }
     stream.finished(first, std::move(responses));
   };
-  run_in_lockstep(stream.next, work, {.threads = threads});
+  run_in_lockstep(stream.next, work, {.threads = threads, .lanes = lanes_for(solver, 1, threads)});
 }
 
 }  // namespace palpable

@@ -23,7 +23,7 @@ namespace palpable {
 
 /// To be raised by whoever changes what solve_sites() answers for the same question: snapshots that
 /// are stored carry it, and those of another revision are solved again.
-inline constexpr int kSiteRunRevision = 1;
+inline constexpr int kSiteRunRevision = 2;
 
 struct SiteRunSettings {
   double press = 0;  ///< m: how far the patch of a site shall give way along its load at level 1
@@ -114,8 +114,7 @@ struct LinearStream {
 };
 
 /// The linear response of the body at rest to loads on sites first .. first + count - 1 (fewer at
-/// the end): that to a force so small that nothing but its square is left out (1e-5 of the
-/// response). As solve_sites() otherwise.
+/// the end). As solve_sites() otherwise.
 void solve_linear(const SiteSolver& solver, std::span<const Site> sites, int count, int threads,
                   const LinearStream& stream);
 

@@ -20,6 +20,7 @@
 
 #include <Eigen/Core>
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -118,6 +119,8 @@ struct PathOptions {
   const Preloaded* preloaded = nullptr;
   /// Shares each pass through the factor with others (lockstep.h). nullptr: alone.
   Lane* lane = nullptr;
+  /// Told after each state of a press_path(): the part of it that is done, 0 .. 1.
+  std::function<void(double part)> tick = {};
 };
 
 struct LoadSearch {
@@ -199,6 +202,13 @@ class EquilibriumSolver {
   /// @throws Error as find_load()
   [[nodiscard]] PressPath press_path(const Eigen::Matrix3Xd& unit_load, const PressGoal& goal,
                                      const PathOptions& options = {}) const;
+
+  /// The beginning of a path: du/dlevel at level 0, where supports stand still; the solution of
+  /// K du = load with K the tangent there.
+  /// @return (3 x N) m, its residual below EquilibriumSettings::tolerance of the load
+  /// @throws Error as find_load(), and if conjugate gradients do not converge
+  [[nodiscard]] Eigen::Matrix3Xd linear_response(const Eigen::Matrix3Xd& load,
+                                                 const PathOptions& options = {}) const;
 
   /// Forces that hold the body in the state u: d/du of the stored energy, (3 x N) N. At held nodes
   /// of an equilibrium: the reactions plus the load applied there.

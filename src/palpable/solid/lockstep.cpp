@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 
+#include <algorithm>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -60,7 +61,8 @@ class Items {
 };
 
 // Says who runs. Lanes are ready, running, or waiting for a factor to be applied; of those that
-// wait, one is woken to do that for a batch of them.
+// wait, one is woken to do that for a batch of them. A batch goes when nobody else can join it, or
+// when a thread had nothing else to do.
 class Lanes {
  public:
   Lanes(int lanes, int threads) : lanes_(static_cast<std::size_t>(lanes)), threads_(threads) {}
@@ -68,7 +70,13 @@ class Lanes {
   // The first `count` lanes have threads that call run().
   void begin(std::size_t count) {
     const std::lock_guard lock(mutex_);
-    for (std::size_t lane = 0; lane < count; ++lane) ready_.push_back(&lanes_[lane]);
+    for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
+      if (lane < count) {
+        ready_.push_back(&lanes_[lane]);
+      } else {
+        lanes_[lane].ended = true;
+      }
+    }
     dispatch();
   }
 
@@ -80,8 +88,11 @@ class Lanes {
       try {
         work(*item, lane);
       } catch (...) { items.failed(*item); }
+      const std::lock_guard lock(mutex_);
+      seat.factor = nullptr;
     }
     const std::lock_guard lock(mutex_);
+    seat.ended = true;
     --running_;
     dispatch();
   }
@@ -90,8 +101,9 @@ class Lanes {
   struct Seat {
     std::condition_variable woken;
     bool granted = false;      // may run
+    bool ended = false;        // no more items
     std::vector<Seat*> batch;  // whose systems this one is to solve
-    // What is asked for.
+    // What is asked for, or was last for the item in work: null before it has asked.
     const CholeskyFactor* factor = nullptr;
     const Eigen::VectorXd* b = nullptr;
     Eigen::VectorXd* x = nullptr;
@@ -149,9 +161,11 @@ class Lanes {
   // Under the lock, as the next.
   void dispatch() {
     while (running_ < threads_) {
-      std::vector<Seat*> batch = next_batch();
-      if (batch.size() == CholeskyFactor::kMostTogether ||
-          (!batch.empty() && ready_.empty() && running_ == 0)) {
+      std::vector<Seat*> batch = complete_batch();
+      if (batch.empty() && ready_.empty() && !waiting_.empty()) {
+        batch = batch_of(*waiting_.front()->factor);
+      }
+      if (!batch.empty()) {
         for (const Seat* const seat : batch) std::erase(waiting_, seat);
         Seat& who = *batch.front();
         who.batch = std::move(batch);
@@ -169,11 +183,27 @@ class Lanes {
     }
   }
 
-  // Those that wait for the same factor as the one that has waited longest.
-  [[nodiscard]] std::vector<Seat*> next_batch() const {
+  // A batch that waits for no one: as large as it may be, or all lanes that use its factor. A lane
+  // with a factor of its own thus never waits for the others, nor they for it.
+  [[nodiscard]] std::vector<Seat*> complete_batch() const {
+    for (const Seat* const first : waiting_) {
+      std::vector<Seat*> batch = batch_of(*first->factor);
+      const auto may_join = std::ranges::count_if(lanes_, [&](const Seat& seat) {
+        return !seat.ended && (!seat.factor || seat.factor == first->factor);
+      });
+      if (batch.size() == std::min<std::size_t>(CholeskyFactor::kMostTogether,
+                                                static_cast<std::size_t>(may_join))) {
+        return batch;
+      }
+    }
+    return {};
+  }
+
+  // Those that wait for a factor, the longest waiting first.
+  [[nodiscard]] std::vector<Seat*> batch_of(const CholeskyFactor& factor) const {
     std::vector<Seat*> batch;
     for (Seat* const seat : waiting_) {
-      if (seat->factor != waiting_.front()->factor) continue;
+      if (seat->factor != &factor) continue;
       batch.push_back(seat);
       if (batch.size() == CholeskyFactor::kMostTogether) break;
     }

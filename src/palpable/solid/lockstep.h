@@ -2,9 +2,10 @@
 /// Solves that go side by side and share each pass through a factor.
 ///
 /// Every solve is written as if it were alone, on a thread of its own: a *lane*. A lane that wants
-/// the factor applied waits; when 16 wait, or all do, one pass through the factor serves them
-/// (CholeskyFactor::solve_together): on a bunny of 16,000 nodes 2.2 ms each instead of 16, on a
-/// machine whose memory others used, too. As many lanes run at a time as cores may be used.
+/// the factor applied waits; when 16 wait for it, or all that use it do, or a core has nothing else
+/// to do, one pass through the factor serves them (CholeskyFactor::solve_together): on a bunny of
+/// 16,000 nodes 2.2 ms each instead of 16, on a machine whose memory others used, too. As many
+/// lanes run at a time as cores may be used.
 ///
 /// What a lane computes does not depend on the others, to the bit. So neither the number of cores
 /// and lanes nor the order of the items matters to any result.
@@ -33,7 +34,7 @@ struct LockstepSettings {
   int threads = 1;  ///< that run at a time, >= 1
   /// Items in progress, >= 1: some more than 16 for each thread keep every pass full. Each costs
   /// the memory of its solve.
-  int lanes = 24;
+  int lanes = 20;
 };
 
 /// Calls work(item, lane) for every item that `next` hands out, as soon as a lane is free, until it

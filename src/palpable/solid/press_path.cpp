@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -21,6 +22,8 @@ namespace {
 
 constexpr double kStride = 1.0 / 6.0;  // of the wanted press per step; failures shorten it anyway
 constexpr int kMostSolves = 100;
+// States that a search usually computes: what progress expects.
+constexpr int kUsualSolves = 8;
 
 // A site that stops early is taken this fraction of the way: the very last state that the solver
 // found is often its last because the next is none.
@@ -34,15 +37,19 @@ struct SearchTolerances {
   double press = 0;  // of the wanted one
 };
 
-// The load that presses by `wanted`, along a walk whose load is of 1 N.
-LoadSearch search_load(Walk& walk, double wanted, const SearchTolerances& tolerances) {
+// The load that presses by `wanted`, along a walk under `unit_load`.
+// @param solved  called after each state
+LoadSearch search_load(Walk& walk, const Matrix3Xd& unit_load, double wanted,
+                       const SearchTolerances& tolerances, const std::function<void()>& solved) {
   struct Point {
     double load, press;
   };
   LoadSearch search;
   std::vector<Point> points{{0.0, 0.0}};
   // The next guess comes from the polynomial load(press) through the nearest points.
-  const double compliance = walk.first_compliance();
+  Matrix3Xd at_once;  // a guess to start from: three digits are plenty
+  walk.linear_response(1e-3, at_once);
+  const double compliance = unit_load.cwiseProduct(at_once).sum();
   const auto load_for = [&](double press) {
     if (points.size() == 1) return press / compliance;
     std::vector<Point> near = points;
@@ -93,6 +100,7 @@ LoadSearch search_load(Walk& walk, double wanted, const SearchTolerances& tolera
     const bool arrived =
         walk.advance(load, closes_in ? tolerances.at_the_end : tolerances.on_the_way);
     ++search.solves;
+    solved();
     search.newton_steps += walk.now().newton_steps;
     search.cg_iterations += walk.now().cg_iterations;
     const Point here{walk.now().level, walk.work_conjugate()};
@@ -132,7 +140,8 @@ void check_press_load(const EquilibriumSolver::Core& core, const Matrix3Xd& unit
 }
 
 // The states at equal steps of path.full_load, lowered until they go through.
-void walk_levels(Walk& walk, int levels, double tolerance, PressPath& path) {
+void walk_levels(Walk& walk, int levels, double tolerance, PressPath& path,
+                 const std::function<void()>& solved) {
   for (int lowering = 0; lowering <= kMostLowerings; ++lowering) {
     walk.return_to_start();
     path.steps.clear();
@@ -145,6 +154,7 @@ void walk_levels(Walk& walk, int levels, double tolerance, PressPath& path) {
         path.why_stopped = walk.describe_failure();
         break;
       }
+      solved();
       path.newton_steps += walk.now().newton_steps;
       path.cg_iterations += walk.now().cg_iterations;
       path.press[l] = walk.work_conjugate();
@@ -167,6 +177,19 @@ void walk_levels(Walk& walk, int levels, double tolerance, PressPath& path) {
 
 }  // namespace
 
+Matrix3Xd EquilibriumSolver::linear_response(const Matrix3Xd& load,
+                                             const PathOptions& options) const {
+  check_press_load(*core_, load, options);
+  Walk walk(*core_, load, options);
+  Matrix3Xd du;
+  if (!walk.linear_response(core_->settings.tolerance, du)) {
+    throw Error(
+        "no linear response: the body at rest has too little stiffness for conjugate gradients; "
+        "fix more nodes, or mesh slender parts finer");
+  }
+  return du;
+}
+
 LoadSearch EquilibriumSolver::find_load(const Matrix3Xd& unit_load, double wanted_press,
                                         const PathOptions& options) const {
   PALPABLE_EXPECT(wanted_press > 0.0 && std::isfinite(wanted_press), "the press is above 0 m");
@@ -174,7 +197,7 @@ LoadSearch EquilibriumSolver::find_load(const Matrix3Xd& unit_load, double wante
   Walk walk(*core_, unit_load, options);
   const double tolerance = core_->settings.tolerance;
   // 1e-6 of the press: its effect drowns in the mesh's error.
-  return search_load(walk, wanted_press, {tolerance, tolerance, 1e-6});
+  return search_load(walk, unit_load, wanted_press, {tolerance, tolerance, 1e-6}, [] {});
 }
 
 PressPath EquilibriumSolver::press_path(const Matrix3Xd& unit_load, const PressGoal& goal,
@@ -188,9 +211,14 @@ PressPath EquilibriumSolver::press_path(const Matrix3Xd& unit_load, const PressG
   PressPath path;
   path.full_load = goal.force;
   path.reached = true;
+  int states = 0;
+  const auto solved = [&] {
+    const double expected = goal.levels + (goal.force > 0.0 ? 0 : kUsualSolves);
+    if (options.tick) options.tick(std::min(1.0, ++states / expected));
+  };
   if (!(goal.force > 0.0)) {
-    const LoadSearch search =
-        search_load(walk, goal.press, {std::max(tolerance, 1e-3), tolerance, 1e-5});
+    const LoadSearch search = search_load(walk, unit_load, goal.press,
+                                          {std::max(tolerance, 1e-3), tolerance, 1e-5}, solved);
     path.full_load = search.reached ? search.load : kBackOff * search.load;
     path.newton_steps = search.newton_steps;
     path.cg_iterations = search.cg_iterations;
@@ -198,7 +226,7 @@ PressPath EquilibriumSolver::press_path(const Matrix3Xd& unit_load, const PressG
     path.stop = search.stop;
     path.why_stopped = search.why_stopped;
   }
-  if (path.full_load > 0.0) walk_levels(walk, goal.levels, tolerance, path);
+  if (path.full_load > 0.0) walk_levels(walk, goal.levels, tolerance, path, solved);
   path.factors = walk.factors();
   path.halvings = walk.halvings();
   path.times = walk.times();

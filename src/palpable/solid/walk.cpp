@@ -92,11 +92,12 @@ void Walk::return_to_start() {
   now_ = start_;
 }
 
-double Walk::first_compliance() {
+bool Walk::linear_response(double tolerance, Matrix3Xd& du) {
   assembly_.gather(load_, r_);
-  // A guess to start from: three digits are plenty.
-  solve_tangent(now_.displacement, 1e-3);
-  return r_.dot(d_);
+  const CgResult cg = solve_tangent(now_.displacement, tolerance);
+  du.setZero(3, assembly_.node_count());
+  assembly_.add_scattered(d_, 1.0, du);
+  return cg.end == CgEnd::kConverged;
 }
 
 std::string Walk::describe_failure() const {

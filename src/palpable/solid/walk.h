@@ -54,8 +54,10 @@ class Walk {
   /// Back to level 0. The states that are known stay known: starts are interpolated between them.
   void return_to_start();
 
-  /// d work_conjugate / d level at level 0, m/N: to three digits.
-  double first_compliance();
+  /// du / d level now, supports standing still, by the tangent; false where that is not positive
+  /// definite, or conjugate gradients do not converge.
+  /// @param tolerance  of the residual, relative to the load
+  bool linear_response(double tolerance, Eigen::Matrix3Xd& du);
 
   [[nodiscard]] std::string describe_failure() const;
 
