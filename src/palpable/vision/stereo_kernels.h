@@ -46,8 +46,8 @@
 
 namespace palpable {
 
-inline constexpr int kStrips = 4;
-inline constexpr int kWarmUpRows = 16;
+inline constexpr int kStrips = 8;
+inline constexpr int kWarmUpRows = 8;
 inline constexpr int kCensusStep = 1;
 /// Costs are at most 24, so that with this much for a jump a sum of three paths fits a byte.
 inline constexpr int kLargestP2 = 61;
@@ -113,7 +113,10 @@ struct StereoKernels {
   /// Moves the measured disparities of rows [y_begin, y_end) of an image of half the size to where
   /// the full images match best. Pixels whose window leaves a picture stay as they are.
   void (*refine)(const GrayImage& left, const GrayImage& right, int y_begin, int y_end,
-                 Disparities& d);
+                 Disparities& d, std::uint8_t* workspace);
+  /// median_3x3 and smooth_surfaces of disparity_filters.h.
+  void (*median)(const Disparities& in, int y_begin, int y_end, Disparities& out);
+  void (*smooth)(const Disparities& in, int y_begin, int y_end, Disparities& out);
 };
 
 /// What `refine` sums over a pixel's window: g = L(u+1) - L(u-1), r in 1/64 grey levels.
@@ -126,16 +129,34 @@ struct RefineSums {
 inline constexpr int kRefineColumns = 8;  // from 2x - 3
 inline constexpr int kRefineRows = 6;     // from 2y - 2
 
+/// Variance below which a window is flat, (grey levels per pixel)^2 per pixel: a window of this
+/// much texture takes half of its step.
+inline constexpr int kFlatness = 16;
+inline constexpr int kLongestStep =
+    16;  ///< 1/64 px of the half image: half a pixel of the full one
+
 /// Where the window of half pixel (x, y) lies, or `inside` false where it leaves a picture.
 struct RefineWindow {
-  RefineWindow(int x, int y, std::int16_t d, int width, int height);
-  bool inside;
-  int left;      ///< first column of L
-  int right;     ///< first column of R
-  int top;       ///< first row
-  int fraction;  ///< weight of R(u + 1), 1/64
+  constexpr RefineWindow(int x, int y, std::int16_t d, int width, int height)
+      : left(2 * x - 3), top(top_of(y)) {
+    const int shift = 2 * d;  // 1/64 full px
+    const int whole = (shift + kDisparitySteps - 1) >> 6;
+    static_assert(kDisparitySteps == 64);
+    right = left - whole;
+    fraction = whole * kDisparitySteps - shift;
+    // One column more on each side of L for the gradient, one on the right of R to interpolate.
+    inside = left >= 1 && left + kRefineColumns < width && right >= 0 &&
+             right + kRefineColumns < width && top >= 0 && top + kRefineRows <= height;
+  }
+  [[nodiscard]] static constexpr int top_of(int y) { return 2 * y - 2; }
+  bool inside = false;
+  int left;          ///< first column of L
+  int right = 0;     ///< first column of R
+  int top;           ///< first row
+  int fraction = 0;  ///< weight of R(u + 1), 1/64
 };
 
+/// Enough for each of the three at images of this width, for `refine` at pairs of it.
 [[nodiscard]] std::size_t kernel_workspace_bytes(int width, int disparities);
 
 /// Rows [begin, end) of strip s.

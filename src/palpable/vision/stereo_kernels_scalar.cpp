@@ -1,5 +1,6 @@
 // The matcher's loops, written as stereo_kernels.h says them. The vectorised ones are held to it.
 
+#include "palpable/vision/disparity_filters.h"
 #include "palpable/vision/stereo_kernels.h"
 
 #include <algorithm>
@@ -129,7 +130,8 @@ void match(const MatchJob& job, int first_strip, int count, std::uint8_t* /*work
   }
 }
 
-void refine(const GrayImage& left, const GrayImage& right, int y_begin, int y_end, Disparities& d) {
+void refine(const GrayImage& left, const GrayImage& right, int y_begin, int y_end, Disparities& d,
+            std::uint8_t* /*workspace*/) {
   for (int y = y_begin; y < y_end; ++y) {
     for (int x = 0; x < d.width(); ++x) {
       if (!is_measured(d(x, y))) continue;
@@ -153,11 +155,6 @@ void refine(const GrayImage& left, const GrayImage& right, int y_begin, int y_en
   }
 }
 
-// Variance below which a window is flat, (grey levels per pixel)^2 summed over it: a window of this
-// much texture takes half of its step.
-constexpr int kFlatness = 16;
-constexpr int kLongestStep = 16;  // 1/64 px of the half image: half a pixel of the full one
-
 }  // namespace
 
 int RefineSums::step() const {
@@ -170,19 +167,6 @@ int RefineSums::step() const {
   return static_cast<int>(moved < 0 ? moved - 0.5 : moved + 0.5);
 }
 
-RefineWindow::RefineWindow(int x, int y, std::int16_t d, int width, int height) {
-  const int shift = 2 * d;  // 1/64 full px
-  const int whole = (shift + kDisparitySteps - 1) >> 6;
-  static_assert(kDisparitySteps == 64);
-  left = 2 * x - 3;
-  right = left - whole;
-  top = 2 * y - 2;
-  fraction = whole * kDisparitySteps - shift;
-  // One column more on each side of L for the gradient, one on the right of R to interpolate.
-  inside = left >= 1 && left + kRefineColumns < width && right >= 0 &&
-           right + kRefineColumns < width && top >= 0 && top + kRefineRows <= height;
-}
-
 void Winners::resize(int width, int height) {
   best.resize(width, height);
   cost.resize(width, height);
@@ -191,7 +175,8 @@ void Winners::resize(int width, int height) {
 }
 
 const StereoKernels& scalar_stereo_kernels() {
-  static constexpr StereoKernels kernels{"scalar", census, match, refine};
+  static constexpr StereoKernels kernels{"scalar", census,     match,
+                                         refine,   median_3x3, smooth_surfaces};
   return kernels;
 }
 

@@ -102,6 +102,9 @@ struct StereoMatcher::Parts {
     settings.guard_disparities = rounded_up(settings.guard_disparities);
   }
 
+  void make_room(std::size_t bytes) {
+    for (AlignedBytes& workspace : workspaces) workspace.at_least(bytes);
+  }
   void find_winners(Pass& p, const GrayImage& left, const GrayImage& right, int first,
                     int disparities);
   void check(Pass& p, int first, int disparities, int left_right_px, Disparities& out,
@@ -116,16 +119,14 @@ void StereoMatcher::Parts::find_winners(Pass& p, const GrayImage& left, const Gr
     settings.find_winners(left, right, first, disparities, p.winners);
     return;
   }
-  const std::size_t bytes = kernel_workspace_bytes(left.width(), disparities);
-  for (AlignedBytes& workspace : workspaces) workspace.at_least(bytes);
+  make_room(kernel_workspace_bytes(left.width(), disparities));
   crew.run(2, [&](int eye) {
     kernels->census(eye == 0 ? left : right, eye == 0 ? p.left : p.right,
                     workspaces[static_cast<std::size_t>(eye)].begin());
   });
   const MatchJob job{&p.left, &p.right, &left, first, disparities, settings.penalties, &p.winners};
-  // As many strips at once as leaves work for every thread: wide vectors hold several.
-  const int shares = std::min(crew.size(), kStrips);
-  const int strips = kStrips / (shares >= 4 ? 4 : shares >= 2 ? 2 : 1);
+  // As many strips at once as leaves work for every thread: the widest vectors hold four.
+  const int strips = crew.size() <= 2 ? 4 : crew.size() <= 4 ? 2 : 1;
   crew.run(kStrips / strips, [&](int i) {
     kernels->match(job, i * strips, strips, workspaces[static_cast<std::size_t>(i)].begin());
   });
@@ -141,7 +142,7 @@ void StereoMatcher::Parts::check(Pass& p, int first, int disparities, int left_r
   });
   crew.run(kStrips, [&](int strip) {
     const StripRows rows = rows_of_strip(strip, height);
-    median_3x3(p.raw, rows.begin, rows.end, out);
+    kernels->median(p.raw, rows.begin, rows.end, out);
   });
 }
 
@@ -253,14 +254,16 @@ void StereoMatcher::refine(const GrayImage& left_full, const GrayImage& right_fu
                   "the full images are twice as large");
   Parts& p = *parts_;
   p.unsmoothed.resize(width, height);
+  p.make_room(kernel_workspace_bytes(width, p.settings.disparities));
   p.crew.run(kStrips, [&](int strip) {
     const StripRows rows = rows_of_strip(strip, height);
-    p.kernels->refine(left_full, right_full, rows.begin, rows.end, pair.disparity);
+    p.kernels->refine(left_full, right_full, rows.begin, rows.end, pair.disparity,
+                      p.workspaces[static_cast<std::size_t>(strip)].begin());
   });
   std::swap(p.unsmoothed, pair.disparity);
   p.crew.run(kStrips, [&](int strip) {
     const StripRows rows = rows_of_strip(strip, height);
-    smooth_surfaces(p.unsmoothed, rows.begin, rows.end, pair.disparity);
+    p.kernels->smooth(p.unsmoothed, rows.begin, rows.end, pair.disparity);
   });
 }
 
