@@ -1,6 +1,7 @@
 #include "apps/palpable/body_view.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/reduced/pressed_surface.h"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +14,6 @@ PressedBody::PressedBody(const ReducedBody& body)
       at_rest_(body.surface.vertices.cast<float>()),
       vertices_(at_rest_),
       normals_(3, at_rest_.cols()),
-      displacement_(static_cast<std::size_t>(at_rest_.size())),
-      stress_(2 * displacement_.size()),
       von_mises_(static_cast<std::size_t>(at_rest_.cols())),
       patch_marks_(von_mises_.size()) {
   for (const Site& site : body.sites) {
@@ -32,26 +31,14 @@ void PressedBody::press(int site, double level) {
     scale_ = stress_scale();
   }
   const std::array<double, 2> mu{static_cast<double>(site), level_};
-  body_.displacement.evaluate(mu, displacement_);
-  body_.stress.evaluate(mu, stress_);
-  vertices_ =
-      at_rest_ + Eigen::Map<const Eigen::Matrix3Xf>(displacement_.data(), 3, at_rest_.cols());
-  vertex_normals(vertices_, body_.surface.triangles, normals_);
-  von_mises(stress_, von_mises_);
+  press_surface(body_, at_rest_, mu, vertices_, normals_, von_mises_);
 }
 
 double PressedBody::force() const {
   return level_ * body_.sites[static_cast<std::size_t>(site_)].full_load;
 }
 
-double PressedBody::press_depth() const {
-  const Eigen::VectorXd& levels = body_.levels();
-  const auto depths = body_.press_depth.col(site_);
-  Eigen::Index right = 1;
-  while (right + 1 < levels.size() && levels[right] < level_) ++right;
-  const double t = (level_ - levels[right - 1]) / (levels[right] - levels[right - 1]);
-  return depths[right - 1] + t * (depths[right] - depths[right - 1]);
-}
+double PressedBody::press_depth() const { return press_depth_of_level(body_, site_, level_); }
 
 double PressedBody::largest_von_mises() const {
   return *std::max_element(von_mises_.begin(), von_mises_.end());
@@ -93,7 +80,7 @@ double PressedBody::stress_scale() const {
   // The largest of all is a few vertices at the rim of the support or of the patch; a scale up to
   // there leaves the rest of the body in its lowest colours.
   constexpr double kShare = 0.99;
-  std::vector<float> stress(stress_.size()), at_full_load(von_mises_.size());
+  std::vector<float> stress(6 * von_mises_.size()), at_full_load(von_mises_.size());
   body_.stress.evaluate(std::array<double, 2>{static_cast<double>(site_), 1.0}, stress);
   von_mises(stress, at_full_load);
   const auto at = at_full_load.begin() + static_cast<std::ptrdiff_t>(

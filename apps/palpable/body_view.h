@@ -47,7 +47,7 @@ class PressedBody {
   double level_ = 0;
   double scale_ = 1;  // Pa
   Eigen::Matrix3Xf at_rest_, vertices_, normals_;
-  std::vector<float> displacement_, stress_, von_mises_, patch_marks_;
+  std::vector<float> von_mises_, patch_marks_;
 };
 
 /// Up to `count` different sites far from each other, the highest first and low ones last: what

@@ -73,7 +73,7 @@ inline ReducedBody pressed_ball(double radius = 0.05, double full_depth = 0.01,
   const ParameterAxis site_axis{"site", Eigen::VectorXd::LinSpaced(S, 0.0, double(S - 1)),
                                 Eigen::MatrixXd::Identity(S, S), Between::kNothing};
   const ParameterAxis level_axis{"level", levels, levels.replicate(1, S), Between::kSmooth};
-  return {.name = "ball",
+  ReducedBody body{.name = "ball",
           .surface = std::move(surface),
           .fixed = std::move(fixed),
           .sites = std::move(sites),
@@ -84,6 +84,42 @@ inline ReducedBody pressed_ball(double radius = 0.05, double full_depth = 0.01,
           .error = {},
           .material = "closed form of a test",
           .provenance = {{"source", "tests/support/bodies.h"}, {"note", ""}}};
+  tabulate_press(body);
+  return body;
+}
+
+/// The same body over two parameters more: displacement and depth grow with softness (1 + heat),
+/// the load at level 1 with 3 - softness. softness 0.5, 1, 2 (its own value 1), heat 0, 0.5, 1
+/// (0). It has an inside, too: one tetrahedron.
+inline ReducedBody with_further(ReducedBody body) {
+  const Eigen::Vector3d softness(0.5, 1, 2), heat(0, 0.5, 1);
+  const Eigen::Vector3d growth = (1 + heat.array()).matrix();
+  const auto longer = [&](const SeparatedField& field, Eigen::MatrixXf F) {
+    std::vector<ParameterAxis> axes = field.axes();
+    axes.push_back({"softness", softness, softness.replicate(1, F.cols()), Between::kSmooth});
+    axes.push_back({"heat", heat, growth.replicate(1, F.cols()), Between::kSmooth});
+    return SeparatedField(std::move(F), std::move(axes));
+  };
+  Eigen::Matrix3Xd nodes(3, 4);
+  nodes << 0, 0.01, 0, 0, 0, 0, 0.01, 0, 0, 0, 0, 0.01;
+  const SeparatedField& u = body.displacement;
+  body.volume.emplace(BodyVolume{nodes, Eigen::Vector4i(0, 1, 2, 3),
+                                 longer(u, u.modes().topRows(12)),
+                                 longer(body.stress, body.stress.modes().topRows(24))});
+  body.displacement = longer(u, u.modes());
+  body.stress = longer(body.stress, body.stress.modes());
+  body.further = {{"softness", softness, 1}, {"heat", heat, 0}};
+  const auto S = static_cast<Eigen::Index>(body.sites.size());
+  body.further_press_depth.resize(body.press_depth.rows(), 9 * S);
+  body.further_full_load.resize(S, 9);
+  for (Eigen::Index a = 0; a < 3; ++a) {
+    for (Eigen::Index b = 0; b < 3; ++b) {
+      const Eigen::Index k = 3 * a + b;
+      body.further_press_depth.middleCols(k * S, S) = softness[a] * growth[b] * body.press_depth;
+      body.further_full_load.col(k).setConstant((3 - softness[a]) * body.sites[0].full_load);
+    }
+  }
+  return body;
 }
 
 }  // namespace palpable::test

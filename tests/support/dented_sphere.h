@@ -81,7 +81,7 @@ struct DentedSphere {
     for (Eigen::Index k = 0; k < V; ++k) {
       fixed[static_cast<std::size_t>(k)] = surface.vertices(2, k) < 0.1 * radius;
     }
-    return ReducedBody{.name = "dented sphere",
+    ReducedBody result{.name = "dented sphere",
                        .surface = surface,
                        .fixed = fixed,
                        .sites = std::move(sites),
@@ -92,6 +92,8 @@ struct DentedSphere {
                        .error = {},
                        .material = "closed form",
                        .provenance = {{"made by", "tests/support/dented_sphere.h"}}};
+    tabulate_press(result);
+    return result;
   }
 };
 

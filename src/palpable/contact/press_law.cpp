@@ -206,7 +206,8 @@ PressState PressLaw::advance(const PressState& previous, const SeenSurface& seen
               ? std::max(settings_.least_follow, change / (kPromptInSigmas * sigma))
               : 1.0;
       const double depth = before + follow * (wanted - before);
-      level = level_of_press_depth(*body_, site, depth);
+      // What stays stays to the bit: there and back between level and depth is 2e-5 off.
+      level = depth == before ? previous.touch->level : level_of_press_depth(*body_, site, depth);
     }
     if (level > 0) {
       const double before = previous.touch->level;

@@ -2,7 +2,6 @@
 
 #include "palpable/base/contract.h"
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -46,18 +45,6 @@ std::vector<SitePath> press_paths(const ReducedBody& body, double least_share) {
     }
   }
   return paths;
-}
-
-double press_depth_of_level(const ReducedBody& body, int site, double level) {
-  const Eigen::VectorXd& levels = body.levels();
-  const auto depth = body.press_depth.col(site);
-  const Eigen::Index last = levels.size() - 1;
-  if (!(level > levels[0])) return depth[0];
-  if (level >= levels[last]) return depth[last];
-  const double* first = levels.data();
-  const Eigen::Index i = std::upper_bound(first, first + last, level) - first - 1;
-  const double t = (level - levels[i]) / (levels[i + 1] - levels[i]);
-  return depth[i] + t * (depth[i + 1] - depth[i]);
 }
 
 }  // namespace palpable

@@ -27,8 +27,4 @@ struct SitePath {
 /// @param least_share  in (0, 1]
 [[nodiscard]] std::vector<SitePath> press_paths(const ReducedBody& body, double least_share);
 
-/// How far the patch of `site` has moved along its load at `level`, m: press_depth, piecewise
-/// linear between samples; the inverse of level_of_press_depth. `level` is clamped to [0, 1].
-[[nodiscard]] double press_depth_of_level(const ReducedBody& body, int site, double level);
-
 }  // namespace palpable

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <new>
@@ -15,6 +16,8 @@ namespace palpable {
 namespace {
 
 using hdf5::Handle;
+using hdf5::has;
+using hdf5::has_link;
 using hdf5::make_group;
 using hdf5::open_group;
 using hdf5::read_number;
@@ -29,26 +32,115 @@ using hdf5::write_text;
 
 constexpr std::string_view kKind = "palpable body file";
 
-void write_field(hid_t file, const char* name, const SeparatedField& field) {
+constexpr const char* kNothing = "nothing";
+constexpr const char* kSpline = "cubic spline, not-a-knot";
+
+// What rounding of the modes costs, over all samples of all axes together: relative L2.
+double rounding_error(const SeparatedField& field, const Eigen::MatrixXf& rounded) {
+  const std::vector<ParameterAxis>& axes = field.axes();
+  Eigen::Index count = 1;
+  for (const ParameterAxis& axis : axes) count *= axis.samples.size();
+  // sum over samples of |F w|^2 = sum_ij (F^T F)_ij (W W^T)_ij, and W W^T is a product over axes.
+  Eigen::MatrixXd weights = Eigen::MatrixXd::Ones(field.mode_count(), field.mode_count());
+  for (const ParameterAxis& axis : axes) {
+    weights.array() *= (axis.functions.transpose() * axis.functions).array();
+  }
+  const auto squared = [&](const Eigen::MatrixXf& F) {
+    const Eigen::MatrixXd gram = (F.transpose() * F).cast<double>();
+    return gram.cwiseProduct(weights).sum();
+  };
+  const double whole = squared(field.modes());
+  return whole > 0 ? std::sqrt(std::max(0.0, squared(rounded - field.modes()) / whole)) : 0.0;
+}
+
+// Half precision spans 6e-5 to 65504 with 11 bits: each mode is scaled by a power of two so that
+// its largest value lies in [1/2, 1) times 2^15.
+Eigen::VectorXd half_scales(const Eigen::MatrixXf& modes) {
+  Eigen::VectorXd scales(modes.cols());
+  for (Eigen::Index i = 0; i < modes.cols(); ++i) {
+    int exponent = 0;
+    std::frexp(modes.col(i).cwiseAbs().maxCoeff(), &exponent);
+    scales[i] = std::ldexp(1.0, exponent - 15);
+  }
+  return scales;
+}
+
+// Returns what the rounding costs.
+double write_field(hid_t file, const char* name, const SeparatedField& field, ModeStorage storage,
+                   double lost_before) {
   const Handle group = make_group(file, name);
   const auto m = static_cast<hsize_t>(field.mode_count());
-  write_table(group, "modes", field.modes().data(), m, static_cast<hsize_t>(field.value_count()));
+  const auto N = static_cast<hsize_t>(field.value_count());
+  double lost = 0;
+  write_text(group, "form",
+             field.largest_block() < field.mode_count() ? "modes of their own per site" : "global");
+  if (storage == ModeStorage::kFloat16) {
+    const Eigen::VectorXd scales = half_scales(field.modes());
+    const Eigen::Matrix<Eigen::half, Eigen::Dynamic, Eigen::Dynamic> halves =
+        (field.modes() * scales.cwiseInverse().cast<float>().asDiagonal()).cast<Eigen::half>();
+    lost = rounding_error(field, halves.cast<float>() * scales.cast<float>().asDiagonal());
+    write_table(group, "modes_float16", halves.data(), m, N);
+    write_table(group, "mode_scale", scales.data(), m, 1);
+  } else {
+    write_table(group, "modes", field.modes().data(), m, N);
+  }
+  lost = std::max(lost, lost_before);  // a body that was rounded once has lost that for ever
+  write_number(group, "rounding", lost);
+  write_number(group, "axes", static_cast<double>(field.axes().size()));
   int number = 0;
   for (const ParameterAxis& axis : field.axes()) {
     const Handle g = make_group(group, fmt::format("axis_{}", number++).c_str());
     write_text(g, "name", axis.name);
-    write_text(g, "between", axis.between == Between::kSmooth ? "smooth" : "nothing");
+    write_text(g, "between", axis.between == Between::kSmooth ? kSpline : kNothing);
     const auto n = static_cast<hsize_t>(axis.samples.size());
     write_table(g, "samples", axis.samples.data(), n, 1);
     write_table(g, "functions", axis.functions.data(), m, n);
   }
+  return lost;
 }
 
-void write_all(hid_t file, const ReducedBody& body) {
+void write_further(hid_t file, const ReducedBody& body) {
+  const Handle g = make_group(file, "parameters");
+  write_number(g, "count", static_cast<double>(body.further.size()));
+  int number = 0;
+  hsize_t K = 1;
+  for (const FurtherParameter& p : body.further) {
+    const Handle one = make_group(g, fmt::format("{}", number++).c_str());
+    write_text(one, "name", p.name);
+    write_number(one, "value", p.value);
+    write_table(one, "samples", p.samples.data(), static_cast<hsize_t>(p.samples.size()), 1);
+    K *= static_cast<hsize_t>(p.samples.size());
+  }
+  const auto S = static_cast<hsize_t>(body.sites.size());
+  const auto L = static_cast<hsize_t>(body.levels().size());
+  const auto fits = [](const Eigen::MatrixXd& table, hsize_t rows, hsize_t columns) {
+    return table.rows() == static_cast<Eigen::Index>(rows) &&
+           table.cols() == static_cast<Eigen::Index>(columns);
+  };
+  require(fits(body.further_press_depth, L, S * K) && fits(body.further_full_load, S, K),
+          "press depth and load are not known at all values of the further parameters");
+  write_table(g, "press_depth", body.further_press_depth.data(), S * K, L);
+  write_table(g, "full_load", body.further_full_load.data(), K, S);
+}
+
+void write_volume(hid_t file, const BodyVolume& volume, ModeStorage storage,
+                  const ReductionError& error) {
+  const Handle g = make_group(file, "volume");
+  write_table(g, "nodes", volume.nodes.data(), static_cast<hsize_t>(volume.nodes.cols()), 3);
+  write_table(g, "tets", volume.tets.data(), static_cast<hsize_t>(volume.tets.cols()),
+              static_cast<hsize_t>(volume.tets.rows()));
+  write_field(g, "displacement", volume.displacement, storage, error.displacement_rounding);
+  if (volume.stress) write_field(g, "stress", *volume.stress, storage, error.stress_rounding);
+}
+
+void write_all(hid_t file, const ReducedBody& body, ModeStorage storage) {
   require(body.fixed.size() == static_cast<std::size_t>(body.surface.vertex_count()),
           "'fixed' does not have one value per vertex");
   require(body.press_depth.cols() == static_cast<Eigen::Index>(body.sites.size()),
           "'press_depth' does not have one column per site");
+  require(body.depth_slope.size() == body.press_depth.size() &&
+              body.level_slope.size() == body.press_depth.size(),
+          "the slopes of the press are not tabulated");
   write_text(file, "name", body.name);
   write_text(file, "material", body.material);
   write_number(file, "largest_von_mises", body.largest_von_mises);
@@ -82,17 +174,23 @@ void write_all(hid_t file, const ReducedBody& body) {
     write_table(g, "patch_begin", patch_begin.data(), S + 1, 1);
     write_table(g, "patch", patch.data(), patch.size(), 1);
     write_table(g, "patch_weights", weights.data(), weights.size(), 1);
-    write_table(g, "press_depth", body.press_depth.data(), S,
-                static_cast<hsize_t>(body.press_depth.rows()));
+    const auto L = static_cast<hsize_t>(body.press_depth.rows());
+    write_text(g, "between", "nothing: the site is categorical, the nearest one counts");
+    write_table(g, "press_depth", body.press_depth.data(), S, L);
+    write_table(g, "depth_slope", body.depth_slope.data(), S, L);
+    write_table(g, "level_slope", body.level_slope.data(), S, L);
   }
-  write_field(file, "displacement", body.displacement);
-  write_field(file, "stress", body.stress);
+  write_field(file, "displacement", body.displacement, storage, body.error.displacement_rounding);
+  write_field(file, "stress", body.stress, storage, body.error.stress_rounding);
+  if (!body.is_settled()) write_further(file, body);
+  if (body.volume) write_volume(file, *body.volume, storage, body.error);
   {
     const Handle g = make_group(file, "error");
     write_number(g, "displacement_pooled", body.error.displacement_pooled);
     write_number(g, "displacement_worst", body.error.displacement_worst);
     write_number(g, "stress_pooled", body.error.stress_pooled);
     write_number(g, "stress_worst", body.error.stress_worst);
+    if (body.error.between_sites) write_number(g, "between_sites", *body.error.between_sites);
   }
   {
     const Handle g = make_group(file, "provenance");
@@ -130,18 +228,15 @@ bool increases_strictly(const auto& values) {
   return true;
 }
 
-ParameterAxis read_axis(hid_t field, int number, hsize_t m, const char* expected_name,
-                        Between between) {
+ParameterAxis read_axis(hid_t field, int number, hsize_t m) {
   const Handle g = open_group(field, fmt::format("axis_{}", number).c_str());
   ParameterAxis axis;
   axis.name = read_text(g, "name");
-  require(axis.name == expected_name,
-          fmt::format("axis {} is '{}' where '{}' is needed", number, axis.name, expected_name));
   const std::string text = read_text(g, "between");
-  require(text == (between == Between::kSmooth ? "smooth" : "nothing"),
+  require(text == kNothing || text == kSpline,
           fmt::format("axis '{}' is interpolated by '{}', which this program does not know",
                       axis.name, text));
-  axis.between = between;
+  axis.between = text == kSpline ? Between::kSmooth : Between::kNothing;
   const Table<double> samples = read_table<double>(g, "samples");
   require(samples.columns == 1 && samples.rows >= 1, "an axis has no samples");
   require(all_finite(samples.data), "an axis has samples that are not numbers");
@@ -155,18 +250,42 @@ ParameterAxis read_axis(hid_t field, int number, hsize_t m, const char* expected
   return axis;
 }
 
-SeparatedField read_field(hid_t file, const char* name, hsize_t value_count) {
+Eigen::MatrixXf read_modes(hid_t group) {
+  if (!has_link(group, "modes_float16")) {
+    return as_matrix<Eigen::MatrixXf>(read_table<float>(group, "modes"));
+  }
+  const Table<Eigen::half> halves = read_table<Eigen::half>(group, "modes_float16");
+  const Table<double> scales = read_table<double>(group, "mode_scale", halves.rows, 1);
+  require(all_finite(scales.data), "the scale of a mode is not a number");
+  const auto m = static_cast<Eigen::Index>(halves.rows);
+  return as_matrix<Eigen::Matrix<Eigen::half, Eigen::Dynamic, Eigen::Dynamic>>(halves)
+             .cast<float>() *
+         Eigen::Map<const Eigen::VectorXd>(scales.data.data(), m).cast<float>().asDiagonal();
+}
+
+SeparatedField read_field(hid_t file, const char* name, hsize_t value_count, double& rounding) {
   const Handle group = open_group(file, name);
-  const Table<float> modes = read_table<float>(group, "modes");
-  require(modes.rows >= 1, fmt::format("'{}' has no modes", name));
-  require(modes.columns == value_count,
-          fmt::format("the modes of '{}' have {} values where the surface needs {}", name,
-                      modes.columns, value_count));
-  require(all_finite(modes.data), fmt::format("a mode of '{}' is not a number somewhere", name));
+  Eigen::MatrixXf modes = read_modes(group);
+  require(modes.cols() >= 1, fmt::format("'{}' has no modes", name));
+  require(static_cast<hsize_t>(modes.rows()) == value_count,
+          fmt::format("the modes of '{}' have {} values where {} are needed", name, modes.rows(),
+                      value_count));
+  require(modes.allFinite(), fmt::format("a mode of '{}' is not a number somewhere", name));
+  rounding = read_number(group, "rounding");
+  require(rounding >= 0 && std::isfinite(rounding), "the error of rounding is none");
+  const double count = read_number(group, "axes");
+  require(count >= 2 && count <= SeparatedField::kMostAxes,
+          fmt::format("'{}' does not hang on site and level", name));
   std::vector<ParameterAxis> axes;
-  axes.push_back(read_axis(group, 0, modes.rows, "site", Between::kNothing));
-  axes.push_back(read_axis(group, 1, modes.rows, "level", Between::kSmooth));
-  return {as_matrix<Eigen::MatrixXf>(modes), std::move(axes)};
+  for (int j = 0; j < static_cast<int>(count); ++j) {
+    axes.push_back(read_axis(group, j, static_cast<hsize_t>(modes.cols())));
+    const char* needed = j == 0 ? "site" : j == 1 ? "level" : axes.back().name.c_str();
+    require(axes.back().name == needed,
+            fmt::format("axis {} is '{}' where '{}' is needed", j, axes.back().name, needed));
+    require((axes.back().between == Between::kNothing) == (j == 0),
+            fmt::format("'{}' is {} quantity", needed, j == 0 ? "no" : "a"));
+  }
+  return {std::move(modes), std::move(axes)};
 }
 
 void read_surface(hid_t file, ReducedBody& body) {
@@ -232,6 +351,92 @@ void read_sites(hid_t file, ReducedBody& body) {
     require(column.size() >= 2 && column[0] == 0.0 && increases_strictly(column),
             fmt::format("the press depth of site {} does not grow with the load", s));
   }
+  for (const auto& [name, slopes] : {std::pair{"depth_slope", &ReducedBody::depth_slope},
+                                     std::pair{"level_slope", &ReducedBody::level_slope}}) {
+    const Table<double> table = read_table<double>(g, name, S, depth.columns);
+    require(all_finite(table.data), fmt::format("'{}' is not a number somewhere", name));
+    body.*slopes = as_matrix<Eigen::MatrixXd>(table);
+  }
+}
+
+// Between two samples a cubic increases if its slopes are at most three times the secant's.
+void check_press(const ReducedBody& body) {
+  const Eigen::VectorXd& levels = body.levels();
+  constexpr double kRounding = 1 + 1e-9;
+  for (Eigen::Index s = 0; s < body.press_depth.cols(); ++s) {
+    for (Eigen::Index k = 0; k + 1 < levels.size(); ++k) {
+      const double rise = body.press_depth(k + 1, s) - body.press_depth(k, s);
+      const double run = levels[k + 1] - levels[k];
+      for (const Eigen::Index end : {k, k + 1}) {
+        const double depth = body.depth_slope(end, s), level = body.level_slope(end, s);
+        require(depth >= 0 && depth * run <= 3 * rise * kRounding && level >= 0 &&
+                    level * rise <= 3 * run * kRounding,
+                fmt::format("between samples the press of site {} does not grow", s));
+      }
+    }
+  }
+}
+
+bool same_axes(const SeparatedField& a, const SeparatedField& b) {
+  if (a.axes().size() != b.axes().size()) return false;
+  for (std::size_t j = 0; j < a.axes().size(); ++j) {
+    if (a.axes()[j].name != b.axes()[j].name || a.axes()[j].samples != b.axes()[j].samples) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void read_further(hid_t file, ReducedBody& body) {
+  const Handle g = open_group(file, "parameters");
+  const double count = read_number(g, "count");
+  require(count == static_cast<double>(body.displacement.axes().size()) - 2,
+          "the parameters are not those of the fields");
+  hsize_t K = 1;
+  for (int j = 0; j < static_cast<int>(count); ++j) {
+    const Handle one = open_group(g, fmt::format("{}", j).c_str());
+    const ParameterAxis& axis = body.displacement.axes()[static_cast<std::size_t>(j) + 2];
+    FurtherParameter p{read_text(one, "name"), axis.samples, read_number(one, "value")};
+    const Table<double> samples =
+        read_table<double>(one, "samples", static_cast<hsize_t>(axis.samples.size()), 1);
+    require(p.name == axis.name && p.value >= samples.data.front() &&
+                p.value <= samples.data.back() &&
+                std::equal(samples.data.begin(), samples.data.end(), axis.samples.data()),
+            fmt::format("the parameter '{}' is not that of the fields", p.name));
+    body.further.push_back(std::move(p));
+    K *= samples.rows;
+    require(K <= hdf5::kLargestCount, "there are too many values of further parameters");
+  }
+  const auto S = static_cast<hsize_t>(body.sites.size());
+  const auto L = static_cast<hsize_t>(body.press_depth.rows());
+  const Table<double> depth = read_table<double>(g, "press_depth", S * K, L);
+  const Table<double> load = read_table<double>(g, "full_load", K, S);
+  require(all_finite(depth.data) && all_finite(load.data), "a depth or load is not a number");
+  body.further_press_depth = as_matrix<Eigen::MatrixXd>(depth);
+  body.further_full_load = as_matrix<Eigen::MatrixXd>(load);
+  require(body.further_full_load.minCoeff() > 0, "a site has no load");
+  for (const auto column : body.further_press_depth.colwise()) {
+    require(column[0] == 0.0 && increases_strictly(column), "a press depth does not grow");
+  }
+}
+
+void read_volume(hid_t file, ReducedBody& body) {
+  const Handle g = open_group(file, "volume");
+  const Table<double> nodes = read_table<double>(g, "nodes");
+  const Table<int> tets = read_table<int>(g, "tets");
+  require(nodes.columns == 3 && all_finite(nodes.data), "a node of the volume is not a point");
+  require(tets.columns == 4 || tets.columns == 10, "the volume's elements are no tetrahedra");
+  for (const int node : tets.data) {
+    require(node >= 0 && static_cast<hsize_t>(node) < nodes.rows, "an element has no such node");
+  }
+  double rounding = 0;
+  BodyVolume volume{as_matrix<Eigen::Matrix3Xd>(nodes), as_matrix<Eigen::MatrixXi>(tets),
+                    read_field(g, "displacement", 3 * nodes.rows, rounding), {}};
+  if (has_link(g, "stress")) volume.stress = read_field(g, "stress", 6 * nodes.rows, rounding);
+  require(same_axes(volume.displacement, body.displacement) &&
+              (!volume.stress || same_axes(*volume.stress, body.displacement)),
+          "the volume hangs on other parameters than the surface");
+  body.volume = std::move(volume);
 }
 
 void check_axes(const ReducedBody& body) {
@@ -246,6 +451,8 @@ void check_axes(const ReducedBody& body) {
                 level.samples[0] == 0.0 && level.samples[level.samples.size() - 1] == 1.0,
             "the level axis does not run from 0 to 1 in the steps of press_depth");
   }
+  require(same_axes(body.displacement, body.stress),
+          "displacement and stress hang on different parameters");
 }
 
 ReducedBody read_all(hid_t file) {
@@ -271,15 +478,20 @@ ReducedBody read_all(hid_t file) {
   read_surface(file, body);
   read_sites(file, body);
   const auto V = static_cast<hsize_t>(body.surface.vertex_count());
-  body.displacement = read_field(file, "displacement", 3 * V);
-  body.stress = read_field(file, "stress", 6 * V);
+  body.displacement =
+      read_field(file, "displacement", 3 * V, body.error.displacement_rounding);
+  body.stress = read_field(file, "stress", 6 * V, body.error.stress_rounding);
   check_axes(body);
+  check_press(body);
+  if (!body.is_settled()) read_further(file, body);
+  if (has_link(file, "volume")) read_volume(file, body);
   {
     const Handle g = open_group(file, "error");
     body.error.displacement_pooled = read_number(g, "displacement_pooled");
     body.error.displacement_worst = read_number(g, "displacement_worst");
     body.error.stress_pooled = read_number(g, "stress_pooled");
     body.error.stress_worst = read_number(g, "stress_worst");
+    if (has(g, "between_sites")) body.error.between_sites = read_number(g, "between_sites");
   }
   const Handle g = open_group(file, "provenance");
   const double count = read_number(g, "count");
@@ -318,11 +530,26 @@ Result<ReducedBody> read_body_file(const std::filesystem::path& path) {
   }
 }
 
-void write_body_file(const std::filesystem::path& path, const ReducedBody& body) {
+Result<ReducedBody> read_pressable_body(const std::filesystem::path& path,
+                                        const std::map<std::string, double>& values) {
+  Result<ReducedBody> body = read_body_file(path);
+  if (!body.ok()) return body;
+  Result<ReducedBody> result = settled(body.value(), values);
+  if (result.ok()) return result;
+  return Problem{fmt::format("{}: {}", path.string(), result.problem().message)};
+}
+
+void write_body_file(const std::filesystem::path& path, const ReducedBody& body,
+                     ModeStorage storage) {
+  if (body.level_slope.size() == 0 && body.press_depth.size() > 0) {
+    ReducedBody tabulated = body;
+    tabulate_press(tabulated);
+    return write_body_file(path, tabulated, storage);
+  }
   const hdf5::Quiet quiet;
   try {
-    const std::string bytes =
-        hdf5::image_of(kKind, kBodyFileVersion, [&](hid_t file) { write_all(file, body); });
+    const std::string bytes = hdf5::image_of(
+        kKind, kBodyFileVersion, [&](hid_t file) { write_all(file, body, storage); });
     (void)from_bytes(bytes);  // a body that breaks a promise of reduced_body.h is not written
     hdf5::write_durably(path, bytes);
   } catch (const Trouble& trouble) {

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -14,6 +16,7 @@ namespace palpable {
 namespace {
 
 namespace fs = std::filesystem;
+using test::tolerance;
 
 // A folder of its own for each case, gone afterwards.
 class Folder {
@@ -42,37 +45,147 @@ void write_bytes(const fs::path& path, const std::string& bytes) {
 
 ReducedBody small_ball() { return test::pressed_ball(0.05, 0.01, 1); }
 
-TEST_CASE("a body that was written is read back the same", "[reduced][files]") {
-  const Folder folder;
-  const ReducedBody body = small_ball();
-  write_body_file(folder / "ball.palpable", body);
-  const Result<ReducedBody> result = read_body_file(folder / "ball.palpable");
-  REQUIRE(result.ok());
-  const ReducedBody& again = result.value();
-  CHECK(again.name == body.name);
-  CHECK(again.material == body.material);
-  CHECK(again.surface.vertices == body.surface.vertices);
-  CHECK(again.surface.triangles == body.surface.triangles);
-  CHECK(again.fixed == body.fixed);
-  CHECK(again.press_depth == body.press_depth);
-  CHECK(again.largest_von_mises == body.largest_von_mises);
-  CHECK(again.provenance == body.provenance);
-  REQUIRE(again.sites.size() == body.sites.size());
-  for (std::size_t s = 0; s < body.sites.size(); ++s) {
-    CHECK(again.sites[s].vertex == body.sites[s].vertex);
-    CHECK(again.sites[s].patch == body.sites[s].patch);
-    CHECK(again.sites[s].weights == body.sites[s].weights);
-    CHECK(again.sites[s].direction == body.sites[s].direction);
-    CHECK(again.sites[s].full_load == body.sites[s].full_load);
+// All that a file can hold: further parameters, an inside, and what sites cost.
+ReducedBody full_ball() {
+  ReducedBody body = test::with_further(small_ball());
+  body.error = {1e-4, 2e-3, 3e-4, 4e-3, 0, 0, 0.26};
+  return body;
+}
+
+void check_same(const SeparatedField& a, const SeparatedField& b) {
+  CHECK(a.modes() == b.modes());
+  REQUIRE(a.axes().size() == b.axes().size());
+  for (std::size_t j = 0; j < a.axes().size(); ++j) {
+    CHECK(a.axes()[j].name == b.axes()[j].name);
+    CHECK(a.axes()[j].samples == b.axes()[j].samples);
+    CHECK(a.axes()[j].functions == b.axes()[j].functions);
+    CHECK(a.axes()[j].between == b.axes()[j].between);
   }
-  for (const auto field : {&ReducedBody::displacement, &ReducedBody::stress}) {
-    CHECK((again.*field).modes() == (body.*field).modes());
-    for (std::size_t j = 0; j < 2; ++j) {
-      CHECK((again.*field).axes()[j].name == (body.*field).axes()[j].name);
-      CHECK((again.*field).axes()[j].samples == (body.*field).axes()[j].samples);
-      CHECK((again.*field).axes()[j].functions == (body.*field).axes()[j].functions);
-      CHECK((again.*field).axes()[j].between == (body.*field).axes()[j].between);
+}
+
+ReducedBody written_and_read(const ReducedBody& body, ModeStorage storage = ModeStorage::kFloat32) {
+  const Folder folder;
+  write_body_file(folder / "ball.palpable", body, storage);
+  return value_or_throw(read_body_file(folder / "ball.palpable"));
+}
+
+TEST_CASE("a body that was written is read back the same", "[reduced][files]") {
+  for (const ReducedBody& body : {small_ball(), full_ball()}) {
+    const ReducedBody again = written_and_read(body);
+    CHECK(again.name == body.name);
+    CHECK(again.material == body.material);
+    CHECK(again.surface.vertices == body.surface.vertices);
+    CHECK(again.surface.triangles == body.surface.triangles);
+    CHECK(again.fixed == body.fixed);
+    CHECK(again.press_depth == body.press_depth);
+    CHECK(again.depth_slope == body.depth_slope);
+    CHECK(again.level_slope == body.level_slope);
+    CHECK(again.largest_von_mises == body.largest_von_mises);
+    CHECK(again.provenance == body.provenance);
+    CHECK(again.error.displacement_worst == body.error.displacement_worst);
+    CHECK(again.error.stress_pooled == body.error.stress_pooled);
+    CHECK(again.error.stress_rounding == 0);
+    CHECK(again.error.between_sites == body.error.between_sites);
+    REQUIRE(again.sites.size() == body.sites.size());
+    for (std::size_t s = 0; s < body.sites.size(); ++s) {
+      CHECK(again.sites[s].vertex == body.sites[s].vertex);
+      CHECK(again.sites[s].patch == body.sites[s].patch);
+      CHECK(again.sites[s].weights == body.sites[s].weights);
+      CHECK(again.sites[s].direction == body.sites[s].direction);
+      CHECK(again.sites[s].full_load == body.sites[s].full_load);
     }
+    check_same(again.displacement, body.displacement);
+    check_same(again.stress, body.stress);
+    REQUIRE(again.further.size() == body.further.size());
+    for (std::size_t j = 0; j < body.further.size(); ++j) {
+      CHECK(again.further[j].name == body.further[j].name);
+      CHECK(again.further[j].value == body.further[j].value);
+      CHECK(again.further[j].samples == body.further[j].samples);
+    }
+    CHECK(again.further_press_depth == body.further_press_depth);
+    CHECK(again.further_full_load == body.further_full_load);
+    REQUIRE(again.volume.has_value() == body.volume.has_value());
+    if (!body.volume) continue;
+    CHECK(again.volume->nodes == body.volume->nodes);
+    CHECK(again.volume->tets == body.volume->tets);
+    check_same(again.volume->displacement, body.volume->displacement);
+    REQUIRE(again.volume->stress);
+    check_same(*again.volume->stress, *body.volume->stress);
+  }
+}
+
+TEST_CASE("a body in half precision takes half the bytes and says what that costs",
+          "[reduced][files]") {
+  const Folder folder;
+  const ReducedBody body = test::pressed_ball();
+  write_body_file(folder / "full.palpable", body);
+  write_body_file(folder / "half.palpable", body, ModeStorage::kFloat16);
+  const auto modes = static_cast<double>(body.displacement.modes().size() + body.stress.modes().size());
+  const double saved = static_cast<double>(fs::file_size(folder / "full.palpable")) -
+                       static_cast<double>(fs::file_size(folder / "half.palpable"));
+  CHECK(saved == Approx(2 * modes).epsilon(tolerance(0.02, "HDF5's own tables")));
+
+  const ReducedBody half = value_or_throw(read_body_file(folder / "half.palpable"));
+  // 11 bits: at most 2^-12 = 2.4e-4 for each value, evenly spread over that: 1 / sqrt(3) of it.
+  double error = 0, whole = 0;
+  std::vector<float> a(static_cast<std::size_t>(body.stress.value_count())), b(a.size());
+  for (int s = 0; s < 6; ++s) {
+    for (const double level : body.levels()) {
+      body.stress.evaluate(std::array{double(s), level}, a);
+      half.stress.evaluate(std::array{double(s), level}, b);
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        error += std::pow(double(a[i]) - double(b[i]), 2);
+        whole += std::pow(double(a[i]), 2);
+      }
+    }
+  }
+  CHECK(half.error.stress_rounding == Approx(std::sqrt(error / whole)).epsilon(1e-3));
+  CHECK(half.error.stress_rounding < 2.5e-4);
+  CHECK(half.error.stress_rounding > 2e-5);
+  // Written again it loses nothing more, and what was lost is not forgotten.
+  const ReducedBody again = written_and_read(half, ModeStorage::kFloat16);
+  CHECK(again.stress.modes() == half.stress.modes());
+  CHECK(again.error.stress_rounding == half.error.stress_rounding);
+}
+
+TEST_CASE("what is to be pressed is settled on the values asked for", "[reduced][files]") {
+  const Folder folder;
+  const fs::path path = folder / "ball.palpable";
+  write_body_file(path, full_ball());
+  const ReducedBody soft = value_or_throw(read_pressable_body(path, {{"softness", 2}}));
+  CHECK(soft.is_settled());
+  CHECK(soft.sites[0].full_load == Approx(full_ball().sites[0].full_load));
+  CHECK(read_pressable_body(path, {{"age", 2}}).problem().message.find(path.string() + ": 'age'") !=
+        std::string::npos);
+  // A settled body is a body of its own.
+  const ReducedBody again = written_and_read(soft);
+  CHECK(again.further.empty());
+  CHECK(again.press_depth == soft.press_depth);
+}
+
+// Committed when layout 1 was new: whatever comes, it is read.
+TEST_CASE("a file of layout 1 is read for ever", "[reduced][files]") {
+  for (const char* name : {"ball_v1.palpable", "ball_v1_full.palpable"}) {
+    INFO(name);
+    const Result<ReducedBody> result = read_body_file(fs::path("tests/data") / name);
+    if (!result.ok()) FAIL(result.problem().message);
+    const ReducedBody& body = result.value();
+    CHECK(body.name == "ball");
+    CHECK(body.sites.size() == 6);
+    const bool full = body.volume.has_value();
+    CHECK(full == (std::string(name) == "ball_v1_full.palpable"));
+    // The closed form of tests/support/bodies.h; the full one is in half precision.
+    const ReducedBody here = settled(full ? full_ball() : small_ball()).value();
+    const ReducedBody one = settled(body).value();
+    std::vector<float> a(static_cast<std::size_t>(one.displacement.value_count())), b(a.size());
+    one.displacement.evaluate(std::array{4.0, 0.6}, a);
+    here.displacement.evaluate(std::array{4.0, 0.6}, b);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      CHECK(a[i] == Approx(b[i]).margin(full ? tolerance(3e-6, "half precision of 10 mm")
+                                             : tolerance(1e-9, "libm")));
+    }
+    CHECK(one.press_depth(3, 2) == Approx(here.press_depth(3, 2)));
+    CHECK(body.error.between_sites == (full ? std::optional(0.26) : std::nullopt));
   }
 }
 
@@ -112,15 +225,36 @@ TEST_CASE("a body that breaks a rule of its own is not written over a good one",
       {"its own patch", [](auto& b) { b.sites[4].vertex = b.sites[4].patch[1]; }},
       {"sum to 1", [](auto& b) { b.sites[5].weights[0] += 0.5f; }},
       {"does not grow", [](auto& b) { b.press_depth(2, 3) = 0; }},
+      {"the press of site 1 does not grow", [](auto& b) { b.level_slope(2, 1) = -1; }},
+      {"the press of site 1 does not grow", [](auto& b) { b.depth_slope(2, 1) *= 4; }},
+      {"not tabulated", [](auto& b) { b.depth_slope.resize(2, 2); }},
+      {"different parameters", [](auto& b) { b.stress = b.stress.settled(3, 0); }},
+      {"not known at all values", [](auto& b) { b.further_full_load.resize(6, 8); }},
+      {"not that of the fields", [](auto& b) { b.further[1].name = "cold"; }},
+      {"not that of the fields", [](auto& b) { b.further[0].value = 3; }},
+      {"not those of the fields",
+       [](auto& b) {
+         b.further.pop_back();
+         b.further_press_depth = b.further_press_depth.leftCols(18).eval();
+         b.further_full_load = b.further_full_load.leftCols(3).eval();
+       }},
+      {"a press depth does not grow", [](auto& b) { b.further_press_depth(1, 50) = 0; }},
+      {"no such node", [](auto& b) { b.volume->tets(2, 0) = 4; }},
+      {"no tetrahedra", [](auto& b) { b.volume->tets = b.volume->tets.topRows(3).eval(); }},
+      {"other parameters than the surface",
+       [](auto& b) { b.volume->displacement = b.volume->displacement.settled(3, 0); }},
       {"not a stress", [](auto& b) { b.largest_von_mises = NAN; }},
       {"no site",
        [](auto& b) {
          b.sites.clear();
          b.press_depth.resize(5, 0);
+         tabulate_press(b);
+         b.further_press_depth.resize(5, 0);
+         b.further_full_load.resize(0, 9);
        }},
   };
   for (const auto& [expected, spoil] : faults) {
-    ReducedBody body = small_ball();
+    ReducedBody body = full_ball();
     spoil(body);
     std::string message = "(written)";
     try {
@@ -150,7 +284,7 @@ TEST_CASE("a full disk is a clear error and leaves the old file", "[reduced][err
 TEST_CASE("a truncated body file is refused at every length", "[reduced][fuzz]") {
   const Folder folder;
   const fs::path path = folder / "ball.palpable";
-  write_body_file(path, small_ball());
+  write_body_file(path, full_ball(), ModeStorage::kFloat16);
   const std::string good = bytes_of(path);
   for (std::size_t n = 0; n < good.size(); n += 1 + good.size() / 200) {
     write_bytes(path, good.substr(0, n));
@@ -161,7 +295,7 @@ TEST_CASE("a truncated body file is refused at every length", "[reduced][fuzz]")
 TEST_CASE("a body file with one changed byte is refused", "[reduced][fuzz]") {
   const Folder folder;
   const fs::path path = folder / "ball.palpable";
-  write_body_file(path, small_ball());
+  write_body_file(path, full_ball(), ModeStorage::kFloat16);
   const std::string good = bytes_of(path);
   for (unsigned seed = 0; seed < 500; ++seed) {
     auto random = test::random_case(seed);
@@ -180,6 +314,9 @@ TEST_CASE("a file of another layout is refused by its version", "[reduced][error
   write_bytes(folder / "new.palpable", "palpable body file, layout 99\nwhatever comes then");
   CHECK(read_body_file(folder / "new.palpable").problem().message.find("layout version '99'") !=
         std::string::npos);
+  write_bytes(folder / "old.palpable", "palpable body file, layout 0\nbytes 5\n");
+  CHECK_THAT(read_body_file(folder / "old.palpable").problem().message,
+             Catch::Contains("layout version '0'") && Catch::Contains("bake the body again"));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 /// HDF5 is not safe in several threads at once: callers take turns.
 #pragma once
 
+#include <Eigen/Core>
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -62,6 +63,7 @@ class Quiet {
 
 [[nodiscard]] inline hid_t native(float) { return H5T_NATIVE_FLOAT; }
 [[nodiscard]] inline hid_t native(double) { return H5T_NATIVE_DOUBLE; }
+[[nodiscard]] hid_t native(Eigen::half);  ///< IEEE 754 binary16
 [[nodiscard]] inline hid_t native(int) { return H5T_NATIVE_INT; }
 [[nodiscard]] inline hid_t native(std::uint8_t) { return H5T_NATIVE_UINT8; }
 
@@ -138,6 +140,8 @@ Table<T> read_table(hid_t file, const char* name, hsize_t rows, hsize_t columns)
 
 [[nodiscard]] std::string read_text(hid_t object, const char* name);
 [[nodiscard]] double read_number(hid_t object, const char* name);
+[[nodiscard]] bool has(hid_t object, const char* attribute);
+[[nodiscard]] bool has_link(hid_t group, const char* name);  ///< a dataset or group of that name
 [[nodiscard]] Handle open_group(hid_t file, const char* name);
 
 /// The bytes of a whole file: behind a user block, a feature of HDF5 that its tools skip, what

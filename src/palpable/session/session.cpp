@@ -1,6 +1,7 @@
 #include "palpable/session/session.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/reduced/pressed_surface.h"
 #include "palpable/vision/depth_edges.h"
 #include "palpable/vision/static_background.h"
 
@@ -101,7 +102,6 @@ struct Session::Parts {
       background.emplace(camera.noise(),
                          StaticBackgroundSettings{.frames = settings.static_frames});
     }
-    stress.resize(6 * body.surface.vertices.cols());
   }
 
   bool find_contact_depth(const SeenFrame& seen);
@@ -124,7 +124,6 @@ struct Session::Parts {
   PressState press;
   PaperState paper;
   Eigen::Matrix3Xf nodes;
-  Eigen::VectorXf stress;  // (6V) Pa
 
   SeenFrame own_seen;  // of process()
   Scene own_scene;
@@ -162,17 +161,13 @@ void Session::Parts::reconstruct(Scene& scene) {
   scene.von_mises.resize(V);
   if (scene.touches.empty()) {
     scene.vertices = rest;
+    vertex_normals(scene.vertices, body.surface.triangles, scene.normals);
     std::fill(scene.von_mises.begin(), scene.von_mises.end(), 0.0f);
   } else {
     const Touch& touch = scene.touches.front();
     const std::array mu{static_cast<double>(touch.site), touch.level};
-    body.displacement.evaluate(mu, std::span<float>(scene.vertices.data(), 3 * V));
-    scene.vertices += rest;
-    const std::span<float> values(stress.data(), 6 * V);
-    body.stress.evaluate(mu, values);
-    von_mises(values, scene.von_mises);
+    press_surface(body, rest, mu, scene.vertices, scene.normals, scene.von_mises);
   }
-  vertex_normals(scene.vertices, body.surface.triangles, scene.normals);
 }
 
 Session::Session(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
