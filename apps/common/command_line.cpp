@@ -1,5 +1,6 @@
 #include "apps/common/command_line.h"
 
+#include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
 
 #include <CLI/CLI.hpp>
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <iostream>
 
@@ -101,6 +103,30 @@ int run_command_line(CLI::App& app, int argc, const char* const* argv) {
                     : fmt::format("{}, see {} --help", error.what(), full_name(*innermost(app))));
   } catch (const std::exception& error) { print_error(error.what()); }
   return 1;
+}
+
+std::map<std::string, double> parse_settings(const std::vector<std::string>& texts) {
+  std::map<std::string, double> values;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    char* end = nullptr;
+    const double value =
+        equals == std::string::npos ? 0.0 : std::strtod(text.c_str() + equals + 1, &end);
+    if (end == nullptr || end == text.c_str() + equals + 1 || *end != '\0' || equals == 0) {
+      throw Error(
+          fmt::format("--set {}: must be a parameter and its value, such as stiffness=2", text));
+    }
+    values[text.substr(0, equals)] = value;
+  }
+  return values;
+}
+
+void add_set_option(CLI::App& command, std::vector<std::string>& texts) {
+  command
+      .add_option("--set", texts,
+                  "Value of a parameter beyond site and level, where the body has one (palpable "
+                  "inspect names them); else its own")
+      ->type_name("NAME=VALUE");
 }
 
 }  // namespace palpable::app

@@ -3,6 +3,7 @@
 /// word.
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,5 +22,11 @@ int run_command_line(CLI::App& app, int argc, const char* const* argv);
 
 /// Prints "palpable: <message>" on stderr, line breaks replaced by "; ".
 void print_error(std::string_view message);
+
+/// "ears=0.5" each, as after --set. @throws Error for another form
+[[nodiscard]] std::map<std::string, double> parse_settings(const std::vector<std::string>& texts);
+
+/// --set NAME=VALUE, as often as there are parameters beyond site and level.
+void add_set_option(CLI::App& command, std::vector<std::string>& texts);
 
 }  // namespace palpable::app

@@ -24,6 +24,8 @@ void add_merge(CLI::App& app);
 void add_import_snapshots(CLI::App& app);
 void add_reduce(CLI::App& app, const std::string& command_line);
 void add_solve(CLI::App& app);
+void add_export(CLI::App& app);
+void add_import_modes(CLI::App& app, const std::string& command_line);
 void add_bench(CLI::App& app);
 
 }  // namespace palpable::app

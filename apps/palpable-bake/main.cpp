@@ -45,6 +45,8 @@ int run(int argc, char** argv) {
   add_import_snapshots(app);
   add_reduce(app, command_line);
   add_solve(app);
+  add_export(app);
+  add_import_modes(app, command_line);
   add_bench(app);
   const int code = run_command_line(app, argc, argv);
   if (ranks) ranks->end(code != 0);

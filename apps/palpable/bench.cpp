@@ -12,6 +12,8 @@
 #include "palpable/contact/press_law.h"
 #include "palpable/contact/seen_surface.h"
 #include "palpable/reduced/body_file.h"
+#include "palpable/reduced/mode_kernels.h"
+#include "palpable/reduced/pressed_surface.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/score/penetration.h"
@@ -24,10 +26,12 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -37,18 +41,26 @@ namespace {
 
 using Series = std::vector<std::pair<std::string, std::vector<double>>>;
 
-void add(Series& series, const StageTimes& times) {
-  const auto add_one = [&](std::string_view name, double ms) {
-    for (auto& [stage, values] : series) {
-      if (stage == name) {
-        values.push_back(ms);
-        return;
-      }
+void add_to(Series& series, std::string_view name, double ms) {
+  for (auto& [stage, values] : series) {
+    if (stage == name) {
+      values.push_back(ms);
+      return;
     }
-    series.emplace_back(std::string(name), std::vector<double>{ms});
-  };
-  for (const StageTime& stage : times.stages()) add_one(stage.name, stage.ms);
-  add_one("total", times.total_ms());
+  }
+  series.emplace_back(std::string(name), std::vector<double>{ms});
+}
+
+void add(Series& series, const StageTimes& times) {
+  for (const StageTime& stage : times.stages()) add_to(series, stage.name, stage.ms);
+  add_to(series, "total", times.total_ms());
+}
+
+double median_of(const Series& series, std::string_view name) {
+  for (const auto& [stage, values] : series) {
+    if (stage == name) return percentile(values, 0.5);
+  }
+  return std::numeric_limits<double>::quiet_NaN();
 }
 
 void print(nlohmann::ordered_json result, const Series& series, bool json) {
@@ -86,35 +98,73 @@ nlohmann::ordered_json about(const char* bench, const ReducedBody& body) {
   return result;
 }
 
+// The size of the paper's bunny as the paper reduces it: modes for all sites together.
+constexpr int kGlobalVertices = 3731;
+constexpr int kGlobalModes = 60;
+
+// Its numbers are of no interest, its size is.
+SeparatedField global_field() {
+  Eigen::MatrixXf F(3 * kGlobalVertices, kGlobalModes);
+  for (Eigen::Index i = 0; i < F.size(); ++i) F(i) = static_cast<float>(i % 1000 - 500) * 1e-5f;
+  const Eigen::VectorXd levels = Eigen::VectorXd::LinSpaced(27, 0, 1);
+  const Eigen::VectorXd sites = Eigen::VectorXd::LinSpaced(34, 0, 33);
+  return {std::move(F),
+          {{"site", sites, Eigen::MatrixXd::Ones(34, kGlobalModes), Between::kNothing},
+           {"level", levels, levels.replicate(1, kGlobalModes), Between::kSmooth}}};
+}
+
 void bench_evaluate(const BodyOptions& options) {
-  const ReducedBody body = value_or_throw(read_body_file(options.body));
+  const ReducedBody body = value_or_throw(read_pressable_body(options.body));
   const Eigen::Matrix3Xf rest = body.surface.vertices.cast<float>();
   const auto V = static_cast<std::size_t>(rest.cols());
   Eigen::Matrix3Xf vertices(3, rest.cols()), normals(3, rest.cols());
-  std::vector<float> stress(6 * V), mises(V);
+  std::vector<float> u(3 * V), mises(V), global_u(3 * kGlobalVertices);
+  const SeparatedField global = global_field();
+  Eigen::MatrixXf copy = global.modes();
+
   Series series;
-  for (int i = 0; i < options.repeats; ++i) {
-    // Another site and level each time, as a hand would ask for.
-    const std::array mu{static_cast<double>(static_cast<std::size_t>(i) % body.sites.size()),
-                        0.1 + 0.8 * (i % 97) / 97.0};
+  const auto timed = [&](const char* name, const auto& work) {
     StageTimes times;
     {
-      const StageTimer timer(times, "displacement");
-      body.displacement.evaluate(mu, std::span<float>(vertices.data(), 3 * V));
-      vertices += rest;
+      const StageTimer timer(times, name);
+      work();
     }
-    {
-      const StageTimer timer(times, "stress");
-      body.stress.evaluate(mu, stress);
-      von_mises(stress, mises);
-    }
-    {
-      const StageTimer timer(times, "normals");
-      vertex_normals(vertices, body.surface.triangles, normals);
-    }
-    add(series, times);
+    for (const StageTime& stage : times.stages()) add_to(series, stage.name, stage.ms);
+  };
+  // Side by side, so that whatever else the machine does falls on both.
+  for (int i = 0; i < options.repeats; ++i) {
+    const std::array mu{static_cast<double>(i % 34), 0.1 + 0.8 * (i % 97) / 97.0};
+    timed("copy", [&] {
+      std::memcpy(copy.data(), global.modes().data(),
+                  static_cast<std::size_t>(copy.size()) * sizeof(float));
+    });
+    timed("global_60", [&] { global.evaluate(mu, global_u); });
   }
-  print(about("evaluate", body), series, options.json);
+  for (int i = 0; i < options.repeats; ++i) {
+    // Each site for some frames, as a hand stays at one.
+    const std::array mu{static_cast<double>(static_cast<std::size_t>(i / 16) % body.sites.size()),
+                        0.1 + 0.8 * (i % 97) / 97.0};
+    timed("per_site", [&] { body.displacement.evaluate(mu, u); });
+    timed("derivative", [&] { body.displacement.derivative(mu, 1, u); });
+    timed("all", [&] { press_surface(body, rest, mu, vertices, normals, mises); });
+  }
+
+  nlohmann::ordered_json result = about("evaluate", body);
+  result["modes_per_site"] = body.displacement.largest_block();
+  result["stress_modes_per_site"] = body.stress.largest_block();
+  result["instructions"] = mode_kernels().front().name;
+  const auto median_us = [&](const char* name) { return 1e3 * median_of(series, name); };
+  const double mode_bytes = static_cast<double>(copy.size()) * sizeof(float);
+  const double moved = mode_bytes + static_cast<double>(global_u.size()) * sizeof(float);
+  result["us_global_60"] = median_us("global_60");
+  result["us_per_site"] = median_us("per_site");
+  result["us_derivative"] = median_us("derivative");
+  result["us_all"] = median_us("all");
+  result["copy_us"] = median_us("copy");
+  // Bytes read and written per second, against those of the copy, which reads and writes each.
+  result["bandwidth_fraction"] =
+      (moved / median_us("global_60")) / (2 * mode_bytes / median_us("copy"));
+  print(result, series, options.json);
 }
 
 // What a depth camera sees of a finger on the body's first site, and of a plane 0.1 m behind it.
@@ -138,7 +188,7 @@ DepthImage depth_of_finger(const TrueCapsule& finger, const PinholeCamera& camer
 }
 
 void bench_contact(const BodyOptions& options) {
-  const ReducedBody body = value_or_throw(read_body_file(options.body));
+  const ReducedBody body = value_or_throw(read_pressable_body(options.body));
   const Eigen::AlignedBox3d region(body.surface.vertices.rowwise().minCoeff(),
                                    body.surface.vertices.rowwise().maxCoeff());
   const double distance = std::max(0.4, 3 * region.sizes().maxCoeff());
@@ -241,15 +291,23 @@ void add_bench(CLI::App& app) {
                                   void (*run)(const BodyOptions&)) {
     auto options = std::make_shared<BodyOptions>();
     CLI::App* command = bench->add_subcommand(name, what);
-    command->add_option("body", options->body, "Body file")->required();
+    command->add_option("body", options->body,
+                        "Body file; else build/bodies/bunny.palpable or out/demo/bunny.palpable");
     command->add_option("--repeats", options->repeats, "Frames")
         ->check(CLI::Range(1, 10'000'000))
         ->capture_default_str();
     command->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
     command->footer(fmt::format("Example: palpable bench {} bunny.palpable", name));
-    command->callback([options, run] { run(*options); });
+    command->callback([options, run] {
+      std::error_code ignored;
+      for (const char* usual : {"build/bodies/bunny.palpable", "out/demo/bunny.palpable"}) {
+        if (options->body.empty() && std::filesystem::exists(usual, ignored)) options->body = usual;
+      }
+      if (options->body.empty()) throw Error("name a body file; ./demo makes one");
+      run(*options);
+    });
   };
-  add_body_bench("evaluate", "Displacement, stress and normals of the reduced body",
+  add_body_bench("evaluate", "Evaluation of the reduced body, and what copying as many bytes takes",
                  bench_evaluate);
   add_body_bench("contact", "A finger at 640 x 360 on the first site", bench_contact);
 

@@ -34,6 +34,18 @@ std::string range_text(const ReducedBody& body, Figure figure) {
   return fmt::format("{:.3g} to {:.3g}", least, most);
 }
 
+bool has_blocks(const SeparatedField& field) { return field.largest_block() < field.mode_count(); }
+
+std::string modes_text(const SeparatedField& field, double pooled, double worst, double rounding) {
+  std::string text = has_blocks(field)
+                         ? fmt::format("{} modes, up to {} of its own per site", field.mode_count(),
+                                       field.largest_block())
+                         : fmt::format("{} modes for all sites", field.mode_count());
+  text += fmt::format("; error {:.2e} over all snapshots, {:.2e} in the worst", pooled, worst);
+  if (rounding > 0) text += fmt::format("; stored in half precision, which adds {:.1e}", rounding);
+  return text;
+}
+
 void print_text(const ReducedBody& body, const std::filesystem::path& path) {
   const Eigen::Vector3d low = body.surface.vertices.rowwise().minCoeff();
   const Eigen::Vector3d size = body.surface.vertices.rowwise().maxCoeff() - low;
@@ -43,8 +55,9 @@ void print_text(const ReducedBody& body, const std::filesystem::path& path) {
     fmt::print("{:<20}{}\n", name, text);
   };
   line("body", body.name);
-  line("file", fmt::format("{}, {:.1f} MB", path.string(),
-                           static_cast<double>(std::filesystem::file_size(path)) / 1e6));
+  line("file", fmt::format("{}, {:.1f} MB, layout {}", path.string(),
+                           static_cast<double>(std::filesystem::file_size(path)) / 1e6,
+                           kBodyFileVersion));
   line("size", fmt::format("{:.1f} x {:.1f} x {:.1f} mm, {:.1f} cm^3", size.x() * 1e3,
                            size.y() * 1e3, size.z() * 1e3, enclosed_volume(body.surface) * 1e6));
   line("surface", fmt::format("{} vertices, {} triangles; {} vertices held by the support",
@@ -57,12 +70,25 @@ void print_text(const ReducedBody& body, const std::filesystem::path& path) {
   line("press at full load", range_text(body, [&](std::size_t s) {
                                return body.press_depth(last, static_cast<Eigen::Index>(s)) * 1e3;
                              }) + " mm");
-  line("displacement", fmt::format("{} modes; error {:.2e} over all snapshots, {:.2e} in the worst",
-                                   body.displacement.mode_count(), body.error.displacement_pooled,
-                                   body.error.displacement_worst));
-  line("stress",
-       fmt::format("{} modes; error {:.2e} over all snapshots, {:.2e} in the worst",
-                   body.stress.mode_count(), body.error.stress_pooled, body.error.stress_worst));
+  for (const FurtherParameter& p : body.further) {
+    line("parameter", fmt::format("{}: {:g} to {:g} from {} samples, {:g} unless --set", p.name,
+                                  p.samples[0], p.samples[p.samples.size() - 1], p.samples.size(),
+                                  p.value));
+  }
+  line("between levels", "cubic splines of depth, displacement and stress");
+  line("between sites",
+       "nothing: the nearest one counts" +
+           (body.error.between_sites
+                ? fmt::format(", wrong by {:.0f} % in the median", 100 * *body.error.between_sites)
+                : std::string("; what that costs is not known")));
+  line("displacement",
+       modes_text(body.displacement, body.error.displacement_pooled, body.error.displacement_worst,
+                  body.error.displacement_rounding));
+  line("stress", modes_text(body.stress, body.error.stress_pooled, body.error.stress_worst,
+                            body.error.stress_rounding));
+  line("inside", body.volume ? fmt::format("{} nodes, {} tetrahedra", body.volume->nodes.cols(),
+                                           body.volume->tets.cols())
+                             : std::string("none, the boundary only"));
   line("largest stress", fmt::format("{:.3g} kPa (von Mises)", body.largest_von_mises / 1e3));
   fmt::print(
       "errors are relative, L2; lengths, loads and stresses are in m, N and Pa in the file\n");
@@ -79,6 +105,20 @@ void print_json(const ReducedBody& body) {
   result["levels"] = body.levels().size() - 1;
   result["displacement_modes"] = body.displacement.mode_count();
   result["stress_modes"] = body.stress.mode_count();
+  result["layout"] = kBodyFileVersion;
+  result["form"] = has_blocks(body.displacement) ? "per-site" : "global";
+  result["displacement_modes_per_site"] = body.displacement.largest_block();
+  result["stress_modes_per_site"] = body.stress.largest_block();
+  result["displacement_rounding"] = body.error.displacement_rounding;
+  result["stress_rounding"] = body.error.stress_rounding;
+  if (body.error.between_sites) result["between_sites_error"] = *body.error.between_sites;
+  for (const FurtherParameter& p : body.further) {
+    result["parameters"][p.name] = {{"first", p.samples[0]},
+                                    {"last", p.samples[p.samples.size() - 1]},
+                                    {"samples", p.samples.size()},
+                                    {"value", p.value}};
+  }
+  result["volume_nodes"] = body.volume ? body.volume->nodes.cols() : 0;
   result["displacement_error"] = body.error.displacement_pooled;
   result["displacement_error_worst"] = body.error.displacement_worst;
   result["stress_error"] = body.error.stress_pooled;

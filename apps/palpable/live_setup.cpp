@@ -1,5 +1,6 @@
 #include "apps/palpable/live_setup.h"
 
+#include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/place.h"
 #include "apps/palpable/sequence_folder.h"
@@ -112,12 +113,13 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
           "rows watched; opencv: its semi-global block matcher")
       ->check(CLI::IsMember({"census", "opencv"}))
       ->capture_default_str();
+  add_set_option(command, options.set);
   command.add_option("--frames", options.frames, "Stop after so many frames")
       ->check(CLI::Range(1, 100'000'000));
 }
 
 LiveRun set_up_live(const LiveOptions& options) {
-  ReducedBody body = value_or_throw(read_body_file(options.body));
+  ReducedBody body = value_or_throw(read_pressable_body(options.body, parse_settings(options.set)));
   CameraRequest request = request_of(options.input);
   if (request.device == "synthetic") request.device = synthetic_clip(options, body).string();
   const fs::path images = request.device;

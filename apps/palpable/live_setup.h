@@ -25,6 +25,7 @@ struct LiveOptions {
   bool paced = false;              ///< a recording at its own pace instead of the loop's
   std::vector<std::string> place;  ///< words; empty: from the folder's scene.toml
   double scale = 1;
+  std::vector<std::string> set;  ///< NAME=VALUE of further parameters
   bool ignore_static = false;
   std::string contact = "press";
   std::string matcher = "census";

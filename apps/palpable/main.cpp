@@ -33,6 +33,8 @@ constexpr std::array kBakeCommands{
     BakeCommand{"import-snapshots", "Take over what another solver has computed"},
     BakeCommand{"reduce", "Make a body file from snapshots"},
     BakeCommand{"solve", "Press a body at one site and write it for ParaView"},
+    BakeCommand{"export", "Write a body or its snapshots for other programs"},
+    BakeCommand{"import-modes", "Make a body file of another program's modes"},
 };
 
 // Of `palpable bench`, those that palpable-bake has.

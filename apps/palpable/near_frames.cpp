@@ -56,7 +56,7 @@ void through_jpeg(ColorImage& picture) {
 
 NearFrames::NearFrames(const std::filesystem::path& body, std::uint64_t seed,
                        const Progress& progress)
-    : NearFrames(value_or_throw(read_body_file(body)), seed, progress) {}
+    : NearFrames(value_or_throw(read_pressable_body(body)), seed, progress) {}
 
 NearFrames::NearFrames(const ReducedBody& body, std::uint64_t seed, const Progress& progress)
     : body_name_(body.name),

@@ -165,7 +165,7 @@ void score(const Options& options) {
   const TruthFolder truth = read_truth_folder(options.truth);
   const ResultFolder result = read_result_folder(options.result, truth.frames);
   std::optional<ReducedBody> body;
-  if (!options.body.empty()) body = value_or_throw(read_body_file(options.body));
+  if (!options.body.empty()) body = value_or_throw(read_pressable_body(options.body));
 
   ordered_json scores;
   scores["frames"] = truth.frames;

@@ -75,7 +75,7 @@ void add_synth(CLI::App& app) {
   command->callback([options] {
     const SequenceKind& kind = kind_of(options->name);
     const fs::path file = options->body.empty() ? default_body() : options->body;
-    const ReducedBody body = value_or_throw(read_body_file(file));
+    const ReducedBody body = value_or_throw(read_pressable_body(file));
     ProgressBar bar;
     write_sequence(body,
                    {options->name, options->frames > 0 ? options->frames : kind.frames,

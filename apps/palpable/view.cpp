@@ -1,6 +1,7 @@
 // palpable view: a body in a window, turned and pressed by the mouse; or pictures of it in a
 // folder.
 
+#include "apps/common/command_line.h"
 #include "apps/palpable/body_view.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/view_controls.h"
@@ -37,6 +38,7 @@ struct ViewOptions {
   fs::path out;
   int site = -1;  // -1: not asked for
   double level = 1.0;
+  std::vector<std::string> set;  // NAME=VALUE
   std::string size = "1280x720";
   double close_after = 0;  // s; 0: when the user wants
 };
@@ -301,7 +303,7 @@ void show_window(Window& window, const ReducedBody& body, const ViewOptions& opt
 
 void run_view(const ViewOptions& options) {
   const Size size = read_size(options.size);
-  const ReducedBody body = value_or_throw(read_body_file(options.body));
+  const ReducedBody body = value_or_throw(read_pressable_body(options.body, parse_settings(options.set)));
   const int site_count = static_cast<int>(body.sites.size());
   if (options.site >= site_count) {
     throw Error(fmt::format("--site {}: {} has the sites 0 to {}", options.site,
@@ -334,6 +336,7 @@ void add_view(CLI::App& app) {
   view->add_option("--level", options->level, "How hard, 0 to 1 of the site's full load")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+  add_set_option(*view, options->set);
   view->add_option("--size", options->size, "Pixels of window and pictures, WIDTHxHEIGHT")
       ->capture_default_str();
   view->add_option("--close-after", options->close_after, "Close the window after so many seconds")

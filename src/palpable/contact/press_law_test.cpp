@@ -185,7 +185,7 @@ TEST_CASE("a pressed body does not tremble with the noise", "[contact][law]") {
     const auto& touch =
         loop.see(finger(loop.sphere, {0, 0, 1}, 0.008 + 0.0003 * std::sin(frame * 1.7)));
     REQUIRE(touch.has_value());
-    CHECK(touch->level == Approx(rest).epsilon(tolerance(1e-9, "held exactly")));
+    CHECK(touch->level == Approx(rest).epsilon(tolerance(1e-5, "held, but for one way from depth to level and back")));
   }
 }
 
@@ -298,7 +298,8 @@ TEST_CASE("a touch between the sites is answered by the nearest one", "[contact]
   CHECK(region->vertex_count >= 2);
   CHECK(region->depth > 0.001);
   CHECK(region->depth < 0.006);
-  CHECK(touch->press_depth >= region->depth - 1e-9);
+  CHECK(touch->press_depth >=
+        region->depth - tolerance(1e-6, "from depth to level and back; the press is 10 mm"));
 }
 
 TEST_CASE("whatever is seen, the state stays admissible", "[contact][law]") {
@@ -336,7 +337,7 @@ TEST_CASE("press depth and level are each other's inverse", "[contact]") {
   const Loop loop;
   for (double level = 0; level <= 1.0; level += 0.037) {
     CHECK(level_of_press_depth(loop.body, 2, press_depth_of_level(loop.body, 2, level)) ==
-          Approx(level).margin(tolerance(1e-12, "two divisions")));
+          Approx(level).margin(tolerance(2e-4, "10 levels, and the inverse of a cubic is none")));
   }
   CHECK(press_depth_of_level(loop.body, 2, -1) == 0);
   CHECK(press_depth_of_level(loop.body, 2, 2) == loop.body.press_depth(10, 2));

@@ -74,19 +74,15 @@ void add_fields(std::string& xml, const char* section, std::span<const VtuField>
   xml += fmt::format("      </{}>\n", section);
 }
 
-}  // namespace
-
-void write_vtu_file(const std::filesystem::path& path, const TetMesh& mesh,
-                    std::span<const VtuField> node_fields,
-                    std::span<const VtuField> element_fields) {
-  const int E = mesh.tet_count(), per_element = mesh.is_quadratic() ? 10 : 4;
-  Eigen::MatrixXi connectivity(per_element, E);
-  connectivity.topRows(4) = mesh.tets;
-  if (mesh.is_quadratic()) connectivity.bottomRows(6) = mesh.edge_nodes;
+/// @param cells  (nodes per element x E)
+void write_grid(const std::filesystem::path& path, const Eigen::Matrix3Xd& nodes,
+                const Eigen::MatrixXi& cells, std::uint8_t type,
+                std::span<const VtuField> node_fields, std::span<const VtuField> element_fields) {
+  const auto N = static_cast<int>(nodes.cols()), E = static_cast<int>(cells.cols());
+  const auto per_element = static_cast<std::int32_t>(cells.rows());
   std::vector<std::int32_t> ends;
   for (int e = 1; e <= E; ++e) ends.push_back(per_element * e);
-  const std::vector<std::uint8_t> types(static_cast<std::size_t>(E),
-                                        mesh.is_quadratic() ? std::uint8_t{24} : std::uint8_t{10});
+  const std::vector<std::uint8_t> types(static_cast<std::size_t>(E), type);
 
   Arrays arrays;
   std::string xml = fmt::format(
@@ -95,15 +91,13 @@ void write_vtu_file(const std::filesystem::path& path, const TetMesh& mesh,
       "header_type=\"UInt64\">\n"
       "  <UnstructuredGrid>\n"
       "    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
-      mesh.node_count(), E);
-  add_fields(xml, "PointData", node_fields, mesh.node_count(), arrays);
+      N, E);
+  add_fields(xml, "PointData", node_fields, N, arrays);
   add_fields(xml, "CellData", element_fields, E, arrays);
   xml += "      <Points>\n";
-  arrays.add(xml, "Float64", "points", 3, mesh.nodes.data(),
-             static_cast<std::size_t>(mesh.nodes.size()));
+  arrays.add(xml, "Float64", "points", 3, nodes.data(), static_cast<std::size_t>(nodes.size()));
   xml += "      </Points>\n      <Cells>\n";
-  arrays.add(xml, "Int32", "connectivity", 1, connectivity.data(),
-             static_cast<std::size_t>(connectivity.size()));
+  arrays.add(xml, "Int32", "connectivity", 1, cells.data(), static_cast<std::size_t>(cells.size()));
   arrays.add(xml, "Int32", "offsets", 1, ends.data(), ends.size());
   arrays.add(xml, "UInt8", "types", 1, types.data(), types.size());
   xml +=
@@ -116,6 +110,23 @@ void write_vtu_file(const std::filesystem::path& path, const TetMesh& mesh,
   file << "\n  </AppendedData>\n</VTKFile>\n";
   file.close();
   if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
+}
+
+}  // namespace
+
+void write_vtu_file(const std::filesystem::path& path, const TetMesh& mesh,
+                    std::span<const VtuField> node_fields,
+                    std::span<const VtuField> element_fields) {
+  Eigen::MatrixXi cells(mesh.is_quadratic() ? 10 : 4, mesh.tet_count());
+  cells.topRows(4) = mesh.tets;
+  if (mesh.is_quadratic()) cells.bottomRows(6) = mesh.edge_nodes;
+  write_grid(path, mesh.nodes, cells, mesh.is_quadratic() ? std::uint8_t{24} : std::uint8_t{10},
+             node_fields, element_fields);
+}
+
+void write_vtu_file(const std::filesystem::path& path, const SurfaceMesh& surface,
+                    std::span<const VtuField> node_fields) {
+  write_grid(path, surface.vertices, surface.triangles, 5, node_fields, {});
 }
 
 }  // namespace palpable

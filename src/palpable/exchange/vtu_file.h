@@ -1,9 +1,10 @@
 /// @file
 /// VTK's unstructured grids (.vtu), which ParaView reads: a body's mesh with fields on it.
 ///
-///   N  nodes     E  tetrahedra
+///   N  nodes     E  tetrahedra or triangles
 #pragma once
 
+#include "palpable/geometry/surface_mesh.h"
 #include "palpable/geometry/tet_mesh.h"
 
 #include <Eigen/Core>
@@ -29,5 +30,9 @@ struct VtuField {
 void write_vtu_file(const std::filesystem::path& path, const TetMesh& mesh,
                     std::span<const VtuField> node_fields,
                     std::span<const VtuField> element_fields = {});
+
+/// The same for a surface of triangles (5).
+void write_vtu_file(const std::filesystem::path& path, const SurfaceMesh& surface,
+                    std::span<const VtuField> node_fields);
 
 }  // namespace palpable

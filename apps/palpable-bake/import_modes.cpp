@@ -1,0 +1,65 @@
+// palpable import-modes theirs.pxdmf -o theirs.palpable
+
+#include "apps/palpable-bake/body_report.h"
+#include "apps/palpable-bake/commands.h"
+#include "palpable/exchange/modes_files.h"
+#include "palpable/reduced/body_file.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace palpable::app {
+namespace {
+
+struct Options {
+  std::string input, output;
+  ImportSettings settings;
+};
+
+void import(Options options, const std::string& command_line) {
+  require_folder_of(options.output);
+  const bool folder = std::filesystem::is_directory(options.input);
+  const ForeignModes modes = folder ? read_numpy_modes(options.input) : read_pxdmf(options.input);
+  options.settings.name = std::filesystem::path(options.output).stem().string();
+  options.settings.provenance = {
+      {"modes", fmt::format("{} ({})", options.input, folder ? "NumPy" : "PXDMF")},
+      {"errors", "not known: the modes of another program"},
+      {"program", std::string("palpable ") + PALPABLE_VERSION},
+      {"command line", command_line}};
+  const ReducedBody body = body_of_modes(modes, options.settings);
+  write_body_file(options.output, body);
+  fmt::print("{}: {} sites, {} levels, {} modes of displacement, {} of stress; press it with: "
+             "palpable view {}\n",
+             options.output, body.sites.size(), body.levels().size() - 1,
+             body.displacement.mode_count(), modes.stress ? body.stress.mode_count() : 0,
+             options.output);
+}
+
+}  // namespace
+
+void add_import_modes(CLI::App& app, const std::string& command_line) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "import-modes", "Make a body file of a separated representation of another program");
+  command->add_option("input", options->input, "A .pxdmf file, or a folder of NumPy arrays")
+      ->required()
+      ->check(CLI::ExistingPath)
+      ->type_name("FILE|FOLDER");
+  command->add_option("-o,--out", options->output, "Body file to write")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--site", options->settings.site, "The parameter that is the place of the touch")
+      ->capture_default_str();
+  command->add_option("--level", options->settings.level, "The parameter that is the load")
+      ->capture_default_str();
+  command->footer(
+      "docs/exchange.md says what is read, and what is found where a file does not say it.\n"
+      "Example: palpable import-modes theirs.pxdmf --level force -o theirs.palpable");
+  command->callback([options, command_line] { import(*options, command_line); });
+}
+
+}  // namespace palpable::app

@@ -1,0 +1,208 @@
+#include "palpable/exchange/foreign_modes.h"
+
+#include "palpable/base/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+std::string names_of(const SeparatedField& field) {
+  std::string names;
+  for (const ParameterAxis& axis : field.axes()) names += fmt::format(" '{}'", axis.name);
+  return names;
+}
+
+// The axis of that name taken out of the list; nothing if there is none.
+std::optional<ParameterAxis> taken(std::vector<ParameterAxis>& axes, const std::string& name) {
+  const auto found = std::find_if(axes.begin(), axes.end(),
+                                  [&](const ParameterAxis& axis) { return axis.name == name; });
+  if (found == axes.end()) return std::nullopt;
+  ParameterAxis axis = std::move(*found);
+  axes.erase(found);
+  return axis;
+}
+
+// Site first, then a level from 0 (rest) to 1, then the others.
+SeparatedField in_our_order(const SeparatedField& field, const ImportSettings& settings) {
+  std::vector<ParameterAxis> others = field.axes(), axes;
+  const Index m = field.mode_count();
+  std::optional<ParameterAxis> site = taken(others, settings.site);
+  if (!site) site = ParameterAxis{"", VectorXd::Zero(1), MatrixXd::Ones(1, m), Between::kNothing};
+  std::optional<ParameterAxis> level = taken(others, settings.level);
+  if (!level) {
+    throw Error(fmt::format("there is no parameter '{}' that could be the load; there are{}",
+                            settings.level, names_of(field)));
+  }
+  const Index S = site->samples.size(), L = level->samples.size();
+  site->name = "site";
+  site->between = Between::kNothing;
+  site->samples = VectorXd::LinSpaced(S, 0.0, static_cast<double>(S - 1));
+  level->name = "level";
+  level->between = Between::kSmooth;
+  if (!(level->samples[0] >= 0 && level->samples[L - 1] > 0)) {
+    throw Error(fmt::format("the samples of '{}' do not run from 0 or more upwards",
+                            settings.level));
+  }
+  if (level->samples[0] > 0) {
+    VectorXd samples(L + 1);
+    samples << 0, level->samples;
+    MatrixXd functions = MatrixXd::Zero(L + 1, m);
+    functions.bottomRows(L) = level->functions;
+    level->samples = samples;
+    level->functions = functions;
+  }
+  level->samples /= level->samples[level->samples.size() - 1];
+  axes = {std::move(*site), std::move(*level)};
+  for (ParameterAxis& axis : others) {
+    axis.between = Between::kSmooth;
+    axes.push_back(std::move(axis));
+  }
+  return {field.modes(), std::move(axes)};
+}
+
+SeparatedField zero_stress(const SeparatedField& displacement) {
+  std::vector<ParameterAxis> axes = displacement.axes();
+  for (ParameterAxis& axis : axes) axis.functions = MatrixXd::Zero(axis.samples.size(), 1);
+  return {Eigen::MatrixXf::Zero(2 * displacement.value_count(), 1), std::move(axes)};
+}
+
+Eigen::Vector3d at_vertex(const SeparatedField& u, const std::vector<double>& mu, int vertex) {
+  Eigen::Vector3f value;
+  u.evaluate_part(mu, 3 * vertex, std::span<float>(value.data(), 3));
+  return value.cast<double>();
+}
+
+}  // namespace
+
+ReducedBody body_of_modes(const ForeignModes& modes, const ImportSettings& settings) {
+  const WatertightReport report = check_watertight(modes.surface);
+  if (!report.watertight()) throw Error("the surface is " + report.describe());
+  const int V = modes.surface.vertex_count();
+  if (modes.displacement.value_count() != 3 * V ||
+      (modes.stress && modes.stress->value_count() != 6 * V)) {
+    throw Error(fmt::format("the modes do not have 3 or 6 values for each of the {} vertices", V));
+  }
+  ReducedBody body{.name = settings.name,
+                   .surface = modes.surface,
+                   .fixed = {},
+                   .sites = {},
+                   .displacement = in_our_order(modes.displacement, settings),
+                   .stress = modes.displacement,  // replaced below
+                   .press_depth = {},
+                   .error = {},
+                   .material = "not known: modes of another program",
+                   .provenance = settings.provenance};
+  body.stress =
+      modes.stress ? in_our_order(*modes.stress, settings) : zero_stress(body.displacement);
+  const SeparatedField& u = body.displacement;
+  for (int v = 0; v < V; ++v) {
+    body.fixed.push_back(u.modes().middleRows(3 * v, 3).isZero(0) ? 1 : 0);
+  }
+
+  const VectorXd& levels = u.axes()[1].samples;
+  const Index L = levels.size(), S = u.axes()[0].samples.size();
+  Index K = 1;
+  for (std::size_t j = 2; j < u.axes().size(); ++j) {
+    const VectorXd& samples = u.axes()[j].samples;
+    body.further.push_back({u.axes()[j].name, samples, samples[samples.size() / 2]});
+    K *= samples.size();
+  }
+  // The further parameters' values at point k; the last one runs fastest.
+  const auto point = [&](Index site, double level, Index k) {
+    std::vector<double> mu(u.axes().size());
+    mu[0] = static_cast<double>(site);
+    mu[1] = level;
+    for (std::size_t j = mu.size(); j-- > 2;) {
+      const VectorXd& samples = u.axes()[j].samples;
+      mu[j] = samples[k % samples.size()];
+      k /= samples.size();
+    }
+    return mu;
+  };
+
+  const auto neighbours = vertex_neighbours(body.surface);
+  const VectorXd areas = vertex_areas(body.surface);
+  const bool known = modes.site_vertices.size() == static_cast<std::size_t>(S) &&
+                     modes.site_loads.cols() == S;
+  MatrixXd depth(L, S * K);
+  MatrixXd load(S, K);
+  Eigen::Matrix3Xf moved(3, V);
+  std::vector<float> stress(6 * static_cast<std::size_t>(V)), mises(static_cast<std::size_t>(V));
+  for (Index s = 0; s < S; ++s) {
+    Site site;
+    std::vector<double> middle = point(s, 1.0, 0);
+    for (std::size_t j = 0; j < body.further.size(); ++j) middle[j + 2] = body.further[j].value;
+    if (known) {
+      site.vertex = modes.site_vertices[static_cast<std::size_t>(s)];
+      if (site.vertex < 0 || site.vertex >= V) {
+        throw Error(fmt::format("site {} is at vertex {}, which the surface does not have", s,
+                                site.vertex));
+      }
+      site.direction = modes.site_loads.col(s);
+    } else {
+      u.evaluate(middle, std::span<float>(moved.data(), static_cast<std::size_t>(moved.size())));
+      moved.colwise().squaredNorm().maxCoeff(&site.vertex);
+      site.direction = moved.col(site.vertex).cast<double>().normalized();
+    }
+    site.full_load = site.direction.norm();
+    if (!(site.full_load > 0)) throw Error(fmt::format("at site {} nothing moves", s));
+    site.direction /= site.full_load;
+    site.patch = graph_patch(neighbours, site.vertex, 2);
+    double sum = 0;
+    for (const int v : site.patch) sum += areas[v];
+    for (const int v : site.patch) site.weights.push_back(static_cast<float>(areas[v] / sum));
+    for (Index k = 0; k < K; ++k) {
+      load(s, k) = site.full_load;
+      for (Index l = 0; l < L; ++l) {
+        double& d = depth(l, s + S * k);
+        d = 0;
+        if (l == 0) continue;
+        const std::vector<double> mu = point(s, levels[l], k);
+        for (std::size_t i = 0; i < site.patch.size(); ++i) {
+          d += static_cast<double>(site.weights[i]) *
+               site.direction.dot(at_vertex(u, mu, site.patch[i]));
+        }
+        if (!(d > depth(l - 1, s + S * k))) {
+          throw Error(
+              fmt::format("site {} does not give way farther from level {:.3g} to {:.3g}: {:.4g} m, "
+                          "then {:.4g} m along its load",
+                          s, levels[l - 1], levels[l], depth(l - 1, s + S * k), d));
+        }
+      }
+    }
+    body.stress.evaluate(middle, stress);
+    von_mises(stress, mises);
+    body.largest_von_mises =
+        std::max(body.largest_von_mises,
+                 static_cast<double>(*std::max_element(mises.begin(), mises.end())));
+    body.sites.push_back(std::move(site));
+  }
+  body.press_depth = depth.leftCols(S);
+  if (!body.further.empty()) {
+    body.further_press_depth = depth;
+    body.further_full_load = load;
+  }
+  tabulate_press(body);
+  return body;
+}
+
+ForeignModes modes_of_body(const ReducedBody& body) {
+  ForeignModes modes{body.surface, body.displacement, body.stress};
+  modes.site_loads.resize(3, static_cast<Index>(body.sites.size()));
+  for (std::size_t s = 0; s < body.sites.size(); ++s) {
+    modes.site_vertices.push_back(body.sites[s].vertex);
+    modes.site_loads.col(static_cast<Index>(s)) = body.sites[s].full_load * body.sites[s].direction;
+  }
+  return modes;
+}
+
+}  // namespace palpable

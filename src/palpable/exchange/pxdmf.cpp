@@ -1,0 +1,384 @@
+#include "palpable/base/error.h"
+#include "palpable/exchange/modes_files.h"
+#include "palpable/reduced/hdf5_tools.h"
+
+#include <fmt/format.h>
+#include <pugixml.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
+#include <string>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using hdf5::Handle;
+
+// XDMF's symmetric tensors are xx xy xz yy yz zz: where each of them is in ours.
+constexpr std::array<int, 6> kOursOfTheirs{0, 3, 5, 1, 4, 2};
+
+// ---- writing ---------------------------------------------------------------------------------
+
+// The XML and the HDF5 file that it points to, kept in step.
+class Writer {
+ public:
+  Writer(hid_t file, std::string heavy) : file_(file), heavy_(std::move(heavy)) {}
+
+  void line(int depth, const std::string& text) {
+    xml_.append(2 * static_cast<std::size_t>(depth), ' ');
+    xml_ += text + "\n";
+  }
+  /// @param columns  each one row of the data set
+  template <class Matrix>
+  void item(int depth, const std::string& dataset, const Matrix& columns) {
+    using Scalar = typename Matrix::Scalar;
+    hdf5::write_table(file_, dataset.c_str(), columns.data(), static_cast<hsize_t>(columns.cols()),
+                      static_cast<hsize_t>(columns.rows()));
+    line(depth, fmt::format("<DataItem Dimensions=\"{} {}\" NumberType=\"{}\" Precision=\"{}\" "
+                            "Format=\"HDF\">{}:/{}</DataItem>",
+                            columns.cols(), columns.rows(),
+                            std::is_integral_v<Scalar> ? "Int" : "Float", sizeof(Scalar), heavy_,
+                            dataset));
+  }
+  void attribute(const std::string& name, const char* type, const std::string& dataset,
+                 const auto& columns) {
+    line(3, fmt::format("<Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">", name, type));
+    item(4, dataset, columns);
+    line(3, "</Attribute>");
+  }
+  [[nodiscard]] const std::string& xml() const { return xml_; }
+
+ private:
+  hid_t file_;
+  std::string heavy_, xml_;
+};
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '&') result += "&amp;";
+    else if (c == '<') result += "&lt;";
+    else if (c == '"') result += "&quot;";
+    else result += c;
+  }
+  return result;
+}
+
+void write_space(Writer& out, const ForeignModes& modes) {
+  out.line(2, "<Grid Name=\"PGD1\" GridType=\"Uniform\">");
+  out.line(3, "<Information Name=\"Dims\" Value=\"3\"/>");
+  for (int d = 0; d < 3; ++d) {
+    out.line(3, fmt::format("<Information Name=\"Dim{}\" Value=\"{}\"/>", d, "XYZ"[d]));
+    out.line(3, fmt::format("<Information Name=\"Unit{}\" Value=\"m\"/>", d));
+  }
+  out.line(3, fmt::format("<Topology TopologyType=\"Triangle\" NumberOfElements=\"{}\">",
+                          modes.surface.triangle_count()));
+  out.item(4, "triangles", modes.surface.triangles);
+  out.line(3, "</Topology>");
+  out.line(3, "<Geometry GeometryType=\"XYZ\">");
+  out.item(4, "vertices", modes.surface.vertices);
+  out.line(3, "</Geometry>");
+  const Index V = modes.surface.vertices.cols();
+  for (int i = 0; i < modes.displacement.mode_count(); ++i) {
+    const Eigen::Matrix3Xf mode = modes.displacement.modes().col(i).reshaped(3, V);
+    const std::string name = fmt::format("displacement_{}", i);
+    out.attribute(name, "Vector", name, mode);
+  }
+  for (int i = 0; modes.stress && i < modes.stress->mode_count(); ++i) {
+    const auto ours = modes.stress->modes().col(i).reshaped(6, V);
+    Eigen::MatrixXf theirs(6, V);
+    for (int c = 0; c < 6; ++c) {
+      theirs.row(c) = ours.row(kOursOfTheirs[static_cast<std::size_t>(c)]);
+    }
+    const std::string name = fmt::format("stress_{}", i);
+    out.attribute(name, "Tensor6", name, theirs);
+  }
+  out.line(2, "</Grid>");
+}
+
+void write_parameter(Writer& out, const ForeignModes& modes, std::size_t j) {
+  const ParameterAxis& axis = modes.displacement.axes()[j];
+  const Index n = axis.samples.size();
+  out.line(2, fmt::format("<Grid Name=\"PGD{}\" GridType=\"Uniform\">", j + 2));
+  out.line(3, "<Information Name=\"Dims\" Value=\"1\"/>");
+  out.line(3, fmt::format("<Information Name=\"Dim0\" Value=\"{}\"/>", escaped(axis.name)));
+  out.line(3, "<Information Name=\"Unit0\" Value=\"-\"/>");
+  if (axis.between == Between::kNothing || n == 1) {
+    const Eigen::RowVectorXi points = Eigen::RowVectorXi::LinSpaced(n, 0, static_cast<int>(n) - 1);
+    out.line(3, fmt::format("<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" "
+                            "NodesPerElement=\"1\">",
+                            n));
+    out.item(4, fmt::format("points_{}", j), points);
+  } else {
+    Eigen::Matrix2Xi lines(2, n - 1);
+    for (int k = 0; k + 1 < n; ++k) lines.col(k) << k, k + 1;
+    out.line(3, fmt::format("<Topology TopologyType=\"Polyline\" NumberOfElements=\"{}\" "
+                            "NodesPerElement=\"2\">",
+                            n - 1));
+    out.item(4, fmt::format("lines_{}", j), lines);
+  }
+  out.line(3, "</Topology>");
+  out.line(3, "<Geometry GeometryType=\"XYZ\">");
+  Eigen::Matrix3Xd at = Eigen::Matrix3Xd::Zero(3, n);
+  at.row(0) = axis.samples.transpose();
+  out.item(4, fmt::format("samples_{}", j), at);
+  out.line(3, "</Geometry>");
+  const auto functions = [&](const char* field, const Eigen::MatrixXd& G) {
+    for (Index i = 0; i < G.cols(); ++i) {
+      const Eigen::RowVectorXd g = G.col(i).transpose();
+      out.attribute(fmt::format("{}_{}", field, i), "Scalar",
+                    fmt::format("{}_{}_of_{}", field, i, j), g);
+    }
+  };
+  functions("displacement", axis.functions);
+  if (modes.stress) functions("stress", modes.stress->axes()[j].functions);
+  out.line(2, "</Grid>");
+}
+
+// ---- reading ---------------------------------------------------------------------------------
+
+class Reader {
+ public:
+  explicit Reader(const fs::path& path) : path_(path) {}
+
+  [[nodiscard]] Error refuse(const std::string& what) const {
+    return Error(fmt::format("{}: {}", path_.string(), what));
+  }
+
+  /// The numbers of the first DataItem below `node`, one column for each entry.
+  [[nodiscard]] MatrixXd columns(const pugi::xml_node& node, const std::string& what) {
+    const pugi::xml_node item = node.child("DataItem");
+    if (!item) throw refuse(fmt::format("{} has no DataItem", what));
+    std::istringstream sizes(item.attribute("Dimensions").as_string());
+    long long count = 1, first = -1;
+    for (long long n = 0; sizes >> n;) {
+      if (n < 1 || n > 100'000'000 || count > 400'000'000 / n) {
+        throw refuse(fmt::format("{} claims the size '{}'", what,
+                                 item.attribute("Dimensions").as_string()));
+      }
+      if (first < 0) first = n;
+      count *= n;
+    }
+    if (first < 0) throw refuse(fmt::format("{} has no Dimensions", what));
+    const std::string format = item.attribute("Format").as_string("XML");
+    std::vector<double> values;
+    if (format == "XML") {
+      std::istringstream numbers(item.child_value());
+      for (double x = 0; numbers >> x;) values.push_back(x);
+    } else if (format == "HDF") {
+      values = heavy(item.child_value(), what);
+    } else {
+      throw refuse(fmt::format("{} is in the format '{}'; HDF and XML are read", what, format));
+    }
+    if (static_cast<long long>(values.size()) != count) {
+      throw refuse(fmt::format("{} has {} numbers where its Dimensions say {}", what, values.size(),
+                               count));
+    }
+    MatrixXd result = Eigen::Map<const MatrixXd>(values.data(), count / first, first);
+    if (!result.allFinite()) throw refuse(fmt::format("{} is not a number somewhere", what));
+    return result;
+  }
+
+  /// Numbers of a data set of the heavy file that is named `file`, if they are there.
+  [[nodiscard]] std::vector<double> heavy(const std::string& text, const std::string& what) {
+    const std::size_t begin = text.find_first_not_of(" \t\r\n");
+    const std::size_t end = text.find_last_not_of(" \t\r\n");
+    const std::size_t colon = text.rfind(":/");
+    if (begin == std::string::npos || colon == std::string::npos || colon < begin) {
+      throw refuse(fmt::format("{} does not say FILE:/DATASET", what));
+    }
+    const std::string name = text.substr(begin, colon - begin);
+    const std::string dataset = text.substr(colon + 1, end - colon);
+    const fs::path file = path_.parent_path() / name;
+    const hdf5::Quiet quiet;
+    try {
+      const Handle opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
+                          "cannot be opened");
+      return read_dataset(opened, dataset);
+    } catch (const hdf5::Trouble& trouble) {
+      throw Error(fmt::format("{}: {}", file.string(), trouble.what));
+    }
+  }
+
+  static std::vector<double> read_dataset(hid_t file, const std::string& name) {
+    const Handle set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose,
+                     fmt::format("dataset '{}' is missing", name));
+    const Handle space(H5Dget_space(set), H5Sclose, name);
+    const hssize_t count = H5Sget_simple_extent_npoints(space);
+    if (count < 0 || count > 400'000'000) {
+      throw hdf5::Trouble{fmt::format("dataset '{}' claims an absurd size", name)};
+    }
+    std::vector<double> values(static_cast<std::size_t>(count));
+    if (count > 0 &&
+        H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
+      throw hdf5::Trouble{fmt::format("dataset '{}' does not hold numbers", name)};
+    }
+    return values;
+  }
+
+ private:
+  fs::path path_;
+};
+
+// name_0, name_1, ... of a grid, each as a column.
+MatrixXd modes_of(Reader& reader, const pugi::xml_node& grid, const std::string& field) {
+  std::map<long, pugi::xml_node> found;
+  for (const pugi::xml_node& attribute : grid.children("Attribute")) {
+    const std::string name = attribute.attribute("Name").as_string();
+    const std::size_t cut = name.rfind('_');
+    if (cut == std::string::npos || name.substr(0, cut) != field) continue;
+    char* end = nullptr;
+    const long number = std::strtol(name.c_str() + cut + 1, &end, 10);
+    if (end != name.c_str() + cut + 1 && *end == '\0') found[number] = attribute;
+  }
+  MatrixXd columns;
+  for (const auto& [number, attribute] : found) {
+    const auto i = static_cast<Index>(number);
+    if (i != columns.cols()) throw reader.refuse(fmt::format("there is no {}_{}", field, columns.cols()));
+    const std::string what = fmt::format("{}_{}", field, number);
+    MatrixXd values = reader.columns(attribute, what);
+    if (std::string(attribute.attribute("AttributeType").as_string()) == "Tensor6") {
+      if (values.rows() != 6) throw reader.refuse(what + " does not have six components");
+      MatrixXd ours(6, values.cols());
+      for (int c = 0; c < 6; ++c) {
+        ours.row(kOursOfTheirs[static_cast<std::size_t>(c)]) = values.row(c);
+      }
+      values = std::move(ours);
+    }
+    if (i > 0 && values.size() != columns.rows()) {
+      throw reader.refuse(what + " has another size than the modes before it");
+    }
+    columns.conservativeResize(values.size(), i + 1);
+    columns.col(i) = values.reshaped();
+  }
+  return columns;
+}
+
+}  // namespace
+
+void write_pxdmf(const fs::path& path, const ForeignModes& modes) {
+  fs::path heavy = path;
+  heavy.replace_extension(".h5");
+  if (heavy == path) throw Error(fmt::format("{}: the numbers go there; name a .pxdmf", path.string()));
+  const hdf5::Quiet quiet;
+  std::string xml;
+  try {
+    const Handle file(H5Fcreate(heavy.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose,
+                      "cannot be written");
+    Writer out(file, heavy.filename().string());
+    out.line(0, "<?xml version=\"1.0\"?>");
+    out.line(0, "<Xdmf Version=\"2.0\">");
+    out.line(1, fmt::format("<Domain Name=\"{}\">", escaped(path.filename().string())));
+    write_space(out, modes);
+    for (std::size_t j = 0; j < modes.displacement.axes().size(); ++j) write_parameter(out, modes, j);
+    out.line(1, "</Domain>");
+    out.line(0, "</Xdmf>");
+    xml = out.xml();
+    if (!modes.site_vertices.empty()) {  // PXDMF has no place for them
+      hdf5::write_table(file, "site_vertices", modes.site_vertices.data(), modes.site_vertices.size(),
+                        1);
+      hdf5::write_table(file, "site_loads", modes.site_loads.data(),
+                        static_cast<hsize_t>(modes.site_loads.cols()), 3);
+    }
+    hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), "cannot be written");
+  } catch (const hdf5::Trouble& trouble) {
+    throw Error(fmt::format("{}: {}", heavy.string(), trouble.what));
+  }
+  std::ofstream file(path);
+  file << xml;
+  file.close();
+  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
+}
+
+ForeignModes read_pxdmf(const fs::path& path) {
+  Reader reader(path);
+  pugi::xml_document document;
+  const pugi::xml_parse_result parsed = document.load_file(path.c_str());
+  if (!parsed) throw reader.refuse(fmt::format("is no XML: {}", parsed.description()));
+  const pugi::xml_node domain = document.child("Xdmf").child("Domain");
+  pugi::xml_node space;
+  std::vector<pugi::xml_node> grids;
+  for (const pugi::xml_node& grid : domain.children("Grid")) {
+    const std::string type = grid.child("Topology").attribute("TopologyType").as_string(
+        grid.child("Topology").attribute("Type").as_string());
+    if (type == "Triangle" && !space) {
+      space = grid;
+    } else {
+      grids.push_back(grid);
+    }
+  }
+  if (!space) throw reader.refuse("has no grid of triangles, which would be the surface");
+  if (grids.empty() || grids.size() > SeparatedField::kMostAxes) {
+    throw reader.refuse(fmt::format("has {} parameters; 1 to {} are read", grids.size(),
+                                    SeparatedField::kMostAxes));
+  }
+  const MatrixXd vertices = reader.columns(space.child("Geometry"), "the surface's Geometry");
+  const MatrixXd triangles = reader.columns(space.child("Topology"), "the surface's Topology");
+  if (vertices.rows() != 3 || triangles.rows() != 3 || !(triangles.minCoeff() >= 0) ||
+      !(triangles.maxCoeff() < static_cast<double>(vertices.cols()))) {
+    throw reader.refuse("the surface is not one of triangles between points in space");
+  }
+  std::vector<ParameterAxis> axes;
+  for (const pugi::xml_node& grid : grids) {
+    ParameterAxis axis;
+    axis.name = grid.find_child_by_attribute("Information", "Name", "Dim0")
+                    .attribute("Value")
+                    .as_string(grid.attribute("Name").as_string());
+    const MatrixXd points =
+        reader.columns(grid.child("Geometry"), fmt::format("the Geometry of '{}'", axis.name));
+    axis.samples = points.row(0).transpose();
+    if (points.rows() > 1 && !points.bottomRows(points.rows() - 1).isZero(0)) {
+      throw reader.refuse(fmt::format("'{}' is a grid of more than one dimension, not read yet",
+                                      axis.name));
+    }
+    for (Index k = 1; k < axis.samples.size(); ++k) {
+      if (axis.samples[k - 1] < axis.samples[k]) continue;
+      throw reader.refuse(fmt::format("the points of '{}' do not increase", axis.name));
+    }
+    const std::string type = grid.child("Topology").attribute("TopologyType").as_string();
+    axis.between = type == "Polyvertex" ? Between::kNothing : Between::kSmooth;
+    axes.push_back(std::move(axis));
+  }
+  const auto field = [&](const char* name) -> std::optional<SeparatedField> {
+    const MatrixXd F = modes_of(reader, space, name);
+    if (F.cols() == 0) return std::nullopt;
+    std::vector<ParameterAxis> with_functions = axes;
+    for (std::size_t j = 0; j < axes.size(); ++j) {
+      with_functions[j].functions = modes_of(reader, grids[j], name);
+      if (with_functions[j].functions.cols() != F.cols() ||
+          with_functions[j].functions.rows() != axes[j].samples.size()) {
+        throw reader.refuse(fmt::format("'{}' has {} functions of {} values for '{}', where {} of {} "
+                                        "are needed",
+                                        axes[j].name, with_functions[j].functions.cols(),
+                                        with_functions[j].functions.rows(), name, F.cols(),
+                                        axes[j].samples.size()));
+      }
+    }
+    return SeparatedField(F.cast<float>(), std::move(with_functions));
+  };
+  std::optional<SeparatedField> displacement = field("displacement");
+  if (!displacement) throw reader.refuse("has no modes displacement_0, displacement_1, ...");
+  ForeignModes modes{{vertices, triangles.cast<int>()}, std::move(*displacement), field("stress")};
+  const std::string heavy = fs::path(path).replace_extension(".h5").filename().string();
+  try {  // ours writes them, nobody else does
+    for (const double v : reader.heavy(heavy + ":/site_vertices", "sites")) {
+      modes.site_vertices.push_back(static_cast<int>(v));
+    }
+    const std::vector<double> loads = reader.heavy(heavy + ":/site_loads", "sites");
+    modes.site_loads = Eigen::Map<const Eigen::Matrix3Xd>(loads.data(), 3,
+                                                          static_cast<Index>(loads.size() / 3));
+  } catch (const Error&) {
+    modes.site_vertices.clear();
+  }
+  return modes;
+}
+
+}  // namespace palpable
