@@ -48,9 +48,10 @@ void export_body(const Options& options) {
 void export_store(const Options& options) {
   const SnapshotStore store = SnapshotStore::open(options.input);
   if (options.to == "pxdmf") {
-    throw Error(fmt::format("{}: snapshots have no modes; make a body of them first (palpable "
-                            "reduce)",
-                            options.input));
+    throw Error(
+        fmt::format("{}: snapshots have no modes; make a body of them first (palpable "
+                    "reduce)",
+                    options.input));
   }
   if (options.to == "xdmf") {
     throw Error(fmt::format("{}: is XDMF already; open {} in ParaView", options.input,
@@ -73,18 +74,20 @@ void export_store(const Options& options) {
     for (int l = 0; l < L && options.to == "vtu"; ++l) {
       std::vector<VtuField> shown;
       for (std::size_t f = 0; f < fields.size(); ++f) {
-        shown.push_back({content.fields[f].name,
-                         fields[f].col(l).reshaped(content.fields[f].components, N).cast<double>()});
+        shown.push_back(
+            {content.fields[f].name,
+             fields[f].col(l).reshaped(content.fields[f].components, N).cast<double>()});
       }
-      write_vtu_file(fs::path(options.output) / fmt::format("unit_{:05}_level_{:03}.vtu", unit, l + 1),
-                     content.mesh, shown);
+      write_vtu_file(
+          fs::path(options.output) / fmt::format("unit_{:05}_level_{:03}.vtu", unit, l + 1),
+          content.mesh, shown);
     }
     for (std::size_t f = 0; f < fields.size() && options.to == "numpy"; ++f) {
-      write_npy(fs::path(options.output) /
-                    fmt::format("unit_{:05}_{}.npy", unit, content.fields[f].name),
-                {static_cast<std::size_t>(L), static_cast<std::size_t>(N),
-                 static_cast<std::size_t>(content.fields[f].components)},
-                std::span<const float>(fields[f].data(), static_cast<std::size_t>(fields[f].size())));
+      write_npy(
+          fs::path(options.output) / fmt::format("unit_{:05}_{}.npy", unit, content.fields[f].name),
+          {static_cast<std::size_t>(L), static_cast<std::size_t>(N),
+           static_cast<std::size_t>(content.fields[f].components)},
+          std::span<const float>(fields[f].data(), static_cast<std::size_t>(fields[f].size())));
     }
     ++written;
   }
@@ -116,10 +119,11 @@ void add_export(CLI::App& app) {
       ->required()
       ->type_name("BODY|STORE");
   command
-      ->add_option("--to", options->to,
-                   "vtu: a folder, one file per site and level; xdmf: one file of the same; numpy: a "
-                   "folder of arrays, the modes (of a store: the snapshots); pxdmf: the modes as "
-                   "other PGD programs read them")
+      ->add_option(
+          "--to", options->to,
+          "vtu: a folder, one file per site and level; xdmf: one file of the same; numpy: a "
+          "folder of arrays, the modes (of a store: the snapshots); pxdmf: the modes as "
+          "other PGD programs read them")
       ->required()
       ->check(CLI::IsMember({"vtu", "xdmf", "numpy", "pxdmf"}));
   command->add_option("-o,--out", options->output, "File or folder to write")->required();

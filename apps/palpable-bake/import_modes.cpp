@@ -32,11 +32,11 @@ void import(Options options, const std::string& command_line) {
       {"command line", command_line}};
   const ReducedBody body = body_of_modes(modes, options.settings);
   write_body_file(options.output, body);
-  fmt::print("{}: {} sites, {} levels, {} modes of displacement, {} of stress; press it with: "
-             "palpable view {}\n",
-             options.output, body.sites.size(), body.levels().size() - 1,
-             body.displacement.mode_count(), modes.stress ? body.stress.mode_count() : 0,
-             options.output);
+  fmt::print(
+      "{}: {} sites, {} levels, {} modes of displacement, {} of stress; press it with: "
+      "palpable view {}\n",
+      options.output, body.sites.size(), body.levels().size() - 1, body.displacement.mode_count(),
+      modes.stress ? body.stress.mode_count() : 0, options.output);
 }
 
 }  // namespace
@@ -52,7 +52,8 @@ void add_import_modes(CLI::App& app, const std::string& command_line) {
   command->add_option("-o,--out", options->output, "Body file to write")
       ->required()
       ->type_name("FILE");
-  command->add_option("--site", options->settings.site, "The parameter that is the place of the touch")
+  command
+      ->add_option("--site", options->settings.site, "The parameter that is the place of the touch")
       ->capture_default_str();
   command->add_option("--level", options->settings.level, "The parameter that is the load")
       ->capture_default_str();

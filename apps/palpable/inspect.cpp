@@ -37,10 +37,9 @@ std::string range_text(const ReducedBody& body, Figure figure) {
 bool has_blocks(const SeparatedField& field) { return field.largest_block() < field.mode_count(); }
 
 std::string modes_text(const SeparatedField& field, double pooled, double worst, double rounding) {
-  std::string text = has_blocks(field)
-                         ? fmt::format("{} modes, up to {} of its own per site", field.mode_count(),
-                                       field.largest_block())
-                         : fmt::format("{} modes for all sites", field.mode_count());
+  std::string text = has_blocks(field) ? fmt::format("{} modes, up to {} of its own per site",
+                                                     field.mode_count(), field.largest_block())
+                                       : fmt::format("{} modes for all sites", field.mode_count());
   text += fmt::format("; error {:.2e} over all snapshots, {:.2e} in the worst", pooled, worst);
   if (rounding > 0) text += fmt::format("; stored in half precision, which adds {:.1e}", rounding);
   return text;
@@ -55,9 +54,9 @@ void print_text(const ReducedBody& body, const std::filesystem::path& path) {
     fmt::print("{:<20}{}\n", name, text);
   };
   line("body", body.name);
-  line("file", fmt::format("{}, {:.1f} MB, layout {}", path.string(),
-                           static_cast<double>(std::filesystem::file_size(path)) / 1e6,
-                           kBodyFileVersion));
+  line("file",
+       fmt::format("{}, {:.1f} MB, layout {}", path.string(),
+                   static_cast<double>(std::filesystem::file_size(path)) / 1e6, kBodyFileVersion));
   line("size", fmt::format("{:.1f} x {:.1f} x {:.1f} mm, {:.1f} cm^3", size.x() * 1e3,
                            size.y() * 1e3, size.z() * 1e3, enclosed_volume(body.surface) * 1e6));
   line("surface", fmt::format("{} vertices, {} triangles; {} vertices held by the support",
@@ -71,9 +70,9 @@ void print_text(const ReducedBody& body, const std::filesystem::path& path) {
                                return body.press_depth(last, static_cast<Eigen::Index>(s)) * 1e3;
                              }) + " mm");
   for (const FurtherParameter& p : body.further) {
-    line("parameter", fmt::format("{}: {:g} to {:g} from {} samples, {:g} unless --set", p.name,
-                                  p.samples[0], p.samples[p.samples.size() - 1], p.samples.size(),
-                                  p.value));
+    line("parameter",
+         fmt::format("{}: {:g} to {:g} from {} samples, {:g} unless --set", p.name, p.samples[0],
+                     p.samples[p.samples.size() - 1], p.samples.size(), p.value));
   }
   line("between levels", "cubic splines of depth, displacement and stress");
   line("between sites",
@@ -81,9 +80,8 @@ void print_text(const ReducedBody& body, const std::filesystem::path& path) {
            (body.error.between_sites
                 ? fmt::format(", wrong by {:.0f} % in the median", 100 * *body.error.between_sites)
                 : std::string("; what that costs is not known")));
-  line("displacement",
-       modes_text(body.displacement, body.error.displacement_pooled, body.error.displacement_worst,
-                  body.error.displacement_rounding));
+  line("displacement", modes_text(body.displacement, body.error.displacement_pooled,
+                                  body.error.displacement_worst, body.error.displacement_rounding));
   line("stress", modes_text(body.stress, body.error.stress_pooled, body.error.stress_worst,
                             body.error.stress_rounding));
   line("inside", body.volume ? fmt::format("{} nodes, {} tetrahedra", body.volume->nodes.cols(),

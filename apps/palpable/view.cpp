@@ -303,7 +303,8 @@ void show_window(Window& window, const ReducedBody& body, const ViewOptions& opt
 
 void run_view(const ViewOptions& options) {
   const Size size = read_size(options.size);
-  const ReducedBody body = value_or_throw(read_pressable_body(options.body, parse_settings(options.set)));
+  const ReducedBody body =
+      value_or_throw(read_pressable_body(options.body, parse_settings(options.set)));
   const int site_count = static_cast<int>(body.sites.size());
   if (options.site >= site_count) {
     throw Error(fmt::format("--site {}: {} has the sites 0 to {}", options.site,

@@ -74,16 +74,16 @@ inline ReducedBody pressed_ball(double radius = 0.05, double full_depth = 0.01,
                                 Eigen::MatrixXd::Identity(S, S), Between::kNothing};
   const ParameterAxis level_axis{"level", levels, levels.replicate(1, S), Between::kSmooth};
   ReducedBody body{.name = "ball",
-          .surface = std::move(surface),
-          .fixed = std::move(fixed),
-          .sites = std::move(sites),
-          .displacement = {u_modes, {site_axis, level_axis}},
-          .stress = {s_modes, {site_axis, level_axis}},
-          .press_depth = std::move(press_depth),
-          .largest_von_mises = std::numbers::sqrt3 * 1e3,
-          .error = {},
-          .material = "closed form of a test",
-          .provenance = {{"source", "tests/support/bodies.h"}, {"note", ""}}};
+                   .surface = std::move(surface),
+                   .fixed = std::move(fixed),
+                   .sites = std::move(sites),
+                   .displacement = {u_modes, {site_axis, level_axis}},
+                   .stress = {s_modes, {site_axis, level_axis}},
+                   .press_depth = std::move(press_depth),
+                   .largest_von_mises = std::numbers::sqrt3 * 1e3,
+                   .error = {},
+                   .material = "closed form of a test",
+                   .provenance = {{"source", "tests/support/bodies.h"}, {"note", ""}}};
   tabulate_press(body);
   return body;
 }

@@ -185,7 +185,8 @@ TEST_CASE("a pressed body does not tremble with the noise", "[contact][law]") {
     const auto& touch =
         loop.see(finger(loop.sphere, {0, 0, 1}, 0.008 + 0.0003 * std::sin(frame * 1.7)));
     REQUIRE(touch.has_value());
-    CHECK(touch->level == Approx(rest).epsilon(tolerance(1e-5, "held, but for one way from depth to level and back")));
+    CHECK(touch->level == Approx(rest).epsilon(tolerance(
+                              1e-5, "held, but for one way from depth to level and back")));
   }
 }
 

@@ -49,8 +49,8 @@ SeparatedField in_our_order(const SeparatedField& field, const ImportSettings& s
   level->name = "level";
   level->between = Between::kSmooth;
   if (!(level->samples[0] >= 0 && level->samples[L - 1] > 0)) {
-    throw Error(fmt::format("the samples of '{}' do not run from 0 or more upwards",
-                            settings.level));
+    throw Error(
+        fmt::format("the samples of '{}' do not run from 0 or more upwards", settings.level));
   }
   if (level->samples[0] > 0) {
     VectorXd samples(L + 1);
@@ -131,8 +131,8 @@ ReducedBody body_of_modes(const ForeignModes& modes, const ImportSettings& setti
 
   const auto neighbours = vertex_neighbours(body.surface);
   const VectorXd areas = vertex_areas(body.surface);
-  const bool known = modes.site_vertices.size() == static_cast<std::size_t>(S) &&
-                     modes.site_loads.cols() == S;
+  const bool known =
+      modes.site_vertices.size() == static_cast<std::size_t>(S) && modes.site_loads.cols() == S;
   MatrixXd depth(L, S * K);
   MatrixXd load(S, K);
   Eigen::Matrix3Xf moved(3, V);
@@ -172,18 +172,17 @@ ReducedBody body_of_modes(const ForeignModes& modes, const ImportSettings& setti
                site.direction.dot(at_vertex(u, mu, site.patch[i]));
         }
         if (!(d > depth(l - 1, s + S * k))) {
-          throw Error(
-              fmt::format("site {} does not give way farther from level {:.3g} to {:.3g}: {:.4g} m, "
-                          "then {:.4g} m along its load",
-                          s, levels[l - 1], levels[l], depth(l - 1, s + S * k), d));
+          throw Error(fmt::format(
+              "site {} does not give way farther from level {:.3g} to {:.3g}: {:.4g} m, "
+              "then {:.4g} m along its load",
+              s, levels[l - 1], levels[l], depth(l - 1, s + S * k), d));
         }
       }
     }
     body.stress.evaluate(middle, stress);
     von_mises(stress, mises);
-    body.largest_von_mises =
-        std::max(body.largest_von_mises,
-                 static_cast<double>(*std::max_element(mises.begin(), mises.end())));
+    body.largest_von_mises = std::max(
+        body.largest_von_mises, static_cast<double>(*std::max_element(mises.begin(), mises.end())));
     body.sites.push_back(std::move(site));
   }
   body.press_depth = depth.leftCols(S);

@@ -17,10 +17,11 @@ namespace palpable {
 
 /// What another program's file says. Parameters are in any order and under any name.
 struct ForeignModes {
-  SurfaceMesh surface;          ///< m
-  SeparatedField displacement;  ///< (3V) m
+  SurfaceMesh surface;                        ///< m
+  SeparatedField displacement;                ///< (3V) m
   std::optional<SeparatedField> stress = {};  ///< (6V) Pa: xx yy zz xy yz zx
-  /// Of the sites, where the file says it: their vertices, and (3 x S) loads in N at the last level.
+  /// Of the sites, where the file says it: their vertices, and (3 x S) loads in N at the last
+  /// level.
   std::vector<int> site_vertices = {};
   Eigen::Matrix3Xd site_loads = {};
 };

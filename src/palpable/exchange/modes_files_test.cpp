@@ -47,8 +47,8 @@ void replace_in(const fs::path& path, const std::string& what, const std::string
 }
 
 TEST_CASE("a body's modes come back from NumPy and from PXDMF as the same body", "[exchange]") {
-  for (const ReducedBody& body : {test::pressed_ball(0.05, 0.01, 1),
-                                  test::with_further(test::pressed_ball(0.05, 0.01, 1))}) {
+  for (const ReducedBody& body :
+       {test::pressed_ball(0.05, 0.01, 1), test::with_further(test::pressed_ball(0.05, 0.01, 1))}) {
     for (const bool numpy : {true, false}) {
       INFO((numpy ? "NumPy" : "PXDMF") << ", " << body.displacement.axes().size() << " axes");
       const ScratchFolder folder("modes_files");
@@ -108,9 +108,9 @@ TEST_CASE("what a file does not say is found from the field", "[exchange]") {
   CHECK(field_at(found.stress, {2, 0.5}).isZero(0));
   // Without a place there is one site: the field of the first.
   axes.pop_back();
-  modes.displacement = SeparatedField(modes.displacement.modes().leftCols(1),
-                                      {{"force", axes[0].samples, axes[0].functions.leftCols(1),
-                                        Between::kSmooth}});
+  modes.displacement =
+      SeparatedField(modes.displacement.modes().leftCols(1),
+                     {{"force", axes[0].samples, axes[0].functions.leftCols(1), Between::kSmooth}});
   const ReducedBody one = body_of_modes(modes, {.name = "one", .level = "force"});
   CHECK(one.sites.size() == 1);
   CHECK(one.sites[0].vertex == body.sites[0].vertex);
@@ -208,8 +208,8 @@ TEST_CASE("arrays that are missing or do not fit are named", "[exchange][errors]
              Contains("samples must increase"));
   CHECK_THAT(refused("triangles.npy",
                      [&](const fs::path& path) {
-                       write_npy(path, {2, 3}, std::span<const double>(
-                                                   std::vector<double>{0, 1, 2, 3, 4, 42}));
+                       write_npy(path, {2, 3},
+                                 std::span<const double>(std::vector<double>{0, 1, 2, 3, 4, 42}));
                      }),
              Contains("a vertex that is not there"));
   CHECK_THAT(refused("parameters.txt",
@@ -254,8 +254,8 @@ TEST_CASE("presses are written as series for ParaView", "[exchange]") {
   CHECK_THAT(text_of(folder.path() / "one" / "site_002_level_001.vtu").substr(0, 300),
              Catch::Contains("NumberOfPoints=\"4\" NumberOfCells=\"1\""));
   write_xdmf_series(folder.path() / "ball.xdmf", ball, 3);
-  CHECK_THAT(text_of(folder.path() / "ball.xdmf"),
-             Catch::Contains("ball.h5:/displacement_3_4") && Catch::Contains("<Time Value=\"0.75\"/>"));
+  CHECK_THAT(text_of(folder.path() / "ball.xdmf"), Catch::Contains("ball.h5:/displacement_3_4") &&
+                                                       Catch::Contains("<Time Value=\"0.75\"/>"));
   CHECK(fs::exists(folder.path() / "ball.h5"));
   CHECK_THROWS_WITH(write_vtu_series(folder.path() / "none", ball, 6),
                     Catch::Contains("sites 0 to 5"));

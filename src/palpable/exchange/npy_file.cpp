@@ -93,9 +93,9 @@ NpyArray read_npy(const std::filesystem::path& path) {
   };
   const bool first_version = byte(6) == 1;
   const std::size_t begin = first_version ? 10 : 12;
-  const std::size_t length =
-      first_version ? byte(8) + 256 * byte(9)
-                    : byte(8) + 256 * (byte(9) + 256 * (byte(10) + 256 * byte(11)));
+  const std::size_t length = first_version
+                                 ? byte(8) + 256 * byte(9)
+                                 : byte(8) + 256 * (byte(9) + 256 * (byte(10) + 256 * byte(11)));
   if (begin + length > bytes.size()) throw refuse("cut short");
   const std::string header = bytes.substr(begin, length);
   const std::string type = entry(header, "descr"), order = entry(header, "fortran_order"),
@@ -112,8 +112,11 @@ NpyArray read_npy(const std::filesystem::path& path) {
   }
   const std::size_t count = count_of(array.shape);
   const std::string kind = type.substr(1, 3);
-  const std::size_t size = kind == "<f4" || kind == "<i4" ? 4 : kind == "<f8" || kind == "<i8" ? 8 : 0;
-  if (size == 0) throw refuse(fmt::format("holds {}, not floats or integers of 4 or 8 bytes", type));
+  const std::size_t size = kind == "<f4" || kind == "<i4"   ? 4
+                           : kind == "<f8" || kind == "<i8" ? 8
+                                                            : 0;
+  if (size == 0)
+    throw refuse(fmt::format("holds {}, not floats or integers of 4 or 8 bytes", type));
   if (count == SIZE_MAX || bytes.size() - begin - length < count * size) throw refuse("cut short");
   array.values.resize(count);
   const char* data = bytes.data() + begin + length;

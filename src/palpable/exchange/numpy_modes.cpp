@@ -32,8 +32,8 @@ Eigen::MatrixXd read_columns(const fs::path& path) {
     throw Error(fmt::format("{}: holds no table", path.string()));
   }
   const auto rows = static_cast<Index>(array.shape[0]);
-  return Eigen::Map<const Eigen::MatrixXd>(
-      array.values.data(), static_cast<Index>(array.values.size()) / rows, rows);
+  return Eigen::Map<const Eigen::MatrixXd>(array.values.data(),
+                                           static_cast<Index>(array.values.size()) / rows, rows);
 }
 
 void write_field(const fs::path& folder, const char* name, const SeparatedField& field,
@@ -70,20 +70,23 @@ SeparatedField read_field(const fs::path& folder, const char* name,
 void write_numpy_modes(const fs::path& folder, const ForeignModes& modes) {
   std::error_code problem;
   fs::create_directories(folder, problem);
-  if (problem) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), problem.message()));
+  if (problem)
+    throw Error(fmt::format("{}: cannot be made: {}", folder.string(), problem.message()));
   write_matrix(folder / "vertices.npy", modes.surface.vertices);
   write_matrix(folder / "triangles.npy", modes.surface.triangles);
   std::ofstream names(folder / "parameters.txt");
   const std::vector<ParameterAxis>& axes = modes.displacement.axes();
   for (std::size_t j = 0; j < axes.size(); ++j) {
-    names << axes[j].name << (axes[j].between == Between::kNothing ? " choice" : " quantity") << '\n';
+    names << axes[j].name << (axes[j].between == Between::kNothing ? " choice" : " quantity")
+          << '\n';
     write_npy(folder / fmt::format("samples_{}.npy", j),
               {static_cast<std::size_t>(axes[j].samples.size())},
               std::span<const double>(axes[j].samples.data(),
                                       static_cast<std::size_t>(axes[j].samples.size())));
   }
   names.close();
-  if (!names) throw Error(fmt::format("{}: cannot be written", (folder / "parameters.txt").string()));
+  if (!names)
+    throw Error(fmt::format("{}: cannot be written", (folder / "parameters.txt").string()));
   write_field(folder, "displacement", modes.displacement, 3);
   if (modes.stress) write_field(folder, "stress", *modes.stress, 6);
   if (modes.site_vertices.empty()) return;
@@ -95,15 +98,16 @@ void write_numpy_modes(const fs::path& folder, const ForeignModes& modes) {
 ForeignModes read_numpy_modes(const fs::path& folder) {
   const auto wants = [&](const char* file, const Eigen::MatrixXd& columns) {
     if (columns.rows() == 3 && columns.allFinite()) return;
-    throw Error(fmt::format("{}: must hold three numbers for each entry", (folder / file).string()));
+    throw Error(
+        fmt::format("{}: must hold three numbers for each entry", (folder / file).string()));
   };
   const Eigen::MatrixXd vertices = read_columns(folder / "vertices.npy");
   wants("vertices.npy", vertices);
   const Eigen::MatrixXd triangles = read_columns(folder / "triangles.npy");
   wants("triangles.npy", triangles);
   if (!(triangles.minCoeff() >= 0) || !(triangles.maxCoeff() < double(vertices.cols()))) {
-    throw Error(fmt::format("{}: names a vertex that is not there",
-                            (folder / "triangles.npy").string()));
+    throw Error(
+        fmt::format("{}: names a vertex that is not there", (folder / "triangles.npy").string()));
   }
   std::ifstream names(folder / "parameters.txt");
   if (!names) throw Error(fmt::format("{}: no such file", (folder / "parameters.txt").string()));
@@ -123,7 +127,8 @@ ForeignModes read_numpy_modes(const fs::path& folder) {
     axis.samples = Eigen::Map<const Eigen::VectorXd>(samples.values.data(),
                                                      static_cast<Index>(samples.values.size()));
     for (Index k = 0; k < axis.samples.size(); ++k) {
-      if (std::isfinite(axis.samples[k]) && (k == 0 || axis.samples[k - 1] < axis.samples[k])) continue;
+      if (std::isfinite(axis.samples[k]) && (k == 0 || axis.samples[k - 1] < axis.samples[k]))
+        continue;
       throw Error(fmt::format("{}: samples must increase", file.string()));
     }
     if (axis.samples.size() == 0) throw Error(fmt::format("{}: has no samples", file.string()));

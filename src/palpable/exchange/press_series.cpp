@@ -35,8 +35,8 @@ void evaluate(const ReducedBody& body, int site, double level, Shown& shown) {
   const SeparatedField& u = body.volume ? body.volume->displacement : body.displacement;
   const std::array mu{static_cast<double>(site), level};
   shown.displacement.resize(3, u.value_count() / 3);
-  u.evaluate(mu, std::span<float>(shown.displacement.data(),
-                                  static_cast<std::size_t>(u.value_count())));
+  u.evaluate(
+      mu, std::span<float>(shown.displacement.data(), static_cast<std::size_t>(u.value_count())));
   const SeparatedField* stress = stress_of(body);
   if (stress == nullptr) return;
   const auto count = static_cast<std::size_t>(stress->value_count());
@@ -74,7 +74,8 @@ void write_vtu_series(const fs::path& folder, const ReducedBody& body, std::opti
   const std::vector<int> sites = sites_of(body, site);
   std::error_code problem;
   fs::create_directories(folder, problem);
-  if (problem) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), problem.message()));
+  if (problem)
+    throw Error(fmt::format("{}: cannot be made: {}", folder.string(), problem.message()));
   TetMesh inside;
   if (body.volume) {
     inside.nodes = body.volume->nodes;
@@ -90,10 +91,9 @@ void write_vtu_series(const fs::path& folder, const ReducedBody& body, std::opti
       std::vector<VtuField> fields{{"displacement", shown.displacement.cast<double>()}};
       if (!shown.von_mises.empty()) {
         fields.push_back({"stress", shown.stress.cast<double>()});
-        fields.push_back({"von_mises",
-                          Eigen::Map<const Eigen::RowVectorXf>(shown.von_mises.data(),
-                                                               shown.stress.cols())
-                              .cast<double>()});
+        fields.push_back({"von_mises", Eigen::Map<const Eigen::RowVectorXf>(shown.von_mises.data(),
+                                                                            shown.stress.cols())
+                                           .cast<double>()});
       }
       const std::string name = fmt::format("site_{:03}_level_{:03}.vtu", s, l);
       if (body.volume) {
@@ -111,7 +111,8 @@ void write_xdmf_series(const fs::path& path, const ReducedBody& body, std::optio
   const std::vector<int> sites = sites_of(body, site);
   fs::path heavy = path;
   heavy.replace_extension(".h5");
-  if (heavy == path) throw Error(fmt::format("{}: the numbers go there; name a .xdmf", path.string()));
+  if (heavy == path)
+    throw Error(fmt::format("{}: the numbers go there; name a .xdmf", path.string()));
   const std::string file_name = heavy.filename().string();
   const Eigen::Matrix3Xd& nodes = body.volume ? body.volume->nodes : body.surface.vertices;
   const Eigen::MatrixXi cells =
@@ -119,9 +120,10 @@ void write_xdmf_series(const fs::path& path, const ReducedBody& body, std::optio
   const char* type = cells.rows() == 3 ? "Triangle" : cells.rows() == 4 ? "Tetrahedron" : "Tet_10";
   const auto item = [&](const std::string& name, Index rows, Index columns, const char* kind,
                         int bytes) {
-    return fmt::format("<DataItem Dimensions=\"{} {}\" NumberType=\"{}\" Precision=\"{}\" "
-                       "Format=\"HDF\">{}:/{}</DataItem>",
-                       rows, columns, kind, bytes, file_name, name);
+    return fmt::format(
+        "<DataItem Dimensions=\"{} {}\" NumberType=\"{}\" Precision=\"{}\" "
+        "Format=\"HDF\">{}:/{}</DataItem>",
+        rows, columns, kind, bytes, file_name, name);
   };
   std::string xml = "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n";
   const hdf5::Quiet quiet;
@@ -143,8 +145,9 @@ void write_xdmf_series(const fs::path& path, const ReducedBody& body, std::optio
           "<Grid Name=\"site {}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n", s);
       for (Index l = 0; l < body.levels().size(); ++l) {
         evaluate(body, s, body.levels()[l], shown);
-        xml += fmt::format("<Grid Name=\"level {}\" GridType=\"Uniform\">\n<Time Value=\"{}\"/>\n{}", l,
-                           body.levels()[l], mesh);
+        xml +=
+            fmt::format("<Grid Name=\"level {}\" GridType=\"Uniform\">\n<Time Value=\"{}\"/>\n{}",
+                        l, body.levels()[l], mesh);
         const auto attribute = [&](const char* name, const char* rank, Index columns,
                                    const float* values) {
           const std::string dataset = fmt::format("{}_{}_{}", name, s, l);

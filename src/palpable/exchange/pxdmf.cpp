@@ -3,7 +3,6 @@
 #include "palpable/reduced/hdf5_tools.h"
 
 #include <fmt/format.h>
-#include <pugixml.hpp>
 
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <pugixml.hpp>
 #include <sstream>
 #include <string>
 
@@ -42,15 +42,16 @@ class Writer {
     using Scalar = typename Matrix::Scalar;
     hdf5::write_table(file_, dataset.c_str(), columns.data(), static_cast<hsize_t>(columns.cols()),
                       static_cast<hsize_t>(columns.rows()));
-    line(depth, fmt::format("<DataItem Dimensions=\"{} {}\" NumberType=\"{}\" Precision=\"{}\" "
-                            "Format=\"HDF\">{}:/{}</DataItem>",
-                            columns.cols(), columns.rows(),
-                            std::is_integral_v<Scalar> ? "Int" : "Float", sizeof(Scalar), heavy_,
-                            dataset));
+    line(depth,
+         fmt::format("<DataItem Dimensions=\"{} {}\" NumberType=\"{}\" Precision=\"{}\" "
+                     "Format=\"HDF\">{}:/{}</DataItem>",
+                     columns.cols(), columns.rows(), std::is_integral_v<Scalar> ? "Int" : "Float",
+                     sizeof(Scalar), heavy_, dataset));
   }
   void attribute(const std::string& name, const char* type, const std::string& dataset,
                  const auto& columns) {
-    line(3, fmt::format("<Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">", name, type));
+    line(3,
+         fmt::format("<Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">", name, type));
     item(4, dataset, columns);
     line(3, "</Attribute>");
   }
@@ -64,10 +65,14 @@ class Writer {
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {
-    if (c == '&') result += "&amp;";
-    else if (c == '<') result += "&lt;";
-    else if (c == '"') result += "&quot;";
-    else result += c;
+    if (c == '&')
+      result += "&amp;";
+    else if (c == '<')
+      result += "&lt;";
+    else if (c == '"')
+      result += "&quot;";
+    else
+      result += c;
   }
   return result;
 }
@@ -161,8 +166,8 @@ class Reader {
     long long count = 1, first = -1;
     for (long long n = 0; sizes >> n;) {
       if (n < 1 || n > 100'000'000 || count > 400'000'000 / n) {
-        throw refuse(fmt::format("{} claims the size '{}'", what,
-                                 item.attribute("Dimensions").as_string()));
+        throw refuse(
+            fmt::format("{} claims the size '{}'", what, item.attribute("Dimensions").as_string()));
       }
       if (first < 0) first = n;
       count *= n;
@@ -179,8 +184,8 @@ class Reader {
       throw refuse(fmt::format("{} is in the format '{}'; HDF and XML are read", what, format));
     }
     if (static_cast<long long>(values.size()) != count) {
-      throw refuse(fmt::format("{} has {} numbers where its Dimensions say {}", what, values.size(),
-                               count));
+      throw refuse(
+          fmt::format("{} has {} numbers where its Dimensions say {}", what, values.size(), count));
     }
     MatrixXd result = Eigen::Map<const MatrixXd>(values.data(), count / first, first);
     if (!result.allFinite()) throw refuse(fmt::format("{} is not a number somewhere", what));
@@ -242,7 +247,8 @@ MatrixXd modes_of(Reader& reader, const pugi::xml_node& grid, const std::string&
   MatrixXd columns;
   for (const auto& [number, attribute] : found) {
     const auto i = static_cast<Index>(number);
-    if (i != columns.cols()) throw reader.refuse(fmt::format("there is no {}_{}", field, columns.cols()));
+    if (i != columns.cols())
+      throw reader.refuse(fmt::format("there is no {}_{}", field, columns.cols()));
     const std::string what = fmt::format("{}_{}", field, number);
     MatrixXd values = reader.columns(attribute, what);
     if (std::string(attribute.attribute("AttributeType").as_string()) == "Tensor6") {
@@ -267,7 +273,8 @@ MatrixXd modes_of(Reader& reader, const pugi::xml_node& grid, const std::string&
 void write_pxdmf(const fs::path& path, const ForeignModes& modes) {
   fs::path heavy = path;
   heavy.replace_extension(".h5");
-  if (heavy == path) throw Error(fmt::format("{}: the numbers go there; name a .pxdmf", path.string()));
+  if (heavy == path)
+    throw Error(fmt::format("{}: the numbers go there; name a .pxdmf", path.string()));
   const hdf5::Quiet quiet;
   std::string xml;
   try {
@@ -278,13 +285,14 @@ void write_pxdmf(const fs::path& path, const ForeignModes& modes) {
     out.line(0, "<Xdmf Version=\"2.0\">");
     out.line(1, fmt::format("<Domain Name=\"{}\">", escaped(path.filename().string())));
     write_space(out, modes);
-    for (std::size_t j = 0; j < modes.displacement.axes().size(); ++j) write_parameter(out, modes, j);
+    for (std::size_t j = 0; j < modes.displacement.axes().size(); ++j)
+      write_parameter(out, modes, j);
     out.line(1, "</Domain>");
     out.line(0, "</Xdmf>");
     xml = out.xml();
     if (!modes.site_vertices.empty()) {  // PXDMF has no place for them
-      hdf5::write_table(file, "site_vertices", modes.site_vertices.data(), modes.site_vertices.size(),
-                        1);
+      hdf5::write_table(file, "site_vertices", modes.site_vertices.data(),
+                        modes.site_vertices.size(), 1);
       hdf5::write_table(file, "site_loads", modes.site_loads.data(),
                         static_cast<hsize_t>(modes.site_loads.cols()), 3);
     }
@@ -307,8 +315,9 @@ ForeignModes read_pxdmf(const fs::path& path) {
   pugi::xml_node space;
   std::vector<pugi::xml_node> grids;
   for (const pugi::xml_node& grid : domain.children("Grid")) {
-    const std::string type = grid.child("Topology").attribute("TopologyType").as_string(
-        grid.child("Topology").attribute("Type").as_string());
+    const std::string type = grid.child("Topology")
+                                 .attribute("TopologyType")
+                                 .as_string(grid.child("Topology").attribute("Type").as_string());
     if (type == "Triangle" && !space) {
       space = grid;
     } else {
@@ -336,8 +345,8 @@ ForeignModes read_pxdmf(const fs::path& path) {
         reader.columns(grid.child("Geometry"), fmt::format("the Geometry of '{}'", axis.name));
     axis.samples = points.row(0).transpose();
     if (points.rows() > 1 && !points.bottomRows(points.rows() - 1).isZero(0)) {
-      throw reader.refuse(fmt::format("'{}' is a grid of more than one dimension, not read yet",
-                                      axis.name));
+      throw reader.refuse(
+          fmt::format("'{}' is a grid of more than one dimension, not read yet", axis.name));
     }
     for (Index k = 1; k < axis.samples.size(); ++k) {
       if (axis.samples[k - 1] < axis.samples[k]) continue;
@@ -355,11 +364,11 @@ ForeignModes read_pxdmf(const fs::path& path) {
       with_functions[j].functions = modes_of(reader, grids[j], name);
       if (with_functions[j].functions.cols() != F.cols() ||
           with_functions[j].functions.rows() != axes[j].samples.size()) {
-        throw reader.refuse(fmt::format("'{}' has {} functions of {} values for '{}', where {} of {} "
-                                        "are needed",
-                                        axes[j].name, with_functions[j].functions.cols(),
-                                        with_functions[j].functions.rows(), name, F.cols(),
-                                        axes[j].samples.size()));
+        throw reader.refuse(fmt::format(
+            "'{}' has {} functions of {} values for '{}', where {} of {} "
+            "are needed",
+            axes[j].name, with_functions[j].functions.cols(), with_functions[j].functions.rows(),
+            name, F.cols(), axes[j].samples.size()));
       }
     }
     return SeparatedField(F.cast<float>(), std::move(with_functions));
@@ -373,11 +382,9 @@ ForeignModes read_pxdmf(const fs::path& path) {
       modes.site_vertices.push_back(static_cast<int>(v));
     }
     const std::vector<double> loads = reader.heavy(heavy + ":/site_loads", "sites");
-    modes.site_loads = Eigen::Map<const Eigen::Matrix3Xd>(loads.data(), 3,
-                                                          static_cast<Index>(loads.size() / 3));
-  } catch (const Error&) {
-    modes.site_vertices.clear();
-  }
+    modes.site_loads =
+        Eigen::Map<const Eigen::Matrix3Xd>(loads.data(), 3, static_cast<Index>(loads.size() / 3));
+  } catch (const Error&) { modes.site_vertices.clear(); }
   return modes;
 }
 

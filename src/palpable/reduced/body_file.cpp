@@ -430,8 +430,10 @@ void read_volume(hid_t file, ReducedBody& body) {
     require(node >= 0 && static_cast<hsize_t>(node) < nodes.rows, "an element has no such node");
   }
   double rounding = 0;
-  BodyVolume volume{as_matrix<Eigen::Matrix3Xd>(nodes), as_matrix<Eigen::MatrixXi>(tets),
-                    read_field(g, "displacement", 3 * nodes.rows, rounding), {}};
+  BodyVolume volume{as_matrix<Eigen::Matrix3Xd>(nodes),
+                    as_matrix<Eigen::MatrixXi>(tets),
+                    read_field(g, "displacement", 3 * nodes.rows, rounding),
+                    {}};
   if (has_link(g, "stress")) volume.stress = read_field(g, "stress", 6 * nodes.rows, rounding);
   require(same_axes(volume.displacement, body.displacement) &&
               (!volume.stress || same_axes(*volume.stress, body.displacement)),
@@ -478,8 +480,7 @@ ReducedBody read_all(hid_t file) {
   read_surface(file, body);
   read_sites(file, body);
   const auto V = static_cast<hsize_t>(body.surface.vertex_count());
-  body.displacement =
-      read_field(file, "displacement", 3 * V, body.error.displacement_rounding);
+  body.displacement = read_field(file, "displacement", 3 * V, body.error.displacement_rounding);
   body.stress = read_field(file, "stress", 6 * V, body.error.stress_rounding);
   check_axes(body);
   check_press(body);
@@ -548,8 +549,8 @@ void write_body_file(const std::filesystem::path& path, const ReducedBody& body,
   }
   const hdf5::Quiet quiet;
   try {
-    const std::string bytes = hdf5::image_of(
-        kKind, kBodyFileVersion, [&](hid_t file) { write_all(file, body, storage); });
+    const std::string bytes = hdf5::image_of(kKind, kBodyFileVersion,
+                                             [&](hid_t file) { write_all(file, body, storage); });
     (void)from_bytes(bytes);  // a body that breaks a promise of reduced_body.h is not written
     hdf5::write_durably(path, bytes);
   } catch (const Trouble& trouble) {

@@ -120,7 +120,8 @@ TEST_CASE("a body in half precision takes half the bytes and says what that cost
   const ReducedBody body = test::pressed_ball();
   write_body_file(folder / "full.palpable", body);
   write_body_file(folder / "half.palpable", body, ModeStorage::kFloat16);
-  const auto modes = static_cast<double>(body.displacement.modes().size() + body.stress.modes().size());
+  const auto modes =
+      static_cast<double>(body.displacement.modes().size() + body.stress.modes().size());
   const double saved = static_cast<double>(fs::file_size(folder / "full.palpable")) -
                        static_cast<double>(fs::file_size(folder / "half.palpable"));
   CHECK(saved == Approx(2 * modes).epsilon(tolerance(0.02, "HDF5's own tables")));

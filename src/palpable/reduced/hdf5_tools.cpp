@@ -179,9 +179,7 @@ double read_number(hid_t object, const char* name) {
 
 bool has(hid_t object, const char* attribute) { return H5Aexists(object, attribute) > 0; }
 
-bool has_link(hid_t group, const char* name) {
-  return H5Lexists(group, name, H5P_DEFAULT) > 0;
-}
+bool has_link(hid_t group, const char* name) { return H5Lexists(group, name, H5P_DEFAULT) > 0; }
 
 Handle open_group(hid_t file, const char* name) {
   return Handle(H5Gopen2(file, name, H5P_DEFAULT), H5Gclose,

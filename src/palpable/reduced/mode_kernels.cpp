@@ -106,13 +106,20 @@ HWY_ATTR void sum(const ModeColumns& F, const float* weights, bool add, std::spa
     case 0:
       if (!more) std::fill(u.begin(), u.end(), 0.0f);
       return;
-    case 1: return sum_columns<1>(rest(), weights + i, more, u);
-    case 2: return sum_columns<2>(rest(), weights + i, more, u);
-    case 3: return sum_columns<3>(rest(), weights + i, more, u);
-    case 4: return sum_columns<4>(rest(), weights + i, more, u);
-    case 5: return sum_columns<5>(rest(), weights + i, more, u);
-    case 6: return sum_columns<6>(rest(), weights + i, more, u);
-    default: return sum_columns<7>(rest(), weights + i, more, u);
+    case 1:
+      return sum_columns<1>(rest(), weights + i, more, u);
+    case 2:
+      return sum_columns<2>(rest(), weights + i, more, u);
+    case 3:
+      return sum_columns<3>(rest(), weights + i, more, u);
+    case 4:
+      return sum_columns<4>(rest(), weights + i, more, u);
+    case 5:
+      return sum_columns<5>(rest(), weights + i, more, u);
+    case 6:
+      return sum_columns<6>(rest(), weights + i, more, u);
+    default:
+      return sum_columns<7>(rest(), weights + i, more, u);
   }
 }
 
@@ -126,10 +133,10 @@ HWY_ATTR void von_mises(const float* stress, std::span<float> result) {
     hn::VFromD<Floats> a, b, c;
     hn::LoadInterleaved3(d, s, a, b, c);
     const auto ab = hn::Sub(a, b), bc = hn::Sub(b, c), ca = hn::Sub(c, a);
-    const auto normal = hn::Mul(
-        half, hn::Add(hn::Add(hn::Mul(ab, ab), hn::Mul(bc, bc)), hn::Mul(ca, ca)));
-    const auto shear = hn::Mul(
-        three, hn::Add(hn::Add(hn::Mul(a, a), hn::Mul(b, b)), hn::Mul(c, c)));
+    const auto normal =
+        hn::Mul(half, hn::Add(hn::Add(hn::Mul(ab, ab), hn::Mul(bc, bc)), hn::Mul(ca, ca)));
+    const auto shear =
+        hn::Mul(three, hn::Add(hn::Add(hn::Mul(a, a), hn::Mul(b, b)), hn::Mul(c, c)));
     const auto both = hn::OddEven(shear, normal);
     return hn::Sqrt(hn::Add(both, hn::Reverse2(d, both)));
   };
@@ -148,8 +155,7 @@ HWY_ATTR void normalise(float* vectors, std::size_t count) {
   for (; k + lanes <= count; k += lanes) {
     hn::VFromD<Floats> x, y, z;
     hn::LoadInterleaved3(d, vectors + 3 * k, x, y, z);
-    const auto length =
-        hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
+    const auto length = hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
     const auto divisor = hn::IfThenElse(hn::Gt(length, hn::Zero(d)), length, hn::Set(d, 1.0f));
     hn::StoreInterleaved3(hn::Div(x, divisor), hn::Div(y, divisor), hn::Div(z, divisor), d,
                           vectors + 3 * k);

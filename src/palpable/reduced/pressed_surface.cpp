@@ -22,8 +22,7 @@ void press_surface(const ReducedBody& body, const Eigen::Matrix3Xf& rest,
     const Eigen::Index count = std::min(kBlock, V - first);
     const auto n = static_cast<std::size_t>(count);
     const int row = static_cast<int>(first);
-    body.displacement.evaluate_part(mu, 3 * row,
-                                    std::span(vertices.data() + 3 * first, 3 * n));
+    body.displacement.evaluate_part(mu, 3 * row, std::span(vertices.data() + 3 * first, 3 * n));
     vertices.middleCols(first, count) += rest.middleCols(first, count);
     const std::span<float> values = std::span(stress).first(6 * n);
     body.stress.evaluate_part(mu, 6 * row, values);

@@ -17,7 +17,8 @@ namespace palpable {
 /// @param rest       (3 x V) m: body.surface.vertices
 /// @param mu         as body.displacement.evaluate(): site, level
 /// @param vertices   (3 x V) m, overwritten
-/// @param normals    (3 x V) unit, area-weighted, outwards; overwritten; zero where no triangle with
+/// @param normals    (3 x V) unit, area-weighted, outwards; overwritten; zero where no triangle
+/// with
 ///                   area meets the vertex
 /// @param von_mises  (V) Pa, overwritten
 /// @throws ContractViolation on sizes other than these, or for mu as evaluate()

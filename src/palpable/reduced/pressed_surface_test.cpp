@@ -33,9 +33,8 @@ TEST_CASE("a pressed surface is what its parts give one by one", "[reduced]") {
         tolerance(1e-6, "single precision of unit vectors"));
   CHECK((normals.colwise().norm().array() - 1).abs().maxCoeff() <= tolerance(2e-7, "likewise"));
 
-  CHECK(test::allocations_during([&] {
-          press_surface(body, rest, mu, vertices, normals, mises);
-        }) == 0);
+  CHECK(test::allocations_during(
+            [&] { press_surface(body, rest, mu, vertices, normals, mises); }) == 0);
 }
 
 TEST_CASE("arrays of another length are refused", "[reduced][errors]") {

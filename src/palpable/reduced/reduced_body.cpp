@@ -55,8 +55,9 @@ Result<ReducedBody> settled(const ReducedBody& body, const std::map<std::string,
       if (!body.is_settled()) {
         for (const FurtherParameter& p : result.further) known += " '" + p.name + "'";
       }
-      return Problem{fmt::format("'{}' is no parameter of this body; beside site and level it has{}",
-                                 name, known.empty() ? " none" : known)};
+      return Problem{
+          fmt::format("'{}' is no parameter of this body; beside site and level it has{}", name,
+                      known.empty() ? " none" : known)};
     }
     const double first = found->samples[0], last = found->samples[found->samples.size() - 1];
     if (!(first <= value && value <= last)) {
@@ -79,14 +80,15 @@ Result<ReducedBody> settled(const ReducedBody& body, const std::map<std::string,
     result.stress = result.stress.settled(axis, p.value);
     if (!result.volume) continue;
     result.volume->displacement = result.volume->displacement.settled(axis, p.value);
-    if (result.volume->stress) result.volume->stress = result.volume->stress->settled(axis, p.value);
+    if (result.volume->stress)
+      result.volume->stress = result.volume->stress->settled(axis, p.value);
   }
   result.press_depth = depth.reshaped(L, S);
   for (Index s = 0; s < S; ++s) {
     const auto column = result.press_depth.col(s);
     if (!(load(s, 0) > 0) || !((column.tail(L - 1) - column.head(L - 1)).minCoeff() > 0)) {
-      return Problem{fmt::format("between its samples the loads or depths of site {} are not ordered",
-                                 s)};
+      return Problem{
+          fmt::format("between its samples the loads or depths of site {} are not ordered", s)};
     }
     result.sites[static_cast<std::size_t>(s)].full_load = load(s, 0);
   }

@@ -37,7 +37,8 @@ struct ReductionError {
   double displacement_worst = 0;   ///< the largest of one snapshot's own error
   double stress_pooled = 0;
   double stress_worst = 0;
-  /// What the numbers of the modes lost in the file: over all samples together, |A_r - A_file| / |A_r|.
+  /// What the numbers of the modes lost in the file: over all samples together, |A_r - A_file| /
+  /// |A_r|.
   double displacement_rounding = 0;
   double stress_rounding = 0;
   /// Sites are categorical: a touch between them gets the field of the nearest. How wrong that is,
@@ -55,9 +56,9 @@ struct FurtherParameter {
 /// The inside of the body, which nobody sees live.
 ///   n  nodes   E  elements
 struct BodyVolume {
-  Eigen::Matrix3Xd nodes;       ///< (3 x n) m, body frame
-  Eigen::MatrixXi tets;         ///< (4 x E) or (10 x E), in the order of VTK
-  SeparatedField displacement;  ///< (3n) m, over the axes of the surface's
+  Eigen::Matrix3Xd nodes;                     ///< (3 x n) m, body frame
+  Eigen::MatrixXi tets;                       ///< (4 x E) or (10 x E), in the order of VTK
+  SeparatedField displacement;                ///< (3n) m, over the axes of the surface's
   std::optional<SeparatedField> stress = {};  ///< (6n) Pa
 };
 

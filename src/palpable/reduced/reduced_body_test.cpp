@@ -25,7 +25,8 @@ TEST_CASE("the level of a depth is exact at the samples", "[reduced]") {
 }
 
 TEST_CASE("depth and level are each other's inverse as far as cubics can be", "[reduced]") {
-  // Softens by a factor of 2.6 from the first to the last touch, the most of all sites of the bunny.
+  // Softens by a factor of 2.6 from the first to the last touch, the most of all sites of the
+  // bunny.
   const auto depth = [](double level) { return 0.01 * (level + 0.8 * level * level); };
   ReducedBody body = test::pressed_ball(0.05, 0.01, 1, 27);
   body.press_depth.col(1) = body.levels().unaryExpr(depth);
@@ -98,7 +99,8 @@ TEST_CASE("a body with a third and a fourth parameter is settled on values of th
     const double factor = soft * (1 + heat);
     CHECK((field(one.displacement, {3, 0.6}) -
            static_cast<float>(factor) * field(plain.displacement, {3, 0.6}))
-              .norm() <= tolerance(1e-6, "single precision") * field(one.displacement, {3, 0.6}).norm());
+              .norm() <=
+          tolerance(1e-6, "single precision") * field(one.displacement, {3, 0.6}).norm());
     CHECK(one.press_depth(2, 4) == Approx(factor * plain.press_depth(2, 4)));
     CHECK(one.sites[2].full_load == Approx((3 - soft) * plain.sites[2].full_load));
     CHECK(level_of_press_depth(one, 1, one.press_depth(1, 1)) == one.levels()[1]);
@@ -112,8 +114,8 @@ TEST_CASE("a value that the body does not have is refused by name", "[reduced][e
     const Result<ReducedBody> result = settled(b, values);
     return result.ok() ? "(settled)" : result.problem().message;
   };
-  CHECK_THAT(message(body, {{"age", 3}}), Catch::Contains("'age' is no parameter") &&
-                                              Catch::Contains("'softness' 'heat'"));
+  CHECK_THAT(message(body, {{"age", 3}}),
+             Catch::Contains("'age' is no parameter") && Catch::Contains("'softness' 'heat'"));
   CHECK_THAT(message(body, {{"softness", 3}}), Catch::Contains("from 0.5 to 2"));
   CHECK_THAT(message(body, {{"softness", NAN}}), Catch::Contains("from 0.5 to 2"));
   CHECK_THAT(message(test::pressed_ball(0.05, 0.01, 1), {{"age", 3}}),

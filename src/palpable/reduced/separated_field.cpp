@@ -84,8 +84,7 @@ std::pair<int, int> SeparatedField::block(int j, Eigen::Index k) const {
   PALPABLE_EXPECT(j >= 0 && static_cast<std::size_t>(j) < axes_.size(), "the axis exists");
   const Table& table = tables_[static_cast<std::size_t>(j)];
   if (table.block.empty()) return {0, mode_count()};
-  PALPABLE_EXPECT(k >= 0 && k < static_cast<Eigen::Index>(table.block.size()),
-                  "the sample exists");
+  PALPABLE_EXPECT(k >= 0 && k < static_cast<Eigen::Index>(table.block.size()), "the sample exists");
   return table.block[static_cast<std::size_t>(k)];
 }
 
@@ -156,8 +155,8 @@ void SeparatedField::weights(std::span<const double> mu, std::span<float> weight
   std::fill(weights.begin(), weights.end(), 0.0f);
   for (int first = at.first; first < at.end; first += kModesAtOnce) {
     const int count = std::min(kModesAtOnce, at.end - first);
-    weigh(at, first, weights.subspan(static_cast<std::size_t>(first),
-                                     static_cast<std::size_t>(count)));
+    weigh(at, first,
+          weights.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count)));
   }
 }
 

@@ -160,8 +160,7 @@ TEST_CASE("blocks that do not fit together are refused", "[reduced][errors]") {
 TEST_CASE("a field of more modes than are weighed at once is their sum", "[reduced]") {
   constexpr int m = 600;
   const VectorXd t = VectorXd::LinSpaced(3, 0, 1);
-  const SeparatedField field(MatrixXf::Ones(5, m),
-                             {{"t", t, t.replicate(1, m), Between::kSmooth}});
+  const SeparatedField field(MatrixXf::Ones(5, m), {{"t", t, t.replicate(1, m), Between::kSmooth}});
   CHECK(evaluate(field, {0.5}) == VectorXf::Constant(5, 300));  // exact: halves
   VectorXf w(m);
   field.weights(std::array{0.5}, std::span<float>(w.data(), m));
@@ -191,8 +190,7 @@ TEST_CASE("the derivative by a parameter is the limit of differences", "[reduced
 
 TEST_CASE("the derivative is one-sided at an end of the axis and zero beyond", "[reduced]") {
   const VectorXd t = VectorXd::LinSpaced(4, 0, 3);
-  const SeparatedField field(MatrixXf::Ones(1, 1),
-                             {{"t", t, t.cwiseAbs2(), Between::kSmooth}});
+  const SeparatedField field(MatrixXf::Ones(1, 1), {{"t", t, t.cwiseAbs2(), Between::kSmooth}});
   const auto slope = [&](double at) {
     float value = NAN;
     field.derivative(std::array{at}, 0, std::span(&value, 1));

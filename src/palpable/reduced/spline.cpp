@@ -34,8 +34,8 @@ MatrixXd spline_slopes(const VectorXd& x, const MatrixXd& g) {
   MatrixXd s(n, g.cols());
   middle[0] = h[1];
   upper[0] = h[0] + h[1];
-  s.row(0) = ((h[0] + 2.0 * upper[0]) * h[1] * secant.row(0) + h[0] * h[0] * secant.row(1)) /
-             upper[0];
+  s.row(0) =
+      ((h[0] + 2.0 * upper[0]) * h[1] * secant.row(0) + h[0] * h[0] * secant.row(1)) / upper[0];
   for (Index k = 1; k + 1 < n; ++k) {
     lower[k] = h[k];
     middle[k] = 2.0 * (h[k - 1] + h[k]);
@@ -45,8 +45,8 @@ MatrixXd spline_slopes(const VectorXd& x, const MatrixXd& g) {
   const double a = h[n - 3], b = h[n - 2];
   lower[n - 1] = a + b;
   middle[n - 1] = a;
-  s.row(n - 1) = (b * b * secant.row(n - 3) + (2.0 * (a + b) + b) * a * secant.row(n - 2)) /
-                 lower[n - 1];
+  s.row(n - 1) =
+      (b * b * secant.row(n - 3) + (2.0 * (a + b) + b) * a * secant.row(n - 2)) / lower[n - 1];
   for (Index k = 1; k < n; ++k) {
     const double factor = lower[k] / middle[k - 1];
     middle[k] -= factor * upper[k - 1];

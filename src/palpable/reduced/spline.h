@@ -21,8 +21,7 @@ namespace palpable {
 /// The same slopes, cut where the cubic between two samples could leave the range of their values:
 /// for g that increases strictly so does the interpolation. Sufficient condition of Fritsch and
 /// Carlson (1980): each slope lies between 0 and three times the steepness on both sides.
-[[nodiscard]] Eigen::MatrixXd increasing_slopes(const Eigen::VectorXd& x,
-                                                const Eigen::MatrixXd& g);
+[[nodiscard]] Eigen::MatrixXd increasing_slopes(const Eigen::VectorXd& x, const Eigen::MatrixXd& g);
 
 /// What a cubic on [x_k, x_k+1] takes of the values g and slopes s at both ends:
 ///

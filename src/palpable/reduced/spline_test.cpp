@@ -80,8 +80,9 @@ double worst_error(int n, const std::function<double(double)>& truth, bool natur
 
 TEST_CASE("the error of interpolation falls with the fourth power of the spacing", "[reduced]") {
   // What a path of loads looks like: it softens, and it stiffens.
-  for (const auto& truth : {std::function<double(double)>([](double x) { return std::exp(2 * x); }),
-                            std::function<double(double)>([](double x) { return std::sqrt(1 + 2 * x); })}) {
+  for (const auto& truth :
+       {std::function<double(double)>([](double x) { return std::exp(2 * x); }),
+        std::function<double(double)>([](double x) { return std::sqrt(1 + 2 * x); })}) {
     const double order = std::log2(worst_error(52, truth) / worst_error(104, truth));
     INFO("order " << order);
     CHECK(order > 4 - tolerance(0.3, "the end intervals approach their order from below"));
