@@ -283,9 +283,12 @@ void add_bench(CLI::App& app) {
   CLI::App* bench = app.add_subcommand("bench", "Time the stages of the live half (or of a bake)");
   bench->require_subcommand(1);
   bench->footer(
-      "palpable bench bake times the parts of a bake, palpable bench solid one equilibrium path\n"
-      "against CalculiX, palpable bench elements says how true 4-node and 10-node tetrahedra are,\n"
-      "palpable bench reduce compares all reductions.\n"
+      "Of the program palpable-bake, asked for in the same way:\n"
+      "  bench bake      the parts of a bake\n"
+      "  bench campaign  all sites and levels of a body, into an empty folder\n"
+      "  bench solid     one equilibrium path against CalculiX\n"
+      "  bench elements  how true 4-node and 10-node tetrahedra are\n"
+      "  bench reduce    all reductions beside each other\n"
       "Example: palpable bench evaluate bunny.palpable --json");
   const auto add_body_bench = [&](const char* name, const char* what,
                                   void (*run)(const BodyOptions&)) {

@@ -241,6 +241,7 @@ CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store
     if (here.empty()) continue;
     account.begin();
     const EquilibriumSolver solver(model_at(plan, p), {.tolerance = kSnapshotTolerance});
+    result.setup = solver.setup();
     const SiteSolver presses(solver, plan.boundary, plan.preload);
     std::optional<CalculixSites> calculix;
     if (plan.solver == "calculix") calculix.emplace(presses, settings.calculix);

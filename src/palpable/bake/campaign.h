@@ -9,6 +9,7 @@
 #include "palpable/bake/snapshot_store.h"
 #include "palpable/base/progress.h"
 #include "palpable/base/stage_clock.h"
+#include "palpable/solid/equilibrium.h"
 #include "palpable/solid/solid_model.h"
 
 #include <Eigen/Core>
@@ -65,13 +66,15 @@ struct CampaignReport {
   int missing = 0;        ///< of other shards
   int linear_solved = 0;  ///< files of linear responses
   StageTimes times;       ///< solve, stress, write: milliseconds, summed over sites
+  SolverSetup setup;      ///< of the last point that was solved
 };
 
 /// Solves what the store does not hold yet. A site's file is written as it ends; nothing that is
 /// finished is lost, whatever ends the program. The store's bytes depend on nothing but the plan.
 ///
-/// Memory: the solver (equilibrium.h), 24 N L bytes for the states of each of up to 24 sites in
-/// progress (lockstep.h), 60 N L for the snapshots of one that is being written and their file.
+/// Memory: the solver (equilibrium.h), 24 N L + 1,500 N bytes for each site in progress, of which
+/// there are 20 a thread or as many as 2 GB hold (lockstep.h), and 60 N L for the snapshots of one
+/// that is being written and their file.
 /// @param store  of unit_keys(plan)
 /// @throws Error if no site of a point reaches the press, one site cannot be pressed at all, the
 ///         body cannot bear the preload, or the store cannot be written
