@@ -193,6 +193,9 @@ void live(const Options& options) {
         if (stage.window && ended_by(*stage.window)) break;
         continue;
       }
+      if (flight->seen.misfit) {
+        throw Error(fmt::format("{}: {}", run.images.string(), flight->seen.misfit->message()));
+      }
       session.respond(flight->seen, scene);
       std::unique_ptr<DrawnFrame> drawn = output.blank();
       drawn->times = flight->times;

@@ -460,6 +460,38 @@ def _(programs, folder):
     programs.refuses(*live(programs, folder), says=["clip", "640", "320"])
 
 
+@case("a calibration that does not fit its images is refused, with what to do about it")
+def _(programs, folder):
+    write_stereo(folder / "clip", frames=2)
+    programs.succeeds(*live(programs, folder))
+    calibration = (folder / "clip/rectified.yml").read_text()
+    for wrong, says in (("63.0", ["metres", "looks like millimetres"]), ("0.0", ["baseline", "metres"]),
+                        ("-0.063", ["baseline", "metres"])):
+        (folder / "clip/rectified.yml").write_text(calibration.replace("0.063", wrong))
+        programs.refuses(*live(programs, folder, "--overwrite"), says=["rectified.yml", *says])
+    (folder / "clip/rectified.yml").write_text(calibration)
+    for image in (folder / "clip/right").iterdir():
+        image.write_bytes(png(WIDTH, HEIGHT, lambda x, y: texture(24)(x, y - 14)))
+    programs.refuses(*live(programs, folder, "--overwrite"), says=["clip", "14 px apart", "palpable calibrate"])
+    for eye, shift in (("left", 24), ("right", 0)):
+        for image in (folder / "clip" / eye).iterdir():
+            image.write_bytes(png(WIDTH, HEIGHT, texture(shift)))
+    programs.refuses(*live(programs, folder, "--overwrite"), says=["clip", "left and right are swapped"])
+
+
+@case("a clip can be matched by OpenCV's matcher instead, and by no other")
+def _(programs, folder):
+    write_stereo(folder / "clip", frames=2)
+    found = []
+    for matcher in ("census", "opencv"):
+        programs.succeeds(*live(programs, folder, "--matcher", matcher, "--overwrite"))
+        assert json.loads((folder / "out/live.json").read_text())["frames"] == 2
+        found.append([path.read_bytes() for path in sorted((folder / "out/depth").iterdir())])
+    assert len(found[0]) == len(found[1]) == 2 and found[0] != found[1]
+    assert "--matcher" in programs.succeeds("live", "--help").stdout
+    programs.refuses(*live(programs, folder, "--matcher", "guess"), says=["--matcher", "opencv"])
+
+
 @case("unequal numbers of left and right images are refused with both numbers")
 def _(programs, folder):
     write_stereo(folder / "clip")
@@ -558,6 +590,25 @@ def _(programs, folder):
     for words in (("solid", "--ours-only"), ("elements",)):
         programs.refuses("bench", *words, folder / "none.toml", says=["none.toml"])
         programs.refuses("bench", *words, no_edge, says=["no_edge.toml", "edge"])
+
+
+@case("the bench of depth has every figure of its bars")
+def _(programs, folder):
+    words = ("bench", "depth", "--body", programs.small_body(), "--frames", "1", "--repeats", "1", "--data", folder)
+    result = programs.run(*words, "--json")
+    if result.returncode != 0 and "EGL" in result.stderr:
+        print("SKIPPED: no OpenGL here: " + result.stderr.strip())
+        return
+    assert result.returncode == 0, result.stderr
+    figures = json.loads(result.stdout)
+    for key in ("speedup_near", "speedup_full", "wall_ms_720p", "near_median_error", "hand_within_1pct",
+                "ms_672", "ms_1080p", "error_by_depth"):
+        assert figures[key], (key, figures)
+    assert 0 <= figures["too_close_called_far"] <= 1 and figures["simd"], figures
+    # The pairs with truth are not in that folder.
+    assert figures["bad2_ratio"] == dict.fromkeys(("tsukuba", "teddy", "Cloth3", "mean")), figures
+    programs.refuses(*words, "--simd", "MMX", says=["--simd MMX", figures["simd"]])
+    programs.refuses("bench", "depth", "--body", folder / "none.palpable", says=["none.palpable"])
 
 
 def without_times(folder):

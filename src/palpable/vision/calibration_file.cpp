@@ -251,6 +251,15 @@ constexpr double kLargestAngle = 0.7;       // rad between the eyes; real rigs h
 
 }  // namespace
 
+namespace {
+// Eyes of 10 mm to 10 m apart, had they been written in millimetres.
+const char* of_millimetres(double baseline) {
+  return baseline > kLongestBaseline && baseline <= 1000 * kLongestBaseline
+             ? " (this looks like millimetres: divide it by 1000)"
+             : "";
+}
+}  // namespace
+
 std::string what_is_wrong_with(const StereoRig& rig) {
   for (const auto& [camera, name] :
        {std::pair{&rig.left, "left"}, std::pair{&rig.right, "right"}}) {
@@ -289,8 +298,8 @@ std::string what_is_wrong_with(const StereoRig& rig) {
                        angle * 180 / EIGEN_PI);
   }
   if (!(T.norm() >= kShortestBaseline && T.norm() <= kLongestBaseline)) {
-    return fmt::format("the eyes are {:.4g} m apart; T should be in metres, {} to {}", T.norm(),
-                       kShortestBaseline, kLongestBaseline);
+    return fmt::format("the eyes are {:.4g} m apart; T should be in metres, {} to {}{}", T.norm(),
+                       kShortestBaseline, kLongestBaseline, of_millimetres(T.norm()));
   }
   // The right eye's centre in the left camera: x = -R^T T.
   const Eigen::Vector3d right_eye = -R.transpose() * T;
@@ -307,8 +316,8 @@ std::string what_is_wrong_with(const RectifiedStereo& stereo) {
   std::string wrong = wrong_with(stereo.camera, "rectified");
   if (!wrong.empty()) return wrong;
   if (!(stereo.baseline >= kShortestBaseline && stereo.baseline <= kLongestBaseline)) {
-    return fmt::format("the baseline is {} m; it should be in metres, {} to {}", stereo.baseline,
-                       kShortestBaseline, kLongestBaseline);
+    return fmt::format("the baseline is {} m; it should be in metres, {} to {}{}", stereo.baseline,
+                       kShortestBaseline, kLongestBaseline, of_millimetres(stereo.baseline));
   }
   if (!(std::abs(stereo.disparity_at_infinity_px) < stereo.camera.width)) {
     return fmt::format("the disparity at infinity is {} px, for an image {} wide",

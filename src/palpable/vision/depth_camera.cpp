@@ -68,6 +68,7 @@ struct DepthCamera::Parts {
   MatchedPair pair;
   std::optional<RowWatch> watch;
   double row_correction_px = 0;
+  bool fit_is_known = false;  // asked of the first frame alone: it takes time and memory
 
   // kOpenCv
   std::vector<float> depth_of;  // by disparity in sixteenths, from first_disparity on
@@ -180,6 +181,15 @@ void DepthCamera::Parts::watch_rows(SeenFrame& seen) {
   const RowError& error = watch->measure(left, right, pair.disparity, pair.confidence,
                                          settings.full_resolution ? 1 : 2);
   seen.row_error_px = error.median_px;
+  if (std::isnan(error.median_px) && !fit_is_known) {
+    const int factor = settings.full_resolution ? 1 : 2;
+    const GrayImage& l = settings.full_resolution ? left : left_half;
+    const GrayImage& r = settings.full_resolution ? right : right_half;
+    seen.misfit = misfit_of(l, r, static_cast<int>(std::lround(matched.disparity_at_infinity_px)),
+                            std::max(disparities, 1));
+    if (seen.misfit) seen.misfit->rows_px *= factor;
+  }
+  fit_is_known = true;
   if (const std::optional<EyeTilt> due = watch->correction_due()) {
     rectification->turn_right(due->rotation());
     row_correction_px += due->pitch * camera.fy_px;
@@ -304,6 +314,7 @@ void DepthCamera::see(const Frame& frame, SeenFrame& seen) {
   seen.depth_camera = p.depth_camera;
   seen.row_error_px = std::numeric_limits<double>::quiet_NaN();
   seen.row_correction_px = p.row_correction_px;
+  seen.misfit.reset();
   seen.color.resize(p.camera.width, p.camera.height);
   seen.depth.resize(p.depth_camera.width, p.depth_camera.height);
   if (p.own) {

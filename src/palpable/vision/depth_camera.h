@@ -7,9 +7,11 @@
 #include "palpable/base/stage_clock.h"
 #include "palpable/vision/depth_noise.h"
 #include "palpable/vision/frame.h"
+#include "palpable/vision/pair_fit.h"
 
 #include <limits>
 #include <memory>
+#include <optional>
 
 namespace palpable {
 
@@ -32,6 +34,9 @@ struct SeenFrame {
   double row_error_px = std::numeric_limits<double>::quiet_NaN();
   /// By how much the right image's middle was moved up in this frame beyond the calibration, px.
   double row_correction_px = 0;
+  /// Set on the first frame when its images do not fit the calibration (pair_fit.h), with
+  /// `rows_px` of the full images: what follows would be worthless.
+  std::optional<PairMisfit> misfit;
 };
 
 struct DepthSettings {

@@ -356,6 +356,39 @@ TEST_CASE("after the first frame, seeing takes no memory of ours, and says where
   }
 }
 
+TEST_CASE("a first frame whose rows are far off, or whose eyes are swapped, says so",
+          "[vision][depth][refusal]") {
+  const RectifiedStereo stereo = small_stereo();
+  const Frame fits = frame_of({0.3, 0.1, -0.2}, stereo, 21);
+  Frame lower = fits;  // the right image by 12 px
+  for (int y = kHeight - 1; y >= 0; --y) {
+    std::copy_n(fits.right.row(std::max(y - 12, 0)), kWidth, lower.right.row(y));
+  }
+  Frame swapped = fits;
+  std::swap(swapped.left, swapped.right);
+  for (const bool full : {false, true}) {
+    const DepthSettings settings{.full_resolution = full};
+    const auto misfit = [&](const Frame& frame) {
+      auto camera = value_or_throw(DepthCamera::make(format_of(stereo), settings));
+      SeenFrame seen;
+      camera.see(frame, seen);
+      const auto first = seen.misfit;
+      camera.see(frame, seen);
+      CHECK_FALSE(seen.misfit);  // it was said
+      return first;
+    };
+    INFO((full ? "full" : "half") << " resolution");
+    CHECK_FALSE(misfit(fits));
+    const auto rows = misfit(lower);
+    REQUIRE(rows);
+    CHECK_FALSE(rows->swapped);
+    CHECK(std::abs(rows->rows_px - 12) <= 1);
+    const auto eyes = misfit(swapped);
+    REQUIRE(eyes);
+    CHECK(eyes->swapped);
+  }
+}
+
 TEST_CASE("numbers that do not make a camera are refused with a reason",
           "[vision][depth][refusal]") {
   const auto reason = [](const FrameFormat& format, const DepthSettings& settings = {}) {
