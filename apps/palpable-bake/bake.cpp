@@ -5,6 +5,7 @@
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/bake_body.h"
 #include "palpable/bake/crew.h"
+#include "palpable/bake/held_out.h"
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_file.h"
 
@@ -29,6 +30,7 @@ struct Options {
   std::string solver = "own";
   std::vector<std::string> at;
   int threads = 0;
+  bool held_out = false;
 };
 
 // "2/4" is the second of four.
@@ -52,6 +54,29 @@ std::filesystem::path store_of(const Options& options) {
                     options.output, store.stem().string()));
   }
   return store;
+}
+
+// Solves the levels between those of the campaign, and says in the body how far it is from them.
+void check_between_levels(const BodyDescription& description, BakeSettings settings,
+                          const ReduceSettings& reduction, const SnapshotStore& campaign,
+                          BakedBody& baked, const Progress& progress) {
+  settings.held_out_of = &campaign;
+  settings.store = campaign.folder();
+  settings.store.replace_extension(".held-out");
+  LocalCrew crew;
+  const FilledStore between = fill_store(description, settings, crew, progress);
+  const HeldOutErrors errors =
+      held_out_errors(baked.body, between.store, point_of(campaign.content(), reduction.at));
+  baked.body.provenance.emplace_back(
+      "held out",
+      fmt::format(
+          "against {} levels between, solved afresh, on the skin: displacement {:.3g} "
+          "pooled, {:.3g} at the median snapshot, {:.3g} at the worst, in their own norms; von "
+          "Mises stress, worst vertex against the field's largest, {:.3g} at the median, {:.3g} at "
+          "the worst",
+          errors.displacement.size(), errors.displacement_pooled, errors.displacement_median(),
+          errors.displacement.maxCoeff(), errors.von_mises_median(), errors.von_mises.maxCoeff()));
+  baked.report.held_out = baked.body.provenance.back().second;
 }
 
 void bake(const Options& options, const std::string& command_line, Crew& crew) {
@@ -79,7 +104,9 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
         folder, filled.campaign.solved, filled.campaign.reused, folder);
     return;
   }
-  const BakedBody baked = reduce_store(filled.store, reduction, progress);
+  BakedBody baked = reduce_store(filled.store, reduction, progress);
+  if (options.held_out)
+    check_between_levels(description, settings, reduction, filled.store, baked, progress);
   bar.finish();
   write_body_file(options.output, baked.body);
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
@@ -124,6 +151,10 @@ void add_bake(CLI::App& app, const std::string& command_line, Crew& crew) {
       ->add_option("--shard", options->shard,
                    "Solve only this part of the sites and stop there (docs/scaling.md)")
       ->type_name("I/N");
+  command->add_flag(
+      "--held-out", options->held_out,
+      "Also solve the levels between and say how far the body is from them; takes as long "
+      "as the campaign; snapshots go to NAME.held-out");
   command->add_option("--solver", options->solver, "own, or calculix: runs ccx")
       ->check(CLI::IsMember({"own", "calculix"}))
       ->capture_default_str();

@@ -64,6 +64,7 @@ void print_body_report(const BakedBody& baked, const std::string& output, double
              report.tets, baked.body.sites.size(), baked.body.levels().size() - 1, reached);
   print_reduction("displacement", report.displacement);
   print_reduction("stress", report.stress);
+  if (!report.held_out.empty()) fmt::print("held out: {}\n", report.held_out);
   std::error_code code;
   fmt::print(
       "{}: {:.1f} MB in {}, with at most {:.0f} MB of memory; look at it with: palpable view {}\n",

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <future>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -279,35 +280,6 @@ std::vector<PointMaterials> points_of(const BodyDescription& description) {
   return points;
 }
 
-// The point whose parameters have the values asked for.
-int point_at(const StoreContent& content, const std::map<std::string, double>& at) {
-  for (const auto& [name, value] : at) {
-    const auto known = std::find_if(content.parameters.begin(), content.parameters.end(),
-                                    [&](const StoredParameter& p) { return p.name == name; });
-    if (known != content.parameters.end()) continue;
-    std::string names;
-    for (const StoredParameter& p : content.parameters) names += fmt::format(" '{}'", p.name);
-    throw Error(fmt::format(
-        "these snapshots have no parameter '{}';{}", name,
-        names.empty() ? " there is none beside site and level" : " there are:" + names));
-  }
-  int point = 0;
-  for (const StoredParameter& parameter : content.parameters) {
-    const auto n = static_cast<int>(parameter.values.size());
-    int k = n / 2;
-    if (const auto wanted = at.find(parameter.name); wanted != at.end()) {
-      const auto distance = (parameter.values.array() - wanted->second).abs();
-      if (!(distance.minCoeff(&k) <= 1e-9 * std::abs(wanted->second))) {
-        throw Error(fmt::format("'{}' has no value {:.6g}; there are: {:.6g}", parameter.name,
-                                wanted->second,
-                                fmt::join(parameter.values.begin(), parameter.values.end(), " ")));
-      }
-    }
-    point = point * n + k;
-  }
-  return point;
-}
-
 // Another method than the store's has other defaults, too.
 ReductionSettings wanted_of(const ReduceSettings& settings, const ReductionSettings& stored) {
   ReductionSettings wanted = stored;
@@ -478,12 +450,40 @@ FilledStore fill_store(const BodyDescription& description, const BakeSettings& s
   }
 }
 
+int point_of(const StoreContent& content, const std::map<std::string, double>& at) {
+  for (const auto& [name, value] : at) {
+    const auto known = std::find_if(content.parameters.begin(), content.parameters.end(),
+                                    [&](const StoredParameter& p) { return p.name == name; });
+    if (known != content.parameters.end()) continue;
+    std::string names;
+    for (const StoredParameter& p : content.parameters) names += fmt::format(" '{}'", p.name);
+    throw Error(fmt::format(
+        "these snapshots have no parameter '{}';{}", name,
+        names.empty() ? " there is none beside site and level" : " there are:" + names));
+  }
+  int point = 0;
+  for (const StoredParameter& parameter : content.parameters) {
+    const auto n = static_cast<int>(parameter.values.size());
+    int k = n / 2;
+    if (const auto wanted = at.find(parameter.name); wanted != at.end()) {
+      const auto distance = (parameter.values.array() - wanted->second).abs();
+      if (!(distance.minCoeff(&k) <= 1e-9 * std::abs(wanted->second))) {
+        throw Error(fmt::format("'{}' has no value {:.6g}; there are: {:.6g}", parameter.name,
+                                wanted->second,
+                                fmt::join(parameter.values.begin(), parameter.values.end(), " ")));
+      }
+    }
+    point = point * n + k;
+  }
+  return point;
+}
+
 BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& settings,
                        const Progress& progress) {
   StageTimes wall;
   std::optional<StageTimer> timer(std::in_place, wall, "reduce");
   const StoreContent& content = store.content();
-  const int point = point_at(content, settings.at);
+  const int point = point_of(content, settings.at);
   require_complete(store, point, progress);
   const ReductionSettings wanted = wanted_of(settings, content.reduction);
   const Boundary boundary = split_boundary_of(content.mesh);
@@ -492,12 +492,17 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
   if (moved == nullptr) {
     throw Error(fmt::format("{}: has no displacement", store.folder().string()));
   }
-  ReducedField u = reduce_field(*moved, store, point, boundary, wanted, progress);
+  // Both at a time, and the bar shows the larger.
+  std::future<ReducedField> beside = std::async(std::launch::async, [&] {
+    return reduce_field(*moved, store, point, boundary, wanted,
+                        stressed == nullptr ? progress : Progress{});
+  });
   ReducedField sigma = stressed != nullptr
                            ? reduce_field(*stressed, store, point, boundary, wanted, progress)
                            : ReducedField{zero_field(6 * boundary.surface.vertices.cols(),
                                                      content.site_count(), content.levels),
                                           {}};
+  ReducedField u = beside.get();
 
   BakedBody baked{ReducedBody{.name = content.name,
                               .surface = boundary.surface,

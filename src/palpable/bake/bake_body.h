@@ -70,8 +70,9 @@ struct BakeReport {
   int nodes = 0, tets = 0, vertices = 0, triangles = 0;
   std::vector<SiteOutcome> outcomes;
   ReductionReport displacement, stress;
-  StageTimes wall;     ///< ms by the clock on the wall: mesh, campaign, reduce
-  StageTimes threads;  ///< ms of the campaign's parts, summed over threads
+  std::string held_out = {};  ///< one line, of who has compared; empty: nobody
+  StageTimes wall;            ///< ms by the clock on the wall: mesh, campaign, reduce
+  StageTimes threads;         ///< ms of the campaign's parts, summed over threads
 };
 
 struct BakedBody {
@@ -96,6 +97,10 @@ struct FilledStore {
 [[nodiscard]] FilledStore fill_store(const BodyDescription& description,
                                      const BakeSettings& settings, Crew& crew,
                                      const Progress& progress = {});
+
+/// The point that ReduceSettings::at means. @throws Error if `at` names what the store does not
+/// have
+[[nodiscard]] int point_of(const StoreContent& content, const std::map<std::string, double>& at);
 
 /// Reduces the snapshots of a complete store to a body, boundary only. Reads them in blocks:
 /// memory is 200 MB, 24 bytes for each pair of snapshots and what the modes take.

@@ -21,9 +21,6 @@ bool takes_parameters_together(ReductionMethod method) {
   return method == ReductionMethod::kPgd2 || method == ReductionMethod::kPod;
 }
 
-// The part of the tolerance that the change of coordinates may take.
-constexpr double kCoordinatesShare = 0.01;
-
 Separation separate(const SnapshotTensor& C, ReductionMethod method, const ReductionGoal& goal,
                     const Progress& progress, CoordinateReduction& result) {
   if (method == ReductionMethod::kPod) return pod(C, goal);

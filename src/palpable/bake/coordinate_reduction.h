@@ -8,6 +8,9 @@
 
 namespace palpable {
 
+/// The part of the tolerance that the change of coordinates may take.
+inline constexpr double kCoordinatesShare = 0.01;
+
 struct CoordinateReduction {
   PodCoordinates Q;        ///< of the snapshots divided by `scale`
   Eigen::VectorXd scale;   ///< (K) 1, or with own norms what each is divided by

@@ -31,18 +31,18 @@ int size(Index n) { return static_cast<int>(n); }
 
 }  // namespace
 
-void add_gram(const MatrixXd& A, MatrixXd& gram) {
+void add_gram(const Eigen::Ref<const MatrixXd>& A, MatrixXd& gram) {
   PALPABLE_EXPECT(gram.rows() == A.cols() && gram.cols() == A.cols(), "a square of A's columns");
   cblas_dsyrk(CblasColMajor, CblasLower, CblasTrans, size(A.cols()), size(A.rows()), 1.0, A.data(),
-              std::max(1, size(A.rows())), 1.0, gram.data(), size(gram.rows()));
+              std::max(1, size(A.outerStride())), 1.0, gram.data(), std::max(1, size(gram.rows())));
 }
 
-MatrixXd times(const MatrixXd& A, const MatrixXd& B) {
+MatrixXd times(const Eigen::Ref<const MatrixXd>& A, const MatrixXd& B) {
   PALPABLE_EXPECT(A.cols() == B.rows(), "sizes of a product");
   MatrixXd C = MatrixXd::Zero(A.rows(), B.cols());
   if (C.size() == 0 || A.cols() == 0) return C;
   cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, size(C.rows()), size(C.cols()),
-              size(A.cols()), 1.0, A.data(), size(A.rows()), B.data(), size(B.rows()), 0.0,
+              size(A.cols()), 1.0, A.data(), size(A.outerStride()), B.data(), size(B.rows()), 0.0,
               C.data(), size(C.rows()));
   return C;
 }

@@ -9,10 +9,11 @@
 namespace palpable {
 
 /// The lower triangle of gram += A^T A; what is above it stays.
-void add_gram(const Eigen::MatrixXd& A, Eigen::MatrixXd& gram);
+void add_gram(const Eigen::Ref<const Eigen::MatrixXd>& A, Eigen::MatrixXd& gram);
 
 /// A B
-[[nodiscard]] Eigen::MatrixXd times(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
+[[nodiscard]] Eigen::MatrixXd times(const Eigen::Ref<const Eigen::MatrixXd>& A,
+                                    const Eigen::MatrixXd& B);
 
 /// A^T B
 [[nodiscard]] Eigen::MatrixXd transposed_times(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);

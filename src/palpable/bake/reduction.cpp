@@ -2,6 +2,8 @@
 
 #include "palpable/bake/coordinate_reduction.h"
 #include "palpable/bake/dense_algebra.h"
+#include "palpable/bake/pod_coordinates.h"
+#include "palpable/bake/site_bases.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 
@@ -36,23 +38,21 @@ void set_errors(const VectorXd& lost, const VectorXd& whole, Reduction& result) 
   }
 }
 
-// F = A `combination`, and what is then left of the snapshots.
-void finish(const SnapshotRows& snapshots, const VectorXd& weights, const MatrixXd& combination,
-            SeparatedTensor& separated, VectorXd& lost, VectorXd& whole) {
-  separated.F.resize(snapshots.values, combination.cols());
+// (K) squares of what modes leave of snapshots (N x K) read from somewhere, and of the whole.
+void measure(const MatrixXd& A, const MatrixXd& F, const MatrixXd& table, const VectorXd& w,
+             Eigen::Ref<VectorXd> lost, Eigen::Ref<VectorXd> whole) {
+  MatrixXd left = A;
+  subtract_product(F, table, left);
+  for (Index k = 0; k < A.cols(); ++k) {
+    whole[k] += A.col(k).cwiseAbs2().dot(w);
+    lost[k] += left.col(k).cwiseAbs2().dot(w);
+  }
+}
+
+MatrixXd table_of(const SeparatedTensor& separated) {
   std::vector<int> sizes;
   for (const MatrixXd& G : separated.G) sizes.push_back(static_cast<int>(G.rows()));
-  const MatrixXd table = parameter_products(separated.G, sizes);  // (K x m)
-  lost = whole = VectorXd::Zero(table.rows());
-  for_blocks(snapshots, [&](Index first, const MatrixXd& A) {
-    const VectorXd w = weights.segment(first, A.rows());
-    const MatrixXd F = times(A, combination);
-    separated.F.middleRows(first, A.rows()) = F;
-    whole += A.cwiseAbs2().transpose() * w;
-    MatrixXd left = A;
-    subtract_product(F, table, left);
-    lost += left.cwiseAbs2().transpose() * w;
-  });
+  return parameter_products(separated.G, sizes);  // (K x m)
 }
 
 struct Block {
@@ -61,18 +61,64 @@ struct Block {
   bool reached = false;
 };
 
+// Above this, snapshots are read in blocks of rows and never held together.
+constexpr double kTableInMemory = 2e9;  // bytes; a third of that is used
+
 // All snapshots as one separated tensor.
 Block reduce_to_one(const SnapshotRows& snapshots, const VectorXd& weights,
                     const ReductionSettings& settings, const Progress& progress,
                     Reduction& result) {
+  const Index K = snapshot_count(snapshots.sizes), n = K / snapshots.sizes[0];
+  const bool by_sites =
+      snapshots.sizes.size() > 1 &&
+      8.0 * static_cast<double>(snapshots.values) * static_cast<double>(K) <= kTableInMemory;
   report(progress, {"products of snapshots", 0.0, 1.0, ""});
-  const MatrixXd gram = gram_of(snapshots, weights);
+  std::optional<SiteBases> bases;
+  if (by_sites) bases = site_bases(snapshots, weights, kCoordinatesShare * settings.tolerance);
+  const MatrixXd gram = by_sites ? std::move(bases->gram) : gram_of(snapshots, weights);
   report(progress, {"products of snapshots", 1.0, 1.0, ""});
   CoordinateReduction found = reduce_in_coordinates(gram, snapshots.sizes, settings, progress);
-  Block block{{{}, std::move(found.modes.G)}, std::move(found.errors), {}, {}, found.reached};
+  Block block{{{}, std::move(found.modes.G)},
+              std::move(found.errors),
+              VectorXd::Zero(K),
+              VectorXd::Zero(K),
+              found.reached};
   result.ranks = found.ranks;
   result.bound = found.bound;
-  finish(snapshots, weights, found.combination(), block.separated, block.lost, block.whole);
+  MatrixXd& F = block.separated.F;
+  const MatrixXd combination = found.combination(), table = table_of(block.separated);
+  if (by_sites) {
+    F = bases->combine(combination, weights);
+    bases.reset();
+    for (int s = 0; s < snapshots.sizes[0]; ++s) {
+      measure(snapshots.read_first(s), F, table.middleRows(s * n, n), weights,
+              block.lost.segment(s * n, n), block.whole.segment(s * n, n));
+    }
+    return block;
+  }
+  F.resize(snapshots.values, combination.cols());
+  for_blocks(snapshots, [&](Index first, const MatrixXd& A) {
+    const MatrixXd rows = times(A, combination);
+    F.middleRows(first, A.rows()) = rows;
+    measure(A, rows, table, weights.segment(first, A.rows()), block.lost, block.whole);
+  });
+  return block;
+}
+
+Block reduce_one_site(const SnapshotTensor& here, const VectorXd& weights,
+                      const ReductionSettings& settings) {
+  if (!here.values.allFinite()) throw Error("a snapshot holds values that are not numbers");
+  const Index n = here.values.cols();
+  MatrixXd gram = MatrixXd::Zero(n, n);
+  add_gram(weights.cwiseSqrt().asDiagonal() * here.values, gram);
+  CoordinateReduction found = reduce_in_coordinates(gram, here.sizes, settings);
+  Block block{{times(here.values, found.combination()), std::move(found.modes.G)},
+              std::move(found.errors),
+              VectorXd::Zero(n),
+              VectorXd::Zero(n),
+              found.reached};
+  measure(here.values, block.separated.F, table_of(block.separated), weights, block.lost,
+          block.whole);
   return block;
 }
 
@@ -92,7 +138,7 @@ Reduction reduce_per_site(const SnapshotRows& snapshots, const VectorXd& weights
     if (here.values.isZero(0.0)) {
       throw Error(fmt::format("all snapshots of site {} are zero: there is nothing to reduce", s));
     }
-    Block block = reduce_to_one(rows_of(here), weights, own, {}, result);
+    const Block block = reduce_one_site(here, weights, own);
     result.reached = result.reached && block.reached;
     // A site that has met the tolerance adds no further modes.
     const Index most = std::max(result.errors.size(), block.errors.size());
@@ -106,7 +152,7 @@ Reduction reduce_per_site(const SnapshotRows& snapshots, const VectorXd& weights
     }
     lost.segment(s * n, n) = block.lost;
     whole.segment(s * n, n) = block.whole;
-    result.blocks.push_back(std::move(block.separated));
+    result.blocks.push_back(block.separated);
     report(progress, {"separating sites", s + 1.0, static_cast<double>(S),
                       fmt::format("{} modes", result.total_modes())});
   }

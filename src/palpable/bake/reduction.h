@@ -65,9 +65,11 @@ struct Reduction {
 };
 
 /// Reduces in the norm |a|_w^2 = sum_n w_n a_n^2: with nodal volumes as weights, an integral over
-/// the body. Reads the table twice, in blocks of about 200 MB; with kPerSite once, N K / n_1 values
-/// at a time. Methods work in POD coordinates (pod_coordinates.h), those of kPerSite in each site's
-/// own; a hundredth of the tolerance goes there.
+/// the body. Reads the snapshots of one sample of the first parameter at a time, twice, and keeps
+/// about a third of the table (site_bases.h); tables above 2 GB are read in blocks of rows of about
+/// 200 MB instead. With kPerSite once, N K / n_1 values at a time. Methods work in POD coordinates
+/// (pod_coordinates.h), those of kPerSite in each site's own; a hundredth of the tolerance goes
+/// there.
 ///
 /// Deterministic: no random numbers, one thread.
 /// @param weights  (N) > 0
