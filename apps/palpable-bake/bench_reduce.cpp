@@ -166,6 +166,8 @@ void bench_reduce(const Options& options) {
   const Clock::time_point sparse_begin = Clock::now();
   const SparseCampaign sparse = sparse_campaign(beam, {});
   result["sparse_heldout"] = sparse.held_out;
+  result["sparse_heldout_median"] = sparse.held_out_median;
+  result["sparse_heldout_worst"] = sparse.held_out_worst;
   result["sparse_modes"] = sparse.model.F.cols();
   result["sparse_trained_on"] = sparse.trained_on;
   result["sparse_samples"] = sparse.samples;
