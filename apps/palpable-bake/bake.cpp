@@ -65,8 +65,8 @@ void check_between_levels(const BodyDescription& description, BakeSettings setti
   settings.store.replace_extension(".held-out");
   LocalCrew crew;
   const FilledStore between = fill_store(description, settings, crew, progress);
-  const HeldOutErrors errors =
-      held_out_errors(baked.body, between.store, point_of(campaign.content(), reduction.at));
+  const HeldOutErrors errors = held_out_errors(value_or_throw(settled(baked.body)), between.store,
+                                               point_of(campaign.content(), reduction.at));
   baked.body.provenance.emplace_back(
       "held out",
       fmt::format(
@@ -121,10 +121,15 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
                filled.campaign.linear_solved, content.linear_file_count());
   }
   if (content.parameters.empty()) return;
-  fmt::print(
-      "this body file holds one value of each parameter ({}); for another: palpable reduce "
-      "{} --at {}=... -o FILE\n",
-      baked.body.material, folder, content.parameters[0].name);
+  if (baked.body.further.empty()) {
+    fmt::print(
+        "this body file holds one value of each parameter ({}); for another: palpable reduce "
+        "{} --at {}=... -o FILE\n",
+        baked.body.material, folder, content.parameters[0].name);
+  } else {
+    fmt::print("this body file holds all values of '{}': palpable view {} --set {}=...\n",
+               content.parameters[0].name, options.output, content.parameters[0].name);
+  }
 }
 
 }  // namespace
@@ -159,9 +164,9 @@ void add_bake(CLI::App& app, const std::string& command_line, Crew& crew) {
       ->check(CLI::IsMember({"own", "calculix"}))
       ->capture_default_str();
   command
-      ->add_option(
-          "--at", options->at,
-          "Of a further parameter, the value that the body file holds; else the middle one")
+      ->add_option("--at", options->at,
+                   "Of a further parameter, the one value that the body file holds; without --at "
+                   "all stay free")
       ->type_name("NAME=VALUE");
   command->footer(
       "What is killed goes on where it was when the same command is run again.\n"

@@ -1,6 +1,7 @@
 // palpable-bake: the offline half. Users start it through `palpable mesh` and `palpable bake`.
 
 #include "apps/common/command_line.h"
+#include "apps/palpable-bake/blas_kernels.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/mpi_crew.h"
 #include "palpable/bake/crew.h"
@@ -56,4 +57,7 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace palpable::app
 
-int main(int argc, char** argv) { return palpable::app::run(argc, argv); }
+int main(int argc, char** argv) {
+  palpable::app::use_kernels_of_this_processor(argv);
+  return palpable::app::run(argc, argv);
+}

@@ -81,9 +81,9 @@ void add_reduce(CLI::App& app, const std::string& command_line) {
           "as large ones; pooled: by its size. Else own with per-site, pooled otherwise")
       ->check(CLI::IsMember({"own", "pooled"}));
   command
-      ->add_option(
-          "--at", options->at,
-          "Of a further parameter, the value that the body file holds; else the middle one")
+      ->add_option("--at", options->at,
+                   "Of a further parameter, the one value that the body file holds; without --at "
+                   "all stay free")
       ->type_name("NAME=VALUE");
   command->footer(
       "Example: palpable reduce bunny.snapshots --method pgd --error 1e-3 -o bunny.palpable");

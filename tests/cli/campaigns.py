@@ -250,7 +250,7 @@ def _(programs, folder):
     assert len(said) >= 1 and "past the centre of mass" in said[0], error
 
 
-@case("a campaign with a third parameter is its product, and a body file holds one value")
+@case("a campaign with a third parameter is its product, and a body file holds all of it or one value")
 def _(programs, folder):
     toml = base.write_bar(folder, BLOCK.replace("count = 6", "count = 2").replace("[support]", """
 [[material.group]]
@@ -271,6 +271,11 @@ stiffness = [0.5, 1, 2]
     assert "ratio 2" in stiff, stiff
     programs.succeeds("reduce", store, "--at", "ratio=0.5", "-o", folder / "soft.palpable")
     assert "ratio 0.5" in programs.succeeds("inspect", folder / "soft.palpable").stdout
+    # Without --at it stays free, and a reader chooses.
+    programs.succeeds("reduce", store, "-o", folder / "free.palpable")
+    assert "ratio" in programs.succeeds("inspect", folder / "free.palpable").stdout
+    programs.refuses("reduce", store, "--method", "pod", "-o", folder / "x.palpable",
+                     says=["'pod' has no functions of 'ratio'", "--at ratio="])
     programs.refuses("reduce", store, "--at", "ratio=3", "-o", folder / "x.palpable",
                      says=["'ratio' has no value 3", "0.5 1 2"])
     programs.refuses("reduce", store, "--at", "ears=1", "-o", folder / "x.palpable",

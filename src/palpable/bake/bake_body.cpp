@@ -27,8 +27,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // The rows of the boundary's nodes, `components` per node.
-MatrixXd boundary_rows(const MatrixXd& values, const Boundary& boundary, int components) {
-  MatrixXd rows(static_cast<Index>(boundary.node_of_vertex.size()) * components, values.cols());
+template <class Matrix>
+Matrix boundary_rows(const Matrix& values, const Boundary& boundary, int components) {
+  Matrix rows(static_cast<Index>(boundary.node_of_vertex.size()) * components, values.cols());
   Index row = 0;
   for (const int node : boundary.node_of_vertex) {
     rows.middleRows(row, components) = values.middleRows(Index{node} * components, components);
@@ -44,57 +45,68 @@ MatrixXd with_rest(const MatrixXd& G) {
   return all;
 }
 
-// As the live half evaluates it: a block of modes is modes whose site function is 1 at its own site
-// and 0 at the others.
-SeparatedField as_field(const std::vector<SeparatedTensor>& blocks, int sites,
-                        const VectorXd& levels, const Boundary& boundary, int components) {
-  ParameterAxis site{"site", VectorXd::LinSpaced(sites, 0.0, sites - 1.0), {}, Between::kNothing};
-  ParameterAxis level{"level", levels, {}, Between::kSmooth};
-  if (blocks.size() == 1 && blocks[0].G.size() == 2) {
-    site.functions = blocks[0].G[0];
-    level.functions = with_rest(blocks[0].G[1]);
-    return {boundary_rows(blocks[0].F, boundary, components).cast<float>(),
-            {std::move(site), std::move(level)}};
+// Level and the parameters beyond it, with the functions of some modes.
+std::vector<ParameterAxis> axes_from(const std::vector<MatrixXd>& G, std::size_t first,
+                                     const StoreContent& content) {
+  std::vector<ParameterAxis> axes{{"level", content.levels, with_rest(G[first]), Between::kSmooth}};
+  for (std::size_t j = first + 1; j < G.size(); ++j) {
+    const StoredParameter& parameter = content.parameters[j - first - 1];
+    axes.push_back({parameter.name, parameter.values, G[j], Between::kSmooth});
   }
-  PALPABLE_EXPECT(static_cast<int>(blocks.size()) == sites, "a block for each site");
-  Index m = 0;
-  for (const SeparatedTensor& block : blocks) m += block.F.cols();
-  Eigen::MatrixXf F(static_cast<Index>(boundary.node_of_vertex.size()) * components, m);
-  site.functions = MatrixXd::Zero(sites, m);
-  level.functions.resize(levels.size(), m);
-  m = 0;
-  for (int s = 0; s < sites; ++s) {
-    const SeparatedTensor& block = blocks[static_cast<std::size_t>(s)];
-    const Index own = block.F.cols();
-    F.middleCols(m, own) = boundary_rows(block.F, boundary, components).cast<float>();
-    site.functions.block(s, m, 1, own).setOnes();
-    level.functions.middleCols(m, own) = with_rest(block.G[0]);
-    m += own;
-  }
-  return {std::move(F), {std::move(site), std::move(level)}};
+  return axes;
 }
 
+// As the live half evaluates it.
+SeparatedField as_field(const std::vector<SeparatedTensor>& blocks, const StoreContent& content,
+                        const Boundary& boundary, int components) {
+  const int S = content.site_count();
+  if (static_cast<int>(blocks.size()) == S && (S > 1 || blocks[0].G[0].rows() != S)) {
+    std::vector<SeparatedField> fields;
+    for (const SeparatedTensor& block : blocks) {
+      fields.emplace_back(boundary_rows(block.F, boundary, components).cast<float>(),
+                          axes_from(block.G, 0, content));
+    }
+    return one_block_per_choice("site", fields);
+  }
+  std::vector<ParameterAxis> axes = axes_from(blocks[0].G, 1, content);
+  axes.insert(axes.begin(),
+              {"site", VectorXd::LinSpaced(S, 0.0, S - 1.0), blocks[0].G[0], Between::kNothing});
+  return {boundary_rows(blocks[0].F, boundary, components).cast<float>(), std::move(axes)};
+}
+
+// The points that a body is made of: one, or all where their parameters stay free.
+struct Points {
+  int first = 0, count = 1;
+  [[nodiscard]] bool free() const { return count > 1; }
+};
+
 double largest_evaluation_error(const SeparatedField& reduced, const SnapshotStore& store,
-                                int point, const StoredField& field, const Boundary& boundary) {
-  const ParameterAxis& site = reduced.axes()[0];
-  const ParameterAxis& level = reduced.axes()[1];
-  const Index L = level.samples.size() - 1;
-  const Index rows = Index{store.content().mesh.node_count()} * field.components;
-  const int S = store.content().site_count();
+                                const Points& points, const StoredField& field,
+                                const Boundary& boundary) {
+  const StoreContent& content = store.content();
+  const int S = content.site_count(), L = content.level_count();
+  const Index rows = Index{content.mesh.node_count()} * field.components;
   std::vector<float> values(static_cast<std::size_t>(reduced.value_count()));
   const Eigen::Map<const Eigen::VectorXf> evaluated(values.data(), reduced.value_count());
-  double largest = 0, whole = 0;
-  for (Index s = 0; s < site.samples.size(); ++s) {
-    const MatrixXd all = store.rows(point * S + static_cast<int>(s), field, 0, rows).cast<double>();
-    const MatrixXd truth = boundary_rows(all, boundary, field.components);
-    whole = std::max(whole, truth.cwiseAbs().maxCoeff());
-    for (Index l = 0; l < L; ++l) {
-      const double mu[2] = {site.samples[s], level.samples[l + 1]};
-      reduced.evaluate(mu, values);
-      largest = std::max(largest, (evaluated.cast<double>() - truth.col(l)).cwiseAbs().maxCoeff());
+  float largest = 0, whole = 0;
+  for (int p = points.first; p < points.first + points.count; ++p) {
+    std::vector<double> mu{0.0, 0.0};
+    if (points.free()) {
+      for (const double value : content.values_at(p)) mu.push_back(value);
+    }
+    for (int s = 0; s < S; ++s) {
+      const Eigen::MatrixXf truth =
+          boundary_rows(store.rows(p * S + s, field, 0, rows), boundary, field.components);
+      whole = std::max(whole, truth.cwiseAbs().maxCoeff());
+      mu[0] = s;
+      for (int l = 0; l < L; ++l) {
+        mu[1] = content.levels[l + 1];
+        reduced.evaluate(mu, values);
+        largest = std::max(largest, (evaluated - truth.col(l)).cwiseAbs().maxCoeff());
+      }
     }
   }
-  return largest / whole;
+  return static_cast<double>(largest) / static_cast<double>(whole);
 }
 
 struct ReducedField {
@@ -108,16 +120,18 @@ double median(VectorXd values) {
   return *middle;
 }
 
-ReducedField reduce_field(const StoredField& field, const SnapshotStore& store, int point,
-                          const Boundary& boundary, const ReductionSettings& settings,
-                          const Progress& progress) {
+ReducedField reduce_field(const StoredField& field, const SnapshotStore& store,
+                          const Points& points, const Boundary& boundary,
+                          const ReductionSettings& settings, const Progress& progress) {
   const Progress named = [&](const ProgressReport& r) {
     report(progress, {fmt::format("reducing {}", field.name), r.done, r.total, r.note});
   };
   const StoreContent& content = store.content();
   const int S = content.site_count();
   const VectorXd weights = value_weights(content.mesh, field);
-  Reduction result = reduce(snapshot_rows(store, point, field), weights, settings, named);
+  Reduction result = reduce(
+      points.free() ? snapshot_rows(store, field) : snapshot_rows(store, points.first, field),
+      weights, settings, named);
   ReductionReport report{.method = settings.method,
                          .modes = result.most_modes(),
                          .errors = result.errors,
@@ -132,12 +146,12 @@ ReducedField reduce_field(const StoredField& field, const SnapshotStore& store, 
     result.blocks = as_blocks(result.blocks[0], S, weights, 0.1 * settings.tolerance);
   }
   report.columns = result.total_modes();
-  ReducedField reduced{as_field(result.blocks, S, content.levels, boundary, field.components),
+  ReducedField reduced{as_field(result.blocks, content, boundary, field.components),
                        std::move(report)};
   reduced.report.bytes = 4.0 * static_cast<double>(reduced.field.value_count()) *
                          static_cast<double>(reduced.report.columns);
   reduced.report.evaluated_worst =
-      largest_evaluation_error(reduced.field, store, point, field, boundary);
+      largest_evaluation_error(reduced.field, store, points, field, boundary);
   return reduced;
 }
 
@@ -294,10 +308,11 @@ ReductionSettings wanted_of(const ReduceSettings& settings, const ReductionSetti
   return wanted;
 }
 
-void require_complete(const SnapshotStore& store, int point, const Progress& progress) {
-  const int S = store.content().site_count();
+void require_complete(const SnapshotStore& store, const Points& points, const Progress& progress) {
+  const int S = points.count * store.content().site_count();
+  const int first = points.first * store.content().site_count();
   for (int s = 0; s < S; ++s) {
-    const int unit = point * S + s;
+    const int unit = first + s;
     const std::string why = store.why_not(unit);
     report(progress, {"looking for snapshots", s + 1.0, static_cast<double>(S), ""});
     if (why.empty()) continue;
@@ -478,14 +493,49 @@ int point_of(const StoreContent& content, const std::map<std::string, double>& a
   return point;
 }
 
+namespace {
+
+// The parameters that stay free, and what the presses are at their values.
+void add_further(const SnapshotStore& store, int usual, ReducedBody& body) {
+  const StoreContent& content = store.content();
+  const int S = content.site_count(), P = content.point_count();
+  const std::vector<double> values = content.values_at(usual);
+  for (std::size_t k = 0; k < content.parameters.size(); ++k) {
+    body.further.push_back({content.parameters[k].name, content.parameters[k].values, values[k]});
+  }
+  body.further_press_depth.resize(content.levels.size(), S * P);
+  body.further_full_load.resize(S, P);
+  for (int p = 0; p < P; ++p) {
+    for (int s = 0; s < S; ++s) {
+      const StoredUnit unit = store.unit(p * S + s);
+      body.further_press_depth.col(s + S * p) = unit.press_depth;
+      body.further_full_load(s, p) = unit.full_load;
+      body.largest_von_mises = std::max(body.largest_von_mises, unit.largest_von_mises);
+    }
+  }
+}
+
+}  // namespace
+
 BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& settings,
                        const Progress& progress) {
   StageTimes wall;
   std::optional<StageTimer> timer(std::in_place, wall, "reduce");
   const StoreContent& content = store.content();
   const int point = point_of(content, settings.at);
-  require_complete(store, point, progress);
+  const Points points = settings.at.empty() && content.point_count() > 1
+                            ? Points{0, content.point_count()}
+                            : Points{point, 1};
+  require_complete(store, points, progress);
   const ReductionSettings wanted = wanted_of(settings, content.reduction);
+  if (points.free() && wanted.method != ReductionMethod::kPerSite &&
+      wanted.method != ReductionMethod::kPgd && wanted.method != ReductionMethod::kCp) {
+    throw Error(
+        fmt::format("{}: '{}' has no functions of '{}' alone; take per-site, pgd or cp, or one "
+                    "value: --at {}=...",
+                    store.folder().string(), method_name(wanted.method), content.parameters[0].name,
+                    content.parameters[0].name));
+  }
   const Boundary boundary = split_boundary_of(content.mesh);
   const StoredField* moved = find_field(content, "displacement");
   const StoredField* stressed = find_field(content, "stress");
@@ -494,11 +544,11 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
   }
   // Both at a time, and the bar shows the larger.
   std::future<ReducedField> beside = std::async(std::launch::async, [&] {
-    return reduce_field(*moved, store, point, boundary, wanted,
+    return reduce_field(*moved, store, points, boundary, wanted,
                         stressed == nullptr ? progress : Progress{});
   });
   ReducedField sigma = stressed != nullptr
-                           ? reduce_field(*stressed, store, point, boundary, wanted, progress)
+                           ? reduce_field(*stressed, store, points, boundary, wanted, progress)
                            : ReducedField{zero_field(6 * boundary.surface.vertices.cols(),
                                                      content.site_count(), content.levels),
                                           {}};
@@ -530,6 +580,7 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
     body.surface.vertices += unit.rest(Eigen::all, boundary.node_of_vertex);
     farthest_rest = unit.rest.colwise().norm().maxCoeff();
   }
+  if (points.free()) add_further(store, point, body);
   made.displacement = std::move(u.report);
   made.stress = std::move(sigma.report);
   made.nodes = content.mesh.node_count();
@@ -537,7 +588,8 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
   made.vertices = boundary.surface.vertex_count();
   made.triangles = boundary.surface.triangle_count();
 
-  const std::vector<double> values = content.values_at(point);
+  const std::vector<double> values =
+      points.free() ? std::vector<double>{} : content.values_at(point);
   for (std::size_t k = 0; k < values.size(); ++k) {
     body.material += fmt::format("; {} {:.6g}", content.parameters[k].name, values[k]);
   }

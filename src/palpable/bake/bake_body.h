@@ -42,8 +42,9 @@ struct ReduceSettings {
   std::optional<double> tolerance = {};
   std::optional<int> max_modes = {};   ///< none: as the description says
   std::optional<bool> own_norms = {};  ///< ReductionSettings::weight_snapshots; likewise
-  /// Values of parameters beyond site and level, of which a body file holds one each. Of one that
-  /// is not named: the value in the middle of its list.
+  /// Values of parameters beyond site and level. Empty: they stay free, and the body holds them all
+  /// (ReducedBody::further). Otherwise it holds one value of each; of one that is not named, that
+  /// in the middle of its list.
   std::map<std::string, double> at = {};
   std::string version = {}, command_line = {};  ///< for the provenance
 };

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -255,6 +256,56 @@ TEST_CASE("a bake that cannot be says why in one line", "[bake][body]") {
     CHECK_THAT(complaint(body),
                Contains("past the centre of mass") && Contains("ask for a depth below 0."));
   }
+}
+
+TEST_CASE("a parameter that nobody settles stays free in the body", "[bake][body]") {
+  const Kitchen kitchen;
+  BodyDescription description = kitchen.egg();
+  description.sites.count = 2;
+  description.press.levels = 3;
+  description.parameters = {{.name = "stiffness", .values = {0.5, 1.0, 2.0}}};
+  const std::filesystem::path folder = kitchen.folder / "free.snapshots";
+  LocalCrew crew;
+  BakeSettings bake;
+  bake.threads = 1;
+  bake.store = folder;
+  const FilledStore filled = fill_store(description, bake, crew);
+  for (const ReductionMethod method : {ReductionMethod::kPerSite, ReductionMethod::kPgd}) {
+    INFO(method_name(method));
+    const ReducedBody body = reduce_store(filled.store, {.method = method, .tolerance = 1e-4}).body;
+    REQUIRE(body.further.size() == 1);
+    CHECK(body.further[0].name == "stiffness");
+    CHECK(body.further[0].value == 1.0);
+    REQUIRE(body.displacement.axes().size() == 3);
+    std::vector<float> u(static_cast<std::size_t>(body.displacement.value_count())), one = u;
+    for (const double value : {0.5, 2.0}) {
+      const ReducedBody settled_body = value_or_throw(settled(body, {{"stiffness", value}}));
+      const ReducedBody alone =
+          reduce_store(filled.store,
+                       {.method = method, .tolerance = 1e-4, .at = {{"stiffness", value}}})
+              .body;
+      CHECK(alone.further.empty());
+      for (int s = 0; s < 2; ++s) {
+        INFO("stiffness " << value << " site " << s);
+        const double mu[2] = {double(s), body.levels()[2]};
+        settled_body.displacement.evaluate(mu, u);
+        alone.displacement.evaluate(mu, one);
+        float lost = 0, whole = 0;
+        for (std::size_t v = 0; v < u.size(); ++v) {
+          lost += (u[v] - one[v]) * (u[v] - one[v]);
+          whole += one[v] * one[v];
+        }
+        CHECK(std::sqrt(lost / whole) <=
+              tolerance(1e-3f, "both are reduced to 1e-4 over the volume"));
+        CHECK(std::abs(settled_body.sites[std::size_t(s)].full_load /
+                           alone.sites[std::size_t(s)].full_load -
+                       1) <= tolerance(1e-6, "single precision"));
+        CHECK((settled_body.press_depth.col(s) - alone.press_depth.col(s)).norm() <=
+              tolerance(1e-6, "single precision") * alone.press_depth.col(s).norm());
+      }
+    }
+  }
+  CHECK_THROWS_AS(reduce_store(filled.store, {.method = ReductionMethod::kPod}), Error);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "palpable/bake/body_mesh.h"
 #include "palpable/bake/store_rows.h"
+#include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 #include "palpable/geometry/surface_mesh.h"
 #include "palpable/geometry/tet_mesh.h"
@@ -56,6 +57,7 @@ double HeldOutErrors::displacement_median() const { return median(displacement);
 double HeldOutErrors::von_mises_median() const { return median(von_mises); }
 
 HeldOutErrors held_out_errors(const ReducedBody& body, const SnapshotStore& held_out, int point) {
+  PALPABLE_EXPECT(body.is_settled(), "a press has a site and a level");
   const StoreContent& content = held_out.content();
   const int S = content.site_count(), L = content.level_count();
   const Boundary boundary = split_boundary_of(content.mesh);

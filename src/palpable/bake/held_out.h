@@ -23,6 +23,7 @@ struct HeldOutErrors {
   [[nodiscard]] double von_mises_median() const;
 };
 
+/// @pre body.is_settled()
 /// @param held_out  units of the point from which the body is (as ReduceSettings::at)
 /// @throws Error if a unit is missing, or the store is of another mesh or other sites
 [[nodiscard]] HeldOutErrors held_out_errors(const ReducedBody& body, const SnapshotStore& held_out,

@@ -14,22 +14,45 @@ const StoredField* find_field(const StoreContent& content, const char* name) {
   return at == content.fields.end() ? nullptr : &*at;
 }
 
-SnapshotRows snapshot_rows(const SnapshotStore& store, int point, const StoredField& field) {
+namespace {
+
+// Over site x level of some points that follow each other, which run fastest.
+SnapshotRows rows_of_points(const SnapshotStore& store, int first_point, int points,
+                            const StoredField& field) {
   const int S = store.content().site_count(), L = store.content().level_count();
   const Index N = Index{store.content().mesh.node_count()} * field.components;
+  const auto site = [&store, first_point, points, field, S, L](int s, Index first, Index count) {
+    MatrixXd values(count, Index{L} * points);
+    for (int p = 0; p < points; ++p) {
+      values(Eigen::all, Eigen::seqN(p, L, points)) =
+          store.rows((first_point + p) * S + s, field, first, count).cast<double>();
+    }
+    return values;
+  };
   return {N,
           {S, L},
-          [&store, point, field, S, L](Index first, Index count) {
-            MatrixXd values(count, Index{S} * L);
+          [site, S, L, points](Index first, Index count) {
+            MatrixXd values(count, Index{S} * L * points);
             for (int s = 0; s < S; ++s) {
-              values.middleCols(Index{s} * L, L) =
-                  store.rows(point * S + s, field, first, count).cast<double>();
+              values.middleCols(Index{s} * L * points, Index{L} * points) = site(s, first, count);
             }
             return values;
           },
-          [&store, point, field, S, N](int s) -> MatrixXd {
-            return store.rows(point * S + s, field, 0, N).cast<double>();
-          }};
+          [site, N](int s) { return site(s, 0, N); }};
+}
+
+}  // namespace
+
+SnapshotRows snapshot_rows(const SnapshotStore& store, int point, const StoredField& field) {
+  return rows_of_points(store, point, 1, field);
+}
+
+SnapshotRows snapshot_rows(const SnapshotStore& store, const StoredField& field) {
+  SnapshotRows rows = rows_of_points(store, 0, store.content().point_count(), field);
+  for (const StoredParameter& parameter : store.content().parameters) {
+    rows.sizes.push_back(static_cast<int>(parameter.values.size()));
+  }
+  return rows;
 }
 
 VectorXd value_weights(const TetMesh& mesh, const StoredField& field) {

@@ -16,6 +16,9 @@ namespace palpable {
 [[nodiscard]] SnapshotRows snapshot_rows(const SnapshotStore& store, int point,
                                          const StoredField& field);
 
+/// Those of all points, over site x level x parameters.
+[[nodiscard]] SnapshotRows snapshot_rows(const SnapshotStore& store, const StoredField& field);
+
 /// (c N) the weight of each value so that the norm is an integral over the body: the node's volume,
 /// and for stress twice that where a component stands for two equal ones (xy and yx).
 [[nodiscard]] Eigen::VectorXd value_weights(const TetMesh& mesh, const StoredField& field);
