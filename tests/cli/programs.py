@@ -205,7 +205,7 @@ def live(programs, folder, *more, source="clip"):
 
 # ---- cases -------------------------------------------------------------------------------------
 
-COMMANDS = ("mesh", "bake", "solve", "inspect", "view", "synth", "live", "score", "bench", "cameras",
+COMMANDS = ("mesh", "bake", "solve", "export", "import-modes", "inspect", "view", "synth", "live", "score", "bench", "cameras",
             "calibrate")
 
 
@@ -565,7 +565,33 @@ def _(programs, folder):
 @case("a bench prints one JSON object on stdout")
 def _(programs, folder):
     result = programs.succeeds("bench", "evaluate", programs.small_body(), "--json")
-    assert isinstance(json.loads(result.stdout), dict)
+    figures = json.loads(result.stdout)
+    for key in ("us_global_60", "us_per_site", "us_all", "copy_us", "bandwidth_fraction"):
+        assert figures[key] > 0, (key, figures)
+
+
+@case("a body goes out to other programs, and its modes come back to be pressed")
+def _(programs, folder):
+    body = programs.small_body()
+    sites = int(re.search(r"^sites +(\d+)", programs.succeeds("inspect", body).stdout, re.M)[1])
+    programs.succeeds("export", body, "--to", "vtu", "--site", "1", "-o", folder / "vtu")
+    assert (folder / "vtu/site_001.pvd").exists() and len(list((folder / "vtu").glob("*.vtu"))) > 2
+    programs.succeeds("export", body, "--to", "xdmf", "-o", folder / "ball.xdmf")
+    assert (folder / "ball.xdmf").read_text().count("<Time") > 2 * sites and (folder / "ball.h5").exists()
+    programs.succeeds("export", body, "--to", "pxdmf", "-o", folder / "modes.pxdmf")
+    programs.succeeds("export", body, "--to", "numpy", "-o", folder / "modes")
+    for source in ("modes.pxdmf", "modes"):
+        programs.succeeds("import-modes", folder / source, "-o", folder / "again.palpable")
+        text = programs.succeeds("inspect", folder / "again.palpable").stdout
+        assert re.search(rf"^sites +{sites}$", text, re.M) and "another program" in text, text
+        assert source in text, text
+    result = programs.run("view", folder / "again.palpable", "--out", folder / "pictures")
+    assert result.returncode == 0 or "EGL" in result.stderr, result.stderr
+    programs.refuses("import-modes", folder / "modes", "--level", "load", "-o", folder / "x.palpable",
+                     says=["no parameter 'load'", "'level'"])
+    programs.refuses("export", body, "--to", "vtu", "--site", "99", "-o", folder / "x", says=["site 99"])
+    programs.refuses("view", body, "--set", "ears=2", "--out", folder / "x", says=["'ears' is no parameter"])
+    programs.refuses("view", body, "--set", "ears", "--out", folder / "x", says=["--set ears"])
 
 
 @case("the solver's benches print one JSON object that docs/results.md takes")
