@@ -577,7 +577,7 @@ def _(programs, folder):
     programs.succeeds("export", body, "--to", "vtu", "--site", "1", "-o", folder / "vtu")
     assert (folder / "vtu/site_001.pvd").exists() and len(list((folder / "vtu").glob("*.vtu"))) > 2
     programs.succeeds("export", body, "--to", "xdmf", "-o", folder / "ball.xdmf")
-    assert (folder / "ball.xdmf").read_text().count("<Time") > 2 * sites and (folder / "ball.h5").exists()
+    assert (folder / "ball.xdmf").read_text().count("<Time") > 2 * sites and (folder / "ball.xdmf.h5").exists()
     programs.succeeds("export", body, "--to", "pxdmf", "-o", folder / "modes.pxdmf")
     programs.succeeds("export", body, "--to", "numpy", "-o", folder / "modes")
     for source in ("modes.pxdmf", "modes"):

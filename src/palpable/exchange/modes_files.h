@@ -17,7 +17,7 @@ void write_numpy_modes(const std::filesystem::path& folder, const ForeignModes& 
 /// @throws Error that names the array that is missing or does not fit
 [[nodiscard]] ForeignModes read_numpy_modes(const std::filesystem::path& folder);
 
-/// Writes `path` (.pxdmf) and beside it the numbers (.h5 instead).
+/// Writes `path` (.pxdmf) and beside it the numbers (with .h5 added to its name).
 /// @throws Error if one of them cannot be written
 void write_pxdmf(const std::filesystem::path& path, const ForeignModes& modes);
 

@@ -141,7 +141,7 @@ TEST_CASE("a damaged PXDMF file says what is wrong with it", "[exchange][errors]
       {"\"Triangle\"", "\"Quadrilateral\"", "no grid of triangles"},
       {"Name=\"displacement_2\"", "Name=\"velocity_2\"", "there is no displacement_2"},
       {":/vertices", ":/corners", "'/corners' is missing"},
-      {"modes.h5:/triangles", "none.h5:/triangles", "none.h5: cannot be opened"},
+      {"modes.pxdmf.h5:/triangles", "none.h5:/triangles", "none.h5: cannot be opened"},
       {"Dimensions=\"42 3\"", "Dimensions=\"43 3\"", "126 numbers where its Dimensions say 129"},
       {"Dimensions=\"42 3\"", "Dimensions=\"999999999 999999999\"", "claims the size"},
       {"Format=\"HDF\"", "Format=\"Binary\"", "the format 'Binary'"},
@@ -254,9 +254,9 @@ TEST_CASE("presses are written as series for ParaView", "[exchange]") {
   CHECK_THAT(text_of(folder.path() / "one" / "site_002_level_001.vtu").substr(0, 300),
              Catch::Contains("NumberOfPoints=\"4\" NumberOfCells=\"1\""));
   write_xdmf_series(folder.path() / "ball.xdmf", ball, 3);
-  CHECK_THAT(text_of(folder.path() / "ball.xdmf"), Catch::Contains("ball.h5:/displacement_3_4") &&
+  CHECK_THAT(text_of(folder.path() / "ball.xdmf"), Catch::Contains("ball.xdmf.h5:/displacement_3_4") &&
                                                        Catch::Contains("<Time Value=\"0.75\"/>"));
-  CHECK(fs::exists(folder.path() / "ball.h5"));
+  CHECK(fs::exists(folder.path() / "ball.xdmf.h5"));
   CHECK_THROWS_WITH(write_vtu_series(folder.path() / "none", ball, 6),
                     Catch::Contains("sites 0 to 5"));
 }

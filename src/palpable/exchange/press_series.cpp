@@ -110,9 +110,7 @@ void write_vtu_series(const fs::path& folder, const ReducedBody& body, std::opti
 void write_xdmf_series(const fs::path& path, const ReducedBody& body, std::optional<int> site) {
   const std::vector<int> sites = sites_of(body, site);
   fs::path heavy = path;
-  heavy.replace_extension(".h5");
-  if (heavy == path)
-    throw Error(fmt::format("{}: the numbers go there; name a .xdmf", path.string()));
+  heavy += ".h5";
   const std::string file_name = heavy.filename().string();
   const Eigen::Matrix3Xd& nodes = body.volume ? body.volume->nodes : body.surface.vertices;
   const Eigen::MatrixXi cells =

@@ -17,7 +17,7 @@ namespace palpable {
 void write_vtu_series(const std::filesystem::path& folder, const ReducedBody& body,
                       std::optional<int> site = {});
 
-/// The same as one XDMF file and one of HDF5 beside it (.h5 instead).
+/// The same as one XDMF file and one of HDF5 beside it (with .h5 added to its name).
 void write_xdmf_series(const std::filesystem::path& path, const ReducedBody& body,
                        std::optional<int> site = {});
 

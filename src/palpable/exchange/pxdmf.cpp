@@ -272,9 +272,7 @@ MatrixXd modes_of(Reader& reader, const pugi::xml_node& grid, const std::string&
 
 void write_pxdmf(const fs::path& path, const ForeignModes& modes) {
   fs::path heavy = path;
-  heavy.replace_extension(".h5");
-  if (heavy == path)
-    throw Error(fmt::format("{}: the numbers go there; name a .pxdmf", path.string()));
+  heavy += ".h5";
   const hdf5::Quiet quiet;
   std::string xml;
   try {
@@ -376,7 +374,7 @@ ForeignModes read_pxdmf(const fs::path& path) {
   std::optional<SeparatedField> displacement = field("displacement");
   if (!displacement) throw reader.refuse("has no modes displacement_0, displacement_1, ...");
   ForeignModes modes{{vertices, triangles.cast<int>()}, std::move(*displacement), field("stress")};
-  const std::string heavy = fs::path(path).replace_extension(".h5").filename().string();
+  const std::string heavy = path.filename().string() + ".h5";
   try {  // ours writes them, nobody else does
     for (const double v : reader.heavy(heavy + ":/site_vertices", "sites")) {
       modes.site_vertices.push_back(static_cast<int>(v));
