@@ -254,8 +254,9 @@ TEST_CASE("presses are written as series for ParaView", "[exchange]") {
   CHECK_THAT(text_of(folder.path() / "one" / "site_002_level_001.vtu").substr(0, 300),
              Catch::Contains("NumberOfPoints=\"4\" NumberOfCells=\"1\""));
   write_xdmf_series(folder.path() / "ball.xdmf", ball, 3);
-  CHECK_THAT(text_of(folder.path() / "ball.xdmf"), Catch::Contains("ball.xdmf.h5:/displacement_3_4") &&
-                                                       Catch::Contains("<Time Value=\"0.75\"/>"));
+  CHECK_THAT(text_of(folder.path() / "ball.xdmf"),
+             Catch::Contains("ball.xdmf.h5:/displacement_3_4") &&
+                 Catch::Contains("<Time Value=\"0.75\"/>"));
   CHECK(fs::exists(folder.path() / "ball.xdmf.h5"));
   CHECK_THROWS_WITH(write_vtu_series(folder.path() / "none", ball, 6),
                     Catch::Contains("sites 0 to 5"));
