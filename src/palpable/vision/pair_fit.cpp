@@ -19,9 +19,11 @@ constexpr std::size_t kMostPlaces = 60;
 constexpr std::size_t kLeastPlaces = 20;  // as many as the row watch asks for
 // Mean steps along and across a window, grey levels per px: less is a plain surface or one edge,
 // which is found on many rows.
-constexpr int kLeastTexture = 4;
-constexpr int kLargestDifference = 10;  // grey levels per px; more is no partner
-constexpr double kAgreeing = 0.6;       // of the places
+constexpr int kLeastTexture = 2;
+// Grey levels per px: more is no partner, unless steps along and across the window are more than
+// twice as large; half a pixel off, such a window differs by half of them.
+constexpr int kLargestDifference = 10;
+constexpr double kAgreeing = 0.6;  // of the places
 // Of images at half the size; the row watch corrects 2.5 px of the full ones.
 constexpr double kLeastRows = 1.5;
 
@@ -42,7 +44,7 @@ int texture_of(const GrayImage& image, int x, int y) {
   return std::min(along, across);
 }
 
-// The best of a few places of each cell, and of those the best kMostPlaces.
+// The best of a few places of each cell, and of those kMostPlaces.
 std::vector<Place> textured_places(const GrayImage& image) {
   constexpr int kCell = 16;
   constexpr int kStep = 4;
@@ -60,9 +62,12 @@ std::vector<Place> textured_places(const GrayImage& image) {
       if (best.texture >= kLeastTexture * kSide * kSide) places.push_back(best);
     }
   }
-  std::sort(places.begin(), places.end(),
-            [](const Place& a, const Place& b) { return a.texture > b.texture; });
-  if (places.size() > kMostPlaces) places.resize(kMostPlaces);
+  // Spread over the picture, and not the most textured: leaves and the like alias.
+  if (places.size() > kMostPlaces) {
+    for (std::size_t i = 0; i < kMostPlaces; ++i)
+      places[i] = places[i * places.size() / kMostPlaces];
+    places.resize(kMostPlaces);
+  }
   return places;
 }
 
@@ -82,7 +87,7 @@ std::optional<Found> find(const Place& place, const GrayImage& left, const GrayI
     }
   }
   constexpr int n = kSide * kSide;
-  int least = kLargestDifference * n;
+  int least = std::max(kLargestDifference * n, place.texture / 2);
   std::optional<Found> found;
   for (int row = -kFarthestRow; row <= kFarthestRow; ++row) {
     const int y = place.y + row;

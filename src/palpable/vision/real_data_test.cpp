@@ -288,6 +288,40 @@ TEST_CASE("a real ZED Mini pair gives depth, from raw images", "[vision][real][S
         test::tolerance(0.35, "a quarter of a pixel of 4.4 px at half resolution is 0.28 m"));
 }
 
+TEST_CASE("raw ZED pairs taken for rectified ones, and swapped eyes of KITTI's car, are called so",
+          "[vision][real][refusal]") {
+  const fs::path kitti = kData / "stereo_video_kitti1";
+  if (!fs::exists(kZed / "raw") || !fs::exists(kitti)) {
+    PALPABLE_SKIP("no folders " + kZed.string() + " and " + kitti.string());
+  }
+  const auto first_misfit = [](const FrameFormat& format, const Frame& frame) {
+    auto camera = value_or_throw(DepthCamera::make(format));
+    SeenFrame seen;
+    camera.see(frame, seen);
+    return seen.misfit;
+  };
+  Frame frame;
+  const auto zed = zed_source();
+  REQUIRE(zed->next(frame) == FrameStatus::kFrame);
+  CHECK_FALSE(first_misfit(zed->format(), frame));
+  FrameFormat taken_for_rectified = zed->format();
+  taken_for_rectified.already_rectified = true;
+  taken_for_rectified.rectified = {{1280, 720, 700, 700, 640, 360}, 0.063, 0};
+  const auto rows = first_misfit(taken_for_rectified, frame);
+  REQUIRE(rows);
+  CHECK_FALSE(rows->swapped);
+  CHECK(std::abs(std::abs(rows->rows_px) - 12) <=
+        test::tolerance(2, "12 px is the median of these pairs; it differs over the picture"));
+
+  const auto car = value_or_throw(open_folder(kitti));
+  REQUIRE(car->next(frame) == FrameStatus::kFrame);
+  CHECK_FALSE(first_misfit(car->format(), frame));
+  std::swap(frame.left, frame.right);
+  const auto eyes = first_misfit(car->format(), frame);
+  REQUIRE(eyes);
+  CHECK(eyes->swapped);
+}
+
 // --- pairs with true disparity ------------------------------------------------------------------
 
 struct Truth {
