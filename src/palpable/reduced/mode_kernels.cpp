@@ -192,12 +192,12 @@ std::vector<ModeKernels> find_kernels() {
   return kernels;
 }
 
+// Before main(): the first frame, too, allocates nothing, and no two threads choose at once.
+const std::vector<ModeKernels> kKernels = find_kernels();
+
 }  // namespace
 
-std::span<const ModeKernels> mode_kernels() {
-  static const std::vector<ModeKernels> kernels = find_kernels();
-  return kernels;
-}
+std::span<const ModeKernels> mode_kernels() { return kKernels; }
 
 }  // namespace palpable
 #endif
