@@ -105,7 +105,8 @@ int run_command_line(CLI::App& app, int argc, const char* const* argv) {
   return 1;
 }
 
-std::map<std::string, double> parse_settings(const std::vector<std::string>& texts) {
+std::map<std::string, double> parse_settings(const std::vector<std::string>& texts,
+                                             std::string_view option, std::string_view what) {
   std::map<std::string, double> values;
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
@@ -113,8 +114,7 @@ std::map<std::string, double> parse_settings(const std::vector<std::string>& tex
     const double value =
         equals == std::string::npos ? 0.0 : std::strtod(text.c_str() + equals + 1, &end);
     if (end == nullptr || end == text.c_str() + equals + 1 || *end != '\0' || equals == 0) {
-      throw Error(
-          fmt::format("--set {}: must be a parameter and its value, such as stiffness=2", text));
+      throw Error(fmt::format("{} {}: must be a parameter and {}", option, text, what));
     }
     values[text.substr(0, equals)] = value;
   }

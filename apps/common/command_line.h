@@ -23,8 +23,12 @@ int run_command_line(CLI::App& app, int argc, const char* const* argv);
 /// Prints "palpable: <message>" on stderr, line breaks replaced by "; ".
 void print_error(std::string_view message);
 
-/// "ears=0.5" each, as after --set. @throws Error for another form
-[[nodiscard]] std::map<std::string, double> parse_settings(const std::vector<std::string>& texts);
+/// "ears=0.5" each. @throws Error for another form, which says that it must be a parameter and
+/// `what`
+/// @param option  after which they stood
+[[nodiscard]] std::map<std::string, double> parse_settings(
+    const std::vector<std::string>& texts, std::string_view option = "--set",
+    std::string_view what = "its value, such as stiffness=2");
 
 /// --set NAME=VALUE, as often as there are parameters beyond site and level.
 void add_set_option(CLI::App& command, std::vector<std::string>& texts);

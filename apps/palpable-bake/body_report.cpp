@@ -1,5 +1,6 @@
 #include "apps/palpable-bake/body_report.h"
 
+#include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/machine.h"
 #include "palpable/base/error.h"
@@ -73,21 +74,7 @@ void print_body_report(const BakedBody& baked, const std::string& output, double
 }
 
 std::map<std::string, double> parse_values(const std::vector<std::string>& texts) {
-  std::map<std::string, double> values;
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    char* end = nullptr;
-    const double value =
-        equals == std::string::npos ? 0.0 : std::strtod(text.c_str() + equals + 1, &end);
-    if (end == nullptr || end == text.c_str() + equals + 1 || *end != '\0' || equals == 0) {
-      throw Error(
-          fmt::format("--at {}: must be a parameter and one of its values, such as "
-                      "ears=0.5",
-                      text));
-    }
-    values[text.substr(0, equals)] = value;
-  }
-  return values;
+  return parse_settings(texts, "--at", "one of its values, such as ears=0.5");
 }
 
 }  // namespace palpable::app

@@ -18,7 +18,7 @@ void require_folder_of(const std::filesystem::path& output);
 /// @param seconds  since the command began
 void print_body_report(const BakedBody& baked, const std::string& output, double seconds);
 
-/// "ears=0.5" each. @throws Error for another form
+/// "ears=0.5" each, as after --at. @throws Error for another form
 [[nodiscard]] std::map<std::string, double> parse_values(const std::vector<std::string>& texts);
 
 }  // namespace palpable::app
