@@ -444,6 +444,43 @@ bool factorise_in_double(const CholeskyAnalysis::Content& analysis, const BlockM
 
 }  // namespace
 
+ExactFactor::ExactFactor(const CholeskyAnalysis& analysis, const BlockMatrix& K,
+                         FactorWorkspace& workspace) {
+  const OneThread one_thread;
+  cholmod_common& common = workspace.content().common;
+  LowerColumns columns = analysis.content().columns;
+  columns.fill(K);
+  cholmod_sparse A = columns.view();
+  const std::shared_ptr<cholmod_factor> L(cholmod_copy_factor(analysis.content().symbolic, &common),
+                                          free_factor);
+  if (L) cholmod_factorize(&A, L.get(), &common);
+  refuse_if_out_of_memory(common);
+  if (!L || common.status != CHOLMOD_OK || L->minor < L->n) {
+    throw Error("the stiffness is not positive definite: the body can move without resistance");
+  }
+  factor_ = L;
+}
+
+void ExactFactor::solve(Eigen::MatrixXd& B, FactorWorkspace& workspace) const {
+  const OneThread one_thread;
+  cholmod_common& common = workspace.content().common;
+  // CHOLMOD reads a factor but does not say so in its types.
+  auto* const L = static_cast<cholmod_factor*>(const_cast<void*>(factor_.get()));
+  PALPABLE_EXPECT(static_cast<std::size_t>(B.rows()) == L->n, "B has the rows of the matrix");
+  cholmod_dense b{};
+  b.nrow = b.d = static_cast<std::size_t>(B.rows());
+  b.ncol = static_cast<std::size_t>(B.cols());
+  b.nzmax = b.nrow * b.ncol;
+  b.x = B.data();
+  b.xtype = CHOLMOD_REAL;
+  b.dtype = CHOLMOD_DOUBLE;
+  cholmod_dense* x = cholmod_solve(CHOLMOD_A, L, &b, &common);
+  refuse_if_out_of_memory(common);
+  PALPABLE_EXPECT(x != nullptr, "a factor solves");
+  B = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x->x), B.rows(), B.cols());
+  cholmod_free_dense(&x, &common);
+}
+
 std::optional<CholeskyFactor> CholeskyFactor::make(const CholeskyAnalysis& analysis,
                                                    const BlockMatrix& K, FactorPrecision precision,
                                                    FactorWorkspace& workspace) try {

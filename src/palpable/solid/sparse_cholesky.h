@@ -55,7 +55,23 @@ class CholeskyAnalysis {
 
  private:
   friend class CholeskyFactor;
+  friend class ExactFactor;
   std::shared_ptr<const Content> content_;
+};
+
+/// L L^T = P K P^T in double precision by CHOLMOD: K^-1 itself, for who solves many systems with
+/// one matrix and builds upon the answers. 8 bytes a nonzero; a solve of 16 systems together costs
+/// about as much as four alone.
+class ExactFactor {
+ public:
+  /// @throws Error if K is not positive definite or memory runs out
+  ExactFactor(const CholeskyAnalysis& analysis, const BlockMatrix& K, FactorWorkspace& workspace);
+
+  /// B becomes K^-1 B, column by column. @throws Error if memory runs out
+  void solve(Eigen::MatrixXd& B, FactorWorkspace& workspace) const;
+
+ private:
+  std::shared_ptr<const void> factor_;  // CHOLMOD's, which frees itself
 };
 
 /// In which a factor is kept.

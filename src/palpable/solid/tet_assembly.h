@@ -37,6 +37,8 @@ class TetAssembly {
 
   [[nodiscard]] int node_count() const { return static_cast<int>(free_of_node_.size()); }
   [[nodiscard]] const BlockPattern& pattern() const { return pattern_; }
+  /// (M) nodes that are free in some direction, increasing.
+  [[nodiscard]] const std::vector<int>& free_nodes() const { return free_nodes_; }
   /// How far rounding may put the energy off, J: each element's is a difference of numbers of the
   /// size of its stiffness, however little it is strained.
   [[nodiscard]] double energy_noise() const { return energy_noise_; }
