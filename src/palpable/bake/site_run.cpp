@@ -73,7 +73,7 @@ PressPath path_through(const PressSolver& presses, const Matrix3Xd& unit, double
 // full while the others' lanes do the rest. Bounded by the memory they may take together.
 int lanes_for(const SiteSolver& solver, int levels, int threads) {
   constexpr double kMemory = 2e9;        // bytes
-  constexpr double kLearntBytes = 1500;  // a node: what a lane's solver learns, and its vectors
+  constexpr double kLearntBytes = 1000;  // a node: what a lane's solver learns, and its vectors
   const double a_lane =
       solver.presses().solver().model().mesh.node_count() * (24.0 * levels + kLearntBytes);
   return std::clamp(static_cast<int>(kMemory / a_lane), threads, 20 * threads);

@@ -160,7 +160,7 @@ struct PressPath {
 /// threads at once on one object (sites side by side); a call itself uses one thread.
 ///
 /// Memory: the factor, 4 kB a node on a bunny of 16,000 nodes (8 in 32 bits; 8 more while it is
-/// made), and per call 2 kB a node; 5 kB more, and a factor of its own, where that is renewed.
+/// made), and per call 1.5 kB a node; 5 kB more, and a factor of its own, where that is renewed.
 class EquilibriumSolver {
  public:
   /// @throws Error as check_model()

@@ -90,6 +90,7 @@ class Lanes {
       } catch (...) { items.failed(*item); }
       const std::lock_guard lock(mutex_);
       seat.factor = nullptr;
+      seat.part = 0.0;
     }
     const std::lock_guard lock(mutex_);
     seat.ended = true;
@@ -102,6 +103,7 @@ class Lanes {
     std::condition_variable woken;
     bool granted = false;      // may run
     bool ended = false;        // no more items
+    double part = 0.0;         // of the item in work that is done
     std::vector<Seat*> batch;  // whose systems this one is to solve
     // What is asked for, or was last for the item in work: null before it has asked.
     const CholeskyFactor* factor = nullptr;
@@ -116,6 +118,10 @@ class Lanes {
     void solve(const CholeskyFactor& factor, const Eigen::VectorXd& b,
                Eigen::VectorXd& x) override {
       lanes_.solve(seat_, factor, b, x);
+    }
+    void progressed(double part) override {
+      const std::lock_guard lock(lanes_.mutex_);
+      seat_.part = part;
     }
 
    private:
@@ -172,8 +178,9 @@ class Lanes {
         ++running_;
         who.woken.notify_one();
       } else if (!ready_.empty()) {
-        Seat& who = *ready_.front();
-        ready_.pop_front();
+        const auto least = std::ranges::min_element(ready_, {}, &Seat::part);
+        Seat& who = **least;
+        ready_.erase(least);
         who.granted = true;
         ++running_;
         who.woken.notify_one();
@@ -199,13 +206,16 @@ class Lanes {
     return {};
   }
 
-  // Those that wait for a factor, the longest waiting first.
+  // Those that wait for a factor; if they are too many, those that are least far, and among equals
+  // those that wait longest.
   [[nodiscard]] std::vector<Seat*> batch_of(const CholeskyFactor& factor) const {
     std::vector<Seat*> batch;
     for (Seat* const seat : waiting_) {
-      if (seat->factor != &factor) continue;
-      batch.push_back(seat);
-      if (batch.size() == CholeskyFactor::kMostTogether) break;
+      if (seat->factor == &factor) batch.push_back(seat);
+    }
+    if (batch.size() > CholeskyFactor::kMostTogether) {
+      std::ranges::stable_sort(batch, {}, &Seat::part);
+      batch.resize(CholeskyFactor::kMostTogether);
     }
     return batch;
   }

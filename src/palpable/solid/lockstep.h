@@ -28,6 +28,9 @@ class Lane {
   /// run meanwhile.
   virtual void solve(const CholeskyFactor& factor, const Eigen::VectorXd& b,
                      Eigen::VectorXd& x) = 0;
+  /// Says how much of the item is done, 0 .. 1. Of those that could go on, the one that is least
+  /// far does: a hard item then ends with the easy ones, and not alone long after them.
+  virtual void progressed(double part) = 0;
 };
 
 struct LockstepSettings {

@@ -116,6 +116,24 @@ TEST_CASE("no more lanes run at a time than there are threads, and passes are sh
   CHECK(most <= 2);
 }
 
+TEST_CASE("lanes that are least far go first", "[solid][lockstep]") {
+  // On one thread the first 16 items share the first pass; then come the four that had not begun,
+  // and of the 16 those that are least far: here the last ones, until 16 wait again.
+  const Chain chain(1.0);
+  std::vector<int> order;
+  const auto work = [&](int item, Lane& lane) {
+    VectorXd x;
+    lane.progressed(1.0 - item / 20.0);
+    lane.solve(*chain.factor, chain.system(item), x);
+    order.push_back(item);
+    lane.solve(*chain.factor, chain.system(item), x);
+  };
+  run_in_lockstep(numbers(20), work, {.threads = 1, .lanes = 20});
+  REQUIRE(order.size() == 20);
+  CHECK(std::vector<int>(order.begin(), order.begin() + 12) ==
+        std::vector<int>{15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4});
+}
+
 TEST_CASE("an item that fails ends the run but not the items beside it", "[solid][lockstep]") {
   const Chain chain(1.0);
   std::mutex mutex;

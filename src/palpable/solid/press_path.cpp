@@ -2,6 +2,7 @@
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
 #include "palpable/solid/equilibrium.h"
+#include "palpable/solid/lockstep.h"
 #include "palpable/solid/solver_core.h"
 #include "palpable/solid/walk.h"
 
@@ -214,7 +215,9 @@ PressPath EquilibriumSolver::press_path(const Matrix3Xd& unit_load, const PressG
   int states = 0;
   const auto solved = [&] {
     const double expected = goal.levels + (goal.force > 0.0 ? 0 : kUsualSolves);
-    if (options.tick) options.tick(std::min(1.0, ++states / expected));
+    const double part = std::min(1.0, ++states / expected);
+    if (options.lane != nullptr) options.lane->progressed(part);
+    if (options.tick) options.tick(part);
   };
   if (!(goal.force > 0.0)) {
     const LoadSearch search = search_load(walk, unit_load, goal.press,

@@ -52,7 +52,9 @@ void check_known(QuasiNewton& learnt, const System& system, std::array<bool, kDi
     CAPTURE(i);
     const double error = error_along(learnt, system, i);
     if (known[i]) {
-      CHECK(error <= tolerance(1e-5, "pairs are kept in single precision"));
+      // An eighth of a step of s and of K s, through three updates, in 30 unknowns whose largest is
+      // some three times their mean.
+      CHECK(error <= tolerance(1e-3, "pairs are kept in 16 bits"));
     } else {
       CHECK(error >= 1.0);  // x = K s there, at least twice as long as s
     }

@@ -268,14 +268,18 @@ TEST_CASE("what one solve learns serves the next", "[solid][sparse]") {
   const int with = iterations(2);
   INFO(without << " iterations before, " << with << " after");
   CHECK(with <= without / 2);
-  // Exact along the last direction that was learnt: s = H K s.
+  // Along the last direction that was learnt, s = H K s up to the rounding of K s, whose step the
+  // three stiff nodes set: a part in 65,000 of their force, a hundredth of what the others feel.
   learnt.learn();
   VectorXd s = VectorXd::LinSpaced(120, 1, -3), Ks;
   K.multiply(s, Ks);
   learnt.note(s, Ks);
   learnt.learn();
   learnt.solve(Ks, x, apply_factor);
-  CHECK((x - s).norm() <= tolerance(1e-5, "pairs are kept in single precision") * s.norm());
+  CHECK((x - s).norm() <= tolerance(2e-2, "16 bits under unlike forces") * s.norm());
+  VectorXd unlearnt;
+  apply_factor(Ks, unlearnt);
+  CHECK((unlearnt - s).norm() >= 10.0 * s.norm());
 }
 
 TEST_CASE("conjugate gradients notice a matrix that is not positive definite", "[solid][sparse]") {
