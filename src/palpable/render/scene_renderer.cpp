@@ -4,6 +4,7 @@
 #include "palpable/render/gl_objects.h"
 #include "palpable/render/ground_shadow.h"
 #include "palpable/render/legend.h"
+#include "palpable/render/outlines.h"
 #include "palpable/render/shader_files.h"
 
 #include <algorithm>
@@ -145,14 +146,22 @@ struct SceneRenderer::State {
   std::unique_ptr<Targets> targets;
   GlTexture real_depth{GL_R32F, 1, 1};
   GlTexture nothing_real{GL_R32F, 1, 1};
+  GlTexture fine_depth{GL_R32F, 1, 1};  // of the picture's size
+  PixelBox fine_box;                    // of the picture, where fine_depth holds; empty: nowhere
+  RealOutlines outlines;
 
   // Kept between frames so that nothing is allocated.
   std::vector<float> zeros, filled, dot_values, z_rows;
   std::vector<signed char> nearest_in_row;
   std::vector<std::uint8_t> rgba, mask_rows;
 
-  PixelBox box_of(const SceneView& view) const;
-  Eigen::Vector2f upload_real_depth(const SceneView& view, const PixelBox& box);
+  struct Boxes {
+    PixelBox bodies;
+    PixelBox all;  // their shadows too
+  };
+  Boxes boxes_of(const SceneView& view) const;
+  Eigen::Vector2f upload_real_depth(const SceneView& view, const Boxes& boxes);
+  void upload_outlines(const SceneView& view, const PixelBox& texels, const PixelBox& bodies);
   void stream(const BodyLook& look, BodyBuffers& to);
   void draw_shadows(const SceneView& view, const Eigen::Vector2f& depth_per_picture);
   void draw_bodies(const SceneView& view);
@@ -184,6 +193,8 @@ Result<SceneRenderer> SceneRenderer::make() {
                                                 .no_inputs = {},
                                                 .buffers = {},
                                                 .targets = {},
+                                                .fine_box = {},
+                                                .outlines = {},
                                                 .zeros = {},
                                                 .filled = {},
                                                 .dot_values = {},
@@ -218,7 +229,8 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
 
   while (s.buffers.size() < view.bodies.size()) s.buffers.emplace_back();
   for (std::size_t i = 0; i < view.bodies.size(); ++i) s.stream(view.bodies[i], s.buffers[i]);
-  const PixelBox box = s.box_of(view);
+  const State::Boxes boxes = s.boxes_of(view);
+  const PixelBox& box = boxes.all;
   if (!box.empty()) {
     if (!s.targets || s.targets->picture.width() != width ||
         s.targets->picture.height() != height) {
@@ -226,7 +238,7 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
     }
     glEnable(GL_SCISSOR_TEST);
     glScissor(box.x0, box.y0, box.width(), box.height());
-    const Eigen::Vector2f depth_per_picture = s.upload_real_depth(view, box);
+    const Eigen::Vector2f depth_per_picture = s.upload_real_depth(view, boxes);
     s.draw_bodies(view);
     // The picture so far is the background, or the plain grey.
     s.targets->picture.upload(box.x0, box.y0, box.width(), box.height(), GL_RGB, GL_UNSIGNED_BYTE,
@@ -247,10 +259,13 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
   if (!view.caption.empty()) draw_caption(picture, view.caption, scale);
 }
 
-PixelBox SceneRenderer::State::box_of(const SceneView& view) const {
+SceneRenderer::State::Boxes SceneRenderer::State::boxes_of(const SceneView& view) const {
   Bounds bounds;
-  for (std::size_t i = 0; i < view.bodies.size(); ++i) {
-    const BodyLook& body = view.bodies[i];
+  const auto box = [&]() -> PixelBox {
+    if (!bounds.everything && bounds.x0 > bounds.x1) return {};
+    return bounds.within(view.camera.width, view.camera.height, kOutlineRadius);
+  };
+  for (const BodyLook& body : view.bodies) {
     const Eigen::Isometry3f camera_from_body = body.camera_from_body.cast<float>();
     for (Eigen::Index v = 0; v < body.vertices->cols(); ++v) {
       bounds.add(camera_from_body * Eigen::Vector3f(body.vertices->col(v)), view.camera, 0.0f);
@@ -258,7 +273,13 @@ PixelBox SceneRenderer::State::box_of(const SceneView& view) const {
     for (const Dot& dot : body.dots) {
       bounds.add(camera_from_body * dot.at_in_body, view.camera, dot.radius);
     }
+  }
+  Boxes boxes;
+  boxes.bodies = box();
+  for (std::size_t i = 0; i < view.bodies.size(); ++i) {
+    const BodyLook& body = view.bodies[i];
     if (body.shadow <= 0.0f || body.vertices->cols() == 0) continue;
+    const Eigen::Isometry3f camera_from_body = body.camera_from_body.cast<float>();
     const Eigen::Vector4f& patch = buffers[i].shadow.box();
     for (const int corner : {0, 1, 2, 3}) {
       const Eigen::Vector3f at(patch[(corner & 1) != 0 ? 2 : 0], patch[(corner & 2) != 0 ? 3 : 1],
@@ -266,13 +287,13 @@ PixelBox SceneRenderer::State::box_of(const SceneView& view) const {
       bounds.add(camera_from_body * at, view.camera, 0.0f);
     }
   }
-  if (!bounds.everything && bounds.x0 > bounds.x1) return {};
-  return bounds.within(view.camera.width, view.camera.height, kOutlineRadius);
+  boxes.all = box();
+  return boxes;
 }
 
 /// @return texels of the depth image per pixel of the picture
-Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view,
-                                                        const PixelBox& box) {
+Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, const Boxes& boxes) {
+  fine_box = {};
   if (view.real_depth == nullptr || view.real_depth->empty()) return Eigen::Vector2f::Zero();
   const DepthImage& depth = *view.real_depth;
   if (real_depth.width() != depth.width() || real_depth.height() != depth.height()) {
@@ -280,17 +301,35 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view,
   }
   const double sx = static_cast<double>(depth.width()) / view.camera.width;
   const double sy = static_cast<double>(depth.height()) / view.camera.height;
-  const int margin = kHoleRadius + 2;
+  const bool half = view.background != nullptr && view.camera.width / 2 == depth.width() &&
+                    view.camera.height / 2 == depth.height();
+  const int margin = half ? RealOutlines::kMargin : kHoleRadius + 2;
   // Wide enough that both ends of what one eye alone sees lie within.
   const int row_margin = kLongestHalfSeen + 1;
+  const PixelBox& box = boxes.all;
   const PixelBox texels{std::max(static_cast<int>(box.x0 * sx) - row_margin, 0),
                         std::max(static_cast<int>(box.y0 * sy) - margin, 0),
                         std::min(static_cast<int>(box.x1 * sx) + row_margin, depth.width()),
                         std::min(static_cast<int>(box.y1 * sy) + margin, depth.height())};
-  fill_unknown(depth, texels, kHoleRadius, nearest_in_row, filled);
+  fill_unknown(depth, view.too_close, texels, kHoleRadius, nearest_in_row, filled);
   real_depth.upload(texels.x0, texels.y0, texels.width(), texels.height(), GL_RED, GL_FLOAT,
                     filled.data());
+  if (half) upload_outlines(view, texels, boxes.bodies);
   return Eigen::Vector2d(sx, sy).cast<float>();
+}
+
+void SceneRenderer::State::upload_outlines(const SceneView& view, const PixelBox& texels,
+                                           const PixelBox& bodies) {
+  const PixelBox inner{bodies.x0 / 2, bodies.y0 / 2, std::min((bodies.x1 + 1) / 2, texels.x1),
+                       std::min((bodies.y1 + 1) / 2, texels.y1)};
+  if (inner.empty()) return;
+  outlines.find(*view.background, texels, filled, nearest_in_row, inner);
+  if (fine_depth.width() != view.camera.width || fine_depth.height() != view.camera.height) {
+    fine_depth = GlTexture(GL_R32F, view.camera.width, view.camera.height);
+  }
+  fine_box = {2 * inner.x0, 2 * inner.y0, 2 * inner.x1, 2 * inner.y1};
+  fine_depth.upload(fine_box.x0, fine_box.y0, fine_box.width(), fine_box.height(), GL_RED, GL_FLOAT,
+                    outlines.depth().data());
 }
 
 void SceneRenderer::State::stream(const BodyLook& look, BodyBuffers& to) {
@@ -402,6 +441,11 @@ void SceneRenderer::State::compose_picture(const SceneView& view,
   targets->body_color.bind(0);
   targets->body_z.bind(1);
   (any_real ? real_depth : nothing_real).bind(2);
+  fine_depth.bind(3);
+  compose_program.set(
+      "fine_box",
+      Eigen::Vector4f(static_cast<float>(fine_box.x0), static_cast<float>(fine_box.y0),
+                      static_cast<float>(fine_box.x1), static_cast<float>(fine_box.y1)));
   compose_program.set("depth_per_picture", depth_per_picture);
   glProgramUniform2i(compose_program.get(), glGetUniformLocation(compose_program.get(), "last"),
                      view.camera.width - 1, view.camera.height - 1);

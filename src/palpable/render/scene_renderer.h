@@ -49,6 +49,9 @@ struct SceneView {
   /// Z of the real scene in m, NaN where unknown; any size with the same field of view as
   /// `camera` (camera.scaled_down(2), say). Null: nothing real hides the body.
   const DepthImage* real_depth = nullptr;
+  /// 255 where something real is too close to be measured and hides the body, of the size of
+  /// `real_depth`. Null: nothing is.
+  const MaskImage* too_close = nullptr;
   PinholeCamera camera = {};  ///< of the picture; width and height are the picture's
   std::vector<BodyLook> bodies = {};
   /// Light of the scene, 1 = a well lit room.
@@ -80,8 +83,10 @@ class SceneRenderer {
   /// @throws ContractViolation when sizes do not match
   ///
   /// An unknown depth hides nothing, except what fill_unknown.h closes: what one eye alone sees
-  /// with the background, other holes of up to 6 texels with their nearest neighbour. Outlines are
-  /// about 1 pixel soft. Bodies nearer than 10 mm are cut off.
+  /// with the background, other holes of up to 6 texels with their nearest neighbour. Where
+  /// `real_depth` is half as large as `background`, outlines of what is real are found at the
+  /// picture's resolution before the bodies (outlines.h). Outlines are about 1 pixel soft. Bodies
+  /// nearer than 10 mm are cut off.
   void draw(const SceneView& view, ColorImage& picture, MaskImage* body_visible = nullptr,
             DepthImage* body_depth = nullptr);
 

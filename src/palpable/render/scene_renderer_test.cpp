@@ -156,6 +156,43 @@ TEST_CASE("each pixel decides for itself: part of the body may be hidden", "[ren
   }
 }
 
+TEST_CASE("before a body the picture's colours say where a widened outline of half depth lies",
+          "[render][outlines][Fig9]") {
+  PALPABLE_NEEDS_RENDERER(gl);
+  const Skin skin = plate();
+  // A hand from the right that begins at column 141 of the picture, and 4 texels further left in
+  // the depth.
+  ColorImage background(kCamera.width, kCamera.height, {187, 146, 104});
+  DepthImage real(kCamera.width / 2, kCamera.height / 2, 0.8f);
+  for (int y = 0; y < kCamera.height; ++y) {
+    for (int x = 141; x < kCamera.width; ++x) background(x, y) = {224, 176, 150};
+    for (int u = 141 / 2 - 4; u < real.width() && y / 2 < real.height(); ++u) {
+      real(u, y / 2) = 0.45f;
+    }
+  }
+  SceneView view{
+      .background = &background, .real_depth = &real, .camera = kCamera, .bodies = {skin.look()}};
+  const Drawn drawn = draw(*gl.renderer, view);
+  for (int y = 50; y < 150; ++y) {
+    const auto* row = drawn.visible.row(y);
+    CHECK(std::count(row, row + kCamera.width, std::uint8_t{255}) == 41);
+    CHECK(row[140] == 255);
+    CHECK(row[141] == 0);
+  }
+  // Without colours to go by, the depth alone counts: it begins at column 2 * 66.
+  view.background = nullptr;
+  const Drawn coarse = draw(*gl.renderer, view);
+  CHECK(std::abs(coarse.seen() - 32 * 100) <= 100);
+  // What is too close to be measured hides too.
+  MaskImage close(real.width(), real.height(), 0);
+  for (int y = 0; y < close.height(); ++y) std::fill_n(close.row(y) + 40, 40, std::uint8_t{255});
+  std::fill(real.begin(), real.end(), kUnknown);
+  CHECK(draw(*gl.renderer, view).seen() == 10000);
+  view.too_close = &close;
+  // Of columns 100 to 199 those before 2 (80 - kTooCloseBorder).
+  CHECK(draw(*gl.renderer, view).seen() <= 10000 - 100 * 52);
+}
+
 TEST_CASE("a surface that touches the body does not hide it, one before it does",
           "[render][Fig9]") {
   PALPABLE_NEEDS_RENDERER(gl);

@@ -6,6 +6,8 @@
 layout(binding = 0) uniform sampler2D body_color;  // sRGB
 layout(binding = 1) uniform sampler2D body_depth;  // m, 0 where no body
 layout(binding = 2) uniform sampler2D real_depth;  // m, 0 unknown; often coarser than the picture
+layout(binding = 3) uniform sampler2D fine_depth;  // m, 0 unknown, a texel for each pixel
+uniform vec4 fine_box;  // x0 y0 x1 y1 of the picture, px: there fine_depth counts, not real_depth
 uniform vec2 depth_per_picture;  // texels of real_depth per pixel of the picture
 uniform ivec2 last;              // the last pixel of the picture
 
@@ -27,6 +29,24 @@ float hidden_at(vec2 p, float z) {
   float h01 = hidden_share(z, texelFetch(real_depth, ivec2(low.x, high.y), 0).r);
   float h11 = hidden_share(z, texelFetch(real_depth, high, 0).r);
   return mix(mix(h00, h10, f.x), mix(h01, h11, f.x), f.y);
+}
+
+/// The same of the fine depth, whose decisions are mixed over 3 x 3 pixels to soften the stairs.
+float hidden_at_pixel(ivec2 p, float z) {
+  ivec2 low = ivec2(fine_box.xy);
+  ivec2 high = ivec2(fine_box.zw) - 1;
+  float sum = 0.0;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      float real = texelFetch(fine_depth, clamp(p + ivec2(dx, dy), low, high), 0).r;
+      sum += float((2 - abs(dx)) * (2 - abs(dy))) / 16.0 * hidden_share(z, real);
+    }
+  }
+  return sum;
+}
+
+bool is_fine(vec2 p) {
+  return all(greaterThanEqual(p, fine_box.xy)) && all(lessThan(p, fine_box.zw));
 }
 
 void main() {
@@ -63,7 +83,8 @@ void main() {
     }
     paint = sum / cover;
   }
-  float visible = 1.0 - hidden_at(gl_FragCoord.xy, z);
+  float visible = 1.0 - (is_fine(gl_FragCoord.xy) ? hidden_at_pixel(p, z)
+                                                  : hidden_at(gl_FragCoord.xy, z));
   float alpha = smoothstep(0.1, 0.9, cover) * visible;
   color = vec4(paint * alpha, alpha);
   visible_mask = own > 0.0 && visible >= 0.5 ? 1.0 : 0.0;

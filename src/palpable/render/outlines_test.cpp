@@ -1,0 +1,182 @@
+#include "palpable/render/outlines.h"
+
+#include "palpable/base/contract.h"
+#include "tests/support/allocations.h"
+#include "tests/support/test.h"
+
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+constexpr int kWidth = 141;  // of the depth image, px
+constexpr int kHeight = 103;
+constexpr float kHand = 0.35f;  // m
+constexpr float kDesk = 0.5f;
+constexpr Rgb kSkin{224, 176, 150};
+constexpr Rgb kWood{187, 146, 104};
+
+// A desk and something before it, as a matcher sees them that widens near things.
+struct Case {
+  ColorImage picture{2 * kWidth + 1, 2 * kHeight, kWood};
+  MaskImage truth{2 * kWidth, 2 * kHeight, 0};  // 255 on what is near
+  std::vector<float> depth = std::vector<float>(kWidth * kHeight, kDesk);
+  std::vector<signed char> guessed = std::vector<signed char>(kWidth * kHeight, 0);
+  PixelBox box{0, 0, kWidth, kHeight};
+  PixelBox inner{30, 30, kWidth - 31, kHeight - 32};
+
+  // `is_near` of a picture pixel; widened by so many half pixels to the left, and by one elsewhere.
+  template <class Near>
+  Case(unsigned seed, const Near& is_near, int widened) {
+    auto random = test::random_case(seed);
+    std::normal_distribution<double> grain(0, 8), noise(0, 1);
+    for (int y = 0; y < picture.height(); ++y) {
+      const double streak = grain(random);  // wood: along the rows
+      for (int x = 0; x < picture.width(); ++x) {
+        const bool near = is_near(x, y);
+        if (near && x < truth.width()) truth(x, y) = 255;
+        const Rgb base = near ? kSkin : kWood;
+        const double add = (near ? 0 : streak) + noise(random);
+        const auto level = [add](std::uint8_t v) { return static_cast<std::uint8_t>(v + add); };
+        picture(x, y) = {level(base.r), level(base.g), level(base.b)};
+      }
+    }
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        for (int v = y - 1; v <= y + 1; ++v) {
+          for (int u = x - 1; u <= x + widened; ++u) {
+            if (is_near(2 * u, 2 * v)) at(x, y) = kHand;
+          }
+        }
+      }
+    }
+  }
+  float& at(int x, int y) { return depth[static_cast<std::size_t>(y * kWidth + x)]; }
+
+  // Picture pixels of the inner box on the wrong side.
+  [[nodiscard]] int wrong(std::span<const float> fine) const {
+    int count = 0;
+    const int stride = 2 * inner.width();
+    for (int y = 0; y < 2 * inner.height(); ++y) {
+      for (int x = 0; x < stride; ++x) {
+        const float z = fine[static_cast<std::size_t>(y * stride + x)];
+        const bool near = z > 0 && z < 0.42f;
+        count += near != (truth(2 * inner.x0 + x, 2 * inner.y0 + y) != 0) ? 1 : 0;
+      }
+    }
+    return count;
+  }
+  [[nodiscard]] int wrong_without() const {
+    std::vector<float> fine;
+    for (int y = 2 * inner.y0; y < 2 * inner.y1; ++y) {
+      for (int x = 2 * inner.x0; x < 2 * inner.x1; ++x) {
+        fine.push_back(depth[static_cast<std::size_t>(y / 2 * kWidth + x / 2)]);
+      }
+    }
+    return wrong(fine);
+  }
+};
+
+std::vector<float> found(const Case& c) {
+  RealOutlines outlines;
+  outlines.find(c.picture, c.box, c.depth, c.guessed, c.inner);
+  return {outlines.depth().begin(), outlines.depth().end()};
+}
+
+TEST_CASE("an outline that was widened comes back to where the colour changes",
+          "[render][outlines]") {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    INFO("seed " << seed);
+    // A slanted edge; the thing lies to the right, or to the left of it.
+    const bool from_right = seed % 2 == 0;
+    const auto near = [&](int x, int y) { return (x + y / 3 > 2 * kWidth * 2 / 3) == from_right; };
+    const Case c(seed, near, 4);
+    const int before = c.wrong_without();
+    const int after = c.wrong(found(c));
+    INFO(before << " pixels were wrong, " << after << " are");
+    CHECK(before >= 250);  // the case is one
+    CHECK(after <= test::tolerance(20, "an edge of 82 picture rows: a pixel in four of them"));
+  }
+}
+
+TEST_CASE("a gap between two fingers opens where its depth was not known", "[render][outlines]") {
+  const auto finger = [](int y) { return std::abs(y - 84) < 18 || std::abs(y - 132) < 18; };
+  Case c(
+      3, [&](int x, int y) { return x > 90 && finger(y); }, 3);
+  // Twelve picture rows between the fingers. Of three half rows nothing is known; those beside them
+  // were given to the fingers.
+  for (int y = 51; y <= 57; ++y) {
+    for (int x = 45; x < kWidth; ++x) {
+      c.at(x, y) = kHand;
+      if (y >= 53 && y <= 55) c.guessed[static_cast<std::size_t>(y * kWidth + x)] = 3;
+    }
+  }
+  const int before = c.wrong_without();
+  const int after = c.wrong(found(c));
+  INFO(before << " pixels were wrong, " << after << " are");
+  CHECK(before >= 1000);
+  CHECK(after <= test::tolerance(150, "half a pixel along outlines of 300 picture pixels"));
+}
+
+TEST_CASE("what shows no jump keeps its depth to the bit, whatever its colours are",
+          "[render][outlines][law]") {
+  Case c(
+      5, [](int, int) { return false; }, 0);
+  auto random = test::random_case(5);
+  for (Rgb& pixel : c.picture) pixel = {static_cast<std::uint8_t>(random() % 256), 10, 200};
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) c.at(x, y) = 0.5f + 0.0002f * static_cast<float>(y);
+  }
+  c.at(60, 50) = 0;  // nothing is known there, and remains so
+  c.guessed[50 * kWidth + 60] = 127;
+  const std::vector<float> fine = found(c);
+  const int stride = 2 * c.inner.width();
+  for (int y = 0; y < 2 * c.inner.height(); ++y) {
+    for (int x = 0; x < stride; ++x) {
+      const int u = c.inner.x0 + x / 2, v = c.inner.y0 + y / 2;
+      if (std::abs(u - 60) <= 1 && std::abs(v - 50) <= 1) continue;  // within its median
+      REQUIRE(fine[static_cast<std::size_t>(y * stride + x)] == c.at(u, v));
+    }
+  }
+}
+
+TEST_CASE("far from every jump the depth is what it was", "[render][outlines][law]") {
+  Case c(
+      7, [](int x, int) { return x > 150; }, 2);
+  for (Rgb& pixel : c.picture) pixel = kWood;  // colours that say nothing
+  const std::vector<float> fine = found(c);
+  const int stride = 2 * c.inner.width();
+  for (int y = 0; y < 2 * c.inner.height(); ++y) {
+    for (int x = 0; x < stride; ++x) {
+      const int u = c.inner.x0 + x / 2, v = c.inner.y0 + y / 2;
+      if (u >= 72 && u <= 80) continue;
+      REQUIRE(fine[static_cast<std::size_t>(y * stride + x)] == c.at(u, v));
+    }
+  }
+}
+
+TEST_CASE("outlines take no memory once the sizes are known, and refuse sizes that do not fit",
+          "[render][outlines][refusal]") {
+  const Case c(
+      9, [](int x, int y) { return x + y > 260; }, 4);
+  RealOutlines outlines;
+  const auto find = [&](const PixelBox& box, const PixelBox& inner) {
+    outlines.find(c.picture, box, c.depth, c.guessed, inner);
+  };
+  find(c.box, c.inner);
+  CHECK(test::allocations_during([&] { find(c.box, c.inner); }) == 0);
+  CHECK(outlines.depth().size() ==
+        static_cast<std::size_t>(4 * c.inner.width() * c.inner.height()));
+  find(c.box, {40, 40, 40, 40});
+  CHECK(outlines.depth().empty());
+  CHECK_THROWS_AS(find({0, 0, kWidth + 1, kHeight}, c.inner), ContractViolation);
+  CHECK_THROWS_AS(find(c.box, {-1, 0, 5, 5}), ContractViolation);
+  CHECK_THROWS_AS(outlines.find(c.picture, c.box, std::span(c.depth).first(50), c.guessed, c.inner),
+                  ContractViolation);
+}
+
+}  // namespace
+}  // namespace palpable
