@@ -4,6 +4,8 @@
 
 #include "palpable/reduced/mode_kernels.h"
 
+#include "palpable/base/simd_targets.h"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -178,16 +180,10 @@ HWY_EXPORT(normalise);
 
 std::vector<ModeKernels> find_kernels() {
   std::vector<ModeKernels> kernels;
-  // Highway lists the best first. Its choice is one for the whole program, so it is put back.
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    if (target == HWY_SCALAR) continue;  // ours is below
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    kernels.push_back({hwy::TargetName(target), &HWY_DYNAMIC_DISPATCH(sum),
-                       &HWY_DYNAMIC_DISPATCH(von_mises), &HWY_DYNAMIC_DISPATCH(normalise)});
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  for_each_simd_target(hwy::SupportedAndGeneratedTargets(), [&](const char* name) {
+    kernels.push_back({name, &HWY_DYNAMIC_DISPATCH(sum), &HWY_DYNAMIC_DISPATCH(von_mises),
+                       &HWY_DYNAMIC_DISPATCH(normalise)});
+  });
   kernels.push_back({"plain", plain_sum, plain_von_mises, plain_normalise});
   return kernels;
 }

@@ -12,6 +12,7 @@
 
 #include "palpable/vision/stereo_kernels.h"
 
+#include "palpable/base/simd_targets.h"
 #include "palpable/vision/disparity_filters.h"
 #include "palpable/vision/disparity_loops.h"
 
@@ -774,20 +775,17 @@ HWY_EXPORT(smooth);
 
 std::vector<StereoKernels> find_kernels() {
   std::vector<StereoKernels> kernels;
-  // Highway lists the best first. Its choice is one for the whole program, so it is put back.
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    if (target == HWY_SCALAR) continue;  // ours is below
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    kernels.push_back({hwy::TargetName(target), &HWY_DYNAMIC_DISPATCH(census),
-                       &HWY_DYNAMIC_DISPATCH(match), &HWY_DYNAMIC_DISPATCH(refine),
-                       &HWY_DYNAMIC_DISPATCH(median), &HWY_DYNAMIC_DISPATCH(smooth)});
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  for_each_simd_target(hwy::SupportedAndGeneratedTargets(), [&](const char* name) {
+    kernels.push_back({name, &HWY_DYNAMIC_DISPATCH(census), &HWY_DYNAMIC_DISPATCH(match),
+                       &HWY_DYNAMIC_DISPATCH(refine), &HWY_DYNAMIC_DISPATCH(median),
+                       &HWY_DYNAMIC_DISPATCH(smooth)});
+  });
   kernels.push_back(scalar_stereo_kernels());
   return kernels;
 }
+
+// Before main(): the first frame, too, allocates nothing, and no two threads choose at once.
+const std::vector<StereoKernels> kKernels = find_kernels();
 
 }  // namespace
 
@@ -796,10 +794,7 @@ std::size_t kernel_workspace_bytes(int width, int disparities) {
                    RefineMemory::bytes(2 * width + 1)});
 }
 
-std::span<const StereoKernels> stereo_kernels() {
-  static const std::vector<StereoKernels> kernels = find_kernels();
-  return kernels;
-}
+std::span<const StereoKernels> stereo_kernels() { return kKernels; }
 
 }  // namespace palpable
 
