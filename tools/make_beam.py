@@ -3,7 +3,8 @@
 
 0.40 x 0.10 x 0.05 m, 58 x 30 x 6 cells of six tetrahedra each: 12,803 nodes, 62,640 tetrahedra, a skin
 of 4,538 nodes. Sets: CLAMP, the nodes of the end x = 0; TOP, the 1,798 nodes of the top face that are
-not clamped; THIRD, every third of them in x and y, 190.
+not clamped; THIRD, every third of them in x and y, 190;
+UNDER_TIP, every second node in x and y of the lower face within 0.10 m of the free end.
 """
 import itertools
 import pathlib
@@ -42,6 +43,9 @@ def main():
     sets = {
         "CLAMP": [number(0, j, k) for k in range(CELLS[2] + 1) for j in range(CELLS[1] + 1)],
         "TOP": [number(i, j, CELLS[2]) for i, j in top],
+        # The lower face within 0.10 m of the free end, every second node in x and y.
+        "UNDER_TIP": [number(i, j, 0) for i, j in top
+                      if SIZE[0] * i / CELLS[0] >= SIZE[0] - 0.10 and i % 2 == 0 and j % 2 == 1],
         # From the second node off each edge on: 19 in x, 10 in y.
         "THIRD": [number(i, j, CELLS[2]) for i, j in top if i % 3 == 2 and j % 3 == 1],
     }

@@ -6,6 +6,7 @@
 #include "palpable/bake/bake_body.h"
 #include "palpable/bake/crew.h"
 #include "palpable/bake/held_out.h"
+#include "palpable/bake/intrusive_bake.h"
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_file.h"
 
@@ -17,6 +18,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpable::app {
@@ -28,6 +30,7 @@ struct Options {
   std::string store;
   std::string shard;
   std::string solver = "own";
+  std::string method;
   std::vector<std::string> at;
   int threads = 0;
   bool held_out = false;
@@ -79,10 +82,48 @@ void check_between_levels(const BodyDescription& description, BakeSettings setti
   baked.report.held_out = baked.body.provenance.back().second;
 }
 
+// No campaign: the PGD solves.
+void bake_without_campaign(const Options& options, const BodyDescription& description,
+                           const std::string& command_line) {
+  for (const auto& [option, given] : {std::pair{"--snapshots", !options.store.empty()},
+                                      {"--shard", !options.shard.empty()},
+                                      {"--held-out", options.held_out},
+                                      {"--at", !options.at.empty()},
+                                      {"--solver", options.solver != "own"}}) {
+    if (given)
+      throw Error(
+          fmt::format("{} is for a campaign, which --method intrusive-pgd does without", option));
+  }
+  ProgressBar bar;
+  const IntrusiveBake made = bake_intrusive(
+      description,
+      {.version = std::string("palpable ") + PALPABLE_VERSION, .command_line = command_line},
+      bar.progress());
+  bar.finish();
+  write_body_file(options.output, made.body);
+  for (const auto& [key, value] : made.body.provenance) {
+    if (key == "loads" || key == "series" || key == "reduction" || key == "displacement" ||
+        key == "stress") {
+      fmt::print("{}: {}\n", key, value);
+    }
+  }
+  std::string times;
+  for (const StageTime& stage : made.report.cpu.stages()) {
+    times += fmt::format("{}{} {:.1f} s", times.empty() ? "" : ", ", stage.name, 1e-3 * stage.ms);
+  }
+  fmt::print("CPU: {}; in all {:.1f} s\n{} written: {:.1f} MB\n", times,
+             1e-3 * made.report.cpu.total_ms(), options.output,
+             1e-6 * static_cast<double>(std::filesystem::file_size(options.output)));
+}
+
 void bake(const Options& options, const std::string& command_line, Crew& crew) {
   require_folder_of(options.output);
   const auto begin = std::chrono::steady_clock::now();
   const BodyDescription description = read_body_description(options.description);
+  if (options.method == "intrusive-pgd") {
+    if (crew.leads()) bake_without_campaign(options, description, command_line);
+    return;
+  }
   BakeSettings settings{.threads = options.threads,
                         .version = std::string("palpable ") + PALPABLE_VERSION,
                         .command_line = command_line,
@@ -149,6 +190,12 @@ void add_bake(CLI::App& app, const std::string& command_line, Crew& crew) {
                    "Folder of the snapshots, where what is valid is not solved again; else beside "
                    "the body file, NAME.snapshots")
       ->type_name("FOLDER");
+  command
+      ->add_option(
+          "--method", options->method,
+          "intrusive-pgd: no campaign; the load of [intrusive] travels over a face and the "
+          "PGD solves for all its positions and sizes (docs/reduction.md)")
+      ->check(CLI::IsMember({"intrusive-pgd"}));
   command->add_option("--threads", options->threads, "Sites solved side by side; 0: one per core")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();

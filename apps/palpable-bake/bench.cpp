@@ -13,6 +13,7 @@ void add_bench(CLI::App& app) {
   bench->require_subcommand(1);
   bench->footer("Example: palpable-bake bench bake --json");
   add_bench_bake(*bench);
+  add_bench_beam(*bench);
   add_bench_campaign(*bench);
   add_bench_solid(*bench);
   add_bench_elements(*bench);

@@ -9,6 +9,7 @@ class App;
 namespace palpable::app {
 
 void add_bench_bake(CLI::App& bench);
+void add_bench_beam(CLI::App& bench);
 void add_bench_campaign(CLI::App& bench);
 void add_bench_elements(CLI::App& bench);
 void add_bench_reduce(CLI::App& bench);

@@ -285,6 +285,7 @@ void add_bench(CLI::App& app) {
   bench->footer(
       "Of the program palpable-bake, asked for in the same way:\n"
       "  bench bake      the parts of a bake\n"
+      "  bench beam      the beam by intrusive PGD\n"
       "  bench campaign  all sites and levels of a body, into an empty folder\n"
       "  bench solid     one equilibrium path against CalculiX\n"
       "  bench elements  how true 4-node and 10-node tetrahedra are\n"

@@ -38,8 +38,8 @@ constexpr std::array kBakeCommands{
 };
 
 // Of `palpable bench`, those that palpable-bake has.
-constexpr std::array<std::string_view, 5> kBakeBenches{"bake", "campaign", "solid", "elements",
-                                                       "reduce"};
+constexpr std::array<std::string_view, 6> kBakeBenches{"bake",  "beam",     "campaign",
+                                                       "solid", "elements", "reduce"};
 
 /// Becomes palpable-bake with the same arguments; returns only when that cannot be.
 int become_bake(char** argv) {

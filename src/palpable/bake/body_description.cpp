@@ -359,6 +359,26 @@ void read_press(TomlSection section, BodyDescription& body) {
   section.refuse_unknown();
 }
 
+void read_intrusive(TomlSection section, BodyDescription& body) {
+  BodyDescription::Intrusive wanted;
+  wanted.place = section.place();
+  for (std::string& name : section.texts("positions")) {
+    wanted.positions.push_back({Where::Named{std::move(name)}, section.place("positions")});
+  }
+  wanted.force = section.quantity("force", Quantity::kForce, {0.0, 1e9, true});
+  if (section.has("reactions")) {
+    for (std::string& name : section.texts("reactions")) {
+      wanted.reactions.push_back({Where::Named{std::move(name)}, section.place("reactions")});
+    }
+  }
+  wanted.levels = section.integer("levels", 3, 20, wanted.levels);
+  wanted.modes = section.integer("modes", 1, 500, wanted.modes);
+  wanted.stress_modes = section.integer("stress_modes", 1, 1000, wanted.stress_modes);
+  wanted.clearance = section.number("clearance", {0.0, 100.0}, wanted.clearance);
+  section.refuse_unknown();
+  body.intrusive = std::move(wanted);
+}
+
 }  // namespace
 
 bool BodyDescription::Shape::is_volume() const { return is_volume_file(file); }
@@ -389,6 +409,7 @@ BodyDescription parse_body_description(std::string_view text, const std::filesys
       reduction.choice("norm", {"own", "pooled"}, by_site ? "own" : "pooled") == "own";
   body.reduction.max_modes = reduction.integer("max_modes", 1, 100000, body.reduction.max_modes);
   reduction.refuse_unknown();
+  if (root.has("intrusive")) read_intrusive(root.section("intrusive"), body);
   root.refuse_unknown();
   return body;
 }

@@ -149,6 +149,22 @@ struct BodyDescription {
   ReductionSettings reduction = {.tolerance = default_tolerance(ReductionMethod::kPerSite),
                                  .weight_snapshots = true};
 
+  /// A load that travels, for `bake --method intrusive-pgd`: no campaign, other sites and loads.
+  struct Intrusive {
+    std::vector<Where> positions;  ///< sets of nodes; each on the skin is a position
+    double force = 0;              ///< N, at each position
+    /// Sets of nodes that something may push back at, the other way, while the load acts; none:
+    /// the body file answers one load at a time.
+    std::vector<Where> reactions = {};
+    int levels = 6;  ///< load sizes 1 / levels .. 1 at which fields are tabulated
+    int modes = 32;  ///< of displacement
+    int stress_modes = 150;
+    /// Positions nearer to what is held than so many patch radii are left out.
+    double clearance = 2.0;
+    std::string place = {};  ///< how messages about it begin
+  };
+  std::optional<Intrusive> intrusive = {};
+
   std::filesystem::path source;  ///< the TOML file
 };
 

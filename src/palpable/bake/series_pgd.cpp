@@ -33,34 +33,47 @@ std::vector<MatrixXd> weights_of(const SeriesTable& table, const SeriesPgdGoal& 
 
 double trace_of_product(const MatrixXd& A, const MatrixXd& B) { return A.cwiseProduct(B).sum(); }
 
-// One turn of the alternation: the s-step for F, and the x-step that follows from it.
-struct Turn {
-  std::vector<VectorXd> g;  // (S) of (n_s): g_p(s)
-  VectorXd F;               // (3N) not yet normal to the modes before
-};
+// (S) of (k x n_s): F_i . M u_p(s) of k fields, by the adjoint for p = 1; of the positions in
+// `wanted`, empty elsewhere.
+std::vector<MatrixXd> position_step(const LoadSeries& body, const SeriesTable& table,
+                                    const std::vector<char>& wanted, const MatrixXd& F) {
+  const MatrixXd MF = body.mass().asDiagonal() * F;
+  const Eigen::MatrixXf MF_single = MF.cast<float>();
+  const MatrixXd first_orders = table.load.transpose() * body.linear_response(MF);  // (S x k)
+  std::vector<MatrixXd> g(table.higher.size());
+  for (std::size_t s = 0; s < g.size(); ++s) {
+    if (wanted[s] == 0) continue;
+    const Eigen::MatrixXf& higher = table.higher[s];
+    g[s].resize(F.cols(), higher.cols() + 1);
+    g[s].col(0) = first_orders.row(static_cast<Index>(s)).transpose();
+    // Single precision, 38,000 terms: 1e-6 of a value, far below any mode that is asked for.
+    g[s].rightCols(higher.cols()) = (MF_single.transpose() * higher).cast<double>();
+  }
+  return g;
+}
 
-Turn alternate(const LoadSeries& body, const SeriesTable& table,
-               const std::vector<MatrixXd>& weights, const VectorXd& F) {
-  const VectorXd MF = body.mass().cwiseProduct(F);
-  const Eigen::VectorXf MF_single = MF.cast<float>();
-  const VectorXd first_orders = table.load.transpose() * body.linear_response(MF);
-  Turn turn{std::vector<VectorXd>(weights.size()), VectorXd::Zero(F.size())};
-  VectorXd of_load = VectorXd::Zero(table.positions());
+// (3N x k) sum_s omega_s sum_{p,q} g_p(s) W_pq(s) u_q(s), by a solve for q = 1. Nothing is taken
+// off for the modes before.
+MatrixXd space_step(const LoadSeries& body, const SeriesTable& table,
+                    const std::vector<MatrixXd>& weights, const std::vector<MatrixXd>& g) {
+  const Index k = std::find_if(g.begin(), g.end(), [](const MatrixXd& here) {
+                    return here.size() > 0;
+                  })->rows();
+  MatrixXd F = MatrixXd::Zero(table.load.rows(), k);
+  MatrixXd of_load = MatrixXd::Zero(table.positions(), k);
   for (std::size_t s = 0; s < weights.size(); ++s) {
     if (weights[s].size() == 0) continue;
-    const Eigen::MatrixXf& higher = table.higher[s];
-    VectorXd& g = turn.g[s];
-    g.resize(higher.cols() + 1);
-    g[0] = first_orders[static_cast<Index>(s)];
-    // Single precision in products with 38,000 terms: 1e-6 of a value, far below any mode asked
-    // for.
-    g.tail(higher.cols()) = (higher.transpose() * MF_single).cast<double>();
-    const VectorXd v = weights[s] * g;
-    of_load[static_cast<Index>(s)] = v[0];
-    turn.F += (higher * v.tail(higher.cols()).cast<float>()).cast<double>();
+    const MatrixXd v = weights[s] * g[s].transpose();  // (n_s x k)
+    of_load.row(static_cast<Index>(s)) = v.row(0);
+    F += (table.higher[s] * v.bottomRows(v.rows() - 1).cast<float>()).cast<double>();
   }
-  turn.F += body.linear_response(VectorXd(table.load * of_load));
-  return turn;
+  return F + body.linear_response(MatrixXd(table.load * of_load));
+}
+
+std::vector<char> used_in(const std::vector<MatrixXd>& weights) {
+  std::vector<char> used;
+  for (const MatrixXd& weight : weights) used.push_back(weight.size() > 0 ? 1 : 0);
+  return used;
 }
 
 // In place: normal to the columns of Q (twice, for rounding) and of unit length, in M.
@@ -90,6 +103,7 @@ SeriesPgd series_pgd(const LoadSeries& body, const SeriesTable& table, const Ser
   PALPABLE_EXPECT(goal.used.empty() || goal.used.size() == table.gram.size(), "a flag each");
   const VectorXd& M = body.mass();
   const std::vector<MatrixXd> weights = weights_of(table, goal);
+  const std::vector<char> used = used_in(weights);
   const std::size_t S = weights.size();
   SeriesPgd pgd{MatrixXd(table.load.rows(), goal.modes), std::vector<MatrixXd>(S),
                 VectorXd(goal.modes)};
@@ -111,25 +125,25 @@ SeriesPgd series_pgd(const LoadSeries& body, const SeriesTable& table, const Ser
     }
     VectorXd F = left_over(body, table, pgd.F.leftCols(m), pgd.G[worst].topRows(m), worst);
     make_normal(M, pgd.F.leftCols(m), F);
-    std::vector<VectorXd> g;
+    std::vector<MatrixXd> g;
     constexpr int kMostTurns = 6;
     for (int turns = 1; turns <= kMostTurns; ++turns) {
-      Turn turn = alternate(body, table, weights, F);
+      g = position_step(body, table, used, F);
+      VectorXd next = space_step(body, table, weights, g);
       ++pgd.alternations;
-      g = std::move(turn.g);
-      make_normal(M, pgd.F.leftCols(m), turn.F);
+      make_normal(M, pgd.F.leftCols(m), next);
       // Sine of the angle by which the mode would still turn; what is left of it is not lost, the
       // next mode begins with it.
-      const double along = std::min(1.0, std::abs(turn.F.dot(M.cwiseProduct(F))));
+      const double along = std::min(1.0, std::abs(next.dot(M.cwiseProduct(F))));
       if (turns == kMostTurns || std::sqrt(1.0 - along * along) < 0.1) break;
-      F = std::move(turn.F);
+      F = std::move(next);
     }
     pgd.F.col(m) = F;
     double sum = 0.0;
     for (std::size_t s = 0; s < S; ++s) {
       if (weights[s].size() == 0) continue;
-      pgd.G[s].row(m) = g[s].transpose();
-      left[s] -= g[s] * g[s].transpose();
+      pgd.G[s].row(m) = g[s];
+      left[s] -= g[s].transpose() * g[s];
       sum += trace_of_product(weights[s], left[s]);
     }
     pgd.errors[m] = std::sqrt(std::max(0.0, sum / whole));
@@ -168,6 +182,39 @@ SeriesPgd recompressed(const SeriesPgd& pgd, const SeriesTable& table, const Ser
     best.errors[k] = std::sqrt(std::max(0.0, 1.0 - found / whole));
   }
   return best;
+}
+
+SeriesPgd svd_of_series(const LoadSeries& body, const SeriesTable& table, const SeriesPgdGoal& goal,
+                        const Progress& progress) {
+  const std::vector<MatrixXd> weights = weights_of(table, goal);
+  const std::vector<char> used = used_in(weights);
+  // A third more vectors than asked for, and six turns: an error of the modes' values below
+  // (s_{4m/3} / s_m)^12.
+  constexpr int kTurns = 6;
+  const Index k = goal.modes + goal.modes / 3 + 4;
+  const VectorXd root = body.mass().cwiseSqrt();
+  SeriesPgd svd;
+  {
+    // Any loads: those of every S/k-th position.
+    MatrixXd f(table.load.rows(), k);
+    for (Index i = 0; i < k; ++i) f.col(i) = table.load.col(i * table.positions() / k);
+    svd.F = body.linear_response(f);
+  }
+  for (int turn = 1; turn <= kTurns; ++turn) {
+    svd.F = root.cwiseInverse().asDiagonal() * orthonormal_basis(root.asDiagonal() * svd.F);
+    svd.G = position_step(body, table, used, svd.F);
+    if (turn < kTurns) svd.F = space_step(body, table, weights, svd.G);
+    report(progress, {"singular value decomposition", static_cast<double>(turn), kTurns, ""});
+  }
+  for (std::size_t s = 0; s < svd.G.size(); ++s) {
+    if (used[s] == 0) svd.G[s] = MatrixXd::Zero(k, table.gram[s].rows());
+  }
+  return recompressed(svd, table, goal, goal.modes);
+}
+
+std::vector<MatrixXd> coordinates_of(const LoadSeries& body, const SeriesTable& table,
+                                     const MatrixXd& F) {
+  return position_step(body, table, std::vector<char>(table.gram.size(), 1), F);
 }
 
 SeriesErrors series_errors(const SeriesPgd& pgd, const SeriesTable& table, int modes) {

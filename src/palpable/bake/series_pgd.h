@@ -55,6 +55,17 @@ struct SeriesPgd {
 [[nodiscard]] SeriesPgd recompressed(const SeriesPgd& pgd, const SeriesTable& table,
                                      const SeriesPgdGoal& goal, int modes);
 
+/// The SVD of all fields of the table in the goal's weight, by subspace iteration: goal.modes
+/// modes, found with nothing of the greedy ones. For comparison: it takes longer than they do.
+[[nodiscard]] SeriesPgd svd_of_series(const LoadSeries& body, const SeriesTable& table,
+                                      const SeriesPgdGoal& goal, const Progress& progress = {});
+
+/// (S) of (m x n_s): F_i . M u_p(s), the best coordinates of all positions in modes that need not
+/// know them. @param F  (3N x m) orthonormal in L2
+[[nodiscard]] std::vector<Eigen::MatrixXd> coordinates_of(const LoadSeries& body,
+                                                          const SeriesTable& table,
+                                                          const Eigen::MatrixXd& F);
+
 /// How far the first `modes` modes are from the fields of the table.
 struct SeriesErrors {
   double global = 0;  ///< relative, over all positions and load sizes together, by area

@@ -49,22 +49,35 @@ std::vector<Index> by_distance(const LoadSeries& body, const Eigen::SparseMatrix
   return order;
 }
 
+// (n x J) what the orders count at each level.
+MatrixXd coefficients(const MatrixXd& gram, const VectorXd& levels) {
+  constexpr Index kPadeFrom = 6;
+  const Index n = gram.rows();
+  MatrixXd c(n, levels.size());
+  for (Index j = 0; j < levels.size(); ++j) {
+    for (Index p = 1; p <= n; ++p) c(p - 1, j) = std::pow(levels[j], static_cast<double>(p));
+    if (n >= kPadeFrom) c.col(j) = pade_coefficients(gram, levels[j]);
+  }
+  return c;
+}
+
 }  // namespace
 
 SeriesTable solve_series(const LoadSeries& body, const Eigen::SparseMatrix<double>& load,
-                         const VectorXd& area, const VectorXd& levels, const Progress& progress) {
+                         const VectorXd& area, const VectorXd& levels, const VectorXd& shown,
+                         const SeriesVisit& visit, const Progress& progress) {
   PALPABLE_EXPECT(area.size() == load.cols() && area.minCoeff() > 0.0, "an area > 0 each");
   PALPABLE_EXPECT(levels.size() > 0 && levels[levels.size() - 1] == 1.0, "levels end at 1");
-  // 3e-7 of |u_1| leaves forces within 1e-6 of the load where the Pade form is used from 6 orders
+  // 1.5e-7 of |u_1| leaves forces within 1e-6 of the load where the Pade form is used from 6 orders
   // on; below, one order more or less is a factor of 20.
-  const SeriesSettings settings{.most_orders = 20, .tolerance = 3e-7};
-  constexpr Index kPadeFrom = 6;
+  const SeriesSettings settings{.most_orders = 20, .tolerance = 1.5e-7};
   const auto S = static_cast<std::size_t>(load.cols());
   SeriesTable table{.load = load,
                     .area = area,
                     .higher = std::vector<Eigen::MatrixXf>(S),
                     .gram = std::vector<MatrixXd>(S),
                     .at_level = std::vector<MatrixXd>(S),
+                    .work = std::vector<VectorXd>(S),
                     .levels = levels};
   const std::vector<Index> order = by_distance(body, load);
   constexpr std::size_t kBatch = 16;
@@ -79,13 +92,12 @@ SeriesTable solve_series(const LoadSeries& body, const Eigen::SparseMatrix<doubl
       const LoadOrders& series = solved[k];
       if (!series.converged) {
         const Eigen::Vector3d X = middle(load, s, body.model().mesh.nodes);
+        const VectorXd f_s = f.col(static_cast<Index>(k));
         throw Error(fmt::format(
             "the load of {:.4g} N at ({:.4g}, {:.4g}, {:.4g}) m is beyond the range of the power "
             "series, which bears about {:.2g} times that there and should bear 2; ask for less",
-            f.col(static_cast<Index>(k)).norm() == 0.0
-                ? 0.0
-                : f.col(static_cast<Index>(k)).reshaped(3, load.rows() / 3).rowwise().sum().norm(),
-            X[0], X[1], X[2], series.radius));
+            f_s.reshaped(3, f_s.size() / 3).rowwise().sum().norm(), X[0], X[1], X[2],
+            series.radius));
       }
       const auto at = static_cast<std::size_t>(s);
       const Index n = series.u.cols();
@@ -93,20 +105,16 @@ SeriesTable solve_series(const LoadSeries& body, const Eigen::SparseMatrix<doubl
       gram = series.u.transpose() * body.mass().asDiagonal() * series.u;
       table.higher[at] = series.u.rightCols(n - 1).cast<float>();
       MatrixXd& c = table.at_level[at];
-      c.resize(n, levels.size());
-      for (Index j = 0; j < levels.size(); ++j) {
-        for (Index p = 1; p <= n; ++p) c(p - 1, j) = std::pow(levels[j], static_cast<double>(p));
-        const VectorXd pade = pade_coefficients(gram, levels[j]);
-        if (levels[j] == 1.0) {
-          const VectorXd gap = pade - c.col(j);
-          table.worst_pade_gap = std::max(
-              table.worst_pade_gap,
-              std::sqrt(std::max(0.0, gap.dot(gram * gap)) / c.col(j).dot(gram * c.col(j))));
-        }
-        if (n >= kPadeFrom) c.col(j) = pade;
-      }
+      c = coefficients(gram, levels);
+      const VectorXd sum = VectorXd::Ones(n);  // the series at the full load
+      const VectorXd gap = pade_coefficients(gram, 1.0) - sum;
+      table.worst_pade_gap =
+          std::max(table.worst_pade_gap,
+                   std::sqrt(std::max(0.0, gap.dot(gram * gap)) / sum.dot(gram * sum)));
       const VectorXd u = series.u * c.rightCols(1);
       const VectorXd f_s = f.col(static_cast<Index>(k));
+      table.work[at] = series.u.transpose() * f_s;
+      if (visit) visit(s, series.u * coefficients(gram, shown));
       const VectorXd residual = (body.internal_force(u) - f_s).cwiseProduct(body.free_mask());
       table.worst_residual = std::max(table.worst_residual, residual.norm() / f_s.norm());
       table.orders += static_cast<int>(n);

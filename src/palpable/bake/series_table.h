@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include <functional>
 #include <vector>
 
 namespace palpable {
@@ -25,6 +26,7 @@ struct SeriesTable {
   /// (S) of (n_s): coefficients of the orders at the full load's fractions, column by column:
   /// those of the Pade form where that is the more accurate one (6 orders and more), else a^p.
   std::vector<Eigen::MatrixXd> at_level;  ///< (S) of (n_s x J)
+  std::vector<Eigen::VectorXd> work;      ///< (S) of (n_s): f(s) . u_p, J
   Eigen::VectorXd levels;                 ///< (J) fractions of the full load, increasing, up to 1
   double worst_pade_gap = 0;              ///< largest |Pade - series| / |series| at the full load
   double worst_residual = 0;        ///< largest |internal_force(u) - f| / |f| at it, free nodes
@@ -33,15 +35,22 @@ struct SeriesTable {
   [[nodiscard]] Eigen::Index positions() const { return load.cols(); }
 };
 
+/// Shown the fields of a position, (3N x K) m at some fractions of the full load, while its orders
+/// are at hand.
+using SeriesVisit = std::function<void(Eigen::Index s, const Eigen::MatrixXd& fields)>;
+
 /// Solves the series of all positions, in the order of their distance from what is held, since
 /// those farther away need more orders.
 /// @param load    (3N x S) N; no column is zero
 /// @param area    (S) > 0
 /// @param levels  fractions of the full load at which fields are asked for, increasing, up to 1
+/// @param shown   (K) the fractions at which `visit` sees the fields
 /// @throws Error where the series does not converge: which position, and what it bears
 [[nodiscard]] SeriesTable solve_series(const LoadSeries& body,
                                        const Eigen::SparseMatrix<double>& load,
                                        const Eigen::VectorXd& area, const Eigen::VectorXd& levels,
+                                       const Eigen::VectorXd& shown = {},
+                                       const SeriesVisit& visit = {},
                                        const Progress& progress = {});
 
 }  // namespace palpable

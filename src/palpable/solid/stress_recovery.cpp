@@ -256,4 +256,19 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> StressRecovery::apply(
   return nodal;
 }
 
+Eigen::MatrixXd StressRecovery::apply_at(const std::vector<int>& nodes,
+                                         const Eigen::MatrixXd& at_points) const {
+  PALPABLE_EXPECT(at_points.cols() == points_, "values at the integration points of the mesh");
+  Eigen::MatrixXd nodal =
+      Eigen::MatrixXd::Zero(at_points.rows(), static_cast<Eigen::Index>(nodes.size()));
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const auto node = static_cast<std::size_t>(nodes[n]);
+    for (int k = start_[node]; k < start_[node + 1]; ++k) {
+      const Term& term = terms_[static_cast<std::size_t>(k)];
+      nodal.col(static_cast<Eigen::Index>(n)) += term.weight * at_points.col(term.point);
+    }
+  }
+  return nodal;
+}
+
 }  // namespace palpable

@@ -38,6 +38,10 @@ class StressRecovery {
   [[nodiscard]] Eigen::Matrix<double, 6, Eigen::Dynamic> apply(
       const Eigen::Matrix<double, 6, Eigen::Dynamic>& at_points) const;
 
+  /// (R x n) the same at some nodes, for any R values a point.
+  [[nodiscard]] Eigen::MatrixXd apply_at(const std::vector<int>& nodes,
+                                         const Eigen::MatrixXd& at_points) const;
+
   /// Nodes of 4-node elements that had to take the mean.
   [[nodiscard]] int averaged_nodes() const { return averaged_nodes_; }
 

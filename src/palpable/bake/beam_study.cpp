@@ -1,0 +1,204 @@
+#include "palpable/bake/beam_study.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/base/cpu_time.h"
+#include "palpable/base/error.h"
+#include "palpable/reduced/spline.h"
+#include "palpable/solid/equilibrium.h"
+#include "palpable/solid/stress.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <random>
+#include <utility>
+
+namespace palpable {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+// Positions of equal Y, by X.
+std::vector<std::vector<Index>> rows_of(const TravellingLoad& travelling) {
+  const Eigen::Matrix3Xd& X = travelling.problem.mesh.boundary.surface.vertices;
+  std::map<long long, std::vector<Index>> rows;
+  for (std::size_t s = 0; s < travelling.problem.sites.size(); ++s) {
+    // To a thousandth of the patch.
+    const double y = X(1, travelling.problem.sites[s].vertex);
+    rows[std::llround(1e3 * y / travelling.patch_radius)].push_back(static_cast<Index>(s));
+  }
+  std::vector<std::vector<Index>> sorted;
+  for (auto& [y, row] : rows) {
+    std::sort(row.begin(), row.end(), [&](Index a, Index b) {
+      const auto x = [&](Index s) {
+        return X(0, travelling.problem.sites[static_cast<std::size_t>(s)].vertex);
+      };
+      return x(a) < x(b);
+    });
+    sorted.push_back(std::move(row));
+  }
+  return sorted;
+}
+
+}  // namespace
+
+HeldOutPositions held_out_positions(const LoadSeries& body, const TravellingLoad& travelling,
+                                    const SeriesTable& table, int modes, const Progress& progress) {
+  const std::vector<std::vector<Index>> rows = rows_of(travelling);
+  SeriesPgdGoal goal{.modes = modes};
+  goal.used.assign(table.gram.size(), 1);
+  for (const std::vector<Index>& row : rows) {
+    for (std::size_t k = 1; k + 1 < row.size(); k += 2) {
+      goal.used[static_cast<std::size_t>(row[k])] = 0;
+    }
+  }
+  HeldOutPositions result;
+  result.trained_on = static_cast<int>(std::count(goal.used.begin(), goal.used.end(), 1));
+  result.held_out = static_cast<int>(goal.used.size()) - result.trained_on;
+  const SeriesPgd pgd = series_pgd(body, table, goal, progress);
+  result.modes = static_cast<int>(pgd.F.cols());
+  const std::vector<MatrixXd> true_G = coordinates_of(body, table, pgd.F);
+
+  const Eigen::Matrix3Xd& X = travelling.problem.mesh.boundary.surface.vertices;
+  const Index J = table.levels.size(), m = pgd.F.cols();
+  double sum = 0.0, whole = 0.0;
+  for (const std::vector<Index>& row : rows) {
+    std::vector<Index> known;
+    for (const Index s : row) {
+      if (goal.used[static_cast<std::size_t>(s)] != 0) known.push_back(s);
+    }
+    const auto x = [&](Index s) {
+      return X(0, travelling.problem.sites[static_cast<std::size_t>(s)].vertex);
+    };
+    VectorXd at(static_cast<Index>(known.size()));
+    MatrixXd values(at.size(), m * J);
+    for (Index k = 0; k < at.size(); ++k) {
+      const auto s = static_cast<std::size_t>(known[static_cast<std::size_t>(k)]);
+      at[k] = x(known[static_cast<std::size_t>(k)]);
+      values.row(k) = (pgd.G[s] * table.at_level[s]).reshaped().transpose();
+    }
+    const MatrixXd slopes = spline_slopes(at, values);
+    for (const Index position : row) {
+      const auto s = static_cast<std::size_t>(position);
+      if (goal.used[s] != 0) continue;
+      const CubicWeights w = cubic_weights(at, x(position));
+      const MatrixXd guess = (w.value[0] * values.row(w.left) + w.value[1] * slopes.row(w.left) +
+                              w.value[2] * values.row(w.right) + w.value[3] * slopes.row(w.right))
+                                 .reshaped(m, J);
+      const MatrixXd best = true_G[s] * table.at_level[s];
+      for (Index j = 0; j < J; ++j) {
+        const VectorXd c = table.at_level[s].col(j);
+        const double norm = c.dot(table.gram[s] * c);
+        const double square = std::max(0.0, norm - best.col(j).squaredNorm()) +
+                              (best.col(j) - guess.col(j)).squaredNorm();
+        sum += table.area[position] * square;
+        whole += table.area[position] * norm;
+        result.worst = std::max(result.worst, std::sqrt(square / norm));
+      }
+    }
+  }
+  result.global = whole > 0.0 ? std::sqrt(sum / whole) : 0.0;
+  return result;
+}
+
+double linear_model_error(const SeriesTable& table) {
+  double worst = 0.0;
+  for (std::size_t s = 0; s < table.gram.size(); ++s) {
+    for (Index j = 0; j < table.levels.size(); ++j) {
+      const VectorXd c = table.at_level[s].col(j);
+      VectorXd gone = c;
+      gone[0] -= table.levels[j];
+      worst = std::max(worst, std::sqrt(gone.dot(table.gram[s] * gone) / c.dot(table.gram[s] * c)));
+    }
+  }
+  return worst;
+}
+
+std::vector<TwoLoadCheck> two_load_checks(const IntrusiveBake& made, int count, unsigned seed,
+                                          const Progress& progress) {
+  PALPABLE_EXPECT(made.energy_modes.cols() > 0, "a body that was baked for several loads");
+  std::mt19937_64 random(seed);
+  const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  const EquilibriumSolver newton(made.series.model());
+  const VectorXd& M = made.series.mass();
+  const auto norm = [&](const VectorXd& u) { return std::sqrt(u.dot(M.cwiseProduct(u))); };
+  QuarticEquilibrium reduced(made.energy);
+  std::vector<TwoLoadCheck> checks;
+  for (int k = 0; k < count; ++k) {
+    const auto any_of = [&](const Eigen::SparseMatrix<double>& loads) -> VectorXd {
+      return loads.col(static_cast<Index>(uniform() * static_cast<double>(loads.cols())));
+    };
+    const VectorXd press = any_of(made.travelling.load), back = any_of(made.travelling.reaction);
+    const double size = 0.05 + 0.95 * uniform();
+    const VectorXd f = size * (press + uniform() * back);
+    const PathResult path =
+        newton.solve_path(f.reshaped(3, f.size() / 3), std::array<double, 1>{1.0});
+    if (!path.complete) throw Error("a reference was not found: " + path.why_stopped);
+    const VectorXd truth = path.steps[0].displacement.reshaped();
+    TwoLoadCheck check;
+    VectorXd q = VectorXd::Zero(made.energy_modes.cols());
+    const VectorXd reduced_load = made.energy_modes.transpose() * f;
+    {
+      const double begin = thread_cpu_seconds();
+      check.steps = reduced.solve(reduced_load, q).steps;
+      check.ms = 1e3 * (thread_cpu_seconds() - begin);
+    }
+    check.deflection = path.steps[0].displacement.colwise().norm().maxCoeff();
+    check.error = norm(made.energy_modes * q - truth) / norm(truth);
+    checks.push_back(check);
+    report(progress, {"two loads, solved afresh", k + 1.0, static_cast<double>(count), ""});
+  }
+  return checks;
+}
+
+std::vector<NewtonCheck> newton_checks(const IntrusiveBake& made, int count, unsigned seed,
+                                       const Progress& progress) {
+  std::mt19937_64 random(seed);
+  const SolidModel& model = made.series.model();
+  const EquilibriumSolver newton(model);
+  const StressRecovery recovery(model.mesh);
+  const Boundary& boundary = made.travelling.problem.mesh.boundary;
+  const VectorXd areas = vertex_areas(boundary.surface);
+  const auto V = static_cast<Index>(areas.size());
+  std::vector<float> u(static_cast<std::size_t>(3 * V)), sigma(static_cast<std::size_t>(6 * V));
+  std::vector<NewtonCheck> checks;
+  for (int k = 0; k < count; ++k) {
+    // 53 random bits, the same on every system.
+    const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+    NewtonCheck check;
+    check.site = static_cast<int>(uniform() * static_cast<double>(made.body.sites.size()));
+    check.level = 0.05 + 0.95 * uniform();
+    const VectorXd f = made.travelling.load.col(check.site);
+    const PathResult path =
+        newton.solve_path(f.reshaped(3, f.size() / 3), std::array<double, 1>{check.level});
+    if (!path.complete) throw Error("a reference was not found: " + path.why_stopped);
+    const Eigen::Matrix3Xd truth = path.steps[0].displacement(Eigen::all, boundary.node_of_vertex);
+    const StressField stress = nodal_cauchy_stress(model, path.steps[0].displacement, recovery)(
+        Eigen::all, boundary.node_of_vertex);
+    const std::array<double, 2> mu{static_cast<double>(check.site), check.level};
+    made.body.displacement.evaluate(mu, u);
+    made.body.stress.evaluate(mu, sigma);
+    const MatrixXd gone = Eigen::Map<const Eigen::Matrix3Xf>(u.data(), 3, V).cast<double>() - truth;
+    const MatrixXd gone_stress =
+        Eigen::Map<const Eigen::Matrix<float, 6, Eigen::Dynamic>>(sigma.data(), 6, V)
+            .cast<double>() -
+        stress;
+    const auto norm = [&](const MatrixXd& field) {
+      VectorXd rows = field.cwiseAbs2() * areas;
+      if (rows.size() == 6) rows.tail<3>() *= 2.0;  // shear stands twice in the tensor
+      return std::sqrt(rows.sum());
+    };
+    check.deflection = truth.colwise().norm().maxCoeff();
+    check.displacement = norm(gone) / norm(truth);
+    check.stress = norm(gone_stress) / norm(stress);
+    checks.push_back(check);
+    report(progress, {"fresh Newton solves", k + 1.0, static_cast<double>(count), ""});
+  }
+  return checks;
+}
+
+}  // namespace palpable
