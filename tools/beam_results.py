@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+"""beam_results.py BENCH.json [--note TEXT]: docs/results/beam.json from what `palpable bench beam --json` printed.
+
+tools/write_results.py makes a section of docs/results.md of it. The bench's own figures stay in the file.
+"""
+import argparse
+import json
+from pathlib import Path
+
+OUTPUT = Path(__file__).resolve().parent.parent / "docs/results/beam.json"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("bench", type=Path)
+    parser.add_argument("--note")
+    options = parser.parse_args()
+    f = json.loads(options.bench.read_text())
+    modes, newton, stress, series = f["modes_at_1e-3"], f["newton"], f["stress"], f["series"]
+    rows = [
+        ["modes at 1e-3, plain L2: raw / recompressed / SVD",
+         f"{modes['raw']} / {modes['recompressed']} / {modes['svd']}", "1.3 / 1.05 times the SVD's, or one more"],
+        [f"worst position and load in its own norm, {f['modes_used']} modes", f["worst_of_own_norm"], "0.01, 32 modes"],
+        [f"half of the positions left out, {f['heldout_modes']} modes: over all", f["heldout_position_global"], "1e-3"],
+        ["... the worst of them in its own norm", f["heldout_position_worst"], "5e-3"],
+        ["the linear model, worst", f["linear_model_worst"], "fails"],
+        [f"{newton['solves']} fresh Newton solves, seed {newton['seed']}: worst", newton["displacement_worst"], "0.01"],
+        ["forces of the series at full load against it, worst position", series["force_residual"], "1e-6"],
+    ]
+    if "two_load_error" in f:
+        rows.append([f"two loads at once, {f['two_load_modes']} modes, {newton['solves']} fresh solves: worst",
+                     f["two_load_error"], "0.03"])
+    rows += [["offline, CPU s of one core", f["offline_cpu_s"], "300"],
+             ["online, displacement of the skin, us", f["online_us"], "100"]]
+    linear = [[name, figures["modes_at_1e-2"], figures["modes_at_1e-3"], figures["l2_with_16"], figures["energy_with_16"],
+               figures["solves"]] for name, figures in f["linear"].items()]
+    section = {
+        "title": "The beam by intrusive PGD", "order": 70,
+        "text": f"{f['positions']} positions of a load on {f['nodes']} nodes ([beam.md](beam.md)). Newton's solves bent the beam "
+                f"by up to {1e3 * newton['largest_deflection_m']:.0f} mm. Stress, {stress['modes']} modes: {stress['pooled']:.2g} "
+                f"pooled, {stress['worst_of_own_norm']:.2g} at the worst position and load; against Newton {newton['stress_median']:.2g} "
+                f"at the median, {newton['stress_worst']:.2g} at the worst.",
+        "command": ["palpable bench beam --json > bench.json", "tools/beam_results.py bench.json", "tools/write_results.py"],
+        "date": f["date"], "machine": f["processor"],
+        "tables": [{"columns": ["figure", "measured", "bar"], "rows": rows},
+                   {"heading": "The linear beam", "columns": ["step in the position", "modes at 1e-2", "at 1e-3", "L2 error with 16",
+                                                             "energy error with 16", "solves"], "rows": linear}],
+        "figures": f}
+    if options.note:
+        section["note"] = options.note
+    OUTPUT.write_text(json.dumps(section, indent=1, ensure_ascii=False) + "\n")
+
+
+if __name__ == "__main__":
+    main()
