@@ -30,6 +30,7 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string description = "bodies/beam.toml";
   std::string output = "build/bench-beam.palpable";
+  std::string against;
   unsigned seed = 1;
   int checks = 20;
   bool json = false;
@@ -165,6 +166,23 @@ void bench_beam(const Options& options) {
                       {"products", made.report.stress_columns},
                       {"pooled", made.report.stress_pooled},
                       {"worst_of_own_norm", made.report.stress_worst}};
+  if (!options.against.empty()) {
+    const ReducedBody other = value_or_throw(read_pressable_body(options.against));
+    const BodyDifference d = body_difference(made.body, other);
+    result["against"] = {{"body", options.against},
+                         {"shared_sites", d.shared},
+                         {"displacement_pooled", d.displacement_pooled},
+                         {"displacement_median", d.displacement_median},
+                         {"displacement_worst", d.displacement_worst},
+                         {"stress_pooled", d.stress_pooled},
+                         {"stress_median", d.stress_median},
+                         {"stress_worst", d.stress_worst},
+                         {"own_errors_of_it",
+                          {{"displacement_pooled", other.error.displacement_pooled},
+                           {"displacement_worst", other.error.displacement_worst},
+                           {"stress_pooled", other.error.stress_pooled},
+                           {"stress_worst", other.error.stress_worst}}}};
+  }
   const int sites = static_cast<int>(made.body.sites.size());
   result["online_us"] = evaluation_us(made.body.displacement, sites);
   result["online_stress_us"] = evaluation_us(made.body.stress, sites);
@@ -197,6 +215,11 @@ void add_bench_beam(CLI::App& bench) {
   command->add_option("--checks", options->checks, "How many are solved afresh")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  command
+      ->add_option("--against", options->against,
+                   "A body of the same mesh made by a campaign: how far the two are apart at the "
+                   "sites that both have")
+      ->type_name("BODY");
   command->add_flag("--json", options->json, "One JSON object on stdout");
   command->footer("Takes 10 minutes of CPU and 3 GB.\nExample: palpable-bake bench beam --json");
   command->callback([options] { bench_beam(*options); });

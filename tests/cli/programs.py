@@ -594,6 +594,26 @@ def _(programs, folder):
     programs.refuses("view", body, "--set", "ears", "--out", folder / "x", says=["--set ears"])
 
 
+@case("a load that travels is baked without a campaign")
+def _(programs, folder):
+    text = BAR.replace('young = "60 kPa"', 'law = "saint-venant-kirchhoff"\nyoung = "60 kPa"')
+    travels = text + '[intrusive]\npositions = "TIP"\nforce = "0.05 N"\n'
+    bar = write_bar(folder, travels)
+    bake = ("bake", bar, "--method", "intrusive-pgd", "-o", folder / "bar.palpable")
+    output = programs.succeeds(*bake).stdout
+    assert "power series" in output and "intrusive PGD" in output, output
+    assert not (folder / "bar.snapshots").exists()
+    shown = programs.succeeds("inspect", folder / "bar.palpable").stdout
+    assert re.search(r"^sites +1$", shown, re.M) and "travelling" in shown, shown
+    programs.refuses(*bake, "--solver", "calculix", says=["--solver", "campaign"])
+    programs.refuses(*bake[:3], "greedy", *bake[4:], says=["intrusive-pgd"])
+    for what, says in ((text, ["[intrusive]"]), (travels.replace("0.05 N", "5 N"), ["beyond the range", "5 N"]),
+                       (travels.replace('"TIP"\nforce', '"BASE"\nforce'), ["positions", "[support]"]),
+                       (travels.replace("saint-venant-kirchhoff", "neo-hookean"), ["saint-venant-kirchhoff"])):
+        write_bar(folder, what)
+        programs.refuses(*bake, says=says)
+
+
 @case("the solver's benches print one JSON object that docs/results.md takes")
 def _(programs, folder):
     write_ball(folder)

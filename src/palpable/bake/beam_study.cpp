@@ -7,6 +7,8 @@
 #include "palpable/solid/equilibrium.h"
 #include "palpable/solid/stress.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -116,6 +118,66 @@ double linear_model_error(const SeriesTable& table) {
     }
   }
   return worst;
+}
+
+BodyDifference body_difference(const ReducedBody& body, const ReducedBody& other) {
+  const Index V = body.surface.vertices.cols();
+  if (other.surface.vertices.cols() != V ||
+      (other.surface.vertices - body.surface.vertices).cwiseAbs().maxCoeff() > 1e-6) {
+    throw Error(fmt::format("'{}' and '{}' have different skins: bake both from one mesh",
+                            body.name, other.name));
+  }
+  const VectorXd areas = vertex_areas(body.surface);
+  struct Sums {
+    std::vector<double> own;
+    double gone = 0, whole = 0;
+  };
+  const auto add = [&](Sums& sums, const SeparatedField& of_body, const SeparatedField& of_other,
+                       const std::array<double, 2>& mu, const std::array<double, 2>& nu) {
+    std::vector<float> a(static_cast<std::size_t>(of_body.value_count())), b(a.size());
+    of_body.evaluate(mu, a);
+    of_other.evaluate(nu, b);
+    const std::size_t components = a.size() / static_cast<std::size_t>(V);
+    double gone = 0, whole = 0;
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      // Shear stands twice in the tensor.
+      const double weight =
+          areas[static_cast<Index>(k / components)] * (components == 6 && k % 6 >= 3 ? 2.0 : 1.0);
+      const double truth = static_cast<double>(b[k]);
+      gone += weight * (static_cast<double>(a[k]) - truth) * (static_cast<double>(a[k]) - truth);
+      whole += weight * truth * truth;
+    }
+    sums.own.push_back(std::sqrt(gone / whole));
+    sums.gone += gone;
+    sums.whole += whole;
+  };
+  BodyDifference difference;
+  Sums u, sigma;
+  for (std::size_t s = 0; s < body.sites.size(); ++s) {
+    for (std::size_t t = 0; t < other.sites.size(); ++t) {
+      if (body.sites[s].vertex != other.sites[t].vertex) continue;
+      ++difference.shared;
+      const double force = std::min(body.sites[s].full_load, other.sites[t].full_load);
+      for (const double part : {0.5, 1.0}) {
+        const std::array<double, 2> mu{static_cast<double>(s),
+                                       part * force / body.sites[s].full_load},
+            nu{static_cast<double>(t), part * force / other.sites[t].full_load};
+        add(u, body.displacement, other.displacement, mu, nu);
+        add(sigma, body.stress, other.stress, mu, nu);
+      }
+    }
+  }
+  if (difference.shared == 0) {
+    throw Error(fmt::format("'{}' and '{}' share no site", body.name, other.name));
+  }
+  for (Sums* sums : {&u, &sigma}) std::sort(sums->own.begin(), sums->own.end());
+  difference.displacement_pooled = std::sqrt(u.gone / u.whole);
+  difference.displacement_median = u.own[u.own.size() / 2];
+  difference.displacement_worst = u.own.back();
+  difference.stress_pooled = std::sqrt(sigma.gone / sigma.whole);
+  difference.stress_median = sigma.own[sigma.own.size() / 2];
+  difference.stress_worst = sigma.own.back();
+  return difference;
 }
 
 std::vector<TwoLoadCheck> two_load_checks(const IntrusiveBake& made, int count, unsigned seed,

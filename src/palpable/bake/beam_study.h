@@ -39,6 +39,18 @@ struct NewtonCheck {
 [[nodiscard]] std::vector<NewtonCheck> newton_checks(const IntrusiveBake& made, int count,
                                                      unsigned seed, const Progress& progress = {});
 
+/// Two bodies on one skin, made in different ways, under the same loads: at every site that both
+/// have, at half and all of the smaller of the two full loads.
+struct BodyDifference {
+  int shared = 0;  ///< sites at the same vertex
+  /// Relative L2 differences over the skin, in the norm of `other`'s field.
+  double displacement_pooled = 0, displacement_median = 0, displacement_worst = 0;
+  double stress_pooled = 0, stress_median = 0, stress_worst = 0;
+};
+
+/// @throws Error if the skins differ, or no site is shared
+[[nodiscard]] BodyDifference body_difference(const ReducedBody& body, const ReducedBody& other);
+
 /// The body in the modes of its energy, under two loads, against a fresh Newton solve.
 struct TwoLoadCheck {
   double deflection = 0;  ///< m, the largest of all nodes
