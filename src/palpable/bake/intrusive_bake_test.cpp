@@ -4,15 +4,12 @@
 #include "palpable/reduced/body_file.h"
 #include "palpable/solid/equilibrium.h"
 #include "palpable/solid/stress.h"
+#include "tests/support/beam_description.h"
 #include "tests/support/scratch_folder.h"
-#include "tests/support/small_beam.h"
 #include "tests/support/test.h"
-
-#include <fmt/format.h>
 
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <string>
 
 namespace palpable {
@@ -24,44 +21,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using test::tolerance;
 
-// The beam as a deck with the set TOP.
-void write_deck(const std::filesystem::path& path, const SolidModel& model) {
-  std::ofstream file(path);
-  file << "*NODE\n";
-  for (int n = 0; n < model.mesh.node_count(); ++n) {
-    const auto X = model.mesh.nodes.col(n);
-    file << fmt::format("{}, {:.9g}, {:.9g}, {:.9g}\n", n + 1, X[0], X[1], X[2]);
-  }
-  file << "*ELEMENT, TYPE=C3D4, ELSET=ALL\n";
-  for (int e = 0; e < model.mesh.tet_count(); ++e) {
-    const Eigen::Vector4i t = model.mesh.tets.col(e).array() + 1;
-    file << fmt::format("{}, {}, {}, {}, {}\n", e + 1, t[0], t[1], t[2], t[3]);
-  }
-  const auto set = [&](const char* name, const std::vector<int>& nodes) {
-    file << "*NSET, NSET=" << name << "\n";
-    for (const int n : nodes) file << n + 1 << "\n";
-  };
-  set("CLAMP", model.fixed_nodes);
-  set("TOP", test::face_nodes(model, 0.05, 0.01));
-}
-
 BodyDescription describe(const std::filesystem::path& folder, const std::string& intrusive) {
-  write_deck(folder / "beam.inp", test::small_beam(16, 6, 2));
-  return parse_body_description(R"(name = "beam"
-[shape]
-mesh = "beam.inp"
-[material]
-law = "saint-venant-kirchhoff"
-young = "0.5 MPa"
-poisson = 0.3
-[support]
-set = "CLAMP"
-[sites]
-sets = ["TOP"]
-patch = 1
-direction = [0, 0, -1]
-)" + intrusive,
-                                folder / "beam.toml");
+  return test::describe_small_beam(folder, intrusive);
 }
 
 TEST_CASE("a beam baked by intrusive PGD gives the fields of fresh Newton solves",
