@@ -277,7 +277,7 @@ class OutlineTimes {
     Times least;
     for (int i = 0; i < 5; ++i) {
       keep_least(least, timed([&] {
-                   fill_unknown(seen.depth, &seen.too_close, box, kHoles, nearest_, filled_);
+                   fill_unknown(seen.depth, box, kHoles, nearest_, filled_);
                    outlines_.find(seen.color, box, filled_, nearest_, inner);
                  }));
     }

@@ -38,7 +38,6 @@ SceneView view_of(const Scene& scene, const Session& session, double scale) {
   SceneView view;
   view.background = &scene.seen->color;
   view.real_depth = &scene.seen->depth;
-  if (!scene.seen->too_close.empty()) view.too_close = &scene.seen->too_close;
   view.camera = scene.seen->camera;
   BodyLook look;
   look.vertices = &scene.vertices;

@@ -2,70 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 namespace palpable {
-namespace {
 
-bool is_known(float z) { return z > 0.0f && std::isfinite(z); }
-
-// Marks of what is too close, w x h, 0 or 1.
-struct Marks {
-  signed char* at;
-  int w;
-  int h;
-  signed char& operator()(int x, int y) const { return at[static_cast<std::ptrdiff_t>(y) * w + x]; }
-};
-
-// Fills what is unknown between two marks of a row (dx 1, dy 0) or of a column.
-void close_marks(const DepthImage& depth, const PixelBox& box, int dx, int dy, const Marks& marks) {
-  const int lines = dx != 0 ? marks.h : marks.w;
-  const int length = dx != 0 ? marks.w : marks.h;
-  for (int line = 0; line < lines; ++line) {
-    int last = -kLongestBetweenMarks - 1;
-    for (int i = 0; i < length; ++i) {
-      const int x = dx * i + dy * line, y = dy * i + dx * line;
-      if (is_known(depth(box.x0 + x, box.y0 + y))) last = -kLongestBetweenMarks - 1;
-      if (marks(x, y) == 0) continue;
-      if (i - last <= kLongestBetweenMarks) {
-        for (int k = last + 1; k < i; ++k) marks(dx * k + dy * line, dy * k + dx * line) = 1;
-      }
-      last = i;
-    }
-  }
-}
-
-bool is_inside(const Marks& marks, int x, int y) {
-  constexpr int n = kTooCloseBorder;
-  return x >= n && y >= n && x + n < marks.w && y + n < marks.h && marks(x, y) != 0 &&
-         marks(x - n, y) != 0 && marks(x + n, y) != 0 && marks(x, y - n) != 0 &&
-         marks(x, y + n) != 0;
-}
-
-// 0 or kTooCloseDepth.
-void find_too_close(const DepthImage& depth, const MaskImage& too_close, const PixelBox& box,
-                    const Marks& marks, std::vector<float>& filled) {
-  for (int y = 0; y < marks.h; ++y) {
-    for (int x = 0; x < marks.w; ++x) marks(x, y) = too_close(box.x0 + x, box.y0 + y) != 0 ? 1 : 0;
-  }
-  close_marks(depth, box, 1, 0, marks);
-  close_marks(depth, box, 0, 1, marks);
-  float* to = filled.data();
-  for (int y = 0; y < marks.h; ++y) {
-    for (int x = 0; x < marks.w; ++x) *to++ = is_inside(marks, x, y) ? kTooCloseDepth : 0.0f;
-  }
-}
-
-}  // namespace
-
-void fill_unknown(const DepthImage& depth, const MaskImage* too_close, const PixelBox& box,
-                  int radius, std::vector<signed char>& nearest_in_row,
-                  std::vector<float>& filled) {
+void fill_unknown(const DepthImage& depth, const PixelBox& box, int radius,
+                  std::vector<signed char>& nearest_in_row, std::vector<float>& filled) {
   PALPABLE_EXPECT(0 <= box.x0 && box.x1 <= depth.width() && 0 <= box.y0 && box.y1 <= depth.height(),
                   "the box lies within the image");
-  PALPABLE_EXPECT(too_close == nullptr || (too_close->width() == depth.width() &&
-                                           too_close->height() == depth.height()),
-                  "what is too close is marked in an image of the depth's size");
   PALPABLE_EXPECT(0 <= radius && radius < 64, "the radius fits a signed char");
   const int width = std::max(box.width(), 0);
   const int height = std::max(box.height(), 0);
@@ -77,10 +20,6 @@ void fill_unknown(const DepthImage& depth, const MaskImage* too_close, const Pix
   nearest_in_row.resize(at(0, height));
   constexpr signed char kNone = 127;
 
-  std::fill(filled.begin(), filled.end(), 0.0f);
-  if (too_close != nullptr) {
-    find_too_close(depth, *too_close, box, {nearest_in_row.data(), width, height}, filled);
-  }
   // Along rows: the offset to the nearest known pixel, to the left when a tie.
   for (int y = 0; y < height; ++y) {
     const float* in = depth.row(box.y0 + y) + box.x0;
@@ -88,9 +27,8 @@ void fill_unknown(const DepthImage& depth, const MaskImage* too_close, const Pix
     signed char* offset = nearest_in_row.data() + at(0, y);
     int last_known = -1000;
     for (int x = 0; x < width; ++x) {
-      const bool is_close = out[x] == kTooCloseDepth;
-      const bool known = is_close || is_known(in[x]);
-      if (!is_close) out[x] = known ? in[x] : 0.0f;
+      const bool known = in[x] > 0.0f && std::isfinite(in[x]);
+      out[x] = known ? in[x] : 0.0f;
       if (known) last_known = x;
       offset[x] = x - last_known <= radius ? static_cast<signed char>(last_known - x) : kNone;
     }
@@ -133,9 +71,8 @@ void fill_unknown(const DepthImage& depth, const MaskImage* too_close, const Pix
     for (int x = 0; x < width; ++x) {
       if (offset[x] != 0) continue;
       const int run = x - last_known - 1;
-      // What is too close leaves strips that are wider by far, and its marks are not its outline.
       if (last_known >= 0 && run > 0 && run <= kLongestHalfSeen &&
-          out[last_known] > 1.1f * out[x] && out[x] != kTooCloseDepth) {
+          out[last_known] > 1.1f * out[x]) {
         std::fill(out + last_known + 1, out + x, out[last_known]);
         std::fill(offset + last_known + 1, offset + x, static_cast<signed char>(0));
       }

@@ -25,15 +25,6 @@ struct PixelBox {
 /// pair of 63 mm and 350 px leaves 66 px; a hand at the body leaves 10 to 25.
 inline constexpr int kLongestHalfSeen = 64;
 
-/// What is too close to be measured counts as this near, m.
-inline constexpr float kTooCloseDepth = 0.04f;
-/// Marks of what is too close come in shreds. Unknown pixels between two marks of a row or column
-/// that are so many pixels apart, or fewer, with nothing known between them, are marked too.
-inline constexpr int kLongestBetweenMarks = 48;
-/// They come in blocks that stand over the outline by up to one: a mark counts where those so many
-/// pixels left, right, above and below of it are marks too.
-inline constexpr int kTooCloseBorder = 4;
-
 /// Copies `box` of a depth image and closes its holes. An unknown pixel (NaN, infinite or not
 /// positive) becomes
 ///
@@ -43,14 +34,11 @@ inline constexpr int kTooCloseBorder = 4;
 /// - else the depth of the nearest known pixel of the box within `radius` pixels (Euclidean; of two
 ///   equally near, the farther depth), or 0 if there is none.
 ///
-/// Pixels that marks of `too_close` surround have the known depth kTooCloseDepth, but end no run.
-///
-/// @param too_close       255 where something is too close, of the depth's size; or null
 /// @param nearest_in_row  (box.height x box.width), overwritten: 0 where the depth was known or
 ///                        became the far one, else not 0; kept between calls so that nothing is
 ///                        allocated
 /// @param filled          (box.height x box.width) row-major, overwritten
-void fill_unknown(const DepthImage& depth, const MaskImage* too_close, const PixelBox& box,
-                  int radius, std::vector<signed char>& nearest_in_row, std::vector<float>& filled);
+void fill_unknown(const DepthImage& depth, const PixelBox& box, int radius,
+                  std::vector<signed char>& nearest_in_row, std::vector<float>& filled);
 
 }  // namespace palpable

@@ -311,7 +311,7 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, c
                         std::max(static_cast<int>(box.y0 * sy) - margin, 0),
                         std::min(static_cast<int>(box.x1 * sx) + row_margin, depth.width()),
                         std::min(static_cast<int>(box.y1 * sy) + margin, depth.height())};
-  fill_unknown(depth, view.too_close, texels, kHoleRadius, nearest_in_row, filled);
+  fill_unknown(depth, texels, kHoleRadius, nearest_in_row, filled);
   real_depth.upload(texels.x0, texels.y0, texels.width(), texels.height(), GL_RED, GL_FLOAT,
                     filled.data());
   if (half) upload_outlines(view, texels, boxes.bodies);

@@ -49,9 +49,6 @@ struct SceneView {
   /// Z of the real scene in m, NaN where unknown; any size with the same field of view as
   /// `camera` (camera.scaled_down(2), say). Null: nothing real hides the body.
   const DepthImage* real_depth = nullptr;
-  /// 255 where something real is too close to be measured and hides the body, of the size of
-  /// `real_depth`. Null: nothing is.
-  const MaskImage* too_close = nullptr;
   PinholeCamera camera = {};  ///< of the picture; width and height are the picture's
   std::vector<BodyLook> bodies = {};
   /// Light of the scene, 1 = a well lit room.

@@ -183,14 +183,6 @@ TEST_CASE("before a body the picture's colours say where a widened outline of ha
   view.background = nullptr;
   const Drawn coarse = draw(*gl.renderer, view);
   CHECK(std::abs(coarse.seen() - 32 * 100) <= 100);
-  // What is too close to be measured hides too.
-  MaskImage close(real.width(), real.height(), 0);
-  for (int y = 0; y < close.height(); ++y) std::fill_n(close.row(y) + 40, 40, std::uint8_t{255});
-  std::fill(real.begin(), real.end(), kUnknown);
-  CHECK(draw(*gl.renderer, view).seen() == 10000);
-  view.too_close = &close;
-  // Of columns 100 to 199 those before 2 (80 - kTooCloseBorder).
-  CHECK(draw(*gl.renderer, view).seen() <= 10000 - 100 * 52);
 }
 
 TEST_CASE("a surface that touches the body does not hide it, one before it does",
