@@ -170,10 +170,11 @@ Result<BoardCalibration> calibrate(std::span<const BoardView> views, const Board
   if (!(result.reprojection_px <= limits.largest_reprojection_px)) {
     return Problem{fmt::format(
         "the corners are off by {:.2f} px (rms); a good calibration has at most {:.2g}. The worst "
-        "is "
-        "pair {} with {:.2f} px: is the board flat and still, and were both eyes taken at once",
+        "is pair {} with {:.2f} px: has the board {} x {} inner corners and no more, is it flat "
+        "and "
+        "still, and were both eyes taken at once",
         result.reprojection_px, limits.largest_reprojection_px, views[worst].number,
-        result.reprojections_px[worst])};
+        result.reprojections_px[worst], pattern.columns, pattern.rows)};
   }
   StereoRig& rig = result.calibration.rig;
   rig.left = camera_from(K1, D1, width, height);

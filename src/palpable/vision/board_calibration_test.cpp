@@ -139,6 +139,7 @@ TEST_CASE("a bad calibration is refused with its reason", "[vision][calibrate][r
   const std::string off = refusal(moved);
   CHECK(contains(off, "px (rms)"));
   CHECK(contains(off, "pair 3"));
+  CHECK(contains(off, "inner corners"));  // what is most often said wrong
 
   CHECK(contains(refusal(views_of(rig, 6, 0.3, 0.6, 5)), "fix the focal length only to"));
 
