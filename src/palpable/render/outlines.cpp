@@ -280,7 +280,8 @@ void RealOutlines::write_fine(const ColorImage& picture, const PixelBox& box,
       };
       for (int k = 0; k < 4; ++k) {
         const Rgb& c = picture(2 * (box.x0 + x) + k % 2, 2 * (box.y0 + y) + k / 2);
-        (k < 2 ? upper : lower)[k % 2] = away(c, 0) <= away(c, 1) ? low : high;
+        float* row = k < 2 ? upper : lower;
+        row[k % 2] = away(c, 0) <= away(c, 1) ? low : high;
       }
     }
   }
