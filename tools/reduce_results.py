@@ -41,6 +41,7 @@ def main():
                  figures[prefix + "heldout_vm_worst"]]
                 for name, form, prefix in [("default: per site, 1e-4, own norms", default, ""),
                                            ("the paper's: PGD, 1e-3", pgd3, "pgd3_")]]
+    recomputed = figures["recomputed_stress"]
     section = {
         "title": "Reductions of the bunny's campaign", "order": 60,
         "text": "What each method ([reduction.md](reduction.md)) needs for a relative L2 error of 1e-3 over the volume; "
@@ -62,7 +63,21 @@ def main():
                      "snapshot's own norm; von Mises stress: worst vertex against the field's own maximum.",
              "columns": ["body", "modes u / stress", "bytes", "u pooled", "u median", "u worst", "von Mises median",
                          "von Mises worst"],
-             "rows": held_out}],
+             "rows": held_out},
+            {"heading": "A touch between sites",
+             "text": "The field of the nearest site for a touch between sites, against its own response at the same depth; "
+                     "linear responses, relative L2 error over the skin.",
+             "columns": ["sites", "touches", "median", "nine tenths", "worst"],
+             "rows": [[row["sites"], row["touches"], row["median"], row["nine_tenths"], row["worst"]]
+                      for row in figures["between_sites"]]},
+            {"heading": "Stress: a field of its own, or recomputed",
+             "text": f"Von Mises stress on the skin against levels between, every fourth site and fifth level, worst vertex against "
+                     f"the field's own maximum. Recomputed from modes of displacement of {recomputed['outer_nodes']} nodes, by the "
+                     f"bake's own (double precision) recovery over {recomputed['outer_tets']} elements: what the skin's stress "
+                     "hangs on. Bytes: displacement and stress of the whole body. Microseconds: both, one core.",
+             "columns": ["stress", "median", "worst", "bytes", "us"],
+             "rows": [[row["stress"], row["vm_median"], row["vm_worst"], megabytes(row["bytes"]), row["us"]]
+                      for row in recomputed["rows"]]}],
         "figures": figures}
     if options.note:
         section["note"] = options.note

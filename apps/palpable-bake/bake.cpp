@@ -8,7 +8,6 @@
 #include "palpable/bake/held_out.h"
 #include "palpable/bake/intrusive_bake.h"
 #include "palpable/base/error.h"
-#include "palpable/reduced/body_file.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -34,6 +33,7 @@ struct Options {
   std::vector<std::string> at;
   int threads = 0;
   bool held_out = false;
+  FileOptions file;
 };
 
 // "2/4" is the second of four.
@@ -59,6 +59,16 @@ std::filesystem::path store_of(const Options& options) {
   return store;
 }
 
+std::string errors_text(const HeldOutErrors& errors) {
+  return fmt::format(
+      "displacement {:.3g} pooled, {:.3g} at the median snapshot, {:.3g} at the worst, in their "
+      "own "
+      "norms; von Mises stress, worst vertex against the field's largest, {:.3g} at the median, "
+      "{:.3g} at the worst",
+      errors.displacement_pooled, errors.displacement_median(), errors.displacement.maxCoeff(),
+      errors.von_mises_median(), errors.von_mises.maxCoeff());
+}
+
 // Solves the levels between those of the campaign, and says in the body how far it is from them.
 void check_between_levels(const BodyDescription& description, BakeSettings settings,
                           const ReduceSettings& reduction, const SnapshotStore& campaign,
@@ -71,14 +81,8 @@ void check_between_levels(const BodyDescription& description, BakeSettings setti
   const HeldOutErrors errors = held_out_errors(value_or_throw(settled(baked.body)), between.store,
                                                point_of(campaign.content(), reduction.at));
   baked.body.provenance.emplace_back(
-      "held out",
-      fmt::format(
-          "against {} levels between, solved afresh, on the skin: displacement {:.3g} "
-          "pooled, {:.3g} at the median snapshot, {:.3g} at the worst, in their own norms; von "
-          "Mises stress, worst vertex against the field's largest, {:.3g} at the median, {:.3g} at "
-          "the worst",
-          errors.displacement.size(), errors.displacement_pooled, errors.displacement_median(),
-          errors.displacement.maxCoeff(), errors.von_mises_median(), errors.von_mises.maxCoeff()));
+      "held out", fmt::format("against {} levels between, solved afresh, on the skin: {}",
+                              errors.displacement.size(), errors_text(errors)));
   baked.report.held_out = baked.body.provenance.back().second;
 }
 
@@ -89,6 +93,7 @@ void bake_without_campaign(const Options& options, const BodyDescription& descri
                                       {"--shard", !options.shard.empty()},
                                       {"--held-out", options.held_out},
                                       {"--at", !options.at.empty()},
+                                      {"--volume", options.file.volume},
                                       {"--solver", options.solver != "own"}}) {
     if (given)
       throw Error(
@@ -100,7 +105,7 @@ void bake_without_campaign(const Options& options, const BodyDescription& descri
       {.version = std::string("palpable ") + PALPABLE_VERSION, .command_line = command_line},
       bar.progress());
   bar.finish();
-  write_body_file(options.output, made.body);
+  write_body_file(options.output, made.body, options.file.storage());
   for (const auto& [key, value] : made.body.provenance) {
     if (key == "loads" || key == "series" || key == "reduction" || key == "displacement" ||
         key == "stress") {
@@ -114,6 +119,40 @@ void bake_without_campaign(const Options& options, const BodyDescription& descri
   fmt::print("CPU: {}; in all {:.1f} s\n{} written: {:.1f} MB\n", times,
              1e-3 * made.report.cpu.total_ms(), options.output,
              1e-6 * static_cast<double>(std::filesystem::file_size(options.output)));
+}
+
+// The same for values between those of the body's free parameters, one parameter at a time, the
+// others at their usual values.
+void check_between_values(const BodyDescription& description, BakeSettings settings,
+                          const std::filesystem::path& campaign, BakedBody& baked,
+                          const Progress& progress) {
+  for (std::size_t k = 0; k < baked.body.further.size(); ++k) {
+    BodyDescription between = description;
+    for (std::size_t j = 0; j < between.parameters.size(); ++j) {
+      between.parameters[j].values = {baked.body.further[j].value};
+    }
+    const FurtherParameter& varied = baked.body.further[k];
+    std::vector<double>& values = between.parameters[k].values;
+    values.clear();
+    for (Eigen::Index i = 0; i + 1 < varied.samples.size(); ++i) {
+      values.push_back(0.5 * (varied.samples[i] + varied.samples[i + 1]));
+    }
+    settings.store = campaign;
+    settings.store.replace_extension(".between-" + varied.name);
+    LocalCrew crew;
+    const FilledStore solved = fill_store(between, settings, crew, progress);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const ReducedBody there = value_or_throw(settled(baked.body, {{varied.name, values[i]}}));
+      const HeldOutErrors errors =
+          held_out_errors(there, solved.store, static_cast<int>(i), HeldOutAt::kDepth);
+      baked.body.provenance.emplace_back(
+          fmt::format("held out, {} = {:g}", varied.name, values[i]),
+          fmt::format(
+              "against {} presses at {} = {:g}, solved afresh, at equal depth, on the skin: {}",
+              errors.displacement.size(), varied.name, values[i], errors_text(errors)));
+      baked.report.held_out += "\n" + baked.body.provenance.back().second;
+    }
+  }
 }
 
 void bake(const Options& options, const std::string& command_line, Crew& crew) {
@@ -130,8 +169,10 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
                         .store = store_of(options),
                         .solver = options.solver};
   if (!options.shard.empty()) read_shard(options.shard, settings);
-  const ReduceSettings reduction{
-      .at = parse_values(options.at), .version = settings.version, .command_line = command_line};
+  const ReduceSettings reduction{.at = parse_values(options.at),
+                                 .volume = options.file.volume,
+                                 .version = settings.version,
+                                 .command_line = command_line};
   ProgressBar bar;
   const Progress progress = crew.leads() ? bar.progress() : Progress{};
   const FilledStore filled = fill_store(description, settings, crew, progress);
@@ -146,10 +187,12 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
     return;
   }
   BakedBody baked = reduce_store(filled.store, reduction, progress);
-  if (options.held_out)
+  if (options.held_out) {
     check_between_levels(description, settings, reduction, filled.store, baked, progress);
+    check_between_values(description, settings, filled.store.folder(), baked, progress);
+  }
   bar.finish();
-  write_body_file(options.output, baked.body);
+  baked.body.error = write_body_file(options.output, baked.body, options.file.storage());
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   const StoreContent& content = filled.store.content();
   print_body_report(baked, options.output, taken.count());
@@ -205,8 +248,9 @@ void add_bake(CLI::App& app, const std::string& command_line, Crew& crew) {
       ->type_name("I/N");
   command->add_flag(
       "--held-out", options->held_out,
-      "Also solve the levels between and say how far the body is from them; takes as long "
-      "as the campaign; snapshots go to NAME.held-out");
+      "Also solve the levels between, and the values between of a free parameter, and say how far "
+      "the body is from them; takes as long as the campaign; snapshots go to NAME.held-out and "
+      "NAME.between-PARAMETER");
   command->add_option("--solver", options->solver, "own, or calculix: runs ccx")
       ->check(CLI::IsMember({"own", "calculix"}))
       ->capture_default_str();
@@ -215,6 +259,7 @@ void add_bake(CLI::App& app, const std::string& command_line, Crew& crew) {
                    "Of a further parameter, the one value that the body file holds; without --at "
                    "all stay free")
       ->type_name("NAME=VALUE");
+  add_file_options(*command, options->file);
   command->footer(
       "What is killed goes on where it was when the same command is run again.\n"
       "On several cores or machines: mpirun -n 4 palpable bake ...\n"

@@ -4,7 +4,9 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/bench.h"
 #include "apps/palpable-bake/machine.h"
+#include "apps/palpable-bake/recomputed_stress.h"
 #include "palpable/bake/bake_body.h"
+#include "palpable/bake/between_sites.h"
 #include "palpable/bake/held_out.h"
 #include "palpable/bake/method_comparison.h"
 #include "palpable/bake/pod_coordinates.h"
@@ -20,8 +22,10 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace palpable::app {
 namespace {
@@ -111,6 +115,47 @@ void compare(const SnapshotStore& store, Json& result) {
   }
 }
 
+// What touches between sites cost, with the description's sites, four and sixteen times as many.
+void compare_sites(const Options& options, Json& result) {
+  BodyDescription description = read_body_description(options.description);
+  const int usual = description.sites.count;
+  if (usual < 2 || !description.parameters.empty()) return;  // one body, whose sites are chosen
+  description.sites.count = 16 * usual;
+  description.sites.linear = false;
+  const BodyProblem problem = pose_body(description);
+  const Boundary& boundary = problem.mesh.boundary;
+  const EquilibriumSolver solver(problem.model, {.tolerance = kSnapshotTolerance});
+  const SiteSolver presses(solver, boundary, problem.preload);
+  const std::vector<Site>& places = problem.linear_sites;  // sites, then touches
+  const auto n = static_cast<int>(places.size());
+  Eigen::MatrixXf responses(3 * boundary.surface.vertices.cols(), n);
+  constexpr int kRow = 16;
+  int next = 0;
+  LocalCrew crew;
+  solve_linear(
+      presses, places, kRow, crew.threads(options.threads),
+      {[&]() -> std::optional<int> {
+         const int first = next;
+         next += kRow;
+         return first < n ? std::optional(first) : std::nullopt;
+       },
+       [&](int first, const Eigen::MatrixXf& u) { responses.middleCols(first, u.cols()) = u; }});
+  std::vector<int> sites, touches;
+  for (const Site& place : places) {
+    (static_cast<int>(sites.size()) < 16 * usual ? sites : touches).push_back(place.vertex);
+  }
+  for (const int count : {usual, 4 * usual, 16 * usual}) {
+    const BetweenSites errors = between_sites(
+        boundary.surface, std::vector<int>(sites.begin(), sites.begin() + count),
+        responses.leftCols(count), touches, responses.rightCols(Eigen::Index(touches.size())));
+    result["between_sites"].push_back({{"sites", count},
+                                       {"touches", errors.touches},
+                                       {"median", errors.median},
+                                       {"nine_tenths", errors.nine_tenths},
+                                       {"worst", errors.worst}});
+  }
+}
+
 Json field_figures(const ReductionReport& report) {
   return {{"method", method_name(report.method)},
           {"modes", report.modes},
@@ -161,6 +206,9 @@ void bench_reduce(const Options& options) {
   };
   held_out(body.body, "");
   held_out(pgd.body, "pgd3_");
+  result["recomputed_stress"] =
+      recomputed_stress(read_body_description(options.description), store, between, body.body);
+  compare_sites(options, result);
 
   const SnapshotStore beam = solved(options.beam, folder / "beam.snapshots", options);
   const Clock::time_point sparse_begin = Clock::now();

@@ -5,6 +5,7 @@
 #include "apps/palpable-bake/machine.h"
 #include "palpable/base/error.h"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,13 +15,15 @@
 namespace palpable::app {
 namespace {
 
-void print_reduction(const char* what, const ReductionReport& report) {
-  fmt::print("{}: {}, {} modes{}, error {:.2g} pooled, {:.2g} at the worst snapshot{}\n", what,
+void print_reduction(const char* what, const ReductionReport& report, double rounding) {
+  fmt::print("{}: {}, {} modes{}, error {:.2g} pooled, {:.2g} at the worst snapshot{}{}\n", what,
              method_name(report.method), report.modes,
              report.method == ReductionMethod::kPerSite
                  ? fmt::format(" at most, {} in all", report.columns)
                  : std::string(),
              report.pooled, report.worst,
+             rounding > 0.0 ? fmt::format("; stored in half precision, which adds {:.1e}", rounding)
+                            : std::string(),
              report.reached ? "" : " (the tolerance was not reached: raise max_modes)");
 }
 
@@ -44,6 +47,14 @@ void print_errors(const BakeReport& report) {
 
 }  // namespace
 
+void add_file_options(CLI::App& command, FileOptions& options) {
+  command.add_flag("--volume", options.volume,
+                   "All nodes and elements too, not the boundary only: for palpable export; the "
+                   "live half draws the boundary");
+  command.add_flag("--float16", options.float16,
+                   "Modes in half precision: half the bytes; what that costs is stated");
+}
+
 void require_folder_of(const std::filesystem::path& output) {
   const std::filesystem::path folder = std::filesystem::absolute(output).parent_path();
   if (!std::filesystem::is_directory(folder)) {
@@ -63,8 +74,13 @@ void print_body_report(const BakedBody& baked, const std::string& output, double
                                      [](const SiteOutcome& o) { return o.reached_press; });
   fmt::print("{} nodes, {} tetrahedra; {} sites x {} levels, {} reach the press\n", report.nodes,
              report.tets, baked.body.sites.size(), baked.body.levels().size() - 1, reached);
-  print_reduction("displacement", report.displacement);
-  print_reduction("stress", report.stress);
+  const ReductionError& error = baked.body.error;
+  print_reduction("displacement", report.displacement, error.displacement_rounding);
+  print_reduction("stress", report.stress, error.stress_rounding);
+  if (const auto& volume = baked.body.volume) {
+    fmt::print("inside: {} nodes, {} tetrahedra\n", volume->nodes.cols(), volume->tets.cols());
+  }
+  if (!report.between_sites.empty()) fmt::print("between sites: {}\n", report.between_sites);
   if (!report.held_out.empty()) fmt::print("held out: {}\n", report.held_out);
   std::error_code code;
   fmt::print(

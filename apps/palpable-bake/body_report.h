@@ -3,13 +3,30 @@
 #pragma once
 
 #include "palpable/bake/bake_body.h"
+#include "palpable/reduced/body_file.h"
 
 #include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
+namespace CLI {
+class App;
+}
+
 namespace palpable::app {
+
+/// What goes into a body file beside what its description says: --volume, --float16.
+struct FileOptions {
+  bool volume = false, float16 = false;
+
+  [[nodiscard]] ModeStorage storage() const {
+    return float16 ? ModeStorage::kFloat16 : ModeStorage::kFloat32;
+  }
+};
+
+/// @param options  outlives `command`
+void add_file_options(CLI::App& command, FileOptions& options);
 
 /// Before the work, not after it. @throws Error when the folder of `output` does not exist
 void require_folder_of(const std::filesystem::path& output);

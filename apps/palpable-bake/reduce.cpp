@@ -4,7 +4,6 @@
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/bake_body.h"
-#include "palpable/reduced/body_file.h"
 
 #include <CLI/CLI.hpp>
 
@@ -23,12 +22,14 @@ struct Options {
   double tolerance = 0;
   int max_modes = 0;
   std::vector<std::string> at;
+  FileOptions file;
 };
 
 void reduce(const Options& options, const std::string& command_line) {
   require_folder_of(options.output);
   const auto begin = std::chrono::steady_clock::now();
   ReduceSettings settings{.at = parse_values(options.at),
+                          .volume = options.file.volume,
                           .version = std::string("palpable ") + PALPABLE_VERSION,
                           .command_line = command_line};
   if (!options.method.empty()) settings.method = method_named(options.method);
@@ -37,9 +38,9 @@ void reduce(const Options& options, const std::string& command_line) {
   if (options.max_modes > 0) settings.max_modes = options.max_modes;
   const SnapshotStore store = SnapshotStore::open(options.store);
   ProgressBar bar;
-  const BakedBody baked = reduce_store(store, settings, bar.progress());
+  BakedBody baked = reduce_store(store, settings, bar.progress());
   bar.finish();
-  write_body_file(options.output, baked.body);
+  baked.body.error = write_body_file(options.output, baked.body, options.file.storage());
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   print_body_report(baked, options.output, taken.count());
 }
@@ -85,6 +86,7 @@ void add_reduce(CLI::App& app, const std::string& command_line) {
                    "Of a further parameter, the one value that the body file holds; without --at "
                    "all stay free")
       ->type_name("NAME=VALUE");
+  add_file_options(*command, options->file);
   command->footer(
       "Example: palpable reduce bunny.snapshots --method pgd --error 1e-3 -o bunny.palpable");
   command->callback([options, command_line] { reduce(*options, command_line); });

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Campaigns as a stranger meets them: snapshots, resumption, shards, MPI, other solvers, imports."""
+import json
 import os
 import random
 import re
@@ -193,6 +194,61 @@ def _(programs, folder):
         programs.succeeds("bake", "bar.toml", "-o", f"{i}.palpable", "--shard", f"{i}/2", cwd=folder)
     programs.succeeds("merge", folder / "1.snapshots", folder / "2.snapshots", "-o", folder / "all.snapshots")
     assert files_of(folder / "all.snapshots") == files_of(folder / "bar.snapshots")
+
+
+@case("a body file may hold the inside, and half precision, and says what that costs")
+def _(programs, folder):
+    base.write_bar(folder, BLOCK)
+    said = programs.succeeds("bake", "bar.toml", "-o", "bar.palpable", "--volume", cwd=folder).stdout
+    assert "inside: 63 nodes, 144 tetrahedra" in said and "half precision" not in said, said
+    assert re.search(r"^between sites: .* for \d+ touches .*: [\d.e-]+ at the median", said, re.M), said
+    store = folder / "bar.snapshots"
+    half = programs.succeeds("reduce", store, "--float16", "-o", folder / "half.palpable").stdout
+    assert half.count("stored in half precision, which adds") == 2 and "inside" not in half, half
+    programs.succeeds("reduce", store, "-o", folder / "plain.palpable")
+
+    def figures(name):
+        return json.loads(programs.succeeds("inspect", folder / name, "--json").stdout)
+    whole, plain, small = figures("bar.palpable"), figures("plain.palpable"), figures("half.palpable")
+    assert whole["volume_nodes"] == 63 and plain["volume_nodes"] == small["volume_nodes"] == 0
+    assert plain["stress_rounding"] == 0 and 0 < small["stress_rounding"] < 2 ** -11, small["stress_rounding"]
+    # What a touch between sites costs is known from the store, whoever reduces it.
+    assert 0.01 < whole["between_sites_error"] == plain["between_sites_error"] < 2, whole["between_sites_error"]
+    sizes = [(folder / name).stat().st_size for name in ("bar.palpable", "plain.palpable", "half.palpable")]
+    assert sizes[0] > sizes[1] > sizes[2], sizes
+    # The live half opens both: it draws the boundary.
+    for name in ("bar.palpable", "half.palpable"):
+        result = programs.run("view", folder / name, "--out", folder / "pictures")
+        assert result.returncode == 0 or "EGL" in result.stderr, result.stderr
+    # Other programs get the inside.
+    for name, cells in (("bar.palpable", 144), ("plain.palpable", 112)):
+        out = folder / f"{name}.vtu"
+        programs.succeeds("export", folder / name, "--to", "vtu", "--site", "0", "-o", out)
+        text = next(out.glob("*.vtu")).read_bytes()[:2000].decode(errors="replace")
+        assert f'NumberOfCells="{cells}"' in text, text
+
+
+@case("values between those of a parameter are solved afresh and compared, if asked")
+def _(programs, folder):
+    base.write_bar(folder, BLOCK.replace("count = 6", "count = 2").replace("levels = 6", "levels = 3") + """
+[[material.group]]
+name = "upper"
+above = 0.5
+young = "60 kPa"
+poisson = 0.4
+[[parameter]]
+name = "upper"
+of = "upper"
+stiffness = [0.5, 1, 2]
+""")
+    words = ("bake", "bar.toml", "-o", "bar.palpable", "--held-out")
+    said = programs.succeeds(*words, cwd=folder).stdout
+    found = re.findall(r"against 6 presses at upper = ([\d.]+), .*: displacement ([\d.e-]+) pooled", said)
+    assert [value for value, _ in found] == ["0.75", "1.5"], said
+    # A parabola through three values of a stiffness is no solve, but no guess either.
+    assert all(1e-5 < float(error) < 0.1 for _, error in found), found
+    assert (folder / "bar.between-upper/campaign.xdmf").exists()
+    assert "held out, upper" in programs.succeeds("inspect", folder / "bar.palpable").stdout
 
 
 @case("the job array of the Slurm example leaves nothing to solve")

@@ -1,5 +1,6 @@
 #include "palpable/bake/bake_body.h"
 
+#include "palpable/bake/between_sites.h"
 #include "palpable/bake/body_problem.h"
 #include "palpable/bake/reduction.h"
 #include "palpable/bake/store_rows.h"
@@ -56,22 +57,25 @@ std::vector<ParameterAxis> axes_from(const std::vector<MatrixXd>& G, std::size_t
   return axes;
 }
 
-// As the live half evaluates it.
+// As the live half evaluates it: on the boundary, or at all nodes.
 SeparatedField as_field(const std::vector<SeparatedTensor>& blocks, const StoreContent& content,
-                        const Boundary& boundary, int components) {
+                        const Boundary* boundary, int components) {
+  const auto kept = [&](const MatrixXd& F) -> Eigen::MatrixXf {
+    if (boundary == nullptr) return F.cast<float>();
+    return boundary_rows(F, *boundary, components).cast<float>();
+  };
   const int S = content.site_count();
   if (static_cast<int>(blocks.size()) == S && (S > 1 || blocks[0].G[0].rows() != S)) {
     std::vector<SeparatedField> fields;
     for (const SeparatedTensor& block : blocks) {
-      fields.emplace_back(boundary_rows(block.F, boundary, components).cast<float>(),
-                          axes_from(block.G, 0, content));
+      fields.emplace_back(kept(block.F), axes_from(block.G, 0, content));
     }
     return one_block_per_choice("site", fields);
   }
   std::vector<ParameterAxis> axes = axes_from(blocks[0].G, 1, content);
   axes.insert(axes.begin(),
               {"site", VectorXd::LinSpaced(S, 0.0, S - 1.0), blocks[0].G[0], Between::kNothing});
-  return {boundary_rows(blocks[0].F, boundary, components).cast<float>(), std::move(axes)};
+  return {kept(blocks[0].F), std::move(axes)};
 }
 
 // The points that a body is made of: one, or all where their parameters stay free.
@@ -112,6 +116,7 @@ double largest_evaluation_error(const SeparatedField& reduced, const SnapshotSto
 struct ReducedField {
   SeparatedField field;
   ReductionReport report;
+  std::optional<SeparatedField> inside = {};  // at all nodes, if asked for
 };
 
 double median(VectorXd values) {
@@ -121,7 +126,7 @@ double median(VectorXd values) {
 }
 
 ReducedField reduce_field(const StoredField& field, const SnapshotStore& store,
-                          const Points& points, const Boundary& boundary,
+                          const Points& points, const Boundary& boundary, bool volume,
                           const ReductionSettings& settings, const Progress& progress) {
   const Progress named = [&](const ProgressReport& r) {
     report(progress, {fmt::format("reducing {}", field.name), r.done, r.total, r.note});
@@ -146,8 +151,9 @@ ReducedField reduce_field(const StoredField& field, const SnapshotStore& store,
     result.blocks = as_blocks(result.blocks[0], S, weights, 0.1 * settings.tolerance);
   }
   report.columns = result.total_modes();
-  ReducedField reduced{as_field(result.blocks, content, boundary, field.components),
+  ReducedField reduced{as_field(result.blocks, content, &boundary, field.components),
                        std::move(report)};
+  if (volume) reduced.inside = as_field(result.blocks, content, nullptr, field.components);
   reduced.report.bytes = 4.0 * static_cast<double>(reduced.field.value_count()) *
                          static_cast<double>(reduced.report.columns);
   reduced.report.evaluated_worst =
@@ -544,14 +550,15 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
   }
   // Both at a time, and the bar shows the larger.
   std::future<ReducedField> beside = std::async(std::launch::async, [&] {
-    return reduce_field(*moved, store, points, boundary, wanted,
+    return reduce_field(*moved, store, points, boundary, settings.volume, wanted,
                         stressed == nullptr ? progress : Progress{});
   });
-  ReducedField sigma = stressed != nullptr
-                           ? reduce_field(*stressed, store, points, boundary, wanted, progress)
-                           : ReducedField{zero_field(6 * boundary.surface.vertices.cols(),
-                                                     content.site_count(), content.levels),
-                                          {}};
+  ReducedField sigma =
+      stressed != nullptr
+          ? reduce_field(*stressed, store, points, boundary, settings.volume, wanted, progress)
+          : ReducedField{zero_field(6 * boundary.surface.vertices.cols(), content.site_count(),
+                                    content.levels),
+                         {}};
   ReducedField u = beside.get();
 
   BakedBody baked{ReducedBody{.name = content.name,
@@ -568,6 +575,14 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
                   {}};
   ReducedBody& body = baked.body;
   BakeReport& made = baked.report;
+  if (settings.volume) {
+    const TetMesh& mesh = content.mesh;
+    body.volume = BodyVolume{mesh.nodes, mesh.tets, std::move(*u.inside), std::move(sigma.inside)};
+    if (mesh.is_quadratic()) {
+      body.volume->tets.resize(10, mesh.tets.cols());
+      body.volume->tets << mesh.tets, mesh.edge_nodes;
+    }
+  }
   double farthest_rest = 0;
   for (int s = 0; s < content.site_count(); ++s) {
     StoredUnit unit = store.unit(point * content.site_count() + s);
@@ -578,6 +593,7 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
     if (s > 0 || unit.rest.cols() == 0) continue;
     // The body at rest lies there as its preload leaves it; the same for all sites.
     body.surface.vertices += unit.rest(Eigen::all, boundary.node_of_vertex);
+    if (body.volume) body.volume->nodes += unit.rest;
     farthest_rest = unit.rest.colwise().norm().maxCoeff();
   }
   if (points.free()) add_further(store, point, body);
@@ -614,6 +630,16 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
   add("displacement", reduction_line("displacement", made.displacement, wanted));
   add("stress", stressed != nullptr ? reduction_line("nodal Cauchy stress", made.stress, wanted)
                                     : "none: the snapshots have no stress, it is taken as zero");
+  if (const std::optional<BetweenSites> between = between_sites(store)) {
+    body.error.between_sites = between->median;
+    add("between sites",
+        fmt::format(
+            "the field of the nearest site, for {} touches between sites, against their "
+            "own linear responses of equal depth, on the skin: {:.2g} at the median, {:.2g} "
+            "at nine tenths, {:.2g} at the worst",
+            between->touches, between->median, between->nine_tenths, between->worst));
+    made.between_sites = body.provenance.back().second;
+  }
   if (!settings.version.empty()) add("program", settings.version);
   if (!settings.command_line.empty()) add("command line", settings.command_line);
   timer.reset();

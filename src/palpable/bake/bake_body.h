@@ -46,6 +46,7 @@ struct ReduceSettings {
   /// (ReducedBody::further). Otherwise it holds one value of each; of one that is not named, that
   /// in the middle of its list.
   std::map<std::string, double> at = {};
+  bool volume = false;  ///< all nodes too, beside those of the boundary: ReducedBody::volume
   std::string version = {}, command_line = {};  ///< for the provenance
 };
 
@@ -71,9 +72,10 @@ struct BakeReport {
   int nodes = 0, tets = 0, vertices = 0, triangles = 0;
   std::vector<SiteOutcome> outcomes;
   ReductionReport displacement, stress;
-  std::string held_out = {};  ///< one line, of who has compared; empty: nobody
-  StageTimes wall;            ///< ms by the clock on the wall: mesh, campaign, reduce
-  StageTimes threads;         ///< ms of the campaign's parts, summed over threads
+  std::string held_out = {};       ///< one line, of who has compared; empty: nobody
+  std::string between_sites = {};  ///< one line; empty: the store has no linear responses
+  StageTimes wall;                 ///< ms by the clock on the wall: mesh, campaign, reduce
+  StageTimes threads;              ///< ms of the campaign's parts, summed over threads
 };
 
 struct BakedBody {
@@ -103,8 +105,9 @@ struct FilledStore {
 /// have
 [[nodiscard]] int point_of(const StoreContent& content, const std::map<std::string, double>& at);
 
-/// Reduces the snapshots of a complete store to a body, boundary only. Reads them in blocks:
-/// memory is 200 MB, 24 bytes for each pair of snapshots and what the modes take.
+/// Reduces the snapshots of a complete store to a body, boundary only unless settings.volume. Reads
+/// them in blocks: memory is 200 MB, 24 bytes for each pair of snapshots and what the modes take.
+/// What a touch between sites costs is stated where the store's linear responses tell.
 /// @throws Error if a unit is missing or damaged, or `at` names what the store does not have
 [[nodiscard]] BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& settings,
                                      const Progress& progress = {});

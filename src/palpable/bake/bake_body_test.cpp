@@ -141,6 +141,68 @@ TEST_CASE("a baked body survives its file, with where it comes from", "[bake][bo
                       Contains("egg.ply") && Contains("tetrahedra") && Contains("4 levels"));
 }
 
+TEST_CASE("a body with its inside gives the snapshots back at every node", "[bake][body][volume]") {
+  const Kitchen kitchen;
+  BodyDescription heavy = kitchen.egg();
+  heavy.gravity = BodyDescription::Gravity{.density = 2000};  // lies lower than it was drawn
+  heavy.sites.count = 2;
+  heavy.shape.order = 2;
+  LocalCrew crew;
+  BakeSettings bake;
+  bake.threads = 1;
+  bake.store = kitchen.folder / "egg.snapshots";
+  const SnapshotStore store = fill_store(heavy, bake, crew).store;
+  const TetMesh& mesh = store.content().mesh;
+  ReduceSettings settings;
+  settings.volume = true;
+  settings.tolerance = 1e-5;
+  settings.own_norms = true;
+  const ReducedBody body = reduce_store(store, settings).body;
+  REQUIRE(body.volume.has_value());
+  REQUIRE(body.volume->stress.has_value());
+  CHECK(body.volume->tets.topRows(4) == mesh.tets);
+  CHECK(body.volume->tets.bottomRows(6) == mesh.edge_nodes);
+  CHECK(body.volume->nodes == mesh.nodes + store.unit(0).rest);
+  for (const ModeStorage storage : {ModeStorage::kFloat32, ModeStorage::kFloat16}) {
+    const std::filesystem::path file = kitchen.folder / "egg.palpable";
+    const ReductionError stated = write_body_file(file, body, storage);
+    const ReducedBody again = value_or_throw(read_body_file(file));
+    const bool half = storage == ModeStorage::kFloat16;
+    // Eleven bits: each value is off by 2^-12 of itself at the most, and by less on average.
+    CHECK((stated.displacement_rounding > 0) == half);
+    CHECK(stated.displacement_rounding <= 0.5 / 2048);
+    CHECK(stated.stress_rounding == again.error.stress_rounding);
+    for (const char* name : {"displacement", "stress"}) {
+      const bool is_u = std::string(name) == "displacement";
+      const SeparatedField& inside = is_u ? again.volume->displacement : *again.volume->stress;
+      const SeparatedField& skin = is_u ? again.displacement : again.stress;
+      const StoredField field{name, is_u ? 3 : 6};
+      std::vector<float> all(static_cast<std::size_t>(inside.value_count()));
+      std::vector<float> outside(static_cast<std::size_t>(skin.value_count()));
+      const Boundary boundary = split_boundary_of(mesh);
+      for (int s = 0; s < 2; ++s) {
+        const Eigen::MatrixXf truth = store.rows(s, field, 0, inside.value_count());
+        for (int l = 0; l < 4; ++l) {
+          const double mu[2] = {double(s), again.levels()[l + 1]};
+          inside.evaluate(mu, all);
+          skin.evaluate(mu, outside);
+          const Eigen::Map<const Eigen::VectorXf> found(all.data(), inside.value_count());
+          CHECK((found - truth.col(l)).norm() <=
+                tolerance(half ? 5e-4f : 1e-4f, "1e-5 by volume and site, not by node; 2^-12") *
+                    truth.col(l).norm());
+          for (std::size_t v = 0; v < boundary.node_of_vertex.size(); ++v) {
+            const auto node = static_cast<std::size_t>(boundary.node_of_vertex[v]);
+            CHECK(all[node * std::size_t(field.components)] ==
+                  outside[v * std::size_t(field.components)]);
+          }
+        }
+      }
+    }
+  }
+  // Without being asked there is none.
+  CHECK_FALSE(reduce_store(store, {}).body.volume.has_value());
+}
+
 TEST_CASE("the bake is the same on one thread and on three", "[bake][body][threads]") {
   const Kitchen kitchen;
   const auto bake = [&](int threads) {

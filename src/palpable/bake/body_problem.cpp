@@ -1,5 +1,6 @@
 #include "palpable/bake/body_problem.h"
 
+#include "palpable/bake/between_sites.h"
 #include "palpable/bake/contact_sites.h"
 #include "palpable/bake/places.h"
 #include "palpable/base/contract.h"
@@ -57,13 +58,34 @@ SiteSettings site_settings(const BodyDescription& description, const BodyMesh& b
 }
 
 // Every vertex that is not held.
-std::vector<Site> all_sites(const BodyDescription& description, const BodyMesh& body) {
-  const std::vector<std::uint8_t> fixed = fixed_vertices(body);
+// (V) 1 where a support holds the vertex in any direction.
+std::vector<std::uint8_t> supported_vertices(const BodyMesh& body) {
+  std::vector<std::uint8_t> held = held_nodes(body);
+  for (const Support& support : body.supports) held[static_cast<std::size_t>(support.node)] = 1;
+  return at_skin(held, body.boundary);
+}
+
+// Every vertex of the skin that is not held; or the sites and some touches between them, which say
+// what it costs that sites are a choice.
+std::vector<Site> linear_sites(const BodyDescription& description, const BodyMesh& body,
+                               const std::vector<Site>& sites) {
+  if (!description.parameters.empty()) return {};
+  const SurfaceMesh& skin = body.boundary.surface;
+  const std::vector<std::uint8_t> fixed =
+      description.sites.linear ? fixed_vertices(body) : supported_vertices(body);
   std::vector<int> vertices;
   for (std::size_t v = 0; v < fixed.size(); ++v) {
     if (fixed[v] == 0) vertices.push_back(static_cast<int>(v));
   }
-  return sites_at(body.boundary.surface, fixed, vertices, site_settings(description, body));
+  const SiteSettings settings = site_settings(description, body);
+  if (description.sites.linear) return sites_at(skin, fixed, vertices, settings);
+  std::vector<int> places;
+  for (const Site& site : sites) places.push_back(site.vertex);
+  const std::vector<int> touches = touches_between(skin, places, vertices, kTouchesBetween);
+  if (touches.empty()) return {};
+  std::vector<Site> all = sites;
+  for (Site& touch : sites_at(skin, fixed, touches, settings)) all.push_back(std::move(touch));
+  return all;
 }
 
 std::vector<Site> place_sites(const BodyDescription& description, const BodyMesh& body) {
@@ -72,9 +94,7 @@ std::vector<Site> place_sites(const BodyDescription& description, const BodyMesh
   const SurfaceMesh& skin = body.boundary.surface;
   if (wanted.at.empty()) {
     // A patch that slides on a support would carry less than its load: none of those is chosen.
-    std::vector<std::uint8_t> held = held_nodes(body);
-    for (const Support& support : body.supports) held[static_cast<std::size_t>(support.node)] = 1;
-    return choose_sites(skin, at_skin(held, body.boundary), settings);
+    return choose_sites(skin, supported_vertices(body), settings);
   }
 
   std::vector<int> vertex_of_node(static_cast<std::size_t>(body.mesh.node_count()), -1);
@@ -211,7 +231,7 @@ BodyProblem pose_body(const BodyDescription& description) {
   refuse_unsolvable(description, problem.model);
   problem.preload = preload_of(description, volume);
   problem.sites = place_sites(description, body);
-  if (description.sites.linear) problem.linear_sites = all_sites(description, body);
+  problem.linear_sites = linear_sites(description, body, problem.sites);
   problem.force = description.press.force.value_or(0.0);
   if (problem.force == 0.0) {
     problem.press = description.press.length.value_or(description.press.depth * body.height);

@@ -19,7 +19,9 @@ struct BodyProblem {
   BodyMesh mesh;
   SolidModel model;
   std::vector<Site> sites;  ///< full loads not found yet
-  /// Every vertex of the skin that is not held, with its patch; none unless they are asked for.
+  /// Whose linear responses are asked for: every vertex of the skin that is not held, or the sites
+  /// and then touches_between() them, clear of supports. None where there are parameters, or
+  /// nothing between sites.
   std::vector<Site> linear_sites;
   double press = 0;  ///< m: how far a patch shall give way at full load; 0: see force
   double force = 0;  ///< N: the full load; 0: the one that gives the press

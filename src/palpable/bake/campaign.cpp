@@ -85,9 +85,10 @@ void refuse_if_out_of_reach(const SnapshotStore& store, int point, double press)
 }
 
 // Solves what is missing of the linear responses, file by file.
+// @param solver  of the sites, if any were solved here: its factor serves these, too
 void solve_linear_responses(const CampaignPlan& plan, const SnapshotStore& store, Crew& crew,
                             const CampaignSettings& settings, const Progress& progress,
-                            CampaignReport& result) {
+                            std::optional<EquilibriumSolver>& solver, CampaignReport& result) {
   const int files = store.content().linear_file_count();
   std::vector<int> pending;
   int there = 0;
@@ -107,8 +108,10 @@ void solve_linear_responses(const CampaignPlan& plan, const SnapshotStore& store
   const double total = there + static_cast<double>(pending.size());
   report(progress, {"linear responses", static_cast<double>(there), total, ""});
   // A response is exact to the solver's tolerance of a residual that is as small as its load.
-  const EquilibriumSolver solver(model_at(plan, 0), {.tolerance = kSnapshotTolerance});
-  const SiteSolver presses(solver, plan.boundary, plan.preload);
+  if (!solver) {
+    solver.emplace(model_at(plan, 0), EquilibriumSettings{.tolerance = kSnapshotTolerance});
+  }
+  const SiteSolver presses(*solver, plan.boundary, plan.preload);
   crew.share(
       static_cast<int>(pending.size()),
       [&](const Pieces& pieces) {
@@ -233,6 +236,7 @@ CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store
 
   Account account(progress, result.reused, result.reused + static_cast<int>(pending.size()), S * P);
   std::mutex timing;
+  std::optional<EquilibriumSolver> solver;
   for (int p = 0; p < P; ++p) {
     std::vector<int> here;
     for (const int u : pending) {
@@ -240,9 +244,10 @@ CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store
     }
     if (here.empty()) continue;
     account.begin();
-    const EquilibriumSolver solver(model_at(plan, p), {.tolerance = kSnapshotTolerance});
-    result.setup = solver.setup();
-    const SiteSolver presses(solver, plan.boundary, plan.preload);
+    solver.reset();  // one factor at a time
+    solver.emplace(model_at(plan, p), EquilibriumSettings{.tolerance = kSnapshotTolerance});
+    result.setup = solver->setup();
+    const SiteSolver presses(*solver, plan.boundary, plan.preload);
     std::optional<CalculixSites> calculix;
     if (plan.solver == "calculix") calculix.emplace(presses, settings.calculix);
     const auto run = [&](const Pieces& pieces) {
@@ -281,7 +286,7 @@ CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store
   }
   if (!plan.linear.empty()) {
     PALPABLE_EXPECT(P == 1, "linear responses are of one body");
-    solve_linear_responses(plan, store, crew, settings, progress, result);
+    solve_linear_responses(plan, store, crew, settings, progress, solver, result);
   }
   if (!crew.leads() || result.missing > 0) return result;
   if (plan.run.force == 0.0 && plan.run.at.empty()) {

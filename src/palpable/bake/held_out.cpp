@@ -56,7 +56,8 @@ double median(const MatrixXd& values) {
 double HeldOutErrors::displacement_median() const { return median(displacement); }
 double HeldOutErrors::von_mises_median() const { return median(von_mises); }
 
-HeldOutErrors held_out_errors(const ReducedBody& body, const SnapshotStore& held_out, int point) {
+HeldOutErrors held_out_errors(const ReducedBody& body, const SnapshotStore& held_out, int point,
+                              HeldOutAt at) {
   PALPABLE_EXPECT(body.is_settled(), "a press has a site and a level");
   const StoreContent& content = held_out.content();
   const int S = content.site_count(), L = content.level_count();
@@ -79,8 +80,11 @@ HeldOutErrors held_out_errors(const ReducedBody& body, const SnapshotStore& held
     if (!why.empty()) throw Error(fmt::format("{}: {}", held_out.unit_file(unit).string(), why));
     const Eigen::MatrixXf u_truth = on_skin(held_out, unit, moved, boundary);
     const Eigen::MatrixXf sigma_truth = on_skin(held_out, unit, stressed, boundary);
+    const VectorXd depth = held_out.unit(unit).press_depth;
     for (int l = 0; l < L; ++l) {
-      const double mu[2] = {static_cast<double>(s), content.levels[l + 1]};
+      const double level = at == HeldOutAt::kLevel ? content.levels[l + 1]
+                                                   : level_of_press_depth(body, s, depth[l + 1]);
+      const double mu[2] = {static_cast<double>(s), level};
       body.displacement.evaluate(mu, span_of(u));
       const VectorXd truth = u_truth.col(l).cast<double>();
       const double own_lost = (u.cast<double>() - truth).cwiseAbs2().dot(areas);

@@ -23,10 +23,17 @@ struct HeldOutErrors {
   [[nodiscard]] double von_mises_median() const;
 };
 
+/// Which state of the body a held-out one is compared with.
+enum class HeldOutAt {
+  kLevel,  ///< the one at its level: loads are the same
+  kDepth   ///< the one that is pressed as deep, as the live half finds it from a measured depth
+};
+
 /// @pre body.is_settled()
-/// @param held_out  units of the point from which the body is (as ReduceSettings::at)
+/// @param held_out  units of the point from which the body is (as ReduceSettings::at), or to which
+///                  it was settled
 /// @throws Error if a unit is missing, or the store is of another mesh or other sites
 [[nodiscard]] HeldOutErrors held_out_errors(const ReducedBody& body, const SnapshotStore& held_out,
-                                            int point = 0);
+                                            int point = 0, HeldOutAt at = HeldOutAt::kLevel);
 
 }  // namespace palpable

@@ -540,8 +540,8 @@ Result<ReducedBody> read_pressable_body(const std::filesystem::path& path,
   return Problem{fmt::format("{}: {}", path.string(), result.problem().message)};
 }
 
-void write_body_file(const std::filesystem::path& path, const ReducedBody& body,
-                     ModeStorage storage) {
+ReductionError write_body_file(const std::filesystem::path& path, const ReducedBody& body,
+                               ModeStorage storage) {
   if (body.level_slope.size() == 0 && body.press_depth.size() > 0) {
     ReducedBody tabulated = body;
     tabulate_press(tabulated);
@@ -551,8 +551,10 @@ void write_body_file(const std::filesystem::path& path, const ReducedBody& body,
   try {
     const std::string bytes = hdf5::image_of(kKind, kBodyFileVersion,
                                              [&](hid_t file) { write_all(file, body, storage); });
-    (void)from_bytes(bytes);  // a body that breaks a promise of reduced_body.h is not written
+    // A body that breaks a promise of reduced_body.h is not written.
+    const ReductionError error = from_bytes(bytes).error;
     hdf5::write_durably(path, bytes);
+    return error;
   } catch (const Trouble& trouble) {
     throw Error(fmt::format("{}: {}", path.string(), trouble.what));
   }

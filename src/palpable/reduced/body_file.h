@@ -31,7 +31,8 @@ enum class ModeStorage {
 /// Writes a body file aside, syncs it, and renames it into place: a reader sees the old file or the
 /// whole new one. @throws Error when the file cannot be written (missing folder, full disk).
 /// The press is tabulated if it is not.
-void write_body_file(const std::filesystem::path& path, const ReducedBody& body,
-                     ModeStorage storage = ModeStorage::kFloat32);
+/// @return the body's errors as the file states them, those of rounding included
+ReductionError write_body_file(const std::filesystem::path& path, const ReducedBody& body,
+                               ModeStorage storage = ModeStorage::kFloat32);
 
 }  // namespace palpable

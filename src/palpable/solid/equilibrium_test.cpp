@@ -239,6 +239,20 @@ TEST_CASE("a press that St. Venant-Kirchhoff does not survive is answered with t
   CHECK(solver.solve_path(found.load * unit, levels).complete);
 }
 
+TEST_CASE("a press that is not reached is walked to a twentieth below what is borne",
+          "[solid][find-load]") {
+  const SolidModel model = cube("saint-venant-kirchhoff", 4);
+  const EquilibriumSolver solver(model);
+  const Matrix3Xd unit = press_at(model, kTop);
+  const LoadSearch found = solver.find_load(unit, 0.06);
+  const PressPath path = solver.press_path(unit, {.press = 0.06, .levels = 3});
+  CHECK_FALSE(path.reached);
+  REQUIRE(path.steps.size() == 3);
+  CHECK(path.full_load ==
+        Approx(0.95 * found.load)
+            .epsilon(tolerance(0.005, "both stop at a last good load, not at the same one")));
+}
+
 TEST_CASE("a path that cannot go on keeps its good levels and says why", "[solid][path]") {
   const SolidModel model = cube("saint-venant-kirchhoff", 3);
   const EquilibriumSolver solver(model);

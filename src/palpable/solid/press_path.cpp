@@ -26,9 +26,11 @@ constexpr int kMostSolves = 100;
 // States that a search usually computes: what progress expects.
 constexpr int kUsualSolves = 8;
 
-// A site that stops early is taken this fraction of the way: the very last state that the solver
-// found is often its last because the next is none.
-constexpr double kBackOff = 0.97;
+// A site that stops early is taken this fraction of the way. The very last state that the solver
+// found is often its last because the next is none; and beside collapse a body changes faster than
+// 26 levels can tell: at the bunny's one such site, von Mises stress between the last two is wrong
+// by 5.1e-3 of its maximum with 0.97, 1.5e-3 with 0.95, 5e-4 with 0.92.
+constexpr double kBackOff = 0.95;
 // How often a load may be lowered before we say that the body cannot be pressed there.
 constexpr int kMostLowerings = 12;
 
