@@ -83,6 +83,7 @@ void check_between_levels(const BodyDescription& description, BakeSettings setti
   baked.body.provenance.emplace_back(
       "held out", fmt::format("against {} levels between, solved afresh, on the skin: {}",
                               errors.displacement.size(), errors_text(errors)));
+  baked.body.error.held_out = errors.record();
   baked.report.held_out = baked.body.provenance.back().second;
 }
 

@@ -2,6 +2,7 @@
 
 #include "palpable/bake/between_sites.h"
 #include "palpable/bake/body_problem.h"
+#include "palpable/bake/error_course.h"
 #include "palpable/bake/reduction.h"
 #include "palpable/bake/store_rows.h"
 #include "palpable/base/contract.h"
@@ -84,9 +85,10 @@ struct Points {
   [[nodiscard]] bool free() const { return count > 1; }
 };
 
+// Shows each snapshot of the skin to `course` too, unless that is null.
 double largest_evaluation_error(const SeparatedField& reduced, const SnapshotStore& store,
                                 const Points& points, const StoredField& field,
-                                const Boundary& boundary) {
+                                const Boundary& boundary, VonMisesCourse* course) {
   const StoreContent& content = store.content();
   const int S = content.site_count(), L = content.level_count();
   const Index rows = Index{content.mesh.node_count()} * field.components;
@@ -107,6 +109,8 @@ double largest_evaluation_error(const SeparatedField& reduced, const SnapshotSto
         mu[1] = content.levels[l + 1];
         reduced.evaluate(mu, values);
         largest = std::max(largest, (evaluated - truth.col(l)).cwiseAbs().maxCoeff());
+        const Index k = (Index{s} * L + l) * points.count + p - points.first;
+        if (course != nullptr) course->add(k, mu, truth.col(l));
       }
     }
   }
@@ -117,6 +121,7 @@ struct ReducedField {
   SeparatedField field;
   ReductionReport report;
   std::optional<SeparatedField> inside = {};  // at all nodes, if asked for
+  std::optional<ErrorCourse> course = {}, von_mises_course = {};
 };
 
 double median(VectorXd values) {
@@ -152,12 +157,17 @@ ReducedField reduce_field(const StoredField& field, const SnapshotStore& store,
   }
   report.columns = result.total_modes();
   ReducedField reduced{as_field(result.blocks, content, &boundary, field.components),
-                       std::move(report)};
+                       std::move(report), std::nullopt, course_of(result)};
   if (volume) reduced.inside = as_field(result.blocks, content, nullptr, field.components);
   reduced.report.bytes = 4.0 * static_cast<double>(reduced.field.value_count()) *
                          static_cast<double>(reduced.report.columns);
-  reduced.report.evaluated_worst =
-      largest_evaluation_error(reduced.field, store, points, field, boundary);
+  std::optional<VonMisesCourse> von_mises;
+  if (field.name == "stress") {
+    von_mises.emplace(reduced.field, vertex_areas(boundary.surface), result.course.cols());
+  }
+  reduced.report.evaluated_worst = largest_evaluation_error(
+      reduced.field, store, points, field, boundary, von_mises ? &*von_mises : nullptr);
+  if (von_mises) reduced.von_mises_course = von_mises->result();
   return reduced;
 }
 
@@ -574,6 +584,9 @@ BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& setting
                               .provenance = {}},
                   {}};
   ReducedBody& body = baked.body;
+  body.error.displacement_course = std::move(u.course);
+  body.error.stress_course = std::move(sigma.course);
+  body.error.von_mises_course = std::move(sigma.von_mises_course);
   BakeReport& made = baked.report;
   if (settings.volume) {
     const TetMesh& mesh = content.mesh;

@@ -135,6 +135,20 @@ TEST_CASE("a baked body survives its file, with where it comes from", "[bake][bo
   CHECK(again.name == "egg");
   CHECK(again.displacement.modes() == baked.body.displacement.modes());
   CHECK(again.press_depth == baked.body.press_depth);
+  // How the errors fall: down to what the body states.
+  const ReductionError& error = again.error;
+  REQUIRE((error.displacement_course && error.stress_course && error.von_mises_course));
+  CHECK(error.displacement_course->modes.tail(1)[0] == again.displacement.largest_block());
+  CHECK(error.displacement_course->pooled.tail(1)[0] == error.displacement_pooled);
+  CHECK(error.stress_course->pooled.tail(1)[0] == error.stress_pooled);
+  CHECK(error.stress_course->snapshots.rightCols(1).maxCoeff() ==
+        static_cast<float>(error.stress_worst));
+  CHECK(error.von_mises_course->modes.tail(1)[0] == again.stress.largest_block());
+  CHECK(error.von_mises_course->snapshots.rows() == 3 * 4);
+  CHECK(error.von_mises_course->pooled.tail(1)[0] <
+        tolerance(5e-3, "1e-3 of the stress was asked for, over the volume; this is the skin"));
+  CHECK(error.von_mises_course->pooled.tail(1)[0] < 0.3 * error.von_mises_course->pooled[0]);
+  CHECK_FALSE(error.held_out);
   std::string all;
   for (const auto& [key, value] : again.provenance) all += key + ": " + value + "\n";
   CHECK_THAT(all, Contains("program: test 1") && Contains("command line: palpable bake egg.toml") &&
@@ -339,6 +353,13 @@ TEST_CASE("a parameter that nobody settles stays free in the body", "[bake][body
     CHECK(body.further[0].name == "stiffness");
     CHECK(body.further[0].value == 1.0);
     REQUIRE(body.displacement.axes().size() == 3);
+    CHECK(body.error.displacement_course->snapshots.rows() == 2 * 3 * 3);
+    // Von Mises stress of all combinations, in the order of the others: by and large as wrong as
+    // stress itself.
+    const Eigen::VectorXf vm = body.error.von_mises_course->snapshots.rightCols(1);
+    const Eigen::VectorXf stress = body.error.stress_course->snapshots.rightCols(1);
+    REQUIRE(vm.size() == stress.size());
+    CHECK(vm.maxCoeff() < 20 * stress.maxCoeff());
     std::vector<float> u(static_cast<std::size_t>(body.displacement.value_count())), one = u;
     for (const double value : {0.5, 2.0}) {
       const ReducedBody settled_body = value_or_throw(settled(body, {{"stiffness", value}}));

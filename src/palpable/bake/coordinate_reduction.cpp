@@ -49,6 +49,26 @@ VectorXd CoordinateReduction::left(const MatrixXd& gram) const {
   return left.colwise().squaredNorm().transpose() + outside.cwiseMax(0.0);
 }
 
+MatrixXd CoordinateReduction::course(const MatrixXd& gram) const {
+  const MatrixXd own = Q.C * scale.asDiagonal();
+  MatrixXd course(modes.F.cols(), gram.cols());
+  if (left_by_modes.size() > 0) {
+    course = left_by_modes * scale.cwiseAbs2().asDiagonal();
+  } else {
+    std::vector<int> sizes;
+    for (const MatrixXd& G : modes.G) sizes.push_back(static_cast<int>(G.rows()));
+    const MatrixXd functions = parameter_products(modes.G, sizes);
+    MatrixXd left = own;
+    for (Index i = 0; i < course.rows(); ++i) {
+      left.noalias() -= modes.F.col(i) * functions.col(i).transpose();
+      course.row(i) = left.colwise().squaredNorm();
+    }
+  }
+  const VectorXd outside = gram.diagonal() - own.colwise().squaredNorm().transpose();
+  course.rowwise() += outside.cwiseMax(0.0).transpose();
+  return course;
+}
+
 CoordinateReduction reduce_in_coordinates(const MatrixXd& gram, const std::vector<int>& sizes,
                                           const ReductionSettings& settings,
                                           const Progress& progress) {
@@ -73,6 +93,7 @@ CoordinateReduction reduce_in_coordinates(const MatrixXd& gram, const std::vecto
   Separation separation = separate({result.Q.C, axes}, settings.method, goal, progress, result);
   result.reached = separation.reached;
   result.errors = (in * separation.errors.array().square() + out).sqrt();
+  result.left_by_modes = std::move(separation.left);
   result.modes = std::move(separation.separated);
   if (settings.weight_snapshots) {
     if (result.modes.G.size() == 1) {

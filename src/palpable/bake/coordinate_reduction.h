@@ -17,13 +17,16 @@ struct CoordinateReduction {
   SeparatedTensor modes;   ///< F in coordinates (r x m); G over the snapshots as they are
   Eigen::VectorXd errors;  ///< (m) in the norm of the divided snapshots
   bool reached = false;
-  std::vector<int> ranks;       ///< kHosvd
-  std::optional<double> bound;  ///< kHosvd
+  std::vector<int> ranks;              ///< kHosvd
+  std::optional<double> bound;         ///< kHosvd
+  Eigen::MatrixXd left_by_modes = {};  ///< Separation::left of the divided snapshots
 
   /// (N x m) is A times this.
   [[nodiscard]] Eigen::MatrixXd combination() const;
   /// (K) squares of what is left of each snapshot.
   [[nodiscard]] Eigen::VectorXd left(const Eigen::MatrixXd& gram) const;
+  /// (m x K) the same after 1, 2, ... modes; kHosvd: functions of space.
+  [[nodiscard]] Eigen::MatrixXd course(const Eigen::MatrixXd& gram) const;
 };
 
 /// @param gram      (K x K) lower triangle

@@ -19,6 +19,7 @@ Separation cp_als(const SnapshotTensor& snapshots, const ReductionGoal& goal,
   GreedyPgd modes(snapshots, start);
   Separation result;
   std::vector<double> errors;
+  std::vector<Eigen::VectorXd> left;
   const double total = -std::log10(goal.tolerance);
   while (static_cast<int>(errors.size()) < goal.max_modes && !result.reached) {
     modes.add_mode();
@@ -30,6 +31,7 @@ Separation cp_als(const SnapshotTensor& snapshots, const ReductionGoal& goal,
       if (modes.error() > (1.0 - settings.sweep_tolerance) * before) break;
     }
     errors.push_back(modes.error());
+    left.push_back(modes.left());
     result.reached = errors.back() <= goal.tolerance;
     const double done = std::min(total, -std::log10(std::max(errors.back(), goal.tolerance)));
     report(progress, {"separating", std::max(0.0, done), std::max(total, 1e-9),
@@ -37,6 +39,10 @@ Separation cp_als(const SnapshotTensor& snapshots, const ReductionGoal& goal,
   }
   result.errors =
       Eigen::Map<const Eigen::VectorXd>(errors.data(), static_cast<Eigen::Index>(errors.size()));
+  result.left.resize(result.errors.size(), snapshots.values.cols());
+  for (Eigen::Index i = 0; i < result.left.rows(); ++i) {
+    result.left.row(i) = left[static_cast<std::size_t>(i)].transpose();
+  }
   result.separated = modes.separated();
   return result;
 }

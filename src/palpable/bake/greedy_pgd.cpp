@@ -82,17 +82,23 @@ Separation greedy_pgd(const SnapshotTensor& snapshots, const ReductionGoal& goal
   GreedyPgd greedy(snapshots, settings);
   Separation result;
   std::vector<double> errors;
+  std::vector<VectorXd> left;
   // Done as the error falls from 1 to the tolerance, on a logarithmic scale.
   const double total = -std::log10(goal.tolerance);
   while (static_cast<int>(errors.size()) < goal.max_modes && !result.reached) {
     greedy.add_mode();
     errors.push_back(greedy.error());
+    left.push_back(greedy.left());
     result.reached = errors.back() <= goal.tolerance;
     const double done = std::min(total, -std::log10(std::max(errors.back(), goal.tolerance)));
     report(progress, {"separating", std::max(0.0, done), std::max(total, 1e-9),
                       fmt::format("{} modes, error {:.2g}", errors.size(), errors.back())});
   }
   result.errors = Eigen::Map<const VectorXd>(errors.data(), static_cast<Index>(errors.size()));
+  result.left.resize(result.errors.size(), snapshots.values.cols());
+  for (Index i = 0; i < result.left.rows(); ++i) {
+    result.left.row(i) = left[static_cast<std::size_t>(i)].transpose();
+  }
   result.separated = greedy.separated();
   return result;
 }

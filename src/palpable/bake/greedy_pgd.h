@@ -44,6 +44,8 @@ class GreedyPgd {
   bool improve();
 
   [[nodiscard]] double error() const { return left_.norm() / norm_; }
+  /// (K) squares of what is left of each snapshot.
+  [[nodiscard]] Eigen::VectorXd left() const { return left_.colwise().squaredNorm(); }
   [[nodiscard]] const SeparatedTensor& separated() const { return separated_; }
 
  private:

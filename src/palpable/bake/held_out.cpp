@@ -53,6 +53,10 @@ double median(const MatrixXd& values) {
 
 }  // namespace
 
+HeldOutRecord HeldOutErrors::record() const {
+  return {levels, displacement.cast<float>(), displacement_pooled, von_mises.cast<float>()};
+}
+
 double HeldOutErrors::displacement_median() const { return median(displacement); }
 double HeldOutErrors::von_mises_median() const { return median(von_mises); }
 
@@ -71,7 +75,7 @@ HeldOutErrors held_out_errors(const ReducedBody& body, const SnapshotStore& held
   const StoredField& moved = field_of(held_out, "displacement");
   const StoredField& stressed = field_of(held_out, "stress");
   const VectorXd areas = vertex_areas(body.surface).transpose().replicate(3, 1).reshaped();
-  HeldOutErrors errors{MatrixXd(L, S), 0, MatrixXd(L, S)};
+  HeldOutErrors errors{MatrixXd(L, S), 0, MatrixXd(L, S), content.levels.tail(L)};
   double lost = 0, whole = 0;
   VectorXf u(3 * V), sigma(6 * V), vm(V), vm_truth(V);
   for (int s = 0; s < S; ++s) {

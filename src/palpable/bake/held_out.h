@@ -19,6 +19,10 @@ struct HeldOutErrors {
   /// (L x S) the worst vertex: largest | vM - vM_r | over the largest vM of the same snapshot.
   Eigen::MatrixXd von_mises;
 
+  Eigen::VectorXd levels = {};  ///< (L)
+  /// As the body file keeps them.
+  [[nodiscard]] HeldOutRecord record() const;
+
   [[nodiscard]] double displacement_median() const;
   [[nodiscard]] double von_mises_median() const;
 };

@@ -92,6 +92,11 @@ TEST_CASE("a body's errors between its levels are those of what the live half ev
   // One mode a site is a straight line in the space of fields: visibly worse.
   const ReducedBody poor = reduce_store(campaign, {.max_modes = 1}).body;
   CHECK(held_out_errors(poor, between).displacement_pooled > 3.0 * errors.displacement_pooled);
+  const HeldOutRecord record = errors.record();
+  CHECK(record.levels == Eigen::VectorXd::LinSpaced(5, 0.1, 0.9));
+  CHECK(record.displacement == errors.displacement.cast<float>());
+  CHECK(record.displacement_pooled == errors.displacement_pooled);
+  CHECK(record.von_mises == errors.von_mises.cast<float>());
   // By hand, one snapshot.
   const Eigen::VectorXd areas = vertex_areas(reduced.surface);
   const Boundary boundary = split_boundary_of(between.content().mesh);

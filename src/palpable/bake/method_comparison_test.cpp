@@ -38,6 +38,17 @@ TEST_CASE("what a method would do, told from the Gram matrix, is what it does",
       CHECK(told.median <= told.worst);
       CHECK(told.bytes(180) == 4.0 * (180.0 * told.columns + told.parameter_values));
       CHECK(told.parameter_values > 0.0);
+      REQUIRE(static_cast<int>(told.steps.size()) == told.modes);
+      for (Index i = 0; i < done.pooled_course.size(); ++i) {
+        const MethodStep& step = told.steps[static_cast<std::size_t>(i)];
+        CHECK(step.modes == i + 1);
+        CHECK(std::abs(step.pooled - done.pooled_course[i]) <=
+              tolerance(1e-7, "what the Gram matrix drops"));
+        CHECK(std::abs(step.worst - done.course.row(i).maxCoeff()) <=
+              tolerance(1e-6, "what the Gram matrix drops, of the smallest snapshot"));
+      }
+      CHECK(told.steps.back().columns == told.columns);
+      CHECK(told.steps.back().parameter_values == told.parameter_values);
     }
   }
 }

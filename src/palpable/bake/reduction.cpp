@@ -29,13 +29,21 @@ constexpr std::array<std::pair<ReductionMethod, std::string_view>, 6> kNames{
      {ReductionMethod::kCp, "cp"},
      {ReductionMethod::kHosvd, "hosvd"}}};
 
-// From the squares of what is left of each snapshot and of the whole of it.
-void set_errors(const VectorXd& lost, const VectorXd& whole, Reduction& result) {
-  result.error = std::sqrt(lost.sum() / whole.sum());
-  result.snapshot_errors = VectorXd::Zero(lost.size());
-  for (Index k = 0; k < lost.size(); ++k) {
-    if (whole[k] > 0.0) result.snapshot_errors[k] = std::sqrt(lost[k] / whole[k]);
+// From the squares of what is left of each snapshot and of the whole of it; `course` (m x K) is
+// what was left after 1, 2, ... modes.
+void set_errors(const VectorXd& lost, const VectorXd& whole, MatrixXd course, Reduction& result) {
+  course.row(course.rows() - 1) = lost.transpose();
+  result.pooled_course = (course.rowwise().sum() / whole.sum()).cwiseSqrt();
+  result.course = std::move(course);
+  for (Index k = 0; k < whole.size(); ++k) {
+    if (whole[k] > 0.0) {
+      result.course.col(k) = (result.course.col(k) / whole[k]).cwiseSqrt();
+    } else {
+      result.course.col(k).setZero();
+    }
   }
+  result.error = result.pooled_course.tail(1)[0];
+  result.snapshot_errors = result.course.bottomRows(1).transpose();
 }
 
 // (K) squares of what modes leave of snapshots (N x K) read from somewhere, and of the whole.
@@ -59,6 +67,7 @@ struct Block {
   SeparatedTensor separated;
   VectorXd errors, lost, whole;
   bool reached = false;
+  MatrixXd course = {};  // (m x K) what is left of each, squared, after 1, 2, ... modes
 };
 
 // Above this, snapshots are read in blocks of rows and never held together.
@@ -78,11 +87,13 @@ Block reduce_to_one(const SnapshotRows& snapshots, const VectorXd& weights,
   const MatrixXd gram = by_sites ? std::move(bases->gram) : gram_of(snapshots, weights);
   report(progress, {"products of snapshots", 1.0, 1.0, ""});
   CoordinateReduction found = reduce_in_coordinates(gram, snapshots.sizes, settings, progress);
+  MatrixXd course = found.course(gram);
   Block block{{{}, std::move(found.modes.G)},
               std::move(found.errors),
               VectorXd::Zero(K),
               VectorXd::Zero(K),
-              found.reached};
+              found.reached,
+              std::move(course)};
   result.ranks = found.ranks;
   result.bound = found.bound;
   MatrixXd& F = block.separated.F;
@@ -112,11 +123,13 @@ Block reduce_one_site(const SnapshotTensor& here, const VectorXd& weights,
   MatrixXd gram = MatrixXd::Zero(n, n);
   add_gram(weights.cwiseSqrt().asDiagonal() * here.values, gram);
   CoordinateReduction found = reduce_in_coordinates(gram, here.sizes, settings);
+  MatrixXd course = found.course(gram);
   Block block{{times(here.values, found.combination()), std::move(found.modes.G)},
               std::move(found.errors),
               VectorXd::Zero(n),
               VectorXd::Zero(n),
-              found.reached};
+              found.reached,
+              std::move(course)};
   measure(here.values, block.separated.F, table_of(block.separated), weights, block.lost,
           block.whole);
   return block;
@@ -131,6 +144,7 @@ Reduction reduce_per_site(const SnapshotRows& snapshots, const VectorXd& weights
   Reduction result;
   result.reached = true;
   VectorXd lost = VectorXd::Zero(S * n), whole = lost;
+  std::vector<MatrixXd> courses;
   for (int s = 0; s < S; ++s) {
     const SnapshotTensor here{snapshots.read_first(s),
                               {snapshots.sizes.begin() + 1, snapshots.sizes.end()}};
@@ -152,11 +166,20 @@ Reduction reduce_per_site(const SnapshotRows& snapshots, const VectorXd& weights
     }
     lost.segment(s * n, n) = block.lost;
     whole.segment(s * n, n) = block.whole;
+    courses.push_back(block.course);
+    courses.back().bottomRows(1) = block.lost.transpose();
     result.blocks.push_back(block.separated);
     report(progress, {"separating sites", s + 1.0, static_cast<double>(S),
                       fmt::format("{} modes", result.total_modes())});
   }
-  set_errors(lost, whole, result);
+  MatrixXd course(result.most_modes(), S * n);
+  for (Index s = 0; s < S; ++s) {
+    const MatrixXd& here = courses[static_cast<std::size_t>(s)];
+    for (Index i = 0; i < course.rows(); ++i) {
+      course.block(i, s * n, 1, n) = here.row(std::min(i, here.rows() - 1));
+    }
+  }
+  set_errors(lost, whole, std::move(course), result);
   return result;
 }
 
@@ -213,7 +236,7 @@ Reduction reduce(const SnapshotRows& snapshots, const VectorXd& weights,
   Block block = reduce_to_one(snapshots, weights, settings, progress, result);
   result.errors = std::move(block.errors);
   result.reached = block.reached;
-  set_errors(block.lost, block.whole, result);
+  set_errors(block.lost, block.whole, std::move(block.course), result);
   result.blocks.push_back(std::move(block.separated));
   return result;
 }

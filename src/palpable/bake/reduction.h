@@ -57,6 +57,10 @@ struct Reduction {
   /// and that of each snapshot in its own norm (K), 0 for a zero snapshot.
   double error = 0;
   Eigen::VectorXd snapshot_errors;
+  /// (m) and (m x K) the same after 1, 2, ... modes: with kPerSite so many of each site, with
+  /// kHosvd of space. From the course of the algorithm but for the last, which are those above.
+  Eigen::VectorXd pooled_course;
+  Eigen::MatrixXd course;
   std::vector<int> ranks;       ///< kHosvd only: space, then each parameter
   std::optional<double> bound;  ///< kHosvd only: what the error cannot exceed, in the weighted norm
 

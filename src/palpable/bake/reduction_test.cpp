@@ -122,6 +122,35 @@ TEST_CASE("the errors of blocks are those of the worst site at each number of mo
   }
 }
 
+TEST_CASE("the course of a reduction says what one that stops earlier leaves of each snapshot",
+          "[bake][reduction]") {
+  const SnapshotTensor snapshots = dents(60, 9, 6);
+  auto random = random_case(4);
+  const VectorXd w = random_weights(60, random);
+  for (const ReductionMethod method : kAll) {
+    for (const bool own : {false, true}) {
+      INFO(method_name(method) << " own " << own);
+      ReductionSettings settings{.method = method, .tolerance = 1e-4, .weight_snapshots = own};
+      const Reduction full = reduce(rows_of(snapshots), w, settings);
+      REQUIRE(full.course.rows() == full.most_modes());
+      REQUIRE(full.pooled_course.size() == full.most_modes());
+      CHECK(full.course.bottomRows(1).transpose() == full.snapshot_errors);
+      CHECK(full.pooled_course.tail(1)[0] == full.error);
+      // CP sweeps once more where it must stop, and the ranks of a Tucker form belong together.
+      if (method == ReductionMethod::kCp || method == ReductionMethod::kHosvd) continue;
+      for (int m = 1; m < full.most_modes(); ++m) {
+        settings.max_modes = m;
+        const Reduction stopped = reduce(rows_of(snapshots), w, settings);
+        CHECK(std::abs(full.pooled_course[m - 1] - stopped.error) <=
+              tolerance(1e-6, "what the Gram matrix drops"));
+        CHECK(
+            (full.course.row(m - 1).transpose() - stopped.snapshot_errors).cwiseAbs().maxCoeff() <=
+            tolerance(1e-5, "what the Gram matrix drops, of the smallest"));
+      }
+    }
+  }
+}
+
 TEST_CASE("blocks over a further parameter have functions of level and of it",
           "[bake][reduction]") {
   const SnapshotTensor flat = dents(50, 4, 6);

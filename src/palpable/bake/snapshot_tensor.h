@@ -51,6 +51,9 @@ struct Separation {
   /// stopped at i modes are not the first i of a longer one.
   Eigen::VectorXd errors;
   bool reached = false;  ///< the tolerance, before max_modes
+  /// (m x K) squares of what is left of each snapshot after 1, 2, ... modes. Empty where the first
+  /// i modes are what a reduction stopped at i would have found.
+  Eigen::MatrixXd left = {};
 };
 
 /// K

@@ -133,6 +133,34 @@ void write_volume(hid_t file, const BodyVolume& volume, ModeStorage storage,
   if (volume.stress) write_field(g, "stress", *volume.stress, storage, error.stress_rounding);
 }
 
+void write_course(hid_t file, const char* name, const std::optional<ErrorCourse>& course) {
+  if (!course) return;
+  const Handle g = make_group(file, name);
+  const auto q = static_cast<hsize_t>(course->modes.size());
+  require(course->pooled.size() == course->modes.size() &&
+              course->snapshots.cols() == course->modes.size(),
+          fmt::format("'{}' does not have one error for each number of modes", name));
+  write_table(g, "modes", course->modes.data(), q, 1);
+  write_table(g, "pooled", course->pooled.data(), q, 1);
+  write_table(g, "snapshots", course->snapshots.data(), q,
+              static_cast<hsize_t>(course->snapshots.rows()));
+}
+
+void write_held_out(hid_t file, const HeldOutRecord& held_out) {
+  const Handle g = make_group(file, "held_out");
+  const auto S = static_cast<hsize_t>(held_out.displacement.cols());
+  const auto H = static_cast<hsize_t>(held_out.levels.size());
+  for (const Eigen::MatrixXf* errors : {&held_out.displacement, &held_out.von_mises}) {
+    require(
+        errors->rows() == held_out.levels.size() && errors->cols() == held_out.displacement.cols(),
+        "'held_out' does not have one error for each level and site");
+  }
+  write_table(g, "levels", held_out.levels.data(), H, 1);
+  write_table(g, "displacement", held_out.displacement.data(), S, H);
+  write_number(g, "displacement_pooled", held_out.displacement_pooled);
+  write_table(g, "von_mises", held_out.von_mises.data(), S, H);
+}
+
 void write_all(hid_t file, const ReducedBody& body, ModeStorage storage) {
   require(body.fixed.size() == static_cast<std::size_t>(body.surface.vertex_count()),
           "'fixed' does not have one value per vertex");
@@ -191,6 +219,10 @@ void write_all(hid_t file, const ReducedBody& body, ModeStorage storage) {
     write_number(g, "stress_pooled", body.error.stress_pooled);
     write_number(g, "stress_worst", body.error.stress_worst);
     if (body.error.between_sites) write_number(g, "between_sites", *body.error.between_sites);
+    write_course(g, "displacement_course", body.error.displacement_course);
+    write_course(g, "stress_course", body.error.stress_course);
+    write_course(g, "von_mises_course", body.error.von_mises_course);
+    if (body.error.held_out) write_held_out(g, *body.error.held_out);
   }
   {
     const Handle g = make_group(file, "provenance");
@@ -457,6 +489,50 @@ void check_axes(const ReducedBody& body) {
           "displacement and stress hang on different parameters");
 }
 
+template <class T>
+bool are_errors(const std::vector<T>& values) {  // finite, and none negative
+  return all_finite(values) &&
+         std::none_of(values.begin(), values.end(), [](T v) { return v < T{0}; });
+}
+
+std::optional<ErrorCourse> read_course(hid_t file, const char* name, const ReducedBody& body) {
+  if (!has_link(file, name)) return std::nullopt;
+  const Handle g = open_group(file, name);
+  const Table<int> modes = read_table<int>(g, "modes");
+  const Table<double> pooled = read_table<double>(g, "pooled", modes.rows, 1);
+  const Table<float> snapshots = read_table<float>(g, "snapshots");
+  const auto one_point = static_cast<hsize_t>(body.levels().size() - 1) * body.sites.size();
+  require(modes.columns == 1 && modes.rows >= 1 && snapshots.rows == modes.rows &&
+              snapshots.columns >= one_point && snapshots.columns % one_point == 0,
+          fmt::format("'{}' is not of this body's snapshots", name));
+  require(are_errors(pooled.data) && are_errors(snapshots.data),
+          fmt::format("an error of '{}' is none", name));
+  ErrorCourse course{as_matrix<Eigen::VectorXi>(Table<int>{modes.data, 1, modes.rows}),
+                     as_matrix<Eigen::VectorXd>(Table<double>{pooled.data, 1, pooled.rows}),
+                     as_matrix<Eigen::MatrixXf>(snapshots)};
+  require(course.modes[0] >= 1 && increases_strictly(course.modes),
+          fmt::format("the numbers of modes of '{}' do not increase", name));
+  return course;
+}
+
+HeldOutRecord read_held_out(hid_t file, const ReducedBody& body) {
+  const Handle g = open_group(file, "held_out");
+  const auto S = static_cast<hsize_t>(body.sites.size());
+  const Table<double> levels = read_table<double>(g, "levels");
+  require(levels.rows >= 1 && levels.columns == 1 && all_finite(levels.data),
+          "the held-out levels are none");
+  const Table<float> moved = read_table<float>(g, "displacement", S, levels.rows);
+  const Table<float> stressed = read_table<float>(g, "von_mises", S, levels.rows);
+  HeldOutRecord record{as_matrix<Eigen::VectorXd>(Table<double>{levels.data, 1, levels.rows}),
+                       as_matrix<Eigen::MatrixXf>(moved), read_number(g, "displacement_pooled"),
+                       as_matrix<Eigen::MatrixXf>(stressed)};
+  require(increases_strictly(record.levels), "the held-out levels do not increase");
+  require(are_errors(moved.data) && are_errors(stressed.data) && record.displacement_pooled >= 0 &&
+              std::isfinite(record.displacement_pooled),
+          "an error of 'held_out' is none");
+  return record;
+}
+
 ReducedBody read_all(hid_t file) {
   // A body cannot exist without its fields, so they start as one zero mode and are replaced below.
   const auto nothing = [](Eigen::Index rows) {
@@ -493,6 +569,10 @@ ReducedBody read_all(hid_t file) {
     body.error.stress_pooled = read_number(g, "stress_pooled");
     body.error.stress_worst = read_number(g, "stress_worst");
     if (has(g, "between_sites")) body.error.between_sites = read_number(g, "between_sites");
+    body.error.displacement_course = read_course(g, "displacement_course", body);
+    body.error.stress_course = read_course(g, "stress_course", body);
+    body.error.von_mises_course = read_course(g, "von_mises_course", body);
+    if (has_link(g, "held_out")) body.error.held_out = read_held_out(g, body);
   }
   const Handle g = open_group(file, "provenance");
   const double count = read_number(g, "count");

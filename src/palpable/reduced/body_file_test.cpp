@@ -52,6 +52,27 @@ ReducedBody full_ball() {
   return body;
 }
 
+// What the error report may hold beside: 6 sites x 4 levels x 9 combinations of further values.
+ReducedBody reported_ball() {
+  ReducedBody body = full_ball();
+  ErrorCourse course{Eigen::Vector3i(1, 2, 5), Eigen::Vector3d(0.1, 0.02, 0.003),
+                     Eigen::MatrixXf(6 * 4 * 9, 3)};
+  for (Eigen::Index k = 0; k < course.snapshots.size(); ++k) {
+    course.snapshots.data()[k] = 1e-3f * static_cast<float>(k);
+  }
+  body.error.displacement_course = course;
+  course.pooled *= 2;
+  body.error.stress_course = course;
+  course.modes[2] = 7;
+  body.error.von_mises_course = course;
+  body.error.held_out = HeldOutRecord{Eigen::Vector2d(0.25, 0.75), course.snapshots.topRows(2),
+                                      3e-4, course.snapshots.middleRows(2, 2)};
+  body.error.held_out->displacement.conservativeResize(2, 6);
+  body.error.held_out->displacement.rightCols(3).setConstant(0.5f);
+  body.error.held_out->von_mises = body.error.held_out->displacement * 3;
+  return body;
+}
+
 void check_same(const SeparatedField& a, const SeparatedField& b) {
   CHECK(a.modes() == b.modes());
   REQUIRE(a.axes().size() == b.axes().size());
@@ -63,6 +84,14 @@ void check_same(const SeparatedField& a, const SeparatedField& b) {
   }
 }
 
+void check_same(const std::optional<ErrorCourse>& a, const std::optional<ErrorCourse>& b) {
+  REQUIRE(a.has_value() == b.has_value());
+  if (!a) return;
+  CHECK(a->modes == b->modes);
+  CHECK(a->pooled == b->pooled);
+  CHECK(a->snapshots == b->snapshots);
+}
+
 ReducedBody written_and_read(const ReducedBody& body, ModeStorage storage = ModeStorage::kFloat32) {
   const Folder folder;
   write_body_file(folder / "ball.palpable", body, storage);
@@ -70,7 +99,7 @@ ReducedBody written_and_read(const ReducedBody& body, ModeStorage storage = Mode
 }
 
 TEST_CASE("a body that was written is read back the same", "[reduced][files]") {
-  for (const ReducedBody& body : {small_ball(), full_ball()}) {
+  for (const ReducedBody& body : {small_ball(), full_ball(), reported_ball()}) {
     const ReducedBody again = written_and_read(body);
     CHECK(again.name == body.name);
     CHECK(again.material == body.material);
@@ -86,6 +115,16 @@ TEST_CASE("a body that was written is read back the same", "[reduced][files]") {
     CHECK(again.error.stress_pooled == body.error.stress_pooled);
     CHECK(again.error.stress_rounding == 0);
     CHECK(again.error.between_sites == body.error.between_sites);
+    check_same(again.error.displacement_course, body.error.displacement_course);
+    check_same(again.error.stress_course, body.error.stress_course);
+    check_same(again.error.von_mises_course, body.error.von_mises_course);
+    REQUIRE(again.error.held_out.has_value() == body.error.held_out.has_value());
+    if (const auto& held_out = body.error.held_out) {
+      CHECK(again.error.held_out->levels == held_out->levels);
+      CHECK(again.error.held_out->displacement == held_out->displacement);
+      CHECK(again.error.held_out->displacement_pooled == held_out->displacement_pooled);
+      CHECK(again.error.held_out->von_mises == held_out->von_mises);
+    }
     REQUIRE(again.sites.size() == body.sites.size());
     for (std::size_t s = 0; s < body.sites.size(); ++s) {
       CHECK(again.sites[s].vertex == body.sites[s].vertex);
@@ -244,6 +283,21 @@ TEST_CASE("a body that breaks a rule of its own is not written over a good one",
       {"no tetrahedra", [](auto& b) { b.volume->tets = b.volume->tets.topRows(3).eval(); }},
       {"other parameters than the surface",
        [](auto& b) { b.volume->displacement = b.volume->displacement.settled(3, 0); }},
+      {"one error for each number of modes",
+       [](auto& b) { b.error.stress_course->pooled.conservativeResize(2); }},
+      {"'stress_course' is not of this body's snapshots",
+       [](auto& b) {
+         auto& errors = b.error.stress_course->snapshots;
+         errors = errors.topRows(25).eval();
+       }},
+      {"an error of 'displacement_course' is none",
+       [](auto& b) { b.error.displacement_course->snapshots(7, 1) = -1e-3f; }},
+      {"'von_mises_course' do not increase",
+       [](auto& b) { b.error.von_mises_course->modes[1] = 1; }},
+      {"one error for each level and site",
+       [](auto& b) { b.error.held_out->levels = Eigen::Vector3d(0.1, 0.2, 0.3); }},
+      {"an error of 'held_out' is none", [](auto& b) { b.error.held_out->von_mises(1, 2) = NAN; }},
+      {"held-out levels do not increase", [](auto& b) { b.error.held_out->levels[1] = 0.25; }},
       {"not a stress", [](auto& b) { b.largest_von_mises = NAN; }},
       {"no site",
        [](auto& b) {
@@ -255,7 +309,7 @@ TEST_CASE("a body that breaks a rule of its own is not written over a good one",
        }},
   };
   for (const auto& [expected, spoil] : faults) {
-    ReducedBody body = full_ball();
+    ReducedBody body = reported_ball();
     spoil(body);
     std::string message = "(written)";
     try {

@@ -31,6 +31,24 @@ struct Site {
   double full_load = 0;                                 ///< N, the load at level 1
 };
 
+/// How the error of a field falls with the number of modes. Relative, L2.
+///   q  numbers of modes   K  snapshots: site x level (without rest) x further parameters, the last
+///   runs fastest
+struct ErrorCourse {
+  Eigen::VectorXi modes;      ///< (q) increasing; the last is that of the body
+  Eigen::VectorXd pooled;     ///< (q) |A - A_m| / |A| over all snapshots together
+  Eigen::MatrixXf snapshots;  ///< (K x q) of each snapshot, against its own norm
+};
+
+/// A body against states that were solved afresh, between the levels that it was made from.
+///   H  such levels
+struct HeldOutRecord {
+  Eigen::VectorXd levels;          ///< (H) increasing
+  Eigen::MatrixXf displacement;    ///< (H x S) relative L2 on the skin, against its own norm
+  double displacement_pooled = 0;  ///< of all together
+  Eigen::MatrixXf von_mises;       ///< (H x S) the worst vertex, against the same field's largest
+};
+
 /// What was given up in the reduction, and how large the parts are. All errors relative, L2.
 struct ReductionError {
   double displacement_pooled = 0;  ///< |A - A_r| / |A| over all snapshots together
@@ -44,6 +62,14 @@ struct ReductionError {
   /// Sites are categorical: a touch between them gets the field of the nearest. How wrong that is,
   /// against a full solve there, in the median; where somebody has measured it.
   std::optional<double> between_sites = {};
+  /// Of the reduction, over the volume; where a method stores another number of modes than it
+  /// found (blocks of sites), by those found.
+  std::optional<ErrorCourse> displacement_course = {};
+  std::optional<ErrorCourse> stress_course = {};
+  /// Of von Mises stress on the skin, by the first modes (of each site) of the body as it is
+  /// evaluated.
+  std::optional<ErrorCourse> von_mises_course = {};
+  std::optional<HeldOutRecord> held_out = {};
 };
 
 /// A parameter beyond site and level, e.g. how stiff a part of the body is.
