@@ -23,7 +23,7 @@ find_package(PNG 1.6 REQUIRED)                           # libpng licence: pictu
 # licence: may be embedded) into a table of letters; render.
 find_path(STB_INCLUDE_DIR stb/stb_truetype.h REQUIRED)
 find_file(DEJAVU_FONT DejaVuSans.ttf PATHS /usr/share/fonts/truetype/dejavu REQUIRED)
-find_package(nlohmann_json 3.11 REQUIRED)                # MIT: JSON of results and benches; apps
+find_package(nlohmann_json 3.11 REQUIRED)                # MIT: JSON of results, benches and pages; apps, exchange
 find_package(CLI11 2.1 REQUIRED)                         # BSD: command lines; apps
 pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)  # MIT: body and scene texts
 
@@ -46,6 +46,16 @@ target_include_directories(palpable_blas SYSTEM INTERFACE ${CBLAS_INCLUDE_DIR})
 target_link_libraries(palpable_blas INTERFACE ${OPENBLAS_LIBRARY})
 find_package(pugixml 1.13 REQUIRED)  # MIT: .vtu files of others; bake
 find_package(ZLIB REQUIRED)          # zlib: packed ones; bake
+# uPlot 1.6 (MIT): charts in the pages of `report` and `compare`, compiled in; from npm by
+# tools/setup.sh; exchange.
+set(UPLOT_FILES)
+foreach(file uPlot.iife.min.js uPlot.min.css LICENSE)
+  set(path ${PROJECT_SOURCE_DIR}/build/web/uplot-1.6.32/${file})
+  if(NOT EXISTS ${path})
+    message(FATAL_ERROR "${path} is missing: run tools/setup.sh, or see docs/install.md")
+  endif()
+  list(APPEND UPLOT_FILES ${path})
+endforeach()
 # Open MPI 4.1 (BSD): campaigns on several machines; the program palpable-bake.
 find_package(MPI 3.0 REQUIRED COMPONENTS C)
 # CGAL 5.5 (GPL-3 for surface remeshing): isotropic remeshing before the volume; bake.

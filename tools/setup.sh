@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what ./demo (or, with the word check, ./check) needs: Debian packages and the bunny. With
+# Installs what ./demo (or, with the word check, ./check) needs: Debian packages, the chart library of
+# the pages, and the bunny. With
 # check or bodies it also gets what the larger bodies of bodies/ are made of.
 # Idempotent; silent and quick when all is there.
 set -euo pipefail
@@ -38,6 +39,23 @@ if [ "${#missing[@]}" -gt 0 ]; then
     fail "the package lists cannot be fetched; is there a network?"
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" ||
     fail "apt-get could not install the packages above"
+fi
+
+# uPlot (MIT), the charts of the pages that `palpable report` writes: two files, compiled in.
+uplot=build/web/uplot-1.6.32
+if [ ! -s $uplot/LICENSE ]; then
+  echo "Fetching the chart library (npm package uplot 1.6.32)"
+  folder=$(mktemp -d)
+  trap 'rm -rf "$folder"' EXIT
+  (cd "$folder" && npm pack --silent uplot@1.6.32 >/dev/null) ||
+    fail "npm could not fetch the package uplot 1.6.32; is there a network?"
+  tar -xzf "$folder"/uplot-1.6.32.tgz -C "$folder"
+  (cd "$folder/package" && sha256sum --quiet -c) <tools/uplot.sha256 ||
+    fail "the package uplot 1.6.32 is not the one that is expected (tools/uplot.sha256)"
+  mkdir -p $uplot
+  cp "$folder"/package/dist/uPlot.iife.min.js "$folder"/package/dist/uPlot.min.css $uplot/
+  cp "$folder"/package/LICENSE $uplot/  # last: what is not whole is fetched again
+  rm -rf "$folder"
 fi
 
 # The Stanford bunny from npm (terms: docs/licences.md), as an OFF file.

@@ -23,6 +23,8 @@ void add_bake(CLI::App& app, const std::string& command_line, Crew& crew);
 void add_merge(CLI::App& app);
 void add_import_snapshots(CLI::App& app);
 void add_reduce(CLI::App& app, const std::string& command_line);
+void add_report(CLI::App& app);
+void add_compare(CLI::App& app, const std::string& command_line);
 void add_solve(CLI::App& app);
 void add_export(CLI::App& app);
 void add_import_modes(CLI::App& app, const std::string& command_line);

@@ -45,6 +45,8 @@ int run(int argc, char** argv) {
   add_merge(app);
   add_import_snapshots(app);
   add_reduce(app, command_line);
+  add_report(app);
+  add_compare(app, command_line);
   add_solve(app);
   add_export(app);
   add_import_modes(app, command_line);

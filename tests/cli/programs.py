@@ -4,7 +4,9 @@
 A refusal is one clear line on stderr that begins with "palpable: ", nothing on stdout, exit code 1.
 """
 import argparse
+import csv
 import fcntl
+import html.parser
 import json
 import os
 import re
@@ -205,7 +207,7 @@ def live(programs, folder, *more, source="clip"):
 
 # ---- cases -------------------------------------------------------------------------------------
 
-COMMANDS = ("mesh", "bake", "solve", "export", "import-modes", "inspect", "view", "synth", "live", "score", "bench", "cameras",
+COMMANDS = ("mesh", "bake", "reduce", "report", "compare", "solve", "export", "import-modes", "inspect", "view", "synth", "live", "score", "bench", "cameras",
             "calibrate")
 
 
@@ -239,6 +241,7 @@ def _(programs, folder):
 def _(programs, folder):
     for words in (("mesh", "none.stl", "-o", "x.msh"), ("bake", "none.toml", "-o", "x.palpable"),
                   ("solve", "none.toml", "-o", "x.vtu"),
+                  ("report", "none.palpable", "-o", "x.html"), ("compare", "none.palpable", "-o", "x.html"),
                   ("inspect", "none.palpable"), ("view", "none.palpable", "--out", "x"),
                   ("synth", "press", "--body", "none.palpable", "-o", "x"),
                   ("live", "none.palpable", "--source", "y", "--out", "x"),
@@ -537,6 +540,136 @@ def _(programs, folder):
     assert result.returncode == 0, result.stderr
     pictures = list((folder / "pictures").glob("*.png"))
     assert len(pictures) >= 4 and all(p.stat().st_size > 5000 for p in pictures), pictures
+
+
+class Elements(html.parser.HTMLParser):
+    """Refuses a page whose elements do not close, or that loads anything; keeps its data."""
+    EMPTY = {"meta", "br", "hr", "img", "input", "link"}
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.data = [], None
+        self.feed(text)
+        self.close()
+        assert not self.open, f"never closed: {self.open}"
+
+    def handle_starttag(self, tag, attributes):
+        loads = [name for name, _ in attributes if name in ("src", "href", "srcset", "data")]
+        assert not loads and tag not in ("link", "img", "iframe", "object"), f"<{tag}> loads {attributes}"
+        if tag not in self.EMPTY:
+            self.open.append((tag, dict(attributes)))
+
+    def handle_endtag(self, tag):
+        assert self.open and self.open[-1][0] == tag, f"</{tag}> inside {self.open}"
+        self.open.pop()
+
+    def handle_data(self, text):
+        tag, attributes = self.open[-1] if self.open else ("", {})
+        if attributes.get("id") == "data":
+            self.data = json.loads(text)
+        elif tag in ("script", "style"):
+            for word in ("fetch(", "XMLHttpRequest", "import(", "@import", "url(", "WebSocket"):
+                assert word not in text, f"a <{tag}> says {word}"
+
+
+def page_of(file):
+    text = file.read_text()
+    assert text.startswith("<!doctype html>")
+    return Elements(text).data
+
+
+def rows_of(file):
+    with open(file, newline="") as table:
+        return list(csv.DictReader(table))
+
+
+@case("the report of a body is one page that loads nothing and has the body's numbers, and so has its table")
+def _(programs, folder):
+    body = programs.small_body()
+    result = programs.succeeds("report", body, "-o", folder / "ball.html")
+    assert "ball.html" in result.stdout and "ball.csv" in result.stdout
+    data, rows = page_of(folder / "ball.html"), rows_of(folder / "ball.csv")
+    inspected = json.loads(programs.succeeds("inspect", body, "--json").stdout)
+    for field in ("displacement", "stress"):
+        known = data["fields"][field]
+        assert known["pooled"] == inspected[f"{field}_error"]
+        assert known["worst"] == inspected[f"{field}_error_worst"]
+        assert known["modes"] == inspected[f"{field}_modes"]
+        course = data["courses"][field]
+        assert course["modes"][-1] == inspected[f"{field}_modes_per_site"]
+        assert course["pooled"][-1] == known["pooled"] and course["pooled"][0] > known["pooled"]
+        assert abs(course["worst"][-1] - known["worst"]) <= 1e-6 * known["worst"]
+        assert course["count"] == 6 * 5 and len(data["snapshots"][field]["values"]) == 6
+        last = [row for row in rows if row["field"] == field and row["quantity"] == "error_all_together"][-1]
+        assert abs(float(last["value"]) - known["pooled"]) <= 1e-8 * known["pooled"], last
+        single = [row for row in rows if row["field"] == field and row["quantity"] == "error_snapshot"]
+        assert len(single) == 6 * 5 * len(course["modes"])
+        assert len(data["modes"][field]) == 6
+    assert data["courses"]["von_mises"]["pooled"][-1] < 0.05
+    assert data["held_out"] is None and data["between_sites"] is None
+    assert data["timing"]["displacement_us"] > 0 and data["file"]["bytes"] == body.stat().st_size
+    keys = {key for key, _ in data["provenance"]}
+    assert {"mesh", "material", "reduction", "program", "command line"} <= keys, keys
+    # Without -o beside where one is.
+    programs.succeeds("report", body, cwd=folder)
+    assert page_of(folder / "ball.html")["name"] == "ball"
+
+
+@case("a body that was held against levels between says so in its report")
+def _(programs, folder):
+    write_ball(folder)
+    programs.succeeds("bake", "ball.toml", "-o", "ball.palpable", "--held-out", cwd=folder)
+    programs.succeeds("report", "ball.palpable", cwd=folder)
+    held_out = page_of(folder / "ball.html")["held_out"]
+    assert held_out["count"] == 6 * 5 and held_out["levels"][0] == 0.1
+    worst = max(max(row) for row in held_out["displacement"])
+    assert held_out["displacement_worst"] == worst > held_out["displacement_pooled"] > 0
+    rows = [row for row in rows_of(folder / "ball.csv") if row["quantity"] == "held_out"]
+    assert len(rows) == 2 * 6 * 5
+    said = [value for key, value in page_of(folder / "ball.html")["provenance"] if key == "held out"]
+    assert f"{worst:.3g} at the worst" in said[0], said
+
+
+@case("all methods and a body stand on one chart, each down to its tolerance")
+def _(programs, folder):
+    body = programs.small_body()
+    store = body.with_suffix(".snapshots")
+    result = programs.succeeds("compare", store, body, "-o", folder / "all.html", "--error", "1e-2")
+    data = page_of(folder / "all.html")
+    names = ["ball.palpable (per-site)", "per-site", "pgd, 3 factors", "pgd2, 2 factors", "pod", "cp", "hosvd"]
+    for field in ("displacement", "stress"):
+        lines = {line["name"]: line for line in data["fields"][field]}
+        assert list(lines) == names, list(lines)
+        for name in names[1:]:
+            line = lines[name]
+            assert line["pooled"][-1] <= 1e-2 and name in result.stdout, line
+            assert line["bytes"] == sorted(line["bytes"]) and line["worst"][-1] >= line["median"][-1]
+        # No other sum of as many modes is better than POD's.
+        for modes, error in zip(lines["pod"]["modes"], lines["pod"]["pooled"]):
+            assert error <= lines["pgd, 3 factors"]["pooled"][modes - 1] * (1 + 1e-6)
+        # The body is what per-site makes of these snapshots, but with norms of their own.
+        assert lines[names[0]]["columns"][0] == lines["per-site"]["columns"][0] == 6
+    rows = rows_of(folder / "all.csv")
+    assert {row["method"] for row in rows} == set(names)
+    assert len(rows) == sum(len(line["modes"]) for lines in data["fields"].values() for line in lines)
+
+
+@case("what is no body and no snapshots is refused by report and compare")
+def _(programs, folder):
+    (folder / "notes.txt").write_text("no body\n")
+    (folder / "empty").mkdir()
+    programs.refuses("report", "notes.txt", cwd=folder, says=["notes.txt", "not a body file"])
+    programs.refuses("compare", "notes.txt", cwd=folder, says=["notes.txt", "not a body file"])
+    programs.refuses("compare", "empty", cwd=folder, says=["empty"])
+    body = programs.small_body()
+    programs.refuses("report", body, "-o", folder / "none" / "x.html", says=["none", "does not exist"])
+    programs.refuses("report", body, "-o", folder / "x.csv", says=["x.csv", "x.html"])
+    programs.refuses("compare", body, "--method", "magic", says=["magic"])
+    # A file from before errors were kept by the number of modes has a page, and no line on a chart.
+    old = ROOT / "tests/data/ball_v1.palpable"
+    programs.succeeds("report", old, "-o", folder / "old.html")
+    assert page_of(folder / "old.html")["courses"]["displacement"] is None
+    programs.refuses("compare", old, says=["ball_v1.palpable", "palpable reduce"])
 
 
 @case("two bakes of one body give the same bytes")

@@ -18,7 +18,7 @@
 namespace palpable {
 
 /// One file of a module's shaders folder, compiled into the program
-/// (palpable_embed_shaders in cmake/EmbedShaders.cmake).
+/// (palpable_embed_shaders in cmake/EmbedFiles.cmake).
 struct ShaderFile {
   std::string_view name;  ///< e.g. "body.frag"
   std::string_view text;

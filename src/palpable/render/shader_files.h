@@ -1,6 +1,6 @@
 /// @file
 /// The shaders of this module, compiled into the program from render/shaders by
-/// cmake/EmbedShaders.cmake.
+/// cmake/EmbedFiles.cmake.
 #pragma once
 
 #include "palpable/render/gl_objects.h"

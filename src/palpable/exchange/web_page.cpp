@@ -1,0 +1,128 @@
+#include "palpable/exchange/web_page.h"
+
+#include "palpable/base/contract.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
+namespace palpable {
+
+std::span<const PageFile> exchange_page_files();  // cmake/EmbedFiles.cmake
+
+namespace {
+
+std::string_view part(std::string_view name) {
+  const std::span<const PageFile> files = exchange_page_files();
+  const auto found = std::find_if(files.begin(), files.end(),
+                                  [&](const PageFile& file) { return file.name == name; });
+  PALPABLE_EXPECT(found != files.end(), "a part of a page that was compiled in");
+  return found->content;
+}
+
+// Every {{key}} of a text, once and from left to right: what is put in is not looked at again.
+std::string filled(std::string_view text,
+                   const std::vector<std::pair<std::string_view, std::string>>& values) {
+  std::string result;
+  while (true) {
+    const std::size_t begin = text.find("{{");
+    if (begin == std::string_view::npos) return result += text;
+    const std::size_t end = text.find("}}", begin);
+    PALPABLE_EXPECT(end != std::string_view::npos, "a place in a page ends");
+    const std::string_view key = text.substr(begin + 2, end - begin - 2);
+    const auto value = std::find_if(values.begin(), values.end(),
+                                    [&](const auto& entry) { return entry.first == key; });
+    PALPABLE_EXPECT(value != values.end(), "a text for each place in a page");
+    result += text.substr(0, begin);
+    result += value->second;
+    text.remove_prefix(end + 2);
+  }
+}
+
+// A script element ends at the first "</", whatever JSON thinks; "<\/" is the same string.
+std::string inside_script(std::string_view json) {
+  std::string safe;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    safe += json[i];
+    if (json[i] == '<' && i + 1 < json.size() && (json[i + 1] == '/' || json[i + 1] == '!')) {
+      safe.pop_back();
+      safe += "\\u003c";
+    }
+  }
+  return safe;
+}
+
+}  // namespace
+
+std::string web_page(const WebPage& page) {
+  std::vector<std::pair<std::string_view, std::string>> texts{{"title", html_text(page.title)}};
+  for (const auto& [key, text] : page.texts) texts.emplace_back(key, html_text(text));
+  std::string script = "/*!\nuPlot: ";
+  script += part("LICENSE");  // its terms ask for this
+  script += "*/\n";
+  script += part("uPlot.iife.min.js");
+  script += "\n";
+  script += part("common.js");
+  for (const std::string& name : page.scripts) script += part(name);
+  std::string style(part("uPlot.min.css"));
+  style += "\n";
+  style += part("page.css");
+  return filled(part("page.html"), {{"title", html_text(page.title)},
+                                    {"style", style},
+                                    {"content", filled(part(page.content), texts)},
+                                    {"data", inside_script(page.data)},
+                                    {"script", script}});
+}
+
+std::string html_text(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view kLetters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t three = 0;
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    for (std::size_t k = 0; k < 3; ++k) {
+      three = three << 8 | (k < count ? static_cast<std::uint8_t>(bytes[i + k]) : 0u);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      text += k <= count ? kLetters[three >> (18 - 6 * k) & 63u] : '=';
+    }
+  }
+  return text;
+}
+
+std::string csv_cell(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string cell = "\"";
+  for (const char c : text) {
+    cell += c;
+    if (c == '"') cell += c;
+  }
+  return cell + "\"";
+}
+
+}  // namespace palpable
