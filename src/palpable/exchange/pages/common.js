@@ -73,9 +73,12 @@ function logLines(chart, splits) {
   const labels = logLabels(chart, splits);
   return splits.map((v, i) => (labels[i] == null ? null : v));
 }
-function logCounts(chart, splits) {
-  return splits.map((v) => (v != null && /^[125]0*$/.test(String(v)) ? v.toLocaleString("en") : null));
-}
+// Of counts and bytes 1, 2, 5, 10, ...; of few decades all that there is room for.
+const logCounts = (text) => (chart, splits) => {
+  const round = splits.filter((v) => v != null && /^[125]0*$/.test(String(v)));
+  const some = round.length >= 2 ? new Set(round) : null;
+  return splits.map((v) => (v == null || (some && !some.has(v)) ? null : text(v)));
+};
 
 // A chart in `place` that fits its width and is drawn again when colours change.
 //   x: {label, name, values, log, bytes, integers, format, range}, y: {label, log, format, range}
@@ -88,8 +91,7 @@ function chart(place, { x, y, series, bands = [], height = 300 }) {
     size, gap: 5, stroke: () => colour("--dim"),
     grid: { stroke: () => colour("--line"), width: 1, ...(what.log && name === "y" ? { filter: logLines } : {}) },
     ticks: { stroke: () => colour("--line"), width: 1, size: 5, ...(what.log && name === "y" ? { filter: logLines } : {}) },
-    ...(what.log ? { values: name === "x" ? logCounts : logLabels } : {}),
-    ...(what.log && name === "x" && what.bytes ? { values: (c, s) => s.map((v) => (v != null && /^[125]0*$/.test(String(v)) ? bytes(v) : null)) } : {}),
+    ...(what.log ? { values: name === "x" ? logCounts(what.bytes ? bytes : decimal) : logLabels } : {}),
     ...(what.integers ? { incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500] } : {}),
   });
   const build = () => {
