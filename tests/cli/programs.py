@@ -606,7 +606,7 @@ def _(programs, folder):
         assert len(single) == 6 * 5 * len(course["modes"])
         assert len(data["modes"][field]) == 6
     assert data["courses"]["von_mises"]["pooled"][-1] < 0.05
-    assert data["held_out"] is None and data["between_sites"] is None
+    assert data["held_out"] is None and data["between_sites"] == inspected.get("between_sites_error")
     assert data["timing"]["displacement_us"] > 0 and data["file"]["bytes"] == body.stat().st_size
     keys = {key for key, _ in data["provenance"]}
     assert {"mesh", "material", "reduction", "program", "command line"} <= keys, keys

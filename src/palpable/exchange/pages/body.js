@@ -166,6 +166,15 @@ function overLevels(place, { values, levels, label }) {
   }
 }
 
+// What the provenance says under keys that begin so, as the program that computed it wrote it.
+function said(beginning) {
+  return DATA.provenance.filter(([key]) => key.startsWith(beginning)).map(([, value]) => make("p", { class: "note" }, `${value[0].toUpperCase()}${value.slice(1)}.`));
+}
+byId("held-out").after(...said("held out"));
+byId("between-sites").append(...(DATA.between_sites == null
+  ? [make("p", { class: "note" }, "Not computed: this file does not say how wrong that is.")]
+  : [make("p", {}, `Wrong by ${percent(DATA.between_sites)} at the median touch (relative L₂, on the skin).`), ...said("between sites")]));
+
 // ---- modes ------------------------------------------------------------------------------------
 
 function component(mode, name, field) {
