@@ -65,7 +65,9 @@ class Programs:
         with open(self.work / "lock", "w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             body = self.work / "ball.palpable"
-            if not body.exists():
+            # A folder of an earlier program may hold a body that this one does not read any more.
+            program = Path(self.palpable).with_name("palpable-bake")
+            if not body.exists() or body.stat().st_mtime < program.stat().st_mtime:
                 write_ball(self.work)
                 self.succeeds("bake", self.work / "ball.toml", "-o", body)
         return body

@@ -355,11 +355,12 @@ TEST_CASE("a parameter that nobody settles stays free in the body", "[bake][body
     REQUIRE(body.displacement.axes().size() == 3);
     CHECK(body.error.displacement_course->snapshots.rows() == 2 * 3 * 3);
     // Von Mises stress of all combinations, in the order of the others: by and large as wrong as
-    // stress itself.
+    // stress itself, but for what single precision adds to the body as it is evaluated.
     const Eigen::VectorXf vm = body.error.von_mises_course->snapshots.rightCols(1);
     const Eigen::VectorXf stress = body.error.stress_course->snapshots.rightCols(1);
     REQUIRE(vm.size() == stress.size());
-    CHECK(vm.maxCoeff() < 20 * stress.maxCoeff());
+    CAPTURE(1e6F * vm.maxCoeff(), 1e6F * stress.maxCoeff());
+    CHECK(vm.maxCoeff() < std::max(20 * stress.maxCoeff(), 1e-5F));
     std::vector<float> u(static_cast<std::size_t>(body.displacement.value_count())), one = u;
     for (const double value : {0.5, 2.0}) {
       const ReducedBody settled_body = value_or_throw(settled(body, {{"stiffness", value}}));
