@@ -312,10 +312,10 @@ std::string form_text(const SeparatedField& field) {
 
 std::string modes_text(const SeparatedField& field, const char* what) {
   return fmt::format(
-      "The first spatial functions F of {}, {} in all{}. Each is multiplied by the largest value "
-      "that its parameter functions G reach together, so that the scale says what the mode "
+      "The first spatial functions F of {}, of {} in all{}. Each is multiplied by the largest "
+      "value that its parameter functions G reach together, so that the scale says what the mode "
       "contributes at most.",
-      field.mode_count(), what,
+      what, field.mode_count(),
       has_blocks(field) ? fmt::format(": each site has its own, up to {}; those of one site, and "
                                       "the first of others",
                                       field.largest_block())

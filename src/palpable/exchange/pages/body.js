@@ -35,7 +35,7 @@ const NONE = (v) => (v > 0 ? v : null);  // 0 has no place on a logarithmic axis
       const course = DATA.courses[name], card = make("figure", { class: "card" }, make("h3", {}, NAMES[name]));
       place.append(card);
       if (!course) {
-        card.append(make("p", { class: "note" }, "Not recorded in this file: it was made by an earlier program, or of another program's modes. `palpable reduce` records it."));
+        card.append(make("p", { class: "note" }, "Not recorded in this file: it was made by an earlier program, or of another program's modes. ‘palpable reduce’ records it."));
         continue;
       }
       const at = make("div", {});
@@ -145,14 +145,14 @@ function overLevels(place, { values, levels, label }) {
     place.append(make("figure", { class: "card" }, make("h3", {}, NAMES[name]), make("div", { class: "sub" }, map.what), at));
     errorMap(at, { values: map.values, levels: DATA.levels, what: "of its own norm" });
   }
-  if (!place.children.length) place.append(make("p", { class: "note" }, "Not recorded in this file; `palpable reduce` records it."));
+  if (!place.children.length) place.append(make("p", { class: "note" }, "Not recorded in this file; ‘palpable reduce’ records it."));
 }
 
 // ---- held out ---------------------------------------------------------------------------------
 {
   const place = byId("held-out"), held = DATA.held_out;
   if (!held) {
-    place.append(make("p", { class: "note" }, "Not computed. `palpable bake BODY.toml --held-out` solves the levels half way between the baked ones afresh and keeps the comparison in the body file."));
+    place.append(make("p", { class: "note" }, "Not computed. ‘palpable bake BODY.toml --held-out’ solves the levels half way between the baked ones afresh and keeps the comparison in the body file."));
   } else {
     for (const [name, label, what] of [
       ["displacement", "relative L₂ error", "On the skin, each state against its own norm"],
