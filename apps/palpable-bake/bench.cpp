@@ -3,10 +3,27 @@
 #include "apps/palpable-bake/bench.h"
 
 #include "apps/palpable-bake/commands.h"
+#include "apps/palpable-bake/machine.h"
 
 #include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <thread>
 
 namespace palpable::app {
+
+void print_figures(nlohmann::ordered_json figures, bool json) {
+  figures["peak_memory_mb"] = peak_memory() / 1e6;
+  figures["cores"] = std::thread::hardware_concurrency();
+  figures["processor"] = processor_name();
+  figures["date"] = date_today();
+  if (json) {
+    fmt::print("{}\n", figures.dump(2));
+    return;
+  }
+  for (const auto& [key, value] : figures.items()) fmt::print("{:<36} {}\n", key, value.dump());
+}
 
 void add_bench(CLI::App& app) {
   CLI::App* bench = app.add_subcommand("bench", "Time the parts of a bake");

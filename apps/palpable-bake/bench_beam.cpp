@@ -3,7 +3,6 @@
 
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/bench.h"
-#include "apps/palpable-bake/machine.h"
 #include "palpable/bake/beam_study.h"
 #include "palpable/bake/intrusive_bake.h"
 #include "palpable/bake/linear_pgd.h"
@@ -11,7 +10,6 @@
 #include "palpable/reduced/body_file.h"
 
 #include <CLI/CLI.hpp>
-#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -19,7 +17,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <thread>
+#include <utility>
 #include <vector>
 
 namespace palpable::app {
@@ -187,15 +185,7 @@ void bench_beam(const Options& options) {
   result["online_us"] = evaluation_us(made.body.displacement, sites);
   result["online_stress_us"] = evaluation_us(made.body.stress, sites);
   result["file_bytes"] = std::filesystem::file_size(options.output);
-  result["peak_memory_mb"] = peak_memory() / 1e6;
-  result["cores"] = std::thread::hardware_concurrency();
-  result["processor"] = processor_name();
-  result["date"] = date_today();
-  if (options.json) {
-    fmt::print("{}\n", result.dump(2));
-    return;
-  }
-  for (const auto& [key, value] : result.items()) fmt::print("{:<28} {}\n", key, value.dump());
+  print_figures(std::move(result), options.json);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/bench.h"
-#include "apps/palpable-bake/machine.h"
 #include "apps/palpable-bake/recomputed_stress.h"
 #include "palpable/bake/bake_body.h"
 #include "palpable/bake/between_sites.h"
@@ -15,7 +14,6 @@
 #include "palpable/reduced/body_file.h"
 
 #include <CLI/CLI.hpp>
-#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -24,7 +22,7 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
+#include <utility>
 #include <vector>
 
 namespace palpable::app {
@@ -222,15 +220,7 @@ void bench_reduce(const Options& options) {
   result["sparse_validation"] = sparse.model.validation_errors.tail(1)[0];
   result["sparse_s"] = seconds_since(sparse_begin);
 
-  result["peak_memory_mb"] = peak_memory() / 1e6;
-  result["cores"] = std::thread::hardware_concurrency();
-  result["processor"] = processor_name();
-  result["date"] = date_today();
-  if (options.json) {
-    fmt::print("{}\n", result.dump(2));
-    return;
-  }
-  for (const auto& [key, value] : result.items()) fmt::print("{:<36} {}\n", key, value.dump());
+  print_figures(std::move(result), options.json);
 }
 
 }  // namespace

@@ -21,14 +21,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using test::tolerance;
 
-BodyDescription describe(const std::filesystem::path& folder, const std::string& intrusive) {
-  return test::describe_small_beam(folder, intrusive);
-}
-
 TEST_CASE("a beam baked by intrusive PGD gives the fields of fresh Newton solves",
           "[bake][intrusive]") {
   const test::ScratchFolder folder("intrusive");
-  const BodyDescription description = describe(
+  const BodyDescription description = test::describe_small_beam(
       folder.path(),
       "[intrusive]\npositions = [\"TOP\"]\nforce = \"2 N\"\nmodes = 24\nstress_modes = 60\n");
   const IntrusiveBake made =
@@ -85,7 +81,7 @@ TEST_CASE("what an intrusive bake cannot do is refused in one line", "[bake][int
   const test::ScratchFolder folder("intrusive");
   const auto refusal = [&](const std::string& intrusive) {
     try {
-      (void)bake_intrusive(describe(folder.path(), intrusive), {});
+      (void)bake_intrusive(test::describe_small_beam(folder.path(), intrusive), {});
     } catch (const Error& error) { return std::string(error.what()); }
     return std::string("nothing was refused");
   };

@@ -1,4 +1,5 @@
 #include "palpable/base/error.h"
+#include "palpable/exchange/markup_text.h"
 #include "palpable/exchange/modes_files.h"
 #include "palpable/reduced/hdf5_tools.h"
 
@@ -62,21 +63,6 @@ class Writer {
   std::string heavy_, xml_;
 };
 
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += c;
-  }
-  return result;
-}
-
 void write_space(Writer& out, const ForeignModes& modes) {
   out.line(2, "<Grid Name=\"PGD1\" GridType=\"Uniform\">");
   out.line(3, "<Information Name=\"Dims\" Value=\"3\"/>");
@@ -114,7 +100,7 @@ void write_parameter(Writer& out, const ForeignModes& modes, std::size_t j) {
   const Index n = axis.samples.size();
   out.line(2, fmt::format("<Grid Name=\"PGD{}\" GridType=\"Uniform\">", j + 2));
   out.line(3, "<Information Name=\"Dims\" Value=\"1\"/>");
-  out.line(3, fmt::format("<Information Name=\"Dim0\" Value=\"{}\"/>", escaped(axis.name)));
+  out.line(3, fmt::format("<Information Name=\"Dim0\" Value=\"{}\"/>", markup_text(axis.name)));
   out.line(3, "<Information Name=\"Unit0\" Value=\"-\"/>");
   if (axis.between == Between::kNothing || n == 1) {
     const Eigen::RowVectorXi points = Eigen::RowVectorXi::LinSpaced(n, 0, static_cast<int>(n) - 1);
@@ -281,7 +267,7 @@ void write_pxdmf(const fs::path& path, const ForeignModes& modes) {
     Writer out(file, heavy.filename().string());
     out.line(0, "<?xml version=\"1.0\"?>");
     out.line(0, "<Xdmf Version=\"2.0\">");
-    out.line(1, fmt::format("<Domain Name=\"{}\">", escaped(path.filename().string())));
+    out.line(1, fmt::format("<Domain Name=\"{}\">", markup_text(path.filename().string())));
     write_space(out, modes);
     for (std::size_t j = 0; j < modes.displacement.axes().size(); ++j)
       write_parameter(out, modes, j);

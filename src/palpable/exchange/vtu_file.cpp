@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/exchange/markup_text.h"
 
 #include <fmt/format.h>
 
@@ -27,7 +28,7 @@ class Arrays {
     fmt::format_to(std::back_inserter(xml),
                    "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" "
                    "format=\"appended\" offset=\"{}\"/>\n",
-                   type, escaped(name), components, bytes_.size());
+                   type, markup_text(name), components, bytes_.size());
     const std::uint64_t size = count * sizeof(T);
     append(&size, sizeof(size));
     append(values, size);
@@ -35,25 +36,6 @@ class Arrays {
   [[nodiscard]] const std::vector<char>& bytes() const { return bytes_; }
 
  private:
-  static std::string escaped(const std::string& text) {
-    std::string result;
-    for (const char c : text) {
-      switch (c) {
-        case '&':
-          result += "&amp;";
-          break;
-        case '<':
-          result += "&lt;";
-          break;
-        case '"':
-          result += "&quot;";
-          break;
-        default:
-          result += c;
-      }
-    }
-    return result;
-  }
   void append(const void* data, std::size_t size) {
     if (size == 0) return;
     const std::size_t at = bytes_.size();

@@ -1,6 +1,7 @@
 #include "palpable/exchange/web_page.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/exchange/markup_text.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -55,8 +56,8 @@ std::string inside_script(std::string_view json) {
 }  // namespace
 
 std::string web_page(const WebPage& page) {
-  std::vector<std::pair<std::string_view, std::string>> texts{{"title", html_text(page.title)}};
-  for (const auto& [key, text] : page.texts) texts.emplace_back(key, html_text(text));
+  std::vector<std::pair<std::string_view, std::string>> texts{{"title", markup_text(page.title)}};
+  for (const auto& [key, text] : page.texts) texts.emplace_back(key, markup_text(text));
   std::string script = "/*!\nuPlot: ";
   script += part("LICENSE");  // its terms ask for this
   script += "*/\n";
@@ -67,34 +68,11 @@ std::string web_page(const WebPage& page) {
   std::string style(part("uPlot.min.css"));
   style += "\n";
   style += part("page.css");
-  return filled(part("page.html"), {{"title", html_text(page.title)},
+  return filled(part("page.html"), {{"title", markup_text(page.title)},
                                     {"style", style},
                                     {"content", filled(part(page.content), texts)},
                                     {"data", inside_script(page.data)},
                                     {"script", script}});
-}
-
-std::string html_text(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
 }
 
 std::string base64(std::string_view bytes) {

@@ -29,9 +29,6 @@ struct WebPage {
 /// The whole file. @throws ContractViolation if a part or text is not there
 [[nodiscard]] std::string web_page(const WebPage& page);
 
-/// & < > " so that a text stays text.
-[[nodiscard]] std::string html_text(std::string_view text);
-
 /// RFC 4648, with padding.
 [[nodiscard]] std::string base64(std::string_view bytes);
 
