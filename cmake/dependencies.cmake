@@ -10,9 +10,9 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5)  # BSD-like: body files, snapshots; reduced, bake
 
 # --- live half ---------------------------------------------------------------------------------
-# Apache-2.0: images, rectification, block matching, video; vision. Its video module brings
+# Apache-2.0: images, rectification, block matching, features, video; vision, track. Its video module brings
 # Debian's ffmpeg, a GPL build (docs/licences.md).
-find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs calib3d videoio)
+find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs calib3d features2d videoio)
 # Apache-2.0 or BSD: vector instructions chosen at run time, the stereo matcher; vision.
 pkg_check_modules(hwy REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)  # MIT: GL entry points; render

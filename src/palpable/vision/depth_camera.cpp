@@ -55,11 +55,10 @@ struct DepthCamera::Parts {
 
   // Stereo only.
   std::optional<Rectification> rectification;
-  RectifiedStereo matched;  // the rig at the resolution of matching
+  RectifiedStereo stereo;   // the rectified rig
+  RectifiedStereo matched;  // the same at the resolution of matching
   int first_disparity = 0;  // px
   int disparities = 0;      // multiple of 16
-  GrayImage left;           // as large as the raw images
-  GrayImage right;
   GrayImage left_half;
   GrayImage right_half;
 
@@ -144,21 +143,21 @@ void DepthCamera::Parts::see_stereo(const Frame& frame, SeenFrame& seen) {
 void DepthCamera::Parts::rectify(const Frame& frame, SeenFrame& seen) {
   using Eye = Rectification::Eye;
   rectification->rectify(Eye::kLeft, frame.left, seen.color);
-  Rectification::luma(seen.color, left);
-  rectification->rectify_luma(Eye::kRight, frame.right, right);
+  Rectification::luma(seen.color, seen.left);
+  rectification->rectify_luma(Eye::kRight, frame.right, seen.right);
   if (settings.full_resolution) return;
-  Rectification::halve(left, left_half);
-  Rectification::halve(right, right_half);
+  Rectification::halve(seen.left, left_half);
+  Rectification::halve(seen.right, right_half);
 }
 
 void DepthCamera::Parts::match_own(SeenFrame& seen) {
   {
     const StageTimer timer(times, "disparity");
     if (settings.full_resolution) {
-      own->match(left, right, pair);
+      own->match(seen.left, seen.right, pair);
     } else {
       own->match(left_half, right_half, pair);
-      own->refine(left, right, pair);
+      own->refine(seen.left, seen.right, pair);
     }
   }
   const StageTimer timer(times, "depth");
@@ -178,13 +177,13 @@ void DepthCamera::Parts::match_own(SeenFrame& seen) {
 
 // What is found now helps from the next frame on.
 void DepthCamera::Parts::watch_rows(SeenFrame& seen) {
-  const RowError& error = watch->measure(left, right, pair.disparity, pair.confidence,
+  const RowError& error = watch->measure(seen.left, seen.right, pair.disparity, pair.confidence,
                                          settings.full_resolution ? 1 : 2);
   seen.row_error_px = error.median_px;
   if (std::isnan(error.median_px) && !fit_is_known) {
     const int factor = settings.full_resolution ? 1 : 2;
-    const GrayImage& l = settings.full_resolution ? left : left_half;
-    const GrayImage& r = settings.full_resolution ? right : right_half;
+    const GrayImage& l = settings.full_resolution ? seen.left : left_half;
+    const GrayImage& r = settings.full_resolution ? seen.right : right_half;
     seen.misfit = misfit_of(l, r, static_cast<int>(std::lround(matched.disparity_at_infinity_px)),
                             std::max(disparities, 1));
     if (seen.misfit) seen.misfit->rows_px *= factor;
@@ -197,8 +196,8 @@ void DepthCamera::Parts::watch_rows(SeenFrame& seen) {
 }
 
 void DepthCamera::Parts::match_opencv(SeenFrame& seen) {
-  const GrayImage& l = settings.full_resolution ? left : left_half;
-  const GrayImage& r = settings.full_resolution ? right : right_half;
+  const GrayImage& l = settings.full_resolution ? seen.left : left_half;
+  const GrayImage& r = settings.full_resolution ? seen.right : right_half;
   // OpenCV computes no column x < first + disparities (and, if first < 0, none of the last -first):
   // padding moves those columns out of the picture.
   const int pad_left = std::max(first_disparity + disparities, 0);
@@ -274,7 +273,7 @@ Result<DepthCamera> DepthCamera::make(const FrameFormat& format, const DepthSett
   }
   const RectifiedStereo& stereo = parts->rectification->geometry().stereo;
   parts->camera = stereo.camera;
-  parts->matched = stereo;
+  parts->stereo = parts->matched = stereo;
   if (!settings.full_resolution) {
     parts->matched.camera = stereo.camera.scaled_down(2);
     // x_L - x_R shrinks with the picture; the half pixels of the two centres cancel.
@@ -330,6 +329,7 @@ void DepthCamera::see(const Frame& frame, SeenFrame& seen) {
     if (usable) {
       const StageTimer timer(p.times, "depth");
       std::copy(frame.left.begin(), frame.left.end(), seen.color.begin());
+      Rectification::luma(seen.color, seen.left);
       std::transform(frame.depth.begin(), frame.depth.end(), seen.depth.begin(), [&](float Z) {
         return Z > 0 && Z <= p.settings.farthest ? Z : kUnknown;  // NaN: unknown stays unknown
       });
@@ -345,6 +345,8 @@ void DepthCamera::see(const Frame& frame, SeenFrame& seen) {
     }
   }
   if (usable) return;
+  seen.left.resize(0, 0);
+  seen.right.resize(0, 0);
   std::fill(seen.color.begin(), seen.color.end(), Rgb{});
   std::fill(seen.depth.begin(), seen.depth.end(), kUnknown);
   std::fill(seen.too_close.begin(), seen.too_close.end(), std::uint8_t{0});
@@ -353,6 +355,7 @@ void DepthCamera::see(const Frame& frame, SeenFrame& seen) {
 
 const PinholeCamera& DepthCamera::camera() const { return parts_->camera; }
 const PinholeCamera& DepthCamera::depth_camera() const { return parts_->depth_camera; }
+const RectifiedStereo& DepthCamera::rectified() const { return parts_->stereo; }
 const DepthNoise& DepthCamera::noise() const { return parts_->noise; }
 const StageTimes& DepthCamera::last_times() const { return parts_->times; }
 

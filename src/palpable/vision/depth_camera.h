@@ -21,6 +21,8 @@ struct SeenFrame {
   double time = 0;  ///< s
   ColorImage color;
   PinholeCamera camera;  ///< of `color`
+  GrayImage left;        ///< luma of `color`
+  GrayImage right;       ///< luma of the right eye, rectified, as large; empty without a right eye
   DepthImage depth;      ///< Z in m, NaN unknown; half as large as `color` for stereo
   PinholeCamera depth_camera;
   /// 255 where something is nearer than the searched range (its depth is unknown); of the depth's
@@ -80,6 +82,8 @@ class DepthCamera {
   /// Of `color` and of `depth` in every SeenFrame.
   [[nodiscard]] const PinholeCamera& camera() const;
   [[nodiscard]] const PinholeCamera& depth_camera() const;
+  /// Of a stereo format: the rig, rectified, at the size of `color`. Unspecified without one.
+  [[nodiscard]] const RectifiedStereo& rectified() const;
   /// How far its depths scatter, for whoever compares two of them.
   [[nodiscard]] const DepthNoise& noise() const;
   /// Wall time of the last frame: "rectify" (luma and colour), "disparity", "depth" (filters, Z).

@@ -101,4 +101,43 @@ void StaticBackground::remove_static(DepthImage& depth) const {
   }
 }
 
+void StaticBackground::remove_static(DepthImage& depth, const PinholeCamera& camera,
+                                     const Rigid3& now_from_learnt) {
+  PALPABLE_EXPECT(ready(), "a background is learnt before it is removed");
+  PALPABLE_EXPECT(depth.width() == keep_below_.width() && depth.height() == keep_below_.height(),
+                  "the background has the size of the images that it is removed from");
+  // Nothing is nearer than 0: what no point of the background falls on is background.
+  moved_.resize(depth.width(), depth.height());
+  std::fill(moved_.begin(), moved_.end(), 0.0F);
+  const Eigen::Matrix3f R = now_from_learnt.linear().cast<float>();
+  const Eigen::Vector3f t = now_from_learnt.translation().cast<float>();
+  const auto fx = static_cast<float>(camera.fx_px), fy = static_cast<float>(camera.fy_px);
+  const auto cx = static_cast<float>(camera.cx_px), cy = static_cast<float>(camera.cy_px);
+  for (int y = 0; y < depth.height(); ++y) {
+    for (int x = 0; x < depth.width(); ++x) {
+      const float Z = keep_below_(x, y);
+      if (!std::isfinite(Z)) continue;
+      const Eigen::Vector3f ray((static_cast<float>(x) - cx) / fx,
+                                (static_cast<float>(y) - cy) / fy, 1);
+      const Eigen::Vector3f at = Z * (R * ray) + t;
+      if (!(at.z() > 0.01F)) continue;
+      // A point of one pixel fills four, so that a small zoom leaves no gaps between them.
+      const float u = fx * at.x() / at.z() + cx;
+      const float v = fy * at.y() / at.z() + cy;
+      if (!(u >= 0 && v >= 0 && u < static_cast<float>(depth.width() - 1) &&
+            v < static_cast<float>(depth.height() - 1))) {
+        continue;
+      }
+      const int iu = static_cast<int>(u), iv = static_cast<int>(v);
+      for (float* to :
+           {&moved_(iu, iv), &moved_(iu + 1, iv), &moved_(iu, iv + 1), &moved_(iu + 1, iv + 1)}) {
+        if (*to == 0 || at.z() < *to) *to = at.z();
+      }
+    }
+  }
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    if (!(depth.data()[i] < moved_.data()[i])) depth.data()[i] = kUnknown;
+  }
+}
+
 }  // namespace palpable

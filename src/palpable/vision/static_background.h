@@ -2,10 +2,12 @@
 /// What was there before the hand came: learnt from the first frames, then taken out of every depth
 /// image, so that the desk on which a body stands does not press it.
 ///
-/// For a camera that does not move.
+/// For a camera that does not move while it is learnt; later it may, if its motion is known.
 #pragma once
 
+#include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
+#include "palpable/geometry/rigid.h"
 #include "palpable/vision/depth_noise.h"
 
 #include <vector>
@@ -44,6 +46,13 @@ class StaticBackground {
   /// @throws ContractViolation before it is ready, or when the size differs
   void remove_static(DepthImage& depth) const;
 
+  /// The same for a camera that has moved: the limits, as points of the room, are drawn into its
+  /// view. Where the background has not been seen from where it was learnt, all is background.
+  /// Costs about 10 ns per pixel.
+  /// @param camera  of the depth images
+  /// @param now_from_learnt  the camera's frame while it was learnt -> its frame now
+  void remove_static(DepthImage& depth, const PinholeCamera& camera, const Rigid3& now_from_learnt);
+
   /// The learnt depth, NaN unknown; meaningful once ready.
   [[nodiscard]] const DepthImage& depth() const { return median_; }
 
@@ -56,6 +65,7 @@ class StaticBackground {
   std::vector<DepthImage> seen_;  ///< emptied once ready
   DepthImage median_;
   DepthImage keep_below_;  ///< depth below which a pixel is new; infinity where unknown
+  DepthImage moved_;       ///< keep_below_ as a camera that has moved sees it
 };
 
 }  // namespace palpable

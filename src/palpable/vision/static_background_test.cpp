@@ -194,5 +194,34 @@ TEST_CASE("the background is learnt once, and used only then", "[vision][static_
   CHECK_THROWS_AS(StaticBackground(rig_noise(), {.frames = 0}), ContractViolation);
 }
 
+TEST_CASE("a camera that has moved still sees the desk as what was there, and a hand as new",
+          "[vision][static_background]") {
+  // A wall at 1 m, learnt without noise; then the camera is 0.1 m nearer and turned by 3 degrees.
+  const PinholeCamera camera{kWidth, kHeight, 60, 60, 31.5, 19.5};
+  StaticBackground background(rig_noise(), {.frames = 3});
+  for (int i = 0; i < 3; ++i) background.learn(DepthImage(kWidth, kHeight, 1));
+  Rigid3 now_from_learnt = Rigid3::Identity();
+  now_from_learnt.linear() = Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  now_from_learnt.translation() = Eigen::Vector3d(0.02, 0, -0.1);
+  const Eigen::Vector3d normal = now_from_learnt.linear() * Eigen::Vector3d::UnitZ();
+  const double distance = 1 + normal.dot(now_from_learnt.translation());
+  DepthImage depth(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      depth(x, y) = static_cast<float>(distance / normal.dot(camera.unproject(x, y, 1)));
+    }
+  }
+  for (int y = 10; y < 20; ++y) {
+    for (int x = 20; x < 30; ++x) depth(x, y) = 0.5F;  // a hand
+  }
+  DepthImage as_if_still = depth;
+  background.remove_static(depth, camera, now_from_learnt);
+  CHECK(known(depth) == 100);
+  CHECK(depth(25, 15) == 0.5F);
+  // Without the motion the nearer wall would be new nearly everywhere.
+  background.remove_static(as_if_still);
+  CHECK(known(as_if_still) > kWidth * kHeight / 2);
+}
+
 }  // namespace
 }  // namespace palpable

@@ -1,0 +1,89 @@
+#include "palpable/track/still_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace palpable {
+namespace {
+
+constexpr int kAcross = 8;
+constexpr int kDown = 6;
+constexpr int kTries = 4;           // places per cell, across and down
+constexpr std::size_t kLeast = 10;  // patches that can be compared; fewer say nothing
+// px; a patch is moved by this much at most by noise (0.05 px of 0.65 grey levels, more in the
+// dark, which the median over all patches takes away).
+constexpr double kMoved = 0.3;
+// What a patch of deviation s is like under noise of deviation n is 1 / (1 + n^2 / s^2). Below this
+// share of it, at the noise of a dark picture, something else is seen there.
+constexpr double kLikenessShare = 0.75;
+constexpr double kNoise = 2;  // grey levels
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+bool is_moving(const MaskImage* mask, const GrayImage& image, const Eigen::Vector2d& at) {
+  if (mask == nullptr || mask->empty()) return false;
+  const int x = static_cast<int>(at.x()) * mask->width() / image.width();
+  const int y = static_cast<int>(at.y()) * mask->height() / image.height();
+  return (*mask)(x, y) != 0;
+}
+
+}  // namespace
+
+void StillWatch::begin(const GrayImage& image) {
+  patches_.clear();
+  const int cell_x = image.width() / kAcross;
+  const int cell_y = image.height() / kDown;
+  const Eigen::Matrix2d same = Eigen::Matrix2d::Identity();
+  Pyramid pyramid;
+  pyramid.build(image);
+  for (int cy = 0; cy < kDown; ++cy) {
+    for (int cx = 0; cx < kAcross; ++cx) {
+      // The place in the cell that can be followed best.
+      Patch best;
+      float least_variance = 0;
+      for (int k = 0; k < kTries * kTries; ++k) {
+        const Eigen::Vector2d at(cx * cell_x + (k % kTries + 0.5) * cell_x / kTries,
+                                 cy * cell_y + (k / kTries + 0.5) * cell_y / kTries);
+        PatchTemplate look;
+        if (!look.warp(PatchSource::cut(pyramid, at.array().floor()), 0, same,
+                       Eigen::Vector2d::Zero())) {
+          continue;
+        }
+        const float worst = look.contrast / std::sqrt(std::max(look.h_xx, look.h_yy));
+        if (worst <= least_variance) continue;
+        least_variance = worst;
+        const double noise = kNoise / static_cast<double>(look.contrast);
+        best = {at.array().floor(), look, kLikenessShare / (1 + noise * noise)};
+      }
+      if (least_variance > 0) patches_.push_back(best);
+    }
+  }
+}
+
+Stillness StillWatch::look(const GrayImage& image, const MaskImage* moving) const {
+  std::vector<double> dx, dy;
+  std::size_t resting = 0;
+  for (const Patch& patch : patches_) {
+    if (is_moving(moving, image, patch.at)) continue;
+    const PatchMatch match = follow(image, patch.look, patch.at, {.steps = 6, .farthest = 4});
+    if (!match.found || match.likeness < patch.least_likeness) continue;
+    const Eigen::Vector2d moved = match.at - patch.at;
+    dx.push_back(moved.x());
+    dy.push_back(moved.y());
+    resting += moved.cwiseAbs().maxCoeff() < kMoved ? 1 : 0;
+  }
+  if (dx.size() < kLeast) return Stillness::kUnclear;
+  const double share = static_cast<double>(resting) / static_cast<double>(dx.size());
+  const std::size_t compared = dx.size();
+  const double shift = std::max(std::abs(median(dx)), std::abs(median(dy)));
+  if (shift < kMoved && share > 0.5) return Stillness::kStill;
+  if (compared < patches_.size() / 4) return Stillness::kUnclear;
+  return shift >= kMoved ? Stillness::kMoved : Stillness::kStill;
+}
+
+}  // namespace palpable

@@ -1,0 +1,896 @@
+#include "palpable/track/tracker.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/base/cpu_time.h"
+#include "palpable/track/bundle.h"
+#include "palpable/track/landmark_map.h"
+#include "palpable/track/new_corners.h"
+#include "palpable/track/pose_fit.h"
+#include "palpable/track/still_watch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <deque>
+#include <future>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+// --- what is looked for ------------------------------------------------------------------------
+constexpr int kCellsAcross = 32;      // one landmark is looked for in each
+constexpr int kCoarseCells = 8;       // and one or two in each of these for the first guess
+constexpr int kCoarse = 64;           // landmarks of the first guess
+constexpr double kNearest = 0.03;     // m
+constexpr double kLeastCosine = 0.6;  // between the rays of then and now: 53 degrees
+constexpr double kLargestZoom = 2.3;
+// A surface that is measured nearer than this share of a landmark's depth hides it.
+constexpr double kHides = 0.9;
+
+// --- how well it has to fit --------------------------------------------------------------------
+constexpr double kCoarseLikeness = 0.6;
+constexpr double kFineLikeness = 0.7;
+constexpr double kSigma = 0.3;         // px of u and v at level 0; doubles with each level
+constexpr double kSigmaStereo = 0.25;  // px of d
+constexpr double kRowLikeness = 0.8;
+constexpr int kLeastInliers = 12;
+constexpr int kLeastRecognised = 20;
+constexpr double kLeastAgreeing = 0.4;  // of those found
+constexpr double kSurePx = 2.0;         // a prediction that was better needs no first guess
+
+// --- smear -------------------------------------------------------------------------------------
+constexpr double kSmearPerLevel = 3.0;  // px: a level is left out where it is smeared farther
+constexpr double kFastPx = 14.0;        // px per frame from which the exposure is estimated
+constexpr std::array kExposures{0.0, 0.12, 0.24, 0.36, 0.5, 0.7};  // shares of the frame time
+
+// --- keyframes ---------------------------------------------------------------------------------
+constexpr int kLatency = 3;         // frames after which an adjustment is taken over
+constexpr int kKeyframeGap = 4;     // frames; more than the latency
+constexpr double kFewer = 0.7;      // of the landmarks that carried the last keyframe
+constexpr int kFew = 70;            // landmarks
+constexpr double kFarMoved = 0.12;  // of the median depth, from every keyframe
+constexpr double kTurned = 0.2;     // rad
+constexpr double kBlurredPx = 4;    // a smeared frame is kept only when it must be
+constexpr int kMust = 35;
+constexpr int kStartEvery = 5;  // frames, until one shows enough
+constexpr std::size_t kWindow = 7;
+constexpr std::size_t kFixedKeyframes = 5;
+constexpr std::size_t kMostKeyframes = 1500;
+constexpr int kMostLandmarks = 12'000;
+constexpr double kBadSquared = 16;  // a sighting beyond 4 sigmas after an adjustment is dropped
+
+// --- standing still ----------------------------------------------------------------------------
+constexpr double kStillSeconds = 0.7;
+constexpr double kStillPx = 0.2;
+
+Rigid3 inverse(const Rigid3& T) { return T.inverse(Eigen::Isometry); }
+
+// The share of a motion that happens in `share` of its time.
+Rigid3 part_of(const Rigid3& motion, double share) {
+  Eigen::AngleAxisd turn(motion.linear());
+  turn.angle() *= share;
+  Rigid3 part = Rigid3::Identity();
+  part.linear() = turn.toRotationMatrix();
+  part.translation() = share * motion.translation();
+  return part;
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+struct Candidate {
+  int landmark = 0;
+  Eigen::Vector2d uv = Eigen::Vector2d::Zero();     // predicted, px
+  double depth = 0;                                 // predicted, m
+  Eigen::Vector2d smear = Eigen::Vector2d::Zero();  // px of level 0
+  Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();
+  double worth = 0;
+};
+
+// What an adjustment works on, and what comes back.
+struct Adjustment {
+  BundleProblem problem;
+  BundleSettings settings;
+  bool adjust = true;
+  std::vector<int> keyframes;  // of problem.camera_from_world
+  std::vector<int> landmarks;  // of problem.x_in_world
+  GrayImage image;             // of the newest keyframe, for its features
+  PinholeCamera image_camera;
+  DepthImage depth;
+
+  std::vector<std::pair<int, int>> bad;  // (landmark, keyframe) of sightings to drop
+  Features features;
+  double cpu_s = 0;
+};
+
+Adjustment worked_out(Adjustment job) {
+  double cpu = 0;
+  {
+    const CpuTimer timer(cpu);
+    if (job.adjust) {
+      adjust_bundle(job.problem, job.settings);
+      for (const BundleSighting& s : job.problem.sightings) {
+        if (squared_residual(job.problem, s) > kBadSquared) {
+          job.bad.emplace_back(job.landmarks[static_cast<std::size_t>(s.point)],
+                               job.keyframes[static_cast<std::size_t>(s.pose)]);
+        }
+      }
+    }
+    job.features = find_features(job.image, job.image_camera, job.depth);
+  }
+  job.cpu_s = cpu;
+  return job;
+}
+
+}  // namespace
+
+struct Tracker::Parts {
+  explicit Parts(const TrackerSettings& s) : settings(s), camera(s.camera) {}
+
+  // --- one frame ---
+  TrackedPose track(const TrackerFrame& frame);
+  void start(const TrackerFrame& frame);
+  bool follow_motion(const TrackerFrame& frame, double dt);
+  bool come_back(const TrackerFrame& frame);
+  bool locate(const TrackerFrame& frame, const Rigid3& guess, bool first_guess, int least);
+  void accept(const TrackerFrame& frame, double dt);
+
+  // --- its steps ---
+  void select(const TrackerFrame& frame, const Rigid3& pose, const Rigid3& before);
+  bool find(const Candidate& candidate, int coarsest, int finest, double least_likeness,
+            Eigen::Vector2d& uv, int& level) const;
+  Sighting sighting_of(const TrackerFrame& frame, const Candidate& candidate,
+                       const Eigen::Vector2d& uv, int level) const;
+  bool guess_from_coarse(const TrackerFrame& frame, Rigid3& pose);
+  void find_all(const TrackerFrame& frame);
+  void learn_exposure();
+  void rate_landmarks(int frame);
+  bool wants_keyframe(const TrackerFrame& frame) const;
+  void keep(const TrackerFrame& frame);
+  void add_corners(const TrackerFrame& frame, Keyframe& keyframe);
+  void ask_adjustment(const TrackerFrame& frame);
+  void take_over();
+  void watch_for_standstill(const TrackerFrame& frame);
+  double shift_px(const Rigid3& a, const Rigid3& b) const;
+  std::optional<double> disparity_at(const TrackerFrame& frame, const Eigen::Vector2d& uv,
+                                     double expected) const;
+  Rigid3& pose_of_keyframe(int k) {
+    return keyframes[static_cast<std::size_t>(k)].camera_from_world;
+  }
+
+  TrackerSettings settings;
+  TrackCamera camera;
+  Pyramid pyramid;
+
+  std::vector<Keyframe> keyframes;
+  std::vector<Landmark> landmarks;
+  std::size_t first_alive = 0;
+
+  TrackState state = TrackState::kStarting;
+  Rigid3 camera_from_world = Rigid3::Identity();
+  Rigid3 previous = Rigid3::Identity();  // camera_from_world one frame ago
+  Rigid3 step = Rigid3::Identity();      // camera_now from camera_before
+  double step_time = 0;                  // s
+  double last_time = 0;
+  int last_number = -1;
+  double error_px = 1e9;  // of the last prediction
+  double smear_px = 0;    // median of this frame
+  double exposure = 0;    // share of the frame time that the shutter is open
+  bool exposure_known = false;
+  double median_depth = 1;
+  int since_keyframe = 0;
+  double fixed_unclear_s = 0;
+
+  std::vector<Candidate> candidates;
+  std::vector<PosePoint> points;
+  std::vector<int> point_candidate;  // of points
+  PoseFit fit;
+  int tried = 0;
+
+  StillWatch watch;
+  struct Moment {
+    double time;
+    Rigid3 camera_from_world;
+  };
+  std::deque<Moment> history;
+
+  std::optional<std::future<Adjustment>> pending;
+  int pending_due = 0;
+  int next_asked = 0;  // keyframe that a lost camera is compared with, in turn
+  TrackerCounts counts;
+};
+
+// --- selection ---------------------------------------------------------------------------------
+
+// Landmarks that should be seen from `pose`, the best of each cell. `before` says whence the image
+// moved, for the smear.
+void Tracker::Parts::select(const TrackerFrame& frame, const Rigid3& pose, const Rigid3& before) {
+  candidates.clear();
+  const int width = camera.camera.width;
+  const int height = camera.camera.height;
+  const double cell = static_cast<double>(width) / kCellsAcross;
+  const int down = static_cast<int>(std::ceil(height / cell));
+  std::vector<int> best(static_cast<std::size_t>(kCellsAcross * down), -1);
+  const Eigen::Vector3d eye = inverse(pose).translation();
+  const double depth_scale = static_cast<double>(frame.depth->width()) / width;
+  std::vector<double> smears;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const Landmark& landmark = landmarks[i];
+    if (!landmark.alive) continue;
+    const Eigen::Vector3d x = pose * landmark.x_in_world;
+    if (x.z() < kNearest) continue;
+    const Eigen::Vector2d uv = camera.camera.project(x);
+    if (!(uv.x() > 8 && uv.y() > 8 && uv.x() < width - 9 && uv.y() < height - 9)) continue;
+
+    const Rigid3& anchor = keyframes[static_cast<std::size_t>(landmark.anchor)].camera_from_world;
+    const Eigen::Vector3d then = landmark.x_in_world - inverse(anchor).translation();
+    const Eigen::Vector3d now = landmark.x_in_world - eye;
+    const double zoom = then.norm() / now.norm();
+    if (then.dot(now) < kLeastCosine * then.norm() * now.norm() || zoom > kLargestZoom ||
+        zoom < 1 / kLargestZoom) {
+      continue;
+    }
+    const int dx = static_cast<int>((uv.x() + 0.5) * depth_scale);
+    const int dy = static_cast<int>((uv.y() + 0.5) * depth_scale);
+    if (frame.moving != nullptr && !frame.moving->empty() && (*frame.moving)(dx, dy) != 0) continue;
+    if (static_cast<double>((*frame.depth)(dx, dy)) < kHides * x.z()) continue;  // NaN: false
+
+    const int total = landmark.inlier + 2 * landmark.outlier + landmark.missed;
+    const double worth =
+        (landmark.inlier + 1.0) / (total + 2.0) +
+        (landmark.last_frame >= counts.frames - 2 ? 0.5 : 0.0) +
+        0.02 * static_cast<double>(std::min<std::size_t>(landmark.sightings.size(), 20));
+    const int cx = std::min(static_cast<int>(uv.x() / cell), kCellsAcross - 1);
+    const int cy = std::min(static_cast<int>(uv.y() / cell), down - 1);
+    int& slot = best[static_cast<std::size_t>(cy * kCellsAcross + cx)];
+    Candidate candidate;
+    candidate.landmark = static_cast<int>(i);
+    candidate.uv = uv;
+    candidate.depth = x.z();
+    candidate.worth = worth;
+    if (slot < 0) {
+      slot = static_cast<int>(candidates.size());
+      candidates.push_back(candidate);
+    } else if (candidates[static_cast<std::size_t>(slot)].worth < worth) {
+      candidates[static_cast<std::size_t>(slot)] = candidate;
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });
+  if (candidates.size() > static_cast<std::size_t>(settings.most_landmarks)) {
+    candidates.resize(static_cast<std::size_t>(settings.most_landmarks));
+  }
+  for (Candidate& candidate : candidates) {
+    const Landmark& landmark = landmarks[static_cast<std::size_t>(candidate.landmark)];
+    candidate.warp = image_from_anchor(
+        camera, landmark, keyframes[static_cast<std::size_t>(landmark.anchor)].camera_from_world,
+        pose);
+    const Eigen::Vector3d x = before * landmark.x_in_world;
+    if (x.z() > kNearest) candidate.smear = exposure * (candidate.uv - camera.camera.project(x));
+    smears.push_back(candidate.smear.norm());
+  }
+  smear_px = smears.empty() ? 0 : median(smears);
+}
+
+// --- finding -----------------------------------------------------------------------------------
+
+bool Tracker::Parts::find(const Candidate& candidate, int coarsest, int finest,
+                          double least_likeness, Eigen::Vector2d& uv, int& level) const {
+  const Landmark& landmark = landmarks[static_cast<std::size_t>(candidate.landmark)];
+  bool found = false;
+  uv = candidate.uv;
+  PatchTemplate look;
+  for (int l = coarsest; l >= finest; --l) {
+    if (!look.warp(landmark.look, l, candidate.warp, candidate.smear / (1 << l))) continue;
+    const PatchMatch match =
+        follow(pyramid.level(l), look, Pyramid::to_level(uv, l), {.steps = 10, .farthest = 6});
+    if (!match.found || match.likeness < least_likeness) {
+      // What was found in a smaller image stands; it is less well known.
+      return found;
+    }
+    uv = Pyramid::from_level(match.at, l);
+    level = l;
+    found = true;
+  }
+  return found;
+}
+
+std::optional<double> Tracker::Parts::disparity_at(const TrackerFrame& frame,
+                                                   const Eigen::Vector2d& uv,
+                                                   double expected) const {
+  if (frame.right == nullptr) {
+    const double scale = static_cast<double>(frame.depth->width()) / camera.camera.width;
+    const auto x = static_cast<int>((uv.x() + 0.5) * scale);
+    const auto y = static_cast<int>((uv.y() + 0.5) * scale);
+    const auto Z = static_cast<double>((*frame.depth)(x, y));
+    if (!(Z > 0)) return std::nullopt;
+    return camera.camera.fx_px * camera.baseline / Z;
+  }
+  PatchTemplate look;
+  if (!look.take(*frame.left, uv.x(), uv.y())) return std::nullopt;
+  const double infinity = settings.disparity_at_infinity_px;
+  const Eigen::Vector2d start(uv.x() - expected - infinity, uv.y());
+  const PatchMatch match =
+      follow(*frame.right, look, start, {.steps = 8, .along_row = true, .farthest = 3});
+  if (!match.found || match.likeness < kRowLikeness) return std::nullopt;
+  return uv.x() - match.at.x() - infinity;
+}
+
+Sighting Tracker::Parts::sighting_of(const TrackerFrame& frame, const Candidate& candidate,
+                                     const Eigen::Vector2d& uv, int level) const {
+  Sighting seen;
+  const double f_T = camera.camera.fx_px * camera.baseline;
+  const double expected = f_T / candidate.depth;
+  const double scale = (1 << level) * (1 + candidate.smear.norm() / (4 << level));
+  seen.sigma = kSigma * scale;
+  seen.uvd = {uv.x(), uv.y(), std::numeric_limits<double>::quiet_NaN()};
+  if (const std::optional<double> d = disparity_at(frame, uv, expected); d && *d > 0.3) {
+    seen.uvd.z() = *d;
+    const double Z = f_T / *d;
+    seen.sigma_d = frame.right != nullptr
+                       ? kSigmaStereo * std::max(1.0, 0.5 * scale)
+                       : std::max(0.2, 2 * f_T * settings.noise.sigma(Z) / (Z * Z));
+  }
+  return seen;
+}
+
+// The pose from few landmarks in small images, for when the prediction may be far off.
+bool Tracker::Parts::guess_from_coarse(const TrackerFrame& frame, Rigid3& pose) {
+  select(frame, pose, camera_from_world);
+  // The best of each large cell, then the second best.
+  std::vector<int> used(kCoarseCells * kCoarseCells, 0);
+  points.clear();
+  for (const Candidate& candidate : candidates) {
+    if (points.size() >= kCoarse) break;
+    const int cx = std::min(static_cast<int>(candidate.uv.x()) * kCoarseCells / camera.camera.width,
+                            kCoarseCells - 1);
+    const int cy = std::min(
+        static_cast<int>(candidate.uv.y()) * kCoarseCells / camera.camera.height, kCoarseCells - 1);
+    int& count = used[static_cast<std::size_t>(cy * kCoarseCells + cx)];
+    if (count >= 3) continue;
+    ++count;
+    Eigen::Vector2d uv;
+    int level = 0;
+    if (!find(candidate, 3, 2, kCoarseLikeness, uv, level)) continue;
+    const Landmark& landmark = landmarks[static_cast<std::size_t>(candidate.landmark)];
+    PosePoint point;
+    point.x_in_world = landmark.x_in_world;
+    point.seen.uvd = {uv.x(), uv.y(), std::numeric_limits<double>::quiet_NaN()};
+    point.seen.sigma = 0.2 * (1 << level);
+    point.trust = (landmark.inlier + 1.0) / (landmark.inlier + 2.0 * landmark.outlier + 1.0);
+    points.push_back(point);
+  }
+  if (points.size() < 8) return false;
+  fit_pose(camera, points, pose, {.tukey = 4, .first_width = 16, .steps = 12}, fit);
+  if (!fit.solved || fit.inliers < 7) return false;
+  pose = fit.camera_from_world;
+  return true;
+}
+
+void Tracker::Parts::find_all(const TrackerFrame& frame) {
+  int finest = 0;
+  while (finest < 2 && smear_px > kSmearPerLevel * (1 << finest)) ++finest;
+  points.clear();
+  point_candidate.clear();
+  tried = static_cast<int>(candidates.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Candidate& candidate = candidates[i];
+    Eigen::Vector2d uv;
+    int level = 0;
+    if (!find(candidate, finest + 1, finest, kFineLikeness, uv, level)) continue;
+    const Landmark& landmark = landmarks[static_cast<std::size_t>(candidate.landmark)];
+    PosePoint point;
+    point.x_in_world = landmark.x_in_world;
+    point.seen = sighting_of(frame, candidate, uv, level);
+    // One that has held still for long is believed more than one that is new.
+    const double age = std::min(1.0, landmark.inlier / 15.0);
+    point.trust = (0.4 + 0.6 * age) * (landmark.inlier + 1.0) /
+                  (landmark.inlier + 2.0 * landmark.outlier + 1.0);
+    points.push_back(point);
+    point_candidate.push_back(static_cast<int>(i));
+  }
+}
+
+// The pose near `guess`; the camera's own is changed only when it is found.
+bool Tracker::Parts::locate(const TrackerFrame& frame, const Rigid3& guess, bool first_guess,
+                            int least) {
+  Rigid3 pose = guess;
+  if (first_guess && !guess_from_coarse(frame, pose)) return false;
+  select(frame, pose, camera_from_world);
+  find_all(frame);
+  if (static_cast<int>(points.size()) < least) return false;
+  fit_pose(camera, points, pose, {.tukey = 5, .first_width = 4, .steps = 12}, fit);
+  if (!fit.solved || fit.inliers < least ||
+      fit.inliers < kLeastAgreeing * static_cast<double>(points.size())) {
+    return false;
+  }
+  error_px = shift_px(guess, fit.camera_from_world);
+  previous = camera_from_world;
+  camera_from_world = fit.camera_from_world;
+  return true;
+}
+
+// How far the middle and the quarters of the picture move between two poses, px.
+double Tracker::Parts::shift_px(const Rigid3& a, const Rigid3& b) const {
+  const Rigid3 b_from_a = b * inverse(a);
+  double most = 0;
+  for (const auto& [u, v] : {std::pair{0.5, 0.5}, {0.2, 0.2}, {0.8, 0.2}, {0.2, 0.8}, {0.8, 0.8}}) {
+    const Eigen::Vector2d uv(u * camera.camera.width, v * camera.camera.height);
+    const Eigen::Vector3d x = b_from_a * camera.camera.unproject(uv.x(), uv.y(), median_depth);
+    if (x.z() < kNearest) return 1e9;
+    most = std::max(most, (camera.camera.project(x) - uv).norm());
+  }
+  return most;
+}
+
+// While the picture moves fast: which share of the frame time, as the length of the smear, makes
+// the patches most like what is seen.
+void Tracker::Parts::learn_exposure() {
+  if (exposure_known && counts.frames % 4 != 0) return;
+  std::array<double, kExposures.size()> sums{};
+  int count = 0;
+  for (std::size_t i = 0; i < points.size() && count < 24; ++i) {
+    if (fit.inlier[i] == 0) continue;
+    const Candidate& candidate = candidates[static_cast<std::size_t>(point_candidate[i])];
+    const Landmark& landmark = landmarks[static_cast<std::size_t>(candidate.landmark)];
+    const Eigen::Vector3d now = camera_from_world * landmark.x_in_world;
+    const Eigen::Vector3d then = previous * landmark.x_in_world;
+    if (now.z() < kNearest || then.z() < kNearest) continue;
+    const Eigen::Vector2d motion = camera.camera.project(now) - camera.camera.project(then);
+    std::array<double, kExposures.size()> each{};
+    bool usable = true;
+    for (std::size_t e = 0; e < kExposures.size() && usable; ++e) {
+      PatchTemplate look;
+      usable = look.warp(landmark.look, 1, candidate.warp, kExposures[e] / 2 * motion);
+      if (usable) {
+        each[e] =
+            likeness_at(pyramid.level(1), look, Pyramid::to_level(points[i].seen.uvd.head<2>(), 1));
+      }
+    }
+    if (!usable) continue;
+    for (std::size_t e = 0; e < each.size(); ++e) sums[e] += each[e];
+    ++count;
+  }
+  if (count < 8) return;
+  const auto best =
+      static_cast<std::size_t>(std::max_element(sums.begin(), sums.end()) - sums.begin());
+  exposure += (exposure_known ? 0.3 : 1.0) * (kExposures[best] - exposure);
+  exposure_known = true;
+}
+
+void Tracker::Parts::rate_landmarks(int frame) {
+  std::vector<char> found(candidates.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto c = static_cast<std::size_t>(point_candidate[i]);
+    found[c] = 1;
+    Landmark& landmark = landmarks[static_cast<std::size_t>(candidates[c].landmark)];
+    if (fit.inlier[i] != 0) {
+      ++landmark.inlier;
+      landmark.last_frame = frame;
+    } else {
+      ++landmark.outlier;
+      if (landmark.outlier > 4 && 2 * landmark.outlier > landmark.inlier) landmark.alive = false;
+    }
+  }
+  if (smear_px > kBlurredPx) return;  // what is not found may be smeared
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    if (found[c] != 0) continue;
+    Landmark& landmark = landmarks[static_cast<std::size_t>(candidates[c].landmark)];
+    ++landmark.missed;
+    if (landmark.missed > 30 && landmark.missed > 4 * landmark.inlier) landmark.alive = false;
+  }
+}
+
+// --- frames ------------------------------------------------------------------------------------
+
+TrackedPose Tracker::Parts::track(const TrackerFrame& frame) {
+  const CpuTimer timer(counts.cpu_s);
+  TrackedPose result;
+  const int width = camera.camera.width;
+  const int height = camera.camera.height;
+  const auto fits = [&](const GrayImage* image) {
+    return image == nullptr || (image->width() == width && image->height() == height);
+  };
+  const bool usable = frame.left != nullptr && frame.depth != nullptr && !frame.depth->empty() &&
+                      fits(frame.left) && fits(frame.right);
+  ++counts.frames;
+  ++since_keyframe;
+  const double dt = std::max(frame.time - last_time, 1e-3);
+  last_time = frame.time;
+  if (pending && counts.frames >= pending_due) take_over();
+
+  const std::size_t kept = keyframes.size();
+  if (!usable) {
+    if (state != TrackState::kStarting) state = TrackState::kLost;
+  } else if (keyframes.empty()) {
+    if (counts.frames % kStartEvery == 1) start(frame);
+  } else {
+    bool standing = false;
+    if (settings.watch_stillness && watch.begun() && state != TrackState::kTracking) {
+      const Stillness seen = watch.look(*frame.left, frame.moving);
+      standing = seen == Stillness::kStill;
+      // Too little can be compared to say that it moves. What is dark or hidden need not move; but
+      // a camera that shows nothing known for long is lost.
+      if (seen == Stillness::kUnclear && state == TrackState::kFixed) fixed_unclear_s += dt;
+      if (standing) {
+        fixed_unclear_s = 0;
+        state = TrackState::kFixed;
+      }
+    }
+    if (!standing) {
+      pyramid.build(*frame.left);
+      const bool was_fixed = state == TrackState::kFixed;
+      const Rigid3 held = camera_from_world;
+      bool known = state != TrackState::kLost && follow_motion(frame, dt);
+      if (!known && !(was_fixed && fixed_unclear_s > 0 && fixed_unclear_s < 1)) {
+        known = come_back(frame);
+      }
+      if (known) {
+        // A hand over a standing camera's patches is no motion.
+        if (was_fixed && shift_px(held, camera_from_world) < 2 * kStillPx) {
+          camera_from_world = previous = held;
+          state = TrackState::kFixed;
+        } else {
+          accept(frame, dt);
+        }
+        fixed_unclear_s = 0;
+      } else if (!(was_fixed && fixed_unclear_s > 0 && fixed_unclear_s < 1)) {
+        state = TrackState::kLost;
+        step = Rigid3::Identity();
+        history.clear();
+      }
+    }
+  }
+  if (state == TrackState::kLost) ++counts.lost;
+  result.world_from_camera = inverse(camera_from_world);
+  result.state = state;
+  if (state == TrackState::kTracking) {
+    result.landmarks = fit.inliers;
+    result.tried = tried;
+  }
+  result.keyframe = keyframes.size() > kept;
+  return result;
+}
+
+void Tracker::Parts::start(const TrackerFrame& frame) {
+  pyramid.build(*frame.left);
+  points.clear();
+  point_candidate.clear();
+  fit.inlier.clear();
+  fit.inliers = 0;
+  keep(frame);
+  if (keyframes.back().tracked < kLeastRecognised) {  // nothing could ever be followed from here
+    keyframes.clear();
+    landmarks.clear();
+    pending.reset();
+    counts.keyframes = 0;
+    return;
+  }
+  if (settings.watch_stillness) {
+    watch.begin(*frame.left);
+    state = TrackState::kFixed;
+  } else {
+    state = TrackState::kTracking;
+  }
+}
+
+bool Tracker::Parts::follow_motion(const TrackerFrame& frame, double dt) {
+  const double share = step_time > 0 ? std::clamp(dt / step_time, 0.0, 3.0) : 0;
+  const Rigid3 predicted = moved_by(Twist::Zero(), part_of(step, share) * camera_from_world);
+  const bool sure = error_px < kSurePx && shift_px(camera_from_world, predicted) < kFastPx;
+  if (sure && locate(frame, predicted, false, 2 * kLeastInliers)) return true;
+  if (locate(frame, predicted, true, kLeastInliers)) return true;
+  return locate(frame, camera_from_world, true, kLeastInliers);
+}
+
+// A pose that is known again: what follows from it.
+void Tracker::Parts::accept(const TrackerFrame& frame, double dt) {
+  const bool was_known = state == TrackState::kTracking || state == TrackState::kFixed;
+  step = was_known ? Rigid3(camera_from_world * inverse(previous)) : Rigid3::Identity();
+  step_time = dt;
+  if (!was_known) error_px = 1e9;
+  state = TrackState::kTracking;
+  std::vector<double> depths;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (fit.inlier[i] != 0) depths.push_back((camera_from_world * points[i].x_in_world).z());
+  }
+  if (!depths.empty()) median_depth = median(depths);
+  if (was_known && shift_px(previous, camera_from_world) > kFastPx) learn_exposure();
+  rate_landmarks(counts.frames);
+  if (wants_keyframe(frame)) keep(frame);
+  history.push_back({frame.time, camera_from_world});
+  if (settings.watch_stillness) watch_for_standstill(frame);
+}
+
+void Tracker::Parts::watch_for_standstill(const TrackerFrame& frame) {
+  while (history.size() > 2 && history[1].time <= frame.time - kStillSeconds) history.pop_front();
+  if (history.front().time > frame.time - kStillSeconds) return;
+  for (const Moment& moment : history) {
+    if (shift_px(moment.camera_from_world, camera_from_world) > kStillPx) return;
+  }
+  watch.begin(*frame.left);
+  state = TrackState::kFixed;
+  step = Rigid3::Identity();
+  history.clear();
+}
+
+bool Tracker::Parts::come_back(const TrackerFrame& frame) {
+  if (pending) take_over();  // so that the last keyframe can be recognised too
+  const Thumbnail now = thumbnail_of(pyramid.level(2));
+  std::vector<int> order(keyframes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::vector<double> alike(keyframes.size());
+  for (std::size_t k = 0; k < keyframes.size(); ++k)
+    alike[k] = likeness(now, keyframes[k].thumbnail);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return alike[static_cast<std::size_t>(a)] > alike[static_cast<std::size_t>(b)];
+  });
+  const Rigid3 held = camera_from_world;
+  const auto try_near = [&](const Rigid3& pose) {
+    camera_from_world = pose;  // no motion, no smear
+    if (locate(frame, pose, true, kLeastRecognised)) {
+      state = TrackState::kLost;  // accept() is to begin without a motion
+      ++counts.recognised;
+      return true;
+    }
+    camera_from_world = held;
+    return false;
+  };
+  if (try_near(held) || try_near(pose_of_keyframe(order.front()))) return true;
+
+  const PinholeCamera half = camera.camera.scaled_down(2);
+  const Features features = find_features(pyramid.level(1), half, *frame.depth);
+  if (features.uv.empty()) return false;
+  constexpr int kAsked = 3;
+  std::vector<int> asked(order.begin(),
+                         order.begin() + std::min<std::ptrdiff_t>(kAsked, std::ssize(order)));
+  next_asked = (next_asked + 1) % static_cast<int>(keyframes.size());
+  asked.push_back(next_asked);
+  for (const int k : asked) {
+    const Keyframe& keyframe = keyframes[static_cast<std::size_t>(k)];
+    const std::optional<Rigid3> camera_from_old = recognise(features, keyframe.features, half);
+    if (camera_from_old && try_near(*camera_from_old * keyframe.camera_from_world)) return true;
+  }
+  return false;
+}
+
+// --- keyframes ---------------------------------------------------------------------------------
+
+bool Tracker::Parts::wants_keyframe(const TrackerFrame&) const {
+  if (since_keyframe < kKeyframeGap) return false;
+  if (fit.inliers < kMust) return true;
+  if (smear_px > kBlurredPx) return false;
+  if (fit.inliers < kFew || fit.inliers < kFewer * keyframes.back().tracked) return true;
+  const Rigid3 world_from_camera = inverse(camera_from_world);
+  for (const Keyframe& keyframe : keyframes) {
+    const Rigid3 motion = keyframe.camera_from_world * world_from_camera;
+    const double angle = Eigen::AngleAxisd(motion.linear()).angle();
+    if (motion.translation().norm() < kFarMoved * median_depth && angle < kTurned) return false;
+  }
+  return true;
+}
+
+void Tracker::Parts::keep(const TrackerFrame& frame) {
+  if (pending) take_over();
+  if (keyframes.size() >= kMostKeyframes) return;
+  Keyframe keyframe;
+  keyframe.number = frame.number;
+  keyframe.time = frame.time;
+  keyframe.camera_from_world = camera_from_world;
+  keyframe.thumbnail = thumbnail_of(pyramid.level(2));
+  const int index = static_cast<int>(keyframes.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (fit.inlier[i] == 0) continue;
+    const int id = candidates[static_cast<std::size_t>(point_candidate[i])].landmark;
+    landmarks[static_cast<std::size_t>(id)].sightings.push_back({index, points[i].seen});
+    keyframe.landmarks.push_back(id);
+  }
+  keyframes.push_back(std::move(keyframe));
+  add_corners(frame, keyframes.back());
+  Keyframe& kept = keyframes.back();
+  kept.tracked = static_cast<int>(kept.landmarks.size());
+  std::vector<double> depths;
+  for (const int id : kept.landmarks) {
+    depths.push_back(
+        (kept.camera_from_world * landmarks[static_cast<std::size_t>(id)].x_in_world).z());
+  }
+  if (!depths.empty()) median_depth = kept.median_depth = median(depths);
+  since_keyframe = 0;
+  ++counts.keyframes;
+  ask_adjustment(frame);
+}
+
+void Tracker::Parts::add_corners(const TrackerFrame& frame, Keyframe& keyframe) {
+  std::vector<Eigen::Vector2d> taken;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (fit.inlier[i] != 0) taken.emplace_back(points[i].seen.uvd.head<2>());
+  }
+  const int room = settings.most_landmarks + 60 - static_cast<int>(taken.size());
+  const std::vector<Corner> corners =
+      new_corners(pyramid.level(1), *frame.depth, frame.moving, taken, kCellsAcross, room);
+  const double f_T = camera.camera.fx_px * camera.baseline;
+  const Rigid3 world_from_camera = inverse(camera_from_world);
+  const int index = static_cast<int>(keyframes.size()) - 1;
+  for (const Corner& corner : corners) {
+    if (static_cast<int>(landmarks.size()) >= kMostLandmarks) break;
+    const Eigen::Vector2d uv = corner.uv;
+    if (!(uv.x() > 9 && uv.y() > 9 && uv.x() < camera.camera.width - 10 &&
+          uv.y() < camera.camera.height - 10)) {
+      continue;
+    }
+    const double expected = f_T / corner.depth;
+    const std::optional<double> d = disparity_at(frame, uv, expected);
+    if (!d || *d < 0.5 || std::abs(*d - expected) > 1.5) continue;
+    Landmark landmark;
+    landmark.uv = uv;
+    landmark.anchor = index;
+    landmark.slope = corner.slope;
+    Sighting seen;
+    seen.uvd = {uv.x(), uv.y(), *d};
+    // The patch itself defines where the point is: no error of finding it.
+    seen.sigma = 0.7 * kSigma;
+    const double Z = f_T / *d;
+    seen.sigma_d = frame.right != nullptr
+                       ? kSigmaStereo
+                       : std::max(0.2, 2 * f_T * settings.noise.sigma(Z) / (Z * Z));
+    landmark.x_in_world = world_from_camera * camera.point(seen.uvd);
+    landmark.look = PatchSource::cut(pyramid, uv);
+    landmark.sightings.push_back({index, seen});
+    landmark.last_frame = counts.frames;
+    keyframe.landmarks.push_back(static_cast<int>(landmarks.size()));
+    landmarks.push_back(std::move(landmark));
+  }
+}
+
+void Tracker::Parts::ask_adjustment(const TrackerFrame& frame) {
+  Adjustment job;
+  job.image = pyramid.level(1);
+  job.image_camera = camera.camera.scaled_down(2);
+  job.depth = *frame.depth;
+  job.adjust = settings.adjust && keyframes.size() > 1;
+  job.problem.camera = camera;
+
+  const std::size_t first = keyframes.size() - std::min(kWindow, keyframes.size());
+  std::vector<int> shared(first, 0);  // landmarks that an older keyframe has in common
+  std::vector<int> wanted;
+  for (std::size_t k = first; k < keyframes.size(); ++k) {
+    wanted.insert(wanted.end(), keyframes[k].landmarks.begin(), keyframes[k].landmarks.end());
+  }
+  std::sort(wanted.begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  for (const int id : wanted) {
+    for (const KeyframeSighting& s : landmarks[static_cast<std::size_t>(id)].sightings) {
+      if (s.keyframe < static_cast<int>(first)) ++shared[static_cast<std::size_t>(s.keyframe)];
+    }
+  }
+  std::vector<int> older(first);
+  std::iota(older.begin(), older.end(), 0);
+  std::stable_sort(older.begin(), older.end(), [&](int a, int b) {
+    return shared[static_cast<std::size_t>(a)] > shared[static_cast<std::size_t>(b)];
+  });
+  if (older.size() > kFixedKeyframes) older.resize(kFixedKeyframes);
+  std::vector<int> slot(keyframes.size(), -1);
+  const auto add_pose = [&](int k, bool fixed) {
+    slot[static_cast<std::size_t>(k)] = static_cast<int>(job.keyframes.size());
+    job.keyframes.push_back(k);
+    job.problem.camera_from_world.push_back(pose_of_keyframe(k));
+    job.problem.fixed.push_back(fixed ? 1 : 0);
+  };
+  bool any_fixed = false;
+  for (const int k : older) {
+    if (shared[static_cast<std::size_t>(k)] < 5) continue;
+    add_pose(k, true);
+    any_fixed = true;
+  }
+  for (std::size_t k = first; k < keyframes.size(); ++k) {
+    add_pose(static_cast<int>(k), k == 0 || (!any_fixed && k == first));
+  }
+  for (const int id : wanted) {
+    const Landmark& landmark = landmarks[static_cast<std::size_t>(id)];
+    if (!landmark.alive) continue;
+    int count = 0;
+    for (const KeyframeSighting& s : landmark.sightings) {
+      count += slot[static_cast<std::size_t>(s.keyframe)] >= 0 ? 1 : 0;
+    }
+    if (count < 2) continue;
+    const int point = static_cast<int>(job.landmarks.size());
+    job.landmarks.push_back(id);
+    job.problem.x_in_world.push_back(landmark.x_in_world);
+    for (const KeyframeSighting& s : landmark.sightings) {
+      const int pose = slot[static_cast<std::size_t>(s.keyframe)];
+      if (pose >= 0) job.problem.sightings.push_back({pose, point, s.seen});
+    }
+  }
+  pending = std::async(settings.adjust_on_thread ? std::launch::async : std::launch::deferred,
+                       [work = std::move(job)]() mutable { return worked_out(std::move(work)); });
+  pending_due = counts.frames + kLatency;
+}
+
+void Tracker::Parts::take_over() {
+  // On a thread of its own it is not part of this one's CPU time; deferred, it is subtracted.
+  const double before = thread_cpu_seconds();
+  Adjustment done = pending->get();
+  pending.reset();
+  counts.adjust_cpu_s += done.cpu_s;
+  if (!settings.adjust_on_thread) counts.cpu_s -= thread_cpu_seconds() - before;
+
+  const int newest = static_cast<int>(keyframes.size()) - 1;
+  keyframes.back().features = std::move(done.features);
+  if (!done.adjust) return;
+  const Rigid3 old_newest = pose_of_keyframe(newest);
+  std::vector<std::optional<Rigid3>> correction(keyframes.size());  // new world from old world
+  for (std::size_t i = 0; i < done.keyframes.size(); ++i) {
+    if (done.problem.fixed[i] != 0) continue;
+    Rigid3& pose = pose_of_keyframe(done.keyframes[i]);
+    correction[static_cast<std::size_t>(done.keyframes[i])] =
+        inverse(done.problem.camera_from_world[i]) * pose;
+    pose = done.problem.camera_from_world[i];
+  }
+  std::vector<char> adjusted(landmarks.size(), 0);
+  for (std::size_t j = 0; j < done.landmarks.size(); ++j) {
+    Landmark& landmark = landmarks[static_cast<std::size_t>(done.landmarks[j])];
+    landmark.x_in_world = done.problem.x_in_world[j];
+    adjusted[static_cast<std::size_t>(done.landmarks[j])] = 1;
+  }
+  // Points that one keyframe alone has seen go with it.
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    if (!correction[k]) continue;
+    for (const int id : keyframes[k].landmarks) {
+      Landmark& landmark = landmarks[static_cast<std::size_t>(id)];
+      if (adjusted[static_cast<std::size_t>(id)] != 0 || landmark.anchor != static_cast<int>(k))
+        continue;
+      landmark.x_in_world = *correction[k] * landmark.x_in_world;
+    }
+  }
+  for (const auto& [id, k] : done.bad) {
+    Landmark& landmark = landmarks[static_cast<std::size_t>(id)];
+    std::erase_if(landmark.sightings,
+                  [k = k](const KeyframeSighting& s) { return s.keyframe == k; });
+    if (landmark.sightings.size() < 2 || k == landmark.anchor) landmark.alive = false;
+  }
+  // Where the camera is, seen from the newest keyframe, has not changed.
+  const Rigid3 change = inverse(old_newest) * pose_of_keyframe(newest);
+  camera_from_world = moved_by(Twist::Zero(), camera_from_world * change);
+  previous = moved_by(Twist::Zero(), previous * change);
+  for (Moment& moment : history) moment.camera_from_world = moment.camera_from_world * change;
+}
+
+// --- the outside -------------------------------------------------------------------------------
+
+Tracker::Tracker(const TrackerSettings& settings) : parts_(std::make_unique<Parts>(settings)) {
+  PALPABLE_EXPECT(settings.camera.camera.fx_px > 0 && settings.camera.camera.fy_px > 0 &&
+                      settings.camera.baseline > 0,
+                  "focal lengths and baseline are positive");
+}
+Tracker::Tracker(Tracker&&) noexcept = default;
+Tracker& Tracker::operator=(Tracker&&) noexcept = default;
+Tracker::~Tracker() = default;
+
+TrackedPose Tracker::track(const TrackerFrame& frame) { return parts_->track(frame); }
+
+std::vector<KeyframePose> Tracker::keyframes() const {
+  std::vector<KeyframePose> poses;
+  for (const Keyframe& k : parts_->keyframes) {
+    poses.push_back({k.number, k.time, inverse(k.camera_from_world)});
+  }
+  return poses;
+}
+
+TrackerCounts Tracker::counts() const {
+  TrackerCounts counts = parts_->counts;
+  counts.landmarks =
+      static_cast<int>(std::count_if(parts_->landmarks.begin(), parts_->landmarks.end(),
+                                     [](const Landmark& landmark) { return landmark.alive; }));
+  return counts;
+}
+
+}  // namespace palpable

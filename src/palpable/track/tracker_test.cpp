@@ -1,0 +1,289 @@
+#include "palpable/track/tracker.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/track/recogniser.h"
+#include "palpable/vision/depth_camera.h"
+#include "palpable/vision/folder_source.h"
+#include "tests/support/test.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using test::tolerance;
+
+// --- a room of noise on two walls, seen by any camera ------------------------------------------
+
+const TrackCamera kCamera{{640, 360, 350, 350, 319.5, 179.5}, 0.063};
+
+// White noise on a grid of 2^-9 m .. , blended: grey levels at a point (s, t) m of a wall.
+double noise_at(int i, int j, unsigned wall) {
+  auto h = static_cast<std::uint32_t>(i) * 0x9E3779B1U ^
+           static_cast<std::uint32_t>(j) * 0x85EBCA77U ^ wall * 0xC2B2AE3DU;
+  h ^= h >> 15;
+  h *= 0x2C1B3C6DU;
+  h ^= h >> 12;
+  h *= 0x297A2D39U;
+  h ^= h >> 15;
+  return static_cast<double>(h & 0xFFFF) / 65535.0;
+}
+
+double wall_texture(double s, double t, unsigned wall) {
+  double value = 0;
+  for (const double cell : {0.2, 0.06, 0.02}) {
+    const double a = s / cell, b = t / cell;
+    const int i = static_cast<int>(std::floor(a)), j = static_cast<int>(std::floor(b));
+    const double x = a - i, y = b - j;
+    const double sx = x * x * (3 - 2 * x), sy = y * y * (3 - 2 * y);
+    value += (1 - sy) * ((1 - sx) * noise_at(i, j, wall) + sx * noise_at(i + 1, j, wall)) +
+             sy * ((1 - sx) * noise_at(i, j + 1, wall) + sx * noise_at(i + 1, j + 1, wall));
+  }
+  return 20 + 70 * value;
+}
+
+struct Hand {
+  double u = 0, v = 0;  // its middle, px; at 0.3 m
+  double size = 0;      // px, half; 0: none
+};
+
+// Luma of one eye and its depth. Walls: Z = 1.5 m, and a desk Y = 0.35 m.
+void look(const Rigid3& world_from_eye, const Hand& hand, double disparity, GrayImage& image,
+          DepthImage& depth) {
+  image.resize(kCamera.camera.width, kCamera.camera.height);
+  depth.resize(image.width(), image.height());
+  const Eigen::Vector3d eye = world_from_eye.translation();
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      const double hu = x - hand.u + disparity, hv = y - hand.v;
+      if (std::abs(hu) < hand.size && std::abs(hv) < hand.size) {
+        image(x, y) = static_cast<std::uint8_t>(wall_texture(hu / 800, hv / 800, 3));
+        depth(x, y) = 0.3F;
+        continue;
+      }
+      const Eigen::Vector3d ray = world_from_eye.linear() * kCamera.camera.unproject(x, y, 1);
+      double Z = ray.z() > 1e-6 ? (1.5 - eye.z()) / ray.z() : 1e9;
+      unsigned wall = 1;
+      if (ray.y() > 1e-6 && (0.35 - eye.y()) / ray.y() < Z) {
+        Z = (0.35 - eye.y()) / ray.y();
+        wall = 2;
+      }
+      const Eigen::Vector3d at = eye + Z * ray;
+      const double value =
+          wall == 1 ? wall_texture(at.x(), at.y(), 1) : wall_texture(at.x(), at.z(), 2);
+      image(x, y) = static_cast<std::uint8_t>(value);
+      depth(x, y) = static_cast<float>(Z);
+    }
+  }
+}
+
+struct Pair {
+  GrayImage left, right;
+  DepthImage depth;
+};
+
+Pair pair_at(const Rigid3& world_from_camera, const Hand& hand = {}) {
+  Pair pair;
+  DepthImage unused;
+  look(world_from_camera, hand, 0, pair.left, pair.depth);
+  const Rigid3 right = world_from_camera * Eigen::Translation3d(kCamera.baseline, 0, 0);
+  look(right, hand, kCamera.camera.fx_px * kCamera.baseline / 0.3, pair.right, unused);
+  return pair;
+}
+
+TrackerFrame frame_of(const Pair& pair, int number) {
+  TrackerFrame frame;
+  frame.number = number;
+  frame.time = number / 30.0;
+  frame.left = &pair.left;
+  frame.right = &pair.right;
+  frame.depth = &pair.depth;
+  return frame;
+}
+
+// To the right, down and forward, turning; 0.2 m in 40 frames.
+Rigid3 walk_pose(int n) {
+  const double a = n / 40.0;
+  Twist twist;
+  twist << 0.2 * a, -0.03 * std::sin(3 * a), 0.1 * a * a, 0.02 * a, 0.15 * std::sin(2 * a),
+      0.03 * a;
+  return moved_by(twist, Rigid3::Identity());
+}
+
+TrackerSettings settings_of() {
+  TrackerSettings settings;
+  settings.camera = kCamera;
+  settings.noise = stereo_noise({kCamera.camera, kCamera.baseline, 0});
+  return settings;
+}
+
+double error_of(const TrackedPose& pose, const Rigid3& truth) {
+  return (pose.world_from_camera.translation() - truth.translation()).norm();
+}
+
+TEST_CASE("a walk along textured walls is followed to a millimetre, with a hand before it too",
+          "[track]") {
+  for (const bool with_hand : {false, true}) {
+    INFO("hand " << with_hand);
+    Tracker tracker(settings_of());
+    for (int n = 0; n < 40; ++n) {
+      Hand hand;
+      // From frame 8 on a hand of a sixth of the view crosses it.
+      if (with_hand && n >= 8) hand = {100.0 + 12 * n, 190 + 40 * std::sin(0.4 * n), 95};
+      const Pair pair = pair_at(walk_pose(n), hand);
+      const TrackedPose pose = tracker.track(frame_of(pair, n));
+      INFO("frame " << n << ", " << pose.landmarks << " of " << pose.tried);
+      CHECK((pose.state == TrackState::kTracking || n < 2));
+      CHECK(error_of(pose, walk_pose(n)) <=
+            tolerance(1.5e-3,
+                      "a tenth of a pixel at 1 m and 350 px is 0.3 mm; drift of three windows"));
+    }
+    CHECK(tracker.counts().lost == 0);
+    CHECK(tracker.counts().keyframes >= 2);
+    CHECK(tracker.keyframes().front().world_from_camera.matrix().isIdentity(0));
+  }
+}
+
+TEST_CASE("the same frames give the same bytes, adjusted on a thread or not", "[track]") {
+  TrackerSettings here = settings_of();
+  here.adjust_on_thread = false;
+  Tracker one(settings_of()), two(here);
+  for (int n = 0; n < 20; ++n) {
+    const Pair pair = pair_at(walk_pose(2 * n));
+    const TrackedPose a = one.track(frame_of(pair, n));
+    const TrackedPose b = two.track(frame_of(pair, n));
+    CHECK(a.world_from_camera.matrix() == b.world_from_camera.matrix());
+  }
+  CHECK(one.counts().keyframes >= 2);
+  CHECK(one.counts().keyframes == two.counts().keyframes);
+}
+
+TEST_CASE("a standing camera is fixed from the first frame on, whatever moves before it",
+          "[track]") {
+  Tracker tracker(settings_of());
+  for (int n = 0; n < 12; ++n) {
+    Hand hand;
+    if (n >= 4) hand = {60.0 + 40 * n, 180, 110};  // a fifth of the view
+    const TrackedPose pose = tracker.track(frame_of(pair_at(Rigid3::Identity(), hand), n));
+    CHECK(pose.state == TrackState::kFixed);
+    CHECK(pose.world_from_camera.matrix().isIdentity(0));
+  }
+  CHECK(tracker.counts().keyframes == 1);
+}
+
+TEST_CASE(
+    "a camera that sees nothing is lost, says so, and is found again when it sees known ground",
+    "[track]") {
+  Tracker tracker(settings_of());
+  Pair dark;
+  dark.left = dark.right = GrayImage(kCamera.camera.width, kCamera.camera.height, 5);
+  dark.depth = DepthImage(kCamera.camera.width, kCamera.camera.height,
+                          std::numeric_limits<float>::quiet_NaN());
+  TrackedPose pose;
+  for (int n = 0; n < 24; ++n) pose = tracker.track(frame_of(pair_at(walk_pose(2 * n)), n));
+  REQUIRE(pose.state == TrackState::kTracking);
+  const Rigid3 last = pose.world_from_camera;
+  for (int n = 24; n < 30; ++n) {
+    pose = tracker.track(frame_of(dark, n));
+    CHECK(pose.state == TrackState::kLost);
+    CHECK(pose.world_from_camera.matrix() == last.matrix());
+  }
+  // Somewhere else, 80 mm and 8 degrees away.
+  const Rigid3 elsewhere = walk_pose(16);
+  for (int n = 30; n < 34; ++n) pose = tracker.track(frame_of(pair_at(elsewhere), n));
+  CHECK((pose.state == TrackState::kTracking || pose.state == TrackState::kFixed));
+  CHECK(error_of(pose, elsewhere) <= tolerance(2e-3, "as on the walk, from older points"));
+  CHECK(tracker.counts().recognised == 1);
+}
+
+TEST_CASE("features find a view again from 10 degrees and 0.15 m away", "[track]") {
+  const Rigid3 there =
+      moved_by((Twist() << 0.12, 0.03, 0.08, 0.03, 0.17, 0.05).finished(), Rigid3::Identity());
+  const Pair known = pair_at(Rigid3::Identity());
+  const Pair now = pair_at(there);
+  const Features a = find_features(known.left, kCamera.camera, known.depth);
+  const Features b = find_features(now.left, kCamera.camera, now.depth);
+  const std::optional<Rigid3> found = recognise(b, a, kCamera.camera);
+  REQUIRE(found);
+  CHECK((found->inverse().translation() - there.translation()).norm() <=
+        tolerance(0.03, "a pixel at 1.5 m and 350 px is 4 mm; along the view some times that"));
+  CHECK(likeness(thumbnail_of(known.left), thumbnail_of(known.left)) == Approx(1));
+}
+
+TEST_CASE(
+    "a camera before a blank wall is neither lost nor moved; it begins when it sees something",
+    "[track]") {
+  Tracker tracker(settings_of());
+  Pair blank = pair_at(Rigid3::Identity());
+  std::fill(blank.left.begin(), blank.left.end(), std::uint8_t{200});
+  std::fill(blank.right.begin(), blank.right.end(), std::uint8_t{200});
+  for (int n = 0; n < 10; ++n) {
+    const TrackedPose pose = tracker.track(frame_of(blank, n));
+    CHECK(pose.state == TrackState::kStarting);
+    CHECK(pose.world_from_camera.matrix().isIdentity(0));
+  }
+  TrackedPose pose;
+  for (int n = 10; n < 16; ++n) pose = tracker.track(frame_of(pair_at(Rigid3::Identity()), n));
+  CHECK(pose.state == TrackState::kFixed);
+}
+
+TEST_CASE("images of a wrong size make a lost frame, and settings of nothing are refused",
+          "[track]") {
+  Tracker tracker(settings_of());
+  Pair pair = pair_at(Rigid3::Identity());
+  tracker.track(frame_of(pair, 0));
+  pair.left = GrayImage(64, 36);
+  CHECK(tracker.track(frame_of(pair, 1)).state == TrackState::kLost);
+  TrackerSettings wrong = settings_of();
+  wrong.camera.baseline = 0;
+  CHECK_THROWS_AS(Tracker(wrong), ContractViolation);
+}
+
+// --- real -------------------------------------------------------------------------------------
+
+TEST_CASE("the 7-Scenes kitchen is followed to 25 mm", "[track][real][long]") {
+  const std::filesystem::path folder = "../shared/data/rgbd_pose_7scenes";
+  if (!std::filesystem::exists(folder)) PALPABLE_SKIP("no folder " + folder.string());
+  auto source = value_or_throw(open_folder(folder));
+  auto camera = value_or_throw(DepthCamera::make(source->format()));
+  TrackerSettings settings;
+  settings.camera = {camera.camera(), kDepthCameraBaseline};
+  settings.noise = camera.noise();
+  Tracker tracker(settings);
+  Frame frame;
+  SeenFrame seen;
+  double squares = 0;
+  int count = 0;
+  std::optional<Rigid3> world_from_first;
+  while (source->next(frame) == FrameStatus::kFrame) {
+    camera.see(frame, seen);
+    TrackerFrame given{seen.number, seen.time, &seen.left, nullptr, &seen.depth, nullptr};
+    const TrackedPose pose = tracker.track(given);
+    CHECK((pose.state == TrackState::kTracking || count < 3));
+    char name[32];
+    std::snprintf(name, sizeof name, "frame-%06d.pose.txt", seen.number);
+    std::ifstream in(folder / name);
+    Rigid3 truth = Rigid3::Identity();
+    for (int k = 0; k < 16; ++k) in >> truth.matrix()(k / 4, k % 4);
+    REQUIRE(in);
+    if (!world_from_first) world_from_first = truth;
+    squares += (world_from_first->inverse() * truth * pose.world_from_camera.inverse())
+                   .translation()
+                   .squaredNorm();
+    ++count;
+  }
+  REQUIRE(count == 90);
+  CHECK(std::sqrt(squares / count) <=
+        tolerance(0.025, "the truth is good to 10-20 mm (research/vision.md)"));
+}
+
+}  // namespace
+}  // namespace palpable
