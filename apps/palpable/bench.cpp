@@ -3,6 +3,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/bench_depth.h"
 #include "apps/palpable/bench_sgbm.h"
+#include "apps/palpable/bench_track.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/live_setup.h"
 #include "apps/palpable/place.h"
@@ -317,6 +318,7 @@ void add_bench(CLI::App& app) {
 
   add_bench_depth(*bench);
   add_bench_sgbm(*bench);
+  add_bench_track(*bench);
 
   auto options = std::make_shared<LiveBenchOptions>();
   CLI::App* live = bench->add_subcommand("live", "The whole loop, without writing files");

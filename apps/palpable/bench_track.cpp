@@ -1,0 +1,292 @@
+// palpable bench track: CPU time of following the camera, and its error on recordings with truth.
+
+#include "apps/palpable/bench_track.h"
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable/sequence_folder.h"
+#include "palpable/base/error.h"
+#include "palpable/reduced/body_file.h"
+#include "palpable/score/percentile.h"
+#include "palpable/score/trajectory_score.h"
+#include "palpable/synth/sequence.h"
+#include "palpable/track/tracker.h"
+#include "palpable/vision/depth_camera.h"
+#include "palpable/vision/folder_source.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWalkFrames = 900;  // of the planned sequence
+constexpr int kSkipped = 30;      // frames in which nothing is timed: memory is taken there
+constexpr int kDarkFrames = 30;   // 1 s
+constexpr int kAfterDark = 30;
+constexpr double kWidestDepth = 100;  // m, of the street
+
+struct TrackBenchOptions {
+  fs::path body;
+  fs::path data = "../shared/data";
+  std::uint64_t seed = 1;
+  int frames = 120;
+  bool json = false;
+};
+
+TrackerSettings settings_of(const DepthCamera& camera, const FrameFormat& format) {
+  TrackerSettings settings;
+  settings.camera = {camera.camera(), kDepthCameraBaseline};
+  settings.noise = camera.noise();
+  if (format.kind == FrameFormat::Kind::kStereo) {
+    settings.camera.baseline = camera.rectified().baseline;
+    settings.disparity_at_infinity_px = camera.rectified().disparity_at_infinity_px;
+  }
+  return settings;
+}
+
+TrackerFrame frame_of(const SeenFrame& seen) {
+  TrackerFrame frame;
+  frame.number = seen.number;
+  frame.time = seen.time;
+  frame.left = &seen.left;
+  frame.right = seen.right.empty() ? nullptr : &seen.right;
+  frame.depth = &seen.depth;
+  return frame;
+}
+
+// --- the walk: time, and how soon a camera that saw nothing for a second knows where it is -------
+
+void bench_walk(const TrackBenchOptions& options, ProgressBar& bar,
+                nlohmann::ordered_json& result) {
+  const ReducedBody body =
+      value_or_throw(read_pressable_body(options.body.empty() ? default_body() : options.body));
+  const Sequence sequence = plan_sequence("walk", desk_body(body), kWalkFrames, options.seed);
+  Film film = film_of(sequence);
+  FrameFormat format;
+  format.width = film.rig.left.pinhole.width;
+  format.height = film.rig.left.pinhole.height;
+  format.rig = film.rig;
+  DepthCamera camera = value_or_throw(DepthCamera::make(format));
+  Tracker tracker(settings_of(camera, format));
+
+  const int dark_end = options.frames + kDarkFrames;
+  const int last = std::min(dark_end + kAfterDark, kWalkFrames);
+  RawPair pair;
+  Frame frame;
+  SeenFrame seen;
+  TrackerCounts before;
+  std::optional<int> back;
+  for (int n = 0; n < last; ++n) {
+    const bool dark = n >= options.frames && n < dark_end;
+    if (!dark) {
+      film.renderer.draw(moment_of(sequence, n), pair);
+      frame.left = pair.left;
+      frame.right = pair.right;
+    } else {
+      std::fill(frame.left.begin(), frame.left.end(), Rgb{3, 3, 3});
+      std::fill(frame.right.begin(), frame.right.end(), Rgb{3, 3, 3});
+    }
+    frame.number = n;
+    frame.time = n / 30.0;
+    camera.see(frame, seen);
+    if (n == kSkipped) before = tracker.counts();
+    const TrackedPose pose = tracker.track(frame_of(seen));
+    if (n >= dark_end && !back && pose.state != TrackState::kLost) back = n;
+    if (n == options.frames - 1) {
+      // What a keyframe asked for and nobody has taken over yet is missing: one in many.
+      const TrackerCounts now = tracker.counts();
+      const double frames = now.frames - before.frames;
+      result["cpu_ms_720p"] =
+          1e3 * (now.cpu_s + now.adjust_cpu_s - before.cpu_s - before.adjust_cpu_s) / frames;
+      result["adjust_ms_720p"] = 1e3 * (now.adjust_cpu_s - before.adjust_cpu_s) / frames;
+      result["lost_before_dark"] = now.lost;
+    }
+    bar.show({"walking", n + 1.0, static_cast<double>(last), ""});
+  }
+  result["relocalise_s"] =
+      back ? nlohmann::ordered_json((*back - dark_end) / 30.0) : nlohmann::ordered_json(nullptr);
+}
+
+// --- recordings ----------------------------------------------------------------------------------
+
+struct Followed {
+  std::vector<PosePair> pairs;
+  std::vector<DepthImage> depths;
+  PinholeCamera depth_camera;
+};
+
+// Plays a folder; pose_of(n) gives the published pose of the frame with this number.
+template <class PoseOf>
+Followed follow(const fs::path& folder, double farthest, bool keep_depths, const PoseOf& pose_of) {
+  auto source = value_or_throw(open_folder(folder));
+  DepthSettings depth;
+  depth.farthest = farthest;
+  DepthCamera camera = value_or_throw(DepthCamera::make(source->format(), depth));
+  Tracker tracker(settings_of(camera, source->format()));
+  Followed followed;
+  followed.depth_camera = camera.depth_camera();
+  Frame frame;
+  SeenFrame seen;
+  FrameStatus status = source->next(frame);
+  for (; status != FrameStatus::kEnd; status = source->next(frame)) {
+    if (status != FrameStatus::kFrame) continue;
+    camera.see(frame, seen);
+    const TrackedPose pose = tracker.track(frame_of(seen));
+    followed.pairs.push_back({seen.time, pose_of(seen.number), pose.world_from_camera});
+    if (keep_depths) followed.depths.push_back(seen.depth);
+  }
+  return followed;
+}
+
+Rigid3 read_matrix(std::istream& in, int rows, const fs::path& path) {
+  Rigid3 pose = Rigid3::Identity();
+  for (int k = 0; k < 4 * rows; ++k) in >> pose.matrix()(k / 4, k % 4);
+  if (!in)
+    throw Error(fmt::format("{}: a matrix of {} x 4 numbers was expected", path.string(), rows));
+  return pose;
+}
+
+// Median of |Z of frame i, brought into frame j, less the Z measured there|, over pairs 5 to 40
+// frames apart; differences beyond 0.1 m are other surfaces. NaN without any.
+template <class PoseOf>
+double warped_disagreement(const Followed& f, const PoseOf& pose_of) {
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < f.pairs.size(); i += 6) {
+    for (const std::size_t apart : {5U, 15U, 40U}) {
+      const std::size_t j = i + apart;
+      if (j >= f.pairs.size()) break;
+      const Rigid3 j_from_i = pose_of(f.pairs[j]).inverse() * pose_of(f.pairs[i]);
+      for (int y = 2; y < f.depths[i].height(); y += 8) {
+        for (int x = 2; x < f.depths[i].width(); x += 8) {
+          const auto Z = static_cast<double>(f.depths[i](x, y));
+          if (!(Z > 0)) continue;
+          const Eigen::Vector3d at = j_from_i * f.depth_camera.unproject(x, y, Z);
+          if (!(at.z() > 0.1)) continue;
+          const Eigen::Vector2d uv = f.depth_camera.project(at);
+          const int u = static_cast<int>(std::lround(uv.x()));
+          const int v = static_cast<int>(std::lround(uv.y()));
+          if (u < 0 || v < 0 || u >= f.depths[j].width() || v >= f.depths[j].height()) continue;
+          const double difference = std::abs(static_cast<double>(f.depths[j](u, v)) - at.z());
+          if (difference < 0.1) differences.push_back(difference);  // false for NaN
+        }
+      }
+    }
+  }
+  return differences.empty() ? std::nan("") : percentile(differences, 0.5);
+}
+
+void bench_kitchen(const fs::path& folder, nlohmann::ordered_json& result) {
+  result["ate_7scenes_mm"] = result["warp_ratio_7scenes"] = nullptr;
+  if (!fs::exists(folder)) return;
+  const Followed f = follow(folder, 20, true, [&](int number) {
+    const fs::path path = folder / fmt::format("frame-{:06d}.pose.txt", number);
+    std::ifstream in(path);
+    return read_matrix(in, 4, path);
+  });
+  if (f.pairs.empty()) return;
+  result["ate_7scenes_mm"] = 1e3 * score_trajectory(f.pairs).ate;
+  const double ours = warped_disagreement(f, [](const PosePair& p) { return p.found; });
+  const double published = warped_disagreement(f, [](const PosePair& p) { return p.truth; });
+  result["warp_mm_7scenes"] = 1e3 * ours;
+  result["warp_mm_7scenes_published"] = 1e3 * published;
+  result["warp_ratio_7scenes"] = ours / published;
+}
+
+void bench_street(const fs::path& folder, nlohmann::ordered_json& result) {
+  result["kitti_position_error"] = nullptr;
+  if (!fs::exists(folder)) return;
+  std::ifstream in(folder / "poses.txt");
+  const Followed f = follow(folder, kWidestDepth, false,
+                            [&](int) { return read_matrix(in, 3, folder / "poses.txt"); });
+  if (f.pairs.empty()) return;
+  double path = 0;
+  for (std::size_t i = 1; i < f.pairs.size(); ++i) {
+    path += (f.pairs[i].truth.translation() - f.pairs[i - 1].truth.translation()).norm();
+  }
+  const auto way = [&](const Rigid3& first, const Rigid3& last) -> Eigen::Vector3d {
+    return (first.inverse() * last).translation();
+  };
+  const Eigen::Vector3d error = way(f.pairs.front().truth, f.pairs.back().truth) -
+                                way(f.pairs.front().found, f.pairs.back().found);
+  result["kitti_position_error"] = error.norm() / path;
+}
+
+void print_table(const nlohmann::ordered_json& r) {
+  const auto line = [&](const char* what, const char* key, double scale, const char* bar) {
+    fmt::print(
+        "{:<52}{:>10}{:>12}\n", what,
+        r[key].is_null() ? std::string("-") : fmt::format("{:.3f}", scale * r[key].get<double>()),
+        bar);
+  };
+  fmt::print("{:<52}{:>10}{:>12}\n", "", "this", "at most");
+  line("CPU ms per 720p frame, adjustment included", "cpu_ms_720p", 1, "8");
+  line("  of it the adjustment", "adjust_ms_720p", 1, "");
+  line("7-Scenes kitchen: path error, mm", "ate_7scenes_mm", 1, "25");
+  line("  depth warped by our poses / by the published", "warp_ratio_7scenes", 1, "1.1");
+  line("KITTI street: end position, % of the path", "kitti_position_error", 100, "2");
+  line("after 1 s of darkness: found again, s", "relocalise_s", 1, "0.5");
+}
+
+void bench_track(const TrackBenchOptions& options) {
+  ProgressBar bar;
+  nlohmann::ordered_json result;
+  result["bench"] = "track";
+  result["seed"] = options.seed;
+  bench_walk(options, bar, result);
+  bar.finish();
+  // Of the map and the mask nothing is timed yet.
+  result["map_ms"] = result["mask_ms"] = result["ghost_voxels"] = nullptr;
+  bench_kitchen(options.data / "rgbd_pose_7scenes", result);
+  bench_street(options.data / "stereo_video_kitti1", result);
+  if (options.json) {
+    fmt::print("{}\n", result.dump(2));
+  } else {
+    print_table(result);
+  }
+}
+
+}  // namespace
+
+void add_bench_track(CLI::App& bench) {
+  auto options = std::make_shared<TrackBenchOptions>();
+  CLI::App* command = bench.add_subcommand(
+      "track", "Following the camera: CPU time, recordings with truth, lost and found");
+  command->add_option("--body", options->body,
+                      "Body file. Default: build/bodies/bunny-dense.palpable, else "
+                      "out/demo/bunny.palpable");
+  command->add_option("--seed", options->seed, "Of the sequence walk")
+      ->check(CLI::Range(std::uint64_t{0}, kLargestSeed))
+      ->capture_default_str();
+  command->add_option("--frames", options->frames, "Of the walk, before the darkness")
+      ->check(CLI::Range(2 * kSkipped, kWalkFrames - kDarkFrames - 1))
+      ->capture_default_str();
+  command
+      ->add_option("--data", options->data,
+                   "Folder that holds rgbd_pose_7scenes and stereo_video_kitti1; what is absent is "
+                   "null")
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command->footer(
+      "The walk is filmed for the bench, at 1280 x 720; from frame 30 on its CPU time counts, mean "
+      "over\n"
+      "frames, all threads. Then 1 s of darkness.\n"
+      "Example: palpable bench track --json");
+  command->callback([options] { bench_track(*options); });
+}
+
+}  // namespace palpable::app
