@@ -99,8 +99,13 @@ struct Counts {
   std::string last_trouble;
   std::vector<std::string> reports;  // of the source, in its words
 
+  std::vector<int> lost;  // numbers of the frames in which the camera was
+  int moving = 0;         // frames in which it was tracked
+
   void add(const Scene& scene) {
     processed.push_back(scene.number);
+    if (scene.camera.state == TrackState::kLost) lost.push_back(scene.number);
+    moving += scene.camera.state == TrackState::kTracking ? 1 : 0;
     if (scene.touches.empty()) return;
     const Touch& touch = scene.touches.front();
     ++touching;
@@ -127,6 +132,18 @@ nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const
     }
   }
   result["camera_from_body"] = matrix;
+  if (run.session.settings().track) {
+    const TrackerCounts tracker = run.session.tracker_counts();
+    const double frames = std::max(tracker.frames, 1);
+    result["tracking"] = {{"frames_moving", counts.moving},
+                          {"frames_lost", counts.lost},
+                          {"times_found_again", tracker.recognised},
+                          {"keyframes", tracker.keyframes},
+                          {"landmarks", tracker.landmarks},
+                          {"cpu_ms", 1e3 * (tracker.cpu_s + tracker.adjust_cpu_s) / frames}};
+  } else {
+    result["tracking"] = nullptr;
+  }
   result["frames"] = counts.processed.size();
   result["unreadable"] = counts.troubles.unreadable;
   result["source_troubles"] = {{"back_in_time", counts.troubles.back_in_time},
@@ -208,7 +225,8 @@ void live(const Options& options) {
       drawn->number = scene.number;
       drawn->time = scene.time;
       drawn->touches = scene.touches;
-      drawn->camera_from_body = session.camera_from_body();
+      drawn->camera_from_body = scene.camera_from_body;
+      drawn->world_from_camera = scene.camera.world_from_camera;
       if (!options.no_depth) {
         drawn->depth = scene.seen->depth;
         drawn->too_close = scene.seen->too_close;
@@ -262,6 +280,10 @@ void live(const Options& options) {
              wall.count(), 1e3 * wall.count() / static_cast<double>(counts.processed.size()),
              counts.troubles.unreadable);
   if (counts.troubles.unreadable > 0) { fmt::print("last unreadable: {}\n", counts.last_trouble); }
+  if (!counts.lost.empty()) {
+    fmt::print("the camera was lost in {} frames, first in frame {}\n", counts.lost.size(),
+               counts.lost.front());
+  }
   if (counts.first_touch) {
     fmt::print("touched in {} frames, first in frame {}, at most {:.1f} mm deep\n", counts.touching,
                *counts.first_touch, counts.deepest * 1e3);

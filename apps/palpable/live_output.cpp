@@ -26,8 +26,8 @@ constexpr float kBodyDepthUnit = 1e-4f;    // m per count of body_depth/
 constexpr float kLargestDepth = 65534.0f;  // counts
 constexpr std::uint16_t kTooCloseCount = 65535;
 constexpr double kDefaultRate = 30;  // of a clip of one frame
-constexpr std::array kStages{"read",    "rectify",  "disparity", "depth", "background",
-                             "contact", "evaluate", "draw",      "write"};
+constexpr std::array kStages{"read",       "rectify", "disparity", "depth", "track",
+                             "background", "contact", "evaluate",  "draw",  "write"};
 constexpr std::array kFigureNames{"hand_nearer.png", "body_nearer.png", "touch.png"};
 // All that a run may leave in its folder, timing.csv first: every run begins with it.
 constexpr std::array kOutputs{

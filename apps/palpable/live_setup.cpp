@@ -101,6 +101,8 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
       ->capture_default_str();
   command.add_flag("--ignore-static", options.ignore_static,
                    "What the first 15 frames show does not press (scene.toml may ask for it too)");
+  command.add_flag("--fixed-camera", options.fixed_camera,
+                   "Do not follow the camera: it stands where it stood in the first frame");
   command
       .add_option("--contact", options.contact,
                   "press: the level from the measured depth; paper: Algorithm 1 as printed")
@@ -134,6 +136,7 @@ LiveRun set_up_live(const LiveOptions& options) {
   SessionSettings settings;
   settings.contact = options.contact == "paper" ? ContactKind::kPaper : ContactKind::kPress;
   if (options.matcher == "opencv") settings.depth.matcher = DepthSettings::Matcher::kOpenCv;
+  settings.track = !options.fixed_camera;
   const int static_frames = scene.ignore_static_frames.value_or(0);
   settings.ignore_static = options.ignore_static || static_frames > 0;
   if (static_frames > 0) settings.static_frames = static_frames;

@@ -27,6 +27,7 @@ struct LiveOptions {
   double scale = 1;
   std::vector<std::string> set;  ///< NAME=VALUE of further parameters
   bool ignore_static = false;
+  bool fixed_camera = false;
   std::string contact = "press";
   std::string matcher = "census";
   int frames = -1;  ///< at most; negative: all

@@ -45,7 +45,7 @@ SceneView view_of(const Scene& scene, const Session& session, double scale) {
   look.triangles = &session.body().surface.triangles;
   look.scalar = scene.von_mises;
   look.scalar_max = static_cast<float>(scale);
-  look.camera_from_body = session.camera_from_body();
+  look.camera_from_body = scene.camera_from_body;
   view.bodies.push_back(look);
   view.legend_title = "von Mises";
   if (scene.touches.empty()) {
@@ -54,6 +54,9 @@ SceneView view_of(const Scene& scene, const Session& session, double scale) {
     const Touch& touch = scene.touches.front();
     view.caption.push_back(fmt::format("{:.2f} s   site {}   {:.1f} mm   {:.2f} N", scene.time,
                                        touch.site, touch.press_depth * 1e3, touch.force));
+  }
+  if (scene.camera.state == TrackState::kLost) {
+    view.caption.emplace_back("Camera lost: show it what it has seen before");
   }
   return view;
 }
@@ -65,8 +68,8 @@ FigureScores figure_scores(const Scene& scene, const Session& session, const Mas
     const Touch& touch = scene.touches.front();
     const Site& site = session.body().sites[static_cast<std::size_t>(touch.site)];
     // The stress around the site that faces the camera.
-    const Eigen::Matrix3f R = session.camera_from_body().linear().cast<float>();
-    const Eigen::Vector3f t = session.camera_from_body().translation().cast<float>();
+    const Eigen::Matrix3f R = scene.camera_from_body.linear().cast<float>();
+    const Eigen::Vector3f t = scene.camera_from_body.translation().cast<float>();
     for (Eigen::Index k = 0; k < scene.vertices.cols(); ++k) {
       const auto x = scene.vertices.col(k);
       if ((x - scene.vertices.col(site.vertex)).norm() > kAroundSite) continue;

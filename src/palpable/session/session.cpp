@@ -65,6 +65,19 @@ SeenSurfaceSettings fitted(SeenSurfaceSettings surface, const DepthCamera& camer
   return surface;
 }
 
+// What follows the camera through frames of this format.
+Tracker tracker_of(const DepthCamera& camera, const FrameFormat& format) {
+  TrackerSettings settings;
+  settings.camera.camera = camera.camera();
+  settings.camera.baseline = kDepthCameraBaseline;
+  settings.noise = camera.noise();
+  if (format.kind == FrameFormat::Kind::kStereo) {
+    settings.camera.baseline = camera.rectified().baseline;
+    settings.disparity_at_infinity_px = camera.rectified().disparity_at_infinity_px;
+  }
+  return Tracker(settings);
+}
+
 std::optional<Problem> wrong_setting(const SessionSettings& s) {
   if (s.ignore_static && (s.static_frames < 1 || s.static_frames > 255)) {
     return Problem{
@@ -92,8 +105,7 @@ struct Session::Parts {
   Parts(ReducedBody b, const Rigid3& pose, const FrameFormat& format, DepthCamera c,
         const SessionSettings& s)
       : body(std::move(b)),
-        camera_from_body(pose),
-        body_from_camera(pose.inverse()),
+        world_from_body(pose),
         settings(s),
         camera(std::move(c)),
         rest(body.surface.vertices.cast<float>()),
@@ -104,21 +116,24 @@ struct Session::Parts {
       background.emplace(camera.noise(),
                          StaticBackgroundSettings{.frames = settings.static_frames});
     }
+    if (settings.track) tracker.emplace(tracker_of(camera, format));
   }
 
-  bool find_contact_depth(const SeenFrame& seen);
+  void find_camera(const SeenFrame& seen, Scene& scene);
+  bool find_contact_depth(const SeenFrame& seen, const Rigid3& camera_from_world);
   std::optional<Touch> touch_of_frame(double time);
   void reconstruct(Scene& scene);
 
   ReducedBody body;
-  Rigid3 camera_from_body;
-  Rigid3 body_from_camera;
+  Rigid3 world_from_body;
   SessionSettings settings;
   DepthCamera camera;
   Eigen::Matrix3Xf rest;  // (3 x V) m
   Eigen::AlignedBox3d region;
 
+  std::optional<Tracker> tracker;
   std::optional<StaticBackground> background;
+  Rigid3 learnt_from_world = Rigid3::Identity();  // the camera when the background was learnt
   DepthImage contact_depth;  // what may press; the scene's own depth keeps everything, for drawing
   MaskImage scratch;
   SeenSurface surface;
@@ -131,17 +146,43 @@ struct Session::Parts {
   Scene own_scene;
 };
 
+// Where the camera is, and with it the body.
+void Session::Parts::find_camera(const SeenFrame& seen, Scene& scene) {
+  scene.camera = {};
+  scene.camera.state = TrackState::kFixed;
+  if (tracker) {
+    TrackerFrame frame;
+    frame.number = seen.number;
+    frame.time = seen.time;
+    frame.left = &seen.left;
+    frame.right = seen.right.empty() ? nullptr : &seen.right;
+    frame.depth = &seen.depth;
+    scene.camera = tracker->track(frame);
+  }
+  // A camera that has not moved sees the body where it was put, to the bit.
+  scene.camera_from_body = scene.camera.world_from_camera.matrix().isIdentity(0)
+                               ? world_from_body
+                               : scene.camera.world_from_camera.inverse() * world_from_body;
+}
+
 // What may press in this frame; false while the background is being learnt.
-bool Session::Parts::find_contact_depth(const SeenFrame& seen) {
+bool Session::Parts::find_contact_depth(const SeenFrame& seen, const Rigid3& camera_from_world) {
   contact_depth.resize(seen.depth.width(), seen.depth.height());
   std::copy(seen.depth.begin(), seen.depth.end(), contact_depth.begin());
   if (background && !background->ready()) {
     background->learn(contact_depth);
+    learnt_from_world = camera_from_world;
     std::fill(contact_depth.begin(), contact_depth.end(), std::numeric_limits<float>::quiet_NaN());
     return false;
   }
   forget_jumps(contact_depth, kJumpShare, scratch);
-  if (background) background->remove_static(contact_depth);
+  if (!background) return true;
+  const Rigid3 now_from_learnt = camera_from_world * learnt_from_world.inverse();
+  if (now_from_learnt.matrix().isIdentity(1e-12)) {
+    background->remove_static(contact_depth);
+  } else {
+    background->remove_static(contact_depth, seen.depth_camera, now_from_learnt);
+  }
   return true;
 }
 
@@ -200,14 +241,20 @@ void Session::respond(const SeenFrame& seen, Scene& scene) {
   scene.touches.clear();
   scene.touches.reserve(1);
 
+  if (p.tracker) {
+    const StageTimer timer(scene.times, "track");
+    p.find_camera(seen, scene);
+  } else {
+    p.find_camera(seen, scene);
+  }
   bool may_press = false;
   {
     const StageTimer timer(scene.times, "background");
-    may_press = p.find_contact_depth(seen);
+    may_press = p.find_contact_depth(seen, scene.camera.world_from_camera.inverse());
   }
   if (may_press) {
     const StageTimer timer(scene.times, "contact");
-    p.surface.build(p.contact_depth, seen.depth_camera, p.body_from_camera, p.region);
+    p.surface.build(p.contact_depth, seen.depth_camera, scene.camera_from_body.inverse(), p.region);
     if (const auto touch = p.touch_of_frame(seen.time)) scene.touches.push_back(*touch);
   }
   const StageTimer timer(scene.times, "evaluate");
@@ -225,7 +272,10 @@ const Scene& Session::process(const Frame& frame) {
 
 const DepthImage& Session::pressing_depth() const { return parts_->contact_depth; }
 const ReducedBody& Session::body() const { return parts_->body; }
-const Rigid3& Session::camera_from_body() const { return parts_->camera_from_body; }
+const Rigid3& Session::camera_from_body() const { return parts_->world_from_body; }
+TrackerCounts Session::tracker_counts() const {
+  return parts_->tracker ? parts_->tracker->counts() : TrackerCounts{};
+}
 const SessionSettings& Session::settings() const { return parts_->settings; }
 const PinholeCamera& Session::camera() const { return parts_->camera.camera(); }
 const PinholeCamera& Session::depth_camera() const { return parts_->camera.depth_camera(); }

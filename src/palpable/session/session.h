@@ -1,7 +1,10 @@
 /// @file
 /// A live run: a camera's frame in, a scene out (paper Sec. 4).
 ///
-///     frame -> depth -> what was not there before -> seen surface -> touches -> u, sigma -> scene
+///     frame -> depth -> camera's pose -> what was not there before -> seen surface -> touches
+///           -> u, sigma -> scene
+///
+/// The body stands still in the world, which is the camera frame of the first frame.
 ///
 /// Nothing here looks at a clock (except to say how long a stage took), draws random numbers or
 /// keeps anything beyond its own state: the same frames give the same bytes. Contact and
@@ -18,6 +21,7 @@
 #include "palpable/contact/touch.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/reduced/reduced_body.h"
+#include "palpable/track/tracker.h"
 #include "palpable/vision/depth_camera.h"
 #include "palpable/vision/frame.h"
 
@@ -36,8 +40,10 @@ enum class ContactKind {
 struct SessionSettings {
   ContactKind contact = ContactKind::kPress;
   /// Nothing that the first static_frames frames show presses; nothing at all presses while they
-  /// are learnt. For a camera that stands still.
+  /// are learnt. The camera has to stand still while they are.
   bool ignore_static = false;
+  /// Follow the camera (tracker.h); false: it is taken to stand where it stood in the first frame.
+  bool track = false;
   int static_frames = 15;
   DepthSettings depth{};
   /// Two of them are fitted to the depth at which the body stands: the thickness is raised to 3
@@ -60,13 +66,15 @@ struct Scene {
   Eigen::Matrix3Xf normals;         ///< (3 x V) unit, outwards
   std::vector<float> von_mises;     ///< (V) Pa; 0 at rest
   const SeenFrame* seen = nullptr;  ///< what it answers to; belongs to the caller or the session
-  StageTimes times;                 ///< stages as in StageTimes: ... "contact", "evaluate"
+  Rigid3 camera_from_body = Rigid3::Identity();  ///< where the body is drawn and touched
+  TrackedPose camera;                            ///< identity and kFixed when nothing is tracked
+  StageTimes times;  ///< stages as in StageTimes: "track" ... "contact", "evaluate"
 };
 
 class Session {
  public:
   /// A problem when the format's numbers make no depth camera, or a setting is out of range.
-  /// @param camera_from_body  where the body stands; fixed, and so is the camera
+  /// @param camera_from_body  where the body stands in the first frame's camera
   [[nodiscard]] static Result<Session> make(ReducedBody body, const Rigid3& camera_from_body,
                                             const FrameFormat& format,
                                             const SessionSettings& settings = {});
@@ -90,7 +98,10 @@ class Session {
   [[nodiscard]] const DepthImage& pressing_depth() const;
 
   [[nodiscard]] const ReducedBody& body() const;
+  /// In the first frame's camera, which is the world: world_from_body.
   [[nodiscard]] const Rigid3& camera_from_body() const;
+  /// What the tracker has done so far; all 0 when nothing is tracked.
+  [[nodiscard]] TrackerCounts tracker_counts() const;
   [[nodiscard]] const SessionSettings& settings() const;
   /// Of SeenFrame::color and SeenFrame::depth.
   [[nodiscard]] const PinholeCamera& camera() const;

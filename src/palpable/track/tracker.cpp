@@ -551,7 +551,9 @@ TrackedPose Tracker::Parts::track(const TrackerFrame& frame) {
     }
   }
   if (state == TrackState::kLost) ++counts.lost;
-  result.world_from_camera = inverse(camera_from_world);
+  // No minus zeros for a camera that has not moved.
+  if (!camera_from_world.matrix().isIdentity(0))
+    result.world_from_camera = inverse(camera_from_world);
   result.state = state;
   if (state == TrackState::kTracking) {
     result.landmarks = fit.inliers;
