@@ -1,0 +1,119 @@
+/// @file
+/// Where the scene has been seen free: a grid of cells that remembers through which of them the
+/// camera looked. What later stands in such a cell has come there, whatever it is: a hand.
+///
+/// World frame, m. Hornung et al. 2013 (OctoMap) keep the probability that a cell is taken; here
+/// it is a count of frames, since the question is not whether a cell is free now but whether it
+/// ever was.
+#pragma once
+
+#include "palpable/geometry/camera.h"
+#include "palpable/geometry/image.h"
+#include "palpable/geometry/rigid.h"
+#include "palpable/map/block_table.h"
+#include "palpable/vision/depth_noise.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace palpable {
+
+struct FreeSpaceSettings {
+  double cell = 0.04;      ///< m, side of a cell
+  double farthest = 2.56;  ///< m of depth up to which rays are followed
+  /// A ray is free up to this far before the surface, m, and at least so many sigma of the depth:
+  /// less, and a surface's own noise would free the cells that it lies in.
+  double margin = 0.08;
+  double sigmas = 4;
+  int frames_to_free = 6;  ///< in which a cell was looked through until it counts as free, 1 .. 255
+  /// After so many frames in a row in which something ended in a free cell and nothing was seen
+  /// through it, it is free no more: what was put there is part of the scene (20 s at 30 fps).
+  int frames_to_settle = 600;
+  int blocks = 4096;  ///< of 8 x 8 x 8 cells (0.32 m, 2 KiB) that are kept at most: 8 MiB
+};
+
+/// Takes all its memory when it is made. When the blocks are used up, space that was never seen
+/// stays unknown, and blocked() counts.
+class FreeSpace {
+ public:
+  /// @throws ContractViolation for settings out of their range
+  FreeSpace(const DepthNoise& noise, const FreeSpaceSettings& settings = {});
+
+  /// Takes in what one frame shows: walks each ray in steps of one cell. Looks at a quarter of the
+  /// rays, in the next frames at the others: neighbours pass through the same cells.
+  /// @param rays     a ray per pixel, e.g. the depth's camera scaled_down(8)
+  /// @param surface  of the rays' size: depth at which each ray ends, m; NaN: unknown, and nothing
+  ///                 is learnt from it
+  void add(const PinholeCamera& rays, const Rigid3& world_from_camera, const DepthImage& surface);
+
+  /// Answers for one point after the other; quick where they lie near each other. Valid until the
+  /// next add().
+  class Reader;
+
+  /// Whether a point of the world lies in a cell that was seen free.
+  [[nodiscard]] bool is_free(const Eigen::Vector3d& point) const;
+
+  [[nodiscard]] int blocks() const { return table_.count(); }
+  /// Rays that were cut short because all blocks are in use.
+  [[nodiscard]] std::int64_t blocked() const { return blocked_; }
+  [[nodiscard]] const FreeSpaceSettings& settings() const { return settings_; }
+
+ private:
+  struct Cell {
+    std::uint8_t free = 0;    // frames in which it was looked through, up to 255
+    std::uint8_t stamp = 0;   // of the frame that changed it last
+    std::uint16_t taken = 0;  // frames in a row in which something ended in it
+  };
+  static constexpr int kSide = 8;
+  using Block = std::array<Cell, kSide * kSide * kSide>;
+  // Cells are counted in 1/65536 of their side: 32 bits reach 1.3 km at 4 cm.
+  static constexpr int kFraction = 16;
+  using Place = std::array<std::int32_t, 3>;
+  [[nodiscard]] static std::uint64_t block_of(const Place& p) {
+    constexpr int kShift = kFraction + 3;
+    return BlockTable::key_of(p[0] >> kShift, p[1] >> kShift, p[2] >> kShift);
+  }
+  [[nodiscard]] static std::size_t cell_of(const Place& p) {
+    const auto part = [](std::int32_t a) { return static_cast<std::size_t>(a >> kFraction & 7); };
+    return part(p[0]) | part(p[1]) << 3 | part(p[2]) << 6;
+  }
+
+  DepthNoise noise_;
+  FreeSpaceSettings settings_;
+  BlockTable table_;
+  std::vector<Block> blocks_;
+  std::uint8_t stamp_ = 0;
+  int frame_ = 0;
+  std::int64_t blocked_ = 0;
+};
+
+class FreeSpace::Reader {
+ public:
+  explicit Reader(const FreeSpace& space)
+      : space_(space), scale_(static_cast<float>((1 << kFraction) / space.settings_.cell)) {}
+
+  /// @param point  world, m; within 500 m of its origin
+  [[nodiscard]] bool is_free(const Eigen::Vector3f& point) {
+    const Place p{static_cast<std::int32_t>(std::floor(point.x() * scale_)),
+                  static_cast<std::int32_t>(std::floor(point.y() * scale_)),
+                  static_cast<std::int32_t>(std::floor(point.z() * scale_))};
+    if (const std::uint64_t key = block_of(p); key != last_) {
+      last_ = key;
+      const int slot = space_.table_.find(key);
+      block_ =
+          slot == BlockTable::kNone ? nullptr : &space_.blocks_[static_cast<std::size_t>(slot)];
+    }
+    return block_ != nullptr && (*block_)[cell_of(p)].free >= space_.settings_.frames_to_free;
+  }
+
+ private:
+  const FreeSpace& space_;
+  float scale_;
+  std::uint64_t last_ = ~std::uint64_t{0};
+  const Block* block_ = nullptr;
+};
+
+}  // namespace palpable

@@ -1,0 +1,157 @@
+// Compiled once for each set of vector instructions, without contraction of a * b + c
+// (CMakeLists.txt), which would differ between them.
+
+#include "palpable/map/fuse_kernels.h"
+
+#include "palpable/base/simd_targets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "palpable/map/fuse_kernels.cpp"
+// What each file of Highway needs first:
+#include <hwy/foreach_target.h>
+// clang-format off
+#include <hwy/highway.h>
+// clang-format on
+
+#ifndef PALPABLE_FUSE_KERNELS_ONCE
+#define PALPABLE_FUSE_KERNELS_ONCE
+namespace palpable {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+float plain_fuse(const FuseFrame& f, const float* first, float* distance, float* weight) {
+  float lowest = kInfinity;
+  for (std::size_t i = 0; i < kVoxelsOfBlock; ++i) {
+    const float x = first[0] + f.offset_x[i];
+    const float y = first[1] + f.offset_y[i];
+    const float z = first[2] + f.offset_z[i];
+    const float inverse = 1.0F / z;
+    const float u = f.fx_px * x * inverse + (f.cx_px + 0.5F);
+    const float v = f.fy_px * y * inverse + (f.cy_px + 0.5F);
+    if (z > f.nearest && u >= 0 && v >= 0 && u < static_cast<float>(f.width) &&
+        v < static_cast<float>(f.height)) {
+      const float Z = f.depth[static_cast<int>(v) * f.width + static_cast<int>(u)];
+      const float sigma = f.noise[0] + Z * (f.noise[1] + Z * f.noise[2]);
+      const float t = std::max(f.truncation, f.truncation_sigmas * sigma);
+      const float s = Z - z;
+      if (Z <= f.farthest && s >= -t) {
+        const bool is_free = s > t;
+        const float sigma_here = f.noise[0] + z * (f.noise[1] + z * f.noise[2]);
+        const float share = f.best_sigma / (is_free ? sigma_here : sigma);
+        const float added = std::min(1.0F, share * share);
+        const float old = is_free ? std::min(weight[i], f.carve_weight * added) : weight[i];
+        const float sum = old + added;
+        distance[i] = (old * distance[i] + added * (is_free ? t : s)) / sum;
+        weight[i] = std::min(sum, f.most_weight);
+      }
+    }
+    if (weight[i] > 0) lowest = std::min(lowest, distance[i]);
+  }
+  return lowest;
+}
+
+}  // namespace
+}  // namespace palpable
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace palpable::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_TARGET == HWY_SCALAR
+float fuse(const FuseFrame& f, const float* first, float* distance, float* weight) {
+  return plain_fuse(f, first, distance, weight);
+}
+#else
+HWY_ATTR float fuse(const FuseFrame& f, const float* first, float* distance, float* weight) {
+  const hn::ScalableTag<float> d;
+  const hn::RebindToSigned<decltype(d)> di;
+  const std::size_t lanes = hn::Lanes(d);
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F), infinity = hn::Set(d, kInfinity);
+  const auto x0 = hn::Set(d, first[0]), y0 = hn::Set(d, first[1]), z0 = hn::Set(d, first[2]);
+  const auto fx = hn::Set(d, f.fx_px), fy = hn::Set(d, f.fy_px);
+  const auto cx = hn::Set(d, f.cx_px + 0.5F), cy = hn::Set(d, f.cy_px + 0.5F);
+  const auto width = hn::Set(d, static_cast<float>(f.width));
+  const auto height = hn::Set(d, static_cast<float>(f.height));
+  const auto nearest = hn::Set(d, f.nearest), farthest = hn::Set(d, f.farthest);
+  const auto n0 = hn::Set(d, f.noise[0]), n1 = hn::Set(d, f.noise[1]), n2 = hn::Set(d, f.noise[2]);
+  const auto truncation = hn::Set(d, f.truncation), sigmas = hn::Set(d, f.truncation_sigmas);
+  const auto best = hn::Set(d, f.best_sigma), most = hn::Set(d, f.most_weight);
+  const auto carve = hn::Set(d, f.carve_weight);
+  const auto row = hn::Set(di, f.width);
+  auto lowest = infinity;
+  for (std::size_t i = 0; i < kVoxelsOfBlock; i += lanes) {
+    const auto x = hn::Add(x0, hn::LoadU(d, f.offset_x + i));
+    const auto y = hn::Add(y0, hn::LoadU(d, f.offset_y + i));
+    const auto z = hn::Add(z0, hn::LoadU(d, f.offset_z + i));
+    const auto inverse = hn::Div(one, z);
+    const auto u = hn::Add(hn::Mul(hn::Mul(fx, x), inverse), cx);
+    const auto v = hn::Add(hn::Mul(hn::Mul(fy, y), inverse), cy);
+    const auto inside =
+        hn::And(hn::And(hn::Gt(z, nearest), hn::And(hn::Ge(u, zero), hn::Ge(v, zero))),
+                hn::And(hn::Lt(u, width), hn::Lt(v, height)));
+    const auto w = hn::LoadU(d, weight + i);
+    const auto old_d = hn::LoadU(d, distance + i);
+    auto new_w = w, new_d = old_d;
+    if (!hn::AllFalse(d, inside)) {
+      // Outside, the first pixel is read and not used.
+      const auto column = hn::ConvertTo(di, hn::IfThenElseZero(inside, u));
+      const auto line = hn::ConvertTo(di, hn::IfThenElseZero(inside, v));
+      const auto Z = hn::GatherIndex(d, f.depth, hn::Add(hn::Mul(line, row), column));
+      const auto sigma = hn::Add(n0, hn::Mul(Z, hn::Add(n1, hn::Mul(Z, n2))));
+      const auto t = hn::Max(truncation, hn::Mul(sigmas, sigma));
+      const auto s = hn::Sub(Z, z);
+      // NaN compares false.
+      const auto taken = hn::And(inside, hn::And(hn::Le(Z, farthest), hn::Ge(s, hn::Neg(t))));
+      const auto is_free = hn::Gt(s, t);
+      const auto sigma_here = hn::Add(n0, hn::Mul(z, hn::Add(n1, hn::Mul(z, n2))));
+      const auto share = hn::Div(best, hn::IfThenElse(is_free, sigma_here, sigma));
+      const auto added = hn::Min(one, hn::Mul(share, share));
+      const auto old = hn::IfThenElse(is_free, hn::Min(w, hn::Mul(carve, added)), w);
+      const auto sum = hn::Add(old, added);
+      const auto mean =
+          hn::Div(hn::Add(hn::Mul(old, old_d), hn::Mul(added, hn::IfThenElse(is_free, t, s))), sum);
+      new_d = hn::IfThenElse(taken, mean, old_d);
+      new_w = hn::IfThenElse(taken, hn::Min(sum, most), w);
+      hn::StoreU(new_d, d, distance + i);
+      hn::StoreU(new_w, d, weight + i);
+    }
+    lowest = hn::Min(lowest, hn::IfThenElse(hn::Gt(new_w, zero), new_d, infinity));
+  }
+  return hn::GetLane(hn::MinOfLanes(d, lowest));
+}
+#endif
+
+}  // namespace palpable::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace palpable {
+namespace {
+
+HWY_EXPORT(fuse);
+
+std::vector<FuseKernel> all_kernels() {
+  std::vector<FuseKernel> all;
+  for_each_simd_target(hwy::SupportedAndGeneratedTargets(), [&](const char* name) {
+    all.push_back({name, &HWY_DYNAMIC_DISPATCH(fuse)});
+  });
+  all.push_back({"scalar", plain_fuse});
+  return all;
+}
+
+const std::vector<FuseKernel> kKernels = all_kernels();
+
+}  // namespace
+
+std::span<const FuseKernel> fuse_kernels() { return kKernels; }
+
+}  // namespace palpable
+#endif

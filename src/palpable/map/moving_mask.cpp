@@ -1,0 +1,363 @@
+#include "palpable/map/moving_mask.h"
+
+#include "palpable/base/contract.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+constexpr int kTile = 4;  // px
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+// A mask's pixels while it is being made.
+constexpr std::uint8_t kOff = 0, kOpen = 128, kOn = 255;
+
+// Holes are closed when what moves lies on both sides within so many pixels.
+constexpr int kLongestHole = 24;
+
+// Depths that differ by less than this share are looked up once.
+constexpr float kAlike = 0.02F;
+
+// A group of which this share is seen to move needs no memory of earlier frames.
+constexpr double kEvident = 0.1;
+
+// Of a tile's 16 pixels: so many called too close and the tile is.
+constexpr int kTooClosePixels = 3;
+
+}  // namespace
+
+MovingMask::MovingMask(const DepthNoise& noise, const MovingMaskSettings& settings)
+    : noise_(noise), settings_(settings), space_(noise, settings.space) {
+  PALPABLE_EXPECT(settings.step > 0 && settings.sigmas >= 0 && settings.same_share > 0,
+                  "a tolerance is not negative");
+  PALPABLE_EXPECT(settings.grow_px >= 0 && settings.fewest_tiles >= 0 &&
+                      settings.frames_to_carry >= 0 && settings.frames_to_carry < 127,
+                  "a margin is not negative");
+}
+
+void MovingMask::resize(const DepthImage& depth) {
+  const int width = (depth.width() + kTile - 1) / kTile;
+  const int height = (depth.height() + kTile - 1) / kTile;
+  if (mask_.width() == depth.width() && mask_.height() == depth.height()) return;
+  mask_ = above_ = below_ = MaskImage(depth.width(), depth.height());
+  open_.reserve(mask_.size());
+  tile_depth_ = DepthImage(width, height);
+  tile_label_ = Image<std::uint8_t>(width, height);
+  seen_ = Image<std::uint8_t>(width, height);
+  age_ = Image<std::uint8_t>(width, height, 127);
+  moved_depth_ = DepthImage(width, height);
+  ray_depth_ = DepthImage((width + 1) / 2, (height + 1) / 2);
+  queue_.reserve(tile_depth_.size());
+}
+
+// The depth in the middle of each tile; where it is unknown, the first known one of the others
+//.
+void MovingMask::sample(const SeenFrame& seen) {
+  const DepthImage& depth = seen.depth;
+  static constexpr std::array<std::array<int, 2>, 5> kPlaces{
+      {{2, 2}, {1, 1}, {3, 3}, {0, 3}, {3, 0}}};
+  const bool watched = !seen.too_close.empty();
+  for (int j = 0; j < tile_depth_.height(); ++j) {
+    for (int i = 0; i < tile_depth_.width(); ++i) {
+      float found = kNaN;
+      for (const auto& [dx, dy] : kPlaces) {
+        const int x = kTile * i + dx, y = kTile * j + dy;
+        if (x >= depth.width() || y >= depth.height()) continue;
+        found = depth(x, y);
+        if (!std::isnan(found)) break;
+      }
+      tile_depth_(i, j) = found;
+      tile_label_(i, j) = kUnknown;
+      if (!watched || !std::isnan(found)) continue;
+      int close = 0;
+      for (int y = kTile * j; y < std::min(kTile * j + kTile, depth.height()); ++y) {
+        for (int x = kTile * i; x < std::min(kTile * i + kTile, depth.width()); ++x) {
+          close += seen.too_close(x, y) != 0 ? 1 : 0;
+        }
+      }
+      if (close >= kTooClosePixels) tile_label_(i, j) = kMoving;
+    }
+  }
+}
+
+void MovingMask::label(const Rigid3& world_from_camera, const SurfaceMap* map) {
+  const Eigen::Matrix3f R = world_from_camera.linear().cast<float>();
+  const Eigen::Vector3f t = world_from_camera.translation().cast<float>();
+  if (!R.allFinite() || !(t.cwiseAbs().maxCoeff() < 400.0F)) return;
+  const Eigen::Vector3f across = R.col(0) / static_cast<float>(tiles_.fx_px);
+  const Eigen::Vector3f down = R.col(1) / static_cast<float>(tiles_.fy_px);
+  const Eigen::Vector3f first = R.col(2) - static_cast<float>(tiles_.cx_px) * across -
+                                static_cast<float>(tiles_.cy_px) * down;
+  const auto farthest = static_cast<float>(settings_.space.farthest);
+  const auto old_surface = static_cast<float>(settings_.frames_to_trust);
+  FreeSpace::Reader space(space_);
+  std::optional<SurfaceMap::Reader> surface;
+  if (map != nullptr) surface.emplace(*map);
+  const auto same_share = static_cast<float>(settings_.same_share);
+  const auto unexplained = [&](int i, int j) {
+    const float before = moved_depth_(i, j);
+    const bool same = std::abs(tile_depth_(i, j) - before) <= same_share * before;
+    return same && age_(i, j) < settings_.frames_to_carry ? kCarried : kUnexplained;
+  };
+  const auto label_of = [&](int i, int j) -> std::uint8_t {
+    const float Z = tile_depth_(i, j);
+    if (!(Z > 0)) return tile_label_(i, j);  // unknown, or too close
+    if (Z > farthest) return kStatic;
+    const Eigen::Vector3f p =
+        t + Z * (first + static_cast<float>(i) * across + static_cast<float>(j) * down);
+    // The map comes first: at a slanted surface rays pass through the cells in which it lies.
+    if (surface) {
+      float weight = 0;
+      const float d = surface->distance(p, weight);
+      const double sigma = noise_.sigma(static_cast<double>(Z));
+      const auto allowed = static_cast<float>(std::max(settings_.step, settings_.sigmas * sigma));
+      if (d > allowed) return kMoving;
+      if (d >= -allowed) {
+        return weight >= old_surface * map->weight_of(sigma) ? kStatic : unexplained(i, j);
+      }
+    }
+    return space.is_free(p) ? kMoving : unexplained(i, j);
+  };
+  const int width = tile_label_.width(), height = tile_label_.height();
+  for (int j = 0; j < height; j += 2) {
+    for (int i = 0; i < width; i += 2) {
+      // Four tiles of one depth are looked up once: most of a picture is smooth.
+      const int i1 = std::min(i + 1, width - 1), j1 = std::min(j + 1, height - 1);
+      const std::array<float, 4> Z{tile_depth_(i, j), tile_depth_(i1, j), tile_depth_(i, j1),
+                                   tile_depth_(i1, j1)};
+      const float low = std::min(std::min(Z[0], Z[1]), std::min(Z[2], Z[3]));
+      const float high = std::max(std::max(Z[0], Z[1]), std::max(Z[2], Z[3]));
+      const bool known = Z[0] + Z[1] + Z[2] + Z[3] > 0;
+      tile_label_(i, j) = label_of(i, j);
+      if (known && high - low <= kAlike * low) {
+        tile_label_(i1, j) = tile_label_(i, j1) = tile_label_(i1, j1) = tile_label_(i, j);
+      } else {
+        if (i1 > i) tile_label_(i1, j) = label_of(i1, j);
+        if (j1 > j) tile_label_(i, j1) = label_of(i, j1);
+        if (i1 > i && j1 > j) tile_label_(i1, j1) = label_of(i1, j1);
+      }
+    }
+  }
+}
+
+// What moves hangs together: groups of moving tiles, and of those that moved a moment ago and are
+// not explained now; small groups are mismatches. Then the unexplained
+// tiles that continue a group's depth without a jump and lie no deeper than the group does. Where
+// they are many times the group, it is a new part of the scene that something touches: they stay.
+void MovingMask::group() {
+  const int width = tile_label_.width(), height = tile_label_.height();
+  std::fill(seen_.begin(), seen_.end(), std::uint8_t{0});
+  const auto share = static_cast<float>(settings_.same_share);
+  // Appends to the queue all tiles that `joins` lets in, beginning with those that are in it.
+  const auto spread = [&](std::size_t head, const auto& joins) {
+    for (; head < queue_.size(); ++head) {
+      const int k = queue_[head], i = k % width, j = k / width;
+      for (int y = std::max(j - 1, 0); y <= std::min(j + 1, height - 1); ++y) {
+        for (int x = std::max(i - 1, 0); x <= std::min(i + 1, width - 1); ++x) {
+          if (seen_(x, y) != 0 || !joins(k, y * width + x)) continue;
+          seen_(x, y) = 1;
+          queue_.push_back(y * width + x);
+        }
+      }
+    }
+  };
+  for (int start = 0; start < width * height; ++start) {
+    if (tile_label_.data()[start] < kCarried || seen_.data()[start] != 0) continue;
+    queue_.assign(1, start);
+    seen_.data()[start] = 1;
+    spread(0, [&](int, int k) { return tile_label_.data()[k] >= kCarried; });
+    const std::size_t moving = queue_.size();
+    if (static_cast<int>(moving) < settings_.fewest_tiles) {
+      for (const int k : queue_) tile_label_.data()[k] = kStatic;
+      continue;
+    }
+    const auto evident = std::count_if(queue_.begin(), queue_.end(),
+                                       [&](int k) { return tile_label_.data()[k] == kMoving; });
+    double sum = 0, squares = 0, known = 0;
+    for (const int k : queue_) {
+      const auto Z = static_cast<double>(tile_depth_.data()[k]);
+      if (std::isnan(Z)) continue;  // too close
+      sum += Z;
+      squares += Z * Z;
+      known += 1;
+    }
+    const double mean = sum / std::max(known, 1.0);
+    const auto deepest = static_cast<float>(
+        1.1 * (mean + 2 * std::sqrt(std::max(squares / known - mean * mean, 0.0))));
+    spread(0, [&](int from, int to) {
+      const float Z = tile_depth_.data()[to];
+      return tile_label_.data()[to] == kUnexplained && Z <= deepest &&
+             std::abs(tile_depth_.data()[from] - Z) <= share * Z;
+    });
+    const bool join = static_cast<double>(queue_.size() - moving) <=
+                      settings_.most_unexplained * static_cast<double>(moving);
+    if (!join) {
+      for (std::size_t n = moving; n < queue_.size(); ++n) {
+        seen_.data()[static_cast<std::size_t>(queue_[n])] = 0;  // another group may take it
+      }
+      queue_.resize(moving);
+    }
+    const bool sure = static_cast<double>(evident) >= kEvident * static_cast<double>(queue_.size());
+    for (const int k : queue_) {
+      std::uint8_t& age = age_.data()[k];
+      const bool fresh = sure && tile_label_.data()[k] >= kCarried;
+      // + 128: this frame has spoken.
+      age = static_cast<std::uint8_t>(fresh ? 128 : 128 + std::min(age + 1, 127));
+      tile_label_.data()[k] = kMoving;
+      moved_depth_.data()[k] = tile_depth_.data()[k];
+    }
+  }
+  for (int k = 0; k < width * height; ++k) {
+    std::uint8_t& age = age_.data()[k];
+    age = age >= 128 ? static_cast<std::uint8_t>(age - 128) : std::uint8_t{127};
+    if (tile_label_.data()[k] == kCarried) tile_label_.data()[k] = kStatic;
+  }
+}
+
+// From tiles to pixels. Pixels of unknown depth at the border stay open.
+void MovingMask::draw(const DepthImage& depth) {
+  const int width = tile_label_.width(), height = tile_label_.height();
+  std::fill(mask_.begin(), mask_.end(), kOff);
+  // Tiles that move or have a neighbour that does: each once, in their order.
+  std::fill(seen_.begin(), seen_.end(), std::uint8_t{0});
+  for (int j = 0; j < height; ++j) {
+    for (int i = 0; i < width; ++i) {
+      if (tile_label_(i, j) != kMoving) continue;
+      for (int b = std::max(j - 1, 0); b <= std::min(j + 1, height - 1); ++b) {
+        for (int a = std::max(i - 1, 0); a <= std::min(i + 1, width - 1); ++a) seen_(a, b) = 1;
+      }
+    }
+  }
+  for (int j = 0; j < height; ++j) {
+    const int y0 = kTile * j, y1 = std::min(y0 + kTile, depth.height());
+    for (int i = 0; i < width; ++i) {
+      if (seen_(i, j) == 0) continue;
+      const int x0 = kTile * i, x1 = std::min(x0 + kTile, depth.width());
+      const int i0 = std::max(i - 1, 0), i1 = std::min(i + 1, width - 1);
+      const int j0 = std::max(j - 1, 0), j1 = std::min(j + 1, height - 1);
+      bool all = true;
+      for (int b = j0; b <= j1; ++b) {
+        for (int a = i0; a <= i1; ++a) all = all && tile_label_(a, b) == kMoving;
+      }
+      if (all) {
+        for (int y = y0; y < y1; ++y) std::fill(mask_.row(y) + x0, mask_.row(y) + x1, kOn);
+        continue;
+      }
+      const bool too_close = std::isnan(tile_depth_(i, j)) && tile_label_(i, j) == kMoving;
+      for (int y = y0; y < y1; ++y) {
+        for (int x = x0; x < x1; ++x) {
+          const float Z = depth(x, y);
+          std::uint8_t value = too_close && std::isnan(Z) ? kOn : kOpen;
+          float least = std::numeric_limits<float>::infinity();
+          for (int b = j0; b <= j1; ++b) {
+            for (int a = i0; a <= i1; ++a) {
+              const float difference = std::abs(tile_depth_(a, b) - Z);  // NaN: not less
+              if (!(difference < least)) continue;
+              least = difference;
+              value = tile_label_(a, b) == kMoving ? kOn : kOff;
+            }
+          }
+          mask_(x, y) = value;
+        }
+      }
+    }
+  }
+}
+
+// Decides the open pixels, all of which lie near something that moves: first along rows, and what
+// is then still open along columns.
+void MovingMask::fill() {
+  const int width = mask_.width(), height = mask_.height();
+  open_.clear();
+  for (int y = 0; y < height; ++y) {
+    std::uint8_t* row = mask_.row(y);
+    for (int x = 0; x < width;) {
+      const auto* next = static_cast<const std::uint8_t*>(
+          std::memchr(row + x, kOpen, static_cast<std::size_t>(width - x)));
+      if (next == nullptr) break;
+      x = static_cast<int>(next - row);
+      int end = x;
+      while (end < width && row[end] == kOpen) ++end;
+      const std::uint8_t left = x > 0 ? row[x - 1] : row[std::min(end, width - 1)];
+      const std::uint8_t right = end < width ? row[end] : left;
+      if (left == kOn && right == kOn && end - x <= kLongestHole) {
+        std::fill(row + x, row + end, kOn);
+      } else {
+        const int grow = std::min(settings_.grow_px, end - x);
+        if (left == kOn) std::fill(row + x, row + x + grow, kOn);
+        if (right == kOn) std::fill(row + end - grow, row + end, kOn);
+        for (int k = x; k < end; ++k) {
+          if (row[k] == kOpen) open_.push_back(y * width + k);
+        }
+      }
+      x = end;
+    }
+  }
+  // How many open pixels away the next moving one is, above and below; 255: none there.
+  const auto away = [&](int k, int step, const MaskImage& distance) -> std::uint8_t {
+    const int to = k + step;
+    if (to < 0 || to >= width * height) return 255;
+    if (mask_.data()[to] == kOn) return 1;
+    if (mask_.data()[to] == kOff) return 255;
+    return static_cast<std::uint8_t>(std::min(distance.data()[to] + 1, 255));
+  };
+  for (const int k : open_) above_.data()[k] = away(k, -width, above_);
+  for (auto k = open_.rbegin(); k != open_.rend(); ++k) {
+    below_.data()[*k] = away(*k, width, below_);
+  }
+  for (const int k : open_) {
+    const int above = above_.data()[k], below = below_.data()[k];
+    const bool inside = above + below - 1 <= kLongestHole;
+    mask_.data()[k] = inside || std::min(above, below) <= settings_.grow_px ? kOn : kOff;
+  }
+}
+
+const MaskImage& MovingMask::find(const SeenFrame& seen, const Rigid3& world_from_camera,
+                                  const SurfaceMap* map) {
+  const DepthImage& depth = seen.depth;
+  PALPABLE_EXPECT(
+      seen.depth_camera.width == depth.width() && seen.depth_camera.height == depth.height(),
+      "the depth is the camera's");
+  PALPABLE_EXPECT(seen.too_close.empty() || (seen.too_close.width() == depth.width() &&
+                                             seen.too_close.height() == depth.height()),
+                  "what is too close has the depth's size");
+  resize(depth);
+  const PinholeCamera& c = seen.depth_camera;
+  // Pixel (0, 0) of the tiles is the sampled one, (2, 2) of the depth.
+  tiles_ = {tile_depth_.width(), tile_depth_.height(),  c.fx_px / kTile,
+            c.fy_px / kTile,     (c.cx_px - 2) / kTile, (c.cy_px - 2) / kTile};
+  sample(seen);
+  label(world_from_camera, map);
+  group();
+  draw(depth);
+  fill();
+  return mask_;
+}
+
+void MovingMask::learn(const Rigid3& world_from_camera) {
+  for (int j = 0; j < ray_depth_.height(); ++j) {
+    for (int i = 0; i < ray_depth_.width(); ++i) {
+      float nearest = std::numeric_limits<float>::infinity();
+      for (int b = 2 * j; b < std::min(2 * j + 2, tile_depth_.height()); ++b) {
+        for (int a = 2 * i; a < std::min(2 * i + 2, tile_depth_.width()); ++a) {
+          nearest = std::min(nearest, tile_depth_(a, b));  // a NaN is not less
+        }
+      }
+      ray_depth_(i, j) = std::isinf(nearest) ? kNaN : nearest;
+    }
+  }
+  PinholeCamera rays = tiles_.scaled_down(2);
+  rays.width = ray_depth_.width();
+  rays.height = ray_depth_.height();
+  space_.add(rays, world_from_camera, ray_depth_);
+}
+
+}  // namespace palpable

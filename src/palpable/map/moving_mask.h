@@ -1,0 +1,94 @@
+/// @file
+/// What moves in a depth image: what stands where the scene has been seen free, and what stands
+/// before the surface that the map knows, beyond the sensor's error.
+///
+///   tile  a square of 4 x 4 pixels of the depth image
+#pragma once
+
+#include "palpable/geometry/camera.h"
+#include "palpable/geometry/image.h"
+#include "palpable/geometry/rigid.h"
+#include "palpable/map/free_space.h"
+#include "palpable/map/surface_map.h"
+#include "palpable/vision/depth_camera.h"
+#include "palpable/vision/depth_noise.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace palpable {
+
+struct MovingMaskSettings {
+  FreeSpaceSettings space{};
+  /// A depth agrees with the map when it is less than this before its surface, m, or less than so
+  /// many sigma of the depth.
+  double step = 0.015;
+  double sigmas = 4;
+  /// A surface that was fused from fewer frames explains nothing yet: it may be the hand's own.
+  double frames_to_trust = 6;
+  /// Neighbours whose depths differ by less than this share of them belong to one thing.
+  double same_share = 0.05;
+  /// What moved so many frames ago or less, and is explained by nothing now, goes on moving; < 127.
+  int frames_to_carry = 8;
+  int grow_px = 3;  ///< how far the mask reaches into pixels of unknown depth at its border
+  double most_unexplained = 8;  ///< tiles that join a moving group, times its own number
+  int fewest_tiles = 20;        ///< a connected group of fewer tiles is noise
+};
+
+/// Keeps the free space. All memory is taken when it is made and at the first frame.
+class MovingMask {
+ public:
+  MovingMask(const DepthNoise& noise, const MovingMaskSettings& settings = {});
+
+  /// The mask of one frame: 255 where something moves, of the depth's size.
+  ///
+  /// 1. Each tile's middle depth is looked up. In a free cell it moves. Otherwise the map's signed
+  ///    distance there says: before the surface by more than the tolerance, it moves; within it,
+  ///    it is static; unknown or behind, nothing explains it. What is too close to be measured
+  ///    moves: nothing static comes nearer to a hand-held camera than 0.12 m.
+  /// 2. What nothing explains moves when it hangs together in depth with what moves: a hand that
+  ///    reaches into space which was not seen before.
+  /// 3. Pixels take over from the tile around them whose depth is most like theirs, so the mask
+  ///    follows depth edges. Holes inside move too; at the left border of near things, which the
+  ///    right eye sees instead of what lies behind, unknown pixels are the background's.
+  ///
+  /// @param world_from_camera  this frame's, or foretold: an error of a tenth of the step is
+  /// nothing
+  /// @param map                may be null: then free space alone says it
+  const MaskImage& find(const SeenFrame& seen, const Rigid3& world_from_camera,
+                        const SurfaceMap* map);
+
+  /// Takes in where the frame of the last find() saw through. Call it when the pose is known; a
+  /// frame whose pose is not known is left out.
+  void learn(const Rigid3& world_from_camera);
+
+  [[nodiscard]] const FreeSpace& space() const { return space_; }
+  [[nodiscard]] const MovingMaskSettings& settings() const { return settings_; }
+
+ private:
+  enum Label : std::uint8_t { kUnknown, kStatic, kUnexplained, kCarried, kMoving };
+
+  void resize(const DepthImage& depth);
+  void sample(const SeenFrame& seen);
+  void label(const Rigid3& world_from_camera, const SurfaceMap* map);
+  void group();
+  void draw(const DepthImage& depth);
+  void fill();
+
+  DepthNoise noise_;
+  MovingMaskSettings settings_;
+  FreeSpace space_;
+  PinholeCamera tiles_;  // a pixel per tile
+  DepthImage tile_depth_;
+  Image<std::uint8_t> tile_label_;
+  DepthImage ray_depth_;  // of 2 x 2 tiles: the nearest
+  std::vector<int> queue_;
+  Image<std::uint8_t> age_;   // of the tiles: frames since it was seen to move; 127: long ago
+  DepthImage moved_depth_;    // its depth then
+  Image<std::uint8_t> seen_;  // of the tiles, while groups are counted
+  MaskImage mask_;
+  std::vector<int> open_;  // pixels that are not decided yet
+  MaskImage above_, below_;
+};
+
+}  // namespace palpable

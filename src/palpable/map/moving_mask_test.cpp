@@ -1,0 +1,226 @@
+#include "palpable/map/moving_mask.h"
+
+#include "tests/support/allocations.h"
+#include "tests/support/test.h"
+
+#include <cmath>
+#include <random>
+
+namespace palpable {
+namespace {
+
+const float kNaN = std::nanf("");
+const PinholeCamera kCamera{320, 180, 170, 170, 165.2, 88.1};
+const DepthNoise kNoise{0, 0, 0.012};
+
+// A desk 0.3 m below the camera in front of a wall at 1.5 m, with the noise of the model.
+DepthImage desk(std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  DepthImage depth(kCamera.width, kCamera.height);
+  for (int y = 0; y < kCamera.height; ++y) {
+    const double slope = (y - kCamera.cy_px) / kCamera.fy_px;
+    const double Z = slope > 0.2 ? 0.3 / slope : 1.5;
+    for (int x = 0; x < kCamera.width; ++x) {
+      depth(x, y) = static_cast<float>(Z + 0.3 * kNoise.sigma(Z) * normal(random));
+    }
+  }
+  return depth;
+}
+
+struct Scene {
+  explicit Scene(unsigned seed) : random(test::random_case(seed)) { seen.depth_camera = kCamera; }
+  // One frame through mask, free space and map. The hand covers a rectangle.
+  const MaskImage& show(const DepthImage& depth) {
+    seen.depth = depth;
+    const MaskImage& mask = mover.find(seen, Rigid3::Identity(), &map);
+    mover.learn(Rigid3::Identity());
+    if (frame++ % 3 == 0) map.fuse(depth, kCamera, Rigid3::Identity(), mask);
+    return mask;
+  }
+  void learn_desk(int frames) {
+    for (int i = 0; i < frames; ++i) show(desk(random));
+  }
+  std::mt19937_64 random;
+  SeenFrame seen;
+  MovingMask mover{kNoise};
+  SurfaceMap map{kNoise};
+  int frame = 0;
+};
+
+void cover(DepthImage& depth, int x0, int y0, int x1, int y1, float Z) {
+  for (int y = y0; y < y1; ++y) {
+    for (int x = x0; x < x1; ++x) depth(x, y) = Z;
+  }
+}
+
+int set(const MaskImage& mask) {
+  int count = 0;
+  for (const std::uint8_t value : mask) count += value != 0 ? 1 : 0;
+  return count;
+}
+
+TEST_CASE("a hand where the scene was seen free moves, to the pixel", "[map][moving_mask]") {
+  Scene scene(1);
+  scene.learn_desk(40);
+  DepthImage depth = desk(scene.random);
+  cover(depth, 101, 50, 183, 121, 0.4F);
+  // A hole inside, and a strip at its left of which nothing is known.
+  cover(depth, 130, 70, 140, 80, kNaN);
+  cover(depth, 81, 50, 101, 121, kNaN);
+  const MaskImage& mask = scene.show(depth);
+  int wrong = 0;
+  for (int y = 0; y < kCamera.height; ++y) {
+    for (int x = 0; x < kCamera.width; ++x) {
+      const bool hand = x >= 101 && x < 183 && y >= 50 && y < 121;
+      // The mask may reach into the unknown by its margin, and not further.
+      const bool margin = x >= 101 - scene.mover.settings().grow_px && x < 101;
+      if (!margin && hand != (mask(x, y) != 0)) ++wrong;
+    }
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a scene in which nothing moves has an empty mask", "[map][moving_mask]") {
+  Scene scene(2);
+  int found = 0;
+  for (int i = 0; i < 60; ++i) found += set(scene.show(desk(scene.random)));
+  CHECK(found == 0);
+}
+
+TEST_CASE("a thing that is put on the desk moves although no cell there was free",
+          "[map][moving_mask]") {
+  Scene scene(3);
+  scene.learn_desk(40);
+  DepthImage depth = desk(scene.random);
+  // 35 mm before the desk, which is 0.6 m away there: within the margin of the free space.
+  const int y0 = 164, y1 = 176;
+  for (int y = y0; y < y1; ++y) {
+    for (int x = 100; x < 160; ++x) depth(x, y) -= 0.035F;
+  }
+  const MaskImage& mask = scene.show(depth);
+  int hit = 0;
+  for (int y = y0; y < y1; ++y) {
+    for (int x = 100; x < 160; ++x) hit += mask(x, y) != 0 ? 1 : 0;
+  }
+  CHECK(hit >=
+        test::tolerance(0.8, "tiles of 4 px that are mostly desk, at the rim of 12 rows") * 720);
+}
+
+TEST_CASE("what is too close to have a depth moves", "[map][moving_mask]") {
+  Scene scene(4);
+  scene.learn_desk(40);
+  DepthImage depth = desk(scene.random);
+  cover(depth, 80, 40, 200, 140, kNaN);
+  scene.seen.too_close = MaskImage(kCamera.width, kCamera.height);
+  for (int y = 40; y < 140; ++y) {
+    for (int x = 80; x < 200; ++x) scene.seen.too_close(x, y) = 255;
+  }
+  const int found = set(scene.show(depth));
+  CHECK(found >= 120 * 100);
+  CHECK(found <= 130 * 110);
+}
+
+TEST_CASE("at the start nothing is known to be free, and nothing moves", "[map][moving_mask]") {
+  Scene scene(5);
+  DepthImage depth = desk(scene.random);
+  cover(depth, 100, 50, 180, 120, 0.4F);
+  CHECK(set(scene.show(depth)) == 0);
+}
+
+TEST_CASE("a hand that was there from the start moves once it has left and comes back",
+          "[map][moving_mask]") {
+  Scene scene(6);
+  for (int i = 0; i < 10; ++i) {
+    DepthImage depth = desk(scene.random);
+    cover(depth, 100, 50, 180, 120, 0.4F);
+    scene.show(depth);
+  }
+  scene.learn_desk(60);
+  DepthImage depth = desk(scene.random);
+  cover(depth, 100, 50, 180, 120, 0.4F);
+  CHECK(set(scene.show(depth)) == 80 * 70);
+}
+
+TEST_CASE("what stays where it was put is part of the scene after a while", "[map][moving_mask]") {
+  const DepthImage near(40, 24, 0.5F), far(40, 24, 1.0F);
+  const PinholeCamera rays{40, 24, 21, 21, 19.5, 11.5};
+  FreeSpaceSettings settings;
+  settings.frames_to_settle = 30;
+  FreeSpace space(kNoise, settings);
+  const Eigen::Vector3d point(0.0, 0.0, 0.5);
+  for (int i = 0; i < 40; ++i) space.add(rays, Rigid3::Identity(), far);
+  CHECK(space.is_free(point));
+  for (int i = 0; i < 29; ++i) space.add(rays, Rigid3::Identity(), near);
+  CHECK(space.is_free(point));
+  // A quarter of the rays a frame: four times as long if only one of them ends in the cell.
+  for (int i = 0; i < 91; ++i) space.add(rays, Rigid3::Identity(), near);
+  CHECK_FALSE(space.is_free(point));
+}
+
+TEST_CASE("the margin before a surface is not free, and grows with the depth's noise",
+          "[map][free_space]") {
+  const PinholeCamera rays{40, 24, 21, 21, 19.5, 11.5};
+  const auto free_before = [&](const DepthNoise& noise) {
+    FreeSpace space(noise);
+    for (int i = 0; i < 40; ++i) { space.add(rays, Rigid3::Identity(), DepthImage(40, 24, 1.0F)); }
+    double last = 0;
+    for (double Z = 0.1; Z < 1.1; Z += 0.005) {
+      if (space.is_free({0, 0, Z})) last = Z;
+    }
+    return last;
+  };
+  const double cell = FreeSpaceSettings{}.cell;
+  const double exact = free_before({}), noisy = free_before({0.05, 0, 0});
+  CHECK(std::abs(exact - (1 - 0.08)) <= test::tolerance(cell, "a cell"));
+  CHECK(std::abs(noisy - (1 - 4 * 0.05)) <= test::tolerance(cell, "a cell"));
+}
+
+TEST_CASE("free space keeps to its cap and survives any pose", "[map][free_space]") {
+  const PinholeCamera rays{40, 24, 21, 21, 19.5, 11.5};
+  FreeSpaceSettings settings;
+  settings.blocks = 20;
+  FreeSpace space(kNoise, settings);
+  for (int i = 0; i < 40; ++i) space.add(rays, Rigid3::Identity(), DepthImage(40, 24, 2.0F));
+  CHECK(space.blocks() == 20);
+  CHECK(space.blocked() > 0);
+  Rigid3 lost = Rigid3::Identity();
+  lost.translation().x() = std::nan("");
+  space.add(rays, lost, DepthImage(40, 24, 2.0F));
+  lost.translation().x() = 1e9;
+  space.add(rays, lost, DepthImage(40, 24, 2.0F));
+  CHECK_FALSE(space.is_free(lost.translation()));
+}
+
+TEST_CASE("after the first frame the mask takes no memory", "[map][moving_mask]") {
+  Scene scene(7);
+  scene.learn_desk(6);
+  DepthImage depth = desk(scene.random);
+  cover(depth, 100, 50, 180, 120, 0.4F);
+  scene.seen.depth = depth;
+  CHECK(test::allocations_during([&] {
+          scene.mover.find(scene.seen, Rigid3::Identity(), &scene.map);
+          scene.mover.learn(Rigid3::Identity());
+        }) == 0);
+}
+
+TEST_CASE("garbage for depth gives a mask of its size", "[map][moving_mask]") {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    auto random = test::random_case(seed);
+    std::uniform_real_distribution<float> any(-5, 5);
+    Scene scene(seed);
+    for (int i = 0; i < 10; ++i) {
+      DepthImage depth(kCamera.width, kCamera.height);
+      for (float& Z : depth) {
+        Z = any(random);
+        if (Z < -4) Z = kNaN;
+        if (Z > 4.9F) Z = std::numeric_limits<float>::infinity();
+      }
+      const MaskImage& mask = scene.show(depth);
+      REQUIRE(mask.width() == kCamera.width);
+      for (const std::uint8_t value : mask) REQUIRE((value == 0 || value == 255));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpable

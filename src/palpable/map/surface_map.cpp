@@ -1,0 +1,331 @@
+#include "palpable/map/surface_map.h"
+
+#include "palpable/base/contract.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace palpable {
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+constexpr int kSide = kVoxelsAcross;
+constexpr double kNearest = 0.05;  // m; what is nearer to the camera than this is not looked at
+
+// Every so many pixels of the depth a ray says which blocks are needed: at 3 m and f = 350 px they
+// lie 34 mm apart, blocks of 10 mm voxels are 80 mm wide.
+constexpr int kAllocationStep = 4;
+
+// A block's colours are the mean of so many frames. The scene is static, its light hardly.
+constexpr int kColorFrames = 8;
+
+// Blocks from the world's origin; beyond nothing is kept (BlockTable's numbers have 21 bits).
+constexpr double kLargest = 1 << 19;
+
+int floor_to_int(double a) { return static_cast<int>(std::floor(a)); }
+
+}  // namespace
+
+SurfaceMap::SurfaceMap(const DepthNoise& noise, const SurfaceMapSettings& settings)
+    : noise_(noise),
+      settings_(settings),
+      kernel_(&fuse_kernels().front()),
+      table_(settings.blocks) {
+  PALPABLE_EXPECT(settings.voxel > 0, "a voxel has a size");
+  PALPABLE_EXPECT(settings.truncation >= 3 * settings.voxel, "distances reach 3 voxels or more");
+  PALPABLE_EXPECT(
+      settings.truncation_sigmas >= 0 && settings.largest_sigma > 0 && settings.best_sigma > 0,
+      "a tolerance is not negative");
+  PALPABLE_EXPECT(settings.most_weight >= 1 && settings.carve_weight > 0,
+                  "voxels remember a frame at least");
+  // sigma_Z grows with Z: where it reaches the largest, the map ends.
+  double low = 0, high = settings.farthest;
+  if (noise.sigma(high) > settings.largest_sigma) {
+    for (int i = 0; i < 50; ++i) {
+      const double middle = 0.5 * (low + high);
+      (noise.sigma(middle) > settings.largest_sigma ? high : low) = middle;
+    }
+  }
+  farthest_ = high;
+}
+
+void SurfaceMap::allocate(const PinholeCamera& camera, const Rigid3& world_from_camera) {
+  const double block = kSide * settings_.voxel;
+  const Eigen::Matrix3d R = world_from_camera.linear() / block;
+  const Eigen::Vector3d origin = world_from_camera.translation() / block;
+  std::uint64_t last = ~std::uint64_t{0};
+  for (int y = kAllocationStep / 2; y < camera.height; y += kAllocationStep) {
+    for (int x = kAllocationStep / 2; x < camera.width; x += kAllocationStep) {
+      const auto Z = static_cast<double>(taken_(x, y));
+      if (!(Z >= kNearest && Z <= farthest_)) continue;
+      const double t =
+          std::max(settings_.truncation, settings_.truncation_sigmas * noise_.sigma(Z));
+      const Eigen::Vector3d ray = R * camera.unproject(x, y, 1.0);
+      // Half a block at a time leaves no block out that the ray passes by more than its corner.
+      const int steps = std::max(1, static_cast<int>(std::ceil(2 * t / (0.5 * block))));
+      for (int i = 0; i <= steps; ++i) {
+        const Eigen::Vector3d p = origin + (Z - t + 2 * t * i / steps) * ray;
+        if (!(p.cwiseAbs().maxCoeff() < kLargest)) continue;
+        const std::uint64_t key =
+            BlockTable::key_of(floor_to_int(p.x()), floor_to_int(p.y()), floor_to_int(p.z()));
+        if (key == last) continue;
+        last = key;
+        if (table_.find(key) != BlockTable::kNone) continue;
+        const int slot = table_.insert(key);
+        if (slot == BlockTable::kNone) {
+          ++refused_;
+          continue;
+        }
+        while (static_cast<std::size_t>(slot) >= kSlab * slabs_.size()) {
+          slabs_.push_back(std::make_unique<Slab>());
+        }
+        Block& b = *block_at(slot);
+        b.distance.fill(0);
+        b.weight.fill(0);
+        b.color.fill(0);
+        b.colored = 0;
+      }
+    }
+  }
+}
+
+bool SurfaceMap::may_show(const PinholeCamera& camera, const Eigen::Vector3d& centre) const {
+  const double radius = 0.5 * std::sqrt(3.0) * kSide * settings_.voxel;
+  const double z = centre.z();
+  if (z < kNearest - radius || z > farthest_ + settings_.truncation + radius) return false;
+  // The four planes through the lens and the picture's sides.
+  const auto beyond = [&](double a, double slope) {  // a <= slope z, with room for the radius
+    return a - slope * z > radius * std::sqrt(1 + slope * slope);
+  };
+  return !beyond(centre.x(), (camera.width - 0.5 - camera.cx_px) / camera.fx_px) &&
+         !beyond(-centre.x(), (camera.cx_px + 0.5) / camera.fx_px) &&
+         !beyond(centre.y(), (camera.height - 0.5 - camera.cy_px) / camera.fy_px) &&
+         !beyond(-centre.y(), (camera.cy_px + 0.5) / camera.fy_px);
+}
+
+void SurfaceMap::paint(Block& block, const Eigen::Vector3f& first, const PinholeCamera& camera,
+                       const ColorImage& color) {
+  const int factor = color.width() / camera.width;
+  const auto reach = static_cast<float>(settings_.voxel);
+  bool any = false;
+  for (std::size_t i = 0; i < kVoxelsOfBlock; ++i) {
+    if (!(block.weight[i] > 0) || std::abs(block.distance[i]) > reach) continue;
+    const Eigen::Vector3d p(first.x() + offsets_[0][i], first.y() + offsets_[1][i],
+                            first.z() + offsets_[2][i]);
+    if (p.z() < kNearest) continue;
+    const Eigen::Vector2d pixel = camera.project(p);
+    const int x = floor_to_int(pixel.x() + 0.5), y = floor_to_int(pixel.y() + 0.5);
+    if (x < 0 || y < 0 || x >= camera.width || y >= camera.height) continue;
+    if (!(std::abs(static_cast<double>(taken_(x, y)) - p.z()) <= settings_.truncation)) continue;
+    const Rgb seen = color(factor * x + factor / 2, factor * y + factor / 2);
+    std::uint8_t* c = &block.color[4 * i];
+    const int n = c[3];
+    const auto mean = [n](int old, int now) {
+      return static_cast<std::uint8_t>((n * old + now + (n + 1) / 2) / (n + 1));
+    };
+    c[0] = mean(c[0], seen.r);
+    c[1] = mean(c[1], seen.g);
+    c[2] = mean(c[2], seen.b);
+    c[3] = static_cast<std::uint8_t>(std::min(n + 1, 64));
+    any = true;
+  }
+  block.colored += any ? 1 : 0;
+}
+
+void SurfaceMap::fuse(const DepthImage& depth, const PinholeCamera& camera,
+                      const Rigid3& world_from_camera, const MaskImage& moving,
+                      const ColorImage& color) {
+  PALPABLE_EXPECT(depth.width() == camera.width && depth.height() == camera.height,
+                  "the depth is the camera's");
+  PALPABLE_EXPECT(
+      moving.empty() || (moving.width() == depth.width() && moving.height() == depth.height()),
+      "the mask has the depth's size");
+  PALPABLE_EXPECT(
+      color.empty() || (color.width() >= depth.width() &&
+                        color.height() >= color.width() / depth.width() * depth.height()),
+      "the colour is as large as the depth or larger");
+  if (depth.empty() || !world_from_camera.matrix().allFinite()) return;
+  taken_.resize(depth.width(), depth.height());
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    const bool leave_out = !moving.empty() && moving.data()[i] != 0;
+    taken_.data()[i] = leave_out ? kUnknown : depth.data()[i];
+  }
+  allocate(camera, world_from_camera);
+
+  const Rigid3 camera_from_world = world_from_camera.inverse(Eigen::Isometry);
+  const Eigen::Matrix3d R = settings_.voxel * camera_from_world.linear();
+  for (int z = 0; z < kSide; ++z) {
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x) {
+        const Eigen::Vector3d offset = R * Eigen::Vector3d(x, y, z);
+        for (std::size_t k = 0; k < 3; ++k) {
+          offsets_[k][voxel_index(x, y, z)] =
+              static_cast<float>(offset[static_cast<Eigen::Index>(k)]);
+        }
+      }
+    }
+  }
+  const FuseFrame frame{
+      .depth = taken_.data(),
+      .width = depth.width(),
+      .height = depth.height(),
+      .fx_px = static_cast<float>(camera.fx_px),
+      .fy_px = static_cast<float>(camera.fy_px),
+      .cx_px = static_cast<float>(camera.cx_px),
+      .cy_px = static_cast<float>(camera.cy_px),
+      .nearest = static_cast<float>(kNearest),
+      .farthest = static_cast<float>(farthest_),
+      .noise = {static_cast<float>(noise_.constant), static_cast<float>(noise_.linear),
+                static_cast<float>(noise_.quadratic)},
+      .truncation = static_cast<float>(settings_.truncation),
+      .truncation_sigmas = static_cast<float>(settings_.truncation_sigmas),
+      .best_sigma = static_cast<float>(settings_.best_sigma),
+      .most_weight = static_cast<float>(settings_.most_weight),
+      .carve_weight = static_cast<float>(settings_.carve_weight),
+      .offset_x = offsets_[0].data(),
+      .offset_y = offsets_[1].data(),
+      .offset_z = offsets_[2].data()};
+  const double block = kSide * settings_.voxel;
+  // A voxel's value is that of its middle.
+  const Eigen::Vector3d to_first = 0.5 * R * Eigen::Vector3d::Ones();
+  const Eigen::Vector3d to_centre = 0.5 * kSide * R * Eigen::Vector3d::Ones();
+  const float nothing_near = 0.95F * frame.truncation;
+  for (int slot = 0; slot < static_cast<int>(kSlab * slabs_.size()) && slot < table_.capacity();
+       ++slot) {
+    if (!table_.used(slot)) continue;
+    const Eigen::Vector3d corner =
+        camera_from_world * (block * BlockTable::place_of(table_.key(slot)).cast<double>());
+    if (!may_show(camera, corner + to_centre)) continue;
+    Block& b = *block_at(slot);
+    const Eigen::Vector3f first = (corner + to_first).cast<float>();
+    const float lowest = kernel_->fuse(frame, first.data(), b.distance.data(), b.weight.data());
+    if (lowest > nothing_near) {  // no surface in it: it was only passed, or carved
+      table_.erase(slot);
+    } else if (!color.empty() && b.colored < kColorFrames) {
+      paint(b, first, camera, color);
+    }
+  }
+}
+
+std::optional<double> SurfaceMap::distance(const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d p = point / settings_.voxel;
+  if (!(p.cwiseAbs().maxCoeff() < kLargest)) return std::nullopt;
+  Reader reader(*this);
+  float d = 0;
+  if (!reader.read(floor_to_int(p.x()), floor_to_int(p.y()), floor_to_int(p.z()), 1e-6F, d)) {
+    return std::nullopt;
+  }
+  return static_cast<double>(d);
+}
+
+ColoredSurface SurfaceMap::mesh(double least_weight) const {
+  const auto least = static_cast<float>(std::max(least_weight, 1e-6));
+  // Cells take the name of their voxel with the smallest numbers. vertex[slot] is made when the
+  // block's first vertex is.
+  std::vector<std::vector<int>> vertex(static_cast<std::size_t>(table_.capacity()));
+  std::vector<Eigen::Vector3d> points;
+  ColoredSurface result;
+  Reader reader(*this);
+  const int slots = std::min(static_cast<int>(kSlab * slabs_.size()), table_.capacity());
+  const auto for_each_voxel = [&](const auto& work) {
+    for (int slot = 0; slot < slots; ++slot) {
+      if (!table_.used(slot)) continue;
+      const Eigen::Vector3i first = kSide * BlockTable::place_of(table_.key(slot));
+      for (int i = 0; i < static_cast<int>(kVoxelsOfBlock); ++i) {
+        const Eigen::Vector3i inside(i & 7, i >> 3 & 7, i >> 6);
+        work(slot, i, Eigen::Vector3i(first + inside));
+      }
+    }
+  };
+
+  for_each_voxel([&](int slot, int i, const Eigen::Vector3i& at) {
+    if (!(block_at(slot)->weight[static_cast<std::size_t>(i)] >= least)) return;
+    std::array<float, 8> d{};
+    int inside = 0;
+    for (int c = 0; c < 8; ++c) {
+      if (!reader.read(at.x() + (c & 1), at.y() + (c >> 1 & 1), at.z() + (c >> 2), least,
+                       d[static_cast<std::size_t>(c)])) {
+        return;
+      }
+      inside += d[static_cast<std::size_t>(c)] <= 0 ? 1 : 0;
+    }
+    if (inside == 0 || inside == 8) return;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int crossings = 0;
+    for (int a = 0; a < 8; ++a) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const int b = a | 1 << axis;
+        if (b == a) continue;
+        const float da = d[static_cast<std::size_t>(a)], db = d[static_cast<std::size_t>(b)];
+        if ((da <= 0) == (db <= 0)) continue;
+        Eigen::Vector3d p(a & 1, a >> 1 & 1, a >> 2);
+        p[axis] = static_cast<double>(da / (da - db));
+        sum += p;
+        ++crossings;
+      }
+    }
+    auto& of_block = vertex[static_cast<std::size_t>(slot)];
+    if (of_block.empty()) of_block.assign(kVoxelsOfBlock, -1);
+    of_block[static_cast<std::size_t>(i)] = static_cast<int>(points.size());
+    // + 0.5: a voxel's value is that of its middle.
+    points.push_back(settings_.voxel *
+                     (at.cast<double>() + sum / crossings + Eigen::Vector3d::Constant(0.5)));
+    // The colour of the corner that lies nearest to the surface and has one.
+    Rgb color{128, 128, 128};
+    float best = std::numeric_limits<float>::infinity();
+    for (int c = 0; c < 8; ++c) {
+      const int x = at.x() + (c & 1), y = at.y() + (c >> 1 & 1), z = at.z() + (c >> 2);
+      const std::uint8_t* rgbn =
+          &reader.block(x, y, z)->color[4 * voxel_index(x & 7, y & 7, z & 7)];
+      const float near = std::abs(d[static_cast<std::size_t>(c)]);
+      if (rgbn[3] == 0 || near >= best) continue;
+      best = near;
+      color = {rgbn[0], rgbn[1], rgbn[2]};
+    }
+    result.colors.push_back(color);
+  });
+
+  const auto vertex_of = [&](const Eigen::Vector3i& at) {
+    const int slot = table_.find(BlockTable::key_of(at.x() >> 3, at.y() >> 3, at.z() >> 3));
+    if (slot == BlockTable::kNone || vertex[static_cast<std::size_t>(slot)].empty()) return -1;
+    return vertex[static_cast<std::size_t>(slot)][voxel_index(at.x() & 7, at.y() & 7, at.z() & 7)];
+  };
+  std::vector<Eigen::Vector3i> triangles;
+  for_each_voxel([&](int slot, int i, const Eigen::Vector3i& at) {
+    const Block& b = *block_at(slot);
+    if (!(b.weight[static_cast<std::size_t>(i)] >= least)) return;
+    const float here = b.distance[static_cast<std::size_t>(i)];
+    for (int axis = 0; axis < 3; ++axis) {
+      Eigen::Vector3i next = at;
+      ++next[axis];
+      float there = 0;
+      if (!reader.read(next.x(), next.y(), next.z(), least, there)) continue;
+      if ((here <= 0) == (there <= 0)) continue;
+      // The four cells around the edge, turning from the second axis to the third.
+      Eigen::Vector3i back_1 = Eigen::Vector3i::Zero(), back_2 = Eigen::Vector3i::Zero();
+      back_1[(axis + 1) % 3] = 1;
+      back_2[(axis + 2) % 3] = 1;
+      const std::array<int, 4> around{vertex_of(at - back_1 - back_2), vertex_of(at - back_2),
+                                      vertex_of(at), vertex_of(at - back_1)};
+      if (*std::min_element(around.begin(), around.end()) < 0) continue;
+      // Outside is where the distance is positive: the normal points there.
+      const bool along = here <= 0;
+      const int p = around[0], q = along ? around[1] : around[3], r = around[2],
+                s = along ? around[3] : around[1];
+      triangles.emplace_back(p, q, r);
+      triangles.emplace_back(p, r, s);
+    }
+  });
+  result.surface.vertices.resize(3, static_cast<Eigen::Index>(points.size()));
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    result.surface.vertices.col(static_cast<Eigen::Index>(k)) = points[k];
+  }
+  result.surface.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    result.surface.triangles.col(static_cast<Eigen::Index>(k)) = triangles[k];
+  }
+  return result;
+}
+
+}  // namespace palpable

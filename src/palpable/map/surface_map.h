@@ -1,0 +1,170 @@
+/// @file
+/// The static scene as a signed distance to its surface, fused from depth images (Curless and Levoy
+/// 1996, "A volumetric method for building complex models from range images"), kept only near the
+/// surface in hashed blocks of 8 x 8 x 8 voxels (Niessner et al. 2013).
+///
+/// World frame, m. What moves is left out by its mask, and what was left behind all the same is
+/// carved away once the camera sees through it.
+#pragma once
+
+#include "palpable/geometry/camera.h"
+#include "palpable/geometry/image.h"
+#include "palpable/geometry/rigid.h"
+#include "palpable/geometry/surface_mesh.h"
+#include "palpable/map/block_table.h"
+#include "palpable/map/fuse_kernels.h"
+#include "palpable/vision/depth_noise.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace palpable {
+
+struct SurfaceMapSettings {
+  double voxel = 0.01;           ///< m
+  double farthest = 3.0;         ///< m; depths beyond are not taken
+  double truncation = 0.04;      ///< m; distances are kept up to this, at least 3 voxels
+  double truncation_sigmas = 2;  ///< and up to so many sigma of the depth
+  /// Depths that scatter more are not taken, m: they would say less than a block is wide.
+  double largest_sigma = 0.05;
+  double best_sigma = 0.003;  ///< m; up to it a depth has the full weight 1
+  double most_weight = 64;    ///< of a voxel: how many frames it remembers
+  double carve_weight = 4;    ///< frames that a voxel remembers once the camera sees through it
+  /// Blocks that are kept at most, 6 KiB each: 96 MiB. When they are used up, what is new is not
+  /// taken, and refused() counts.
+  int blocks = 16384;
+};
+
+/// A surface with the colours of its vertices.
+struct ColoredSurface {
+  SurfaceMesh surface;
+  std::vector<Rgb> colors;  ///< (N)
+};
+
+class SurfaceMap {
+ public:
+  /// @throws ContractViolation for settings out of their range
+  SurfaceMap(const DepthNoise& noise, const SurfaceMapSettings& settings = {});
+
+  /// Takes in one depth image.
+  /// @param moving  of the depth's size, or empty: 255 where a depth is not to be taken
+  /// @param color   empty, or of the depth's size times a whole number
+  void fuse(const DepthImage& depth, const PinholeCamera& camera, const Rigid3& world_from_camera,
+            const MaskImage& moving = {}, const ColorImage& color = {});
+
+  /// Answers for one point after the other; quick where they lie near each other. Valid until the
+  /// next fuse().
+  class Reader;
+
+  /// Signed distance at the voxel nearest to a point, m, positive before the surface; nothing where
+  /// none is kept.
+  [[nodiscard]] std::optional<double> distance(const Eigen::Vector3d& point) const;
+
+  /// The surface where the distance is 0, by surface nets (Gibson 1998): one vertex in each cell of
+  /// eight voxels with both signs, the mean of the crossings of its edges. Counter-clockwise seen
+  /// from the camera's side. Only between voxels that weigh `least_weight` or more.
+  [[nodiscard]] ColoredSurface mesh(double least_weight = 1.0) const;
+
+  /// What one depth that scatters by `sigma` (m) adds to a voxel's weight.
+  [[nodiscard]] double weight_of(double sigma) const {
+    const double share = settings_.best_sigma / sigma;
+    return std::min(1.0, share * share);
+  }
+
+  [[nodiscard]] int blocks() const { return table_.count(); }
+  /// Blocks that were wanted and not to be had.
+  [[nodiscard]] std::int64_t refused() const { return refused_; }
+  [[nodiscard]] const SurfaceMapSettings& settings() const { return settings_; }
+
+ private:
+  struct Block {
+    std::array<float, kVoxelsOfBlock> distance;
+    std::array<float, kVoxelsOfBlock> weight;
+    std::array<std::uint8_t, 4 * kVoxelsOfBlock> color;  // r g b and how many were averaged
+    int colored = 0;                                     // frames that have given colour
+  };
+  void allocate(const PinholeCamera& camera, const Rigid3& world_from_camera);
+  [[nodiscard]] bool may_show(const PinholeCamera& camera, const Eigen::Vector3d& centre) const;
+  void paint(Block& block, const Eigen::Vector3f& first, const PinholeCamera& camera,
+             const ColorImage& color);
+  [[nodiscard]] static std::size_t voxel_index(int x, int y, int z) {
+    return static_cast<std::size_t>(x + kVoxelsAcross * (y + kVoxelsAcross * z));
+  }
+  [[nodiscard]] Block* block_at(int slot) {
+    const auto i = static_cast<std::size_t>(slot);
+    return &(*slabs_[i / kSlab])[i % kSlab];
+  }
+  [[nodiscard]] const Block* block_at(int slot) const {
+    const auto i = static_cast<std::size_t>(slot);
+    return &(*slabs_[i / kSlab])[i % kSlab];
+  }
+
+  // Memory is taken by slabs when it is first needed.
+  static constexpr std::size_t kSlab = 256;
+  using Slab = std::array<Block, kSlab>;
+
+  DepthNoise noise_;
+  SurfaceMapSettings settings_;
+  double farthest_ = 0;  // settings_.farthest, or where sigma reaches its largest
+  const FuseKernel* kernel_;
+  BlockTable table_;
+  std::vector<std::unique_ptr<Slab>> slabs_;
+  DepthImage taken_;  // the depth that is fused: without what moves
+  std::array<std::array<float, kVoxelsOfBlock>, 3> offsets_{};
+  std::int64_t refused_ = 0;
+};
+
+class SurfaceMap::Reader {
+ public:
+  explicit Reader(const SurfaceMap& map)
+      : map_(map), voxels_per_m_(static_cast<float>(1 / map.settings_.voxel)) {}
+
+  /// Distance at the voxel nearest to a point, and what it weighs; NaN where none is kept.
+  /// @param point  world, m; within 5 km of its origin
+  [[nodiscard]] float distance(const Eigen::Vector3f& point, float& weight) {
+    const Eigen::Vector3f p = point * voxels_per_m_;
+    const int x = static_cast<int>(std::floor(p.x())), y = static_cast<int>(std::floor(p.y())),
+              z = static_cast<int>(std::floor(p.z()));
+    const Block* b = block(x, y, z);
+    if (b == nullptr) return std::numeric_limits<float>::quiet_NaN();
+    const std::size_t i = voxel_index(x & 7, y & 7, z & 7);
+    weight = b->weight[i];
+    return weight > 0 ? b->distance[i] : std::numeric_limits<float>::quiet_NaN();
+  }
+
+ private:
+  friend class SurfaceMap;
+  // The block of voxel (x, y, z) of the whole grid, or null.
+  [[nodiscard]] const Block* block(int x, int y, int z) {
+    const std::uint64_t key = BlockTable::key_of(x >> 3, y >> 3, z >> 3);
+    if (key != last_) {
+      last_ = key;
+      const int slot = map_.table_.find(key);
+      block_ = slot == BlockTable::kNone ? nullptr : map_.block_at(slot);
+    }
+    return block_;
+  }
+  // Sets `distance` if the voxel weighs enough; otherwise says false.
+  bool read(int x, int y, int z, float least_weight, float& distance) {
+    const Block* b = block(x, y, z);
+    if (b == nullptr) return false;
+    const std::size_t i = voxel_index(x & 7, y & 7, z & 7);
+    if (!(b->weight[i] >= least_weight)) return false;
+    distance = b->distance[i];
+    return true;
+  }
+
+  const SurfaceMap& map_;
+  float voxels_per_m_;
+  std::uint64_t last_ = ~std::uint64_t{0};
+  const Block* block_ = nullptr;
+};
+
+}  // namespace palpable
