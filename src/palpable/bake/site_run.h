@@ -23,7 +23,7 @@ namespace palpable {
 
 /// To be raised by whoever changes what solve_sites() answers for the same question: snapshots that
 /// are stored carry it, and those of another revision are solved again.
-inline constexpr int kSiteRunRevision = 4;
+inline constexpr int kSiteRunRevision = 5;
 
 struct SiteRunSettings {
   double press = 0;  ///< m: how far the patch of a site shall give way along its load at level 1

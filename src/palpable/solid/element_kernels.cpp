@@ -6,48 +6,44 @@
 namespace palpable {
 namespace {
 
-PALPABLE_ALWAYS_INLINE Pack gather(const double* field, const int (&n)[kPackSize], int i) {
-  const double* const f = field + i;
-  return Pack{f[3 * n[0]], f[3 * n[1]], f[3 * n[2]], f[3 * n[3]],
-              f[3 * n[4]], f[3 * n[5]], f[3 * n[6]], f[3 * n[7]]};
-}
-
-// Entries [a][i] of a field at the nodes of a block.
+// Of nodes 1 .. A - 1 of a block, [a - 1][i]. Values that are gathered are differences to node 0's:
+// gradients of the shape functions sum to zero. Forces on all nodes sum to zero, too.
 template <int A>
 struct NodeValues {
-  Pack at[A][3];
+  Pack at[A - 1][3];
 };
 
-template <int A, int Q>
-PALPABLE_ALWAYS_INLINE void gather(const double* field, const ElementBlock<A, Q>& block,
-                                   NodeValues<A>& values) {
-  for (int a = 0; a < A; ++a) {
-    for (int i = 0; i < 3; ++i) values.at[a][i] = gather(field, block.nodes[a], i);
+template <Quad NodeRow::*kField, int A, int Q>
+PALPABLE_ALWAYS_INLINE void gather_differences(const NodeRow* rows,
+                                               const ElementBlock<A, Q>& block,
+                                               NodeValues<A>& values) {
+  Pack first[3];
+  gather<kField>(rows, block.nodes[0], first);
+  for (int a = 1; a < A; ++a) {
+    gather<kField>(rows, block.nodes[a], values.at[a - 1]);
+    for (int i = 0; i < 3; ++i) values.at[a - 1][i] -= first[i];
   }
 }
 
-// Lane by lane, because two elements of a block may share a node.
 template <int A, int Q>
 PALPABLE_ALWAYS_INLINE void add_scattered(const NodeValues<A>& values,
-                                          const ElementBlock<A, Q>& block, double* field) {
-  for (int a = 0; a < A; ++a) {
-    for (int lane = 0; lane < kPackSize; ++lane) {
-      double* const at = field + 3 * block.nodes[a][lane];
-      at[0] += values.at[a][0][lane];
-      at[1] += values.at[a][1][lane];
-      at[2] += values.at[a][2][lane];
-    }
+                                          const ElementBlock<A, Q>& block, NodeSum* sums) {
+  Pack first[3]{};
+  for (int a = 1; a < A; ++a) {
+    for (int i = 0; i < 3; ++i) first[i] -= values.at[a - 1][i];
+    add_scattered(values.at[a - 1], block.nodes[a], sums);
   }
+  add_scattered(first, block.nodes[0], sums);
 }
 
-// sum_a u_a (dN_a/dX)^T
+// sum_a (u_a - u_0) (dN_a/dX)^T
 template <int A, class Point>
 PALPABLE_ALWAYS_INLINE Tensor<Pack> gradient(const NodeValues<A>& u, const Point& point) {
   Tensor<Pack> H;
   for (int J = 0; J < 3; ++J) {
     for (int i = 0; i < 3; ++i) {
       Pack sum = u.at[0][i] * point.g[0][J];
-      for (int a = 1; a < A; ++a) sum += u.at[a][i] * point.g[a][J];
+      for (int a = 1; a < A - 1; ++a) sum += u.at[a][i] * point.g[a][J];
       H(i, J) = sum;
     }
   }
@@ -66,7 +62,7 @@ PALPABLE_ALWAYS_INLINE Deformation<Pack> deformation_at(const NodeValues<A>& u,
 template <int A, class Point>
 PALPABLE_ALWAYS_INLINE void add_divergence(const Tensor<Pack>& P, const Point& point,
                                            NodeValues<A>& values) {
-  for (int a = 0; a < A; ++a) {
+  for (int a = 0; a < A - 1; ++a) {
     for (int i = 0; i < 3; ++i) {
       values.at[a][i] +=
           P(i, 0) * point.g[a][0] + P(i, 1) * point.g[a][1] + P(i, 2) * point.g[a][2];
@@ -80,13 +76,13 @@ struct Forces {
   template <class Law, int A, int Q>
   PALPABLE_ALWAYS_INLINE static ForceSums run(const Law& law,
                                               std::span<const ElementBlock<A, Q>> blocks,
-                                              const double* u, double* force) {
+                                              const NodeRow* rows, NodeSum* forces) {
     Pack energy{}, smallest = Pack{} + std::numeric_limits<double>::infinity();
     PackBits smallest_block{}, inverted{};
     std::int64_t number = 0;
     for (const ElementBlock<A, Q>& block : blocks) {
       NodeValues<A> u_here, f_here{};
-      gather(u, block, u_here);
+      gather_differences<&NodeRow::u>(rows, block, u_here);
       for (const auto& point : block.points) {
         const Deformation<Pack> d = deformation_at(u_here, point);
         const PackBits below = d.J < smallest;
@@ -96,7 +92,7 @@ struct Forces {
         energy += point.weight * energy_density(law, d);
         add_divergence(point.weight * first_piola(law, d), point, f_here);
       }
-      add_scattered(f_here, block, force);
+      add_scattered(f_here, block, forces);
       ++number;
     }
     ForceSums sums;
@@ -116,17 +112,17 @@ struct Forces {
 struct ForceChanges {
   template <class Law, int A, int Q>
   PALPABLE_ALWAYS_INLINE static int run(const Law& law, std::span<const ElementBlock<A, Q>> blocks,
-                                        const double* u, const double* du, double* change) {
+                                        const NodeRow* rows, NodeSum* changes) {
     for (const ElementBlock<A, Q>& block : blocks) {
       NodeValues<A> u_here, du_here, f_here{};
-      gather(u, block, u_here);
-      gather(du, block, du_here);
+      gather_differences<&NodeRow::u>(rows, block, u_here);
+      gather_differences<&NodeRow::du>(rows, block, du_here);
       for (const auto& point : block.points) {
         const Deformation<Pack> d = deformation_at(u_here, point);
         const Tensor<Pack> dP = first_piola_along(law, d, gradient(du_here, point));
         add_divergence(point.weight * dP, point, f_here);
       }
-      add_scattered(f_here, block, change);
+      add_scattered(f_here, block, changes);
     }
     return 0;
   }
@@ -135,21 +131,29 @@ struct ForceChanges {
 struct Tangents {
   template <class Law, int A, int Q>
   PALPABLE_ALWAYS_INLINE static int run(const Law& law, const ElementBlock<A, Q>& block,
-                                        const double* u, ElementTangents<A>& tangents) {
+                                        const NodeRow* rows, ElementTangents<A>& tangents) {
     NodeValues<A> u_here;
-    gather(u, block, u_here);
+    gather_differences<&NodeRow::u>(rows, block, u_here);
     tangents = {};
     for (const auto& point : block.points) {
       const Deformation<Pack> d = deformation_at(u_here, point);
+      Pack g[A][3];
+      for (int J = 0; J < 3; ++J) {
+        g[0][J] = Pack{};
+        for (int a = 1; a < A; ++a) {
+          g[a][J] = point.g[a - 1][J];
+          g[0][J] -= g[a][J];
+        }
+      }
       for (int b = 0; b < A; ++b) {
         for (int k = 0; k < 3; ++k) {
           Tensor<Pack> dF{};
-          for (int J = 0; J < 3; ++J) dF(k, J) = point.g[b][J];
+          for (int J = 0; J < 3; ++J) dF(k, J) = g[b][J];
           const Tensor<Pack> dP = point.weight * first_piola_along(law, d, dF);
           for (int a = 0; a <= b; ++a) {
             for (int i = 0; i < 3; ++i) {
               tangents.K[a][b][i + 3 * k] +=
-                  dP(i, 0) * point.g[a][0] + dP(i, 1) * point.g[a][1] + dP(i, 2) * point.g[a][2];
+                  dP(i, 0) * g[a][0] + dP(i, 1) * g[a][1] + dP(i, 2) * g[a][2];
             }
           }
         }
@@ -169,31 +173,33 @@ auto run(SimdLevel level, const Material& material, Arguments&... arguments) {
 
 template <int A, int Q>
 ForceSums add_forces(SimdLevel level, const Material& material,
-                     std::span<const ElementBlock<A, Q>> blocks, const double* u, double* force) {
-  return run<Forces>(level, material, blocks, u, force);
+                     std::span<const ElementBlock<A, Q>> blocks, const NodeRow* rows,
+                     NodeSum* forces) {
+  return run<Forces>(level, material, blocks, rows, forces);
 }
 
 template <int A, int Q>
 void add_force_changes(SimdLevel level, const Material& material,
-                       std::span<const ElementBlock<A, Q>> blocks, const double* u,
-                       const double* du, double* change) {
-  run<ForceChanges>(level, material, blocks, u, du, change);
+                       std::span<const ElementBlock<A, Q>> blocks, const NodeRow* rows,
+                       NodeSum* changes) {
+  run<ForceChanges>(level, material, blocks, rows, changes);
 }
 
 template <int A, int Q>
 void element_tangents(SimdLevel level, const Material& material, const ElementBlock<A, Q>& block,
-                      const double* u, ElementTangents<A>& tangents) {
-  run<Tangents>(level, material, block, u, tangents);
+                      const NodeRow* rows, ElementTangents<A>& tangents) {
+  run<Tangents>(level, material, block, rows, tangents);
 }
 
-#define PALPABLE_INSTANTIATE(A, Q)                                                              \
-  template ForceSums add_forces<A, Q>(                                                          \
-      SimdLevel, const Material&, std::span<const ElementBlock<A, Q>>, const double*, double*); \
-  template void add_force_changes<A, Q>(SimdLevel, const Material&,                             \
-                                        std::span<const ElementBlock<A, Q>>, const double*,     \
-                                        const double*, double*);                                \
-  template void element_tangents<A, Q>(SimdLevel, const Material&, const ElementBlock<A, Q>&,   \
-                                       const double*, ElementTangents<A>&);
+#define PALPABLE_INSTANTIATE(A, Q)                                                                \
+  template ForceSums add_forces<A, Q>(SimdLevel, const Material&,                                 \
+                                      std::span<const ElementBlock<A, Q>>, const NodeRow*,        \
+                                      NodeSum*);                                                  \
+  template void add_force_changes<A, Q>(SimdLevel, const Material&,                               \
+                                        std::span<const ElementBlock<A, Q>>, const NodeRow*,      \
+                                        NodeSum*);                                                \
+  template void element_tangents<A, Q>(SimdLevel, const Material&, const ElementBlock<A, Q>&,     \
+                                       const NodeRow*, ElementTangents<A>&);
 PALPABLE_INSTANTIATE(4, 1)
 PALPABLE_INSTANTIATE(10, 4)
 #undef PALPABLE_INSTANTIATE

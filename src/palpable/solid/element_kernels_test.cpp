@@ -75,24 +75,27 @@ TEST_CASE("forces are the derivative of the energy, and their change is the tang
                  << static_cast<int>(level));
         const TetAssembly assembly(model, level);
         Matrix3Xd force(3, u.cols()), other(3, u.cols()), change(3, u.cols());
-        const BodyState state = assembly.force(u, force);
-        REQUIRE(std::isfinite(state.energy));
+        PassFields fields;
+        const auto energy_at = [&](const Matrix3Xd& where, Matrix3Xd& found) {
+          assembly.set_state(where, fields);
+          return assembly.force(fields, found).energy;
+        };
+        const double energy = energy_at(u, force);
+        REQUIRE(std::isfinite(energy));
         const double h = 1e-7;
-        const double up = assembly.force(u + h * du, other).energy;
+        const double up = energy_at(u + h * du, other);
         const Matrix3Xd force_up = other;
-        const double down = assembly.force(u - h * du, other).energy;
+        const double down = energy_at(u - h * du, other);
         CHECK((up - down) / (2 * h) == Approx(force.cwiseProduct(du).sum()).epsilon(1e-6));
-        assembly.force_change(u, du, change);
+        assembly.set_state(u, fields);
+        assembly.force_change(fields, du, change);
         CHECK((change - (force_up - other) / (2 * h)).norm() <=
               tolerance(1e-6, "rounding and third derivatives at h = 1e-7") * change.norm());
         BlockMatrix K(assembly.pattern());
-        assembly.tangent(u, K);
+        assembly.tangent(fields, K);
         Eigen::VectorXd x, y, expected;
-        Matrix3Xd free = Matrix3Xd::Zero(3, u.cols());
         assembly.gather(du, x);
-        assembly.set_free(x, free);
-        assembly.force_change(u, free, change);
-        assembly.gather(change, expected);
+        assembly.tangent_product(fields, x, expected);  // after a direction in which all nodes move
         K.multiply(x, y);
         CHECK((y - expected).norm() <= tolerance(1e-13, "the same sums") * expected.norm());
       }
@@ -104,9 +107,15 @@ TEST_CASE("every level of instructions gives the same numbers", "[solid][simd]")
   const SolidModel model = small_body("mooney-rivlin", true);
   const Matrix3Xd u = field(model, 4e-3, 5);
   Matrix3Xd plain(3, u.cols()), wide(3, u.cols());
-  const BodyState expected = TetAssembly(model, SimdLevel::kPlain).force(u, plain);
+  PassFields fields;
+  const auto force = [&](SimdLevel level, Matrix3Xd& found) {
+    const TetAssembly assembly(model, level);
+    assembly.set_state(u, fields);
+    return assembly.force(fields, found);
+  };
+  const BodyState expected = force(SimdLevel::kPlain, plain);
   for (const SimdLevel level : levels()) {
-    const BodyState state = TetAssembly(model, level).force(u, wide);
+    const BodyState state = force(level, wide);
     CHECK((wide - plain).norm() <= tolerance(1e-14, "sums of a few roundings") * plain.norm());
     CHECK(state.energy == Approx(expected.energy).epsilon(1e-13));
     CHECK(state.most_compressed == expected.most_compressed);
@@ -128,12 +137,21 @@ TEST_CASE("an inverted element is found wherever it lies in its block", "[solid]
               3.0 -
           model.mesh.nodes.col(n[0]);
       u.col(n[0]) = 2.0 * across;
-      const BodyState state = assembly.force(u, force);
+      PassFields fields;
+      assembly.set_state(u, fields);
+      const BodyState state = assembly.force(fields, force);
       INFO("element " << e);
       CHECK(std::isinf(state.energy));
       CHECK(state.smallest_volume_ratio < 0.0);
+      TetMesh turned = model.mesh;
+      turned.nodes += u;
+      const Eigen::ArrayXd ratios =
+          tet_volumes(turned).array() / tet_volumes(model.mesh).array();
+      CHECK(state.smallest_volume_ratio == Approx(ratios.minCoeff()).epsilon(1e-12));
+      CHECK(ratios[state.most_compressed] == Approx(ratios.minCoeff()).epsilon(1e-12));
       u.col(n[0]).setConstant(std::numeric_limits<double>::quiet_NaN());
-      CHECK(std::isinf(assembly.force(u, force).energy));
+      assembly.set_state(u, fields);
+      CHECK(std::isinf(assembly.force(fields, force).energy));
     }
   }
 }

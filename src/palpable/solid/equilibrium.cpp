@@ -59,7 +59,9 @@ PathResult EquilibriumSolver::solve_path(const Matrix3Xd& full_load, std::span<c
 Matrix3Xd EquilibriumSolver::internal_force(const Matrix3Xd& u) const {
   PALPABLE_EXPECT(u.cols() == model().mesh.node_count(), "one displacement for each node");
   Matrix3Xd force(3, u.cols());
-  const BodyState state = core_->assembly.force(u, force);
+  PassFields fields;
+  core_->assembly.set_state(u, fields);
+  const BodyState state = core_->assembly.force(fields, force);
   if (!std::isfinite(state.energy)) {
     throw Error(
         fmt::format("element {} is inverted by the displacement (J = {:.3g}); it has no forces",
@@ -71,20 +73,22 @@ Matrix3Xd EquilibriumSolver::internal_force(const Matrix3Xd& u) const {
 double EquilibriumSolver::stored_energy(const Matrix3Xd& u) const {
   PALPABLE_EXPECT(u.cols() == model().mesh.node_count(), "one displacement for each node");
   Matrix3Xd force(3, u.cols());
-  return core_->assembly.force(u, force).energy;
+  PassFields fields;
+  core_->assembly.set_state(u, fields);
+  return core_->assembly.force(fields, force).energy;
 }
 
 Matrix3Xd EquilibriumSolver::tangent_times(const Matrix3Xd& u, const Matrix3Xd& du) const {
   PALPABLE_EXPECT(u.cols() == model().mesh.node_count() && du.cols() == u.cols(),
                   "one displacement for each node");
-  VectorXd x;
-  Matrix3Xd free = Matrix3Xd::Zero(3, u.cols()), result(3, u.cols());
+  VectorXd x, y;
+  PassFields fields;
+  core_->assembly.set_state(u, fields);
   core_->assembly.gather(du, x);
-  core_->assembly.set_free(x, free);
-  core_->assembly.force_change(u, free, result);
-  core_->assembly.gather(result, x);
-  core_->assembly.set_free(x, free);
-  return free;
+  core_->assembly.tangent_product(fields, x, y);
+  Matrix3Xd result = Matrix3Xd::Zero(3, u.cols());
+  core_->assembly.add_scattered(y, 1.0, result);
+  return result;
 }
 
 }  // namespace palpable

@@ -194,7 +194,9 @@ struct LoadSeries::Core {
  private:
   ExactFactor factorise() {
     BlockMatrix K(assembly.pattern());
-    assembly.tangent(Eigen::Matrix3Xd::Zero(3, assembly.node_count()), K);
+    PassFields fields;
+    assembly.set_state(Eigen::Matrix3Xd::Zero(3, assembly.node_count()), fields);
+    assembly.tangent(fields, K);
     return {CholeskyAnalysis(assembly.pattern(), workspace), K, workspace};
   }
 };
@@ -231,15 +233,19 @@ MatrixXd LoadSeries::linear_response(const MatrixXd& loads) const {
 
 VectorXd LoadSeries::stiffness_times(const VectorXd& u) const {
   const Eigen::Map<const Eigen::Matrix3Xd> field(u.data(), 3, u.size() / 3);
-  Eigen::Matrix3Xd force = Eigen::Matrix3Xd::Zero(3, field.cols());
-  core_->assembly.force_change(Eigen::Matrix3Xd::Zero(3, field.cols()), field, force);
+  Eigen::Matrix3Xd force(3, field.cols());
+  PassFields fields;
+  core_->assembly.set_state(Eigen::Matrix3Xd::Zero(3, field.cols()), fields);
+  core_->assembly.force_change(fields, field, force);
   return force.reshaped();
 }
 
 VectorXd LoadSeries::internal_force(const VectorXd& u) const {
   const Eigen::Map<const Eigen::Matrix3Xd> field(u.data(), 3, u.size() / 3);
   Eigen::Matrix3Xd force(3, field.cols());
-  core_->assembly.force(field, force);
+  PassFields fields;
+  core_->assembly.set_state(field, fields);
+  core_->assembly.force(fields, force);
   return force.reshaped();
 }
 

@@ -41,7 +41,9 @@ RestFactor rest_factor(const TetAssembly& assembly, const CholeskyAnalysis& anal
   BlockMatrix K(assembly.pattern());
   {
     const CpuTimer timer(setup.tangent_s);
-    assembly.tangent(Matrix3Xd::Zero(3, assembly.node_count()), K);
+    PassFields fields;
+    assembly.set_state(Matrix3Xd::Zero(3, assembly.node_count()), fields);
+    assembly.tangent(fields, K);
   }
   const CpuTimer timer(setup.factor_s);
   setup.factor_flops = analysis.factor_flops();

@@ -1,5 +1,6 @@
 #include "palpable/solid/tet_assembly.h"
 
+#include "palpable/solid/element_order.h"
 #include "palpable/solid/quadrature.h"
 #include "palpable/solid/shape_gradients.h"
 
@@ -39,10 +40,22 @@ ElementPoints<10, 4> points_of(const TetMesh& mesh, int number, ElementPoints<10
   return element;
 }
 
+// Mean of the corners of each element.
+Matrix3Xd centres(const TetMesh& mesh, const std::vector<int>& numbers) {
+  Matrix3Xd points(3, static_cast<Eigen::Index>(numbers.size()));
+  for (Eigen::Index k = 0; k < points.cols(); ++k) {
+    const auto corners = mesh.tets.col(numbers[static_cast<std::size_t>(k)]);
+    points.col(k).setZero();
+    for (const int node : corners) points.col(k) += 0.25 * mesh.nodes.col(node);
+  }
+  return points;
+}
+
 // The block that holds `numbers` from `first` on.
+// @param row_of_node  where the passes keep a node
 template <int A, int Q>
 ElementBlock<A, Q> block_of(const TetMesh& mesh, const std::vector<int>& numbers,
-                            std::size_t first) {
+                            std::size_t first, const std::vector<int>& row_of_node) {
   ElementBlock<A, Q> block;
   for (int lane = 0; lane < kPackSize; ++lane) {
     const std::size_t wanted = first + static_cast<std::size_t>(lane);
@@ -50,12 +63,14 @@ ElementBlock<A, Q> block_of(const TetMesh& mesh, const std::vector<int>& numbers
     const ElementPoints<A, Q> element =
         points_of(mesh, exists ? numbers[wanted] : numbers.back(), ElementPoints<A, Q>{});
     for (std::size_t q = 0; q < Q; ++q) {
-      for (int a = 0; a < A; ++a) {
-        for (int J = 0; J < 3; ++J) block.points[q].g[a][J][lane] = element.g[q](J, a);
+      for (int a = 1; a < A; ++a) {
+        for (int J = 0; J < 3; ++J) block.points[q].g[a - 1][J][lane] = element.g[q](J, a);
       }
       block.points[q].weight[lane] = exists ? element.weight[q] : 0.0;
     }
-    for (int a = 0; a < A; ++a) block.nodes[a][lane] = element.nodes[a];
+    for (int a = 0; a < A; ++a) {
+      block.nodes[a][lane] = row_of_node[static_cast<std::size_t>(element.nodes[a])];
+    }
   }
   return block;
 }
@@ -82,6 +97,9 @@ TetAssembly::TetAssembly(const SolidModel& model, SimdLevel simd) : simd_(simd) 
     build(model, groups_.emplace<Groups<10, 4>>());
   } else {
     build(model, groups_.emplace<Groups<4, 1>>());
+  }
+  for (const int n : free_nodes_) {
+    row_of_free_.push_back(row_of_node_[static_cast<std::size_t>(n)]);
   }
 
   for (const HeldComponent& h : held) {
@@ -153,9 +171,26 @@ void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
     pattern_.row_start.push_back(static_cast<int>(pattern_.column.size()));
   }
 
+  // Elements along a curve, and nodes as the elements come to them.
+  row_of_node_.assign(static_cast<std::size_t>(mesh.node_count()), -1);
+  int rows = 0;
+  for (auto& group : groups) {
+    std::vector<int> sorted;
+    for (const int k : order_along_curve(centres(mesh, group.numbers))) {
+      sorted.push_back(group.numbers[static_cast<std::size_t>(k)]);
+    }
+    group.numbers = std::move(sorted);
+    for (const int e : group.numbers) {
+      for (const int n : nodes_of(e)) {
+        int& row = row_of_node_[static_cast<std::size_t>(n)];
+        if (row < 0) row = rows++;
+      }
+    }
+  }
+
   for (auto& group : groups) {
     for (std::size_t first = 0; first < group.numbers.size(); first += kPackSize) {
-      group.blocks.push_back(block_of<A, Q>(mesh, group.numbers, first));
+      group.blocks.push_back(block_of<A, Q>(mesh, group.numbers, first, row_of_node_));
     }
     for (const int e : group.numbers) {
       const auto nodes = nodes_of(e);
@@ -181,13 +216,21 @@ std::size_t TetAssembly::bytes() const {
   return sum;
 }
 
-BodyState TetAssembly::force(const Matrix3Xd& u, Matrix3Xd& force) const {
-  force.setZero();
+void TetAssembly::set_state(const Matrix3Xd& u, PassFields& fields) const {
+  fields.rows.assign(row_of_node_.size(), NodeRow{});
+  for (std::size_t n = 0; n < row_of_node_.size(); ++n) {
+    const auto at = u.col(static_cast<Eigen::Index>(n));
+    fields.rows[static_cast<std::size_t>(row_of_node_[n])].u = Quad{at[0], at[1], at[2], 0.0};
+  }
+}
+
+BodyState TetAssembly::force(PassFields& fields, Matrix3Xd& force) const {
+  fields.sums.assign(fields.rows.size(), NodeSum{});
   BodyState state;
   state.smallest_volume_ratio = std::numeric_limits<double>::infinity();
   const auto add_group = [&]<int A, int Q>(const Group<A, Q>& group) {
-    const ForceSums sums =
-        add_forces<A, Q>(simd_, group.material, group.blocks, u.data(), force.data());
+    const ForceSums sums = add_forces<A, Q>(simd_, group.material, group.blocks,
+                                            fields.rows.data(), fields.sums.data());
     state.energy += sums.inverted ? std::numeric_limits<double>::infinity() : sums.energy;
     if (sums.most_compressed < 0 || sums.smallest_volume_ratio >= state.smallest_volume_ratio) {
       return;
@@ -200,26 +243,65 @@ BodyState TetAssembly::force(const Matrix3Xd& u, Matrix3Xd& force) const {
   std::visit([&](const auto& groups) { std::for_each(groups.begin(), groups.end(), add_group); },
              groups_);
   if (std::isnan(state.energy)) state.energy = std::numeric_limits<double>::infinity();
+  take_sums(fields, force);
   return state;
 }
 
-void TetAssembly::force_change(const Matrix3Xd& u, const Matrix3Xd& du, Matrix3Xd& change) const {
-  change.setZero();
+// d force / du along the rows' du, into the sums.
+void TetAssembly::add_changes(PassFields& fields) const {
+  fields.sums.assign(fields.rows.size(), NodeSum{});
   const auto add_group = [&]<int A, int Q>(const Group<A, Q>& group) {
-    add_force_changes<A, Q>(simd_, group.material, group.blocks, u.data(), du.data(),
-                            change.data());
+    add_force_changes<A, Q>(simd_, group.material, group.blocks, fields.rows.data(),
+                            fields.sums.data());
   };
   std::visit([&](const auto& groups) { std::for_each(groups.begin(), groups.end(), add_group); },
              groups_);
 }
 
-void TetAssembly::tangent(const Matrix3Xd& u, BlockMatrix& K) const {
+void TetAssembly::tangent_product(PassFields& fields, const Eigen::VectorXd& x,
+                                  Eigen::VectorXd& y) const {
+  const double* from = x.data();
+  for (const int row : row_of_free_) {
+    fields.rows[static_cast<std::size_t>(row)].du = Quad{from[0], from[1], from[2], 0.0};
+    from += 3;
+  }
+  add_changes(fields);
+  y.resize(x.size());
+  double* to = y.data();
+  for (const int row : row_of_free_) {
+    const Quad& force = fields.sums[static_cast<std::size_t>(row)].force;
+    for (int i = 0; i < 3; ++i) to[i] = force[i];
+    to += 3;
+  }
+  for (const HeldAxis& held : held_axes_) y[3 * held.row + held.axis] = 0.0;
+}
+
+void TetAssembly::force_change(PassFields& fields, const Matrix3Xd& du, Matrix3Xd& change) const {
+  for (std::size_t n = 0; n < row_of_node_.size(); ++n) {
+    const auto along = du.col(static_cast<Eigen::Index>(n));
+    fields.rows[static_cast<std::size_t>(row_of_node_[n])].du =
+        Quad{along[0], along[1], along[2], 0.0};
+  }
+  add_changes(fields);
+  for (NodeRow& row : fields.rows) row.du = Quad{};
+  take_sums(fields, change);
+}
+
+// The sums in the order of the mesh.
+void TetAssembly::take_sums(const PassFields& fields, Matrix3Xd& field) const {
+  for (std::size_t n = 0; n < row_of_node_.size(); ++n) {
+    const Quad& force = fields.sums[static_cast<std::size_t>(row_of_node_[n])].force;
+    for (int i = 0; i < 3; ++i) field(i, static_cast<Eigen::Index>(n)) = force[i];
+  }
+}
+
+void TetAssembly::tangent(const PassFields& fields, BlockMatrix& K) const {
   K.set_zero();
   const auto add_group = [&]<int A, int Q>(const Group<A, Q>& group) {
     ElementTangents<A> eight;
     std::size_t element = 0;
     for (const ElementBlock<A, Q>& block : group.blocks) {
-      element_tangents<A, Q>(simd_, group.material, block, u.data(), eight);
+      element_tangents<A, Q>(simd_, group.material, block, fields.rows.data(), eight);
       for (int lane = 0; lane < kPackSize && element < group.places.size(); ++lane, ++element) {
         const std::array<int, A* A>& places = group.places[element];
         for (int a = 0; a < A; ++a) {
@@ -262,14 +344,6 @@ void TetAssembly::gather(const Matrix3Xd& field, Eigen::VectorXd& free) const {
     at += 3;
   }
   for (const HeldAxis& held : held_axes_) free[3 * held.row + held.axis] = 0.0;
-}
-
-void TetAssembly::set_free(const Eigen::VectorXd& free, Matrix3Xd& field) const {
-  Eigen::Index at = 0;
-  for (const int n : free_nodes_) {
-    field.col(n) = free.segment<3>(at);
-    at += 3;
-  }
 }
 
 void TetAssembly::add_scattered(const Eigen::VectorXd& free, double scale, Matrix3Xd& field) const {

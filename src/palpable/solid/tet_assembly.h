@@ -29,6 +29,13 @@ struct BodyState {
   int most_compressed = -1;          ///< the element it belongs to
 };
 
+/// A state of the body as the passes over its elements want it, and room for what they find. One
+/// for each thread that works; its memory is used again.
+struct PassFields {
+  std::vector<NodeRow> rows;  ///< (N) in the assembly's own order; du is 0 between passes where held
+  std::vector<NodeSum> sums;  ///< (N) of the last pass
+};
+
 /// Gradients, volumes and the places of the blocks, computed once. Const use is free of state.
 class TetAssembly {
  public:
@@ -47,21 +54,26 @@ class TetAssembly {
   /// What one pass over the elements reads, fields not counted.
   [[nodiscard]] std::size_t bytes() const;
 
+  /// What the passes below are about. @param u  (3 x N) m
+  void set_state(const Eigen::Matrix3Xd& u, PassFields& fields) const;
+
   /// d/du of the stored energy, (3 x N), all nodes; `force` has its size already.
-  BodyState force(const Eigen::Matrix3Xd& u, Eigen::Matrix3Xd& force) const;
+  BodyState force(PassFields& fields, Eigen::Matrix3Xd& force) const;
 
-  /// d force / du at what is free. @pre no element is inverted under u
-  void tangent(const Eigen::Matrix3Xd& u, BlockMatrix& K) const;
+  /// d force / du at what is free. @pre no element is inverted
+  void tangent(const PassFields& fields, BlockMatrix& K) const;
 
-  /// change = d force / du along du, (3 x N), all nodes: the tangent's product without the tangent,
-  /// at the cost of a pass over the elements. @pre no element is inverted under u
-  void force_change(const Eigen::Matrix3Xd& u, const Eigen::Matrix3Xd& du,
+  /// y = tangent x, at what is free, without the tangent: at the cost of a pass over the elements.
+  /// @param x  (3M), 0 in held directions, as y
+  /// @pre no element is inverted
+  void tangent_product(PassFields& fields, const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
+
+  /// change = d force / du along du, (3 x N), all nodes. @pre no element is inverted
+  void force_change(PassFields& fields, const Eigen::Matrix3Xd& du,
                     Eigen::Matrix3Xd& change) const;
 
   /// (3M) the free nodes' columns, one after the other; 0 in held directions.
   void gather(const Eigen::Matrix3Xd& field, Eigen::VectorXd& free) const;
-  /// The free nodes' columns become those of `free`; the others are left alone.
-  void set_free(const Eigen::VectorXd& free, Eigen::Matrix3Xd& field) const;
   /// Adds scale * free to the free nodes' columns; `free` is 0 in held directions, which a solution
   /// of the tangent with such a right-hand side is.
   void add_scattered(const Eigen::VectorXd& free, double scale, Eigen::Matrix3Xd& field) const;
@@ -81,6 +93,8 @@ class TetAssembly {
 
   template <int A, int Q>
   void build(const SolidModel& model, Groups<A, Q>& groups);
+  void add_changes(PassFields& fields) const;
+  void take_sums(const PassFields& fields, Eigen::Matrix3Xd& field) const;
 
   // Direction `axis` of free node `row`, held, and the places of all blocks in that column.
   struct HeldAxis {
@@ -95,6 +109,8 @@ class TetAssembly {
   std::variant<Groups<4, 1>, Groups<10, 4>> groups_;
   std::vector<int> free_of_node_;  // node -> free node, -1 if held
   std::vector<int> free_nodes_;
+  std::vector<int> row_of_node_;  // node -> its place in PassFields: in the order of the elements
+  std::vector<int> row_of_free_;  // the same for the free nodes
   std::vector<HeldAxis> held_axes_;
   BlockPattern pattern_;
 };

@@ -42,9 +42,7 @@ Walk::Walk(const EquilibriumSolver::Core& core, const Matrix3Xd& load, const Pat
       lane_(options.lane),
       supports_grow_(preloaded_ == nullptr && core.moves_supports()),
       factor_(&core.at_rest.factor),
-      force_(3, assembly_.node_count()),
-      direction_(Matrix3Xd::Zero(3, assembly_.node_count())),
-      change_(3, assembly_.node_count()) {
+      force_(3, assembly_.node_count()) {
   assembly_.gather(load_, free_load_);
   if (preloaded_ != nullptr) {
     start_.displacement = preloaded_->rest;
@@ -135,7 +133,8 @@ void Walk::set_supports(double level, Matrix3Xd& u) const {
 
 BodyState Walk::force_at(const Matrix3Xd& u) {
   const CpuTimer timer(times_.force_s);
-  return assembly_.force(u, force_);
+  assembly_.set_state(u, fields_);
+  return assembly_.force(fields_, force_);
 }
 
 // Forces at u into force_, the residual at the free nodes into r_.
@@ -180,9 +179,11 @@ Matrix3Xd Walk::through(const std::vector<const Knot*>& knots, double level, int
 std::optional<Matrix3Xd> Walk::dragged(double level) {
   Matrix3Xd du = Matrix3Xd::Zero(3, assembly_.node_count());
   set_supports(level - now_.level, du);
-  assembly_.force_change(now_.displacement, du, change_);
-  change_ = (level - now_.level) * load_ - change_;
-  assembly_.gather(change_, r_);
+  Matrix3Xd change(3, du.cols());
+  assembly_.set_state(now_.displacement, fields_);
+  assembly_.force_change(fields_, du, change);
+  change = (level - now_.level) * load_ - change;
+  assembly_.gather(change, r_);
   const CgResult cg = solve_tangent(now_.displacement, 1e-3);
   if (cg.end != CgEnd::kConverged) return std::nullopt;
   Matrix3Xd u = now_.displacement + du;
@@ -241,7 +242,8 @@ bool Walk::renew_factor(const Matrix3Xd& u) {
   if (!K_) K_.emplace(assembly_.pattern());
   {
     const CpuTimer timer(times_.tangent_s);
-    assembly_.tangent(u, *K_);
+    assembly_.set_state(u, fields_);
+    assembly_.tangent(fields_, *K_);
   }
   const CpuTimer timer(times_.factor_s);
   std::optional<CholeskyFactor> fresh =
@@ -263,13 +265,12 @@ CgResult Walk::solve_tangent(const Matrix3Xd& u, double relative_tolerance) {
       factor_->solve_roughly(b, x, workspace_);
     }
   };
+  assembly_.set_state(u, fields_);
   const CgSystem system{
       .K =
           [&](const VectorXd& x, VectorXd& y) {
             const CpuTimer timer(times_.product_s);
-            assembly_.set_free(x, direction_);
-            assembly_.force_change(u, direction_, change_);
-            assembly_.gather(change_, y);
+            assembly_.tangent_product(fields_, x, y);
           },
       .preconditioner =
           [&](const VectorXd& b, VectorXd& x) {

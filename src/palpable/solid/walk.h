@@ -99,7 +99,8 @@ class Walk {
   CgScratch cg_scratch_;
   Eigen::VectorXd free_load_, free_preload_;  // at what is free, level 1
   Eigen::VectorXd r_, d_;
-  Eigen::Matrix3Xd force_, direction_, change_;
+  Eigen::Matrix3Xd force_;
+  PassFields fields_;
   double scale_ = 0.0;  // what the residual is relative to, N
 
   // Known states: those of this way, that at level 0 among them, and those of an earlier way.
