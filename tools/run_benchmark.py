@@ -2,10 +2,11 @@
 """Films, plays and scores the sequences of the synthetic desk, one after another: docs/results/chain.json.
 
     tools/run_benchmark.py [--programs DIR] [--body FILE] [--frames N] [--seed N] [--only NAME ...]
-                           [--data DIR] [--work DIR] [--keep] [-o FILE]
+                           [--data DIR] [--work DIR] [--films DIR] [--keep] [-o FILE]
 
 Each sequence is filmed (palpable synth), played (palpable live, as a user would) and scored (palpable
-score --body); its folders are removed before the next unless --keep. The file is written after each, and
+score --body); its folders are removed before the next unless --keep. With --films a sequence that was
+written there before (DIR/NAME, of the same seed and body) is played as it is and stays. The file is written after each, and
 sequences that are not run again keep their figures, so it can be stopped and gone on with; a "note" written
 into it by hand is kept too. Recorded real
 sets below --data (default ../shared/data) are played by the same commands; those with a true camera path
@@ -81,22 +82,24 @@ def timings(result):
 def play(options, name, folder):
     """The entry of one sequence: its scores, or the complaint of the command that refused."""
     program = options.programs / "palpable"
-    words = [program, "synth", name, "--body", options.body, "--seed", options.seed, "-o", folder]
-    if options.frames:
-        words += ["--frames", options.frames]
+    film = options.films / name if options.films and (options.films / name / "truth").is_dir() else folder
     begin = time.time()
-    film = run(words)
-    if film.returncode != 0:
-        return {"refused": f"synth: {complaint(film)}"}
+    if film == folder:
+        words = [program, "synth", name, "--body", options.body, "--seed", options.seed, "-o", folder]
+        if options.frames:
+            words += ["--frames", options.frames]
+        written = run(words)
+        if written.returncode != 0:
+            return {"refused": f"synth: {complaint(written)}"}
     filmed = time.time()
-    live = run([program, "live", options.body, "--source", folder / "frames", "--out", folder / "result"])
+    live = run([program, "live", options.body, "--source", film / "frames", "--out", folder / "result"])
     if live.returncode != 0:
         return {"refused": f"live: {complaint(live)}"}
     played = time.time()
-    score = run([program, "score", folder / "truth", folder / "result", "--body", options.body, "--json"])
+    score = run([program, "score", film / "truth", folder / "result", "--body", options.body, "--json"])
     if score.returncode != 0:
         return {"refused": f"score: {complaint(score)}"}
-    return {**timings(folder / "result"), "film_s": round(filmed - begin, 1),
+    return {**timings(folder / "result"), "film_s": round(filmed - begin, 1) if film == folder else None,
             "play_s": round(played - filmed, 1), "score_s": round(time.time() - played, 1),
             "scores": json.loads(score.stdout)}
 
@@ -218,6 +221,7 @@ def main():
     parser.add_argument("--only", nargs="+", default=[*SEQUENCES, *REAL], metavar="NAME")
     parser.add_argument("--data", type=Path, default=ROOT / "../shared/data")
     parser.add_argument("--work", type=Path, default=ROOT / "build/benchmark")
+    parser.add_argument("--films", type=Path, help="sequences that were written before")
     parser.add_argument("--keep", action="store_true")
     parser.add_argument("-o", "--out", type=Path, default=ROOT / "docs/results/chain.json")
     options = parser.parse_args()
