@@ -231,6 +231,8 @@ void live(const Options& options) {
         drawn->depth = scene.seen->depth;
         drawn->too_close = scene.seen->too_close;
       }
+      drawn->moving.resize(0, 0);
+      if (!options.no_masks && scene.moving != nullptr) drawn->moving = *scene.moving;
       drawn->row_error_px = scene.seen->row_error_px;
       drawn->row_correction_px = scene.seen->row_correction_px;
       if (options.pictures) {
@@ -308,14 +310,14 @@ void add_live(CLI::App& app) {
   command->add_flag("--pictures", options->pictures,
                     "Keep the pictures that show best: hand nearer, body nearer, touch");
   command->add_flag("--no-masks", options->no_masks,
-                    "Leave out visible/ and body_depth/, which palpable score compares");
+                    "Leave out visible/, body_depth/ and moving/, which palpable score compares");
   command->add_flag("--no-depth", options->no_depth, "Leave out depth/, the measured depth");
   command->add_flag("--overwrite", options->overwrite, "Replace an earlier run in --out");
   command->footer(
       "Writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, "
       "rectification.jsonl,\n"
       "live.json,\n"
-      "depth/, visible/ and body_depth/ (docs/benchmark.md has the formats).\n"
+      "depth/, visible/, body_depth/ and moving/ (docs/benchmark.md has the formats).\n"
       "A recording waits for the loop unless --paced. A camera that stalls or goes away does not "
       "end\n"
       "the run: the last state is held until pictures come again; Ctrl-C ends it.\n"

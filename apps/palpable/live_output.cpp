@@ -26,14 +26,14 @@ constexpr float kBodyDepthUnit = 1e-4f;    // m per count of body_depth/
 constexpr float kLargestDepth = 65534.0f;  // counts
 constexpr std::uint16_t kTooCloseCount = 65535;
 constexpr double kDefaultRate = 30;  // of a clip of one frame
-constexpr std::array kStages{"read",       "rectify", "disparity", "depth", "track",
+constexpr std::array kStages{"read",       "rectify", "disparity", "depth", "map",  "track",
                              "background", "contact", "evaluate",  "draw",  "write"};
 constexpr std::array kFigureNames{"hand_nearer.png", "body_nearer.png", "touch.png"};
 // All that a run may leave in its folder, timing.csv first: every run begins with it.
 constexpr std::array kOutputs{
-    "timing.csv",    "touches.jsonl", "trajectory.txt", "pose.jsonl", "live.json",
-    "touch.mp4",     "depth",         "visible",        "body_depth", "rectification.jsonl",
-    kFigureNames[0], kFigureNames[1], kFigureNames[2]};
+    "timing.csv",          "touches.jsonl", "trajectory.txt", "pose.jsonl",   "live.json",
+    "touch.mp4",           "depth",         "visible",        "body_depth",   "moving",
+    "rectification.jsonl", kFigureNames[0], kFigureNames[1],  kFigureNames[2]};
 
 void make_folder(const fs::path& folder) {
   std::error_code error;
@@ -164,6 +164,7 @@ LiveOutput::LiveOutput(const LiveOutputSettings& settings)
   if (settings_.masks) {
     make_folder(folder / "visible");
     make_folder(folder / "body_depth");
+    make_folder(folder / "moving");
   }
   timing_ = open_file(folder / "timing.csv");
   touches_ = open_file(folder / "touches.jsonl");
@@ -286,6 +287,11 @@ void LiveOutput::write_masks(const DrawnFrame& frame) {
   write_image(settings_.folder / "visible" / name, cv::Mat(mask.height(), mask.width(), CV_8UC1,
                                                            const_cast<std::uint8_t*>(mask.data())));
   write_image(settings_.folder / "body_depth" / name, halved(frame.body_depth));
+  const MaskImage& moving = frame.moving;
+  if (moving.empty()) return;
+  write_image(
+      settings_.folder / "moving" / name,
+      cv::Mat(moving.height(), moving.width(), CV_8UC1, const_cast<std::uint8_t*>(moving.data())));
 }
 
 void LiveOutput::open_video(const ColorImage& picture, double frames_per_second) {

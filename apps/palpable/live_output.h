@@ -14,6 +14,7 @@
 ///   depth/%06d.png            the measured Z, 16 bit, 0.25 mm, 0 unknown, 65535 too close
 ///   visible/%06d.png          255 where the body is seen
 ///   body_depth/%06d.png       Z of the whole body at half size, 16 bit, 0.1 mm, 0 none
+///   moving/%06d.png           255 where something moves, at the depth's size
 ///   hand_nearer.png body_nearer.png touch.png   the three situations of Fig. 9, if asked for
 #pragma once
 
@@ -56,6 +57,7 @@ struct DrawnFrame {
   DepthImage body_depth;         ///< full size
   DepthImage depth;              ///< as measured; left empty when settings.depth is off
   MaskImage too_close;           ///< of its size, or empty
+  MaskImage moving;              ///< of its size, or empty: not known
   double row_error_px = 0;       ///< of the rectified pair; NaN where nothing watches
   double row_correction_px = 0;  ///< by how much the right image was moved up
   Rigid3 camera_from_body = Rigid3::Identity();   ///< where the body was drawn

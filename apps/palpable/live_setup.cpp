@@ -137,6 +137,7 @@ LiveRun set_up_live(const LiveOptions& options) {
   settings.contact = options.contact == "paper" ? ContactKind::kPaper : ContactKind::kPress;
   if (options.matcher == "opencv") settings.depth.matcher = DepthSettings::Matcher::kOpenCv;
   settings.track = !options.fixed_camera;
+  settings.map = true;
   const int static_frames = scene.ignore_static_frames.value_or(0);
   settings.ignore_static = options.ignore_static || static_frames > 0;
   if (static_frames > 0) settings.static_frames = static_frames;

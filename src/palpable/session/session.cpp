@@ -78,6 +78,12 @@ Tracker tracker_of(const DepthCamera& camera, const FrameFormat& format) {
   return Tracker(settings);
 }
 
+// s between two depth images that go into the map.
+constexpr double kFuseEvery = 0.0999;
+
+// A mask that covers more of the picture than this says that the pose was foretold wrongly.
+constexpr double kMostMoving = 0.7;
+
 std::optional<Problem> wrong_setting(const SessionSettings& s) {
   if (s.ignore_static && (s.static_frames < 1 || s.static_frames > 255)) {
     return Problem{
@@ -117,9 +123,15 @@ struct Session::Parts {
                          StaticBackgroundSettings{.frames = settings.static_frames});
     }
     if (settings.track) tracker.emplace(tracker_of(camera, format));
+    if (settings.map) {
+      mover.emplace(camera.noise());
+      map.emplace(camera.noise());
+    }
   }
 
+  void find_moving(const SeenFrame& seen, Scene& scene);
   void find_camera(const SeenFrame& seen, Scene& scene);
+  void learn_scene(const SeenFrame& seen, const Scene& scene);
   bool find_contact_depth(const SeenFrame& seen, const Rigid3& camera_from_world);
   std::optional<Touch> touch_of_frame(double time);
   void reconstruct(Scene& scene);
@@ -132,6 +144,11 @@ struct Session::Parts {
   Eigen::AlignedBox3d region;
 
   std::optional<Tracker> tracker;
+  std::optional<MovingMask> mover;
+  std::optional<SurfaceMap> map;
+  double last_fused = -std::numeric_limits<double>::infinity();
+  TrackedPose last_camera;                  // of the frame before
+  Rigid3 last_motion = Rigid3::Identity();  // last_from_this, of the frame before
   std::optional<StaticBackground> background;
   Rigid3 learnt_from_world = Rigid3::Identity();  // the camera when the background was learnt
   DepthImage contact_depth;  // what may press; the scene's own depth keeps everything, for drawing
@@ -146,6 +163,34 @@ struct Session::Parts {
   Scene own_scene;
 };
 
+// What moves, seen from where the camera should be by now: with the motion of the frame before.
+void Session::Parts::find_moving(const SeenFrame& seen, Scene& scene) {
+  scene.moving = nullptr;
+  if (!mover || last_camera.state == TrackState::kLost) return;
+  const MaskImage& mask =
+      mover->find(seen, last_camera.world_from_camera * last_motion, &map.value());
+  const auto moving = std::count_if(mask.begin(), mask.end(), [](auto m) { return m != 0; });
+  if (static_cast<double>(moving) <= kMostMoving * static_cast<double>(mask.size())) {
+    scene.moving = &mask;
+  }
+}
+
+// Takes the frame into the free space and the map, if it is known where it was seen from.
+void Session::Parts::learn_scene(const SeenFrame& seen, const Scene& scene) {
+  const bool looked = mover && last_camera.state != TrackState::kLost;
+  const bool lost = scene.camera.state == TrackState::kLost;
+  last_motion = lost || last_camera.state == TrackState::kLost
+                    ? Rigid3::Identity()
+                    : last_camera.world_from_camera.inverse() * scene.camera.world_from_camera;
+  last_camera = scene.camera;
+  if (!looked || lost || scene.moving == nullptr) return;
+  mover->learn(scene.camera.world_from_camera);
+  if (seen.time - last_fused < kFuseEvery) return;
+  last_fused = seen.time;
+  map->fuse(seen.depth, seen.depth_camera, scene.camera.world_from_camera, *scene.moving,
+            seen.color);
+}
+
 // Where the camera is, and with it the body.
 void Session::Parts::find_camera(const SeenFrame& seen, Scene& scene) {
   scene.camera = {};
@@ -157,6 +202,7 @@ void Session::Parts::find_camera(const SeenFrame& seen, Scene& scene) {
     frame.left = &seen.left;
     frame.right = seen.right.empty() ? nullptr : &seen.right;
     frame.depth = &seen.depth;
+    frame.moving = scene.moving;
     scene.camera = tracker->track(frame);
   }
   // A camera that has not moved sees the body where it was put, to the bit.
@@ -241,11 +287,19 @@ void Session::respond(const SeenFrame& seen, Scene& scene) {
   scene.touches.clear();
   scene.touches.reserve(1);
 
+  {
+    const StageTimer timer(scene.times, "map");
+    p.find_moving(seen, scene);
+  }
   if (p.tracker) {
     const StageTimer timer(scene.times, "track");
     p.find_camera(seen, scene);
   } else {
     p.find_camera(seen, scene);
+  }
+  {
+    const StageTimer timer(scene.times, "map");
+    p.learn_scene(seen, scene);
   }
   bool may_press = false;
   {
@@ -271,6 +325,7 @@ const Scene& Session::process(const Frame& frame) {
 }
 
 const DepthImage& Session::pressing_depth() const { return parts_->contact_depth; }
+const SurfaceMap* Session::map() const { return parts_->map ? &*parts_->map : nullptr; }
 const ReducedBody& Session::body() const { return parts_->body; }
 const Rigid3& Session::camera_from_body() const { return parts_->world_from_body; }
 TrackerCounts Session::tracker_counts() const {

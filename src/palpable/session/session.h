@@ -20,6 +20,8 @@
 #include "palpable/contact/seen_surface.h"
 #include "palpable/contact/touch.h"
 #include "palpable/geometry/rigid.h"
+#include "palpable/map/moving_mask.h"
+#include "palpable/map/surface_map.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/track/tracker.h"
 #include "palpable/vision/depth_camera.h"
@@ -44,6 +46,9 @@ struct SessionSettings {
   bool ignore_static = false;
   /// Follow the camera (tracker.h); false: it is taken to stand where it stood in the first frame.
   bool track = false;
+  /// Find what moves (moving_mask.h), leave it out of the tracking, and fuse the rest into a map
+  /// (surface_map.h) ten times a second.
+  bool map = false;
   int static_frames = 15;
   DepthSettings depth{};
   /// Two of them are fitted to the depth at which the body stands: the thickness is raised to 3
@@ -68,6 +73,9 @@ struct Scene {
   const SeenFrame* seen = nullptr;  ///< what it answers to; belongs to the caller or the session
   Rigid3 camera_from_body = Rigid3::Identity();  ///< where the body is drawn and touched
   TrackedPose camera;                            ///< identity and kFixed when nothing is tracked
+  /// 255 where something moves, of the depth's size; null when it is not looked for, or when the
+  /// camera is lost. Valid until the next frame.
+  const MaskImage* moving = nullptr;
   StageTimes times;  ///< stages as in StageTimes: "track" ... "contact", "evaluate"
 };
 
@@ -96,6 +104,9 @@ class Session {
   /// What may press, of the frame answered last: its depth without what is static and without the
   /// pixels at jumps; NaN elsewhere, and everywhere while the background is being learnt.
   [[nodiscard]] const DepthImage& pressing_depth() const;
+
+  /// The scene as it has been seen so far; null without SessionSettings::map.
+  [[nodiscard]] const SurfaceMap* map() const;
 
   [[nodiscard]] const ReducedBody& body() const;
   /// In the first frame's camera, which is the world: world_from_body.
