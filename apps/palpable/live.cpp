@@ -134,13 +134,11 @@ nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const
   result["camera_from_body"] = matrix;
   if (run.session.settings().track) {
     const TrackerCounts tracker = run.session.tracker_counts();
-    const double frames = std::max(tracker.frames, 1);
     result["tracking"] = {{"frames_moving", counts.moving},
                           {"frames_lost", counts.lost},
                           {"times_found_again", tracker.recognised},
                           {"keyframes", tracker.keyframes},
-                          {"landmarks", tracker.landmarks},
-                          {"cpu_ms", 1e3 * (tracker.cpu_s + tracker.adjust_cpu_s) / frames}};
+                          {"landmarks", tracker.landmarks}};
   } else {
     result["tracking"] = nullptr;
   }

@@ -792,6 +792,22 @@ def _(programs, folder):
     programs.refuses("bench", "depth", "--body", folder / "none.palpable", says=["none.palpable"])
 
 
+@case("the bench of track has every figure of its bars, and finds the camera again after darkness")
+def _(programs, folder):
+    words = ("bench", "track", "--body", programs.small_body(), "--frames", "20", "--data", folder)
+    result = programs.run(*words, "--json")
+    if result.returncode != 0 and "EGL" in result.stderr:
+        print("SKIPPED: no OpenGL here: " + result.stderr.strip())
+        return
+    assert result.returncode == 0, result.stderr
+    figures = json.loads(result.stdout)
+    assert figures["cpu_ms_720p"] > 0 and figures["relocalise_s"] <= 0.5, figures
+    assert figures["lost_before_dark"] == 0, figures
+    # The recordings are not in that folder; map and mask have no figures yet.
+    for key in ("map_ms", "mask_ms", "ate_7scenes_mm", "warp_ratio_7scenes", "kitti_position_error", "ghost_voxels"):
+        assert figures[key] is None, (key, figures)
+
+
 def without_times(folder):
     """All that a run says about its frames: file -> bytes, or live.json without what a clock measured."""
     said = {path.relative_to(folder): path.read_bytes() for name in ("depth", "visible", "body_depth")
