@@ -7,6 +7,7 @@
 #include "tests/support/test.h"
 
 #include <array>
+#include <utility>
 #include <vector>
 
 namespace palpable {
@@ -74,6 +75,31 @@ TEST_CASE("a force that is asked for is the full load", "[solid][press]") {
          solver.solve_path(0.3 * block.presses[0], std::array{1.0}).steps[0].displacement)
             .cwiseAbs()
             .maxCoeff() <= tolerance(1e-8, "two ways to one state of some millimetres"));
+}
+
+TEST_CASE("a path in lockstep that takes long gets a factor of its own", "[solid][press][lockstep]") {
+  const Block block;
+  const auto solve = [&](int iterations) {
+    const EquilibriumSolver solver(block.model, {.iterations_in_lockstep = iterations});
+    PressPath path;
+    std::optional<int> next = 0;
+    run_in_lockstep([&] { return std::exchange(next, std::nullopt); },
+                    [&](int, Lane& lane) {
+                      path = solver.press_path(block.presses[0], {.press = 0.01, .levels = 4},
+                                               {.lane = &lane});
+                    },
+                    {.threads = 1, .lanes = 1});
+    return path;
+  };
+  const PressPath shared = solve(600), own = solve(10);
+  REQUIRE(shared.reached);
+  REQUIRE(own.reached);
+  CHECK(shared.factors == 0);
+  // More would mean that each step gets one.
+  CHECK(own.factors == 1);
+  CHECK(own.cg_iterations < shared.cg_iterations);
+  CHECK((own.steps[3].displacement - shared.steps[3].displacement).cwiseAbs().maxCoeff() <=
+        tolerance(1e-5, "searches that end at 1e-5 of the press") * 0.01);
 }
 
 TEST_CASE("paths in lockstep are the same to the bit in any company, and plain ones to tolerance",

@@ -281,6 +281,7 @@ CgResult Walk::solve_tangent(const Matrix3Xd& u, double relative_tolerance) {
   const CgResult cg = conjugate_gradients(system, r_, relative_tolerance,
                                           settings_.max_cg_iterations, d_, cg_scratch_);
   cg_iterations_ += cg.iterations;
+  all_iterations_ += cg.iterations;
   learnt_.learn();
   return cg;
 }
@@ -297,8 +298,10 @@ Walk::Failure Walk::newton_step(const Matrix3Xd& u, double tolerance) {
     const CgResult cg = solve_tangent(u, forcing);
     if (cg.end == CgEnd::kNegativeCurvature) return {.stop = Stop::kNegativeCurvature};
     if (cg.end == CgEnd::kConverged) {
-      factor_is_slow_ = cg.iterations > (lane_ != nullptr ? settings_.refresh_iterations_in_lockstep
-                                                          : settings_.refresh_iterations);
+      const bool shares = lane_ != nullptr && !own_factor_;
+      factor_is_slow_ = cg.iterations > (shares ? settings_.refresh_iterations_in_lockstep
+                                                : settings_.refresh_iterations) ||
+                        (shares && all_iterations_ > settings_.iterations_in_lockstep);
       return {};
     }
     if (attempt == 0 && !renew_factor(u)) return {.stop = Stop::kNegativeCurvature};
