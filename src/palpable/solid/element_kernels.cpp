@@ -14,8 +14,7 @@ struct NodeValues {
 };
 
 template <Quad NodeRow::*kField, int A, int Q>
-PALPABLE_ALWAYS_INLINE void gather_differences(const NodeRow* rows,
-                                               const ElementBlock<A, Q>& block,
+PALPABLE_ALWAYS_INLINE void gather_differences(const NodeRow* rows, const ElementBlock<A, Q>& block,
                                                NodeValues<A>& values) {
   Pack first[3];
   gather<kField>(rows, block.nodes[0], first);
@@ -192,12 +191,10 @@ void element_tangents(SimdLevel level, const Material& material, const ElementBl
 }
 
 #define PALPABLE_INSTANTIATE(A, Q)                                                                \
-  template ForceSums add_forces<A, Q>(SimdLevel, const Material&,                                 \
-                                      std::span<const ElementBlock<A, Q>>, const NodeRow*,        \
-                                      NodeSum*);                                                  \
-  template void add_force_changes<A, Q>(SimdLevel, const Material&,                               \
-                                        std::span<const ElementBlock<A, Q>>, const NodeRow*,      \
-                                        NodeSum*);                                                \
+  template ForceSums add_forces<A, Q>(                                                            \
+      SimdLevel, const Material&, std::span<const ElementBlock<A, Q>>, const NodeRow*, NodeSum*); \
+  template void add_force_changes<A, Q>(                                                          \
+      SimdLevel, const Material&, std::span<const ElementBlock<A, Q>>, const NodeRow*, NodeSum*); \
   template void element_tangents<A, Q>(SimdLevel, const Material&, const ElementBlock<A, Q>&,     \
                                        const NodeRow*, ElementTangents<A>&);
 PALPABLE_INSTANTIATE(4, 1)

@@ -145,8 +145,7 @@ TEST_CASE("an inverted element is found wherever it lies in its block", "[solid]
       CHECK(state.smallest_volume_ratio < 0.0);
       TetMesh turned = model.mesh;
       turned.nodes += u;
-      const Eigen::ArrayXd ratios =
-          tet_volumes(turned).array() / tet_volumes(model.mesh).array();
+      const Eigen::ArrayXd ratios = tet_volumes(turned).array() / tet_volumes(model.mesh).array();
       CHECK(state.smallest_volume_ratio == Approx(ratios.minCoeff()).epsilon(1e-12));
       CHECK(ratios[state.most_compressed] == Approx(ratios.minCoeff()).epsilon(1e-12));
       u.col(n[0]).setConstant(std::numeric_limits<double>::quiet_NaN());

@@ -32,8 +32,7 @@ std::vector<int> order_along_curve(const Eigen::Matrix3Xd& points) {
   std::vector<std::uint64_t> keys;
   keys.reserve(order.size());
   for (const auto& point : points.colwise()) keys.push_back(interleaved(cells * (point - low)));
-  std::ranges::stable_sort(order, {},
-                           [&](int i) { return keys[static_cast<std::size_t>(i)]; });
+  std::ranges::stable_sort(order, {}, [&](int i) { return keys[static_cast<std::size_t>(i)]; });
   return order;
 }
 

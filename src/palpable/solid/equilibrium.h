@@ -45,7 +45,8 @@ struct EquilibriumSettings {
   int refresh_iterations_in_lockstep = 150;
   /// A path in lockstep that has taken so many gets a factor of its own at once: it is beside
   /// collapse, would go on when the other lanes have ended, and pay whole passes alone. On the
-  /// dragon six of 32 sites took more than half of all iterations, the hardest 4,489, the median 340.
+  /// dragon six of 32 sites took more than half of all iterations, the hardest 4,489, the median
+  /// 340.
   int iterations_in_lockstep = 600;
   int max_cg_iterations =
       400;  ///< per Newton step; then the factor is renewed and it is tried again

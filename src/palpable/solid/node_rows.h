@@ -4,8 +4,8 @@
 /// values are turned into packs by shuffles instead of one by one.
 ///
 /// Measured on 173,839 tetrahedra (a dragon of 40,159 nodes), the tangent's product, one core with
-/// AVX-512: 7 ms and more from (3 x N) fields in the mesh's order; 4.6 ms with elements and nodes in
-/// the order of element_order.h; 3.2 ms with rows as well.
+/// AVX-512: 7 ms and more from (3 x N) fields in the mesh's order; 4.6 ms with elements and nodes
+/// in the order of element_order.h; 3.2 ms with rows as well.
 #pragma once
 
 #include "palpable/solid/tensor.h"

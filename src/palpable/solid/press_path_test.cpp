@@ -77,7 +77,8 @@ TEST_CASE("a force that is asked for is the full load", "[solid][press]") {
             .maxCoeff() <= tolerance(1e-8, "two ways to one state of some millimetres"));
 }
 
-TEST_CASE("a path in lockstep that takes long gets a factor of its own", "[solid][press][lockstep]") {
+TEST_CASE("a path in lockstep that takes long gets a factor of its own",
+          "[solid][press][lockstep]") {
   const Block block;
   const auto solve = [&](int iterations) {
     const EquilibriumSolver solver(block.model, {.iterations_in_lockstep = iterations});

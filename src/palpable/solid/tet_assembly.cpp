@@ -54,8 +54,8 @@ Matrix3Xd centres(const TetMesh& mesh, const std::vector<int>& numbers) {
 // The block that holds `numbers` from `first` on.
 // @param row_of_node  where the passes keep a node
 template <int A, int Q>
-ElementBlock<A, Q> block_of(const TetMesh& mesh, const std::vector<int>& numbers,
-                            std::size_t first, const std::vector<int>& row_of_node) {
+ElementBlock<A, Q> block_of(const TetMesh& mesh, const std::vector<int>& numbers, std::size_t first,
+                            const std::vector<int>& row_of_node) {
   ElementBlock<A, Q> block;
   for (int lane = 0; lane < kPackSize; ++lane) {
     const std::size_t wanted = first + static_cast<std::size_t>(lane);
@@ -229,8 +229,8 @@ BodyState TetAssembly::force(PassFields& fields, Matrix3Xd& force) const {
   BodyState state;
   state.smallest_volume_ratio = std::numeric_limits<double>::infinity();
   const auto add_group = [&]<int A, int Q>(const Group<A, Q>& group) {
-    const ForceSums sums = add_forces<A, Q>(simd_, group.material, group.blocks,
-                                            fields.rows.data(), fields.sums.data());
+    const ForceSums sums = add_forces<A, Q>(simd_, group.material, group.blocks, fields.rows.data(),
+                                            fields.sums.data());
     state.energy += sums.inverted ? std::numeric_limits<double>::infinity() : sums.energy;
     if (sums.most_compressed < 0 || sums.smallest_volume_ratio >= state.smallest_volume_ratio) {
       return;

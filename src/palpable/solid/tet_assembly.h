@@ -32,7 +32,8 @@ struct BodyState {
 /// A state of the body as the passes over its elements want it, and room for what they find. One
 /// for each thread that works; its memory is used again.
 struct PassFields {
-  std::vector<NodeRow> rows;  ///< (N) in the assembly's own order; du is 0 between passes where held
+  std::vector<NodeRow>
+      rows;  ///< (N) in the assembly's own order; du is 0 between passes where held
   std::vector<NodeSum> sums;  ///< (N) of the last pass
 };
 
@@ -69,8 +70,7 @@ class TetAssembly {
   void tangent_product(PassFields& fields, const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
 
   /// change = d force / du along du, (3 x N), all nodes. @pre no element is inverted
-  void force_change(PassFields& fields, const Eigen::Matrix3Xd& du,
-                    Eigen::Matrix3Xd& change) const;
+  void force_change(PassFields& fields, const Eigen::Matrix3Xd& du, Eigen::Matrix3Xd& change) const;
 
   /// (3M) the free nodes' columns, one after the other; 0 in held directions.
   void gather(const Eigen::Matrix3Xd& field, Eigen::VectorXd& free) const;

@@ -109,7 +109,7 @@ class Walk {
   Failure failure_;
   SolveTimes times_;
   std::vector<NewtonStep> convergence_;  // since advance() was called
-  int cg_iterations_ = 0;  // since advance() was called
+  int cg_iterations_ = 0;                // since advance() was called
   int all_iterations_ = 0, factors_ = 0, halvings_ = 0;
 };
 
