@@ -1,0 +1,145 @@
+#include "palpable/map/plane_fit.h"
+
+#include "palpable/base/contract.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+constexpr int kStep = 4;  // px between the pixels that are looked at
+constexpr int kRounds = 8;
+constexpr double kTukey = 4.685;       // 95 % efficiency for a normal distribution
+constexpr double kLeastSigma = 0.001;  // m; exact depths have an error, too: pixels are wide
+
+struct Point {
+  Eigen::Vector3d x;
+  double sigma;        // m, of its depth
+  double from_middle;  // px^2
+};
+
+// A generator of its own, so that the same picture gives the same plane everywhere (Knuth's MMIX).
+class Draw {
+ public:
+  std::size_t below(std::size_t count) {
+    state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;
+    return static_cast<std::size_t>((state_ >> 33) % count);
+  }
+
+ private:
+  std::uint64_t state_ = 1;
+};
+
+// How far a point lies off a plane along its ray, in sigma of its depth:
+// with x = Z r, the plane is met at Z' = offset / (n . r), so Z - Z' = (n . x - offset) / (n . r).
+double off_by(const Point& p, const Eigen::Vector3d& normal, double offset) {
+  const double along = normal.dot(p.x) / p.x.z();
+  return (normal.dot(p.x) - offset) / (std::abs(along) * p.sigma + 1e-12);
+}
+
+}  // namespace
+
+std::optional<Plane> fit_standing_plane(const DepthImage& depth, const PinholeCamera& camera,
+                                        const DepthNoise& noise, const PlaneFitSettings& settings) {
+  PALPABLE_EXPECT(depth.width() == camera.width && depth.height() == camera.height,
+                  "the depth is the camera's");
+  std::vector<Point> points;
+  for (int y = kStep / 2; y < depth.height(); y += kStep) {
+    for (int x = kStep / 2; x < depth.width(); x += kStep) {
+      const auto Z = static_cast<double>(depth(x, y));
+      if (!(Z > 0 && Z <= settings.farthest)) continue;
+      const double dx = x - 0.5 * depth.width(), dy = y - 0.5 * depth.height();
+      points.push_back(
+          {camera.unproject(x, y, Z), std::max(noise.sigma(Z), kLeastSigma), dx * dx + dy * dy});
+    }
+  }
+  if (points.size() < 100) return std::nullopt;
+
+  const double least_up = std::cos(settings.steepest);
+  const auto stands = [&](const Eigen::Vector3d& normal) { return -normal.y() >= least_up; };
+  Draw draw;
+  Plane best;
+  std::size_t most = 0;
+  for (int trial = 0; trial < settings.trials; ++trial) {
+    const Eigen::Vector3d& a = points[draw.below(points.size())].x;
+    const Eigen::Vector3d& b = points[draw.below(points.size())].x;
+    const Eigen::Vector3d& c = points[draw.below(points.size())].x;
+    Eigen::Vector3d normal = (b - a).cross(c - a);
+    if (normal.norm() < 1e-6) continue;
+    normal.normalize();
+    if (normal.dot(a) > 0) normal = -normal;
+    if (!stands(normal)) continue;
+    const double offset = normal.dot(a);
+    std::size_t votes = 0;
+    for (std::size_t i = 0; i < points.size(); i += 4) {
+      votes += std::abs(off_by(points[i], normal, offset)) < 3 ? 1 : 0;
+    }
+    if (votes <= most) continue;
+    most = votes;
+    best.normal = normal;
+    best.offset = offset;
+  }
+  if (most == 0) return std::nullopt;
+
+  for (int round = 0; round < kRounds; ++round) {
+    double weights = 0;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+    for (const Point& p : points) {
+      const double r = off_by(p, best.normal, best.offset) / kTukey;
+      if (std::abs(r) >= 1) continue;
+      // Its distance to the plane has the sigma of its depth times the ray's slope to the plane.
+      const double sigma = p.sigma * std::abs(best.normal.dot(p.x)) / p.x.z() + 1e-12;
+      const double tukey = 1 - r * r;
+      const double w = tukey * tukey / (sigma * sigma);
+      weights += w;
+      mean += w * p.x;
+      squares += w * p.x * p.x.transpose();
+    }
+    if (!(weights > 0)) return std::nullopt;
+    mean /= weights;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(squares / weights -
+                                                              mean * mean.transpose());
+    Eigen::Vector3d normal = axes.eigenvectors().col(0);  // of the smallest spread
+    if (normal.dot(mean) > 0) normal = -normal;
+    best.normal = normal;
+    best.offset = normal.dot(mean);
+  }
+  if (!stands(best.normal) || !(best.offset < 0)) return std::nullopt;
+
+  std::size_t inside = 0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Point& p : points) {
+    if (std::abs(off_by(p, best.normal, best.offset)) >= 3) continue;
+    ++inside;
+    if (p.from_middle >= nearest) continue;
+    nearest = p.from_middle;
+    best.middle = p.x * (best.offset / best.normal.dot(p.x));  // on the plane, along its ray
+  }
+  best.share = static_cast<double>(inside) / static_cast<double>(points.size());
+  if (best.share < settings.least_share) return std::nullopt;
+  return best;
+}
+
+Rigid3 camera_from_body_on(const Plane& plane) {
+  const Eigen::Vector3d& Z = plane.normal;
+  Eigen::Vector3d X = Eigen::Vector3d::UnitX() - Z.x() * Z;
+  // A plane seen exactly from its edge on the right has no X; the picture's depth is as good.
+  if (X.norm() < 1e-3) X = Eigen::Vector3d::UnitZ() - Z.z() * Z;
+  X.normalize();
+  Rigid3 pose = Rigid3::Identity();
+  pose.linear().col(0) = X;
+  pose.linear().col(1) = Z.cross(X);
+  pose.linear().col(2) = Z;
+  pose.translation() = plane.middle;
+  return pose;
+}
+
+}  // namespace palpable

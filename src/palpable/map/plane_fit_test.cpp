@@ -1,0 +1,72 @@
+#include "palpable/map/plane_fit.h"
+
+#include "tests/support/test.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace palpable {
+namespace {
+
+const PinholeCamera kCamera{320, 180, 170, 175, 165.2, 88.1};
+const DepthNoise kNoise{0, 0, 0.012};
+
+// A desk with a box on it and a wall behind, a tenth of the pixels unknown.
+DepthImage desk(const Eigen::Vector3d& normal, double offset, unsigned seed) {
+  auto random = test::random_case(seed);
+  std::normal_distribution<double> scatter;
+  DepthImage depth(kCamera.width, kCamera.height);
+  for (int y = 0; y < kCamera.height; ++y) {
+    for (int x = 0; x < kCamera.width; ++x) {
+      const double along = normal.dot(kCamera.unproject(x, y, 1.0));
+      double Z = along < 0 ? std::min(offset / along, 1.3) : 1.3;
+      if (x > 60 && x < 130 && y > 70 && y < 140) Z = std::min(Z, 0.45);
+      Z += kNoise.sigma(Z) * scatter(random);
+      depth(x, y) = (x + 7 * y) % 10 == 0 ? std::nanf("") : static_cast<float>(Z);
+    }
+  }
+  return depth;
+}
+
+TEST_CASE("a desk is found beside a box and before a wall", "[map][plane_fit]") {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    INFO("seed " << seed);
+    const Eigen::Vector3d normal = Eigen::Vector3d(0.05 * seed - 0.2, -0.85, -0.5).normalized();
+    const double offset = -0.35;
+    const auto plane = fit_standing_plane(desk(normal, offset, seed), kCamera, kNoise);
+    REQUIRE(plane);
+    const double angle = std::acos(std::min(1.0, plane->normal.dot(normal)));
+    CHECK(angle * 180 / std::numbers::pi <=
+          test::tolerance(0.15,
+                          "2500 points of 3-7 mm over 0.5 m give 0.03 degrees; the rims of box "
+                          "and wall pull"));
+    CHECK(std::abs(plane->offset - offset) <= test::tolerance(1e-3, "the same in mm"));
+    CHECK(std::abs(plane->normal.dot(plane->middle) - plane->offset) <= 1e-9);
+    const Rigid3 pose = camera_from_body_on(*plane);
+    CHECK((pose.linear() * Eigen::Vector3d::UnitZ() - plane->normal).norm() <= 1e-12);
+    CHECK(std::abs(pose.linear().determinant() - 1) <= 1e-12);
+    CHECK(pose.linear()(0, 0) > 0.9);
+  }
+}
+
+TEST_CASE("a wall is nothing to stand on, and neither is nothing", "[map][plane_fit]") {
+  const DepthImage wall(kCamera.width, kCamera.height, 0.8F);
+  CHECK_FALSE(fit_standing_plane(wall, kCamera, kNoise));
+  const DepthImage unknown(kCamera.width, kCamera.height, std::nanf(""));
+  CHECK_FALSE(fit_standing_plane(unknown, kCamera, kNoise));
+}
+
+TEST_CASE("whatever the depth, a plane is finite or there is none", "[map][plane_fit]") {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    auto random = test::random_case(seed);
+    std::uniform_real_distribution<float> any(-1, 2);
+    DepthImage depth(kCamera.width, kCamera.height);
+    for (float& Z : depth) Z = any(random);
+    const auto plane = fit_standing_plane(depth, kCamera, kNoise);
+    if (plane) CHECK(camera_from_body_on(*plane).matrix().allFinite());
+  }
+}
+
+}  // namespace
+}  // namespace palpable
