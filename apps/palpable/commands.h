@@ -12,6 +12,7 @@ namespace palpable::app {
 
 void add_view(CLI::App& app);
 void add_live(CLI::App& app);
+void add_scan(CLI::App& app);
 void add_inspect(CLI::App& app);
 void add_synth(CLI::App& app);
 void add_score(CLI::App& app);

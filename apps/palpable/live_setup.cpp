@@ -5,6 +5,7 @@
 #include "apps/palpable/place.h"
 #include "apps/palpable/sequence_folder.h"
 #include "palpable/base/error.h"
+#include "palpable/map/plane_fit.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/scaled_body.h"
 #include "palpable/vision/open_source.h"
@@ -16,6 +17,7 @@
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 namespace palpable::app {
@@ -75,6 +77,30 @@ Rigid3 place_of(const LiveOptions& options, const SceneFile& scene, const fs::pa
       images.string()));
 }
 
+// The camera is opened, looked through until a frame shows a plane, and closed again.
+Rigid3 pose_on_plane(const CameraRequest& request, const DepthSettings& settings) {
+  constexpr int kFrames = 30;
+  const std::unique_ptr<FrameSource> source = value_or_throw(open_source(request));
+  DepthCamera camera = value_or_throw(DepthCamera::make(source->format(), settings));
+  Frame frame;
+  SeenFrame seen;
+  for (int looked = 0; looked < kFrames;) {
+    const FrameStatus status = source->next(frame);
+    if (status == FrameStatus::kEnd) break;
+    ++looked;
+    if (status != FrameStatus::kFrame) continue;
+    camera.see(frame, seen);
+    if (seen.misfit) throw Error(fmt::format("{}: {}", request.device, seen.misfit->message()));
+    const auto plane = fit_standing_plane(seen.depth, seen.depth_camera, camera.noise());
+    if (plane) return camera_from_body_on(*plane);
+  }
+  throw Error(fmt::format(
+      "{}: its first {} frames show no plane to stand on (within 1.5 m, a tenth of what is "
+      "seen there, facing up in the picture); turn the camera to the desk, or give "
+      "--place",
+      request.device, kFrames));
+}
+
 }  // namespace
 
 void add_live_options(CLI::App& command, LiveOptions& options) {
@@ -96,6 +122,12 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
                   "forward; degrees), 16 numbers (camera_from_body row by row), or a file with "
                   "them. Default: scene.toml beside the images")
       ->expected(1, 16);
+  command
+      .add_option("--anchor", options.anchor,
+                  "plane: put the body on the desk or floor that the first frames show, in the "
+                  "middle of the picture; instead of --place")
+      ->check(CLI::IsMember({"plane"}))
+      ->excludes("--place");
   command.add_option("--scale", options.scale, "Makes the body so many times as large")
       ->check(CLI::Range(1e-3, 1e3))
       ->capture_default_str();
@@ -126,16 +158,18 @@ LiveRun set_up_live(const LiveOptions& options) {
   if (request.device == "synthetic") request.device = synthetic_clip(options, body).string();
   const fs::path images = request.device;
   if (options.scale != 1) body = scaled(body, options.scale);
+  SessionSettings settings;
+  if (options.matcher == "opencv") settings.depth.matcher = DepthSettings::Matcher::kOpenCv;
+  std::optional<Rigid3> on_plane;
+  if (options.anchor == "plane") on_plane = pose_on_plane(request, settings.depth);
   std::unique_ptr<FrameSource> source = value_or_throw(open_source(request));
   if (options.paced && !source->is_live()) source = paced(std::move(source));
   std::error_code ignored;
   const fs::path folder = fs::is_directory(images, ignored) ? images : images.parent_path();
   const SceneFile scene = read_scene_file(folder / "scene.toml");
-  const Rigid3 pose = place_of(options, scene, images);
 
-  SessionSettings settings;
+  const Rigid3 pose = on_plane ? *on_plane : place_of(options, scene, images);
   settings.contact = options.contact == "paper" ? ContactKind::kPaper : ContactKind::kPress;
-  if (options.matcher == "opencv") settings.depth.matcher = DepthSettings::Matcher::kOpenCv;
   settings.track = !options.fixed_camera;
   settings.map = true;
   const int static_frames = scene.ignore_static_frames.value_or(0);

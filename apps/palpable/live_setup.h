@@ -24,6 +24,7 @@ struct LiveOptions {
   std::filesystem::path clip;      ///< where a synthetic clip is kept
   bool paced = false;              ///< a recording at its own pace instead of the loop's
   std::vector<std::string> place;  ///< words; empty: from the folder's scene.toml
+  std::string anchor;              ///< "plane": on the desk that the camera sees; empty: place
   double scale = 1;
   std::vector<std::string> set;  ///< NAME=VALUE of further parameters
   bool ignore_static = false;

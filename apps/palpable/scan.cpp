@@ -1,0 +1,235 @@
+// palpable scan: what a camera saw, as one surface.
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable/commands.h"
+#include "apps/palpable/source_options.h"
+#include "palpable/base/error.h"
+#include "palpable/map/moving_mask.h"
+#include "palpable/map/surface_map.h"
+#include "palpable/track/tracker.h"
+#include "palpable/vision/depth_camera.h"
+#include "palpable/vision/open_source.h"
+#include "palpable/vision/source_guard.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ScanOptions {
+  SourceOptions input;
+  fs::path out;
+  fs::path trajectory;
+  double voxel_mm = 10;
+  int every = 3;
+  int frames = -1;
+};
+
+struct TimedPose {
+  double time = 0;
+  Rigid3 world_from_camera = Rigid3::Identity();
+};
+
+// TUM's format: time tx ty tz qx qy qz qw.
+std::vector<TimedPose> read_trajectory(const fs::path& path) {
+  std::ifstream file(path);
+  if (!file) throw Error(fmt::format("{}: cannot be read", path.string()));
+  std::vector<TimedPose> poses;
+  int number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++number;
+    if (line.empty() || line.front() == '#') continue;
+    std::istringstream words(line);
+    TimedPose pose;
+    double t[3], q[4];
+    if (!(words >> pose.time >> t[0] >> t[1] >> t[2] >> q[0] >> q[1] >> q[2] >> q[3])) {
+      throw Error(
+          fmt::format("{}: line {}: should be time tx ty tz qx qy qz qw", path.string(), number));
+    }
+    const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
+    if (!(std::abs(rotation.norm() - 1) < 1e-2)) {
+      throw Error(fmt::format("{}: line {}: the quaternion has the length {}", path.string(),
+                              number, rotation.norm()));
+    }
+    pose.world_from_camera.linear() = rotation.normalized().toRotationMatrix();
+    pose.world_from_camera.translation() = Eigen::Vector3d(t[0], t[1], t[2]);
+    if (!poses.empty() && !(pose.time > poses.back().time)) {
+      throw Error(fmt::format("{}: line {}: times must rise", path.string(), number));
+    }
+    poses.push_back(pose);
+  }
+  if (poses.empty()) throw Error(fmt::format("{}: holds no pose", path.string()));
+  return poses;
+}
+
+// The pose nearest in time, if it is less than 1/60 s away. Frames count from the first pose's.
+std::optional<Rigid3> pose_at(const std::vector<TimedPose>& poses, double time) {
+  const double wanted = poses.front().time + time;
+  const auto after = std::lower_bound(poses.begin(), poses.end(), wanted,
+                                      [](const TimedPose& p, double t) { return p.time < t; });
+  const TimedPose* nearest = after == poses.end() ? &poses.back() : &*after;
+  if (after != poses.begin() && wanted - (after - 1)->time < std::abs(nearest->time - wanted)) {
+    nearest = &*(after - 1);
+  }
+  if (std::abs(nearest->time - wanted) > 1.0 / 60) return std::nullopt;
+  return nearest->world_from_camera;
+}
+
+Tracker tracker_of(const DepthCamera& camera, const FrameFormat& format) {
+  TrackerSettings settings;
+  settings.camera.camera = camera.camera();
+  settings.camera.baseline = kDepthCameraBaseline;
+  settings.noise = camera.noise();
+  if (format.kind == FrameFormat::Kind::kStereo) {
+    settings.camera.baseline = camera.rectified().baseline;
+    settings.disparity_at_infinity_px = camera.rectified().disparity_at_infinity_px;
+  }
+  return Tracker(settings);
+}
+
+// Binary little-endian PLY with a colour per vertex.
+void write_colored_ply(const fs::path& path, const ColoredSurface& mesh) {
+  std::ofstream file(path, std::ios::binary);
+  file << fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment palpable scan: metres, the first frame's "
+      "camera\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face {}\n"
+      "property list uchar int vertex_indices\nend_header\n",
+      mesh.surface.vertex_count(), mesh.surface.triangle_count());
+  for (int i = 0; i < mesh.surface.vertex_count(); ++i) {
+    const Eigen::Vector3f p = mesh.surface.vertices.col(i).cast<float>();
+    file.write(reinterpret_cast<const char*>(p.data()), 12);
+    const Rgb c = mesh.colors[static_cast<std::size_t>(i)];
+    const char rgb[3] = {static_cast<char>(c.r), static_cast<char>(c.g), static_cast<char>(c.b)};
+    file.write(rgb, 3);
+  }
+  for (int i = 0; i < mesh.surface.triangle_count(); ++i) {
+    const Eigen::Vector3i t = mesh.surface.triangles.col(i);
+    file.put(3);
+    file.write(reinterpret_cast<const char*>(t.data()), 12);
+  }
+  file.close();
+  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
+}
+
+void scan(const ScanOptions& options) {
+  const std::vector<TimedPose> given =
+      options.trajectory.empty() ? std::vector<TimedPose>{} : read_trajectory(options.trajectory);
+  if (options.out.extension() != ".ply") {
+    throw Error(fmt::format("-o {}: should end in .ply", options.out.string()));
+  }
+  std::unique_ptr<FrameSource> source = value_or_throw(open_source(request_of(options.input)));
+  DepthCamera camera = value_or_throw(DepthCamera::make(source->format()));
+  Tracker tracker = tracker_of(camera, source->format());
+  SurfaceMapSettings settings;
+  settings.voxel = 1e-3 * options.voxel_mm;
+  settings.truncation = 4 * settings.voxel;
+  SurfaceMap map(camera.noise(), settings);
+  MovingMask mover(camera.noise());
+
+  int total = source->frame_count();
+  if (options.frames > 0) total = total > 0 ? std::min(total, options.frames) : options.frames;
+  ProgressBar bar;
+  Frame frame;
+  SeenFrame seen;
+  SourceGuard guard(*source);
+  TrackedPose last;
+  int read = 0, lost = 0, fused = 0;
+  while (options.frames < 0 || read < options.frames) {
+    const FrameStatus status = guard.next(frame);
+    if (status == FrameStatus::kEnd) break;
+    if (status != FrameStatus::kFrame) continue;
+    camera.see(frame, seen);
+    if (seen.misfit) {
+      throw Error(fmt::format("{}: {}", options.input.source, seen.misfit->message()));
+    }
+    ++read;
+    const bool was_known = last.state != TrackState::kLost;
+    if (given.empty()) {
+      const MaskImage* moving =
+          was_known ? &mover.find(seen, last.world_from_camera, &map) : nullptr;
+      last = tracker.track({.number = seen.number,
+                            .time = seen.time,
+                            .left = &seen.left,
+                            .right = seen.right.empty() ? nullptr : &seen.right,
+                            .depth = &seen.depth,
+                            .moving = moving});
+    } else if (const auto pose = pose_at(given, seen.time)) {
+      last = {.world_from_camera = *pose, .state = TrackState::kTracking};
+    } else {
+      last.state = TrackState::kLost;
+    }
+    if (last.state == TrackState::kLost) {
+      ++lost;
+    } else {
+      const MaskImage& moving = mover.find(seen, last.world_from_camera, &map);
+      mover.learn(last.world_from_camera);
+      if ((read - 1) % options.every == 0) {
+        map.fuse(seen.depth, seen.depth_camera, last.world_from_camera, moving, seen.color);
+        ++fused;
+      }
+    }
+    if (total > 0) {
+      bar.show({"scan", static_cast<double>(read), static_cast<double>(total),
+                fmt::format("{} blocks", map.blocks())});
+    }
+  }
+  bar.finish();
+  if (read == 0) { throw Error(fmt::format("{}: no frame could be read", options.input.source)); }
+  const ColoredSurface mesh = map.mesh();
+  if (mesh.surface.triangle_count() == 0) {
+    throw Error(fmt::format("{}: no surface within {} m was seen in {} frames ({} without a pose)",
+                            options.input.source, map.settings().farthest, read, lost));
+  }
+  write_colored_ply(options.out, mesh);
+  fmt::print("{} frames, {} fused, {} without a pose\n", read, fused, lost);
+  if (map.refused() > 0) {
+    fmt::print("the map was full ({} blocks): parts are missing; --voxel makes them larger\n",
+               map.blocks());
+  }
+  fmt::print("{}: {} vertices, {} triangles\n", options.out.string(), mesh.surface.vertex_count(),
+             mesh.surface.triangle_count());
+}
+
+}  // namespace
+
+void add_scan(CLI::App& app) {
+  auto options = std::make_shared<ScanOptions>();
+  CLI::App* command = app.add_subcommand("scan", "Make a surface of what a camera saw of a room");
+  command
+      ->add_option("source", options->input.source,
+                   "A folder, images by name, a video file or a camera, as for live")
+      ->required();
+  add_source_options(*command, options->input);
+  command->add_option("-o,--out", options->out, "The surface, a .ply with colours")->required();
+  command->add_option("--trajectory", options->trajectory,
+                      "Poses to use instead of tracking: lines time tx ty tz qx qy qz qw "
+                      "(world_from_camera), the first one the first frame's");
+  command->add_option("--voxel", options->voxel_mm, "Side of a voxel, mm")
+      ->check(CLI::Range(2.0, 100.0))
+      ->capture_default_str();
+  command->add_option("--every", options->every, "Fuse every so many frames")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--frames", options->frames, "Stop after so many frames")
+      ->check(CLI::Range(1, 100'000'000));
+  command->footer(
+      "What moves is left out. Depths up to 3 m are taken, or up to where they scatter by 50 mm.\n"
+      "Example: palpable scan room -o room.ply");
+  command->callback([options] { scan(*options); });
+}
+
+}  // namespace palpable::app
