@@ -28,14 +28,14 @@ Twist some_twist(std::mt19937_64& random, double length, double angle) {
 // Points in view of a camera at the world's origin, and how `camera_from_world` sees them.
 std::vector<PosePoint> some_points(std::mt19937_64& random, int count, const Rigid3& pose,
                                    double noise_px) {
-  std::normal_distribution<double> noise(0, noise_px);
+  std::normal_distribution<double> noise(0, 1);
   std::vector<PosePoint> points;
   for (int i = 0; i < count; ++i) {
     PosePoint p;
     p.x_in_world = kCamera.camera.unproject(uniform(random, 100, 1180), uniform(random, 100, 620),
                                             uniform(random, 0.4, 3));
     p.seen.uvd = kCamera.see(pose * p.x_in_world) +
-                 Eigen::Vector3d(noise(random), noise(random), noise(random));
+                 noise_px * Eigen::Vector3d(noise(random), noise(random), noise(random));
     p.seen.sigma = p.seen.sigma_d = 0.3;
     points.push_back(p);
   }
