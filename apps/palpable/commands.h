@@ -14,6 +14,7 @@ void add_view(CLI::App& app);
 void add_live(CLI::App& app);
 void add_scan(CLI::App& app);
 void add_inspect(CLI::App& app);
+void add_press(CLI::App& app);
 void add_synth(CLI::App& app);
 void add_score(CLI::App& app);
 void add_bench(CLI::App& app);

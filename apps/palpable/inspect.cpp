@@ -6,6 +6,7 @@
 #include "palpable/reduced/body_file.h"
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
@@ -13,6 +14,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace palpable::app {
 namespace {
@@ -45,6 +47,34 @@ std::string modes_text(const SeparatedField& field, double pooled, double worst,
   return text;
 }
 
+// How many, and the box around them.
+std::string places_text(const ReducedBody& body, const std::vector<Site>& places) {
+  Eigen::AlignedBox3d box;
+  for (const Site& place : places) box.extend(body.surface.vertices.col(place.vertex));
+  std::string text = fmt::format("{}, at", places.size());
+  for (int i = 0; i < 3; ++i) {
+    text += fmt::format("{} {} {:.1f} to {:.1f}", i > 0 ? "," : "", "xyz"[i], 1e3 * box.min()[i],
+                        1e3 * box.max()[i]);
+  }
+  return text + " mm";
+}
+
+std::string several_text(const ReducedBody& body) {
+  if (!body.several) return "no: one load at a time";
+  const SeveralLoads& several = *body.several;
+  std::string text = "yes, displacement only: presses at the sites, together up to one full load";
+  if (!several.reactions.empty()) {
+    text += fmt::format(", and pushes back at {}, together up to one of {:.3g} N",
+                        places_text(body, several.reactions), several.reactions[0].full_load);
+  }
+  text += fmt::format("; {} modes", several.mode_count());
+  if (several.checked > 0) {
+    text += fmt::format("; error {:.2e} at the median of {} pairs, {:.2e} at the worst",
+                        several.error_median, several.checked, several.error_worst);
+  }
+  return text;
+}
+
 void print_text(const ReducedBody& body, const std::filesystem::path& path) {
   const Eigen::Vector3d low = body.surface.vertices.rowwise().minCoeff();
   const Eigen::Vector3d size = body.surface.vertices.rowwise().maxCoeff() - low;
@@ -62,7 +92,7 @@ void print_text(const ReducedBody& body, const std::filesystem::path& path) {
   line("surface", fmt::format("{} vertices, {} triangles; {} vertices held by the support",
                               body.surface.vertex_count(), body.surface.triangle_count(), fixed));
   line("material", body.material);
-  line("sites", fmt::format("{}", body.sites.size()));
+  line("sites", places_text(body, body.sites));
   line("levels", fmt::format("{} of the load, and rest", last));
   line("full load",
        range_text(body, [&](std::size_t s) { return body.sites[s].full_load; }) + " N per site");
@@ -84,6 +114,7 @@ void print_text(const ReducedBody& body, const std::filesystem::path& path) {
                                   body.error.displacement_worst, body.error.displacement_rounding));
   line("stress", modes_text(body.stress, body.error.stress_pooled, body.error.stress_worst,
                             body.error.stress_rounding));
+  line("several loads", several_text(body));
   line("inside", body.volume ? fmt::format("{} nodes, {} tetrahedra", body.volume->nodes.cols(),
                                            body.volume->tets.cols())
                              : std::string("none, the boundary only"));
@@ -115,6 +146,15 @@ void print_json(const ReducedBody& body) {
                                     {"last", p.samples[p.samples.size() - 1]},
                                     {"samples", p.samples.size()},
                                     {"value", p.value}};
+  }
+  if (body.several) {
+    result["several_loads"] = {{"modes", body.several->mode_count()},
+                               {"reactions", body.several->reactions.size()},
+                               {"pairs_checked", body.several->checked},
+                               {"error_median", body.several->error_median},
+                               {"error_worst", body.several->error_worst}};
+  } else {
+    result["several_loads"] = nullptr;  // one at a time
   }
   result["volume_nodes"] = body.volume ? body.volume->nodes.cols() : 0;
   result["displacement_error"] = body.error.displacement_pooled;

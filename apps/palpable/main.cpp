@@ -80,6 +80,7 @@ int run(int argc, char** argv) {
   add_live(app);
   add_scan(app);
   add_inspect(app);
+  add_press(app);
   add_synth(app);
   add_score(app);
   add_cameras(app);

@@ -4,8 +4,11 @@
 #include "apps/common/command_line.h"
 #include "apps/palpable/body_view.h"
 #include "apps/palpable/commands.h"
+#include "apps/palpable/mode_shapes.h"
+#include "apps/palpable/named_loads.h"
 #include "apps/palpable/view_controls.h"
 #include "palpable/base/error.h"
+#include "palpable/geometry/surface_mesh.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/orbit_camera.h"
@@ -38,6 +41,8 @@ struct ViewOptions {
   fs::path out;
   int site = -1;  // -1: not asked for
   double level = 1.0;
+  std::string load;              // X,Y,Z=F instead of site and level
+  int modes = 0;                 // drawn instead of presses, if above 0
   std::vector<std::string> set;  // NAME=VALUE
   std::string size = "1280x720";
   double close_after = 0;  // s; 0: when the user wants
@@ -111,15 +116,7 @@ class StudioScene {
   std::vector<std::string> caption;
 
   const ColorImage& draw(const OrbitCamera& orbit) {
-    const Rigid3 camera_from_body = orbit.camera_from_body();
-    if (studio_is_old_ || !camera_from_body.isApprox(camera_from_body_, 0.0)) {
-      studio_.draw(view_.camera, camera_from_body, background_);
-      camera_from_body_ = camera_from_body;
-      studio_is_old_ = false;
-    }
-    view_.background = &background_;
     BodyLook look = pressed_.look();
-    look.camera_from_body = camera_from_body;
     dots_.clear();
     if (sites_shown) {
       pressed_.site_dots(dot_radius_, dots_);
@@ -127,12 +124,18 @@ class StudioScene {
     }
     if (pressed_.level() > 0) pressed_.load_dots(dot_radius_, dots_);
     look.dots = dots_;
-    view_.bodies.assign(1, look);
-    view_.brightness = 1.12f;  // a studio is lit better than a room
     view_.legend_title = legend_shown ? "von Mises stress" : "";
-    view_.caption = caption;
-    renderer_.draw(view_, picture_, nullptr, &depth_);
-    return picture_;
+    return draw(look, orbit);
+  }
+
+  /// Another look than the pressed body's. Its colours are in mm of a displacement in m, or have no
+  /// legend.
+  const ColorImage& draw_other(const BodyLook& look, const std::string& legend,
+                               const OrbitCamera& orbit) {
+    view_.legend_title = legend;
+    view_.legend_unit = "mm";
+    view_.legend_scale = 1e3;
+    return draw(look, orbit);
   }
 
   /// The point of the body that the last picture shows at a pixel, if it shows the body there.
@@ -156,6 +159,22 @@ class StudioScene {
   }
 
  private:
+  const ColorImage& draw(BodyLook look, const OrbitCamera& orbit) {
+    const Rigid3 camera_from_body = orbit.camera_from_body();
+    if (studio_is_old_ || !camera_from_body.isApprox(camera_from_body_, 0.0)) {
+      studio_.draw(view_.camera, camera_from_body, background_);
+      camera_from_body_ = camera_from_body;
+      studio_is_old_ = false;
+    }
+    view_.background = &background_;
+    look.camera_from_body = camera_from_body;
+    view_.bodies.assign(1, look);
+    view_.brightness = 1.12f;  // a studio is lit better than a room
+    view_.caption = caption;
+    renderer_.draw(view_, picture_, nullptr, &depth_);
+    return picture_;
+  }
+
   const ReducedBody& body_;
   PressedBody pressed_;
   Studio studio_;
@@ -206,11 +225,35 @@ void paste(const ColorImage& from, int x, int y, ColorImage& to) {
   }
 }
 
-void write_pictures(const ReducedBody& body, const ViewOptions& options, Size size,
-                    const fs::path& folder) {
+/// Pictures of one size, row by row.
+ColorImage sheet_of(const std::vector<ColorImage>& cells, int columns) {
+  constexpr int kGap = 8;
+  const int width = cells[0].width() + kGap, height = cells[0].height() + kGap;
+  const int rows = (static_cast<int>(cells.size()) + columns - 1) / columns;
+  ColorImage sheet(columns * width + kGap, rows * height + kGap, {255, 255, 255});
+  for (int i = 0; i < static_cast<int>(cells.size()); ++i) {
+    paste(cells[static_cast<std::size_t>(i)], kGap + i % columns * width,
+          kGap + i / columns * height, sheet);
+  }
+  return sheet;
+}
+
+void make_folder(const fs::path& folder) {
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed) throw Error(fmt::format("cannot make {}: {}", folder.string(), failed.message()));
+}
+
+void check_gl(const GlContext& context) {
+  if (context.errors().count() > 0) {
+    throw Error(fmt::format("OpenGL reported {} errors, the first: {}", context.errors().count(),
+                            context.errors().first()));
+  }
+}
+
+void write_pictures(const ReducedBody& body, const ViewOptions& options, Size size,
+                    const fs::path& folder) {
+  make_folder(folder);
   const GlContext context = value_or_throw(GlContext::offscreen());
   StudioScene scene(body, size);
   const double aspect = static_cast<double>(size.width) / size.height;
@@ -223,29 +266,80 @@ void write_pictures(const ReducedBody& body, const ViewOptions& options, Size si
     scene.caption = {shot.level > 0 ? scene.reading() : scene.title()};
     return scene.draw(shot.camera);
   };
-  for (const Shot& shot : shots) {
-    const fs::path file = folder / (shot.file + ".png");
-    write_png(file, draw(shot));
+  const auto written = [&](const std::string& name, const ColorImage& picture) {
+    const fs::path file = folder / (name + ".png");
+    write_png(file, picture);
     fmt::print("{}\n", file.string());
-  }
+  };
+  for (const Shot& shot : shots) written(shot.file, draw(shot));
 
-  constexpr int kColumns = 3, kGap = 8;
-  const Size cell{size.width / 2, size.height / 2};
-  const int rows = (static_cast<int>(shots.size()) + kColumns - 1) / kColumns;
-  ColorImage sheet(kColumns * (cell.width + kGap) + kGap, rows * (cell.height + kGap) + kGap,
-                   {255, 255, 255});
-  scene.resize(cell);
-  for (int i = 0; i < static_cast<int>(shots.size()); ++i) {
-    paste(draw(shots[static_cast<std::size_t>(i)]), kGap + i % kColumns * (cell.width + kGap),
-          kGap + i / kColumns * (cell.height + kGap), sheet);
+  scene.resize({size.width / 2, size.height / 2});
+  std::vector<ColorImage> cells;
+  for (const Shot& shot : shots) cells.push_back(draw(shot));
+  written("contact_sheet", sheet_of(cells, 3));
+  check_gl(context);
+}
+
+// Modes above, functions below.
+void write_modes(const ReducedBody& body, const ViewOptions& options, Size size,
+                 const fs::path& folder) {
+  const std::vector<ModeShape> shapes = value_or_throw(first_modes(body, options.modes));
+  make_folder(folder);
+  const GlContext context = value_or_throw(GlContext::offscreen());
+  StudioScene scene(body, {size.width / 2, size.height / 2});
+  const OrbitCamera usual = usual_camera(body, static_cast<double>(size.width) / size.height);
+  OrbitCamera above = usual;
+  above.elevation = 0.9;
+  const double extent =
+      (body.surface.vertices.rowwise().maxCoeff() - body.surface.vertices.rowwise().minCoeff())
+          .norm();
+  const Eigen::Matrix3Xf at_rest = body.surface.vertices.cast<float>();
+  Eigen::Matrix3Xf vertices = at_rest, normals(3, at_rest.cols());
+  const auto V = static_cast<std::size_t>(at_rest.cols());
+  std::vector<float> scalar(V), marks(V);
+  BodyLook look;
+  look.vertices = &vertices;
+  look.normals = &normals;
+  look.triangles = &body.surface.triangles;
+  look.scalar = scalar;
+  const auto draw = [&](const std::string& legend, const OrbitCamera& camera) {
+    vertex_normals(vertices, body.surface.triangles, normals);
+    return scene.draw_other(look, legend, camera);
+  };
+  std::vector<ColorImage> cells;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const ModeShape& shape = shapes[i];
+    const auto u = shape.displacement.reshaped(3, at_rest.cols());
+    // As large as a picture needs it: an eighth of the body.
+    const double shown = shape.largest > 0 ? 0.125 * extent / shape.largest : 0.0;
+    vertices = at_rest + static_cast<float>(shown) * u;
+    Eigen::Map<Eigen::VectorXf>(scalar.data(), at_rest.cols()) = u.colwise().norm();
+    look.scalar_max = static_cast<float>(std::max(shape.largest, 1e-9));
+    scene.caption = {fmt::format("mode {}: up to {:.3g} mm, drawn {:.2g} times as large", i + 1,
+                                 1e3 * shape.largest, shown)};
+    cells.push_back(draw("displacement", usual));
   }
-  const fs::path file = folder / "contact_sheet.png";
-  write_png(file, sheet);
+  vertices = at_rest;
+  look.marks = marks;
+  look.mark_color = {150, 150, 150};
+  look.scalar_max = 1;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const Eigen::VectorXd values = on_skin(body, shapes[i].over_sites);
+    for (std::size_t v = 0; v < V; ++v) {
+      const double value = values[static_cast<Eigen::Index>(v)];
+      marks[v] = std::isnan(value) ? 1.0f : 0.0f;
+      scalar[v] = std::isnan(value) ? 0.0f : static_cast<float>(0.5 + 0.5 * value);
+    }
+    scene.caption = {
+        fmt::format("function {} of the load's position, {:.2f} to {:.2f} of its "
+                    "largest; dark -1, light 1, grey none",
+                    i + 1, shapes[i].over_sites.minCoeff(), shapes[i].over_sites.maxCoeff())};
+    cells.push_back(draw("", above));
+  }
+  const fs::path file = folder / "modes.png";
+  write_png(file, sheet_of(cells, static_cast<int>(shapes.size())));
   fmt::print("{}\n", file.string());
-  if (context.errors().count() > 0) {
-    throw Error(fmt::format("OpenGL reported {} errors, the first: {}", context.errors().count(),
-                            context.errors().first()));
-  }
+  check_gl(context);
 }
 
 void show_window(Window& window, const ReducedBody& body, const ViewOptions& options, Size size) {
@@ -301,14 +395,33 @@ void show_window(Window& window, const ReducedBody& body, const ViewOptions& opt
   }
 }
 
-void run_view(const ViewOptions& options) {
+// --load as --site and --level.
+void settle_load(const ReducedBody& body, ViewOptions& options) {
+  const PlacedLoad load = parse_loads(body, {options.load})[0];
+  if (load.place >= static_cast<int>(body.sites.size())) {
+    throw Error(fmt::format(
+        "--load {}: there the body may only be pushed back, beside a press; pictures show one "
+        "press (numbers of both: palpable press)",
+        options.load));
+  }
+  options.site = load.place;
+  options.level = load.level;
+}
+
+void run_view(ViewOptions options) {
   const Size size = read_size(options.size);
   const ReducedBody body =
       value_or_throw(read_pressable_body(options.body, parse_settings(options.set)));
+  if (!options.load.empty()) settle_load(body, options);
   const int site_count = static_cast<int>(body.sites.size());
   if (options.site >= site_count) {
     throw Error(fmt::format("--site {}: {} has the sites 0 to {}", options.site,
                             options.body.string(), site_count - 1));
+  }
+  if (options.modes > 0) {
+    write_modes(body, options, size,
+                options.out.empty() ? options.body.stem().string() + "_view" : options.out);
+    return;
   }
   if (!options.out.empty()) {
     write_pictures(body, options, size, options.out);
@@ -333,10 +446,23 @@ void add_view(CLI::App& app) {
   view->add_option("BODY", options->body, "A body file (.palpable)")->required();
   view->add_option("--out", options->out,
                    "Write pictures into this folder instead of opening a window");
-  view->add_option("--site", options->site, "Press this site")->check(CLI::NonNegativeNumber);
-  view->add_option("--level", options->level, "How hard, 0 to 1 of the site's full load")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+  auto* site =
+      view->add_option("--site", options->site, "Press this site")->check(CLI::NonNegativeNumber);
+  auto* level =
+      view->add_option("--level", options->level, "How hard, 0 to 1 of the site's full load")
+          ->check(CLI::Range(0.0, 1.0))
+          ->capture_default_str();
+  view->add_option("--load", options->load,
+                   "Press with this force (N) at this point of the skin (m, body frame, at rest)")
+      ->type_name("X,Y,Z=F")
+      ->excludes(site)
+      ->excludes(level);
+  view->add_option("--modes", options->modes,
+                   "Instead: the first so many modes of displacement, and their functions of where "
+                   "the load is, as modes.png in the folder of --out")
+      ->check(CLI::Range(1, 16))
+      ->excludes(site)
+      ->excludes(level);
   add_set_option(*view, options->set);
   view->add_option("--size", options->size, "Pixels of window and pictures, WIDTHxHEIGHT")
       ->capture_default_str();
@@ -345,7 +471,8 @@ void add_view(CLI::App& app) {
   view->footer(
       "Without a display, pictures are written into NAME_view.\n"
       "Example: palpable view bunny.palpable\n"
-      "         palpable view bunny.palpable --out pictures --site 4 --level 0.8");
+      "         palpable view bunny.palpable --out pictures --site 4 --level 0.8\n"
+      "         palpable view beam.palpable --out pictures --modes 4");
   view->callback([options] { run_view(*options); });
 }
 

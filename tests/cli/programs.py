@@ -209,7 +209,7 @@ def live(programs, folder, *more, source="clip"):
 
 # ---- cases -------------------------------------------------------------------------------------
 
-COMMANDS = ("mesh", "bake", "reduce", "report", "compare", "solve", "export", "import-modes", "inspect", "view", "synth", "live", "score", "bench", "cameras",
+COMMANDS = ("mesh", "bake", "reduce", "report", "compare", "solve", "export", "import-modes", "inspect", "press", "view", "synth", "live", "score", "bench", "cameras",
             "calibrate")
 
 
@@ -244,7 +244,7 @@ def _(programs, folder):
     for words in (("mesh", "none.stl", "-o", "x.msh"), ("bake", "none.toml", "-o", "x.palpable"),
                   ("solve", "none.toml", "-o", "x.vtu"),
                   ("report", "none.palpable", "-o", "x.html"), ("compare", "none.palpable", "-o", "x.html"),
-                  ("inspect", "none.palpable"), ("view", "none.palpable", "--out", "x"),
+                  ("inspect", "none.palpable"), ("press", "none.palpable", "--load", "0,0,0=1"), ("view", "none.palpable", "--out", "x"),
                   ("synth", "press", "--body", "none.palpable", "-o", "x"),
                   ("live", "none.palpable", "--source", "y", "--out", "x"),
                   ("score", "none", "neither")):
@@ -739,14 +739,55 @@ def _(programs, folder):
     assert "power series" in output and "intrusive PGD" in output, output
     assert not (folder / "bar.snapshots").exists()
     shown = programs.succeeds("inspect", folder / "bar.palpable").stdout
-    assert re.search(r"^sites +1$", shown, re.M) and "travelling" in shown, shown
+    assert re.search(r"^sites +1, at ", shown, re.M) and "travelling" in shown, shown
+    assert re.search(r"^several loads +no: one load at a time$", shown, re.M), shown
     programs.refuses(*bake, "--solver", "calculix", says=["--solver", "campaign"])
+    programs.refuses(*bake, "--volume", says=["--volume", "campaign"])
     programs.refuses(*bake[:3], "greedy", *bake[4:], says=["intrusive-pgd"])
     for what, says in ((text, ["[intrusive]"]), (travels.replace("0.05 N", "5 N"), ["beyond the range", "5 N"]),
                        (travels.replace('"TIP"\nforce', '"BASE"\nforce'), ["positions", "[support]"]),
                        (travels.replace("saint-venant-kirchhoff", "neo-hookean"), ["saint-venant-kirchhoff"])):
         write_bar(folder, what)
         programs.refuses(*bake, says=says)
+
+
+@case("loads are named by a point and a force, one or several at once; others are refused")
+def _(programs, folder):
+    law = BAR.replace('young = "60 kPa"', 'law = "saint-venant-kirchhoff"\nyoung = "60 kPa"')
+    # Node 51: at (10, 0, 50) mm as the body stands.
+    deck = bar_deck().replace("*NSET, NSET=TIP\n59", "*NSET, NSET=FLANK\n51\n*NSET, NSET=TIP\n59")
+    bar = write_bar(folder, law + '[intrusive]\npositions = "TIP"\nreactions = "FLANK"\nforce = "0.05 N"\n', deck)
+    body, alone = folder / "bar.palpable", folder / "alone.palpable"
+    assert "pairs solved afresh" in programs.succeeds("bake", bar, "--method", "intrusive-pgd", "-o", body).stdout
+    shown = programs.succeeds("inspect", body).stdout
+    assert re.search(r"^several loads +yes, displacement only: .* pushes back at 1, at .* error .* 6 pairs", shown, re.M), shown
+    several = json.loads(programs.succeeds("inspect", body, "--json").stdout)["several_loads"]
+    assert several["reactions"] == 1 and several["pairs_checked"] == 6 and several["error_worst"] < 0.1, several
+
+    one = json.loads(programs.succeeds("press", body, "--load", "0,0,0.06=0.04", "--json").stdout)
+    assert one["loads"][0]["site"] == 0 and abs(one["loads"][0]["level"] - 0.8) < 1e-9, one
+    assert one["loads"][0]["depth_m"] > 1e-4 and one["largest_von_mises_pa"] > 0, one
+    text = programs.succeeds("press", body, "--load", "0,0,0.06=0.04").stdout
+    assert "0.04 N at site 0" in text and "kPa" in text and "error" in text, text
+    two = json.loads(programs.succeeds("press", body, "--load", "0,0,0.06=0.02", "--load", "0,0,0.06=0.02", "--json").stdout)
+    assert "largest_von_mises_pa" not in two, two
+    # The same load in two parts; the modes of several loads are others than those of one.
+    assert abs(two["loads"][0]["depth_m"] / one["loads"][0]["depth_m"] - 1) < 0.05, (one, two)
+
+    both = json.loads(programs.succeeds("press", body, "--load", "0,0,0.06=0.04", "--load", "0.01,0,0.05=0.04", "--json").stdout)
+    assert both["loads"][1]["reaction"] == 0 and both["loads"][0]["depth_m"] < 0.7 * one["loads"][0]["depth_m"], both
+    programs.refuses("view", body, "--load", "0.01,0,0.05=0.01", "--out", folder / "x", says=["pushed back"])
+
+    for load, says in (("0,0,0.09=0.04", ["30 mm off", "site 0"]), ("0,0,0.06=0.07", ["beyond the range", "0.05 N"]),
+                       ("0,0,0.06=-1", ["-1 N"]), ("0,0,0.06", ["X,Y,Z=F"]), ("0.01,0,0.02=0.01", ["baked for no load"])):
+        programs.refuses("press", body, "--load", load, says=["--load", *says])
+        programs.refuses("view", body, "--load", load, "--out", folder / "x", says=["--load", *says])
+    programs.refuses("press", body, "--load", "0,0,0.06=0.03", "--load", "0,0,0.06=0.03", says=["together", "beyond the range"])
+
+    write_bar(folder, law + '[intrusive]\npositions = "TIP"\nforce = "0.05 N"\n')
+    programs.succeeds("bake", bar, "--method", "intrusive-pgd", "-o", alone)
+    programs.succeeds("press", alone, "--load", "0,0,0.06=0.04")
+    programs.refuses("press", alone, "--load", "0,0,0.06=0.02", "--load", "0,0,0.06=0.02", says=["one load at a time"])
 
 
 @case("the solver's benches print one JSON object that docs/results.md takes")

@@ -122,4 +122,64 @@ inline ReducedBody with_further(ReducedBody body) {
   return body;
 }
 
+/// The ball with an energy in four modes, so that several loads may act: each mode moves the skin
+/// along one axis, more the higher up, but for the last, which makes it broader; strain is
+/// quadratic in the amplitudes, as Green's is. One reaction, 3 N towards the centre at the lowest
+/// free vertex.
+inline ReducedBody with_several(ReducedBody body) {
+  constexpr Eigen::Index n = 4, P = 10, m = 12;
+  const Eigen::Index V = body.surface.vertices.cols();
+  const double height = body.surface.vertices.row(2).maxCoeff();
+  SeveralLoads several;
+  several.modes = Eigen::MatrixXf::Zero(3 * V, n);
+  Eigen::Index lowest = -1;
+  for (Eigen::Index v = 0; v < V; ++v) {
+    if (body.fixed[static_cast<std::size_t>(v)] != 0) continue;
+    const Eigen::Vector3d X = body.surface.vertices.col(v);
+    const auto up = static_cast<float>(0.01 * X.z() / height);
+    for (Eigen::Index i = 0; i < 3; ++i) several.modes(3 * v + i, i) = up;
+    several.modes.col(3).segment<2>(3 * v) = (0.2 * X.head<2>()).cast<float>();
+    if (lowest < 0 || X.z() < body.surface.vertices(2, lowest)) lowest = v;
+  }
+  // W = 1/2 |e q + 1/2 g qq|^2 with numbers of no meaning; 0.02 J at amplitude 1.
+  Eigen::MatrixXd e(m, n), g(m, P);
+  const auto some = [](Eigen::Index number) {
+    return std::cos(1.0 + 0.7 * double(number * number));
+  };
+  for (Eigen::Index r = 0; r < m; ++r) {
+    for (Eigen::Index i = 0; i < n; ++i) e(r, i) = 0.1 * some(r * n + i);
+    for (Eigen::Index p = 0; p < P; ++p) g(r, p) = 0.3 * some(100 + r * P + p);
+  }
+  DistinctCoefficients distinct{Eigen::VectorXd(P), Eigen::VectorXd(20), Eigen::VectorXd(35)};
+  const auto gg = [&](Eigen::Index i, Eigen::Index j) { return g.col(pair_row(i, j)); };
+  Eigen::Index of_pair = 0, of_three = 0, of_four = 0;
+  for (Eigen::Index l = 0; l < n; ++l) {
+    for (Eigen::Index k = 0; k <= l; ++k) {
+      distinct.quadratic[of_pair++] = e.col(k).dot(e.col(l));
+      for (Eigen::Index j = 0; j <= k; ++j) {
+        distinct.cubic[of_three++] =
+            e.col(j).dot(gg(k, l)) + e.col(k).dot(gg(j, l)) + e.col(l).dot(gg(j, k));
+        for (Eigen::Index i = 0; i <= j; ++i) {
+          distinct.quartic[of_four++] =
+              gg(i, j).dot(gg(k, l)) + gg(i, k).dot(gg(j, l)) + gg(i, l).dot(gg(j, k));
+        }
+      }
+    }
+  }
+  several.energy = energy_of(static_cast<int>(n), distinct);
+  Site reaction;
+  reaction.vertex = static_cast<int>(lowest);
+  reaction.patch = {reaction.vertex};
+  reaction.weights = {1.0f};
+  const Eigen::Vector3d X = body.surface.vertices.col(lowest);
+  reaction.direction = (Eigen::Vector3d(0, 0, 0.5 * height) - X).normalized();
+  reaction.full_load = 3.0;
+  several.reactions = {reaction};
+  several.checked = 6;
+  several.error_median = 0.004;
+  several.error_worst = 0.02;
+  body.several = std::move(several);
+  return body;
+}
+
 }  // namespace palpable::test

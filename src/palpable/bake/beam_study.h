@@ -51,16 +51,9 @@ struct BodyDifference {
 /// @throws Error if the skins differ, or no site is shared
 [[nodiscard]] BodyDifference body_difference(const ReducedBody& body, const ReducedBody& other);
 
-/// The body in the modes of its energy, under two loads, against a fresh Newton solve.
-struct TwoLoadCheck {
-  double deflection = 0;  ///< m, the largest of all nodes
-  double error = 0;       ///< relative L2 over the volume, own norm
-  int steps = 0;          ///< of the reduced Newton
-  double ms = 0;          ///< CPU
-};
-
 /// A press of 0.05 .. 1 of the full load at any position, and 0 .. 1 of that pushing back.
-/// @pre made.energy_modes.cols() > 0
+/// Solved as the live half does (LoadedBody), on the modes of all nodes.
+/// @pre made.body.several
 [[nodiscard]] std::vector<TwoLoadCheck> two_load_checks(const IntrusiveBake& made, int count,
                                                         unsigned seed,
                                                         const Progress& progress = {});

@@ -11,16 +11,23 @@
 #include "palpable/bake/travelling_load.h"
 #include "palpable/base/progress.h"
 #include "palpable/base/stage_clock.h"
-#include "palpable/reduced/quartic_energy.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/solid/load_series.h"
 
 #include <string>
+#include <vector>
 
 namespace palpable {
 
 struct IntrusiveSettings {
-  std::string version, command_line;  ///< for the provenance
+  std::string version = {}, command_line = {};  ///< for the provenance
+  /// Pairs of loads that are solved afresh, so that the body file can say how far several loads at
+  /// once are from that; their time is the stage "references".
+  int checks = 6;
+  unsigned seed = 1;  ///< of those pairs
+  /// Whether forces are summed at all load sizes and not at the full load alone: for the bench,
+  /// counted as "references" too.
+  bool all_residuals = false;
 };
 
 /// How the body was made and how far it is from the fields of the series, stress from those of the
@@ -30,8 +37,17 @@ struct IntrusiveReport {
   int stress_modes = 0, stress_columns = 0;
   SeriesErrors displacement;                   ///< over the volume, products in the file included
   double stress_pooled = 0, stress_worst = 0;  ///< over the skin; a position and load size at worst
-  StageTimes
-      cpu;  ///< ms of one core: pose, series (stress of all states included), separate, write
+  /// ms of one core: pose, series (stress of all states included), separate, several loads; and
+  /// "references", which the bake itself does not need.
+  StageTimes cpu;
+};
+
+/// A body in the modes of its energy, under two loads, against a fresh Newton solve.
+struct TwoLoadCheck {
+  double deflection = 0;  ///< m, the largest of all nodes
+  double error = 0;       ///< relative L2 over the volume, own norm
+  int steps = 0;          ///< of the reduced Newton
+  double ms = 0;          ///< CPU
 };
 
 /// All of it, for who asks on.
@@ -42,9 +58,8 @@ struct IntrusiveBake {
   SeriesPgd pgd;  ///< the modes in the body, on all nodes
   ReducedBody body;
   IntrusiveReport report;
-  /// Several loads at once: modes on all nodes, and the energy in them. No columns: one at a time.
-  Eigen::MatrixXd energy_modes;
-  QuarticEnergy energy;
+  Eigen::MatrixXd energy_modes;         ///< (3N x n) those of body.several on all nodes; or none
+  std::vector<TwoLoadCheck> two_loads;  ///< what body.several's error is of
 };
 
 /// Series of all positions, their PGD in own norms with a fifth more modes than asked for,

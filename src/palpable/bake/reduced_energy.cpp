@@ -71,21 +71,24 @@ QuarticEnergy quartic_energy(const SolidModel& model, const MatrixXd& F) {
 
   const auto e = [](Index i) { return i; };
   const auto g = [&](Index i, Index j) { return n + pair_row(i, j); };
-  QuarticEnergy energy{VectorXd(P), MatrixXd(P, n), MatrixXd(P, P)};
-  for (Index j = 0; j < n; ++j) {
-    for (Index i = 0; i <= j; ++i) {
-      const Index row = pair_row(i, j);
-      energy.K[row] = gram(e(i), e(j));
-      for (Index l = 0; l < n; ++l) {
-        energy.C(row, l) = gram(e(i), g(j, l)) + gram(e(j), g(i, l)) + gram(e(l), g(i, j));
-        for (Index k = 0; k <= l; ++k) {
-          energy.D(row, pair_row(k, l)) =
+  // Each of the equal ones once: summed in another order they would differ by rounding.
+  DistinctCoefficients distinct{VectorXd(P), VectorXd(distinct_count(n, 3)),
+                                VectorXd(distinct_count(n, 4))};
+  Index of_pair = 0, of_three = 0, of_four = 0;
+  for (Index l = 0; l < n; ++l) {
+    for (Index k = 0; k <= l; ++k) {
+      distinct.quadratic[of_pair++] = gram(e(k), e(l));
+      for (Index j = 0; j <= k; ++j) {
+        distinct.cubic[of_three++] =
+            gram(e(j), g(k, l)) + gram(e(k), g(j, l)) + gram(e(l), g(j, k));
+        for (Index i = 0; i <= j; ++i) {
+          distinct.quartic[of_four++] =
               gram(g(i, j), g(k, l)) + gram(g(i, k), g(j, l)) + gram(g(i, l), g(j, k));
         }
       }
     }
   }
-  return energy;
+  return energy_of(static_cast<int>(n), distinct);
 }
 
 MatrixXd energy_modes(const LoadSeries& body, const Eigen::SparseMatrix<double>& loads, int linear,
@@ -103,6 +106,10 @@ MatrixXd energy_modes(const LoadSeries& body, const Eigen::SparseMatrix<double>&
   MatrixXd gram = MatrixXd::Zero(loads.cols(), loads.cols());
   add_gram(responses, gram);
   const SymmetricEigen eigen = symmetric_eigen(gram);
+  // Loads that are multiples of each other, say, have fewer responses: rounding leaves 1e-15.
+  const Index independent = (eigen.values.array() > 1e-10 * eigen.values.maxCoeff()).count();
+  linear = std::min(linear, static_cast<int>(independent));
+  curved = std::min(curved, linear);
   const MatrixXd V = eigen.vectors.rightCols(linear).rowwise().reverse();
   const MatrixXd basis = orthonormal_basis(times(responses, V));  // orthonormal after root
   responses.resize(0, 0);

@@ -24,7 +24,8 @@ namespace palpable {
 [[nodiscard]] QuarticEnergy quartic_energy(const SolidModel& model, const Eigen::MatrixXd& F);
 
 /// (3N x n) orthonormal in L2: the first `linear` modes of the linear responses to the loads, each
-/// load counting by its own response; and the second-order responses to the first `curved` of them
+/// load counting by its own response (fewer, where the responses depend on each other); and the
+/// second-order responses to the first `curved` of them
 /// and to their pairs (modal derivatives, Idelsohn and Cardona 1985), without which a bent beam
 /// stretches: Galerkin's method locks in modes that are best in L2.
 /// @param loads   (3N x S) N, of the size that they will have

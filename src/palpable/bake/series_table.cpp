@@ -1,6 +1,7 @@
 #include "palpable/bake/series_table.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
 
 #include <fmt/format.h>
@@ -65,7 +66,8 @@ MatrixXd coefficients(const MatrixXd& gram, const VectorXd& levels) {
 
 SeriesTable solve_series(const LoadSeries& body, const Eigen::SparseMatrix<double>& load,
                          const VectorXd& area, const VectorXd& levels, const VectorXd& shown,
-                         const SeriesVisit& visit, const Progress& progress) {
+                         const SeriesVisit& visit, const Progress& progress,
+                         ResidualsAt residuals) {
   PALPABLE_EXPECT(area.size() == load.cols() && area.minCoeff() > 0.0, "an area > 0 each");
   PALPABLE_EXPECT(levels.size() > 0 && levels[levels.size() - 1] == 1.0, "levels end at 1");
   // 1.5e-7 of |u_1| leaves forces within 1e-6 of the load where the Pade form is used from 6 orders
@@ -79,6 +81,8 @@ SeriesTable solve_series(const LoadSeries& body, const Eigen::SparseMatrix<doubl
                     .at_level = std::vector<MatrixXd>(S),
                     .work = std::vector<VectorXd>(S),
                     .levels = levels};
+  const Index J = levels.size(), checked = residuals == ResidualsAt::kAllLevels ? J : 1;
+  table.worst_residual = VectorXd::Zero(checked);
   const std::vector<Index> order = by_distance(body, load);
   constexpr std::size_t kBatch = 16;
   for (std::size_t first = 0; first < S; first += kBatch) {
@@ -111,12 +115,19 @@ SeriesTable solve_series(const LoadSeries& body, const Eigen::SparseMatrix<doubl
       table.worst_pade_gap =
           std::max(table.worst_pade_gap,
                    std::sqrt(std::max(0.0, gap.dot(gram * gap)) / sum.dot(gram * sum)));
-      const VectorXd u = series.u * c.rightCols(1);
       const VectorXd f_s = f.col(static_cast<Index>(k));
       table.work[at] = series.u.transpose() * f_s;
       if (visit) visit(s, series.u * coefficients(gram, shown));
-      const VectorXd residual = (body.internal_force(u) - f_s).cwiseProduct(body.free_mask());
-      table.worst_residual = std::max(table.worst_residual, residual.norm() / f_s.norm());
+      const auto residual_at = [&](Index j) {
+        const VectorXd u = series.u * c.col(j), load_now = levels[j] * f_s;
+        const VectorXd left = (body.internal_force(u) - load_now).cwiseProduct(body.free_mask());
+        double& worst = table.worst_residual[checked - (J - j)];
+        worst = std::max(worst, left.norm() / load_now.norm());
+      };
+      residual_at(J - 1);
+      const double begin = thread_cpu_seconds();
+      for (Index j = J - checked; j + 1 < J; ++j) residual_at(j);
+      table.check_cpu_s += thread_cpu_seconds() - begin;
       table.orders += static_cast<int>(n);
       table.most_orders = std::max(table.most_orders, static_cast<int>(n));
     }

@@ -29,7 +29,9 @@ struct SeriesTable {
   std::vector<Eigen::VectorXd> work;      ///< (S) of (n_s): f(s) . u_p, J
   Eigen::VectorXd levels;                 ///< (J) fractions of the full load, increasing, up to 1
   double worst_pade_gap = 0;              ///< largest |Pade - series| / |series| at the full load
-  double worst_residual = 0;        ///< largest |internal_force(u) - f| / |f| at it, free nodes
+  /// (J) largest |internal_force(u) - a f| / |a f| at the load sizes a, free nodes; or the last.
+  Eigen::VectorXd worst_residual = {};
+  double check_cpu_s = 0;           ///< what the forces at all but the full load took
   int most_orders = 0, orders = 0;  ///< of one position; of all together
 
   [[nodiscard]] Eigen::Index positions() const { return load.cols(); }
@@ -38,6 +40,10 @@ struct SeriesTable {
 /// Shown the fields of a position, (3N x K) m at some fractions of the full load, while its orders
 /// are at hand.
 using SeriesVisit = std::function<void(Eigen::Index s, const Eigen::MatrixXd& fields)>;
+
+/// Where solve_series() sums forces: at the full load, where most is left out, or at all load
+/// sizes.
+enum class ResidualsAt { kFullLoad, kAllLevels };
 
 /// Solves the series of all positions, in the order of their distance from what is held, since
 /// those farther away need more orders.
@@ -50,7 +56,7 @@ using SeriesVisit = std::function<void(Eigen::Index s, const Eigen::MatrixXd& fi
                                        const Eigen::SparseMatrix<double>& load,
                                        const Eigen::VectorXd& area, const Eigen::VectorXd& levels,
                                        const Eigen::VectorXd& shown = {},
-                                       const SeriesVisit& visit = {},
-                                       const Progress& progress = {});
+                                       const SeriesVisit& visit = {}, const Progress& progress = {},
+                                       ResidualsAt residuals = ResidualsAt::kFullLoad);
 
 }  // namespace palpable

@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 #include "palpable/reduced/hdf5_tools.h"
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -161,6 +162,51 @@ void write_held_out(hid_t file, const HeldOutRecord& held_out) {
   write_table(g, "von_mises", held_out.von_mises.data(), S, H);
 }
 
+// Where loads act; their patches side by side.
+void write_places(hid_t group, const std::vector<Site>& sites) {
+  std::vector<int> vertex, patch_begin{0}, patch;
+  std::vector<float> weights;
+  std::vector<double> direction, full_load;
+  for (const Site& site : sites) {
+    vertex.push_back(site.vertex);
+    require(site.weights.size() == site.patch.size(), "a patch needs one weight per vertex");
+    patch.insert(patch.end(), site.patch.begin(), site.patch.end());
+    weights.insert(weights.end(), site.weights.begin(), site.weights.end());
+    patch_begin.push_back(static_cast<int>(patch.size()));
+    for (int k = 0; k < 3; ++k) direction.push_back(site.direction[k]);
+    full_load.push_back(site.full_load);
+  }
+  const auto S = static_cast<hsize_t>(sites.size());
+  write_table(group, "vertex", vertex.data(), S, 1);
+  write_table(group, "direction", direction.data(), S, 3);
+  write_table(group, "full_load", full_load.data(), S, 1);
+  write_table(group, "patch_begin", patch_begin.data(), S + 1, 1);
+  write_table(group, "patch", patch.data(), patch.size(), 1);
+  write_table(group, "patch_weights", weights.data(), weights.size(), 1);
+}
+
+void write_several(hid_t file, const SeveralLoads& several) {
+  const auto n = static_cast<hsize_t>(several.mode_count());
+  const Eigen::Index P = distinct_count(several.mode_count(), 2);
+  require(several.modes.cols() == several.energy.modes() && several.energy.K.size() == P &&
+              several.energy.C.rows() == P && several.energy.D.rows() == P &&
+              several.energy.D.cols() == P,
+          "the modes of several loads are not those of their energy");
+  const Handle g = make_group(file, "several_loads");
+  const DistinctCoefficients energy = distinct_coefficients(several.energy);
+  const auto column = [&](const char* name, const Eigen::VectorXd& values) {
+    write_table(g, name, values.data(), static_cast<hsize_t>(values.size()), 1);
+  };
+  column("quadratic", energy.quadratic);
+  column("cubic", energy.cubic);
+  column("quartic", energy.quartic);
+  write_table(g, "modes", several.modes.data(), n, static_cast<hsize_t>(several.modes.rows()));
+  write_number(g, "checked", several.checked);
+  write_number(g, "error_median", several.error_median);
+  write_number(g, "error_worst", several.error_worst);
+  if (!several.reactions.empty()) write_places(make_group(g, "reactions"), several.reactions);
+}
+
 void write_all(hid_t file, const ReducedBody& body, ModeStorage storage) {
   require(body.fixed.size() == static_cast<std::size_t>(body.surface.vertex_count()),
           "'fixed' does not have one value per vertex");
@@ -184,24 +230,7 @@ void write_all(hid_t file, const ReducedBody& body, ModeStorage storage) {
   {
     const Handle g = make_group(file, "sites");
     const auto S = static_cast<hsize_t>(body.sites.size());
-    std::vector<int> vertex, patch_begin{0}, patch;
-    std::vector<float> weights;
-    std::vector<double> direction, full_load;
-    for (const Site& site : body.sites) {
-      vertex.push_back(site.vertex);
-      require(site.weights.size() == site.patch.size(), "a patch needs one weight per vertex");
-      patch.insert(patch.end(), site.patch.begin(), site.patch.end());
-      weights.insert(weights.end(), site.weights.begin(), site.weights.end());
-      patch_begin.push_back(static_cast<int>(patch.size()));
-      for (int k = 0; k < 3; ++k) direction.push_back(site.direction[k]);
-      full_load.push_back(site.full_load);
-    }
-    write_table(g, "vertex", vertex.data(), S, 1);
-    write_table(g, "direction", direction.data(), S, 3);
-    write_table(g, "full_load", full_load.data(), S, 1);
-    write_table(g, "patch_begin", patch_begin.data(), S + 1, 1);
-    write_table(g, "patch", patch.data(), patch.size(), 1);
-    write_table(g, "patch_weights", weights.data(), weights.size(), 1);
+    write_places(g, body.sites);
     const auto L = static_cast<hsize_t>(body.press_depth.rows());
     write_text(g, "between", "nothing: the site is categorical, the nearest one counts");
     write_table(g, "press_depth", body.press_depth.data(), S, L);
@@ -212,6 +241,7 @@ void write_all(hid_t file, const ReducedBody& body, ModeStorage storage) {
   write_field(file, "stress", body.stress, storage, body.error.stress_rounding);
   if (!body.is_settled()) write_further(file, body);
   if (body.volume) write_volume(file, *body.volume, storage, body.error);
+  if (body.several) write_several(file, *body.several);
   {
     const Handle g = make_group(file, "error");
     write_number(g, "displacement_pooled", body.error.displacement_pooled);
@@ -334,49 +364,57 @@ void read_surface(hid_t file, ReducedBody& body) {
   body.fixed = read_table<std::uint8_t>(g, "fixed", vertices.rows, 1).data;
 }
 
-void read_sites(hid_t file, ReducedBody& body) {
-  const Handle g = open_group(file, "sites");
+// @param what  "site" or so, for messages
+std::vector<Site> read_places(hid_t g, int V, const char* what) {
   const Table<int> vertex = read_table<int>(g, "vertex");
   const hsize_t S = vertex.rows;
-  require(S >= 1 && vertex.columns == 1, "the body has no site");
+  require(S >= 1 && vertex.columns == 1, fmt::format("the body has no {}", what));
   const Table<double> direction = read_table<double>(g, "direction", S, 3);
   const Table<double> full_load = read_table<double>(g, "full_load", S, 1);
   const Table<int> begin = read_table<int>(g, "patch_begin", S + 1, 1);
   const Table<int> patch = read_table<int>(g, "patch");
   const Table<float> weights = read_table<float>(g, "patch_weights", patch.rows, 1);
-  const Table<double> depth = read_table<double>(g, "press_depth");
-  require(depth.rows == S, "press_depth does not have one row per site");
-  require(all_finite(direction.data) && all_finite(full_load.data) && all_finite(weights.data) &&
-              all_finite(depth.data),
-          "a number of the sites is not finite");
-  const int V = body.surface.vertex_count();
+  require(all_finite(direction.data) && all_finite(full_load.data) && all_finite(weights.data),
+          fmt::format("a number of the {}s is not finite", what));
   const auto is_vertex = [V](int v) { return v >= 0 && v < V; };
   require(begin.data.front() == 0 && static_cast<hsize_t>(begin.data.back()) == patch.rows,
           "the patches do not cover their table");
+  std::vector<Site> sites;
   for (std::size_t s = 0; s < S; ++s) {
     Site site;
     site.vertex = vertex.data[s];
     site.direction = Eigen::Map<const Eigen::Vector3d>(direction.data.data() + 3 * s);
     site.full_load = full_load.data[s];
+    const auto name = [&] { return fmt::format("{} {}", what, s); };
     const int first = begin.data[s], end = begin.data[s + 1];
     require(0 <= first && first < end && static_cast<hsize_t>(end) <= patch.rows,
-            fmt::format("site {} has no patch", s));
+            name() + " has no patch");
     site.patch.assign(patch.data.begin() + first, patch.data.begin() + end);
     site.weights.assign(weights.data.begin() + first, weights.data.begin() + end);
     double sum = 0;
     for (std::size_t k = 0; k < site.patch.size(); ++k) {
-      require(is_vertex(site.patch[k]), fmt::format("site {} has a patch off the surface", s));
-      require(site.weights[k] >= 0.0f, fmt::format("site {} has a negative weight", s));
+      require(is_vertex(site.patch[k]), name() + " has a patch off the surface");
+      require(site.weights[k] >= 0.0f, name() + " has a negative weight");
       sum += site.weights[k];
     }
     require(is_vertex(site.vertex) && site.patch.front() == site.vertex,
-            fmt::format("site {} does not lie in its own patch", s));
-    require(std::abs(sum - 1.0) < 1e-3, fmt::format("the weights of site {} do not sum to 1", s));
+            name() + " does not lie in its own patch");
+    require(std::abs(sum - 1.0) < 1e-3, "the weights of " + name() + " do not sum to 1");
     require(std::abs(site.direction.norm() - 1.0) < 1e-6,
-            fmt::format("the load direction of site {} is not a unit vector", s));
-    require(site.full_load > 0.0, fmt::format("site {} has no load", s));
-    body.sites.push_back(std::move(site));
+            "the load direction of " + name() + " is not a unit vector");
+    require(site.full_load > 0.0, name() + " has no load");
+    sites.push_back(std::move(site));
   }
+  return sites;
+}
+
+void read_sites(hid_t file, ReducedBody& body) {
+  const Handle g = open_group(file, "sites");
+  body.sites = read_places(g, body.surface.vertex_count(), "site");
+  const auto S = static_cast<hsize_t>(body.sites.size());
+  const Table<double> depth = read_table<double>(g, "press_depth");
+  require(depth.rows == S, "press_depth does not have one row per site");
+  require(all_finite(depth.data), "a press depth is not finite");
   body.press_depth = as_matrix<Eigen::MatrixXd>(depth);
   for (std::size_t s = 0; s < S; ++s) {
     const auto column = body.press_depth.col(static_cast<Eigen::Index>(s));
@@ -473,6 +511,45 @@ void read_volume(hid_t file, ReducedBody& body) {
   body.volume = std::move(volume);
 }
 
+void read_several(hid_t file, ReducedBody& body) {
+  const Handle g = open_group(file, "several_loads");
+  // Newton's method on more would not be live: its quartic coefficients are 17 MB then.
+  constexpr hsize_t kMostModes = 64;
+  const Table<float> modes = read_table<float>(g, "modes");
+  const auto V = static_cast<hsize_t>(body.surface.vertex_count());
+  require(modes.rows >= 1 && modes.rows <= kMostModes && modes.columns == 3 * V,
+          "the modes of several loads are not those of this surface");
+  const auto n = static_cast<int>(modes.rows);
+  const auto column = [&](const char* name, int order) -> Eigen::VectorXd {
+    const auto rows = static_cast<hsize_t>(distinct_count(n, order));
+    const Table<double> table = read_table<double>(g, name, rows, 1);
+    require(all_finite(table.data), fmt::format("'{}' is not a number somewhere", name));
+    return Eigen::Map<const Eigen::VectorXd>(table.data.data(), static_cast<Eigen::Index>(rows));
+  };
+  SeveralLoads several{
+      energy_of(n, {column("quadratic", 2), column("cubic", 3), column("quartic", 4)}),
+      as_matrix<Eigen::MatrixXf>(modes)};
+  require(several.modes.allFinite(), "a mode of several loads is not a number somewhere");
+  Eigen::MatrixXd K(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    for (Eigen::Index i = 0; i < n; ++i) K(i, j) = several.energy.K[pair_row(i, j)];
+  }
+  require(K.llt().info() == Eigen::Success, "the energy of several loads does not hold the body");
+  if (has_link(g, "reactions")) {
+    several.reactions =
+        read_places(open_group(g, "reactions"), body.surface.vertex_count(), "reaction");
+  }
+  const double checked = read_number(g, "checked");
+  several.error_median = read_number(g, "error_median");
+  several.error_worst = read_number(g, "error_worst");
+  require(checked >= 0 && checked <= 1e6 && std::isfinite(several.error_worst) &&
+              0 <= several.error_median && several.error_median <= several.error_worst,
+          "the error of several loads is none");
+  several.checked = static_cast<int>(checked);
+  require(body.is_settled(), "several loads do not go with further parameters");
+  body.several = std::move(several);
+}
+
 void check_axes(const ReducedBody& body) {
   const auto S = static_cast<Eigen::Index>(body.sites.size());
   for (const SeparatedField* field : {&body.displacement, &body.stress}) {
@@ -562,6 +639,7 @@ ReducedBody read_all(hid_t file) {
   check_press(body);
   if (!body.is_settled()) read_further(file, body);
   if (has_link(file, "volume")) read_volume(file, body);
+  if (has_link(file, "several_loads")) read_several(file, body);
   {
     const Handle g = open_group(file, "error");
     body.error.displacement_pooled = read_number(g, "displacement_pooled");

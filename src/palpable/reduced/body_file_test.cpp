@@ -73,6 +73,9 @@ ReducedBody reported_ball() {
   return body;
 }
 
+// Of a settled body: several loads at once.
+ReducedBody several_ball() { return test::with_several(small_ball()); }
+
 void check_same(const SeparatedField& a, const SeparatedField& b) {
   CHECK(a.modes() == b.modes());
   REQUIRE(a.axes().size() == b.axes().size());
@@ -81,6 +84,17 @@ void check_same(const SeparatedField& a, const SeparatedField& b) {
     CHECK(a.axes()[j].samples == b.axes()[j].samples);
     CHECK(a.axes()[j].functions == b.axes()[j].functions);
     CHECK(a.axes()[j].between == b.axes()[j].between);
+  }
+}
+
+void check_same(const std::vector<Site>& a, const std::vector<Site>& b) {
+  REQUIRE(a.size() == b.size());
+  for (std::size_t s = 0; s < b.size(); ++s) {
+    CHECK(a[s].vertex == b[s].vertex);
+    CHECK(a[s].patch == b[s].patch);
+    CHECK(a[s].weights == b[s].weights);
+    CHECK(a[s].direction == b[s].direction);
+    CHECK(a[s].full_load == b[s].full_load);
   }
 }
 
@@ -99,7 +113,7 @@ ReducedBody written_and_read(const ReducedBody& body, ModeStorage storage = Mode
 }
 
 TEST_CASE("a body that was written is read back the same", "[reduced][files]") {
-  for (const ReducedBody& body : {small_ball(), full_ball(), reported_ball()}) {
+  for (const ReducedBody& body : {small_ball(), full_ball(), reported_ball(), several_ball()}) {
     const ReducedBody again = written_and_read(body);
     CHECK(again.name == body.name);
     CHECK(again.material == body.material);
@@ -125,13 +139,17 @@ TEST_CASE("a body that was written is read back the same", "[reduced][files]") {
       CHECK(again.error.held_out->displacement_pooled == held_out->displacement_pooled);
       CHECK(again.error.held_out->von_mises == held_out->von_mises);
     }
-    REQUIRE(again.sites.size() == body.sites.size());
-    for (std::size_t s = 0; s < body.sites.size(); ++s) {
-      CHECK(again.sites[s].vertex == body.sites[s].vertex);
-      CHECK(again.sites[s].patch == body.sites[s].patch);
-      CHECK(again.sites[s].weights == body.sites[s].weights);
-      CHECK(again.sites[s].direction == body.sites[s].direction);
-      CHECK(again.sites[s].full_load == body.sites[s].full_load);
+    check_same(again.sites, body.sites);
+    REQUIRE(again.several.has_value() == body.several.has_value());
+    if (const auto& several = body.several) {
+      CHECK(again.several->energy.K == several->energy.K);
+      CHECK(again.several->energy.C == several->energy.C);
+      CHECK(again.several->energy.D == several->energy.D);
+      CHECK(again.several->modes == several->modes);
+      check_same(again.several->reactions, several->reactions);
+      CHECK(again.several->checked == several->checked);
+      CHECK(again.several->error_median == several->error_median);
+      CHECK(again.several->error_worst == several->error_worst);
     }
     check_same(again.displacement, body.displacement);
     check_same(again.stress, body.stress);
@@ -226,6 +244,7 @@ TEST_CASE("a file of layout 1 is read for ever", "[reduced][files]") {
     }
     CHECK(one.press_depth(3, 2) == Approx(here.press_depth(3, 2)));
     CHECK(body.error.between_sites == (full ? std::optional(0.26) : std::nullopt));
+    CHECK_FALSE(body.several);  // such a file answers one load at a time
   }
 }
 
@@ -322,6 +341,44 @@ TEST_CASE("a body that breaks a rule of its own is not written over a good one",
   }
 }
 
+TEST_CASE("an energy of several loads that breaks a rule is not written", "[reduced][errors]") {
+  const Folder folder;
+  const std::vector<std::pair<std::string, std::function<void(SeveralLoads&)>>> faults{
+      {"not those of this surface", [](auto& s) { s.modes.conservativeResize(30, 4); }},
+      {"not those of their energy", [](auto& s) { s.modes.conservativeResize(s.modes.rows(), 3); }},
+      {"not those of their energy", [](auto& s) { s.energy.K.conservativeResize(9); }},
+      {"a mode of several loads is not a number", [](auto& s) { s.modes(7, 1) = NAN; }},
+      {"'quadratic' is not a number", [](auto& s) { s.energy.K[3] = NAN; }},
+      {"'cubic' is not a number", [](auto& s) { s.energy.C(2, 3) = INFINITY; }},
+      {"'quartic' is not a number", [](auto& s) { s.energy.D(4, 9) = NAN; }},
+      {"does not hold the body", [](auto& s) { s.energy.K[5] = -s.energy.K[5]; }},
+      {"reaction 0 has no load", [](auto& s) { s.reactions[0].full_load = 0; }},
+      {"reaction 0 has a patch off", [](auto& s) { s.reactions[0].patch[0] = -1; }},
+      {"load direction of reaction 0", [](auto& s) { s.reactions[0].direction *= 1.5; }},
+      {"error of several loads is none", [](auto& s) { s.error_worst = NAN; }},
+      {"error of several loads is none", [](auto& s) { s.error_median = 0.03; }},
+      {"error of several loads is none", [](auto& s) { s.checked = -1; }},
+  };
+  const auto message = [&](const ReducedBody& body) {
+    try {
+      write_body_file(folder / "ball.palpable", body);
+    } catch (const Error& error) { return std::string(error.what()); }
+    return std::string("(written)");
+  };
+  for (const auto& [expected, spoil] : faults) {
+    ReducedBody body = several_ball();
+    spoil(*body.several);
+    CHECK_THAT(message(body), Catch::Contains(expected));
+    CHECK_FALSE(fs::exists(folder / "ball.palpable"));
+  }
+  CHECK_THAT(message(test::with_further(several_ball())),
+             Catch::Contains("do not go with further parameters"));
+  // No reactions is a rule of its own: several presses at the sites.
+  ReducedBody no_reactions = several_ball();
+  no_reactions.several->reactions.clear();
+  CHECK(written_and_read(no_reactions).several->reactions.empty());
+}
+
 TEST_CASE("a folder that does not exist is a clear error", "[reduced][errors]") {
   CHECK_THROWS_WITH(write_body_file("/nowhere/ball.palpable", small_ball()),
                     Catch::Contains("/nowhere/ball.palpable: cannot be created"));
@@ -339,7 +396,7 @@ TEST_CASE("a full disk is a clear error and leaves the old file", "[reduced][err
 TEST_CASE("a truncated body file is refused at every length", "[reduced][fuzz]") {
   const Folder folder;
   const fs::path path = folder / "ball.palpable";
-  write_body_file(path, full_ball(), ModeStorage::kFloat16);
+  write_body_file(path, several_ball(), ModeStorage::kFloat16);
   const std::string good = bytes_of(path);
   for (std::size_t n = 0; n < good.size(); n += 1 + good.size() / 200) {
     write_bytes(path, good.substr(0, n));
@@ -350,9 +407,13 @@ TEST_CASE("a truncated body file is refused at every length", "[reduced][fuzz]")
 TEST_CASE("a body file with one changed byte is refused", "[reduced][fuzz]") {
   const Folder folder;
   const fs::path path = folder / "ball.palpable";
+  std::array<std::string, 2> files;
   write_body_file(path, full_ball(), ModeStorage::kFloat16);
-  const std::string good = bytes_of(path);
+  files[0] = bytes_of(path);
+  write_body_file(path, several_ball());
+  files[1] = bytes_of(path);
   for (unsigned seed = 0; seed < 500; ++seed) {
+    const std::string& good = files[seed / 2 % 2];
     auto random = test::random_case(seed);
     std::string damaged = good;
     // Half of the hits go to the first kilobytes, where the structure lies.

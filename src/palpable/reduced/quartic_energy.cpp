@@ -2,6 +2,8 @@
 
 #include "palpable/base/contract.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace palpable {
@@ -9,6 +11,58 @@ namespace palpable {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+namespace {
+
+// Place of (i, j, k, l), in any order; of three or two indices likewise.
+template <std::size_t kOrder>
+Index place(std::array<Index, kOrder> indices) {
+  std::sort(indices.begin(), indices.end());
+  Index sum = 0;
+  for (std::size_t k = 0; k < kOrder; ++k) {
+    sum += distinct_count(indices[k], static_cast<int>(k) + 1);
+  }
+  return sum;
+}
+
+}  // namespace
+
+DistinctCoefficients distinct_coefficients(const QuarticEnergy& energy) {
+  const Index n = energy.modes();
+  DistinctCoefficients result{energy.K, VectorXd(distinct_count(n, 3)),
+                              VectorXd(distinct_count(n, 4))};
+  for (Index j = 0; j < n; ++j) {
+    for (Index i = 0; i <= j; ++i) {
+      for (Index l = j; l < n; ++l) {
+        result.cubic[place<3>({i, j, l})] = energy.C(pair_row(i, j), l);
+        for (Index k = j; k <= l; ++k) {
+          result.quartic[place<4>({i, j, k, l})] = energy.D(pair_row(i, j), pair_row(k, l));
+        }
+      }
+    }
+  }
+  return result;
+}
+
+QuarticEnergy energy_of(int modes, const DistinctCoefficients& coefficients) {
+  const Index n = modes, P = distinct_count(n, 2);
+  PALPABLE_EXPECT(n >= 1 && coefficients.quadratic.size() == P &&
+                      coefficients.cubic.size() == distinct_count(n, 3) &&
+                      coefficients.quartic.size() == distinct_count(n, 4),
+                  "coefficients of n modes");
+  QuarticEnergy energy{coefficients.quadratic, MatrixXd(P, n), MatrixXd(P, P)};
+  for (Index j = 0; j < n; ++j) {
+    for (Index i = 0; i <= j; ++i) {
+      for (Index l = 0; l < n; ++l) {
+        energy.C(pair_row(i, j), l) = coefficients.cubic[place<3>({i, j, l})];
+        for (Index k = 0; k <= l; ++k) {
+          energy.D(pair_row(i, j), pair_row(k, l)) = coefficients.quartic[place<4>({i, j, k, l})];
+        }
+      }
+    }
+  }
+  return energy;
+}
 
 QuarticEquilibrium::QuarticEquilibrium(const QuarticEnergy& energy) : energy_(energy) {
   const Index n = energy.modes(), P = n * (n + 1) / 2;

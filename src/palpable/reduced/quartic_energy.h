@@ -27,6 +27,25 @@ struct QuarticEnergy {
   return i <= j ? j * (j + 1) / 2 + i : i * (i + 1) / 2 + j;
 }
 
+/// The coefficients that differ: what a body file holds. Of each set of equal ones that with
+/// i <= j <= k <= l, the last index running slowest.
+struct DistinctCoefficients {
+  Eigen::VectorXd quadratic;  ///< (n (n + 1) / 2) J, K_ij: 00 01 11 02 12 22 ...
+  Eigen::VectorXd cubic;      ///< (n (n + 1) (n + 2) / 6) J, C_ijk: 000 001 011 111 002 ...
+  Eigen::VectorXd quartic;    ///< (n (n + 1) (n + 2) (n + 3) / 24) J, D_ijkl
+};
+[[nodiscard]] DistinctCoefficients distinct_coefficients(const QuarticEnergy& energy);
+
+/// The other way. @pre sizes are those of n modes
+[[nodiscard]] QuarticEnergy energy_of(int n, const DistinctCoefficients& coefficients);
+
+/// How many sets of `order` equal indices of n there are: n (n + 1) ... (n + order - 1) / order!.
+[[nodiscard]] constexpr Eigen::Index distinct_count(Eigen::Index n, int order) {
+  Eigen::Index count = 1;
+  for (int k = 0; k < order; ++k) count = count * (n + k) / (k + 1);
+  return count;
+}
+
 /// Newton's method on dW/dq = f, from any start. Allocates at construction only.
 class QuarticEquilibrium {
  public:

@@ -43,6 +43,26 @@ QuarticEnergy some_energy(Index n, double curved) {
   return energy;
 }
 
+TEST_CASE("of equal coefficients one is kept, and all come back", "[reduced][several]") {
+  const QuarticEnergy energy = some_energy(5, 0.3);
+  const DistinctCoefficients distinct = distinct_coefficients(energy);
+  CHECK(distinct.quadratic.size() == 15);
+  CHECK(distinct.cubic.size() == 35);
+  CHECK(distinct.quartic.size() == 70);
+  // 000 001 011 111 002 012 112 022 122 222: the last index runs slowest.
+  CHECK(distinct.cubic[5] == energy.C(pair_row(0, 1), 2));
+  CHECK(distinct.cubic[8] == energy.C(pair_row(2, 2), 1));
+  CHECK(distinct.quartic[69] == energy.D(14, 14));
+  const QuarticEnergy again = energy_of(5, distinct);
+  CHECK(again.K == energy.K);
+  CHECK((again.C - energy.C).norm() <=
+        tolerance(1e-14, "three terms summed in any order") * energy.C.norm());
+  CHECK((again.D - energy.D).norm() <= tolerance(1e-14, "likewise") * energy.D.norm());
+  const DistinctCoefficients once_more = distinct_coefficients(again);
+  CHECK(once_more.cubic == distinct.cubic);
+  CHECK(once_more.quartic == distinct.quartic);
+}
+
 TEST_CASE("the derivatives are those of the energy", "[reduced][several]") {
   const QuarticEnergy energy = some_energy(5, 0.3);
   QuarticEquilibrium body(energy);

@@ -8,6 +8,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/geometry/surface_mesh.h"
+#include "palpable/reduced/quartic_energy.h"
 #include "palpable/reduced/separated_field.h"
 
 #include <Eigen/Core>
@@ -88,6 +89,22 @@ struct BodyVolume {
   std::optional<SeparatedField> stress = {};  ///< (6n) Pa
 };
 
+/// What it takes to load a body at several places at once (loaded_body.h). A body without it
+/// answers one load at a time.
+///   n  modes
+struct SeveralLoads {
+  QuarticEnergy energy;   ///< (n) K is positive definite
+  Eigen::MatrixXf modes;  ///< (3V x n) m: what the skin does at amplitude 1 of each
+  /// (R) where something may push back beside a press at the body's own sites; perhaps none.
+  std::vector<Site> reactions = {};
+  /// Displacement of the whole volume under a press and a reaction, against `checked` states solved
+  /// afresh: relative L2, own norm. 0 states: not known.
+  int checked = 0;
+  double error_median = 0, error_worst = 0;
+
+  [[nodiscard]] int mode_count() const { return energy.modes(); }
+};
+
 /// The body file's content. Plain data; read_body_file has checked every rule stated here.
 struct ReducedBody {
   std::string name;                 ///< e.g. "bunny"
@@ -122,6 +139,7 @@ struct ReducedBody {
   Eigen::MatrixXd further_full_load = {};    ///< (S x K) N; empty when settled
 
   std::optional<BodyVolume> volume = {};
+  std::optional<SeveralLoads> several = {};  ///< of settled bodies only
 
   [[nodiscard]] const Eigen::VectorXd& levels() const { return displacement.axes()[1].samples; }
   /// Whether the fields hang on site and level alone, as the frame loop needs it.

@@ -26,6 +26,16 @@ ReducedBody scaled(const ReducedBody& body, double factor) {
     result.volume->displacement = larger(body.volume->displacement);
   }
   for (Site& site : result.sites) site.full_load *= factor * factor;
+  if (result.several) {
+    SeveralLoads& several = *result.several;
+    // The same strains in factor^3 of the volume.
+    for (auto* coefficients : {&several.energy.C, &several.energy.D}) {
+      *coefficients *= factor * factor * factor;
+    }
+    several.energy.K *= factor * factor * factor;
+    several.modes *= static_cast<float>(factor);
+    for (Site& site : several.reactions) site.full_load *= factor * factor;
+  }
   result.provenance.emplace_back("scaled by", fmt::format("{}", factor));
   return result;
 }

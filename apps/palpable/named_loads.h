@@ -1,0 +1,16 @@
+/// @file
+/// Loads as a user names them: a point of the body and a force.
+#pragma once
+
+#include "palpable/reduced/loaded_body.h"
+
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+
+/// "X,Y,Z=F" each: m in the body's frame, N. @throws Error for another form, and as load_at()
+[[nodiscard]] std::vector<PlacedLoad> parse_loads(const ReducedBody& body,
+                                                  const std::vector<std::string>& texts);
+
+}  // namespace palpable::app
