@@ -104,7 +104,9 @@ TEST_CASE("left out, every second position is met; a linear body is not", "[bake
   CHECK(held_out.global <= tolerance(5e-3, "positions 2.5 cm apart and patches of that size"));
   CHECK(held_out.worst <= tolerance(0.03, "likewise"));
   CHECK(held_out.worst > held_out.global);
+  // About 0.55 of deflection over length (0.15), by prototypes: it lacks the shortening.
   CHECK(linear_model_error(m.table) > 0.05);
+  CHECK(linear_model_error(m.table) < 0.2);
 }
 
 TEST_CASE("a body differs from itself in nothing, from a poorer one by what that lacks",
@@ -120,7 +122,7 @@ TEST_CASE("a body differs from itself in nothing, from a poorer one by what that
   const BodyDifference some = body_difference(poorer, body);
   CHECK(some.shared == none.shared - 1);
   // Its full load is half of the other's: at equal forces its levels are twice those.
-  CHECK(some.displacement_pooled > 0.3);
+  CHECK(some.displacement_pooled > 0.8);
   CHECK(some.displacement_median <= some.displacement_worst);
   CHECK(some.stress_worst > 0.0);
   poorer.sites.clear();
