@@ -86,7 +86,7 @@ void press(const Options& options) {
     if (options.json) continue;
     const Eigen::Vector3d X = body.surface.vertices.col(at.vertex);
     fmt::print(
-        "{:<20}{:.4g} N at {} {} ({:.4g}, {:.4g}, {:.4g}) m, which moves {:.4g} mm along it\n",
+        "{:<22}{:.4g} N at {} {} ({:.4g}, {:.4g}, {:.4g}) m, which moves {:.4g} mm along it\n",
         fmt::format("load {}", k + 1), loads[k].level * at.full_load,
         reaction ? "reaction" : "site", loads[k].place - (reaction ? S : 0), X[0], X[1], X[2],
         1e3 * answer.depth[k]);
@@ -99,15 +99,15 @@ void press(const Options& options) {
     fmt::print("{}\n", result.dump(2));
     return;
   }
-  fmt::print("{:<20}{:.4g} mm, at ({:.4g}, {:.4g}, {:.4g}) m\n", "largest displacement",
+  fmt::print("{:<22}{:.4g} mm, at ({:.4g}, {:.4g}, {:.4g}) m\n", "largest displacement",
              1e3 * largest, where[0], where[1], where[2]);
   if (answer.largest_von_mises) {
-    fmt::print("{:<20}{:.3g} kPa (von Mises)\n", "largest stress",
+    fmt::print("{:<22}{:.3g} kPa (von Mises)\n", "largest stress",
                1e-3 * *answer.largest_von_mises);
   } else {
-    fmt::print("{:<20}not known under several loads\n", "largest stress");
+    fmt::print("{:<22}not known under several loads\n", "largest stress");
   }
-  fmt::print("{:<20}{:.2e} of the displacement, relative L2, at the worst that was checked\n",
+  fmt::print("{:<22}{:.2e} of the displacement, relative L2, at the worst that was checked\n",
              "error", answer.error);
 }
 

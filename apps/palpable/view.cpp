@@ -419,8 +419,9 @@ void run_view(ViewOptions options) {
                             options.body.string(), site_count - 1));
   }
   if (options.modes > 0) {
-    write_modes(body, options, size,
-                options.out.empty() ? options.body.stem().string() + "_view" : options.out);
+    write_modes(
+        body, options, size,
+        options.out.empty() ? fs::path(options.body.stem().string() + "_view") : options.out);
     return;
   }
   if (!options.out.empty()) {
