@@ -170,7 +170,8 @@ TEST_CASE("a point off the skin or off the loaded faces, and a force out of rang
   const Vector3d slope(0, 0, 0.05), north = Vector3d(-1, 0, 3).normalized(),
                                     side = Vector3d(-1, 1, 0).normalized();
   CHECK(load_at(wide, slope + 0.05 * north, 1).value().place == 4);
-  wide.sites = {over_all};
+  wide.several.reset();
+  wide.sites = {Site(over_all)};
   CHECK_FALSE(load_at(wide, slope + 0.05 * side, 1).ok());
 }
 
