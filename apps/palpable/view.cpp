@@ -453,17 +453,20 @@ void add_view(CLI::App& app) {
       view->add_option("--level", options->level, "How hard, 0 to 1 of the site's full load")
           ->check(CLI::Range(0.0, 1.0))
           ->capture_default_str();
-  view->add_option("--load", options->load,
-                   "Press with this force (N) at this point of the skin (m, body frame, at rest)")
-      ->type_name("X,Y,Z=F")
-      ->excludes(site)
-      ->excludes(level);
+  auto* load =
+      view->add_option(
+              "--load", options->load,
+              "Press with this force (N) at this point of the skin (m, body frame, at rest)")
+          ->type_name("X,Y,Z=F")
+          ->excludes(site)
+          ->excludes(level);
   view->add_option("--modes", options->modes,
                    "Instead: the first so many modes of displacement, and their functions of where "
                    "the load is, as modes.png in the folder of --out")
       ->check(CLI::Range(1, 16))
       ->excludes(site)
-      ->excludes(level);
+      ->excludes(level)
+      ->excludes(load);
   add_set_option(*view, options->set);
   view->add_option("--size", options->size, "Pixels of window and pictures, WIDTHxHEIGHT")
       ->capture_default_str();

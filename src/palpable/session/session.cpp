@@ -132,7 +132,7 @@ struct Session::Parts {
   void find_moving(const SeenFrame& seen, Scene& scene);
   void find_camera(const SeenFrame& seen, Scene& scene);
   void learn_scene(const SeenFrame& seen, const Scene& scene);
-  bool find_contact_depth(const SeenFrame& seen, const Rigid3& camera_from_world);
+  bool find_contact_depth(const SeenFrame& seen, const TrackedPose& tracked);
   std::optional<Touch> touch_of_frame(double time);
   void reconstruct(Scene& scene);
 
@@ -147,7 +147,8 @@ struct Session::Parts {
   std::optional<MovingMask> mover;
   std::optional<SurfaceMap> map;
   double last_fused = -std::numeric_limits<double>::infinity();
-  TrackedPose last_camera;                  // of the frame before
+  // Of the frame before. Before the first one it stands where the world begins.
+  TrackedPose last_camera{.state = TrackState::kFixed};
   Rigid3 last_motion = Rigid3::Identity();  // last_from_this, of the frame before
   std::optional<StaticBackground> background;
   Rigid3 learnt_from_world = Rigid3::Identity();  // the camera when the background was learnt
@@ -166,7 +167,7 @@ struct Session::Parts {
 // What moves, seen from where the camera should be by now: with the motion of the frame before.
 void Session::Parts::find_moving(const SeenFrame& seen, Scene& scene) {
   scene.moving = nullptr;
-  if (!mover || last_camera.state == TrackState::kLost) return;
+  if (!mover || !is_known(last_camera)) return;
   const MaskImage& mask =
       mover->find(seen, last_camera.world_from_camera * last_motion, &map.value());
   const auto moving = std::count_if(mask.begin(), mask.end(), [](auto m) { return m != 0; });
@@ -177,13 +178,11 @@ void Session::Parts::find_moving(const SeenFrame& seen, Scene& scene) {
 
 // Takes the frame into the free space and the map, if it is known where it was seen from.
 void Session::Parts::learn_scene(const SeenFrame& seen, const Scene& scene) {
-  const bool looked = mover && last_camera.state != TrackState::kLost;
-  const bool lost = scene.camera.state == TrackState::kLost;
-  last_motion = lost || last_camera.state == TrackState::kLost
-                    ? Rigid3::Identity()
-                    : last_camera.world_from_camera.inverse() * scene.camera.world_from_camera;
+  const bool both = is_known(last_camera) && is_known(scene.camera);
+  last_motion = both ? last_camera.world_from_camera.inverse() * scene.camera.world_from_camera
+                     : Rigid3::Identity();
   last_camera = scene.camera;
-  if (!looked || lost || scene.moving == nullptr) return;
+  if (!mover || !both || scene.moving == nullptr) return;
   mover->learn(scene.camera.world_from_camera);
   if (seen.time - last_fused < kFuseEvery) return;
   last_fused = seen.time;
@@ -204,6 +203,8 @@ void Session::Parts::find_camera(const SeenFrame& seen, Scene& scene) {
     frame.depth = &seen.depth;
     frame.moving = scene.moving;
     scene.camera = tracker->track(frame);
+    // It was found from a pose that turns out to be wrong.
+    if (!is_known(scene.camera)) scene.moving = nullptr;
   }
   // A camera that has not moved sees the body where it was put, to the bit.
   scene.camera_from_body = scene.camera.world_from_camera.matrix().isIdentity(0)
@@ -212,8 +213,13 @@ void Session::Parts::find_camera(const SeenFrame& seen, Scene& scene) {
 }
 
 // What may press in this frame; false while the background is being learnt.
-bool Session::Parts::find_contact_depth(const SeenFrame& seen, const Rigid3& camera_from_world) {
+bool Session::Parts::find_contact_depth(const SeenFrame& seen, const TrackedPose& tracked) {
   contact_depth.resize(seen.depth.width(), seen.depth.height());
+  if (tracked.state == TrackState::kLost) {  // what is seen lies nobody knows where: it lets go
+    std::fill(contact_depth.begin(), contact_depth.end(), std::numeric_limits<float>::quiet_NaN());
+    return !background || background->ready();
+  }
+  const Rigid3 camera_from_world = tracked.world_from_camera.inverse();
   std::copy(seen.depth.begin(), seen.depth.end(), contact_depth.begin());
   if (background && !background->ready()) {
     background->learn(contact_depth);
@@ -304,7 +310,7 @@ void Session::respond(const SeenFrame& seen, Scene& scene) {
   bool may_press = false;
   {
     const StageTimer timer(scene.times, "background");
-    may_press = p.find_contact_depth(seen, scene.camera.world_from_camera.inverse());
+    may_press = p.find_contact_depth(seen, scene.camera);
   }
   if (may_press) {
     const StageTimer timer(scene.times, "contact");

@@ -293,5 +293,24 @@ TEST_CASE("the body stays where it was put in the room while the camera moves, i
   CHECK(followed.tracker_counts().lost == 0);
 }
 
+TEST_CASE("nothing presses while the camera is lost, and the mask is not given", "[session]") {
+  SessionSettings settings;
+  settings.track = true;
+  settings.map = true;
+  Session session = make_session(settings);
+  int number = 0;
+  for (const double x : {0.0, 0.0, 0.01, 0.02, 0.03, 0.02, 0.01, 0.0}) {
+    CHECK(session.process(frame_of_wall(number++, x)).moving != nullptr);
+  }
+  for (int n = 0; n < 5; ++n) {
+    Frame frame = frame_with_finger(number++, 0.006);
+    std::fill(frame.left.begin(), frame.left.end(), Rgb{0, 0, 0});
+    const Scene& scene = session.process(frame);
+    REQUIRE(scene.camera.state == TrackState::kLost);
+    CHECK(scene.touches.empty());
+    CHECK(scene.moving == nullptr);
+  }
+}
+
 }  // namespace
 }  // namespace palpable

@@ -37,8 +37,12 @@ cv::Mat descriptors_of(const Features& features) {
 
 Thumbnail thumbnail_of(const GrayImage& image) {
   cv::Mat small;
-  cv::resize(gray(image), small, cv::Size(kThumbnailWidth, kHeight), 0, 0, cv::INTER_AREA);
-  cv::GaussianBlur(small, small, cv::Size(), 1.2);
+  try {
+    cv::resize(gray(image), small, cv::Size(kThumbnailWidth, kHeight), 0, 0, cv::INTER_AREA);
+    cv::GaussianBlur(small, small, cv::Size(), 1.2);
+  } catch (const cv::Exception&) {  // out of memory: it is like nothing
+    return {};
+  }
   Thumbnail result(small.begin<std::uint8_t>(), small.end<std::uint8_t>());
   float mean = 0, squares = 0;
   for (const float value : result) mean += value;

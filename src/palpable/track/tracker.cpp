@@ -15,9 +15,11 @@
 #include <deque>
 #include <future>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <span>
+#include <system_error>
 #include <utility>
 
 namespace palpable {
@@ -601,6 +603,7 @@ void Tracker::Parts::accept(const TrackerFrame& frame, double dt) {
   step_time = dt;
   if (!was_known) error_px = 1e9;
   state = TrackState::kTracking;
+  watch = {};  // what it shows is where the camera stood: it would be taken for where it is
   std::vector<double> depths;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (fit.inlier[i] != 0) depths.push_back((camera_from_world * points[i].x_in_world).z());
@@ -812,8 +815,15 @@ void Tracker::Parts::ask_adjustment(const TrackerFrame& frame) {
       if (pose >= 0) job.problem.sightings.push_back({pose, point, s.seen});
     }
   }
-  pending = std::async(settings.adjust_on_thread ? std::launch::async : std::launch::deferred,
-                       [work = std::move(job)]() mutable { return worked_out(std::move(work)); });
+  const auto work = std::make_shared<Adjustment>(std::move(job));
+  const auto work_out = [work] { return worked_out(std::move(*work)); };
+  pending = std::async(std::launch::deferred, work_out);
+  if (settings.adjust_on_thread) {
+    try {
+      pending = std::async(std::launch::async, work_out);
+    } catch (const std::system_error&) {  // no thread to be had: the same numbers, later
+    }
+  }
   pending_due = counts.frames + kLatency;
 }
 

@@ -49,6 +49,11 @@ struct TrackedPose {
   bool keyframe = false;  ///< this frame was kept
 };
 
+/// Whether a frame's points can be said to lie somewhere in the world.
+[[nodiscard]] inline bool is_known(const TrackedPose& pose) {
+  return pose.state == TrackState::kFixed || pose.state == TrackState::kTracking;
+}
+
 struct KeyframePose {
   int number = 0;  ///< of the frame
   double time = 0;

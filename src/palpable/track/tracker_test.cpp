@@ -235,6 +235,27 @@ TEST_CASE(
   CHECK(pose.state == TrackState::kFixed);
 }
 
+TEST_CASE(
+    "a camera that is lost and is back where it once stood is not taken for standing elsewhere",
+    "[track]") {
+  Tracker tracker(settings_of());
+  int number = 0;
+  const Pair start = pair_at(Rigid3::Identity());
+  for (int n = 0; n < 3; ++n) tracker.track(frame_of(start, number++));
+  for (int n = 2; n <= 24; n += 2) {
+    REQUIRE(tracker.track(frame_of(pair_at(walk_pose(n)), number++)).state != TrackState::kLost);
+  }
+  Pair dark = start;
+  std::fill(dark.left.begin(), dark.left.end(), std::uint8_t{0});
+  std::fill(dark.right.begin(), dark.right.end(), std::uint8_t{0});
+  CHECK(tracker.track(frame_of(dark, number++)).state == TrackState::kLost);
+  TrackedPose pose;
+  for (int n = 0; n < 3; ++n) pose = tracker.track(frame_of(start, number++));
+  CHECK(is_known(pose));
+  CHECK(error_of(pose, Rigid3::Identity()) <=
+        tolerance(2e-3, "a third of a pixel at 1.5 m; it was 100 mm away"));
+}
+
 TEST_CASE("images of a wrong size make a lost frame, and settings of nothing are refused",
           "[track]") {
   Tracker tracker(settings_of());

@@ -116,10 +116,12 @@ void StaticBackground::remove_static(DepthImage& depth, const PinholeCamera& cam
   for (int y = 0; y < depth.height(); ++y) {
     for (int x = 0; x < depth.width(); ++x) {
       const float Z = keep_below_(x, y);
-      if (!std::isfinite(Z)) continue;
       const Eigen::Vector3f ray((static_cast<float>(x) - cx) / fx,
                                 (static_cast<float>(y) - cy) / fy, 1);
-      const Eigen::Vector3f at = Z * (R * ray) + t;
+      // What had no depth is taken to lie far away: there everything is new, wherever it is.
+      const bool far = !std::isfinite(Z);
+      const Eigen::Vector3f at =
+          far ? Eigen::Vector3f(R * ray) : Eigen::Vector3f(Z * (R * ray) + t);
       if (!(at.z() > 0.01F)) continue;
       // A point of one pixel fills four, so that a small zoom leaves no gaps between them.
       const float u = fx * at.x() / at.z() + cx;
@@ -131,7 +133,8 @@ void StaticBackground::remove_static(DepthImage& depth, const PinholeCamera& cam
       const int iu = static_cast<int>(u), iv = static_cast<int>(v);
       for (float* to :
            {&moved_(iu, iv), &moved_(iu + 1, iv), &moved_(iu, iv + 1), &moved_(iu + 1, iv + 1)}) {
-        if (*to == 0 || at.z() < *to) *to = at.z();
+        const float limit = far ? Z : at.z();
+        if (*to == 0 || limit < *to) *to = limit;
       }
     }
   }

@@ -47,7 +47,8 @@ class StaticBackground {
   void remove_static(DepthImage& depth) const;
 
   /// The same for a camera that has moved: the limits, as points of the room, are drawn into its
-  /// view. Where the background has not been seen from where it was learnt, all is background.
+  /// view. Where the background has not been seen from where it was learnt, all is background;
+  /// where it was seen but had no depth, it is taken to lie far away, and everything there is new.
   /// Costs about 10 ns per pixel.
   /// @param camera  of the depth images
   /// @param now_from_learnt  the camera's frame while it was learnt -> its frame now
