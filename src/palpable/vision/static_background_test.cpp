@@ -4,6 +4,7 @@
 #include "tests/support/test.h"
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace palpable {
@@ -221,6 +222,26 @@ TEST_CASE("a camera that has moved still sees the desk as what was there, and a 
   // Without the motion the nearer wall would be new nearly everywhere.
   background.remove_static(as_if_still);
   CHECK(known(as_if_still) > kWidth * kHeight / 2);
+}
+
+TEST_CASE("before what never had a depth everything is new, also for a camera that has moved",
+          "[vision][static_background]") {
+  const PinholeCamera camera{kWidth, kHeight, 60, 60, 31.5, 19.5};
+  StaticBackground background(rig_noise(), {.frames = 3});
+  DepthImage half(kWidth, kHeight, 1);  // the left half is a wall, the right half a blank one
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = kWidth / 2; x < kWidth; ++x) half(x, y) = std::numeric_limits<float>::quiet_NaN();
+  }
+  for (int i = 0; i < 3; ++i) background.learn(half);
+  Rigid3 now_from_learnt = Rigid3::Identity();
+  now_from_learnt.translation() = Eigen::Vector3d(0.002, 0, 0);
+  DepthImage depth(kWidth, kHeight, 1);
+  for (int y = 10; y < 20; ++y) {
+    for (int x = 50; x < 60; ++x) depth(x, y) = 0.5F;  // a hand before the blank half
+  }
+  background.remove_static(depth, camera, now_from_learnt);
+  CHECK(depth(55, 15) == 0.5F);
+  CHECK(std::isnan(depth(10, 15)));
 }
 
 }  // namespace
