@@ -6,7 +6,7 @@
 #include "palpable/base/error.h"
 #include "palpable/map/moving_mask.h"
 #include "palpable/map/surface_map.h"
-#include "palpable/track/tracker.h"
+#include "palpable/track/tracker_input.h"
 #include "palpable/vision/depth_camera.h"
 #include "palpable/vision/open_source.h"
 #include "palpable/vision/source_guard.h"
@@ -88,18 +88,6 @@ std::optional<Rigid3> pose_at(const std::vector<TimedPose>& poses, double time) 
   return nearest->world_from_camera;
 }
 
-Tracker tracker_of(const DepthCamera& camera, const FrameFormat& format) {
-  TrackerSettings settings;
-  settings.camera.camera = camera.camera();
-  settings.camera.baseline = kDepthCameraBaseline;
-  settings.noise = camera.noise();
-  if (format.kind == FrameFormat::Kind::kStereo) {
-    settings.camera.baseline = camera.rectified().baseline;
-    settings.disparity_at_infinity_px = camera.rectified().disparity_at_infinity_px;
-  }
-  return Tracker(settings);
-}
-
 // Binary little-endian PLY with a colour per vertex.
 void write_colored_ply(const fs::path& path, const ColoredSurface& mesh) {
   std::ofstream file(path, std::ios::binary);
@@ -133,7 +121,7 @@ void scan(const ScanOptions& options) {
   }
   std::unique_ptr<FrameSource> source = value_or_throw(open_source(request_of(options.input)));
   DepthCamera camera = value_or_throw(DepthCamera::make(source->format()));
-  Tracker tracker = tracker_of(camera, source->format());
+  Tracker tracker(tracker_settings(camera, source->format()));
   SurfaceMapSettings settings;
   settings.voxel = 1e-3 * options.voxel_mm;
   settings.truncation = 4 * settings.voxel;
@@ -161,12 +149,7 @@ void scan(const ScanOptions& options) {
     if (given.empty()) {
       const MaskImage* moving =
           was_known ? &mover.find(seen, last.world_from_camera, &map) : nullptr;
-      last = tracker.track({.number = seen.number,
-                            .time = seen.time,
-                            .left = &seen.left,
-                            .right = seen.right.empty() ? nullptr : &seen.right,
-                            .depth = &seen.depth,
-                            .moving = moving});
+      last = tracker.track(tracker_frame(seen, moving));
     } else if (const auto pose = pose_at(given, seen.time)) {
       last = {.world_from_camera = *pose, .state = TrackState::kTracking};
     } else {

@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/reduced/pressed_surface.h"
+#include "palpable/track/tracker_input.h"
 #include "palpable/vision/depth_edges.h"
 #include "palpable/vision/static_background.h"
 
@@ -65,19 +66,6 @@ SeenSurfaceSettings fitted(SeenSurfaceSettings surface, const DepthCamera& camer
   return surface;
 }
 
-// What follows the camera through frames of this format.
-Tracker tracker_of(const DepthCamera& camera, const FrameFormat& format) {
-  TrackerSettings settings;
-  settings.camera.camera = camera.camera();
-  settings.camera.baseline = kDepthCameraBaseline;
-  settings.noise = camera.noise();
-  if (format.kind == FrameFormat::Kind::kStereo) {
-    settings.camera.baseline = camera.rectified().baseline;
-    settings.disparity_at_infinity_px = camera.rectified().disparity_at_infinity_px;
-  }
-  return Tracker(settings);
-}
-
 // s between two depth images that go into the map.
 constexpr double kFuseEvery = 0.0999;
 
@@ -122,7 +110,7 @@ struct Session::Parts {
       background.emplace(camera.noise(),
                          StaticBackgroundSettings{.frames = settings.static_frames});
     }
-    if (settings.track) tracker.emplace(tracker_of(camera, format));
+    if (settings.track) tracker.emplace(tracker_settings(camera, format));
     if (settings.map) {
       mover.emplace(camera.noise());
       map.emplace(camera.noise());
@@ -195,14 +183,7 @@ void Session::Parts::find_camera(const SeenFrame& seen, Scene& scene) {
   scene.camera = {};
   scene.camera.state = TrackState::kFixed;
   if (tracker) {
-    TrackerFrame frame;
-    frame.number = seen.number;
-    frame.time = seen.time;
-    frame.left = &seen.left;
-    frame.right = seen.right.empty() ? nullptr : &seen.right;
-    frame.depth = &seen.depth;
-    frame.moving = scene.moving;
-    scene.camera = tracker->track(frame);
+    scene.camera = tracker->track(tracker_frame(seen, scene.moving));
     // It was found from a pose that turns out to be wrong.
     if (!is_known(scene.camera)) scene.moving = nullptr;
   }

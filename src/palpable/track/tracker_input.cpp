@@ -1,0 +1,27 @@
+#include "palpable/track/tracker_input.h"
+
+namespace palpable {
+
+TrackerSettings tracker_settings(const DepthCamera& camera, const FrameFormat& format) {
+  TrackerSettings settings;
+  settings.camera = {camera.camera(), kDepthCameraBaseline};
+  settings.noise = camera.noise();
+  if (format.kind == FrameFormat::Kind::kStereo) {
+    settings.camera.baseline = camera.rectified().baseline;
+    settings.disparity_at_infinity_px = camera.rectified().disparity_at_infinity_px;
+  }
+  return settings;
+}
+
+TrackerFrame tracker_frame(const SeenFrame& seen, const MaskImage* moving) {
+  TrackerFrame frame;
+  frame.number = seen.number;
+  frame.time = seen.time;
+  frame.left = &seen.left;
+  frame.right = seen.right.empty() ? nullptr : &seen.right;
+  frame.depth = &seen.depth;
+  frame.moving = moving;
+  return frame;
+}
+
+}  // namespace palpable
