@@ -1,15 +1,16 @@
-// palpable bench track: CPU time of following the camera, and its error on recordings with truth.
+// palpable bench track: CPU time of following the camera and of the map, and errors against truth.
 
 #include "apps/palpable/bench_track.h"
 
 #include "apps/common/progress_bar.h"
+#include "apps/palpable/bench_map.h"
 #include "apps/palpable/sequence_folder.h"
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/score/percentile.h"
 #include "palpable/score/trajectory_score.h"
 #include "palpable/synth/sequence.h"
-#include "palpable/track/tracker.h"
+#include "palpable/track/tracker_input.h"
 #include "palpable/vision/depth_camera.h"
 #include "palpable/vision/folder_source.h"
 
@@ -45,36 +46,14 @@ struct TrackBenchOptions {
   fs::path data = "../shared/data";
   std::uint64_t seed = 1;
   int frames = 120;
+  int hand_frames = 240;
   bool json = false;
 };
 
-TrackerSettings settings_of(const DepthCamera& camera, const FrameFormat& format) {
-  TrackerSettings settings;
-  settings.camera = {camera.camera(), kDepthCameraBaseline};
-  settings.noise = camera.noise();
-  if (format.kind == FrameFormat::Kind::kStereo) {
-    settings.camera.baseline = camera.rectified().baseline;
-    settings.disparity_at_infinity_px = camera.rectified().disparity_at_infinity_px;
-  }
-  return settings;
-}
-
-TrackerFrame frame_of(const SeenFrame& seen) {
-  TrackerFrame frame;
-  frame.number = seen.number;
-  frame.time = seen.time;
-  frame.left = &seen.left;
-  frame.right = seen.right.empty() ? nullptr : &seen.right;
-  frame.depth = &seen.depth;
-  return frame;
-}
-
 // --- the walk: time, and how soon a camera that saw nothing for a second knows where it is -------
 
-void bench_walk(const TrackBenchOptions& options, ProgressBar& bar,
+void bench_walk(const ReducedBody& body, const TrackBenchOptions& options, ProgressBar& bar,
                 nlohmann::ordered_json& result) {
-  const ReducedBody body =
-      value_or_throw(read_pressable_body(options.body.empty() ? default_body() : options.body));
   const Sequence sequence = plan_sequence("walk", desk_body(body), kWalkFrames, options.seed);
   Film film = film_of(sequence);
   FrameFormat format;
@@ -82,7 +61,7 @@ void bench_walk(const TrackBenchOptions& options, ProgressBar& bar,
   format.height = film.rig.left.pinhole.height;
   format.rig = film.rig;
   DepthCamera camera = value_or_throw(DepthCamera::make(format));
-  Tracker tracker(settings_of(camera, format));
+  Tracker tracker(tracker_settings(camera, format));
 
   const int dark_end = options.frames + kDarkFrames;
   const int last = std::min(dark_end + kAfterDark, kWalkFrames);
@@ -105,7 +84,7 @@ void bench_walk(const TrackBenchOptions& options, ProgressBar& bar,
     frame.time = n / 30.0;
     camera.see(frame, seen);
     if (n == kSkipped) before = tracker.counts();
-    const TrackedPose pose = tracker.track(frame_of(seen));
+    const TrackedPose pose = tracker.track(tracker_frame(seen));
     if (n >= dark_end && pose.state != TrackState::kLost) {
       back = n;
       break;
@@ -140,7 +119,7 @@ Followed follow(const fs::path& folder, double farthest, bool keep_depths, const
   DepthSettings depth;
   depth.farthest = farthest;
   DepthCamera camera = value_or_throw(DepthCamera::make(source->format(), depth));
-  Tracker tracker(settings_of(camera, source->format()));
+  Tracker tracker(tracker_settings(camera, source->format()));
   Followed followed;
   followed.depth_camera = camera.depth_camera();
   Frame frame;
@@ -149,7 +128,7 @@ Followed follow(const fs::path& folder, double farthest, bool keep_depths, const
   for (; status != FrameStatus::kEnd; status = source->next(frame)) {
     if (status != FrameStatus::kFrame) continue;
     camera.see(frame, seen);
-    const TrackedPose pose = tracker.track(frame_of(seen));
+    const TrackedPose pose = tracker.track(tracker_frame(seen));
     followed.pairs.push_back({seen.time, pose_of(seen.number), pose.world_from_camera});
     if (keep_depths) followed.depths.push_back(seen.depth);
   }
@@ -239,6 +218,10 @@ void print_table(const nlohmann::ordered_json& r) {
   fmt::print("{:<52}{:>10}{:>12}\n", "", "this", "at most");
   line("CPU ms per 720p frame, adjustment included", "cpu_ms_720p", 1, "8");
   line("  of it the adjustment", "adjust_ms_720p", 1, "");
+  line("CPU ms per depth image fused into the map", "map_ms", 1, "3");
+  line("CPU ms per frame: what moves, and free space", "mask_ms", 1, "1");
+  line("map cells where the hand was and nothing is", "ghost_voxels", 1, "0");
+  line("  the same without the mask", "ghost_voxels_no_mask", 1, "");
   line("7-Scenes kitchen: path error, mm", "ate_7scenes_mm", 1, "25");
   line("  depth warped by our poses / by the published", "warp_ratio_7scenes", 1, "1.1");
   line("KITTI street: end position, % of the path", "kitti_position_error", 100, "2");
@@ -250,10 +233,11 @@ void bench_track(const TrackBenchOptions& options) {
   nlohmann::ordered_json result;
   result["bench"] = "track";
   result["seed"] = options.seed;
-  bench_walk(options, bar, result);
+  const ReducedBody body =
+      value_or_throw(read_pressable_body(options.body.empty() ? default_body() : options.body));
+  bench_walk(body, options, bar, result);
+  bench_map(body, options.seed, options.hand_frames, bar, result);
   bar.finish();
-  // Of the map and the mask nothing is timed yet.
-  result["map_ms"] = result["mask_ms"] = result["ghost_voxels"] = nullptr;
   bench_kitchen(options.data / "rgbd_pose_7scenes", result);
   bench_street(options.data / "stereo_video_kitti1", result);
   if (options.json) {
@@ -268,7 +252,7 @@ void bench_track(const TrackBenchOptions& options) {
 void add_bench_track(CLI::App& bench) {
   auto options = std::make_shared<TrackBenchOptions>();
   CLI::App* command = bench.add_subcommand(
-      "track", "Following the camera: CPU time, recordings with truth, lost and found");
+      "track", "Following the camera, the map: CPU time, recordings with truth, lost and found");
   command->add_option("--body", options->body,
                       "Body file. Default: build/bodies/bunny-dense.palpable, else "
                       "out/demo/bunny.palpable");
@@ -277,6 +261,9 @@ void add_bench_track(CLI::App& bench) {
       ->capture_default_str();
   command->add_option("--frames", options->frames, "Of the walk, before the darkness")
       ->check(CLI::Range(2 * kSkipped, kWalkFrames - kDarkFrames - 1))
+      ->capture_default_str();
+  command->add_option("--hand-frames", options->hand_frames, "Of the walk with a hand")
+      ->check(CLI::Range(kFewestHandFrames, kWalkFrames))
       ->capture_default_str();
   command
       ->add_option("--data", options->data,
@@ -287,7 +274,8 @@ void add_bench_track(CLI::App& bench) {
   command->footer(
       "The walk is filmed for the bench, at 1280 x 720; from frame 10 on its CPU time counts, mean "
       "over\n"
-      "frames, all threads. Then 1 s of darkness.\n"
+      "frames, all threads. Then 1 s of darkness. A second film, of the walk with a hand, is "
+      "mapped.\n"
       "Example: palpable bench track --json");
   command->callback([options] { bench_track(*options); });
 }

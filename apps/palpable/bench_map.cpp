@@ -1,0 +1,158 @@
+#include "apps/palpable/bench_map.h"
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable/sequence_folder.h"
+#include "palpable/base/contract.h"
+#include "palpable/base/cpu_time.h"
+#include "palpable/base/error.h"
+#include "palpable/map/moving_mask.h"
+#include "palpable/map/surface_map.h"
+#include "palpable/track/tracker_input.h"
+#include "palpable/vision/depth_camera.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+constexpr int kFuseEvery = 3;         // frames; the live loop's tenth of a second
+constexpr int kBeside = 3;            // px
+constexpr double kLeastError = 0.04;  // m
+constexpr double kSigmas = 4;
+
+// The nearest true depth within kBeside of a point's pixel, m; infinite where nothing is, NaN
+// outside the picture.
+double nearest_truth(const DepthImage& truth, const PinholeCamera& view,
+                     const Eigen::Vector3d& point) {
+  if (!(point.z() > 0)) return std::nan("");
+  const Eigen::Vector2d at = view.project(point);
+  // Before they become whole numbers, which a point beside the camera may be too far off for.
+  if (!(at.x() > -0.5 && at.y() > -0.5 && at.x() < view.width - 0.5 &&
+        at.y() < view.height - 0.5)) {
+    return std::nan("");
+  }
+  const int u = static_cast<int>(std::lround(at.x())), v = static_cast<int>(std::lround(at.y()));
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int y = std::max(v - kBeside, 0); y <= std::min(v + kBeside, view.height - 1); ++y) {
+    for (int x = std::max(u - kBeside, 0); x <= std::min(u + kBeside, view.width - 1); ++x) {
+      const auto Z = static_cast<double>(truth(x, y));
+      if (Z < nearest) nearest = Z;  // false for NaN
+    }
+  }
+  return nearest;
+}
+
+// Cells of the map's surface in the hand of any frame before `last`, where nothing is in truth.
+int ghosts(const SurfaceMap& map, const Sequence& sequence, int last, const DepthCamera& camera,
+           DeskRenderer& renderer) {
+  Sequence alone = sequence;
+  alone.movers = [](double) { return Movers{}; };
+  const Eigen::Matrix3Xd in_desk =
+      sequence.camera_from_desk(0.0).inverse() * map.mesh().surface.vertices;
+  const double reach = 2 * map.settings().voxel;
+  std::vector<bool> ghost(static_cast<std::size_t>(in_desk.cols()), false);
+  DeskTruth truth;
+  for (int frame = kFramesWithoutHand; frame < last; frame += kFuseEvery) {
+    const std::vector<Capsule> hand = shapes_of(sequence.movers(frame).capsules);
+    if (hand.empty()) continue;
+    Eigen::AlignedBox3d box;
+    for (const Capsule& part : hand) {
+      const Eigen::Vector3d round = Eigen::Vector3d::Constant(std::max(part.ra, part.rb) + reach);
+      for (const Eigen::Vector3d& end : {part.a, part.b}) {
+        box.extend(Eigen::Vector3d(end - round));
+        box.extend(Eigen::Vector3d(end + round));
+      }
+    }
+    renderer.draw_truth(moment_of(alone, frame), camera.depth_camera(), camera.rectified().baseline,
+                        truth);
+    const Rigid3 camera_from_desk = sequence.camera_from_desk(frame);
+    for (Eigen::Index i = 0; i < in_desk.cols(); ++i) {
+      const Eigen::Vector3d point = in_desk.col(i);
+      if (!box.contains(point) || signed_distance(hand, point) > reach) continue;
+      const Eigen::Vector3d seen = camera_from_desk * point;
+      const double Z = nearest_truth(truth.depth, camera.depth_camera(), seen);
+      const double error = std::max(kLeastError, kSigmas * camera.noise().sigma(seen.z()));
+      if (seen.z() < Z - error) ghost[static_cast<std::size_t>(i)] = true;
+    }
+  }
+  return static_cast<int>(std::count(ghost.begin(), ghost.end(), true));
+}
+
+}  // namespace
+
+void bench_map(const ReducedBody& body, std::uint64_t seed, int frames, ProgressBar& bar,
+               nlohmann::ordered_json& result) {
+  PALPABLE_EXPECT(frames >= kFewestHandFrames, "the hand comes and goes");
+  Sequence sequence = plan_sequence("walk-hand", desk_body(body), frames, seed);
+  const int gone = frames - kFramesAfterHand;
+  sequence.movers = [planned = sequence.movers, gone](double frame) {
+    return frame < gone ? planned(frame) : Movers{};
+  };
+  Film film = film_of(sequence);
+  FrameFormat format;
+  format.width = film.rig.left.pinhole.width;
+  format.height = film.rig.left.pinhole.height;
+  format.rig = film.rig;
+  DepthCamera camera = value_or_throw(DepthCamera::make(format));
+  Tracker tracker(tracker_settings(camera, format));
+  MovingMask mover(camera.noise());
+  SurfaceMap map(camera.noise()), of_all(camera.noise());
+
+  double mask_s = 0, map_s = 0;
+  int masks = 0, fused = 0;
+  RawPair pair;
+  Frame frame;
+  SeenFrame seen;
+  Rigid3 last = Rigid3::Identity(), last_motion = Rigid3::Identity();
+  for (int n = 0; n < frames; ++n) {
+    if (n == gone) {
+      result["ghost_voxels_no_mask"] = ghosts(of_all, sequence, gone, camera, film.renderer);
+    }
+    film.renderer.draw(moment_of(sequence, n), pair);
+    frame.number = n;
+    frame.time = n / kFramesPerSecond;
+    frame.left = pair.left;
+    frame.right = pair.right;
+    camera.see(frame, seen);
+    if (n == kFramesWithoutHand) mask_s = map_s = masks = fused = 0;
+    const MaskImage* moving = nullptr;
+    {
+      const CpuTimer timer(mask_s);
+      moving = &mover.find(seen, last * last_motion, &map);
+    }
+    ++masks;
+    const TrackedPose pose = tracker.track(tracker_frame(seen, moving));
+    if (pose.state == TrackState::kLost) {
+      last_motion = Rigid3::Identity();
+      continue;
+    }
+    {
+      const CpuTimer timer(mask_s);
+      mover.learn(pose.world_from_camera);
+    }
+    last_motion = last.inverse() * pose.world_from_camera;
+    last = pose.world_from_camera;
+    if (n % kFuseEvery == 0) {
+      {
+        const CpuTimer timer(map_s);
+        map.fuse(seen.depth, seen.depth_camera, last, *moving, seen.color);
+      }
+      ++fused;
+      if (n < gone) of_all.fuse(seen.depth, seen.depth_camera, last);
+    }
+    bar.show({"mapping", n + 1.0, static_cast<double>(frames), ""});
+  }
+  if (masks == 0 || fused == 0)
+    throw Error("walk-hand: the camera was lost from the first hand on");
+  result["mask_ms"] = 1e3 * mask_s / masks;
+  result["map_ms"] = 1e3 * map_s / fused;
+  result["ghost_voxels"] = ghosts(map, sequence, gone, camera, film.renderer);
+}
+
+}  // namespace palpable::app
