@@ -209,7 +209,7 @@ def live(programs, folder, *more, source="clip"):
 
 # ---- cases -------------------------------------------------------------------------------------
 
-COMMANDS = ("mesh", "bake", "reduce", "report", "compare", "solve", "export", "import-modes", "inspect", "press", "view", "synth", "live", "score", "bench", "cameras",
+COMMANDS = ("mesh", "bake", "reduce", "report", "compare", "solve", "export", "import-modes", "inspect", "press", "view", "synth", "live", "scan", "score", "bench", "cameras",
             "calibrate")
 
 
@@ -247,6 +247,7 @@ def _(programs, folder):
                   ("inspect", "none.palpable"), ("press", "none.palpable", "--load", "0,0,0=1"), ("view", "none.palpable", "--out", "x"),
                   ("synth", "press", "--body", "none.palpable", "-o", "x"),
                   ("live", "none.palpable", "--source", "y", "--out", "x"),
+                  ("scan", "none", "-o", "x.ply"),
                   ("score", "none", "neither")):
         programs.refuses(*words, cwd=folder, says=["none"])
 
@@ -1147,6 +1148,100 @@ def _(programs, folder):
     assert scores["depth_median"]["0.5"] < 0.04 and scores["depth_density"]["0.5"] > 0.85, scores
     assert scores["ate_mm"] < 1e-6 and scores["trajectory_share"] == 1 and scores["jitter_mm"] < 1e-6, scores
     assert scores["moving_iou"] is None and scores["row_error_px"] is None, scores
+
+
+def ply_points(path):
+    """Vertices (x, y, z) and the number of triangles of a binary PLY as `palpable scan` writes it."""
+    header, body = path.read_bytes().split(b"end_header\n", 1)
+    counts = {name: int(count) for name, count in re.findall(r"element (\w+) (\d+)", header.decode())}
+    assert len(body) == 15 * counts["vertex"] + 13 * counts["face"], f"{path}: {counts}, {len(body)} bytes"
+    return [struct.unpack_from("<3f", body, 15 * n) for n in range(counts["vertex"])], counts["face"]
+
+
+@case("a scanned wall is a surface where the wall is, in the world of the poses that are given")
+def _(programs, folder):
+    # A depth of this small picture scatters by 9 mm: twelve frames weigh as much as a voxel needs.
+    write_stereo(folder / "clip", frames=12)
+    said = programs.succeeds("scan", folder / "clip", "-o", folder / "wall.ply", "--every", "1").stdout
+    assert "12 frames, 12 fused, 0 without a pose" in said, said
+    points, triangles = ply_points(folder / "wall.ply")
+    assert len(points) > 1000 and triangles > 1000, said
+    # 175 px * 0.063 m / 25 px; half a pixel of the matched 12.5 are 4 %.
+    assert all(abs(z - 0.441) < 0.018 for _, _, z in points), (min(points), max(points))
+
+    # The same from a camera that is said to stand 1 m to the right.
+    lines(folder / "poses.txt", ["# time tx ty tz qx qy qz qw"] + [f"{5 + n / 30:.6f} 1 0 0 0 0 0 1" for n in range(12)])
+    programs.succeeds("scan", folder / "clip", "-o", folder / "moved.ply", "--every", "1",
+                      "--trajectory", folder / "poses.txt")
+    moved, again = ply_points(folder / "moved.ply")
+    assert again == triangles, (again, triangles)  # 1 m is a whole number of voxels
+    middle = [sum(p[axis] for p in moved) / len(moved) - sum(p[axis] for p in points) / len(points) for axis in range(3)]
+    assert all(abs(found - true) < 1e-4 for found, true in zip(middle, (1, 0, 0))), middle
+
+
+@case("what cannot be scanned is refused in one line")
+def _(programs, folder):
+    write_stereo(folder / "clip", frames=2)
+    out = folder / "out.ply"
+
+    def refuses(*more, says, source="clip", to=out):
+        programs.refuses("scan", folder / source, "-o", to, *more, says=says)
+        assert not out.exists()
+
+    def refuses_poses(rows, *says):
+        lines(folder / "poses.txt", rows)
+        refuses("--trajectory", folder / "poses.txt", says=["poses.txt", *says])
+
+    (folder / "empty").mkdir()
+    refuses(source="empty", says=["empty"])
+    refuses(to=folder / "out.obj", says=["out.obj", ".ply"])
+    refuses("--trajectory", folder / "none.txt", says=["none.txt", "cannot be read"])
+    refuses_poses([], "holds no pose")
+    refuses_poses(["0 0 0 0 0 0 0 1", "0.1 0 0 north 0 0 0 1"], "line 2", "tx ty tz")
+    refuses_poses(["0 0 0 0 0 0 0 1", "# said twice", "0 0 0 0 0 0 0 1"], "line 3", "times must rise")
+    refuses_poses(["0 0 0 0 0 0 0 2"], "line 1", "length 2")
+    # A wall seen twice at 9 mm of scatter is not yet a surface.
+    refuses(says=["no surface", "2 frames"])
+
+
+def write_desk(folder, frames=2):
+    """A desk under a camera that looks down by 45 degrees, 0.44 m away in the middle of the picture.
+
+    Its left picture is the texture as it is; only how the eyes differ says where the desk is."""
+    height = 0.44 * sin(0.25 * 3.141592653589793)  # of the camera above it
+
+    def inverse_depth(y):
+        return ((y - 89.5) / 175 + 1) * 0.5 ** 0.5 / height
+
+    def right(x, y):
+        shift = 175 * 0.063 * inverse_depth(y)
+        whole = int(shift)
+        a, b = texture(whole)(x, y), texture(whole + 1)(x, y)
+        return round(a + (b - a) * (shift - whole))
+
+    write_stereo(folder, frames=frames)
+    for n in range(frames):
+        (folder / "right" / f"{n:06d}.png").write_bytes(png(WIDTH, HEIGHT, right))
+    return height
+
+
+@case("a body is put on the desk that is seen, and on nothing else")
+def _(programs, folder):
+    height = write_desk(folder / "desk")
+    words = ("live", programs.small_body(), "--out", folder / "out", "--anchor", "plane", "--source")
+    programs.succeeds(*words, folder / "desk")
+    pose = json.loads((folder / "out/live.json").read_text())["camera_from_body"]
+    up = pose[2], pose[6], pose[10]
+    # Half a pixel of disparity over half of the picture's height, where it changes by 13, is 2 degrees.
+    assert all(abs(found - true) < 0.035 for found, true in zip(up, (0, -(0.5 ** 0.5), -(0.5 ** 0.5)))), up
+    away = (pose[7] + pose[11]) * 0.5 ** 0.5
+    assert abs(away / height - 1) < 0.03 and abs(pose[3]) < 0.03 and abs(pose[11] - 0.44) < 0.05, (away, pose)
+
+    write_stereo(folder / "wall", frames=2)
+    refusal = ["wall", "no plane to stand on", "--place"]
+    programs.refuses(*words, folder / "wall", "--overwrite", says=refusal)
+    programs.refuses(*words, folder / "desk", "--place", "0 0 0.4 0 0 0", says=["--anchor", "--place"])
+    programs.refuses(*words[:-2], "ceiling", "--source", folder / "desk", says=["ceiling"])
 
 
 def on_screen(programs, *words, cwd=None):
