@@ -1,6 +1,7 @@
 // palpable calibrate: pictures of a chessboard to a calibration file, or a file's errors on them.
 
 #include "apps/common/progress_bar.h"
+#include "apps/palpable/board_options.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/source_options.h"
 #include "palpable/base/error.h"
@@ -19,7 +20,6 @@
 #include <fstream>
 #include <memory>
 #include <numbers>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,8 +31,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   SourceOptions source;
-  std::string board = "9x6";
-  double square_mm = 25;
+  BoardOptions board;
   int views = 20;
   double largest_reprojection_px = BoardLimits{}.largest_reprojection_px;
   double largest_row_error_px = BoardLimits{}.largest_row_error_px;
@@ -40,20 +39,6 @@ struct Options {
   fs::path output;
   bool json = false;
 };
-
-BoardPattern pattern_of(const Options& options) {
-  BoardPattern pattern;
-  std::istringstream text(options.board);
-  char times = 0;
-  if (!(text >> pattern.columns >> times >> pattern.rows) || times != 'x' || !text.eof() ||
-      std::min(pattern.columns, pattern.rows) < 3 ||
-      std::max(pattern.columns, pattern.rows) > 100) {
-    throw Error(
-        fmt::format("--board {}: should be like 9x6, the board's inner corners", options.board));
-  }
-  pattern.square = 1e-3 * options.square_mm;
-  return pattern;
-}
 
 struct Seen {
   std::vector<BoardView> views;
@@ -199,7 +184,7 @@ void check(const Options& options, const FrameFormat& format, const Seen& seen) 
 }
 
 void calibrate(const Options& options) {
-  const BoardPattern pattern = pattern_of(options);
+  const BoardPattern pattern = pattern_of(options.board);
   CameraRequest request = request_of(options.source);
   request.without_calibration = true;
   request.calibration.clear();
@@ -246,11 +231,7 @@ void add_calibrate(CLI::App& app) {
       ->add_option("--source", options->source.source,
                    "Stereo pairs of a board: a folder, images by name, a video file or /dev/videoN")
       ->required();
-  command->add_option("--board", options->board, "Inner corners of the board: COLUMNSxROWS")
-      ->capture_default_str();
-  command->add_option("--square", options->square_mm, "Side of a square, mm")
-      ->check(CLI::Range(0.1, 10000.0))
-      ->capture_default_str();
+  add_board_options(*command, options->board);
   command->add_option("--views", options->views, "Of a camera: boards to take")
       ->check(CLI::Range(6, 1000))
       ->capture_default_str();

@@ -77,8 +77,12 @@ Rigid3 place_of(const LiveOptions& options, const SceneFile& scene, const fs::pa
       images.string()));
 }
 
-// The camera is opened, looked through until a frame shows a plane, and closed again.
-Rigid3 pose_on_plane(const CameraRequest& request, const DepthSettings& settings) {
+// The camera is opened, looked through until a frame shows where the body is to stand, and closed
+// again.
+// @param pose_in  (frame, camera) -> optional camera_from_body
+template <class PoseIn>
+Rigid3 pose_in_first_frames(const CameraRequest& request, const DepthSettings& settings,
+                            const PoseIn& pose_in, const std::string& missing) {
   constexpr int kFrames = 30;
   const std::unique_ptr<FrameSource> source = value_or_throw(open_source(request));
   DepthCamera camera = value_or_throw(DepthCamera::make(source->format(), settings));
@@ -91,14 +95,35 @@ Rigid3 pose_on_plane(const CameraRequest& request, const DepthSettings& settings
     if (status != FrameStatus::kFrame) continue;
     camera.see(frame, seen);
     if (seen.misfit) throw Error(fmt::format("{}: {}", request.device, seen.misfit->message()));
-    const auto plane = fit_standing_plane(seen.depth, seen.depth_camera, camera.noise());
-    if (plane) return camera_from_body_on(*plane);
+    const std::optional<Rigid3> pose = pose_in(seen, camera);
+    if (pose) return *pose;
   }
-  throw Error(fmt::format(
-      "{}: its first {} frames show no plane to stand on (within 1.5 m, a tenth of what is "
-      "seen there, facing up in the picture); turn the camera to the desk, or give "
-      "--place",
-      request.device, kFrames));
+  throw Error(fmt::format("{}: its first {} frames show no {}, or give --place", request.device,
+                          kFrames, missing));
+}
+
+Rigid3 pose_on_plane(const CameraRequest& request, const DepthSettings& settings) {
+  const auto on_plane = [](const SeenFrame& seen,
+                           const DepthCamera& camera) -> std::optional<Rigid3> {
+    const auto plane = fit_standing_plane(seen.depth, seen.depth_camera, camera.noise());
+    if (!plane) return std::nullopt;
+    return camera_from_body_on(*plane);
+  };
+  return pose_in_first_frames(request, settings, on_plane,
+                              "plane to stand on (within 1.5 m, a tenth of what is seen there, "
+                              "facing up in the picture); turn the camera to the desk");
+}
+
+Rigid3 pose_on_board(const CameraRequest& request, const DepthSettings& settings,
+                     const BoardOptions& options) {
+  const BoardPattern pattern = pattern_of(options);
+  const auto on_board = [&](const SeenFrame& seen, const DepthCamera&) {
+    return find_board_pose(seen.color, seen.camera, pattern);
+  };
+  return pose_in_first_frames(
+      request, settings, on_board,
+      fmt::format("chessboard of {} inner corners (--board); show it whole, flat and sharp",
+                  options.corners));
 }
 
 }  // namespace
@@ -123,11 +148,14 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
                   "them. Default: scene.toml beside the images")
       ->expected(1, 16);
   command
-      .add_option("--anchor", options.anchor,
-                  "plane: put the body on the desk or floor that the first frames show, in the "
-                  "middle of the picture; instead of --place")
-      ->check(CLI::IsMember({"plane"}))
+      .add_option(
+          "--anchor", options.anchor,
+          "Instead of --place, which anchors it at a pose of your own. plane: on the desk or "
+          "floor that the first frames show, in the middle of the picture; board: on the "
+          "middle of the chessboard that they show (--board, --square)")
+      ->check(CLI::IsMember({"plane", "board"}))
       ->excludes("--place");
+  add_board_options(command, options.board);
   command.add_option("--scale", options.scale, "Makes the body so many times as large")
       ->check(CLI::Range(1e-3, 1e3))
       ->capture_default_str();
@@ -160,15 +188,16 @@ LiveRun set_up_live(const LiveOptions& options) {
   if (options.scale != 1) body = scaled(body, options.scale);
   SessionSettings settings;
   if (options.matcher == "opencv") settings.depth.matcher = DepthSettings::Matcher::kOpenCv;
-  std::optional<Rigid3> on_plane;
-  if (options.anchor == "plane") on_plane = pose_on_plane(request, settings.depth);
+  std::optional<Rigid3> anchored;
+  if (options.anchor == "plane") anchored = pose_on_plane(request, settings.depth);
+  if (options.anchor == "board") anchored = pose_on_board(request, settings.depth, options.board);
   std::unique_ptr<FrameSource> source = value_or_throw(open_source(request));
   if (options.paced && !source->is_live()) source = paced(std::move(source));
   std::error_code ignored;
   const fs::path folder = fs::is_directory(images, ignored) ? images : images.parent_path();
   const SceneFile scene = read_scene_file(folder / "scene.toml");
 
-  const Rigid3 pose = on_plane ? *on_plane : place_of(options, scene, images);
+  const Rigid3 pose = anchored ? *anchored : place_of(options, scene, images);
   settings.contact = options.contact == "paper" ? ContactKind::kPaper : ContactKind::kPress;
   settings.track = !options.fixed_camera;
   settings.map = true;

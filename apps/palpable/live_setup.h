@@ -3,6 +3,7 @@
 /// session.
 #pragma once
 
+#include "apps/palpable/board_options.h"
 #include "apps/palpable/source_options.h"
 #include "palpable/session/session.h"
 #include "palpable/vision/frame_source.h"
@@ -24,7 +25,8 @@ struct LiveOptions {
   std::filesystem::path clip;      ///< where a synthetic clip is kept
   bool paced = false;              ///< a recording at its own pace instead of the loop's
   std::vector<std::string> place;  ///< words; empty: from the folder's scene.toml
-  std::string anchor;              ///< "plane": on the desk that the camera sees; empty: place
+  std::string anchor;  ///< "plane", "board": on the desk or chessboard that is seen; empty: place
+  BoardOptions board;  ///< which one
   double scale = 1;
   std::vector<std::string> set;  ///< NAME=VALUE of further parameters
   bool ignore_static = false;

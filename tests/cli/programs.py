@@ -1398,6 +1398,25 @@ def _(programs, folder):
     assert not (folder / "x.yml").exists()
 
 
+@case("a body is put on the middle of the chessboard that is seen, and on no other")
+def _(programs, folder):
+    write_boards(folder / "boards", [(-0.5, 0.2, 0.04, 0.02, 0.42)] * 2)
+    (folder / "boards/rectified.yml").write_text(
+        "%YAML:1.0\n---\nfx: 300.0\nfy: 300.0\ncx: 159.5\ncy: 119.5\nwidth: 320\nheight: 240\n"
+        "baseline_m: 0.07\ndoffs_px: 0.0\n")
+    words = ("live", programs.small_body(), "--source", folder / "boards", "--out", folder / "out", "--anchor", "board")
+    programs.succeeds(*words, "--board", "7x4", "--square", "30")
+    pose = json.loads((folder / "out/live.json").read_text())["camera_from_body"]
+    # Corners of 0.1 px on a board 130 px wide.
+    assert all(abs(found - true) < 0.002 for found, true in zip((pose[3], pose[7], pose[11]), (0.04, 0.02, 0.42))), pose
+    # The columns of write_boards' rotation: Y along the rows of squares, but upwards, and Z to the camera.
+    along = cos(0.2), 0.0, -sin(0.2)
+    out = -cos(-0.5) * sin(0.2), sin(-0.5), -cos(-0.5) * cos(0.2)
+    assert all(abs(pose[4 * i] - along[i]) < 0.02 and abs(pose[4 * i + 2] - out[i]) < 0.02 for i in range(3)), (pose, out)
+    programs.refuses(*words, "--board", "9x6", "--overwrite", says=["boards", "no chessboard of 9x6", "--place"])
+    programs.refuses(*words, "--board", "9", "--overwrite", says=["--board 9"])
+
+
 @case("a recording waits for the loop unless it is paced, and a video plays like a folder")
 def _(programs, folder):
     write_stereo(folder / "clip", frames=6)

@@ -225,6 +225,40 @@ std::optional<BoardView> find_board(const ColorImage& left, const ColorImage& ri
   } catch (const cv::Exception&) { return std::nullopt; }  // an image too small, say
 }
 
+std::optional<Rigid3> find_board_pose(const ColorImage& image, const PinholeCamera& camera,
+                                      const BoardPattern& pattern) {
+  try {
+    const auto corners = corners_of(image, pattern);
+    if (!corners) return std::nullopt;
+    const Points3 board = board_points(pattern);
+    const cv::Matx33d K(camera.fx_px, 0, camera.cx_px, 0, camera.fy_px, camera.cy_px, 0, 0, 1);
+    cv::Vec3d turn;
+    cv::Vec3d place;
+    if (!cv::solvePnP(board, *corners, K, cv::noArray(), turn, place, false, cv::SOLVEPNP_IPPE)) {
+      return std::nullopt;
+    }
+    cv::solvePnPRefineLM(board, *corners, K, cv::noArray(), turn, place);
+    const Eigen::Vector3d axis(turn[0], turn[1], turn[2]);
+    Rigid3 first = Rigid3::Identity();  // the first corner, rows and columns as they were found
+    if (axis.norm() > 0) {
+      first.linear() = Eigen::AngleAxisd(axis.norm(), axis.normalized()).toRotationMatrix();
+    }
+    first.translation() = Eigen::Vector3d(place[0], place[1], place[2]);
+    Rigid3 pose = Rigid3::Identity();
+    pose.translation() =
+        first * (0.5 * pattern.square * Eigen::Vector3d(pattern.columns - 1, pattern.rows - 1, 0));
+    const Eigen::Vector3d along = first.linear().col(0);
+    const Eigen::Vector3d across = first.linear().col(1);
+    const Eigen::Vector3d side = std::abs(along.x()) >= std::abs(across.x()) ? along : across;
+    const Eigen::Vector3d normal = first.linear().col(2);
+    const Eigen::Vector3d X = side.x() >= 0 ? side : -side;
+    const Eigen::Vector3d Z = normal.dot(pose.translation()) < 0 ? normal : -normal;
+    pose.linear() << X, Z.cross(X), Z;
+    if (!pose.matrix().allFinite() || !(pose.translation().z() > 0)) return std::nullopt;
+    return pose;
+  } catch (const cv::Exception&) { return std::nullopt; }  // an image too small, say
+}
+
 double difference_px(const BoardView& a, const BoardView& b) {
   PALPABLE_EXPECT(a.left.size() == b.left.size() && a.right.size() == b.right.size() &&
                       !a.left.empty() && !a.right.empty(),

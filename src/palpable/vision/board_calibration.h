@@ -1,10 +1,11 @@
 /// @file
 /// A rig's calibration from pictures of a chessboard (paper Sec. 3.3: intrinsics, distortion and
-/// the pose between the eyes are known beforehand).
+/// the pose between the eyes are known beforehand), and where a chessboard stands.
 #pragma once
 
 #include "palpable/base/error.h"
 #include "palpable/geometry/image.h"
+#include "palpable/geometry/rigid.h"
 #include "palpable/vision/calibration_file.h"
 
 #include <Eigen/Core>
@@ -35,6 +36,17 @@ struct BoardView {
 /// not seen by both eyes. Takes a tenth of a second and more.
 [[nodiscard]] std::optional<BoardView> find_board(const ColorImage& left, const ColorImage& right,
                                                   const BoardPattern& pattern);
+
+/// camera_from_board of the board that one picture shows: the origin in the middle of its corners,
+/// Z out of it towards the camera, X along the side that runs most to the right in the picture; so
+/// it does not matter which corner was found first. The reprojection error of all corners is least
+/// (Collins and Bartoli 2014, IPPE, then cv::solvePnPRefineLM).
+///
+/// @param camera  of the picture, which has no distortion
+/// @return nothing when the whole board is not seen
+[[nodiscard]] std::optional<Rigid3> find_board_pose(const ColorImage& image,
+                                                    const PinholeCamera& camera,
+                                                    const BoardPattern& pattern);
 
 /// Mean distance of the corners of two views in px, over both eyes: how much is learnt from the
 /// second once the first is there.

@@ -225,6 +225,40 @@ TEST_CASE("a board's corners are found where they are, in the same order by both
   CHECK_FALSE(find_board(ColorImage(4, 4, Rgb{}), ColorImage(4, 4, Rgb{}), kBoard));
 }
 
+TEST_CASE("one picture says where its board stands, whichever way up it is held",
+          "[vision][calibrate][board]") {
+  const DistortedCamera eye{{kWidth, kHeight, 530, 532, 325, 236}, {}};
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    INFO("seed " << seed);
+    auto random = test::random_case(seed);
+    Rigid3 camera_from_board = board_pose(random, 0.6);  // its Z away from the camera
+    const Vector3d middle(0.5 * (kBoard.columns - 1) * kBoard.square,
+                          0.5 * (kBoard.rows - 1) * kBoard.square, 0);
+    const Vector3d place = camera_from_board * middle;
+    // A quarter turn more from case to case.
+    camera_from_board.linear() =
+        camera_from_board.linear() *
+        Eigen::AngleAxisd(1.5707963 * seed, Vector3d::UnitZ()).toRotationMatrix();
+    camera_from_board.translation() = place - camera_from_board.linear() * middle;
+    const auto found = find_board_pose(picture_of(eye, camera_from_board), eye.pinhole, kBoard);
+    REQUIRE(found);
+    CHECK((found->translation() - place).norm() <=
+          tolerance(0.001, "corners of 0.1 px on 100 px of board: 0.1 % of 0.7 m"));
+    const Eigen::Matrix3d R = found->linear();
+    CHECK((R.col(2) + camera_from_board.linear().col(2)).norm() <=
+          tolerance(0.01, "corners of 0.1 px, 35 of them, on a board 100 px wide"));
+    CHECK((R.transpose() * R - Eigen::Matrix3d::Identity()).norm() <= 1e-9);
+    CHECK(R.determinant() > 0);
+    // Along a side of the board, within half a right angle of the picture's X.
+    CHECK(R(0, 0) > 0.7);
+    const double along = std::max(std::abs(R.col(0).dot(camera_from_board.linear().col(0))),
+                                  std::abs(R.col(0).dot(camera_from_board.linear().col(1))));
+    CHECK(along > 0.999);
+  }
+  CHECK_FALSE(find_board_pose(ColorImage(kWidth, kHeight, Rgb{90, 90, 90}), eye.pinhole, kBoard));
+  CHECK_FALSE(find_board_pose(ColorImage(4, 4, Rgb{}), eye.pinhole, kBoard));
+}
+
 // Published with the pictures (intrinsics.yml): f = 534.80 px; |T| = 3.327 squares is OpenCV's own
 // result (data README).
 TEST_CASE("OpenCV's thirteen pairs give the published calibration", "[vision][calibrate][real]") {

@@ -1,0 +1,26 @@
+/// @file
+/// Which chessboard, as users say it: what `calibrate` and `live --anchor board` share.
+#pragma once
+
+#include "palpable/vision/board_calibration.h"
+
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace palpable::app {
+
+struct BoardOptions {
+  std::string corners = "9x6";
+  double square_mm = 25;
+};
+
+/// Adds --board and --square.
+void add_board_options(CLI::App& command, BoardOptions& options);
+
+/// @throws Error when --board is no board
+[[nodiscard]] BoardPattern pattern_of(const BoardOptions& options);
+
+}  // namespace palpable::app
