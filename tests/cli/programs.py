@@ -719,7 +719,7 @@ def _(programs, folder):
     for source in ("modes.pxdmf", "modes"):
         programs.succeeds("import-modes", folder / source, "-o", folder / "again.palpable")
         text = programs.succeeds("inspect", folder / "again.palpable").stdout
-        assert re.search(rf"^sites +{sites}$", text, re.M) and "another program" in text, text
+        assert re.search(rf"^sites +{sites}\b", text, re.M) and "another program" in text, text
         assert source in text, text
     result = programs.run("view", folder / "again.palpable", "--out", folder / "pictures")
     assert result.returncode == 0 or "EGL" in result.stderr, result.stderr
@@ -752,7 +752,7 @@ def _(programs, folder):
         programs.refuses(*bake, says=says)
 
 
-@case("loads are named by a point and a force, one or several at once; others are refused")
+@case("loads are named by a point and a force, one or several at once, and others are refused")
 def _(programs, folder):
     law = BAR.replace('young = "60 kPa"', 'law = "saint-venant-kirchhoff"\nyoung = "60 kPa"')
     # Node 51: at (10, 0, 50) mm as the body stands.

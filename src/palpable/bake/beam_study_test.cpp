@@ -59,7 +59,7 @@ TEST_CASE("fresh Newton solves and two loads are met within what is stated", "[b
 
 TEST_CASE("the body that was read solves two loads as the bake's own energy does",
           "[bake][intrusive][several]") {
-  const test::ScratchFolder folder("study");
+  const test::ScratchFolder folder("study_body");
   write_body_file(folder.path() / "beam.palpable", made().body);
   const ReducedBody body = value_or_throw(read_pressable_body(folder.path() / "beam.palpable"));
   LoadedBody loaded = value_or_throw(LoadedBody::make(body));
