@@ -47,8 +47,8 @@ REAL = {
 TEXT = """\
 All sequences of `palpable synth`, played by `palpable live` and scored by `palpable score`. Today's chain
 is a stereo matcher of our own (half resolution, refined at the full one) whose rows are watched and corrected,
-and a camera that is taken to stand still: it has no tracking and no moving mask (null). Bad figures here are
-the reason why the next steps exist. `-` is what a result does not hold, or what a sequence has none of.
+a camera that is followed, and what moves left out of that. `-` is what a result does not hold, or what a
+sequence has none of.
 """
 
 
