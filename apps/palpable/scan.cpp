@@ -134,7 +134,8 @@ void scan(const ScanOptions& options) {
   Frame frame;
   SeenFrame seen;
   SourceGuard guard(*source);
-  TrackedPose last;
+  TrackedPose last{.state = TrackState::kFixed};  // before the first frame: where the room begins
+  Rigid3 motion = Rigid3::Identity();             // last_from_this, of the frame before
   int read = 0, lost = 0, fused = 0;
   while (options.frames < 0 || read < options.frames) {
     const FrameStatus status = guard.next(frame);
@@ -145,23 +146,27 @@ void scan(const ScanOptions& options) {
       throw Error(fmt::format("{}: {}", options.input.source, seen.misfit->message()));
     }
     ++read;
-    const bool was_known = last.state != TrackState::kLost;
+    // What moves is found once a frame, from where the camera should be by now.
+    const MaskImage* moving = nullptr;
     if (given.empty()) {
-      const MaskImage* moving =
-          was_known ? &mover.find(seen, last.world_from_camera, &map) : nullptr;
+      const TrackedPose before = last;
+      if (is_known(before)) moving = &mover.find(seen, before.world_from_camera * motion, &map);
       last = tracker.track(tracker_frame(seen, moving));
+      motion = is_known(before) && is_known(last)
+                   ? Rigid3(before.world_from_camera.inverse() * last.world_from_camera)
+                   : Rigid3::Identity();
     } else if (const auto pose = pose_at(given, seen.time)) {
       last = {.world_from_camera = *pose, .state = TrackState::kTracking};
+      moving = &mover.find(seen, *pose, &map);
     } else {
       last.state = TrackState::kLost;
     }
-    if (last.state == TrackState::kLost) {
+    if (!is_known(last)) {
       ++lost;
-    } else {
-      const MaskImage& moving = mover.find(seen, last.world_from_camera, &map);
+    } else if (moving != nullptr) {
       mover.learn(last.world_from_camera);
       if ((read - 1) % options.every == 0) {
-        map.fuse(seen.depth, seen.depth_camera, last.world_from_camera, moving, seen.color);
+        map.fuse(seen.depth, seen.depth_camera, last.world_from_camera, *moving, seen.color);
         ++fused;
       }
     }
@@ -201,8 +206,10 @@ void add_scan(CLI::App& app) {
   command->add_option("--trajectory", options->trajectory,
                       "Poses to use instead of tracking: lines time tx ty tz qx qy qz qw "
                       "(world_from_camera), the first one the first frame's");
-  command->add_option("--voxel", options->voxel_mm, "Side of a voxel, mm")
-      ->check(CLI::Range(2.0, 100.0))
+  command
+      ->add_option("--voxel", options->voxel_mm,
+                   "Side of a voxel, mm; smaller ones than 5 would leave gaps between the rays")
+      ->check(CLI::Range(5.0, 100.0))
       ->capture_default_str();
   command->add_option("--every", options->every, "Fuse every so many frames")
       ->check(CLI::Range(1, 1000))
