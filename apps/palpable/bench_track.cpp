@@ -39,7 +39,8 @@ constexpr int kWalkFrames = 900;  // of the planned sequence
 constexpr int kSkipped = 10;      // frames in which nothing is timed: memory is taken there
 constexpr int kDarkFrames = 30;   // 1 s
 constexpr int kAfterDark = 30;
-constexpr double kWidestDepth = 100;  // m, of the street
+constexpr double kFoundWithin = 0.010;  // m: a pose that is farther off is not found
+constexpr double kWidestDepth = 100;    // m, of the street
 
 struct TrackBenchOptions {
   fs::path body;
@@ -85,7 +86,10 @@ void bench_walk(const ReducedBody& body, const TrackBenchOptions& options, Progr
     camera.see(frame, seen);
     if (n == kSkipped) before = tracker.counts();
     const TrackedPose pose = tracker.track(tracker_frame(seen));
-    if (n >= dark_end && pose.state != TrackState::kLost) {
+    const double off =
+        (pose.world_from_camera.translation() - world_from_camera(sequence, n).translation())
+            .norm();
+    if (n >= dark_end && is_known(pose) && off <= kFoundWithin) {
       back = n;
       break;
     }
