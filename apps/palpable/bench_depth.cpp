@@ -292,14 +292,6 @@ class OutlineTimes {
   std::vector<double> cpu_ms_;
 };
 
-FrameFormat format_of(const StereoRig& rig) {
-  FrameFormat format;
-  format.width = rig.left.pinhole.width;
-  format.height = rig.left.pinhole.height;
-  format.rig = rig;
-  return format;
-}
-
 nlohmann::ordered_json median_or_null(const std::vector<double>& values) {
   if (values.empty()) return nullptr;
   return percentile(values, 0.5);

@@ -95,10 +95,7 @@ void bench_map(const ReducedBody& body, std::uint64_t seed, int frames, Progress
     return frame < gone ? planned(frame) : Movers{};
   };
   Film film = film_of(sequence);
-  FrameFormat format;
-  format.width = film.rig.left.pinhole.width;
-  format.height = film.rig.left.pinhole.height;
-  format.rig = film.rig;
+  const FrameFormat format = format_of(film.rig);
   DepthCamera camera = value_or_throw(DepthCamera::make(format));
   Tracker tracker(tracker_settings(camera, format));
   MovingMask mover(camera.noise());

@@ -57,10 +57,7 @@ void bench_walk(const ReducedBody& body, const TrackBenchOptions& options, Progr
                 nlohmann::ordered_json& result) {
   const Sequence sequence = plan_sequence("walk", desk_body(body), kWalkFrames, options.seed);
   Film film = film_of(sequence);
-  FrameFormat format;
-  format.width = film.rig.left.pinhole.width;
-  format.height = film.rig.left.pinhole.height;
-  format.rig = film.rig;
+  const FrameFormat format = format_of(film.rig);
   DepthCamera camera = value_or_throw(DepthCamera::make(format));
   Tracker tracker(tracker_settings(camera, format));
 

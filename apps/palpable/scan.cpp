@@ -2,6 +2,7 @@
 
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
+#include "apps/palpable/score_files.h"
 #include "apps/palpable/source_options.h"
 #include "palpable/base/error.h"
 #include "palpable/map/moving_mask.h"
@@ -20,7 +21,6 @@
 #include <fstream>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -38,49 +38,12 @@ struct ScanOptions {
   int frames = -1;
 };
 
-struct TimedPose {
-  double time = 0;
-  Rigid3 world_from_camera = Rigid3::Identity();
-};
-
-// TUM's format: time tx ty tz qx qy qz qw.
-std::vector<TimedPose> read_trajectory(const fs::path& path) {
-  std::ifstream file(path);
-  if (!file) throw Error(fmt::format("{}: cannot be read", path.string()));
-  std::vector<TimedPose> poses;
-  int number = 0;
-  for (std::string line; std::getline(file, line);) {
-    ++number;
-    if (line.empty() || line.front() == '#') continue;
-    std::istringstream words(line);
-    TimedPose pose;
-    double t[3], q[4];
-    if (!(words >> pose.time >> t[0] >> t[1] >> t[2] >> q[0] >> q[1] >> q[2] >> q[3])) {
-      throw Error(
-          fmt::format("{}: line {}: should be time tx ty tz qx qy qz qw", path.string(), number));
-    }
-    const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
-    if (!(std::abs(rotation.norm() - 1) < 1e-2)) {
-      throw Error(fmt::format("{}: line {}: the quaternion has the length {}", path.string(),
-                              number, rotation.norm()));
-    }
-    pose.world_from_camera.linear() = rotation.normalized().toRotationMatrix();
-    pose.world_from_camera.translation() = Eigen::Vector3d(t[0], t[1], t[2]);
-    if (!poses.empty() && !(pose.time > poses.back().time)) {
-      throw Error(fmt::format("{}: line {}: times must rise", path.string(), number));
-    }
-    poses.push_back(pose);
-  }
-  if (poses.empty()) throw Error(fmt::format("{}: holds no pose", path.string()));
-  return poses;
-}
-
 // The pose nearest in time, if it is less than 1/60 s away. Frames count from the first pose's.
-std::optional<Rigid3> pose_at(const std::vector<TimedPose>& poses, double time) {
+std::optional<Rigid3> pose_at(const std::vector<StampedPose>& poses, double time) {
   const double wanted = poses.front().time + time;
   const auto after = std::lower_bound(poses.begin(), poses.end(), wanted,
-                                      [](const TimedPose& p, double t) { return p.time < t; });
-  const TimedPose* nearest = after == poses.end() ? &poses.back() : &*after;
+                                      [](const StampedPose& p, double t) { return p.time < t; });
+  const StampedPose* nearest = after == poses.end() ? &poses.back() : &*after;
   if (after != poses.begin() && wanted - (after - 1)->time < std::abs(nearest->time - wanted)) {
     nearest = &*(after - 1);
   }
@@ -114,8 +77,11 @@ void write_colored_ply(const fs::path& path, const ColoredSurface& mesh) {
 }
 
 void scan(const ScanOptions& options) {
-  const std::vector<TimedPose> given =
-      options.trajectory.empty() ? std::vector<TimedPose>{} : read_trajectory(options.trajectory);
+  const std::vector<StampedPose> given =
+      options.trajectory.empty() ? std::vector<StampedPose>{} : read_trajectory(options.trajectory);
+  if (!options.trajectory.empty() && given.empty()) {
+    throw Error(fmt::format("{}: holds no pose", options.trajectory.string()));
+  }
   if (options.out.extension() != ".ply") {
     throw Error(fmt::format("-o {}: should end in .ply", options.out.string()));
   }

@@ -115,18 +115,6 @@ StampedPose pose_of(const std::string& line) {
   return pose;
 }
 
-std::vector<StampedPose> read_trajectory(const fs::path& path) {
-  std::vector<StampedPose> poses;
-  for_each_line(path, [&](const std::string& line) {
-    if (line.front() == '#') return;
-    const StampedPose pose = pose_of(line);
-    if (!poses.empty() && !(pose.time > poses.back().time))
-      refuse(fmt::format("time {} s comes after {} s", pose.time, poses.back().time));
-    poses.push_back(pose);
-  });
-  return poses;
-}
-
 // The largest number of FOLDER/%06d.png, plus one; 0 without the folder.
 int frames_in(const fs::path& folder) {
   int frames = 0;
@@ -252,6 +240,18 @@ fs::path image_name(const fs::path& folder, const char* kind, int frame) {
 }
 
 }  // namespace
+
+std::vector<StampedPose> read_trajectory(const fs::path& path) {
+  std::vector<StampedPose> poses;
+  for_each_line(path, [&](const std::string& line) {
+    if (line.front() == '#') return;
+    const StampedPose pose = pose_of(line);
+    if (!poses.empty() && !(pose.time > poses.back().time))
+      refuse(fmt::format("times must rise: {} s comes after {} s", pose.time, poses.back().time));
+    poses.push_back(pose);
+  });
+  return poses;
+}
 
 std::optional<Rigid3> ResultFolder::pose_at(int frame) const {
   if (!poses) return camera_from_body;

@@ -60,6 +60,11 @@ struct ResultFolder {
 /// @throws Error as above, and when the folder holds none of the files of a result
 [[nodiscard]] ResultFolder read_result_folder(const std::filesystem::path& folder, int frames);
 
+/// TUM's lines: time tx ty tz qx qy qz qw, world_from_camera; # begins a remark.
+/// @throws Error naming file and line: not eight finite numbers, a quaternion that is not of length
+/// 1 (within 1 %), times that do not rise
+[[nodiscard]] std::vector<StampedPose> read_trajectory(const std::filesystem::path& path);
+
 /// FOLDER/KIND/%06d.png; nothing when there is no such file. @throws Error naming it when it cannot
 /// be read
 [[nodiscard]] std::optional<DepthCounts> read_counts(const std::filesystem::path& folder,

@@ -1,5 +1,7 @@
 #include "palpable/track/still_watch.h"
 
+#include "palpable/track/median.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -18,12 +20,6 @@ constexpr double kMoved = 0.3;
 // share of it, at the noise of a dark picture, something else is seen there.
 constexpr double kLikenessShare = 0.75;
 constexpr double kNoise = 2;  // grey levels
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 bool is_moving(const MaskImage* mask, const GrayImage& image, const Eigen::Vector2d& at) {
   if (mask == nullptr || mask->empty()) return false;

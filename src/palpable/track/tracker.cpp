@@ -4,6 +4,7 @@
 #include "palpable/base/cpu_time.h"
 #include "palpable/track/bundle.h"
 #include "palpable/track/landmark_map.h"
+#include "palpable/track/median.h"
 #include "palpable/track/new_corners.h"
 #include "palpable/track/pose_fit.h"
 #include "palpable/track/still_watch.h"
@@ -81,12 +82,6 @@ Rigid3 part_of(const Rigid3& motion, double share) {
   part.linear() = turn.toRotationMatrix();
   part.translation() = share * motion.translation();
   return part;
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 struct Candidate {

@@ -32,4 +32,13 @@ struct FrameFormat {
   PinholeCamera depth_camera;  ///< kColorDepth: the one view that colour and depth share
 };
 
+/// Raw pairs of a rig, as large as its left eye's images.
+[[nodiscard]] inline FrameFormat format_of(const StereoRig& rig) {
+  FrameFormat format;
+  format.width = rig.left.pinhole.width;
+  format.height = rig.left.pinhole.height;
+  format.rig = rig;
+  return format;
+}
+
 }  // namespace palpable
