@@ -107,9 +107,10 @@ void bench_walk(const ReducedBody& body, const TrackBenchOptions& options, Progr
 
 // --- recordings ----------------------------------------------------------------------------------
 
+// Poses of the left camera, or of the depth camera: what data sets publish.
 struct Followed {
   std::vector<PosePair> pairs;
-  std::vector<DepthImage> depths;
+  std::vector<DepthImage> depths;  // as the depth camera gave them
   PinholeCamera depth_camera;
 };
 
@@ -122,7 +123,9 @@ Followed follow(const fs::path& folder, double farthest, bool keep_depths, const
   DepthCamera camera = value_or_throw(DepthCamera::make(source->format(), depth));
   Tracker tracker(tracker_settings(camera, source->format()));
   Followed followed;
-  followed.depth_camera = camera.depth_camera();
+  followed.depth_camera = source->format().depth_camera;
+  const auto& color = source->format().color_sensor;
+  const Rigid3 camera_from_depth = color ? color->color_from_depth : Rigid3::Identity();
   Frame frame;
   SeenFrame seen;
   FrameStatus status = source->next(frame);
@@ -130,8 +133,9 @@ Followed follow(const fs::path& folder, double farthest, bool keep_depths, const
     if (status != FrameStatus::kFrame) continue;
     camera.see(frame, seen);
     const TrackedPose pose = tracker.track(tracker_frame(seen));
-    followed.pairs.push_back({seen.time, pose_of(seen.number), pose.world_from_camera});
-    if (keep_depths) followed.depths.push_back(seen.depth);
+    followed.pairs.push_back(
+        {seen.time, pose_of(seen.number), pose.world_from_camera * camera_from_depth});
+    if (keep_depths) followed.depths.push_back(frame.depth);
   }
   return followed;
 }

@@ -15,7 +15,8 @@ void add_source_options(CLI::App& command, SourceOptions& options) {
       "--right", options.right,
       "The right eye's camera, video or images by name; --source is then the left's");
   command.add_option("--depth", options.depth,
-                     "The depth camera, or depth images by name, with the same view as --source");
+                     "The depth camera, or depth images by name; of --source's view, or of the one "
+                     "that intrinsics.txt says");
   command.add_option(
       "--calibration", options.calibration,
       "OpenCV YAML, a ZED's SN*.conf or intrinsics.txt. Default: what lies beside the "

@@ -316,10 +316,7 @@ Result<std::unique_ptr<FrameSource>> open_camera(const CameraRequest& request,
       return Problem{fmt::format("{} is no calibration of {}", path.string(),
                                  has_depth ? "one camera (fx fy cx cy)" : "a stereo rig")};
     }
-    if (format.width == 0) {
-      format.width = format.depth_camera.width = eye.width;
-      format.height = format.depth_camera.height = eye.height;
-    }
+    if (format.width == 0) set_size(format, eye.width, eye.height);
     if (format.width != eye.width || format.height != eye.height) {
       return Problem{fmt::format("the calibration {} is for eyes of {}x{} px, not {}x{}",
                                  path.string(), format.width, format.height, eye.width,

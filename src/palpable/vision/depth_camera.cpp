@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/vision/calibration_file.h"
+#include "palpable/vision/depth_registration.h"
 #include "palpable/vision/opencv_views.h"
 #include "palpable/vision/rectification.h"
 #include "palpable/vision/row_watch.h"
@@ -43,6 +44,17 @@ bool has_size(const ColorImage& image, int width, int height) {
   return image.width() == width && image.height() == height;
 }
 
+std::optional<Problem> what_is_wrong_with_camera(const PinholeCamera& camera, const char* which) {
+  if (camera.fx_px > 0 && camera.fy_px > 0 &&
+      std::isfinite(camera.fx_px + camera.fy_px + camera.cx_px + camera.cy_px)) {
+    return std::nullopt;
+  }
+  return Problem{
+      fmt::format("the {} camera's focal lengths are {} and {} px; they should be "
+                  "positive",
+                  which, camera.fx_px, camera.fy_px)};
+}
+
 }  // namespace
 
 struct DepthCamera::Parts {
@@ -52,6 +64,10 @@ struct DepthCamera::Parts {
   PinholeCamera depth_camera;
   DepthNoise noise;
   StageTimes times;
+
+  // Colour + depth whose sensors are two.
+  std::optional<DepthRegistration> registration;
+  DepthImage own_view;  // of the depth sensor
 
   // Stereo only.
   std::optional<Rectification> rectification;
@@ -243,15 +259,23 @@ Result<DepthCamera> DepthCamera::make(const FrameFormat& format, const DepthSett
   parts->format = format;
   parts->settings = settings;
   if (format.kind == FrameFormat::Kind::kColorDepth) {
-    const PinholeCamera& camera = format.depth_camera;
-    if (!(camera.fx_px > 0 && camera.fy_px > 0 &&
-          std::isfinite(camera.fx_px + camera.fy_px + camera.cx_px + camera.cy_px))) {
-      return Problem{
-          fmt::format("the depth camera's focal lengths are {} and {} px; they should be "
-                      "positive",
-                      camera.fx_px, camera.fy_px)};
+    if (auto problem = what_is_wrong_with_camera(format.depth_camera, "depth")) return *problem;
+    parts->camera = format.depth_camera;
+    if (format.color_sensor) {
+      const ColorSensor& color = *format.color_sensor;
+      if (auto problem = what_is_wrong_with_camera(color.camera, "colour")) return *problem;
+      if (color.camera.width != format.width || color.camera.height != format.height) {
+        return Problem{fmt::format("the images are {} x {} but the colour camera is {} x {}",
+                                   format.width, format.height, color.camera.width,
+                                   color.camera.height)};
+      }
+      if (!color.color_from_depth.matrix().allFinite()) {
+        return Problem{"how the colour camera stands to the depth camera is not finite"};
+      }
+      parts->camera = color.camera;
+      parts->registration.emplace(format.depth_camera, color);
     }
-    parts->camera = parts->depth_camera = camera;
+    parts->depth_camera = parts->camera;
     parts->noise = time_of_flight_noise();
     return DepthCamera(std::move(parts));
   }
@@ -330,9 +354,12 @@ void DepthCamera::see(const Frame& frame, SeenFrame& seen) {
       const StageTimer timer(p.times, "depth");
       std::copy(frame.left.begin(), frame.left.end(), seen.color.begin());
       Rectification::luma(seen.color, seen.left);
-      std::transform(frame.depth.begin(), frame.depth.end(), seen.depth.begin(), [&](float Z) {
+      DepthImage& known = p.registration ? p.own_view : seen.depth;
+      known.resize(width, height);
+      std::transform(frame.depth.begin(), frame.depth.end(), known.begin(), [&](float Z) {
         return Z > 0 && Z <= p.settings.farthest ? Z : kUnknown;  // NaN: unknown stays unknown
       });
+      if (p.registration) p.registration->to_color(p.own_view, seen.depth);
     }
   } else {
     usable = usable && has_size(frame.right, width, height);

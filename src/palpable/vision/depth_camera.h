@@ -15,7 +15,8 @@
 
 namespace palpable {
 
-/// Depth and colour of one moment, both in the frame of the (rectified) left camera.
+/// Depth and colour of one moment, both in the frame of the (rectified) left or of the colour
+/// camera: a depth sensor that stands elsewhere is registered to it (depth_registration.h).
 struct SeenFrame {
   int number = 0;
   double time = 0;  ///< s

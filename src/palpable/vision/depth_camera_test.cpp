@@ -314,6 +314,40 @@ TEST_CASE("colour and depth pass through, what is not a depth as unknown", "[vis
   CHECK(seen.depth(4, 2) == 0.7F);
 }
 
+TEST_CASE("depth of a sensor beside the colour's comes out in the colour's view",
+          "[vision][depth][registration]") {
+  FrameFormat format;
+  format.kind = FrameFormat::Kind::kColorDepth;
+  format.depth_camera = {0, 0, 110, 110, 31.5, 19.5};
+  format.color_sensor = ColorSensor{{0, 0, 100, 100, 31.5, 19.5}, Rigid3::Identity()};
+  format.color_sensor->color_from_depth.translation() << -0.025, 0, 0.1;
+  set_size(format, 64, 40);
+  auto camera = value_or_throw(DepthCamera::make(format));
+  CHECK(camera.camera() == format.color_sensor->camera);
+  CHECK(camera.depth_camera() == format.color_sensor->camera);
+  Frame frame;
+  frame.left = ColorImage(64, 40, Rgb{9, 8, 7});
+  frame.left(5, 6) = Rgb{200, 0, 0};
+  frame.depth = DepthImage(64, 40, 0.9F);
+  frame.depth(31, 19) = 50.0F;  // beyond the farthest
+  SeenFrame seen;
+  camera.see(frame, seen);
+  CHECK(seen.color == frame.left);
+  CHECK(seen.camera == format.color_sensor->camera);
+  // What was 0.9 m from the depth camera is 1 m from the colour camera.
+  CHECK(seen.depth(20, 10) == Approx(1.0).epsilon(1e-6));
+  // The unknown pixel: -0.5 / 110 x 0.9 m beside the axis, 25 mm to the left of it at 1 m, f = 100.
+  CHECK(std::isnan(seen.depth(29, 19)));
+  CHECK(seen.depth(32, 19) == Approx(1.0).epsilon(1e-6));
+  CHECK(test::allocations_during([&] { camera.see(frame, seen); }) == 0);
+
+  format.color_sensor->camera.width = 63;
+  CHECK_FALSE(DepthCamera::make(format).ok());
+  set_size(format, 64, 40);
+  format.color_sensor->camera.fy_px = 0;
+  CHECK_FALSE(DepthCamera::make(format).ok());
+}
+
 TEST_CASE("a frame of another size has no depth, and the next one is as good as ever",
           "[vision][depth][refusal]") {
   const RectifiedStereo stereo = small_stereo();

@@ -115,6 +115,27 @@ TEST_CASE("one reader tells every kind of calibration apart", "[vision][calibrat
   CHECK(depth.format.kind == FrameFormat::Kind::kColorDepth);
   CHECK(depth.format.depth_camera == PinholeCamera{0, 0, 585, 586, 320, 240});
 
+  CHECK_FALSE(depth.format.color_sensor);
+
+  const auto beside = [&](const std::string& color) {
+    write_bytes(folder / "d.txt", "475 476 320 240 640 480 0.001\n" + color);
+    return read_source_calibration(folder / "d.txt", 0, 0);
+  };
+  const FrameFormat same_place = value_or_throw(beside("color 600 601 322 243 # px\n")).format;
+  CHECK(same_place.color_sensor->camera == PinholeCamera{640, 480, 600, 601, 322, 243});
+  CHECK(same_place.color_sensor->color_from_depth.matrix().isIdentity(0));
+  CHECK(same_place.depth_camera.fx_px == 475);
+  const FrameFormat apart =
+      value_or_throw(beside("color 600 601 322 243  1 0 0 -0.025  0 0 -1 0.002  0 1 0 0\n")).format;
+  CHECK(apart.color_sensor->color_from_depth * Eigen::Vector3d(0, 0, 1) ==
+        Eigen::Vector3d(-0.025, -0.998, 0));
+  const auto refusal = [&](const char* color) { return beside(color).problem().message; };
+  CHECK(contains(refusal("color 600 601 322\n"), "fx fy cx cy"));
+  CHECK(contains(refusal("color 600 -1 322 243\n"), "positive"));
+  CHECK(contains(refusal("color 6 6 3 2  2 0 0 0  0 1 0 0  0 0 1 0\n"), "no rotation"));
+  CHECK(contains(refusal("color 6 6 3 2  1 0 0 0  0 1 0 0  0 0 -1 0\n"), "no rotation"));
+  CHECK(contains(refusal("color 6 6 3 2  1 0 0 -25  0 1 0 0  0 0 1 0\n"), "25 m apart"));
+
   const auto none = read_source_calibration(folder / "none.yml", 0, 0);
   REQUIRE_FALSE(none.ok());
   CHECK(contains(none.problem().message, "does not exist"));

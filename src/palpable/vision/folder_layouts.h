@@ -25,7 +25,7 @@ struct RecordedFrame {
   std::filesystem::path first;
   std::filesystem::path second;  ///< empty when side by side
   std::optional<double> time;    ///< s since the first frame; nothing: number / frames_per_second
-  /// Where the data set says the camera was: of the left or colour camera as it stands in the rig
+  /// Where the data set says the camera was: of the left or depth camera as it stands in the rig
   /// (before rectification). For scores; the frame loop is not shown it.
   std::optional<Rigid3> world_from_camera;
 };
@@ -42,6 +42,12 @@ struct Recording {
   std::vector<std::filesystem::path> calibration_files;  ///< those that exist
 };
 
+/// The colour sensor that a recording's layout is known for; nothing: as the depth, or the
+/// calibration says it. 7-Scenes where the depth has its published f = 585 px: other recordings in
+/// files of such names were registered by whoever made them.
+[[nodiscard]] std::optional<ColorSensor> color_sensor_of(const Recording& recording,
+                                                         const PinholeCamera& depth_camera);
+
 /// Recognises, in this order:
 ///
 ///   EuRoC     mav0/cam0 and mav0/cam1 with data/ and sensor.yaml; names are nanoseconds; poses
@@ -54,7 +60,7 @@ struct Recording {
 ///             the folder's name has freiburg1, 2 or 3
 ///   7-Scenes  frame-N.color.*, frame-N.depth.png; frame-N.pose.txt if there; depth in mm;
 ///             camera-intrinsics.txt or intrinsics.txt, else the published f = 585 px, c = (320,
-///             240)
+///             240); a colour sensor of its own (color_sensor_of)
 ///   ours      left/ and right/; color_* or rgb_* with depth_*; left* and right*; images side by
 ///   side
 ///

@@ -216,11 +216,26 @@ TEST_CASE("a folder of 7-Scenes: its names, its poses, its published camera",
   CHECK(recording.frames[1].world_from_camera->translation() == Vector3d(0.5, -0.25, 2));
   const auto source = value_or_throw(open_folder(folder.path()));
   CHECK(source->format().depth_camera == PinholeCamera{kWidth, kHeight, 585, 585, 320, 240});
+  // Its colour has a lens of its own, 25 mm beside the depth's; whoever writes other figures into
+  // the folder has them.
+  REQUIRE(source->format().color_sensor);
+  CHECK(source->format().color_sensor->camera ==
+        PinholeCamera{kWidth, kHeight, 525, 525, 320, 240});
+  const Rigid3 color_from_depth = source->format().color_sensor->color_from_depth;
+  CHECK(color_from_depth.translation().x() == Approx(-0.0256).epsilon(0.01));
+  CHECK(color_from_depth.linear().isUnitary(1e-9));
   Frame frame;
   REQUIRE(source->next(frame) == FrameStatus::kFrame);
   CHECK(frame.depth(0, 0) == Approx(1.25));
-  write_bytes(folder / "camera-intrinsics.txt", "31 0 20\n0 32 12\n0 0 1\n");
-  CHECK(value_or_throw(open_folder(folder.path()))->format().depth_camera.fy_px == 32);
+  const auto with = [&](const char* intrinsics) {
+    write_bytes(folder / "camera-intrinsics.txt", intrinsics);
+    return value_or_throw(open_folder(folder.path()))->format();
+  };
+  CHECK(with("31 0 20\n0 32 12\n0 0 1\n").depth_camera.fy_px == 32);
+  CHECK_FALSE(with("31 0 20\n0 32 12\n0 0 1\n").color_sensor);  // no Kinect of 7-Scenes
+  CHECK(with("585 0 320\n0 585 240\n0 0 1\n").color_sensor->camera.fx_px == 525);
+  CHECK(with("585 585 320 240\ncolor 530 531 322 243\n").color_sensor->camera ==
+        PinholeCamera{kWidth, kHeight, 530, 531, 322, 243});
 }
 
 TEST_CASE("left* and right* in one folder, or any two patterns of names, are pairs",
@@ -313,6 +328,7 @@ TEST_CASE("real sets of KITTI and 7-Scenes open with their poses", "[vision][fol
   const auto kitchen = value_or_throw(open_folder(data / "rgbd_pose_7scenes"));
   CHECK(kitchen->frame_count() == 90);
   CHECK(kitchen->format().depth_camera == PinholeCamera{640, 480, 585, 585, 320, 240});
+  CHECK(kitchen->format().color_sensor);
   Frame frame;
   REQUIRE(kitchen->next(frame) == FrameStatus::kFrame);
   const Recording walk = value_or_throw(recognise_folder(data / "rgbd_pose_7scenes"));

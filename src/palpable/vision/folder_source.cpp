@@ -50,7 +50,11 @@ Result<SourceCalibration> calibration_of(const fs::path& folder, const Recording
   const auto read = [&](const fs::path& path) -> Result<SourceCalibration> {
     Result<SourceCalibration> calibration = read_source_calibration(path, width, height);
     if (!calibration.ok()) return calibration;
-    const bool of_depth = calibration.value().format.kind == FrameFormat::Kind::kColorDepth;
+    FrameFormat& format = calibration.value().format;
+    const bool of_depth = format.kind == FrameFormat::Kind::kColorDepth;
+    if (of_depth && !format.color_sensor) {
+      format.color_sensor = color_sensor_of(recording, format.depth_camera);
+    }
     if (of_depth == wants_depth) return calibration;
     return Problem{fmt::format("{} holds {} but {} has {}", path.string(),
                                of_depth ? "one camera's intrinsics" : "a stereo rig",
@@ -89,8 +93,7 @@ std::optional<Problem> fit_size(const fs::path& folder, const Recording& recordi
   const bool side_by_side = recording.pair == ImagePair::kSideBySide;
   const int eye_width = side_by_side ? found.width / 2 : found.width;
   if (format.width == 0 && !side_by_side) {  // intrinsics without a size, KITTI
-    format.width = format.depth_camera.width = found.width;
-    format.height = format.depth_camera.height = found.height;
+    set_size(format, found.width, found.height);
     if (format.already_rectified) {
       format.rectified.camera.width = found.width;
       format.rectified.camera.height = found.height;

@@ -6,6 +6,9 @@
 
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
+#include "palpable/geometry/rigid.h"
+
+#include <optional>
 
 namespace palpable {
 
@@ -16,7 +19,13 @@ struct Frame {
   double time = 0;  ///< s since the source's first frame
   ColorImage left;
   ColorImage right;
-  DepthImage depth;  ///< Z in m, NaN unknown; pixel for pixel the view of `left`
+  DepthImage depth;  ///< Z in m, NaN unknown; of the format's depth camera
+};
+
+/// A colour sensor that stands beside the depth sensor and has a lens of its own.
+struct ColorSensor {
+  PinholeCamera camera;
+  Rigid3 color_from_depth = Rigid3::Identity();  ///< translation in m
 };
 
 /// What all frames of one source have in common.
@@ -29,8 +38,20 @@ struct FrameFormat {
   StereoRig rig;
   bool already_rectified = false;
   RectifiedStereo rectified;   ///< kStereo with already_rectified == true
-  PinholeCamera depth_camera;  ///< kColorDepth: the one view that colour and depth share
+  PinholeCamera depth_camera;  ///< kColorDepth
+  /// kColorDepth whose colour is another view than its depth; nothing: they share one view.
+  std::optional<ColorSensor> color_sensor;
 };
+
+/// For formats whose file did not say how large the images are.
+inline void set_size(FrameFormat& format, int width, int height) {
+  format.width = format.depth_camera.width = width;
+  format.height = format.depth_camera.height = height;
+  if (format.color_sensor) {
+    format.color_sensor->camera.width = width;
+    format.color_sensor->camera.height = height;
+  }
+}
 
 /// Raw pairs of a rig, as large as its left eye's images.
 [[nodiscard]] inline FrameFormat format_of(const StereoRig& rig) {

@@ -4,12 +4,15 @@
 #include "palpable/vision/factory_calibration.h"
 #include "palpable/vision/text_numbers.h"
 
+#include <Eigen/LU>
 #include <fmt/core.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -35,11 +38,57 @@ SourceCalibration from_rectified(const RectifiedCalibration& rectified) {
   return calibration;
 }
 
+// "fx fy cx cy", then if the colour stands elsewhere the 12 numbers of color_from_depth.
+Result<ColorSensor> read_color_sensor(const std::string& numbers,
+                                      const std::filesystem::path& path) {
+  const std::vector<double> n = to_numbers(numbers).value_or(std::vector<double>{});
+  constexpr std::size_t kLens = 4, kLensAndPose = 16;
+  if (n.size() != kLens && n.size() != kLensAndPose) {
+    return Problem{
+        fmt::format("{}: after 'color' should stand `fx fy cx cy`, or these and the 12 numbers of "
+                    "color_from_depth, row by row, m",
+                    path.string())};
+  }
+  ColorSensor color;
+  color.camera = {0, 0, n[0], n[1], n[2], n[3]};
+  if (!(n[0] > 0 && n[1] > 0)) {
+    return Problem{
+        fmt::format("{}: the colour camera's focal lengths are {} and {} px; they "
+                    "should be positive",
+                    path.string(), n[0], n[1])};
+  }
+  if (n.size() == kLens) return color;
+  using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+  color.color_from_depth.matrix().topRows<3>() = Eigen::Map<const Rows>(n.data() + kLens);
+  const Eigen::Matrix3d R = color.color_from_depth.linear();
+  constexpr double kFarthestApart = 1;  // m: more is in another unit
+  const double apart = color.color_from_depth.translation().norm();
+  const double off = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(off <= 1e-3) || R.determinant() < 0) {
+    return Problem{fmt::format("{}: color_from_depth holds no rotation", path.string())};
+  }
+  if (!(apart <= kFarthestApart)) {
+    return Problem{fmt::format("{}: colour and depth camera stand {} m apart; 1 m at most",
+                               path.string(), apart)};
+  }
+  return color;
+}
+
 Result<SourceCalibration> read_intrinsics(const std::filesystem::path& path) {
   const auto lines = read_lines(path);
   if (!lines) return Problem{fmt::format("{} cannot be read", path.string())};
+  constexpr std::string_view kColor = "color ";
   std::string text;
-  for (const std::string& line : *lines) text += line + "\n";
+  std::optional<ColorSensor> color;
+  for (const std::string& line : *lines) {
+    if (line.starts_with(kColor)) {
+      const Result<ColorSensor> read = read_color_sensor(line.substr(kColor.size()), path);
+      if (!read.ok()) return read.problem();
+      color = read.value();
+    } else {
+      text += line + "\n";
+    }
+  }
   std::vector<double> n = to_numbers(text).value_or(std::vector<double>{});
   constexpr std::size_t kFewest = 4;  // fx fy cx cy
   constexpr std::size_t kMost = 7;    // and width height unit_m
@@ -56,6 +105,7 @@ Result<SourceCalibration> read_intrinsics(const std::filesystem::path& path) {
   FrameFormat& format = calibration.format;
   format.kind = FrameFormat::Kind::kColorDepth;
   format.depth_camera = {0, 0, n[0], n[1], n[2], n[3]};
+  format.color_sensor = color;
   if (!(n[0] > 0 && n[1] > 0)) {
     return Problem{fmt::format("{} has focal lengths {} and {} px; they should be positive",
                                path.string(), n[0], n[1])};
@@ -64,8 +114,7 @@ Result<SourceCalibration> read_intrinsics(const std::filesystem::path& path) {
     if (!is_image_side(n[4]) || !is_image_side(n[5])) {
       return Problem{fmt::format("{} has an image of {} x {} px", path.string(), n[4], n[5])};
     }
-    format.width = format.depth_camera.width = static_cast<int>(n[4]);
-    format.height = format.depth_camera.height = static_cast<int>(n[5]);
+    set_size(format, static_cast<int>(n[4]), static_cast<int>(n[5]));
   }
   if (n.size() == kMost) {
     calibration.depth_unit = n[6];

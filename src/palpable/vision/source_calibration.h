@@ -21,7 +21,9 @@ struct SourceCalibration {
 ///   SN*.conf        a ZED's factory numbers (factory_calibration.h)
 ///   OpenCV YAML     with K1: a rig of raw images; with fx: rows aligned (calibration_file.h)
 ///   other text      colour + depth: `fx fy cx cy`, `... width height`, `... width height unit_m`,
-///                   or the nine numbers fx 0 cx 0 fy cy 0 0 1; '#' begins a comment
+///                   or the nine numbers fx 0 cx 0 fy cy 0 0 1; '#' begins a comment. Where the
+///                   colour is another view, a line more: `color fx fy cx cy`, and where it stands
+///                   elsewhere the 12 numbers of color_from_depth (row by row, m) behind that
 ///
 /// @param width, height  of one eye's image in px, to choose a section of a .conf; 0: not known.
 ///                       Whether they fit the calibration is for the caller to compare.
