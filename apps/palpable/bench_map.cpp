@@ -3,11 +3,8 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/sequence_folder.h"
 #include "palpable/base/contract.h"
-#include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
-#include "palpable/map/moving_mask.h"
-#include "palpable/map/surface_map.h"
-#include "palpable/track/tracker_input.h"
+#include "palpable/slam/slam.h"
 #include "palpable/vision/depth_camera.h"
 
 #include <Eigen/Geometry>
@@ -21,7 +18,7 @@
 namespace palpable::app {
 namespace {
 
-constexpr int kFuseEvery = 3;         // frames; the live loop's tenth of a second
+constexpr int kLookEvery = 3;         // frames, for what is left of the hand
 constexpr int kBeside = 3;            // px
 constexpr double kLeastError = 0.04;  // m
 constexpr double kSigmas = 4;
@@ -58,7 +55,7 @@ int ghosts(const SurfaceMap& map, const Sequence& sequence, int last, const Dept
   const double reach = 2 * map.settings().voxel;
   std::vector<bool> ghost(static_cast<std::size_t>(in_desk.cols()), false);
   DeskTruth truth;
-  for (int frame = kFramesWithoutHand; frame < last; frame += kFuseEvery) {
+  for (int frame = kFramesWithoutHand; frame < last; frame += kLookEvery) {
     const std::vector<Capsule> hand = shapes_of(sequence.movers(frame).capsules);
     if (hand.empty()) continue;
     Eigen::AlignedBox3d box;
@@ -97,16 +94,14 @@ void bench_map(const ReducedBody& body, std::uint64_t seed, int frames, Progress
   Film film = film_of(sequence);
   const FrameFormat format = format_of(film.rig);
   DepthCamera camera = value_or_throw(DepthCamera::make(format));
-  Tracker tracker(tracker_settings(camera, format));
-  MovingMask mover(camera.noise());
-  SurfaceMap map(camera.noise()), of_all(camera.noise());
+  Slam slam(camera, format);
+  SurfaceMap of_all(camera.noise());
 
-  double mask_s = 0, map_s = 0;
-  int masks = 0, fused = 0;
   RawPair pair;
   Frame frame;
   SeenFrame seen;
-  Rigid3 last = Rigid3::Identity(), last_motion = Rigid3::Identity();
+  StageTimes times;
+  SlamCounts before;  // the hand
   for (int n = 0; n < frames; ++n) {
     if (n == gone) {
       result["ghost_voxels_no_mask"] = ghosts(of_all, sequence, gone, camera, film.renderer);
@@ -117,39 +112,21 @@ void bench_map(const ReducedBody& body, std::uint64_t seed, int frames, Progress
     frame.left = pair.left;
     frame.right = pair.right;
     camera.see(frame, seen);
-    if (n == kFramesWithoutHand) mask_s = map_s = masks = fused = 0;
-    const MaskImage* moving = nullptr;
-    {
-      const CpuTimer timer(mask_s);
-      moving = &mover.find(seen, last * last_motion, &map);
-    }
-    ++masks;
-    const TrackedPose pose = tracker.track(tracker_frame(seen, moving));
-    if (pose.state == TrackState::kLost) {
-      last_motion = Rigid3::Identity();
-      continue;
-    }
-    {
-      const CpuTimer timer(mask_s);
-      mover.learn(pose.world_from_camera);
-    }
-    last_motion = last.inverse() * pose.world_from_camera;
-    last = pose.world_from_camera;
-    if (n % kFuseEvery == 0) {
-      {
-        const CpuTimer timer(map_s);
-        map.fuse(seen.depth, seen.depth_camera, last, *moving, seen.color);
-      }
-      ++fused;
-      if (n < gone) of_all.fuse(seen.depth, seen.depth_camera, last);
+    if (n == kFramesWithoutHand) before = slam.counts();
+    const SlamFrame& found = slam.advance(seen, times);
+    if (found.fused && n < gone) {
+      of_all.fuse(seen.depth, seen.depth_camera, found.camera.world_from_camera);
     }
     bar.show({"mapping", n + 1.0, static_cast<double>(frames), ""});
   }
-  if (masks == 0 || fused == 0)
+  const SlamCounts& after = slam.counts();
+  const int masks = after.masks - before.masks, fused = after.fused - before.fused;
+  if (masks == 0 || fused == 0) {
     throw Error("walk-hand: the camera was lost from the first hand on");
-  result["mask_ms"] = 1e3 * mask_s / masks;
-  result["map_ms"] = 1e3 * map_s / fused;
-  result["ghost_voxels"] = ghosts(map, sequence, gone, camera, film.renderer);
+  }
+  result["mask_ms"] = 1e3 * (after.mask_cpu_s - before.mask_cpu_s) / masks;
+  result["map_ms"] = 1e3 * (after.fuse_cpu_s - before.fuse_cpu_s) / fused;
+  result["ghost_voxels"] = ghosts(*slam.map(), sequence, gone, camera, film.renderer);
 }
 
 }  // namespace palpable::app

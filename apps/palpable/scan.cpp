@@ -5,9 +5,7 @@
 #include "apps/palpable/score_files.h"
 #include "apps/palpable/source_options.h"
 #include "palpable/base/error.h"
-#include "palpable/map/moving_mask.h"
-#include "palpable/map/surface_map.h"
-#include "palpable/track/tracker_input.h"
+#include "palpable/slam/slam.h"
 #include "palpable/vision/depth_camera.h"
 #include "palpable/vision/open_source.h"
 #include "palpable/vision/source_guard.h"
@@ -34,7 +32,7 @@ struct ScanOptions {
   fs::path out;
   fs::path trajectory;
   double voxel_mm = 10;
-  int every = 3;
+  double fuse_every = 0.1;  // s
   int frames = -1;
 };
 
@@ -87,12 +85,13 @@ void scan(const ScanOptions& options) {
   }
   std::unique_ptr<FrameSource> source = value_or_throw(open_source(request_of(options.input)));
   DepthCamera camera = value_or_throw(DepthCamera::make(source->format()));
-  Tracker tracker(tracker_settings(camera, source->format()));
-  SurfaceMapSettings settings;
-  settings.voxel = 1e-3 * options.voxel_mm;
-  settings.truncation = 4 * settings.voxel;
-  SurfaceMap map(camera.noise(), settings);
-  MovingMask mover(camera.noise());
+  SlamSettings settings;
+  settings.track = given.empty();
+  settings.fuse_every = options.fuse_every;
+  settings.surface.voxel = 1e-3 * options.voxel_mm;
+  settings.surface.truncation = 4 * settings.surface.voxel;
+  Slam slam(camera, source->format(), settings);
+  const SurfaceMap& map = *slam.map();
 
   int total = source->frame_count();
   if (options.frames > 0) total = total > 0 ? std::min(total, options.frames) : options.frames;
@@ -100,9 +99,8 @@ void scan(const ScanOptions& options) {
   Frame frame;
   SeenFrame seen;
   SourceGuard guard(*source);
-  TrackedPose last{.state = TrackState::kFixed};  // before the first frame: where the room begins
-  Rigid3 motion = Rigid3::Identity();             // last_from_this, of the frame before
-  int read = 0, lost = 0, fused = 0;
+  StageTimes times;
+  int read = 0;
   while (options.frames < 0 || read < options.frames) {
     const FrameStatus status = guard.next(frame);
     if (status == FrameStatus::kEnd) break;
@@ -112,29 +110,10 @@ void scan(const ScanOptions& options) {
       throw Error(fmt::format("{}: {}", options.input.source, seen.misfit->message()));
     }
     ++read;
-    // What moves is found once a frame, from where the camera should be by now.
-    const MaskImage* moving = nullptr;
     if (given.empty()) {
-      const TrackedPose before = last;
-      if (is_known(before)) moving = &mover.find(seen, before.world_from_camera * motion, &map);
-      last = tracker.track(tracker_frame(seen, moving));
-      motion = is_known(before) && is_known(last)
-                   ? Rigid3(before.world_from_camera.inverse() * last.world_from_camera)
-                   : Rigid3::Identity();
-    } else if (const auto pose = pose_at(given, seen.time)) {
-      last = {.world_from_camera = *pose, .state = TrackState::kTracking};
-      moving = &mover.find(seen, *pose, &map);
+      slam.advance(seen, times);
     } else {
-      last.state = TrackState::kLost;
-    }
-    if (!is_known(last)) {
-      ++lost;
-    } else if (moving != nullptr) {
-      mover.learn(last.world_from_camera);
-      if ((read - 1) % options.every == 0) {
-        map.fuse(seen.depth, seen.depth_camera, last.world_from_camera, *moving, seen.color);
-        ++fused;
-      }
+      slam.advance(seen, pose_at(given, seen.time), times);
     }
     if (total > 0) {
       bar.show({"scan", static_cast<double>(read), static_cast<double>(total),
@@ -143,13 +122,14 @@ void scan(const ScanOptions& options) {
   }
   bar.finish();
   if (read == 0) { throw Error(fmt::format("{}: no frame could be read", options.input.source)); }
+  const SlamCounts& counts = slam.counts();
   const ColoredSurface mesh = map.mesh();
   if (mesh.surface.triangle_count() == 0) {
     throw Error(fmt::format("{}: no surface within {} m was seen in {} frames ({} without a pose)",
-                            options.input.source, map.settings().farthest, read, lost));
+                            options.input.source, map.settings().farthest, read, counts.lost));
   }
   write_colored_ply(options.out, mesh);
-  fmt::print("{} frames, {} fused, {} without a pose\n", read, fused, lost);
+  fmt::print("{} frames, {} fused, {} without a pose\n", read, counts.fused, counts.lost);
   if (map.refused() > 0) {
     fmt::print("the map was full ({} blocks): parts are missing; --voxel makes them larger\n",
                map.blocks());
@@ -177,8 +157,10 @@ void add_scan(CLI::App& app) {
                    "Side of a voxel, mm; smaller ones than 5 would leave gaps between the rays")
       ->check(CLI::Range(5.0, 100.0))
       ->capture_default_str();
-  command->add_option("--every", options->every, "Fuse every so many frames")
-      ->check(CLI::Range(1, 1000))
+  command
+      ->add_option("--fuse-every", options->fuse_every,
+                   "Fuse a frame every so many seconds of the recording; 0: all of them")
+      ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   command->add_option("--frames", options->frames, "Stop after so many frames")
       ->check(CLI::Range(1, 100'000'000));

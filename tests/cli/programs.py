@@ -1162,7 +1162,7 @@ def ply_points(path):
 def _(programs, folder):
     # A depth of this small picture scatters by 9 mm: twelve frames weigh as much as a voxel needs.
     write_stereo(folder / "clip", frames=12)
-    said = programs.succeeds("scan", folder / "clip", "-o", folder / "wall.ply", "--every", "1").stdout
+    said = programs.succeeds("scan", folder / "clip", "-o", folder / "wall.ply", "--fuse-every", "0").stdout
     assert "12 frames, 12 fused, 0 without a pose" in said, said
     points, triangles = ply_points(folder / "wall.ply")
     assert len(points) > 1000 and triangles > 1000, said
@@ -1171,7 +1171,7 @@ def _(programs, folder):
 
     # The same from a camera that is said to stand 1 m to the right.
     lines(folder / "poses.txt", ["# time tx ty tz qx qy qz qw"] + [f"{5 + n / 30:.6f} 1 0 0 0 0 0 1" for n in range(12)])
-    programs.succeeds("scan", folder / "clip", "-o", folder / "moved.ply", "--every", "1",
+    programs.succeeds("scan", folder / "clip", "-o", folder / "moved.ply", "--fuse-every", "0",
                       "--trajectory", folder / "poses.txt")
     moved, again = ply_points(folder / "moved.ply")
     assert again == triangles, (again, triangles)  # 1 m is a whole number of voxels

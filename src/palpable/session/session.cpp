@@ -2,7 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/reduced/pressed_surface.h"
-#include "palpable/track/tracker_input.h"
+#include "palpable/slam/slam.h"
 #include "palpable/vision/depth_edges.h"
 #include "palpable/vision/static_background.h"
 
@@ -66,12 +66,6 @@ SeenSurfaceSettings fitted(SeenSurfaceSettings surface, const DepthCamera& camer
   return surface;
 }
 
-// s between two depth images that go into the map.
-constexpr double kFuseEvery = 0.0999;
-
-// A mask that covers more of the picture than this says that the pose was foretold wrongly.
-constexpr double kMostMoving = 0.7;
-
 std::optional<Problem> wrong_setting(const SessionSettings& s) {
   if (s.ignore_static && (s.static_frames < 1 || s.static_frames > 255)) {
     return Problem{
@@ -102,6 +96,7 @@ struct Session::Parts {
         world_from_body(pose),
         settings(s),
         camera(std::move(c)),
+        slam(camera, format, {.track = s.track, .map = s.map}),
         rest(body.surface.vertices.cast<float>()),
         region(box_of(body.surface)),
         surface(fitted(settings.surface, camera, format, settings.depth.matcher, pose)),
@@ -110,16 +105,9 @@ struct Session::Parts {
       background.emplace(camera.noise(),
                          StaticBackgroundSettings{.frames = settings.static_frames});
     }
-    if (settings.track) tracker.emplace(tracker_settings(camera, format));
-    if (settings.map) {
-      mover.emplace(camera.noise());
-      map.emplace(camera.noise());
-    }
   }
 
-  void find_moving(const SeenFrame& seen, Scene& scene);
-  void find_camera(const SeenFrame& seen, Scene& scene);
-  void learn_scene(const SeenFrame& seen, const Scene& scene);
+  void find_scene(const SeenFrame& seen, Scene& scene);
   bool find_contact_depth(const SeenFrame& seen, const TrackedPose& tracked);
   std::optional<Touch> touch_of_frame(double time);
   void reconstruct(Scene& scene);
@@ -128,16 +116,10 @@ struct Session::Parts {
   Rigid3 world_from_body;
   SessionSettings settings;
   DepthCamera camera;
+  Slam slam;
   Eigen::Matrix3Xf rest;  // (3 x V) m
   Eigen::AlignedBox3d region;
 
-  std::optional<Tracker> tracker;
-  std::optional<MovingMask> mover;
-  std::optional<SurfaceMap> map;
-  double last_fused = -std::numeric_limits<double>::infinity();
-  // Of the frame before. Before the first one it stands where the world begins.
-  TrackedPose last_camera{.state = TrackState::kFixed};
-  Rigid3 last_motion = Rigid3::Identity();  // last_from_this, of the frame before
   std::optional<StaticBackground> background;
   Rigid3 learnt_from_world = Rigid3::Identity();  // the camera when the background was learnt
   DepthImage contact_depth;  // what may press; the scene's own depth keeps everything, for drawing
@@ -152,41 +134,11 @@ struct Session::Parts {
   Scene own_scene;
 };
 
-// What moves, seen from where the camera should be by now: with the motion of the frame before.
-void Session::Parts::find_moving(const SeenFrame& seen, Scene& scene) {
-  scene.moving = nullptr;
-  if (!mover || !is_known(last_camera)) return;
-  const MaskImage& mask =
-      mover->find(seen, last_camera.world_from_camera * last_motion, &map.value());
-  const auto moving = std::count_if(mask.begin(), mask.end(), [](auto m) { return m != 0; });
-  if (static_cast<double>(moving) <= kMostMoving * static_cast<double>(mask.size())) {
-    scene.moving = &mask;
-  }
-}
-
-// Takes the frame into the free space and the map, if it is known where it was seen from.
-void Session::Parts::learn_scene(const SeenFrame& seen, const Scene& scene) {
-  const bool both = is_known(last_camera) && is_known(scene.camera);
-  last_motion = both ? last_camera.world_from_camera.inverse() * scene.camera.world_from_camera
-                     : Rigid3::Identity();
-  last_camera = scene.camera;
-  if (!mover || !both || scene.moving == nullptr) return;
-  mover->learn(scene.camera.world_from_camera);
-  if (seen.time - last_fused < kFuseEvery) return;
-  last_fused = seen.time;
-  map->fuse(seen.depth, seen.depth_camera, scene.camera.world_from_camera, *scene.moving,
-            seen.color);
-}
-
-// Where the camera is, and with it the body.
-void Session::Parts::find_camera(const SeenFrame& seen, Scene& scene) {
-  scene.camera = {};
-  scene.camera.state = TrackState::kFixed;
-  if (tracker) {
-    scene.camera = tracker->track(tracker_frame(seen, scene.moving));
-    // It was found from a pose that turns out to be wrong.
-    if (!is_known(scene.camera)) scene.moving = nullptr;
-  }
+// Where the camera is, and with it the body; what moves.
+void Session::Parts::find_scene(const SeenFrame& seen, Scene& scene) {
+  const SlamFrame& found = slam.advance(seen, scene.times);
+  scene.camera = found.camera;
+  scene.moving = found.moving;
   // A camera that has not moved sees the body where it was put, to the bit.
   scene.camera_from_body = scene.camera.world_from_camera.matrix().isIdentity(0)
                                ? world_from_body
@@ -274,20 +226,7 @@ void Session::respond(const SeenFrame& seen, Scene& scene) {
   scene.touches.clear();
   scene.touches.reserve(1);
 
-  {
-    const StageTimer timer(scene.times, "map");
-    p.find_moving(seen, scene);
-  }
-  if (p.tracker) {
-    const StageTimer timer(scene.times, "track");
-    p.find_camera(seen, scene);
-  } else {
-    p.find_camera(seen, scene);
-  }
-  {
-    const StageTimer timer(scene.times, "map");
-    p.learn_scene(seen, scene);
-  }
+  p.find_scene(seen, scene);
   bool may_press = false;
   {
     const StageTimer timer(scene.times, "background");
@@ -312,11 +251,12 @@ const Scene& Session::process(const Frame& frame) {
 }
 
 const DepthImage& Session::pressing_depth() const { return parts_->contact_depth; }
-const SurfaceMap* Session::map() const { return parts_->map ? &*parts_->map : nullptr; }
+const SurfaceMap* Session::map() const { return parts_->slam.map(); }
 const ReducedBody& Session::body() const { return parts_->body; }
 const Rigid3& Session::camera_from_body() const { return parts_->world_from_body; }
 TrackerCounts Session::tracker_counts() const {
-  return parts_->tracker ? parts_->tracker->counts() : TrackerCounts{};
+  const Tracker* tracker = parts_->slam.tracker();
+  return tracker != nullptr ? tracker->counts() : TrackerCounts{};
 }
 const SessionSettings& Session::settings() const { return parts_->settings; }
 const PinholeCamera& Session::camera() const { return parts_->camera.camera(); }

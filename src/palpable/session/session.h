@@ -20,7 +20,6 @@
 #include "palpable/contact/seen_surface.h"
 #include "palpable/contact/touch.h"
 #include "palpable/geometry/rigid.h"
-#include "palpable/map/moving_mask.h"
 #include "palpable/map/surface_map.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/track/tracker.h"
@@ -47,7 +46,7 @@ struct SessionSettings {
   /// Follow the camera (tracker.h); false: it is taken to stand where it stood in the first frame.
   bool track = false;
   /// Find what moves (moving_mask.h), leave it out of the tracking, and fuse the rest into a map
-  /// (surface_map.h) ten times a second.
+  /// (surface_map.h) ten times a second; in which order: slam.h.
   bool map = false;
   int static_frames = 15;
   DepthSettings depth{};

@@ -3,6 +3,7 @@
 #include "tests/support/allocations.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/seen_capsules.h"
+#include "tests/support/seen_wall.h"
 #include "tests/support/test.h"
 
 #include <algorithm>
@@ -19,14 +20,7 @@ using test::Capsule;
 using test::tolerance;
 
 // Colour + depth needs no matcher: this module's own work is what follows the depth.
-FrameFormat depth_format() {
-  FrameFormat format;
-  format.kind = FrameFormat::Kind::kColorDepth;
-  format.width = 161;
-  format.height = 121;
-  format.depth_camera = {161, 121, 250, 250, 80, 60};
-  return format;
-}
+FrameFormat depth_format() { return test::wall_format(); }
 
 // The sphere stands 0.4 m before a camera that looks down on it by 30 degrees.
 Rigid3 pose() {
@@ -244,37 +238,6 @@ TEST_CASE("settings out of range and formats without numbers are problems, not c
   CHECK_FALSE(Session::make(test::DentedSphere{}.body(), pose(), nothing).ok());
 }
 
-// A wall at 0.8 m with a pattern of noise, seen by a camera that stands `x` to the right.
-Frame frame_of_wall(int number, double x) {
-  FrameFormat format = depth_format();
-  const PinholeCamera& camera = format.depth_camera;
-  constexpr double Z = 0.8;
-  const auto noise = [](int i, int j) {
-    auto h =
-        static_cast<std::uint32_t>(i) * 0x9E3779B1U ^ static_cast<std::uint32_t>(j) * 0x85EBCA77U;
-    h = (h ^ (h >> 15)) * 0x2C1B3C6DU;
-    return static_cast<double>((h ^ (h >> 12)) & 0xFF);
-  };
-  Frame frame;
-  frame.number = number;
-  frame.time = number / 30.0;
-  frame.depth = DepthImage(format.width, format.height, static_cast<float>(Z));
-  frame.left = ColorImage(format.width, format.height);
-  for (int v = 0; v < format.height; ++v) {
-    for (int u = 0; u < format.width; ++u) {
-      const Vector3d at = camera.unproject(u, v, Z);
-      const double a = (at.x() + x) / 0.016, b = at.y() / 0.016;  // 5 px
-      const int i = static_cast<int>(std::floor(a)), j = static_cast<int>(std::floor(b));
-      const double s = a - i, t = b - j;
-      const double value = (1 - t) * ((1 - s) * noise(i, j) + s * noise(i + 1, j)) +
-                           t * ((1 - s) * noise(i, j + 1) + s * noise(i + 1, j + 1));
-      const auto grey = static_cast<std::uint8_t>(value);
-      frame.left(u, v) = {grey, grey, grey};
-    }
-  }
-  return frame;
-}
-
 TEST_CASE("the body stays where it was put in the room while the camera moves, if it is followed",
           "[session]") {
   SessionSettings settings;
@@ -283,12 +246,12 @@ TEST_CASE("the body stays where it was put in the room while the camera moves, i
   Session fixed = make_session();
   for (int n = 0; n < 12; ++n) {
     const double x = 0.004 * n;
-    const Scene& scene = followed.process(frame_of_wall(n, x));
+    const Scene& scene = followed.process(test::frame_of_wall(n, x));
     INFO("frame " << n << ", state " << static_cast<int>(scene.camera.state));
     CHECK(
         (scene.camera_from_body.translation() - pose().translation() + Vector3d(x, 0, 0)).norm() <=
         tolerance(1.5e-3, "a third of a pixel of 250 px at 0.8 m; below 0.3 px it still stands"));
-    CHECK(fixed.process(frame_of_wall(n, x)).camera_from_body.matrix() == pose().matrix());
+    CHECK(fixed.process(test::frame_of_wall(n, x)).camera_from_body.matrix() == pose().matrix());
   }
   CHECK(followed.tracker_counts().lost == 0);
 }
@@ -300,7 +263,7 @@ TEST_CASE("nothing presses while the camera is lost, and the mask is not given",
   Session session = make_session(settings);
   int number = 0;
   for (const double x : {0.0, 0.0, 0.01, 0.02, 0.03, 0.02, 0.01, 0.0}) {
-    CHECK(session.process(frame_of_wall(number++, x)).moving != nullptr);
+    CHECK(session.process(test::frame_of_wall(number++, x)).moving != nullptr);
   }
   for (int n = 0; n < 5; ++n) {
     Frame frame = frame_with_finger(number++, 0.006);

@@ -1,0 +1,98 @@
+#include "palpable/slam/slam.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/base/cpu_time.h"
+#include "palpable/track/tracker_input.h"
+
+#include <algorithm>
+
+namespace palpable {
+namespace {
+// s by which stamps that are meant to be even are not.
+constexpr double kUneven = 1e-4;
+}  // namespace
+
+Slam::Slam(const DepthCamera& camera, const FrameFormat& format, const SlamSettings& settings)
+    : settings_(settings) {
+  PALPABLE_EXPECT(settings.fuse_every >= 0, "time does not run backwards");
+  PALPABLE_EXPECT(settings.most_moving >= 0 && settings.most_moving <= 1, "a share of the picture");
+  if (settings.track) tracker_.emplace(tracker_settings(camera, format));
+  if (settings.map) {
+    mover_.emplace(camera.noise(), settings.moving);
+    map_.emplace(camera.noise(), settings.surface);
+  }
+}
+
+const SlamFrame& Slam::advance(const SeenFrame& seen, StageTimes& times) {
+  if (!tracker_) return take(seen, {.state = TrackState::kFixed}, times);
+  frame_ = {};
+  {
+    const StageTimer timer(times, "map");
+    if (is_known(last_camera_)) {
+      find_moving(seen, last_camera_.world_from_camera * last_motion_);
+    }
+  }
+  {
+    const StageTimer timer(times, "track");
+    frame_.camera = tracker_->track(tracker_frame(seen, frame_.moving));
+  }
+  // What moves was found from a pose that turns out to be wrong.
+  if (!is_known(frame_.camera)) frame_.moving = nullptr;
+  const StageTimer timer(times, "map");
+  learn(seen);
+  return frame_;
+}
+
+const SlamFrame& Slam::advance(const SeenFrame& seen,
+                               const std::optional<Rigid3>& world_from_camera, StageTimes& times) {
+  TrackedPose camera{.world_from_camera = last_camera_.world_from_camera,
+                     .state = TrackState::kLost};
+  if (world_from_camera) camera = {*world_from_camera, TrackState::kTracking};
+  return take(seen, camera, times);
+}
+
+// With a pose that is not to be tracked.
+const SlamFrame& Slam::take(const SeenFrame& seen, const TrackedPose& camera, StageTimes& times) {
+  const StageTimer timer(times, "map");
+  frame_ = {};
+  frame_.camera = camera;
+  if (is_known(camera)) find_moving(seen, camera.world_from_camera);
+  learn(seen);
+  return frame_;
+}
+
+void Slam::find_moving(const SeenFrame& seen, const Rigid3& world_from_camera) {
+  if (!mover_) return;
+  const CpuTimer timer(counts_.mask_cpu_s);
+  const MaskImage& mask = mover_->find(seen, world_from_camera, map());
+  const auto moving = std::count_if(mask.begin(), mask.end(), [](auto m) { return m != 0; });
+  ++counts_.masks;
+  if (static_cast<double>(moving) <= settings_.most_moving * static_cast<double>(mask.size())) {
+    frame_.moving = &mask;
+  }
+}
+
+// Takes the frame into the free space and the map, if it is known where it was seen from.
+void Slam::learn(const SeenFrame& seen) {
+  const bool known = is_known(frame_.camera);
+  const Rigid3& world_from_camera = frame_.camera.world_from_camera;
+  last_motion_ = known && is_known(last_camera_)
+                     ? last_camera_.world_from_camera.inverse() * world_from_camera
+                     : Rigid3::Identity();
+  last_camera_ = frame_.camera;
+  ++counts_.frames;
+  if (!known) ++counts_.lost;
+  if (frame_.moving == nullptr) return;  // so is what a lost camera sees
+  {
+    const CpuTimer timer(counts_.mask_cpu_s);
+    mover_->learn(world_from_camera);
+  }
+  if (seen.time - last_fused_ < settings_.fuse_every - kUneven) return;
+  last_fused_ = seen.time;
+  frame_.fused = true;
+  ++counts_.fused;
+  const CpuTimer timer(counts_.fuse_cpu_s);
+  map_->fuse(seen.depth, seen.depth_camera, world_from_camera, *frame_.moving, seen.color);
+}
+
+}  // namespace palpable

@@ -1,0 +1,156 @@
+#include "palpable/slam/slam.h"
+
+#include "tests/support/seen_wall.h"
+#include "tests/support/test.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using test::frame_of_wall;
+
+// Before a camera that stands, a wall; sometimes something covers a share of the picture.
+struct Room {
+  explicit Room(const SlamSettings& settings = {})
+      : camera(std::move(DepthCamera::make(test::wall_format()).value())),
+        slam(camera, test::wall_format(), settings) {}
+
+  // What `covers` of the picture, from its left, shows is at `Z` m.
+  const SeenFrame& see(Frame frame, double covers = 0, float Z = 0.4F) {
+    const auto columns = static_cast<int>(covers * frame.depth.width());
+    for (int y = 0; y < frame.depth.height(); ++y) { std::fill_n(frame.depth.row(y), columns, Z); }
+    camera.see(frame, seen);
+    return seen;
+  }
+  const SlamFrame& show(double covers = 0) {
+    return slam.advance(see(frame_of_wall(number++, 0), covers), times);
+  }
+  const SlamFrame& show_dark() {
+    Frame frame = frame_of_wall(number++, 0);
+    std::fill(frame.left.begin(), frame.left.end(), Rgb{});
+    return slam.advance(see(frame), times);
+  }
+
+  DepthCamera camera;
+  Slam slam;
+  SeenFrame seen;
+  StageTimes times;
+  int number = 0;
+};
+
+double share_of(const MaskImage& mask) {
+  const auto set = std::count_if(mask.begin(), mask.end(), [](auto m) { return m != 0; });
+  return static_cast<double>(set) / static_cast<double>(mask.size());
+}
+
+const Eigen::Vector3d kOnWall{0, 0, test::kWallZ};
+
+TEST_CASE("depths go into the map at the rate that is asked for, by the source's time", "[slam]") {
+  const auto fused = [](double every, int step) {
+    Room room({.track = false, .fuse_every = every});
+    for (int n = 0; n < 30; n += step) {
+      room.slam.advance(room.see(frame_of_wall(n, 0)), room.times);
+    }
+    return room.slam.counts().fused;
+  };
+  CHECK(fused(0.1, 1) == 10);
+  CHECK(fused(0.1, 5) == 6);  // a camera of 6 frames a second gives all of them
+  CHECK(fused(0, 1) == 30);
+}
+
+TEST_CASE("what comes into the room moves and stays out of its map", "[slam]") {
+  Room room({.track = false});
+  for (int n = 0; n < 30; ++n) CHECK(share_of(*room.show().moving) == 0);
+  REQUIRE(room.slam.map()->distance(kOnWall).has_value());
+  for (int n = 0; n < 30; ++n) {
+    const SlamFrame& found = room.show(0.5);
+    REQUIRE(found.moving != nullptr);
+    CHECK(share_of(*found.moving) == Approx(0.5).margin(0.03));
+    CHECK(found.camera.state == TrackState::kFixed);
+    CHECK(found.camera.world_from_camera.matrix().isIdentity(0));
+  }
+  // Half way to the left of the middle: in the thing, at its depth.
+  CHECK_FALSE(room.slam.map()->distance({-0.06, 0, 0.4}).has_value());
+  CHECK(room.slam.space()->is_free({-0.06, 0, 0.4}));
+}
+
+TEST_CASE("a mask of more than 70 % of the picture is not believed, and nothing is learnt from it",
+          "[slam]") {
+  Room room({.track = false});
+  for (int n = 0; n < 30; ++n) room.show();
+  const int before = room.slam.counts().fused;
+  for (int n = 0; n < 9; ++n) CHECK(room.show(0.8).moving == nullptr);
+  CHECK(room.slam.counts().fused == before);
+  CHECK(room.slam.counts().masks == 39);
+  CHECK(room.show(0.6).moving != nullptr);
+  CHECK(room.slam.counts().fused == before + 1);
+}
+
+TEST_CASE("poses that are given are taken, and a frame without one teaches nothing", "[slam]") {
+  Room room({.track = false, .fuse_every = 0});
+  Rigid3 aside = Rigid3::Identity();
+  aside.translation().x() = 1;
+  for (int n = 0; n < 10; ++n) {
+    const SlamFrame& found = room.slam.advance(room.see(frame_of_wall(n, 0)), aside, room.times);
+    CHECK(found.camera.state == TrackState::kTracking);
+    CHECK(found.camera.world_from_camera.matrix() == aside.matrix());
+    CHECK(found.fused);
+  }
+  CHECK(room.slam.map()->distance(aside * kOnWall).has_value());
+  CHECK_FALSE(room.slam.map()->distance(kOnWall).has_value());
+
+  const SlamFrame& lost =
+      room.slam.advance(room.see(frame_of_wall(10, 0)), std::nullopt, room.times);
+  CHECK(lost.camera.state == TrackState::kLost);
+  CHECK(lost.camera.world_from_camera.matrix() == aside.matrix());
+  CHECK(lost.moving == nullptr);
+  CHECK_FALSE(lost.fused);
+  CHECK(room.slam.counts().lost == 1);
+  CHECK(room.slam.counts().fused == 10);
+}
+
+TEST_CASE("a lost camera learns nothing and finds what moves again in the second frame after",
+          "[slam]") {
+  Room room({.fuse_every = 0});
+  for (const double x : {0.0, 0.0, 0.01, 0.02, 0.03, 0.02, 0.01, 0.0}) {
+    const SlamFrame& found =
+        room.slam.advance(room.see(frame_of_wall(room.number++, x)), room.times);
+    REQUIRE(found.moving != nullptr);
+    CHECK(found.fused);
+  }
+  const int fused = room.slam.counts().fused;
+  for (int n = 0; n < 5; ++n) {
+    const SlamFrame& found = room.show_dark();
+    REQUIRE(found.camera.state == TrackState::kLost);
+    CHECK(found.moving == nullptr);
+    CHECK_FALSE(found.fused);
+  }
+  CHECK(room.slam.counts().fused == fused);
+  CHECK(room.slam.counts().lost == 5);
+  CHECK(room.slam.tracker()->counts().lost == 5);
+
+  const SlamFrame& again = room.show();
+  REQUIRE(is_known(again.camera));
+  CHECK(again.moving == nullptr);
+  CHECK(room.slam.counts().fused == fused);
+  CHECK(room.show().moving != nullptr);
+  CHECK(room.slam.counts().fused == fused + 1);
+}
+
+TEST_CASE("without a map the camera alone is followed", "[slam]") {
+  Room room({.map = false});
+  for (int n = 0; n < 3; ++n) {
+    const SlamFrame& found = room.show();
+    CHECK(is_known(found.camera));
+    CHECK(found.moving == nullptr);
+    CHECK_FALSE(found.fused);
+  }
+  CHECK(room.slam.map() == nullptr);
+  CHECK(room.slam.space() == nullptr);
+  CHECK(room.slam.tracker()->counts().frames == 3);
+}
+
+}  // namespace
+}  // namespace palpable
