@@ -32,6 +32,24 @@ constexpr double kEvident = 0.1;
 // Of a tile's 16 pixels: so many called too close and the tile is.
 constexpr int kTooClosePixels = 3;
 
+// Of a tile and its eight neighbours: so many look alike, or it is chance.
+constexpr int kFewestAlike = 5;
+// And so many beside a tile that looks shaded: it is a dark place of what moves.
+constexpr int kFewestBeside = 3;
+
+// The picture is good for a camera that has moved by less than so many pixels of what is so near,
+// m.
+constexpr double kSameView = 0.25;
+constexpr double kNearThings = 0.3;
+
+bool same_view(const Rigid3& a, const Rigid3& b, const PinholeCamera& camera) {
+  const Rigid3 step = a.inverse() * b;
+  if (!step.matrix().allFinite()) return false;
+  // |R - 1| = sqrt(8) sin(angle / 2), which is sqrt(2) angle where it matters.
+  const double angle = (step.linear() - Eigen::Matrix3d::Identity()).norm() / std::sqrt(2.0);
+  return camera.fx_px * (angle + step.translation().norm() / kNearThings) < kSameView;
+}
+
 }  // namespace
 
 MovingMask::MovingMask(const DepthNoise& noise, const MovingMaskSettings& settings)
@@ -50,7 +68,7 @@ void MovingMask::resize(const DepthImage& depth) {
   mask_ = above_ = below_ = MaskImage(depth.width(), depth.height());
   open_.reserve(mask_.size());
   tile_depth_ = DepthImage(width, height);
-  tile_label_ = Image<std::uint8_t>(width, height);
+  tile_label_ = tile_static_ = Image<std::uint8_t>(width, height);
   seen_ = Image<std::uint8_t>(width, height);
   age_ = Image<std::uint8_t>(width, height, 127);
   moved_depth_ = DepthImage(width, height);
@@ -148,6 +166,58 @@ void MovingMask::label(const Rigid3& world_from_camera, const SurfaceMap* map) {
   }
 }
 
+// What looks as the scene does is static: a matcher gives the pixels beside a hand the hand's
+// depth, and plain or dark places any. Without a depth, what does not look so is taken for moving.
+void MovingMask::compare_look(const SeenFrame& seen, const Rigid3& world_from_camera) {
+  compared_ = false;
+  if (!settings_.look || !same_view(picture_pose_, world_from_camera, seen.depth_camera)) return;
+  for (std::size_t k = 0; k < tile_label_.size(); ++k) {
+    tile_static_.data()[k] =
+        tile_label_.data()[k] == kStatic && !std::isnan(tile_depth_.data()[k]) ? 1 : 0;
+  }
+  compared_ = picture_.compare(seen.left, seen.color, seen.depth.width(), seen.depth.height(),
+                               tile_static_);
+  if (!compared_) return;
+  const int width = tile_label_.width(), height = tile_label_.height();
+  // How many of a tile and its neighbours look so.
+  const auto around = [&](int i, int j, StaticPicture::Look look) {
+    int count = 0;
+    for (int b = std::max(j - 1, 0); b <= std::min(j + 1, height - 1); ++b) {
+      for (int a = std::max(i - 1, 0); a <= std::min(i + 1, width - 1); ++a) {
+        count += picture_.tile(a, b) == look ? 1 : 0;
+      }
+    }
+    return count;
+  };
+  for (int j = 0; j < height; ++j) {
+    for (int i = 0; i < width; ++i) {
+      std::uint8_t& label = tile_label_(i, j);
+      const bool measured = !std::isnan(tile_depth_(i, j));
+      const StaticPicture::Look look = picture_.tile(i, j);
+      if (picture_.starting() && look == StaticPicture::kNothing) {
+        label = std::min<std::uint8_t>(label, kUnexplained);
+      } else if (label == kStatic) {
+        // A hand that lies on the scene's surface, if it hangs together with what moves.
+        if (look == StaticPicture::kChanged) label = kUnexplained;
+      } else if (!measured) {
+        // What looks the same by chance, unclear or shaded amid what has changed belongs to it.
+        const int fewest = look == StaticPicture::kChanged ? 0
+                           : look == StaticPicture::kSame  ? kFewestAlike
+                                                           : kFewestBeside;
+        if (fewest == 0 || around(i, j, StaticPicture::kChanged) >= fewest) {
+          if (label == kUnknown) label = kChanged;
+        } else if (look == StaticPicture::kSame) {
+          label = kUnknown;
+        }
+      } else if ((look == StaticPicture::kSame && around(i, j, look) >= kFewestAlike) ||
+                 (look == StaticPicture::kShadow && picture_.is_plain(i, j))) {
+        label = kUnknown;
+        tile_depth_(i, j) = kNaN;  // it is a neighbour's
+      }
+    }
+  }
+}
+
 // What moves hangs together: groups of moving tiles, and of those that moved a moment ago and are
 // not explained now; small groups are mismatches. Then the unexplained
 // tiles that continue a group's depth without a jump and lie no deeper than the group does. Where
@@ -170,17 +240,18 @@ void MovingMask::group() {
     }
   };
   for (int start = 0; start < width * height; ++start) {
-    if (tile_label_.data()[start] < kCarried || seen_.data()[start] != 0) continue;
+    if (tile_label_.data()[start] < kChanged || seen_.data()[start] != 0) continue;
     queue_.assign(1, start);
     seen_.data()[start] = 1;
-    spread(0, [&](int, int k) { return tile_label_.data()[k] >= kCarried; });
+    spread(0, [&](int, int k) { return tile_label_.data()[k] >= kChanged; });
     const std::size_t moving = queue_.size();
     if (static_cast<int>(moving) < settings_.fewest_tiles) {
       for (const int k : queue_) tile_label_.data()[k] = kStatic;
       continue;
     }
-    const auto evident = std::count_if(queue_.begin(), queue_.end(),
-                                       [&](int k) { return tile_label_.data()[k] == kMoving; });
+    const auto evident = std::count_if(queue_.begin(), queue_.end(), [&](int k) {
+      return tile_label_.data()[k] == kMoving || tile_label_.data()[k] == kChanged;
+    });
     double sum = 0, squares = 0, known = 0;
     for (const int k : queue_) {
       const auto Z = static_cast<double>(tile_depth_.data()[k]);
@@ -208,7 +279,7 @@ void MovingMask::group() {
     const bool sure = static_cast<double>(evident) >= kEvident * static_cast<double>(queue_.size());
     for (const int k : queue_) {
       std::uint8_t& age = age_.data()[k];
-      const bool fresh = sure && tile_label_.data()[k] >= kCarried;
+      const bool fresh = sure && tile_label_.data()[k] >= kChanged;
       // + 128: this frame has spoken.
       age = static_cast<std::uint8_t>(fresh ? 128 : 128 + std::min(age + 1, 127));
       tile_label_.data()[k] = kMoving;
@@ -264,6 +335,11 @@ void MovingMask::draw(const DepthImage& depth) {
               least = difference;
               value = tile_label_(a, b) == kMoving ? kOn : kOff;
             }
+          }
+          if (compared_ && value != kOff) {
+            const StaticPicture::Look look = picture_.pixel(x, y);
+            if (look == StaticPicture::kSame) value = kOff;
+            if (look == StaticPicture::kChanged) value = kOn;
           }
           mask_(x, y) = value;
         }
@@ -330,12 +406,13 @@ const MaskImage& MovingMask::find(const SeenFrame& seen, const Rigid3& world_fro
                                              seen.too_close.height() == depth.height()),
                   "what is too close has the depth's size");
   resize(depth);
-  const PinholeCamera& c = seen.depth_camera;
+  const PinholeCamera& c = depth_camera_ = seen.depth_camera;
   // Pixel (0, 0) of the tiles is the sampled one, (2, 2) of the depth.
   tiles_ = {tile_depth_.width(), tile_depth_.height(),  c.fx_px / kTile,
             c.fy_px / kTile,     (c.cx_px - 2) / kTile, (c.cy_px - 2) / kTile};
   sample(seen);
   label(world_from_camera, map);
+  compare_look(seen, world_from_camera);
   group();
   draw(depth);
   fill();
@@ -343,6 +420,12 @@ const MaskImage& MovingMask::find(const SeenFrame& seen, const Rigid3& world_fro
 }
 
 void MovingMask::learn(const Rigid3& world_from_camera) {
+  if (!same_view(picture_pose_, world_from_camera, depth_camera_)) {
+    picture_pose_ = world_from_camera;
+    picture_.forget();
+  } else if (compared_) {
+    picture_.learn(seen_, tile_static_);  // seen_: what moves and its neighbours, as drawn
+  }
   for (int j = 0; j < ray_depth_.height(); ++j) {
     for (int i = 0; i < ray_depth_.width(); ++i) {
       float nearest = std::numeric_limits<float>::infinity();

@@ -1,6 +1,7 @@
 /// @file
 /// What moves in a depth image: what stands where the scene has been seen free, and what stands
-/// before the surface that the map knows, beyond the sensor's error.
+/// before the surface that the map knows, beyond the sensor's error; and of what has no depth, what
+/// does not look as the scene did.
 ///
 ///   tile  a square of 4 x 4 pixels of the depth image
 #pragma once
@@ -9,6 +10,7 @@
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/map/free_space.h"
+#include "palpable/map/static_picture.h"
 #include "palpable/map/surface_map.h"
 #include "palpable/vision/depth_camera.h"
 #include "palpable/vision/depth_noise.h"
@@ -33,9 +35,11 @@ struct MovingMaskSettings {
   int grow_px = 3;  ///< how far the mask reaches into pixels of unknown depth at its border
   double most_unexplained = 8;  ///< tiles that join a moving group, times its own number
   int fewest_tiles = 20;        ///< a connected group of fewer tiles is noise
+  bool look = true;             ///< false: depth alone decides, to see what the picture is worth
 };
 
-/// Keeps the free space. All memory is taken when it is made and at the first frame.
+/// Keeps the free space, and a picture of the scene while the camera stands (static_picture.h). All
+/// memory is taken when it is made and at the first frame.
 class MovingMask {
  public:
   MovingMask(const DepthNoise& noise, const MovingMaskSettings& settings = {});
@@ -48,6 +52,8 @@ class MovingMask {
   ///    moves: nothing static comes nearer to a hand-held camera than 0.12 m.
   /// 2. What nothing explains moves when it hangs together in depth with what moves: a hand that
   ///    reaches into space which was not seen before.
+  ///    While the camera stands, a tile that looks as the scene does is static whatever its depth,
+  ///    and one without depth that does not moves.
   /// 3. Pixels take over from the tile around them whose depth is most like theirs, so the mask
   ///    follows depth edges. Holes inside move too; at the left border of near things, which the
   ///    right eye sees instead of what lies behind, unknown pixels are the background's.
@@ -66,11 +72,13 @@ class MovingMask {
   [[nodiscard]] const MovingMaskSettings& settings() const { return settings_; }
 
  private:
-  enum Label : std::uint8_t { kUnknown, kStatic, kUnexplained, kCarried, kMoving };
+  // kChanged: without a depth, and it does not look as the scene does.
+  enum Label : std::uint8_t { kUnknown, kStatic, kUnexplained, kChanged, kCarried, kMoving };
 
   void resize(const DepthImage& depth);
   void sample(const SeenFrame& seen);
   void label(const Rigid3& world_from_camera, const SurfaceMap* map);
+  void compare_look(const SeenFrame& seen, const Rigid3& world_from_camera);
   void group();
   void draw(const DepthImage& depth);
   void fill();
@@ -78,6 +86,7 @@ class MovingMask {
   DepthNoise noise_;
   MovingMaskSettings settings_;
   FreeSpace space_;
+  PinholeCamera depth_camera_;
   PinholeCamera tiles_;  // a pixel per tile
   DepthImage tile_depth_;
   Image<std::uint8_t> tile_label_;
@@ -89,6 +98,11 @@ class MovingMask {
   MaskImage mask_;
   std::vector<int> open_;  // pixels that are not decided yet
   MaskImage above_, below_;
+
+  StaticPicture picture_;
+  Rigid3 picture_pose_ = Rigid3::Identity();  // from where it was taken
+  bool compared_ = false;                     // this frame with it
+  Image<std::uint8_t> tile_static_;           // not 0: the tile's depth is the scene's
 };
 
 }  // namespace palpable

@@ -120,6 +120,79 @@ TEST_CASE("what is too close to have a depth moves", "[map][moving_mask]") {
   CHECK(found <= 130 * 110);
 }
 
+// A picture of the desk, grey, and of a hand in it.
+void paint(SeenFrame& seen, std::mt19937_64& random, int x0 = 0, int y0 = 0, int x1 = 0,
+           int y1 = 0) {
+  std::normal_distribution<double> normal(0, 0.7);
+  seen.left.resize(kCamera.width, kCamera.height);
+  seen.color.resize(kCamera.width, kCamera.height);
+  for (int y = 0; y < kCamera.height; ++y) {
+    for (int x = 0; x < kCamera.width; ++x) {
+      const bool hand = x >= x0 && x < x1 && y >= y0 && y < y1;
+      const double level = hand ? 170 : 100 + (x * 7 + y * 13) % 31;
+      const auto value = static_cast<std::uint8_t>(std::lround(level + normal(random)));
+      seen.left(x, y) = value;
+      seen.color(x, y) = {value, static_cast<std::uint8_t>(hand ? 120 : value), value};
+    }
+  }
+}
+
+TEST_CASE("what has no depth and does not look as the scene did moves", "[map][moving_mask]") {
+  Scene scene(8);
+  for (int i = 0; i < 40; ++i) {
+    paint(scene.seen, scene.random);
+    scene.show(desk(scene.random));
+  }
+  DepthImage depth = desk(scene.random);
+  // A hand without depth, and a place without depth that looks as before.
+  cover(depth, 100, 48, 180, 120, kNaN);
+  cover(depth, 220, 48, 280, 120, kNaN);
+  paint(scene.seen, scene.random, 100, 48, 180, 120);
+  const MaskImage& mask = scene.show(depth);
+  int hit = 0;
+  for (int y = 48; y < 120; ++y) {
+    for (int x = 100; x < 180; ++x) hit += mask(x, y) != 0 ? 1 : 0;
+  }
+  CHECK(hit == 80 * 72);
+  CHECK(set(mask) - hit <=
+        test::tolerance(2, "px round it: a pixel is seen with its eight neighbours") * (80 + 72));
+}
+
+TEST_CASE("a hand that a matcher made too wide is cut to its look", "[map][moving_mask]") {
+  Scene scene(9);
+  for (int i = 0; i < 40; ++i) {
+    paint(scene.seen, scene.random);
+    scene.show(desk(scene.random));
+  }
+  DepthImage depth = desk(scene.random);
+  cover(depth, 90, 48, 180, 120, 0.4F);  // 10 px too far to the left
+  paint(scene.seen, scene.random, 100, 48, 180, 120);
+  const MaskImage& mask = scene.show(depth);
+  int wrong = 0;
+  for (int y = 0; y < kCamera.height; ++y) {
+    for (int x = 0; x < kCamera.width; ++x) {
+      const bool hand = x >= 100 && x < 180 && y >= 48 && y < 120;
+      wrong += hand != (mask(x, y) != 0) ? 1 : 0;
+    }
+  }
+  CHECK(wrong <= test::tolerance(1, "px at its left border, which is 72 px long") * 72);
+}
+
+TEST_CASE("a camera that moves goes by depth alone", "[map][moving_mask]") {
+  Scene scene(10);
+  for (int i = 0; i < 40; ++i) {
+    paint(scene.seen, scene.random);
+    scene.show(desk(scene.random));
+  }
+  DepthImage depth = desk(scene.random);
+  cover(depth, 100, 48, 180, 120, kNaN);
+  paint(scene.seen, scene.random, 100, 48, 180, 120);
+  scene.seen.depth = depth;
+  Rigid3 moved = Rigid3::Identity();
+  moved.translation().x() = 0.001;  // 0.6 px of what is 0.3 m away
+  CHECK(set(scene.mover.find(scene.seen, moved, &scene.map)) == 0);
+}
+
 TEST_CASE("at the start nothing is known to be free, and nothing moves", "[map][moving_mask]") {
   Scene scene(5);
   DepthImage depth = desk(scene.random);
@@ -193,6 +266,7 @@ TEST_CASE("free space keeps to its cap and survives any pose", "[map][free_space
 
 TEST_CASE("after the first frame the mask takes no memory", "[map][moving_mask]") {
   Scene scene(7);
+  paint(scene.seen, scene.random);
   scene.learn_desk(6);
   DepthImage depth = desk(scene.random);
   cover(depth, 100, 50, 180, 120, 0.4F);
