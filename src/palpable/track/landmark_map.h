@@ -6,6 +6,7 @@
 #include "palpable/track/recogniser.h"
 #include "palpable/track/sighting.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace palpable {
@@ -18,7 +19,8 @@ struct KeyframeSighting {
 /// A point of the world and how it looked when it was first seen.
 struct Landmark {
   Eigen::Vector3d x_in_world = Eigen::Vector3d::Zero();
-  int anchor = 0;                                ///< the keyframe in which it was first seen
+  int anchor = 0;                                ///< the keyframe in which it was first seen; or -1
+  Rigid3 lost_anchor = Rigid3::Identity();       ///< with -1: that keyframe's last pose
   Eigen::Vector2d uv = Eigen::Vector2d::Zero();  ///< there, px
   /// d(1/Z) / d(u, v) of the surface there, 1/(m px): how it is inclined.
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();
@@ -41,6 +43,14 @@ struct Keyframe {
   Thumbnail thumbnail;
   Features features;
 };
+
+/// Pose of the camera that first saw a landmark, camera_from_world.
+[[nodiscard]] inline const Rigid3& anchor_pose(const Landmark& landmark,
+                                               const std::vector<Keyframe>& keyframes) {
+  return landmark.anchor < 0
+             ? landmark.lost_anchor
+             : keyframes[static_cast<std::size_t>(landmark.anchor)].camera_from_world;
+}
 
 /// d(u, v) in the present image per px in the image where the landmark was first seen: how its
 /// surroundings, taken as a plane, are warped.

@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 #include "palpable/base/cpu_time.h"
 #include "palpable/track/bundle.h"
+#include "palpable/track/forgetting.h"
 #include "palpable/track/landmark_map.h"
 #include "palpable/track/median.h"
 #include "palpable/track/new_corners.h"
@@ -64,8 +65,10 @@ constexpr int kMust = 35;
 constexpr int kStartEvery = 5;  // frames, until one shows enough
 constexpr std::size_t kWindow = 7;
 constexpr std::size_t kFixedKeyframes = 5;
-constexpr std::size_t kMostKeyframes = 1500;
-constexpr int kMostLandmarks = 12'000;
+constexpr int kNewLandmarks = 60;  // of a keyframe, more than are looked for in a frame
+// A corner this near to where an older landmark is expected, px, and as deep, is the same place.
+constexpr double kSamePlace = 2;
+constexpr double kSameDepth = 3;    // sigmas of d
 constexpr double kBadSquared = 16;  // a sighting beyond 4 sigmas after an adjustment is dropped
 
 // --- standing still ----------------------------------------------------------------------------
@@ -131,7 +134,10 @@ Adjustment worked_out(Adjustment job) {
 }  // namespace
 
 struct Tracker::Parts {
-  explicit Parts(const TrackerSettings& s) : settings(s), camera(s.camera) {}
+  explicit Parts(const TrackerSettings& s) : settings(s), camera(s.camera) {
+    landmarks.reserve(static_cast<std::size_t>(s.limits.landmarks));
+    keyframes.reserve(static_cast<std::size_t>(s.limits.keyframes) + 1);
+  }
 
   // --- one frame ---
   TrackedPose track(const TrackerFrame& frame);
@@ -142,6 +148,7 @@ struct Tracker::Parts {
   void accept(const TrackerFrame& frame, double dt);
 
   // --- its steps ---
+  std::optional<Candidate> expected(const TrackerFrame& frame, int id, const Rigid3& pose) const;
   void select(const TrackerFrame& frame, const Rigid3& pose, const Rigid3& before);
   bool find(const Candidate& candidate, int coarsest, int finest, double least_likeness,
             Eigen::Vector2d& uv, int& level) const;
@@ -153,7 +160,10 @@ struct Tracker::Parts {
   void rate_landmarks(int frame);
   bool wants_keyframe(const TrackerFrame& frame) const;
   void keep(const TrackerFrame& frame);
+  void find_unfound(const TrackerFrame& frame);
+  bool is_older(const TrackerFrame& frame, const Eigen::Vector3d& uvd, Keyframe& keyframe);
   void add_corners(const TrackerFrame& frame, Keyframe& keyframe);
+  void remember(Landmark landmark, Keyframe& keyframe);
   void ask_adjustment(const TrackerFrame& frame);
   void take_over();
   void watch_for_standstill(const TrackerFrame& frame);
@@ -170,7 +180,7 @@ struct Tracker::Parts {
 
   std::vector<Keyframe> keyframes;
   std::vector<Landmark> landmarks;
-  std::size_t first_alive = 0;
+  std::vector<int> free_slots;  // of landmarks
 
   TrackState state = TrackState::kStarting;
   Rigid3 camera_from_world = Rigid3::Identity();
@@ -188,6 +198,8 @@ struct Tracker::Parts {
   double fixed_unclear_s = 0;
 
   std::vector<Candidate> candidates;
+  std::vector<Candidate>
+      unfound;  // of a keyframe: all that should be seen in it and were not found
   std::vector<PosePoint> points;
   std::vector<int> point_candidate;  // of points
   PoseFit fit;
@@ -208,57 +220,67 @@ struct Tracker::Parts {
 
 // --- selection ---------------------------------------------------------------------------------
 
+// Where a landmark should be seen from `pose`; nothing where it cannot be: outside, hidden, too
+// different from what was first seen of it. Its warp and smear are left open.
+std::optional<Candidate> Tracker::Parts::expected(const TrackerFrame& frame, int id,
+                                                  const Rigid3& pose) const {
+  const Landmark& landmark = landmarks[static_cast<std::size_t>(id)];
+  if (!landmark.alive) return std::nullopt;
+  const int width = camera.camera.width;
+  const int height = camera.camera.height;
+  const Eigen::Vector3d x = pose * landmark.x_in_world;
+  if (x.z() < kNearest) return std::nullopt;
+  const Eigen::Vector2d uv = camera.camera.project(x);
+  if (!(uv.x() > 8 && uv.y() > 8 && uv.x() < width - 9 && uv.y() < height - 9)) return std::nullopt;
+
+  const Eigen::Vector3d eye = pose.linear().transpose() * -pose.translation();
+  const Rigid3& anchor = anchor_pose(landmark, keyframes);
+  const Eigen::Vector3d then = landmark.x_in_world - inverse(anchor).translation();
+  const Eigen::Vector3d now = landmark.x_in_world - eye;
+  const double zoom = then.norm() / now.norm();
+  if (then.dot(now) < kLeastCosine * then.norm() * now.norm() || zoom > kLargestZoom ||
+      zoom < 1 / kLargestZoom) {
+    return std::nullopt;
+  }
+  const double depth_scale = static_cast<double>(frame.depth->width()) / width;
+  const int dx = static_cast<int>((uv.x() + 0.5) * depth_scale);
+  const int dy = static_cast<int>((uv.y() + 0.5) * depth_scale);
+  if (frame.moving != nullptr && !frame.moving->empty() && (*frame.moving)(dx, dy) != 0) {
+    return std::nullopt;
+  }
+  if (static_cast<double>((*frame.depth)(dx, dy)) < kHides * x.z()) return std::nullopt;  // NaN: no
+  Candidate candidate;
+  candidate.landmark = id;
+  candidate.uv = uv;
+  candidate.depth = x.z();
+  return candidate;
+}
+
 // Landmarks that should be seen from `pose`, the best of each cell. `before` says whence the image
 // moved, for the smear.
 void Tracker::Parts::select(const TrackerFrame& frame, const Rigid3& pose, const Rigid3& before) {
   candidates.clear();
-  const int width = camera.camera.width;
-  const int height = camera.camera.height;
-  const double cell = static_cast<double>(width) / kCellsAcross;
-  const int down = static_cast<int>(std::ceil(height / cell));
+  const double cell = static_cast<double>(camera.camera.width) / kCellsAcross;
+  const int down = static_cast<int>(std::ceil(camera.camera.height / cell));
   std::vector<int> best(static_cast<std::size_t>(kCellsAcross * down), -1);
-  const Eigen::Vector3d eye = inverse(pose).translation();
-  const double depth_scale = static_cast<double>(frame.depth->width()) / width;
   std::vector<double> smears;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    std::optional<Candidate> candidate = expected(frame, static_cast<int>(i), pose);
+    if (!candidate) continue;
     const Landmark& landmark = landmarks[i];
-    if (!landmark.alive) continue;
-    const Eigen::Vector3d x = pose * landmark.x_in_world;
-    if (x.z() < kNearest) continue;
-    const Eigen::Vector2d uv = camera.camera.project(x);
-    if (!(uv.x() > 8 && uv.y() > 8 && uv.x() < width - 9 && uv.y() < height - 9)) continue;
-
-    const Rigid3& anchor = keyframes[static_cast<std::size_t>(landmark.anchor)].camera_from_world;
-    const Eigen::Vector3d then = landmark.x_in_world - inverse(anchor).translation();
-    const Eigen::Vector3d now = landmark.x_in_world - eye;
-    const double zoom = then.norm() / now.norm();
-    if (then.dot(now) < kLeastCosine * then.norm() * now.norm() || zoom > kLargestZoom ||
-        zoom < 1 / kLargestZoom) {
-      continue;
-    }
-    const int dx = static_cast<int>((uv.x() + 0.5) * depth_scale);
-    const int dy = static_cast<int>((uv.y() + 0.5) * depth_scale);
-    if (frame.moving != nullptr && !frame.moving->empty() && (*frame.moving)(dx, dy) != 0) continue;
-    if (static_cast<double>((*frame.depth)(dx, dy)) < kHides * x.z()) continue;  // NaN: false
-
     const int total = landmark.inlier + 2 * landmark.outlier + landmark.missed;
-    const double worth =
+    candidate->worth =
         (landmark.inlier + 1.0) / (total + 2.0) +
         (landmark.last_frame >= counts.frames - 2 ? 0.5 : 0.0) +
         0.02 * static_cast<double>(std::min<std::size_t>(landmark.sightings.size(), 20));
-    const int cx = std::min(static_cast<int>(uv.x() / cell), kCellsAcross - 1);
-    const int cy = std::min(static_cast<int>(uv.y() / cell), down - 1);
+    const int cx = std::min(static_cast<int>(candidate->uv.x() / cell), kCellsAcross - 1);
+    const int cy = std::min(static_cast<int>(candidate->uv.y() / cell), down - 1);
     int& slot = best[static_cast<std::size_t>(cy * kCellsAcross + cx)];
-    Candidate candidate;
-    candidate.landmark = static_cast<int>(i);
-    candidate.uv = uv;
-    candidate.depth = x.z();
-    candidate.worth = worth;
     if (slot < 0) {
       slot = static_cast<int>(candidates.size());
-      candidates.push_back(candidate);
-    } else if (candidates[static_cast<std::size_t>(slot)].worth < worth) {
-      candidates[static_cast<std::size_t>(slot)] = candidate;
+      candidates.push_back(*candidate);
+    } else if (candidates[static_cast<std::size_t>(slot)].worth < candidate->worth) {
+      candidates[static_cast<std::size_t>(slot)] = *candidate;
     }
   }
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -268,9 +290,7 @@ void Tracker::Parts::select(const TrackerFrame& frame, const Rigid3& pose, const
   }
   for (Candidate& candidate : candidates) {
     const Landmark& landmark = landmarks[static_cast<std::size_t>(candidate.landmark)];
-    candidate.warp = image_from_anchor(
-        camera, landmark, keyframes[static_cast<std::size_t>(landmark.anchor)].camera_from_world,
-        pose);
+    candidate.warp = image_from_anchor(camera, landmark, anchor_pose(landmark, keyframes), pose);
     const Eigen::Vector3d x = before * landmark.x_in_world;
     if (x.z() > kNearest) candidate.smear = exposure * (candidate.uv - camera.camera.project(x));
     smears.push_back(candidate.smear.norm());
@@ -570,6 +590,7 @@ void Tracker::Parts::start(const TrackerFrame& frame) {
   if (keyframes.back().tracked < kLeastRecognised) {  // nothing could ever be followed from here
     keyframes.clear();
     landmarks.clear();
+    free_slots.clear();
     pending.reset();
     counts.keyframes = 0;
     return;
@@ -681,7 +702,6 @@ bool Tracker::Parts::wants_keyframe(const TrackerFrame&) const {
 
 void Tracker::Parts::keep(const TrackerFrame& frame) {
   if (pending) take_over();
-  if (keyframes.size() >= kMostKeyframes) return;
   Keyframe keyframe;
   keyframe.number = frame.number;
   keyframe.time = frame.time;
@@ -695,6 +715,13 @@ void Tracker::Parts::keep(const TrackerFrame& frame) {
     keyframe.landmarks.push_back(id);
   }
   keyframes.push_back(std::move(keyframe));
+  const int room = settings.limits.landmarks - static_cast<int>(landmarks.size()) +
+                   static_cast<int>(free_slots.size());
+  if (std::ssize(keyframes) > settings.limits.keyframes ||
+      room < settings.most_landmarks + kNewLandmarks) {
+    make_room(camera_from_world, settings.limits, static_cast<int>(kWindow), keyframes, landmarks,
+              free_slots);
+  }
   add_corners(frame, keyframes.back());
   Keyframe& kept = keyframes.back();
   kept.tracked = static_cast<int>(kept.landmarks.size());
@@ -709,19 +736,77 @@ void Tracker::Parts::keep(const TrackerFrame& frame) {
   ask_adjustment(frame);
 }
 
+// What could be found in this keyframe but was not, or was not looked for.
+void Tracker::Parts::find_unfound(const TrackerFrame& frame) {
+  unfound.clear();
+  std::vector<char> done(landmarks.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Candidate& candidate = candidates[static_cast<std::size_t>(point_candidate[i])];
+    if (fit.inlier[i] != 0) done[static_cast<std::size_t>(candidate.landmark)] = 1;
+  }
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (done[i] != 0) continue;
+    if (auto candidate = expected(frame, static_cast<int>(i), camera_from_world)) {
+      unfound.push_back(*candidate);
+    }
+  }
+}
+
+// Whether a corner is a landmark's place. It is looked for there once more: found, the keyframe has
+// it; not found, it looks otherwise by now and the corner takes its place.
+bool Tracker::Parts::is_older(const TrackerFrame& frame, const Eigen::Vector3d& uvd,
+                              Keyframe& keyframe) {
+  const double f_T = camera.camera.fx_px * camera.baseline;
+  for (Candidate& candidate : unfound) {
+    if ((candidate.uv - uvd.head<2>()).squaredNorm() > kSamePlace * kSamePlace) continue;
+    Landmark& landmark = landmarks[static_cast<std::size_t>(candidate.landmark)];
+    if (!landmark.alive) continue;
+    candidate.warp =
+        image_from_anchor(camera, landmark, anchor_pose(landmark, keyframes), camera_from_world);
+    Eigen::Vector2d uv;
+    int level = 0;
+    const bool found = find(candidate, 1, 0, kFineLikeness, uv, level);
+    const Sighting seen = sighting_of(frame, candidate, found ? uv : candidate.uv, level);
+    const double off = std::abs(f_T / candidate.depth - uvd.z());
+    if (off > kSameDepth * std::max(seen.sigma_d, kSigmaStereo)) continue;  // another surface
+    if (!found || (uv - candidate.uv).norm() > kSamePlace) {
+      landmark.alive = false;
+      continue;
+    }
+    landmark.sightings.push_back({static_cast<int>(keyframes.size()) - 1, seen});
+    landmark.last_frame = counts.frames;
+    keyframe.landmarks.push_back(candidate.landmark);
+    return true;
+  }
+  return false;
+}
+
+void Tracker::Parts::remember(Landmark landmark, Keyframe& keyframe) {
+  int slot = static_cast<int>(landmarks.size());
+  if (free_slots.empty()) {
+    landmarks.push_back(std::move(landmark));
+  } else {
+    slot = free_slots.back();
+    free_slots.pop_back();
+    landmarks[static_cast<std::size_t>(slot)] = std::move(landmark);
+  }
+  keyframe.landmarks.push_back(slot);
+}
+
 void Tracker::Parts::add_corners(const TrackerFrame& frame, Keyframe& keyframe) {
   std::vector<Eigen::Vector2d> taken;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (fit.inlier[i] != 0) taken.emplace_back(points[i].seen.uvd.head<2>());
   }
-  const int room = settings.most_landmarks + 60 - static_cast<int>(taken.size());
+  const int room = settings.most_landmarks + kNewLandmarks - static_cast<int>(taken.size());
   const std::vector<Corner> corners =
       new_corners(pyramid.level(1), *frame.depth, frame.moving, taken, kCellsAcross, room);
   const double f_T = camera.camera.fx_px * camera.baseline;
   const Rigid3 world_from_camera = inverse(camera_from_world);
   const int index = static_cast<int>(keyframes.size()) - 1;
+  find_unfound(frame);
   for (const Corner& corner : corners) {
-    if (static_cast<int>(landmarks.size()) >= kMostLandmarks) break;
+    if (free_slots.empty() && std::ssize(landmarks) >= settings.limits.landmarks) break;
     const Eigen::Vector2d uv = corner.uv;
     if (!(uv.x() > 9 && uv.y() > 9 && uv.x() < camera.camera.width - 10 &&
           uv.y() < camera.camera.height - 10)) {
@@ -730,6 +815,7 @@ void Tracker::Parts::add_corners(const TrackerFrame& frame, Keyframe& keyframe) 
     const double expected = f_T / corner.depth;
     const std::optional<double> d = disparity_at(frame, uv, expected);
     if (!d || *d < 0.5 || std::abs(*d - expected) > 1.5) continue;
+    if (is_older(frame, {uv.x(), uv.y(), *d}, keyframe)) continue;
     Landmark landmark;
     landmark.uv = uv;
     landmark.anchor = index;
@@ -746,8 +832,7 @@ void Tracker::Parts::add_corners(const TrackerFrame& frame, Keyframe& keyframe) 
     landmark.look = PatchSource::cut(pyramid, uv);
     landmark.sightings.push_back({index, seen});
     landmark.last_frame = counts.frames;
-    keyframe.landmarks.push_back(static_cast<int>(landmarks.size()));
-    landmarks.push_back(std::move(landmark));
+    remember(std::move(landmark), keyframe);
   }
 }
 
@@ -877,6 +962,9 @@ Tracker::Tracker(const TrackerSettings& settings) : parts_(std::make_unique<Part
   PALPABLE_EXPECT(settings.camera.camera.fx_px > 0 && settings.camera.camera.fy_px > 0 &&
                       settings.camera.baseline > 0,
                   "focal lengths and baseline are positive");
+  PALPABLE_EXPECT(settings.limits.keyframes >= static_cast<int>(2 * kWindow) &&
+                      settings.limits.landmarks >= 2 * (settings.most_landmarks + kNewLandmarks),
+                  "14 keyframes and the landmarks of two frames are remembered at least");
 }
 Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;
@@ -894,6 +982,7 @@ std::vector<KeyframePose> Tracker::keyframes() const {
 
 TrackerCounts Tracker::counts() const {
   TrackerCounts counts = parts_->counts;
+  counts.kept_keyframes = static_cast<int>(parts_->keyframes.size());
   counts.landmarks =
       static_cast<int>(std::count_if(parts_->landmarks.begin(), parts_->landmarks.end(),
                                      [](const Landmark& landmark) { return landmark.alive; }));

@@ -15,6 +15,7 @@
 
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
+#include "palpable/track/map_limits.h"
 #include "palpable/track/sighting.h"
 #include "palpable/vision/depth_noise.h"
 
@@ -69,12 +70,14 @@ struct TrackerSettings {
   bool watch_stillness = true;   ///< false: every frame is tracked in full
   bool adjust = true;            ///< false: no bundle adjustment, to see what it is worth
   int most_landmarks = 220;      ///< looked for in a frame
+  MapLimits limits;              ///< of what is remembered
 };
 
 /// What it has done so far, for benches.
 struct TrackerCounts {
   int frames = 0;
-  int keyframes = 0;
+  int keyframes = 0;        ///< taken
+  int kept_keyframes = 0;   ///< of them remembered
   int lost = 0;             ///< frames
   int recognised = 0;       ///< times that a lost camera came back
   int landmarks = 0;        ///< in the map
@@ -84,7 +87,8 @@ struct TrackerCounts {
 
 class Tracker {
  public:
-  /// @throws ContractViolation unless focal lengths and baseline are positive
+  /// @throws ContractViolation unless focal lengths and baseline are positive and the limits hold
+  /// what one frame and its adjustment need
   explicit Tracker(const TrackerSettings& settings);
   Tracker(Tracker&&) noexcept;
   Tracker& operator=(Tracker&&) noexcept;
@@ -93,7 +97,8 @@ class Tracker {
   /// Frames in their order. Images of another size than the camera's make a lost frame.
   TrackedPose track(const TrackerFrame& frame);
 
-  /// Of all keyframes, as adjusted last; for maps that want to follow corrections.
+  /// Of all keyframes that are remembered, as adjusted last; for maps that want to follow
+  /// corrections.
   [[nodiscard]] std::vector<KeyframePose> keyframes() const;
   [[nodiscard]] TrackerCounts counts() const;
 

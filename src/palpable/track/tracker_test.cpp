@@ -205,6 +205,39 @@ TEST_CASE(
   CHECK(tracker.counts().recognised == 1);
 }
 
+TEST_CASE("a walk longer than what is remembered is followed to its end", "[track][long]") {
+  TrackerSettings settings = settings_of();
+  settings.limits = {20, 600};
+  settings.watch_stillness = false;
+  Tracker tracker(settings);
+  // Along the wall, 5 m: half of that is out of view at its end.
+  const auto along = [](int n) { return Rigid3(Eigen::Translation3d(0.05 * n, 0, 0)); };
+  TrackedPose pose;
+  for (int n = 0; n <= 100; ++n) {
+    INFO("frame " << n);
+    pose = tracker.track(frame_of(pair_at(along(n)), n));
+    REQUIRE(pose.state == TrackState::kTracking);
+    if (n > 0) REQUIRE(pose.landmarks > 60);
+    REQUIRE(tracker.counts().landmarks <= settings.limits.landmarks);
+    REQUIRE(tracker.counts().kept_keyframes <= settings.limits.keyframes);
+  }
+  CHECK(tracker.counts().keyframes > settings.limits.keyframes);
+  CHECK(error_of(pose, along(100)) <= tolerance(0.02, "0.4 % of the way"));
+}
+
+TEST_CASE("corners that are found anew do not stand beside their older selves", "[track]") {
+  TrackerSettings settings = settings_of();
+  settings.watch_stillness = false;
+  Tracker tracker(settings);
+  for (int n = 0; n <= 24; ++n) {
+    tracker.track(frame_of(pair_at(Rigid3(Eigen::Translation3d(0.05 * n, 0, 0))), n));
+  }
+  // Half a view's width. 699 when nothing was merged, 568 with it.
+  INFO(tracker.counts().landmarks << " landmarks");
+  CHECK(tracker.counts().landmarks < 630);
+  CHECK(tracker.counts().landmarks > 280);  // more than the first view's
+}
+
 TEST_CASE("features find a view again from 10 degrees and 0.15 m away", "[track]") {
   const Rigid3 there =
       moved_by((Twist() << 0.12, 0.03, 0.08, 0.03, 0.17, 0.05).finished(), Rigid3::Identity());

@@ -1,0 +1,12 @@
+/// @file
+/// How much a tracker remembers.
+#pragma once
+
+namespace palpable {
+
+struct MapLimits {
+  int keyframes = 600;     ///< 20 kB each, and 56 bytes per landmark seen in it
+  int landmarks = 12'000;  ///< 3.4 kB each
+};
+
+}  // namespace palpable
