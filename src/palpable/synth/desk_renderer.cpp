@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/gl_objects.h"
+#include "palpable/synth/desk_gpu.h"
 #include "palpable/synth/lens.h"
 #include "palpable/synth/random.h"
 #include "palpable/synth/texture_images.h"
@@ -64,40 +65,6 @@ Eigen::Matrix4f to_clip(const Eigen::Matrix4d& m) {
 /// How far (m) the filtered edge of a shadow reaches beyond the shadow: a few texels.
 constexpr double kShadowSpread = 0.005;
 
-/// Triangles on the GPU.
-struct GpuMesh {
-  GlBuffer vertices, indices;
-  GlVertexArray array;
-  int index_count = 0;
-  int image = 0;
-  float gloss = 0, sharpness = 1;
-  bool in_shadows = true;
-
-  GpuMesh() {
-    constexpr int kStride = sizeof(PaintedVertex);
-    static_assert(kStride == 12 * sizeof(float));
-    array.floats(0, vertices, 3, kStride, 0);
-    array.floats(1, vertices, 3, kStride, 12);
-    array.floats(2, vertices, 2, kStride, 24);
-    array.floats(3, vertices, 4, kStride, 32);
-    array.indices(indices);
-  }
-  void fill(const PaintedMesh& mesh) {
-    vertices.stream(std::span<const PaintedVertex>(mesh.vertices));
-    indices.stream(std::span<const std::uint32_t>(mesh.indices));
-    index_count = static_cast<int>(mesh.indices.size());
-    image = mesh.image;
-    gloss = mesh.gloss;
-    sharpness = mesh.sharpness;
-    in_shadows = mesh.in_shadows;
-  }
-  void draw() const {
-    if (index_count == 0) return;
-    array.bind();
-    glDrawElements(GL_TRIANGLES, index_count, GL_UNSIGNED_INT, nullptr);
-  }
-};
-
 GlTexture upload(const ColorImage& image) {
   const int larger = std::max(image.width(), image.height());
   const int levels = 1 + static_cast<int>(std::floor(std::log2(larger)));
@@ -108,85 +75,17 @@ GlTexture upload(const ColorImage& image) {
   return texture;
 }
 
-/// A depth picture from the light, compared and filtered by the texture unit. Outside is lit.
-struct ShadowMap {
-  GlTexture depth;
-  GlFramebuffer target;
-  Eigen::Matrix4d light;
+/// An exposure's picture of what stands still serves until what is near (m) has shifted by this
+/// many px against what is far; and what turns by less than the last stays where it is.
+constexpr double kNearStill = 0.4;
+constexpr double kReferencePx = 1.5;
+constexpr double kNoTurnPx = 0.25;
 
-  ShadowMap(int size, const Eigen::Matrix4d& light_from_desk_matrix)
-      : depth(GL_DEPTH_COMPONENT32F, size, size, GL_LINEAR),
-        target({}, &depth),
-        light(light_from_desk_matrix) {
-    const GLuint name = depth.get();
-    glTextureParameteri(name, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-    glTextureParameteri(name, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-    glTextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
-    glTextureParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
-    const std::array<float, 4> lit = {1, 1, 1, 1};
-    glTextureParameterfv(name, GL_TEXTURE_BORDER_COLOR, lit.data());
-    glNamedFramebufferDrawBuffer(target.get(), GL_NONE);
-    glNamedFramebufferReadBuffer(target.get(), GL_NONE);
-  }
-};
-
-/// One eye: its lens and the pictures on the way.
-struct Eye {
-  DistortedCamera camera;
-  PinholeCamera ideal;
-  GlTexture ideal_color, ideal_depth, lens_map, raw_color;
-  GlFramebuffer ideal_target, raw_target;
-  float gain = 1;
-  /// Rows of the ideal picture that a raw row needs.
-  std::vector<std::array<float, 2>> rows;
-  /// Light of several moments, raw.
-  GlTexture exposed;
-  GlFramebuffer exposed_target;
-  /// The desk without movers, kept while the eye does not move; each frame starts as a copy of it.
-  GlTexture still_color, still_depth;
-  GlFramebuffer still_target;
-  std::optional<Rigid3> still_from_desk, last_from_desk;
-
-  Eye(const DistortedCamera& lens, float gain_)
-      : camera(lens),
-        ideal(ideal_camera_for(lens, lens.pinhole.fx_px)),
-        ideal_color(GL_RGBA8, ideal.width, ideal.height, GL_LINEAR),
-        ideal_depth(GL_DEPTH_COMPONENT32F, ideal.width, ideal.height),
-        lens_map(GL_RG32F, lens.pinhole.width, lens.pinhole.height),
-        raw_color(GL_RGBA8, lens.pinhole.width, lens.pinhole.height),
-        gain(gain_),
-        exposed(GL_RGBA32F, lens.pinhole.width, lens.pinhole.height),
-        still_color(GL_RGBA8, ideal.width, ideal.height),
-        still_depth(GL_DEPTH_COMPONENT32F, ideal.width, ideal.height) {
-    const std::array<const GlTexture*, 1> ideal_colors = {&ideal_color};
-    const std::array<const GlTexture*, 1> still_colors = {&still_color};
-    still_target = GlFramebuffer(still_colors, &still_depth);
-    const std::array<const GlTexture*, 1> raw_colors = {&raw_color};
-    ideal_target = GlFramebuffer(ideal_colors, &ideal_depth);
-    raw_target = GlFramebuffer(raw_colors, nullptr);
-    const std::array<const GlTexture*, 1> exposed_colors = {&exposed};
-    exposed_target = GlFramebuffer(exposed_colors, nullptr);
-    const std::vector<Eigen::Vector2f> map = distortion_map(camera, ideal);
-    const auto w = static_cast<std::size_t>(lens.pinhole.width);
-    rows.assign(static_cast<std::size_t>(lens.pinhole.height), {1e9F, -1e9F});
-    for (std::size_t i = 0; i < map.size(); ++i) {
-      rows[i / w][0] = std::min(rows[i / w][0], map[i].y());
-      rows[i / w][1] = std::max(rows[i / w][1], map[i].y());
-    }
-    lens_map.upload(0, 0, lens.pinhole.width, lens.pinhole.height, GL_RG, GL_FLOAT, map.data());
-  }
-};
-
-/// A rectangle of pixels.
-struct Box {
-  int x = 0, y = 0, width = 0, height = 0;
-  [[nodiscard]] Box cut(const Box& other) const {
-    const int x0 = std::max(x, other.x);
-    const int y0 = std::max(y, other.y);
-    return {x0, y0, std::max(0, std::min(x + width, other.x + other.width) - x0),
-            std::max(0, std::min(y + height, other.y + other.height) - y0)};
-  }
-};
+/// Moments of an exposure: one for so many px that the room's picture moves or a mover's, whose
+/// skin has weak texture and soft shading.
+constexpr double kRoomPx = 1.5;
+constexpr double kMoverPx = 3.0;
+constexpr int kMostMoments = 10;
 
 /// One of the moments that make up an exposure: which rows it lights, how much, when.
 struct Moment {
@@ -194,18 +93,6 @@ struct Moment {
   int first_row = 0, last_row = 0;
   float weight = 1;
   double frames_per_row = 0;
-};
-
-/// The truth's own target.
-struct DepthTarget {
-  GlTexture z, depth;
-  GlFramebuffer target;
-  explicit DepthTarget(const PinholeCamera& view)
-      : z(GL_RG32F, view.width, view.height),
-        depth(GL_DEPTH_COMPONENT32F, view.width, view.height) {
-    const std::array<const GlTexture*, 1> colors = {&z};
-    target = GlFramebuffer(colors, &depth);
-  }
 };
 
 }  // namespace
@@ -219,7 +106,8 @@ struct DeskRenderer::State {
   std::vector<GlTexture> images, hand_images;
   std::vector<std::unique_ptr<GpuMesh>> meshes;
   std::vector<std::unique_ptr<GpuMesh>> movers;
-  std::vector<HandCapsule> filled;  // what `movers` shows
+  // What `movers` shows: as the shutter opens and as it closes.
+  std::vector<HandCapsule> filled, filled_last;
   ShadowMap static_shadow, hand_shadow;
   Eye left, right;
   std::optional<DepthTarget> depth_target;
@@ -271,18 +159,29 @@ struct DeskRenderer::State {
   }
 
   /// Uploads what moves and casts its shadow; nothing to do when it has not changed.
-  void fill(const Movers& now) {
-    const auto same = [](const HandCapsule& a, const HandCapsule& b) {
-      return a.shape.a == b.shape.a && a.shape.b == b.shape.b && a.back == b.back &&
-             a.part == b.part;
-    };
-    if (std::equal(filled.begin(), filled.end(), now.capsules.begin(), now.capsules.end(), same) &&
-        !(filled.empty() && now.capsules.empty()))
+  void fill(const Movers& now) { fill(now, now); }
+  void fill(const Movers& first, const Movers& last) {
+    if (same(filled, first.capsules) && same(filled_last, last.capsules) &&
+        !(filled.empty() && first.capsules.empty()))
       return;
-    const std::vector<PaintedMesh> painted = mover_meshes(now.capsules, now.desk_from_cup, look);
-    for (std::size_t i = 0; i < movers.size(); ++i) movers[i]->fill(painted[i]);
-    filled = now.capsules;
+    const std::vector<PaintedMesh> painted =
+        mover_meshes(first.capsules, first.desk_from_cup, look);
+    if (same(first.capsules, last.capsules)) {
+      for (std::size_t i = 0; i < movers.size(); ++i) movers[i]->fill(painted[i]);
+    } else {
+      const std::vector<PaintedMesh> after = mover_meshes(last.capsules, last.desk_from_cup, look);
+      for (std::size_t i = 0; i < movers.size(); ++i) movers[i]->fill(painted[i], after[i]);
+    }
+    filled = first.capsules;
+    filled_last = last.capsules;
     cast_shadows(hand_shadow, [this] { draw_movers(); });
+  }
+  static bool same(std::span<const HandCapsule> a, std::span<const HandCapsule> b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const HandCapsule& c, const HandCapsule& d) {
+                        return c.shape.a == d.shape.a && c.shape.b == d.shape.b &&
+                               c.back == d.back && c.part == d.part;
+                      });
   }
 
   template <class Draw>
@@ -300,9 +199,9 @@ struct DeskRenderer::State {
     glDisable(GL_POLYGON_OFFSET_FILL);
   }
 
-  /// The rectangle of the ideal picture that the hand and its shadow can change.
+  /// The rectangle of the ideal picture that movers can change, with their shadow or without.
   [[nodiscard]] static Box touched_by(std::span<const HandCapsule> capsules, const Eye& eye,
-                                      const Rigid3& eye_from_desk) {
+                                      const Rigid3& eye_from_desk, bool shadow = true) {
     double left = eye.ideal.width, right = -1, top = eye.ideal.height, bottom = -1;
     const auto include = [&](const Eigen::Vector3d& x_in_desk, double radius) {
       const Eigen::Vector3d x = eye_from_desk * x_in_desk;
@@ -326,6 +225,7 @@ struct DeskRenderer::State {
       for (const auto& [end, radius] : {std::pair(capsule.shape.a, capsule.shape.ra),
                                         std::pair(capsule.shape.b, capsule.shape.rb)}) {
         include(end, radius);
+        if (!shadow) continue;
         // Its shadow on the desk; what the shadow meets on the way lies between the two.
         const double fall = std::max(0.0, end.z()) / kToSun.z();
         include(end - fall * kToSun, radius / kToSun.z() + kShadowSpread);
@@ -346,6 +246,7 @@ struct DeskRenderer::State {
     program.set("eye", Eigen::Vector3f(eye_from_desk.inverse().translation().cast<float>()));
     program.set("to_sun", Eigen::Vector3f(kToSun.cast<float>()));
     program.set("image", 0);
+    program.set("along", 0.0F);
     if (&program == &paint_far) return;
     program.set("static_light_from_desk", Eigen::Matrix4f(static_shadow.light.cast<float>()));
     program.set("static_shadow", 1);
@@ -446,27 +347,35 @@ struct DeskRenderer::State {
       return moments;
     }
     const double open = frame.rig.exposure * kFramesPerSecond;  // frames
-    const int count =
-        open > 0.0 ? std::clamp(static_cast<int>(std::ceil(motion_px(frame, open) / 1.5)), 1, 10)
-                   : 1;
+    const int count = open > 0.0 ? std::clamp(static_cast<int>(std::ceil(std::max(
+                                                  room_motion_px(frame, open) / kRoomPx,
+                                                  mover_motion_px(frame, open) / kMoverPx))),
+                                              1, kMostMoments)
+                                 : 1;
     for (int i = 0; i < count; ++i)
       moments.push_back({at + open * ((i + 0.5) / count - 0.5), 0, rows - 1,
                          1.0F / static_cast<float>(count), 0.0});
     return moments;
   }
 
-  /// How far the picture of the room at 0.4 m and beyond, or of a mover, goes while the shutter is
-  /// open, px.
-  [[nodiscard]] double motion_px(const DeskMoment& frame, double open) const {
+  /// How far the picture of the room at kNearStill and beyond goes while the shutter is open, px.
+  [[nodiscard]] double room_motion_px(const DeskMoment& frame, double open) const {
+    const double f = rig.rig.left.pinhole.fx_px;
+    const Rigid3 change = frame.camera_from_desk(frame.frame + 0.5 * open) *
+                          frame.camera_from_desk(frame.frame - 0.5 * open).inverse();
+    return f * Eigen::AngleAxisd(change.linear()).angle() +
+           f * change.translation().norm() / kNearStill;
+  }
+
+  /// The same of the mover that goes farthest.
+  [[nodiscard]] double mover_motion_px(const DeskMoment& frame, double open) const {
     const double f = rig.rig.left.pinhole.fx_px;
     const Rigid3 first = frame.camera_from_desk(frame.frame - 0.5 * open);
     const Rigid3 last = frame.camera_from_desk(frame.frame + 0.5 * open);
-    const Rigid3 change = last * first.inverse();
-    double most =
-        f * Eigen::AngleAxisd(change.linear()).angle() + f * change.translation().norm() / 0.4;
     const Movers before = frame.movers(frame.frame - 0.5 * open);
     const Movers after = frame.movers(frame.frame + 0.5 * open);
     const std::size_t count = std::min(before.capsules.size(), after.capsules.size());
+    double most = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const Eigen::Vector3d a = first * before.capsules[i].shape.b;
       const Eigen::Vector3d b = last * after.capsules[i].shape.b;
@@ -476,26 +385,65 @@ struct DeskRenderer::State {
     return most;
   }
 
-  void draw_eye(Eye& eye, const Rigid3& eye_from_camera, const DeskMoment& frame, bool lowered_row,
-                int key, ColorImage& picture) {
-    const PinholeCamera& raw = eye.camera.pinhole;
-    const std::vector<Moment> moments = moments_of(frame);
-    const float row_offset = lowered_row ? static_cast<float>(frame.rig.row_offset_px) : 0.0F;
-    const bool plain = moments.size() == 1 && row_offset == 0.0F;
-    const Eigen::Vector2f ideal_size(static_cast<float>(eye.ideal.width),
-                                     static_cast<float>(eye.ideal.height));
-    if (!plain) {
-      eye.exposed_target.bind();
-      glClearColor(0.0F, 0.0F, 0.0F, 0.0F);
-      glClear(GL_COLOR_BUFFER_BIT);
-    }
-    for (const Moment& moment : moments) {
-      fill(frame.movers(moment.frame));
-      const Rigid3 eye_from_desk = eye_from_camera * frame.camera_from_desk(moment.frame);
+  /// Adds the light of one moment within a rectangle of the raw picture.
+  /// @param from               the ideal picture of the moment, or one that is turned
+  /// @param ideal_from_moment  by this rotation
+  struct Gathering {
+    Box raw;
+    float weight = 1;
+    float row_offset = 0;
+    double moment_row = 0;
+    Eigen::Vector3d turn_per_row = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d ideal_from_moment = Eigen::Matrix3d::Identity();
+  };
+  void gather_light(const Eye& eye, const GlTexture& from, const Gathering& g) const {
+    if (g.raw.empty()) return;
+    eye.exposed_target.bind();
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(g.raw.x, g.raw.y, g.raw.width, g.raw.height);
+    gather.use();
+    gather.set("ideal", 0);
+    gather.set("lens_map", 1);
+    from.bind(0);
+    eye.lens_map.bind(1);
+    gather.set("ideal_size", size_of(eye.ideal));
+    gather.set("ideal_centre", Eigen::Vector2f(static_cast<float>(eye.ideal.cx_px),
+                                               static_cast<float>(eye.ideal.cy_px)));
+    gather.set("ideal_focal", static_cast<float>(eye.ideal.fx_px));
+    gather.set("weight", g.weight);
+    gather.set("row_offset", g.row_offset);
+    gather.set("moment_row", static_cast<float>(g.moment_row));
+    gather.set("turn_per_row", Eigen::Vector3f(g.turn_per_row.cast<float>()));
+    gather.set("ideal_from_moment", Eigen::Matrix3f(g.ideal_from_moment.cast<float>()));
+    full_screen.draw();
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_BLEND);
+  }
+  static Eigen::Vector2f size_of(const PinholeCamera& camera) {
+    return {static_cast<float>(camera.width), static_cast<float>(camera.height)};
+  }
+
+  void clear_exposed(const Eye& eye) const {
+    eye.exposed_target.bind();
+    glClearColor(0.0F, 0.0F, 0.0F, 0.0F);
+    glClear(GL_COLOR_BUFFER_BIT);
+  }
+
+  /// Rows that are read one after the other: each band is a picture of its own moment.
+  void read_rows(Eye& eye, const Rigid3& eye_from_camera, const DeskMoment& frame,
+                 std::span<const Moment> bands, float row_offset) {
+    const int width = eye.camera.pinhole.width;
+    clear_exposed(eye);
+    for (const Moment& band : bands) {
+      fill(frame.movers(band.frame));
+      const Rigid3 eye_from_desk = eye_from_camera * frame.camera_from_desk(band.frame);
       Box wanted{0, 0, eye.ideal.width, eye.ideal.height};
-      if (moments.size() > 1 && moment.frames_per_row > 0.0) {
+      if (bands.size() > 1) {
         float top = 1e9F, bottom = -1e9F;
-        for (int row = moment.first_row; row <= moment.last_row; ++row) {
+        for (int row = band.first_row; row <= band.last_row; ++row) {
           top = std::min(top, eye.rows[static_cast<std::size_t>(row)][0]);
           bottom = std::max(bottom, eye.rows[static_cast<std::size_t>(row)][1]);
         }
@@ -504,32 +452,136 @@ struct DeskRenderer::State {
         wanted = wanted.cut({0, y0, eye.ideal.width, static_cast<int>(bottom) + 8 - y0});
       }
       paint_ideal(eye, eye_from_desk, wanted);
-      if (plain) break;
       const Rigid3 next =
-          eye_from_camera * frame.camera_from_desk(moment.frame + moment.frames_per_row);
+          eye_from_camera * frame.camera_from_desk(band.frame + band.frames_per_row);
       const Eigen::AngleAxisd turn(next.linear() * eye_from_desk.linear().transpose());
-      eye.exposed_target.bind();
-      glDisable(GL_DEPTH_TEST);
-      glEnable(GL_BLEND);
-      glBlendFunc(GL_ONE, GL_ONE);
-      glEnable(GL_SCISSOR_TEST);
-      glScissor(0, moment.first_row, raw.width, moment.last_row - moment.first_row + 1);
-      gather.use();
-      gather.set("ideal", 0);
-      gather.set("lens_map", 1);
-      eye.ideal_color.bind(0);
-      eye.lens_map.bind(1);
-      gather.set("ideal_size", ideal_size);
-      gather.set("ideal_centre", Eigen::Vector2f(static_cast<float>(eye.ideal.cx_px),
-                                                 static_cast<float>(eye.ideal.cy_px)));
-      gather.set("ideal_focal", static_cast<float>(eye.ideal.fx_px));
-      gather.set("weight", moment.weight);
-      gather.set("row_offset", row_offset);
-      gather.set("moment_row", 0.5F * static_cast<float>(moment.first_row + moment.last_row));
-      gather.set("turn_per_row", Eigen::Vector3f((turn.angle() * turn.axis()).cast<float>()));
-      full_screen.draw();
-      glDisable(GL_SCISSOR_TEST);
-      glDisable(GL_BLEND);
+      gather_light(eye, eye.ideal_color,
+                   {.raw = {0, band.first_row, width, band.last_row - band.first_row + 1},
+                    .weight = band.weight,
+                    .row_offset = row_offset,
+                    .moment_row = 0.5 * (band.first_row + band.last_row),
+                    .turn_per_row = turn.angle() * turn.axis()});
+    }
+  }
+
+  /// What stands still, with the shadow of what moves: into the eye's still picture.
+  void paint_reference(Eye& eye, const Rigid3& eye_from_desk) {
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LEQUAL);
+    glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
+    for (const GlProgram* program : {&paint_far, &paint_still, &paint_all})
+      look_from(*program, eye, eye_from_desk);
+    static_shadow.depth.bind(1);
+    hand_shadow.depth.bind(2);
+    eye.still_target.bind();
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    paint_static(filled.empty() ? paint_still : paint_all);
+    eye.still_from_desk.reset();  // it holds shadows that pass
+    eye.last_from_desk.reset();
+  }
+
+  /// The movers of one moment over a part of the still picture, in the eye's ideal picture.
+  void paint_movers_over_reference(const Eye& eye, const Rigid3& eye_from_desk, const Box& box,
+                                   float along) {
+    if (box.empty()) return;
+    copy_still(eye, box);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LEQUAL);
+    look_from(paint_all, eye, eye_from_desk);
+    paint_all.set("along", along);
+    static_shadow.depth.bind(1);
+    hand_shadow.depth.bind(2);
+    eye.ideal_target.bind();
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(box.x, box.y, box.width, box.height);
+    paint_movers();
+    glDisable(GL_SCISSOR_TEST);
+  }
+  static void copy_still(const Eye& eye, const Box& box) {
+    const auto copy = [&box](const GlTexture& from, const GlTexture& to) {
+      glCopyImageSubData(from.get(), GL_TEXTURE_2D, 0, box.x, box.y, 0, to.get(), GL_TEXTURE_2D, 0,
+                         box.x, box.y, 0, box.width, box.height, 1);
+    };
+    copy(eye.still_color, eye.ideal_color);
+    copy(eye.still_depth, eye.ideal_depth);
+  }
+
+  /// The mean of an exposure's moments. What stands still is painted once for each kReferencePx
+  /// that its near things shift against its far ones, and turned into the moments between; the
+  /// movers are painted for each moment, with the shadow of the middle one.
+  void expose(Eye& eye, const Rigid3& eye_from_camera, const DeskMoment& frame,
+              std::span<const Moment> moments, float row_offset) {
+    const auto pose_at = [&](double at) {
+      return Rigid3(eye_from_camera * frame.camera_from_desk(at));
+    };
+    const double first = moments.front().frame, last = moments.back().frame;
+    fill(frame.movers(first), frame.movers(last));
+    const Rigid3 change = pose_at(last) * pose_at(first).inverse();
+    const double f = eye.ideal.fx_px;
+    const auto n = static_cast<int>(moments.size());
+    const int references = std::clamp(
+        static_cast<int>(std::ceil(f * change.translation().norm() / kNearStill / kReferencePx)), 1,
+        n);
+    const bool turns = f * Eigen::AngleAxisd(change.linear()).angle() > kNoTurnPx;
+    const Box all_ideal{0, 0, eye.ideal.width, eye.ideal.height};
+    const Box all_raw{0, 0, eye.camera.pinhole.width, eye.camera.pinhole.height};
+    clear_exposed(eye);
+    for (int r = 0; r < references; ++r) {
+      const auto of_reference =
+          moments.subspan(static_cast<std::size_t>(r * n / references),
+                          static_cast<std::size_t>((r + 1) * n / references - r * n / references));
+      const Rigid3 reference =
+          pose_at(0.5 * (of_reference.front().frame + of_reference.back().frame));
+      paint_reference(eye, reference);
+      if (!filled.empty()) copy_still(eye, all_ideal);
+      // Turned as the reference is, so that turning it back puts all where it belongs.
+      const auto turned = [&](double at) {
+        const Rigid3 pose = pose_at(at);
+        return Rigid3(reference.linear() * pose.linear().transpose() * pose);
+      };
+      Box moved;  // by any moment
+      for (const Moment& moment : of_reference) {
+        const Rigid3 pose = turned(moment.frame);
+        moved = around(moved, touched_by(filled, eye, pose, false));
+        moved = around(moved, touched_by(filled_last, eye, pose, false));
+      }
+      const Box raw_moved = turns ? all_raw : eye.raw_box(moved);
+      for (const Moment& moment : of_reference) {
+        const Rigid3 pose = turned(moment.frame);
+        paint_movers_over_reference(eye, pose, moved,
+                                    static_cast<float>((moment.frame - first) / (last - first)));
+        const GlTexture& picture = filled.empty() ? eye.still_color : eye.ideal_color;
+        gather_light(
+            eye, picture,
+            {.raw = raw_moved,
+             .weight = moment.weight,
+             .row_offset = row_offset,
+             .ideal_from_moment = reference.linear() * pose_at(moment.frame).linear().transpose()});
+      }
+      if (turns) continue;
+      // Where nothing moves one look is enough.
+      const float weight = moments.front().weight * static_cast<float>(of_reference.size());
+      for (const Box& rest : beside(all_raw, raw_moved))
+        gather_light(eye, eye.still_color,
+                     {.raw = rest, .weight = weight, .row_offset = row_offset});
+    }
+  }
+
+  void draw_eye(Eye& eye, const Rigid3& eye_from_camera, const DeskMoment& frame, bool lowered_row,
+                int key, ColorImage& picture) {
+    const PinholeCamera& raw = eye.camera.pinhole;
+    const std::vector<Moment> moments = moments_of(frame);
+    const float row_offset = lowered_row ? static_cast<float>(frame.rig.row_offset_px) : 0.0F;
+    const bool rolls = frame.rig.readout > 0.0;
+    const bool plain = moments.size() == 1 && row_offset == 0.0F;
+    if (plain) {
+      fill(frame.movers(moments.front().frame));
+      paint_ideal(eye, eye_from_camera * frame.camera_from_desk(moments.front().frame),
+                  {0, 0, eye.ideal.width, eye.ideal.height});
+    } else if (rolls || moments.size() == 1) {
+      read_rows(eye, eye_from_camera, frame, moments, row_offset);
+    } else {
+      expose(eye, eye_from_camera, frame, moments, row_offset);
     }
 
     eye.raw_target.bind();
@@ -541,7 +593,7 @@ struct DeskRenderer::State {
       sensor.set("lens_map", 1);
       eye.ideal_color.bind(0);
       eye.lens_map.bind(1);
-      sensor.set("ideal_size", ideal_size);
+      sensor.set("ideal_size", size_of(eye.ideal));
     } else {
       sensor.set("exposed", 0);
       eye.exposed.bind(0);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <vector>
 
 using namespace palpable;
 using palpable::test::tolerance;
@@ -353,6 +354,69 @@ TEST_CASE("an exposure smears a turning camera's picture by the angle it turns",
         tolerance(0.1, "the shutter is open round the moment"));
   CHECK(std::abs(wide_smeared - wide_sharp - width * width / 12.0) <=
         tolerance(0.8, "5 moments instead of all, of 4 px^2; grey levels are rounded"));
+}
+
+TEST_CASE("an exposure is the mean of its moments, camera and movers moving", "[synth][gl]") {
+  std::vector<PaintedMesh> squares = {square({0, 0, 1.2}, 1.5, 0), square({0.1, 0.05, 1.0}, 0.2, 1),
+                                      square({-0.15, 0, 0.5}, 0.06, 1)};
+  std::optional<DeskRenderer> renderer = renderer_of(scene_of(squares), 1, {0.0, 1.0, 0.0, 0.0});
+  if (!renderer) PALPABLE_SKIP(kNoGl);
+  constexpr int kFrame = 3;
+  const double turn = GENERATE(0.0, 0.04);      // rad a frame; 0.04: 14 px in half a frame
+  const double shift = turn > 0 ? 0.008 : 0.0;  // m a frame: 5 px at 0.5 m
+  DeskMoment moving = still(kFrame);
+  moving.camera_from_desk = [&](double frame) {
+    const double along = frame - kFrame;
+    return Rigid3(Eigen::Translation3d(shift * along, 0, 0) *
+                  Eigen::AngleAxisd(turn * along, Eigen::Vector3d(0, 1, 0.2).normalized()));
+  };
+  moving.movers = [](double frame) {
+    HandCapsule ball;
+    const Eigen::Vector3d at(0.02 + 0.016 * (frame - kFrame), 0.01 * (frame - kFrame), 0.3);
+    ball.shape = {at, at + Eigen::Vector3d(0, 0.03, 0), 0.03, 0.02};
+    return Movers{{ball}, std::nullopt};
+  };
+  RawPair smeared, sharp;
+  renderer->draw(moving, sharp);
+  moving.rig.exposure = 0.5 / kFramesPerSecond;
+  renderer->draw(moving, smeared);
+  // Light of 24 moments, each drawn as a frame of its own.
+  constexpr int kMoments = 24;
+  const auto size = static_cast<std::size_t>(sharp.left.width() * sharp.left.height());
+  std::vector<double> left(size, 0.0), right(size, 0.0);
+  const auto light = [](const Rgb& c) { return std::pow(luma(c) / 255.0, 2.0); };
+  for (int i = 0; i < kMoments; ++i) {
+    const double at = kFrame + 0.5 * ((i + 0.5) / kMoments - 0.5);
+    RawPair one;
+    renderer->draw({kFrame, [&](double) { return moving.camera_from_desk(at); },
+                    [&](double) { return moving.movers(at); }, RigState{}},
+                   one);
+    for (std::size_t k = 0; k < size; ++k) {
+      left[k] += light(one.left.data()[k]) / kMoments;
+      right[k] += light(one.right.data()[k]) / kMoments;
+    }
+  }
+  // Where motion changes the picture by more than rounding: mean errors of both pictures, levels.
+  const auto errors = [&](const ColorImage& plain, const ColorImage& image,
+                          const std::vector<double>& mean) {
+    double unsmeared = 0, error = 0;
+    int changed = 0;
+    for (std::size_t k = 0; k < size; ++k) {
+      const double level = 255.0 * std::sqrt(mean[k]);
+      if (std::abs(luma(plain.data()[k]) - level) < 4.0) continue;
+      unsmeared += std::abs(luma(plain.data()[k]) - level);
+      error += std::abs(luma(image.data()[k]) - level);
+      ++changed;
+    }
+    CHECK(changed > 2000);
+    return std::pair(unsmeared / changed, error / changed);
+  };
+  for (const auto& [unsmeared, error] :
+       {errors(sharp.left, smeared.left, left), errors(sharp.right, smeared.right, right)}) {
+    CHECK(error <= tolerance(0.12 * unsmeared,
+                             "edges go in steps of up to 3 px instead of one; the shadow is the "
+                             "middle one's"));
+  }
 }
 
 TEST_CASE("a rolling shutter reads each row at its own moment", "[synth][gl]") {

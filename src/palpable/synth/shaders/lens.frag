@@ -9,6 +9,7 @@ uniform float weight;        // of this moment
 uniform float row_offset;    // raw px by which the picture lies lower than the map says
 uniform float moment_row;    // raw row that is read at the moment of the ideal picture
 uniform vec3 turn_per_row;   // rad by which the camera turns from one row to the next
+uniform mat3 ideal_from_moment;  // turns rays of this moment into the ideal picture's
 
 out vec4 light;
 
@@ -23,6 +24,7 @@ void main() {
   source -= row_offset * down;
   vec3 ray = vec3((source - ideal_centre) / ideal_focal, 1.0);
   ray -= cross((float(pixel.y) - moment_row) * turn_per_row, ray);
+  ray = ideal_from_moment * ray;
   source = ray.xy / ray.z * ideal_focal + ideal_centre;
   vec3 encoded = textureLod(ideal, (source + 0.5) / ideal_size, 0.0).rgb;
   light = vec4(weight * encoded * encoded, 1.0);

@@ -1,4 +1,6 @@
 #version 450 core
-layout(location = 0) in vec3 position;  // desk frame, m
+// Of the middle of the exposure.
+layout(location = 0) in vec3 position;       // as the shutter opens; desk frame, m
+layout(location = 4) in vec3 last_position;  // as it closes
 uniform mat4 clip_from_desk;
-void main() { gl_Position = clip_from_desk * vec4(position, 1.0); }
+void main() { gl_Position = clip_from_desk * vec4(mix(position, last_position, 0.5), 1.0); }

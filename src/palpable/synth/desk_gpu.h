@@ -1,0 +1,235 @@
+/// @file
+/// What the desk's renderer keeps on the GPU: meshes, shadow maps, the pictures of an eye.
+/// desk_renderer.cpp alone uses it. OpenGL's names and terms; the context must be current.
+#pragma once
+
+#include "palpable/base/contract.h"
+#include "palpable/geometry/camera.h"
+#include "palpable/render/gl_objects.h"
+#include "palpable/synth/desk_scene.h"
+#include "palpable/synth/lens.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// A rectangle of pixels.
+struct Box {
+  int x = 0, y = 0, width = 0, height = 0;
+  [[nodiscard]] Box cut(const Box& other) const {
+    const int x0 = std::max(x, other.x);
+    const int y0 = std::max(y, other.y);
+    return {x0, y0, std::max(0, std::min(x + width, other.x + other.width) - x0),
+            std::max(0, std::min(y + height, other.y + other.height) - y0)};
+  }
+  [[nodiscard]] bool empty() const { return width <= 0 || height <= 0; }
+};
+
+/// The smallest rectangle round both.
+[[nodiscard]] inline Box around(const Box& a, const Box& b) {
+  if (a.empty()) return b;
+  if (b.empty()) return a;
+  const int x0 = std::min(a.x, b.x), y0 = std::min(a.y, b.y);
+  return {x0, y0, std::max(a.x + a.width, b.x + b.width) - x0,
+          std::max(a.y + a.height, b.y + b.height) - y0};
+}
+
+/// What of `all` lies outside of `part`, which lies in it: above, below, left, right.
+[[nodiscard]] inline std::array<Box, 4> beside(const Box& all, const Box& part) {
+  if (part.empty()) return {all, Box{}, Box{}, Box{}};
+  const int right = part.x + part.width, below = part.y + part.height;
+  return {Box{all.x, all.y, all.width, part.y - all.y},
+          Box{all.x, below, all.width, all.y + all.height - below},
+          Box{all.x, part.y, part.x - all.x, part.height},
+          Box{right, part.y, all.x + all.width - right, part.height}};
+}
+
+/// Triangles on the GPU, as they are when an exposure begins and when it ends.
+struct GpuMesh {
+  GlBuffer vertices, last_vertices, indices;
+  GlVertexArray array;
+  int index_count = 0;
+  int image = 0;
+  float gloss = 0, sharpness = 1;
+  bool in_shadows = true;
+
+  GpuMesh() {
+    static_assert(kStride == 12 * sizeof(float));
+    array.floats(0, vertices, 3, kStride, 0);
+    array.floats(1, vertices, 3, kStride, 12);
+    array.floats(2, vertices, 2, kStride, 24);
+    array.floats(3, vertices, 4, kStride, 32);
+    array.indices(indices);
+    end_at(vertices);
+  }
+  /// The same from beginning to end.
+  void fill(const PaintedMesh& mesh) {
+    end_at(vertices);
+    fill_first(mesh);
+  }
+  /// @param last  the same triangles, moved
+  void fill(const PaintedMesh& first, const PaintedMesh& last) {
+    PALPABLE_EXPECT(first.vertices.size() == last.vertices.size() && first.indices == last.indices,
+                    "what moves keeps its triangles while the shutter is open");
+    last_vertices.stream(std::span<const PaintedVertex>(last.vertices));
+    end_at(last_vertices);
+    fill_first(first);
+  }
+  void draw() const {
+    if (index_count == 0) return;
+    array.bind();
+    glDrawElements(GL_TRIANGLES, index_count, GL_UNSIGNED_INT, nullptr);
+  }
+
+ private:
+  static constexpr int kStride = sizeof(PaintedVertex);
+  void end_at(const GlBuffer& buffer) {
+    array.floats(4, buffer, 3, kStride, 0);
+    array.floats(5, buffer, 3, kStride, 12);
+  }
+  void fill_first(const PaintedMesh& mesh) {
+    vertices.stream(std::span<const PaintedVertex>(mesh.vertices));
+    indices.stream(std::span<const std::uint32_t>(mesh.indices));
+    index_count = static_cast<int>(mesh.indices.size());
+    image = mesh.image;
+    gloss = mesh.gloss;
+    sharpness = mesh.sharpness;
+    in_shadows = mesh.in_shadows;
+  }
+};
+
+/// A depth picture from the light, compared and filtered by the texture unit. Outside is lit.
+struct ShadowMap {
+  GlTexture depth;
+  GlFramebuffer target;
+  Eigen::Matrix4d light;
+
+  ShadowMap(int size, const Eigen::Matrix4d& light_from_desk_matrix)
+      : depth(GL_DEPTH_COMPONENT32F, size, size, GL_LINEAR),
+        target({}, &depth),
+        light(light_from_desk_matrix) {
+    const GLuint name = depth.get();
+    glTextureParameteri(name, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    glTextureParameteri(name, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    glTextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    glTextureParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    const std::array<float, 4> lit = {1, 1, 1, 1};
+    glTextureParameterfv(name, GL_TEXTURE_BORDER_COLOR, lit.data());
+    glNamedFramebufferDrawBuffer(target.get(), GL_NONE);
+    glNamedFramebufferReadBuffer(target.get(), GL_NONE);
+  }
+};
+
+/// How many px more than the lens sees the ideal picture shows on each side: an exposure is made of
+/// pictures that are turned a little.
+inline constexpr int kIdealMargin = 16;
+
+/// One eye: its lens and the pictures on the way.
+struct Eye {
+  DistortedCamera camera;
+  PinholeCamera ideal;
+  GlTexture ideal_color, ideal_depth, lens_map, raw_color;
+  GlFramebuffer ideal_target, raw_target;
+  float gain = 1;
+  /// Rows of the ideal picture that a raw row needs.
+  std::vector<std::array<float, 2>> rows;
+  /// What tiles of the raw picture need of the ideal one, row by row, px: left, top, right, bottom.
+  static constexpr int kTile = 40;
+  int tiles_across = 0;
+  std::vector<Eigen::Vector4f> tiles;
+  /// Light of several moments, raw.
+  GlTexture exposed;
+  GlFramebuffer exposed_target;
+  /// The desk without movers, kept while the eye does not move; each frame starts as a copy of it.
+  GlTexture still_color, still_depth;
+  GlFramebuffer still_target;
+  std::optional<Rigid3> still_from_desk, last_from_desk;
+
+  Eye(const DistortedCamera& lens, float gain_)
+      : camera(lens),
+        ideal(with_margin(ideal_camera_for(lens, lens.pinhole.fx_px))),
+        ideal_color(GL_RGBA8, ideal.width, ideal.height, GL_LINEAR),
+        ideal_depth(GL_DEPTH_COMPONENT32F, ideal.width, ideal.height),
+        lens_map(GL_RG32F, lens.pinhole.width, lens.pinhole.height),
+        raw_color(GL_RGBA8, lens.pinhole.width, lens.pinhole.height),
+        gain(gain_),
+        exposed(GL_RGBA32F, lens.pinhole.width, lens.pinhole.height),
+        still_color(GL_RGBA8, ideal.width, ideal.height, GL_LINEAR),
+        still_depth(GL_DEPTH_COMPONENT32F, ideal.width, ideal.height) {
+    const std::array<const GlTexture*, 1> ideal_colors = {&ideal_color};
+    const std::array<const GlTexture*, 1> still_colors = {&still_color};
+    still_target = GlFramebuffer(still_colors, &still_depth);
+    const std::array<const GlTexture*, 1> raw_colors = {&raw_color};
+    ideal_target = GlFramebuffer(ideal_colors, &ideal_depth);
+    raw_target = GlFramebuffer(raw_colors, nullptr);
+    const std::array<const GlTexture*, 1> exposed_colors = {&exposed};
+    exposed_target = GlFramebuffer(exposed_colors, nullptr);
+    const std::vector<Eigen::Vector2f> map = distortion_map(camera, ideal);
+    const auto w = static_cast<std::size_t>(lens.pinhole.width);
+    rows.assign(static_cast<std::size_t>(lens.pinhole.height), {1e9F, -1e9F});
+    tiles_across = (lens.pinhole.width + kTile - 1) / kTile;
+    tiles.assign(
+        static_cast<std::size_t>(tiles_across * ((lens.pinhole.height + kTile - 1) / kTile)),
+        {1e9F, 1e9F, -1e9F, -1e9F});
+    for (std::size_t i = 0; i < map.size(); ++i) {
+      rows[i / w][0] = std::min(rows[i / w][0], map[i].y());
+      rows[i / w][1] = std::max(rows[i / w][1], map[i].y());
+      Eigen::Vector4f& tile =
+          tiles[i / w / kTile * static_cast<std::size_t>(tiles_across) + i % w / kTile];
+      tile.head<2>() = tile.head<2>().cwiseMin(map[i]);
+      tile.tail<2>() = tile.tail<2>().cwiseMax(map[i]);
+    }
+    lens_map.upload(0, 0, lens.pinhole.width, lens.pinhole.height, GL_RG, GL_FLOAT, map.data());
+  }
+
+  /// The tiles of the raw picture that look into a rectangle of the ideal one.
+  [[nodiscard]] Box raw_box(const Box& in_ideal) const {
+    constexpr float kFilter = 1;  // px that a filtered look-up reads beyond its place
+    const Eigen::Vector2f low(static_cast<float>(in_ideal.x), static_cast<float>(in_ideal.y));
+    const Eigen::Vector2f high = low + Eigen::Vector2f(static_cast<float>(in_ideal.width),
+                                                       static_cast<float>(in_ideal.height));
+    int x0 = camera.pinhole.width, y0 = camera.pinhole.height, x1 = 0, y1 = 0;
+    for (int t = 0; t < static_cast<int>(tiles.size()); ++t) {
+      const Eigen::Vector4f& tile = tiles[static_cast<std::size_t>(t)];
+      if ((tile.tail<2>().array() + kFilter < low.array()).any() ||
+          (tile.head<2>().array() - kFilter > high.array()).any()) {
+        continue;
+      }
+      const int x = t % tiles_across * kTile, y = t / tiles_across * kTile;
+      x0 = std::min(x0, x);
+      y0 = std::min(y0, y);
+      x1 = std::max(x1, std::min(x + kTile, camera.pinhole.width));
+      y1 = std::max(y1, std::min(y + kTile, camera.pinhole.height));
+    }
+    return {x0, y0, std::max(0, x1 - x0), std::max(0, y1 - y0)};
+  }
+
+ private:
+  static PinholeCamera with_margin(PinholeCamera ideal) {
+    ideal.width += 2 * kIdealMargin;
+    ideal.height += 2 * kIdealMargin;
+    ideal.cx_px += kIdealMargin;
+    ideal.cy_px += kIdealMargin;
+    return ideal;
+  }
+};
+
+/// The truth's own target.
+struct DepthTarget {
+  GlTexture z, depth;
+  GlFramebuffer target;
+  explicit DepthTarget(const PinholeCamera& view)
+      : z(GL_RG32F, view.width, view.height),
+        depth(GL_DEPTH_COMPONENT32F, view.width, view.height) {
+    const std::array<const GlTexture*, 1> colors = {&z};
+    target = GlFramebuffer(colors, &depth);
+  }
+};
+
+}  // namespace palpable
