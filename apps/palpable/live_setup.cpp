@@ -5,9 +5,11 @@
 #include "apps/palpable/place.h"
 #include "apps/palpable/sequence_folder.h"
 #include "palpable/base/error.h"
+#include "palpable/geometry/median_pose.h"
 #include "palpable/map/plane_fit.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/scaled_body.h"
+#include "palpable/slam/slam.h"
 #include "palpable/vision/open_source.h"
 #include "palpable/vision/paced_source.h"
 
@@ -18,7 +20,9 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace palpable::app {
 namespace {
@@ -77,15 +81,40 @@ Rigid3 place_of(const LiveOptions& options, const SceneFile& scene, const fs::pa
       images.string()));
 }
 
-// The camera is opened, looked through until a frame shows where the body is to stand, and closed
-// again.
-// @param pose_in  (frame, camera) -> optional camera_from_body
-template <class PoseIn>
-Rigid3 pose_in_first_frames(const CameraRequest& request, const DepthSettings& settings,
-                            const PoseIn& pose_in, const std::string& missing) {
+// m from the body's origin at which its pose has to be right: half of a hand-sized body.
+constexpr double kBodyReach = 0.1;
+
+// What the first frames say about where the body is to stand.
+template <class Found>
+struct FirstFrames {
+  struct Sighting {
+    Rigid3 start_from_camera;
+    Found found;
+  };
+  std::vector<Sighting> sightings;  // at least one
+  bool live = false;
+  // The one that is nearest to where the session begins.
+  [[nodiscard]] const Sighting& nearest() const {
+    return live ? sightings.back() : sightings.front();
+  }
+};
+
+// The camera is opened, followed through its first second and closed again. The session begins
+// with a recording's first frame, and where a camera of one's own was seen last.
+// @param find_in  (frame, camera) -> optional Found, in the frame's camera
+template <class FindIn>
+auto look_at_first_frames(const CameraRequest& request, const DepthSettings& settings,
+                          const FindIn& find_in, const std::string& missing) {
   constexpr int kFrames = 30;
+  using Found =
+      typename std::invoke_result_t<FindIn, const SeenFrame&, const DepthCamera&>::value_type;
   const std::unique_ptr<FrameSource> source = value_or_throw(open_source(request));
   DepthCamera camera = value_or_throw(DepthCamera::make(source->format(), settings));
+  Slam slam(camera, source->format(), {.map = false});
+  FirstFrames<Found> result;
+  result.live = source->is_live();
+  Rigid3 world_from_start = Rigid3::Identity();
+  StageTimes unused;
   Frame frame;
   SeenFrame seen;
   for (int looked = 0; looked < kFrames;) {
@@ -95,35 +124,58 @@ Rigid3 pose_in_first_frames(const CameraRequest& request, const DepthSettings& s
     if (status != FrameStatus::kFrame) continue;
     camera.see(frame, seen);
     if (seen.misfit) throw Error(fmt::format("{}: {}", request.device, seen.misfit->message()));
-    const std::optional<Rigid3> pose = pose_in(seen, camera);
-    if (pose) return *pose;
+    const TrackedPose pose = slam.advance(seen, unused).camera;
+    if (pose.state == TrackState::kLost) continue;
+    if (result.live) world_from_start = pose.world_from_camera;
+    if (const std::optional<Found> found = find_in(seen, camera)) {
+      result.sightings.push_back({pose.world_from_camera, *found});
+    }
   }
-  throw Error(fmt::format("{}: its first {} frames show no {}, or give --place", request.device,
-                          kFrames, missing));
+  if (result.sightings.empty()) {
+    throw Error(fmt::format("{}: its first {} frames show no {}, or give --place", request.device,
+                            kFrames, missing));
+  }
+  for (auto& sighting : result.sightings) {
+    sighting.start_from_camera = world_from_start.inverse() * sighting.start_from_camera;
+  }
+  return result;
 }
 
 Rigid3 pose_on_plane(const CameraRequest& request, const DepthSettings& settings) {
-  const auto on_plane = [](const SeenFrame& seen,
-                           const DepthCamera& camera) -> std::optional<Rigid3> {
-    const auto plane = fit_standing_plane(seen.depth, seen.depth_camera, camera.noise());
-    if (!plane) return std::nullopt;
-    return camera_from_body_on(*plane);
+  const auto plane_in = [](const SeenFrame& seen, const DepthCamera& camera) {
+    return fit_standing_plane(seen.depth, seen.depth_camera, camera.noise());
   };
-  return pose_in_first_frames(request, settings, on_plane,
-                              "plane to stand on (within 1.5 m, a tenth of what is seen there, "
-                              "facing up in the picture); turn the camera to the desk");
+  const auto frames =
+      look_at_first_frames(request, settings, plane_in,
+                           "plane to stand on (within 1.5 m, a tenth of what is seen there, "
+                           "facing up in the picture); turn the camera to the desk");
+  const auto& nearest = frames.nearest();
+  const Eigen::Vector3d middle = nearest.start_from_camera * nearest.found.middle;
+  std::vector<Rigid3> poses;
+  for (const auto& [start_from_camera, found] : frames.sightings) {
+    Plane plane = moved_by(start_from_camera, found);
+    // Every frame's plane at the same place: the middle of its own picture moves.
+    plane.middle = middle - (plane.normal.dot(middle) - plane.offset) * plane.normal;
+    poses.push_back(camera_from_body_on(plane));
+  }
+  return median_pose(poses, kBodyReach);
 }
 
 Rigid3 pose_on_board(const CameraRequest& request, const DepthSettings& settings,
                      const BoardOptions& options) {
   const BoardPattern pattern = pattern_of(options);
-  const auto on_board = [&](const SeenFrame& seen, const DepthCamera&) {
+  const auto board_in = [&](const SeenFrame& seen, const DepthCamera&) {
     return find_board_pose(seen.color, seen.camera, pattern);
   };
-  return pose_in_first_frames(
-      request, settings, on_board,
+  const auto frames = look_at_first_frames(
+      request, settings, board_in,
       fmt::format("chessboard of {} inner corners (--board); show it whole, flat and sharp",
                   options.corners));
+  std::vector<Rigid3> poses;
+  for (const auto& [start_from_camera, found] : frames.sightings) {
+    poses.push_back(start_from_camera * found);
+  }
+  return median_pose(poses, kBodyReach);
 }
 
 }  // namespace

@@ -23,8 +23,8 @@ FreeSpace::FreeSpace(const DepthNoise& noise, const FreeSpaceSettings& settings)
   PALPABLE_EXPECT(settings.margin >= 0 && settings.sigmas >= 0, "a margin is not negative");
   PALPABLE_EXPECT(settings.frames_to_free >= 1 && settings.frames_to_free <= 255,
                   "a cell is free after 1 to 255 frames");
-  PALPABLE_EXPECT(settings.frames_to_settle >= 1 && settings.frames_to_settle <= 65535,
-                  "what stays is settled after 1 to 65535 frames");
+  PALPABLE_EXPECT(settings.frames_to_settle >= 1 && settings.frames_to_settle <= 32767,
+                  "what stays is settled after 1 to 32767 frames");
   blocks_.resize(static_cast<std::size_t>(settings.blocks));
 }
 
@@ -93,7 +93,10 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
       if (c.stamp == stamp_ || c.free < settings_.frames_to_free) continue;
       c.stamp = stamp_;
       ++c.taken;
-      if (c.taken >= settings_.frames_to_settle) c = {0, stamp_, 0};
+      if (c.taken < settings_.frames_to_settle) continue;
+      c.free = 0;
+      c.taken = 0;
+      c.settled = 1;
     }
   }
 }
@@ -101,6 +104,11 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
 bool FreeSpace::is_free(const Eigen::Vector3d& point) const {
   if (!(point.cwiseAbs().maxCoeff() < kLargest * settings_.cell)) return false;
   return Reader(*this).is_free(point.cast<float>());
+}
+
+bool FreeSpace::was_free(const Eigen::Vector3d& point) const {
+  if (!(point.cwiseAbs().maxCoeff() < kLargest * settings_.cell)) return false;
+  return Reader(*this).was_free(point.cast<float>());
 }
 
 }  // namespace palpable

@@ -31,6 +31,7 @@ struct FreeSpaceSettings {
   int frames_to_free = 6;  ///< in which a cell was looked through until it counts as free, 1 .. 255
   /// After so many frames in a row in which something ended in a free cell and nothing was seen
   /// through it, it is free no more: what was put there is part of the scene (20 s at 30 fps).
+  /// 1 .. 32767.
   int frames_to_settle = 600;
   int blocks = 4096;  ///< of 8 x 8 x 8 cells (0.32 m, 2 KiB) that are kept at most: 8 MiB
 };
@@ -55,6 +56,8 @@ class FreeSpace {
 
   /// Whether a point of the world lies in a cell that was seen free.
   [[nodiscard]] bool is_free(const Eigen::Vector3d& point) const;
+  /// Whether it lies in one that ever was, even if something has settled there since.
+  [[nodiscard]] bool was_free(const Eigen::Vector3d& point) const;
 
   [[nodiscard]] int blocks() const { return table_.count(); }
   /// Rays that were cut short because all blocks are in use.
@@ -63,9 +66,10 @@ class FreeSpace {
 
  private:
   struct Cell {
-    std::uint8_t free = 0;    // frames in which it was looked through, up to 255
-    std::uint8_t stamp = 0;   // of the frame that changed it last
-    std::uint16_t taken = 0;  // frames in a row in which something ended in it
+    std::uint8_t free = 0;          // frames in which it was looked through, up to 255
+    std::uint8_t stamp = 0;         // of the frame that changed it last
+    std::uint16_t taken : 15 = 0;   // frames in a row in which something ended in it
+    std::uint16_t settled : 1 = 0;  // it was free until something settled in it
   };
   static constexpr int kSide = 8;
   using Block = std::array<Cell, kSide * kSide * kSide>;
@@ -97,6 +101,17 @@ class FreeSpace::Reader {
 
   /// @param point  world, m; within 500 m of its origin
   [[nodiscard]] bool is_free(const Eigen::Vector3f& point) {
+    const Cell* cell = at(point);
+    return cell != nullptr && cell->free >= space_.settings_.frames_to_free;
+  }
+  [[nodiscard]] bool was_free(const Eigen::Vector3f& point) {
+    const Cell* cell = at(point);
+    return cell != nullptr && (cell->free >= space_.settings_.frames_to_free || cell->settled != 0);
+  }
+
+ private:
+  // The cell of a point, or null where nothing was seen.
+  [[nodiscard]] const Cell* at(const Eigen::Vector3f& point) {
     const Place p{static_cast<std::int32_t>(std::floor(point.x() * scale_)),
                   static_cast<std::int32_t>(std::floor(point.y() * scale_)),
                   static_cast<std::int32_t>(std::floor(point.z() * scale_))};
@@ -106,10 +121,9 @@ class FreeSpace::Reader {
       block_ =
           slot == BlockTable::kNone ? nullptr : &space_.blocks_[static_cast<std::size_t>(slot)];
     }
-    return block_ != nullptr && (*block_)[cell_of(p)].free >= space_.settings_.frames_to_free;
+    return block_ != nullptr ? &(*block_)[cell_of(p)] : nullptr;
   }
 
- private:
   const FreeSpace& space_;
   float scale_;
   std::uint64_t last_ = ~std::uint64_t{0};

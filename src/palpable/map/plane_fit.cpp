@@ -128,6 +128,14 @@ std::optional<Plane> fit_standing_plane(const DepthImage& depth, const PinholeCa
   return best;
 }
 
+Plane moved_by(const Rigid3& to_from, const Plane& plane) {
+  Plane moved = plane;
+  moved.normal = to_from.linear() * plane.normal;
+  moved.offset = plane.offset + moved.normal.dot(to_from.translation());
+  moved.middle = to_from * plane.middle;
+  return moved;
+}
+
 Rigid3 camera_from_body_on(const Plane& plane) {
   const Eigen::Vector3d& Z = plane.normal;
   Eigen::Vector3d X = Eigen::Vector3d::UnitX() - Z.x() * Z;

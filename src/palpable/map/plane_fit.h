@@ -38,6 +38,9 @@ struct Plane {
                                                       const DepthNoise& noise,
                                                       const PlaneFitSettings& settings = {});
 
+/// The same plane in another frame.
+[[nodiscard]] Plane moved_by(const Rigid3& to_from, const Plane& plane);
+
 /// Where a body stands that is put on the plane at plane.middle: its Z axis along the normal, its X
 /// axis as far to the right in the picture as the plane allows.
 [[nodiscard]] Rigid3 camera_from_body_on(const Plane& plane);

@@ -50,6 +50,21 @@ TEST_CASE("a desk is found beside a box and before a wall", "[map][plane_fit]") 
   }
 }
 
+TEST_CASE("a plane that is seen from elsewhere is the same plane", "[map][plane_fit]") {
+  const Rigid3 to_from = Eigen::Translation3d(0.3, -0.2, 0.5) *
+                         Rigid3(Eigen::AngleAxisd(0.6, Eigen::Vector3d(1, -2, 0.5).normalized()));
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.1, -0.8, -0.5).normalized();
+  const Plane plane{normal, -0.35, 0.4, -0.35 * normal};
+  const Plane moved = moved_by(to_from, plane);
+  const Eigen::Vector3d on_plane = plane.middle + 0.2 * normal.unitOrthogonal();
+  const double rounding = test::tolerance(1e-12, "rounding");
+  CHECK(std::abs(moved.normal.dot(to_from * on_plane) - moved.offset) < rounding);
+  CHECK(std::abs(moved.normal.dot(to_from * (on_plane + 0.1 * normal)) - moved.offset - 0.1) <
+        rounding);
+  CHECK((moved.middle - to_from * plane.middle).norm() < rounding);
+  CHECK(moved.share == plane.share);
+}
+
 TEST_CASE("a wall is nothing to stand on, and neither is nothing", "[map][plane_fit]") {
   const DepthImage wall(kCamera.width, kCamera.height, 0.8F);
   CHECK_FALSE(fit_standing_plane(wall, kCamera, kNoise));

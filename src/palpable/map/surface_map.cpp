@@ -17,8 +17,12 @@ constexpr double kNearest = 0.05;  // m; what is nearer to the camera than this 
 // lie 34 mm apart, blocks of 10 mm voxels are 80 mm wide.
 constexpr int kAllocationStep = 4;
 
-// A block's colours are the mean of so many frames. The scene is static, its light hardly.
+// A voxel's colour is the mean of so many frames. The scene is static, its light hardly.
 constexpr int kColorFrames = 8;
+
+// A block that has been painted in so many frames is looked at again in every so many: another
+// part of its surface may have come into view.
+constexpr int kPaintAgainEvery = 8;
 
 // Blocks from the world's origin; beyond nothing is kept (BlockTable's numbers have 21 bits).
 constexpr double kLargest = 1 << 19;
@@ -72,21 +76,55 @@ void SurfaceMap::allocate(const PinholeCamera& camera, const Rigid3& world_from_
         if (key == last) continue;
         last = key;
         if (table_.find(key) != BlockTable::kNone) continue;
-        const int slot = table_.insert(key);
-        if (slot == BlockTable::kNone) {
+        Block* b = insert(key);
+        if (b == nullptr) {
           ++refused_;
           continue;
         }
-        while (static_cast<std::size_t>(slot) >= kSlab * slabs_.size()) {
-          slabs_.push_back(std::make_unique<Slab>());
-        }
-        Block& b = *block_at(slot);
-        b.distance.fill(0);
-        b.weight.fill(0);
-        b.color.fill(0);
-        b.colored = 0;
+        b->distance.fill(0);
+        b->weight.fill(0);
+        b->color.fill(0);
+        b->colored = 0;
       }
     }
+  }
+}
+
+SurfaceMap::Block* SurfaceMap::insert(std::uint64_t key) {
+  const int slot = table_.insert(key);
+  if (slot == BlockTable::kNone) return nullptr;
+  while (static_cast<std::size_t>(slot) >= kSlab * slabs_.size()) {
+    slabs_.push_back(std::make_unique<Slab>());
+  }
+  return block_at(slot);
+}
+
+int SurfaceMap::copy_blocks(int first, int count, SurfaceMap& to) const {
+  PALPABLE_EXPECT(first >= 0 && count >= 1, "a table is gone through from its beginning");
+  PALPABLE_EXPECT(to.settings_.voxel == settings_.voxel, "the copy's voxels are as large");
+  const int slots = used_slots();
+  int slot = first;
+  for (; slot < slots && count > 0; ++slot) {
+    if (!table_.used(slot)) continue;
+    --count;
+    const std::uint64_t key = table_.key(slot);
+    // A block that was given back and came again between two calls may have been copied before.
+    const int there = to.table_.find(key);
+    Block* block = there != BlockTable::kNone ? to.block_at(there) : to.insert(key);
+    if (block != nullptr) *block = *block_at(slot);
+  }
+  return slot < slots ? slot : capacity();
+}
+
+std::optional<SurfaceMap::BlockView> SurfaceMap::block_in(int slot) const {
+  if (slot >= used_slots() || !table_.used(slot)) return std::nullopt;
+  const Block& block = *block_at(slot);
+  return BlockView{table_.key(slot), block.distance.data(), block.weight.data()};
+}
+
+void SurfaceMap::clear() {
+  for (int slot = 0; slot < used_slots(); ++slot) {
+    if (table_.used(slot)) table_.erase(slot);
   }
 }
 
@@ -110,6 +148,8 @@ void SurfaceMap::paint(Block& block, const Eigen::Vector3f& first, const Pinhole
   const auto reach = static_cast<float>(settings_.voxel);
   bool any = false;
   for (std::size_t i = 0; i < kVoxelsOfBlock; ++i) {
+    std::uint8_t* c = &block.color[4 * i];
+    if (c[3] >= kColorFrames) continue;
     if (!(block.weight[i] > 0) || std::abs(block.distance[i]) > reach) continue;
     const Eigen::Vector3d p(first.x() + offsets_[0][i], first.y() + offsets_[1][i],
                             first.z() + offsets_[2][i]);
@@ -119,7 +159,6 @@ void SurfaceMap::paint(Block& block, const Eigen::Vector3f& first, const Pinhole
     if (x < 0 || y < 0 || x >= camera.width || y >= camera.height) continue;
     if (!(std::abs(static_cast<double>(taken_(x, y)) - p.z()) <= settings_.truncation)) continue;
     const Rgb seen = color(factor * x + factor / 2, factor * y + factor / 2);
-    std::uint8_t* c = &block.color[4 * i];
     const int n = c[3];
     const auto mean = [n](int old, int now) {
       return static_cast<std::uint8_t>((n * old + now + (n + 1) / 2) / (n + 1));
@@ -127,7 +166,7 @@ void SurfaceMap::paint(Block& block, const Eigen::Vector3f& first, const Pinhole
     c[0] = mean(c[0], seen.r);
     c[1] = mean(c[1], seen.g);
     c[2] = mean(c[2], seen.b);
-    c[3] = static_cast<std::uint8_t>(std::min(n + 1, 64));
+    c[3] = static_cast<std::uint8_t>(n + 1);
     any = true;
   }
   block.colored += any ? 1 : 0;
@@ -191,8 +230,8 @@ void SurfaceMap::fuse(const DepthImage& depth, const PinholeCamera& camera,
   const Eigen::Vector3d to_first = 0.5 * R * Eigen::Vector3d::Ones();
   const Eigen::Vector3d to_centre = 0.5 * kSide * R * Eigen::Vector3d::Ones();
   const float nothing_near = 0.95F * frame.truncation;
-  for (int slot = 0; slot < static_cast<int>(kSlab * slabs_.size()) && slot < table_.capacity();
-       ++slot) {
+  ++fused_;
+  for (int slot = 0; slot < used_slots(); ++slot) {
     if (!table_.used(slot)) continue;
     const Eigen::Vector3d corner =
         camera_from_world * (block * BlockTable::place_of(table_.key(slot)).cast<double>());
@@ -202,7 +241,8 @@ void SurfaceMap::fuse(const DepthImage& depth, const PinholeCamera& camera,
     const float lowest = kernel_->fuse(frame, first.data(), b.distance.data(), b.weight.data());
     if (lowest > nothing_near) {  // no surface in it: it was only passed, or carved
       table_.erase(slot);
-    } else if (!color.empty() && b.colored < kColorFrames) {
+    } else if (!color.empty() &&
+               (b.colored < kColorFrames || (fused_ + slot) % kPaintAgainEvery == 0)) {
       paint(b, first, camera, color);
     }
   }
@@ -227,7 +267,7 @@ ColoredSurface SurfaceMap::mesh(double least_weight) const {
   std::vector<Eigen::Vector3d> points;
   ColoredSurface result;
   Reader reader(*this);
-  const int slots = std::min(static_cast<int>(kSlab * slabs_.size()), table_.capacity());
+  const int slots = used_slots();
   const auto for_each_voxel = [&](const auto& work) {
     for (int slot = 0; slot < slots; ++slot) {
       if (!table_.used(slot)) continue;

@@ -72,13 +72,36 @@ class SurfaceMap {
   /// from the camera's side. Only between voxels that weigh `least_weight` or more.
   [[nodiscard]] ColoredSurface mesh(double least_weight = 1.0) const;
 
+  /// Copies some blocks into another map, a few at a time, so that a thread can look at a map that
+  /// goes on growing. Begin with first = 0 and an empty map.
+  /// @param first  slot of the table to begin with
+  /// @param count  blocks to copy at most, >= 1
+  /// @return the slot to go on from; capacity() when nothing is left
+  int copy_blocks(int first, int count, SurfaceMap& to) const;
+  /// Forgets everything; keeps the memory.
+  void clear();
+
   /// What one depth that scatters by `sigma` (m) adds to a voxel's weight.
   [[nodiscard]] double weight_of(double sigma) const {
     const double share = settings_.best_sigma / sigma;
     return std::min(1.0, share * share);
   }
 
+  /// One block of 8 x 8 x 8 voxels, x running fastest, in slot [0, capacity) of the map's table.
+  struct BlockView {
+    std::uint64_t key = 0;            ///< BlockTable::key_of its place, in blocks from the origin
+    const float* distance = nullptr;  ///< (512) m, where weight > 0
+    const float* weight = nullptr;    ///< (512) 0: never seen
+  };
+  /// Nothing where the slot is empty.
+  [[nodiscard]] std::optional<BlockView> block_in(int slot) const;
+  [[nodiscard]] bool holds_block(std::uint64_t key) const {
+    return table_.find(key) != BlockTable::kNone;
+  }
+
   [[nodiscard]] int blocks() const { return table_.count(); }
+  [[nodiscard]] int capacity() const { return table_.capacity(); }
+  [[nodiscard]] const DepthNoise& noise() const { return noise_; }
   /// Blocks that were wanted and not to be had.
   [[nodiscard]] std::int64_t refused() const { return refused_; }
   [[nodiscard]] const SurfaceMapSettings& settings() const { return settings_; }
@@ -91,6 +114,12 @@ class SurfaceMap {
     int colored = 0;                                     // frames that have given colour
   };
   void allocate(const PinholeCamera& camera, const Rigid3& world_from_camera);
+  // A block that is not there yet, its content undefined; null when all are in use.
+  Block* insert(std::uint64_t key);
+  // All blocks that are in use lie before this slot.
+  [[nodiscard]] int used_slots() const {
+    return std::min(static_cast<int>(kSlab * slabs_.size()), table_.capacity());
+  }
   [[nodiscard]] bool may_show(const PinholeCamera& camera, const Eigen::Vector3d& centre) const;
   void paint(Block& block, const Eigen::Vector3f& first, const PinholeCamera& camera,
              const ColorImage& color);
@@ -119,6 +148,7 @@ class SurfaceMap {
   DepthImage taken_;  // the depth that is fused: without what moves
   std::array<std::array<float, kVoxelsOfBlock>, 3> offsets_{};
   std::int64_t refused_ = 0;
+  int fused_ = 0;  // depth images
 };
 
 class SurfaceMap::Reader {

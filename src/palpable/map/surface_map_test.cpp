@@ -135,6 +135,23 @@ TEST_CASE("what moves is not taken", "[map][surface_map]") {
   CHECK(map.blocks() <= 4);
 }
 
+TEST_CASE("what comes into view of a block that has long been painted gets its colour as well",
+          "[map][surface_map]") {
+  SurfaceMap map(kNoise);
+  const DepthImage depth(kCamera.width, kCamera.height, 0.8F);
+  const ColorImage color(kCamera.width, kCamera.height, Rgb{10, 200, 30});
+  MaskImage moving(kCamera.width, kCamera.height, 0);
+  // Every other column of 10 px: each block shows some of itself.
+  for (int y = 0; y < kCamera.height; ++y) {
+    for (int x = 0; x < kCamera.width; ++x) moving(x, y) = x / 10 % 2 == 0 ? 255 : 0;
+  }
+  for (int i = 0; i < 20; ++i) map.fuse(depth, kCamera, Rigid3::Identity(), moving, color);
+  for (int i = 0; i < 9; ++i) map.fuse(depth, kCamera, Rigid3::Identity(), {}, color);
+  const ColoredSurface mesh = map.mesh();
+  REQUIRE(mesh.surface.vertex_count() > 1000);
+  for (const Rgb& c : mesh.colors) REQUIRE(c == Rgb{10, 200, 30});
+}
+
 TEST_CASE("colours come from the picture", "[map][surface_map]") {
   SurfaceMap map(kNoise);
   const ColorImage green(2 * kCamera.width, 2 * kCamera.height, {10, 200, 30});

@@ -101,6 +101,7 @@ struct Session::Parts {
         region(box_of(body.surface)),
         surface(fitted(settings.surface, camera, format, settings.depth.matcher, pose)),
         law(body, with_noise(settings.press, camera.noise(), settings.noise_share)) {
+    if (settings.map) anchored.emplace(*slam.map());
     if (settings.ignore_static) {
       background.emplace(camera.noise(),
                          StaticBackgroundSettings{.frames = settings.static_frames});
@@ -120,6 +121,7 @@ struct Session::Parts {
   Eigen::Matrix3Xf rest;  // (3 x V) m
   Eigen::AlignedBox3d region;
 
+  std::optional<AnchoredScene> anchored;
   std::optional<StaticBackground> background;
   Rigid3 learnt_from_world = Rigid3::Identity();  // the camera when the background was learnt
   DepthImage contact_depth;  // what may press; the scene's own depth keeps everything, for drawing
@@ -139,6 +141,10 @@ void Session::Parts::find_scene(const SeenFrame& seen, Scene& scene) {
   const SlamFrame& found = slam.advance(seen, scene.times);
   scene.camera = found.camera;
   scene.moving = found.moving;
+  if (found.fused) {
+    const StageTimer timer(scene.times, "map");
+    anchored->update(*slam.map(), *slam.space());
+  }
   // A camera that has not moved sees the body where it was put, to the bit.
   scene.camera_from_body = scene.camera.world_from_camera.matrix().isIdentity(0)
                                ? world_from_body
@@ -252,11 +258,19 @@ const Scene& Session::process(const Frame& frame) {
 
 const DepthImage& Session::pressing_depth() const { return parts_->contact_depth; }
 const SurfaceMap* Session::map() const { return parts_->slam.map(); }
+const FreeSpace* Session::free_space() const { return parts_->slam.space(); }
+const AnchoredScene* Session::anchored_scene() const {
+  return parts_->anchored ? &*parts_->anchored : nullptr;
+}
 const ReducedBody& Session::body() const { return parts_->body; }
 const Rigid3& Session::camera_from_body() const { return parts_->world_from_body; }
 TrackerCounts Session::tracker_counts() const {
   const Tracker* tracker = parts_->slam.tracker();
   return tracker != nullptr ? tracker->counts() : TrackerCounts{};
+}
+std::vector<KeyframePose> Session::keyframes() const {
+  const Tracker* tracker = parts_->slam.tracker();
+  return tracker != nullptr ? tracker->keyframes() : std::vector<KeyframePose>{};
 }
 const SessionSettings& Session::settings() const { return parts_->settings; }
 const PinholeCamera& Session::camera() const { return parts_->camera.camera(); }

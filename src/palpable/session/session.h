@@ -20,6 +20,8 @@
 #include "palpable/contact/seen_surface.h"
 #include "palpable/contact/touch.h"
 #include "palpable/geometry/rigid.h"
+#include "palpable/map/anchored_scene.h"
+#include "palpable/map/free_space.h"
 #include "palpable/map/surface_map.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/track/tracker.h"
@@ -106,12 +108,18 @@ class Session {
 
   /// The scene as it has been seen so far; null without SessionSettings::map.
   [[nodiscard]] const SurfaceMap* map() const;
+  /// Where it was seen free, and what belongs to the room in which the body was anchored: with the
+  /// first frame. Both null without SessionSettings::map.
+  [[nodiscard]] const FreeSpace* free_space() const;
+  [[nodiscard]] const AnchoredScene* anchored_scene() const;
 
   [[nodiscard]] const ReducedBody& body() const;
   /// In the first frame's camera, which is the world: world_from_body.
   [[nodiscard]] const Rigid3& camera_from_body() const;
   /// What the tracker has done so far; all 0 when nothing is tracked.
   [[nodiscard]] TrackerCounts tracker_counts() const;
+  /// Of all keyframes, as adjusted last; empty when nothing is tracked.
+  [[nodiscard]] std::vector<KeyframePose> keyframes() const;
   [[nodiscard]] const SessionSettings& settings() const;
   /// Of SeenFrame::color and SeenFrame::depth.
   [[nodiscard]] const PinholeCamera& camera() const;

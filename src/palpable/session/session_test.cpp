@@ -275,5 +275,21 @@ TEST_CASE("nothing presses while the camera is lost, and the mask is not given",
   }
 }
 
+TEST_CASE("a session knows what was in the room when the body was anchored", "[session]") {
+  CHECK(make_session().anchored_scene() == nullptr);
+  SessionSettings settings;
+  settings.map = true;
+  Session session = make_session(settings);
+  int number = 0;
+  for (; number < 30; ++number) session.process(test::frame_of_wall(number, 0));
+  const auto was_there = [&](double Z) {
+    return session.anchored_scene()->was_there({0, 0, Z}, 0.015, *session.free_space());
+  };
+  CHECK(was_there(test::kWallZ));
+  CHECK_FALSE(was_there(test::kWallZ - 0.05));
+  CHECK_FALSE(was_there(0.4));
+  CHECK(session.free_space()->is_free({0, 0, 0.4}));
+}
+
 }  // namespace
 }  // namespace palpable
