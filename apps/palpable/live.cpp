@@ -4,6 +4,7 @@
 #include "apps/palpable/commands.h"
 #include "apps/palpable/live_output.h"
 #include "apps/palpable/live_setup.h"
+#include "apps/palpable/map_picture.h"
 #include "apps/palpable/scene_picture.h"
 #include "apps/palpable/vision_thread.h"
 #include "palpable/base/error.h"
@@ -36,6 +37,7 @@ namespace fs = std::filesystem;
 struct Options {
   LiveOptions live;
   fs::path out;
+  std::string view = "camera";
   bool window = false;
   bool pictures = false;
   bool no_masks = false;
@@ -63,11 +65,12 @@ Stage make_stage(bool with_window, const PinholeCamera& camera) {
   return stage;
 }
 
-// Whether the user has closed the window or pressed Escape.
-bool ended_by(Window& window) {
+// Whether the user has closed the window or pressed Escape; the map, if one is shown, is turned.
+bool ended_by(Window& window, MapPicture* map) {
   bool ended = window.closed();
   for (const WindowEvent& event : window.events()) {
     ended |= event.kind == WindowEvent::Kind::kKey && event.key == WindowEvent::kEscape;
+    if (map != nullptr) map->handle(event);
   }
   return ended;
 }
@@ -122,6 +125,7 @@ nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const
   result["body"] = options.live.body.string();
   result["source"] = run.images.string();
   result["contact"] = options.live.contact;
+  result["view"] = options.view;
   result["ignore_static_frames"] =
       run.session.settings().ignore_static ? run.session.settings().static_frames : 0;
   result["scale"] = options.live.scale;
@@ -167,6 +171,9 @@ nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const
 
 void live(const Options& options) {
   LiveOptions wanted = options.live;
+  if (options.pictures && options.view != "camera") {
+    throw Error("--pictures are what the camera sees: leave out --view map");
+  }
   const SourceOptions& input = wanted.input;
   const std::vector<fs::path> earlier =
       earlier_run(options.out, options.overwrite,
@@ -176,6 +183,11 @@ void live(const Options& options) {
   Session& session = run.session;
   Stage stage = make_stage(options.window, session.camera());
   SceneRenderer renderer = value_or_throw(SceneRenderer::make());
+  std::unique_ptr<MapPicture> map;  // from outside, if it is to be shown
+  if (options.view == "map") {
+    map = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
+                                       session.camera_from_body());
+  }
   remove_earlier_run(earlier);  // not before: all that could be wrong with the options was not
   LiveOutput output({.folder = options.out,
                      .depth = !options.no_depth,
@@ -192,6 +204,7 @@ void live(const Options& options) {
   {
     VisionThread vision(*run.source, session, wanted.frames);
     Scene scene;
+    ColorImage inside;  // what the camera sees, where the picture is the map's
     const auto hear = [&] {
       for (std::string& line : vision.take_reports()) {
         bar.finish();
@@ -205,7 +218,7 @@ void live(const Options& options) {
       std::unique_ptr<FrameInFlight> flight = vision.next_within(FrameSource::kLongestWait);
       hear();
       if (!flight) {  // the picture and the body stay as they are
-        if (stage.window && ended_by(*stage.window)) break;
+        if (stage.window && ended_by(*stage.window, map.get())) break;
         continue;
       }
       if (flight->seen.misfit) {
@@ -217,8 +230,14 @@ void live(const Options& options) {
       drawn->times.add(scene.times);
       {
         const StageTimer timer(drawn->times, "draw");
-        renderer.draw(view_of(scene, session, scale), drawn->picture, &drawn->visible,
-                      &drawn->body_depth);
+        SceneView view = view_of(scene, session, scale);
+        if (map) {  // its own caption says it
+          view.legend_title.clear();
+          view.caption.clear();
+          view.warning.clear();
+        }
+        renderer.draw(view, map ? inside : drawn->picture, &drawn->visible, &drawn->body_depth);
+        if (map) map->draw(scene, session, scale, inside, drawn->picture);
       }
       drawn->number = scene.number;
       drawn->time = scene.time;
@@ -242,7 +261,7 @@ void live(const Options& options) {
 
       if (stage.window) {
         stage.window->show(drawn->picture);
-        if (ended_by(*stage.window)) total = static_cast<int>(counts.processed.size());
+        if (ended_by(*stage.window, map.get())) total = static_cast<int>(counts.processed.size());
       }
       output.write(std::move(drawn));
       const auto done = static_cast<double>(counts.processed.size());
@@ -304,7 +323,16 @@ void add_live(CLI::App& app) {
       app.add_subcommand("live", "Let what a camera saw press a body: video, figures, timing");
   add_live_options(*command, options->live);
   command->add_option("--out", options->out, "Folder for the results")->required();
-  command->add_flag("--window", options->window, "Show it in a window too; Escape ends it");
+  command
+      ->add_option(
+          "--view", options->view,
+          "What the pictures show. camera: what the camera sees, with the body in it; map: "
+          "the room from outside as it has been seen so far, the way through it, the body")
+      ->check(CLI::IsMember({"camera", "map"}))
+      ->capture_default_str();
+  command->add_flag("--window", options->window,
+                    "Show it in a window too; Escape ends it. The mouse turns the map, its wheel "
+                    "comes nearer, R takes both back");
   command->add_flag("--pictures", options->pictures,
                     "Keep the pictures that show best: hand nearer, body nearer, touch");
   command->add_flag("--no-masks", options->no_masks,

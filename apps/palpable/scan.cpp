@@ -2,9 +2,12 @@
 
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
+#include "apps/palpable/map_picture.h"
 #include "apps/palpable/score_files.h"
 #include "apps/palpable/source_options.h"
 #include "palpable/base/error.h"
+#include "palpable/render/gl_context.h"
+#include "palpable/render/picture_file.h"
 #include "palpable/slam/slam.h"
 #include "palpable/vision/depth_camera.h"
 #include "palpable/vision/open_source.h"
@@ -31,6 +34,7 @@ struct ScanOptions {
   SourceOptions input;
   fs::path out;
   fs::path trajectory;
+  fs::path picture;
   double voxel_mm = 10;
   double fuse_every = 0.1;  // s
   int frames = -1;
@@ -74,6 +78,16 @@ void write_colored_ply(const fs::path& path, const ColoredSurface& mesh) {
   if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
 }
 
+void write_picture(const fs::path& file, const Slam& slam, const CameraPath& path,
+                   const PinholeCamera& camera) {
+  const GlContext context = value_or_throw(GlContext::offscreen());
+  MapRenderer renderer = value_or_throw(MapRenderer::make());
+  write_png(file, picture_of_scan(renderer, mesh_of(*slam.map()), path,
+                                  slam.tracker() != nullptr ? slam.tracker()->keyframes()
+                                                            : std::vector<KeyframePose>{},
+                                  camera));
+}
+
 void scan(const ScanOptions& options) {
   const std::vector<StampedPose> given =
       options.trajectory.empty() ? std::vector<StampedPose>{} : read_trajectory(options.trajectory);
@@ -82,6 +96,9 @@ void scan(const ScanOptions& options) {
   }
   if (options.out.extension() != ".ply") {
     throw Error(fmt::format("-o {}: should end in .ply", options.out.string()));
+  }
+  if (!options.picture.empty() && options.picture.extension() != ".png") {
+    throw Error(fmt::format("--picture {}: should end in .png", options.picture.string()));
   }
   std::unique_ptr<FrameSource> source = value_or_throw(open_source(request_of(options.input)));
   DepthCamera camera = value_or_throw(DepthCamera::make(source->format()));
@@ -100,6 +117,7 @@ void scan(const ScanOptions& options) {
   SeenFrame seen;
   SourceGuard guard(*source);
   StageTimes times;
+  CameraPath path;
   int read = 0;
   while (options.frames < 0 || read < options.frames) {
     const FrameStatus status = guard.next(frame);
@@ -110,11 +128,9 @@ void scan(const ScanOptions& options) {
       throw Error(fmt::format("{}: {}", options.input.source, seen.misfit->message()));
     }
     ++read;
-    if (given.empty()) {
-      slam.advance(seen, times);
-    } else {
-      slam.advance(seen, pose_at(given, seen.time), times);
-    }
+    const SlamFrame& found = given.empty() ? slam.advance(seen, times)
+                                           : slam.advance(seen, pose_at(given, seen.time), times);
+    path.add(found.camera);
     if (total > 0) {
       bar.show({"scan", static_cast<double>(read), static_cast<double>(total),
                 fmt::format("{} blocks", map.blocks())});
@@ -129,6 +145,7 @@ void scan(const ScanOptions& options) {
                             options.input.source, map.settings().farthest, read, counts.lost));
   }
   write_colored_ply(options.out, mesh);
+  if (!options.picture.empty()) write_picture(options.picture, slam, path, camera.camera());
   fmt::print("{} frames, {} fused, {} without a pose\n", read, counts.fused, counts.lost);
   if (map.refused() > 0) {
     fmt::print("the map was full ({} blocks): parts are missing; --voxel makes them larger\n",
@@ -136,6 +153,7 @@ void scan(const ScanOptions& options) {
   }
   fmt::print("{}: {} vertices, {} triangles\n", options.out.string(), mesh.surface.vertex_count(),
              mesh.surface.triangle_count());
+  if (!options.picture.empty()) fmt::print("{}\n", options.picture.string());
 }
 
 }  // namespace
@@ -152,6 +170,8 @@ void add_scan(CLI::App& app) {
   command->add_option("--trajectory", options->trajectory,
                       "Poses to use instead of tracking: lines time tx ty tz qx qy qz qw "
                       "(world_from_camera), the first one the first frame's");
+  command->add_option("--picture", options->picture,
+                      "Also a .png of it: the room from outside, the way through it in blue");
   command
       ->add_option("--voxel", options->voxel_mm,
                    "Side of a voxel, mm; smaller ones than 5 would leave gaps between the rays")

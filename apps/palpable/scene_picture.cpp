@@ -34,11 +34,7 @@ double stress_scale(const ReducedBody& body) {
   return std::max(percentile(per_site, 0.75), 1.0);
 }
 
-SceneView view_of(const Scene& scene, const Session& session, double scale) {
-  SceneView view;
-  view.background = &scene.seen->color;
-  view.real_depth = &scene.seen->depth;
-  view.camera = scene.seen->camera;
+BodyLook look_of_body(const Scene& scene, const Session& session, double scale) {
   BodyLook look;
   look.vertices = &scene.vertices;
   look.normals = &scene.normals;
@@ -46,18 +42,30 @@ SceneView view_of(const Scene& scene, const Session& session, double scale) {
   look.scalar = scene.von_mises;
   look.scalar_max = static_cast<float>(scale);
   look.camera_from_body = scene.camera_from_body;
-  view.bodies.push_back(look);
+  return look;
+}
+
+std::string caption_of(const Scene& scene) {
+  if (scene.touches.empty()) return fmt::format("{:.2f} s", scene.time);
+  const Touch& touch = scene.touches.front();
+  return fmt::format("{:.2f} s   site {}   {:.1f} mm   {:.2f} N", scene.time, touch.site,
+                     touch.press_depth * 1e3, touch.force);
+}
+
+std::string warning_of(const Scene& scene) {
+  if (scene.camera.state != TrackState::kLost) return {};
+  return "Camera lost: show it what it has seen before";
+}
+
+SceneView view_of(const Scene& scene, const Session& session, double scale) {
+  SceneView view;
+  view.background = &scene.seen->color;
+  view.real_depth = &scene.seen->depth;
+  view.camera = scene.seen->camera;
+  view.bodies.push_back(look_of_body(scene, session, scale));
   view.legend_title = "von Mises";
-  if (scene.touches.empty()) {
-    view.caption.push_back(fmt::format("{:.2f} s", scene.time));
-  } else {
-    const Touch& touch = scene.touches.front();
-    view.caption.push_back(fmt::format("{:.2f} s   site {}   {:.1f} mm   {:.2f} N", scene.time,
-                                       touch.site, touch.press_depth * 1e3, touch.force));
-  }
-  if (scene.camera.state == TrackState::kLost) {
-    view.caption.emplace_back("Camera lost: show it what it has seen before");
-  }
+  view.caption.push_back(caption_of(scene));
+  view.warning = warning_of(scene);
   return view;
 }
 

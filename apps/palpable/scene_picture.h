@@ -8,12 +8,23 @@
 #include "palpable/render/scene_renderer.h"
 #include "palpable/session/session.h"
 
+#include <string>
+
 namespace palpable::app {
 
 /// Pa at the top of the colour scale: what one vertex in a hundred exceeds under a full press, at a
 /// site that is stiffer than three quarters of the others. The very largest stress stands at single
 /// vertices and would leave everything else in the lowest colours.
 [[nodiscard]] double stress_scale(const ReducedBody& body);
+
+/// The pressed body of a scene where the camera sees it; pointers into both arguments.
+/// @param scale  Pa, top of the colours
+[[nodiscard]] BodyLook look_of_body(const Scene& scene, const Session& session, double scale);
+
+/// What is said about a scene: when it is, and the touch.
+[[nodiscard]] std::string caption_of(const Scene& scene);
+/// That the camera is lost, and what to do; empty while it is not.
+[[nodiscard]] std::string warning_of(const Scene& scene);
 
 /// The picture of a scene: pointers into both arguments, valid while they are.
 /// @param scale  Pa, top of the colours

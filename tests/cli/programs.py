@@ -1179,6 +1179,48 @@ def _(programs, folder):
     assert all(abs(found - true) < 1e-4 for found, true in zip(middle, (1, 0, 0))), middle
 
 
+def png_rows(path):
+    """Rows of (r, g, b) of a PNG of 8 bits and three channels."""
+    data, at, packed, size = path.read_bytes(), 8, b"", None
+    while at < len(data):
+        length, kind = struct.unpack_from(">I4s", data, at)
+        body = data[at + 8:at + 8 + length]
+        if kind == b"IHDR":
+            assert body[8:10] == bytes((8, 2)), body
+            size = struct.unpack(">II", body[:8])
+        packed += body if kind == b"IDAT" else b""
+        at += 12 + length
+    raw, (width, height), above, rows = zlib.decompress(packed), size, None, []
+    for y in range(height):
+        line = bytearray(raw[y * (3 * width + 1) + 1:(y + 1) * (3 * width + 1)])
+        above = above or bytes(3 * width)
+        method = raw[y * (3 * width + 1)]
+        for i in range(len(line) if method else 0):
+            a, b, c = (line[i - 3], above[i], above[i - 3]) if i >= 3 else (0, above[i], 0)
+            nearest = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
+            line[i] = (line[i] + (a, b, (a + b) // 2, nearest)[method - 1]) & 255
+        rows.append([tuple(line[3 * x:3 * x + 3]) for x in range(width)])
+        above = bytes(line)
+    return rows
+
+
+@case("the picture of a scan shows the room and the way through it")
+def _(programs, folder):
+    write_stereo(folder / "clip", frames=12)
+    lines(folder / "poses.txt", [f"{n / 30:.6f} {0.01 * n:.3f} 0 0 0 0 0 1" for n in range(12)])
+    said = programs.succeeds("scan", folder / "clip", "-o", folder / "wall.ply", "--fuse-every", "0",
+                             "--trajectory", folder / "poses.txt", "--picture", folder / "map.png").stdout
+    assert "map.png" in said, said
+    rows = png_rows(folder / "map.png")
+    assert len(rows) == 720 and len(rows[0]) == 1280
+    pixels = [p for row in rows for p in row]
+    way = sum(1 for r, g, b in pixels if b > 150 and b > r + 90 and b > g + 60)
+    wall = sum(1 for r, g, b in pixels if r == g == b)
+    assert way > 300, way
+    # It fills the picture, in its own colours: the clip is grey.
+    assert wall > 0.2 * len(pixels), wall
+
+
 @case("what cannot be scanned is refused in one line")
 def _(programs, folder):
     write_stereo(folder / "clip", frames=2)
@@ -1195,6 +1237,8 @@ def _(programs, folder):
     (folder / "empty").mkdir()
     refuses(source="empty", says=["empty"])
     refuses(to=folder / "out.obj", says=["out.obj", ".ply"])
+    refuses("--picture", folder / "map.jpg", says=["map.jpg", ".png"])
+    refuses("--fuse-every", "-1", says=["--fuse-every"])
     refuses("--trajectory", folder / "none.txt", says=["none.txt", "cannot be read"])
     refuses_poses([], "holds no pose")
     refuses_poses(["0 0 0 0 0 0 0 1", "0.1 0 0 north 0 0 0 1"], "line 2", "tx ty tz")
@@ -1252,6 +1296,20 @@ def on_screen(programs, *words, cwd=None):
     command = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", programs.palpable, *map(str, words)]
     return subprocess.run(command, capture_output=True, text=True, timeout=250, stdin=subprocess.DEVNULL,
                           cwd=cwd)
+
+
+@case("live shows the map instead of what the camera sees when it is asked to")
+def _(programs, folder):
+    write_stereo(folder / "clip", frames=24)
+    programs.succeeds(*live(programs, folder))
+    seen = (folder / "out/touch.mp4").stat().st_size
+    programs.succeeds(*live(programs, folder, "--view", "map", "--overwrite"))
+    assert (folder / "out/touch.mp4").stat().st_size != seen
+    assert json.loads((folder / "out/live.json").read_text())["view"] == "map"
+    # All else is the same.
+    assert len(list((folder / "out/visible").iterdir())) == 24
+    programs.refuses(*live(programs, folder, "--view", "below"), says=["--view", "below"])
+    programs.refuses(*live(programs, folder, "--view", "map", "--pictures", "--overwrite"), says=["--pictures", "--view map"])
 
 
 @case("a body is shown in a window that closes when asked")

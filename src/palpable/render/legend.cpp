@@ -90,6 +90,23 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   }
 }
 
+void draw_warning(ColorImage& picture, std::string_view text, float scale) {
+  constexpr Rgb kRed{178, 22, 22};
+  const auto width = static_cast<float>(picture.width());
+  float size = 24.0f * scale;
+  const float pad = 12.0f * scale;
+  const float room = width - 4.0f * pad;
+  const float asked = measure_text(text, size).width;
+  if (asked > room) size *= std::max(room, 1.0f) / asked;
+  const TextSize extent = measure_text(text, size);
+  const float x = 0.5f * (width - extent.width);
+  fill_panel(picture, x - pad, pad, extent.width + 2.0f * pad, extent.height() + pad, 8.0f * scale,
+             kRed, 0.88f);
+  draw_text(picture, x, 1.5f * pad, text, size, {255, 255, 255});
+}
+
+float legend_scale(int rows) { return std::max(static_cast<float>(rows) / 720.0f, 0.75f); }
+
 void draw_caption(ColorImage& picture, std::span<const std::string> lines, float scale) {
   const float size = 15.0f * scale, pad = 10.0f * scale, gap = 3.0f * scale;
   float width = 0, height = 0;

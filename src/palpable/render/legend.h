@@ -22,8 +22,15 @@ struct Legend {
 /// Draws it on a translucent panel at the right edge, centred in height.
 void draw_legend(ColorImage& picture, const Legend& legend);
 
+/// The scale that suits a picture of so many rows: letters stay legible in small ones.
+[[nodiscard]] float legend_scale(int rows);
+
 /// Draws lines of text on a translucent panel in the lower left corner.
 void draw_caption(ColorImage& picture, std::span<const std::string> lines, float scale);
+
+/// Draws one line on a red panel at the top, in the middle: what the user has to do something
+/// about. The letters become smaller where it would not fit.
+void draw_warning(ColorImage& picture, std::string_view text, float scale);
 
 /// Round numbers from 0 to at most `top`, about `wanted` of them: steps of 1, 2 or 5 times a power
 /// of ten. For top > 0.

@@ -248,8 +248,7 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
     glDisable(GL_SCISSOR_TEST);
     s.read_back(box, picture, body_visible, body_depth);
   }
-  // Letters stay legible in small pictures.
-  const float scale = std::max(static_cast<float>(height) / 720.0f, 0.75f);
+  const float scale = legend_scale(height);
   if (!view.legend_title.empty() && !view.bodies.empty()) {
     draw_legend(picture, {.title = view.legend_title,
                           .unit = view.legend_unit,
@@ -257,6 +256,7 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
                           .scale = scale});
   }
   if (!view.caption.empty()) draw_caption(picture, view.caption, scale);
+  if (!view.warning.empty()) draw_warning(picture, view.warning, scale);
 }
 
 SceneRenderer::State::Boxes SceneRenderer::State::boxes_of(const SceneView& view) const {

@@ -57,6 +57,7 @@ struct SceneView {
   std::string legend_unit = "kPa";        ///< with legend_scale: what the numbers at the bar are in
   double legend_scale = 1e-3;             ///< number shown = Pa * legend_scale
   std::vector<std::string> caption = {};  ///< lines in a corner, UTF-8 (Latin)
+  std::string warning = {};               ///< a red line at the top; empty: none
 };
 
 /// Draws scenes with the OpenGL context that is current now and in every later call.

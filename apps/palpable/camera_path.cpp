@@ -1,0 +1,37 @@
+#include "apps/palpable/camera_path.h"
+
+namespace palpable::app {
+namespace {
+
+constexpr double kStep = 0.01;  // m between two points of the way
+constexpr Rgb kWay{28, 84, 222};
+constexpr float kWidth = 3.5f;  // px
+
+}  // namespace
+
+void CameraPath::add(const TrackedPose& camera) {
+  if (!is_known(camera)) {
+    now_.reset();
+    return;
+  }
+  const Rigid3& pose = camera.world_from_camera;
+  const bool continues = now_.has_value();
+  now_ = pose;
+  if (continues && (poses_.back().translation() - pose.translation()).norm() < kStep) return;
+  poses_.push_back(pose);
+  continues_.push_back(continues);
+}
+
+void CameraPath::draw(std::vector<MapLine>& lines) const {
+  for (std::size_t i = 1; i < poses_.size(); ++i) {
+    if (!continues_[i]) continue;
+    lines.push_back({poses_[i - 1].translation().cast<float>(),
+                     poses_[i].translation().cast<float>(), kWay, kWidth});
+  }
+  if (now_) {
+    lines.push_back({poses_.back().translation().cast<float>(), now_->translation().cast<float>(),
+                     kWay, kWidth});
+  }
+}
+
+}  // namespace palpable::app

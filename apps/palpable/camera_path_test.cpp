@@ -1,0 +1,60 @@
+#include "apps/palpable/camera_path.h"
+
+#include "tests/support/test.h"
+
+namespace palpable::app {
+namespace {
+
+TrackedPose at(double x, TrackState state = TrackState::kTracking) {
+  TrackedPose camera{.state = state};
+  camera.world_from_camera.translation().x() = x;
+  return camera;
+}
+
+TEST_CASE("the way of a camera has a point every centimetre and ends where the camera is",
+          "[app][camera_path]") {
+  CameraPath path;
+  for (int n = 0; n <= 25; ++n) path.add(at(0.004 * n));  // 0.1 m
+  CHECK(path.poses().size() == 9);                        // 0, 12, 24 .. 96 mm
+  std::vector<MapLine> lines;
+  path.draw(lines);
+  REQUIRE(lines.size() == 9);
+  CHECK(lines.front().from.x() == 0);
+  for (std::size_t i = 1; i < lines.size(); ++i) CHECK(lines[i].from == lines[i - 1].to);
+  CHECK(lines.back().to.x() == Approx(0.1));
+}
+
+TEST_CASE("a camera that stands adds nothing to its way", "[app][camera_path]") {
+  CameraPath path;
+  for (int n = 0; n < 100; ++n) path.add(at(1, TrackState::kFixed));
+  CHECK(path.poses().size() == 1);
+}
+
+TEST_CASE("the way has a gap where the camera was lost", "[app][camera_path]") {
+  CameraPath path;
+  path.add(at(0));
+  path.add(at(0.1));
+  path.add(at(0.1, TrackState::kLost));
+  std::vector<MapLine> lines;
+  path.draw(lines);
+  CHECK(lines.size() == 1);  // nothing leads to a place that is not known
+  path.add(at(0.5));
+  path.add(at(0.6));
+  lines.clear();
+  path.draw(lines);
+  double length = 0;
+  for (const MapLine& line : lines) length += static_cast<double>((line.to - line.from).norm());
+  CHECK(length == Approx(0.2));
+}
+
+TEST_CASE("a camera that was never known has no way", "[app][camera_path]") {
+  CameraPath path;
+  path.add(at(0, TrackState::kStarting));
+  std::vector<MapLine> lines;
+  path.draw(lines);
+  CHECK(lines.empty());
+  CHECK(path.poses().empty());
+}
+
+}  // namespace
+}  // namespace palpable::app
