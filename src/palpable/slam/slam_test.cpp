@@ -20,7 +20,10 @@ struct Room {
   // What `covers` of the picture, from its left, shows is at `Z` m.
   const SeenFrame& see(Frame frame, double covers = 0, float Z = 0.4F) {
     const auto columns = static_cast<int>(covers * frame.depth.width());
-    for (int y = 0; y < frame.depth.height(); ++y) { std::fill_n(frame.depth.row(y), columns, Z); }
+    for (int y = 0; y < frame.depth.height(); ++y) {
+      std::fill_n(frame.depth.row(y), columns, Z);
+      std::fill_n(frame.left.row(y), columns, Rgb{200, 150, 120});
+    }
     camera.see(frame, seen);
     return seen;
   }
