@@ -739,6 +739,7 @@ void Tracker::Parts::keep(const TrackerFrame& frame) {
 // What could be found in this keyframe but was not, or was not looked for.
 void Tracker::Parts::find_unfound(const TrackerFrame& frame) {
   unfound.clear();
+  if (smear_px > kBlurredPx) return;  // what is not found may be smeared
   std::vector<char> done(landmarks.size(), 0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Candidate& candidate = candidates[static_cast<std::size_t>(point_candidate[i])];
