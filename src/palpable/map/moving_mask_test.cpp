@@ -193,6 +193,22 @@ TEST_CASE("a camera that moves goes by depth alone", "[map][moving_mask]") {
   CHECK(set(scene.mover.find(scene.seen, moved, &scene.map)) == 0);
 }
 
+TEST_CASE("a camera that has swayed and rests for a frame sees the hand", "[map][moving_mask]") {
+  Scene scene(11);
+  Rigid3 pose = Rigid3::Identity();
+  for (int i = 0; i < 40; ++i) {
+    paint(scene.seen, scene.random);
+    scene.seen.depth = desk(scene.random);
+    pose.translation().x() = i % 2 == 0 ? 0.001 : 0.0;  // 0.6 px of what is 0.3 m away
+    const MaskImage& mask = scene.mover.find(scene.seen, pose, &scene.map);
+    scene.mover.learn(pose);
+    if (i % 3 == 0) scene.map.fuse(scene.seen.depth, kCamera, pose, mask);
+  }
+  cover(scene.seen.depth, 100, 48, 180, 120, 0.4F);
+  paint(scene.seen, scene.random, 100, 48, 180, 120);
+  CHECK(set(scene.mover.find(scene.seen, pose, &scene.map)) >= 80 * 72);
+}
+
 TEST_CASE("at the start nothing is known to be free, and nothing moves", "[map][moving_mask]") {
   Scene scene(5);
   DepthImage depth = desk(scene.random);

@@ -78,7 +78,11 @@ StaticPicture::StaticPicture(const StaticPictureSettings& settings)
                   "frames are counted from 1");
 }
 
-void StaticPicture::forget() { std::fill(sure_.begin(), sure_.end(), std::uint8_t{0}); }
+void StaticPicture::forget() {
+  ++frame_;  // it was seen, too: a camera that moves from the first frame on does not start for
+             // ever
+  std::fill(sure_.begin(), sure_.end(), std::uint8_t{0});
+}
 
 void StaticPicture::resize(int width, int height, const Image<std::uint8_t>& tiles) {
   if (now_.width() == width && now_.height() == height) return;

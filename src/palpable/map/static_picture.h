@@ -84,7 +84,7 @@ class StaticPicture {
   /// @param is_static  as for compare()
   void learn(const Image<std::uint8_t>& moves, const Image<std::uint8_t>& is_static);
 
-  /// The camera has moved: nothing is known any more.
+  /// The camera has moved in this frame: nothing is known any more.
   void forget();
 
  private:
