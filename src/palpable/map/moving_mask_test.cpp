@@ -137,12 +137,17 @@ void paint(SeenFrame& seen, std::mt19937_64& random, int x0 = 0, int y0 = 0, int
   }
 }
 
-TEST_CASE("what has no depth and does not look as the scene did moves", "[map][moving_mask]") {
-  Scene scene(8);
+// The desk and its picture, for long enough that both are known.
+void learn_picture(Scene& scene) {
   for (int i = 0; i < 40; ++i) {
     paint(scene.seen, scene.random);
     scene.show(desk(scene.random));
   }
+}
+
+TEST_CASE("what has no depth and does not look as the scene did moves", "[map][moving_mask]") {
+  Scene scene(8);
+  learn_picture(scene);
   DepthImage depth = desk(scene.random);
   // A hand without depth, and a place without depth that looks as before.
   cover(depth, 100, 48, 180, 120, kNaN);
@@ -160,10 +165,7 @@ TEST_CASE("what has no depth and does not look as the scene did moves", "[map][m
 
 TEST_CASE("a hand that a matcher made too wide is cut to its look", "[map][moving_mask]") {
   Scene scene(9);
-  for (int i = 0; i < 40; ++i) {
-    paint(scene.seen, scene.random);
-    scene.show(desk(scene.random));
-  }
+  learn_picture(scene);
   DepthImage depth = desk(scene.random);
   cover(depth, 90, 48, 180, 120, 0.4F);  // 10 px too far to the left
   paint(scene.seen, scene.random, 100, 48, 180, 120);
@@ -180,10 +182,7 @@ TEST_CASE("a hand that a matcher made too wide is cut to its look", "[map][movin
 
 TEST_CASE("a camera that moves goes by depth alone", "[map][moving_mask]") {
   Scene scene(10);
-  for (int i = 0; i < 40; ++i) {
-    paint(scene.seen, scene.random);
-    scene.show(desk(scene.random));
-  }
+  learn_picture(scene);
   DepthImage depth = desk(scene.random);
   cover(depth, 100, 48, 180, 120, kNaN);
   paint(scene.seen, scene.random, 100, 48, 180, 120);

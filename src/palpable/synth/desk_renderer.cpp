@@ -279,8 +279,8 @@ struct DeskRenderer::State {
     glDisable(GL_CULL_FACE);
   }
 
-  /// The ideal picture of one moment, within `wanted`; what is outside is left as it is.
-  void paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const Box& wanted) {
+  /// What painting from an eye needs, whatever was drawn before.
+  void begin_painting(const Eye& eye, const Rigid3& eye_from_desk) const {
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);  // what is painted again over its own copy must pass
     glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
@@ -288,6 +288,17 @@ struct DeskRenderer::State {
       look_from(*program, eye, eye_from_desk);
     static_shadow.depth.bind(1);
     hand_shadow.depth.bind(2);
+  }
+
+  /// A rectangle of one picture into another of the same kind and size.
+  static void copy(const GlTexture& from, const GlTexture& to, const Box& box) {
+    glCopyImageSubData(from.get(), GL_TEXTURE_2D, 0, box.x, box.y, 0, to.get(), GL_TEXTURE_2D, 0,
+                       box.x, box.y, 0, box.width, box.height, 1);
+  }
+
+  /// The ideal picture of one moment, within `wanted`; what is outside is left as it is.
+  void paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const Box& wanted) {
+    begin_painting(eye, eye_from_desk);
     glEnable(GL_SCISSOR_TEST);
     const auto is = [&](const std::optional<Rigid3>& pose) {
       return pose && pose->matrix() == eye_from_desk.matrix();
@@ -311,13 +322,10 @@ struct DeskRenderer::State {
       paint_static(paint_still);
       eye.still_from_desk = eye_from_desk;
     }
-    const auto copy = [&eye](const GlTexture& from, const GlTexture& to) {
-      glCopyImageSubData(from.get(), GL_TEXTURE_2D, 0, 0, 0, 0, to.get(), GL_TEXTURE_2D, 0, 0, 0, 0,
-                         eye.ideal.width, eye.ideal.height, 1);
-    };
-    copy(eye.still_color, eye.ideal_color);
+    const Box all{0, 0, eye.ideal.width, eye.ideal.height};
+    copy(eye.still_color, eye.ideal_color, all);
     if (!filled.empty()) {
-      copy(eye.still_depth, eye.ideal_depth);
+      copy(eye.still_depth, eye.ideal_depth, all);
       eye.ideal_target.bind();
       const Box box = touched_by(filled, eye, eye_from_desk).cut(wanted);
       glScissor(box.x, box.y, box.width, box.height);
@@ -466,13 +474,7 @@ struct DeskRenderer::State {
 
   /// What stands still, with the shadow of what moves: into the eye's still picture.
   void paint_reference(Eye& eye, const Rigid3& eye_from_desk) {
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_LEQUAL);
-    glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
-    for (const GlProgram* program : {&paint_far, &paint_still, &paint_all})
-      look_from(*program, eye, eye_from_desk);
-    static_shadow.depth.bind(1);
-    hand_shadow.depth.bind(2);
+    begin_painting(eye, eye_from_desk);
     eye.still_target.bind();
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     paint_static(filled.empty() ? paint_still : paint_all);
@@ -485,12 +487,8 @@ struct DeskRenderer::State {
                                    float along) {
     if (box.empty()) return;
     copy_still(eye, box);
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_LEQUAL);
-    look_from(paint_all, eye, eye_from_desk);
+    begin_painting(eye, eye_from_desk);
     paint_all.set("along", along);
-    static_shadow.depth.bind(1);
-    hand_shadow.depth.bind(2);
     eye.ideal_target.bind();
     glEnable(GL_SCISSOR_TEST);
     glScissor(box.x, box.y, box.width, box.height);
@@ -498,12 +496,8 @@ struct DeskRenderer::State {
     glDisable(GL_SCISSOR_TEST);
   }
   static void copy_still(const Eye& eye, const Box& box) {
-    const auto copy = [&box](const GlTexture& from, const GlTexture& to) {
-      glCopyImageSubData(from.get(), GL_TEXTURE_2D, 0, box.x, box.y, 0, to.get(), GL_TEXTURE_2D, 0,
-                         box.x, box.y, 0, box.width, box.height, 1);
-    };
-    copy(eye.still_color, eye.ideal_color);
-    copy(eye.still_depth, eye.ideal_depth);
+    copy(eye.still_color, eye.ideal_color, box);
+    copy(eye.still_depth, eye.ideal_depth, box);
   }
 
   /// The mean of an exposure's moments. What stands still is painted once for each kReferencePx
