@@ -90,8 +90,8 @@ Features find_features(const GrayImage& image, const PinholeCamera& camera,
   return result;
 }
 
-std::optional<Rigid3> recognise(const Features& now, const Features& known,
-                                const PinholeCamera& camera) {
+std::optional<Recognised> recognise(const Features& now, const Features& known,
+                                    const PinholeCamera& camera) {
   if (now.uv.size() < kLeastAgreeing || known.uv.size() < kLeastAgreeing) return std::nullopt;
   try {
     std::vector<std::vector<cv::DMatch>> matches;
@@ -126,7 +126,7 @@ std::optional<Rigid3> recognise(const Features& now, const Features& known,
       pose.translation()(r) = tvec.at<double>(r);
     }
     if (!pose.matrix().allFinite()) return std::nullopt;
-    return pose;
+    return Recognised{pose, static_cast<int>(agreeing.size())};
   } catch (const cv::Exception&) { return std::nullopt; }
 }
 

@@ -40,9 +40,14 @@ using Thumbnail = std::vector<float>;
 [[nodiscard]] Features find_features(const GrayImage& image, const PinholeCamera& camera,
                                      const DepthImage& depth);
 
-/// camera_from_old where `old` is the camera in which `known` was seen; nothing when too few
-/// features agree on one.
-[[nodiscard]] std::optional<Rigid3> recognise(const Features& now, const Features& known,
-                                              const PinholeCamera& camera);
+struct Recognised {
+  Rigid3 camera_from_old = Rigid3::Identity();
+  int agreeing = 0;  ///< features
+};
+
+/// Where the camera in which `known` was seen stands in the present one; nothing when too few
+/// features agree on it.
+[[nodiscard]] std::optional<Recognised> recognise(const Features& now, const Features& known,
+                                                  const PinholeCamera& camera);
 
 }  // namespace palpable

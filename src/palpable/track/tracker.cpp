@@ -2,13 +2,15 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/cpu_time.h"
-#include "palpable/track/bundle.h"
 #include "palpable/track/forgetting.h"
 #include "palpable/track/landmark_map.h"
+#include "palpable/track/loop.h"
 #include "palpable/track/median.h"
 #include "palpable/track/new_corners.h"
 #include "palpable/track/pose_fit.h"
+#include "palpable/track/pose_graph.h"
 #include "palpable/track/still_watch.h"
+#include "palpable/track/window.h"
 
 #include <algorithm>
 #include <array>
@@ -29,7 +31,7 @@ namespace {
 
 // --- what is looked for ------------------------------------------------------------------------
 constexpr int kCellsAcross = 32;      // one landmark is looked for in each
-constexpr int kCoarseCells = 8;       // and one or two in each of these for the first guess
+constexpr int kCoarseCells = 8;       // and up to three in each of these for the first guess
 constexpr int kCoarse = 64;           // landmarks of the first guess
 constexpr double kNearest = 0.03;     // m
 constexpr double kLeastCosine = 0.6;  // between the rays of then and now: 53 degrees
@@ -62,14 +64,16 @@ constexpr double kFarMoved = 0.12;  // of the median depth, from every keyframe
 constexpr double kTurned = 0.2;     // rad
 constexpr double kBlurredPx = 4;    // a smeared frame is kept only when it must be
 constexpr int kMust = 35;
-constexpr int kStartEvery = 5;  // frames, until one shows enough
-constexpr std::size_t kWindow = 7;
-constexpr std::size_t kFixedKeyframes = 5;
+constexpr int kStartEvery = 5;     // frames, until one shows enough
 constexpr int kNewLandmarks = 60;  // of a keyframe, more than are looked for in a frame
 // A corner this near to where an older landmark is expected, px, and as deep, is the same place.
 constexpr double kSamePlace = 2;
-constexpr double kSameDepth = 3;    // sigmas of d
-constexpr double kBadSquared = 16;  // a sighting beyond 4 sigmas after an adjustment is dropped
+constexpr double kSameDepth = 3;  // sigmas of d
+
+// --- loops -------------------------------------------------------------------------------------
+constexpr int kLoopCandidates = 2;  // keyframes that a new one is compared with
+// Off by less, old landmarks are found by themselves (up to 48 px); off by more a loop is closed.
+constexpr double kLoopPx = 20;
 
 // --- standing still ----------------------------------------------------------------------------
 constexpr double kStillSeconds = 0.7;
@@ -96,39 +100,38 @@ struct Candidate {
   double worth = 0;
 };
 
-// What an adjustment works on, and what comes back.
-struct Adjustment {
-  BundleProblem problem;
-  BundleSettings settings;
-  bool adjust = true;
-  std::vector<int> keyframes;  // of problem.camera_from_world
-  std::vector<int> landmarks;  // of problem.x_in_world
-  GrayImage image;             // of the newest keyframe, for its features
+// What is worked out beside the frames after each keyframe, and what comes back.
+struct Work {
+  std::optional<Window> window;
+  std::optional<PoseGraph> graph;  // instead of the window, when a loop is closed
+  GrayImage image;                 // of the newest keyframe, for its features
   PinholeCamera image_camera;
   DepthImage depth;
+  std::vector<std::pair<int, Features>> asked;  // frame numbers of keyframes that it may show again
+  int number = 0;                               // of the newest keyframe
 
-  std::vector<std::pair<int, int>> bad;  // (landmark, keyframe) of sightings to drop
   Features features;
+  bool closed = false;       // the graph was solved
+  std::optional<Loop> loop;  // the best that was found
   double cpu_s = 0;
 };
 
-Adjustment worked_out(Adjustment job) {
+Work worked_out(Work work) {
   double cpu = 0;
   {
     const CpuTimer timer(cpu);
-    if (job.adjust) {
-      adjust_bundle(job.problem, job.settings);
-      for (const BundleSighting& s : job.problem.sightings) {
-        if (squared_residual(job.problem, s) > kBadSquared) {
-          job.bad.emplace_back(job.landmarks[static_cast<std::size_t>(s.point)],
-                               job.keyframes[static_cast<std::size_t>(s.pose)]);
-        }
-      }
+    if (work.window) adjust(*work.window);
+    if (work.graph) work.closed = adjust_pose_graph(*work.graph).solved;
+    work.features = find_features(work.image, work.image_camera, work.depth);
+    for (const auto& [number, known] : work.asked) {
+      const std::optional<Recognised> seen = recognise(work.features, known, work.image_camera);
+      if (!seen || seen->agreeing < kLeastRecognised) continue;
+      if (work.loop && seen->agreeing <= work.loop->new_from_old.agreeing) continue;
+      work.loop = Loop{number, work.number, *seen};
     }
-    job.features = find_features(job.image, job.image_camera, job.depth);
   }
-  job.cpu_s = cpu;
-  return job;
+  work.cpu_s = cpu;
+  return work;
 }
 
 }  // namespace
@@ -164,15 +167,13 @@ struct Tracker::Parts {
   bool is_older(const TrackerFrame& frame, const Eigen::Vector3d& uvd, Keyframe& keyframe);
   void add_corners(const TrackerFrame& frame, Keyframe& keyframe);
   void remember(Landmark landmark, Keyframe& keyframe);
-  void ask_adjustment(const TrackerFrame& frame);
+  void ask_for_work(const TrackerFrame& frame);
   void take_over();
+  void consider(const std::optional<Loop>& loop);
   void watch_for_standstill(const TrackerFrame& frame);
   double shift_px(const Rigid3& a, const Rigid3& b) const;
   std::optional<double> disparity_at(const TrackerFrame& frame, const Eigen::Vector2d& uv,
                                      double expected) const;
-  Rigid3& pose_of_keyframe(int k) {
-    return keyframes[static_cast<std::size_t>(k)].camera_from_world;
-  }
 
   TrackerSettings settings;
   TrackCamera camera;
@@ -212,9 +213,12 @@ struct Tracker::Parts {
   };
   std::deque<Moment> history;
 
-  std::optional<std::future<Adjustment>> pending;
+  std::optional<std::future<Work>> pending;
+  bool deferred = false;  // it is worked out on this thread, by take_over
   int pending_due = 0;
-  int next_asked = 0;  // keyframe that a lost camera is compared with, in turn
+  int next_asked = 0;                 // keyframe that a lost camera is compared with, in turn
+  std::optional<Rigid3> loop_change;  // drifted world from world, by the last keyframe's loop
+  std::optional<Loop> confirmed;      // two keyframes in turn agree on it
   TrackerCounts counts;
 };
 
@@ -363,7 +367,7 @@ Sighting Tracker::Parts::sighting_of(const TrackerFrame& frame, const Candidate&
 // The pose from few landmarks in small images, for when the prediction may be far off.
 bool Tracker::Parts::guess_from_coarse(const TrackerFrame& frame, Rigid3& pose) {
   select(frame, pose, camera_from_world);
-  // The best of each large cell, then the second best.
+  // The best first, no more than three of a large cell.
   std::vector<int> used(kCoarseCells * kCoarseCells, 0);
   points.clear();
   for (const Candidate& candidate : candidates) {
@@ -523,9 +527,10 @@ TrackedPose Tracker::Parts::track(const TrackerFrame& frame) {
   ++since_keyframe;
   const double dt = std::max(frame.time - last_time, 1e-3);
   last_time = frame.time;
+  const int loops = counts.loops;
   if (pending && counts.frames >= pending_due) take_over();
 
-  const std::size_t kept = keyframes.size();
+  const int kept = counts.keyframes;
   if (!usable) {
     if (state != TrackState::kStarting) state = TrackState::kLost;
   } else if (keyframes.empty()) {
@@ -576,7 +581,12 @@ TrackedPose Tracker::Parts::track(const TrackerFrame& frame) {
     result.landmarks = fit.inliers;
     result.tried = tried;
   }
-  result.keyframe = keyframes.size() > kept;
+  result.keyframe = counts.keyframes > kept;
+  result.closed_loop = counts.loops > loops;
+  if (!keyframes.empty()) {
+    result.newest_keyframe = keyframes.back().number;
+    result.keyframe_from_camera = keyframes.back().camera_from_world * result.world_from_camera;
+  }
   return result;
 }
 
@@ -592,6 +602,8 @@ void Tracker::Parts::start(const TrackerFrame& frame) {
     landmarks.clear();
     free_slots.clear();
     pending.reset();
+    loop_change.reset();
+    confirmed.reset();
     counts.keyframes = 0;
     return;
   }
@@ -666,7 +678,9 @@ bool Tracker::Parts::come_back(const TrackerFrame& frame) {
     camera_from_world = held;
     return false;
   };
-  if (try_near(held) || try_near(pose_of_keyframe(order.front()))) return true;
+  if (try_near(held) ||
+      try_near(keyframes[static_cast<std::size_t>(order.front())].camera_from_world))
+    return true;
 
   const PinholeCamera half = camera.camera.scaled_down(2);
   const Features features = find_features(pyramid.level(1), half, *frame.depth);
@@ -678,8 +692,8 @@ bool Tracker::Parts::come_back(const TrackerFrame& frame) {
   asked.push_back(next_asked);
   for (const int k : asked) {
     const Keyframe& keyframe = keyframes[static_cast<std::size_t>(k)];
-    const std::optional<Rigid3> camera_from_old = recognise(features, keyframe.features, half);
-    if (camera_from_old && try_near(*camera_from_old * keyframe.camera_from_world)) return true;
+    const std::optional<Recognised> seen = recognise(features, keyframe.features, half);
+    if (seen && try_near(seen->camera_from_old * keyframe.camera_from_world)) return true;
   }
   return false;
 }
@@ -719,8 +733,7 @@ void Tracker::Parts::keep(const TrackerFrame& frame) {
                    static_cast<int>(free_slots.size());
   if (std::ssize(keyframes) > settings.limits.keyframes ||
       room < settings.most_landmarks + kNewLandmarks) {
-    make_room(camera_from_world, settings.limits, static_cast<int>(kWindow), keyframes, landmarks,
-              free_slots);
+    make_room(camera_from_world, settings.limits, kWindow, keyframes, landmarks, free_slots);
   }
   add_corners(frame, keyframes.back());
   Keyframe& kept = keyframes.back();
@@ -733,7 +746,7 @@ void Tracker::Parts::keep(const TrackerFrame& frame) {
   if (!depths.empty()) median_depth = kept.median_depth = median(depths);
   since_keyframe = 0;
   ++counts.keyframes;
-  ask_adjustment(frame);
+  ask_for_work(frame);
 }
 
 // What could be found in this keyframe but was not, or was not looked for.
@@ -837,71 +850,34 @@ void Tracker::Parts::add_corners(const TrackerFrame& frame, Keyframe& keyframe) 
   }
 }
 
-void Tracker::Parts::ask_adjustment(const TrackerFrame& frame) {
-  Adjustment job;
-  job.image = pyramid.level(1);
-  job.image_camera = camera.camera.scaled_down(2);
-  job.depth = *frame.depth;
-  job.adjust = settings.adjust && keyframes.size() > 1;
-  job.problem.camera = camera;
+// --- beside the frames -------------------------------------------------------------------------
 
-  const std::size_t first = keyframes.size() - std::min(kWindow, keyframes.size());
-  std::vector<int> shared(first, 0);  // landmarks that an older keyframe has in common
-  std::vector<int> wanted;
-  for (std::size_t k = first; k < keyframes.size(); ++k) {
-    wanted.insert(wanted.end(), keyframes[k].landmarks.begin(), keyframes[k].landmarks.end());
+void Tracker::Parts::ask_for_work(const TrackerFrame& frame) {
+  Work work;
+  work.number = frame.number;
+  work.image = pyramid.level(1);
+  work.image_camera = camera.camera.scaled_down(2);
+  work.depth = *frame.depth;
+  if (confirmed) {
+    work.graph = graph_of(camera, keyframes, landmarks, *confirmed);
+    confirmed.reset();
+  } else if (settings.adjust && keyframes.size() > 1) {
+    work.window = window_of(camera, keyframes, landmarks);
   }
-  std::sort(wanted.begin(), wanted.end());
-  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
-  for (const int id : wanted) {
-    for (const KeyframeSighting& s : landmarks[static_cast<std::size_t>(id)].sightings) {
-      if (s.keyframe < static_cast<int>(first)) ++shared[static_cast<std::size_t>(s.keyframe)];
+  if (settings.close_loops && !work.graph) {
+    for (const int k : loop_candidates(keyframes, landmarks, kLoopCandidates)) {
+      const Keyframe& keyframe = keyframes[static_cast<std::size_t>(k)];
+      work.asked.emplace_back(keyframe.number, keyframe.features);
     }
   }
-  std::vector<int> older(first);
-  std::iota(older.begin(), older.end(), 0);
-  std::stable_sort(older.begin(), older.end(), [&](int a, int b) {
-    return shared[static_cast<std::size_t>(a)] > shared[static_cast<std::size_t>(b)];
-  });
-  if (older.size() > kFixedKeyframes) older.resize(kFixedKeyframes);
-  std::vector<int> slot(keyframes.size(), -1);
-  const auto add_pose = [&](int k, bool fixed) {
-    slot[static_cast<std::size_t>(k)] = static_cast<int>(job.keyframes.size());
-    job.keyframes.push_back(k);
-    job.problem.camera_from_world.push_back(pose_of_keyframe(k));
-    job.problem.fixed.push_back(fixed ? 1 : 0);
-  };
-  bool any_fixed = false;
-  for (const int k : older) {
-    if (shared[static_cast<std::size_t>(k)] < 5) continue;
-    add_pose(k, true);
-    any_fixed = true;
-  }
-  for (std::size_t k = first; k < keyframes.size(); ++k) {
-    add_pose(static_cast<int>(k), k == 0 || (!any_fixed && k == first));
-  }
-  for (const int id : wanted) {
-    const Landmark& landmark = landmarks[static_cast<std::size_t>(id)];
-    if (!landmark.alive) continue;
-    int count = 0;
-    for (const KeyframeSighting& s : landmark.sightings) {
-      count += slot[static_cast<std::size_t>(s.keyframe)] >= 0 ? 1 : 0;
-    }
-    if (count < 2) continue;
-    const int point = static_cast<int>(job.landmarks.size());
-    job.landmarks.push_back(id);
-    job.problem.x_in_world.push_back(landmark.x_in_world);
-    for (const KeyframeSighting& s : landmark.sightings) {
-      const int pose = slot[static_cast<std::size_t>(s.keyframe)];
-      if (pose >= 0) job.problem.sightings.push_back({pose, point, s.seen});
-    }
-  }
-  const auto work = std::make_shared<Adjustment>(std::move(job));
-  const auto work_out = [work] { return worked_out(std::move(*work)); };
+  const auto shared = std::make_shared<Work>(std::move(work));
+  const auto work_out = [shared] { return worked_out(std::move(*shared)); };
   pending = std::async(std::launch::deferred, work_out);
+  deferred = true;
   if (settings.adjust_on_thread) {
     try {
       pending = std::async(std::launch::async, work_out);
+      deferred = false;
     } catch (const std::system_error&) {  // no thread to be had: the same numbers, later
     }
   }
@@ -911,50 +887,41 @@ void Tracker::Parts::ask_adjustment(const TrackerFrame& frame) {
 void Tracker::Parts::take_over() {
   // On a thread of its own it is not part of this one's CPU time; deferred, it is subtracted.
   const double before = thread_cpu_seconds();
-  Adjustment done = pending->get();
+  Work done = pending->get();
   pending.reset();
   counts.adjust_cpu_s += done.cpu_s;
-  if (!settings.adjust_on_thread) counts.cpu_s -= thread_cpu_seconds() - before;
+  if (deferred) counts.cpu_s -= thread_cpu_seconds() - before;
 
-  const int newest = static_cast<int>(keyframes.size()) - 1;
   keyframes.back().features = std::move(done.features);
-  if (!done.adjust) return;
-  const Rigid3 old_newest = pose_of_keyframe(newest);
-  std::vector<std::optional<Rigid3>> correction(keyframes.size());  // new world from old world
-  for (std::size_t i = 0; i < done.keyframes.size(); ++i) {
-    if (done.problem.fixed[i] != 0) continue;
-    Rigid3& pose = pose_of_keyframe(done.keyframes[i]);
-    correction[static_cast<std::size_t>(done.keyframes[i])] =
-        inverse(done.problem.camera_from_world[i]) * pose;
-    pose = done.problem.camera_from_world[i];
-  }
-  std::vector<char> adjusted(landmarks.size(), 0);
-  for (std::size_t j = 0; j < done.landmarks.size(); ++j) {
-    Landmark& landmark = landmarks[static_cast<std::size_t>(done.landmarks[j])];
-    landmark.x_in_world = done.problem.x_in_world[j];
-    adjusted[static_cast<std::size_t>(done.landmarks[j])] = 1;
-  }
-  // Points that one keyframe alone has seen go with it.
-  for (std::size_t k = 0; k < keyframes.size(); ++k) {
-    if (!correction[k]) continue;
-    for (const int id : keyframes[k].landmarks) {
-      Landmark& landmark = landmarks[static_cast<std::size_t>(id)];
-      if (adjusted[static_cast<std::size_t>(id)] != 0 || landmark.anchor != static_cast<int>(k))
-        continue;
-      landmark.x_in_world = *correction[k] * landmark.x_in_world;
-    }
-  }
-  for (const auto& [id, k] : done.bad) {
-    Landmark& landmark = landmarks[static_cast<std::size_t>(id)];
-    std::erase_if(landmark.sightings,
-                  [k = k](const KeyframeSighting& s) { return s.keyframe == k; });
-    if (landmark.sightings.size() < 2 || k == landmark.anchor) landmark.alive = false;
+  const Rigid3 newest = keyframes.back().camera_from_world;
+  if (done.window) put_back(*done.window, keyframes, landmarks);
+  if (done.graph && done.closed) {
+    put_back(*done.graph, keyframes, landmarks);
+    error_px = 1e9;  // old landmarks are to be looked for from far
+    ++counts.loops;
   }
   // Where the camera is, seen from the newest keyframe, has not changed.
-  const Rigid3 change = inverse(old_newest) * pose_of_keyframe(newest);
+  const Rigid3 change = inverse(newest) * keyframes.back().camera_from_world;
   camera_from_world = moved_by(Twist::Zero(), camera_from_world * change);
   previous = moved_by(Twist::Zero(), previous * change);
   for (Moment& moment : history) moment.camera_from_world = moment.camera_from_world * change;
+  if (settings.close_loops) consider(done.loop);
+}
+
+// Two keyframes in turn have to say the same: what looks alike by chance does not.
+void Tracker::Parts::consider(const std::optional<Loop>& loop) {
+  const std::optional<Rigid3> by_loop = loop ? pose_by(*loop, keyframes) : std::nullopt;
+  const Rigid3& now = keyframes.back().camera_from_world;
+  if (!by_loop || shift_px(now, *by_loop) < kLoopPx) {
+    loop_change.reset();
+    return;
+  }
+  if (loop_change && shift_px(now * *loop_change, *by_loop) < kLoopPx) {
+    confirmed = loop;
+    loop_change.reset();
+  } else {
+    loop_change = inverse(now) * *by_loop;
+  }
 }
 
 // --- the outside -------------------------------------------------------------------------------
@@ -963,7 +930,7 @@ Tracker::Tracker(const TrackerSettings& settings) : parts_(std::make_unique<Part
   PALPABLE_EXPECT(settings.camera.camera.fx_px > 0 && settings.camera.camera.fy_px > 0 &&
                       settings.camera.baseline > 0,
                   "focal lengths and baseline are positive");
-  PALPABLE_EXPECT(settings.limits.keyframes >= static_cast<int>(2 * kWindow) &&
+  PALPABLE_EXPECT(settings.limits.keyframes >= 2 * kWindow &&
                       settings.limits.landmarks >= 2 * (settings.most_landmarks + kNewLandmarks),
                   "14 keyframes and the landmarks of two frames are remembered at least");
 }

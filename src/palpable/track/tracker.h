@@ -5,8 +5,9 @@
 /// frame: warped and smeared as the predicted motion says, first in small images, then in large
 /// ones. The pose comes from those found (pose_fit.h); now and then a frame is kept, gives new
 /// points, and poses and points of the last keyframes are adjusted together (bundle.h). A camera
-/// that is lost is recognised by its features (recogniser.h); one that stands still costs next to
-/// nothing (still_watch.h). docs/tracking.md says why it is so and how well it does.
+/// that is lost is recognised by its features (recogniser.h), and so is ground to which one comes
+/// back with too much drift to find its landmarks (loop.h); a camera that stands still costs next
+/// to nothing (still_watch.h). docs/tracking.md says why it is so and how well it does.
 ///
 /// The world is the camera frame of the first frame. Same frames, same poses to the bit, whether
 /// the adjustment runs on a thread of its own or not: its result is taken over a fixed number of
@@ -48,6 +49,12 @@ struct TrackedPose {
   int landmarks = 0;      ///< that carried it; 0 when kFixed or kLost
   int tried = 0;          ///< that were looked for
   bool keyframe = false;  ///< this frame was kept
+  /// A loop was closed: what was placed by the poses between may be off by their drift.
+  bool closed_loop = false;
+  int newest_keyframe = -1;  ///< the frame number of the newest one; -1: none
+  /// Where the camera stood in it: with Tracker::keyframes() the pose of this frame as corrected
+  /// since.
+  Rigid3 keyframe_from_camera = Rigid3::Identity();
 };
 
 /// Whether a frame's points can be said to lie somewhere in the world.
@@ -69,6 +76,7 @@ struct TrackerSettings {
   bool adjust_on_thread = true;  ///< false: in track(), at the frame where it is taken over
   bool watch_stillness = true;   ///< false: every frame is tracked in full
   bool adjust = true;            ///< false: no bundle adjustment, to see what it is worth
+  bool close_loops = true;       ///< false: drift stays, to see what it is worth
   int most_landmarks = 220;      ///< looked for in a frame
   MapLimits limits;              ///< of what is remembered
 };
@@ -80,6 +88,7 @@ struct TrackerCounts {
   int kept_keyframes = 0;   ///< of them remembered
   int lost = 0;             ///< frames
   int recognised = 0;       ///< times that a lost camera came back
+  int loops = 0;            ///< closed, by recognising a keyframe
   int landmarks = 0;        ///< in the map
   double cpu_s = 0;         ///< of track(), its thread's
   double adjust_cpu_s = 0;  ///< of the adjustments, their threads'
