@@ -9,6 +9,7 @@
 #include "palpable/reduced/body_file.h"
 #include "palpable/score/percentile.h"
 #include "palpable/score/trajectory_score.h"
+#include "palpable/score/warped_depth.h"
 #include "palpable/synth/sequence.h"
 #include "palpable/track/tracker_input.h"
 #include "palpable/vision/depth_camera.h"
@@ -148,35 +149,6 @@ Rigid3 read_matrix(std::istream& in, int rows, const fs::path& path) {
   return pose;
 }
 
-// Median of |Z of frame i, brought into frame j, less the Z measured there|, over pairs 5 to 40
-// frames apart; differences beyond 0.1 m are other surfaces. NaN without any.
-template <class PoseOf>
-double warped_disagreement(const Followed& f, const PoseOf& pose_of) {
-  std::vector<double> differences;
-  for (std::size_t i = 0; i < f.pairs.size(); i += 6) {
-    for (const std::size_t apart : {5U, 15U, 40U}) {
-      const std::size_t j = i + apart;
-      if (j >= f.pairs.size()) break;
-      const Rigid3 j_from_i = pose_of(f.pairs[j]).inverse() * pose_of(f.pairs[i]);
-      for (int y = 2; y < f.depths[i].height(); y += 8) {
-        for (int x = 2; x < f.depths[i].width(); x += 8) {
-          const auto Z = static_cast<double>(f.depths[i](x, y));
-          if (!(Z > 0)) continue;
-          const Eigen::Vector3d at = j_from_i * f.depth_camera.unproject(x, y, Z);
-          if (!(at.z() > 0.1)) continue;
-          const Eigen::Vector2d uv = f.depth_camera.project(at);
-          const int u = static_cast<int>(std::lround(uv.x()));
-          const int v = static_cast<int>(std::lround(uv.y()));
-          if (u < 0 || v < 0 || u >= f.depths[j].width() || v >= f.depths[j].height()) continue;
-          const double difference = std::abs(static_cast<double>(f.depths[j](u, v)) - at.z());
-          if (difference < 0.1) differences.push_back(difference);  // false for NaN
-        }
-      }
-    }
-  }
-  return differences.empty() ? std::nan("") : percentile(differences, 0.5);
-}
-
 void bench_kitchen(const fs::path& folder, nlohmann::ordered_json& result) {
   result["ate_7scenes_mm"] = result["warp_ratio_7scenes"] = nullptr;
   if (!fs::exists(folder)) return;
@@ -187,19 +159,30 @@ void bench_kitchen(const fs::path& folder, nlohmann::ordered_json& result) {
   });
   if (f.pairs.empty()) return;
   result["ate_7scenes_mm"] = 1e3 * score_trajectory(f.pairs).ate;
-  const double ours = warped_disagreement(f, [](const PosePair& p) { return p.found; });
-  const double published = warped_disagreement(f, [](const PosePair& p) { return p.truth; });
-  result["warp_mm_7scenes"] = 1e3 * ours;
-  result["warp_mm_7scenes_published"] = 1e3 * published;
-  result["warp_ratio_7scenes"] = ours / published;
+  std::vector<Rigid3> found, truth;
+  for (const PosePair& pair : f.pairs) {
+    found.push_back(pair.found);
+    truth.push_back(pair.truth);
+  }
+  const auto ours = warped_disagreement(f.depths, found, f.depth_camera);
+  const auto published = warped_disagreement(f.depths, truth, f.depth_camera);
+  if (!ours || !published) return;
+  result["warp_mm_7scenes"] = 1e3 * *ours;
+  result["warp_mm_7scenes_published"] = 1e3 * *published;
+  result["warp_ratio_7scenes"] = *ours / *published;
 }
 
 void bench_street(const fs::path& folder, nlohmann::ordered_json& result) {
   result["kitti_position_error"] = nullptr;
   if (!fs::exists(folder)) return;
   std::ifstream in(folder / "poses.txt");
-  const Followed f = follow(folder, kWidestDepth, false,
-                            [&](int) { return read_matrix(in, 3, folder / "poses.txt"); });
+  std::vector<Rigid3> published;  // by frame; some of them may not be readable
+  const Followed f = follow(folder, kWidestDepth, false, [&](int number) {
+    while (std::ssize(published) <= number) {
+      published.push_back(read_matrix(in, 3, folder / "poses.txt"));
+    }
+    return published[static_cast<std::size_t>(number)];
+  });
   if (f.pairs.empty()) return;
   double path = 0;
   for (std::size_t i = 1; i < f.pairs.size(); ++i) {
