@@ -5,6 +5,7 @@
 #include "palpable/track/tracker_input.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace palpable {
 namespace {
@@ -13,14 +14,24 @@ constexpr double kUneven = 1e-4;
 }  // namespace
 
 Slam::Slam(const DepthCamera& camera, const FrameFormat& format, const SlamSettings& settings)
-    : settings_(settings) {
+    : settings_(settings), noise_(camera.noise()) {
   PALPABLE_EXPECT(settings.fuse_every >= 0, "time does not run backwards");
   PALPABLE_EXPECT(settings.most_moving >= 0 && settings.most_moving <= 1, "a share of the picture");
   if (settings.track) tracker_.emplace(tracker_settings(camera, format));
-  if (settings.map) {
-    mover_.emplace(camera.noise(), settings.moving);
-    map_.emplace(camera.noise(), settings.surface);
+  if (settings.map) begin_map();
+}
+
+void Slam::begin_map() {
+  MovingMaskSettings moving = settings_.moving;
+  // The map answers for the middle of the nearest voxel: that far beside the point, at its corners.
+  moving.step = std::max(moving.step, 0.5 * std::sqrt(3.0) * settings_.surface.voxel + 0.005);
+  mover_.emplace(noise_, moving);
+  if (map_) {
+    map_->clear();
+  } else {
+    map_.emplace(noise_, settings_.surface);
   }
+  last_fused_ = -std::numeric_limits<double>::infinity();
 }
 
 const SlamFrame& Slam::advance(const SeenFrame& seen, StageTimes& times) {
@@ -28,6 +39,7 @@ const SlamFrame& Slam::advance(const SeenFrame& seen, StageTimes& times) {
   frame_ = {};
   {
     const StageTimer timer(times, "map");
+    large_ = nullptr;
     if (is_known(last_camera_)) {
       find_moving(seen, last_camera_.world_from_camera * last_motion_);
     }
@@ -39,6 +51,11 @@ const SlamFrame& Slam::advance(const SeenFrame& seen, StageTimes& times) {
   // What moves was found from a pose that turns out to be wrong.
   if (!is_known(frame_.camera)) frame_.moving = nullptr;
   const StageTimer timer(times, "map");
+  if (frame_.camera.closed_loop && map_) {
+    frame_.moving = nullptr;  // it belongs to what is forgotten now
+    begin_map();
+    last_camera_.state = TrackState::kLost;  // the way from there to here is no motion
+  }
   learn(seen);
   return frame_;
 }
@@ -55,6 +72,7 @@ const SlamFrame& Slam::advance(const SeenFrame& seen,
 const SlamFrame& Slam::take(const SeenFrame& seen, const TrackedPose& camera, StageTimes& times) {
   const StageTimer timer(times, "map");
   frame_ = {};
+  large_ = nullptr;
   frame_.camera = camera;
   if (is_known(camera)) find_moving(seen, camera.world_from_camera);
   learn(seen);
@@ -69,6 +87,8 @@ void Slam::find_moving(const SeenFrame& seen, const Rigid3& world_from_camera) {
   ++counts_.masks;
   if (static_cast<double>(moving) <= settings_.most_moving * static_cast<double>(mask.size())) {
     frame_.moving = &mask;
+  } else {
+    large_ = &mask;
   }
 }
 
@@ -76,6 +96,10 @@ void Slam::find_moving(const SeenFrame& seen, const Rigid3& world_from_camera) {
 void Slam::learn(const SeenFrame& seen) {
   const bool known = is_known(frame_.camera);
   const Rigid3& world_from_camera = frame_.camera.world_from_camera;
+  if (frame_.camera.state == TrackState::kFixed && last_camera_.state == TrackState::kFixed &&
+      frame_.moving == nullptr) {
+    frame_.moving = large_;
+  }
   last_motion_ = known && is_known(last_camera_)
                      ? last_camera_.world_from_camera.inverse() * world_from_camera
                      : Rigid3::Identity();

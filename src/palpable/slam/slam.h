@@ -31,7 +31,8 @@ struct SlamSettings {
   /// s of the source's time between two depth images that go into the map; 0: all of them.
   double fuse_every = 0.1;
   /// A mask that covers more of the picture than this is not used, and nothing is learnt from its
-  /// frame: the pose from which it was found is wrong.
+  /// frame: the pose from which it was found is wrong. One of a camera that stands is: there is no
+  /// pose to be wrong.
   double most_moving = 0.7;
   MovingMaskSettings moving{};
   SurfaceMapSettings surface{};
@@ -65,7 +66,8 @@ class Slam {
 
   /// Takes in the next frame. While the camera is lost nothing is learnt; what moves is looked for
   /// again in the second frame after it has come back, since the pose of the next frame is foretold
-  /// from the last one.
+  /// from the last one. When a loop is closed the map begins anew: it was fused where the camera
+  /// was not.
   /// @param times  gets the stages "map" and "track"
   const SlamFrame& advance(const SeenFrame& seen, StageTimes& times);
 
@@ -87,14 +89,17 @@ class Slam {
   const SlamFrame& take(const SeenFrame& seen, const TrackedPose& camera, StageTimes& times);
   void find_moving(const SeenFrame& seen, const Rigid3& world_from_camera);
   void learn(const SeenFrame& seen);
+  void begin_map();
 
   SlamSettings settings_;
+  DepthNoise noise_;
   std::optional<Tracker> tracker_;
   std::optional<MovingMask> mover_;
   std::optional<SurfaceMap> map_;
   SlamFrame frame_;
   // Of the frame before. Before the first one the camera stands where the world begins.
   TrackedPose last_camera_{.state = TrackState::kFixed};
+  const MaskImage* large_ = nullptr;         // this frame's mask, when it covers too much
   Rigid3 last_motion_ = Rigid3::Identity();  // last_from_this
   double last_fused_ = -std::numeric_limits<double>::infinity();
   SlamCounts counts_;
