@@ -2,6 +2,7 @@
 
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
+#include "apps/palpable/ctrl_c.h"
 #include "apps/palpable/map_picture.h"
 #include "apps/palpable/score_files.h"
 #include "apps/palpable/source_options.h"
@@ -20,6 +21,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,15 +56,15 @@ std::optional<Rigid3> pose_at(const std::vector<StampedPose>& poses, double time
   return nearest->world_from_camera;
 }
 
-// Binary little-endian PLY with a colour per vertex.
-void write_colored_ply(const fs::path& path, const ColoredSurface& mesh) {
+// Binary little-endian PLY with a colour per vertex. @param frame  says whose coordinates they are
+void write_colored_ply(const fs::path& path, const ColoredSurface& mesh, const char* frame) {
   std::ofstream file(path, std::ios::binary);
   file << fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment palpable scan: metres, the first frame's "
-      "camera\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+      "ply\nformat binary_little_endian 1.0\ncomment palpable scan: metres, {}\n"
+      "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face {}\n"
       "property list uchar int vertex_indices\nend_header\n",
-      mesh.surface.vertex_count(), mesh.surface.triangle_count());
+      frame, mesh.surface.vertex_count(), mesh.surface.triangle_count());
   for (int i = 0; i < mesh.surface.vertex_count(); ++i) {
     const Eigen::Vector3f p = mesh.surface.vertices.col(i).cast<float>();
     file.write(reinterpret_cast<const char*>(p.data()), 12);
@@ -78,14 +81,82 @@ void write_colored_ply(const fs::path& path, const ColoredSurface& mesh) {
   if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
 }
 
-void write_picture(const fs::path& file, const Slam& slam, const CameraPath& path,
-                   const PinholeCamera& camera) {
+void write_picture(const fs::path& file, const SurfaceMap& map, const CameraPath& path,
+                   const std::vector<KeyframePose>& keyframes, const PinholeCamera& camera) {
   const GlContext context = value_or_throw(GlContext::offscreen());
   MapRenderer renderer = value_or_throw(MapRenderer::make());
-  write_png(file, picture_of_scan(renderer, mesh_of(*slam.map()), path,
-                                  slam.tracker() != nullptr ? slam.tracker()->keyframes()
-                                                            : std::vector<KeyframePose>{},
-                                  camera));
+  write_png(file, picture_of_scan(renderer, mesh_of(map), path, keyframes, camera));
+}
+
+// Where each frame was seen from, as its keyframe stands in the end; nothing where it is not known.
+std::vector<std::optional<Rigid3>> corrected(const std::vector<TrackedPose>& frames,
+                                             const Tracker& tracker) {
+  std::map<int, Rigid3> world_from_keyframe;
+  for (const KeyframePose& k : tracker.keyframes()) {
+    world_from_keyframe[k.number] = k.world_from_camera;
+  }
+  std::vector<std::optional<Rigid3>> poses;
+  for (const TrackedPose& frame : frames) {
+    const auto keyframe = world_from_keyframe.find(frame.newest_keyframe);
+    poses.emplace_back();
+    if (is_known(frame) && keyframe != world_from_keyframe.end()) {
+      poses.back() = keyframe->second * frame.keyframe_from_camera;
+    }
+  }
+  return poses;
+}
+
+// Where a frame was seen from, if that is known before it is looked at.
+using PoseOf = std::function<std::optional<Rigid3>(int index, const SeenFrame& seen)>;
+
+// One pass through a source.
+struct Pass {
+  int read = 0;                     // frames
+  std::vector<TrackedPose> frames;  // (read)
+  SourceTroubles troubles;
+  std::string last_trouble;
+};
+
+// @param pose_of  empty: the camera is followed
+Pass play(FrameSource& source, const std::string& name, int most, const PoseOf& pose_of,
+          DepthCamera& camera, Slam& slam) {
+  int total = source.frame_count();
+  if (most > 0) total = total > 0 ? std::min(total, most) : most;
+  const std::string label = pose_of ? "scan, along the way as corrected" : "scan";
+  ProgressBar bar;
+  Frame frame;
+  SeenFrame seen;
+  SourceGuard guard(source);
+  StageTimes times;
+  Pass pass;
+  while ((most < 0 || pass.read < most) && !asked_to_end()) {
+    const FrameStatus status = guard.next(frame);
+    for (const std::string& line : guard.take_reports()) {
+      bar.finish();
+      fmt::print(stderr, "{}\n", line);
+    }
+    if (status == FrameStatus::kEnd) break;
+    if (status != FrameStatus::kFrame) continue;
+    camera.see(frame, seen);
+    if (seen.misfit) throw Error(fmt::format("{}: {}", name, seen.misfit->message()));
+    const SlamFrame& found =
+        pose_of ? slam.advance(seen, pose_of(pass.read, seen), times) : slam.advance(seen, times);
+    pass.frames.push_back(found.camera);
+    ++pass.read;
+    if (total > 0) {
+      bar.show({label, static_cast<double>(pass.read), static_cast<double>(total),
+                fmt::format("{} blocks", slam.map()->blocks())});
+    }
+  }
+  bar.finish();
+  pass.troubles = guard.troubles();
+  pass.last_trouble = guard.last_trouble();
+  if (pass.read == 0) {
+    throw Error(fmt::format("{}: no frame could be read ({} unreadable{}{})", name,
+                            pass.troubles.unreadable, pass.last_trouble.empty() ? "" : "; ",
+                            pass.last_trouble));
+  }
+  return pass;
 }
 
 void scan(const ScanOptions& options) {
@@ -100,6 +171,12 @@ void scan(const ScanOptions& options) {
   if (!options.picture.empty() && options.picture.extension() != ".png") {
     throw Error(fmt::format("--picture {}: should end in .png", options.picture.string()));
   }
+  for (const fs::path& file : {options.out, options.picture}) {  // not after an hour's scan
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    if (!file.empty() && !fs::is_directory(folder)) {
+      throw Error(fmt::format("{}: there is no folder {}", file.string(), folder.string()));
+    }
+  }
   std::unique_ptr<FrameSource> source = value_or_throw(open_source(request_of(options.input)));
   DepthCamera camera = value_or_throw(DepthCamera::make(source->format()));
   SlamSettings settings;
@@ -107,46 +184,53 @@ void scan(const ScanOptions& options) {
   settings.fuse_every = options.fuse_every;
   settings.surface.voxel = 1e-3 * options.voxel_mm;
   settings.surface.truncation = 4 * settings.surface.voxel;
-  Slam slam(camera, source->format(), settings);
-  const SurfaceMap& map = *slam.map();
+  auto slam = std::make_unique<Slam>(camera, source->format(), settings);
 
-  int total = source->frame_count();
-  if (options.frames > 0) total = total > 0 ? std::min(total, options.frames) : options.frames;
-  ProgressBar bar;
-  Frame frame;
-  SeenFrame seen;
-  SourceGuard guard(*source);
-  StageTimes times;
-  CameraPath path;
-  int read = 0;
-  while (options.frames < 0 || read < options.frames) {
-    const FrameStatus status = guard.next(frame);
-    if (status == FrameStatus::kEnd) break;
-    if (status != FrameStatus::kFrame) continue;
-    camera.see(frame, seen);
-    if (seen.misfit) {
-      throw Error(fmt::format("{}: {}", options.input.source, seen.misfit->message()));
-    }
-    ++read;
-    const SlamFrame& found = given.empty() ? slam.advance(seen, times)
-                                           : slam.advance(seen, pose_at(given, seen.time), times);
-    path.add(found.camera);
-    if (total > 0) {
-      bar.show({"scan", static_cast<double>(read), static_cast<double>(total),
-                fmt::format("{} blocks", map.blocks())});
-    }
+  listen_for_ctrl_c();
+  PoseOf pose_of;
+  if (!given.empty()) {
+    pose_of = [&](int, const SeenFrame& seen) { return pose_at(given, seen.time); };
   }
-  bar.finish();
-  if (read == 0) { throw Error(fmt::format("{}: no frame could be read", options.input.source)); }
-  const SlamCounts& counts = slam.counts();
+  Pass pass = play(*source, options.input.source, options.frames, pose_of, camera, *slam);
+  std::vector<KeyframePose> keyframes;
+  if (slam->tracker() != nullptr) keyframes = slam->tracker()->keyframes();
+  const int loops = slam->tracker() != nullptr ? slam->tracker()->counts().loops : 0;
+  if (loops > 0 && !source->is_live()) {
+    // Where the camera has been is known better by now: once more, along the way as corrected.
+    const std::vector<std::optional<Rigid3>> poses = corrected(pass.frames, *slam->tracker());
+    source = value_or_throw(open_source(request_of(options.input)));
+    camera = value_or_throw(DepthCamera::make(source->format()));
+    settings.track = false;
+    slam = std::make_unique<Slam>(camera, source->format(), settings);
+    pass = play(
+        *source, options.input.source, pass.read,
+        [&](int index, const SeenFrame&) { return poses[static_cast<std::size_t>(index)]; }, camera,
+        *slam);
+  }
+
+  const SurfaceMap& map = *slam->map();
+  const SlamCounts& counts = slam->counts();
   const ColoredSurface mesh = map.mesh();
   if (mesh.surface.triangle_count() == 0) {
     throw Error(fmt::format("{}: no surface within {} m was seen in {} frames ({} without a pose)",
-                            options.input.source, map.settings().farthest, read, counts.lost));
+                            options.input.source, map.settings().farthest, pass.read, counts.lost));
   }
-  write_colored_ply(options.out, mesh);
-  if (!options.picture.empty()) write_picture(options.picture, slam, path, camera.camera());
-  fmt::print("{} frames, {} fused, {} without a pose\n", read, counts.fused, counts.lost);
+  write_colored_ply(options.out, mesh,
+                    given.empty() ? "the first frame's camera" : "the world of the given poses");
+  CameraPath path;
+  for (const TrackedPose& frame : pass.frames) path.add(frame);
+  if (!options.picture.empty()) {
+    write_picture(options.picture, map, path, keyframes, camera.camera());
+  }
+  fmt::print("{} frames, {} fused, {} without a pose\n", pass.read, counts.fused, counts.lost);
+  if (pass.troubles.unreadable > 0) {
+    fmt::print("{} unreadable, the last: {}\n", pass.troubles.unreadable, pass.last_trouble);
+  }
+  if (loops > 0) {
+    fmt::print("{} loop{} closed: {}\n", loops, loops == 1 ? "" : "s",
+               source->is_live() ? "the surface holds what was seen since the last"
+                                 : "fused once more along the corrected way");
+  }
   if (map.refused() > 0) {
     fmt::print("the map was full ({} blocks): parts are missing; --voxel makes them larger\n",
                map.blocks());
@@ -186,6 +270,7 @@ void add_scan(CLI::App& app) {
       ->check(CLI::Range(1, 100'000'000));
   command->footer(
       "What moves is left out. Depths up to 3 m are taken, or up to where they scatter by 50 mm.\n"
+      "Ctrl-C ends it and writes what was seen: so does a camera, which has no end of its own.\n"
       "Example: palpable scan room -o room.ply");
   command->callback([options] { scan(*options); });
 }

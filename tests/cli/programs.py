@@ -1237,6 +1237,7 @@ def _(programs, folder):
     (folder / "empty").mkdir()
     refuses(source="empty", says=["empty"])
     refuses(to=folder / "out.obj", says=["out.obj", ".ply"])
+    refuses(to=folder / "none/out.ply", says=["out.ply", "there is no folder"])
     refuses("--picture", folder / "map.jpg", says=["map.jpg", ".png"])
     refuses("--fuse-every", "-1", says=["--fuse-every"])
     refuses("--trajectory", folder / "none.txt", says=["none.txt", "cannot be read"])
