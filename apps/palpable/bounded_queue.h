@@ -5,25 +5,27 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
-#include <deque>
 #include <mutex>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace palpable::app {
 
-/// First in, first out. Any number of threads may push and pop.
+/// First in, first out. Any number of threads may push and pop. Takes its memory when it is made.
 template <class T>
 class BoundedQueue {
  public:
-  explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
+  /// @param capacity  items, at least one
+  explicit BoundedQueue(std::size_t capacity) : ring_(capacity) {}
 
   /// Waits for room. False, and the item is dropped, once the queue is closed.
   bool push(T item) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return closed_ || items_.size() < capacity_; });
+    changed_.wait(lock, [this] { return closed_ || count_ < ring_.size(); });
     if (closed_) return false;
-    items_.push_back(std::move(item));
+    ring_[(first_ + count_) % ring_.size()] = std::move(item);
+    ++count_;
     changed_.notify_all();
     return true;
   }
@@ -31,29 +33,21 @@ class BoundedQueue {
   /// Waits for an item; nothing once the queue is closed and empty.
   std::optional<T> pop() {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return closed_ || !items_.empty(); });
-    if (items_.empty()) return std::nullopt;
-    T item = std::move(items_.front());
-    items_.pop_front();
-    changed_.notify_all();
-    return item;
+    changed_.wait(lock, [this] { return closed_ || count_ > 0; });
+    return taken();
   }
 
   /// The same, but waits at most so long: nothing then, too; drained() tells the two apart.
   std::optional<T> pop_within(std::chrono::duration<double> wait) {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, wait, [this] { return closed_ || !items_.empty(); });
-    if (items_.empty()) return std::nullopt;
-    T item = std::move(items_.front());
-    items_.pop_front();
-    changed_.notify_all();
-    return item;
+    changed_.wait_for(lock, wait, [this] { return closed_ || count_ > 0; });
+    return taken();
   }
 
   /// Closed and empty: nothing will come any more.
   [[nodiscard]] bool drained() {
     const std::lock_guard lock(mutex_);
-    return closed_ && items_.empty();
+    return closed_ && count_ == 0;
   }
 
   [[nodiscard]] bool closed() {
@@ -69,10 +63,21 @@ class BoundedQueue {
   }
 
  private:
-  std::size_t capacity_;
+  // The first item; the lock is held.
+  std::optional<T> taken() {
+    if (count_ == 0) return std::nullopt;
+    std::optional<T> item(std::move(ring_[first_]));
+    first_ = (first_ + 1) % ring_.size();
+    --count_;
+    changed_.notify_all();
+    return item;
+  }
+
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<T> items_;
+  std::vector<T> ring_;
+  std::size_t first_ = 0;  // in the ring
+  std::size_t count_ = 0;
   bool closed_ = false;
 };
 

@@ -1,6 +1,7 @@
 #include "apps/palpable/vision_thread.h"
 
 #include "apps/palpable/bounded_queue.h"
+#include "tests/support/allocations.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/misbehaving_camera.h"
 #include "tests/support/seen_capsules.h"
@@ -193,6 +194,18 @@ TEST_CASE("a queue hands everything over in order and tells that it is closed", 
   CHECK(expected == 1000);
   CHECK_FALSE(queue.push(1));
   CHECK_FALSE(queue.pop().has_value());
+}
+
+TEST_CASE("a queue takes no memory once it is made", "[apps]") {
+  BoundedQueue<std::unique_ptr<int>> queue(3);
+  std::unique_ptr<int> item = std::make_unique<int>(7);
+  CHECK(test::allocations_during([&] {
+          for (int i = 0; i < 1000; ++i) {
+            queue.push(std::move(item));
+            item = std::move(*queue.pop());
+          }
+        }) == 0);
+  CHECK(*item == 7);
 }
 
 }  // namespace
