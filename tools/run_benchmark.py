@@ -104,11 +104,28 @@ def play(options, name, folder):
             "scores": json.loads(score.stdout)}
 
 
-def true_path(folder, kind):
-    """Poses world_from_camera of a real set: rows of 12 numbers."""
+def color_path(depth_poses, color_from_depth):
+    """world_from_color of world_from_depth, both rows of 12 numbers: trajectory.txt is the colour camera's."""
+    if color_from_depth is None:
+        return depth_poses
+    r = [color_from_depth[4 * i:4 * i + 3] for i in range(3)]
+    t = [color_from_depth[4 * i + 3] for i in range(3)]
+    back = [[r[j][i] for j in range(3)] + [-sum(r[j][i] * t[j] for j in range(3))] for i in range(3)]
+    path = []
+    for p in depth_poses:
+        rows = [[sum(p[4 * i + k] * back[k][j] for k in range(3)) for j in range(4)] for i in range(3)]
+        for i in range(3):
+            rows[i][3] += p[4 * i + 3]
+        path.append(sum(rows, []))
+    return path
+
+
+def true_path(folder, kind, result):
+    """Poses world_from_camera of a real set, the camera that the result's path is of: rows of 12 numbers."""
     if kind == "kitti":
         return [list(map(float, line.split())) for line in (folder / "poses.txt").read_text().splitlines()]
-    return [list(map(float, path.read_text().split()))[:12] for path in sorted(folder.glob("*.pose.txt"))]
+    published = [list(map(float, path.read_text().split()))[:12] for path in sorted(folder.glob("*.pose.txt"))]
+    return color_path(published, json.loads((result / "live.json").read_text())["color_from_depth"])
 
 
 def quaternion(r):
@@ -150,7 +167,7 @@ def play_real(options, name, folder):
         return {"refused": complaint(live)}
     entry = timings(folder / "result")
     if "path" in real:
-        write_path_truth(folder / "truth", true_path(source, real["path"]), folder / "result")
+        write_path_truth(folder / "truth", true_path(source, real["path"], folder / "result"), folder / "result")
         score = run([program, "score", folder / "truth", folder / "result", "--json"])
         if score.returncode != 0:
             return {"refused": f"score: {complaint(score)}"}

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace palpable::app {
@@ -52,7 +53,8 @@ void FollowCamera::follow(const Rigid3& world_from_camera, double time) {
   orbit_.azimuth = heading_ + kAside + turned_;
 }
 
-void FollowCamera::handle(const WindowEvent& event) {
+bool FollowCamera::handle(const WindowEvent& event) {
+  bool changed = false;
   switch (event.kind) {
     case WindowEvent::Kind::kPress:
       turning_ = true;
@@ -66,10 +68,12 @@ void FollowCamera::handle(const WindowEvent& event) {
         orbit_.turn(event.x_px - x_before_, event.y_px - y_before_);
         turned_ = orbit_.azimuth;
         orbit_.azimuth = heading_ + kAside + turned_;
+        changed = true;
       }
       break;
     case WindowEvent::Kind::kWheel:
       orbit_.zoom(event.wheel, distance_);
+      changed = true;
       break;
     case WindowEvent::Kind::kKey:
       if (event.key == 'R') {
@@ -77,11 +81,13 @@ void FollowCamera::handle(const WindowEvent& event) {
         orbit_.azimuth = heading_ + kAside;
         orbit_.elevation = kElevation;
         orbit_.distance = distance_;
+        changed = true;
       }
       break;
   }
   x_before_ = event.x_px;
   y_before_ = event.y_px;
+  return changed;
 }
 
 Rigid3 FollowCamera::camera_from_world() const {
@@ -170,16 +176,31 @@ Rigid3 overview(const Eigen::Matrix3Xf& points, std::span<const Rigid3> path,
   return orbit.camera_from_body() * to_room;
 }
 
-Eigen::Vector3d up_of_room(const Eigen::Matrix3Xf& normals, const Eigen::Vector3d& guess) {
-  Eigen::Vector3f up = guess.cast<float>();
-  for (const float within : {0.866f, 0.94f, 0.985f}) {  // cos of 30, 20 and 10 degrees
+Eigen::Vector3d up_of_room(const Eigen::Matrix3Xf& normals, const Rigid3& world_from_camera) {
+  const auto sum_near = [&](const Eigen::Vector3f& up, float within) {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     for (Eigen::Index i = 0; i < normals.cols(); ++i) {
       if (normals.col(i).dot(up) > within) sum += normals.col(i);
     }
-    if (sum.norm() > 0) up = sum.normalized();
+    return sum;
+  };
+  Eigen::Vector3f best = -world_from_camera.linear().col(1).cast<float>();
+  float most = 0;
+  for (int pitch = -60; pitch <= 30; pitch += 10) {  // degrees, up
+    const Eigen::AngleAxisd tilt(std::numbers::pi / 180 * pitch, Eigen::Vector3d::UnitX());
+    Eigen::Vector3f up =
+        (world_from_camera.linear() * (tilt.inverse() * -Eigen::Vector3d::UnitY())).cast<float>();
+    Eigen::Vector3f sum;
+    for (const float within : {0.94f, 0.966f, 0.985f}) {  // cos of 20, 15 and 10 degrees
+      sum = sum_near(up, within);
+      if (sum.norm() > 0) up = sum.normalized();
+    }
+    if (sum.norm() > most) {
+      most = sum.norm();
+      best = up;
+    }
   }
-  return up.cast<double>().normalized();
+  return best.cast<double>().normalized();
 }
 
 }  // namespace palpable::app

@@ -27,8 +27,8 @@ class FollowCamera {
   /// where it belongs in the first call, and comes nearer by half in every 0.4 s.
   void follow(const Rigid3& world_from_camera, double time);
 
-  /// Any button turns, the wheel zooms, R takes both back.
-  void handle(const WindowEvent& event);
+  /// Any button turns, the wheel zooms, R takes both back. Whether the view has changed.
+  bool handle(const WindowEvent& event);
 
   [[nodiscard]] Rigid3 camera_from_world() const;
 
@@ -52,11 +52,13 @@ class FollowCamera {
 [[nodiscard]] Rigid3 overview(const Eigen::Matrix3Xf& points, std::span<const Rigid3> path,
                               const Eigen::Vector3d& up, const PinholeCamera& camera);
 
-/// Which way is up in a room, from the normals of its surface: the mean of those that are nearly
-/// what is believed, found again three times. Floors, tables and seats outnumber what leans.
-/// @param normals  (3 x N) unit or 0
-/// @param guess    world, unit; right within 30 degrees
+/// Which way is up in a room, from the normals of its surface and a camera that looked at it, held
+/// upright and pitched by up to 60 degrees down or 30 up: of the directions that such a camera
+/// would call up, the mean of the normals around the one that has most of them around it. Floors,
+/// tables and seats outnumber what leans.
+/// @param normals  (3 x N) world, unit or 0
+/// @return world, unit; against the camera's Y axis where there is nothing to go by
 [[nodiscard]] Eigen::Vector3d up_of_room(const Eigen::Matrix3Xf& normals,
-                                         const Eigen::Vector3d& guess);
+                                         const Rigid3& world_from_camera);
 
 }  // namespace palpable::app

@@ -81,10 +81,10 @@ TEST_CASE("the mouse turns the view, the wheel comes nearer, R takes both back",
   view.follow(camera, 0);
   const Vector3d usual = eye_beside(view, camera);
   using Kind = WindowEvent::Kind;
-  view.handle({.kind = Kind::kMove, .x_px = 500, .y_px = 100});  // no button: nothing
+  CHECK_FALSE(view.handle({.kind = Kind::kMove, .x_px = 500, .y_px = 100}));  // no button
   CHECK(eye_beside(view, camera) == usual);
   view.handle({.kind = Kind::kPress, .x_px = 500, .y_px = 100});
-  view.handle({.kind = Kind::kMove, .x_px = 400, .y_px = 100});
+  CHECK(view.handle({.kind = Kind::kMove, .x_px = 400, .y_px = 100}));
   view.handle({.kind = Kind::kRelease, .x_px = 400, .y_px = 100});
   view.handle({.kind = Kind::kMove, .x_px = 700, .y_px = 100});
   CHECK(eye_beside(view, camera).x() >
@@ -128,18 +128,29 @@ TEST_CASE("an overview holds the room and the way through it, and fills the pict
   CHECK((view.linear() * kUp).y() < -0.5);  // from above, upright
 }
 
-TEST_CASE("up is found from the floor of a room whose first camera looked down", "[app][map]") {
-  // Of ten normals six are the floor's, three a wall's and one a slope's.
-  const Vector3d true_up = Vector3d(0.05, -0.9, -0.4).normalized();
-  const Vector3d wall = true_up.cross(Vector3d::UnitX()).normalized();
-  Eigen::Matrix3Xf normals(3, 11);
-  for (int i = 0; i < 6; ++i) normals.col(i) = true_up.cast<float>();
-  for (int i = 6; i < 9; ++i) normals.col(i) = wall.cast<float>();
-  normals.col(9) = (true_up + 0.3 * wall).normalized().cast<float>();
-  normals.col(10).setZero();
-  const Vector3d found = up_of_room(normals, kUp);
-  CHECK(std::acos(found.dot(true_up)) < tolerance(1e-3, "the slope is out in the last round"));
-  CHECK(up_of_room(Eigen::Matrix3Xf::Zero(3, 4), kUp) == kUp);
+TEST_CASE("up is found from the floor of a room, however its camera looked and whatever its world",
+          "[app][map]") {
+  const Vector3d true_up(0, 0, 1);
+  for (const double pitch : {-55.0, -24.0, 0.0, 25.0}) {  // degrees, up
+    INFO("pitch " << pitch);
+    // Of eleven normals six are the floor's, three those of a wall ahead, one a slope's, one none.
+    const Vector3d wall = Vector3d(0, -1, 0);  // the camera looks along Y
+    Eigen::Matrix3Xf normals(3, 11);
+    for (int i = 0; i < 6; ++i) normals.col(i) = true_up.cast<float>();
+    for (int i = 6; i < 9; ++i) normals.col(i) = wall.cast<float>();
+    normals.col(9) = (true_up + 0.3 * wall).normalized().cast<float>();
+    normals.col(10).setZero();
+    Rigid3 world_from_camera = Rigid3::Identity();
+    world_from_camera.linear().col(0) = Vector3d::UnitX();
+    world_from_camera.linear().col(1) = -Vector3d::UnitZ();
+    world_from_camera.linear().col(2) = Vector3d::UnitY();
+    world_from_camera.rotate(Eigen::AngleAxisd(pitch / 180 * 3.14159265, Vector3d::UnitX()));
+    CHECK((world_from_camera.linear().col(2).z() > 0) == (pitch > 0));
+    const Vector3d found = up_of_room(normals, world_from_camera);
+    CHECK(std::acos(found.dot(true_up)) < tolerance(1e-3, "the slope is out in the last round"));
+    CHECK(up_of_room(Eigen::Matrix3Xf::Zero(3, 4), world_from_camera) ==
+          -world_from_camera.linear().col(1).cast<float>().cast<double>().normalized());
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
+#include "apps/palpable/ctrl_c.h"
 #include "apps/palpable/live_output.h"
 #include "apps/palpable/live_setup.h"
 #include "apps/palpable/map_picture.h"
@@ -18,9 +19,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -75,21 +74,6 @@ bool ended_by(Window& window, MapPicture* map) {
   return ended;
 }
 
-// Ctrl-C ends a run as its last frame would, with all its files.
-std::atomic<bool> interrupted = false;
-
-bool asked_to_end() { return interrupted; }
-
-void listen_for_ctrl_c() {
-  for (const int signal : {SIGINT, SIGTERM}) {
-    // A second one ends the program at once.
-    std::signal(signal, [](int which) {
-      interrupted = true;
-      std::signal(which, SIG_DFL);
-    });
-  }
-}
-
 // What happened, for live.json and the last lines on the screen.
 struct Counts {
   std::vector<int> processed;  // numbers of the frames
@@ -129,20 +113,24 @@ nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const
   result["ignore_static_frames"] =
       run.session.settings().ignore_static ? run.session.settings().static_frames : 0;
   result["scale"] = options.live.scale;
-  std::vector<double> matrix;
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column) {
-      matrix.push_back(run.session.camera_from_body().matrix()(row, column));
+  const auto rows_of = [](const Rigid3& pose) {
+    std::vector<double> numbers;
+    for (int row = 0; row < 4; ++row) {
+      for (int column = 0; column < 4; ++column) numbers.push_back(pose.matrix()(row, column));
     }
-  }
-  result["camera_from_body"] = matrix;
+    return numbers;
+  };
+  result["camera_from_body"] = rows_of(run.session.camera_from_body());
+  // For paths that are published of the depth camera; trajectory.txt is the colour camera's.
+  const auto& color = run.source->format().color_sensor;
+  result["color_from_depth"] =
+      color ? nlohmann::ordered_json(rows_of(color->color_from_depth)) : nullptr;
   if (run.session.settings().track) {
     const TrackerCounts tracker = run.session.tracker_counts();
-    result["tracking"] = {{"frames_moving", counts.moving},
-                          {"frames_lost", counts.lost},
-                          {"times_found_again", tracker.recognised},
-                          {"keyframes", tracker.keyframes},
-                          {"landmarks", tracker.landmarks}};
+    result["tracking"] = {
+        {"frames_moving", counts.moving},          {"frames_lost", counts.lost},
+        {"times_found_again", tracker.recognised}, {"loops_closed", tracker.loops},
+        {"keyframes", tracker.keyframes},          {"landmarks", tracker.landmarks}};
   } else {
     result["tracking"] = nullptr;
   }
@@ -188,11 +176,7 @@ void live(const Options& options) {
     map = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
                                        session.camera_from_body());
   }
-  remove_earlier_run(earlier);  // not before: all that could be wrong with the options was not
-  LiveOutput output({.folder = options.out,
-                     .depth = !options.no_depth,
-                     .masks = !options.no_masks,
-                     .figures = options.pictures});
+  std::optional<LiveOutput> output;
 
   int total = run.source->frame_count();
   if (wanted.frames > 0) total = total > 0 ? std::min(total, wanted.frames) : wanted.frames;
@@ -224,8 +208,15 @@ void live(const Options& options) {
       if (flight->seen.misfit) {
         throw Error(fmt::format("{}: {}", run.images.string(), flight->seen.misfit->message()));
       }
+      if (!output) {  // not before: nothing that could be wrong with options or source was
+        remove_earlier_run(earlier);
+        output.emplace(LiveOutputSettings{.folder = options.out,
+                                          .depth = !options.no_depth,
+                                          .masks = !options.no_masks,
+                                          .figures = options.pictures});
+      }
       session.respond(flight->seen, scene);
-      std::unique_ptr<DrawnFrame> drawn = output.blank();
+      std::unique_ptr<DrawnFrame> drawn = output->blank();
       drawn->times = flight->times;
       drawn->times.add(scene.times);
       {
@@ -263,7 +254,7 @@ void live(const Options& options) {
         stage.window->show(drawn->picture);
         if (ended_by(*stage.window, map.get())) total = static_cast<int>(counts.processed.size());
       }
-      output.write(std::move(drawn));
+      output->write(std::move(drawn));
       const auto done = static_cast<double>(counts.processed.size());
       if (total > 0) {
         bar.show({"live", done, static_cast<double>(total),
@@ -276,23 +267,23 @@ void live(const Options& options) {
     }
     hear();
   }
-  output.finish();
   bar.finish();
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-  if (counts.processed.empty()) {
+  if (!output) {
     throw Error(fmt::format("{}: no frame could be read ({} unreadable; {})", run.images.string(),
                             counts.troubles.unreadable, counts.last_trouble));
+  }
+  output->finish();
+  const fs::path summary_file = options.out / "live.json";
+  std::ofstream file(summary_file);
+  file << summary(options, run, counts, *output, wall.count()).dump(2) << "\n";
+  file.close();
+  if (!file) {
+    throw Error(fmt::format("{}: cannot be written (disk full?)", summary_file.string()));
   }
   if (stage.errors().count() > 0) {
     throw Error(fmt::format("OpenGL reported {} errors, first: {}", stage.errors().count(),
                             stage.errors().first()));
-  }
-  const fs::path summary_file = options.out / "live.json";
-  std::ofstream file(summary_file);
-  file << summary(options, run, counts, output, wall.count()).dump(2) << "\n";
-  file.close();
-  if (!file) {
-    throw Error(fmt::format("{}: cannot be written (disk full?)", summary_file.string()));
   }
 
   fmt::print("{} frames in {:.1f} s ({:.0f} ms each), {} unreadable\n", counts.processed.size(),
@@ -310,7 +301,7 @@ void live(const Options& options) {
     fmt::print("never touched\n");
   }
   fmt::print("{}\n", (options.out / "touch.mp4").string());
-  for (const std::string& name : output.figures()) {
+  for (const std::string& name : output->figures()) {
     fmt::print("{}\n", (options.out / name).string());
   }
 }

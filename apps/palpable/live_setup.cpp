@@ -12,6 +12,7 @@
 #include "palpable/slam/slam.h"
 #include "palpable/vision/open_source.h"
 #include "palpable/vision/paced_source.h"
+#include "palpable/vision/source_guard.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -115,13 +116,20 @@ auto look_at_first_frames(const CameraRequest& request, const DepthSettings& set
   result.live = source->is_live();
   Rigid3 world_from_start = Rigid3::Identity();
   StageTimes unused;
+  SourceGuard guard(*source);
   Frame frame;
   SeenFrame seen;
-  for (int looked = 0; looked < kFrames;) {
-    const FrameStatus status = source->next(frame);
+  int looked = 0;
+  // A camera may take its time for the first picture, but not for ever.
+  constexpr int kMostFailures = 100;  // of them those that wait take 0.1 s each
+  for (int failures = 0; looked < kFrames && failures < kMostFailures;) {
+    const FrameStatus status = guard.next(frame);
     if (status == FrameStatus::kEnd) break;
+    if (status != FrameStatus::kFrame) {
+      ++failures;
+      continue;
+    }
     ++looked;
-    if (status != FrameStatus::kFrame) continue;
     camera.see(frame, seen);
     if (seen.misfit) throw Error(fmt::format("{}: {}", request.device, seen.misfit->message()));
     const TrackedPose pose = slam.advance(seen, unused).camera;
@@ -131,9 +139,13 @@ auto look_at_first_frames(const CameraRequest& request, const DepthSettings& set
       result.sightings.push_back({pose.world_from_camera, *found});
     }
   }
+  if (looked == 0) {
+    throw Error(fmt::format("{}: gives no picture that can be used{}{}", request.device,
+                            guard.last_trouble().empty() ? "" : ": ", guard.last_trouble()));
+  }
   if (result.sightings.empty()) {
     throw Error(fmt::format("{}: its first {} frames show no {}, or give --place", request.device,
-                            kFrames, missing));
+                            looked, missing));
   }
   for (auto& sighting : result.sightings) {
     sighting.start_from_camera = world_from_start.inverse() * sighting.start_from_camera;

@@ -149,7 +149,7 @@ ColorImage picture_of_scan(MapRenderer& renderer, const MapMesh& surface, const 
   add_keyframes(lines, keyframes, camera);
   MapView view;
   view.camera = camera_of_view(1280, 720, kFieldOfView);
-  view.up = up_of_room(surface.normals, -Eigen::Vector3d::UnitY());
+  view.up = up_of_room(surface.normals, path.poses().front());
   view.camera_from_world = overview(surface.vertices, path.poses(), view.up, view.camera);
   view.lines = lines;
   view.supersampling = 2;

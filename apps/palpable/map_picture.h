@@ -23,10 +23,7 @@ class MapPicture {
   MapPicture(MapRenderer renderer, const Rigid3& world_from_body);
 
   /// Turns and zooms (follow_camera.h).
-  void handle(const WindowEvent& event) {
-    view_.handle(event);
-    turned_ = true;
-  }
+  void handle(const WindowEvent& event) { turned_ |= view_.handle(event); }
 
   /// The room is drawn anew in every third frame only, and when something is turned or the camera
   /// is lost or found: without a GPU it costs about as much as all else. Call it for every frame.

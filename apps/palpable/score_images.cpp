@@ -33,14 +33,15 @@ DepthImage metres(const DepthCounts& counts, float unit) {
 // The images of one frame must be of one size, masks may be twice as large.
 template <class A, class B>
 void expect_size(const A& image, const B& truth, bool or_twice, const TruthFolder& of,
-                 const std::filesystem::path& folder, const char* kind, int frame) {
+                 const std::filesystem::path& folder, const char* kind, int frame,
+                 const char* true_kind = "depth") {
   const bool same = image.width() == truth.width() && image.height() == truth.height();
   const bool twice = image.width() == 2 * truth.width() && image.height() == 2 * truth.height();
   if (same || (or_twice && twice)) return;
   throw Error(fmt::format("{}: {} x {}, but {} is {} x {}",
                           (folder / kind / fmt::format("{:06d}.png", frame)).string(),
                           image.width(), image.height(),
-                          (of.folder / "depth" / fmt::format("{:06d}.png", frame)).string(),
+                          (of.folder / true_kind / fmt::format("{:06d}.png", frame)).string(),
                           truth.width(), truth.height()));
 }
 
@@ -161,8 +162,14 @@ void score_images(const TruthFolder& truth, const ResultFolder& result, const Pr
     report(progress, {"comparing images", frame + 1.0, static_cast<double>(truth.frames), ""});
     if (result.processed[static_cast<std::size_t>(frame)] == 0) continue;
     const auto true_depth = read_counts(truth.folder, "depth", frame);
-    if (!true_depth) continue;
     const auto labels = read_gray(truth.folder, "labels", frame);
+    if (labels && any_moving) {
+      auto found = read_gray(result.folder, "moving", frame);
+      if (!found) found.emplace(labels->width(), labels->height(), std::uint8_t{0});
+      expect_size(*found, *labels, true, truth, result.folder, "moving", frame, "labels");
+      moving += compare_masks(*labels, kMovingLabel, to_half(as_mask(*found), labels->width()));
+    }
+    if (!true_depth) continue;
     if (labels) expect_size(*labels, *true_depth, false, truth, truth.folder, "labels", frame);
 
     if (any_depth) {
@@ -171,12 +178,6 @@ void score_images(const TruthFolder& truth, const ResultFolder& result, const Pr
       expect_size(*found, *true_depth, false, truth, result.folder, "depth", frame);
       depth.add(*true_depth, labels.value_or(GrayImage{}), *found);
       ++depth_frames;
-    }
-    if (labels && any_moving) {
-      auto found = read_gray(result.folder, "moving", frame);
-      if (!found) found.emplace(labels->width(), labels->height(), std::uint8_t{0});
-      expect_size(*found, *true_depth, true, truth, result.folder, "moving", frame);
-      moving += compare_masks(*labels, kMovingLabel, to_half(as_mask(*found), labels->width()));
     }
     if (!any_visible) continue;
     const auto body = read_counts(result.folder, "body_depth", frame);

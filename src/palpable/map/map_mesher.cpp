@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 
+#include <system_error>
 #include <utility>
 
 namespace palpable {
@@ -38,7 +39,12 @@ const MapMesh* MapMesher::advance(const SurfaceMap& map) {
   next_slot_ = map.copy_blocks(next_slot_, settings_.blocks_per_frame, *copy_);
   if (next_slot_ < map.capacity()) return nullptr;
   waited_ = 0;
-  work_ = std::async(std::launch::async, [this] { return mesh_of(*copy_); });
+  const auto mesh = [this] { return mesh_of(*copy_); };
+  try {
+    work_ = std::async(std::launch::async, mesh);
+  } catch (const std::system_error&) {  // no thread to be had: the same mesh, by the last call
+    work_ = std::async(std::launch::deferred, mesh);
+  }
   return nullptr;
 }
 
