@@ -4,6 +4,7 @@
 #include "palpable/base/cpu_time.h"
 #include "palpable/track/forgetting.h"
 #include "palpable/track/landmark_map.h"
+#include "palpable/track/landmark_search.h"
 #include "palpable/track/loop.h"
 #include "palpable/track/median.h"
 #include "palpable/track/new_corners.h"
@@ -30,21 +31,12 @@ namespace palpable {
 namespace {
 
 // --- what is looked for ------------------------------------------------------------------------
-constexpr int kCellsAcross = 32;      // one landmark is looked for in each
-constexpr int kCoarseCells = 8;       // and up to three in each of these for the first guess
-constexpr int kCoarse = 64;           // landmarks of the first guess
-constexpr double kNearest = 0.03;     // m
-constexpr double kLeastCosine = 0.6;  // between the rays of then and now: 53 degrees
-constexpr double kLargestZoom = 2.3;
-// A surface that is measured nearer than this share of a landmark's depth hides it.
-constexpr double kHides = 0.9;
+constexpr int kCoarseCells = 8;  // and up to three in each of these for the first guess
+constexpr int kCoarse = 64;      // landmarks of the first guess
 
 // --- how well it has to fit --------------------------------------------------------------------
 constexpr double kCoarseLikeness = 0.6;
 constexpr double kFineLikeness = 0.7;
-constexpr double kSigma = 0.3;         // px of u and v at level 0; doubles with each level
-constexpr double kSigmaStereo = 0.25;  // px of d
-constexpr double kRowLikeness = 0.8;
 constexpr int kLeastInliers = 12;
 constexpr int kLeastRecognised = 20;
 constexpr double kLeastAgreeing = 0.4;  // of those found
@@ -90,15 +82,6 @@ Rigid3 part_of(const Rigid3& motion, double share) {
   part.translation() = share * motion.translation();
   return part;
 }
-
-struct Candidate {
-  int landmark = 0;
-  Eigen::Vector2d uv = Eigen::Vector2d::Zero();     // predicted, px
-  double depth = 0;                                 // predicted, m
-  Eigen::Vector2d smear = Eigen::Vector2d::Zero();  // px of level 0
-  Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();
-  double worth = 0;
-};
 
 // What is worked out beside the frames after each keyframe, and what comes back.
 struct Work {
@@ -151,12 +134,8 @@ struct Tracker::Parts {
   void accept(const TrackerFrame& frame, double dt);
 
   // --- its steps ---
-  std::optional<Candidate> expected(const TrackerFrame& frame, int id, const Rigid3& pose) const;
+  [[nodiscard]] LandmarkSearch search() const { return {settings, pyramid, keyframes, landmarks}; }
   void select(const TrackerFrame& frame, const Rigid3& pose, const Rigid3& before);
-  bool find(const Candidate& candidate, int coarsest, int finest, double least_likeness,
-            Eigen::Vector2d& uv, int& level) const;
-  Sighting sighting_of(const TrackerFrame& frame, const Candidate& candidate,
-                       const Eigen::Vector2d& uv, int level) const;
   bool guess_from_coarse(const TrackerFrame& frame, Rigid3& pose);
   void find_all(const TrackerFrame& frame);
   void learn_exposure();
@@ -172,8 +151,6 @@ struct Tracker::Parts {
   void consider(const std::optional<Loop>& loop);
   void watch_for_standstill(const TrackerFrame& frame);
   double shift_px(const Rigid3& a, const Rigid3& b) const;
-  std::optional<double> disparity_at(const TrackerFrame& frame, const Eigen::Vector2d& uv,
-                                     double expected) const;
 
   TrackerSettings settings;
   TrackCamera camera;
@@ -222,146 +199,14 @@ struct Tracker::Parts {
   TrackerCounts counts;
 };
 
-// --- selection ---------------------------------------------------------------------------------
+// --- one pose ----------------------------------------------------------------------------------
 
-// Where a landmark should be seen from `pose`; nothing where it cannot be: outside, hidden, too
-// different from what was first seen of it. Its warp and smear are left open.
-std::optional<Candidate> Tracker::Parts::expected(const TrackerFrame& frame, int id,
-                                                  const Rigid3& pose) const {
-  const Landmark& landmark = landmarks[static_cast<std::size_t>(id)];
-  if (!landmark.alive) return std::nullopt;
-  const int width = camera.camera.width;
-  const int height = camera.camera.height;
-  const Eigen::Vector3d x = pose * landmark.x_in_world;
-  if (x.z() < kNearest) return std::nullopt;
-  const Eigen::Vector2d uv = camera.camera.project(x);
-  if (!(uv.x() > 8 && uv.y() > 8 && uv.x() < width - 9 && uv.y() < height - 9)) return std::nullopt;
-
-  const Eigen::Vector3d eye = pose.linear().transpose() * -pose.translation();
-  const Rigid3& anchor = anchor_pose(landmark, keyframes);
-  const Eigen::Vector3d then = landmark.x_in_world - inverse(anchor).translation();
-  const Eigen::Vector3d now = landmark.x_in_world - eye;
-  const double zoom = then.norm() / now.norm();
-  if (then.dot(now) < kLeastCosine * then.norm() * now.norm() || zoom > kLargestZoom ||
-      zoom < 1 / kLargestZoom) {
-    return std::nullopt;
-  }
-  const double depth_scale = static_cast<double>(frame.depth->width()) / width;
-  const int dx = static_cast<int>((uv.x() + 0.5) * depth_scale);
-  const int dy = static_cast<int>((uv.y() + 0.5) * depth_scale);
-  if (frame.moving != nullptr && !frame.moving->empty() && (*frame.moving)(dx, dy) != 0) {
-    return std::nullopt;
-  }
-  if (static_cast<double>((*frame.depth)(dx, dy)) < kHides * x.z()) return std::nullopt;  // NaN: no
-  Candidate candidate;
-  candidate.landmark = id;
-  candidate.uv = uv;
-  candidate.depth = x.z();
-  return candidate;
-}
-
-// Landmarks that should be seen from `pose`, the best of each cell. `before` says whence the image
-// moved, for the smear.
+// What should be seen from `pose`, and how far it is smeared when the image moved from `before`.
 void Tracker::Parts::select(const TrackerFrame& frame, const Rigid3& pose, const Rigid3& before) {
-  candidates.clear();
-  const double cell = static_cast<double>(camera.camera.width) / kCellsAcross;
-  const int down = static_cast<int>(std::ceil(camera.camera.height / cell));
-  std::vector<int> best(static_cast<std::size_t>(kCellsAcross * down), -1);
+  candidates = search().selected(frame, pose, before, exposure, counts.frames);
   std::vector<double> smears;
-  for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    std::optional<Candidate> candidate = expected(frame, static_cast<int>(i), pose);
-    if (!candidate) continue;
-    const Landmark& landmark = landmarks[i];
-    const int total = landmark.inlier + 2 * landmark.outlier + landmark.missed;
-    candidate->worth =
-        (landmark.inlier + 1.0) / (total + 2.0) +
-        (landmark.last_frame >= counts.frames - 2 ? 0.5 : 0.0) +
-        0.02 * static_cast<double>(std::min<std::size_t>(landmark.sightings.size(), 20));
-    const int cx = std::min(static_cast<int>(candidate->uv.x() / cell), kCellsAcross - 1);
-    const int cy = std::min(static_cast<int>(candidate->uv.y() / cell), down - 1);
-    int& slot = best[static_cast<std::size_t>(cy * kCellsAcross + cx)];
-    if (slot < 0) {
-      slot = static_cast<int>(candidates.size());
-      candidates.push_back(*candidate);
-    } else if (candidates[static_cast<std::size_t>(slot)].worth < candidate->worth) {
-      candidates[static_cast<std::size_t>(slot)] = *candidate;
-    }
-  }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });
-  if (candidates.size() > static_cast<std::size_t>(settings.most_landmarks)) {
-    candidates.resize(static_cast<std::size_t>(settings.most_landmarks));
-  }
-  for (Candidate& candidate : candidates) {
-    const Landmark& landmark = landmarks[static_cast<std::size_t>(candidate.landmark)];
-    candidate.warp = image_from_anchor(camera, landmark, anchor_pose(landmark, keyframes), pose);
-    const Eigen::Vector3d x = before * landmark.x_in_world;
-    if (x.z() > kNearest) candidate.smear = exposure * (candidate.uv - camera.camera.project(x));
-    smears.push_back(candidate.smear.norm());
-  }
+  for (const Candidate& candidate : candidates) smears.push_back(candidate.smear.norm());
   smear_px = smears.empty() ? 0 : median(smears);
-}
-
-// --- finding -----------------------------------------------------------------------------------
-
-bool Tracker::Parts::find(const Candidate& candidate, int coarsest, int finest,
-                          double least_likeness, Eigen::Vector2d& uv, int& level) const {
-  const Landmark& landmark = landmarks[static_cast<std::size_t>(candidate.landmark)];
-  bool found = false;
-  uv = candidate.uv;
-  PatchTemplate look;
-  for (int l = coarsest; l >= finest; --l) {
-    if (!look.warp(landmark.look, l, candidate.warp, candidate.smear / (1 << l))) continue;
-    const PatchMatch match =
-        follow(pyramid.level(l), look, Pyramid::to_level(uv, l), {.steps = 10, .farthest = 6});
-    if (!match.found || match.likeness < least_likeness) {
-      // What was found in a smaller image stands; it is less well known.
-      return found;
-    }
-    uv = Pyramid::from_level(match.at, l);
-    level = l;
-    found = true;
-  }
-  return found;
-}
-
-std::optional<double> Tracker::Parts::disparity_at(const TrackerFrame& frame,
-                                                   const Eigen::Vector2d& uv,
-                                                   double expected) const {
-  if (frame.right == nullptr) {
-    const double scale = static_cast<double>(frame.depth->width()) / camera.camera.width;
-    const auto x = static_cast<int>((uv.x() + 0.5) * scale);
-    const auto y = static_cast<int>((uv.y() + 0.5) * scale);
-    const auto Z = static_cast<double>((*frame.depth)(x, y));
-    if (!(Z > 0)) return std::nullopt;
-    return camera.camera.fx_px * camera.baseline / Z;
-  }
-  PatchTemplate look;
-  if (!look.take(*frame.left, uv.x(), uv.y())) return std::nullopt;
-  const double infinity = settings.disparity_at_infinity_px;
-  const Eigen::Vector2d start(uv.x() - expected - infinity, uv.y());
-  const PatchMatch match =
-      follow(*frame.right, look, start, {.steps = 8, .along_row = true, .farthest = 3});
-  if (!match.found || match.likeness < kRowLikeness) return std::nullopt;
-  return uv.x() - match.at.x() - infinity;
-}
-
-Sighting Tracker::Parts::sighting_of(const TrackerFrame& frame, const Candidate& candidate,
-                                     const Eigen::Vector2d& uv, int level) const {
-  Sighting seen;
-  const double f_T = camera.camera.fx_px * camera.baseline;
-  const double expected = f_T / candidate.depth;
-  const double scale = (1 << level) * (1 + candidate.smear.norm() / (4 << level));
-  seen.sigma = kSigma * scale;
-  seen.uvd = {uv.x(), uv.y(), std::numeric_limits<double>::quiet_NaN()};
-  if (const std::optional<double> d = disparity_at(frame, uv, expected); d && *d > 0.3) {
-    seen.uvd.z() = *d;
-    const double Z = f_T / *d;
-    seen.sigma_d = frame.right != nullptr
-                       ? kSigmaStereo * std::max(1.0, 0.5 * scale)
-                       : std::max(0.2, 2 * f_T * settings.noise.sigma(Z) / (Z * Z));
-  }
-  return seen;
 }
 
 // The pose from few landmarks in small images, for when the prediction may be far off.
@@ -381,7 +226,7 @@ bool Tracker::Parts::guess_from_coarse(const TrackerFrame& frame, Rigid3& pose) 
     ++count;
     Eigen::Vector2d uv;
     int level = 0;
-    if (!find(candidate, 3, 2, kCoarseLikeness, uv, level)) continue;
+    if (!search().find(candidate, 3, 2, kCoarseLikeness, uv, level)) continue;
     const Landmark& landmark = landmarks[static_cast<std::size_t>(candidate.landmark)];
     PosePoint point;
     point.x_in_world = landmark.x_in_world;
@@ -407,11 +252,11 @@ void Tracker::Parts::find_all(const TrackerFrame& frame) {
     const Candidate& candidate = candidates[i];
     Eigen::Vector2d uv;
     int level = 0;
-    if (!find(candidate, finest + 1, finest, kFineLikeness, uv, level)) continue;
+    if (!search().find(candidate, finest + 1, finest, kFineLikeness, uv, level)) continue;
     const Landmark& landmark = landmarks[static_cast<std::size_t>(candidate.landmark)];
     PosePoint point;
     point.x_in_world = landmark.x_in_world;
-    point.seen = sighting_of(frame, candidate, uv, level);
+    point.seen = search().sighting_of(frame, candidate, uv, level);
     // One that has held still for long is believed more than one that is new.
     const double age = std::min(1.0, landmark.inlier / 15.0);
     point.trust = (0.4 + 0.6 * age) * (landmark.inlier + 1.0) /
@@ -447,7 +292,7 @@ double Tracker::Parts::shift_px(const Rigid3& a, const Rigid3& b) const {
   for (const auto& [u, v] : {std::pair{0.5, 0.5}, {0.2, 0.2}, {0.8, 0.2}, {0.2, 0.8}, {0.8, 0.8}}) {
     const Eigen::Vector2d uv(u * camera.camera.width, v * camera.camera.height);
     const Eigen::Vector3d x = b_from_a * camera.camera.unproject(uv.x(), uv.y(), median_depth);
-    if (x.z() < kNearest) return 1e9;
+    if (x.z() < LandmarkSearch::kNearest) return 1e9;
     most = std::max(most, (camera.camera.project(x) - uv).norm());
   }
   return most;
@@ -465,7 +310,7 @@ void Tracker::Parts::learn_exposure() {
     const Landmark& landmark = landmarks[static_cast<std::size_t>(candidate.landmark)];
     const Eigen::Vector3d now = camera_from_world * landmark.x_in_world;
     const Eigen::Vector3d then = previous * landmark.x_in_world;
-    if (now.z() < kNearest || then.z() < kNearest) continue;
+    if (now.z() < LandmarkSearch::kNearest || then.z() < LandmarkSearch::kNearest) continue;
     const Eigen::Vector2d motion = camera.camera.project(now) - camera.camera.project(then);
     std::array<double, kExposures.size()> each{};
     bool usable = true;
@@ -760,7 +605,7 @@ void Tracker::Parts::find_unfound(const TrackerFrame& frame) {
   }
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     if (done[i] != 0) continue;
-    if (auto candidate = expected(frame, static_cast<int>(i), camera_from_world)) {
+    if (auto candidate = search().expected(frame, static_cast<int>(i), camera_from_world)) {
       unfound.push_back(*candidate);
     }
   }
@@ -779,10 +624,11 @@ bool Tracker::Parts::is_older(const TrackerFrame& frame, const Eigen::Vector3d& 
         image_from_anchor(camera, landmark, anchor_pose(landmark, keyframes), camera_from_world);
     Eigen::Vector2d uv;
     int level = 0;
-    const bool found = find(candidate, 1, 0, kFineLikeness, uv, level);
-    const Sighting seen = sighting_of(frame, candidate, found ? uv : candidate.uv, level);
+    const bool found = search().find(candidate, 1, 0, kFineLikeness, uv, level);
+    const Sighting seen = search().sighting_of(frame, candidate, found ? uv : candidate.uv, level);
     const double off = std::abs(f_T / candidate.depth - uvd.z());
-    if (off > kSameDepth * std::max(seen.sigma_d, kSigmaStereo)) continue;  // another surface
+    if (off > kSameDepth * std::max(seen.sigma_d, LandmarkSearch::kSigmaStereo))
+      continue;  // another surface
     if (!found || (uv - candidate.uv).norm() > kSamePlace) {
       landmark.alive = false;
       continue;
@@ -813,8 +659,8 @@ void Tracker::Parts::add_corners(const TrackerFrame& frame, Keyframe& keyframe) 
     if (fit.inlier[i] != 0) taken.emplace_back(points[i].seen.uvd.head<2>());
   }
   const int room = settings.most_landmarks + kNewLandmarks - static_cast<int>(taken.size());
-  const std::vector<Corner> corners =
-      new_corners(pyramid.level(1), *frame.depth, frame.moving, taken, kCellsAcross, room);
+  const std::vector<Corner> corners = new_corners(pyramid.level(1), *frame.depth, frame.moving,
+                                                  taken, LandmarkSearch::kCellsAcross, room);
   const double f_T = camera.camera.fx_px * camera.baseline;
   const Rigid3 world_from_camera = inverse(camera_from_world);
   const int index = static_cast<int>(keyframes.size()) - 1;
@@ -827,7 +673,7 @@ void Tracker::Parts::add_corners(const TrackerFrame& frame, Keyframe& keyframe) 
       continue;
     }
     const double expected = f_T / corner.depth;
-    const std::optional<double> d = disparity_at(frame, uv, expected);
+    const std::optional<double> d = search().disparity_at(frame, uv, expected);
     if (!d || *d < 0.5 || std::abs(*d - expected) > 1.5) continue;
     if (is_older(frame, {uv.x(), uv.y(), *d}, keyframe)) continue;
     Landmark landmark;
@@ -837,11 +683,8 @@ void Tracker::Parts::add_corners(const TrackerFrame& frame, Keyframe& keyframe) 
     Sighting seen;
     seen.uvd = {uv.x(), uv.y(), *d};
     // The patch itself defines where the point is: no error of finding it.
-    seen.sigma = 0.7 * kSigma;
-    const double Z = f_T / *d;
-    seen.sigma_d = frame.right != nullptr
-                       ? kSigmaStereo
-                       : std::max(0.2, 2 * f_T * settings.noise.sigma(Z) / (Z * Z));
+    seen.sigma = 0.7 * LandmarkSearch::kSigma;
+    seen.sigma_d = search().sigma_of_disparity(frame, *d);
     landmark.x_in_world = world_from_camera * camera.point(seen.uvd);
     landmark.look = PatchSource::cut(pyramid, uv);
     landmark.sightings.push_back({index, seen});
