@@ -32,8 +32,28 @@ endfunction()
 # Each TEST_CASE becomes a ctest "<name>/<sentence>" with the label unit.<name>, long.<name> or
 # threads.<name>. What ./check runs where follows from a case's tags: [long] in the release build,
 # [threads] in the threads build, everything else in dev. A case that cannot run here calls PALPABLE_SKIP and ctest says Skipped.
+#
+# PALPABLE_TESTS_TAGGED=threads leaves out the files that have no such case, and programs without any:
+# a build that runs a few cases need not compile the others.
 function(palpable_tests)
   cmake_parse_arguments(arg "" "NAME" "SOURCES;LIBRARIES" ${ARGN})
+  if(PALPABLE_TESTS_TAGGED)
+    set(any FALSE)
+    foreach(source IN LISTS arg_SOURCES)
+      if(NOT source MATCHES "_test\\.cpp$")
+        continue()
+      endif()
+      file(STRINGS ${source} cases REGEX "\\[${PALPABLE_TESTS_TAGGED}\\]")
+      if(cases)
+        set(any TRUE)
+      else()
+        list(REMOVE_ITEM arg_SOURCES ${source})
+      endif()
+    endforeach()
+    if(NOT any)
+      return()
+    endif()
+  endif()
   add_executable(${arg_NAME}_tests ${arg_SOURCES})
   target_link_libraries(${arg_NAME}_tests PRIVATE ${arg_LIBRARIES} palpable_test_main)
   set_property(GLOBAL APPEND PROPERTY PALPABLE_UNIT_TESTS ${arg_NAME}_tests)
