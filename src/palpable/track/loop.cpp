@@ -136,4 +136,21 @@ void put_back(const PoseGraph& graph, std::vector<Keyframe>& keyframes,
   move_points(world_from_old_world, done, keyframes, landmarks);
 }
 
+void forget_doubles(const TrackCamera& camera, const Loop& loop,
+                    const std::vector<Keyframe>& keyframes, std::vector<Landmark>& landmarks) {
+  const int old = index_of(keyframes, loop.old_number);
+  if (old < 0) return;
+  const int first = static_cast<int>(keyframes.size()) - kWindow;
+  for (Landmark& landmark : landmarks) {
+    if (!landmark.alive || landmark.anchor < first || landmark.anchor <= old) continue;
+    const Eigen::Vector3d x =
+        keyframes[static_cast<std::size_t>(old)].camera_from_world * landmark.x_in_world;
+    if (!(x.z() > 0)) continue;
+    const Eigen::Vector2d uv = camera.camera.project(x);
+    if (uv.x() > 0 && uv.y() > 0 && uv.x() < camera.camera.width && uv.y() < camera.camera.height) {
+      landmark.alive = false;
+    }
+  }
+}
+
 }  // namespace palpable

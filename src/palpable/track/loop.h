@@ -39,4 +39,9 @@ struct Loop {
 void put_back(const PoseGraph& graph, std::vector<Keyframe>& keyframes,
               std::vector<Landmark>& landmarks);
 
+/// Gives up the landmarks that the window's keyframes saw first and that lie in the picture of the
+/// loop's older keyframe: what is seen there is in the map already, and better placed.
+void forget_doubles(const TrackCamera& camera, const Loop& loop,
+                    const std::vector<Keyframe>& keyframes, std::vector<Landmark>& landmarks);
+
 }  // namespace palpable

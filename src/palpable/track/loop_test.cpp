@@ -52,7 +52,7 @@ struct Circle {
         Landmark landmark;
         landmark.anchor = k;
         landmark.x_in_world =
-            pose.inverse(Eigen::Isometry) * Eigen::Vector3d(0.02 * i - 0.2, 0.01 * i, 0.5);
+            pose.inverse(Eigen::Isometry) * Eigen::Vector3d(0.01 * i - 0.1, 0.01 * i, 0.5);
         landmarks.push_back(landmark);
         see(k, 20 * k + i);
       }
@@ -128,6 +128,29 @@ TEST_CASE("a landmark whose first keyframe is forgotten goes with the oldest tha
   CHECK((now.matrix() - old.matrix()).norm() > 0.01);
   CHECK((now * landmark.x_in_world - old * before.x_in_world).norm() < near);
   CHECK((landmark.lost_anchor.matrix() - now.matrix()).norm() < near);
+}
+
+TEST_CASE(
+    "what the last keyframes saw first and the old one sees too is given up once they are known "
+    "to be at one place",
+    "[track][loop]") {
+  Circle circle;
+  const auto alive_of = [&](int k) {
+    int count = 0;
+    for (int i = 0; i < 20; ++i) {
+      count += circle.landmarks[static_cast<std::size_t>(20 * k + i)].alive ? 1 : 0;
+    }
+    return count;
+  };
+  PoseGraph graph = graph_of(kCamera, circle.keyframes, circle.landmarks, true_loop());
+  REQUIRE(adjust_pose_graph(graph).solved);
+  put_back(graph, circle.keyframes, circle.landmarks);
+  forget_doubles(kCamera, true_loop(), circle.keyframes, circle.landmarks);
+  CHECK(alive_of(kCount - 1) == 0);  // 9 degrees beside the first, whose picture is 85 wide
+  CHECK(alive_of(0) == 20);
+  CHECK(alive_of(1) == 20);
+  CHECK(alive_of(kCount - kWindow) == 20);  // 63 degrees beside it
+  CHECK(alive_of(kCount - kWindow - 1) == 20);
 }
 
 TEST_CASE(

@@ -86,7 +86,8 @@ Rigid3 part_of(const Rigid3& motion, double share) {
 // What is worked out beside the frames after each keyframe, and what comes back.
 struct Work {
   std::optional<Window> window;
-  std::optional<PoseGraph> graph;  // instead of the window, when a loop is closed
+  std::optional<PoseGraph> graph;  // instead of the window, when a loop is closed:
+  std::optional<Loop> closing;     // this one
   GrayImage image;                 // of the newest keyframe, for its features
   PinholeCamera image_camera;
   DepthImage depth;
@@ -703,7 +704,7 @@ void Tracker::Parts::ask_for_work(const TrackerFrame& frame) {
   work.depth = *frame.depth;
   if (confirmed) {
     work.graph = graph_of(camera, keyframes, landmarks, *confirmed);
-    confirmed.reset();
+    work.closing = std::exchange(confirmed, std::nullopt);
   } else if (settings.adjust && keyframes.size() > 1) {
     work.window = window_of(camera, keyframes, landmarks);
   }
@@ -740,6 +741,7 @@ void Tracker::Parts::take_over() {
   if (done.window) put_back(*done.window, keyframes, landmarks);
   if (done.graph && done.closed) {
     put_back(*done.graph, keyframes, landmarks);
+    forget_doubles(camera, *done.closing, keyframes, landmarks);
     error_px = 1e9;  // old landmarks are to be looked for from far
     ++counts.loops;
   }
