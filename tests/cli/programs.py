@@ -1130,6 +1130,12 @@ def _(programs, folder):
         assert kept() == before, wrong
     programs.refuses(*right, "--calibration", out / "live.json", says=["live.json", "--overwrite would remove it"])
     assert kept() == before
+    # What is wrong with a source is known when its first frame has been looked at.
+    shutil.copytree(folder / "clip", folder / "crooked")
+    for image in (folder / "crooked/right").iterdir():
+        image.write_bytes(png(WIDTH, HEIGHT, lambda x, y: texture(24)(x, y - 14)))
+    programs.refuses(*live(programs, folder, "--overwrite", source="crooked"), says=["crooked", "14 px apart"])
+    assert kept() == before
     programs.succeeds(*right)
 
 
