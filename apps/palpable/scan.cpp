@@ -118,18 +118,19 @@ struct Pass {
 };
 
 // @param pose_of  empty: the camera is followed
+// @param again    the frames of an earlier pass: where that was ended by Ctrl-C, this is not
 Pass play(FrameSource& source, const std::string& name, int most, const PoseOf& pose_of,
-          DepthCamera& camera, Slam& slam) {
+          DepthCamera& camera, Slam& slam, bool again) {
   int total = source.frame_count();
   if (most > 0) total = total > 0 ? std::min(total, most) : most;
-  const std::string label = pose_of ? "scan, along the way as corrected" : "scan";
+  const std::string label = again ? "scan, along the way as corrected" : "scan";
   ProgressBar bar;
   Frame frame;
   SeenFrame seen;
   SourceGuard guard(source);
   StageTimes times;
   Pass pass;
-  while ((most < 0 || pass.read < most) && !asked_to_end()) {
+  while ((most < 0 || pass.read < most) && (again || !asked_to_end())) {
     const FrameStatus status = guard.next(frame);
     for (const std::string& line : guard.take_reports()) {
       bar.finish();
@@ -191,7 +192,7 @@ void scan(const ScanOptions& options) {
   if (!given.empty()) {
     pose_of = [&](int, const SeenFrame& seen) { return pose_at(given, seen.time); };
   }
-  Pass pass = play(*source, options.input.source, options.frames, pose_of, camera, *slam);
+  Pass pass = play(*source, options.input.source, options.frames, pose_of, camera, *slam, false);
   std::vector<KeyframePose> keyframes;
   if (slam->tracker() != nullptr) keyframes = slam->tracker()->keyframes();
   const int loops = slam->tracker() != nullptr ? slam->tracker()->counts().loops : 0;
@@ -205,7 +206,7 @@ void scan(const ScanOptions& options) {
     pass = play(
         *source, options.input.source, pass.read,
         [&](int index, const SeenFrame&) { return poses[static_cast<std::size_t>(index)]; }, camera,
-        *slam);
+        *slam, true);
   }
 
   const SurfaceMap& map = *slam->map();
