@@ -32,10 +32,7 @@ AnchoredScene::AnchoredScene(const SurfaceMap& map, const AnchoredSceneSettings&
 AnchoredScene::Block* AnchoredScene::insert(std::uint64_t key) {
   const int slot = table_.insert(key);
   if (slot == BlockTable::kNone) return nullptr;
-  while (static_cast<std::size_t>(slot) >= kSlab * slabs_.size()) {
-    slabs_.push_back(std::make_unique<Slab>());
-  }
-  Block* block = block_at(slot);
+  Block* block = &store_.take(slot);
   block->distance.fill(kUnknown);
   block->came = 0;
   return block;
@@ -60,7 +57,7 @@ void AnchoredScene::update(const SurfaceMap& map, const FreeSpace& space) {
     const auto from = map.block_in(slot);
     if (!from) continue;
     const int there = table_.find(from->key);
-    Block* block = there != BlockTable::kNone ? block_at(there) : insert(from->key);
+    Block* block = there != BlockTable::kNone ? &store_[there] : insert(from->key);
     if (block == nullptr) continue;  // it has as many blocks as the map: some wait to be given back
     if (there == BlockTable::kNone) {
       const Eigen::Vector3d corner = block_side * BlockTable::place_of(from->key).cast<double>();

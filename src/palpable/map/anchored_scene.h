@@ -17,6 +17,7 @@
 
 #include "palpable/map/block_table.h"
 #include "palpable/map/free_space.h"
+#include "palpable/map/slab_store.h"
 #include "palpable/map/surface_map.h"
 
 #include <Eigen/Core>
@@ -25,8 +26,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <vector>
 
 namespace palpable {
 
@@ -68,27 +67,15 @@ class AnchoredScene {
     std::array<std::int8_t, kVoxelsOfBlock> distance;  // 127 is the truncation
     std::uint8_t came = 0;  // bit x + 2 y + 4 z: that eighth was free before it came into the map
   };
-  [[nodiscard]] Block* block_at(int slot) {
-    const auto i = static_cast<std::size_t>(slot);
-    return &(*slabs_[i / kSlab])[i % kSlab];
-  }
-  [[nodiscard]] const Block* block_at(int slot) const {
-    const auto i = static_cast<std::size_t>(slot);
-    return &(*slabs_[i / kSlab])[i % kSlab];
-  }
   Block* insert(std::uint64_t key);
   void take(const SurfaceMap::BlockView& from, Block& to) const;
-
-  // Memory is taken by slabs when it is first needed.
-  static constexpr std::size_t kSlab = 256;
-  using Slab = std::array<Block, kSlab>;
 
   AnchoredSceneSettings settings_;
   double voxel_;      // m
   float per_m_;       // counts of a distance
   std::int8_t step_;  // counts
   BlockTable table_;
-  std::vector<std::unique_ptr<Slab>> slabs_;
+  SlabStore<Block> store_;
   int round_ = 0;
 };
 
@@ -107,7 +94,7 @@ class AnchoredScene::Reader {
     if (key != last_) {
       last_ = key;
       const int slot = scene_.table_.find(key);
-      block_ = slot == BlockTable::kNone ? nullptr : scene_.block_at(slot);
+      block_ = slot == BlockTable::kNone ? nullptr : &scene_.store_[slot];
     }
     if (block_ != nullptr) {
       // The surface first: at a slanted one rays pass through the very cells in which it lies.

@@ -92,11 +92,7 @@ void SurfaceMap::allocate(const PinholeCamera& camera, const Rigid3& world_from_
 
 SurfaceMap::Block* SurfaceMap::insert(std::uint64_t key) {
   const int slot = table_.insert(key);
-  if (slot == BlockTable::kNone) return nullptr;
-  while (static_cast<std::size_t>(slot) >= kSlab * slabs_.size()) {
-    slabs_.push_back(std::make_unique<Slab>());
-  }
-  return block_at(slot);
+  return slot == BlockTable::kNone ? nullptr : &store_.take(slot);
 }
 
 int SurfaceMap::copy_blocks(int first, int count, SurfaceMap& to) const {
@@ -110,15 +106,15 @@ int SurfaceMap::copy_blocks(int first, int count, SurfaceMap& to) const {
     const std::uint64_t key = table_.key(slot);
     // A block that was given back and came again between two calls may have been copied before.
     const int there = to.table_.find(key);
-    Block* block = there != BlockTable::kNone ? to.block_at(there) : to.insert(key);
-    if (block != nullptr) *block = *block_at(slot);
+    Block* block = there != BlockTable::kNone ? &to.store_[there] : to.insert(key);
+    if (block != nullptr) *block = store_[slot];
   }
   return slot < slots ? slot : capacity();
 }
 
 std::optional<SurfaceMap::BlockView> SurfaceMap::block_in(int slot) const {
   if (slot >= used_slots() || !table_.used(slot)) return std::nullopt;
-  const Block& block = *block_at(slot);
+  const Block& block = store_[slot];
   return BlockView{table_.key(slot), block.distance.data(), block.weight.data()};
 }
 
@@ -236,7 +232,7 @@ void SurfaceMap::fuse(const DepthImage& depth, const PinholeCamera& camera,
     const Eigen::Vector3d corner =
         camera_from_world * (block * BlockTable::place_of(table_.key(slot)).cast<double>());
     if (!may_show(camera, corner + to_centre)) continue;
-    Block& b = *block_at(slot);
+    Block& b = store_[slot];
     const Eigen::Vector3f first = (corner + to_first).cast<float>();
     const float lowest = kernel_->fuse(frame, first.data(), b.distance.data(), b.weight.data());
     if (lowest > nothing_near) {  // no surface in it: it was only passed, or carved
@@ -280,7 +276,7 @@ ColoredSurface SurfaceMap::mesh(double least_weight) const {
   };
 
   for_each_voxel([&](int slot, int i, const Eigen::Vector3i& at) {
-    if (!(block_at(slot)->weight[static_cast<std::size_t>(i)] >= least)) return;
+    if (!(store_[slot].weight[static_cast<std::size_t>(i)] >= least)) return;
     std::array<float, 8> d{};
     int inside = 0;
     for (int c = 0; c < 8; ++c) {
@@ -333,7 +329,7 @@ ColoredSurface SurfaceMap::mesh(double least_weight) const {
   };
   std::vector<Eigen::Vector3i> triangles;
   for_each_voxel([&](int slot, int i, const Eigen::Vector3i& at) {
-    const Block& b = *block_at(slot);
+    const Block& b = store_[slot];
     if (!(b.weight[static_cast<std::size_t>(i)] >= least)) return;
     const float here = b.distance[static_cast<std::size_t>(i)];
     for (int axis = 0; axis < 3; ++axis) {

@@ -13,6 +13,7 @@
 #include "palpable/geometry/surface_mesh.h"
 #include "palpable/map/block_table.h"
 #include "palpable/map/fuse_kernels.h"
+#include "palpable/map/slab_store.h"
 #include "palpable/vision/depth_noise.h"
 
 #include <algorithm>
@@ -21,7 +22,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -117,34 +117,20 @@ class SurfaceMap {
   // A block that is not there yet, its content undefined; null when all are in use.
   Block* insert(std::uint64_t key);
   // All blocks that are in use lie before this slot.
-  [[nodiscard]] int used_slots() const {
-    return std::min(static_cast<int>(kSlab * slabs_.size()), table_.capacity());
-  }
+  [[nodiscard]] int used_slots() const { return std::min(store_.slots(), table_.capacity()); }
   [[nodiscard]] bool may_show(const PinholeCamera& camera, const Eigen::Vector3d& centre) const;
   void paint(Block& block, const Eigen::Vector3f& first, const PinholeCamera& camera,
              const ColorImage& color);
   [[nodiscard]] static std::size_t voxel_index(int x, int y, int z) {
     return static_cast<std::size_t>(x + kVoxelsAcross * (y + kVoxelsAcross * z));
   }
-  [[nodiscard]] Block* block_at(int slot) {
-    const auto i = static_cast<std::size_t>(slot);
-    return &(*slabs_[i / kSlab])[i % kSlab];
-  }
-  [[nodiscard]] const Block* block_at(int slot) const {
-    const auto i = static_cast<std::size_t>(slot);
-    return &(*slabs_[i / kSlab])[i % kSlab];
-  }
-
-  // Memory is taken by slabs when it is first needed.
-  static constexpr std::size_t kSlab = 256;
-  using Slab = std::array<Block, kSlab>;
 
   DepthNoise noise_;
   SurfaceMapSettings settings_;
   double farthest_ = 0;  // settings_.farthest, or where sigma reaches its largest
   const FuseKernel* kernel_;
   BlockTable table_;
-  std::vector<std::unique_ptr<Slab>> slabs_;
+  SlabStore<Block> store_;
   DepthImage taken_;  // the depth that is fused: without what moves
   std::array<std::array<float, kVoxelsOfBlock>, 3> offsets_{};
   std::int64_t refused_ = 0;
@@ -177,7 +163,7 @@ class SurfaceMap::Reader {
     if (key != last_) {
       last_ = key;
       const int slot = map_.table_.find(key);
-      block_ = slot == BlockTable::kNone ? nullptr : map_.block_at(slot);
+      block_ = slot == BlockTable::kNone ? nullptr : &map_.store_[slot];
     }
     return block_;
   }

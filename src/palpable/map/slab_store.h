@@ -1,0 +1,41 @@
+/// @file
+/// The memory behind a BlockTable's slots: taken by slabs when a slot is first used, never moved
+/// and never given back.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace palpable {
+
+template <class Block>
+class SlabStore {
+ public:
+  /// The block of a slot, >= 0; what it held before, or undefined. Takes memory up to it.
+  Block& take(int slot) {
+    while (slot >= slots()) slabs_.push_back(std::make_unique<Slab>());
+    return (*this)[slot];
+  }
+
+  /// Of a slot below slots().
+  [[nodiscard]] Block& operator[](int slot) {
+    const auto i = static_cast<std::size_t>(slot);
+    return (*slabs_[i / kSlab])[i % kSlab];
+  }
+  [[nodiscard]] const Block& operator[](int slot) const {
+    const auto i = static_cast<std::size_t>(slot);
+    return (*slabs_[i / kSlab])[i % kSlab];
+  }
+
+  /// Slots that have memory: [0, slots()).
+  [[nodiscard]] int slots() const { return static_cast<int>(kSlab * slabs_.size()); }
+
+ private:
+  static constexpr std::size_t kSlab = 256;
+  using Slab = std::array<Block, kSlab>;
+  std::vector<std::unique_ptr<Slab>> slabs_;
+};
+
+}  // namespace palpable
