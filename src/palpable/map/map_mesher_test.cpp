@@ -88,5 +88,21 @@ TEST_CASE("a map may change while it is copied; what is new comes with the next 
   CHECK(edge == right_edge(mesh_of(map)));
 }
 
+TEST_CASE("while the thread meshes, the map goes on growing", "[map][map_mesher]") {
+  SurfaceMap map(kNoise);
+  MapMesher mesher({.blocks_per_frame = 1 << 20, .frames_to_mesh = 2});
+  fuse_wall(map, 0);
+  for (int round = 0; round < 2; ++round) {
+    INFO("round " << round);
+    const auto before = sorted(mesh_of(map));
+    CHECK(mesher.advance(map) == nullptr);  // all is copied: the thread is at work
+    fuse_wall(map, 1 + round);
+    CHECK(mesher.advance(map) == nullptr);
+    const MapMesh* mesh = mesher.advance(map);
+    REQUIRE(mesh != nullptr);
+    CHECK((sorted(*mesh) == before));
+  }
+}
+
 }  // namespace
 }  // namespace palpable
