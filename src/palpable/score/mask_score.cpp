@@ -15,7 +15,10 @@ MaskScore& MaskScore::operator+=(const MaskScore& other) {
   return *this;
 }
 
-std::optional<double> MaskScore::iou() const { return share_of(both, truth + found - both); }
+std::optional<double> MaskScore::iou() const {
+  if (truth == 0) return std::nullopt;
+  return share_of(both, truth + found - both);
+}
 std::optional<double> MaskScore::recall() const { return share_of(both, truth); }
 
 MaskScore compare_masks(const GrayImage& truth, std::uint8_t bit, const MaskImage& found) {

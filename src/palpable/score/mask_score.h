@@ -18,7 +18,8 @@ struct MaskScore {
 
   MaskScore& operator+=(const MaskScore& other);
 
-  /// Intersection over union; nothing when neither is set anywhere.
+  /// Intersection over union; nothing when nothing is set in the truth: then it would be 0 for one
+  /// wrong pixel as for a million.
   [[nodiscard]] std::optional<double> iou() const;
   /// Share of the true pixels that were found; nothing when there are none.
   [[nodiscard]] std::optional<double> recall() const;

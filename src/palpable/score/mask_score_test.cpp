@@ -33,11 +33,15 @@ TEST_CASE("frames of a mask add up pixel by pixel", "[score]") {
   CHECK(*sum.iou() == Approx(4.0 / 7.0));
 }
 
-TEST_CASE("where nothing moves, what is found has an overlap of 0 and no recall", "[score]") {
-  const MaskScore nothing = compare_masks(row({0, 2}), 1, row({0, 0}));
+TEST_CASE("where nothing moves in truth there is no overlap and no recall", "[score]") {
+  MaskScore nothing = compare_masks(row({0, 2}), 1, row({0, 0}));
+  nothing += compare_masks(row({0, 2}), 1, row({0, 255}));
+  CHECK(nothing.found == 1);
   CHECK_FALSE(nothing.iou().has_value());
   CHECK_FALSE(nothing.recall().has_value());
-  CHECK(*compare_masks(row({0, 2}), 1, row({0, 255})).iou() == 0);
+  // In a film in which something moves, what is found before counts.
+  nothing += compare_masks(row({1, 2}), 1, row({255, 0}));
+  CHECK(*nothing.iou() == Approx(1.0 / 2.0));
 }
 
 TEST_CASE("masks of other sizes are refused", "[score][errors]") {
