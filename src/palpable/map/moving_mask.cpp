@@ -37,6 +37,12 @@ constexpr int kFewestAlike = 5;
 // And so many beside a tile that looks shaded: it is a dark place of what moves.
 constexpr int kFewestBeside = 3;
 
+// A camera that has not moved for so many frames stands: sooner, one that sways rests.
+constexpr int kToStand = 12;
+
+// While nothing moves, a camera that sways looks at its canvas once in so many frames: to learn.
+constexpr int kQuietEvery = 4;
+
 // The picture is good for a camera that has moved by less than so many pixels of what is so near,
 // m.
 constexpr double kSameView = 0.25;
@@ -53,7 +59,7 @@ bool same_view(const Rigid3& a, const Rigid3& b, const PinholeCamera& camera) {
 }  // namespace
 
 MovingMask::MovingMask(const DepthNoise& noise, const MovingMaskSettings& settings)
-    : noise_(noise), settings_(settings), space_(noise, settings.space) {
+    : noise_(noise), settings_(settings), space_(noise, settings.space), stood_(kToStand) {
   PALPABLE_EXPECT(settings.step > 0 && settings.sigmas >= 0 && settings.same_share > 0,
                   "a tolerance is not negative");
   PALPABLE_EXPECT(settings.grow_px >= 0 && settings.fewest_tiles >= 0 &&
@@ -74,6 +80,9 @@ void MovingMask::resize(const DepthImage& depth) {
   moved_depth_ = DepthImage(width, height);
   ray_depth_ = DepthImage((width + 1) / 2, (height + 1) / 2);
   queue_.reserve(tile_depth_.size());
+  view_ = {GrayImage(depth.width(), depth.height()), Image<TileColor>(width, height),
+           Image<std::uint8_t>(width, height)};
+  drawn_.resize(depth.width(), depth.height(), tile_static_);
 }
 
 // The depth in the middle of each tile; where it is unknown, the first known one of the others
@@ -169,32 +178,50 @@ void MovingMask::label(const Rigid3& world_from_camera, const SurfaceMap* map) {
 // What looks as the scene does is static: a matcher gives the pixels beside a hand the hand's
 // depth, and plain or dark places any. Without a depth, what does not look so is taken for moving.
 void MovingMask::compare_look(const SeenFrame& seen, const Rigid3& world_from_camera) {
-  compared_ = false;
-  if (!settings_.look || !same_view(picture_pose_, world_from_camera, seen.depth_camera)) return;
+  compared_ = nullptr;
+  if (!settings_.look) return;
+  const bool stands = same_view(picture_pose_, world_from_camera, seen.depth_camera);
+  const bool sways = canvas_.stays() && (!stands || stood_ < kToStand);
+  if (!stands && !sways) return;
+  ++compares_;
+  const auto moving = std::count(tile_label_.begin(), tile_label_.end(), kMoving);
+  if (sways && !moved_ && moving < settings_.fewest_tiles && compares_ % kQuietEvery != 0) return;
   for (std::size_t k = 0; k < tile_label_.size(); ++k) {
     tile_static_.data()[k] =
         tile_label_.data()[k] == kStatic && !std::isnan(tile_depth_.data()[k]) ? 1 : 0;
   }
-  compared_ = picture_.compare(seen.left, seen.color, seen.depth.width(), seen.depth.height(),
-                               tile_static_);
-  if (!compared_) return;
+  const int w = seen.depth.width(), h = seen.depth.height();
+  if (sways) {
+    canvas_.draw(world_from_camera, view_);
+    if (drawn_.compare(seen.left, seen.color, w, h, tile_static_, view_)) compared_ = &drawn_;
+  } else if (picture_.compare(seen.left, seen.color, w, h, tile_static_)) {
+    compared_ = &picture_;
+  }
+  if (compared_ == nullptr) return;
+  const StaticPicture& picture = *compared_;
+  const bool starting = !sways && picture.starting();
   const int width = tile_label_.width(), height = tile_label_.height();
   // How many of a tile and its neighbours look so.
-  const auto around = [&](int i, int j, StaticPicture::Look look) {
+  const auto around = [&](int i, int j, auto looks) {
     int count = 0;
     for (int b = std::max(j - 1, 0); b <= std::min(j + 1, height - 1); ++b) {
       for (int a = std::max(i - 1, 0); a <= std::min(i + 1, width - 1); ++a) {
-        count += picture_.tile(a, b) == look ? 1 : 0;
+        count += looks(picture.tile(a, b)) ? 1 : 0;
       }
     }
     return count;
+  };
+  using Look = StaticPicture::Look;
+  const auto is_changed = [](Look look) { return look == StaticPicture::kChanged; };
+  const auto is_scene = [](Look look) {
+    return look == StaticPicture::kSame || look == StaticPicture::kShadow;
   };
   for (int j = 0; j < height; ++j) {
     for (int i = 0; i < width; ++i) {
       std::uint8_t& label = tile_label_(i, j);
       const bool measured = !std::isnan(tile_depth_(i, j));
-      const StaticPicture::Look look = picture_.tile(i, j);
-      if (picture_.starting() && look == StaticPicture::kNothing) {
+      const Look look = picture.tile(i, j);
+      if (starting && look == StaticPicture::kNothing) {
         label = std::min<std::uint8_t>(label, kUnexplained);
       } else if (label == kStatic) {
         // A hand that lies on the scene's surface, if it hangs together with what moves.
@@ -204,15 +231,21 @@ void MovingMask::compare_look(const SeenFrame& seen, const Rigid3& world_from_ca
         const int fewest = look == StaticPicture::kChanged ? 0
                            : look == StaticPicture::kSame  ? kFewestAlike
                                                            : kFewestBeside;
-        if (fewest == 0 || around(i, j, StaticPicture::kChanged) >= fewest) {
+        if (fewest == 0 || around(i, j, is_changed) >= fewest) {
           if (label == kUnknown) label = kChanged;
-        } else if (look == StaticPicture::kSame) {
+        } else if (is_scene(look)) {
           label = kUnknown;
         }
-      } else if ((look == StaticPicture::kSame && around(i, j, look) >= kFewestAlike) ||
-                 (look == StaticPicture::kShadow && picture_.is_plain(i, j))) {
+      } else if ((look == StaticPicture::kSame && around(i, j, is_scene) >= kFewestAlike) ||
+                 (look == StaticPicture::kShadow && picture.is_plain(i, j))) {
         label = kUnknown;
         tile_depth_(i, j) = kNaN;  // it is a neighbour's
+      } else if (label < kChanged || label == kCarried) {
+        // Nothing but a neighbour speaks against it: the scene in the shade, or at its edge.
+        const bool shaded =
+            look == StaticPicture::kShadow ||
+            (look == StaticPicture::kNothing && around(i, j, is_scene) >= kFewestAlike);
+        if (shaded) label = kStatic;
       }
     }
   }
@@ -223,6 +256,7 @@ void MovingMask::compare_look(const SeenFrame& seen, const Rigid3& world_from_ca
 // tiles that continue a group's depth without a jump and lie no deeper than the group does. Where
 // they are many times the group, it is a new part of the scene that something touches: they stay.
 void MovingMask::group() {
+  moved_ = false;
   const int width = tile_label_.width(), height = tile_label_.height();
   std::fill(seen_.begin(), seen_.end(), std::uint8_t{0});
   const auto share = static_cast<float>(settings_.same_share);
@@ -252,6 +286,7 @@ void MovingMask::group() {
     const auto evident = std::count_if(queue_.begin(), queue_.end(), [&](int k) {
       return tile_label_.data()[k] == kMoving || tile_label_.data()[k] == kChanged;
     });
+    moved_ = true;
     double sum = 0, squares = 0, known = 0;
     for (const int k : queue_) {
       const auto Z = static_cast<double>(tile_depth_.data()[k]);
@@ -322,7 +357,14 @@ void MovingMask::draw(const DepthImage& depth) {
         for (int y = y0; y < y1; ++y) std::fill(mask_.row(y) + x0, mask_.row(y) + x1, kOn);
         continue;
       }
-      const bool too_close = std::isnan(tile_depth_(i, j)) && tile_label_(i, j) == kMoving;
+      const bool moves = tile_label_(i, j) == kMoving;
+      const bool measured = !std::isnan(tile_depth_(i, j));
+      const bool too_close = moves && !measured;
+      // Whether a pixel that looks the same is the scene's: in the dark it may be chance, and a
+      // view that may be off by a pixel says less than a depth.
+      const bool by_pixel =
+          compared_ != nullptr &&
+          (!moves || (compared_->tells_pixels(i, j) && !(measured && compared_ == &drawn_)));
       for (int y = y0; y < y1; ++y) {
         for (int x = x0; x < x1; ++x) {
           const float Z = depth(x, y);
@@ -336,9 +378,9 @@ void MovingMask::draw(const DepthImage& depth) {
               value = tile_label_(a, b) == kMoving ? kOn : kOff;
             }
           }
-          if (compared_ && value != kOff) {
-            const StaticPicture::Look look = picture_.pixel(x, y);
-            if (look == StaticPicture::kSame) value = kOff;
+          if (compared_ != nullptr && value != kOff) {
+            const StaticPicture::Look look = compared_->pixel(x, y);
+            if (look == StaticPicture::kSame && by_pixel) value = kOff;
             if (look == StaticPicture::kChanged) value = kOn;
           }
           mask_(x, y) = value;
@@ -423,8 +465,15 @@ void MovingMask::learn(const Rigid3& world_from_camera) {
   if (!same_view(picture_pose_, world_from_camera, depth_camera_)) {
     picture_pose_ = world_from_camera;
     picture_.forget();
-  } else if (compared_) {
-    picture_.learn(seen_, tile_static_);  // seen_: what moves and its neighbours, as drawn
+    stood_ = 0;
+  } else {
+    ++stood_;
+    // seen_: what moves and its neighbours, as drawn
+    if (compared_ == &picture_) picture_.learn(seen_, tile_static_);
+  }
+  canvas_.follow(depth_camera_, world_from_camera);
+  if (compared_ == &drawn_) {
+    canvas_.learn(world_from_camera, drawn_, tile_depth_, tile_static_, seen_);
   }
   for (int j = 0; j < ray_depth_.height(); ++j) {
     for (int i = 0; i < ray_depth_.width(); ++i) {

@@ -10,6 +10,7 @@
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/map/free_space.h"
+#include "palpable/map/scene_canvas.h"
 #include "palpable/map/static_picture.h"
 #include "palpable/map/surface_map.h"
 #include "palpable/vision/depth_camera.h"
@@ -38,7 +39,8 @@ struct MovingMaskSettings {
   bool look = true;             ///< false: depth alone decides, to see what the picture is worth
 };
 
-/// Keeps the free space, and a picture of the scene while the camera stands (static_picture.h). All
+/// Keeps the free space, and a picture of the scene while the camera stands or sways
+/// (static_picture.h, scene_canvas.h). All
 /// memory is taken when it is made and at the first frame.
 class MovingMask {
  public:
@@ -52,8 +54,8 @@ class MovingMask {
   ///    moves: nothing static comes nearer to a hand-held camera than 0.12 m.
   /// 2. What nothing explains moves when it hangs together in depth with what moves: a hand that
   ///    reaches into space which was not seen before.
-  ///    While the camera stands, a tile that looks as the scene does is static whatever its depth,
-  ///    and one without depth that does not moves.
+  ///    While the camera stands or sways, a tile that looks as the scene does is static whatever
+  ///    its depth, and one without depth that does not moves.
   /// 3. Pixels take over from the tile around them whose depth is most like theirs, so the mask
   ///    follows depth edges. Holes inside move too; at the left border of near things, which the
   ///    right eye sees instead of what lies behind, unknown pixels are the background's.
@@ -99,10 +101,16 @@ class MovingMask {
   std::vector<int> open_;  // pixels that are not decided yet
   MaskImage above_, below_;
 
-  StaticPicture picture_;
+  StaticPicture picture_;                     // of a camera that stands
   Rigid3 picture_pose_ = Rigid3::Identity();  // from where it was taken
-  bool compared_ = false;                     // this frame with it
-  Image<std::uint8_t> tile_static_;           // not 0: the tile's depth is the scene's
+  int stood_;                                 // frames since it was begun
+  SceneCanvas canvas_;                        // of one that sways
+  StaticPicture drawn_;                       // the canvas as this frame should show it
+  PictureView view_;
+  bool moved_ = false;                       // something, in the last frame
+  int compares_ = 0;                         // frames in which it stood or swayed
+  const StaticPicture* compared_ = nullptr;  // with which of them this frame was, if with any
+  Image<std::uint8_t> tile_static_;          // not 0: the tile's depth is the scene's
 };
 
 }  // namespace palpable

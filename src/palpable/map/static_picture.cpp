@@ -10,7 +10,6 @@ namespace {
 
 constexpr int kTile = 4;      // px
 constexpr int kPixels = 16;   // of a tile
-constexpr int kUnit = 512;    // of the gain
 constexpr int kSteps = 4096;  // of the histograms
 // Tiles that are nearly black or clipped say nothing about the gain.
 constexpr int kDarkest = 4 * kPixels, kBrightest = 240 * kPixels;
@@ -28,7 +27,14 @@ constexpr int kFollowEvery = 4, kColorEvery = 32;
 constexpr double kFourOfD = 4.24, kThreeOfY = 5.3;
 constexpr int kLightShare = 32;
 constexpr int kDarkestShadow = 40;  // %: darker things are things
-constexpr double kHue = 0.07;       // share; the sky's light against sun and sky: 0.04 and 0.06
+
+// How far the hue of a shadow is off: so much of (1 - L) / L, and at most (static_picture.h).
+constexpr double kSunAndSky = 0.14, kHue = 0.11;
+// A tile's colour is eight pixels of the full picture, of twice the deviation of the half one's.
+constexpr double kOfColor = 2 * 1.25 / 2.83;  // m
+constexpr int kLargestSquare = 2;             // tiles to each side
+// Two tiles' means of Y - g P differ by less than three deviations, m.
+constexpr double kAlike = 1.9;
 
 void halve_rows(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t* half, int width) {
   for (int x = 0; x < width; ++x) {
@@ -86,8 +92,9 @@ void StaticPicture::forget() {
 
 void StaticPicture::resize(int width, int height, const Image<std::uint8_t>& tiles) {
   if (now_.width() == width && now_.height() == height) return;
-  now_ = picture_ = difference_ = GrayImage(width, height);
-  look_ = sure_ = Image<std::uint8_t>(tiles.width(), tiles.height());
+  now_ = picture_ = difference_ = least_ = largest_ = GrayImage(width, height);
+  look_ = sure_ = colored_ = tried_ = Image<std::uint8_t>(tiles.width(), tiles.height());
+  queue_.reserve(look_.size());
   sum_now_ = sum_then_ = sum_difference_ = strange_ =
       Image<std::uint16_t>(tiles.width(), tiles.height());
   colors_ = colors_now_ = Image<TileColor>(tiles.width(), tiles.height());
@@ -100,13 +107,40 @@ void StaticPicture::resize(int width, int height, const Image<std::uint8_t>& til
 
 bool StaticPicture::compare(const GrayImage& luma, const ColorImage& color, int width, int height,
                             const Image<std::uint8_t>& is_static) {
+  if (!halve(luma, color, width, height, is_static)) return false;
+  find_gain(is_static);
+  find_differences();
+  find_noise(is_static);
+  find_looks(color);
+  spread_changes(color, is_static);
+  return true;
+}
+
+bool StaticPicture::compare(const GrayImage& luma, const ColorImage& color, int width, int height,
+                            const Image<std::uint8_t>& is_static, const PictureView& view) {
+  if (!halve(luma, color, width, height, is_static)) return false;
+  take_view(view);
+  gain_ = view_gain_;
+  find_gain(is_static);
+  view_gain_ = gain_;
+  take_nearest();
+  find_differences();
+  find_noise(is_static);
+  find_looks(color);
+  spread_changes(color, is_static);
+  return true;
+}
+
+// The frame's luma at the depth's size, and its tiles.
+bool StaticPicture::halve(const GrayImage& luma, const ColorImage& color, int width, int height,
+                          const Image<std::uint8_t>& tiles) {
   const int factor = width > 0 ? luma.width() / width : 0;
   if (factor < 1 || factor > 2 || luma.height() / factor != height ||
       color.width() != luma.width() || color.height() != luma.height()) {
     return false;
   }
   factor_ = factor;
-  resize(width, height, is_static);
+  resize(width, height, tiles);
   for (int j = 0; j < rows_; ++j) {
     std::fill(columns_.begin(), columns_.end(), std::uint16_t{0});
     for (int y = kTile * j; y < kTile * j + kTile; ++y) {
@@ -119,11 +153,62 @@ bool StaticPicture::compare(const GrayImage& luma, const ColorImage& color, int 
     }
     sums_of(columns_.data(), sum_now_.row(j), tiles_);
   }
-  find_gain(is_static);
-  find_differences();
-  find_noise(is_static);
-  find_looks(color);
   return true;
+}
+
+void StaticPicture::take_view(const PictureView& view) {
+  const int width = now_.width();
+  for (int j = 0; j < rows_; ++j) {
+    std::fill(columns_.begin(), columns_.end(), std::uint16_t{0});
+    for (int y = kTile * j; y < kTile * j + kTile; ++y) {
+      std::copy_n(view.luma.row(y), width, picture_.row(y));
+      add_row(view.luma.row(y), columns_.data(), width);
+    }
+    sums_of(columns_.data(), sum_then_.row(j), tiles_);
+    for (int i = 0; i < tiles_; ++i) {
+      sure_(i, j) = static_cast<std::uint8_t>(view.known(i, j) != 0 ? trust_ : 0);
+      colors_(i, j) = view.colors(i, j);
+    }
+  }
+}
+
+// The picture, with the gain in it, becomes what lies nearest to Y within a pixel of it; the gain
+// is then 1.
+void StaticPicture::take_nearest() {
+  const int width = now_.width(), height = kTile * rows_;
+  for (int y = 0; y < height; ++y) {
+    if (gain_ != kUnit) {
+      scale_row(picture_.row(y), static_cast<std::uint16_t>(gain_), scaled_.data(), width);
+      std::copy_n(scaled_.data(), width, picture_.row(y));
+    }
+    const std::uint8_t* p = picture_.row(y);
+    std::uint8_t *low = least_.row(y), *high = largest_.row(y);
+    low[0] = high[0] = p[0];
+    low[width - 1] = high[width - 1] = p[width - 1];
+    for (int x = 1; x < width - 1; ++x) {
+      low[x] = std::min(std::min(p[x - 1], p[x]), p[x + 1]);
+      high[x] = std::max(std::max(p[x - 1], p[x]), p[x + 1]);
+    }
+  }
+  gain_ = kUnit;
+  for (int j = 0; j < rows_; ++j) {
+    std::fill(columns_.begin(), columns_.end(), std::uint16_t{0});
+    for (int y = kTile * j; y < kTile * j + kTile; ++y) {
+      const int above = std::max(y - 1, 0), below = std::min(y + 1, height - 1);
+      const std::uint8_t *l0 = least_.row(above), *l1 = least_.row(y), *l2 = least_.row(below);
+      const std::uint8_t *h0 = largest_.row(above), *h1 = largest_.row(y),
+                         *h2 = largest_.row(below);
+      const std::uint8_t* seen = now_.row(y);
+      std::uint8_t* p = picture_.row(y);
+      for (int x = 0; x < width; ++x) {
+        const std::uint8_t low = std::min(std::min(l0[x], l1[x]), l2[x]);
+        const std::uint8_t high = std::max(std::max(h0[x], h1[x]), h2[x]);
+        p[x] = std::min(std::max(seen[x], low), high);
+      }
+      add_row(p, columns_.data(), width);
+    }
+    sums_of(columns_.data(), sum_then_.row(j), tiles_);
+  }
 }
 
 void StaticPicture::find_gain(const Image<std::uint8_t>& is_static) {
@@ -190,22 +275,22 @@ void StaticPicture::find_looks(const ColorImage& color) {
     same_pixel_ = sum_of(9, m * (1 + kFourOfD / 3) + 0.5);
     changed_pixel_ = sum_of(9, m * (1 + 2 * kFourOfD / 3) + 0.5);
   }
+  std::fill(colored_.begin(), colored_.end(), std::uint8_t{0});
   for (int j = 0; j < rows_; ++j) {
     const bool refresh = (frame_ + 1 + j) % kColorEvery == 0;  // learn() takes it
     for (int i = 0; i < tiles_; ++i) {
       const bool known = sure_(i, j) >= trust_;
-      if (!known || refresh) colors_now_(i, j) = color_of(color, i, j);
+      if (!known || refresh || strange_(i, j) + 1 >= settings_.frames_to_renew) {
+        see_color(color, i, j);
+      }
       look_(i, j) = kNothing;
       if (!known || !measured) continue;
-      const int now = sum_now_(i, j), foretold = sum_then_(i, j) * gain_ / kUnit;
-      const int d = sum_difference_(i, j), mean = std::abs(now - foretold);
-      const int light = foretold / kLightShare;
+      const int now = sum_now_(i, j), then = foretold(i, j);
+      const int d = sum_difference_(i, j), mean = std::abs(now - then);
+      const int light = then / kLightShare;
       if (d > changed + light || mean > changed_mean + light) {
-        const bool dim = now < foretold && 100 * now >= kDarkestShadow * foretold;
-        if (dim || strange_(i, j) + 1 >= settings_.frames_to_renew) {
-          colors_now_(i, j) = color_of(color, i, j);
-        }
-        look_(i, j) = dim && has_hue_of_scene(i, j, foretold) ? kShadow : kChanged;
+        const bool dim = now < then && 100 * now >= kDarkestShadow * then;
+        look_(i, j) = dim && has_hue_of_scene(square_of(color, i, j), 0.5, 0) ? kShadow : kChanged;
       } else if (d <= same + light / 2 && mean <= same_mean + light / 4) {
         look_(i, j) = kSame;
       }
@@ -213,8 +298,46 @@ void StaticPicture::find_looks(const ColorImage& color) {
   }
 }
 
+// From changed tiles to their neighbours that look the same by chance.
+void StaticPicture::spread_changes(const ColorImage& color, const Image<std::uint8_t>& is_static) {
+  if (noise_ < 0) return;
+  queue_.clear();
+  for (int j = 0; j < rows_; ++j) {
+    for (int i = 0; i < tiles_; ++i) {
+      if (look_(i, j) == kChanged) queue_.push_back(j * tiles_ + i);
+    }
+  }
+  std::fill(tried_.begin(), tried_.end(), std::uint8_t{0});
+  for (std::size_t head = 0; head < queue_.size(); ++head) {
+    const int i = queue_[head] % tiles_, j = queue_[head] / tiles_;
+    for (int b = std::max(j - 1, 0); b <= std::min(j + 1, rows_ - 1); ++b) {
+      for (int a = std::max(i - 1, 0); a <= std::min(i + 1, tiles_ - 1); ++a) {
+        if (look_(a, b) >= kShadow || tried_(a, b) != 0 || sure_(a, b) < trust_ ||
+            is_static(a, b) != 0) {
+          continue;
+        }
+        tried_(a, b) = 1;
+        const Square square = square_of(color, a, b);
+        const auto is_scene = [&](double bounds) {
+          return has_mean_of_scene(square, bounds) &&
+                 has_hue_of_scene(square, bounds, bounds / kLightShare);
+        };
+        if (is_scene(square.alone ? 1 : 0.5)) continue;
+        look_(a, b) = is_scene(1) ? kNothing : kChanged;
+        queue_.push_back(b * tiles_ + a);
+      }
+    }
+  }
+}
+
+void StaticPicture::see_color(const ColorImage& color, int i, int j) {
+  if (colored_(i, j) != 0) return;
+  colored_(i, j) = 1;
+  colors_now_(i, j) = color_of(color, i, j);
+}
+
 // Over eight pixels that lie in all rows and columns.
-StaticPicture::TileColor StaticPicture::color_of(const ColorImage& color, int i, int j) const {
+TileColor StaticPicture::color_of(const ColorImage& color, int i, int j) const {
   TileColor sum;
   for (int k = 0; k < 8; ++k) {
     const int x = factor_ == 1 ? k % 4 : (3 * k) % 8;
@@ -227,12 +350,58 @@ StaticPicture::TileColor StaticPicture::color_of(const ColorImage& color, int i,
   return sum;
 }
 
-// Whether red : green and blue : green are the picture's.
-bool StaticPicture::has_hue_of_scene(int i, int j, int foretold) const {
-  const TileColor &now = colors_now_(i, j), &then = colors_(i, j);
-  const double share = std::min(kHue + kPixels * noise_ / std::max(foretold, 1), 1.5 * kHue);
-  const auto alike = [&](int a, int b) { return std::abs(a - b) <= share * b; };
-  return alike(now.r * then.g, now.g * then.r) && alike(now.b * then.g, now.g * then.b);
+// Two deviations of the mean of a tile's channel, of now and then; 1/2: whole numbers.
+double StaticPicture::color_noise() const { return 2 * std::sqrt(2.0) * kOfColor * noise_ + 0.5; }
+
+StaticPicture::Square StaticPicture::square_of(const ColorImage& color, int i, int j) {
+  const double now = sum_now_(i, j), then = std::max(foretold(i, j), 1);
+  const double light = then / kLightShare;
+  // The noise of the hue falls with the square's side.
+  const double side = kPixels * std::sqrt(2.0) * color_noise() / light;
+  const int reach = std::clamp(static_cast<int>(std::ceil((side - 1) / 2)), 0, kLargestSquare);
+  const double alike = (kPixels * (kAlike * noise_ + 0.5) + light) / then;
+  Square square;
+  square.alone = reach == 0;
+  for (int b = std::max(j - reach, 0); b <= std::min(j + reach, rows_ - 1); ++b) {
+    for (int a = std::max(i - reach, 0); a <= std::min(i + reach, tiles_ - 1); ++a) {
+      if (sure_(a, b) < trust_) continue;
+      const int foretold_here = std::max(foretold(a, b), 1);
+      if (std::abs(sum_now_(a, b) / static_cast<double>(foretold_here) - now / then) > alike) {
+        continue;
+      }
+      see_color(color, a, b);
+      const TileColor &c = colors_now_(a, b), &p = colors_(a, b);
+      ++square.tiles;
+      square.now += sum_now_(a, b);
+      square.foretold += foretold_here;
+      square.color_now = {square.color_now[0] + c.r, square.color_now[1] + c.g,
+                          square.color_now[2] + c.b};
+      square.color_then = {square.color_then[0] + p.r, square.color_then[1] + p.g,
+                           square.color_then[2] + p.b};
+    }
+  }
+  return square;
+}
+
+// `bounds`: 1 for what has changed, 0.5 for what is the same.
+bool StaticPicture::has_mean_of_scene(const Square& s, double bounds) const {
+  const double n = s.tiles, mean = std::abs(s.now - s.foretold) / (kPixels * n);
+  const double light = s.foretold / (kPixels * n * kLightShare);
+  return mean <= bounds * (noise_ * 2 * kThreeOfY / (4 * std::sqrt(n)) + light) + 0.5;
+}
+
+// Whether red : green and blue : green are the picture's. `light`: share that a hand throws back.
+bool StaticPicture::has_hue_of_scene(const Square& s, double bounds, double light) const {
+  const double L = s.now / static_cast<double>(s.foretold);
+  const double shade = L < 1 ? std::min(kSunAndSky * (1 - L) / L, kHue) : 0.0;
+  const double pixels = 8.0 * s.tiles, level = bounds * color_noise() / std::sqrt(s.tiles);
+  const auto alike = [&](std::size_t part) {
+    const double now = s.color_now[part], green = std::max(s.color_now[1], 1);
+    const double then = s.color_then[part], green_then = s.color_then[1];
+    const double noise = level * pixels * std::hypot(1 / std::max(now, 1.0), 1 / green);
+    return std::abs(now * green_then - green * then) <= (shade + light + noise) * green * then;
+  };
+  return alike(0) && alike(2);
 }
 
 StaticPicture::Look StaticPicture::pixel(int x, int y) const {
@@ -248,6 +417,10 @@ StaticPicture::Look StaticPicture::pixel(int x, int y) const {
   const int light = 9 * picture_(x, y) * gain_ / kUnit / kLightShare;
   if (sum <= same_pixel_ + light / 2) return kSame;
   return sum > changed_pixel_ + light && look_(i, j) != kShadow ? kChanged : kNothing;
+}
+
+bool StaticPicture::tells_pixels(int i, int j) const {
+  return kPixels * same_pixel_ <= 9 * 2 * foretold(i, j) / kLightShare;
 }
 
 bool StaticPicture::is_plain(int i, int j) const {
@@ -294,7 +467,7 @@ void StaticPicture::learn(const Image<std::uint8_t>& moves, const Image<std::uin
       } else if (sure < trust_) {
         sure = static_cast<std::uint8_t>(std::min(sure + (quiet ? kQuietCounts : 1), trust_));
       } else if (look_(i, j) >= kShadow) {
-        const bool scene = quiet && is_static(i, j) != 0;
+        const bool scene = quiet && is_static(i, j) != 0 && look_(i, j) != kShadow;
         if (++strange >= (scene ? settings_.frames_to_renew : settings_.frames_to_settle)) {
           take_over(i, j);
         }

@@ -139,6 +139,100 @@ TEST_CASE("a shadow is told from a thing that is as dark", "[map][static_picture
   CHECK(watch.count(Look::kShadow, false) + watch.count(Look::kChanged, false) == 0);
 }
 
+// Light `level` and noise of a bright and of a dark room.
+struct Room {
+  double level, noise;
+};
+constexpr std::array<Room, 2> kRooms{{{1.0, 0.7}, {0.2, 2.0}}};
+
+TEST_CASE("a thing is told by its hue where its shading passes through the scene's level",
+          "[map][static_picture]") {
+  unsigned seed = 60;
+  for (const Room& room : kRooms) {
+    INFO("level " << room.level);
+    Camera camera(seed++, room.noise);
+    for (double& value : camera.scene) value *= room.level;
+    Watch watch;
+    watch.learn(camera, 40);
+    camera.see([&](int x, int y, auto& light) {
+      if (!Watch::in_thing(x, y)) return;
+      if (x < 36) {
+        for (double& part : light) part *= 1.6;
+      } else {
+        light[2] *= 1.25;  // 2 % of the luma
+      }
+    });
+    watch.compare(camera);
+    CHECK(watch.count(Look::kChanged, true) == kInside / 2);  // its depth is the scene's
+    for (int j = 0; j < kRows; ++j) {
+      for (int i = 0; i < kTiles; ++i) {
+        if (Watch::in_thing(4 * i, 4 * j)) watch.all(i, j) = 0;
+      }
+    }
+    watch.compare(camera);
+    CHECK(watch.count(Look::kChanged, true) == kInside);
+    CHECK(watch.count(Look::kChanged, false) == 0);
+  }
+}
+
+TEST_CASE("a shadow is told from a thing in the dark, and does not stay in the picture",
+          "[map][static_picture]") {
+  unsigned seed = 70;
+  for (const Room& room : kRooms) {
+    INFO("level " << room.level);
+    Camera camera(seed++, room.noise);
+    for (double& value : camera.scene) value *= room.level;
+    Watch watch;
+    watch.learn(camera, 40);
+    // The sun's share of red, green and blue.
+    const auto shade = [&](int x, int y, auto& light) {
+      if (Watch::in_thing(x, y)) light = {0.58 * light[0], 0.6 * light[1], 0.63 * light[2]};
+    };
+    for (int k = 0; k < 60; ++k) {
+      camera.see(shade);
+      watch.compare(camera);
+      watch.picture.learn(watch.none, watch.all);
+    }
+    CHECK(watch.count(Look::kShadow, true) == kInside);
+    camera.see();
+    watch.compare(camera);
+    CHECK(watch.count(Look::kChanged, true) + watch.count(Look::kChanged, false) == 0);
+  }
+}
+
+TEST_CASE("a view may be off by a pixel, a thing may not", "[map][static_picture]") {
+  Camera camera(80);
+  Watch watch;
+  PictureView view{GrayImage(kWidth, kHeight), Image<TileColor>(kTiles, kRows),
+                   Image<std::uint8_t>(kTiles, kRows, 1)};
+  const auto compare = [&] {
+    return watch.picture.compare(camera.luma, camera.color, kWidth, kHeight, watch.all, view);
+  };
+  camera.see();
+  view.known = watch.none;
+  REQUIRE(compare());
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      view.luma(x, y) = watch.picture.luma()(std::max(x - 1, 0), std::min(y + 1, kHeight - 1));
+    }
+  }
+  for (int j = 0; j < kRows; ++j) {
+    for (int i = 0; i < kTiles; ++i) view.colors(i, j) = *watch.picture.color(i, j);
+  }
+  view.known = watch.all;
+  for (const double gain : {1.0, 0.7}) {
+    INFO("gain " << gain);
+    camera.see([&](int x, int y, auto& light) {
+      if (Watch::in_thing(x, y)) light = {200, 150, 140};
+      for (double& part : light) part *= gain;
+    });
+    REQUIRE(compare());
+    CHECK(watch.count(Look::kChanged, true) == kInside);
+    CHECK(watch.count(Look::kSame, false) >=
+          test::tolerance(0.98, "bounds of three and four deviations") * kOutside);
+  }
+}
+
 TEST_CASE("what moves is not learnt, what stays is after a while", "[map][static_picture]") {
   Camera camera(30);
   Watch watch;
