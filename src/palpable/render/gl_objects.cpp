@@ -151,6 +151,18 @@ Result<GlProgram> GlProgram::make(std::span<const ShaderFile> files, std::string
       fmt::format("{} and {} do not link: {}", vertex, fragment, readable_log(log.c_str(), {}))};
 }
 
+Result<std::vector<GlProgram>> make_programs(std::span<const ShaderFile> files,
+                                             std::span<const ProgramSource> sources) {
+  std::vector<GlProgram> programs;
+  for (const ProgramSource& source : sources) {
+    Result<GlProgram> program =
+        GlProgram::make(files, source.vertex, source.fragment, source.defines);
+    if (!program.ok()) return program.problem();
+    programs.push_back(std::move(program).value());
+  }
+  return programs;
+}
+
 GLint GlProgram::location(const char* uniform) const {
   const GLint found = glGetUniformLocation(get(), uniform);
   PALPABLE_EXPECT(found >= 0, fmt::format("the program has the uniform {}", uniform).c_str());
@@ -181,6 +193,11 @@ void GlProgram::set(const char* uniform, std::span<const Eigen::Vector4f> values
   if (values.empty()) return;
   glProgramUniform4fv(get(), location(uniform), static_cast<GLsizei>(values.size()),
                       values.front().data());
+}
+void GlProgram::set(const char* uniform, std::span<const Eigen::Matrix3f> values) const {
+  if (values.empty()) return;
+  glProgramUniformMatrix3fv(get(), location(uniform), static_cast<GLsizei>(values.size()), GL_FALSE,
+                            values.front().data());
 }
 
 GlBuffer::GlBuffer() {

@@ -14,6 +14,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace palpable {
 
@@ -78,12 +79,23 @@ class GlProgram {
   void set(const char* uniform, const Eigen::Matrix3f& value) const;
   void set(const char* uniform, const Eigen::Matrix4f& value) const;
   void set(const char* uniform, std::span<const Eigen::Vector4f> values) const;
+  void set(const char* uniform, std::span<const Eigen::Matrix3f> values) const;
 
  private:
   explicit GlProgram(GLuint name) : name_(name) {}
   [[nodiscard]] GLint location(const char* uniform) const;
   detail::GlName<detail::delete_program> name_;
 };
+
+/// What GlProgram::make is told besides the files.
+struct ProgramSource {
+  std::string_view vertex, fragment;
+  std::string_view defines = {};
+};
+
+/// A program for each of `sources`, in their order; or the first problem.
+[[nodiscard]] Result<std::vector<GlProgram>> make_programs(std::span<const ShaderFile> files,
+                                                           std::span<const ProgramSource> sources);
 
 /// A buffer that grows and never shrinks.
 class GlBuffer {

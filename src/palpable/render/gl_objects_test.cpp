@@ -102,6 +102,30 @@ TEST_CASE("a shader that does not compile is reported with its file and line", "
   CHECK(message("gone.frag", "").find("gone.frag") != std::string::npos);
 }
 
+TEST_CASE("programs are made in their order, and the first problem is all that comes back",
+          "[render]") {
+  Result<GlContext> context = GlContext::offscreen();
+  if (!context.ok()) PALPABLE_SKIP(context.problem().message);
+  const std::array<ShaderFile, 2> files{
+      ShaderFile{"full.vert", kVertex},
+      ShaderFile{"plain.frag",
+                 "#version 450 core\nuniform float KEY;\nout vec4 c;\nvoid main() { c = vec4(KEY); "
+                 "}\n"}};
+  std::array<ProgramSource, 2> sources{
+      ProgramSource{"full.vert", "plain.frag", "#define KEY one\n"},
+      ProgramSource{"full.vert", "plain.frag"}};
+  const Result<std::vector<GlProgram>> made = make_programs(files, sources);
+  REQUIRE(made.ok());
+  REQUIRE(made.value().size() == 2);
+  made.value()[0].set("one", 1.0F);
+  made.value()[1].set("KEY", 1.0F);
+  sources[0].fragment = "gone.frag";
+  sources[1].fragment = "lost.frag";
+  const Result<std::vector<GlProgram>> none = make_programs(files, sources);
+  REQUIRE_FALSE(none.ok());
+  CHECK(none.problem().message.find("gone.frag") != std::string::npos);
+}
+
 TEST_CASE("an include that is missing is reported with the line that asks for it", "[render]") {
   const std::array<ShaderFile, 2> files{
       ShaderFile{"full.vert", kVertex},

@@ -61,11 +61,12 @@ std::span<const float> floats_in(const Eigen::Matrix3Xf& m) {
 }  // namespace
 
 struct MapRenderer::State {
-  State(GlProgram surface_, GlProgram line_, GlProgram point_, GlProgram body_)
-      : surface(std::move(surface_)),
-        line(std::move(line_)),
-        point(std::move(point_)),
-        body(std::move(body_)) {
+  /// @param programs  in the order of kSources
+  explicit State(std::vector<GlProgram> programs)
+      : surface(std::move(programs[0])),
+        line(std::move(programs[1])),
+        point(std::move(programs[2])),
+        body(std::move(programs[3])) {
     constexpr int kFloat = sizeof(float);
     for (const int i : {0, 1, 2}) {
       room.floats(static_cast<GLuint>(i), room_vertices, 3, 9 * kFloat, 3 * i * kFloat);
@@ -101,18 +102,13 @@ MapRenderer& MapRenderer::operator=(MapRenderer&&) noexcept = default;
 MapRenderer::~MapRenderer() = default;
 
 Result<MapRenderer> MapRenderer::make() {
-  const auto program = [](std::string_view vertex, std::string_view fragment) {
-    return GlProgram::make(render_shader_files(), vertex, fragment);
-  };
-  Result<GlProgram> surface = program("map_surface.vert", "map_surface.frag");
-  Result<GlProgram> line = program("map_line.vert", "map_line.frag");
-  Result<GlProgram> point = program("dot.vert", "dot.frag");
-  Result<GlProgram> body = program("body.vert", "body.frag");
-  for (const Result<GlProgram>* made : {&surface, &line, &point, &body}) {
-    if (!made->ok()) return made->problem();
-  }
-  return MapRenderer(std::make_unique<State>(std::move(surface).value(), std::move(line).value(),
-                                             std::move(point).value(), std::move(body).value()));
+  constexpr std::array<ProgramSource, 4> kSources = {{{"map_surface.vert", "map_surface.frag"},
+                                                      {"map_line.vert", "map_line.frag"},
+                                                      {"dot.vert", "dot.frag"},
+                                                      {"body.vert", "body.frag"}}};
+  Result<std::vector<GlProgram>> made = make_programs(render_shader_files(), kSources);
+  if (!made.ok()) return made.problem();
+  return MapRenderer(std::make_unique<State>(std::move(made).value()));
 }
 
 void MapRenderer::set_surface(const MapSurface& surface) {

@@ -175,20 +175,17 @@ SceneRenderer& SceneRenderer::operator=(SceneRenderer&&) noexcept = default;
 SceneRenderer::~SceneRenderer() = default;
 
 Result<SceneRenderer> SceneRenderer::make() {
-  const auto program = [](std::string_view vertex, std::string_view fragment) {
-    return GlProgram::make(render_shader_files(), vertex, fragment);
-  };
-  Result<GlProgram> body = program("body.vert", "body.frag");
-  Result<GlProgram> dot = program("dot.vert", "dot.frag");
-  Result<GlProgram> shadow = program("shadow.vert", "shadow.frag");
-  Result<GlProgram> compose = program("full_screen.vert", "compose.frag");
-  for (const Result<GlProgram>* made : {&body, &dot, &shadow, &compose}) {
-    if (!made->ok()) return made->problem();
-  }
-  auto state = std::unique_ptr<State>(new State{.body_program = std::move(body).value(),
-                                                .dot_program = std::move(dot).value(),
-                                                .shadow_program = std::move(shadow).value(),
-                                                .compose_program = std::move(compose).value(),
+  constexpr std::array<ProgramSource, 4> kSources = {{{"body.vert", "body.frag"},
+                                                      {"dot.vert", "dot.frag"},
+                                                      {"shadow.vert", "shadow.frag"},
+                                                      {"full_screen.vert", "compose.frag"}}};
+  Result<std::vector<GlProgram>> made = make_programs(render_shader_files(), kSources);
+  if (!made.ok()) return made.problem();
+  std::vector<GlProgram> programs = std::move(made).value();
+  auto state = std::unique_ptr<State>(new State{.body_program = std::move(programs[0]),
+                                                .dot_program = std::move(programs[1]),
+                                                .shadow_program = std::move(programs[2]),
+                                                .compose_program = std::move(programs[3]),
                                                 .triangle = {},
                                                 .no_inputs = {},
                                                 .buffers = {},
