@@ -8,6 +8,10 @@
 #include "palpable/render/gl_objects.h"
 #include "palpable/synth/desk_scene.h"
 #include "palpable/synth/lens.h"
+#include "palpable/synth/light_box.h"
+#include "palpable/synth/seen_box.h"
+
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <array>
@@ -19,37 +23,6 @@
 
 namespace palpable {
 
-/// A rectangle of pixels.
-struct Box {
-  int x = 0, y = 0, width = 0, height = 0;
-  [[nodiscard]] Box cut(const Box& other) const {
-    const int x0 = std::max(x, other.x);
-    const int y0 = std::max(y, other.y);
-    return {x0, y0, std::max(0, std::min(x + width, other.x + other.width) - x0),
-            std::max(0, std::min(y + height, other.y + other.height) - y0)};
-  }
-  [[nodiscard]] bool empty() const { return width <= 0 || height <= 0; }
-};
-
-/// The smallest rectangle round both.
-[[nodiscard]] inline Box around(const Box& a, const Box& b) {
-  if (a.empty()) return b;
-  if (b.empty()) return a;
-  const int x0 = std::min(a.x, b.x), y0 = std::min(a.y, b.y);
-  return {x0, y0, std::max(a.x + a.width, b.x + b.width) - x0,
-          std::max(a.y + a.height, b.y + b.height) - y0};
-}
-
-/// What of `all` lies outside of `part`, which lies in it: above, below, left, right.
-[[nodiscard]] inline std::array<Box, 4> beside(const Box& all, const Box& part) {
-  if (part.empty()) return {all, Box{}, Box{}, Box{}};
-  const int right = part.x + part.width, below = part.y + part.height;
-  return {Box{all.x, all.y, all.width, part.y - all.y},
-          Box{all.x, below, all.width, all.y + all.height - below},
-          Box{all.x, part.y, part.x - all.x, part.height},
-          Box{right, part.y, all.x + all.width - right, part.height}};
-}
-
 /// Triangles on the GPU, as they are when an exposure begins and when it ends.
 struct GpuMesh {
   GlBuffer vertices, last_vertices, indices;
@@ -58,6 +31,7 @@ struct GpuMesh {
   int image = 0;
   float gloss = 0, sharpness = 1;
   bool in_shadows = true;
+  bool is_desk_top = false;  // all at height 0
 
   GpuMesh() {
     static_assert(kStride == 12 * sizeof(float));
@@ -101,6 +75,9 @@ struct GpuMesh {
     gloss = mesh.gloss;
     sharpness = mesh.sharpness;
     in_shadows = mesh.in_shadows;
+    is_desk_top =
+        in_shadows && std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                                  [](const PaintedVertex& v) { return v.position.z() == 0.0F; });
   }
 };
 
@@ -108,12 +85,19 @@ struct GpuMesh {
 struct ShadowMap {
   GlTexture depth;
   GlFramebuffer target;
+  /// 0..1 across the map, z too, from the desk frame.
   Eigen::Matrix4d light;
+  /// How much light reaches the desk's top, 0..1, where the map sees it.
+  GlTexture top;
+  GlFramebuffer top_target;
 
   ShadowMap(int size, const Eigen::Matrix4d& light_from_desk_matrix)
       : depth(GL_DEPTH_COMPONENT32F, size, size, GL_LINEAR),
         target({}, &depth),
-        light(light_from_desk_matrix) {
+        light(light_from_desk_matrix),
+        top(GL_R8, size, size, GL_LINEAR) {
+    const std::array<const GlTexture*, 1> colors = {&top};
+    top_target = GlFramebuffer(colors, nullptr);
     const GLuint name = depth.get();
     glTextureParameteri(name, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     glTextureParameteri(name, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
@@ -123,6 +107,15 @@ struct ShadowMap {
     glTextureParameterfv(name, GL_TEXTURE_BORDER_COLOR, lit.data());
     glNamedFramebufferDrawBuffer(target.get(), GL_NONE);
     glNamedFramebufferReadBuffer(target.get(), GL_NONE);
+  }
+  /// How far its four comparisons lie apart: an edge of about three texels.
+  [[nodiscard]] float spread() const { return 2.25F / static_cast<float>(depth.width()); }
+  /// z of the desk's top: dot with (u, v, 1).
+  [[nodiscard]] Eigen::Vector3f depth_of_top() const {
+    Eigen::Matrix3d uv1_from_xy1;  // of points at height 0
+    uv1_from_xy1 << light.block<2, 2>(0, 0), light.block<2, 1>(0, 3), 0, 0, 1;
+    const Eigen::RowVector3d z(light(2, 0), light(2, 1), light(2, 3));
+    return (z * uv1_from_xy1.inverse()).transpose().cast<float>();
   }
 };
 
@@ -190,6 +183,7 @@ struct Eye {
 
   /// The tiles of the raw picture that look into a rectangle of the ideal one.
   [[nodiscard]] Box raw_box(const Box& in_ideal) const {
+    if (in_ideal.empty()) return {};
     constexpr float kFilter = 1;  // px that a filtered look-up reads beyond its place
     const Eigen::Vector2f low(static_cast<float>(in_ideal.x), static_cast<float>(in_ideal.y));
     const Eigen::Vector2f high = low + Eigen::Vector2f(static_cast<float>(in_ideal.width),

@@ -4,6 +4,7 @@
 #include "palpable/render/gl_context.h"
 #include "palpable/render/gl_objects.h"
 #include "palpable/synth/desk_gpu.h"
+#include "palpable/synth/exposure.h"
 #include "palpable/synth/lens.h"
 #include "palpable/synth/random.h"
 #include "palpable/synth/texture_images.h"
@@ -21,7 +22,7 @@ std::span<const ShaderFile> synth_shader_files();
 
 namespace {
 
-constexpr double kNearest = 0.02;  // m, of what is drawn
+constexpr double kNearest = SeenBox::kNearest;  // m, of what is drawn
 constexpr double kFarthest = 24.0;
 
 /// Eyes stand at Z = 0 and look along Z with Y down; row 0 of the picture is row 0 of the texture,
@@ -75,57 +76,58 @@ GlTexture upload(const ColorImage& image) {
   return texture;
 }
 
-/// An exposure's picture of what stands still serves until what is near (m) has shifted by this
-/// many px against what is far; and what turns by less than the last stays where it is.
-constexpr double kNearStill = 0.4;
-constexpr double kReferencePx = 1.5;
-constexpr double kNoTurnPx = 0.25;
-
-/// Moments of an exposure: one for so many px that the room's picture moves or a mover's, whose
-/// skin has weak texture and soft shading.
-constexpr double kRoomPx = 1.5;
-constexpr double kMoverPx = 3.0;
-constexpr int kMostMoments = 10;
-
-/// One of the moments that make up an exposure: which rows it lights, how much, when.
-struct Moment {
+/// Rows that are read as if at one moment.
+struct Band {
   double frame = 0;
   int first_row = 0, last_row = 0;
-  float weight = 1;
   double frames_per_row = 0;
 };
 
 }  // namespace
 
 struct DeskRenderer::State {
+  /// desk.frag, and the shadows that it knows.
+  struct Paint {
+    GlProgram program;
+    bool still_shadows = false, moving_shadows = false;
+  };
+
   GlContext context;  // first, so that it is destroyed last
   DeskCamera rig;
   DeskLook look;
-  GlProgram paint_far, paint_still, paint_all, shade, measure, sense, gather, develop;
+  GlProgram shade, measure, sense, gather, gather_layer, develop, light_top;
+  Paint paint_far, paint_still, paint_moving, paint_all, paint_still_top, paint_all_top;
   FullScreenTriangle full_screen;
   std::vector<GlTexture> images, hand_images;
   std::vector<std::unique_ptr<GpuMesh>> meshes;
   std::vector<std::unique_ptr<GpuMesh>> movers;
   // What `movers` shows: as the shutter opens and as it closes.
   std::vector<HandCapsule> filled, filled_last;
+  bool shadow_of_filled = false;
+  bool in_shade = false;  // whether shadows of what stands still may fall on it
+  std::vector<Caster> casters;
   ShadowMap static_shadow, hand_shadow;
   Eye left, right;
   std::optional<DepthTarget> depth_target;
-  std::vector<Rgb> packed;
 
   State(GlContext gl, const DeskCamera& camera, const DeskScene& scene, const DeskLook& look_,
-        std::array<GlProgram, 8> programs)
+        std::vector<GlProgram> programs)
       : context(std::move(gl)),
         rig(camera),
         look(look_),
-        paint_far(std::move(programs[0])),
-        paint_still(std::move(programs[1])),
-        paint_all(std::move(programs[2])),
-        shade(std::move(programs[3])),
-        measure(std::move(programs[4])),
-        sense(std::move(programs[5])),
-        gather(std::move(programs[6])),
-        develop(std::move(programs[7])),
+        shade(std::move(programs[0])),
+        measure(std::move(programs[1])),
+        sense(std::move(programs[2])),
+        gather(std::move(programs[3])),
+        gather_layer(std::move(programs[4])),
+        develop(std::move(programs[5])),
+        light_top(std::move(programs[6])),
+        paint_far{std::move(programs[7]), false, false},
+        paint_still{std::move(programs[8]), true, false},
+        paint_moving{std::move(programs[9]), false, true},
+        paint_all{std::move(programs[10]), true, true},
+        paint_still_top{std::move(programs[11]), true, false},
+        paint_all_top{std::move(programs[12]), true, true},
         static_shadow(2048, light_from_desk({0.0, 0.15, 0.0}, 0.80, 1.5)),
         hand_shadow(1024, light_from_desk({0.10, 0.0, 0.05}, 0.50, 1.5)),
         left(camera.rig.left, 1.0F),
@@ -144,6 +146,10 @@ struct DeskRenderer::State {
       for (const auto& mesh : meshes)
         if (mesh->in_shadows) mesh->draw();
     });
+    light_desk(static_shadow, {0, 0, static_shadow.depth.width(), static_shadow.depth.height()});
+    for (const PaintedMesh& mesh : scene.meshes)
+      if (mesh.in_shadows) casters.emplace_back(mesh, static_shadow.light);
+    fill({});
   }
 
   static DistortedCamera lowered(DistortedCamera camera, double rows) {
@@ -161,20 +167,35 @@ struct DeskRenderer::State {
   /// Uploads what moves and casts its shadow; nothing to do when it has not changed.
   void fill(const Movers& now) { fill(now, now); }
   void fill(const Movers& first, const Movers& last) {
-    if (same(filled, first.capsules) && same(filled_last, last.capsules) &&
-        !(filled.empty() && first.capsules.empty()))
-      return;
-    const std::vector<PaintedMesh> painted =
-        mover_meshes(first.capsules, first.desk_from_cup, look);
-    if (same(first.capsules, last.capsules)) {
-      for (std::size_t i = 0; i < movers.size(); ++i) movers[i]->fill(painted[i]);
-    } else {
-      const std::vector<PaintedMesh> after = mover_meshes(last.capsules, last.desk_from_cup, look);
-      for (std::size_t i = 0; i < movers.size(); ++i) movers[i]->fill(painted[i], after[i]);
+    place(first, last);
+    if (shadow_of_filled) return;
+    cast_shadows(hand_shadow, [this] { draw_movers(); });
+    light_desk(hand_shadow, shadow_box());
+    shadow_of_filled = true;
+  }
+
+  /// Without its shadow.
+  void place(const Movers& first, const Movers& last) {
+    if (same(filled, first.capsules) && same(filled_last, last.capsules)) return;
+    const bool moves = !same(first.capsules, last.capsules);
+    const auto meshes_at = [&](const Movers& now, const Movers& then) {
+      return mover_meshes(
+          now.capsules, now.desk_from_cup, look,
+          moves ? std::span<const HandCapsule>(then.capsules) : std::span<const HandCapsule>());
+    };
+    const std::vector<PaintedMesh> before = meshes_at(first, last);
+    const std::vector<PaintedMesh> after =
+        moves ? meshes_at(last, first) : std::vector<PaintedMesh>();
+    for (std::size_t i = 0; i < movers.size(); ++i) {
+      if (moves)
+        movers[i]->fill(before[i], after[i]);
+      else
+        movers[i]->fill(before[i]);
     }
     filled = first.capsules;
     filled_last = last.capsules;
-    cast_shadows(hand_shadow, [this] { draw_movers(); });
+    shadow_of_filled = false;
+    in_shade = any_in_shade(filled) || any_in_shade(filled_last);
   }
   static bool same(std::span<const HandCapsule> a, std::span<const HandCapsule> b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -182,6 +203,44 @@ struct DeskRenderer::State {
                         return c.shape.a == d.shape.a && c.shape.b == d.shape.b &&
                                c.back == d.back && c.part == d.part;
                       });
+  }
+
+  /// Whether a shadow of what stands still may fall on one of them.
+  [[nodiscard]] bool any_in_shade(std::span<const HandCapsule> capsules) const {
+    return std::any_of(capsules.begin(), capsules.end(), [&](const HandCapsule& capsule) {
+      return std::any_of(casters.begin(), casters.end(), [&](const Caster& caster) {
+        return caster.may_shade(capsule.shape, static_shadow.light);
+      });
+    });
+  }
+
+  /// The part of the movers' shadow map that they fill while the shutter is open.
+  [[nodiscard]] Box shadow_box() const {
+    LightBox box(hand_shadow.light);
+    for (const auto* capsules : {&filled, &filled_last})
+      for (const HandCapsule& capsule : *capsules) box.include(capsule.shape);
+    return box.texels(hand_shadow.depth.width());
+  }
+
+  /// How much light reaches the desk's top, from a shadow map; all of it outside `box`.
+  void light_desk(const ShadowMap& map, const Box& box) const {
+    map.top_target.bind();
+    constexpr std::array<float, 4> kAll = {1, 1, 1, 1};
+    glClearBufferfv(GL_COLOR, 0, kAll.data());
+    // Beyond its border the texture goes on as it is there.
+    const int inner = map.depth.width() - 2;
+    const Box within = box.cut({1, 1, inner, inner});
+    if (within.empty()) return;
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(within.x, within.y, within.width, within.height);
+    light_top.use();
+    light_top.set("shadow", 0);
+    map.depth.bind(0);
+    light_top.set("spread", map.spread());
+    light_top.set("depth_of_top", map.depth_of_top());
+    full_screen.draw();
+    glDisable(GL_SCISSOR_TEST);
   }
 
   template <class Draw>
@@ -202,62 +261,46 @@ struct DeskRenderer::State {
   /// The rectangle of the ideal picture that movers can change, with their shadow or without.
   [[nodiscard]] static Box touched_by(std::span<const HandCapsule> capsules, const Eye& eye,
                                       const Rigid3& eye_from_desk, bool shadow = true) {
-    double left = eye.ideal.width, right = -1, top = eye.ideal.height, bottom = -1;
-    const auto include = [&](const Eigen::Vector3d& x_in_desk, double radius) {
-      const Eigen::Vector3d x = eye_from_desk * x_in_desk;
-      // Beside or behind the eye nothing useful bounds it.
-      const double z = x.z() - radius;
-      if (z < kNearest) {
-        left = top = 0;
-        right = eye.ideal.width;
-        bottom = eye.ideal.height;
-        return;
-      }
-      const Eigen::Vector2d at = eye.ideal.project(x);
-      // A sphere's picture is wider than r / z off the axis; its rays make at most 60 degrees.
-      const double reach = 2.0 * eye.ideal.fx_px * radius / z + 2.0;
-      left = std::min(left, at.x() - reach);
-      right = std::max(right, at.x() + reach);
-      top = std::min(top, at.y() - reach);
-      bottom = std::max(bottom, at.y() + reach);
-    };
-    for (const HandCapsule& capsule : capsules)
-      for (const auto& [end, radius] : {std::pair(capsule.shape.a, capsule.shape.ra),
-                                        std::pair(capsule.shape.b, capsule.shape.rb)}) {
-        include(end, radius);
-        if (!shadow) continue;
-        // Its shadow on the desk; what the shadow meets on the way lies between the two.
-        const double fall = std::max(0.0, end.z()) / kToSun.z();
-        include(end - fall * kToSun, radius / kToSun.z() + kShadowSpread);
-      }
-    const auto clamped = [](double value, int limit) {
-      return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(limit)));
-    };
-    const int x0 = clamped(left, eye.ideal.width);
-    const int y0 = clamped(top, eye.ideal.height);
-    return {x0, y0, std::max(0, clamped(right + 1, eye.ideal.width) - x0),
-            std::max(0, clamped(bottom + 1, eye.ideal.height) - y0)};
+    SeenBox box(eye.ideal);
+    for (const HandCapsule& capsule : capsules) {
+      const auto& [a, b, ra, rb] = capsule.shape;
+      box.include(eye_from_desk * a, ra, eye_from_desk * b, rb);
+      if (!shadow) continue;
+      // Its shadow on the desk; what the shadow meets on the way lies between the two.
+      const auto fallen = [&](const Eigen::Vector3d& x) {
+        return Eigen::Vector3d(eye_from_desk * (x - std::max(0.0, x.z()) / kToSun.z() * kToSun));
+      };
+      const auto spread = [](double radius) { return radius / kToSun.z() + kShadowSpread; };
+      box.include(fallen(a), spread(ra), fallen(b), spread(rb));
+      box.include(eye_from_desk * a, ra, fallen(a), spread(ra));
+      box.include(eye_from_desk * b, rb, fallen(b), spread(rb));
+    }
+    return box.pixels();
   }
 
   /// What all surfaces of one view have in common.
-  void look_from(const GlProgram& program, const Eye& eye, const Rigid3& eye_from_desk) const {
+  void look_from(const Paint& paint, const Eye& eye, const Rigid3& eye_from_desk) const {
+    const GlProgram& program = paint.program;
     const Eigen::Matrix4f view = eye_from_desk.matrix().cast<float>();
     program.set("clip_from_desk", Eigen::Matrix4f(clip_from_camera(eye.ideal) * view));
     program.set("eye", Eigen::Vector3f(eye_from_desk.inverse().translation().cast<float>()));
     program.set("to_sun", Eigen::Vector3f(kToSun.cast<float>()));
     program.set("image", 0);
     program.set("along", 0.0F);
-    if (&program == &paint_far) return;
-    program.set("static_light_from_desk", Eigen::Matrix4f(static_shadow.light.cast<float>()));
-    program.set("static_shadow", 1);
-    if (&program == &paint_still) return;
-    program.set("hand_light_from_desk", Eigen::Matrix4f(hand_shadow.light.cast<float>()));
-    program.set("hand_shadow", 2);
+    if (paint.moving_shadows) {
+      program.set("hand_light_from_desk", Eigen::Matrix4f(hand_shadow.light.cast<float>()));
+      program.set("hand_shadow", 2);
+    }
+    if (paint.still_shadows) {
+      program.set("static_light_from_desk", Eigen::Matrix4f(static_shadow.light.cast<float>()));
+      program.set("static_shadow", 1);
+    }
   }
 
-  void draw_mesh(const GlProgram& program, const GpuMesh& mesh,
-                 const std::vector<GlTexture>& from) const {
+  static void draw_mesh(const Paint& paint, const GpuMesh& mesh,
+                        const std::vector<GlTexture>& from) {
     if (mesh.index_count == 0) return;
+    const GlProgram& program = paint.program;
     program.use();
     from[static_cast<std::size_t>(mesh.image)].bind(0);
     program.set("gloss", mesh.gloss);
@@ -266,16 +309,31 @@ struct DeskRenderer::State {
   }
 
   /// Everything that stands still. Near things are last in the list: what they hide is not shaded.
-  void paint_static(const GlProgram& near) const {
-    for (std::size_t i = meshes.size(); i-- > 0;)
-      draw_mesh(meshes[i]->in_shadows ? near : paint_far, *meshes[i], images);
+  void paint_static(bool with_moving_shadows) const {
+    const Paint& near = with_moving_shadows ? paint_all : paint_still;
+    const Paint& top = with_moving_shadows ? paint_all_top : paint_still_top;
+    for (std::size_t i = meshes.size(); i-- > 0;) {
+      const GpuMesh& mesh = *meshes[i];
+      if (mesh.is_desk_top) {
+        // Its light was looked up before (light_desk).
+        static_shadow.top.bind(1);
+        hand_shadow.top.bind(2);
+      }
+      draw_mesh(mesh.is_desk_top ? top : mesh.in_shadows ? near : paint_far, mesh, images);
+      if (mesh.is_desk_top) bind_shadows();
+    }
+  }
+  void bind_shadows() const {
+    static_shadow.depth.bind(1);
+    hand_shadow.depth.bind(2);
   }
 
+  [[nodiscard]] const Paint& of_movers() const { return in_shade ? paint_all : paint_moving; }
   void paint_movers() const {
     // Movers are closed: half of their triangles look away. With Y down, the others run clockwise.
     glFrontFace(GL_CW);
     glEnable(GL_CULL_FACE);
-    for (const auto& mesh : movers) draw_mesh(paint_all, *mesh, hand_images);
+    for (const auto& mesh : movers) draw_mesh(of_movers(), *mesh, hand_images);
     glDisable(GL_CULL_FACE);
   }
 
@@ -284,10 +342,10 @@ struct DeskRenderer::State {
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);  // what is painted again over its own copy must pass
     glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
-    for (const GlProgram* program : {&paint_far, &paint_still, &paint_all})
-      look_from(*program, eye, eye_from_desk);
-    static_shadow.depth.bind(1);
-    hand_shadow.depth.bind(2);
+    for (const Paint* paint :
+         {&paint_far, &paint_still, &paint_moving, &paint_all, &paint_still_top, &paint_all_top})
+      look_from(*paint, eye, eye_from_desk);
+    bind_shadows();
   }
 
   /// A rectangle of one picture into another of the same kind and size.
@@ -310,7 +368,7 @@ struct DeskRenderer::State {
       glScissor(wanted.x, wanted.y, wanted.width, wanted.height);
       glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
       paint_movers();
-      paint_static(filled.empty() ? paint_still : paint_all);
+      paint_static(!filled.empty());
       glDisable(GL_SCISSOR_TEST);
       return;
     }
@@ -319,7 +377,7 @@ struct DeskRenderer::State {
       eye.still_target.bind();
       glScissor(0, 0, eye.ideal.width, eye.ideal.height);
       glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-      paint_static(paint_still);
+      paint_static(false);
       eye.still_from_desk = eye_from_desk;
     }
     const Box all{0, 0, eye.ideal.width, eye.ideal.height};
@@ -330,102 +388,71 @@ struct DeskRenderer::State {
       const Box box = touched_by(filled, eye, eye_from_desk).cut(wanted);
       glScissor(box.x, box.y, box.width, box.height);
       paint_movers();
-      paint_static(paint_all);
+      paint_static(true);
     }
     glDisable(GL_SCISSOR_TEST);
   }
 
-  /// The moments that a frame's exposure consists of.
-  [[nodiscard]] std::vector<Moment> moments_of(const DeskMoment& frame) const {
+  /// The bands of rows that a frame is read in.
+  [[nodiscard]] std::vector<Band> bands_of(const DeskMoment& frame) const {
+    const int count = frame.rig.readout > 0.0 ? 6 : 1;
     const int rows = rig.rig.left.pinhole.height;
-    const double at = frame.frame;
-    std::vector<Moment> moments;
-    if (frame.rig.readout > 0.0) {
-      constexpr int kBands = 6;
-      const double frames_per_row = frame.rig.readout * kFramesPerSecond / (rows - 1);
-      for (int b = 0; b < kBands; ++b) {
-        Moment band;
-        band.first_row = b * rows / kBands;
-        band.last_row = (b + 1) * rows / kBands - 1;
-        band.frames_per_row = frames_per_row;
-        band.frame =
-            at + frames_per_row * (0.5 * (band.first_row + band.last_row) - 0.5 * (rows - 1));
-        moments.push_back(band);
-      }
-      return moments;
+    const double frames_per_row = frame.rig.readout * kFramesPerSecond / (rows - 1);
+    std::vector<Band> bands;
+    for (int b = 0; b < count; ++b) {
+      Band band;
+      band.first_row = b * rows / count;
+      band.last_row = (b + 1) * rows / count - 1;
+      band.frames_per_row = frames_per_row;
+      band.frame = frame.frame +
+                   frames_per_row * (0.5 * (band.first_row + band.last_row) - 0.5 * (rows - 1));
+      bands.push_back(band);
     }
-    const double open = frame.rig.exposure * kFramesPerSecond;  // frames
-    const int count = open > 0.0 ? std::clamp(static_cast<int>(std::ceil(std::max(
-                                                  room_motion_px(frame, open) / kRoomPx,
-                                                  mover_motion_px(frame, open) / kMoverPx))),
-                                              1, kMostMoments)
-                                 : 1;
-    for (int i = 0; i < count; ++i)
-      moments.push_back({at + open * ((i + 0.5) / count - 0.5), 0, rows - 1,
-                         1.0F / static_cast<float>(count), 0.0});
-    return moments;
+    return bands;
   }
 
-  /// How far the picture of the room at kNearStill and beyond goes while the shutter is open, px.
-  [[nodiscard]] double room_motion_px(const DeskMoment& frame, double open) const {
-    const double f = rig.rig.left.pinhole.fx_px;
-    const Rigid3 change = frame.camera_from_desk(frame.frame + 0.5 * open) *
-                          frame.camera_from_desk(frame.frame - 0.5 * open).inverse();
-    return f * Eigen::AngleAxisd(change.linear()).angle() +
-           f * change.translation().norm() / kNearStill;
-  }
-
-  /// The same of the mover that goes farthest.
-  [[nodiscard]] double mover_motion_px(const DeskMoment& frame, double open) const {
-    const double f = rig.rig.left.pinhole.fx_px;
-    const Rigid3 first = frame.camera_from_desk(frame.frame - 0.5 * open);
-    const Rigid3 last = frame.camera_from_desk(frame.frame + 0.5 * open);
-    const Movers before = frame.movers(frame.frame - 0.5 * open);
-    const Movers after = frame.movers(frame.frame + 0.5 * open);
-    const std::size_t count = std::min(before.capsules.size(), after.capsules.size());
-    double most = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      const Eigen::Vector3d a = first * before.capsules[i].shape.b;
-      const Eigen::Vector3d b = last * after.capsules[i].shape.b;
-      if (a.z() > 0.05 && b.z() > 0.05)
-        most = std::max(most, f * (a.head<2>() / a.z() - b.head<2>() / b.z()).norm());
-    }
-    return most;
-  }
-
-  /// Adds the light of one moment within a rectangle of the raw picture.
-  /// @param from               the ideal picture of the moment, or one that is turned
-  /// @param ideal_from_moment  by this rotation
+  /// Light that is added within a rectangle of the raw picture.
   struct Gathering {
     Box raw;
-    float weight = 1;
+    float weight = 1;  // of each look
     float row_offset = 0;
     double moment_row = 0;
     Eigen::Vector3d turn_per_row = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d ideal_from_moment = Eigen::Matrix3d::Identity();
+    /// The looks: each turns rays of its moment into those of the picture that is looked at.
+    std::vector<Eigen::Matrix3f> ideal_from_moment = {Eigen::Matrix3f::Identity()};
+    /// The same for the layer of movers in front, if there is one.
+    std::optional<Eigen::Matrix3f> ideal_from_layer = std::nullopt;
   };
   void gather_light(const Eye& eye, const GlTexture& from, const Gathering& g) const {
     if (g.raw.empty()) return;
+    PALPABLE_EXPECT(g.ideal_from_moment.size() <= kMostLooks, "lens.frag has so many looks");
     eye.exposed_target.bind();
     glDisable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
     glEnable(GL_SCISSOR_TEST);
     glScissor(g.raw.x, g.raw.y, g.raw.width, g.raw.height);
-    gather.use();
-    gather.set("ideal", 0);
-    gather.set("lens_map", 1);
+    const GlProgram& program = g.ideal_from_layer ? gather_layer : gather;
+    program.use();
+    program.set("ideal", 0);
+    program.set("lens_map", 1);
     from.bind(0);
     eye.lens_map.bind(1);
-    gather.set("ideal_size", size_of(eye.ideal));
-    gather.set("ideal_centre", Eigen::Vector2f(static_cast<float>(eye.ideal.cx_px),
-                                               static_cast<float>(eye.ideal.cy_px)));
-    gather.set("ideal_focal", static_cast<float>(eye.ideal.fx_px));
-    gather.set("weight", g.weight);
-    gather.set("row_offset", g.row_offset);
-    gather.set("moment_row", static_cast<float>(g.moment_row));
-    gather.set("turn_per_row", Eigen::Vector3f(g.turn_per_row.cast<float>()));
-    gather.set("ideal_from_moment", Eigen::Matrix3f(g.ideal_from_moment.cast<float>()));
+    if (g.ideal_from_layer) {
+      program.set("layer", 2);
+      eye.ideal_color.bind(2);
+      program.set("ideal_from_layer", *g.ideal_from_layer);
+    }
+    program.set("ideal_size", size_of(eye.ideal));
+    program.set("ideal_centre", Eigen::Vector2f(static_cast<float>(eye.ideal.cx_px),
+                                                static_cast<float>(eye.ideal.cy_px)));
+    program.set("ideal_focal", static_cast<float>(eye.ideal.fx_px));
+    program.set("weight", g.weight);
+    program.set("row_offset", g.row_offset);
+    program.set("moment_row", static_cast<float>(g.moment_row));
+    program.set("turn_per_row", Eigen::Vector3f(g.turn_per_row.cast<float>()));
+    program.set("looks", static_cast<int>(g.ideal_from_moment.size()));
+    program.set("ideal_from_moment", std::span<const Eigen::Matrix3f>(g.ideal_from_moment));
     full_screen.draw();
     glDisable(GL_SCISSOR_TEST);
     glDisable(GL_BLEND);
@@ -442,10 +469,10 @@ struct DeskRenderer::State {
 
   /// Rows that are read one after the other: each band is a picture of its own moment.
   void read_rows(Eye& eye, const Rigid3& eye_from_camera, const DeskMoment& frame,
-                 std::span<const Moment> bands, float row_offset) {
+                 std::span<const Band> bands, float row_offset) {
     const int width = eye.camera.pinhole.width;
     clear_exposed(eye);
-    for (const Moment& band : bands) {
+    for (const Band& band : bands) {
       fill(frame.movers(band.frame));
       const Rigid3 eye_from_desk = eye_from_camera * frame.camera_from_desk(band.frame);
       Box wanted{0, 0, eye.ideal.width, eye.ideal.height};
@@ -465,7 +492,6 @@ struct DeskRenderer::State {
       const Eigen::AngleAxisd turn(next.linear() * eye_from_desk.linear().transpose());
       gather_light(eye, eye.ideal_color,
                    {.raw = {0, band.first_row, width, band.last_row - band.first_row + 1},
-                    .weight = band.weight,
                     .row_offset = row_offset,
                     .moment_row = 0.5 * (band.first_row + band.last_row),
                     .turn_per_row = turn.angle() * turn.axis()});
@@ -477,105 +503,107 @@ struct DeskRenderer::State {
     begin_painting(eye, eye_from_desk);
     eye.still_target.bind();
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    paint_static(filled.empty() ? paint_still : paint_all);
+    paint_static(!filled.empty());
     eye.still_from_desk.reset();  // it holds shadows that pass
     eye.last_from_desk.reset();
   }
 
-  /// The movers of one moment over a part of the still picture, in the eye's ideal picture.
-  void paint_movers_over_reference(const Eye& eye, const Rigid3& eye_from_desk, const Box& box,
-                                   float along) {
-    if (box.empty()) return;
-    copy_still(eye, box);
-    begin_painting(eye, eye_from_desk);
-    paint_all.set("along", along);
+  /// The movers of one moment, where what stands still does not hide them, in the eye's ideal
+  /// picture: nothing (alpha 0) round them.
+  void paint_layer(const Eye& eye, const Rigid3& eye_from_desk, const Box& box, float along) {
     eye.ideal_target.bind();
+    constexpr std::array<float, 4> kNothing{};
+    glClearBufferfv(GL_COLOR, 0, kNothing.data());
+    if (box.empty()) return;
+    copy(eye.still_depth, eye.ideal_depth, box);
+    begin_painting(eye, eye_from_desk);
+    of_movers().program.set("along", along);
     glEnable(GL_SCISSOR_TEST);
     glScissor(box.x, box.y, box.width, box.height);
     paint_movers();
     glDisable(GL_SCISSOR_TEST);
   }
-  static void copy_still(const Eye& eye, const Box& box) {
-    copy(eye.still_color, eye.ideal_color, box);
-    copy(eye.still_depth, eye.ideal_depth, box);
-  }
 
-  /// The mean of an exposure's moments. What stands still is painted once for each kReferencePx
-  /// that its near things shift against its far ones, and turned into the moments between; the
-  /// movers are painted for each moment, with the shadow of the middle one.
+  /// The mean over an exposure: references looked at turned, with layers of movers before them.
   void expose(Eye& eye, const Rigid3& eye_from_camera, const DeskMoment& frame,
-              std::span<const Moment> moments, float row_offset) {
+              const Exposure& exposure, float row_offset) {
+    fill(frame.movers(exposure.opens), frame.movers(exposure.closes));
     const auto pose_at = [&](double at) {
       return Rigid3(eye_from_camera * frame.camera_from_desk(at));
     };
-    const double first = moments.front().frame, last = moments.back().frame;
-    fill(frame.movers(first), frame.movers(last));
-    const Rigid3 change = pose_at(last) * pose_at(first).inverse();
-    const double f = eye.ideal.fx_px;
-    const auto n = static_cast<int>(moments.size());
-    const int references = std::clamp(
-        static_cast<int>(std::ceil(f * change.translation().norm() / kNearStill / kReferencePx)), 1,
-        n);
-    const bool turns = f * Eigen::AngleAxisd(change.linear()).angle() > kNoTurnPx;
-    const Box all_ideal{0, 0, eye.ideal.width, eye.ideal.height};
-    const Box all_raw{0, 0, eye.camera.pinhole.width, eye.camera.pinhole.height};
+    const auto moved_box = [&](const Rigid3& pose) {
+      return around(touched_by(filled, eye, pose, false),
+                    touched_by(filled_last, eye, pose, false));
+    };
+    const auto [opens, closes, references, layers, looks, turns] = exposure;
+    const Box all{0, 0, eye.camera.pinhole.width, eye.camera.pinhole.height};
+    const float of_layer = 1.0F / static_cast<float>(references * layers);
     clear_exposed(eye);
     for (int r = 0; r < references; ++r) {
-      const auto of_reference =
-          moments.subspan(static_cast<std::size_t>(r * n / references),
-                          static_cast<std::size_t>((r + 1) * n / references - r * n / references));
-      const Rigid3 reference =
-          pose_at(0.5 * (of_reference.front().frame + of_reference.back().frame));
+      const Rigid3 reference = pose_at(exposure.middle(r, references));
       paint_reference(eye, reference);
-      if (!filled.empty()) copy_still(eye, all_ideal);
-      // Turned as the reference is, so that turning it back puts all where it belongs.
-      const auto turned = [&](double at) {
-        const Rigid3 pose = pose_at(at);
-        return Rigid3(reference.linear() * pose.linear().transpose() * pose);
+      const auto turn_from = [&](double at) {
+        return Eigen::Matrix3d(reference.linear() * pose_at(at).linear().transpose());
       };
-      Box moved;  // by any moment
-      for (const Moment& moment : of_reference) {
-        const Rigid3 pose = turned(moment.frame);
-        moved = around(moved, touched_by(filled, eye, pose, false));
-        moved = around(moved, touched_by(filled_last, eye, pose, false));
-      }
-      const Box raw_moved = turns ? all_raw : eye.raw_box(moved);
-      for (const Moment& moment : of_reference) {
-        const Rigid3 pose = turned(moment.frame);
-        paint_movers_over_reference(eye, pose, moved,
-                                    static_cast<float>((moment.frame - first) / (last - first)));
-        const GlTexture& picture = filled.empty() ? eye.still_color : eye.ideal_color;
-        gather_light(
-            eye, picture,
-            {.raw = raw_moved,
-             .weight = moment.weight,
-             .row_offset = row_offset,
-             .ideal_from_moment = reference.linear() * pose_at(moment.frame).linear().transpose()});
-      }
-      if (turns) continue;
-      // Where nothing moves one look is enough.
-      const float weight = moments.front().weight * static_cast<float>(of_reference.size());
-      for (const Box& rest : beside(all_raw, raw_moved))
+      Box moved;  // by any layer, before it is turned
+      for (int l = 0; l < layers; ++l)
+        moved =
+            around(moved, moved_box(pose_at(exposure.middle(r * layers + l, references * layers))));
+      const Box raw_moved = eye.raw_box(moved);
+      std::vector<Eigen::Matrix3f> all_looks;
+      for (int l = 0; l < layers; ++l) {
+        const int layer = r * layers + l;
+        std::vector<Eigen::Matrix3f> own;
+        for (int k = 0; turns && k < looks; ++k)
+          own.emplace_back(
+              turn_from(exposure.middle(layer * looks + k, references * layers * looks))
+                  .cast<float>());
+        if (!turns) own.emplace_back(Eigen::Matrix3f::Identity());
+        all_looks.insert(all_looks.end(), own.begin(), own.end());
+        if (raw_moved.empty()) continue;
+        const double at = exposure.middle(layer, references * layers);
+        // Painted as if turned like the reference: its depth then says what is hidden.
+        const Eigen::Matrix3d turn = turn_from(at);
+        const Rigid3 pose(turn * pose_at(at));
+        paint_layer(eye, pose, moved_box(pose),
+                    static_cast<float>((at - opens) / (closes - opens)));
+        const float weight = of_layer / static_cast<float>(own.size());
         gather_light(eye, eye.still_color,
-                     {.raw = rest, .weight = weight, .row_offset = row_offset});
+                     {.raw = raw_moved,
+                      .weight = weight,
+                      .row_offset = row_offset,
+                      .ideal_from_moment = std::move(own),
+                      .ideal_from_layer = turn.cast<float>()});
+      }
+      // Where nothing moves.
+      if (!turns) all_looks.resize(1);
+      const float weight =
+          1.0F / static_cast<float>(references * static_cast<int>(all_looks.size()));
+      for (const Box& rest : beside(all, raw_moved))
+        gather_light(eye, eye.still_color,
+                     {.raw = rest,
+                      .weight = weight,
+                      .row_offset = row_offset,
+                      .ideal_from_moment = all_looks});
     }
   }
 
   void draw_eye(Eye& eye, const Rigid3& eye_from_camera, const DeskMoment& frame, bool lowered_row,
                 int key, ColorImage& picture) {
     const PinholeCamera& raw = eye.camera.pinhole;
-    const std::vector<Moment> moments = moments_of(frame);
     const float row_offset = lowered_row ? static_cast<float>(frame.rig.row_offset_px) : 0.0F;
     const bool rolls = frame.rig.readout > 0.0;
-    const bool plain = moments.size() == 1 && row_offset == 0.0F;
+    const Exposure exposure =
+        rolls ? Exposure{} : split_exposure(eye.ideal, eye_from_camera, frame);
+    const bool plain = !rolls && exposure.is_one_moment() && row_offset == 0.0F;
     if (plain) {
-      fill(frame.movers(moments.front().frame));
-      paint_ideal(eye, eye_from_camera * frame.camera_from_desk(moments.front().frame),
+      fill(frame.movers(frame.frame));
+      paint_ideal(eye, eye_from_camera * frame.camera_from_desk(frame.frame),
                   {0, 0, eye.ideal.width, eye.ideal.height});
-    } else if (rolls || moments.size() == 1) {
-      read_rows(eye, eye_from_camera, frame, moments, row_offset);
+    } else if (exposure.is_one_moment()) {
+      read_rows(eye, eye_from_camera, frame, bands_of(frame), row_offset);
     } else {
-      expose(eye, eye_from_camera, frame, moments, row_offset);
+      expose(eye, eye_from_camera, frame, exposure, row_offset);
     }
 
     eye.raw_target.bind();
@@ -641,29 +669,30 @@ Result<DeskRenderer> DeskRenderer::make(const DeskCamera& camera, const DeskScen
                                         const DeskLook& look) {
   Result<GlContext> context = GlContext::offscreen();
   if (!context.ok()) return context.problem();
-  const auto files = synth_shader_files();
   constexpr const char* kStill = "#define STILL_SHADOWS\n";
+  constexpr const char* kMoving = "#define MOVING_SHADOWS\n";
   constexpr const char* kAll = "#define STILL_SHADOWS\n#define MOVING_SHADOWS\n";
-  const std::array<std::array<const char*, 3>, 8> names = {
-      {{"desk.vert", "desk.frag", ""},
+  constexpr const char* kStillTop = "#define DESK_TOP\n#define STILL_SHADOWS\n";
+  constexpr const char* kAllTop =
+      "#define DESK_TOP\n#define STILL_SHADOWS\n#define MOVING_SHADOWS\n";
+  constexpr std::array<ProgramSource, 13> kSources = {
+      {{"shadow.vert", "shadow.frag"},
+       {"depth.vert", "depth.frag"},
+       {"sensor.vert", "sensor.frag"},
+       {"sensor.vert", "lens.frag"},
+       {"sensor.vert", "lens.frag", "#define LAYER\n"},
+       {"sensor.vert", "sensor.frag", "#define EXPOSED\n"},
+       {"sensor.vert", "desk_top.frag"},
+       {"desk.vert", "desk.frag"},
        {"desk.vert", "desk.frag", kStill},
+       {"desk.vert", "desk.frag", kMoving},
        {"desk.vert", "desk.frag", kAll},
-       {"shadow.vert", "shadow.frag", ""},
-       {"depth.vert", "depth.frag", ""},
-       {"sensor.vert", "sensor.frag", ""},
-       {"sensor.vert", "lens.frag", ""},
-       {"sensor.vert", "sensor.frag", "#define EXPOSED\n"}}};
-  std::vector<GlProgram> made;
-  for (const auto& [vertex, fragment, defines] : names) {
-    Result<GlProgram> program = GlProgram::make(files, vertex, fragment, defines);
-    if (!program.ok()) return program.problem();
-    made.push_back(std::move(program).value());
-  }
-  std::array<GlProgram, 8> programs = {std::move(made[0]), std::move(made[1]), std::move(made[2]),
-                                       std::move(made[3]), std::move(made[4]), std::move(made[5]),
-                                       std::move(made[6]), std::move(made[7])};
+       {"desk.vert", "desk.frag", kStillTop},
+       {"desk.vert", "desk.frag", kAllTop}}};
+  Result<std::vector<GlProgram>> programs = make_programs(synth_shader_files(), kSources);
+  if (!programs.ok()) return programs.problem();
   return DeskRenderer(std::make_unique<State>(std::move(context).value(), camera, scene, look,
-                                              std::move(programs)));
+                                              std::move(programs).value()));
 }
 
 void DeskRenderer::draw(const DeskMoment& moment, RawPair& pictures) {
@@ -681,7 +710,8 @@ void DeskRenderer::draw_truth(const DeskMoment& moment, const PinholeCamera& vie
                               DeskTruth& truth) {
   State& s = *state_;
   s.context.make_current();
-  s.fill(moment.movers(moment.frame));
+  const Movers movers = moment.movers(moment.frame);
+  s.place(movers, movers);
   const Rigid3 camera_from_desk = moment.camera_from_desk(moment.frame);
   const Rigid3 right_from_desk = Eigen::Translation3d(-baseline, 0.0, 0.0) * camera_from_desk;
   std::vector<Eigen::Vector2f> left(static_cast<std::size_t>(view.width * view.height));

@@ -61,8 +61,7 @@ class DeskRenderer {
   DeskRenderer& operator=(DeskRenderer&&) noexcept;
   ~DeskRenderer();
 
-  /// One pair. Motion blur is the mean of up to ten moments, one for each 1.5 px that the room's
-  /// picture moves and each 3 px of a mover's (with its shadow of the middle moment); a rolling
+  /// One pair. Motion blur is a mean (exposure.h), with the movers' shadow of its middle; a rolling
   /// shutter is six bands, each with its own moment and turned from row to row within it.
   /// The noise depends on the frame's number.
   void draw(const DeskMoment& moment, RawPair& pictures);

@@ -1,5 +1,6 @@
 #include "palpable/synth/desk_scene.h"
 
+#include "palpable/base/contract.h"
 #include "palpable/synth/random.h"
 #include "palpable/synth/texture_images.h"
 #include "palpable/synth/things.h"
@@ -409,6 +410,43 @@ MoverImage image_of(HandPart part) {
 
 bool is_held(const HandCapsule& c) { return image_of(c.part) >= kPaint; }
 
+constexpr double kChordError = 0.00009;  // m, of a mover's triangles
+
+/// What of a hand reaches near one capsule (m), itself left out.
+std::vector<const HandCapsule*> near_to(const Capsule& own, double reach,
+                                        std::span<const HandCapsule> capsules) {
+  std::vector<const HandCapsule*> near;
+  const Vector3d middle = 0.5 * (own.a + own.b);
+  const double within = 0.5 * (own.b - own.a).norm() + std::max(own.ra, own.rb) + reach;
+  for (const HandCapsule& other : capsules)
+    if (!is_held(other) && (other.shape.a != own.a || other.shape.b != own.b) &&
+        signed_distance(other.shape, middle) < within)
+      near.push_back(&other);
+  return near;
+}
+
+/// Signed distances of a capsule's vertices (columns) to others (rows), m.
+Eigen::MatrixXd distances_of(const CapsuleMesh& mesh,
+                             const std::vector<const HandCapsule*>& others) {
+  Eigen::MatrixXd distances(static_cast<Eigen::Index>(others.size()), mesh.vertices.cols());
+  for (Eigen::Index v = 0; v < distances.cols(); ++v)
+    for (Eigen::Index k = 0; k < distances.rows(); ++k)
+      distances(k, v) =
+          signed_distance(others[static_cast<std::size_t>(k)]->shape, mesh.vertices.col(v));
+  return distances;
+}
+
+/// Whether a triangle lies inside one other capsule, deeper than that one's own triangles do.
+/// Capsules are convex: its corners decide.
+bool is_hidden(const Eigen::Vector3i& triangle, const Eigen::MatrixXd& distances) {
+  for (Eigen::Index k = 0; k < distances.rows(); ++k) {
+    const double farthest_out =
+        std::max({distances(k, triangle[0]), distances(k, triangle[1]), distances(k, triangle[2])});
+    if (farthest_out < -1.5 * kChordError) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::vector<ColorImage> mover_images(const DeskLook& look) {
@@ -422,7 +460,8 @@ std::vector<ColorImage> mover_images(const DeskLook& look) {
 
 std::vector<PaintedMesh> mover_meshes(std::span<const HandCapsule> capsules,
                                       const std::optional<Rigid3>& desk_from_cup,
-                                      const DeskLook& look) {
+                                      const DeskLook& look, std::span<const HandCapsule> also) {
+  PALPABLE_EXPECT(also.empty() || also.size() == capsules.size(), "it is the same at both moments");
   std::vector<PaintedMesh> meshes(kMoverImages);
   for (int i = 0; i < kMoverImages; ++i) meshes[static_cast<std::size_t>(i)].image = i;
   meshes[kSkin].gloss = static_cast<float>(look.skin_gloss);
@@ -440,10 +479,8 @@ std::vector<PaintedMesh> mover_meshes(std::span<const HandCapsule> capsules,
 
   constexpr double kTile = 0.045;        // m of skin that the image shows
   constexpr double kShadeReach = 0.014;  // m, how far ambient light is blocked by the hand itself
-  constexpr double kChordError = 0.00009;
   std::uint32_t number = 0;
   std::vector<const HandCapsule*> drawn;
-  std::vector<HandCapsule> hand;  // what shades each other
   const std::size_t staves = static_cast<std::size_t>(kCupStaves);
   std::size_t of_cup = 0;
   for (const HandCapsule& c : capsules) {
@@ -451,7 +488,6 @@ std::vector<PaintedMesh> mover_meshes(std::span<const HandCapsule> capsules,
     if (c.part == HandPart::kCup && desk_from_cup && of_cup++ % (staves + kCupHandleParts) < staves)
       continue;
     drawn.push_back(&c);
-    if (!is_held(c)) hand.push_back(c);
   }
   for (const HandCapsule* one : drawn) {
     const HandCapsule& own = *one;
@@ -471,28 +507,45 @@ std::vector<PaintedMesh> mover_meshes(std::span<const HandCapsule> capsules,
     const Vector3d back = (own.back - own.back.dot(axis) * axis).normalized();
     const Vector3d side = axis.cross(back);
 
-    // Only capsules that reach near this one matter for its shading.
-    std::vector<const HandCapsule*> near;
-    const Vector3d middle = 0.5 * (c.a + c.b);
-    const double reach = 0.5 * (c.b - c.a).norm() + std::max(c.ra, c.rb) + 2.0 * kShadeReach;
-    for (const HandCapsule& other : hand)
-      if (!is_held(own) && (other.shape.a != c.a || other.shape.b != c.b) &&
-          signed_distance(other.shape, middle) < reach)
-        near.push_back(&other);
+    const std::vector<const HandCapsule*> near = near_to(c, 2.0 * kShadeReach, capsules);
+    const Eigen::MatrixXd distances = distances_of(mesh, near);
+    // Triangles that nobody sees are left out, and their corners are not shaded.
+    std::vector<bool> is_seen(static_cast<std::size_t>(mesh.vertices.cols()), false);
+    Eigen::MatrixXd also_distances;
+    if (!also.empty()) {
+      const HandCapsule& then = also[static_cast<std::size_t>(one - capsules.data())];
+      const CapsuleMesh moved = tessellate(then.shape, then.back, kChordError);
+      PALPABLE_EXPECT(moved.triangles == mesh.triangles, "what moves keeps its triangles");
+      also_distances = distances_of(moved, near_to(then.shape, 0.0, also));
+    }
+    for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+      const Eigen::Vector3i triangle = mesh.triangles.col(t);
+      if (is_hidden(triangle, distances) && (also.empty() || is_hidden(triangle, also_distances)))
+        continue;
+      for (const int corner : triangle) {
+        is_seen[static_cast<std::size_t>(corner)] = true;
+        out.indices.push_back(first + static_cast<std::uint32_t>(corner));
+      }
+    }
 
     for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
       const Vector3d x = mesh.vertices.col(v);
       const Vector3d n = mesh.normals.col(v);
+      if (!is_seen[static_cast<std::size_t>(v)]) {
+        out.vertices.push_back({x.cast<float>(), n.cast<float>(), Eigen::Vector2f::Zero()});
+        continue;
+      }
       Vector3d smooth = n;
       double open = kShadeReach;
       bool hidden = false;
-      for (const HandCapsule* other : near) {
-        const double d = signed_distance(other->shape, x);
+      for (std::size_t k = 0; k < near.size() && !is_held(own); ++k) {
+        const Capsule& other = near[k]->shape;
+        const double d = distances(static_cast<Eigen::Index>(k), v);
         hidden = hidden || d < -2.0 * blend;
         if (d > 2.5 * kShadeReach) continue;
-        if (d < 4.0 * blend && sleeve(own) == sleeve(*other))
-          smooth += std::exp(-d / blend) * distance_normal(other->shape, x);
-        open = std::min(open, signed_distance(other->shape, x + kShadeReach * smooth.normalized()));
+        if (d < 4.0 * blend && sleeve(own) == sleeve(*near[k]))
+          smooth += std::exp(-d / blend) * distance_normal(other, x);
+        open = std::min(open, signed_distance(other, x + kShadeReach * smooth.normalized()));
       }
       if (hidden) smooth = n;
       PaintedVertex vertex;
@@ -516,9 +569,6 @@ std::vector<PaintedMesh> mover_meshes(std::span<const HandCapsule> capsules,
       }
       out.vertices.push_back(vertex);
     }
-    for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t)
-      for (int k = 0; k < 3; ++k)
-        out.indices.push_back(first + static_cast<std::uint32_t>(mesh.triangles(k, t)));
     ++number;
   }
   return meshes;

@@ -63,9 +63,13 @@ struct DeskScene {
 /// The movers' surfaces, one mesh for each image. Vertices lie on the capsules; between them the
 /// triangles stay within 0.09 mm. Normals of skin and sleeve are those of the capsules' smooth
 /// union, so that joints are shaded as a hand and not as a chain of sausages. A cup is turned as
-/// one piece where its frame is given, and its capsules are left out.
+/// one piece where its frame is given, and its capsules are left out. So are triangles that lie
+/// inside of another capsule, where nobody sees them.
+/// @param also  the same movers at another moment: only what is inside then, too, is left out, so
+///              that both moments have the same triangles
 [[nodiscard]] std::vector<PaintedMesh> mover_meshes(std::span<const HandCapsule> capsules,
                                                     const std::optional<Rigid3>& desk_from_cup,
-                                                    const DeskLook& look);
+                                                    const DeskLook& look,
+                                                    std::span<const HandCapsule> also = {});
 
 }  // namespace palpable

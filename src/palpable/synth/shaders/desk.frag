@@ -9,13 +9,19 @@ in vec3 in_static_light;  // 0..1 within the shadow map's box
 in vec3 in_hand_light;
 
 // Defined by the program: STILL_SHADOWS where the desk's things cast shadows, MOVING_SHADOWS where
-// something moves besides.
+// something moves besides; DESK_TOP where both were looked up before (desk_top.frag).
 uniform sampler2D image;
+#ifdef DESK_TOP
+#define Shadow sampler2D
+#else
+#define Shadow sampler2DShadow
+#include "lit.glsl"
+#endif
 #ifdef STILL_SHADOWS
-uniform sampler2DShadow static_shadow;
+uniform Shadow static_shadow;
 #endif
 #ifdef MOVING_SHADOWS
-uniform sampler2DShadow hand_shadow;
+uniform Shadow hand_shadow;
 #endif
 uniform vec3 eye;     // desk frame, m
 uniform vec3 to_sun;  // desk frame, unit
@@ -28,15 +34,9 @@ const vec3 kSun = vec3(1.10, 1.04, 0.95);
 const vec3 kSky = vec3(0.46, 0.50, 0.56);
 const vec3 kGround = vec3(0.25, 0.21, 0.18);
 
-// Four comparisons, each filtered over 2 x 2 texels: an edge of about three texels.
-float lit(sampler2DShadow map, vec3 p, float spread) {
-  float sum = 0.0;
-  sum += texture(map, p + vec3(-spread, -spread * 0.4, 0.0));
-  sum += texture(map, p + vec3(spread * 0.4, -spread, 0.0));
-  sum += texture(map, p + vec3(spread, spread * 0.4, 0.0));
-  sum += texture(map, p + vec3(-spread * 0.4, spread, 0.0));
-  return 0.25 * sum;
-}
+#ifdef DESK_TOP
+float lit(sampler2D top, vec3 p, float spread) { return texture(top, p.xy).r; }
+#endif
 
 void main() {
   vec3 normal = normalize(n);
@@ -55,10 +55,10 @@ void main() {
   float facing = dot(normal, to_sun);
   float sun = max(facing, 0.0);
 #ifdef STILL_SHADOWS
-  sun *= lit(static_shadow, in_static_light, 0.0011);
+  sun *= lit(static_shadow, in_static_light, 2.25 / 2048.0);
 #endif
 #ifdef MOVING_SHADOWS
-  sun *= lit(hand_shadow, in_hand_light, 0.0022);
+  sun *= lit(hand_shadow, in_hand_light, 2.25 / 1024.0);
 #endif
   vec3 room = mix(kGround, kSky, 0.5 + 0.5 * normal.z) * more.x;
   vec3 light = albedo * (room + sun * kSun);

@@ -1,0 +1,80 @@
+#include "palpable/synth/exposure.h"
+
+#include "palpable/synth/seen_box.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpable {
+
+namespace {
+
+constexpr double kNearStill = 0.4;  // m, the nearest of what stands still
+constexpr double kReferencePx = 1.5;
+constexpr double kLookPx = 1.5;
+constexpr double kMoverPx = 3.0;
+constexpr int kMost = 10;
+static_assert(2 * kMost <= kMostLooks);  // layers and looks are both rounded up
+
+/// How far the movers' picture goes between two moments where it is in view, px: the farthest
+/// of points along the capsules.
+double mover_motion_px(const PinholeCamera& view, const Rigid3& first, const Movers& before,
+                       const Rigid3& last, const Movers& after) {
+  const auto in_view = [&](const Eigen::Vector3d& x, double radius) {
+    const Eigen::Vector2d at = view.project(x);
+    const double reach = view.fx_px * radius / x.z();
+    return at.x() > -reach && at.x() < view.width + reach && at.y() > -reach &&
+           at.y() < view.height + reach;
+  };
+  const std::size_t count = std::min(before.capsules.size(), after.capsules.size());
+  double most = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Capsule& c = before.capsules[i].shape;
+    const Capsule& d = after.capsules[i].shape;
+    for (const double along : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+      const Eigen::Vector3d x = first * (c.a + along * (c.b - c.a));
+      const Eigen::Vector3d y = last * (d.a + along * (d.b - d.a));
+      const double radius = c.ra + along * (c.rb - c.ra);
+      // What crosses the plane of the eye is seen at the picture's border at most.
+      if (std::min(x.z(), y.z()) <= SeenBox::kNearest) continue;
+      if (in_view(x, radius) || in_view(y, radius))
+        most = std::max(most, (view.project(x) - view.project(y)).norm());
+    }
+  }
+  return most;
+}
+
+int parts(double px, double px_each) {
+  return std::clamp(static_cast<int>(std::ceil(px / px_each)), 1, kMost);
+}
+
+/// So many for each of `among` that there are at least `count`.
+int share(int count, int among) { return (count + among - 1) / among; }
+
+}  // namespace
+
+Exposure split_exposure(const PinholeCamera& view, const Rigid3& eye_from_camera,
+                        const DeskMoment& frame) {
+  const double half = 0.5 * frame.rig.exposure * kFramesPerSecond;  // frames
+  Exposure exposure;
+  exposure.opens = frame.frame - half;
+  exposure.closes = frame.frame + half;
+  if (half == 0.0) return exposure;
+  const Rigid3 first = eye_from_camera * frame.camera_from_desk(exposure.opens);
+  const Rigid3 last = eye_from_camera * frame.camera_from_desk(exposure.closes);
+  const Rigid3 change = last * first.inverse();
+  const double turn = view.fx_px * Eigen::AngleAxisd(change.linear()).angle();
+  const double shift = view.fx_px * change.translation().norm() / kNearStill;
+  const double moved = mover_motion_px(view, first, frame.movers(exposure.opens), last,
+                                       frame.movers(exposure.closes));
+  const int looks = parts(turn, kLookPx);
+  exposure.references = parts(shift, kReferencePx);
+  exposure.layers = share(parts(moved, kMoverPx), exposure.references);
+  exposure.looks = share(looks, exposure.references * exposure.layers);
+  exposure.turns = looks > 1;
+  return exposure;
+}
+
+}  // namespace palpable

@@ -1,0 +1,38 @@
+/// @file
+/// What the picture of an open shutter is put together from: so many pictures, no more.
+#pragma once
+
+#include "palpable/geometry/camera.h"
+#include "palpable/geometry/rigid.h"
+#include "palpable/synth/desk_renderer.h"
+
+namespace palpable {
+
+/// What an exposure is the mean of: equal shares of its time, each with a picture of what stands
+/// still (a reference); in each of them layers of movers; under each layer looks at the reference.
+struct Exposure {
+  double opens = 0, closes = 0;  ///< frames
+  int references = 1;
+  int layers = 1;      ///< of a reference
+  int looks = 1;       ///< of a layer
+  bool turns = false;  ///< else one look serves a whole reference
+
+  [[nodiscard]] bool is_one_moment() const { return references * layers * looks == 1; }
+  /// The middle of share `i` of `count`, frames.
+  [[nodiscard]] double middle(int i, int count) const {
+    return opens + (closes - opens) * (i + 0.5) / count;
+  }
+};
+
+/// Looks at one reference, of all its layers together: fewer than this.
+inline constexpr int kMostLooks = 20;
+
+/// How an eye's exposure is put together. What stands still is painted once for each 1.5 px that
+/// its near things shift against its far ones, and looked at once for each 1.5 px that the eye's
+/// turn moves it; movers, whose skin has weak texture and soft shading, are painted once for each
+/// 3 px that their picture moves within the view. At most ten of each.
+/// @param view  the eye without its lens
+[[nodiscard]] Exposure split_exposure(const PinholeCamera& view, const Rigid3& eye_from_camera,
+                                      const DeskMoment& frame);
+
+}  // namespace palpable

@@ -1,0 +1,90 @@
+#include "palpable/synth/seen_box.h"
+
+#include "palpable/synth/capsule.h"
+#include "palpable/synth/random.h"
+#include "tests/support/test.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+using namespace palpable;
+
+namespace {
+const PinholeCamera kView{160, 90, 70, 75, 81.3, 43.9};
+
+bool holds(const Box& box, int x, int y) {
+  return x >= box.x && x < box.x + box.width && y >= box.y && y < box.y + box.height;
+}
+
+/// Whether a ray meets the capsule beyond the near plane.
+bool is_seen(const Capsule& capsule, int x, int y) {
+  const Eigen::Vector3d from = kView.unproject(x, y, SeenBox::kNearest);
+  const std::array<Capsule, 1> one = {capsule};
+  return std::isfinite(ray_distance(one, from, from.normalized(), 3.0));
+}
+}  // namespace
+
+TEST_CASE("all that an eye sees of a capsule lies in its box, also where the near plane cuts it",
+          "[synth]") {
+  int seen = 0, cut = 0, cut_and_seen = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    INFO("seed " << seed);
+    Random random(seed, "capsules");
+    const auto point = [&] {
+      return Eigen::Vector3d(random.between(-0.4, 0.4), random.between(-0.3, 0.3),
+                             random.between(-0.2, 0.5));
+    };
+    Capsule capsule{point(), point(), random.between(0.005, 0.06), random.between(0.005, 0.06)};
+    SeenBox box(kView);
+    box.include(capsule.a, capsule.ra, capsule.b, capsule.rb);
+    const Box pixels = box.pixels();
+    const bool is_cut =
+        std::min(capsule.a.z() - capsule.ra, capsule.b.z() - capsule.rb) < SeenBox::kNearest;
+    bool any = false, outside = false;
+    for (int y = 0; y < kView.height; ++y)
+      for (int x = 0; x < kView.width; ++x)
+        if (is_seen(capsule, x, y)) {
+          any = true;
+          outside = outside || !holds(pixels, x, y);
+        }
+    CHECK_FALSE(outside);
+    seen += any ? 1 : 0;
+    cut += is_cut ? 1 : 0;
+    cut_and_seen += any && is_cut ? 1 : 0;
+  }
+  CHECK(seen > 100);
+  CHECK(cut_and_seen > 30);
+  CHECK(cut > cut_and_seen);
+}
+
+TEST_CASE("the box of an arm that comes from behind the eye ends where the arm does", "[synth]") {
+  SeenBox box(kView);
+  box.include({0.05, 0.02, 0.25}, 0.02, {0.3, 0.1, -0.2}, 0.05);
+  const Box pixels = box.pixels();
+  const double left = kView.project({0.05, 0.02, 0.25}).x() - kView.fx_px * 0.02 / 0.25;
+  CHECK(pixels.x < left);
+  CHECK(pixels.x > left - 6.0);  // rounding, and the square round a circle
+  CHECK(pixels.x + pixels.width == kView.width);
+}
+
+TEST_CASE("the box of what is behind the eye or beside the picture is empty", "[synth]") {
+  SeenBox box(kView);
+  CHECK(box.pixels().empty());
+  box.include({0.0, 0.0, -0.10}, 0.05, {0.1, 0.0, -0.20}, 0.05);
+  CHECK(box.pixels().empty());
+  box.include({-0.5, 0.0, 0.2}, 0.02, {-0.5, 0.1, 0.2}, 0.02);
+  CHECK(box.pixels().empty());
+}
+
+TEST_CASE("what lies beside a part makes the whole with it, once", "[synth]") {
+  const Box all{2, 3, 20, 11};
+  for (const Box& part : {Box{2, 3, 20, 11}, Box{5, 6, 7, 4}, Box{2, 10, 3, 4}, Box{}}) {
+    for (int y = 3; y < 14; ++y)
+      for (int x = 2; x < 22; ++x) {
+        int covered = holds(part, x, y) ? 1 : 0;
+        for (const Box& rest : beside(all, part)) covered += holds(rest, x, y) ? 1 : 0;
+        CHECK(covered == 1);
+      }
+  }
+}
