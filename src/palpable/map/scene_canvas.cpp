@@ -18,8 +18,16 @@ constexpr float kNearest = 0.05F;  // m
 constexpr float kFarthest = 1e3F;  // m; so is no depth that is infinite
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-int round_to_int(float a) { return static_cast<int>(std::floor(a + 0.5F)); }
-int tile_of(float pixel) { return static_cast<int>(std::floor((pixel + 0.5F) / kTile)); }
+// Beyond it nothing is in a picture, px. Whole numbers below by cutting off what is positive: a
+// call of floor() for each tile would cost more than all else.
+constexpr int kFarOut = 1 << 13;
+bool is_near(float u, float v) {
+  return std::abs(u) < static_cast<float>(kFarOut) && std::abs(v) < static_cast<float>(kFarOut);
+}
+int round_to_int(float a) { return static_cast<int>(a + (kFarOut + 0.5F)) - kFarOut; }
+int tile_of(float pixel) {
+  return static_cast<int>((pixel + (kFarOut + 0.5F)) * (1.0F / kTile)) - kFarOut / kTile;
+}
 
 // Where a pixel of one view lies in another: w (u, v, 1) = Z M (x, y, 1) + m.
 struct Transfer {
@@ -101,7 +109,8 @@ void SceneCanvas::draw(const Rigid3& world_from_camera, PictureView& view) {
       const float x = static_cast<float>(kTile * (i - margin)) + kMiddle;
       const Eigen::Vector3f p = transfer(x, y, Z);
       if (!(p.z() > kNearest && p.z() < kFarthest)) continue;
-      const float u = p.x() / p.z(), v = p.y() / p.z();
+      const float w = 1 / p.z(), u = w * p.x(), v = w * p.y();
+      if (!is_near(u, v)) continue;
       const int a = tile_of(u), b = tile_of(v);
       if (a < 0 || b < 0 || a >= tiles || b >= rows || p.z() >= nearest_(a, b)) continue;
       nearest_(a, b) = p.z();
@@ -150,6 +159,7 @@ void SceneCanvas::learn(const Rigid3& world_from_camera, const StaticPicture& pi
       const Eigen::Vector3f p = transfer(u, v, tile_depth(i, j));
       if (!(p.z() > kNearest && p.z() < kFarthest)) continue;
       const float x = p.x() / p.z(), y = p.y() / p.z();
+      if (!is_near(x, y)) continue;
       const int a = tile_of(x) + margin, b = tile_of(y) + margin;
       if (a < 0 || b < 0 || a >= depth_.width() || b >= depth_.height()) continue;
       std::uint8_t& strange = strange_(a, b);
