@@ -11,6 +11,12 @@ namespace palpable {
 namespace {
 // s by which stamps that are meant to be even are not.
 constexpr double kUneven = 1e-4;
+
+// Before the camera sees anything that it could follow it is taken to stand where the world begins:
+// else a hand before a bare desk would be what is seen first.
+bool is_placed(const TrackedPose& camera) {
+  return is_known(camera) || camera.state == TrackState::kStarting;
+}
 }  // namespace
 
 Slam::Slam(const DepthCamera& camera, const FrameFormat& format, const SlamSettings& settings)
@@ -40,16 +46,19 @@ const SlamFrame& Slam::advance(const SeenFrame& seen, StageTimes& times) {
   {
     const StageTimer timer(times, "map");
     large_ = nullptr;
-    if (is_known(last_camera_)) {
+    if (is_placed(last_camera_)) {
       find_moving(seen, last_camera_.world_from_camera * last_motion_);
     }
   }
   {
     const StageTimer timer(times, "track");
-    frame_.camera = tracker_->track(tracker_frame(seen, frame_.moving));
+    // A tracker that has not begun takes what it gets: what moves is told from a pose nobody has
+    // checked.
+    const bool begun = is_known(last_camera_);
+    frame_.camera = tracker_->track(tracker_frame(seen, begun ? frame_.moving : nullptr));
   }
   // What moves was found from a pose that turns out to be wrong.
-  if (!is_known(frame_.camera)) frame_.moving = nullptr;
+  if (!is_placed(frame_.camera)) frame_.moving = nullptr;
   const StageTimer timer(times, "map");
   if (frame_.camera.closed_loop && map_) {
     frame_.moving = nullptr;  // it belongs to what is forgotten now
@@ -94,13 +103,13 @@ void Slam::find_moving(const SeenFrame& seen, const Rigid3& world_from_camera) {
 
 // Takes the frame into the free space and the map, if it is known where it was seen from.
 void Slam::learn(const SeenFrame& seen) {
-  const bool known = is_known(frame_.camera);
+  const bool known = is_placed(frame_.camera);
   const Rigid3& world_from_camera = frame_.camera.world_from_camera;
   if (frame_.camera.state == TrackState::kFixed && last_camera_.state == TrackState::kFixed &&
       frame_.moving == nullptr) {
     frame_.moving = large_;
   }
-  last_motion_ = known && is_known(last_camera_)
+  last_motion_ = known && is_placed(last_camera_)
                      ? last_camera_.world_from_camera.inverse() * world_from_camera
                      : Rigid3::Identity();
   last_camera_ = frame_.camera;

@@ -134,6 +134,25 @@ TEST_CASE("poses that are given are taken, and a frame without one teaches nothi
   CHECK(room.slam.counts().fused == 10);
 }
 
+TEST_CASE("before a bare wall there is nothing to follow, and what comes is seen to move",
+          "[slam]") {
+  Room room;
+  const auto show_bare = [&](double covers) {
+    Frame frame = frame_of_wall(room.number++, 0);
+    std::fill(frame.left.begin(), frame.left.end(), Rgb{120, 120, 120});
+    return room.slam.advance(room.see(frame, covers), room.times);
+  };
+  for (int n = 0; n < 30; ++n) {
+    const SlamFrame found = show_bare(0);
+    CHECK(found.camera.state == TrackState::kStarting);
+    REQUIRE(found.moving != nullptr);
+    CHECK(share_of(*found.moving) == 0);
+  }
+  const SlamFrame found = show_bare(0.5);
+  REQUIRE(found.moving != nullptr);
+  CHECK(share_of(*found.moving) == Approx(0.5).margin(0.03));
+}
+
 TEST_CASE("a lost camera learns nothing and finds what moves again in the second frame after",
           "[slam]") {
   Room room({.fuse_every = 0});
