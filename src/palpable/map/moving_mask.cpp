@@ -14,7 +14,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kTile = 4;  // px
+constexpr int kTile = StaticPicture::kTile;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 // A mask's pixels while it is being made.
@@ -85,8 +85,7 @@ void MovingMask::resize(const DepthImage& depth) {
   drawn_.resize(depth.width(), depth.height(), tile_static_);
 }
 
-// The depth in the middle of each tile; where it is unknown, the first known one of the others
-//.
+// The depth in the middle of each tile; where it is unknown, the first known one of four others.
 void MovingMask::sample(const SeenFrame& seen) {
   const DepthImage& depth = seen.depth;
   static constexpr std::array<std::array<int, 2>, 5> kPlaces{

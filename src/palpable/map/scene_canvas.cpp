@@ -11,7 +11,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kTile = 4;           // px
+constexpr int kTile = StaticPicture::kTile;
 constexpr float kMiddle = 1.5F;    // of a tile, from its first pixel
 constexpr int kTurns = 4;          // frames in which all tiles are looked at
 constexpr float kNearest = 0.05F;  // m

@@ -8,7 +8,7 @@
 namespace palpable {
 namespace {
 
-constexpr int kTile = 4;      // px
+constexpr int kTile = StaticPicture::kTile;
 constexpr int kPixels = 16;   // of a tile
 constexpr int kSteps = 4096;  // of the histograms
 // Tiles that are nearly black or clipped say nothing about the gain.
@@ -109,10 +109,7 @@ bool StaticPicture::compare(const GrayImage& luma, const ColorImage& color, int 
                             const Image<std::uint8_t>& is_static) {
   if (!halve(luma, color, width, height, is_static)) return false;
   find_gain(is_static);
-  find_differences();
-  find_noise(is_static);
-  find_looks(color);
-  spread_changes(color, is_static);
+  tell_looks(color, is_static);
   return true;
 }
 
@@ -124,11 +121,16 @@ bool StaticPicture::compare(const GrayImage& luma, const ColorImage& color, int 
   find_gain(is_static);
   view_gain_ = gain_;
   take_nearest();
+  tell_looks(color, is_static);
+  return true;
+}
+
+// With the gain known: what has changed.
+void StaticPicture::tell_looks(const ColorImage& color, const Image<std::uint8_t>& is_static) {
   find_differences();
   find_noise(is_static);
   find_looks(color);
   spread_changes(color, is_static);
-  return true;
 }
 
 // The frame's luma at the depth's size, and its tiles.

@@ -88,6 +88,7 @@ struct StaticPictureSettings {
 /// Richefeu 2007).
 class StaticPicture {
  public:
+  static constexpr int kTile = 4;  ///< px of the depth image, a tile's side
   enum Look : std::uint8_t { kNothing, kSame, kShadow, kChanged };
 
   /// @throws ContractViolation for settings out of their range
@@ -157,6 +158,7 @@ class StaticPicture {
   void find_gain(const Image<std::uint8_t>& is_static);
   void find_differences();
   void find_noise(const Image<std::uint8_t>& is_static);
+  void tell_looks(const ColorImage& color, const Image<std::uint8_t>& is_static);
   void find_looks(const ColorImage& color);
   void spread_changes(const ColorImage& color, const Image<std::uint8_t>& is_static);
   void see_color(const ColorImage& color, int i, int j);

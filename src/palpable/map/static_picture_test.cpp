@@ -145,13 +145,18 @@ struct Room {
 };
 constexpr std::array<Room, 2> kRooms{{{1.0, 0.7}, {0.2, 2.0}}};
 
+Camera camera_in(const Room& room, unsigned seed) {
+  Camera camera(seed, room.noise);
+  for (double& value : camera.scene) value *= room.level;
+  return camera;
+}
+
 TEST_CASE("a thing is told by its hue where its shading passes through the scene's level",
           "[map][static_picture]") {
   unsigned seed = 60;
   for (const Room& room : kRooms) {
     INFO("level " << room.level);
-    Camera camera(seed++, room.noise);
-    for (double& value : camera.scene) value *= room.level;
+    Camera camera = camera_in(room, seed++);
     Watch watch;
     watch.learn(camera, 40);
     camera.see([&](int x, int y, auto& light) {
@@ -180,8 +185,7 @@ TEST_CASE("a shadow is told from a thing in the dark, and does not stay in the p
   unsigned seed = 70;
   for (const Room& room : kRooms) {
     INFO("level " << room.level);
-    Camera camera(seed++, room.noise);
-    for (double& value : camera.scene) value *= room.level;
+    Camera camera = camera_in(room, seed++);
     Watch watch;
     watch.learn(camera, 40);
     // The sun's share of red, green and blue.

@@ -14,8 +14,6 @@ constexpr double kLargestZoom = 2.3;
 constexpr double kHides = 0.9;
 constexpr double kRowLikeness = 0.8;
 
-Rigid3 inverse(const Rigid3& T) { return T.inverse(Eigen::Isometry); }
-
 }  // namespace
 
 std::optional<Candidate> LandmarkSearch::expected(const TrackerFrame& frame, int id,
@@ -32,7 +30,7 @@ std::optional<Candidate> LandmarkSearch::expected(const TrackerFrame& frame, int
 
   const Eigen::Vector3d eye = pose.linear().transpose() * -pose.translation();
   const Rigid3& anchor = anchor_pose(landmark, keyframes);
-  const Eigen::Vector3d then = landmark.x_in_world - inverse(anchor).translation();
+  const Eigen::Vector3d then = landmark.x_in_world - anchor.inverse().translation();
   const Eigen::Vector3d now = landmark.x_in_world - eye;
   const double zoom = then.norm() / now.norm();
   if (then.dot(now) < kLeastCosine * then.norm() * now.norm() || zoom > kLargestZoom ||

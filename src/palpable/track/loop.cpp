@@ -17,8 +17,6 @@ constexpr int kHardly = 5;  // landmarks in common: the adjustment of the window
 constexpr int kTied = 15;   // landmarks in common that make a tie
 constexpr double kMostDrift = 0.1;
 
-Rigid3 inverse(const Rigid3& T) { return T.inverse(Eigen::Isometry); }
-
 double angle_of(const Rigid3& T) { return Eigen::AngleAxisd(T.linear()).angle(); }
 
 int index_of(const std::vector<Keyframe>& keyframes, int number) {
@@ -62,7 +60,7 @@ std::optional<Rigid3> pose_by(const Loop& loop, const std::vector<Keyframe>& key
   double way = 0, turn = 0;
   for (int k = a; k < b; ++k) {
     const Rigid3 motion = keyframes[static_cast<std::size_t>(k) + 1].camera_from_world *
-                          inverse(keyframes[static_cast<std::size_t>(k)].camera_from_world);
+                          keyframes[static_cast<std::size_t>(k)].camera_from_world.inverse();
     way += motion.translation().norm();
     turn += angle_of(motion);
   }
@@ -72,8 +70,8 @@ std::optional<Rigid3> pose_by(const Loop& loop, const std::vector<Keyframe>& key
   // Between pictures a turn can be taken for a way of as many pixels, and the other way round.
   const double depth = keyframes[static_cast<std::size_t>(b)].median_depth;
   const double farthest = kMostDrift * (way + turn * depth);
-  if ((inverse(by_loop).translation() - inverse(now).translation()).norm() > farthest ||
-      angle_of(by_loop * inverse(now)) * depth > farthest) {
+  if ((by_loop.inverse().translation() - now.inverse().translation()).norm() > farthest ||
+      angle_of(by_loop * now.inverse()) * depth > farthest) {
     return std::nullopt;
   }
   return by_loop;
@@ -107,7 +105,7 @@ PoseGraph graph_of(const TrackCamera& camera, const std::vector<Keyframe>& keyfr
     if (b != a + 1 && count < kTied) continue;
     tie(a, b,
         graph.camera_from_world[static_cast<std::size_t>(b)] *
-            inverse(graph.camera_from_world[static_cast<std::size_t>(a)]),
+            graph.camera_from_world[static_cast<std::size_t>(a)].inverse(),
         count);
   }
   const int a = index_of(keyframes, loop.old_number);
@@ -120,7 +118,7 @@ void put_back(const PoseGraph& graph, std::vector<Keyframe>& keyframes,
               std::vector<Landmark>& landmarks) {
   std::vector<std::optional<Rigid3>> world_from_old_world(keyframes.size());
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
-    world_from_old_world[k] = inverse(graph.camera_from_world[k]) * keyframes[k].camera_from_world;
+    world_from_old_world[k] = graph.camera_from_world[k].inverse() * keyframes[k].camera_from_world;
     keyframes[k].camera_from_world = graph.camera_from_world[k];
   }
   std::vector<char> done(landmarks.size(), 0);
@@ -130,7 +128,7 @@ void put_back(const PoseGraph& graph, std::vector<Keyframe>& keyframes,
     if (!landmark.alive || landmark.anchor >= 0 || landmark.sightings.empty()) continue;
     const auto k = static_cast<std::size_t>(landmark.sightings.front().keyframe);
     landmark.x_in_world = *world_from_old_world[k] * landmark.x_in_world;
-    landmark.lost_anchor = landmark.lost_anchor * inverse(*world_from_old_world[k]);
+    landmark.lost_anchor = landmark.lost_anchor * world_from_old_world[k]->inverse();
     done[i] = 1;
   }
   move_points(world_from_old_world, done, keyframes, landmarks);

@@ -16,12 +16,6 @@ namespace {
 constexpr int kMostSteps = 20;
 constexpr double kConverged = 1e-6;  // relative decrease of the cost that ends it
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
 // d log(exp(w) exp(phi)) / dw at w = 0 (Sola et al., "A micro Lie theory", 2018, Eq. 146).
 Eigen::Matrix3d log_derivative(const Eigen::Vector3d& phi) {
   const double angle = phi.norm();

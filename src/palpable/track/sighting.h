@@ -73,16 +73,20 @@ using Twist = Eigen::Matrix<double, 6, 1>;
   return result;
 }
 
+/// cross_matrix(v) x is v's cross product with x.
+[[nodiscard]] inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
 /// d(u, v, d) / d(step) of moved_by(step, camera_from_world) at step = 0, (3 x 6).
 [[nodiscard]] inline Eigen::Matrix<double, 3, 6> pose_derivative(
     const Eigen::Matrix3d& derivative, const Eigen::Vector3d& x_in_camera) {
   Eigen::Matrix<double, 3, 6> J;
   J.leftCols<3>() = derivative;
   // d(exp(r) x) / dr = -[x]x
-  Eigen::Matrix3d cross;
-  cross << 0, -x_in_camera.z(), x_in_camera.y(), x_in_camera.z(), 0, -x_in_camera.x(),
-      -x_in_camera.y(), x_in_camera.x(), 0;
-  J.rightCols<3>() = -derivative * cross;
+  J.rightCols<3>() = -derivative * cross_matrix(x_in_camera);
   return J;
 }
 
