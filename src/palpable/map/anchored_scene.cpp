@@ -18,6 +18,7 @@ AnchoredScene::AnchoredScene(const SurfaceMap& map, const AnchoredSceneSettings&
       per_m_(static_cast<float>(kCounts / map.settings().truncation)),
       step_(static_cast<std::int8_t>(
           std::clamp(std::lround(settings.step * static_cast<double>(per_m_)), 1L, 127L))),
+      units_(map.units()),
       table_(map.capacity()) {
   PALPABLE_EXPECT(settings.step > 0, "a surface that is measured again has not gone back");
   PALPABLE_EXPECT(settings.updates_per_round >= 1, "every block has its turn");
@@ -41,11 +42,11 @@ AnchoredScene::Block* AnchoredScene::insert(std::uint64_t key) {
 // Distances that are not known yet, and those of surfaces that were taken away.
 void AnchoredScene::take(const SurfaceMap::BlockView& from, Block& to) const {
   for (std::size_t i = 0; i < kVoxelsOfBlock; ++i) {
-    if (!(from.weight[i] > 0)) continue;
+    if (!was_seen(from.voxels[i])) continue;
     const std::size_t eighth = (i >> 2 & 1) | (i >> 5 & 1) << 1 | (i >> 8 & 1) << 2;
     if ((to.came >> eighth & 1) != 0) continue;
     const auto now = static_cast<std::int8_t>(
-        std::lround(std::clamp(per_m_ * from.distance[i], -kCounts, kCounts)));
+        std::lround(std::clamp(per_m_ * units_.distance_of(from.voxels[i]), -kCounts, kCounts)));
     if (to.distance[i] == kUnknown || now - to.distance[i] > step_) to.distance[i] = now;
   }
 }

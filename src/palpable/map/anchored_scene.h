@@ -74,6 +74,7 @@ class AnchoredScene {
   double voxel_;      // m
   float per_m_;       // counts of a distance
   std::int8_t step_;  // counts
+  VoxelUnits units_;  // of the map
   BlockTable table_;
   SlabStore<Block> store_;
   int round_ = 0;
@@ -88,8 +89,7 @@ class AnchoredScene::Reader {
   /// @param point  within 500 m of the world's origin
   [[nodiscard]] bool was_there(const Eigen::Vector3f& point, float tolerance) {
     const Eigen::Vector3f p = point * voxels_per_m_;
-    const int x = static_cast<int>(std::floor(p.x())), y = static_cast<int>(std::floor(p.y())),
-              z = static_cast<int>(std::floor(p.z()));
+    const int x = floor_to_int(p.x()), y = floor_to_int(p.y()), z = floor_to_int(p.z());
     const std::uint64_t key = BlockTable::key_of(x >> 3, y >> 3, z >> 3);
     if (key != last_) {
       last_ = key;

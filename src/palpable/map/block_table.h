@@ -21,11 +21,10 @@ class BlockTable {
   static constexpr int kNone = -1;
 
   /// @param capacity  blocks, >= 1
-  explicit BlockTable(int capacity) : key_(size_of(capacity)), next_(size_of(capacity), kNone) {
+  explicit BlockTable(int capacity) : slots_(size_of(capacity)) {
     heads_.assign(std::bit_ceil(size_of(capacity)) * 2, kNone);
     free_.reserve(size_of(capacity));
     for (int slot = capacity; slot-- > 0;) free_.push_back(slot);
-    used_.assign(size_of(capacity), 0);
   }
 
   /// Coordinates of blocks must lie in [-2^20, 2^20).
@@ -46,7 +45,7 @@ class BlockTable {
   /// The slot of a block, or kNone.
   [[nodiscard]] int find(std::uint64_t key) const {
     int slot = heads_[bucket_of(key)];
-    while (slot != kNone && key_[at(slot)] != key) slot = next_[at(slot)];
+    while (slot != kNone && slots_[at(slot)].key != key) slot = slots_[at(slot)].next;
     return slot;
   }
 
@@ -55,30 +54,33 @@ class BlockTable {
     if (free_.empty()) return kNone;
     const int slot = free_.back();
     free_.pop_back();
-    key_[at(slot)] = key;
     int& head = heads_[bucket_of(key)];
-    next_[at(slot)] = head;
+    slots_[at(slot)] = {key, head, true};
     head = slot;
-    used_[at(slot)] = 1;
     return slot;
   }
 
   /// Gives a slot back.
   void erase(int slot) {
     PALPABLE_EXPECT(used(slot), "only a block that is there can be removed");
-    int* link = &heads_[bucket_of(key_[at(slot)])];
-    while (*link != slot) link = &next_[at(*link)];
-    *link = next_[at(slot)];
-    used_[at(slot)] = 0;
+    int* link = &heads_[bucket_of(key(slot))];
+    while (*link != slot) link = &slots_[at(*link)].next;
+    *link = slots_[at(slot)].next;
+    slots_[at(slot)].used = false;
     free_.push_back(slot);
   }
 
-  [[nodiscard]] int capacity() const { return static_cast<int>(key_.size()); }
+  [[nodiscard]] int capacity() const { return static_cast<int>(slots_.size()); }
   [[nodiscard]] int count() const { return capacity() - static_cast<int>(free_.size()); }
-  [[nodiscard]] bool used(int slot) const { return used_[at(slot)] != 0; }
-  [[nodiscard]] std::uint64_t key(int slot) const { return key_[at(slot)]; }
+  [[nodiscard]] bool used(int slot) const { return slots_[at(slot)].used; }
+  [[nodiscard]] std::uint64_t key(int slot) const { return slots_[at(slot)].key; }
 
  private:
+  struct Slot {
+    std::uint64_t key = 0;
+    int next = kNone;  // of the same bucket
+    bool used = false;
+  };
   [[nodiscard]] static std::size_t size_of(int capacity) {
     PALPABLE_EXPECT(capacity >= 1, "a table holds at least one block");
     return static_cast<std::size_t>(capacity);
@@ -89,11 +91,9 @@ class BlockTable {
     return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 32) & (heads_.size() - 1);
   }
 
-  std::vector<std::uint64_t> key_;
-  std::vector<int> next_;
+  std::vector<Slot> slots_;
   std::vector<int> heads_;
   std::vector<int> free_;
-  std::vector<std::uint8_t> used_;
 };
 
 }  // namespace palpable

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <hwy/cache_control.h>
 
 namespace palpable {
 namespace {
@@ -26,6 +27,7 @@ FreeSpace::FreeSpace(const DepthNoise& noise, const FreeSpaceSettings& settings)
   PALPABLE_EXPECT(settings.frames_to_settle >= 1 && settings.frames_to_settle <= 32767,
                   "what stays is settled after 1 to 32767 frames");
   blocks_.resize(static_cast<std::size_t>(settings.blocks));
+  path_.resize(static_cast<std::size_t>(settings.farthest / settings.cell) + 1);
 }
 
 void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
@@ -43,7 +45,7 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
                  static_cast<std::int32_t>(std::lround(kOne * a[2]))};
   };
   // 0 marks what was never changed.
-  stamp_ = static_cast<std::uint8_t>(stamp_ == 255 ? 1 : stamp_ + 1);
+  stamp_ = stamp_ == 255 ? 1 : stamp_ + 1;
   const int turn_x = frame_ % kTurns, turn_y = frame_ / kTurns % kTurns;
   ++frame_;
 
@@ -56,13 +58,15 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
       const double end = std::min(Z - margin, settings_.farthest);
       const int steps = static_cast<int>(std::floor(end / cell));
       const Place step = fixed(R * rays.unproject(x, y, 1.0));  // one cell of depth on
-      Place at = start;
-      std::uint64_t last = ~std::uint64_t{0};
+      // Where it passes first, what is there then: the cells are on their way from memory together.
+      Place at = start, in_block{};
       Block* block = nullptr;
+      std::size_t passed = 0;
       for (int i = 1; i <= steps; ++i) {
         for (std::size_t k = 0; k < 3; ++k) at[k] += step[k];
-        if (const std::uint64_t key = block_of(at); key != last) {
-          last = key;
+        if (block == nullptr || !same_block(at, in_block)) {
+          in_block = at;
+          const std::uint64_t key = block_of(at);
           int slot = table_.find(key);
           if (slot == BlockTable::kNone) {
             slot = table_.insert(key);
@@ -73,11 +77,15 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
           }
           block = &blocks_[static_cast<std::size_t>(slot)];
         }
-        Cell& c = (*block)[cell_of(at)];
-        if (c.stamp == stamp_) continue;
-        c.stamp = stamp_;
-        c.free = static_cast<std::uint8_t>(std::min(c.free + 1, 255));
-        c.taken = 0;
+        path_[passed] = &(*block)[cell_of(at)];
+        hwy::Prefetch(path_[passed++]);
+      }
+      for (std::size_t i = 0; i < passed; ++i) {
+        const std::uint32_t was = path_[i]->bits;
+        const std::uint32_t seen_through =
+            (was & Cell::kSettled) | stamp_ << 8 | std::min((was & 0xFF) + 1, 255U);
+        // Without a branch: whether another ray of this frame was here is anybody's guess.
+        path_[i]->bits = path_[i]->stamp() == stamp_ ? was : seen_through;
       }
     }
   }
@@ -90,13 +98,10 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
       const int slot = table_.find(block_of(at));
       if (slot == BlockTable::kNone) continue;
       Cell& c = blocks_[static_cast<std::size_t>(slot)][cell_of(at)];
-      if (c.stamp == stamp_ || c.free < settings_.frames_to_free) continue;
-      c.stamp = stamp_;
-      ++c.taken;
-      if (c.taken < settings_.frames_to_settle) continue;
-      c.free = 0;
-      c.taken = 0;
-      c.settled = 1;
+      if (c.stamp() == stamp_ || c.free() < settings_.frames_to_free) continue;
+      c.bits = (c.bits & ~(0xFFU << 8)) | stamp_ << 8;
+      c.bits += Cell::kOneTaken;
+      if (c.taken() >= settings_.frames_to_settle) c.bits = Cell::kSettled | stamp_ << 8;
     }
   }
 }

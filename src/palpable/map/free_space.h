@@ -7,6 +7,7 @@
 /// ever was.
 #pragma once
 
+#include "palpable/base/floor_to_int.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
@@ -14,7 +15,6 @@
 #include "palpable/vision/depth_noise.h"
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -66,11 +66,16 @@ class FreeSpace {
   [[nodiscard]] const FreeSpaceSettings& settings() const { return settings_; }
 
  private:
+  // One cell in 32 bits: in how many frames it was looked through, up to 255; the stamp of the
+  // frame that changed it last; frames in a row in which something ended in it; and whether it was
+  // free until something settled in it.
   struct Cell {
-    std::uint8_t free = 0;          // frames in which it was looked through, up to 255
-    std::uint8_t stamp = 0;         // of the frame that changed it last
-    std::uint16_t taken : 15 = 0;   // frames in a row in which something ended in it
-    std::uint16_t settled : 1 = 0;  // it was free until something settled in it
+    std::uint32_t bits = 0;
+    [[nodiscard]] int free() const { return static_cast<int>(bits & 0xFF); }
+    [[nodiscard]] std::uint32_t stamp() const { return bits >> 8 & 0xFF; }
+    [[nodiscard]] int taken() const { return static_cast<int>(bits >> 16 & 0x7FFF); }
+    [[nodiscard]] bool settled() const { return bits >> 31 != 0; }
+    static constexpr std::uint32_t kOneTaken = 1U << 16, kSettled = 1U << 31;
   };
   static constexpr int kSide = 8;
   using Block = std::array<Cell, kSide * kSide * kSide>;
@@ -81,16 +86,26 @@ class FreeSpace {
     constexpr int kShift = kFraction + 3;
     return BlockTable::key_of(p[0] >> kShift, p[1] >> kShift, p[2] >> kShift);
   }
+  // Cells that lie next to each other share a line of the cache, 2 x 2 x 4 of them: a ray passes
+  // through most of a block's lines if each is a row.
   [[nodiscard]] static std::size_t cell_of(const Place& p) {
+    static constexpr std::array<std::uint16_t, 8> kX{0, 1, 16, 17, 32, 33, 48, 49};
+    static constexpr std::array<std::uint16_t, 8> kY{0, 2, 64, 66, 128, 130, 192, 194};
+    static constexpr std::array<std::uint16_t, 8> kZ{0, 4, 8, 12, 256, 260, 264, 268};
     const auto part = [](std::int32_t a) { return static_cast<std::size_t>(a >> kFraction & 7); };
-    return part(p[0]) | part(p[1]) << 3 | part(p[2]) << 6;
+    return std::size_t{0} + kX[part(p[0])] + kY[part(p[1])] + kZ[part(p[2])];
+  }
+  // Whether two places lie in one block.
+  [[nodiscard]] static bool same_block(const Place& a, const Place& b) {
+    return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) >> (kFraction + 3) == 0;
   }
 
   DepthNoise noise_;
   FreeSpaceSettings settings_;
   BlockTable table_;
   std::vector<Block> blocks_;
-  std::uint8_t stamp_ = 0;
+  std::vector<Cell*> path_;  // of a ray
+  std::uint32_t stamp_ = 0;
   int frame_ = 0;
   std::int64_t blocked_ = 0;
 };
@@ -103,19 +118,18 @@ class FreeSpace::Reader {
   /// @param point  world, m; within 500 m of its origin
   [[nodiscard]] bool is_free(const Eigen::Vector3f& point) {
     const Cell* cell = at(point);
-    return cell != nullptr && cell->free >= space_.settings_.frames_to_free;
+    return cell != nullptr && cell->free() >= space_.settings_.frames_to_free;
   }
   [[nodiscard]] bool was_free(const Eigen::Vector3f& point) {
     const Cell* cell = at(point);
-    return cell != nullptr && (cell->free >= space_.settings_.frames_to_free || cell->settled != 0);
+    return cell != nullptr && (cell->free() >= space_.settings_.frames_to_free || cell->settled());
   }
 
  private:
   // The cell of a point, or null where nothing was seen.
   [[nodiscard]] const Cell* at(const Eigen::Vector3f& point) {
-    const Place p{static_cast<std::int32_t>(std::floor(point.x() * scale_)),
-                  static_cast<std::int32_t>(std::floor(point.y() * scale_)),
-                  static_cast<std::int32_t>(std::floor(point.z() * scale_))};
+    const Place p{floor_to_int(point.x() * scale_), floor_to_int(point.y() * scale_),
+                  floor_to_int(point.z() * scale_)};
     if (const std::uint64_t key = block_of(p); key != last_) {
       last_ = key;
       const int slot = space_.table_.find(key);

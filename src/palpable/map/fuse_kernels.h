@@ -3,6 +3,8 @@
 /// the same bytes: the same operations in the same order, none fused.
 #pragma once
 
+#include "palpable/map/voxel.h"
+
 #include <cstddef>
 #include <span>
 
@@ -25,8 +27,8 @@ struct FuseFrame {
   float truncation = 0;         ///< at least
   float truncation_sigmas = 0;  ///< and so many sigma
   float best_sigma = 0;         ///< up to it a depth has weight 1, beyond (best_sigma / sigma)^2
-  float most_weight = 0;        ///< a voxel's weight ends here
   float carve_weight = 0;       ///< how many such frames a voxel may weigh against being seen free
+  VoxelUnits units;             ///< of (most_distance, most_weight)
   /// (512) each: from a block's first voxel to voxel i.
   const float* offset_x = nullptr;
   const float* offset_y = nullptr;
@@ -37,19 +39,20 @@ struct FuseKernel {
   const char* name = "";
   /// Takes one depth image into one block:
   ///
-  ///     s = Z(pixel of the voxel) - z(voxel),   t = max(truncation, sigmas * sigma_Z(Z))
+  ///     s = Z(pixel of the voxel) - z(voxel)
+  ///     t = min(max(truncation, sigmas * sigma_Z(Z)), largest distance)
   ///     s < -t           hidden behind the surface: nothing is learnt
-  ///     |s| <= t         d <- (w d + v s) / (w + v),  w <- min(w + v, most_weight)
+  ///     |s| <= t         d <- (w d + v s) / (w + v),  w <- min(w + v, most weight)
   ///     s > t            seen free: the same with s = t and w <- min(w, carve_weight v) before
   ///
   /// with v = min(1, (best_sigma / sigma)^2): Curless and Levoy 1996, weights by the variance,
   /// which is sigma_Z(Z) at a surface; what is seen free is as sure as a measurement there would
   /// be, however far the surface behind it: sigma_Z(z).
-  /// @param first     (3) the block's first voxel, camera frame, m
-  /// @param distance  (512) d, m, positive on the camera's side; read where weight > 0
-  /// @param weight    (512) w; 0: never seen
-  /// @return the smallest d of the voxels with a weight; infinity if none has one
-  float (*fuse)(const FuseFrame& frame, const float* first, float* distance, float* weight);
+  /// d and w are rounded to their units; w to one at least.
+  /// @param first   (3) the block's first voxel, camera frame, m
+  /// @param voxels  (512)
+  /// @return the smallest d of the voxels that were seen; infinity if none was
+  float (*fuse)(const FuseFrame& frame, const float* first, Voxel* voxels);
 };
 
 /// All that this processor can run, the best first and the plain one last.

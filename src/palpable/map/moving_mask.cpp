@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <hwy/cache_control.h>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -80,6 +81,7 @@ void MovingMask::resize(const DepthImage& depth) {
   moved_depth_ = DepthImage(width, height);
   ray_depth_ = DepthImage((width + 1) / 2, (height + 1) / 2);
   queue_.reserve(tile_depth_.size());
+  questions_.reserve(static_cast<std::size_t>(2 * width));
   view_ = {GrayImage(depth.width(), depth.height()), Image<TileColor>(width, height),
            Image<std::uint8_t>(width, height)};
   drawn_.resize(depth.width(), depth.height(), tile_static_);
@@ -91,25 +93,44 @@ void MovingMask::sample(const SeenFrame& seen) {
   static constexpr std::array<std::array<int, 2>, 5> kPlaces{
       {{2, 2}, {1, 1}, {3, 3}, {0, 3}, {3, 0}}};
   const bool watched = !seen.too_close.empty();
+  const int width = depth.width(), height = depth.height();
+  // How many of a tile's pixels are called too close.
+  const auto too_close = [&](int x0, int y0) {
+    int close = 0;
+    const auto across = static_cast<std::size_t>(std::min(kTile, width - x0));
+    for (int y = y0; y < std::min(y0 + kTile, height); ++y) {
+      std::uint32_t four = 0;  // most often none
+      std::memcpy(&four, seen.too_close.row(y) + x0, across);
+      for (; four != 0; four >>= 8) close += (four & 0xFF) != 0 ? 1 : 0;
+    }
+    return close;
+  };
   for (int j = 0; j < tile_depth_.height(); ++j) {
-    for (int i = 0; i < tile_depth_.width(); ++i) {
-      float found = kNaN;
+    // What the next row of tiles reads first, 16 values in a line of the cache.
+    const int next = kTile * (j + 1) + kPlaces[0][1];
+    for (int x = 0; next < height && x < width; x += 16) hwy::Prefetch(depth.row(next) + x);
+    float* found = tile_depth_.row(j);
+    std::uint8_t* label = tile_label_.row(j);
+    const int tiles = tile_depth_.width();
+    const auto& [x0, y0] = kPlaces.front();
+    std::fill_n(label, tiles, kUnknown);
+    if (kTile * j + y0 < height && kTile * (tiles - 1) + x0 < width) {
+      const float* row = depth.row(kTile * j + y0) + x0;
+      for (int i = 0; i < tiles; ++i) found[i] = row[kTile * i];
+    } else {
+      std::fill_n(found, tiles, kNaN);
+    }
+    for (int i = 0; i < tiles; ++i) {
+      if (!std::isnan(found[i])) continue;
       for (const auto& [dx, dy] : kPlaces) {
         const int x = kTile * i + dx, y = kTile * j + dy;
-        if (x >= depth.width() || y >= depth.height()) continue;
-        found = depth(x, y);
-        if (!std::isnan(found)) break;
+        if (x >= width || y >= height) continue;
+        found[i] = depth(x, y);
+        if (!std::isnan(found[i])) break;
       }
-      tile_depth_(i, j) = found;
-      tile_label_(i, j) = kUnknown;
-      if (!watched || !std::isnan(found)) continue;
-      int close = 0;
-      for (int y = kTile * j; y < std::min(kTile * j + kTile, depth.height()); ++y) {
-        for (int x = kTile * i; x < std::min(kTile * i + kTile, depth.width()); ++x) {
-          close += seen.too_close(x, y) != 0 ? 1 : 0;
-        }
+      if (watched && std::isnan(found[i]) && too_close(kTile * i, kTile * j) >= kTooClosePixels) {
+        label[i] = kMoving;
       }
-      if (close >= kTooClosePixels) tile_label_(i, j) = kMoving;
     }
   }
 }
@@ -133,43 +154,57 @@ void MovingMask::label(const Rigid3& world_from_camera, const SurfaceMap* map) {
     const bool same = std::abs(tile_depth_(i, j) - before) <= same_share * before;
     return same && age_(i, j) < settings_.frames_to_carry ? kCarried : kUnexplained;
   };
-  const auto label_of = [&](int i, int j) -> std::uint8_t {
+  const auto ask = [&](int i, int j, bool for_four) {
     const float Z = tile_depth_(i, j);
-    if (!(Z > 0)) return tile_label_(i, j);  // unknown, or too close
-    if (Z > farthest) return kStatic;
+    if (!(Z > 0)) return;  // unknown, or too close
     const Eigen::Vector3f p =
         t + Z * (first + static_cast<float>(i) * across + static_cast<float>(j) * down);
+    const Voxel* voxel = surface && Z <= farthest ? surface->voxel(p) : nullptr;
+    if (voxel != nullptr) hwy::Prefetch(voxel);
+    questions_.push_back({p, voxel, i, j, for_four});
+  };
+  const auto answer = [&](const Question& q) -> std::uint8_t {
+    const float Z = tile_depth_(q.i, q.j);
+    if (Z > farthest) return kStatic;
     // The map comes first: at a slanted surface rays pass through the cells in which it lies.
-    if (surface) {
-      float weight = 0;
-      const float d = surface->distance(p, weight);
+    if (q.voxel != nullptr && was_seen(*q.voxel)) {
+      const float d = map->units().distance_of(*q.voxel);
       const double sigma = noise_.sigma(static_cast<double>(Z));
       const auto allowed = static_cast<float>(std::max(settings_.step, settings_.sigmas * sigma));
       if (d > allowed) return kMoving;
       if (d >= -allowed) {
-        return weight >= old_surface * map->weight_of(sigma) ? kStatic : unexplained(i, j);
+        const float weight = map->units().weight_of(*q.voxel);
+        return weight >= old_surface * map->weight_of(sigma) ? kStatic : unexplained(q.i, q.j);
       }
     }
-    return space.is_free(p) ? kMoving : unexplained(i, j);
+    return space.is_free(q.point) ? kMoving : unexplained(q.i, q.j);
   };
   const int width = tile_label_.width(), height = tile_label_.height();
   for (int j = 0; j < height; j += 2) {
+    const int j1 = std::min(j + 1, height - 1);
+    // All of two rows before the first is answered: the voxels come from memory together.
+    questions_.clear();
     for (int i = 0; i < width; i += 2) {
       // Four tiles of one depth are looked up once: most of a picture is smooth.
-      const int i1 = std::min(i + 1, width - 1), j1 = std::min(j + 1, height - 1);
+      const int i1 = std::min(i + 1, width - 1);
       const std::array<float, 4> Z{tile_depth_(i, j), tile_depth_(i1, j), tile_depth_(i, j1),
                                    tile_depth_(i1, j1)};
       const float low = std::min(std::min(Z[0], Z[1]), std::min(Z[2], Z[3]));
       const float high = std::max(std::max(Z[0], Z[1]), std::max(Z[2], Z[3]));
       const bool known = Z[0] + Z[1] + Z[2] + Z[3] > 0;
-      tile_label_(i, j) = label_of(i, j);
-      if (known && high - low <= kAlike * low) {
-        tile_label_(i1, j) = tile_label_(i, j1) = tile_label_(i1, j1) = tile_label_(i, j);
-      } else {
-        if (i1 > i) tile_label_(i1, j) = label_of(i1, j);
-        if (j1 > j) tile_label_(i, j1) = label_of(i, j1);
-        if (i1 > i && j1 > j) tile_label_(i1, j1) = label_of(i1, j1);
-      }
+      const bool for_four = known && high - low <= kAlike * low;
+      ask(i, j, for_four);
+      if (for_four) continue;
+      if (i1 > i) ask(i1, j, false);
+      if (j1 > j) ask(i, j1, false);
+      if (i1 > i && j1 > j) ask(i1, j1, false);
+    }
+    for (const Question& q : questions_) {
+      const std::uint8_t label = answer(q);
+      tile_label_(q.i, q.j) = label;
+      if (!q.for_four) continue;
+      const int i1 = std::min(q.i + 1, width - 1);
+      tile_label_(i1, j) = tile_label_(q.i, j1) = tile_label_(i1, j1) = label;
     }
   }
 }
@@ -320,10 +355,10 @@ void MovingMask::group() {
       moved_depth_.data()[k] = tile_depth_.data()[k];
     }
   }
+  std::uint8_t *age = age_.data(), *label = tile_label_.data();
   for (int k = 0; k < width * height; ++k) {
-    std::uint8_t& age = age_.data()[k];
-    age = age >= 128 ? static_cast<std::uint8_t>(age - 128) : std::uint8_t{127};
-    if (tile_label_.data()[k] == kCarried) tile_label_.data()[k] = kStatic;
+    age[k] = age[k] >= 128 ? static_cast<std::uint8_t>(age[k] - 128) : std::uint8_t{127};
+    if (label[k] == kCarried) label[k] = kStatic;
   }
 }
 
@@ -364,25 +399,37 @@ void MovingMask::draw(const DepthImage& depth) {
       const bool by_pixel =
           compared_ != nullptr &&
           (!moves || (compared_->tells_pixels(i, j) && !(measured && compared_ == &drawn_)));
+      // All sixteen pixels with one neighbour after the other.
+      std::array<float, kTile * kTile> Z, least;
+      std::array<std::int32_t, kTile * kTile> value;
+      Z.fill(kNaN);
+      for (int y = y0; y < y1; ++y)
+        std::copy(depth.row(y) + x0, depth.row(y) + x1, &Z[kTile * (y - y0)]);
+      least.fill(std::numeric_limits<float>::infinity());
+      for (std::size_t k = 0; k < Z.size(); ++k)
+        value[k] = too_close && std::isnan(Z[k]) ? kOn : kOpen;
+      for (int b = j0; b <= j1; ++b) {
+        for (int a = i0; a <= i1; ++a) {
+          const float there = tile_depth_(a, b);
+          const std::int32_t says = tile_label_(a, b) == kMoving ? kOn : kOff;
+          for (std::size_t k = 0; k < Z.size(); ++k) {
+            const float difference = std::abs(there - Z[k]);
+            const bool nearer = difference < least[k];  // NaN: not less
+            least[k] = nearer ? difference : least[k];
+            value[k] = nearer ? says : value[k];
+          }
+        }
+      }
       for (int y = y0; y < y1; ++y) {
         for (int x = x0; x < x1; ++x) {
-          const float Z = depth(x, y);
-          std::uint8_t value = too_close && std::isnan(Z) ? kOn : kOpen;
-          float least = std::numeric_limits<float>::infinity();
-          for (int b = j0; b <= j1; ++b) {
-            for (int a = i0; a <= i1; ++a) {
-              const float difference = std::abs(tile_depth_(a, b) - Z);  // NaN: not less
-              if (!(difference < least)) continue;
-              least = difference;
-              value = tile_label_(a, b) == kMoving ? kOn : kOff;
-            }
-          }
-          if (compared_ != nullptr && value != kOff) {
+          auto of_pixel =
+              static_cast<std::uint8_t>(value[static_cast<std::size_t>(kTile * (y - y0) + x - x0)]);
+          if (compared_ != nullptr && of_pixel != kOff) {
             const StaticPicture::Look look = compared_->pixel(x, y);
-            if (look == StaticPicture::kSame && by_pixel) value = kOff;
-            if (look == StaticPicture::kChanged) value = kOn;
+            if (look == StaticPicture::kSame && by_pixel) of_pixel = kOff;
+            if (look == StaticPicture::kChanged) of_pixel = kOn;
           }
-          mask_(x, y) = value;
+          mask_(x, y) = of_pixel;
         }
       }
     }

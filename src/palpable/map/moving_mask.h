@@ -77,6 +77,13 @@ class MovingMask {
   // kChanged: without a depth, and it does not look as the scene does.
   enum Label : std::uint8_t { kUnknown, kStatic, kUnexplained, kChanged, kCarried, kMoving };
 
+  struct Question {  // of a tile
+    Eigen::Vector3f point;
+    const Voxel* voxel;  // of the map there, or null
+    int i, j;
+    bool for_four;  // also for its neighbours to the right and below
+  };
+
   void resize(const DepthImage& depth);
   void sample(const SeenFrame& seen);
   void label(const Rigid3& world_from_camera, const SurfaceMap* map);
@@ -93,6 +100,7 @@ class MovingMask {
   DepthImage tile_depth_;
   Image<std::uint8_t> tile_label_;
   DepthImage ray_depth_;  // of 2 x 2 tiles: the nearest
+  std::vector<Question> questions_;
   std::vector<int> queue_;
   Image<std::uint8_t> age_;   // of the tiles: frames since it was seen to move; 127: long ago
   DepthImage moved_depth_;    // its depth then

@@ -1,9 +1,11 @@
 #include "palpable/map/surface_map.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/base/floor_to_int.h"
 
 #include <algorithm>
 #include <cmath>
+#include <hwy/cache_control.h>
 #include <limits>
 
 namespace palpable {
@@ -27,7 +29,14 @@ constexpr int kPaintAgainEvery = 8;
 // Blocks from the world's origin; beyond nothing is kept (BlockTable's numbers have 21 bits).
 constexpr double kLargest = 1 << 19;
 
-int floor_to_int(double a) { return static_cast<int>(std::floor(a)); }
+void prefetch(const std::array<Voxel, kVoxelsOfBlock>& voxels) {
+  constexpr std::size_t kLine = 64 / sizeof(Voxel);
+  for (std::size_t i = 0; i < voxels.size(); i += kLine) hwy::Prefetch(&voxels[i]);
+}
+
+void leave_out(const std::uint8_t* moving, float* depth, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) depth[i] = moving[i] != 0 ? kUnknown : depth[i];
+}
 
 }  // namespace
 
@@ -36,6 +45,7 @@ SurfaceMap::SurfaceMap(const DepthNoise& noise, const SurfaceMapSettings& settin
       settings_(settings),
       kernel_(&fuse_kernels().front()),
       table_(settings.blocks) {
+  in_view_.reserve(static_cast<std::size_t>(settings.blocks));
   PALPABLE_EXPECT(settings.voxel > 0, "a voxel has a size");
   PALPABLE_EXPECT(settings.truncation >= 3 * settings.voxel, "distances reach 3 voxels or more");
   PALPABLE_EXPECT(
@@ -52,13 +62,18 @@ SurfaceMap::SurfaceMap(const DepthNoise& noise, const SurfaceMapSettings& settin
     }
   }
   farthest_ = high;
+  units_ = VoxelUnits::of(
+      std::max(settings.truncation, settings.truncation_sigmas * settings.largest_sigma),
+      settings.most_weight);
 }
 
 void SurfaceMap::allocate(const PinholeCamera& camera, const Rigid3& world_from_camera) {
   const double block = kSide * settings_.voxel;
   const Eigen::Matrix3d R = world_from_camera.linear() / block;
   const Eigen::Vector3d origin = world_from_camera.translation() / block;
-  std::uint64_t last = ~std::uint64_t{0};
+  // Of each step, the block that the ray before met there: mostly this one's, too.
+  std::array<std::uint64_t, 16> last;
+  last.fill(~std::uint64_t{0});
   for (int y = kAllocationStep / 2; y < camera.height; y += kAllocationStep) {
     for (int x = kAllocationStep / 2; x < camera.width; x += kAllocationStep) {
       const auto Z = static_cast<double>(taken_(x, y));
@@ -68,21 +83,22 @@ void SurfaceMap::allocate(const PinholeCamera& camera, const Rigid3& world_from_
       const Eigen::Vector3d ray = R * camera.unproject(x, y, 1.0);
       // Half a block at a time leaves no block out that the ray passes by more than its corner.
       const int steps = std::max(1, static_cast<int>(std::ceil(2 * t / (0.5 * block))));
-      for (int i = 0; i <= steps; ++i) {
-        const Eigen::Vector3d p = origin + (Z - t + 2 * t * i / steps) * ray;
-        if (!(p.cwiseAbs().maxCoeff() < kLargest)) continue;
+      Eigen::Vector3d p = origin + (Z - t) * ray;
+      const Eigen::Vector3d step = (2 * t / steps) * ray;
+      if (!((p.cwiseAbs() + steps * step.cwiseAbs()).maxCoeff() < kLargest)) continue;
+      for (int i = 0; i <= steps; ++i, p += step) {
         const std::uint64_t key =
             BlockTable::key_of(floor_to_int(p.x()), floor_to_int(p.y()), floor_to_int(p.z()));
-        if (key == last) continue;
-        last = key;
+        std::uint64_t& before = last[static_cast<std::size_t>(i) % last.size()];
+        if (key == before) continue;
+        before = key;
         if (table_.find(key) != BlockTable::kNone) continue;
         Block* b = insert(key);
         if (b == nullptr) {
           ++refused_;
           continue;
         }
-        b->distance.fill(0);
-        b->weight.fill(0);
+        b->voxels.fill(0);
         b->color.fill(0);
         b->colored = 0;
       }
@@ -115,7 +131,7 @@ int SurfaceMap::copy_blocks(int first, int count, SurfaceMap& to) const {
 std::optional<SurfaceMap::BlockView> SurfaceMap::block_in(int slot) const {
   if (slot >= used_slots() || !table_.used(slot)) return std::nullopt;
   const Block& block = store_[slot];
-  return BlockView{table_.key(slot), block.distance.data(), block.weight.data()};
+  return BlockView{table_.key(slot), block.voxels.data()};
 }
 
 void SurfaceMap::clear() {
@@ -142,18 +158,30 @@ void SurfaceMap::paint(Block& block, const Eigen::Vector3f& first, const Pinhole
                        const ColorImage& color) {
   const int factor = color.width() / camera.width;
   const auto reach = static_cast<float>(settings_.voxel);
+  const auto truncation = static_cast<float>(settings_.truncation);
+  const auto fx = static_cast<float>(camera.fx_px), fy = static_cast<float>(camera.fy_px);
+  const auto cx = static_cast<float>(camera.cx_px), cy = static_cast<float>(camera.cy_px);
+  const auto is_near = [&](Voxel voxel) {
+    return std::abs(units_.distance_of(voxel)) <= reach && was_seen(voxel);
+  };
   bool any = false;
   for (std::size_t i = 0; i < kVoxelsOfBlock; ++i) {
+    if (i % kSide == 0) {  // most rows hold no surface
+      bool row = false;
+      for (std::size_t k = 0; k < kSide; ++k) row |= is_near(block.voxels[i + k]);
+      if (!row) {
+        i += kSide - 1;
+        continue;
+      }
+    }
     std::uint8_t* c = &block.color[4 * i];
-    if (c[3] >= kColorFrames) continue;
-    if (!(block.weight[i] > 0) || std::abs(block.distance[i]) > reach) continue;
-    const Eigen::Vector3d p(first.x() + offsets_[0][i], first.y() + offsets_[1][i],
-                            first.z() + offsets_[2][i]);
-    if (p.z() < kNearest) continue;
-    const Eigen::Vector2d pixel = camera.project(p);
-    const int x = floor_to_int(pixel.x() + 0.5), y = floor_to_int(pixel.y() + 0.5);
+    if (!is_near(block.voxels[i]) || c[3] >= kColorFrames) continue;
+    const float X = first.x() + offsets_[0][i], Y = first.y() + offsets_[1][i],
+                Z = first.z() + offsets_[2][i];
+    if (Z < static_cast<float>(kNearest)) continue;
+    const int x = floor_to_int(fx * X / Z + cx + 0.5F), y = floor_to_int(fy * Y / Z + cy + 0.5F);
     if (x < 0 || y < 0 || x >= camera.width || y >= camera.height) continue;
-    if (!(std::abs(static_cast<double>(taken_(x, y)) - p.z()) <= settings_.truncation)) continue;
+    if (!(std::abs(taken_(x, y) - Z) <= truncation)) continue;
     const Rgb seen = color(factor * x + factor / 2, factor * y + factor / 2);
     const int n = c[3];
     const auto mean = [n](int old, int now) {
@@ -182,10 +210,8 @@ void SurfaceMap::fuse(const DepthImage& depth, const PinholeCamera& camera,
       "the colour is as large as the depth or larger");
   if (depth.empty() || !world_from_camera.matrix().allFinite()) return;
   taken_.resize(depth.width(), depth.height());
-  for (std::size_t i = 0; i < depth.size(); ++i) {
-    const bool leave_out = !moving.empty() && moving.data()[i] != 0;
-    taken_.data()[i] = leave_out ? kUnknown : depth.data()[i];
-  }
+  std::copy(depth.begin(), depth.end(), taken_.begin());
+  if (!moving.empty()) leave_out(moving.data(), taken_.data(), taken_.size());
   allocate(camera, world_from_camera);
 
   const Rigid3 camera_from_world = world_from_camera.inverse(Eigen::Isometry);
@@ -216,8 +242,8 @@ void SurfaceMap::fuse(const DepthImage& depth, const PinholeCamera& camera,
       .truncation = static_cast<float>(settings_.truncation),
       .truncation_sigmas = static_cast<float>(settings_.truncation_sigmas),
       .best_sigma = static_cast<float>(settings_.best_sigma),
-      .most_weight = static_cast<float>(settings_.most_weight),
       .carve_weight = static_cast<float>(settings_.carve_weight),
+      .units = units_,
       .offset_x = offsets_[0].data(),
       .offset_y = offsets_[1].data(),
       .offset_z = offsets_[2].data()};
@@ -227,14 +253,19 @@ void SurfaceMap::fuse(const DepthImage& depth, const PinholeCamera& camera,
   const Eigen::Vector3d to_centre = 0.5 * kSide * R * Eigen::Vector3d::Ones();
   const float nothing_near = 0.95F * frame.truncation;
   ++fused_;
+  in_view_.clear();
   for (int slot = 0; slot < used_slots(); ++slot) {
     if (!table_.used(slot)) continue;
     const Eigen::Vector3d corner =
         camera_from_world * (block * BlockTable::place_of(table_.key(slot)).cast<double>());
     if (!may_show(camera, corner + to_centre)) continue;
+    in_view_.push_back({slot, (corner + to_first).cast<float>()});
+  }
+  for (std::size_t n = 0; n < in_view_.size(); ++n) {
+    if (n + 1 < in_view_.size()) prefetch(store_[in_view_[n + 1].slot].voxels);
+    const auto& [slot, first] = in_view_[n];
     Block& b = store_[slot];
-    const Eigen::Vector3f first = (corner + to_first).cast<float>();
-    const float lowest = kernel_->fuse(frame, first.data(), b.distance.data(), b.weight.data());
+    const float lowest = kernel_->fuse(frame, first.data(), b.voxels.data());
     if (lowest > nothing_near) {  // no surface in it: it was only passed, or carved
       table_.erase(slot);
     } else if (!color.empty() &&
@@ -276,7 +307,7 @@ ColoredSurface SurfaceMap::mesh(double least_weight) const {
   };
 
   for_each_voxel([&](int slot, int i, const Eigen::Vector3i& at) {
-    if (!(store_[slot].weight[static_cast<std::size_t>(i)] >= least)) return;
+    if (!(units_.weight_of(store_[slot].voxels[static_cast<std::size_t>(i)]) >= least)) return;
     std::array<float, 8> d{};
     int inside = 0;
     for (int c = 0; c < 8; ++c) {
@@ -329,9 +360,9 @@ ColoredSurface SurfaceMap::mesh(double least_weight) const {
   };
   std::vector<Eigen::Vector3i> triangles;
   for_each_voxel([&](int slot, int i, const Eigen::Vector3i& at) {
-    const Block& b = store_[slot];
-    if (!(b.weight[static_cast<std::size_t>(i)] >= least)) return;
-    const float here = b.distance[static_cast<std::size_t>(i)];
+    const Voxel voxel = store_[slot].voxels[static_cast<std::size_t>(i)];
+    if (!(units_.weight_of(voxel) >= least)) return;
+    const float here = units_.distance_of(voxel);
     for (int axis = 0; axis < 3; ++axis) {
       Eigen::Vector3i next = at;
       ++next[axis];

@@ -7,6 +7,7 @@
 /// carved away once the camera sees through it.
 #pragma once
 
+#include "palpable/base/floor_to_int.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
@@ -14,11 +15,11 @@
 #include "palpable/map/block_table.h"
 #include "palpable/map/fuse_kernels.h"
 #include "palpable/map/slab_store.h"
+#include "palpable/map/voxel.h"
 #include "palpable/vision/depth_noise.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -37,7 +38,7 @@ struct SurfaceMapSettings {
   double best_sigma = 0.003;  ///< m; up to it a depth has the full weight 1
   double most_weight = 64;    ///< of a voxel: how many frames it remembers
   double carve_weight = 4;    ///< frames that a voxel remembers once the camera sees through it
-  /// Blocks that are kept at most, 6 KiB each: 96 MiB. When they are used up, what is new is not
+  /// Blocks that are kept at most, 4 KiB each: 64 MiB. When they are used up, what is new is not
   /// taken, and refused() counts.
   int blocks = 16384;
 };
@@ -89,9 +90,8 @@ class SurfaceMap {
 
   /// One block of 8 x 8 x 8 voxels, x running fastest, in slot [0, capacity) of the map's table.
   struct BlockView {
-    std::uint64_t key = 0;            ///< BlockTable::key_of its place, in blocks from the origin
-    const float* distance = nullptr;  ///< (512) m, where weight > 0
-    const float* weight = nullptr;    ///< (512) 0: never seen
+    std::uint64_t key = 0;          ///< BlockTable::key_of its place, in blocks from the origin
+    const Voxel* voxels = nullptr;  ///< (512) in units()
   };
   /// Nothing where the slot is empty.
   [[nodiscard]] std::optional<BlockView> block_in(int slot) const;
@@ -102,16 +102,20 @@ class SurfaceMap {
   [[nodiscard]] int blocks() const { return table_.count(); }
   [[nodiscard]] int capacity() const { return table_.capacity(); }
   [[nodiscard]] const DepthNoise& noise() const { return noise_; }
+  [[nodiscard]] const VoxelUnits& units() const { return units_; }
   /// Blocks that were wanted and not to be had.
   [[nodiscard]] std::int64_t refused() const { return refused_; }
   [[nodiscard]] const SurfaceMapSettings& settings() const { return settings_; }
 
  private:
   struct Block {
-    std::array<float, kVoxelsOfBlock> distance;
-    std::array<float, kVoxelsOfBlock> weight;
+    std::array<Voxel, kVoxelsOfBlock> voxels;
     std::array<std::uint8_t, 4 * kVoxelsOfBlock> color;  // r g b and how many were averaged
     int colored = 0;                                     // frames that have given colour
+  };
+  struct InView {
+    int slot;
+    Eigen::Vector3f first;  // voxel, camera frame, m
   };
   void allocate(const PinholeCamera& camera, const Rigid3& world_from_camera);
   // A block that is not there yet, its content undefined; null when all are in use.
@@ -128,9 +132,11 @@ class SurfaceMap {
   DepthNoise noise_;
   SurfaceMapSettings settings_;
   double farthest_ = 0;  // settings_.farthest, or where sigma reaches its largest
+  VoxelUnits units_;
   const FuseKernel* kernel_;
   BlockTable table_;
   SlabStore<Block> store_;
+  std::vector<InView> in_view_;
   DepthImage taken_;  // the depth that is fused: without what moves
   std::array<std::array<float, kVoxelsOfBlock>, 3> offsets_{};
   std::int64_t refused_ = 0;
@@ -142,17 +148,11 @@ class SurfaceMap::Reader {
   explicit Reader(const SurfaceMap& map)
       : map_(map), voxels_per_m_(static_cast<float>(1 / map.settings_.voxel)) {}
 
-  /// Distance at the voxel nearest to a point, and what it weighs; NaN where none is kept.
+  /// The voxel nearest to a point; null where none is kept.
   /// @param point  world, m; within 5 km of its origin
-  [[nodiscard]] float distance(const Eigen::Vector3f& point, float& weight) {
+  [[nodiscard]] const Voxel* voxel(const Eigen::Vector3f& point) {
     const Eigen::Vector3f p = point * voxels_per_m_;
-    const int x = static_cast<int>(std::floor(p.x())), y = static_cast<int>(std::floor(p.y())),
-              z = static_cast<int>(std::floor(p.z()));
-    const Block* b = block(x, y, z);
-    if (b == nullptr) return std::numeric_limits<float>::quiet_NaN();
-    const std::size_t i = voxel_index(x & 7, y & 7, z & 7);
-    weight = b->weight[i];
-    return weight > 0 ? b->distance[i] : std::numeric_limits<float>::quiet_NaN();
+    return voxel(floor_to_int(p.x()), floor_to_int(p.y()), floor_to_int(p.z()));
   }
 
  private:
@@ -167,13 +167,16 @@ class SurfaceMap::Reader {
     }
     return block_;
   }
+  // Voxel (x, y, z) of the whole grid, or null.
+  [[nodiscard]] const Voxel* voxel(int x, int y, int z) {
+    const Block* b = block(x, y, z);
+    return b == nullptr ? nullptr : &b->voxels[voxel_index(x & 7, y & 7, z & 7)];
+  }
   // Sets `distance` if the voxel weighs enough; otherwise says false.
   bool read(int x, int y, int z, float least_weight, float& distance) {
-    const Block* b = block(x, y, z);
-    if (b == nullptr) return false;
-    const std::size_t i = voxel_index(x & 7, y & 7, z & 7);
-    if (!(b->weight[i] >= least_weight)) return false;
-    distance = b->distance[i];
+    const Voxel* v = voxel(x, y, z);
+    if (v == nullptr || !(map_.units_.weight_of(*v) >= least_weight)) return false;
+    distance = map_.units_.distance_of(*v);
     return true;
   }
 

@@ -201,6 +201,7 @@ TEST_CASE("every set of instructions fuses to the same bytes", "[map][fuse]") {
       offset[static_cast<std::size_t>(k)].push_back(0.01F * static_cast<float>(i >> (3 * k) & 7));
     }
   }
+  constexpr VoxelUnits units = VoxelUnits::of(0.06, 3.0);
   const FuseFrame frame{.depth = depth.data(),
                         .width = depth.width(),
                         .height = depth.height(),
@@ -214,33 +215,51 @@ TEST_CASE("every set of instructions fuses to the same bytes", "[map][fuse]") {
                         .truncation = 0.04F,
                         .truncation_sigmas = 15,
                         .best_sigma = 0.003F,
-                        .most_weight = 3,
                         .carve_weight = 1,
+                        .units = units,
                         .offset_x = offset[0].data(),
                         .offset_y = offset[1].data(),
                         .offset_z = offset[2].data()};
-  std::vector<float> d0(kVoxelsOfBlock, 0.0F), w0(kVoxelsOfBlock, 0.0F);
   const auto kernels = fuse_kernels();
   REQUIRE(kernels.size() >= 1);
-  std::vector<std::vector<float>> d(kernels.size(), d0), w(kernels.size(), w0);
+  std::vector<std::vector<Voxel>> voxels(kernels.size(), std::vector<Voxel>(kVoxelsOfBlock, 0));
+  float heaviest = 0, farthest = 0;
   for (int step = 0; step < 40; ++step) {
     const float first[3] = {0.45F * number(random), 0.35F * number(random),
                             0.6F + 0.2F * number(random)};
     for (std::size_t k = 0; k < kernels.size(); ++k) {
-      const float lowest = kernels[k].fuse(frame, first, d[k].data(), w[k].data());
+      const float lowest = kernels[k].fuse(frame, first, voxels[k].data());
       INFO(kernels[k].name << " in step " << step);
-      if (k > 0) {
-        REQUIRE(std::memcmp(d[k].data(), d[0].data(), 4 * kVoxelsOfBlock) == 0);
-        REQUIRE(std::memcmp(w[k].data(), w[0].data(), 4 * kVoxelsOfBlock) == 0);
-      }
+      REQUIRE(voxels[k] == voxels[0]);
       float least = std::numeric_limits<float>::infinity();
-      for (std::size_t i = 0; i < kVoxelsOfBlock; ++i) {
-        if (w[k][i] > 0) least = std::min(least, d[k][i]);
+      for (const Voxel voxel : voxels[k]) {
+        if (!was_seen(voxel)) continue;
+        least = std::min(least, units.distance_of(voxel));
+        heaviest = std::max(heaviest, units.weight_of(voxel));
+        farthest = std::max(farthest, std::abs(units.distance_of(voxel)));
       }
       REQUIRE(lowest == least);
     }
   }
-  CHECK(*std::max_element(w[0].begin(), w[0].end()) == 3.0F);
+  // Both ends of what a voxel holds: noise and sigmas above ask for 0.067 m.
+  CHECK(heaviest == units.most_weight());
+  CHECK(farthest == units.largest_distance());
+}
+
+TEST_CASE("a voxel says its distance and weight to their units", "[map][voxel]") {
+  constexpr VoxelUnits units = VoxelUnits::of(0.1, 64);
+  const auto packed = [](int distance, unsigned weight) {
+    return static_cast<Voxel>(static_cast<std::uint16_t>(distance)) | weight << 16;
+  };
+  CHECK_FALSE(was_seen(packed(-5, 0)));
+  CHECK(was_seen(packed(0, 1)));
+  CHECK(units.distance_of(packed(-32767, 1)) == -units.largest_distance());
+  CHECK(units.distance_of(packed(-1, 65535)) == -units.distance);
+  CHECK(units.distance_of(packed(7, 65535)) == 7 * units.distance);
+  CHECK(units.weight_of(packed(-1, 65535)) == units.most_weight());
+  CHECK(units.weight_of(packed(-1, 1)) == units.weight);
+  CHECK(std::abs(units.largest_distance() - 0.1F) < 1e-8F);  // half a unit of float's last place
+  CHECK(std::abs(units.most_weight() - 64.0F) < 4e-6F);
 }
 
 TEST_CASE("once its blocks are there, a map takes no memory", "[map][surface_map]") {

@@ -92,7 +92,8 @@ void Slam::find_moving(const SeenFrame& seen, const Rigid3& world_from_camera) {
   if (!mover_) return;
   const CpuTimer timer(counts_.mask_cpu_s);
   const MaskImage& mask = mover_->find(seen, world_from_camera, map());
-  const auto moving = std::count_if(mask.begin(), mask.end(), [](auto m) { return m != 0; });
+  int moving = 0;
+  for (const std::uint8_t m : mask) moving += m & 1;  // 255 or 0
   ++counts_.masks;
   if (static_cast<double>(moving) <= settings_.most_moving * static_cast<double>(mask.size())) {
     frame_.moving = &mask;

@@ -1,0 +1,43 @@
+/// @file
+/// One voxel of the map in 32 bits, so that a look-up touches one line of the cache and a depth
+/// image moves half the bytes of two floats.
+///
+///   bits  0 .. 15  signed distance, in units of 1/32767 of the largest
+///   bits 16 .. 31  what it weighs, in units of 1/65535 of the most; 0: never seen
+///
+/// At 2 x 50 mm and a weight of 64 that is 3 um and 0.001 frames.
+#pragma once
+
+#include <cstdint>
+
+namespace palpable {
+
+using Voxel = std::uint32_t;
+
+/// What the units of a map's voxels are worth.
+struct VoxelUnits {
+  static constexpr float kLargestDistance = 32767, kMostWeight = 65535;  ///< in units
+  float distance = 1;                                                    ///< m
+  float weight = 1;
+
+  /// @param largest_distance  m
+  /// @param most_weight       of a voxel
+  [[nodiscard]] static constexpr VoxelUnits of(double largest_distance, double most_weight) {
+    return {static_cast<float>(largest_distance / kLargestDistance),
+            static_cast<float>(most_weight / kMostWeight)};
+  }
+  [[nodiscard]] constexpr float largest_distance() const { return kLargestDistance * distance; }
+  [[nodiscard]] constexpr float most_weight() const { return kMostWeight * weight; }
+
+  /// m, positive on the camera's side; says something where the voxel was seen.
+  [[nodiscard]] constexpr float distance_of(Voxel voxel) const {
+    return distance * static_cast<float>(static_cast<std::int16_t>(voxel & 0xFFFF));
+  }
+  [[nodiscard]] constexpr float weight_of(Voxel voxel) const {
+    return weight * static_cast<float>(voxel >> 16);
+  }
+};
+
+[[nodiscard]] constexpr bool was_seen(Voxel voxel) { return voxel >> 16 != 0; }
+
+}  // namespace palpable
