@@ -6,6 +6,7 @@
 #include "palpable/base/simd_targets.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -104,7 +105,9 @@ HWY_ATTR float fuse(const FuseFrame& f, const float* first, Voxel* voxels) {
   const auto half = hn::Set(d, 0.5F), above_all = hn::Set(d, kAboveAll + 0.5F);
   const auto whole = hn::Set(di, static_cast<int>(kAboveAll)), low_half = hn::Set(di, 0xFFFF);
   const auto row = hn::Set(di, f.width), none = hn::Set(di, std::numeric_limits<int>::max());
-  auto lowest = none;
+  // The depth behind each voxel first, NaN outside the picture: many gathers are under way at once.
+  alignas(64) std::array<float, kVoxelsOfBlock> behind;
+  const auto nothing = hn::NaN(d);
   for (std::size_t i = 0; i < kVoxelsOfBlock; i += lanes) {
     const auto x = hn::Add(x0, hn::LoadU(d, f.offset_x + i));
     const auto y = hn::Add(y0, hn::LoadU(d, f.offset_y + i));
@@ -119,11 +122,17 @@ HWY_ATTR float fuse(const FuseFrame& f, const float* first, Voxel* voxels) {
     const auto column = hn::ConvertTo(di, hn::IfThenElseZero(inside, u));
     const auto line = hn::ConvertTo(di, hn::IfThenElseZero(inside, v));
     const auto Z = hn::GatherIndex(d, f.depth, hn::Add(hn::Mul(line, row), column));
+    hn::StoreU(hn::IfThenElse(inside, Z, nothing), d, &behind[i]);
+  }
+  auto lowest = none;
+  for (std::size_t i = 0; i < kVoxelsOfBlock; i += lanes) {
+    const auto z = hn::Add(z0, hn::LoadU(d, f.offset_z + i));
+    const auto Z = hn::LoadU(d, &behind[i]);
     const auto sigma = hn::Add(n0, hn::Mul(Z, hn::Add(n1, hn::Mul(Z, n2))));
     const auto t = hn::Min(hn::Max(truncation, hn::Mul(sigmas, sigma)), largest);
     const auto s = hn::Sub(Z, z);
     // NaN compares false.
-    const auto taken = hn::And(inside, hn::And(hn::Le(Z, farthest), hn::Ge(s, hn::Neg(t))));
+    const auto taken = hn::And(hn::Le(Z, farthest), hn::Ge(s, hn::Neg(t)));
     auto voxel = hn::LoadU(du, voxels + i);
     if (!hn::AllFalse(d, taken)) {
       const auto w = hn::Mul(w_unit, hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<16>(voxel))));

@@ -18,9 +18,11 @@ constexpr double kNearest = 0.05;  // m; what is nearer to the camera than this 
 // Every so many pixels of the depth a ray says which blocks are needed: at 3 m and f = 350 px they
 // lie 34 mm apart, blocks of 10 mm voxels are 80 mm wide.
 constexpr int kAllocationStep = 4;
+// Every other row of them: at 3 m the rows of one depth image still lie less than a block apart.
+constexpr int kAllocationTurns = 2;
 
 // A voxel's colour is the mean of so many frames. The scene is static, its light hardly.
-constexpr int kColorFrames = 8;
+constexpr int kColorFrames = 4;
 
 // A block that has been painted in so many frames is looked at again in every so many: another
 // part of its surface may have come into view.
@@ -74,7 +76,8 @@ void SurfaceMap::allocate(const PinholeCamera& camera, const Rigid3& world_from_
   // Of each step, the block that the ray before met there: mostly this one's, too.
   std::array<std::uint64_t, 16> last;
   last.fill(~std::uint64_t{0});
-  for (int y = kAllocationStep / 2; y < camera.height; y += kAllocationStep) {
+  const int first_row = kAllocationStep / 2 + kAllocationStep * (fused_ % kAllocationTurns);
+  for (int y = first_row; y < camera.height; y += kAllocationStep * kAllocationTurns) {
     for (int x = kAllocationStep / 2; x < camera.width; x += kAllocationStep) {
       const auto Z = static_cast<double>(taken_(x, y));
       if (!(Z >= kNearest && Z <= farthest_)) continue;
