@@ -856,9 +856,9 @@ def _(programs, folder):
 
 def without_times(folder):
     """All that a run says about its frames: file -> bytes, or live.json without what a clock measured."""
-    said = {path.relative_to(folder): path.read_bytes() for name in ("depth", "visible", "body_depth")
+    said = {path.relative_to(folder): path.read_bytes() for name in ("depth", "moving", "visible", "body_depth")
             for path in sorted((folder / name).iterdir())}
-    for name in ("touches.jsonl", "pose.jsonl", "trajectory.txt"):
+    for name in ("touches.jsonl", "pose.jsonl", "trajectory.txt", "rectification.jsonl"):
         said[name] = (folder / name).read_bytes()
     counts = json.loads((folder / "live.json").read_text())
     said["live.json"] = {key: value for key, value in counts.items() if key not in ("wall_s", "median_ms")}
@@ -873,6 +873,23 @@ def _(programs, folder):
     programs.refuses("synth", "press", "--body", "none.palpable", "--seed", "9223372036854775807", "-o", folder / "clip",
                      says=["none.palpable"])
     assert not (folder / "clip").exists()
+
+
+@case("bench sgbm-reference says what it found, and succeeds only where the desk is as hard as it claims")
+def _(programs, folder):
+    body = programs.small_body()
+    result = programs.run("bench", "sgbm-reference", "--body", body, "--seed", "2", "--frames", "2", "--json")
+    if result.returncode != 0 and "EGL" in result.stderr:
+        print("SKIPPED: no OpenGL here: " + result.stderr.strip())
+        return
+    figures = json.loads(result.stdout)
+    assert figures["bench"] == "sgbm-reference" and figures["seed"] == 2 and figures["frames"] == 2, figures
+    assert 0 < figures["hand_within_1pct"] <= figures["hand_density"] <= 1, figures
+    assert 0 < figures["hand_median_error"] < 0.05, figures
+    expected = 0.65 <= figures["hand_within_1pct"] <= 0.85 and figures["near_frames_estimate"] >= 60
+    assert figures["within_expected"] == expected, figures
+    assert result.returncode == (0 if expected else 1), (result.returncode, result.stderr)
+    programs.refuses("bench", "sgbm-reference", "--body", body, "--frames", "0", says=["--frames", "0"])
 
 
 @case("a filmed hand, the live loop and its score fit together without the truth leaking")
