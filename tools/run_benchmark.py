@@ -6,11 +6,15 @@
 
 Each sequence is filmed (palpable synth), played (palpable live, as a user would) and scored (palpable
 score --body); its folders are removed before the next unless --keep. With --films a sequence that was
-written there before (DIR/NAME, of the same seed and body) is played as it is and stays. The file is written after each, and
-sequences that are not run again keep their figures, so it can be stopped and gone on with; a "note" written
-into it by hand is kept too. Recorded real
-sets below --data (default ../shared/data) are played by the same commands; those with a true camera path
-are scored for it. Then: tools/write_results.py.
+written there before (DIR/NAME, of the same seed and body; anything else is refused) is played as it is and
+stays. What filming took stands beside the film, in NAME/film.json: {"user_s", "wall_s", "commit", "date",
+"machine"}, each may be missing; it is written where this tool films, and read wherever a film is played.
+
+Each figure keeps the commit, day and machine of its own run. The file is written after each, and sequences
+that are not run again keep their figures, so it can be stopped and gone on with; a "note" written into it by
+hand is kept too. --only without a name runs nothing and writes the tables anew. Recorded real sets below
+--data (default ../shared/data) are played by the same commands; those with a true camera path are scored for
+it. Then: tools/write_results.py.
 """
 import argparse
 import datetime
@@ -18,25 +22,24 @@ import json
 import math
 import os
 import platform
+import re
+import resource
 import shutil
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-
-SEQUENCES = ("still-tripod", "still", "still-hand", "walk", "walk-hand", "shake", "blur", "blur-hand",
-             "press", "pencil", "cup", "slide", "palm", "two-hands", "press-axial", "press-behind",
-             "dark", "textureless", "exposure", "rolling", "drift", "demo")
 
 # Places are where a person might put the body; nobody has measured them. {data} and {work} are folders;
 # "intrinsics" is written to {work}/intrinsics.txt; "path" says how the set states its true camera path.
 REAL = {
     "hands_squirrel": {"folder": "hands_squirrel", "place": "-0.125 0.063 0.667 0 29 0", "words": ["--ignore-static"]},
-    # Its intrinsics are not published; these are a guess.
     "hands_shoe": {"folder": "hands_shoe", "place": "0 0.05 0.3 0 40 0", "intrinsics": "920 920 640 360",
-                   "words": ["--calibration", "{work}/intrinsics.txt"]},
+                   "words": ["--calibration", "{work}/intrinsics.txt"],
+                   "remark": "its intrinsics are not published; a guess"},
     "7-Scenes, kitchen": {"folder": "rgbd_pose_7scenes", "place": "0 0 0.6 0 20 0", "path": "7scenes"},
     "KITTI, 16 pairs": {"folder": "stereo_video_kitti1", "place": "0 0.9 6 0 0 0", "words": ["--scale", "5"],
                         "path": "kitti"},
@@ -63,7 +66,8 @@ def complaint(process):
 
 def commit():
     words = run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"]).stdout.strip()
-    changed = run(["git", "-C", ROOT, "status", "--porcelain", "-uno", "src", "apps"]).stdout.strip()
+    changed = run(["git", "-C", ROOT, "status", "--porcelain", "-uno", "--", "src", "apps", "bodies", "cmake",
+                   "tools", "CMakeLists.txt", "CMakePresets.json"]).stdout.strip()
     return words + (" with changes" if changed else "")
 
 
@@ -71,6 +75,57 @@ def machine():
     with open("/proc/cpuinfo") as info:
         models = [line.split(":")[1].strip() for line in info if line.startswith("model name")]
     return f"{len(os.sched_getaffinity(0))} cores of {models[0] if models else platform.machine()}"
+
+
+def origin():
+    return {"commit": commit(), "date": datetime.date.today().isoformat(), "machine": machine()}
+
+
+def full_lengths(programs):
+    """{sequence: frames}, as the program lists them."""
+    if not (programs / "palpable").is_file():
+        sys.exit(f"run_benchmark: no {programs / 'palpable'}; ./check or ./demo builds it")
+    text = run([programs / "palpable", "synth", "--help"]).stdout
+    return {name: int(frames) for name, frames in re.findall(r"^  ([a-z][a-z-]*) +(\d+)  ", text, re.MULTILINE)}
+
+
+def written_film(options, name):
+    """The folder of a film that was written before, or None."""
+    film = options.films / name if options.films else None
+    return film if film and (film / "truth").is_dir() else None
+
+
+def film_frames(film):
+    return tomllib.loads((film / "truth/script.toml").read_text())["frames"]
+
+
+def refuse_other_films(options):
+    """Stops before anything is run where a film is not the one that was asked for."""
+    for name in options.only:
+        film = written_film(options, name)
+        if film is None:
+            continue
+        camera = tomllib.loads((film / "truth/camera.toml").read_text())
+        wanted = {"sequence": name, "seed": options.seed, "body": options.body.name}
+        if options.frames:
+            camera["frames"], wanted["frames"] = film_frames(film), options.frames
+        for key, value in wanted.items():
+            if camera.get(key) != value:
+                sys.exit(f"run_benchmark: {film}: its {key} is {camera.get(key)}, not {value}")
+
+
+def write_film(options, name, folder):
+    """Films into the folder, and writes film.json. Returns the process."""
+    words = [options.programs / "palpable", "synth", name, "--body", options.body, "--seed", options.seed, "-o", folder]
+    if options.frames:
+        words += ["--frames", options.frames]
+    begin, used = time.time(), resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    written = run(words)
+    took = {"user_s": round(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - used, 1),
+            "wall_s": round(time.time() - begin, 1), **origin()}
+    if written.returncode == 0:
+        (folder / "film.json").write_text(json.dumps(took) + "\n")
+    return written
 
 
 def timings(result):
@@ -82,16 +137,13 @@ def timings(result):
 def play(options, name, folder):
     """The entry of one sequence: its scores, or the complaint of the command that refused."""
     program = options.programs / "palpable"
-    film = options.films / name if options.films and (options.films / name / "truth").is_dir() else folder
-    begin = time.time()
-    if film == folder:
-        words = [program, "synth", name, "--body", options.body, "--seed", options.seed, "-o", folder]
-        if options.frames:
-            words += ["--frames", options.frames]
-        written = run(words)
+    film = written_film(options, name)
+    if film is None:
+        film = folder
+        written = write_film(options, name, folder)
         if written.returncode != 0:
             return {"refused": f"synth: {complaint(written)}"}
-    filmed = time.time()
+    begin = time.time()
     live = run([program, "live", options.body, "--source", film / "frames", "--out", folder / "result"])
     if live.returncode != 0:
         return {"refused": f"live: {complaint(live)}"}
@@ -99,8 +151,11 @@ def play(options, name, folder):
     score = run([program, "score", film / "truth", folder / "result", "--body", options.body, "--json"])
     if score.returncode != 0:
         return {"refused": f"score: {complaint(score)}"}
-    return {**timings(folder / "result"), "film_s": round(filmed - begin, 1) if film == folder else None,
-            "play_s": round(played - filmed, 1), "score_s": round(time.time() - played, 1),
+    full = options.lengths[name]
+    took = film / "film.json"
+    return {"seed": options.seed, "body": options.body.name, "cut_from": full if film_frames(film) < full else None,
+            **timings(folder / "result"), "film": json.loads(took.read_text()) if took.is_file() else None,
+            "play_s": round(played - begin, 1), "score_s": round(time.time() - played, 1),
             "scores": json.loads(score.stdout)}
 
 
@@ -165,7 +220,7 @@ def play_real(options, name, folder):
                 "--out", folder / "result"])
     if live.returncode != 0:
         return {"refused": complaint(live)}
-    entry = timings(folder / "result")
+    entry = {**timings(folder / "result"), "remark": real.get("remark")}
     if "path" in real:
         write_path_truth(folder / "truth", true_path(source, real["path"], folder / "result"), folder / "result")
         score = run([program, "score", folder / "truth", folder / "result", "--json"])
@@ -196,7 +251,7 @@ def tables(entries, real):
     metres = [f"{d} m" for d in DISTANCES]
     touch = ("frames_touching", "touch_precision", "touch_recall", "touch_site", "first_touch_delay_frames",
              "penetration_median_mm", "penetration_p99_mm", "largest_pop_mm")
-    camera = ("ate_mm", "rpe_mm", "jitter_mm", "moving_iou", "moving_recall", "row_error_px")
+    camera = ("ate_mm", "rpe_mm", "jitter_mm", "moving_iou", "moving_recall", "moving_false", "row_error_px")
     sight = ("occlusion_iou", "occlusion_iou_where_hidden", "edge_error_px", "flicker")
     hand = ("hand_near_frames", "hand_within_1pct", "too_close_called_far")
     yield {"heading": "Share of pixels within 1 % of their true depth, in %",
@@ -211,11 +266,15 @@ def tables(entries, real):
     yield {"heading": "Occlusion", "columns": ["sequence", "IoU", "where hidden", "edge error (px)", "flicker"],
            "rows": list(rows(sight))}
     yield {"heading": "Camera, anchor, what moves, rectification",
-           "columns": ["sequence", "ATE (mm)", "RPE 1 s (mm)", "jitter (mm)", "moving IoU", "recall", "row error (px)"],
-           "rows": list(rows(camera))}
-    yield {"heading": "Time", "columns": ["sequence", "frames", "film (s)", "play (s)", "ms a frame", "score (s)"],
-           "text": "Wall time on the machine below, which other work shared.",
-           "rows": [[name, entry["frames"], entry["film_s"], entry["play_s"], entry["frame_ms"], entry["score_s"]]
+           "columns": ["sequence", "ATE (mm)", "RPE 1 s (mm)", "jitter (mm)", "moving IoU", "recall",
+                       "false, of all pixels (%)", "row error (px)"],
+           "rows": list(rows(camera, {"moving_false"}))}
+    yield {"heading": "Time",
+           "columns": ["sequence", "frames", "film, CPU (s)", "film, wall (s)", "play, wall (s)", "ms a frame",
+                       "score, wall (s)"],
+           "text": "On the machines named under Measured at, which other work shared; of filming the user CPU time, too.",
+           "rows": [[name, entry["frames"], (entry.get("film") or {}).get("user_s"),
+                     (entry.get("film") or {}).get("wall_s"), entry["play_s"], entry["frame_ms"], entry["score_s"]]
                     for name, entry in scored.items()]}
     refused = [[name, entry["refused"]] for name, entry in entries.items() if "refused" in entry]
     if refused:
@@ -226,7 +285,25 @@ def tables(entries, real):
                "columns": ["recording", "frames", "ms a frame", "first touch", "ATE (mm)", "RPE 1 s (mm)", "remark"],
                "rows": [[name, entry.get("frames"), entry.get("frame_ms"), entry.get("first_touch_frame"),
                          entry.get("scores", {}).get("ate_mm"), entry.get("scores", {}).get("rpe_mm"),
-                         entry.get("refused", "")] for name, entry in real.items()]}
+                         entry.get("refused") or entry.get("remark") or ""] for name, entry in real.items()]}
+
+
+def page(entries, real, lengths, note):
+    """What stands in the file."""
+    text = TEXT
+    if seeds := sorted({entry["seed"] for entry in entries.values() if "seed" in entry}):
+        text += f"\nSeed {', '.join(map(str, seeds))}."
+    cut = [f"{name} {entry['frames']} of {entry['cut_from']}"
+           for name, entry in entries.items() if entry.get("cut_from")]
+    if cut:
+        text += f" **Cut to save time** (frames): {', '.join(cut)}."
+    missing = [name for name in lengths if name not in entries]
+    if missing:
+        text += f" Not run yet: {', '.join(missing)}."
+    return {"title": "Today's chain on the test ground", "order": 20, "text": text,
+            "command": ["tools/run_benchmark.py    # all, at full length", "tools/write_results.py"],
+            **({"note": note} if note else {}),
+            "tables": [one for one in tables(entries, real) if one["rows"]], "entries": entries, "real": real}
 
 
 def main():
@@ -235,51 +312,49 @@ def main():
     parser.add_argument("--body", type=Path)
     parser.add_argument("--frames", type=int, help="of each sequence; default: its full length")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", nargs="+", default=[*SEQUENCES, *REAL], metavar="NAME")
+    parser.add_argument("--only", nargs="*", metavar="NAME")
     parser.add_argument("--data", type=Path, default=ROOT / "../shared/data")
     parser.add_argument("--work", type=Path, default=ROOT / "build/benchmark")
     parser.add_argument("--films", type=Path, help="sequences that were written before")
     parser.add_argument("--keep", action="store_true")
     parser.add_argument("-o", "--out", type=Path, default=ROOT / "docs/results/chain.json")
     options = parser.parse_args()
+    options.lengths = full_lengths(options.programs)
+    known = [*options.lengths, *REAL]
+    if options.only is None:
+        options.only = known
+    for name in options.only:
+        if name not in known:
+            sys.exit(f"run_benchmark: no sequence '{name}'; there are: {', '.join(known)}")
     if options.body is None:
         bodies = [ROOT / "build/bodies/bunny-dense.palpable", ROOT / "out/demo/bunny.palpable"]
         options.body = next((body for body in bodies if body.is_file()), None)
-    if options.body is None or not options.body.is_file():
+    if options.only and (options.body is None or not options.body.is_file()):
         sys.exit(f"run_benchmark: no body {options.body or 'in build/bodies or out/demo'}; ./demo bakes one")
-    for name in options.only:
-        if name not in SEQUENCES and name not in REAL:
-            sys.exit(f"run_benchmark: no sequence '{name}'; there are: {', '.join([*SEQUENCES, *REAL])}")
+    if options.films and options.films.resolve() == options.work.resolve():
+        sys.exit("run_benchmark: --films is --work, whose folders are removed")
+    refuse_other_films(options)
 
     file = json.loads(options.out.read_text()) if options.out.is_file() else {}
     entries, real = file.get("entries", {}), file.get("real", {})
+
+    def write():
+        content = page({key: entries[key] for key in options.lengths if key in entries},
+                       {key: real[key] for key in REAL if key in real}, options.lengths, file.get("note"))
+        options.out.parent.mkdir(parents=True, exist_ok=True)
+        options.out.write_text(json.dumps(content, indent=1) + "\n")
+
     for name in options.only:
         folder = options.work / name.replace(" ", "_").replace(",", "")
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
-        into, player = (entries, play) if name in SEQUENCES else (real, play_real)
-        into[name] = {"commit": commit(), "seed": options.seed, "cut_to": options.frames,
-                      **player(options, name, folder)}
+        into, player = (real, play_real) if name in REAL else (entries, play)
+        into[name] = {**origin(), **player(options, name, folder)}
         if not options.keep:
             shutil.rmtree(folder)
         print(name, {key: value for key, value in into[name].items() if key != "scores"}, flush=True)
-
-        entries = {key: entries[key] for key in SEQUENCES if key in entries}
-        real = {key: real[key] for key in REAL if key in real}
-        text = TEXT + f"\nSeed {options.seed}."
-        if any(entry.get("cut_to") for entry in entries.values()):
-            text += (" **To save time sequences were cut to the frames shown under Time**; full lengths are 600 to"
-                     " 1,000 (demo 300).")
-        missing = [name for name in SEQUENCES if name not in entries]
-        if missing:
-            text += f" Not run yet: {', '.join(missing)}."
-        content = {"title": "Today's chain on the test ground", "order": 20, "text": text,
-                   "command": ["tools/run_benchmark.py    # all, at full length", "tools/write_results.py"],
-                   "date": datetime.date.today().isoformat(), "commit": commit(), "machine": machine(),
-                   **({"note": file["note"]} if "note" in file else {}),
-                   "tables": [one for one in tables(entries, real) if one["rows"]], "entries": entries, "real": real}
-        options.out.parent.mkdir(parents=True, exist_ok=True)
-        options.out.write_text(json.dumps(content, indent=1) + "\n")
+        write()
+    write()
     print(f"{options.out}; now run tools/write_results.py")
 
 

@@ -7,7 +7,8 @@ A section is a JSON object:
     "order"     number; sections are sorted by it, then by file name (default 100)
     "text"      Markdown below the heading: what was measured, and what to make of it
     "note"      Markdown below the text, written by hand: what the tool that writes the file cannot know
-    "entries", "real"   of tools/run_benchmark.py: by name {"commit", "frames", ...}, one row each
+    "entries", "real"   of tools/run_benchmark.py: by name {"frames", "commit", "date", "machine", ...}, one
+                        row each; they have an origin of their own, so that of the section is not shown
     "command"   line or list of lines that measure it again
     "commit", "date", "machine"   of the measurement
     "tables"    list of {"heading" (optional), "text" (optional), "columns": [...], "rows": [[...], ...]};
@@ -74,15 +75,17 @@ def section(path):
         if one.get("text"):
             parts.append(one["text"].rstrip() + "\n")
         parts.append(table(one["columns"], one["rows"], path.name))
-    measured = [[name, entry.get("frames"), entry["commit"]] for key in ("entries", "real")
+    measured = [[name, *(entry.get(field) for field in ("frames", "commit", "date", "machine"))]
+                for key in ("entries", "real")
                 for name, entry in content.get(key, {}).items()]
     if measured:
         parts.append("### Measured at\n")
-        parts.append(table(["sequence or recording", "frames", "commit"], measured, path.name))
+        parts.append(table(["sequence or recording", "frames", "commit", "date", "machine"], measured, path.name))
     commands = content.get("command", [])
     commands = [commands] if isinstance(commands, str) else commands
-    origin = ", ".join(content[key] if key != "commit" else f"commit {content[key]}"
-                       for key in ("date", "commit", "machine") if content.get(key) and not (key == "commit" and measured))
+    origin = "" if measured else ", ".join(
+        content[key] if key != "commit" else f"commit {content[key]}"
+        for key in ("date", "commit", "machine") if content.get(key))
     if origin:
         parts.append(f"Measured: {origin}.\n")
     if commands:

@@ -26,15 +26,15 @@
 namespace palpable::app {
 namespace {
 
-constexpr int kRange = 320;              // disparities
-constexpr std::size_t kMostFrames = 72;  // of the near ones, evenly spread
-constexpr double kLeastWithin = 0.65;    // what a scene must give to prove something about hands
+constexpr int kRange = 320;            // disparities
+constexpr double kLeastWithin = 0.65;  // what a scene must give to prove something about hands
 constexpr double kMostWithin = 0.85;
 constexpr std::size_t kLeastNear = 60;  // frames that must be near to say so
 
 struct SgbmOptions {
   std::filesystem::path body;
   std::uint64_t seed = 1;
+  std::size_t frames = 72;  // matched: of the near ones, evenly spread
   bool json = false;
 };
 
@@ -50,7 +50,7 @@ void bench_sgbm(const SgbmOptions& options) {
   NearFrames near(options.body.empty() ? default_body() : options.body, options.seed,
                   bar.progress());
   const RectifiedStereo& stereo = near.stereo();
-  const std::vector<int> frames = near.spread(kMostFrames);
+  const std::vector<int> frames = near.spread(options.frames);
 
   const cv::Ptr<cv::StereoSGBM> matcher = cv::StereoSGBM::create(0, kRange, 5);
   matcher->setMode(cv::StereoSGBM::MODE_SGBM_3WAY);
@@ -131,6 +131,9 @@ void add_bench_sgbm(CLI::App& bench) {
                       "out/demo/bunny.palpable");
   command->add_option("--seed", options->seed, "Of the sequence")
       ->check(CLI::Range(std::uint64_t{0}, kLargestSeed))
+      ->capture_default_str();
+  command->add_option("--frames", options->frames, "Near frames to match, evenly spread")
+      ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
   command->footer(

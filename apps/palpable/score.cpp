@@ -139,6 +139,7 @@ void print(const ordered_json& scores) {
   line("camera path, error over 1 s", "rpe_mm", " mm", 2);
   line("what moves, intersection over union", "moving_iou", "", 3);
   line("what moves, found", "moving_recall", "", 3);
+  line("called moving and is not, of all pixels", "moving_false", "", 5);
   line("frames with a true touch", "frames_touching", "", 0);
   line("first touch felt after the true one by", "first_touch_delay_frames", " frames", 0);
   line("felt touches that are true", "touch_precision", "", 3);

@@ -164,10 +164,13 @@ void score_images(const TruthFolder& truth, const ResultFolder& result, const Pr
     const auto true_depth = read_counts(truth.folder, "depth", frame);
     const auto labels = read_gray(truth.folder, "labels", frame);
     if (labels && any_moving) {
-      auto found = read_gray(result.folder, "moving", frame);
-      if (!found) found.emplace(labels->width(), labels->height(), std::uint8_t{0});
-      expect_size(*found, *labels, true, truth, result.folder, "moving", frame, "labels");
-      moving += compare_masks(*labels, kMovingLabel, to_half(as_mask(*found), labels->width()));
+      const auto found = read_gray(result.folder, "moving", frame);
+      if (found) {
+        expect_size(*found, *labels, true, truth, result.folder, "moving", frame, "labels");
+        moving += compare_masks(*labels, kMovingLabel, to_half(as_mask(*found), labels->width()));
+      } else {
+        moving += missing_mask(*labels, kMovingLabel);
+      }
     }
     if (!true_depth) continue;
     if (labels) expect_size(*labels, *true_depth, false, truth, truth.folder, "labels", frame);
@@ -195,6 +198,7 @@ void score_images(const TruthFolder& truth, const ResultFolder& result, const Pr
   write_depth(depth.score(), depth_frames, scores);
   scores["moving_iou"] = or_null(moving.iou());
   scores["moving_recall"] = or_null(moving.recall());
+  scores["moving_false"] = or_null(moving.false_alarms());
   occlusion.write(scores);
 }
 

@@ -20,6 +20,7 @@ std::optional<double> MaskScore::iou() const {
   return share_of(both, truth + found - both);
 }
 std::optional<double> MaskScore::recall() const { return share_of(both, truth); }
+std::optional<double> MaskScore::false_alarms() const { return share_of(found - both, pixels); }
 
 MaskScore compare_masks(const GrayImage& truth, std::uint8_t bit, const MaskImage& found) {
   PALPABLE_EXPECT(truth.width() == found.width() && truth.height() == found.height(),
@@ -33,6 +34,12 @@ MaskScore compare_masks(const GrayImage& truth, std::uint8_t bit, const MaskImag
     score.found += said;
     score.both += is && said;
   }
+  return score;
+}
+
+MaskScore missing_mask(const GrayImage& truth, std::uint8_t bit) {
+  MaskScore score;
+  for (const std::uint8_t label : truth) score.truth += (label & bit) != 0;
   return score;
 }
 

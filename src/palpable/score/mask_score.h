@@ -14,7 +14,7 @@ struct MaskScore {
   std::int64_t truth = 0;   ///< set in the truth
   std::int64_t found = 0;   ///< set in the result
   std::int64_t both = 0;    ///< set in both
-  std::int64_t pixels = 0;  ///< compared
+  std::int64_t pixels = 0;  ///< compared: of the frames that have a mask
 
   MaskScore& operator+=(const MaskScore& other);
 
@@ -23,6 +23,8 @@ struct MaskScore {
   [[nodiscard]] std::optional<double> iou() const;
   /// Share of the true pixels that were found; nothing when there are none.
   [[nodiscard]] std::optional<double> recall() const;
+  /// Share of the compared pixels that are found and not true; nothing when none were compared.
+  [[nodiscard]] std::optional<double> false_alarms() const;
 };
 
 /// Compares one frame.
@@ -31,5 +33,8 @@ struct MaskScore {
 /// @throws ContractViolation for other sizes
 [[nodiscard]] MaskScore compare_masks(const GrayImage& truth, std::uint8_t bit,
                                       const MaskImage& found);
+
+/// A frame without a mask: what is true in it was missed, and nobody said anything of its pixels.
+[[nodiscard]] MaskScore missing_mask(const GrayImage& truth, std::uint8_t bit);
 
 }  // namespace palpable

@@ -1,6 +1,7 @@
 #include "palpable/vision/board_calibration.h"
 
 #include "palpable/vision/folder_source.h"
+#include "tests/support/board_picture.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Geometry>
@@ -154,55 +155,14 @@ TEST_CASE("a bad calibration is refused with its reason", "[vision][calibrate][r
   CHECK(contains(rows.problem().message, "rows are"));
 }
 
-// The picture of a board, by looking through each pixel: a white sheet with black squares.
-ColorImage picture_of(const DistortedCamera& eye, const Rigid3& camera_from_board) {
-  // Undo the lens by fixed point iteration; it is mild.
-  const auto straight = [&](double u, double v) {
-    Vector2d p((u - eye.pinhole.cx_px) / eye.pinhole.fx_px,
-               (v - eye.pinhole.cy_px) / eye.pinhole.fy_px);
-    const Vector2d wanted(u, v);
-    for (int i = 0; i < 10; ++i) {
-      const Vector2d off = eye.project(Vector3d(p.x(), p.y(), 1)) - wanted;
-      p -= Vector2d(off.x() / eye.pinhole.fx_px, off.y() / eye.pinhole.fy_px);
-    }
-    return Vector3d(p.x(), p.y(), 1);
-  };
-  const Rigid3 board_from_camera = camera_from_board.inverse();
-  const Vector3d eye_on_board = board_from_camera.translation();
-  ColorImage image(kWidth, kHeight, Rgb{128, 128, 128});
-  constexpr int kSamples = 7;  // per side of a pixel
-  for (int v = 0; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) {
-      const Vector3d ray = board_from_camera.linear() * straight(u, v);
-      // Within a pixel the lens is linear.
-      const Vector3d du = board_from_camera.linear() * straight(u + 0.5, v) - ray;
-      const Vector3d dv = board_from_camera.linear() * straight(u, v + 0.5) - ray;
-      int sum = 0;
-      for (int i = 0; i < kSamples * kSamples; ++i) {
-        const double a = 2.0 * (i % kSamples + 0.5) / kSamples - 1;
-        const double b = 2.0 * (i / kSamples + 0.5) / kSamples - 1;
-        const Vector3d through = ray + a * du + b * dv;
-        const Vector3d x = eye_on_board - eye_on_board.z() / through.z() * through;
-        const int column = static_cast<int>(std::floor(x.x() / kBoard.square)) + 1;
-        const int row = static_cast<int>(std::floor(x.y() / kBoard.square)) + 1;
-        const bool on_board =
-            column >= 0 && row >= 0 && column <= kBoard.columns && row <= kBoard.rows;
-        sum += on_board && (row + column) % 2 == 0 ? 20 : 230;
-      }
-      const auto value = static_cast<std::uint8_t>(sum / (kSamples * kSamples));
-      image(u, v) = Rgb{value, value, value};
-    }
-  }
-  return image;
-}
-
 TEST_CASE("a board's corners are found where they are, in the same order by both eyes",
           "[vision][calibrate]") {
   const StereoRig rig = true_rig();
   auto random = test::random_case(4);
   const Rigid3 left_from_board = board_pose(random, 0.5);
-  const ColorImage left = picture_of(rig.left, left_from_board);
-  const ColorImage right = picture_of(rig.right, rig.right_from_left * left_from_board);
+  const ColorImage left = test::board_picture(rig.left, left_from_board, kBoard);
+  const ColorImage right =
+      test::board_picture(rig.right, rig.right_from_left * left_from_board, kBoard);
   auto found = find_board(left, right, kBoard);
   REQUIRE(found);
   const Vector3d first = left_from_board * Vector3d::Zero();
@@ -240,7 +200,8 @@ TEST_CASE("one picture says where its board stands, whichever way up it is held"
         camera_from_board.linear() *
         Eigen::AngleAxisd(1.5707963 * seed, Vector3d::UnitZ()).toRotationMatrix();
     camera_from_board.translation() = place - camera_from_board.linear() * middle;
-    const auto found = find_board_pose(picture_of(eye, camera_from_board), eye.pinhole, kBoard);
+    const auto found =
+        find_board_pose(test::board_picture(eye, camera_from_board, kBoard), eye.pinhole, kBoard);
     REQUIRE(found);
     CHECK((found->translation() - place).norm() <=
           tolerance(0.001, "corners of 0.1 px on 100 px of board: 0.1 % of 0.7 m"));

@@ -2,7 +2,7 @@
 // Census codes of both images; z says which.
 layout(local_size_x = 64) in;
 #include "stereo.glsl"
-uniform int STEP;
+uniform int STEP;  // grey levels by which a neighbour must be darker to count
 
 int grey(int eye, int x, int y) {
   return int(luma[(eye * H + clamp(y, 0, H - 1)) * W + clamp(x, 0, W - 1)]);

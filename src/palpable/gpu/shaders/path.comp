@@ -5,12 +5,12 @@
 layout(local_size_x = 64) in;
 #include "stereo.glsl"
 #define MOST 512
-uniform int DIRECTION;
-uniform int STRIPS;
-uniform int WARM_UP;
-uniform int P1;
-uniform int P2;        // between pixels of one grey level
-uniform int P2_LEAST;  // across an edge of the picture
+uniform int DIRECTION;  // 0, 1 or 2, as above
+uniform int STRIPS;     // that the picture's height is cut into for direction 2
+uniform int WARM_UP;    // rows
+uniform int P1;         // bits of the census code: the disparity changes by 1 from pixel to pixel
+uniform int P2;         // the same: by more, between pixels of one grey level
+uniform int P2_LEAST;   // the same: by more, across an edge of the picture
 
 shared uint path[MOST + 2];  // L of disparity d at d + 1
 shared uint least_of[64];

@@ -9,10 +9,10 @@ layout(std430, binding = 1) buffer Codes { uint codes[]; };  // (2 x H x W)
 layout(std430, binding = 2) buffer Sums { uint sums[]; };    // (H x W x D)
 layout(std430, binding = 3) buffer Found { uvec2 found[]; };  // (H x W): best, cost | before | after
 
-uniform int W;
-uniform int H;
-uniform int D;
-uniform int first;
+uniform int W;      // px
+uniform int H;      // px
+uniform int D;      // how many disparities
+uniform int first;  // disparity d = 0 is this many px
 
 uint raw_cost(int x, int y, int d) {
   int partner = clamp(x - first - d, 0, W - 1);

@@ -10,7 +10,7 @@ in float marked;
 
 uniform vec3 key;          // camera frame, unit, towards the light
 uniform vec3 up;           // camera frame, unit
-uniform float brightness;
+uniform float brightness;  // of all light, 1 = a well lit room
 uniform vec3 mark_color;   // sRGB
 
 layout(location = 0) out vec4 color;  // sRGB

@@ -1,6 +1,6 @@
 // Depths of body and real surface. Every z is metric: Z in the camera frame, m. Window depth
 // appears in one function and is never compared with a metric depth.
-// Also compiled as C++ (depth_glsl_test.cpp).
+// Also compiled as C++ (color_map_test.cpp).
 
 /// Window depth of the point at Z = z: 1 at the near plane, 0 at infinity. Reversed, because a
 /// float's digits lie near 0: at Z = 1 m the step is 6e-8 of Z.

@@ -7,9 +7,9 @@ flat in vec3 albedo;
 #include "light.glsl"
 #include "project.glsl"
 
-uniform vec3 key;
-uniform vec3 up;
-uniform float brightness;
+uniform vec3 key;          // camera frame, unit, towards the light
+uniform vec3 up;           // camera frame, unit
+uniform float brightness;  // of all light, 1 = a well lit room
 
 layout(location = 0) out vec4 color;
 layout(location = 1) out float z;

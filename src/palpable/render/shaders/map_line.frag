@@ -4,7 +4,7 @@ flat in float reach;
 flat in float length_px;
 noperspective in vec2 along_across;
 
-uniform float opacity;
+uniform float opacity;  // 0 .. 1
 
 layout(location = 0) out vec4 color;  // premultiplied
 
