@@ -80,6 +80,7 @@ class MovingMask {
   struct Question {  // of a tile
     Eigen::Vector3f point;
     const Voxel* voxel;  // of the map there, or null
+    float depth;         // m
     int i, j;
     bool for_four;  // also for its neighbours to the right and below
   };
