@@ -7,7 +7,9 @@
 #include "tests/support/seen_capsules.h"
 #include "tests/support/test.h"
 
+#include <cmath>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -171,6 +173,104 @@ TEST_CASE("a camera that does everything wrong never stops the loop, and the las
   // Six kinds of bad frames, the new clock's first old frames and its restart, stall, loss, and
   // twice "come again".
   CHECK(reports.size() == 6 + 2 + 4);
+}
+
+// What a frame is known to be of: compared between a loop with a thread and one without.
+struct Known {
+  int number = 0;
+  TrackState state = TrackState::kStarting;
+  Rigid3 world_from_camera;
+  MaskImage moving;
+};
+
+Known known_of(const Scene& scene) {
+  return {scene.number, scene.camera.state, scene.camera.world_from_camera,
+          scene.moving == nullptr ? MaskImage() : *scene.moving};
+}
+
+TEST_CASE("through all of it the camera is followed, what moves is found and the map stays",
+          "[apps][threads][errors]") {
+  using test::Act;
+  for (const test::Shows shows : {test::Shows::kRoom, test::Shows::kStereoRoom}) {
+    const bool stereo = shows == test::Shows::kStereoRoom;
+    INFO((stereo ? "stereo" : "colour + depth"));
+    std::vector<Act> acts(test::MisbehavingCamera::kAlone, Act::kGood);
+    for (const Act bad :
+         {Act::kStall, Act::kDrop, Act::kResize, Act::kGarbage, Act::kNoTime,
+          stereo ? Act::kRightResize : Act::kNoDepth, Act::kBackInTime, Act::kGone}) {
+      acts.insert(acts.end(), 3, bad);
+      acts.insert(acts.end(), 3, Act::kGood);
+    }
+    acts.push_back(Act::kNewClock);
+    acts.insert(acts.end(), 9, Act::kGood);
+
+    const auto session_of = [](const FrameSource& source) {
+      Rigid3 far_aside = Rigid3::Identity();  // the body is not what is looked at here
+      far_aside.translation() = Eigen::Vector3d(0.3, 0, 0.5);
+      return std::move(Session::make(test::DentedSphere{}.body(), far_aside, source.format(),
+                                     {.track = true, .map = true})
+                           .value());
+    };
+    const Eigen::Vector3d on_wall(0, 0.03, test::kWallZ);
+
+    std::vector<Known> expected;
+    std::optional<double> expected_distance;
+    {
+      test::MisbehavingCamera camera(acts, shows);
+      Session session = session_of(camera);
+      SourceGuard guard(camera);
+      Frame frame;
+      for (FrameStatus status = guard.next(frame); status != FrameStatus::kEnd;
+           status = guard.next(frame)) {
+        if (status != FrameStatus::kFrame) continue;
+        expected.push_back(known_of(session.process(frame)));
+        const Known& now = expected.back();
+        INFO("frame " << now.number << " at " << camera.x() << " m");
+        CHECK(now.state != TrackState::kLost);
+        CHECK((now.world_from_camera.translation() - Eigen::Vector3d(camera.x(), 0, 0)).norm() <=
+              test::tolerance(0.0016, "half a pixel of 250 on a wall 0.8 m away"));
+        CHECK_FALSE(now.moving.empty());
+      }
+      // At the end the finger moves and what is far from it does not.
+      const MaskImage& moving = expected.back().moving;
+      const double scale = static_cast<double>(moving.width()) / camera.format().width;
+      const auto at = [&](double u, double v) {
+        return moving(static_cast<int>(scale * u), static_cast<int>(scale * v)) != 0;
+      };
+      // Of a pair, whose depth is of 80 x 60 px, the finger is too few tiles (moving_mask.h).
+      if (!stereo) CHECK(at(camera.tip().x(), camera.tip().y()));
+      CHECK_FALSE(at(140, 100));
+      CHECK(session.tracker_counts().lost == 0);
+      expected_distance = session.map()->distance(on_wall);
+      REQUIRE(expected_distance);
+      CHECK(std::abs(*expected_distance) <= test::tolerance(0.01, "a voxel"));
+    }
+
+    test::MisbehavingCamera camera(acts, shows);
+    Session session = session_of(camera);
+    VisionThread vision(camera, session, -1);
+    Scene scene;
+    std::size_t n = 0;
+    while (!vision.ended()) {
+      std::unique_ptr<FrameInFlight> flight = vision.next_within(0.001);
+      if (!flight) continue;
+      REQUIRE(n < expected.size());
+      session.respond(flight->seen, scene);
+      const Known now = known_of(scene);
+      CHECK(now.number == expected[n].number);
+      CHECK(now.state == expected[n].state);
+      CHECK(now.world_from_camera.matrix() == expected[n].world_from_camera.matrix());
+      CHECK(now.moving == expected[n].moving);
+      vision.recycle(std::move(flight));
+      ++n;
+    }
+    CHECK(n == expected.size());
+    CHECK(session.map()->distance(on_wall) == expected_distance);
+    CHECK(vision.troubles().unreadable == 5 * 3 + SourceGuard::kClockRestart - 1);
+    CHECK(vision.troubles().dropped == 3);
+    CHECK(vision.troubles().stalls == 1);
+    CHECK(vision.troubles().losses == 1);
+  }
 }
 
 TEST_CASE("the loop can be left while a camera is silent", "[apps][threads]") {

@@ -1,13 +1,17 @@
 /// @file
 /// A camera that does everything a camera should not do, and then goes on: a finger sinks into a
-/// sphere 0.4 m away, frame by frame, while pictures are late, missing, torn or gone.
+/// sphere 0.4 m away, frame by frame, while pictures are late, missing, torn or gone. In a room the
+/// camera goes to the right meanwhile.
 #pragma once
 
 #include "palpable/vision/frame_source.h"
 #include "tests/support/seen_capsules.h"
+#include "tests/support/seen_wall.h"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <utility>
@@ -17,33 +21,51 @@ namespace palpable::test {
 
 /// What the camera does next.
 enum class Act {
-  kGood,        ///< a frame; the finger is 1 mm deeper for each
-  kStall,       ///< nothing comes, the camera is there
-  kDrop,        ///< a frame that nobody ever sees: its number is missing
-  kResize,      ///< images of another size
-  kNoDepth,     ///< colour without its depth
-  kGarbage,     ///< says itself that it cannot be read
-  kNoise,       ///< depths that are no depths: infinite, negative, 0
-  kNoTime,      ///< a time that is no number
-  kStuckClock,  ///< a time that is always the same
-  kBackInTime,  ///< one frame from long ago
-  kFarFuture,   ///< one frame from days ahead
-  kNewClock,    ///< from here on times begin anew
-  kLateClock,   ///< from here on times are a minute later
-  kGone,        ///< the camera is not there
+  kGood,         ///< a frame; the finger is 1 mm deeper for each
+  kStall,        ///< nothing comes, the camera is there
+  kDrop,         ///< a frame that nobody ever sees: its number is missing
+  kResize,       ///< images of another size
+  kRightResize,  ///< the right eye's image alone
+  kNoDepth,      ///< colour without its depth
+  kGarbage,      ///< says itself that it cannot be read
+  kNoise,        ///< depths that are no depths: infinite, negative, 0
+  kNoTime,       ///< a time that is no number
+  kStuckClock,   ///< a time that is always the same
+  kBackInTime,   ///< one frame from long ago
+  kFarFuture,    ///< one frame from days ahead
+  kNewClock,     ///< from here on times begin anew
+  kLateClock,    ///< from here on times are a minute later
+  kGone,         ///< the camera is not there
+};
+
+/// What the camera gives, and of what.
+enum class Shows {
+  kFinger,      ///< colour + depth; nothing behind the finger, the camera stands
+  kRoom,        ///< colour + depth; the wall of seen_wall.h, after 30 good frames the finger, too
+  kStereoRoom,  ///< the same as rectified pairs
 };
 
 class MisbehavingCamera final : public FrameSource {
  public:
   static constexpr int kWidth = 161;
   static constexpr int kHeight = 121;
+  static constexpr double kBaseline = 0.06;  ///< m
+  static constexpr double kStep = 0.001;     ///< m to the right in each good frame of a room
+  static constexpr int kAlone = 30;          ///< good frames of a room before the finger comes
 
-  explicit MisbehavingCamera(std::vector<Act> acts) : acts_(std::move(acts)) {
-    format_.kind = FrameFormat::Kind::kColorDepth;
-    format_.width = kWidth;
-    format_.height = kHeight;
-    format_.depth_camera = {kWidth, kHeight, 250, 250, 80, 60};
+  explicit MisbehavingCamera(std::vector<Act> acts, Shows shows = Shows::kFinger)
+      : format_(wall_format()), shows_(shows), acts_(std::move(acts)) {
+    if (shows == Shows::kStereoRoom) {
+      format_.kind = FrameFormat::Kind::kStereo;
+      format_.already_rectified = true;
+      format_.rectified = {format_.depth_camera, kBaseline, 0};
+    }
   }
+
+  /// Where the camera stands to the right of its first place, m, in the frame given last.
+  double x() const { return shows_ == Shows::kFinger ? 0 : kStep * (good_ - 1); }
+  /// The pixel of the finger's tip in the frame given last.
+  Eigen::Vector2d tip() const { return format_.depth_camera.project(finger(x()).a); }
 
   const FrameFormat& format() const override { return format_; }
   int frame_count() const override { return -1; }
@@ -76,13 +98,16 @@ class MisbehavingCamera final : public FrameSource {
       trouble_ = "the picture is cut off";
       return FrameStatus::kUnreadable;
     }
-    if (act == Act::kGood || act == Act::kNewClock) ++depth_mm_;
-    const double y = -0.062 + 0.001 * depth_mm_;
-    frame.left = ColorImage(kWidth, kHeight, Rgb{50, 60, 70});
-    frame.depth = depth_of({{{0, y, 0.4}, {0, y - 0.1, 0.38}, 0.009}}, format_.depth_camera);
+    if (act == Act::kGood || act == Act::kNewClock) ++good_;
+    picture(x(), frame.left, frame.depth);
+    if (shows_ == Shows::kStereoRoom) picture(x() + kBaseline, frame.right, frame.depth);
+    if (format_.kind == FrameFormat::Kind::kStereo) frame.depth = DepthImage();
     switch (act) {
       case Act::kResize:
         frame.left = ColorImage(kWidth / 2, kHeight, Rgb{});
+        break;
+      case Act::kRightResize:
+        frame.right = ColorImage(kWidth / 2, kHeight, Rgb{});
         break;
       case Act::kNoDepth:
         frame.depth = DepthImage();
@@ -114,13 +139,49 @@ class MisbehavingCamera final : public FrameSource {
   bool repeats_last = false;  ///< the last act for ever, instead of the end
 
  private:
+  // In an eye that stands `x` m to the right: 1 mm deeper for each good frame since it came.
+  Capsule finger(double x) const {
+    const double y = -0.062 + 0.001 * (good_ - (shows_ == Shows::kFinger ? 0 : kAlone));
+    if (shows_ == Shows::kFinger) return {{0, y, 0.4}, {0, y - 0.1, 0.38}, 0.009};
+    // Thick, for so few pixels; not at the left, where a pair has no depth.
+    return {{0.06 - x, y, 0.4}, {0.06 - x, y - 0.1, 0.38}, 0.015};
+  }
+
+  // What such an eye sees.
+  void picture(double x, ColorImage& color, DepthImage& depth) const {
+    const bool room = shows_ != Shows::kFinger;
+    const std::vector<Capsule> there =
+        room && good_ <= kAlone ? std::vector<Capsule>{} : std::vector{finger(x)};
+    depth = depth_of(there, format_.depth_camera);
+    if (!room) {
+      color = ColorImage(kWidth, kHeight, Rgb{50, 60, 70});
+      return;
+    }
+    color = frame_of_wall(0, x).left;
+    for (int v = 0; v < kHeight; ++v) {
+      for (int u = 0; u < kWidth; ++u) {
+        if (std::isnan(depth(u, v))) {
+          depth(u, v) = static_cast<float>(kWallZ);
+          continue;
+        }
+        // Skin with spots that go with the finger.
+        const Eigen::Vector3d at =
+            format_.depth_camera.unproject(u, v, static_cast<double>(depth(u, v))) -
+            there.front().a;
+        const double spots = 60 * std::sin(300 * at.x()) * std::sin(250 * at.y());
+        color(u, v) = {200, static_cast<std::uint8_t>(150 + spots), 120};
+      }
+    }
+  }
+
   FrameFormat format_;
+  Shows shows_;
   std::vector<Act> acts_;
   std::size_t at_ = 0;
   int number_ = 0;
   int clock_begin_ = 0;
   double late_ = 0;  // s
-  int depth_mm_ = 0;
+  int good_ = 0;
   SourceState state_ = SourceState::kRunning;
   std::string trouble_;
 };

@@ -21,8 +21,8 @@ struct Run {
   std::string last_trouble;
 };
 
-Run run(const std::vector<Act>& acts) {
-  MisbehavingCamera camera(acts);
+Run run(const std::vector<Act>& acts, test::Shows shows = test::Shows::kFinger) {
+  MisbehavingCamera camera(acts, shows);
   SourceGuard guard(camera);
   Run result;
   Frame frame;
@@ -32,7 +32,8 @@ Run run(const std::vector<Act>& acts) {
       result.frames.push_back(frame.number);
       result.times.push_back(frame.time);
       CHECK(frame.left.width() == MisbehavingCamera::kWidth);
-      CHECK(frame.depth.size() == frame.left.size());
+      CHECK((shows == test::Shows::kStereoRoom ? frame.right.size() : frame.depth.size()) ==
+            frame.left.size());
     }
     for (std::string& line : guard.take_reports()) result.reports.push_back(std::move(line));
   }
@@ -55,6 +56,18 @@ TEST_CASE("frames that are well pass as they are and nothing is reported", "[vis
   CHECK(result.times == std::vector<double>{0, 1 / 30.0, 2 / 30.0});
   CHECK(result.reports.empty());
   CHECK(result.troubles.unreadable == 0);
+}
+
+TEST_CASE("of a pair both images have to be there, each of its size", "[vision][guard][refusal]") {
+  for (const auto& [act, says] :
+       {std::pair{Act::kResize, "its left image is 80 x 121 px, not 161 x"},
+        std::pair{Act::kRightResize, "its right image is 80 x 121 px"}}) {
+    INFO(says);
+    const Run result = run({Act::kGood, act, Act::kGood}, test::Shows::kStereoRoom);
+    CHECK(result.frames == std::vector<int>{0, 2});
+    REQUIRE(result.reports.size() == 1);
+    CHECK(contains(result.reports[0], says));
+  }
 }
 
 TEST_CASE("a frame that the loop cannot use is left out, counted and explained",
