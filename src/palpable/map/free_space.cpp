@@ -18,6 +18,7 @@ constexpr int kTurns = 2;
 
 FreeSpace::FreeSpace(const DepthNoise& noise, const FreeSpaceSettings& settings)
     : noise_(noise), settings_(settings), table_(settings.blocks) {
+  static_assert(each_cell_has_its_own_place());
   PALPABLE_EXPECT(settings.cell > 0 && settings.farthest > settings.cell,
                   "cells have a size and rays a length");
   PALPABLE_EXPECT(settings.farthest < kLargest / 4 * settings.cell, "rays end in the grid");

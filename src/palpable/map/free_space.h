@@ -88,16 +88,27 @@ class FreeSpace {
   }
   // Cells that lie next to each other share a line of the cache, 2 x 2 x 4 of them: a ray passes
   // through most of a block's lines if each is a row.
-  [[nodiscard]] static std::size_t cell_of(const Place& p) {
-    static constexpr std::array<std::uint16_t, 8> kX{0, 1, 16, 17, 32, 33, 48, 49};
-    static constexpr std::array<std::uint16_t, 8> kY{0, 2, 64, 66, 128, 130, 192, 194};
-    static constexpr std::array<std::uint16_t, 8> kZ{0, 4, 8, 12, 256, 260, 264, 268};
+  [[nodiscard]] static constexpr std::size_t cell_of(const Place& p) {
+    constexpr std::array<std::uint16_t, 8> kX{0, 1, 16, 17, 32, 33, 48, 49};
+    constexpr std::array<std::uint16_t, 8> kY{0, 2, 64, 66, 128, 130, 192, 194};
+    constexpr std::array<std::uint16_t, 8> kZ{0, 4, 8, 12, 256, 260, 264, 268};
     const auto part = [](std::int32_t a) { return static_cast<std::size_t>(a >> kFraction & 7); };
     return std::size_t{0} + kX[part(p[0])] + kY[part(p[1])] + kZ[part(p[2])];
   }
   // Whether two places lie in one block.
   [[nodiscard]] static bool same_block(const Place& a, const Place& b) {
     return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) >> (kFraction + 3) == 0;
+  }
+
+  static constexpr bool each_cell_has_its_own_place() {
+    std::array<bool, kSide * kSide * kSide> taken{};
+    for (std::int32_t i = 0; i < kSide * kSide * kSide; ++i) {
+      bool& here =
+          taken[cell_of({(i & 7) << kFraction, (i >> 3 & 7) << kFraction, (i >> 6) << kFraction})];
+      if (here) return false;
+      here = true;
+    }
+    return true;
   }
 
   DepthNoise noise_;
