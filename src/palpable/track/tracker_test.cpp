@@ -227,9 +227,10 @@ TEST_CASE("corners that are found anew do not stand beside their older selves", 
   for (int n = 0; n <= 24; ++n) {
     tracker.track(frame_of(pair_at(Rigid3(Eigen::Translation3d(0.05 * n, 0, 0))), n));
   }
-  // Half a view's width. 699 when nothing was merged, 568 with it.
+  // Half a view's width.
   INFO(tracker.counts().landmarks << " landmarks");
-  CHECK(tracker.counts().landmarks < 630);
+  CHECK(tracker.counts().landmarks <
+        tolerance(634, "half way between 568, as measured, and 699 when nothing was merged"));
   CHECK(tracker.counts().landmarks > 280);  // more than the first view's
 }
 
