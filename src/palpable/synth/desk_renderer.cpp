@@ -86,9 +86,10 @@ struct Band {
 }  // namespace
 
 struct DeskRenderer::State {
-  /// desk.frag, and the shadows that it knows.
+  /// desk.vert and desk.frag, and what was defined for them.
   struct Paint {
     GlProgram program;
+    bool far = false, moves = false;
     bool still_shadows = false, moving_shadows = false;
   };
 
@@ -96,7 +97,9 @@ struct DeskRenderer::State {
   DeskCamera rig;
   DeskLook look;
   GlProgram shade, measure, sense, gather, gather_layer, develop, light_top;
-  Paint paint_far, paint_still, paint_moving, paint_all, paint_still_top, paint_all_top;
+  // What stands still: far away, with still shadows or with all, and the same on the desk's top.
+  Paint paint_far, paint_still, paint_all, paint_still_top, paint_all_top;
+  Paint paint_mover, paint_mover_in_shade;
   FullScreenTriangle full_screen;
   std::vector<GlTexture> images, hand_images;
   std::vector<std::unique_ptr<GpuMesh>> meshes;
@@ -107,6 +110,9 @@ struct DeskRenderer::State {
   bool in_shade = false;  // whether shadows of what stands still may fall on it
   std::vector<Caster> casters;
   ShadowMap static_shadow, hand_shadow;
+  // Where each of `meshes` is, and the movers, in static_shadow's map.
+  std::vector<LightBox> places;
+  LightBox shaded_by_movers;
   Eye left, right;
   std::optional<DepthTarget> depth_target;
 
@@ -122,14 +128,21 @@ struct DeskRenderer::State {
         gather_layer(std::move(programs[4])),
         develop(std::move(programs[5])),
         light_top(std::move(programs[6])),
-        paint_far{std::move(programs[7]), false, false},
-        paint_still{std::move(programs[8]), true, false},
-        paint_moving{std::move(programs[9]), false, true},
-        paint_all{std::move(programs[10]), true, true},
-        paint_still_top{std::move(programs[11]), true, false},
-        paint_all_top{std::move(programs[12]), true, true},
+        paint_far{.program = std::move(programs[7]), .far = true},
+        paint_still{.program = std::move(programs[8]), .still_shadows = true},
+        paint_all{.program = std::move(programs[9]), .still_shadows = true, .moving_shadows = true},
+        paint_still_top{.program = std::move(programs[10]), .still_shadows = true},
+        paint_all_top{.program = std::move(programs[11]),
+                      .still_shadows = true,
+                      .moving_shadows = true},
+        paint_mover{.program = std::move(programs[12]), .moves = true, .moving_shadows = true},
+        paint_mover_in_shade{.program = std::move(programs[13]),
+                             .moves = true,
+                             .still_shadows = true,
+                             .moving_shadows = true},
         static_shadow(2048, light_from_desk({0.0, 0.15, 0.0}, 0.80, 1.5)),
         hand_shadow(1024, light_from_desk({0.10, 0.0, 0.05}, 0.50, 1.5)),
+        shaded_by_movers(static_shadow.light),
         left(camera.rig.left, 1.0F),
         right(camera.rig.right, static_cast<float>(camera.faults.right_gain)) {
     // What the calibration does not know: the right image lies a little lower.
@@ -147,8 +160,11 @@ struct DeskRenderer::State {
         if (mesh->in_shadows) mesh->draw();
     });
     light_desk(static_shadow, {0, 0, static_shadow.depth.width(), static_shadow.depth.height()});
-    for (const PaintedMesh& mesh : scene.meshes)
-      if (mesh.in_shadows) casters.emplace_back(mesh, static_shadow.light);
+    for (const PaintedMesh& mesh : scene.meshes) {
+      const Caster caster(mesh, static_shadow.light);
+      places.push_back(caster.box);
+      if (mesh.in_shadows) casters.push_back(caster);
+    }
     fill({});
   }
 
@@ -170,7 +186,7 @@ struct DeskRenderer::State {
     place(first, last);
     if (shadow_of_filled) return;
     cast_shadows(hand_shadow, [this] { draw_movers(); });
-    light_desk(hand_shadow, shadow_box());
+    light_desk(hand_shadow, movers_in(hand_shadow).texels(hand_shadow.depth.width()));
     shadow_of_filled = true;
   }
 
@@ -196,6 +212,7 @@ struct DeskRenderer::State {
     filled_last = last.capsules;
     shadow_of_filled = false;
     in_shade = any_in_shade(filled) || any_in_shade(filled_last);
+    shaded_by_movers = movers_in(static_shadow);
   }
   static bool same(std::span<const HandCapsule> a, std::span<const HandCapsule> b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -214,12 +231,12 @@ struct DeskRenderer::State {
     });
   }
 
-  /// The part of the movers' shadow map that they fill while the shutter is open.
-  [[nodiscard]] Box shadow_box() const {
-    LightBox box(hand_shadow.light);
+  /// The part of a shadow map that the movers fill while the shutter is open.
+  [[nodiscard]] LightBox movers_in(const ShadowMap& map) const {
+    LightBox box(map.light);
     for (const auto* capsules : {&filled, &filled_last})
       for (const HandCapsule& capsule : *capsules) box.include(capsule.shape);
-    return box.texels(hand_shadow.depth.width());
+    return box;
   }
 
   /// How much light reaches the desk's top, from a shadow map; all of it outside `box`.
@@ -283,10 +300,11 @@ struct DeskRenderer::State {
     const GlProgram& program = paint.program;
     const Eigen::Matrix4f view = eye_from_desk.matrix().cast<float>();
     program.set("clip_from_desk", Eigen::Matrix4f(clip_from_camera(eye.ideal) * view));
-    program.set("eye", Eigen::Vector3f(eye_from_desk.inverse().translation().cast<float>()));
     program.set("to_sun", Eigen::Vector3f(kToSun.cast<float>()));
     program.set("image", 0);
-    program.set("along", 0.0F);
+    if (paint.moves) program.set("along", 0.0F);
+    if (!paint.far)
+      program.set("eye", Eigen::Vector3f(eye_from_desk.inverse().translation().cast<float>()));
     if (paint.moving_shadows) {
       program.set("hand_light_from_desk", Eigen::Matrix4f(hand_shadow.light.cast<float>()));
       program.set("hand_shadow", 2);
@@ -303,24 +321,39 @@ struct DeskRenderer::State {
     const GlProgram& program = paint.program;
     program.use();
     from[static_cast<std::size_t>(mesh.image)].bind(0);
-    program.set("gloss", mesh.gloss);
-    program.set("sharpness", mesh.sharpness);
+    if (!paint.far) {
+      program.set("gloss", mesh.gloss);
+      program.set("sharpness", mesh.sharpness);
+    }
     mesh.draw();
   }
 
+  /// Whether the movers' shadow may fall on what stands still.
+  [[nodiscard]] bool may_be_shaded(std::size_t i) const {
+    return !filled.empty() && meshes[i]->in_shadows && places[i].meets(shaded_by_movers);
+  }
   /// Everything that stands still. Near things are last in the list: what they hide is not shaded.
   void paint_static(bool with_moving_shadows) const {
-    const Paint& near = with_moving_shadows ? paint_all : paint_still;
-    const Paint& top = with_moving_shadows ? paint_all_top : paint_still_top;
-    for (std::size_t i = meshes.size(); i-- > 0;) {
-      const GpuMesh& mesh = *meshes[i];
-      if (mesh.is_desk_top) {
-        // Its light was looked up before (light_desk).
-        static_shadow.top.bind(1);
-        hand_shadow.top.bind(2);
-      }
-      draw_mesh(mesh.is_desk_top ? top : mesh.in_shadows ? near : paint_far, mesh, images);
-      if (mesh.is_desk_top) bind_shadows();
+    for (std::size_t i = meshes.size(); i-- > 0;)
+      paint_one(i, with_moving_shadows && may_be_shaded(i));
+  }
+  /// That of it on which the movers' shadow may fall.
+  void paint_shaded() const {
+    for (std::size_t i = meshes.size(); i-- > 0;)
+      if (may_be_shaded(i)) paint_one(i, true);
+  }
+  void paint_one(std::size_t i, bool with_moving_shadows) const {
+    const GpuMesh& mesh = *meshes[i];
+    if (!mesh.in_shadows) {
+      draw_mesh(paint_far, mesh, images);
+    } else if (mesh.is_desk_top) {
+      // Its light was looked up before (light_desk).
+      static_shadow.top.bind(1);
+      hand_shadow.top.bind(2);
+      draw_mesh(with_moving_shadows ? paint_all_top : paint_still_top, mesh, images);
+      bind_shadows();
+    } else {
+      draw_mesh(with_moving_shadows ? paint_all : paint_still, mesh, images);
     }
   }
   void bind_shadows() const {
@@ -328,7 +361,9 @@ struct DeskRenderer::State {
     hand_shadow.depth.bind(2);
   }
 
-  [[nodiscard]] const Paint& of_movers() const { return in_shade ? paint_all : paint_moving; }
+  [[nodiscard]] const Paint& of_movers() const {
+    return in_shade ? paint_mover_in_shade : paint_mover;
+  }
   void paint_movers() const {
     // Movers are closed: half of their triangles look away. With Y down, the others run clockwise.
     glFrontFace(GL_CW);
@@ -342,8 +377,8 @@ struct DeskRenderer::State {
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);  // what is painted again over its own copy must pass
     glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
-    for (const Paint* paint :
-         {&paint_far, &paint_still, &paint_moving, &paint_all, &paint_still_top, &paint_all_top})
+    for (const Paint* paint : {&paint_far, &paint_still, &paint_all, &paint_still_top,
+                               &paint_all_top, &paint_mover, &paint_mover_in_shade})
       look_from(*paint, eye, eye_from_desk);
     bind_shadows();
   }
@@ -368,7 +403,7 @@ struct DeskRenderer::State {
       glScissor(wanted.x, wanted.y, wanted.width, wanted.height);
       glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
       paint_movers();
-      paint_static(!filled.empty());
+      paint_static(true);
       glDisable(GL_SCISSOR_TEST);
       return;
     }
@@ -388,7 +423,7 @@ struct DeskRenderer::State {
       const Box box = touched_by(filled, eye, eye_from_desk).cut(wanted);
       glScissor(box.x, box.y, box.width, box.height);
       paint_movers();
-      paint_static(true);
+      paint_shaded();
     }
     glDisable(GL_SCISSOR_TEST);
   }
@@ -503,7 +538,7 @@ struct DeskRenderer::State {
     begin_painting(eye, eye_from_desk);
     eye.still_target.bind();
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    paint_static(!filled.empty());
+    paint_static(true);
     eye.still_from_desk.reset();  // it holds shadows that pass
     eye.last_from_desk.reset();
   }
@@ -669,13 +704,16 @@ Result<DeskRenderer> DeskRenderer::make(const DeskCamera& camera, const DeskScen
                                         const DeskLook& look) {
   Result<GlContext> context = GlContext::offscreen();
   if (!context.ok()) return context.problem();
+  constexpr const char* kFar = "#define FAR\n";
   constexpr const char* kStill = "#define STILL_SHADOWS\n";
-  constexpr const char* kMoving = "#define MOVING_SHADOWS\n";
   constexpr const char* kAll = "#define STILL_SHADOWS\n#define MOVING_SHADOWS\n";
   constexpr const char* kStillTop = "#define DESK_TOP\n#define STILL_SHADOWS\n";
   constexpr const char* kAllTop =
       "#define DESK_TOP\n#define STILL_SHADOWS\n#define MOVING_SHADOWS\n";
-  constexpr std::array<ProgramSource, 13> kSources = {
+  constexpr const char* kMover = "#define MOVES\n#define MOVING_SHADOWS\n";
+  constexpr const char* kMoverInShade =
+      "#define MOVES\n#define STILL_SHADOWS\n#define MOVING_SHADOWS\n";
+  constexpr std::array<ProgramSource, 14> kSources = {
       {{"shadow.vert", "shadow.frag"},
        {"depth.vert", "depth.frag"},
        {"sensor.vert", "sensor.frag"},
@@ -683,12 +721,13 @@ Result<DeskRenderer> DeskRenderer::make(const DeskCamera& camera, const DeskScen
        {"sensor.vert", "lens.frag", "#define LAYER\n"},
        {"sensor.vert", "sensor.frag", "#define EXPOSED\n"},
        {"sensor.vert", "desk_top.frag"},
-       {"desk.vert", "desk.frag"},
+       {"desk.vert", "desk.frag", kFar},
        {"desk.vert", "desk.frag", kStill},
-       {"desk.vert", "desk.frag", kMoving},
        {"desk.vert", "desk.frag", kAll},
        {"desk.vert", "desk.frag", kStillTop},
-       {"desk.vert", "desk.frag", kAllTop}}};
+       {"desk.vert", "desk.frag", kAllTop},
+       {"desk.vert", "desk.frag", kMover},
+       {"desk.vert", "desk.frag", kMoverInShade}}};
   Result<std::vector<GlProgram>> programs = make_programs(synth_shader_files(), kSources);
   if (!programs.ok()) return programs.problem();
   return DeskRenderer(std::make_unique<State>(std::move(context).value(), camera, scene, look,

@@ -1,26 +1,39 @@
 #version 450 core
 // Light of a window (from one direction, with shadows) and of the room; linear, written as its
 // square root, which is what the textures hold too.
+//
+// Defined by the program: FAR for what is lit at its vertices (desk.vert); STILL_SHADOWS where the
+// desk's things cast shadows, MOVING_SHADOWS where something moves besides; DESK_TOP where both
+// were looked up before (desk_top.frag); MOVES for what moves. Mesa's software renderer runs
+// through both sides of a branch, so what a surface does not need is left out of its program.
+uniform sampler2D image;
+in vec2 image_uv;
+out vec4 color;
+
+#ifdef FAR
+in vec3 light_root;
+void main() { color = vec4(min(texture(image, image_uv).rgb * light_root, 1.0), 1.0); }
+#else
+
+#include "daylight.glsl"
 in vec3 at;
 in vec3 n;
-in vec2 image_uv;
+#ifdef MOVES
 in vec4 more;
-in vec3 in_static_light;  // 0..1 within the shadow map's box
-in vec3 in_hand_light;
-
-// Defined by the program: STILL_SHADOWS where the desk's things cast shadows, MOVING_SHADOWS where
-// something moves besides; DESK_TOP where both were looked up before (desk_top.frag).
-uniform sampler2D image;
+#endif
 #ifdef DESK_TOP
 #define Shadow sampler2D
+float lit(sampler2D top, vec3 p, float spread) { return texture(top, p.xy).r; }
 #else
 #define Shadow sampler2DShadow
 #include "lit.glsl"
 #endif
 #ifdef STILL_SHADOWS
+in vec3 in_static_light;  // 0..1 within the shadow map's box
 uniform Shadow static_shadow;
 #endif
 #ifdef MOVING_SHADOWS
+in vec3 in_hand_light;
 uniform Shadow hand_shadow;
 #endif
 uniform vec3 eye;     // desk frame, m
@@ -28,22 +41,15 @@ uniform vec3 to_sun;  // desk frame, unit
 uniform float gloss;
 uniform float sharpness;
 
-out vec4 color;
-
-const vec3 kSun = vec3(1.10, 1.04, 0.95);
-const vec3 kSky = vec3(0.46, 0.50, 0.56);
-const vec3 kGround = vec3(0.25, 0.21, 0.18);
-
-#ifdef DESK_TOP
-float lit(sampler2D top, vec3 p, float spread) { return texture(top, p.xy).r; }
-#endif
-
 void main() {
   vec3 normal = normalize(n);
   vec3 to_eye = normalize(eye - at);
   vec3 encoded = texture(image, image_uv).rgb;
   float shine = gloss;
   float exponent = sharpness;
+  float open = 1.0;  // share of the room's light that arrives
+#ifdef MOVES
+  open = more.x;
   encoded *= 1.0 - 0.10 * more.y * (0.6 + 0.4 * sin(image_uv.x * 180.0));
   if (dot(more.zw, more.zw) < 1.0) {  // a finger nail
     float rim = smoothstep(0.80, 1.0, dot(more.zw, more.zw));
@@ -51,17 +57,16 @@ void main() {
     shine = 0.45;
     exponent = 45.0;
   }
+#endif
   vec3 albedo = encoded * encoded;
-  float facing = dot(normal, to_sun);
-  float sun = max(facing, 0.0);
+  float sun = max(dot(normal, to_sun), 0.0);
 #ifdef STILL_SHADOWS
   sun *= lit(static_shadow, in_static_light, 2.25 / 2048.0);
 #endif
 #ifdef MOVING_SHADOWS
   sun *= lit(hand_shadow, in_hand_light, 2.25 / 1024.0);
 #endif
-  vec3 room = mix(kGround, kSky, 0.5 + 0.5 * normal.z) * more.x;
-  vec3 light = albedo * (room + sun * kSun);
+  vec3 light = albedo * (room_light(normal) * open + sun * kSun);
   if (shine > 0.0 && sun > 0.0) {
     vec3 half_way = normalize(to_sun + to_eye);
     float highlight = pow(max(dot(normal, half_way), 0.0), exponent);
@@ -69,3 +74,4 @@ void main() {
   }
   color = vec4(sqrt(clamp(light, 0.0, 1.0)), 1.0);
 }
+#endif

@@ -3,30 +3,62 @@
 layout(location = 0) in vec3 position;  // desk frame, m
 layout(location = 1) in vec3 normal;    // desk frame, unit
 layout(location = 2) in vec2 uv;
+
+uniform mat4 clip_from_desk;
+
+invariant gl_Position;  // all programs paint the same depth
+out vec2 image_uv;
+
+#ifdef FAR
+// Lit here, without shadows or highlights: a far surface is flat.
+#include "daylight.glsl"
+uniform vec3 to_sun;  // desk frame, unit
+out vec3 light_root;
+#else
+out vec3 at;
+out vec3 n;
+#endif
+
+#ifdef MOVES
 layout(location = 3) in vec4 extra;  // PaintedVertex::extra
 // Where it is when the shutter closes.
 layout(location = 4) in vec3 last_position;
 layout(location = 5) in vec3 last_normal;
-
-uniform mat4 clip_from_desk;
-uniform mat4 static_light_from_desk;  // 0..1 across the shadow map, z too
-uniform mat4 hand_light_from_desk;
 uniform float along;  // 0: as the shutter opens .. 1: as it closes
-
-out vec3 at;
-out vec3 n;
-out vec2 image_uv;
 out vec4 more;
+#endif
+#ifdef STILL_SHADOWS
+uniform mat4 static_light_from_desk;  // 0..1 across the shadow map, z too
 out vec3 in_static_light;
+#endif
+#ifdef MOVING_SHADOWS
+uniform mat4 hand_light_from_desk;
 out vec3 in_hand_light;
+#endif
 
 void main() {
-  at = mix(position, last_position, along);
-  n = mix(normal, last_normal, along);
-  image_uv = uv;
-  more = extra;
-  in_static_light = (static_light_from_desk * vec4(at, 1.0)).xyz;
+  vec3 where = position;
+  vec3 facing = normal;
+  vec3 in_shadow_map = position;
+#ifdef MOVES
+  where = mix(position, last_position, along);
+  facing = mix(normal, last_normal, along);
   // Its own shadow is that of the middle of the exposure (shadow.vert).
-  in_hand_light = (hand_light_from_desk * vec4(mix(position, last_position, 0.5), 1.0)).xyz;
-  gl_Position = clip_from_desk * vec4(at, 1.0);
+  in_shadow_map = mix(position, last_position, 0.5);
+  more = extra;
+#endif
+#ifdef FAR
+  light_root = sqrt(room_light(facing) + max(dot(facing, to_sun), 0.0) * kSun);
+#else
+  at = where;
+  n = facing;
+#endif
+#ifdef STILL_SHADOWS
+  in_static_light = (static_light_from_desk * vec4(where, 1.0)).xyz;
+#endif
+#ifdef MOVING_SHADOWS
+  in_hand_light = (hand_light_from_desk * vec4(in_shadow_map, 1.0)).xyz;
+#endif
+  image_uv = uv;
+  gl_Position = clip_from_desk * vec4(where, 1.0);
 }
