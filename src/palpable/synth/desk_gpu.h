@@ -141,6 +141,8 @@ struct Eye {
   GlFramebuffer exposed_target;
   /// The desk without movers, kept while the eye does not move; each frame starts as a copy of it.
   GlTexture still_color, still_depth;
+  /// Depths to begin with: far where the lens looks, and where looks that are turned a little do.
+  GlTexture seen_depth, seen_depth_turned;
   GlFramebuffer still_target;
   std::optional<Rigid3> still_from_desk, last_from_desk;
 
@@ -154,7 +156,9 @@ struct Eye {
         gain(gain_),
         exposed(GL_RGBA32F, lens.pinhole.width, lens.pinhole.height),
         still_color(GL_RGBA8, ideal.width, ideal.height, GL_LINEAR),
-        still_depth(GL_DEPTH_COMPONENT32F, ideal.width, ideal.height) {
+        still_depth(GL_DEPTH_COMPONENT32F, ideal.width, ideal.height),
+        seen_depth(GL_DEPTH_COMPONENT32F, ideal.width, ideal.height),
+        seen_depth_turned(GL_DEPTH_COMPONENT32F, ideal.width, ideal.height) {
     const std::array<const GlTexture*, 1> ideal_colors = {&ideal_color};
     const std::array<const GlTexture*, 1> still_colors = {&still_color};
     still_target = GlFramebuffer(still_colors, &still_depth);
@@ -178,6 +182,12 @@ struct Eye {
       tile.head<2>() = tile.head<2>().cwiseMin(map[i]);
       tile.tail<2>() = tile.tail<2>().cwiseMax(map[i]);
     }
+    const auto fill = [&](GlTexture& depth, int margin) {
+      depth.upload(0, 0, ideal.width, ideal.height, GL_DEPTH_COMPONENT, GL_FLOAT,
+                   depth_where_seen(map, ideal, margin).data());
+    };
+    fill(seen_depth, 1);  // the place of a look-up is rounded
+    fill(seen_depth_turned, kIdealMargin);
     lens_map.upload(0, 0, lens.pinhole.width, lens.pinhole.height, GL_RG, GL_FLOAT, map.data());
   }
 

@@ -390,8 +390,11 @@ struct DeskRenderer::State {
   }
 
   /// The ideal picture of one moment, within `wanted`; what is outside is left as it is.
-  void paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const Box& wanted) {
+  /// @param seen  depths to begin with where the eye moves
+  void paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const Box& wanted,
+                   const GlTexture& seen) {
     begin_painting(eye, eye_from_desk);
+    const Box all{0, 0, eye.ideal.width, eye.ideal.height};
     glEnable(GL_SCISSOR_TEST);
     const auto is = [&](const std::optional<Rigid3>& pose) {
       return pose && pose->matrix() == eye_from_desk.matrix();
@@ -399,9 +402,10 @@ struct DeskRenderer::State {
     if (!is(eye.still_from_desk) && !is(eye.last_from_desk)) {
       // A moving eye: nothing can be kept.
       eye.last_from_desk = eye_from_desk;
+      copy(seen, eye.ideal_depth, wanted);
       eye.ideal_target.bind();
       glScissor(wanted.x, wanted.y, wanted.width, wanted.height);
-      glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+      glClear(GL_COLOR_BUFFER_BIT);
       paint_movers();
       paint_static(true);
       glDisable(GL_SCISSOR_TEST);
@@ -409,13 +413,13 @@ struct DeskRenderer::State {
     }
     eye.last_from_desk = eye_from_desk;
     if (!is(eye.still_from_desk)) {
+      copy(eye.seen_depth_turned, eye.still_depth, all);
       eye.still_target.bind();
       glScissor(0, 0, eye.ideal.width, eye.ideal.height);
-      glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+      glClear(GL_COLOR_BUFFER_BIT);
       paint_static(false);
       eye.still_from_desk = eye_from_desk;
     }
-    const Box all{0, 0, eye.ideal.width, eye.ideal.height};
     copy(eye.still_color, eye.ideal_color, all);
     if (!filled.empty()) {
       copy(eye.still_depth, eye.ideal_depth, all);
@@ -521,7 +525,7 @@ struct DeskRenderer::State {
         const int y0 = static_cast<int>(top) - 6;
         wanted = wanted.cut({0, y0, eye.ideal.width, static_cast<int>(bottom) + 8 - y0});
       }
-      paint_ideal(eye, eye_from_desk, wanted);
+      paint_ideal(eye, eye_from_desk, wanted, eye.seen_depth_turned);
       const Rigid3 next =
           eye_from_camera * frame.camera_from_desk(band.frame + band.frames_per_row);
       const Eigen::AngleAxisd turn(next.linear() * eye_from_desk.linear().transpose());
@@ -536,8 +540,9 @@ struct DeskRenderer::State {
   /// What stands still, with the shadow of what moves: into the eye's still picture.
   void paint_reference(Eye& eye, const Rigid3& eye_from_desk) {
     begin_painting(eye, eye_from_desk);
+    copy(eye.seen_depth_turned, eye.still_depth, {0, 0, eye.ideal.width, eye.ideal.height});
     eye.still_target.bind();
-    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    glClear(GL_COLOR_BUFFER_BIT);
     paint_static(true);
     eye.still_from_desk.reset();  // it holds shadows that pass
     eye.last_from_desk.reset();
@@ -634,7 +639,7 @@ struct DeskRenderer::State {
     if (plain) {
       fill(frame.movers(frame.frame));
       paint_ideal(eye, eye_from_camera * frame.camera_from_desk(frame.frame),
-                  {0, 0, eye.ideal.width, eye.ideal.height});
+                  {0, 0, eye.ideal.width, eye.ideal.height}, eye.seen_depth);
     } else if (exposure.is_one_moment()) {
       read_rows(eye, eye_from_camera, frame, bands_of(frame), row_offset);
     } else {

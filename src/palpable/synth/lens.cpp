@@ -80,4 +80,35 @@ std::vector<Eigen::Vector2f> distortion_map(const DistortedCamera& camera,
   return map;
 }
 
+std::vector<float> depth_where_seen(const std::vector<Eigen::Vector2f>& map,
+                                    const PinholeCamera& ideal, int margin) {
+  const auto w = static_cast<std::size_t>(ideal.width);
+  const auto h = static_cast<std::size_t>(ideal.height);
+  std::vector<float> depth(w * h, 0.0F);
+  for (const Eigen::Vector2f& at : map) {
+    const std::size_t i =
+        static_cast<std::size_t>(at.y()) * w + static_cast<std::size_t>(at.x());
+    for (const std::size_t texel : {i, i + 1, i + w, i + w + 1}) depth[texel] = 1.0F;
+  }
+  // Widened along the rows, then along the columns.
+  const auto widen = [&](std::size_t start, std::size_t count, std::size_t step) {
+    const auto pass = [&](std::size_t first, std::ptrdiff_t stride) {
+      int since = margin;  // pixels since the last that was seen
+      for (std::size_t k = 0; k < count; ++k) {
+        float& d = depth[first + static_cast<std::size_t>(static_cast<std::ptrdiff_t>(k) * stride)];
+        // Half marks what was widened in this direction: it does not widen again.
+        since = d == 1.0F ? 0 : std::min(since + 1, margin + 1);
+        if (d == 0.0F && since <= margin) d = 0.5F;
+      }
+    };
+    pass(start, static_cast<std::ptrdiff_t>(step));
+    pass(start + (count - 1) * step, -static_cast<std::ptrdiff_t>(step));
+    for (std::size_t k = 0; k < count; ++k)
+      if (depth[start + k * step] > 0.0F) depth[start + k * step] = 1.0F;
+  };
+  for (std::size_t y = 0; y < h; ++y) widen(y * w, w, 1);
+  for (std::size_t x = 0; x < w; ++x) widen(x, h, w);
+  return depth;
+}
+
 }  // namespace palpable

@@ -24,4 +24,12 @@ namespace palpable {
 [[nodiscard]] std::vector<Eigen::Vector2f> distortion_map(const DistortedCamera& camera,
                                                           const PinholeCamera& ideal);
 
+/// Depths in 0..1 to begin a depth buffer with, (ideal.height x ideal.width), row by row: 1, the
+/// farthest, at pixels of the ideal picture that a filtered look-up of the raw picture reads, and
+/// up to `margin` px round them; 0 at those that nobody sees, where a depth test then lets nothing
+/// be painted. A fifth of a barrel lens's ideal picture.
+/// @param map  of distortion_map
+[[nodiscard]] std::vector<float> depth_where_seen(const std::vector<Eigen::Vector2f>& map,
+                                                  const PinholeCamera& ideal, int margin);
+
 }  // namespace palpable

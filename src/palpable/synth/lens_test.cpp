@@ -4,6 +4,8 @@
 #include "tests/support/test.h"
 
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 using namespace palpable;
 using palpable::test::tolerance;
@@ -31,6 +33,32 @@ TEST_CASE("the ideal picture holds every raw pixel", "[synth]") {
       FAIL("the light of a pixel comes from " << at.transpose());
   // Not much larger than needed either: a barrel lens of this strength bends by a quarter.
   CHECK(ideal.width < 1.45 * 1280);
+}
+
+TEST_CASE("of the ideal picture what a raw pixel reads may be painted, a margin round it, no more",
+          "[synth]") {
+  // A camera of 3 x 2 pixels, all of which look near one place, one of them at (9.5, 6.25).
+  const PinholeCamera ideal{24, 16, 10, 10, 12, 8};
+  const std::vector<Eigen::Vector2f> map = {{9, 6}, {9.5F, 6.25F}, {9, 6}, {9, 6}, {9, 6}, {9, 6}};
+  for (const int margin : {0, 2}) {
+    const std::vector<float> depth = depth_where_seen(map, ideal, margin);
+    REQUIRE(depth.size() == 24U * 16U);
+    for (int y = 0; y < 16; ++y)
+      for (int x = 0; x < 24; ++x) {
+        INFO("margin " << margin << ", pixel " << x << " " << y);
+        // Bilinear filtering reads columns 9 and 10 of rows 6 and 7.
+        const bool read = x >= 9 - margin && x <= 10 + margin && y >= 6 - margin && y <= 7 + margin;
+        CHECK(depth[static_cast<std::size_t>(24 * y + x)] == (read ? 1.0F : 0.0F));
+      }
+  }
+  // Most of the real lens's picture, but not its corners and not the middles of its sides.
+  const DistortedCamera camera = zed_mini_rig().left;
+  const PinholeCamera whole = ideal_camera_for(camera, camera.pinhole.fx_px);
+  const std::vector<float> seen = depth_where_seen(distortion_map(camera, whole), whole, 0);
+  const double share = std::accumulate(seen.begin(), seen.end(), 0.0) /
+                       static_cast<double>(seen.size());
+  CHECK(share < 0.85);
+  CHECK(share > 0.75);
 }
 
 TEST_CASE("the rig has the numbers of a ZED Mini", "[synth]") {
