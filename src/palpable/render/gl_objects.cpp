@@ -261,6 +261,32 @@ void GlTexture::repeat() {
   glTextureParameteri(get(), GL_TEXTURE_WRAP_T, GL_REPEAT);
 }
 
+GlTextureArray::GlTextureArray(GLenum format, int width, int height, int layers, GLenum filter)
+    : width_(width), height_(height), layers_(layers) {
+  PALPABLE_EXPECT(width > 0 && height > 0 && layers > 0, "an array of textures has a size");
+  GLuint name = 0;
+  glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name);
+  name_ = detail::GlName<detail::delete_texture>(name);
+  glTextureStorage3D(name, 1, format, width, height, layers);
+  glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, static_cast<GLint>(filter));
+  glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, static_cast<GLint>(filter));
+  glTextureParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTextureParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+GlFramebuffer::GlFramebuffer(const GlTextureArray& colors, int layer, const GlTexture& depth)
+    : width_(colors.width()), height_(colors.height()) {
+  PALPABLE_EXPECT(layer >= 0 && layer < colors.layers(), "the array has that layer");
+  GLuint name = 0;
+  glCreateFramebuffers(1, &name);
+  name_ = detail::GlName<detail::delete_framebuffer>(name);
+  glNamedFramebufferTextureLayer(name, GL_COLOR_ATTACHMENT0, colors.get(), 0, layer);
+  glNamedFramebufferTexture(name, GL_DEPTH_ATTACHMENT, depth.get(), 0);
+  PALPABLE_EXPECT(
+      glCheckNamedFramebufferStatus(name, GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE,
+      "the attachments of a framebuffer fit together");
+}
+
 GlFramebuffer::GlFramebuffer(std::span<const GlTexture* const> colors, const GlTexture* depth) {
   const GlTexture* any = colors.empty() ? depth : colors.front();
   PALPABLE_EXPECT(any != nullptr, "a framebuffer has something to draw into");

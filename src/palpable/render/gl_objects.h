@@ -158,6 +158,26 @@ class GlTexture {
   int height_ = 0;
 };
 
+/// 2D textures of one size and format behind one another: an array texture.
+class GlTextureArray {
+ public:
+  GlTextureArray() = default;
+  /// @param format, filter  as GlTexture's; coordinates are clamped to the edge
+  GlTextureArray(GLenum format, int width, int height, int layers, GLenum filter = GL_NEAREST);
+  void bind(int unit) const { glBindTextureUnit(static_cast<GLuint>(unit), name_.get()); }
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] int layers() const { return layers_; }
+  [[nodiscard]] GLuint get() const { return name_.get(); }
+
+ private:
+  detail::GlName<detail::delete_texture> name_;
+  int width_ = 0;
+  int height_ = 0;
+  int layers_ = 0;
+};
+
 /// Textures to draw into. They must outlive it.
 class GlFramebuffer {
  public:
@@ -166,6 +186,8 @@ class GlFramebuffer {
   /// @param depth   null for none
   /// @throws ContractViolation when OpenGL calls the combination incomplete
   GlFramebuffer(std::span<const GlTexture* const> colors, const GlTexture* depth);
+  /// One layer of an array as the only color.
+  GlFramebuffer(const GlTextureArray& colors, int layer, const GlTexture& depth);
 
   /// Draws go here from now on, into all of it.
   void bind() const;

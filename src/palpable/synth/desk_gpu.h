@@ -119,6 +119,20 @@ struct ShadowMap {
   }
 };
 
+/// Pictures of one eye that an exposure is the mean of, with one depth buffer.
+struct PictureStack {
+  GlTextureArray pictures;
+  std::vector<GlFramebuffer> targets;
+
+  /// Makes room for `count` pictures, at least; what they show is lost when there was less.
+  void hold(int count, const PinholeCamera& view, const GlTexture& depth) {
+    if (count <= pictures.layers()) return;
+    targets.clear();
+    pictures = GlTextureArray(GL_RGBA8, view.width, view.height, count, GL_LINEAR);
+    for (int i = 0; i < count; ++i) targets.emplace_back(pictures, i, depth);
+  }
+};
+
 /// How many px more than the lens sees the ideal picture shows on each side: an exposure is made of
 /// pictures that are turned a little.
 inline constexpr int kIdealMargin = 16;
@@ -136,9 +150,9 @@ struct Eye {
   static constexpr int kTile = 40;
   int tiles_across = 0;
   std::vector<Eigen::Vector4f> tiles;
-  /// Light of several moments, raw.
-  GlTexture exposed;
-  GlFramebuffer exposed_target;
+  /// Of an exposure: what stands still, and movers where that does not hide them. Empty until
+  /// something is exposed.
+  PictureStack stills, layers;
   /// The desk without movers, kept while the eye does not move; each frame starts as a copy of it.
   GlTexture still_color, still_depth;
   /// Depths to begin with: far where the lens looks, and where looks that are turned a little do.
@@ -154,7 +168,6 @@ struct Eye {
         lens_map(GL_RG32F, lens.pinhole.width, lens.pinhole.height),
         raw_color(GL_RGBA8, lens.pinhole.width, lens.pinhole.height),
         gain(gain_),
-        exposed(GL_RGBA32F, lens.pinhole.width, lens.pinhole.height),
         still_color(GL_RGBA8, ideal.width, ideal.height, GL_LINEAR),
         still_depth(GL_DEPTH_COMPONENT32F, ideal.width, ideal.height),
         seen_depth(GL_DEPTH_COMPONENT32F, ideal.width, ideal.height),
@@ -165,8 +178,6 @@ struct Eye {
     const std::array<const GlTexture*, 1> raw_colors = {&raw_color};
     ideal_target = GlFramebuffer(ideal_colors, &ideal_depth);
     raw_target = GlFramebuffer(raw_colors, nullptr);
-    const std::array<const GlTexture*, 1> exposed_colors = {&exposed};
-    exposed_target = GlFramebuffer(exposed_colors, nullptr);
     const std::vector<Eigen::Vector2f> map = distortion_map(camera, ideal);
     const auto w = static_cast<std::size_t>(lens.pinhole.width);
     rows.assign(static_cast<std::size_t>(lens.pinhole.height), {1e9F, -1e9F});
@@ -189,6 +200,12 @@ struct Eye {
     fill(seen_depth, 1);  // the place of a look-up is rounded
     fill(seen_depth_turned, kIdealMargin);
     lens_map.upload(0, 0, lens.pinhole.width, lens.pinhole.height, GL_RG, GL_FLOAT, map.data());
+  }
+
+  /// The part of the ideal picture that looks see which are not turned.
+  [[nodiscard]] Box without_margin() const {
+    return {kIdealMargin, kIdealMargin, ideal.width - 2 * kIdealMargin,
+            ideal.height - 2 * kIdealMargin};
   }
 
   /// The tiles of the raw picture that look into a rectangle of the ideal one.

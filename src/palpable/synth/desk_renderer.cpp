@@ -96,7 +96,10 @@ struct DeskRenderer::State {
   GlContext context;  // first, so that it is destroyed last
   DeskCamera rig;
   DeskLook look;
-  GlProgram shade, measure, sense, gather, gather_layer, develop, light_top;
+  GlProgram shade, measure, light_top;
+  // sensor.frag: of a sharp picture, of rows, and of an exposure [with layers][that turns].
+  GlProgram sense, sense_rows;
+  std::array<std::array<GlProgram, 2>, 2> sense_exposed;
   // What stands still: far away, with still shadows or with all, and the same on the desk's top.
   Paint paint_far, paint_still, paint_all, paint_still_top, paint_all_top;
   Paint paint_mover, paint_mover_in_shade;
@@ -106,7 +109,7 @@ struct DeskRenderer::State {
   std::vector<std::unique_ptr<GpuMesh>> movers;
   // What `movers` shows: as the shutter opens and as it closes.
   std::vector<HandCapsule> filled, filled_last;
-  bool shadow_of_filled = false;
+  std::optional<float> shadow_along;  // the moment of their shadow, 0 as it opens .. 1 as it closes
   bool in_shade = false;  // whether shadows of what stands still may fall on it
   std::vector<Caster> casters;
   ShadowMap static_shadow, hand_shadow;
@@ -123,20 +126,20 @@ struct DeskRenderer::State {
         look(look_),
         shade(std::move(programs[0])),
         measure(std::move(programs[1])),
-        sense(std::move(programs[2])),
-        gather(std::move(programs[3])),
-        gather_layer(std::move(programs[4])),
-        develop(std::move(programs[5])),
-        light_top(std::move(programs[6])),
-        paint_far{.program = std::move(programs[7]), .far = true},
-        paint_still{.program = std::move(programs[8]), .still_shadows = true},
-        paint_all{.program = std::move(programs[9]), .still_shadows = true, .moving_shadows = true},
-        paint_still_top{.program = std::move(programs[10]), .still_shadows = true},
-        paint_all_top{.program = std::move(programs[11]),
+        light_top(std::move(programs[2])),
+        sense(std::move(programs[3])),
+        sense_rows(std::move(programs[4])),
+        sense_exposed{{{std::move(programs[5]), std::move(programs[6])},
+                       {std::move(programs[7]), std::move(programs[8])}}},
+        paint_far{.program = std::move(programs[9]), .far = true},
+        paint_still{.program = std::move(programs[10]), .still_shadows = true},
+        paint_all{.program = std::move(programs[11]), .still_shadows = true, .moving_shadows = true},
+        paint_still_top{.program = std::move(programs[12]), .still_shadows = true},
+        paint_all_top{.program = std::move(programs[13]),
                       .still_shadows = true,
                       .moving_shadows = true},
-        paint_mover{.program = std::move(programs[12]), .moves = true, .moving_shadows = true},
-        paint_mover_in_shade{.program = std::move(programs[13]),
+        paint_mover{.program = std::move(programs[14]), .moves = true, .moving_shadows = true},
+        paint_mover_in_shade{.program = std::move(programs[15]),
                              .moves = true,
                              .still_shadows = true,
                              .moving_shadows = true},
@@ -155,7 +158,7 @@ struct DeskRenderer::State {
     }
     for (std::size_t i = 0; i < hand_images.size(); ++i)
       movers.push_back(std::make_unique<GpuMesh>());
-    cast_shadows(static_shadow, [this] {
+    cast_shadows(static_shadow, 0.0F, [this] {
       for (const auto& mesh : meshes)
         if (mesh->in_shadows) mesh->draw();
     });
@@ -181,13 +184,17 @@ struct DeskRenderer::State {
   }
 
   /// Uploads what moves and casts its shadow; nothing to do when it has not changed.
-  void fill(const Movers& now) { fill(now, now); }
-  void fill(const Movers& first, const Movers& last) {
-    place(first, last);
-    if (shadow_of_filled) return;
-    cast_shadows(hand_shadow, [this] { draw_movers(); });
+  void fill(const Movers& now) {
+    place(now, now);
+    shade_by_movers(0.5F);
+  }
+  /// Casts the shadow of what was placed.
+  /// @param along  the moment of it, 0 as the shutter opens .. 1 as it closes
+  void shade_by_movers(float along) {
+    if (shadow_along == along) return;
+    cast_shadows(hand_shadow, along, [this] { draw_movers(); });
     light_desk(hand_shadow, movers_in(hand_shadow).texels(hand_shadow.depth.width()));
-    shadow_of_filled = true;
+    shadow_along = along;
   }
 
   /// Without its shadow.
@@ -210,7 +217,7 @@ struct DeskRenderer::State {
     }
     filled = first.capsules;
     filled_last = last.capsules;
-    shadow_of_filled = false;
+    shadow_along.reset();
     in_shade = any_in_shade(filled) || any_in_shade(filled_last);
     shaded_by_movers = movers_in(static_shadow);
   }
@@ -261,7 +268,7 @@ struct DeskRenderer::State {
   }
 
   template <class Draw>
-  void cast_shadows(const ShadowMap& map, const Draw& draw) const {
+  void cast_shadows(const ShadowMap& map, float along, const Draw& draw) const {
     map.target.bind();
     glEnable(GL_DEPTH_TEST);
     glClearDepth(1.0);
@@ -271,6 +278,7 @@ struct DeskRenderer::State {
     glPolygonOffset(2.5F, 8.0F);
     shade.use();
     shade.set("clip_from_desk", to_clip(map.light));
+    shade.set("along", along);
     draw();
     glDisable(GL_POLYGON_OFFSET_FILL);
   }
@@ -296,13 +304,17 @@ struct DeskRenderer::State {
   }
 
   /// What all surfaces of one view have in common.
-  void look_from(const Paint& paint, const Eye& eye, const Rigid3& eye_from_desk) const {
+  void look_from(const Paint& paint, const Eye& eye, const Rigid3& eye_from_desk,
+                 float along) const {
     const GlProgram& program = paint.program;
     const Eigen::Matrix4f view = eye_from_desk.matrix().cast<float>();
     program.set("clip_from_desk", Eigen::Matrix4f(clip_from_camera(eye.ideal) * view));
     program.set("to_sun", Eigen::Vector3f(kToSun.cast<float>()));
     program.set("image", 0);
-    if (paint.moves) program.set("along", 0.0F);
+    if (paint.moves) {
+      program.set("along", along);
+      program.set("shadow_along", shadow_along.value_or(along));
+    }
     if (!paint.far)
       program.set("eye", Eigen::Vector3f(eye_from_desk.inverse().translation().cast<float>()));
     if (paint.moving_shadows) {
@@ -373,75 +385,96 @@ struct DeskRenderer::State {
   }
 
   /// What painting from an eye needs, whatever was drawn before.
-  void begin_painting(const Eye& eye, const Rigid3& eye_from_desk) const {
+  /// @param along  the moment of the movers, 0 as the shutter opens .. 1 as it closes
+  void begin_painting(const Eye& eye, const Rigid3& eye_from_desk, float along) const {
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);  // what is painted again over its own copy must pass
     glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
     for (const Paint* paint : {&paint_far, &paint_still, &paint_all, &paint_still_top,
                                &paint_all_top, &paint_mover, &paint_mover_in_shade})
-      look_from(*paint, eye, eye_from_desk);
+      look_from(*paint, eye, eye_from_desk, along);
     bind_shadows();
   }
 
   /// A rectangle of one picture into another of the same kind and size.
   static void copy(const GlTexture& from, const GlTexture& to, const Box& box) {
-    glCopyImageSubData(from.get(), GL_TEXTURE_2D, 0, box.x, box.y, 0, to.get(), GL_TEXTURE_2D, 0,
-                       box.x, box.y, 0, box.width, box.height, 1);
+    copy(from, to.get(), GL_TEXTURE_2D, 0, box);
   }
-
-  /// The ideal picture of one moment, within `wanted`; what is outside is left as it is.
-  /// @param seen  depths to begin with where the eye moves
-  void paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const Box& wanted,
-                   const GlTexture& seen) {
-    begin_painting(eye, eye_from_desk);
-    const Box all{0, 0, eye.ideal.width, eye.ideal.height};
+  static void copy(const GlTexture& from, const GlTextureArray& to, int layer, const Box& box) {
+    copy(from, to.get(), GL_TEXTURE_2D_ARRAY, layer, box);
+  }
+  static void copy(const GlTexture& from, GLuint to, GLenum kind, int layer, const Box& box) {
+    glCopyImageSubData(from.get(), GL_TEXTURE_2D, 0, box.x, box.y, 0, to, kind, 0, box.x, box.y,
+                       layer, box.width, box.height, 1);
+  }
+  static void cut_to(const Box& box) {
     glEnable(GL_SCISSOR_TEST);
+    glScissor(box.x, box.y, box.width, box.height);
+  }
+  static Box all_of(const PinholeCamera& camera) { return {0, 0, camera.width, camera.height}; }
+
+  /// Whether the eye's still picture shows the desk from this pose. It is painted when a pose comes
+  /// twice in turn.
+  bool has_still(Eye& eye, const Rigid3& eye_from_desk) {
     const auto is = [&](const std::optional<Rigid3>& pose) {
       return pose && pose->matrix() == eye_from_desk.matrix();
     };
-    if (!is(eye.still_from_desk) && !is(eye.last_from_desk)) {
-      // A moving eye: nothing can be kept.
-      eye.last_from_desk = eye_from_desk;
+    const bool again = is(eye.last_from_desk);
+    eye.last_from_desk = eye_from_desk;
+    if (is(eye.still_from_desk)) return true;
+    if (!again) return false;
+    begin_painting(eye, eye_from_desk, 0.0F);
+    copy(eye.seen_depth_turned, eye.still_depth, all_of(eye.ideal));
+    eye.still_target.bind();
+    glClear(GL_COLOR_BUFFER_BIT);
+    paint_static(false);
+    eye.still_from_desk = eye_from_desk;
+    return true;
+  }
+
+  /// The ideal picture of one moment, within `wanted`; what is outside is left as it is.
+  /// @param seen   depths to begin with where the eye moves
+  /// @param along  the moment of the movers, as begin_painting's
+  void paint_ideal(Eye& eye, const Rigid3& eye_from_desk, const Box& wanted, const GlTexture& seen,
+                   float along) {
+    if (!has_still(eye, eye_from_desk)) {
+      begin_painting(eye, eye_from_desk, along);
       copy(seen, eye.ideal_depth, wanted);
       eye.ideal_target.bind();
-      glScissor(wanted.x, wanted.y, wanted.width, wanted.height);
+      cut_to(wanted);
       glClear(GL_COLOR_BUFFER_BIT);
       paint_movers();
       paint_static(true);
       glDisable(GL_SCISSOR_TEST);
       return;
     }
-    eye.last_from_desk = eye_from_desk;
-    if (!is(eye.still_from_desk)) {
-      copy(eye.seen_depth_turned, eye.still_depth, all);
-      eye.still_target.bind();
-      glScissor(0, 0, eye.ideal.width, eye.ideal.height);
-      glClear(GL_COLOR_BUFFER_BIT);
-      paint_static(false);
-      eye.still_from_desk = eye_from_desk;
-    }
-    copy(eye.still_color, eye.ideal_color, all);
-    if (!filled.empty()) {
-      copy(eye.still_depth, eye.ideal_depth, all);
-      eye.ideal_target.bind();
-      const Box box = touched_by(filled, eye, eye_from_desk).cut(wanted);
-      glScissor(box.x, box.y, box.width, box.height);
-      paint_movers();
-      paint_shaded();
-    }
+    copy(eye.still_color, eye.ideal_color, wanted);
+    const Box box = touched(eye, eye_from_desk).cut(wanted);
+    if (box.empty()) return;
+    begin_painting(eye, eye_from_desk, along);
+    copy(eye.still_depth, eye.ideal_depth, box);
+    eye.ideal_target.bind();
+    cut_to(box);
+    paint_movers();
+    paint_shaded();
     glDisable(GL_SCISSOR_TEST);
   }
+  /// What the movers can change while the shutter is open.
+  [[nodiscard]] Box touched(const Eye& eye, const Rigid3& eye_from_desk, bool shadow = true) const {
+    return around(touched_by(filled, eye, eye_from_desk, shadow),
+                  touched_by(filled_last, eye, eye_from_desk, shadow));
+  }
 
-  /// The bands of rows that a frame is read in.
+  /// The bands of rows that a frame is read in, each as if at one moment.
   [[nodiscard]] std::vector<Band> bands_of(const DeskMoment& frame) const {
-    const int count = frame.rig.readout > 0.0 ? 6 : 1;
+    constexpr int kCount = 6;
     const int rows = rig.rig.left.pinhole.height;
     const double frames_per_row = frame.rig.readout * kFramesPerSecond / (rows - 1);
     std::vector<Band> bands;
-    for (int b = 0; b < count; ++b) {
+    for (int b = 0; b < kCount; ++b) {
       Band band;
-      band.first_row = b * rows / count;
-      band.last_row = (b + 1) * rows / count - 1;
+      band.first_row = b * rows / kCount;
+      band.last_row = (b + 1) * rows / kCount - 1;
       band.frames_per_row = frames_per_row;
       band.frame = frame.frame +
                    frames_per_row * (0.5 * (band.first_row + band.last_row) - 0.5 * (rows - 1));
@@ -450,72 +483,97 @@ struct DeskRenderer::State {
     return bands;
   }
 
-  /// Light that is added within a rectangle of the raw picture.
-  struct Gathering {
-    Box raw;
-    float weight = 1;  // of each look
-    float row_offset = 0;
-    double moment_row = 0;
-    Eigen::Vector3d turn_per_row = Eigen::Vector3d::Zero();
-    /// The looks: each turns rays of its moment into those of the picture that is looked at.
-    std::vector<Eigen::Matrix3f> ideal_from_moment = {Eigen::Matrix3f::Identity()};
-    /// The same for the layer of movers in front, if there is one.
-    std::optional<Eigen::Matrix3f> ideal_from_layer = std::nullopt;
-  };
-  void gather_light(const Eye& eye, const GlTexture& from, const Gathering& g) const {
-    if (g.raw.empty()) return;
-    PALPABLE_EXPECT(g.ideal_from_moment.size() <= kMostLooks, "lens.frag has so many looks");
-    eye.exposed_target.bind();
-    glDisable(GL_DEPTH_TEST);
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE, GL_ONE);
-    glEnable(GL_SCISSOR_TEST);
-    glScissor(g.raw.x, g.raw.y, g.raw.width, g.raw.height);
-    const GlProgram& program = g.ideal_from_layer ? gather_layer : gather;
-    program.use();
-    program.set("ideal", 0);
-    program.set("lens_map", 1);
-    from.bind(0);
-    eye.lens_map.bind(1);
-    if (g.ideal_from_layer) {
-      program.set("layer", 2);
-      eye.ideal_color.bind(2);
-      program.set("ideal_from_layer", *g.ideal_from_layer);
-    }
-    program.set("ideal_size", size_of(eye.ideal));
-    program.set("ideal_centre", Eigen::Vector2f(static_cast<float>(eye.ideal.cx_px),
-                                                static_cast<float>(eye.ideal.cy_px)));
-    program.set("ideal_focal", static_cast<float>(eye.ideal.fx_px));
-    program.set("weight", g.weight);
-    program.set("row_offset", g.row_offset);
-    program.set("moment_row", static_cast<float>(g.moment_row));
-    program.set("turn_per_row", Eigen::Vector3f(g.turn_per_row.cast<float>()));
-    program.set("looks", static_cast<int>(g.ideal_from_moment.size()));
-    program.set("ideal_from_moment", std::span<const Eigen::Matrix3f>(g.ideal_from_moment));
-    full_screen.draw();
-    glDisable(GL_SCISSOR_TEST);
-    glDisable(GL_BLEND);
-  }
   static Eigen::Vector2f size_of(const PinholeCamera& camera) {
     return {static_cast<float>(camera.width), static_cast<float>(camera.height)};
   }
 
-  void clear_exposed(const Eye& eye) const {
-    eye.exposed_target.bind();
-    glClearColor(0.0F, 0.0F, 0.0F, 0.0F);
-    glClear(GL_COLOR_BUFFER_BIT);
+  /// One eye's part of a frame.
+  struct View {
+    Eye& eye;
+    Rigid3 eye_from_camera;
+    float row_offset;  // raw px
+    int noise_key;
+  };
+
+  /// What sensor.frag needs to know of lens and sensor.
+  void begin_sensing(const GlProgram& program, const View& view, const DeskMoment& frame) const {
+    const Eye& eye = view.eye;
+    const PinholeCamera& raw = eye.camera.pinhole;
+    program.use();
+    eye.lens_map.bind(0);
+    program.set("lens_map", 0);
+    program.set("ideal_size", size_of(eye.ideal));
+    program.set("optical_centre",
+                Eigen::Vector2f(static_cast<float>(raw.cx_px), static_cast<float>(raw.cy_px)));
+    program.set("corner_radius", static_cast<float>(0.5 * std::hypot(raw.width, raw.height)));
+    program.set("vignetting", static_cast<float>(rig.faults.vignetting));
+    program.set("gain", eye.gain * static_cast<float>(frame.rig.light));
+    program.set("noise", static_cast<float>(rig.faults.noise_grey_levels));
+    program.set("noise_key", view.noise_key);
+  }
+  /// What ray.glsl needs besides.
+  static void set_rays(const GlProgram& program, const View& view) {
+    const PinholeCamera& ideal = view.eye.ideal;
+    program.set("ideal_centre", Eigen::Vector2f(static_cast<float>(ideal.cx_px),
+                                                static_cast<float>(ideal.cy_px)));
+    program.set("ideal_focal", static_cast<float>(ideal.fx_px));
+    program.set("row_offset", view.row_offset);
+  }
+  /// Runs the program in use over a rectangle of the raw picture.
+  void draw_raw(const Eye& eye, const Box& box) const {
+    if (box.empty()) return;
+    eye.raw_target.bind();
+    glDisable(GL_DEPTH_TEST);
+    cut_to(box);
+    full_screen.draw();
+    glDisable(GL_SCISSOR_TEST);
   }
 
-  /// Rows that are read one after the other: each band is a picture of its own moment.
-  void read_rows(Eye& eye, const Rigid3& eye_from_camera, const DeskMoment& frame,
-                 std::span<const Band> bands, float row_offset) {
-    const int width = eye.camera.pinhole.width;
-    clear_exposed(eye);
-    for (const Band& band : bands) {
-      fill(frame.movers(band.frame));
-      const Rigid3 eye_from_desk = eye_from_camera * frame.camera_from_desk(band.frame);
-      Box wanted{0, 0, eye.ideal.width, eye.ideal.height};
-      if (bands.size() > 1) {
+  /// A frame of one moment.
+  void draw_at_once(const View& view, const DeskMoment& frame) {
+    fill(frame.movers(frame.frame));
+    Eye& eye = view.eye;
+    const bool lowered = view.row_offset != 0.0F;
+    const Box wanted = lowered ? all_of(eye.ideal) : eye.without_margin();
+    paint_ideal(eye, view.eye_from_camera * frame.camera_from_desk(frame.frame), wanted,
+                lowered ? eye.seen_depth_turned : eye.seen_depth, 0.0F);
+    if (lowered) {
+      sense_band(view, frame, all_of(eye.camera.pinhole), 0.0, Eigen::Vector3d::Zero());
+      return;
+    }
+    begin_sensing(sense, view, frame);
+    sense.set("ideal", 1);
+    eye.ideal_color.bind(1);
+    draw_raw(eye, all_of(eye.camera.pinhole));
+  }
+
+  /// Raw rows of the ideal picture, which shows the moment of one of them.
+  void sense_band(const View& view, const DeskMoment& frame, const Box& box, double moment_row,
+                  const Eigen::Vector3d& turn_per_row) const {
+    begin_sensing(sense_rows, view, frame);
+    set_rays(sense_rows, view);
+    sense_rows.set("ideal", 1);
+    view.eye.ideal_color.bind(1);
+    sense_rows.set("moment_row", static_cast<float>(moment_row));
+    sense_rows.set("turn_per_row", Eigen::Vector3f(turn_per_row.cast<float>()));
+    draw_raw(view.eye, box);
+  }
+
+  /// Rows that are read one after the other: each band is a picture of its own moment, with the
+  /// movers' shadow of then.
+  void read_rows(std::span<const View> views, const DeskMoment& frame) {
+    const double half = 0.5 * frame.rig.readout * kFramesPerSecond;  // frames
+    const double opens = frame.frame - half, closes = frame.frame + half;
+    const auto [first, last] = movers_between(frame, opens, closes);
+    place(first, last);
+    for (const Band& band : bands_of(frame)) {
+      const auto along = static_cast<float>((band.frame - opens) / (closes - opens));
+      shade_by_movers(along);
+      for (const View& view : views) {
+        Eye& eye = view.eye;
+        const auto pose_at = [&](double at) {
+          return Rigid3(view.eye_from_camera * frame.camera_from_desk(at));
+        };
         float top = 1e9F, bottom = -1e9F;
         for (int row = band.first_row; row <= band.last_row; ++row) {
           top = std::min(top, eye.rows[static_cast<std::size_t>(row)][0]);
@@ -523,153 +581,146 @@ struct DeskRenderer::State {
         }
         // A few rows more: the camera turns within the band, and the filter reads neighbours.
         const int y0 = static_cast<int>(top) - 6;
-        wanted = wanted.cut({0, y0, eye.ideal.width, static_cast<int>(bottom) + 8 - y0});
+        const Rigid3 pose = pose_at(band.frame);
+        paint_ideal(eye, pose,
+                    all_of(eye.ideal)
+                        .cut({0, y0, eye.ideal.width, static_cast<int>(bottom) + 8 - y0}),
+                    eye.seen_depth_turned, along);
+        const Eigen::AngleAxisd turn(pose_at(band.frame + band.frames_per_row).linear() *
+                                     pose.linear().transpose());
+        sense_band(view, frame,
+                   {0, band.first_row, eye.camera.pinhole.width,
+                    band.last_row - band.first_row + 1},
+                   0.5 * (band.first_row + band.last_row), turn.angle() * turn.axis());
       }
-      paint_ideal(eye, eye_from_desk, wanted, eye.seen_depth_turned);
-      const Rigid3 next =
-          eye_from_camera * frame.camera_from_desk(band.frame + band.frames_per_row);
-      const Eigen::AngleAxisd turn(next.linear() * eye_from_desk.linear().transpose());
-      gather_light(eye, eye.ideal_color,
-                   {.raw = {0, band.first_row, width, band.last_row - band.first_row + 1},
-                    .row_offset = row_offset,
-                    .moment_row = 0.5 * (band.first_row + band.last_row),
-                    .turn_per_row = turn.angle() * turn.axis()});
     }
   }
 
-  /// What stands still, with the shadow of what moves: into the eye's still picture.
-  void paint_reference(Eye& eye, const Rigid3& eye_from_desk) {
-    begin_painting(eye, eye_from_desk);
-    copy(eye.seen_depth_turned, eye.still_depth, {0, 0, eye.ideal.width, eye.ideal.height});
-    eye.still_target.bind();
+  /// What stands still, with the shadow of what moves: into the eye's stack.
+  /// @param alone  no other moment of this exposure is painted
+  void paint_reference(Eye& eye, int index, const Rigid3& eye_from_desk, bool alone) {
+    const GlFramebuffer& target = eye.stills.targets[static_cast<std::size_t>(index)];
+    if (alone && has_still(eye, eye_from_desk)) {
+      copy(eye.still_color, eye.stills.pictures, index, all_of(eye.ideal));
+      const Box box = touched(eye, eye_from_desk);
+      if (box.empty()) return;
+      begin_painting(eye, eye_from_desk, 0.0F);
+      target.bind();
+      cut_to(box);
+      paint_shaded();
+      glDisable(GL_SCISSOR_TEST);
+      return;
+    }
+    begin_painting(eye, eye_from_desk, 0.0F);
+    copy(eye.seen_depth_turned, eye.still_depth, all_of(eye.ideal));
+    eye.still_from_desk.reset();
+    target.bind();
     glClear(GL_COLOR_BUFFER_BIT);
     paint_static(true);
-    eye.still_from_desk.reset();  // it holds shadows that pass
-    eye.last_from_desk.reset();
   }
 
-  /// The movers of one moment, where what stands still does not hide them, in the eye's ideal
-  /// picture: nothing (alpha 0) round them.
-  void paint_layer(const Eye& eye, const Rigid3& eye_from_desk, const Box& box, float along) {
-    eye.ideal_target.bind();
+  /// The movers of one moment, where what stands still does not hide them: into the eye's stack,
+  /// with nothing (alpha 0) round them.
+  void paint_layer(const Eye& eye, int index, const Rigid3& eye_from_desk, float along) {
+    eye.layers.targets[static_cast<std::size_t>(index)].bind();
     constexpr std::array<float, 4> kNothing{};
     glClearBufferfv(GL_COLOR, 0, kNothing.data());
+    const Box box = touched(eye, eye_from_desk, false);
     if (box.empty()) return;
     copy(eye.still_depth, eye.ideal_depth, box);
-    begin_painting(eye, eye_from_desk);
-    of_movers().program.set("along", along);
-    glEnable(GL_SCISSOR_TEST);
-    glScissor(box.x, box.y, box.width, box.height);
+    begin_painting(eye, eye_from_desk, along);
+    cut_to(box);
     paint_movers();
     glDisable(GL_SCISSOR_TEST);
   }
 
   /// The mean over an exposure: references looked at turned, with layers of movers before them.
-  void expose(Eye& eye, const Rigid3& eye_from_camera, const DeskMoment& frame,
-              const Exposure& exposure, float row_offset) {
-    fill(frame.movers(exposure.opens), frame.movers(exposure.closes));
-    const auto pose_at = [&](double at) {
-      return Rigid3(eye_from_camera * frame.camera_from_desk(at));
-    };
-    const auto moved_box = [&](const Rigid3& pose) {
-      return around(touched_by(filled, eye, pose, false),
-                    touched_by(filled_last, eye, pose, false));
-    };
+  void expose(const View& view, const DeskMoment& frame, const Exposure& exposure) {
     const auto [opens, closes, references, layers, looks, turns] = exposure;
-    const Box all{0, 0, eye.camera.pinhole.width, eye.camera.pinhole.height};
-    const float of_layer = 1.0F / static_cast<float>(references * layers);
-    clear_exposed(eye);
+    const auto [first, last] = movers_between(frame, opens, closes);
+    place(first, last);
+    shade_by_movers(0.5F);
+    Eye& eye = view.eye;
+    const auto pose_at = [&](double at) {
+      return Rigid3(view.eye_from_camera * frame.camera_from_desk(at));
+    };
+    const int all_layers = references * layers;
+    const auto layer_at = [&](int layer) { return exposure.middle(layer, all_layers); };
+    Box moved;
+    for (int layer = 0; layer < all_layers; ++layer)
+      moved = around(moved, touched(eye, pose_at(layer_at(layer)), false));
+    const Box raw_moved = eye.raw_box(moved);
+
+    eye.stills.hold(references, eye.ideal, eye.still_depth);
+    if (!raw_moved.empty()) eye.layers.hold(all_layers, eye.ideal, eye.ideal_depth);
+    std::vector<Eigen::Matrix3f> still_from_moment, still_from_layer;
     for (int r = 0; r < references; ++r) {
       const Rigid3 reference = pose_at(exposure.middle(r, references));
-      paint_reference(eye, reference);
+      paint_reference(eye, r, reference, references == 1);
       const auto turn_from = [&](double at) {
         return Eigen::Matrix3d(reference.linear() * pose_at(at).linear().transpose());
       };
-      Box moved;  // by any layer, before it is turned
-      for (int l = 0; l < layers; ++l)
-        moved =
-            around(moved, moved_box(pose_at(exposure.middle(r * layers + l, references * layers))));
-      const Box raw_moved = eye.raw_box(moved);
-      std::vector<Eigen::Matrix3f> all_looks;
-      for (int l = 0; l < layers; ++l) {
-        const int layer = r * layers + l;
-        std::vector<Eigen::Matrix3f> own;
-        for (int k = 0; turns && k < looks; ++k)
-          own.emplace_back(
-              turn_from(exposure.middle(layer * looks + k, references * layers * looks))
-                  .cast<float>());
-        if (!turns) own.emplace_back(Eigen::Matrix3f::Identity());
-        all_looks.insert(all_looks.end(), own.begin(), own.end());
-        if (raw_moved.empty()) continue;
-        const double at = exposure.middle(layer, references * layers);
+      for (int layer = r * layers; layer < (r + 1) * layers; ++layer) {
+        const double at = layer_at(layer);
         // Painted as if turned like the reference: its depth then says what is hidden.
-        const Eigen::Matrix3d turn = turn_from(at);
-        const Rigid3 pose(turn * pose_at(at));
-        paint_layer(eye, pose, moved_box(pose),
-                    static_cast<float>((at - opens) / (closes - opens)));
-        const float weight = of_layer / static_cast<float>(own.size());
-        gather_light(eye, eye.still_color,
-                     {.raw = raw_moved,
-                      .weight = weight,
-                      .row_offset = row_offset,
-                      .ideal_from_moment = std::move(own),
-                      .ideal_from_layer = turn.cast<float>()});
+        const Eigen::Matrix3d turn =
+            turns ? turn_from(at) : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+        still_from_layer.emplace_back(turn.cast<float>());
+        for (int k = 0; k < looks; ++k)
+          still_from_moment.emplace_back(
+              turn_from(exposure.middle(layer * looks + k, all_layers * looks)).cast<float>());
+        if (!raw_moved.empty())
+          paint_layer(eye, layer, Rigid3(turn * pose_at(at)),
+                      static_cast<float>((at - opens) / (closes - opens)));
       }
-      // Where nothing moves.
-      if (!turns) all_looks.resize(1);
-      const float weight =
-          1.0F / static_cast<float>(references * static_cast<int>(all_looks.size()));
-      for (const Box& rest : beside(all, raw_moved))
-        gather_light(eye, eye.still_color,
-                     {.raw = rest,
-                      .weight = weight,
-                      .row_offset = row_offset,
-                      .ideal_from_moment = all_looks});
+    }
+    PALPABLE_EXPECT(still_from_layer.size() <= kMostLayers && still_from_moment.size() <= kMostLooks,
+                    "sensor.frag has so many layers and looks");
+
+    const auto sense_mean = [&](std::span<const Box> boxes, bool with_layers) {
+      const GlProgram& program = sense_exposed[with_layers ? 1 : 0][turns ? 1 : 0];
+      begin_sensing(program, view, frame);
+      set_rays(program, view);
+      program.set("stills", 1);
+      eye.stills.pictures.bind(1);
+      // Where nothing moves and the eye does not turn, one layer of a reference is like another.
+      const int of_reference = with_layers || turns ? layers : 1;
+      program.set("references", references);
+      program.set("layers", of_reference);
+      program.set("weight", 1.0F / static_cast<float>(references * of_reference * looks));
+      if (with_layers) {
+        program.set("movers", 2);
+        eye.layers.pictures.bind(2);
+      }
+      if (turns) {
+        program.set("looks", looks);
+        program.set("still_from_moment", std::span<const Eigen::Matrix3f>(still_from_moment));
+        if (with_layers)
+          program.set("still_from_layer", std::span<const Eigen::Matrix3f>(still_from_layer));
+      }
+      for (const Box& box : boxes) draw_raw(eye, box);
+    };
+    if (!raw_moved.empty()) sense_mean(std::array{raw_moved}, true);
+    sense_mean(beside(all_of(eye.camera.pinhole), raw_moved), false);
+  }
+
+  void draw(std::span<const View> views, const DeskMoment& frame) {
+    if (frame.rig.readout > 0.0) {
+      read_rows(views, frame);
+      return;
+    }
+    for (const View& view : views) {
+      const Exposure exposure = split_exposure(view.eye.ideal, view.eye_from_camera, frame);
+      if (exposure.is_one_moment())
+        draw_at_once(view, frame);
+      else
+        expose(view, frame, exposure);
     }
   }
 
-  void draw_eye(Eye& eye, const Rigid3& eye_from_camera, const DeskMoment& frame, bool lowered_row,
-                int key, ColorImage& picture) {
+  static void read_picture(const Eye& eye, ColorImage& picture) {
     const PinholeCamera& raw = eye.camera.pinhole;
-    const float row_offset = lowered_row ? static_cast<float>(frame.rig.row_offset_px) : 0.0F;
-    const bool rolls = frame.rig.readout > 0.0;
-    const Exposure exposure =
-        rolls ? Exposure{} : split_exposure(eye.ideal, eye_from_camera, frame);
-    const bool plain = !rolls && exposure.is_one_moment() && row_offset == 0.0F;
-    if (plain) {
-      fill(frame.movers(frame.frame));
-      paint_ideal(eye, eye_from_camera * frame.camera_from_desk(frame.frame),
-                  {0, 0, eye.ideal.width, eye.ideal.height}, eye.seen_depth);
-    } else if (exposure.is_one_moment()) {
-      read_rows(eye, eye_from_camera, frame, bands_of(frame), row_offset);
-    } else {
-      expose(eye, eye_from_camera, frame, exposure, row_offset);
-    }
-
-    eye.raw_target.bind();
-    glDisable(GL_DEPTH_TEST);
-    const GlProgram& sensor = plain ? sense : develop;
-    sensor.use();
-    if (plain) {
-      sensor.set("ideal", 0);
-      sensor.set("lens_map", 1);
-      eye.ideal_color.bind(0);
-      eye.lens_map.bind(1);
-      sensor.set("ideal_size", size_of(eye.ideal));
-    } else {
-      sensor.set("exposed", 0);
-      eye.exposed.bind(0);
-    }
-    sensor.set("optical_centre",
-               Eigen::Vector2f(static_cast<float>(raw.cx_px), static_cast<float>(raw.cy_px)));
-    sensor.set("corner_radius", static_cast<float>(0.5 * std::hypot(raw.width, raw.height)));
-    sensor.set("vignetting", static_cast<float>(rig.faults.vignetting));
-    sensor.set("gain", eye.gain * static_cast<float>(frame.rig.light));
-    sensor.set("noise", static_cast<float>(rig.faults.noise_grey_levels));
-    sensor.set("noise_key", key);
-    full_screen.draw();
     picture.resize(raw.width, raw.height);
-    glPixelStorei(GL_PACK_ALIGNMENT, 1);
     eye.raw_target.read(0, 0, 0, raw.width, raw.height, GL_RGB, GL_UNSIGNED_BYTE, picture.data());
   }
 
@@ -718,14 +769,16 @@ Result<DeskRenderer> DeskRenderer::make(const DeskCamera& camera, const DeskScen
   constexpr const char* kMover = "#define MOVES\n#define MOVING_SHADOWS\n";
   constexpr const char* kMoverInShade =
       "#define MOVES\n#define STILL_SHADOWS\n#define MOVING_SHADOWS\n";
-  constexpr std::array<ProgramSource, 14> kSources = {
+  constexpr std::array<ProgramSource, 16> kSources = {
       {{"shadow.vert", "shadow.frag"},
        {"depth.vert", "depth.frag"},
-       {"sensor.vert", "sensor.frag"},
-       {"sensor.vert", "lens.frag"},
-       {"sensor.vert", "lens.frag", "#define LAYER\n"},
-       {"sensor.vert", "sensor.frag", "#define EXPOSED\n"},
        {"sensor.vert", "desk_top.frag"},
+       {"sensor.vert", "sensor.frag"},
+       {"sensor.vert", "sensor.frag", "#define ROWS\n"},
+       {"sensor.vert", "sensor.frag", "#define EXPOSED\n"},
+       {"sensor.vert", "sensor.frag", "#define EXPOSED\n#define TURNS\n"},
+       {"sensor.vert", "sensor.frag", "#define EXPOSED\n#define LAYERS\n"},
+       {"sensor.vert", "sensor.frag", "#define EXPOSED\n#define LAYERS\n#define TURNS\n"},
        {"desk.vert", "desk.frag", kFar},
        {"desk.vert", "desk.frag", kStill},
        {"desk.vert", "desk.frag", kAll},
@@ -745,9 +798,13 @@ void DeskRenderer::draw(const DeskMoment& moment, RawPair& pictures) {
   const Rigid3 left_from_camera = s.rig.camera_from_left.inverse();
   Random random(s.look.seed * 0x10001ULL + static_cast<std::uint64_t>(moment.frame), "noise");
   const auto key = [&random] { return static_cast<int>(random.next() >> 33); };
-  s.draw_eye(s.left, left_from_camera, moment, false, key(), pictures.left);
-  s.draw_eye(s.right, s.rig.rig.right_from_left * left_from_camera, moment, true, key(),
-             pictures.right);
+  const std::array<State::View, 2> views = {
+      {{s.left, left_from_camera, 0.0F, key()},
+       {s.right, s.rig.rig.right_from_left * left_from_camera,
+        static_cast<float>(moment.rig.row_offset_px), key()}}};
+  s.draw(views, moment);
+  State::read_picture(s.left, pictures.left);
+  State::read_picture(s.right, pictures.right);
 }
 
 void DeskRenderer::draw_truth(const DeskMoment& moment, const PinholeCamera& view, double baseline,

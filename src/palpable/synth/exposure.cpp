@@ -16,7 +16,9 @@ constexpr double kReferencePx = 1.5;
 constexpr double kLookPx = 1.5;
 constexpr double kMoverPx = 3.0;
 constexpr int kMost = 10;
-static_assert(2 * kMost <= kMostLooks);  // layers and looks are both rounded up
+// share() rounds up: there are fewer than twice as many layers, and fewer looks than a layer has
+// besides those wanted.
+static_assert(2 * kMost <= kMostLayers && 3 * kMost <= kMostLooks);
 
 /// How far the movers' picture goes between two moments where it is in view, px: the farthest
 /// of points along the capsules.
@@ -28,9 +30,8 @@ double mover_motion_px(const PinholeCamera& view, const Rigid3& first, const Mov
     return at.x() > -reach && at.x() < view.width + reach && at.y() > -reach &&
            at.y() < view.height + reach;
   };
-  const std::size_t count = std::min(before.capsules.size(), after.capsules.size());
   double most = 0;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < before.capsules.size(); ++i) {
     const Capsule& c = before.capsules[i].shape;
     const Capsule& d = after.capsules[i].shape;
     for (const double along : {0.0, 0.25, 0.5, 0.75, 1.0}) {
@@ -55,6 +56,19 @@ int share(int count, int among) { return (count + among - 1) / among; }
 
 }  // namespace
 
+std::pair<Movers, Movers> movers_between(const DeskMoment& frame, double opens, double closes) {
+  std::pair<Movers, Movers> movers(frame.movers(opens), frame.movers(closes));
+  const auto& [first, last] = movers;
+  const bool same_things =
+      first.desk_from_cup.has_value() == last.desk_from_cup.has_value() &&
+      std::equal(first.capsules.begin(), first.capsules.end(), last.capsules.begin(),
+                 last.capsules.end(), [](const HandCapsule& a, const HandCapsule& b) {
+                   return a.part == b.part && a.shape.ra == b.shape.ra && a.shape.rb == b.shape.rb;
+                 });
+  if (!same_things) movers.first = movers.second = frame.movers(frame.frame);
+  return movers;
+}
+
 Exposure split_exposure(const PinholeCamera& view, const Rigid3& eye_from_camera,
                         const DeskMoment& frame) {
   const double half = 0.5 * frame.rig.exposure * kFramesPerSecond;  // frames
@@ -67,8 +81,8 @@ Exposure split_exposure(const PinholeCamera& view, const Rigid3& eye_from_camera
   const Rigid3 change = last * first.inverse();
   const double turn = view.fx_px * Eigen::AngleAxisd(change.linear()).angle();
   const double shift = view.fx_px * change.translation().norm() / kNearStill;
-  const double moved = mover_motion_px(view, first, frame.movers(exposure.opens), last,
-                                       frame.movers(exposure.closes));
+  const auto [before, after] = movers_between(frame, exposure.opens, exposure.closes);
+  const double moved = mover_motion_px(view, first, before, last, after);
   const int looks = parts(turn, kLookPx);
   exposure.references = parts(shift, kReferencePx);
   exposure.layers = share(parts(moved, kMoverPx), exposure.references);

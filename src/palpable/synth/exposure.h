@@ -6,6 +6,8 @@
 #include "palpable/geometry/rigid.h"
 #include "palpable/synth/desk_renderer.h"
 
+#include <utility>
+
 namespace palpable {
 
 /// What an exposure is the mean of: equal shares of its time, each with a picture of what stands
@@ -24,8 +26,13 @@ struct Exposure {
   }
 };
 
-/// Looks at one reference, of all its layers together: fewer than this.
-inline constexpr int kMostLooks = 20;
+/// Layers of all references together, and their looks: no more than these.
+inline constexpr int kMostLayers = 20, kMostLooks = 30;
+
+/// What moves, as the shutter opens and as it closes, the same things in the same order. What
+/// appears or vanishes in between stands as it does in the frame's own moment.
+[[nodiscard]] std::pair<Movers, Movers> movers_between(const DeskMoment& frame, double opens,
+                                                       double closes);
 
 /// How an eye's exposure is put together. What stands still is painted once for each 1.5 px that
 /// its near things shift against its far ones, and looked at once for each 1.5 px that the eye's

@@ -24,7 +24,8 @@ layout(location = 3) in vec4 extra;  // PaintedVertex::extra
 // Where it is when the shutter closes.
 layout(location = 4) in vec3 last_position;
 layout(location = 5) in vec3 last_normal;
-uniform float along;  // 0: as the shutter opens .. 1: as it closes
+uniform float along;         // 0: as the shutter opens .. 1: as it closes
+uniform float shadow_along;  // when its own shadow falls (shadow.vert)
 out vec4 more;
 #endif
 #ifdef STILL_SHADOWS
@@ -43,8 +44,7 @@ void main() {
 #ifdef MOVES
   where = mix(position, last_position, along);
   facing = mix(normal, last_normal, along);
-  // Its own shadow is that of the middle of the exposure (shadow.vert).
-  in_shadow_map = mix(position, last_position, 0.5);
+  in_shadow_map = mix(position, last_position, shadow_along);
   more = extra;
 #endif
 #ifdef FAR

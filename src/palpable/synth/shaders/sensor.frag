@@ -1,12 +1,36 @@
 #version 450 core
-// Lens and sensor: where each raw pixel's light comes from, vignetting, gain, noise. With EXPOSED
-// defined the light was gathered before (lens.frag).
-#ifdef EXPOSED
-uniform sampler2D exposed;  // linear light, per raw pixel
+// Lens and sensor: where each raw pixel's light comes from, vignetting, gain, noise.
+//
+// Defined by the program: nothing for a sharp picture; ROWS for rows that are read one after the
+// other or lie lower; EXPOSED for the mean of several moments, with LAYERS where movers lie before
+// what stands still, and TURNS where the eye turns between the moments.
+#if defined(ROWS) || defined(EXPOSED)
+#include "ray.glsl"
 #else
-uniform sampler2D ideal;     // encoded as the square root of light
 uniform sampler2D lens_map;  // per raw pixel: place in the ideal picture, px (pixel centre = 0)
 uniform vec2 ideal_size;     // px
+#endif
+// Pictures are encoded as the square root of light.
+#ifdef EXPOSED
+uniform sampler2DArray stills;
+uniform int references;  // pictures in `stills`
+uniform int layers;      // of movers before each
+uniform float weight;    // of each moment
+#else
+uniform sampler2D ideal;
+#endif
+#ifdef ROWS
+uniform float moment_row;   // raw row that is read at the moment of the ideal picture
+uniform vec3 turn_per_row;  // rad by which the camera turns from one row to the next
+#endif
+#ifdef LAYERS
+uniform sampler2DArray movers;  // and whether there is a mover
+#endif
+#ifdef TURNS
+uniform int looks;  // moments of each layer
+// These turn rays of a moment, or of a layer's, into those of the still picture behind it.
+uniform mat3 still_from_moment[30];
+uniform mat3 still_from_layer[20];
 #endif
 uniform vec2 optical_centre; // raw px
 uniform float corner_radius; // px, from the centre to the far corner
@@ -36,14 +60,59 @@ float normal_of(uint bits) {
   return (float(sum) - 510.0) / 147.8;  // 2 sqrt((256^2 - 1) / 12)
 }
 
+#ifdef EXPOSED
+// Loops are counted down, or Mesa unrolls them to the arrays' sizes and its software renderer runs
+// through all of it.
+vec3 encoded_light(ivec2 pixel) {
+  vec3 ray = ray_of(pixel);
+  vec3 sum = vec3(0.0);
+  for (int reference = references - 1; reference >= 0; --reference) {
+#ifndef TURNS
+    vec2 at = place(ray);
+    vec3 still = textureLod(stills, vec3(at, reference), 0.0).rgb;
+#endif
+    for (int left = layers; left > 0; --left) {
+      int layer = reference * layers + left - 1;
+#ifdef TURNS
+#ifdef LAYERS
+      vec4 mover =
+          textureLod(movers, vec3(place(still_from_layer[layer] * ray), layer), 0.0);
+#endif
+      for (int look = looks - 1; look >= 0; --look) {
+        vec2 at = place(still_from_moment[layer * looks + look] * ray);
+        vec3 still = textureLod(stills, vec3(at, reference), 0.0).rgb;
+#else
+#ifdef LAYERS
+      vec4 mover = textureLod(movers, vec3(at, layer), 0.0);
+#endif
+      {
+#endif
+#ifdef LAYERS
+        vec3 encoded = mover.rgb + (1.0 - mover.a) * still;
+        sum += encoded * encoded;
+#else
+        sum += still * still;
+#endif
+      }
+    }
+  }
+  return sqrt(weight * sum);
+}
+#else
+vec3 encoded_light(ivec2 pixel) {
+#ifdef ROWS
+  vec3 ray = ray_of(pixel);
+  vec2 at = place(ray - cross((float(pixel.y) - moment_row) * turn_per_row, ray));
+#else
+  vec2 at = (texelFetch(lens_map, pixel, 0).xy + 0.5) / ideal_size;
+#endif
+  return textureLod(ideal, at, 0.0).rgb;
+}
+#endif
+
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-#ifdef EXPOSED
-  vec3 encoded = sqrt(texelFetch(exposed, pixel, 0).rgb);
-#else
-  vec2 source = texelFetch(lens_map, pixel, 0).xy;
-  vec3 encoded = textureLod(ideal, (source + 0.5) / ideal_size, 0.0).rgb;
-#endif
+  vec3 encoded = encoded_light(pixel);
   vec2 off = (vec2(pixel) - optical_centre) / corner_radius;
   float falloff = gain * (1.0 - vignetting * dot(off, off));
   uvec3 bits = scatter(uvec3(uint(pixel.x), uint(pixel.y), uint(noise_key)));
