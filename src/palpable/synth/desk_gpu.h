@@ -144,6 +144,9 @@ struct Eye {
   GlTexture ideal_color, ideal_depth, lens_map, raw_color;
   GlFramebuffer ideal_target, raw_target;
   float gain = 1;
+  /// Where raw pixels look, px of the ideal picture, while no row lies lower than calibrated.
+  std::vector<Eigen::Vector2f> map;
+  float lowered_by = 0;
   /// Rows of the ideal picture that a raw row needs.
   std::vector<std::array<float, 2>> rows;
   /// What tiles of the raw picture need of the ideal one, row by row, px: left, top, right, bottom.
@@ -178,7 +181,7 @@ struct Eye {
     const std::array<const GlTexture*, 1> raw_colors = {&raw_color};
     ideal_target = GlFramebuffer(ideal_colors, &ideal_depth);
     raw_target = GlFramebuffer(raw_colors, nullptr);
-    const std::vector<Eigen::Vector2f> map = distortion_map(camera, ideal);
+    map = distortion_map(camera, ideal);
     const auto w = static_cast<std::size_t>(lens.pinhole.width);
     rows.assign(static_cast<std::size_t>(lens.pinhole.height), {1e9F, -1e9F});
     tiles_across = (lens.pinhole.width + kTile - 1) / kTile;
@@ -199,7 +202,30 @@ struct Eye {
     };
     fill(seen_depth, 1);  // the place of a look-up is rounded
     fill(seen_depth_turned, kIdealMargin);
-    lens_map.upload(0, 0, lens.pinhole.width, lens.pinhole.height, GL_RG, GL_FLOAT, map.data());
+    upload_lens_map();
+  }
+
+  /// Sets by how many raw px the picture lies lower than calibrated.
+  void lower(float rows_px) {
+    if (rows_px == lowered_by) return;
+    lowered_by = rows_px;
+    upload_lens_map();
+  }
+
+  /// Pixels of the ideal picture to places in its texture, 0..1; homogeneous.
+  [[nodiscard]] Eigen::Matrix3d place_from_pixel() const {
+    Eigen::Matrix3d m = Eigen::Matrix3d::Identity();
+    m(0, 0) = 1.0 / ideal.width;
+    m(0, 2) = 0.5 / ideal.width;
+    m(1, 1) = 1.0 / ideal.height;
+    m(1, 2) = 0.5 / ideal.height;
+    return m;
+  }
+  /// Rays (x/Z, y/Z, 1) to places.
+  [[nodiscard]] Eigen::Matrix3d place_from_ray() const {
+    Eigen::Matrix3d pixel_from_ray;
+    pixel_from_ray << ideal.fx_px, 0, ideal.cx_px, 0, ideal.fy_px, ideal.cy_px, 0, 0, 1;
+    return place_from_pixel() * pixel_from_ray;
   }
 
   /// The part of the ideal picture that looks see which are not turned.
@@ -232,6 +258,26 @@ struct Eye {
   }
 
  private:
+  void upload_lens_map() {
+    const int w = camera.pinhole.width, h = camera.pinhole.height;
+    const Eigen::Array2f size(static_cast<float>(ideal.width), static_cast<float>(ideal.height));
+    std::vector<Eigen::Vector2f> places(map.size());
+    for (int y = 0; y < h; ++y) {
+      const int above = std::max(y - 1, 0), below = std::min(y + 1, h - 1);
+      const auto at = [&](int x, int row) -> const Eigen::Vector2f& {
+        return map[static_cast<std::size_t>(row) * static_cast<std::size_t>(w) +
+                   static_cast<std::size_t>(x)];
+      };
+      for (int x = 0; x < w; ++x) {
+        const Eigen::Vector2f down = (at(x, below) - at(x, above)) / static_cast<float>(below - above);
+        places[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
+               static_cast<std::size_t>(x)] =
+            ((at(x, y) - lowered_by * down).array() + 0.5F) / size;
+      }
+    }
+    lens_map.upload(0, 0, w, h, GL_RG, GL_FLOAT, places.data());
+  }
+
   static PinholeCamera with_margin(PinholeCamera ideal) {
     ideal.width += 2 * kIdealMargin;
     ideal.height += 2 * kIdealMargin;

@@ -483,15 +483,10 @@ struct DeskRenderer::State {
     return bands;
   }
 
-  static Eigen::Vector2f size_of(const PinholeCamera& camera) {
-    return {static_cast<float>(camera.width), static_cast<float>(camera.height)};
-  }
-
   /// One eye's part of a frame.
   struct View {
     Eye& eye;
     Rigid3 eye_from_camera;
-    float row_offset;  // raw px
     int noise_key;
   };
 
@@ -502,7 +497,6 @@ struct DeskRenderer::State {
     program.use();
     eye.lens_map.bind(0);
     program.set("lens_map", 0);
-    program.set("ideal_size", size_of(eye.ideal));
     program.set("optical_centre",
                 Eigen::Vector2f(static_cast<float>(raw.cx_px), static_cast<float>(raw.cy_px)));
     program.set("corner_radius", static_cast<float>(0.5 * std::hypot(raw.width, raw.height)));
@@ -510,14 +504,6 @@ struct DeskRenderer::State {
     program.set("gain", eye.gain * static_cast<float>(frame.rig.light));
     program.set("noise", static_cast<float>(rig.faults.noise_grey_levels));
     program.set("noise_key", view.noise_key);
-  }
-  /// What ray.glsl needs besides.
-  static void set_rays(const GlProgram& program, const View& view) {
-    const PinholeCamera& ideal = view.eye.ideal;
-    program.set("ideal_centre", Eigen::Vector2f(static_cast<float>(ideal.cx_px),
-                                                static_cast<float>(ideal.cy_px)));
-    program.set("ideal_focal", static_cast<float>(ideal.fx_px));
-    program.set("row_offset", view.row_offset);
   }
   /// Runs the program in use over a rectangle of the raw picture.
   void draw_raw(const Eye& eye, const Box& box) const {
@@ -533,42 +519,51 @@ struct DeskRenderer::State {
   void draw_at_once(const View& view, const DeskMoment& frame) {
     fill(frame.movers(frame.frame));
     Eye& eye = view.eye;
-    const bool lowered = view.row_offset != 0.0F;
-    const Box wanted = lowered ? all_of(eye.ideal) : eye.without_margin();
-    paint_ideal(eye, view.eye_from_camera * frame.camera_from_desk(frame.frame), wanted,
+    const bool lowered = eye.lowered_by != 0.0F;
+    paint_ideal(eye, view.eye_from_camera * frame.camera_from_desk(frame.frame),
+                lowered ? all_of(eye.ideal) : eye.without_margin(),
                 lowered ? eye.seen_depth_turned : eye.seen_depth, 0.0F);
-    if (lowered) {
-      sense_band(view, frame, all_of(eye.camera.pinhole), 0.0, Eigen::Vector3d::Zero());
-      return;
-    }
     begin_sensing(sense, view, frame);
     sense.set("ideal", 1);
     eye.ideal_color.bind(1);
     draw_raw(eye, all_of(eye.camera.pinhole));
   }
 
-  /// Raw rows of the ideal picture, which shows the moment of one of them.
-  void sense_band(const View& view, const DeskMoment& frame, const Box& box, double moment_row,
-                  const Eigen::Vector3d& turn_per_row) const {
+  /// Raw rows of the ideal picture, which shows the moment of the middle one.
+  /// @param turn  rad, from one row to the next; the eye's frame
+  void sense_band(const View& view, const DeskMoment& frame, const Band& band,
+                  const Eigen::AngleAxisd& turn) const {
+    const Eye& eye = view.eye;
     begin_sensing(sense_rows, view, frame);
-    set_rays(sense_rows, view);
     sense_rows.set("ideal", 1);
-    view.eye.ideal_color.bind(1);
-    sense_rows.set("moment_row", static_cast<float>(moment_row));
-    sense_rows.set("turn_per_row", Eigen::Vector3f(turn_per_row.cast<float>()));
-    draw_raw(view.eye, box);
+    eye.ideal_color.bind(1);
+    sense_rows.set("moment_row", static_cast<float>(0.5 * (band.first_row + band.last_row)));
+    // Turns this small add up: a ray is that of the moment's row plus ray x turn for each row.
+    const Eigen::Vector3d w = turn.angle() * turn.axis();
+    Eigen::Matrix3d cross;
+    cross << 0, w.z(), -w.y(), -w.z(), 0, w.x(), w.y(), -w.x(), 0;
+    const Eigen::Matrix3d place_from_ray = eye.place_from_ray();
+    sense_rows.set("turn_per_row",
+                   Eigen::Matrix3f((place_from_ray * cross * place_from_ray.inverse()).cast<float>()));
+    draw_raw(eye,
+             {0, band.first_row, eye.camera.pinhole.width, band.last_row - band.first_row + 1});
   }
 
-  /// Rows that are read one after the other: each band is a picture of its own moment, with the
-  /// movers' shadow of then.
+  /// Rows that are read one after the other: each band is a picture of its own moment, each two
+  /// have a shadow of the movers.
   void read_rows(std::span<const View> views, const DeskMoment& frame) {
     const double half = 0.5 * frame.rig.readout * kFramesPerSecond;  // frames
     const double opens = frame.frame - half, closes = frame.frame + half;
     const auto [first, last] = movers_between(frame, opens, closes);
     place(first, last);
-    for (const Band& band : bands_of(frame)) {
-      const auto along = static_cast<float>((band.frame - opens) / (closes - opens));
-      shade_by_movers(along);
+    const auto along_at = [&](double at) {
+      return static_cast<float>((at - opens) / (closes - opens));
+    };
+    const std::vector<Band> bands = bands_of(frame);
+    for (std::size_t b = 0; b < bands.size(); ++b) {
+      const Band& band = bands[b];
+      // Shadows have soft edges of 3 mm: one is enough for two bands.
+      if (b % 2 == 0) shade_by_movers(along_at(0.5 * (band.frame + bands[b + 1].frame)));
       for (const View& view : views) {
         Eye& eye = view.eye;
         const auto pose_at = [&](double at) {
@@ -585,13 +580,10 @@ struct DeskRenderer::State {
         paint_ideal(eye, pose,
                     all_of(eye.ideal)
                         .cut({0, y0, eye.ideal.width, static_cast<int>(bottom) + 8 - y0}),
-                    eye.seen_depth_turned, along);
+                    eye.seen_depth_turned, along_at(band.frame));
         const Eigen::AngleAxisd turn(pose_at(band.frame + band.frames_per_row).linear() *
                                      pose.linear().transpose());
-        sense_band(view, frame,
-                   {0, band.first_row, eye.camera.pinhole.width,
-                    band.last_row - band.first_row + 1},
-                   0.5 * (band.first_row + band.last_row), turn.angle() * turn.axis());
+        sense_band(view, frame, band, turn);
       }
     }
   }
@@ -653,6 +645,11 @@ struct DeskRenderer::State {
 
     eye.stills.hold(references, eye.ideal, eye.still_depth);
     if (!raw_moved.empty()) eye.layers.hold(all_layers, eye.ideal, eye.ideal_depth);
+    const Eigen::Matrix3d place_from_ray = eye.place_from_ray();
+    const Eigen::Matrix3d ray_from_place = place_from_ray.inverse();
+    const auto homography = [&](const Eigen::Matrix3d& turn) {
+      return Eigen::Matrix3f((place_from_ray * turn * ray_from_place).cast<float>());
+    };
     std::vector<Eigen::Matrix3f> still_from_moment, still_from_layer;
     for (int r = 0; r < references; ++r) {
       const Rigid3 reference = pose_at(exposure.middle(r, references));
@@ -665,10 +662,10 @@ struct DeskRenderer::State {
         // Painted as if turned like the reference: its depth then says what is hidden.
         const Eigen::Matrix3d turn =
             turns ? turn_from(at) : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
-        still_from_layer.emplace_back(turn.cast<float>());
+        still_from_layer.push_back(homography(turn));
         for (int k = 0; k < looks; ++k)
-          still_from_moment.emplace_back(
-              turn_from(exposure.middle(layer * looks + k, all_layers * looks)).cast<float>());
+          still_from_moment.push_back(
+              homography(turn_from(exposure.middle(layer * looks + k, all_layers * looks))));
         if (!raw_moved.empty())
           paint_layer(eye, layer, Rigid3(turn * pose_at(at)),
                       static_cast<float>((at - opens) / (closes - opens)));
@@ -680,7 +677,6 @@ struct DeskRenderer::State {
     const auto sense_mean = [&](std::span<const Box> boxes, bool with_layers) {
       const GlProgram& program = sense_exposed[with_layers ? 1 : 0][turns ? 1 : 0];
       begin_sensing(program, view, frame);
-      set_rays(program, view);
       program.set("stills", 1);
       eye.stills.pictures.bind(1);
       // Where nothing moves and the eye does not turn, one layer of a reference is like another.
@@ -799,9 +795,9 @@ void DeskRenderer::draw(const DeskMoment& moment, RawPair& pictures) {
   Random random(s.look.seed * 0x10001ULL + static_cast<std::uint64_t>(moment.frame), "noise");
   const auto key = [&random] { return static_cast<int>(random.next() >> 33); };
   const std::array<State::View, 2> views = {
-      {{s.left, left_from_camera, 0.0F, key()},
-       {s.right, s.rig.rig.right_from_left * left_from_camera,
-        static_cast<float>(moment.rig.row_offset_px), key()}}};
+      {{s.left, left_from_camera, key()},
+       {s.right, s.rig.rig.right_from_left * left_from_camera, key()}}};
+  s.right.lower(static_cast<float>(moment.rig.row_offset_px));
   s.draw(views, moment);
   State::read_picture(s.left, pictures.left);
   State::read_picture(s.right, pictures.right);

@@ -2,14 +2,9 @@
 // Lens and sensor: where each raw pixel's light comes from, vignetting, gain, noise.
 //
 // Defined by the program: nothing for a sharp picture; ROWS for rows that are read one after the
-// other or lie lower; EXPOSED for the mean of several moments, with LAYERS where movers lie before
+// other; EXPOSED for the mean of several moments, with LAYERS where movers lie before
 // what stands still, and TURNS where the eye turns between the moments.
-#if defined(ROWS) || defined(EXPOSED)
-#include "ray.glsl"
-#else
-uniform sampler2D lens_map;  // per raw pixel: place in the ideal picture, px (pixel centre = 0)
-uniform vec2 ideal_size;     // px
-#endif
+uniform sampler2D lens_map;  // per raw pixel: place in the ideal picture, 0..1
 // Pictures are encoded as the square root of light.
 #ifdef EXPOSED
 uniform sampler2DArray stills;
@@ -20,15 +15,16 @@ uniform float weight;    // of each moment
 uniform sampler2D ideal;
 #endif
 #ifdef ROWS
-uniform float moment_row;   // raw row that is read at the moment of the ideal picture
-uniform vec3 turn_per_row;  // rad by which the camera turns from one row to the next
+uniform float moment_row;  // raw row that is read at the moment of the ideal picture
+// What the camera's turn from one row to the next adds to homogeneous places.
+uniform mat3 turn_per_row;
 #endif
 #ifdef LAYERS
 uniform sampler2DArray movers;  // and whether there is a mover
 #endif
 #ifdef TURNS
 uniform int looks;  // moments of each layer
-// These turn rays of a moment, or of a layer's, into those of the still picture behind it.
+// Homographies: homogeneous places at a moment, or at a layer's, to those in the still picture.
 uniform mat3 still_from_moment[30];
 uniform mat3 still_from_layer[20];
 #endif
@@ -60,30 +56,32 @@ float normal_of(uint bits) {
   return (float(sum) - 510.0) / 147.8;  // 2 sqrt((256^2 - 1) / 12)
 }
 
+vec2 place_of(ivec2 pixel) { return texelFetch(lens_map, pixel, 0).xy; }
+vec2 flat_of(vec3 place) { return place.xy / place.z; }
+
 #ifdef EXPOSED
 // Loops are counted down, or Mesa unrolls them to the arrays' sizes and its software renderer runs
 // through all of it.
 vec3 encoded_light(ivec2 pixel) {
-  vec3 ray = ray_of(pixel);
+  vec2 here = place_of(pixel);
   vec3 sum = vec3(0.0);
   for (int reference = references - 1; reference >= 0; --reference) {
 #ifndef TURNS
-    vec2 at = place(ray);
-    vec3 still = textureLod(stills, vec3(at, reference), 0.0).rgb;
+    vec3 still = textureLod(stills, vec3(here, reference), 0.0).rgb;
 #endif
     for (int left = layers; left > 0; --left) {
       int layer = reference * layers + left - 1;
 #ifdef TURNS
 #ifdef LAYERS
-      vec4 mover =
-          textureLod(movers, vec3(place(still_from_layer[layer] * ray), layer), 0.0);
+      vec2 on_layer = flat_of(still_from_layer[layer] * vec3(here, 1.0));
+      vec4 mover = textureLod(movers, vec3(on_layer, layer), 0.0);
 #endif
       for (int look = looks - 1; look >= 0; --look) {
-        vec2 at = place(still_from_moment[layer * looks + look] * ray);
+        vec2 at = flat_of(still_from_moment[layer * looks + look] * vec3(here, 1.0));
         vec3 still = textureLod(stills, vec3(at, reference), 0.0).rgb;
 #else
 #ifdef LAYERS
-      vec4 mover = textureLod(movers, vec3(at, layer), 0.0);
+      vec4 mover = textureLod(movers, vec3(here, layer), 0.0);
 #endif
       {
 #endif
@@ -100,11 +98,10 @@ vec3 encoded_light(ivec2 pixel) {
 }
 #else
 vec3 encoded_light(ivec2 pixel) {
+  vec2 at = place_of(pixel);
 #ifdef ROWS
-  vec3 ray = ray_of(pixel);
-  vec2 at = place(ray - cross((float(pixel.y) - moment_row) * turn_per_row, ray));
-#else
-  vec2 at = (texelFetch(lens_map, pixel, 0).xy + 0.5) / ideal_size;
+  vec3 here = vec3(at, 1.0);
+  at = flat_of(here + (float(pixel.y) - moment_row) * (turn_per_row * here));
 #endif
   return textureLod(ideal, at, 0.0).rgb;
 }
