@@ -269,7 +269,8 @@ struct Eye {
                    static_cast<std::size_t>(x)];
       };
       for (int x = 0; x < w; ++x) {
-        const Eigen::Vector2f down = (at(x, below) - at(x, above)) / static_cast<float>(below - above);
+        const Eigen::Vector2f down =
+            (at(x, below) - at(x, above)) / static_cast<float>(below - above);
         places[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
                static_cast<std::size_t>(x)] =
             ((at(x, y) - lowered_by * down).array() + 0.5F) / size;

@@ -110,7 +110,7 @@ struct DeskRenderer::State {
   // What `movers` shows: as the shutter opens and as it closes.
   std::vector<HandCapsule> filled, filled_last;
   std::optional<float> shadow_along;  // the moment of their shadow, 0 as it opens .. 1 as it closes
-  bool in_shade = false;  // whether shadows of what stands still may fall on it
+  bool in_shade = false;              // whether shadows of what stands still may fall on it
   std::vector<Caster> casters;
   ShadowMap static_shadow, hand_shadow;
   // Where each of `meshes` is, and the movers, in static_shadow's map.
@@ -133,11 +133,11 @@ struct DeskRenderer::State {
                        {std::move(programs[7]), std::move(programs[8])}}},
         paint_far{.program = std::move(programs[9]), .far = true},
         paint_still{.program = std::move(programs[10]), .still_shadows = true},
-        paint_all{.program = std::move(programs[11]), .still_shadows = true, .moving_shadows = true},
+        paint_all{
+            .program = std::move(programs[11]), .still_shadows = true, .moving_shadows = true},
         paint_still_top{.program = std::move(programs[12]), .still_shadows = true},
-        paint_all_top{.program = std::move(programs[13]),
-                      .still_shadows = true,
-                      .moving_shadows = true},
+        paint_all_top{
+            .program = std::move(programs[13]), .still_shadows = true, .moving_shadows = true},
         paint_mover{.program = std::move(programs[14]), .moves = true, .moving_shadows = true},
         paint_mover_in_shade{.program = std::move(programs[15]),
                              .moves = true,
@@ -543,8 +543,9 @@ struct DeskRenderer::State {
     Eigen::Matrix3d cross;
     cross << 0, w.z(), -w.y(), -w.z(), 0, w.x(), w.y(), -w.x(), 0;
     const Eigen::Matrix3d place_from_ray = eye.place_from_ray();
-    sense_rows.set("turn_per_row",
-                   Eigen::Matrix3f((place_from_ray * cross * place_from_ray.inverse()).cast<float>()));
+    sense_rows.set(
+        "turn_per_row",
+        Eigen::Matrix3f((place_from_ray * cross * place_from_ray.inverse()).cast<float>()));
     draw_raw(eye,
              {0, band.first_row, eye.camera.pinhole.width, band.last_row - band.first_row + 1});
   }
@@ -577,10 +578,10 @@ struct DeskRenderer::State {
         // A few rows more: the camera turns within the band, and the filter reads neighbours.
         const int y0 = static_cast<int>(top) - 6;
         const Rigid3 pose = pose_at(band.frame);
-        paint_ideal(eye, pose,
-                    all_of(eye.ideal)
-                        .cut({0, y0, eye.ideal.width, static_cast<int>(bottom) + 8 - y0}),
-                    eye.seen_depth_turned, along_at(band.frame));
+        paint_ideal(
+            eye, pose,
+            all_of(eye.ideal).cut({0, y0, eye.ideal.width, static_cast<int>(bottom) + 8 - y0}),
+            eye.seen_depth_turned, along_at(band.frame));
         const Eigen::AngleAxisd turn(pose_at(band.frame + band.frames_per_row).linear() *
                                      pose.linear().transpose());
         sense_band(view, frame, band, turn);
@@ -671,8 +672,9 @@ struct DeskRenderer::State {
                       static_cast<float>((at - opens) / (closes - opens)));
       }
     }
-    PALPABLE_EXPECT(still_from_layer.size() <= kMostLayers && still_from_moment.size() <= kMostLooks,
-                    "sensor.frag has so many layers and looks");
+    PALPABLE_EXPECT(
+        still_from_layer.size() <= kMostLayers && still_from_moment.size() <= kMostLooks,
+        "sensor.frag has so many layers and looks");
 
     const auto sense_mean = [&](std::span<const Box> boxes, bool with_layers) {
       const GlProgram& program = sense_exposed[with_layers ? 1 : 0][turns ? 1 : 0];

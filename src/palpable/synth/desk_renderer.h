@@ -62,8 +62,9 @@ class DeskRenderer {
   ~DeskRenderer();
 
   /// One pair. Motion blur is a mean (exposure.h), with the movers' shadow of its middle; a rolling
-  /// shutter is six bands, each with its own moment and turned from row to row within it.
-  /// The noise depends on the frame's number.
+  /// shutter is six bands, each with its own moment and turned from row to row within it, each two
+  /// with a shadow of the movers. Movers go straight from where they are at first to where they are
+  /// at last. The noise depends on the frame's number.
   void draw(const DeskMoment& moment, RawPair& pictures);
 
   /// Depth and labels at the frame's moment.

@@ -485,6 +485,47 @@ TEST_CASE("an exposure is the mean of its moments, camera and movers moving", "[
   }
 }
 
+TEST_CASE("a thing that appears while the shutter is open is not blended with nothing",
+          "[synth][gl]") {
+  std::optional<DeskRenderer> renderer =
+      renderer_of(scene_of({square({0, 0, 1}, 5.0, 0)}), 1, {0.0, 1.0, 0.0, 0.0});
+  if (!renderer) PALPABLE_SKIP(kNoGl);
+  constexpr int kFrame = 3;
+  DeskMoment turning = still(kFrame);
+  turning.rig.exposure = 0.5 / kFramesPerSecond;
+  turning.camera_from_desk = [](double frame) {
+    return Rigid3(Eigen::AngleAxisd(0.02 * (frame - kFrame), Eigen::Vector3d::UnitY()));
+  };
+  // One ball moves by 20 px; another is there from a moment on.
+  double since = 0;
+  const auto balls = [&](double frame) {
+    HandCapsule ball;
+    ball.shape.a = {0.03 * (frame - kFrame) - 0.1, 0, 0.5};
+    ball.shape.b = ball.shape.a + Eigen::Vector3d(0, 0.01, 0);
+    ball.shape.ra = ball.shape.rb = 0.02;
+    Movers movers{{ball}, std::nullopt};
+    ball.shape.a = {0.1, 0, 0.5};
+    ball.shape.b = {0.1, 0.01, 0.5};
+    if (frame >= since) movers.capsules.push_back(ball);
+    return movers;
+  };
+  for (const double moment : {kFrame - 0.1, kFrame + 0.1}) {
+    INFO("it appears at " << moment);
+    since = moment;
+    RawPair appearing, standing, moving;
+    turning.movers = balls;
+    renderer->draw(turning, appearing);
+    turning.movers = [&](double /*frame*/) { return balls(kFrame); };
+    renderer->draw(turning, standing);
+    CHECK(appearing.left == standing.left);
+    CHECK(appearing.right == standing.right);
+    since = 0;  // the same without anything that appears: it moves
+    turning.movers = balls;
+    renderer->draw(turning, moving);
+    CHECK(moving.left != standing.left);
+  }
+}
+
 TEST_CASE("a rolling shutter reads each row at its own moment", "[synth][gl]") {
   std::vector<PaintedMesh> squares;
   std::vector<Eigen::Vector3d> points;

@@ -32,7 +32,9 @@ struct PaintedMesh {
   int image = 0;                       ///< index in DeskScene::images, or in mover_images()
   float gloss = 0.0F;                  ///< strength of the highlight
   float sharpness = 20.0F;             ///< exponent of the highlight
-  bool in_shadows = true;              ///< lies where the desk's things cast shadows
+  /// Lies where the desk's things cast shadows. Else it is far away and flat, without a highlight:
+  /// light is worked out at its vertices.
+  bool in_shadows = true;
 };
 
 /// Which desk in which room.

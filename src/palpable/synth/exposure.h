@@ -38,7 +38,7 @@ inline constexpr int kMostLayers = 20, kMostLooks = 30;
 /// its near things shift against its far ones, and looked at once for each 1.5 px that the eye's
 /// turn moves it; movers, whose skin has weak texture and soft shading, are painted once for each
 /// 3 px that their picture moves within the view. At most ten references; fewer than twenty layers
-/// in all, and fewer than twenty looks at each reference, as both are rounded up.
+/// and fewer than thirty looks in all, as both are rounded up.
 /// @param view  the eye without its lens
 [[nodiscard]] Exposure split_exposure(const PinholeCamera& view, const Rigid3& eye_from_camera,
                                       const DeskMoment& frame);

@@ -4,6 +4,8 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+
 using namespace palpable;
 
 namespace {
@@ -79,5 +81,56 @@ TEST_CASE("a shifting camera has references, and layers and looks are shared amo
   CHECK(exposure.references == 3);
   CHECK(exposure.layers == 2);
   CHECK(exposure.looks == 2);
-  CHECK(exposure.layers * exposure.looks < kMostLooks);
+  CHECK(exposure.references * exposure.layers <= kMostLayers);
+  CHECK(exposure.references * exposure.layers * exposure.looks <= kMostLooks);
+}
+
+TEST_CASE("however fast all of it moves, an exposure's layers and looks have their bounds",
+          "[synth]") {
+  int most_layers = 0, most_looks = 0;
+  for (const double turn : {0.0, 0.01, 0.03, 0.2})
+    for (const double shift : {0.0, 0.001, 0.003, 0.006, 0.008, 0.1})
+      for (const double motion : {0.0, 0.004, 0.01, 0.02, 0.3}) {
+        const Exposure exposure = split(turning(turn, {shift, 0, 0}, kAhead, {motion, 0, 0}));
+        const int layers = exposure.references * exposure.layers;
+        most_layers = std::max(most_layers, layers);
+        most_looks = std::max(most_looks, layers * exposure.looks);
+      }
+  CHECK(most_layers <= kMostLayers);
+  CHECK(most_looks <= kMostLooks);
+  CHECK(most_looks > 10);  // else nothing was tried
+}
+
+TEST_CASE("what appears or vanishes while the shutter is open stands as in the frame's moment",
+          "[synth]") {
+  DeskMoment moment = turning(0, kNo, kAhead, {0.01, 0, 0});
+  const auto one_ball = moment.movers;
+  const auto same_movers = [](const Movers& a, const Movers& b) {
+    return std::equal(a.capsules.begin(), a.capsules.end(), b.capsules.begin(), b.capsules.end(),
+                      [](const HandCapsule& c, const HandCapsule& d) {
+                        return c.shape.a == d.shape.a && c.part == d.part;
+                      }) &&
+           a.desk_from_cup.has_value() == b.desk_from_cup.has_value();
+  };
+  // Nothing changes: the two ends.
+  const auto [first, last] = movers_between(moment, 6.75, 7.25);
+  CHECK(same_movers(first, one_ball(6.75)));
+  CHECK(same_movers(last, one_ball(7.25)));
+  CHECK_FALSE(same_movers(first, last));
+  // A second ball, another part, a cup: from some moment on.
+  const auto changed = GENERATE(0, 1, 2);
+  const double since = GENERATE(6.9, 7.1);
+  INFO("change " << changed << " at " << since);
+  moment.movers = [=](double frame) {
+    Movers movers = one_ball(frame);
+    if (frame < since) return movers;
+    if (changed == 0) movers.capsules.push_back(movers.capsules[0]);
+    if (changed == 1) movers.capsules[0].part = HandPart::kSleeve;
+    if (changed == 2) movers.desk_from_cup = Rigid3::Identity();
+    return movers;
+  };
+  const auto [before, after] = movers_between(moment, 6.75, 7.25);
+  CHECK(same_movers(before, after));
+  CHECK(same_movers(before, moment.movers(7.0)));
+  CHECK(split(moment).layers == 1);
 }

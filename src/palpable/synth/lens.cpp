@@ -86,8 +86,7 @@ std::vector<float> depth_where_seen(const std::vector<Eigen::Vector2f>& map,
   const auto h = static_cast<std::size_t>(ideal.height);
   std::vector<float> depth(w * h, 0.0F);
   for (const Eigen::Vector2f& at : map) {
-    const std::size_t i =
-        static_cast<std::size_t>(at.y()) * w + static_cast<std::size_t>(at.x());
+    const std::size_t i = static_cast<std::size_t>(at.y()) * w + static_cast<std::size_t>(at.x());
     for (const std::size_t texel : {i, i + 1, i + w, i + w + 1}) depth[texel] = 1.0F;
   }
   // Widened along the rows, then along the columns.

@@ -55,8 +55,8 @@ TEST_CASE("of the ideal picture what a raw pixel reads may be painted, a margin 
   const DistortedCamera camera = zed_mini_rig().left;
   const PinholeCamera whole = ideal_camera_for(camera, camera.pinhole.fx_px);
   const std::vector<float> seen = depth_where_seen(distortion_map(camera, whole), whole, 0);
-  const double share = std::accumulate(seen.begin(), seen.end(), 0.0) /
-                       static_cast<double>(seen.size());
+  const double share =
+      std::accumulate(seen.begin(), seen.end(), 0.0) / static_cast<double>(seen.size());
   CHECK(share < 0.85);
   CHECK(share > 0.75);
 }
