@@ -59,6 +59,17 @@ struct Sighting {
 /// A small motion: translation (m), then rotation vector (rad).
 using Twist = Eigen::Matrix<double, 6, 1>;
 
+/// What happens of a motion in `share` of its time, when it turns and moves evenly; beyond 1 what
+/// it comes to if it goes on.
+[[nodiscard]] inline Rigid3 part_of(const Rigid3& motion, double share) {
+  Eigen::AngleAxisd turn(motion.linear());
+  turn.angle() *= share;
+  Rigid3 part = Rigid3::Identity();
+  part.linear() = turn.toRotationMatrix();
+  part.translation() = share * motion.translation();
+  return part;
+}
+
 /// x -> exp(rotation) x + translation, put after `pose`: the step of all our least squares. The
 /// rotation is made orthogonal again, else products of rotations drift apart within seconds.
 [[nodiscard]] inline Rigid3 moved_by(const Twist& step, const Rigid3& pose) {

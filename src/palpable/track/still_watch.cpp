@@ -62,7 +62,8 @@ void StillWatch::begin(const GrayImage& image) {
 }
 
 Stillness StillWatch::look(const GrayImage& image, const MaskImage* moving) const {
-  std::vector<double> dx, dy;
+  const Eigen::Vector2d middle(0.5 * (image.width() - 1), 0.5 * (image.height() - 1));
+  std::vector<double> dx, dy, outwards, around;
   std::size_t resting = 0;
   for (const Patch& patch : patches_) {
     if (is_moving(moving, image, patch.at)) continue;
@@ -71,12 +72,17 @@ Stillness StillWatch::look(const GrayImage& image, const MaskImage* moving) cons
     const Eigen::Vector2d moved = match.at - patch.at;
     dx.push_back(moved.x());
     dy.push_back(moved.y());
+    const Eigen::Vector2d out = (patch.at - middle).normalized();
+    outwards.push_back(out.dot(moved));
+    around.push_back(out.x() * moved.y() - out.y() * moved.x());
     resting += moved.cwiseAbs().maxCoeff() < kMoved ? 1 : 0;
   }
   if (dx.size() < kLeast) return Stillness::kUnclear;
   const double share = static_cast<double>(resting) / static_cast<double>(dx.size());
   const std::size_t compared = dx.size();
-  const double shift = std::max(std::abs(median(dx)), std::abs(median(dy)));
+  // A camera that goes straight ahead or rolls moves them to all sides.
+  const double shift = std::max({std::abs(median(dx)), std::abs(median(dy)),
+                                 std::abs(median(outwards)), std::abs(median(around))});
   if (shift < kMoved && share > 0.5) return Stillness::kStill;
   if (compared < patches_.size() / 4) return Stillness::kUnclear;
   return shift >= kMoved ? Stillness::kMoved : Stillness::kStill;

@@ -73,16 +73,6 @@ constexpr double kStillPx = 0.2;
 
 Rigid3 inverse(const Rigid3& T) { return T.inverse(Eigen::Isometry); }
 
-// The share of a motion that happens in `share` of its time.
-Rigid3 part_of(const Rigid3& motion, double share) {
-  Eigen::AngleAxisd turn(motion.linear());
-  turn.angle() *= share;
-  Rigid3 part = Rigid3::Identity();
-  part.linear() = turn.toRotationMatrix();
-  part.translation() = share * motion.translation();
-  return part;
-}
-
 // What is worked out beside the frames after each keyframe, and what comes back.
 struct Work {
   std::optional<Window> window;
@@ -141,7 +131,7 @@ struct Tracker::Parts {
   void find_all(const TrackerFrame& frame);
   void learn_exposure();
   void rate_landmarks(int frame);
-  bool wants_keyframe(const TrackerFrame& frame) const;
+  [[nodiscard]] bool wants_keyframe() const;
   void keep(const TrackerFrame& frame);
   void find_unfound(const TrackerFrame& frame);
   bool is_older(const TrackerFrame& frame, const Eigen::Vector3d& uvd, Keyframe& keyframe);
@@ -197,6 +187,7 @@ struct Tracker::Parts {
   int next_asked = 0;                 // keyframe that a lost camera is compared with, in turn
   std::optional<Rigid3> loop_change;  // drifted world from world, by the last keyframe's loop
   std::optional<Loop> confirmed;      // two keyframes in turn agree on it
+  std::vector<Correction> corrections;
   TrackerCounts counts;
 };
 
@@ -392,6 +383,7 @@ TrackedPose Tracker::Parts::track(const TrackerFrame& frame) {
       if (standing) {
         fixed_unclear_s = 0;
         state = TrackState::kFixed;
+        ++counts.stood;
       }
     }
     if (!standing) {
@@ -485,7 +477,7 @@ void Tracker::Parts::accept(const TrackerFrame& frame, double dt) {
   if (!depths.empty()) median_depth = median(depths);
   if (was_known && shift_px(previous, camera_from_world) > kFastPx) learn_exposure();
   rate_landmarks(counts.frames);
-  if (wants_keyframe(frame)) keep(frame);
+  if (wants_keyframe()) keep(frame);
   history.push_back({frame.time, camera_from_world});
   if (settings.watch_stillness) watch_for_standstill(frame);
 }
@@ -546,7 +538,7 @@ bool Tracker::Parts::come_back(const TrackerFrame& frame) {
 
 // --- keyframes ---------------------------------------------------------------------------------
 
-bool Tracker::Parts::wants_keyframe(const TrackerFrame&) const {
+bool Tracker::Parts::wants_keyframe() const {
   if (since_keyframe < kKeyframeGap) return false;
   if (fit.inliers < kMust) return true;
   if (smear_px > kBlurredPx) return false;
@@ -740,7 +732,13 @@ void Tracker::Parts::take_over() {
   const Rigid3 newest = keyframes.back().camera_from_world;
   if (done.window) put_back(*done.window, keyframes, landmarks);
   if (done.graph && done.closed) {
+    corrections.clear();
+    for (const Keyframe& k : keyframes) corrections.push_back({k.number, k.camera_from_world});
     put_back(*done.graph, keyframes, landmarks);
+    for (std::size_t k = 0; k < keyframes.size(); ++k) {
+      Rigid3& correction = corrections[k].world_from_drifted;  // holds camera_from_drifted
+      correction = inverse(keyframes[k].camera_from_world) * correction;
+    }
     forget_doubles(camera, *done.closing, keyframes, landmarks);
     error_px = 1e9;  // old landmarks are to be looked for from far
     ++counts.loops;
@@ -792,6 +790,8 @@ std::vector<KeyframePose> Tracker::keyframes() const {
   }
   return poses;
 }
+
+std::span<const Correction> Tracker::corrections() const { return parts_->corrections; }
 
 TrackerCounts Tracker::counts() const {
   TrackerCounts counts = parts_->counts;

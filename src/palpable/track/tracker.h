@@ -14,6 +14,7 @@
 /// frames after it was asked for.
 #pragma once
 
+#include "palpable/geometry/correction.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/track/map_limits.h"
@@ -21,6 +22,7 @@
 #include "palpable/vision/depth_noise.h"
 
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace palpable {
@@ -49,7 +51,8 @@ struct TrackedPose {
   int landmarks = 0;      ///< that carried it; 0 when kFixed or kLost
   int tried = 0;          ///< that were looked for
   bool keyframe = false;  ///< this frame was kept
-  /// A loop was closed: what was placed by the poses between may be off by their drift.
+  /// A loop was closed: what was placed by the poses between may be off by their drift
+  /// (Tracker::corrections).
   bool closed_loop = false;
   int newest_keyframe = -1;  ///< the frame number of the newest one; -1: none
   /// Where the camera stood in it: with Tracker::keyframes() the pose of this frame as corrected
@@ -87,6 +90,7 @@ struct TrackerCounts {
   int keyframes = 0;        ///< taken
   int kept_keyframes = 0;   ///< of them remembered
   int lost = 0;             ///< frames
+  int stood = 0;            ///< frames that ended with the look whether the camera stands
   int recognised = 0;       ///< times that a lost camera came back
   int loops = 0;            ///< closed, by recognising a keyframe
   int landmarks = 0;        ///< in the map
@@ -110,6 +114,9 @@ class Tracker {
   /// corrections.
   [[nodiscard]] std::vector<KeyframePose> keyframes() const;
   [[nodiscard]] TrackerCounts counts() const;
+  /// By the last loop that was closed, of the keyframes that were remembered then; empty before.
+  /// Valid until the next call of track().
+  [[nodiscard]] std::span<const Correction> corrections() const;
 
  private:
   struct Parts;
