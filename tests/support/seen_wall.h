@@ -24,8 +24,8 @@ inline FrameFormat wall_format() {
   return format;
 }
 
-/// Frame `number` of 30 a second, seen by a camera that stands `x` m to the right.
-inline Frame frame_of_wall(int number, double x) {
+/// Frame `number` of 30 a second, seen by a camera that stands `x` m to the right and `z` m nearer.
+inline Frame frame_of_wall(int number, double x, double z = 0) {
   const FrameFormat format = wall_format();
   const auto noise = [](int i, int j) {
     auto h =
@@ -36,11 +36,11 @@ inline Frame frame_of_wall(int number, double x) {
   Frame frame;
   frame.number = number;
   frame.time = number / 30.0;
-  frame.depth = DepthImage(format.width, format.height, static_cast<float>(kWallZ));
+  frame.depth = DepthImage(format.width, format.height, static_cast<float>(kWallZ - z));
   frame.left = ColorImage(format.width, format.height);
   for (int v = 0; v < format.height; ++v) {
     for (int u = 0; u < format.width; ++u) {
-      const Eigen::Vector3d at = format.depth_camera.unproject(u, v, kWallZ);
+      const Eigen::Vector3d at = format.depth_camera.unproject(u, v, kWallZ - z);
       const double a = (at.x() + x) / 0.016, b = at.y() / 0.016;  // 5 px
       const int i = static_cast<int>(std::floor(a)), j = static_cast<int>(std::floor(b));
       const double s = a - i, t = b - j;

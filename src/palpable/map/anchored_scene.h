@@ -13,8 +13,13 @@
 /// What is taken away from the room belongs to it no more.
 ///
 /// It cannot know what is put down where nobody has looked yet: that is of the room.
+///
+/// When a loop is closed (track/tracker.h) map and free space begin anew. What is remembered here
+/// moves with the keyframes by which it was placed; where the camera has looked through, beyond the
+/// surfaces' own surroundings, is forgotten.
 #pragma once
 
+#include "palpable/geometry/correction.h"
 #include "palpable/map/block_table.h"
 #include "palpable/map/free_space.h"
 #include "palpable/map/slab_store.h"
@@ -26,6 +31,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace palpable {
 
@@ -46,8 +52,16 @@ class AnchoredScene {
 
   /// Takes in what has become of map and free space. Call it after each depth image that went into
   /// the map: a block must be seen before the camera has looked through its surroundings so often
-  /// that they count as free. Always the same two.
-  void update(const SurfaceMap& map, const FreeSpace& space);
+  /// that they count as free. Always the same two; both may have begun anew after follow().
+  /// @param keyframe  frame number of the newest keyframe: what is new was placed by it
+  void update(const SurfaceMap& map, const FreeSpace& space, int keyframe = 0);
+
+  /// A loop was closed: moves what is remembered, each block with the keyframe by which it was
+  /// placed, to the nearest voxels (off by half a voxel's diagonal, 9 mm of 10, at most). Where two
+  /// blocks come to lie at one place the older one counts: it drifted less. What the map held when
+  /// this was made goes with the first keyframe. Takes memory: as much again, for a moment.
+  /// @param corrections  at least one, their numbers rising
+  void follow(std::span<const Correction> corrections);
 
   /// Answers for one point after the other; quick where they lie near each other. Valid until the
   /// next change of scene or space.
@@ -66,8 +80,24 @@ class AnchoredScene {
   struct Block {
     std::array<std::int8_t, kVoxelsOfBlock> distance;  // 127 is the truncation
     std::uint8_t came = 0;  // bit x + 2 y + 4 z: that eighth was free before it came into the map
+    bool mapped = false;    // the map has held it since it began
+    int keyframe = 0;       // by which it was placed
+    [[nodiscard]] bool has_come(std::size_t voxel) const {
+      return (came >> eighth_of(voxel) & 1) != 0;
+    }
   };
-  Block* insert(std::uint64_t key);
+  [[nodiscard]] static int eighth_of(std::size_t voxel) {
+    return static_cast<int>((voxel >> 2 & 1) | (voxel >> 5 & 1) << 1 | (voxel >> 8 & 1) << 2);
+  }
+  [[nodiscard]] static Eigen::Vector3i place_in_block(std::size_t voxel) {
+    const auto i = static_cast<int>(voxel);
+    return {i & 7, i >> 3 & 7, i >> 6};
+  }
+  [[nodiscard]] static std::size_t voxel_index(int x, int y, int z) {
+    return static_cast<std::size_t>(x + kVoxelsAcross * (y + kVoxelsAcross * z));
+  }
+  Block* insert(std::uint64_t key, int keyframe);
+  [[nodiscard]] std::uint8_t free_eighths(std::uint64_t key, FreeSpace::Reader& space) const;
   void take(const SurfaceMap::BlockView& from, Block& to) const;
 
   AnchoredSceneSettings settings_;
@@ -98,12 +128,14 @@ class AnchoredScene::Reader {
     }
     if (block_ != nullptr) {
       // The surface first: at a slanted one rays pass through the very cells in which it lies.
-      const std::int8_t count =
-          block_->distance[static_cast<std::size_t>((x & 7) + 8 * ((y & 7) + 8 * (z & 7)))];
+      const std::size_t i = voxel_index(x & 7, y & 7, z & 7);
+      const std::int8_t count = block_->distance[i];
       if (count != kUnknown) {
         const float d = static_cast<float>(count) / scene_.per_m_;
         if (d > tolerance) return false;
         if (d >= -tolerance) return true;
+      } else if (block_->has_come(i)) {
+        return false;
       }
     }
     return !space_.was_free(point);

@@ -72,13 +72,20 @@ struct Room {
   void show(int frames) {
     for (int i = 0; i < frames; ++i) {
       const PinholeCamera rays = kCamera.scaled_down(8);
-      space.add(rays, world_from_camera, depth_from(rays));
+      space.add(rays, moved * world_from_camera, depth_from(rays));
       if (frame++ % 3 != 0) continue;
-      map.fuse(depth_from(kCamera), kCamera, world_from_camera);
+      map.fuse(depth_from(kCamera), kCamera, moved * world_from_camera);
       if (scene) scene->update(map, space);
     }
   }
   void anchor() { scene.emplace(map); }
+  // A loop was closed: all of the room lies elsewhere than was thought.
+  void close_loop(const Rigid3& step) {
+    scene->follow(std::vector<Correction>{{0, step}});
+    map.clear();
+    space = FreeSpace(kNoise, space.settings());
+    moved = step * moved;
+  }
 
   // Of the points that a frame sees on what `on` tells, the share that was there.
   template <class On>
@@ -93,7 +100,7 @@ struct Room {
         if (!on(p) || Z > 2) continue;
         ++all;
         const double error = std::max(0.015, 4 * kNoise.sigma(Z));
-        there += reader.was_there(p.cast<float>(), static_cast<float>(error)) ? 1 : 0;
+        there += reader.was_there((moved * p).cast<float>(), static_cast<float>(error)) ? 1 : 0;
       }
     }
     REQUIRE(all > 100);
@@ -105,6 +112,7 @@ struct Room {
   FreeSpace space;
   std::optional<AnchoredScene> scene;
   Rigid3 world_from_camera = Rigid3::Identity();
+  Rigid3 moved = Rigid3::Identity();  // takes the room to where map and scene have it
   std::vector<Box> boxes;
   int frame = 0;
 };
@@ -202,6 +210,75 @@ TEST_CASE("what is taken away and comes back was not there", "[map][anchored]") 
   CHECK(room.share_there(anywhere) == 1);
   room.boxes = {cup_at(0, 0.7)};
   CHECK(room.share_there(on_cup) == 0);
+}
+
+TEST_CASE("what is remembered follows when a loop is closed, and what had come has still come",
+          "[map][anchored]") {
+  Room room(9, 60);
+  room.show(60);
+  room.anchor();
+  room.boxes = {cup_at(0, 0.7)};
+  room.show(300);
+  const int blocks = room.scene->blocks();
+  const Rigid3 step = Eigen::Translation3d(0.113, -0.026, 0.055) *
+                      Rigid3(Eigen::AngleAxisd(0.1, Vector3d(0.6, 0.8, 0)));
+  room.close_loop(step);
+  // Before the camera has seen anything since, and when the map has all of it again.
+  for (const int frames : {0, 30, 300}) {
+    INFO(frames << " frames");
+    room.show(frames);
+    CHECK(room.share_there(on_cup) == 0);
+    CHECK(room.share_there(beside_cup) >= kAllButRim);
+    CHECK(room.scene->blocks() < 2 * blocks);  // a surface lies in two where it lay in one
+  }
+  room.boxes.clear();
+  room.show(300);
+  CHECK(room.share_there(anywhere) >= kAllButPoints);
+}
+
+TEST_CASE("what is taken away after a loop was closed, and comes back, was not there",
+          "[map][anchored]") {
+  Room room(10);
+  room.boxes = {cup_at(0, 0.7)};
+  room.show(60);
+  room.anchor();
+  room.close_loop(Rigid3(Eigen::Translation3d(0.113, -0.026, 0.055)));
+  const double outline = 1 - kAllButOutline;
+  CHECK(room.share_there(on_cup) > 1 - tolerance(2 * outline, "half a voxel is a pixel and more"));
+  room.boxes.clear();
+  room.show(120);
+  room.boxes = {cup_at(0, 0.7)};
+  CHECK(room.share_there(on_cup) == 0);
+}
+
+TEST_CASE("each block follows the keyframe by which it was placed, and the older one counts",
+          "[map][anchored]") {
+  // The left half of the picture shows a wall by the first keyframe, the right half one 0.2 m
+  // farther by the twelfth frame.
+  SurfaceMap map(kNoise);
+  FreeSpace space(kNoise);
+  AnchoredScene scene(map);
+  const auto see = [&](int from_x, float Z, int keyframe) {
+    DepthImage depth(kCamera.width, kCamera.height, std::numeric_limits<float>::quiet_NaN());
+    for (int y = 0; y < kCamera.height; ++y) std::fill_n(&depth(from_x, y), kCamera.width / 2, Z);
+    map.fuse(depth, kCamera, Rigid3::Identity());
+    scene.update(map, space, keyframe);
+  };
+  see(0, 0.805F, 0);
+  see(kCamera.width / 2, 1.005F, 12);
+  const auto lies_at = [&](double x, double Z) {
+    const auto there = [&](double z) { return scene.was_there({x, 0, z}, 0.006, space); };
+    return there(Z) && !there(Z - 0.02);
+  };
+  REQUIRE((lies_at(-0.2, 0.805) && lies_at(0.2, 1.005)));
+  const auto by = [](double x, double z) { return Rigid3(Eigen::Translation3d(x, 0, z)); };
+  scene.follow(std::vector<Correction>{{0, by(0, 0)}, {10, by(0.1, 0.1)}, {20, by(0, 0.3)}});
+  CHECK((lies_at(-0.2, 0.805) && lies_at(0.3, 1.105)));
+  CHECK_FALSE(lies_at(0.2, 1.005));
+  // One before the other, with 20 mm left.
+  scene.follow(std::vector<Correction>{{0, by(0, 0)}, {10, by(-0.5, -0.28)}});
+  CHECK(lies_at(-0.2, 0.805));
+  CHECK_FALSE(lies_at(-0.2, 0.825));
 }
 
 TEST_CASE("nothing is known of space that nobody has looked at: it is the room's",

@@ -48,10 +48,11 @@ class MovingMask {
 
   /// The mask of one frame: 255 where something moves, of the depth's size.
   ///
-  /// 1. Each tile's middle depth is looked up. In a free cell it moves. Otherwise the map's signed
-  ///    distance there says: before the surface by more than the tolerance, it moves; within it,
-  ///    it is static; unknown or behind, nothing explains it. What is too close to be measured
-  ///    moves: nothing static comes nearer to a hand-held camera than 0.12 m.
+  /// 1. Each tile's middle depth is looked up. The map's signed distance there says first: before
+  ///    the surface by more than the tolerance, it moves; within it, it is static once the surface
+  ///    has been seen often enough. Where the map does not tell, it moves in a free cell, and
+  ///    nothing explains it elsewhere. What is too close to be measured moves: nothing static
+  ///    comes nearer to a hand-held camera than 0.12 m.
   /// 2. What nothing explains moves when it hangs together in depth with what moves: a hand that
   ///    reaches into space which was not seen before.
   ///    While the camera stands or sways, a tile that looks as the scene does is static whatever

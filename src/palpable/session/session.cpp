@@ -141,9 +141,13 @@ void Session::Parts::find_scene(const SeenFrame& seen, Scene& scene) {
   const SlamFrame& found = slam.advance(seen, scene.times);
   scene.camera = found.camera;
   scene.moving = found.moving;
+  if (!found.corrections.empty()) {
+    const StageTimer timer(scene.times, "map");
+    anchored->follow(found.corrections);
+  }
   if (found.fused) {
     const StageTimer timer(scene.times, "map");
-    anchored->update(*slam.map(), *slam.space());
+    anchored->update(*slam.map(), *slam.space(), found.camera.newest_keyframe);
   }
   // A camera that has not moved sees the body where it was put, to the bit.
   scene.camera_from_body = scene.camera.world_from_camera.matrix().isIdentity(0)

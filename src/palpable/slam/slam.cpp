@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/cpu_time.h"
+#include "palpable/track/sighting.h"
 #include "palpable/track/tracker_input.h"
 
 #include <algorithm>
@@ -11,6 +12,9 @@ namespace palpable {
 namespace {
 // s by which stamps that are meant to be even are not.
 constexpr double kUneven = 1e-4;
+
+// Motions of the frame before: after a longer gap than that the camera has hardly gone on so.
+constexpr double kFarthestForetold = 3;
 
 // Before the camera sees anything that it could follow it is taken to stand where the world begins:
 // else a hand before a bare desk would be what is seen first.
@@ -46,9 +50,7 @@ const SlamFrame& Slam::advance(const SeenFrame& seen, StageTimes& times) {
   {
     const StageTimer timer(times, "map");
     large_ = nullptr;
-    if (is_placed(last_camera_)) {
-      find_moving(seen, last_camera_.world_from_camera * last_motion_);
-    }
+    if (is_placed(last_camera_)) { find_moving(seen, foretold(seen.time)); }
   }
   {
     const StageTimer timer(times, "track");
@@ -63,10 +65,18 @@ const SlamFrame& Slam::advance(const SeenFrame& seen, StageTimes& times) {
   if (frame_.camera.closed_loop && map_) {
     frame_.moving = nullptr;  // it belongs to what is forgotten now
     begin_map();
+    frame_.corrections = tracker_->corrections();
     last_camera_.state = TrackState::kLost;  // the way from there to here is no motion
   }
   learn(seen);
   return frame_;
+}
+
+// Where the camera is if it has gone on as before.
+Rigid3 Slam::foretold(double time) const {
+  const double share =
+      last_step_ > 0 ? std::clamp((time - last_time_) / last_step_, 0.0, kFarthestForetold) : 0;
+  return last_camera_.world_from_camera * part_of(last_motion_, share);
 }
 
 const SlamFrame& Slam::advance(const SeenFrame& seen,
@@ -113,6 +123,8 @@ void Slam::learn(const SeenFrame& seen) {
   last_motion_ = known && is_placed(last_camera_)
                      ? last_camera_.world_from_camera.inverse() * world_from_camera
                      : Rigid3::Identity();
+  last_step_ = seen.time - last_time_;
+  last_time_ = seen.time;
   last_camera_ = frame_.camera;
   ++counts_.frames;
   if (!known) ++counts_.lost;

@@ -10,6 +10,7 @@
 #pragma once
 
 #include "palpable/base/stage_clock.h"
+#include "palpable/geometry/correction.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/map/moving_mask.h"
@@ -20,6 +21,7 @@
 
 #include <limits>
 #include <optional>
+#include <span>
 
 namespace palpable {
 
@@ -45,6 +47,9 @@ struct SlamFrame {
   /// too much, or when the camera is or was lost. Valid until the next frame.
   const MaskImage* moving = nullptr;
   bool fused = false;  ///< the frame went into the map
+  /// Not empty: a loop was closed in this frame, map and free space began anew, and what was
+  /// remembered elsewhere may follow. Valid until the next frame.
+  std::span<const Correction> corrections;
 };
 
 /// What it has done so far, for benches: CPU seconds of the calling thread.
@@ -66,8 +71,8 @@ class Slam {
 
   /// Takes in the next frame. While the camera is lost nothing is learnt; what moves is looked for
   /// again in the second frame after it has come back, since the pose of the next frame is foretold
-  /// from the last one. When a loop is closed the map begins anew: it was fused where the camera
-  /// was not.
+  /// from the last motion, by the source's time: up to three times as far. When a loop is closed
+  /// the map begins anew: it was fused where the camera was not.
   /// @param times  gets the stages "map" and "track"
   const SlamFrame& advance(const SeenFrame& seen, StageTimes& times);
 
@@ -88,6 +93,7 @@ class Slam {
  private:
   const SlamFrame& take(const SeenFrame& seen, const TrackedPose& camera, StageTimes& times);
   void find_moving(const SeenFrame& seen, const Rigid3& world_from_camera);
+  [[nodiscard]] Rigid3 foretold(double time) const;
   void learn(const SeenFrame& seen);
   void begin_map();
 
@@ -100,7 +106,9 @@ class Slam {
   // Of the frame before. Before the first one the camera stands where the world begins.
   TrackedPose last_camera_{.state = TrackState::kFixed};
   const MaskImage* large_ = nullptr;         // this frame's mask, when it covers too much
-  Rigid3 last_motion_ = Rigid3::Identity();  // last_from_this
+  Rigid3 last_motion_ = Rigid3::Identity();  // from the frame before it: before_from_last
+  double last_time_ = 0;                     // s
+  double last_step_ = 0;                     // s that last_motion_ took; 0: unknown
   double last_fused_ = -std::numeric_limits<double>::infinity();
   SlamCounts counts_;
 };
