@@ -73,13 +73,33 @@ Rigid3 place_of(const LiveOptions& options, const SceneFile& scene, const fs::pa
   if (!options.place.empty()) {
     std::string text;
     for (const std::string& word : options.place) text += (text.empty() ? "" : " ") + word;
-    return read_pose(text);
+    return read_pose(text, options.anchor == "pose" ? "--anchor pose" : "--place");
   }
   if (scene.camera_from_body) return *scene.camera_from_body;
   throw Error(fmt::format(
       "{}: has no scene.toml beside it that says where the body stands; give --place \"x y z "
       "roll pitch yaw\"",
       images.string()));
+}
+
+// What follows --anchor. @throws CLI::ValidationError
+void anchor(const std::vector<std::string>& words, LiveOptions& options) {
+  const std::string& how = words.front();
+  const bool looks = how == "plane" || how == "board";
+  if (!looks && how != "pose") {
+    throw CLI::ValidationError("--anchor", how + " not in {plane,board,pose FILE}");
+  }
+  if (looks && words.size() > 1) {
+    throw CLI::ValidationError(
+        "--anchor", fmt::format("{} takes no file, and {} follows; the body comes before the "
+                                "options",
+                                how, words[1]));
+  }
+  if (!looks && words.size() == 1) {
+    throw CLI::ValidationError("--anchor", "pose is to be followed by a file");
+  }
+  options.anchor = how;
+  if (!looks) options.place = {words[1]};
 }
 
 // m from the body's origin at which its pose has to be right: half of a hand-sized body.
@@ -212,12 +232,13 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
                   "them. Default: scene.toml beside the images")
       ->expected(1, 16);
   command
-      .add_option(
-          "--anchor", options.anchor,
-          "Instead of --place, which anchors it at a pose of your own. plane: on the desk or "
-          "floor that the first frames show, in the middle of the picture; board: on the "
-          "middle of the chessboard that they show (--board, --square)")
-      ->check(CLI::IsMember({"plane", "board"}))
+      .add_option_function<std::vector<std::string>>(
+          "--anchor", [&options](const std::vector<std::string>& words) { anchor(words, options); },
+          "Instead of --place. plane: on the desk or floor that the first frames show, in the "
+          "middle of the picture; board: on the middle of the chessboard that they show (--board, "
+          "--square); pose FILE: at the pose in a file, as --place FILE")
+      ->type_name("plane|board|pose FILE")
+      ->expected(1, 2)
       ->excludes("--place");
   add_board_options(command, options.board);
   command.add_option("--scale", options.scale, "Makes the body so many times as large")

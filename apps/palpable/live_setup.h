@@ -25,7 +25,8 @@ struct LiveOptions {
   std::filesystem::path clip;      ///< where a synthetic clip is kept
   bool paced = false;              ///< a recording at its own pace instead of the loop's
   std::vector<std::string> place;  ///< words; empty: from the folder's scene.toml
-  std::string anchor;  ///< "plane", "board": on the desk or chessboard that is seen; empty: place
+  /// "plane", "board": on the desk or chessboard that is seen; "pose", empty: where `place` says.
+  std::string anchor;
   BoardOptions board;  ///< which one
   double scale = 1;
   std::vector<std::string> set;  ///< NAME=VALUE of further parameters

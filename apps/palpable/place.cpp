@@ -123,14 +123,14 @@ Rigid3 upright_pose(double x, double y, double z, double roll, double pitch, dou
   return pose;
 }
 
-Rigid3 read_pose(const std::string& text) {
+Rigid3 read_pose(const std::string& text, const std::string& option) {
   if (const auto numbers = numbers_in(text); numbers && !numbers->empty()) {
-    return pose_of(*numbers, "--place");
+    return pose_of(*numbers, option);
   }
   std::ifstream file(text);
   if (!file || !fs::is_regular_file(text)) {
     throw Error(
-        fmt::format("--place '{}': neither 6 or 16 numbers nor a file that can be read", text));
+        fmt::format("{} '{}': neither 6 or 16 numbers nor a file that can be read", option, text));
   }
   if (fs::path(text).extension() == ".toml") {
     if (const auto pose = pose_in(parse_toml(text), text)) return *pose;

@@ -24,9 +24,10 @@ namespace palpable::app {
 /// row (m). They are given as they are or are in the file that the text names: a text file of
 /// numbers ('#' begins a comment), or a .toml with the array camera_from_body.
 ///
+/// @param option  with which it was given, for messages
 /// @throws Error naming what was given: not a file and no numbers, another count, not finite, a
 ///         matrix that is no rotation (by more than 1e-3), a body behind the camera
-[[nodiscard]] Rigid3 read_pose(const std::string& text);
+[[nodiscard]] Rigid3 read_pose(const std::string& text, const std::string& option = "--place");
 
 /// What a recorded scene says of itself (scene.toml beside the images).
 struct SceneFile {

@@ -1314,6 +1314,22 @@ def _(programs, folder):
     programs.refuses(*words[:-2], "ceiling", "--source", folder / "desk", says=["ceiling"])
 
 
+@case("a body is anchored at the pose in a file, as --place puts it there")
+def _(programs, folder):
+    write_stereo(folder / "clip", frames=2)
+    lines(folder / "pose.txt", ["# x y z roll pitch yaw", "0.01 0.04 0.42 0 25 10"])
+    words = ("live", programs.small_body(), "--source", folder / "clip", "--out", folder / "out", "--overwrite")
+    poses = []
+    for option in (("--place", folder / "pose.txt"), ("--anchor", "pose", folder / "pose.txt")):
+        programs.succeeds(*words, *option)
+        poses.append(json.loads((folder / "out/live.json").read_text())["camera_from_body"])
+    assert poses[0] == poses[1] and poses[0][3::4] == [0.01, 0.04, 0.42, 1], poses
+    programs.refuses(*words, "--anchor", "pose", says=["--anchor", "file"])
+    programs.refuses(*words, "--anchor", "pose", folder / "none.txt", says=["--anchor pose", "none.txt"])
+    programs.refuses(*words, "--anchor", "plane", folder / "pose.txt", says=["--anchor", "plane takes no file"])
+    programs.refuses(*words, "--anchor", "pose", folder / "pose.txt", "--place", "0 0 1 0 0 0", says=["--place"])
+
+
 def on_screen(programs, *words, cwd=None):
     """Runs the program on a screen of its own (Xvfb); None where there is none."""
     if shutil.which("xvfb-run") is None:
