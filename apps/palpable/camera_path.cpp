@@ -15,7 +15,8 @@ void CameraPath::add(const TrackedPose& camera) {
     return;
   }
   const Rigid3& pose = camera.world_from_camera;
-  const bool continues = now_.has_value();
+  // By a closed loop it is put where it really is: it did not go there.
+  const bool continues = now_.has_value() && !camera.closed_loop;
   now_ = pose;
   if (continues && (poses_.back().translation() - pose.translation()).norm() < kStep) return;
   poses_.push_back(pose);

@@ -11,7 +11,8 @@
 
 namespace palpable::app {
 
-/// Where the camera has been: one point every centimetre, a gap where it was lost.
+/// Where the camera has been: one point every centimetre, a gap where it was lost or a loop was
+/// closed. What came before the loop stays where it was thought to be.
 class CameraPath {
  public:
   void add(const TrackedPose& camera);

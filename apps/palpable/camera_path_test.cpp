@@ -47,6 +47,22 @@ TEST_CASE("the way has a gap where the camera was lost", "[app][camera_path]") {
   CHECK(length == Approx(0.2));
 }
 
+TEST_CASE("the way has a gap where a loop was closed: the camera did not go there",
+          "[app][camera_path]") {
+  CameraPath path;
+  path.add(at(0));
+  path.add(at(0.1));
+  TrackedPose corrected = at(0.3);
+  corrected.closed_loop = true;
+  path.add(corrected);
+  path.add(at(0.4));
+  std::vector<MapLine> lines;
+  path.draw(lines);
+  double length = 0;
+  for (const MapLine& line : lines) length += static_cast<double>((line.to - line.from).norm());
+  CHECK(length == Approx(0.2));
+}
+
 TEST_CASE("a camera that was never known has no way", "[app][camera_path]") {
   CameraPath path;
   path.add(at(0, TrackState::kStarting));
