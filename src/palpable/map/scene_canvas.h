@@ -22,7 +22,7 @@ struct SceneCanvasSettings {
   /// It is begun anew when the camera has gone so far that what is so far away, m, has left the
   /// margin.
   double distance = 0.5;
-  /// Nothing is said before the camera has stayed for so many frames: one that walks needs none.
+  /// Nothing is kept before the camera has stayed for so many frames: one that walks needs none.
   int frames_to_stay = 15;
   /// A tile whose depth is the scene's but whose look is not is forgotten when it was seen so often
   /// in a row; 1 .. 255.
