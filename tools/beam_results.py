@@ -3,11 +3,7 @@
 
 tools/write_results.py makes a section of docs/results.md of it. The bench's own figures stay in the file.
 """
-import argparse
-import json
-from pathlib import Path
-
-OUTPUT = Path(__file__).resolve().parent.parent / "docs/results/beam.json"
+from bench_section import write_section
 
 
 def methods_table(f):
@@ -27,12 +23,7 @@ def methods_table(f):
             ["bar: twice the larger of the two", *("" if "median" in n else 2 * max(other[n], own[n]) for n in names)]]}
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("bench", type=Path)
-    parser.add_argument("--note")
-    options = parser.parse_args()
-    f = json.loads(options.bench.read_text())
+def section_of(f):
     modes, newton, stress, series = f["modes_at_1e-3"], f["newton"], f["stress"], f["series"]
     rows = [
         ["modes at 1e-3, plain L2: raw / recompressed / SVD",
@@ -57,7 +48,7 @@ def main():
                                                         "energy error with 16", "solves"], "rows": linear}]
     if "against" in f:
         tables.append(methods_table(f))
-    section = {
+    return {
         "title": "The beam by intrusive PGD", "order": 70,
         "text": f"{f['positions']} positions of a load on {f['nodes']} nodes ([beam.md](beam.md)). Newton's solves bent the beam "
                 f"by up to {1e3 * newton['largest_deflection_m']:.0f} mm. Stress, {stress['modes']} modes: {stress['pooled']:.2g} "
@@ -66,12 +57,8 @@ def main():
         "command": ["palpable bake bodies/beam.toml -o build/bodies/beam.palpable",
                     "palpable bench beam --json --against build/bodies/beam.palpable > bench.json", "tools/beam_results.py bench.json", "tools/write_results.py"],
         "date": f["date"], "machine": f["processor"],
-        "tables": tables,
-        "figures": f}
-    if options.note:
-        section["note"] = options.note
-    OUTPUT.write_text(json.dumps(section, indent=1, ensure_ascii=False) + "\n")
+        "tables": tables}
 
 
 if __name__ == "__main__":
-    main()
+    write_section(__doc__, "beam.json", section_of)

@@ -3,11 +3,8 @@
 
 tools/write_results.py makes a section of docs/results.md of it. The bench's own figures stay in the file.
 """
-import argparse
-import json
-from pathlib import Path
+from bench_section import write_section
 
-OUTPUT = Path(__file__).resolve().parent.parent / "docs/results/reduce.json"
 METHODS = [("pod", "POD"), ("pgd2", "PGD, two factors"), ("pgd3", "PGD, three factors"), ("cp", "CP-ALS"),
            ("hosvd", "ST-HOSVD"), ("per_site", "blocks per site")]
 
@@ -16,12 +13,7 @@ def megabytes(count):
     return f"{count / 1e6:.1f} MB"
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("bench", type=Path)
-    parser.add_argument("--note")
-    options = parser.parse_args()
-    figures = json.loads(options.bench.read_text())
+def section_of(figures):
     rows = []
     for key, name in METHODS:
         def cells(prefix):
@@ -42,7 +34,7 @@ def main():
                 for name, form, prefix in [("default: per site, 1e-4, own norms", default, ""),
                                            ("the paper's: PGD, 1e-3", pgd3, "pgd3_")]]
     recomputed = figures["recomputed_stress"]
-    section = {
+    return {
         "title": "Reductions of the bunny's campaign", "order": 60,
         "text": "What each method ([reduction.md](reduction.md)) needs for a relative L2 error of 1e-3 over the volume; "
                 "blocks per site meet it at every site, the others pooled. Bytes: boundary, single precision, functions of the "
@@ -77,12 +69,8 @@ def main():
                      "hangs on. Bytes: displacement and stress of the whole body. Microseconds: both, one core.",
              "columns": ["stress", "median", "worst", "bytes", "us"],
              "rows": [[row["stress"], row["vm_median"], row["vm_worst"], megabytes(row["bytes"]), row["us"]]
-                      for row in recomputed["rows"]]}],
-        "figures": figures}
-    if options.note:
-        section["note"] = options.note
-    OUTPUT.write_text(json.dumps(section, indent=1, ensure_ascii=False) + "\n")
+                      for row in recomputed["rows"]]}]}
 
 
 if __name__ == "__main__":
-    main()
+    write_section(__doc__, "reduce.json", section_of)
