@@ -89,13 +89,6 @@ class AnchoredScene {
   [[nodiscard]] static int eighth_of(std::size_t voxel) {
     return static_cast<int>((voxel >> 2 & 1) | (voxel >> 5 & 1) << 1 | (voxel >> 8 & 1) << 2);
   }
-  [[nodiscard]] static Eigen::Vector3i place_in_block(std::size_t voxel) {
-    const auto i = static_cast<int>(voxel);
-    return {i & 7, i >> 3 & 7, i >> 6};
-  }
-  [[nodiscard]] static std::size_t voxel_index(int x, int y, int z) {
-    return static_cast<std::size_t>(x + kVoxelsAcross * (y + kVoxelsAcross * z));
-  }
   Block* insert(std::uint64_t key, int keyframe);
   [[nodiscard]] std::uint8_t free_eighths(std::uint64_t key, FreeSpace::Reader& space) const;
   void take(const SurfaceMap::BlockView& from, Block& to) const;

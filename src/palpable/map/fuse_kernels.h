@@ -10,10 +10,6 @@
 
 namespace palpable {
 
-/// Voxels of a block: 8 x 8 x 8, x runs fastest.
-inline constexpr int kVoxelsAcross = 8;
-inline constexpr std::size_t kVoxelsOfBlock = 512;
-
 /// What all blocks of one depth image share. Lengths in m, camera frame.
 struct FuseFrame {
   const float* depth = nullptr;  ///< (width x height) Z, NaN: unknown or not to be taken

@@ -303,8 +303,7 @@ ColoredSurface SurfaceMap::mesh(double least_weight) const {
       if (!table_.used(slot)) continue;
       const Eigen::Vector3i first = kSide * BlockTable::place_of(table_.key(slot));
       for (int i = 0; i < static_cast<int>(kVoxelsOfBlock); ++i) {
-        const Eigen::Vector3i inside(i & 7, i >> 3 & 7, i >> 6);
-        work(slot, i, Eigen::Vector3i(first + inside));
+        work(slot, i, Eigen::Vector3i(first + place_in_block(static_cast<std::size_t>(i))));
       }
     }
   };

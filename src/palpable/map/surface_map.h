@@ -125,9 +125,6 @@ class SurfaceMap {
   [[nodiscard]] bool may_show(const PinholeCamera& camera, const Eigen::Vector3d& centre) const;
   void paint(Block& block, const Eigen::Vector3f& first, const PinholeCamera& camera,
              const ColorImage& color);
-  [[nodiscard]] static std::size_t voxel_index(int x, int y, int z) {
-    return static_cast<std::size_t>(x + kVoxelsAcross * (y + kVoxelsAcross * z));
-  }
 
   DepthNoise noise_;
   SurfaceMapSettings settings_;

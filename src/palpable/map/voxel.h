@@ -8,9 +8,25 @@
 /// At 2 x 50 mm and a weight of 64 that is 3 um and 0.001 frames.
 #pragma once
 
+#include <Eigen/Core>
+
+#include <cstddef>
 #include <cstdint>
 
 namespace palpable {
+
+/// Voxels of a block: 8 x 8 x 8, x runs fastest.
+inline constexpr int kVoxelsAcross = 8;
+inline constexpr std::size_t kVoxelsOfBlock = 512;
+
+/// The number in its block of a voxel at (x, y, z), each in [0, 8), and back.
+[[nodiscard]] inline std::size_t voxel_index(int x, int y, int z) {
+  return static_cast<std::size_t>(x + kVoxelsAcross * (y + kVoxelsAcross * z));
+}
+[[nodiscard]] inline Eigen::Vector3i place_in_block(std::size_t voxel) {
+  const auto i = static_cast<int>(voxel);
+  return {i & 7, i >> 3 & 7, i >> 6};
+}
 
 using Voxel = std::uint32_t;
 
