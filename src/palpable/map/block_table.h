@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -22,7 +24,7 @@ class BlockTable {
 
   /// @param capacity  blocks, >= 1
   explicit BlockTable(int capacity) : slots_(size_of(capacity)) {
-    heads_.assign(std::bit_ceil(size_of(capacity)) * 2, kNone);
+    places_.resize(std::max(2 * std::bit_ceil(size_of(capacity)), kTogether));
     free_.reserve(size_of(capacity));
     for (int slot = capacity; slot-- > 0;) free_.push_back(slot);
   }
@@ -43,29 +45,31 @@ class BlockTable {
   }
 
   /// The slot of a block, or kNone.
-  [[nodiscard]] int find(std::uint64_t key) const {
-    int slot = heads_[bucket_of(key)];
-    while (slot != kNone && slots_[at(slot)].key != key) slot = slots_[at(slot)].next;
-    return slot;
-  }
+  [[nodiscard]] int find(std::uint64_t key) const { return places_[place_with(key)].slot; }
 
   /// A slot for a block that has none; kNone when all are taken.
   int insert(std::uint64_t key) {
     if (free_.empty()) return kNone;
     const int slot = free_.back();
     free_.pop_back();
-    int& head = heads_[bucket_of(key)];
-    slots_[at(slot)] = {key, head, true};
-    head = slot;
+    places_[place_with(key)] = {key, slot};
+    slots_[at(slot)] = {key, true};
     return slot;
   }
 
   /// Gives a slot back.
   void erase(int slot) {
     PALPABLE_EXPECT(used(slot), "only a block that is there can be removed");
-    int* link = &heads_[bucket_of(key(slot))];
-    while (*link != slot) link = &slots_[at(*link)].next;
-    *link = slots_[at(slot)].next;
+    std::size_t gap = place_with(key(slot));
+    // What lies behind moves up where its own way leads past the gap (Knuth, TAOCP 3, 6.4,
+    // algorithm R).
+    for (std::size_t i = next(gap); places_[i].slot != kNone; i = next(i)) {
+      const std::size_t gone = (i - first_place_of(places_[i].key)) & (places_.size() - 1);
+      if (gone < ((i - gap) & (places_.size() - 1))) continue;
+      places_[gap] = places_[i];
+      gap = i;
+    }
+    places_[gap] = {};
     slots_[at(slot)].used = false;
     free_.push_back(slot);
   }
@@ -78,22 +82,63 @@ class BlockTable {
  private:
   struct Slot {
     std::uint64_t key = 0;
-    int next = kNone;  // of the same bucket
     bool used = false;
   };
+  struct Place {
+    std::uint64_t key = 0;
+    int slot = kNone;
+  };
+  // Neighbours in x lie together, in a line of the cache: half of what is looked up in turn.
+  static constexpr std::size_t kTogether = 4;
+
   [[nodiscard]] static std::size_t size_of(int capacity) {
     PALPABLE_EXPECT(capacity >= 1, "a table holds at least one block");
     return static_cast<std::size_t>(capacity);
   }
   [[nodiscard]] static std::size_t at(int slot) { return static_cast<std::size_t>(slot); }
-  [[nodiscard]] std::size_t bucket_of(std::uint64_t key) const {
-    // Fibonacci hashing (Knuth, TAOCP 3, 6.4): neighbours land far apart.
-    return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 32) & (heads_.size() - 1);
+  // Fibonacci hashing (TAOCP 3, 6.4): neighbours land far apart.
+  [[nodiscard]] std::size_t first_place_of(std::uint64_t key) const {
+    const auto group = static_cast<std::size_t>((key / kTogether * 0x9E3779B97F4A7C15ULL) >> 32);
+    return (kTogether * group + key % kTogether) & (places_.size() - 1);
+  }
+  [[nodiscard]] std::size_t next(std::size_t place) const {
+    return (place + 1) & (places_.size() - 1);
+  }
+  // Where a block's key is, or else would go.
+  [[nodiscard]] std::size_t place_with(std::uint64_t key) const {
+    std::size_t i = first_place_of(key);
+    while (places_[i].slot != kNone && places_[i].key != key) i = next(i);
+    return i;
   }
 
   std::vector<Slot> slots_;
-  std::vector<int> heads_;
+  std::vector<Place> places_;  // at most half of them in use
   std::vector<int> free_;
+};
+
+/// Remembers of the last blocks that were looked up where the caller keeps them, in what the
+/// processor's nearest cache holds: an image comes back to the same few hundred blocks row by row.
+/// Valid until a block is removed.
+template <class Block>
+class RecentBlocks {
+ public:
+  RecentBlocks() { known_.fill({kNoKey, nullptr}); }
+
+  /// What `find()` says of the block, a pointer, which it is asked where it is not remembered.
+  template <class Find>
+  [[nodiscard]] Block* of(std::uint64_t key, const Find& find) {
+    Known& known = known_[(key ^ key >> 18 ^ key >> 36) % known_.size()];
+    if (known.key != key) known = {key, find()};
+    return known.block;
+  }
+
+ private:
+  struct Known {
+    std::uint64_t key;
+    Block* block;
+  };
+  static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};  // of no block: they have 63 bits
+  std::array<Known, 512> known_;
 };
 
 }  // namespace palpable

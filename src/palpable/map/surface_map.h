@@ -159,8 +159,10 @@ class SurfaceMap::Reader {
     const std::uint64_t key = BlockTable::key_of(x >> 3, y >> 3, z >> 3);
     if (key != last_) {
       last_ = key;
-      const int slot = map_.table_.find(key);
-      block_ = slot == BlockTable::kNone ? nullptr : &map_.store_[slot];
+      block_ = recent_.of(key, [&]() -> const Block* {
+        const int slot = map_.table_.find(key);
+        return slot == BlockTable::kNone ? nullptr : &map_.store_[slot];
+      });
     }
     return block_;
   }
@@ -178,6 +180,7 @@ class SurfaceMap::Reader {
   }
 
   const SurfaceMap& map_;
+  RecentBlocks<const Block> recent_;
   float voxels_per_m_;
   std::uint64_t last_ = ~std::uint64_t{0};
   const Block* block_ = nullptr;
