@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <hwy/cache_control.h>
 
@@ -18,7 +19,6 @@ constexpr int kTurns = 2;
 
 FreeSpace::FreeSpace(const DepthNoise& noise, const FreeSpaceSettings& settings)
     : noise_(noise), settings_(settings), table_(settings.blocks) {
-  static_assert(each_cell_has_its_own_place());
   PALPABLE_EXPECT(settings.cell > 0 && settings.farthest > settings.cell,
                   "cells have a size and rays a length");
   PALPABLE_EXPECT(settings.farthest < kLargest / 4 * settings.cell, "rays end in the grid");
@@ -28,7 +28,46 @@ FreeSpace::FreeSpace(const DepthNoise& noise, const FreeSpaceSettings& settings)
   PALPABLE_EXPECT(settings.frames_to_settle >= 1 && settings.frames_to_settle <= 32767,
                   "what stays is settled after 1 to 32767 frames");
   blocks_.resize(static_cast<std::size_t>(settings.blocks));
-  path_.resize(static_cast<std::size_t>(settings.farthest / settings.cell) + 1);
+  met_.reserve(blocks_.size());
+}
+
+// A new one; null when all are in use.
+FreeSpace::Block* FreeSpace::insert(std::uint64_t key) {
+  const int slot = table_.insert(key);
+  return slot == BlockTable::kNone ? nullptr : &blocks_[static_cast<std::size_t>(slot)];
+}
+
+// The block of that name, if there is one.
+FreeSpace::Block* FreeSpace::block_at(std::uint64_t key) {
+  const int slot = table_.find(key);
+  return slot == BlockTable::kNone ? nullptr : &blocks_[static_cast<std::size_t>(slot)];
+}
+
+// Nothing is met in it yet, if it is met for the first time in this frame.
+FreeSpace::Block* FreeSpace::meet(Block* block) {
+  if (block == nullptr || block->frame == frame_) return block;
+  block->frame = frame_;
+  block->met.fill(0);
+  met_.push_back(block);
+  // On its way from memory until it is counted.
+  for (std::size_t cell = 0; cell < kCells; cell += 64) hwy::Prefetch(&block->free[cell]);
+  return block;
+}
+
+// Counts the frame in the cells that its rays met.
+void FreeSpace::count(Block& block) {
+  for (std::size_t z = 0; z < kSide; ++z) {
+    for (std::uint64_t left = block.met[z]; left != 0; left &= left - 1) {
+      const std::size_t cell = 64 * z + static_cast<std::size_t>(std::countr_zero(left));
+      std::uint8_t& free = block.free[cell];
+      free = static_cast<std::uint8_t>(free + (free < 255 ? 1 : 0));
+      if (block.any_taken) block.taken[cell] &= kSettled;
+    }
+  }
+  if (!block.any_taken) return;
+  std::uint16_t any = 0;
+  for (const std::uint16_t taken : block.taken) any |= taken;
+  block.any_taken = (any & ~kSettled) != 0;
 }
 
 void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
@@ -45,10 +84,15 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
                  static_cast<std::int32_t>(std::lround(kOne * a[1])),
                  static_cast<std::int32_t>(std::lround(kOne * a[2]))};
   };
-  // 0 marks what was never changed.
-  stamp_ = stamp_ == 255 ? 1 : stamp_ + 1;
   const int turn_x = frame_ % kTurns, turn_y = frame_ / kTurns % kTurns;
   ++frame_;
+  // Most blocks of the frame before are met again: they come from memory together.
+  for (const Block* block : met_) {
+    hwy::Prefetch(block->met.data());
+    hwy::Prefetch(&block->frame);
+  }
+  met_.clear();
+  RecentBlocks<Block> recent;
 
   const Place start = fixed(origin);
   for (int y = turn_y; y < rays.height; y += kTurns) {
@@ -59,50 +103,48 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
       const double end = std::min(Z - margin, settings_.farthest);
       const int steps = static_cast<int>(std::floor(end / cell));
       const Place step = fixed(R * rays.unproject(x, y, 1.0));  // one cell of depth on
-      // Where it passes first, what is there then: the cells are on their way from memory together.
       Place at = start, in_block{};
       Block* block = nullptr;
-      std::size_t passed = 0;
       for (int i = 1; i <= steps; ++i) {
         for (std::size_t k = 0; k < 3; ++k) at[k] += step[k];
         if (block == nullptr || !same_block(at, in_block)) {
           in_block = at;
           const std::uint64_t key = block_of(at);
-          int slot = table_.find(key);
-          if (slot == BlockTable::kNone) {
-            slot = table_.insert(key);
-            if (slot == BlockTable::kNone) {
-              ++blocked_;
-              break;
-            }
+          block = recent.of(key, [&] {
+            Block* there = block_at(key);
+            return meet(there != nullptr ? there : insert(key));
+          });
+          if (block == nullptr) {
+            ++blocked_;
+            break;
           }
-          block = &blocks_[static_cast<std::size_t>(slot)];
         }
-        path_[passed] = &(*block)[cell_of(at)];
-        hwy::Prefetch(path_[passed++]);
-      }
-      for (std::size_t i = 0; i < passed; ++i) {
-        const std::uint32_t was = path_[i]->bits;
-        const std::uint32_t seen_through =
-            (was & Cell::kSettled) | stamp_ << 8 | std::min((was & 0xFF) + 1, 255U);
-        // Without a branch: whether another ray of this frame was here is anybody's guess.
-        path_[i]->bits = path_[i]->stamp() == stamp_ ? was : seen_through;
+        block->met[part_of(at[2])] |= std::uint64_t{1} << (part_of(at[0]) | part_of(at[1]) << 3);
       }
     }
   }
+  for (Block* block : met_) count(*block);
   // Only now, so that a cell through which any ray passed counts as free.
   for (int y = turn_y; y < rays.height; y += kTurns) {
     for (int x = turn_x; x < rays.width; x += kTurns) {
       const auto Z = static_cast<double>(surface(x, y));
       if (!(Z > 0) || Z > settings_.farthest) continue;
       const Place at = fixed(origin + R * rays.unproject(x, y, Z / cell));
-      const int slot = table_.find(block_of(at));
-      if (slot == BlockTable::kNone) continue;
-      Cell& c = blocks_[static_cast<std::size_t>(slot)][cell_of(at)];
-      if (c.stamp() == stamp_ || c.free() < settings_.frames_to_free) continue;
-      c.bits = (c.bits & ~(0xFFU << 8)) | stamp_ << 8;
-      c.bits += Cell::kOneTaken;
-      if (c.taken() >= settings_.frames_to_settle) c.bits = Cell::kSettled | stamp_ << 8;
+      const std::uint64_t key = block_of(at);
+      Block* block = recent.of(key, [&] { return meet(block_at(key)); });
+      if (block == nullptr) continue;
+      const std::size_t here = cell_of(at);
+      std::uint64_t& met = block->met[here / 64];
+      const std::uint64_t bit = std::uint64_t{1} << (here % 64);
+      if ((met & bit) != 0 || block->free[here] < settings_.frames_to_free) continue;
+      met |= bit;
+      block->any_taken = true;
+      std::uint16_t& taken = block->taken[here];
+      ++taken;
+      if ((taken & ~kSettled) >= settings_.frames_to_settle) {
+        taken = kSettled;
+        block->free[here] = 0;
+      }
     }
   }
 }

@@ -34,7 +34,7 @@ struct FreeSpaceSettings {
   /// the camera; frames without a ray through the cell do not count, about three in four at 2 m).
   /// 1 .. 32767.
   int frames_to_settle = 600;
-  int blocks = 4096;  ///< of 8 x 8 x 8 cells (0.32 m, 2 KiB) that are kept at most: 8 MiB
+  int blocks = 4096;  ///< of 8 x 8 x 8 cells (0.32 m, 1.6 KiB) that are kept at most: 6.5 MiB
 };
 
 /// Takes all its memory when it is made. When the blocks are used up, space that was never seen
@@ -66,19 +66,19 @@ class FreeSpace {
   [[nodiscard]] const FreeSpaceSettings& settings() const { return settings_; }
 
  private:
-  // One cell in 32 bits: in how many frames it was looked through, up to 255; the stamp of the
-  // frame that changed it last; frames in a row in which something ended in it; and whether it was
-  // free until something settled in it.
-  struct Cell {
-    std::uint32_t bits = 0;
-    [[nodiscard]] int free() const { return static_cast<int>(bits & 0xFF); }
-    [[nodiscard]] std::uint32_t stamp() const { return bits >> 8 & 0xFF; }
-    [[nodiscard]] int taken() const { return static_cast<int>(bits >> 16 & 0x7FFF); }
-    [[nodiscard]] bool settled() const { return bits >> 31 != 0; }
-    static constexpr std::uint32_t kOneTaken = 1U << 16, kSettled = 1U << 31;
-  };
   static constexpr int kSide = 8;
-  using Block = std::array<Cell, kSide * kSide * kSide>;
+  static constexpr std::size_t kCells = kSide * kSide * kSide;
+  static constexpr std::uint16_t kSettled = 1U << 15;
+  // Which cells a frame looked through is a bit each, a line of the cache for all: rays that pass
+  // close by each other are counted once, and the counts are met once a frame.
+  struct alignas(64) Block {
+    std::array<std::uint64_t, kSide> met{};  // by frame `frame`; a word for each z
+    int frame = -1;
+    bool any_taken = false;                     // if not, all of `taken` is 0 but for kSettled
+    std::array<std::uint8_t, kCells> free{};    // in how many frames it was looked through, <= 255
+    std::array<std::uint16_t, kCells> taken{};  // in how many in a row something ended in it, and
+                                                // kSettled: it was free until something settled
+  };
   // Cells are counted in 1/65536 of their side: 32 bits reach 1.3 km at 4 cm.
   static constexpr int kFraction = 16;
   using Place = std::array<std::int32_t, 3>;
@@ -86,37 +86,27 @@ class FreeSpace {
     constexpr int kShift = kFraction + 3;
     return BlockTable::key_of(p[0] >> kShift, p[1] >> kShift, p[2] >> kShift);
   }
-  // Cells that lie next to each other share a line of the cache, 2 x 2 x 4 of them: a ray passes
-  // through most of a block's lines if each is a row.
-  [[nodiscard]] static constexpr std::size_t cell_of(const Place& p) {
-    constexpr std::array<std::uint16_t, 8> kX{0, 1, 16, 17, 32, 33, 48, 49};
-    constexpr std::array<std::uint16_t, 8> kY{0, 2, 64, 66, 128, 130, 192, 194};
-    constexpr std::array<std::uint16_t, 8> kZ{0, 4, 8, 12, 256, 260, 264, 268};
-    const auto part = [](std::int32_t a) { return static_cast<std::size_t>(a >> kFraction & 7); };
-    return std::size_t{0} + kX[part(p[0])] + kY[part(p[1])] + kZ[part(p[2])];
+  [[nodiscard]] static std::size_t part_of(std::int32_t a) {
+    return static_cast<std::size_t>(a >> kFraction & 7);
+  }
+  // In a block: x runs fastest.
+  [[nodiscard]] static std::size_t cell_of(const Place& p) {
+    return part_of(p[0]) | part_of(p[1]) << 3 | part_of(p[2]) << 6;
   }
   // Whether two places lie in one block.
   [[nodiscard]] static bool same_block(const Place& a, const Place& b) {
     return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) >> (kFraction + 3) == 0;
   }
-
-  static constexpr bool each_cell_has_its_own_place() {
-    std::array<bool, kSide * kSide * kSide> taken{};
-    for (std::int32_t i = 0; i < kSide * kSide * kSide; ++i) {
-      bool& here =
-          taken[cell_of({(i & 7) << kFraction, (i >> 3 & 7) << kFraction, (i >> 6) << kFraction})];
-      if (here) return false;
-      here = true;
-    }
-    return true;
-  }
+  [[nodiscard]] Block* block_at(std::uint64_t key);
+  Block* insert(std::uint64_t key);
+  Block* meet(Block* block);
+  static void count(Block& block);
 
   DepthNoise noise_;
   FreeSpaceSettings settings_;
   BlockTable table_;
   std::vector<Block> blocks_;
-  std::vector<Cell*> path_;  // of a ray
-  std::uint32_t stamp_ = 0;
+  std::vector<Block*> met_;  // in this frame
   int frame_ = 0;
   std::int64_t blocked_ = 0;
 };
@@ -128,29 +118,33 @@ class FreeSpace::Reader {
 
   /// @param point  world, m; within 500 m of its origin
   [[nodiscard]] bool is_free(const Eigen::Vector3f& point) {
-    const Cell* cell = at(point);
-    return cell != nullptr && cell->free() >= space_.settings_.frames_to_free;
+    const std::size_t cell = at(point);
+    return block_ != nullptr && block_->free[cell] >= space_.settings_.frames_to_free;
   }
   [[nodiscard]] bool was_free(const Eigen::Vector3f& point) {
-    const Cell* cell = at(point);
-    return cell != nullptr && (cell->free() >= space_.settings_.frames_to_free || cell->settled());
+    const std::size_t cell = at(point);
+    return block_ != nullptr && (block_->free[cell] >= space_.settings_.frames_to_free ||
+                                 (block_->taken[cell] & kSettled) != 0);
   }
 
  private:
-  // The cell of a point, or null where nothing was seen.
-  [[nodiscard]] const Cell* at(const Eigen::Vector3f& point) {
+  // The cell of a point in block_, which is null where nothing was seen.
+  [[nodiscard]] std::size_t at(const Eigen::Vector3f& point) {
     const Place p{floor_to_int(point.x() * scale_), floor_to_int(point.y() * scale_),
                   floor_to_int(point.z() * scale_)};
     if (const std::uint64_t key = block_of(p); key != last_) {
       last_ = key;
-      const int slot = space_.table_.find(key);
-      block_ =
-          slot == BlockTable::kNone ? nullptr : &space_.blocks_[static_cast<std::size_t>(slot)];
+      block_ = recent_.of(key, [&]() -> const Block* {
+        const int slot = space_.table_.find(key);
+        return slot == BlockTable::kNone ? nullptr
+                                         : &space_.blocks_[static_cast<std::size_t>(slot)];
+      });
     }
-    return block_ != nullptr ? &(*block_)[cell_of(p)] : nullptr;
+    return cell_of(p);
   }
 
   const FreeSpace& space_;
+  RecentBlocks<const Block> recent_;
   float scale_;
   std::uint64_t last_ = ~std::uint64_t{0};
   const Block* block_ = nullptr;
