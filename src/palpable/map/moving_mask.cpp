@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <hwy/base.h>
 #include <hwy/cache_control.h>
 #include <limits>
 #include <optional>
@@ -59,6 +61,35 @@ bool same_view(const Rigid3& a, const Rigid3& b, const PinholeCamera& camera) {
   return camera.fx_px * (angle + step.translation().norm() / kNearThings) < kSameView;
 }
 
+// What group() knows of a tile.
+enum GroupState : std::uint8_t { kDone, kMayJoin, kWaits };
+
+// The loops below touch each value once, in arrays apart from each other, which the compiler cannot
+// know of members: told so, it takes many at a time.
+
+// Of pixels' depths: where another is the nearest so far, the pixel goes by what that one says.
+// `least`: how far the nearest so far is, as the bits of a float >= 0, which sort as their values
+// do, with what is not a number behind them all.
+void take_nearest(float there, std::int32_t says, const float* HWY_RESTRICT depth,
+                  std::int32_t* HWY_RESTRICT least, std::int32_t* HWY_RESTRICT value, int count) {
+  for (int k = 0; k < count; ++k) {
+    const auto difference = std::bit_cast<std::int32_t>(std::abs(there - depth[k]));
+    const std::int32_t nearer = difference < least[k] ? -1 : 0;
+    value[k] ^= (value[k] ^ says) & nearer;
+    least[k] ^= (least[k] ^ difference) & nearer;
+  }
+}
+
+void any_of_three(const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c,
+                  std::uint8_t* HWY_RESTRICT any, int count) {
+  for (int i = 0; i < count; ++i) any[i] = a[i] | b[i] | c[i];
+}
+
+void all_of_three(const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c,
+                  std::uint8_t* HWY_RESTRICT all, int count) {
+  for (int i = 0; i < count; ++i) all[i] = a[i] & b[i] & c[i];
+}
+
 }  // namespace
 
 MovingMask::MovingMask(const DepthNoise& noise, const MovingMaskSettings& settings)
@@ -82,10 +113,14 @@ void MovingMask::resize(const DepthImage& depth) {
   age_ = Image<std::uint8_t>(width, height, 127);
   moved_depth_ = DepthImage(width, height);
   ray_depth_ = DepthImage((width + 1) / 2, (height + 1) / 2);
+  any_beside_ = all_beside_ = all_move_ = Image<std::uint8_t>(width, height);
+  columns_.resize(static_cast<std::size_t>(width));
+  row_.resize(static_cast<std::size_t>(width) + 2);
   queue_.reserve(tile_depth_.size());
+  edge_.reserve(tile_depth_.size());
   questions_.reserve(static_cast<std::size_t>(2 * width));
   view_ = {GrayImage(depth.width(), depth.height()), Image<TileColor>(width, height),
-           Image<std::uint8_t>(width, height)};
+           Image<std::uint8_t>(width, height), Image<std::uint8_t>(width, height)};
   drawn_.resize(depth.width(), depth.height(), tile_static_);
 }
 
@@ -230,10 +265,11 @@ void MovingMask::compare_look(const SeenFrame& seen, const Rigid3& world_from_ca
         tile_label_.data()[k] == kStatic && !std::isnan(tile_depth_.data()[k]) ? 1 : 0;
   }
   const int w = seen.depth.width(), h = seen.depth.height();
+  const GrayImage& luma = seen.left_half.empty() ? seen.left : seen.left_half;
   if (sways) {
     canvas_.draw(world_from_camera, view_);
-    if (drawn_.compare(seen.left, seen.color, w, h, tile_static_, view_)) compared_ = &drawn_;
-  } else if (picture_.compare(seen.left, seen.color, w, h, tile_static_)) {
+    if (drawn_.compare(luma, seen.color, w, h, tile_static_, view_)) compared_ = &drawn_;
+  } else if (picture_.compare(luma, seen.color, w, h, tile_static_)) {
     compared_ = &picture_;
   }
   if (compared_ == nullptr) return;
@@ -297,38 +333,50 @@ void MovingMask::compare_look(const SeenFrame& seen, const Rigid3& world_from_ca
 void MovingMask::group() {
   moved_ = false;
   const int width = tile_label_.width(), height = tile_label_.height();
-  std::fill(seen_.begin(), seen_.end(), std::uint8_t{0});
   const auto share = static_cast<float>(settings_.same_share);
-  // Appends to the queue all tiles that `joins` lets in, beginning with those that are in it.
-  const auto spread = [&](std::size_t head, const auto& joins) {
-    for (; head < queue_.size(); ++head) {
-      const int k = queue_[head], i = k % width, j = k / width;
-      for (int y = std::max(j - 1, 0); y <= std::min(j + 1, height - 1); ++y) {
-        for (int x = std::max(i - 1, 0); x <= std::min(i + 1, width - 1); ++x) {
-          if (seen_(x, y) != 0 || !joins(k, y * width + x)) continue;
-          seen_(x, y) = 1;
-          queue_.push_back(y * width + x);
-        }
+  std::transform(tile_label_.begin(), tile_label_.end(), seen_.begin(), [](std::uint8_t label) {
+    return static_cast<std::uint8_t>((label >= kUnexplained ? kMayJoin : kDone) +
+                                     (label >= kChanged ? kWaits - kMayJoin : 0));
+  });
+  // Calls `visit` with each tile around one, and what seen_ says of it.
+  const auto around = [&](Tile at, const auto& visit) {
+    for (int y = std::max(at.j - 1, 0); y <= std::min(at.j + 1, height - 1); ++y) {
+      for (int x = std::max(at.i - 1, 0); x <= std::min(at.i + 1, width - 1); ++x) {
+        visit(x, y, seen_(x, y));
       }
     }
   };
-  for (int start = 0; start < width * height; ++start) {
-    if (tile_label_.data()[start] < kChanged || seen_.data()[start] != 0) continue;
-    queue_.assign(1, start);
-    seen_.data()[start] = 1;
-    spread(0, [&](int, int k) { return tile_label_.data()[k] >= kChanged; });
+  const auto tile_at = [](int i, int j) {
+    return Tile{static_cast<std::int16_t>(i), static_cast<std::int16_t>(j)};
+  };
+  std::size_t start = 0;
+  while (const void* found = std::memchr(seen_.data() + start, kWaits, seen_.size() - start)) {
+    start = static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - seen_.data());
+    seen_.data()[start] = kDone;
+    queue_.assign(1, tile_at(static_cast<int>(start) % width, static_cast<int>(start) / width));
+    edge_.clear();  // those of them with tiles beside them that may join
+    for (std::size_t head = 0; head < queue_.size(); ++head) {
+      const Tile at = queue_[head];
+      bool on_edge = false;
+      around(at, [&](int i, int j, std::uint8_t& state) {
+        on_edge = on_edge || state == kMayJoin;
+        if (state != kWaits) return;
+        state = kDone;
+        queue_.push_back(tile_at(i, j));
+      });
+      if (on_edge) edge_.push_back(at);
+    }
     const std::size_t moving = queue_.size();
     if (static_cast<int>(moving) < settings_.fewest_tiles) {
-      for (const int k : queue_) tile_label_.data()[k] = kStatic;
+      for (const Tile at : queue_) tile_label_(at.i, at.j) = kStatic;
       continue;
     }
-    const auto evident = std::count_if(queue_.begin(), queue_.end(), [&](int k) {
-      return tile_label_.data()[k] == kMoving || tile_label_.data()[k] == kChanged;
-    });
     moved_ = true;
+    std::size_t evident = 0;
     double sum = 0, squares = 0, known = 0;
-    for (const int k : queue_) {
-      const auto Z = static_cast<double>(tile_depth_.data()[k]);
+    for (const Tile at : queue_) {
+      evident += tile_label_(at.i, at.j) != kCarried ? 1 : 0;
+      const auto Z = static_cast<double>(tile_depth_(at.i, at.j));
       if (std::isnan(Z)) continue;  // too close
       sum += Z;
       squares += Z * Z;
@@ -337,106 +385,124 @@ void MovingMask::group() {
     const double mean = sum / std::max(known, 1.0);
     const auto deepest = static_cast<float>(
         1.1 * (mean + 2 * std::sqrt(std::max(squares / known - mean * mean, 0.0))));
-    spread(0, [&](int from, int to) {
-      const float Z = tile_depth_.data()[to];
-      return tile_label_.data()[to] == kUnexplained && Z <= deepest &&
-             std::abs(tile_depth_.data()[from] - Z) <= share * Z;
-    });
-    const bool join = static_cast<double>(queue_.size() - moving) <=
-                      settings_.most_unexplained * static_cast<double>(moving);
-    if (!join) {
-      for (std::size_t n = moving; n < queue_.size(); ++n) {
-        seen_.data()[static_cast<std::size_t>(queue_[n])] = 0;  // another group may take it
-      }
-      queue_.resize(moving);
+    const std::size_t joined = edge_.size();  // the first of them
+    for (std::size_t head = 0; head < edge_.size(); ++head) {
+      const Tile at = edge_[head];
+      const float from = tile_depth_(at.i, at.j);
+      around(at, [&](int i, int j, std::uint8_t& state) {
+        if (state != kMayJoin) return;
+        const float Z = tile_depth_(i, j);
+        if (!(Z <= deepest && std::abs(from - Z) <= share * Z)) return;
+        state = kDone;
+        edge_.push_back(tile_at(i, j));
+      });
+    }
+    const auto first = edge_.begin() + static_cast<std::ptrdiff_t>(joined);
+    if (static_cast<double>(edge_.size() - joined) <=
+        settings_.most_unexplained * static_cast<double>(moving)) {
+      queue_.insert(queue_.end(), first, edge_.end());
+    } else {
+      // Another group may take them.
+      for (auto at = first; at != edge_.end(); ++at) seen_(at->i, at->j) = kMayJoin;
     }
     const bool sure = static_cast<double>(evident) >= kEvident * static_cast<double>(queue_.size());
-    for (const int k : queue_) {
-      std::uint8_t& age = age_.data()[k];
-      const bool fresh = sure && tile_label_.data()[k] >= kChanged;
+    for (const Tile at : queue_) {
+      std::uint8_t &age = age_(at.i, at.j), &of_tile = tile_label_(at.i, at.j);
+      const bool fresh = sure && of_tile >= kChanged;
       // + 128: this frame has spoken.
       age = static_cast<std::uint8_t>(fresh ? 128 : 128 + std::min(age + 1, 127));
-      tile_label_.data()[k] = kMoving;
-      moved_depth_.data()[k] = tile_depth_.data()[k];
+      of_tile = kMoving;
+      moved_depth_(at.i, at.j) = tile_depth_(at.i, at.j);
     }
   }
-  std::uint8_t *age = age_.data(), *label = tile_label_.data();
-  for (int k = 0; k < width * height; ++k) {
-    age[k] = age[k] >= 128 ? static_cast<std::uint8_t>(age[k] - 128) : std::uint8_t{127};
-    if (label[k] == kCarried) label[k] = kStatic;
+  for (std::uint8_t& age : age_) {
+    age = age >= 128 ? static_cast<std::uint8_t>(age - 128) : std::uint8_t{127};
+  }
+  std::replace(tile_label_.begin(), tile_label_.end(), std::uint8_t{kCarried},
+               std::uint8_t{kStatic});
+}
+
+// Which tiles move or have a neighbour that does (seen_), and which move with all of theirs.
+void MovingMask::find_border() {
+  const int width = tile_label_.width(), height = tile_label_.height();
+  for (int j = 0; j < height; ++j) {  // beside each other
+    const std::uint8_t* label = tile_label_.row(j);
+    std::uint8_t* moves = row_.data() + 1;
+    for (int i = 0; i < width; ++i) moves[i] = label[i] == kMoving ? 1 : 0;
+    moves[-1] = moves[0];
+    moves[width] = moves[width - 1];
+    any_of_three(moves - 1, moves, moves + 1, any_beside_.row(j), width);
+    all_of_three(moves - 1, moves, moves + 1, all_beside_.row(j), width);
+  }
+  for (int j = 0; j < height; ++j) {  // above each other
+    const int above = std::max(j - 1, 0), below = std::min(j + 1, height - 1);
+    any_of_three(any_beside_.row(above), any_beside_.row(j), any_beside_.row(below), seen_.row(j),
+                 width);
+    all_of_three(all_beside_.row(above), all_beside_.row(j), all_beside_.row(below),
+                 all_move_.row(j), width);
   }
 }
 
 // From tiles to pixels. Pixels of unknown depth at the border stay open.
 void MovingMask::draw(const DepthImage& depth) {
+  find_border();
   const int width = tile_label_.width(), height = tile_label_.height();
-  std::fill(mask_.begin(), mask_.end(), kOff);
-  // Tiles that move or have a neighbour that does: each once, in their order.
-  std::fill(seen_.begin(), seen_.end(), std::uint8_t{0});
-  for (int j = 0; j < height; ++j) {
-    for (int i = 0; i < width; ++i) {
-      if (tile_label_(i, j) != kMoving) continue;
-      for (int b = std::max(j - 1, 0); b <= std::min(j + 1, height - 1); ++b) {
-        for (int a = std::max(i - 1, 0); a <= std::min(i + 1, width - 1); ++a) seen_(a, b) = 1;
-      }
-    }
-  }
   for (int j = 0; j < height; ++j) {
     const int y0 = kTile * j, y1 = std::min(y0 + kTile, depth.height());
+    std::uint8_t* first = mask_.row(y0);
+    const std::uint8_t *any = seen_.row(j), *all = all_move_.row(j);
+    const bool nothing = std::memchr(any, 1, static_cast<std::size_t>(width)) == nullptr;
+    if (nothing) {
+      std::fill(first, mask_.row(y1 - 1) + depth.width(), kOff);
+      continue;
+    }
+    for (int i = 0; i < width - 1; ++i)
+      std::memset(first + kTile * i, all[i] != 0 ? kOn : kOff, kTile);
+    std::fill(first + kTile * (width - 1), first + depth.width(), all[width - 1] != 0 ? kOn : kOff);
+    for (int y = y0 + 1; y < y1; ++y) std::copy_n(first, depth.width(), mask_.row(y));
     for (int i = 0; i < width; ++i) {
-      if (seen_(i, j) == 0) continue;
-      const int x0 = kTile * i, x1 = std::min(x0 + kTile, depth.width());
-      const int i0 = std::max(i - 1, 0), i1 = std::min(i + 1, width - 1);
-      const int j0 = std::max(j - 1, 0), j1 = std::min(j + 1, height - 1);
-      bool all = true;
-      for (int b = j0; b <= j1; ++b) {
-        for (int a = i0; a <= i1; ++a) all = all && tile_label_(a, b) == kMoving;
+      if (any[i] != 0 && all[i] == 0) draw_border(depth, i, j);
+    }
+  }
+}
+
+// The pixels of a tile that does not move as its neighbours do, or not all of them.
+void MovingMask::draw_border(const DepthImage& depth, int i, int j) {
+  const int width = tile_label_.width(), height = tile_label_.height();
+  const int x0 = kTile * i, x1 = std::min(x0 + kTile, depth.width());
+  const int y0 = kTile * j, y1 = std::min(y0 + kTile, depth.height());
+  const bool moves = tile_label_(i, j) == kMoving;
+  const bool measured = !std::isnan(tile_depth_(i, j));
+  const bool too_close = moves && !measured;
+  // Whether a pixel that looks the same is the scene's: in the dark it may be chance, and a
+  // view that may be off by a pixel says less than a depth.
+  const bool by_pixel =
+      compared_ != nullptr &&
+      (!moves || (compared_->tells_pixels(i, j) && !(measured && compared_ == &drawn_)));
+  // All sixteen pixels with one neighbour after the other.
+  std::array<float, kTile * kTile> Z;
+  std::array<std::int32_t, kTile * kTile> least, value;
+  Z.fill(kNaN);
+  for (int y = y0; y < y1; ++y)
+    std::copy(depth.row(y) + x0, depth.row(y) + x1, &Z[kTile * (y - y0)]);
+  least.fill(std::bit_cast<std::int32_t>(std::numeric_limits<float>::infinity()));
+  for (std::size_t k = 0; k < Z.size(); ++k) value[k] = too_close && std::isnan(Z[k]) ? kOn : kOpen;
+  for (int b = std::max(j - 1, 0); b <= std::min(j + 1, height - 1); ++b) {
+    for (int a = std::max(i - 1, 0); a <= std::min(i + 1, width - 1); ++a) {
+      take_nearest(tile_depth_(a, b), tile_label_(a, b) == kMoving ? kOn : kOff, Z.data(),
+                   least.data(), value.data(), kTile * (y1 - y0));
+    }
+  }
+  for (int y = y0; y < y1; ++y) {
+    for (int x = x0; x < x1; ++x) {
+      auto of_pixel =
+          static_cast<std::uint8_t>(value[static_cast<std::size_t>(kTile * (y - y0) + x - x0)]);
+      if (compared_ != nullptr && of_pixel != kOff) {
+        const StaticPicture::Look look = compared_->pixel(x, y);
+        if (look == StaticPicture::kSame && by_pixel) of_pixel = kOff;
+        if (look == StaticPicture::kChanged) of_pixel = kOn;
       }
-      if (all) {
-        for (int y = y0; y < y1; ++y) std::fill(mask_.row(y) + x0, mask_.row(y) + x1, kOn);
-        continue;
-      }
-      const bool moves = tile_label_(i, j) == kMoving;
-      const bool measured = !std::isnan(tile_depth_(i, j));
-      const bool too_close = moves && !measured;
-      // Whether a pixel that looks the same is the scene's: in the dark it may be chance, and a
-      // view that may be off by a pixel says less than a depth.
-      const bool by_pixel =
-          compared_ != nullptr &&
-          (!moves || (compared_->tells_pixels(i, j) && !(measured && compared_ == &drawn_)));
-      // All sixteen pixels with one neighbour after the other.
-      std::array<float, kTile * kTile> Z, least;
-      std::array<std::int32_t, kTile * kTile> value;
-      Z.fill(kNaN);
-      for (int y = y0; y < y1; ++y)
-        std::copy(depth.row(y) + x0, depth.row(y) + x1, &Z[kTile * (y - y0)]);
-      least.fill(std::numeric_limits<float>::infinity());
-      for (std::size_t k = 0; k < Z.size(); ++k)
-        value[k] = too_close && std::isnan(Z[k]) ? kOn : kOpen;
-      for (int b = j0; b <= j1; ++b) {
-        for (int a = i0; a <= i1; ++a) {
-          const float there = tile_depth_(a, b);
-          const std::int32_t says = tile_label_(a, b) == kMoving ? kOn : kOff;
-          for (std::size_t k = 0; k < Z.size(); ++k) {
-            const float difference = std::abs(there - Z[k]);
-            const bool nearer = difference < least[k];  // NaN: not less
-            least[k] = nearer ? difference : least[k];
-            value[k] = nearer ? says : value[k];
-          }
-        }
-      }
-      for (int y = y0; y < y1; ++y) {
-        for (int x = x0; x < x1; ++x) {
-          auto of_pixel =
-              static_cast<std::uint8_t>(value[static_cast<std::size_t>(kTile * (y - y0) + x - x0)]);
-          if (compared_ != nullptr && of_pixel != kOff) {
-            const StaticPicture::Look look = compared_->pixel(x, y);
-            if (look == StaticPicture::kSame && by_pixel) of_pixel = kOff;
-            if (look == StaticPicture::kChanged) of_pixel = kOn;
-          }
-          mask_(x, y) = of_pixel;
-        }
-      }
+      mask_(x, y) = of_pixel;
     }
   }
 }
@@ -512,6 +578,26 @@ const MaskImage& MovingMask::find(const SeenFrame& seen, const Rigid3& world_fro
   return mask_;
 }
 
+// Of each 2 x 2 tiles the nearest depth.
+void MovingMask::find_ray_depths() {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const int width = tile_depth_.width(), height = tile_depth_.height();
+  for (int j = 0; j < ray_depth_.height(); ++j) {
+    const float* above = tile_depth_.row(2 * j);
+    const float* below = tile_depth_.row(std::min(2 * j + 1, height - 1));
+    for (int i = 0; i < width; ++i) {
+      const float nearest = above[i] < kInfinity ? above[i] : kInfinity;  // a NaN is not less
+      columns_[static_cast<std::size_t>(i)] = below[i] < nearest ? below[i] : nearest;
+    }
+    for (int i = 0; i < ray_depth_.width(); ++i) {
+      const auto a = static_cast<std::size_t>(2 * i);
+      const auto b = static_cast<std::size_t>(std::min(2 * i + 1, width - 1));
+      const float nearest = std::min(columns_[a], columns_[b]);
+      ray_depth_(i, j) = nearest < kInfinity ? nearest : kNaN;
+    }
+  }
+}
+
 void MovingMask::learn(const Rigid3& world_from_camera) {
   if (!same_view(picture_pose_, world_from_camera, depth_camera_)) {
     picture_pose_ = world_from_camera;
@@ -526,17 +612,7 @@ void MovingMask::learn(const Rigid3& world_from_camera) {
   if (compared_ == &drawn_) {
     canvas_.learn(world_from_camera, drawn_, tile_depth_, tile_static_, seen_);
   }
-  for (int j = 0; j < ray_depth_.height(); ++j) {
-    for (int i = 0; i < ray_depth_.width(); ++i) {
-      float nearest = std::numeric_limits<float>::infinity();
-      for (int b = 2 * j; b < std::min(2 * j + 2, tile_depth_.height()); ++b) {
-        for (int a = 2 * i; a < std::min(2 * i + 2, tile_depth_.width()); ++a) {
-          nearest = std::min(nearest, tile_depth_(a, b));  // a NaN is not less
-        }
-      }
-      ray_depth_(i, j) = std::isinf(nearest) ? kNaN : nearest;
-    }
-  }
+  find_ray_depths();
   PinholeCamera rays = tiles_.scaled_down(2);
   rays.width = ray_depth_.width();
   rays.height = ray_depth_.height();

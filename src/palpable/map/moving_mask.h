@@ -78,6 +78,10 @@ class MovingMask {
   // kChanged: without a depth, and it does not look as the scene does.
   enum Label : std::uint8_t { kUnknown, kStatic, kUnexplained, kChanged, kCarried, kMoving };
 
+  struct Tile {
+    std::int16_t i, j;
+  };
+
   struct Question {  // of a tile
     Eigen::Vector3f point;
     const Voxel* voxel;  // of the map there, or null
@@ -91,8 +95,11 @@ class MovingMask {
   void label(const Rigid3& world_from_camera, const SurfaceMap* map);
   void compare_look(const SeenFrame& seen, const Rigid3& world_from_camera);
   void group();
+  void find_border();
   void draw(const DepthImage& depth);
+  void draw_border(const DepthImage& depth, int i, int j);
   void fill();
+  void find_ray_depths();
 
   DepthNoise noise_;
   MovingMaskSettings settings_;
@@ -103,10 +110,15 @@ class MovingMask {
   Image<std::uint8_t> tile_label_;
   DepthImage ray_depth_;  // of 2 x 2 tiles: the nearest
   std::vector<Question> questions_;
-  std::vector<int> queue_;
-  Image<std::uint8_t> age_;   // of the tiles: frames since it was seen to move; 127: long ago
-  DepthImage moved_depth_;    // its depth then
-  Image<std::uint8_t> seen_;  // of the tiles, while groups are counted
+  std::vector<Tile> queue_, edge_;
+  Image<std::uint8_t> age_;  // of the tiles: frames since it was seen to move; 127: long ago
+  DepthImage moved_depth_;   // its depth then
+  // Of the tiles: while groups are counted; later whether they or a neighbour move.
+  Image<std::uint8_t> seen_;
+  Image<std::uint8_t> all_move_;  // with all neighbours
+  Image<std::uint8_t> any_beside_, all_beside_;
+  std::vector<std::uint8_t> row_;  // of tiles, and one more at both ends
+  std::vector<float> columns_;
   MaskImage mask_;
   std::vector<int> open_;  // pixels that are not decided yet
   MaskImage above_, below_;

@@ -5,7 +5,11 @@
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <hwy/base.h>
 #include <limits>
 
 namespace palpable {
@@ -21,13 +25,16 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 // Beyond it nothing is in a picture, px. Whole numbers below by cutting off what is positive: a
 // call of floor() for each tile would cost more than all else.
 constexpr int kFarOut = 1 << 13;
-bool is_near(float u, float v) {
-  return std::abs(u) < static_cast<float>(kFarOut) && std::abs(v) < static_cast<float>(kFarOut);
-}
+constexpr auto kFarOutside = static_cast<float>(kFarOut);
+std::int32_t near_mask(float u) { return std::abs(u) < kFarOutside ? -1 : 0; }
+bool is_near(float u, float v) { return (near_mask(u) & near_mask(v)) != 0; }
 int round_to_int(float a) { return static_cast<int>(a + (kFarOut + 0.5F)) - kFarOut; }
 int tile_of(float pixel) {
   return static_cast<int>((pixel + (kFarOut + 0.5F)) * (1.0F / kTile)) - kFarOut / kTile;
 }
+
+// Whether a frame looks at a tile.
+bool takes_in(int i, int j, int frame) { return i % kTurns == (frame + 2 * j) % kTurns; }
 
 // Where a pixel of one view lies in another: w (u, v, 1) = Z M (x, y, 1) + m.
 struct Transfer {
@@ -43,6 +50,37 @@ struct Transfer {
   Eigen::Matrix3f M;
   Eigen::Vector3f m;
 };
+
+// `u`, or far outside where the mask is 0 instead of -1.
+float chosen(std::int32_t mask, float u) {
+  return std::bit_cast<float>((std::bit_cast<std::int32_t>(u) & mask) |
+                              (std::bit_cast<std::int32_t>(-kFarOutside) & ~mask));
+}
+
+// Where a row of tiles lands in the other view: tile (a, b), or (-1, -1), Z there, and by how many
+// pixels it is drawn from elsewhere. The tiles' first pixels are (x0, y), (x0 + 4, y), ...
+void transfer_row(const Transfer& t, const float* HWY_RESTRICT depth, int count, int x0, int y,
+                  float* HWY_RESTRICT Z, std::int32_t* HWY_RESTRICT a, std::int32_t* HWY_RESTRICT b,
+                  std::int32_t* HWY_RESTRICT dx, std::int32_t* HWY_RESTRICT dy) {
+  const float first = static_cast<float>(x0) + kMiddle, v0 = static_cast<float>(y) + kMiddle;
+  const Eigen::Vector3f across = t.M.col(0), down = t.M.col(1) * v0, ahead = t.M.col(2), m = t.m;
+  for (int i = 0; i < count; ++i) {
+    const float u0 = first + static_cast<float>(kTile * i);
+    const float z = depth[i] * (across.z() * u0 + down.z() + ahead.z()) + m.z();
+    const float w = 1 / z;
+    const float u = w * (depth[i] * (across.x() * u0 + down.x() + ahead.x()) + m.x());
+    const float v = w * (depth[i] * (across.y() * u0 + down.y() + ahead.y()) + m.y());
+    // Without a branch, so that the compiler takes many at a time. NaN is not within.
+    const std::int32_t within =
+        (z > kNearest ? -1 : 0) & (z < kFarthest ? -1 : 0) & near_mask(u) & near_mask(v);
+    const float near_u = chosen(within, u), near_v = chosen(within, v);
+    Z[i] = z;
+    a[i] = tile_of(near_u);
+    b[i] = tile_of(near_v);
+    dx[i] = round_to_int(u0 - near_u);
+    dy[i] = round_to_int(v0 - near_v);
+  }
+}
 
 }  // namespace
 
@@ -63,6 +101,9 @@ void SceneCanvas::resize(const PinholeCamera& camera) {
   strange_ = Image<std::uint8_t>(wide, high);
   sources_ = Image<Source>(tiles, rows);
   nearest_ = DepthImage(tiles, rows);
+  const auto n = static_cast<std::size_t>(wide);
+  landing_ = {std::vector<float>(n), std::vector<std::int32_t>(n), std::vector<std::int32_t>(n),
+              std::vector<std::int32_t>(n), std::vector<std::int32_t>(n)};
   stayed_ = 0;
 }
 
@@ -97,49 +138,54 @@ bool SceneCanvas::holds(int x, int y) const {
 }
 
 void SceneCanvas::draw(const Rigid3& world_from_camera, PictureView& view) {
+  find_sources(world_from_camera);
   const int tiles = sources_.width(), rows = sources_.height(), margin = settings_.margin;
+  const std::ptrdiff_t width = luma_.width();
+  for (int j = 0; j < rows; ++j) {
+    const Source* row = sources_.row(j);
+    const Source* above = sources_.row(std::max(j - 1, 0));
+    const Source* below = sources_.row(std::min(j + 1, rows - 1));
+    std::uint8_t *known = view.known.row(j), *asks = view.asks.row(j);
+    TileColor* colors = view.colors.row(j);
+    std::uint8_t* to = view.luma.row(kTile * j);
+    const std::ptrdiff_t stride = view.luma.width();
+    for (int i = 0; i < tiles; ++i, to += kTile) {
+      Source from = row[i];
+      if (from.i < 0 && i > 0 && i + 1 < tiles && row[i + 1].i >= 0) from = row[i - 1];
+      if (from.i < 0 && j > 0 && j + 1 < rows && below[i].i >= 0) from = above[i];
+      const int x = kTile * (i + margin) + from.dx, y = kTile * (j + margin) + from.dy;
+      known[i] = from.i >= 0 && holds(x, y) ? 1 : 0;
+      asks[i] = known[i] == 0 && takes_in(i, j, frame_ + 1) ? 1 : 0;
+      if (known[i] != 0) {
+        colors[i] = colors_(from.i, from.j);
+        const std::uint8_t* pixels = luma_.row(y) + x;
+        for (int k = 0; k < kTile; ++k) std::memcpy(to + k * stride, pixels + k * width, kTile);
+      } else {
+        for (int k = 0; k < kTile; ++k) std::memset(to + k * stride, 0, kTile);
+      }
+    }
+  }
+}
+
+// Of each tile of a frame, what of the canvas lies there, the nearest of it.
+void SceneCanvas::find_sources(const Rigid3& world_from_camera) {
   std::fill(sources_.begin(), sources_.end(), Source{});
   std::fill(nearest_.begin(), nearest_.end(), std::numeric_limits<float>::infinity());
   const Transfer transfer(camera_, world_from_camera.inverse(Eigen::Isometry) * world_from_key_);
+  const int margin = settings_.margin;
   for (int j = 0; j < depth_.height(); ++j) {
-    const float y = static_cast<float>(kTile * (j - margin)) + kMiddle;
+    float* Z = landing_.Z.data();
+    std::int32_t *a = landing_.a.data(), *b = landing_.b.data();
+    std::int32_t *dx = landing_.dx.data(), *dy = landing_.dy.data();
+    transfer_row(transfer, depth_.row(j), depth_.width(), kTile * -margin, kTile * (j - margin), Z,
+                 a, b, dx, dy);
     for (int i = 0; i < depth_.width(); ++i) {
-      const float Z = depth_(i, j);
-      if (std::isnan(Z)) continue;
-      const float x = static_cast<float>(kTile * (i - margin)) + kMiddle;
-      const Eigen::Vector3f p = transfer(x, y, Z);
-      if (!(p.z() > kNearest && p.z() < kFarthest)) continue;
-      const float w = 1 / p.z(), u = w * p.x(), v = w * p.y();
-      if (!is_near(u, v)) continue;
-      const int a = tile_of(u), b = tile_of(v);
-      if (a < 0 || b < 0 || a >= tiles || b >= rows || p.z() >= nearest_(a, b)) continue;
-      nearest_(a, b) = p.z();
-      sources_(a, b) = {static_cast<std::int16_t>(round_to_int(x - u)),
-                        static_cast<std::int16_t>(round_to_int(y - v)),
-                        static_cast<std::int16_t>(i), static_cast<std::int16_t>(j)};
-    }
-  }
-  for (int j = 0; j < rows; ++j) {
-    for (int i = 0; i < tiles; ++i) {
-      Source from = sources_(i, j);
-      if (from.i < 0 && i > 0 && i + 1 < tiles && sources_(i + 1, j).i >= 0) {
-        from = sources_(i - 1, j);
-      }
-      if (from.i < 0 && j > 0 && j + 1 < rows && sources_(i, j + 1).i >= 0) {
-        from = sources_(i, j - 1);
-      }
-      const int x = kTile * (i + margin) + from.dx, y = kTile * (j + margin) + from.dy;
-      const bool known = from.i >= 0 && holds(x, y);
-      view.known(i, j) = known ? 1 : 0;
-      if (known) view.colors(i, j) = colors_(from.i, from.j);
-      for (int k = 0; k < kTile; ++k) {
-        std::uint8_t* to = view.luma.row(kTile * j + k) + kTile * i;
-        if (known) {
-          std::copy_n(luma_.row(y + k) + x, kTile, to);
-        } else {
-          std::fill_n(to, kTile, std::uint8_t{0});
-        }
-      }
+      if (a[i] < 0 || b[i] < 0 || a[i] >= sources_.width() || b[i] >= sources_.height()) continue;
+      float& nearest = nearest_(a[i], b[i]);
+      if (Z[i] >= nearest) continue;
+      nearest = Z[i];
+      sources_(a[i], b[i]) = {static_cast<std::int16_t>(dx[i]), static_cast<std::int16_t>(dy[i]),
+                              static_cast<std::int16_t>(i), static_cast<std::int16_t>(j)};
     }
   }
 }
@@ -152,7 +198,8 @@ void SceneCanvas::learn(const Rigid3& world_from_camera, const StaticPicture& pi
   const int margin = settings_.margin;
   ++frame_;
   for (int j = 0; j < sources_.height(); ++j) {
-    for (int i = (frame_ + 2 * j) % kTurns; i < sources_.width(); i += kTurns) {
+    for (int i = 0; i < sources_.width(); ++i) {
+      if (!takes_in(i, j, frame_)) continue;
       if (is_static(i, j) == 0 || moves(i, j) != 0) continue;
       const float u = static_cast<float>(kTile * i) + kMiddle;
       const float v = static_cast<float>(kTile * j) + kMiddle;

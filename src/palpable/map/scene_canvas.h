@@ -14,6 +14,7 @@
 #include "palpable/map/static_picture.h"
 
 #include <cstdint>
+#include <vector>
 
 namespace palpable {
 
@@ -59,8 +60,13 @@ class SceneCanvas {
   struct Source {  // of a tile of the frame
     std::int16_t dx = 0, dy = 0, i = -1, j = 0;
   };
+  struct Landings {  // of a row of the canvas: tile (a, b) of the frame, and how far from there
+    std::vector<float> Z;
+    std::vector<std::int32_t> a, b, dx, dy;
+  };
   void resize(const PinholeCamera& camera);
   [[nodiscard]] bool holds(int x, int y) const;
+  void find_sources(const Rigid3& world_from_camera);
 
   SceneCanvasSettings settings_;
   PinholeCamera camera_;
@@ -72,6 +78,7 @@ class SceneCanvas {
   Image<std::uint8_t> strange_;  // visits in a row
   Image<Source> sources_;        // of a frame's tiles
   DepthImage nearest_;
+  Landings landing_;
 };
 
 }  // namespace palpable

@@ -78,7 +78,7 @@ struct Room {
   SceneCanvas canvas;
   StaticPicture picture;
   PictureView view{GrayImage(kCamera.width, kCamera.height), Image<TileColor>(kTiles, kRows),
-                   Image<std::uint8_t>(kTiles, kRows)};
+                   Image<std::uint8_t>(kTiles, kRows), Image<std::uint8_t>(kTiles, kRows)};
 };
 
 TEST_CASE("a scene is drawn as it is seen from beside the key", "[map][scene_canvas]") {

@@ -3,7 +3,9 @@
 #include "palpable/base/contract.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <hwy/base.h>
 
 namespace palpable {
 namespace {
@@ -13,6 +15,7 @@ constexpr int kPixels = 16;   // of a tile
 constexpr int kSteps = 4096;  // of the histograms
 // Tiles that are nearly black or clipped say nothing about the gain.
 constexpr int kDarkest = 4 * kPixels, kBrightest = 240 * kPixels;
+constexpr int kGainEvery = 2;  // of tiles and rows of them: a quarter will do
 // Fewer static tiles say nothing about gain and noise: those of the frame before stay.
 constexpr int kFewest = 50;
 // A frame in which nothing is said to move counts so often: what may be a hand at rest must look
@@ -63,6 +66,37 @@ void scale_row(const std::uint8_t* row, std::uint16_t factor, std::uint8_t* scal
   }
 }
 
+// By value: of references the compiler makes branches, and takes one pixel at a time.
+std::uint8_t lesser(std::uint8_t a, std::uint8_t b) { return a < b ? a : b; }
+std::uint8_t larger(std::uint8_t a, std::uint8_t b) { return a > b ? a : b; }
+
+// Of each value and its neighbours, the least and the largest.
+void span_of_three(const std::uint8_t* p, std::uint8_t* HWY_RESTRICT least,
+                   std::uint8_t* HWY_RESTRICT largest, int width) {
+  least[0] = largest[0] = p[0];
+  least[width - 1] = largest[width - 1] = p[width - 1];
+  for (int x = 1; x < width - 1; ++x) {
+    least[x] = lesser(lesser(p[x - 1], p[x]), p[x + 1]);
+    largest[x] = larger(larger(p[x - 1], p[x]), p[x + 1]);
+  }
+}
+
+// What lies nearest to `seen` between the least and the largest of three rows, and how far away.
+void nearest_within(const std::array<const std::uint8_t*, 3>& least,
+                    const std::array<const std::uint8_t*, 3>& largest, const std::uint8_t* seen,
+                    std::uint8_t* HWY_RESTRICT nearest, std::uint8_t* HWY_RESTRICT difference,
+                    int width) {
+  const auto [l0, l1, l2] = least;
+  const auto [h0, h1, h2] = largest;
+  for (int x = 0; x < width; ++x) {
+    const std::uint8_t low = lesser(lesser(l0[x], l1[x]), l2[x]);
+    const std::uint8_t high = larger(larger(h0[x], h1[x]), h2[x]);
+    const std::uint8_t within = lesser(larger(seen[x], low), high);
+    nearest[x] = within;
+    difference[x] = static_cast<std::uint8_t>(larger(seen[x], within) - lesser(seen[x], within));
+  }
+}
+
 int middle_of(const std::vector<int>& histogram, int count) {
   int below = 0, at = 0;
   while (at < kSteps - 1 && 2 * (below + histogram[static_cast<std::size_t>(at)]) < count) {
@@ -99,6 +133,7 @@ void StaticPicture::resize(int width, int height, const Image<std::uint8_t>& til
       Image<std::uint16_t>(tiles.width(), tiles.height());
   colors_ = colors_now_ = Image<TileColor>(tiles.width(), tiles.height());
   columns_.resize(static_cast<std::size_t>(width));
+  columns_of_difference_.resize(columns_.size());
   scaled_.resize(columns_.size());
   follows_.resize(columns_.size());
   tiles_ = width / kTile;
@@ -109,7 +144,8 @@ bool StaticPicture::compare(const GrayImage& luma, const ColorImage& color, int 
                             const Image<std::uint8_t>& is_static) {
   if (!halve(luma, color, width, height, is_static)) return false;
   find_gain(is_static);
-  tell_looks(color, is_static);
+  find_differences();
+  tell_looks(color, is_static, nullptr);
   return true;
 }
 
@@ -120,28 +156,29 @@ bool StaticPicture::compare(const GrayImage& luma, const ColorImage& color, int 
   gain_ = view_gain_;
   find_gain(is_static);
   view_gain_ = gain_;
-  take_nearest();
-  tell_looks(color, is_static);
+  take_nearest(view);
+  tell_looks(color, is_static, &view);
   return true;
 }
 
-// With the gain known: what has changed.
-void StaticPicture::tell_looks(const ColorImage& color, const Image<std::uint8_t>& is_static) {
-  find_differences();
+// With the differences known: what has changed.
+void StaticPicture::tell_looks(const ColorImage& color, const Image<std::uint8_t>& is_static,
+                               const PictureView* view) {
   find_noise(is_static);
-  find_looks(color);
+  find_looks(color, is_static, view);
   spread_changes(color, is_static);
 }
 
 // The frame's luma at the depth's size, and its tiles.
 bool StaticPicture::halve(const GrayImage& luma, const ColorImage& color, int width, int height,
                           const Image<std::uint8_t>& tiles) {
-  const int factor = width > 0 ? luma.width() / width : 0;
-  if (factor < 1 || factor > 2 || luma.height() / factor != height ||
-      color.width() != luma.width() || color.height() != luma.height()) {
-    return false;
-  }
-  factor_ = factor;
+  const auto factor_of = [&](const auto& image) {
+    const int factor = width > 0 ? image.width() / width : 0;
+    return factor >= 1 && factor <= 2 && image.height() / factor == height ? factor : 0;
+  };
+  const int factor = factor_of(luma);
+  factor_ = factor_of(color);
+  if (factor == 0 || factor_ == 0) return false;
   resize(width, height, tiles);
   for (int j = 0; j < rows_; ++j) {
     std::fill(columns_.begin(), columns_.end(), std::uint16_t{0});
@@ -158,66 +195,60 @@ bool StaticPicture::halve(const GrayImage& luma, const ColorImage& color, int wi
   return true;
 }
 
+// What find_gain() asks for, and the tiles' colours.
 void StaticPicture::take_view(const PictureView& view) {
   const int width = now_.width();
-  for (int j = 0; j < rows_; ++j) {
+  for (int j = 0; j < rows_; j += kGainEvery) {
     std::fill(columns_.begin(), columns_.end(), std::uint16_t{0});
     for (int y = kTile * j; y < kTile * j + kTile; ++y) {
-      std::copy_n(view.luma.row(y), width, picture_.row(y));
       add_row(view.luma.row(y), columns_.data(), width);
     }
     sums_of(columns_.data(), sum_then_.row(j), tiles_);
-    for (int i = 0; i < tiles_; ++i) {
-      sure_(i, j) = static_cast<std::uint8_t>(view.known(i, j) != 0 ? trust_ : 0);
-      colors_(i, j) = view.colors(i, j);
-    }
+  }
+  const auto trust = static_cast<std::uint8_t>(trust_);
+  for (int j = 0; j < rows_; ++j) {
+    std::copy_n(view.colors.row(j), tiles_, colors_.row(j));
+    const std::uint8_t* known = view.known.row(j);
+    std::transform(known, known + tiles_, sure_.row(j), [trust](std::uint8_t is_known) {
+      return is_known != 0 ? trust : std::uint8_t{0};
+    });
   }
 }
 
-// The picture, with the gain in it, becomes what lies nearest to Y within a pixel of it; the gain
-// is then 1.
-void StaticPicture::take_nearest() {
+// The picture becomes what lies nearest to Y within a pixel of the view, with the gain in it; the
+// gain is then 1.
+void StaticPicture::take_nearest(const PictureView& view) {
   const int width = now_.width(), height = kTile * rows_;
   for (int y = 0; y < height; ++y) {
+    const std::uint8_t* p = view.luma.row(y);
     if (gain_ != kUnit) {
-      scale_row(picture_.row(y), static_cast<std::uint16_t>(gain_), scaled_.data(), width);
-      std::copy_n(scaled_.data(), width, picture_.row(y));
+      scale_row(p, static_cast<std::uint16_t>(gain_), scaled_.data(), width);
+      p = scaled_.data();
     }
-    const std::uint8_t* p = picture_.row(y);
-    std::uint8_t *low = least_.row(y), *high = largest_.row(y);
-    low[0] = high[0] = p[0];
-    low[width - 1] = high[width - 1] = p[width - 1];
-    for (int x = 1; x < width - 1; ++x) {
-      low[x] = std::min(std::min(p[x - 1], p[x]), p[x + 1]);
-      high[x] = std::max(std::max(p[x - 1], p[x]), p[x + 1]);
-    }
+    span_of_three(p, least_.row(y), largest_.row(y), width);
   }
   gain_ = kUnit;
   for (int j = 0; j < rows_; ++j) {
     std::fill(columns_.begin(), columns_.end(), std::uint16_t{0});
+    std::fill(columns_of_difference_.begin(), columns_of_difference_.end(), std::uint16_t{0});
     for (int y = kTile * j; y < kTile * j + kTile; ++y) {
       const int above = std::max(y - 1, 0), below = std::min(y + 1, height - 1);
-      const std::uint8_t *l0 = least_.row(above), *l1 = least_.row(y), *l2 = least_.row(below);
-      const std::uint8_t *h0 = largest_.row(above), *h1 = largest_.row(y),
-                         *h2 = largest_.row(below);
-      const std::uint8_t* seen = now_.row(y);
-      std::uint8_t* p = picture_.row(y);
-      for (int x = 0; x < width; ++x) {
-        const std::uint8_t low = std::min(std::min(l0[x], l1[x]), l2[x]);
-        const std::uint8_t high = std::max(std::max(h0[x], h1[x]), h2[x]);
-        p[x] = std::min(std::max(seen[x], low), high);
-      }
-      add_row(p, columns_.data(), width);
+      nearest_within({least_.row(above), least_.row(y), least_.row(below)},
+                     {largest_.row(above), largest_.row(y), largest_.row(below)}, now_.row(y),
+                     picture_.row(y), difference_.row(y), width);
+      add_row(picture_.row(y), columns_.data(), width);
+      add_row(difference_.row(y), columns_of_difference_.data(), width);
     }
     sums_of(columns_.data(), sum_then_.row(j), tiles_);
+    sums_of(columns_of_difference_.data(), sum_difference_.row(j), tiles_);
   }
 }
 
 void StaticPicture::find_gain(const Image<std::uint8_t>& is_static) {
   std::fill(histogram_.begin(), histogram_.end(), 0);
   int count = 0;
-  for (int j = 0; j < rows_; j += 2) {  // a quarter of them will do
-    for (int i = 0; i < tiles_; i += 2) {
+  for (int j = 0; j < rows_; j += kGainEvery) {
+    for (int i = 0; i < tiles_; i += kGainEvery) {
       const int then = sum_then_(i, j), now = sum_now_(i, j);
       if (is_static(i, j) == 0 || sure_(i, j) < trust_ || then < kDarkest || then > kBrightest ||
           now > kBrightest) {
@@ -264,7 +295,8 @@ void StaticPicture::find_noise(const Image<std::uint8_t>& is_static) {
   if (count >= kFewest) noise_ = static_cast<double>(middle_of(histogram_, count)) / kPixels;
 }
 
-void StaticPicture::find_looks(const ColorImage& color) {
+void StaticPicture::find_looks(const ColorImage& color, const Image<std::uint8_t>& is_static,
+                               const PictureView* view) {
   const bool measured = noise_ >= 0;
   const double m = measured ? noise_ : 0;
   const auto sum_of = [](int n, double mean) { return static_cast<int>(n * mean); };
@@ -282,9 +314,10 @@ void StaticPicture::find_looks(const ColorImage& color) {
     const bool refresh = (frame_ + 1 + j) % kColorEvery == 0;  // learn() takes it
     for (int i = 0; i < tiles_; ++i) {
       const bool known = sure_(i, j) >= trust_;
-      if (!known || refresh || strange_(i, j) + 1 >= settings_.frames_to_renew) {
-        see_color(color, i, j);
-      }
+      const bool wanted =
+          view != nullptr ? view->asks(i, j) != 0 && is_static(i, j) != 0
+                          : !known || refresh || strange_(i, j) + 1 >= settings_.frames_to_renew;
+      if (wanted) see_color(color, i, j);
       look_(i, j) = kNothing;
       if (!known || !measured) continue;
       const int now = sum_now_(i, j), then = foretold(i, j);

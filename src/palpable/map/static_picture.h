@@ -28,6 +28,7 @@ struct PictureView {
   GrayImage luma;             ///< of the depth image's size
   Image<TileColor> colors;    ///< per tile
   Image<std::uint8_t> known;  ///< per tile: not 0 where the others say something
+  Image<std::uint8_t> asks;   ///< per tile: not 0 where the frame's colour is wanted
 };
 
 struct StaticPictureSettings {
@@ -96,7 +97,7 @@ class StaticPicture {
 
   /// Compares a frame. Takes memory at the first one of a size.
   /// @param luma       as large as the depth image or twice as large
-  /// @param color      as large as `luma`
+  /// @param color      the same, but not necessarily as `luma`
   /// @param width      of the depth image, and
   /// @param height     px
   /// @param is_static  per tile: not 0 where its depth is the static scene's
@@ -116,8 +117,8 @@ class StaticPicture {
 
   /// The last frame's luma, at the depth's size.
   [[nodiscard]] const GrayImage& luma() const { return now_; }
-  /// Its colour of a tile, if that was looked at, as it is where the picture knows nothing; or
-  /// null.
+  /// Its colour of a tile, if that was looked at, as it is where the picture knows nothing and,
+  /// with a view, the view asks for it; or null.
   [[nodiscard]] const TileColor* color(int i, int j) const {
     return colored_(i, j) != 0 ? &colors_now_(i, j) : nullptr;
   }
@@ -154,12 +155,14 @@ class StaticPicture {
   bool halve(const GrayImage& luma, const ColorImage& color, int width, int height,
              const Image<std::uint8_t>& tiles);
   void take_view(const PictureView& view);
-  void take_nearest();
+  void take_nearest(const PictureView& view);
   void find_gain(const Image<std::uint8_t>& is_static);
   void find_differences();
   void find_noise(const Image<std::uint8_t>& is_static);
-  void tell_looks(const ColorImage& color, const Image<std::uint8_t>& is_static);
-  void find_looks(const ColorImage& color);
+  void tell_looks(const ColorImage& color, const Image<std::uint8_t>& is_static,
+                  const PictureView* view);
+  void find_looks(const ColorImage& color, const Image<std::uint8_t>& is_static,
+                  const PictureView* view);
   void spread_changes(const ColorImage& color, const Image<std::uint8_t>& is_static);
   void see_color(const ColorImage& color, int i, int j);
   [[nodiscard]] TileColor color_of(const ColorImage& color, int i, int j) const;
@@ -175,7 +178,7 @@ class StaticPicture {
 
   StaticPictureSettings settings_;
   int trust_;
-  int factor_ = 1;            // luma's size over the picture's
+  int factor_ = 1;            // the colours' size over the picture's
   int tiles_ = 0, rows_ = 0;  // whole ones
   GrayImage now_, picture_, difference_;
   GrayImage least_, largest_;  // of a view, over three pixels of a row
@@ -186,7 +189,7 @@ class StaticPicture {
   std::vector<int> queue_;
   Image<std::uint8_t> sure_;      // 0: nothing is known; trust_: known
   Image<std::uint16_t> strange_;  // frames in a row in which a tile has changed
-  std::vector<std::uint16_t> columns_;
+  std::vector<std::uint16_t> columns_, columns_of_difference_;
   std::vector<std::uint8_t> scaled_, follows_;  // a row of pixels
   std::vector<int> histogram_;
   int gain_;  // 1/512

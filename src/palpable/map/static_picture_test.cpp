@@ -208,7 +208,7 @@ TEST_CASE("a view may be off by a pixel, a thing may not", "[map][static_picture
   Camera camera(80);
   Watch watch;
   PictureView view{GrayImage(kWidth, kHeight), Image<TileColor>(kTiles, kRows),
-                   Image<std::uint8_t>(kTiles, kRows, 1)};
+                   Image<std::uint8_t>(kTiles, kRows, 1), Image<std::uint8_t>(kTiles, kRows, 1)};
   const auto compare = [&] {
     return watch.picture.compare(camera.luma, camera.color, kWidth, kHeight, watch.all, view);
   };

@@ -75,7 +75,6 @@ struct DepthCamera::Parts {
   RectifiedStereo matched;  // the same at the resolution of matching
   int first_disparity = 0;  // px
   int disparities = 0;      // multiple of 16
-  GrayImage left_half;
   GrayImage right_half;
 
   // kCensus
@@ -162,7 +161,7 @@ void DepthCamera::Parts::rectify(const Frame& frame, SeenFrame& seen) {
   Rectification::luma(seen.color, seen.left);
   rectification->rectify_luma(Eye::kRight, frame.right, seen.right);
   if (settings.full_resolution) return;
-  Rectification::halve(seen.left, left_half);
+  Rectification::halve(seen.left, seen.left_half);
   Rectification::halve(seen.right, right_half);
 }
 
@@ -172,7 +171,7 @@ void DepthCamera::Parts::match_own(SeenFrame& seen) {
     if (settings.full_resolution) {
       own->match(seen.left, seen.right, pair);
     } else {
-      own->match(left_half, right_half, pair);
+      own->match(seen.left_half, right_half, pair);
       own->refine(seen.left, seen.right, pair);
     }
   }
@@ -198,7 +197,7 @@ void DepthCamera::Parts::watch_rows(SeenFrame& seen) {
   seen.row_error_px = error.median_px;
   if (std::isnan(error.median_px) && !fit_is_known) {
     const int factor = settings.full_resolution ? 1 : 2;
-    const GrayImage& l = settings.full_resolution ? seen.left : left_half;
+    const GrayImage& l = settings.full_resolution ? seen.left : seen.left_half;
     const GrayImage& r = settings.full_resolution ? seen.right : right_half;
     seen.misfit = misfit_of(l, r, static_cast<int>(std::lround(matched.disparity_at_infinity_px)),
                             std::max(disparities, 1));
@@ -212,7 +211,7 @@ void DepthCamera::Parts::watch_rows(SeenFrame& seen) {
 }
 
 void DepthCamera::Parts::match_opencv(SeenFrame& seen) {
-  const GrayImage& l = settings.full_resolution ? seen.left : left_half;
+  const GrayImage& l = settings.full_resolution ? seen.left : seen.left_half;
   const GrayImage& r = settings.full_resolution ? seen.right : right_half;
   // OpenCV computes no column x < first + disparities (and, if first < 0, none of the last -first):
   // padding moves those columns out of the picture.
@@ -373,6 +372,7 @@ void DepthCamera::see(const Frame& frame, SeenFrame& seen) {
   }
   if (usable) return;
   seen.left.resize(0, 0);
+  seen.left_half.resize(0, 0);
   seen.right.resize(0, 0);
   std::fill(seen.color.begin(), seen.color.end(), Rgb{});
   std::fill(seen.depth.begin(), seen.depth.end(), kUnknown);

@@ -23,6 +23,7 @@ struct SeenFrame {
   ColorImage color;
   PinholeCamera camera;  ///< of `color`
   GrayImage left;        ///< luma of `color`
+  GrayImage left_half;   ///< the same at half the size; empty where stereo was not matched at that
   GrayImage right;       ///< luma of the right eye, rectified, as large; empty without a right eye
   DepthImage depth;      ///< Z in m, NaN unknown; half as large as `color` for stereo
   PinholeCamera depth_camera;
