@@ -74,15 +74,14 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
                     const DepthImage& surface) {
   PALPABLE_EXPECT(surface.width() == rays.width && surface.height() == rays.height,
                   "each ray has its depth");
-  const double cell = settings_.cell;
-  const Eigen::Vector3d origin = world_from_camera.translation() / cell;
+  const double per_m = 1 / settings_.cell;
+  const Eigen::Vector3d origin = world_from_camera.translation() * per_m;
   const Eigen::Matrix3d R = world_from_camera.linear();
   if (!R.allFinite() || !(origin.cwiseAbs().maxCoeff() < kLargest / 2)) return;
   const auto fixed = [](const Eigen::Vector3d& a) {
     constexpr double kOne = 1 << kFraction;
-    return Place{static_cast<std::int32_t>(std::lround(kOne * a[0])),
-                 static_cast<std::int32_t>(std::lround(kOne * a[1])),
-                 static_cast<std::int32_t>(std::lround(kOne * a[2]))};
+    return Place{floor_to_int(kOne * a[0] + 0.5), floor_to_int(kOne * a[1] + 0.5),
+                 floor_to_int(kOne * a[2] + 0.5)};
   };
   const int turn_x = frame_ % kTurns, turn_y = frame_ / kTurns % kTurns;
   ++frame_;
@@ -95,14 +94,17 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
   RecentBlocks<Block> recent;
 
   const Place start = fixed(origin);
+  // A ray's direction, with 1 along the camera's axis.
+  const Eigen::Vector3d across = R.col(0) / rays.fx_px, down = R.col(1) / rays.fy_px;
+  const Eigen::Vector3d first = R.col(2) - rays.cx_px * across - rays.cy_px * down;
   for (int y = turn_y; y < rays.height; y += kTurns) {
     for (int x = turn_x; x < rays.width; x += kTurns) {
       const auto Z = static_cast<double>(surface(x, y));
       if (!(Z > 0)) continue;
       const double margin = std::max(settings_.margin, settings_.sigmas * noise_.sigma(Z));
       const double end = std::min(Z - margin, settings_.farthest);
-      const int steps = static_cast<int>(std::floor(end / cell));
-      const Place step = fixed(R * rays.unproject(x, y, 1.0));  // one cell of depth on
+      const int steps = floor_to_int(end * per_m);
+      const Place step = fixed(first + x * across + y * down);  // one cell of depth on
       Place at = start, in_block{};
       Block* block = nullptr;
       for (int i = 1; i <= steps; ++i) {
@@ -129,7 +131,7 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
     for (int x = turn_x; x < rays.width; x += kTurns) {
       const auto Z = static_cast<double>(surface(x, y));
       if (!(Z > 0) || Z > settings_.farthest) continue;
-      const Place at = fixed(origin + R * rays.unproject(x, y, Z / cell));
+      const Place at = fixed(origin + Z * per_m * (first + x * across + y * down));
       const std::uint64_t key = block_of(at);
       Block* block = recent.of(key, [&] { return meet(block_at(key)); });
       if (block == nullptr) continue;

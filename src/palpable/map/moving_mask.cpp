@@ -29,7 +29,7 @@ constexpr int kLongestHole = 24;
 // Four neighbours' depths that differ by less than this share, or by so many sigma, are looked up
 // once: four values of one depth span 2.1 sigma on average, more than 4 once in forty times.
 constexpr float kAlike = 0.02F;
-constexpr double kAlikeSigmas = 4;
+constexpr float kAlikeSigmas = 4;
 
 // A group of which this share is seen to move needs no memory of earlier frames.
 constexpr double kEvident = 0.1;
@@ -80,6 +80,20 @@ void take_nearest(float there, std::int32_t says, const float* HWY_RESTRICT dept
   }
 }
 
+void low_and_high(const float* a, const float* b, float* HWY_RESTRICT low, float* HWY_RESTRICT high,
+                  float* HWY_RESTRICT sum, int count) {
+  for (int i = 0; i < count; ++i) {
+    low[i] = a[i] < b[i] ? a[i] : b[i];
+    high[i] = a[i] > b[i] ? a[i] : b[i];
+    sum[i] = a[i] + b[i];
+  }
+}
+
+float sigma_of(const DepthNoise& noise, float depth) {
+  return static_cast<float>(noise.constant) +
+         depth * (static_cast<float>(noise.linear) + depth * static_cast<float>(noise.quadratic));
+}
+
 void any_of_three(const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c,
                   std::uint8_t* HWY_RESTRICT any, int count) {
   for (int i = 0; i < count; ++i) any[i] = a[i] | b[i] | c[i];
@@ -114,7 +128,9 @@ void MovingMask::resize(const DepthImage& depth) {
   moved_depth_ = DepthImage(width, height);
   ray_depth_ = DepthImage((width + 1) / 2, (height + 1) / 2);
   any_beside_ = all_beside_ = all_move_ = Image<std::uint8_t>(width, height);
-  columns_.resize(static_cast<std::size_t>(width));
+  alike_.resize(static_cast<std::size_t>((width + 1) / 2));
+  columns_.resize(2 * alike_.size());
+  highest_ = sums_ = columns_;
   row_.resize(static_cast<std::size_t>(width) + 2);
   queue_.reserve(tile_depth_.size());
   edge_.reserve(tile_depth_.size());
@@ -172,6 +188,24 @@ void MovingMask::sample(const SeenFrame& seen) {
   }
 }
 
+// Of each 2 x 2 tiles of two rows their mean depth, or 0 where they differ by more than noise or
+// one is not known: four tiles of one depth are looked up once, and most of a picture is smooth.
+void MovingMask::find_alike(int j, int j1) {
+  const int width = tile_depth_.width(), fours = (width + 1) / 2;
+  low_and_high(tile_depth_.row(j), tile_depth_.row(j1), columns_.data(), highest_.data(),
+               sums_.data(), width);
+  columns_[static_cast<std::size_t>(2 * fours - 1)] = columns_[static_cast<std::size_t>(width - 1)];
+  highest_[static_cast<std::size_t>(2 * fours - 1)] = highest_[static_cast<std::size_t>(width - 1)];
+  sums_[static_cast<std::size_t>(2 * fours - 1)] = sums_[static_cast<std::size_t>(width - 1)];
+  for (std::size_t i = 0; i < alike_.size(); ++i) {
+    const float low = std::min(columns_[2 * i], columns_[2 * i + 1]);
+    const float high = std::max(highest_[2 * i], highest_[2 * i + 1]);
+    const float sum = sums_[2 * i] + sums_[2 * i + 1];  // NaN where one is not known
+    const float scatter = kAlikeSigmas * sigma_of(noise_, low);
+    alike_[i] = sum > 0 && high - low <= std::max(kAlike * low, scatter) ? 0.25F * sum : 0;
+  }
+}
+
 void MovingMask::label(const Rigid3& world_from_camera, const SurfaceMap* map) {
   const Eigen::Matrix3f R = world_from_camera.linear().cast<float>();
   const Eigen::Vector3f t = world_from_camera.translation().cast<float>();
@@ -200,17 +234,18 @@ void MovingMask::label(const Rigid3& world_from_camera, const SurfaceMap* map) {
     if (voxel != nullptr) hwy::Prefetch(voxel);
     questions_.push_back({p, voxel, Z, i, j, for_four});
   };
+  const auto step = static_cast<float>(settings_.step);
+  const auto sigmas = static_cast<float>(settings_.sigmas);
   const auto answer = [&](const Question& q) -> std::uint8_t {
     if (q.depth > farthest) return kStatic;
     // The map comes first: at a slanted surface rays pass through the cells in which it lies.
     if (q.voxel != nullptr && was_seen(*q.voxel)) {
       const float d = map->units().distance_of(*q.voxel);
-      const double sigma = noise_.sigma(static_cast<double>(q.depth));
-      const auto allowed = static_cast<float>(std::max(settings_.step, settings_.sigmas * sigma));
+      const float sigma = sigma_of(noise_, q.depth);
+      const float allowed = std::max(step, sigmas * sigma);
       if (d > allowed) return kMoving;
       if (d >= -allowed) {
-        const float weight = map->units().weight_of(*q.voxel);
-        return weight >= old_surface * map->weight_of(sigma) ? kStatic : unexplained(q.i, q.j);
+        return map->weighs(*q.voxel, old_surface, sigma) ? kStatic : unexplained(q.i, q.j);
       }
     }
     return space.is_free(q.point) ? kMoving : unexplained(q.i, q.j);
@@ -220,24 +255,17 @@ void MovingMask::label(const Rigid3& world_from_camera, const SurfaceMap* map) {
     const int j1 = std::min(j + 1, height - 1);
     // All of two rows before the first is answered: the voxels come from memory together.
     questions_.clear();
+    find_alike(j, j1);
     for (int i = 0; i < width; i += 2) {
-      // Four tiles of one depth are looked up once: most of a picture is smooth.
-      const int i1 = std::min(i + 1, width - 1);
-      const std::array<float, 4> Z{tile_depth_(i, j), tile_depth_(i1, j), tile_depth_(i, j1),
-                                   tile_depth_(i1, j1)};
-      const float low = std::min(std::min(Z[0], Z[1]), std::min(Z[2], Z[3]));
-      const float high = std::max(std::max(Z[0], Z[1]), std::max(Z[2], Z[3]));
-      const float sum = Z[0] + Z[1] + Z[2] + Z[3];  // NaN where one is not known
-      const auto scatter =
-          static_cast<float>(kAlikeSigmas * noise_.sigma(static_cast<double>(low)));
-      if (sum > 0 && high - low <= std::max(kAlike * low, scatter)) {
-        ask(i, j, 0.25F * sum, true);
+      if (const float Z = alike_[static_cast<std::size_t>(i / 2)]; Z > 0) {
+        ask(i, j, Z, true);
         continue;
       }
-      ask(i, j, Z[0], false);
-      if (i1 > i) ask(i1, j, Z[1], false);
-      if (j1 > j) ask(i, j1, Z[2], false);
-      if (i1 > i && j1 > j) ask(i1, j1, Z[3], false);
+      const int i1 = std::min(i + 1, width - 1);
+      ask(i, j, tile_depth_(i, j), false);
+      if (i1 > i) ask(i1, j, tile_depth_(i1, j), false);
+      if (j1 > j) ask(i, j1, tile_depth_(i, j1), false);
+      if (i1 > i && j1 > j) ask(i1, j1, tile_depth_(i1, j1), false);
     }
     for (const Question& q : questions_) {
       const std::uint8_t label = answer(q);
@@ -294,8 +322,9 @@ void MovingMask::compare_look(const SeenFrame& seen, const Rigid3& world_from_ca
   for (int j = 0; j < height; ++j) {
     for (int i = 0; i < width; ++i) {
       std::uint8_t& label = tile_label_(i, j);
-      const bool measured = !std::isnan(tile_depth_(i, j));
       const Look look = picture.tile(i, j);
+      if (label == kStatic && look != StaticPicture::kChanged && !starting) continue;  // most
+      const bool measured = !std::isnan(tile_depth_(i, j));
       if (starting && look == StaticPicture::kNothing) {
         label = std::min<std::uint8_t>(label, kUnexplained);
       } else if (label == kStatic) {

@@ -92,6 +92,7 @@ class MovingMask {
 
   void resize(const DepthImage& depth);
   void sample(const SeenFrame& seen);
+  void find_alike(int j, int j1);
   void label(const Rigid3& world_from_camera, const SurfaceMap* map);
   void compare_look(const SeenFrame& seen, const Rigid3& world_from_camera);
   void group();
@@ -117,8 +118,9 @@ class MovingMask {
   Image<std::uint8_t> seen_;
   Image<std::uint8_t> all_move_;  // with all neighbours
   Image<std::uint8_t> any_beside_, all_beside_;
-  std::vector<std::uint8_t> row_;  // of tiles, and one more at both ends
-  std::vector<float> columns_;
+  std::vector<std::uint8_t> row_;                // of tiles, and one more at both ends
+  std::vector<float> columns_, highest_, sums_;  // of a row of tiles or two
+  std::vector<float> alike_;
   MaskImage mask_;
   std::vector<int> open_;  // pixels that are not decided yet
   MaskImage above_, below_;

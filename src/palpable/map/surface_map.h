@@ -82,10 +82,13 @@ class SurfaceMap {
   /// Forgets everything; keeps the memory.
   void clear();
 
-  /// What one depth that scatters by `sigma` (m) adds to a voxel's weight.
-  [[nodiscard]] double weight_of(double sigma) const {
-    const double share = settings_.best_sigma / sigma;
-    return std::min(1.0, share * share);
+  /// Whether a voxel weighs as much as so many frames with a depth that scatters by `sigma` (m)
+  /// give it.
+  [[nodiscard]] bool weighs(Voxel voxel, float frames, float sigma) const {
+    const auto best = static_cast<float>(settings_.best_sigma);
+    // w >= frames min(1, (best / sigma)^2), without a division: it is asked for each tile.
+    return units_.weight_of(voxel) * (sigma * sigma) >=
+           frames * std::min(sigma * sigma, best * best);
   }
 
   /// One block of 8 x 8 x 8 voxels, x running fastest, in slot [0, capacity) of the map's table.
