@@ -273,7 +273,11 @@ void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, cons
   const PinholeCamera view = geometry.stereo.camera.scaled_down(2);
   write_texts(folder, sequence, order, view, geometry.stereo.baseline);
   const FrameWriter writer{
-      folder, sequence, body, view, geometry.stereo.baseline,
+      folder,
+      sequence,
+      body,
+      view,
+      geometry.stereo.baseline,
       transformed(sample_surface(body.surface, kTruthSpacing), sequence.desk_from_body)};
 
   // Two threads film every second frame each: while one waits for the GPU, or for the threads that
