@@ -286,24 +286,29 @@ void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, cons
   std::atomic<int> written = 0;
   std::atomic<bool> stop = false;
   const auto film = [&](DeskRenderer& own, int first, const Progress& show) {
+    for (int frame = first; frame < sequence.frames && !stop; frame += 2) {
+      lines[static_cast<std::size_t>(frame)] = writer.write(own, frame);
+      report(show, {"writing the sequence", static_cast<double>(++written),
+                    static_cast<double>(sequence.frames), ""});
+    }
+    check_gl(own);
+  };
+  const auto or_stop_both = [&stop](const auto& work) {
     try {
-      for (int frame = first; frame < sequence.frames && !stop; frame += 2) {
-        lines[static_cast<std::size_t>(frame)] = writer.write(own, frame);
-        report(show, {"writing the sequence", static_cast<double>(++written),
-                      static_cast<double>(sequence.frames), ""});
-      }
+      work();
     } catch (...) {
       stop = true;
       throw;
     }
-    check_gl(own);
   };
   std::future<void> other = std::async(std::launch::async, [&] {
-    if (sequence.frames < 2) return;
-    DeskRenderer own = make_renderer(sequence, scene, rig, geometry);
-    film(own, 1, {});
+    or_stop_both([&] {
+      if (sequence.frames < 2) return;
+      DeskRenderer own = make_renderer(sequence, scene, rig, geometry);
+      film(own, 1, {});
+    });
   });
-  film(renderer, 0, progress);
+  or_stop_both([&] { film(renderer, 0, progress); });
   other.get();
   report(progress, {"writing the sequence", static_cast<double>(sequence.frames),
                     static_cast<double>(sequence.frames), ""});
