@@ -11,13 +11,12 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <future>
-#include <memory>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -33,7 +32,6 @@ constexpr int kIgnoreStaticFrames = 15;   // what these show does not press
 constexpr double kDepthUnit = 0.00025;    // m per count
 constexpr double kTruthSpacing = 0.0015;  // m between points of the body that are looked at
 constexpr double kAtSite = 0.010;         // m: farther from every site a touch lies between them
-constexpr std::size_t kShotsInFlight = 3;
 
 /// A text file that complains when the disk is full instead of being short.
 class TextFile {
@@ -183,6 +181,57 @@ void make_folders(const fs::path& out) {
   }
 }
 
+DeskRenderer make_renderer(const Sequence& sequence, const DeskScene& scene, const StereoRig& rig,
+                           const RectifiedGeometry& geometry) {
+  return value_or_throw(DeskRenderer::make({rig, sequence.faults, geometry.rectified_from_left},
+                                           scene, sequence.look));
+}
+
+void check_gl(const DeskRenderer& renderer) {
+  if (renderer.gl_error_count() > 0)
+    throw Error(fmt::format("OpenGL reported {} errors on {}; the pictures may be wrong",
+                            renderer.gl_error_count(), renderer.gl_description()));
+}
+
+/// What one frame adds to the texts of the truth.
+struct FrameLines {
+  std::string hand, contact, trajectory, rig;
+};
+
+/// Films single frames; may be used by several threads, each with its own renderer.
+struct FrameWriter {
+  const fs::path& folder;
+  const Sequence& sequence;
+  const DeskBody& body;
+  PinholeCamera view;  ///< of the truth
+  double baseline;
+  SurfacePoints body_in_desk;
+
+  /// Writes the frame's images.
+  [[nodiscard]] FrameLines write(DeskRenderer& renderer, int frame) const {
+    const DeskMoment moment = moment_of(sequence, frame);
+    RawPair pair;
+    DeskTruth truth;
+    renderer.draw(moment, pair);
+    renderer.draw_truth(moment, view, baseline, truth);
+    const std::string name = fmt::format("{:06d}", frame);
+    write_jpeg(folder / "frames" / "left" / (name + ".jpg"), pair.left);
+    write_jpeg(folder / "frames" / "right" / (name + ".jpg"), pair.right);
+    write_depth(folder / "truth" / "depth" / (name + ".png"), truth.depth);
+    write_labels(folder / "truth" / "labels" / (name + ".png"), truth.labels);
+
+    const Movers movers = moment.movers(frame);
+    FrameLines lines;
+    lines.hand = capsule_line(frame, movers, moment.camera_from_desk(frame));
+    lines.contact = contact_line(frame, movers, body_in_desk, body, sequence.desk_from_body);
+    lines.trajectory = trajectory_line(frame, world_from_camera(sequence, frame));
+    lines.rig = fmt::format("{{\"frame\":{},\"row_offset_px\":{:.4f}{}}}\n", frame,
+                            sequence.faults.row_error_px + moment.rig.row_offset_px,
+                            moment.rig.row_step ? ",\"step\":true" : "");
+    return lines;
+  }
+};
+
 }  // namespace
 
 fs::path default_body() {
@@ -207,71 +256,72 @@ DeskBody desk_body(const ReducedBody& body) {
 Film film_of(const Sequence& sequence) {
   const StereoRig rig = zed_mini_rig();
   const RectifiedGeometry geometry = rectified_geometry(rig);
-  return {rig, geometry,
-          value_or_throw(DeskRenderer::make({rig, sequence.faults, geometry.rectified_from_left},
-                                            desk_scene(sequence.look), sequence.look))};
+  return {rig, geometry, make_renderer(sequence, desk_scene(sequence.look), rig, geometry)};
 }
 
 void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, const fs::path& folder,
                     const Progress& progress) {
   const DeskBody body = desk_body(reduced);
   const Sequence sequence = plan_sequence(order.name, body, order.frames, order.seed);
-  Film film = film_of(sequence);
+  const StereoRig rig = zed_mini_rig();
+  const RectifiedGeometry geometry = rectified_geometry(rig);
+  const DeskScene scene = desk_scene(sequence.look);
+  DeskRenderer renderer = make_renderer(sequence, scene, rig, geometry);
 
   make_folders(folder);
-  write_stereo_calibration(folder / "frames" / "calibration.yml", {film.rig, kFramesPerSecond});
-  const PinholeCamera view = film.geometry.stereo.camera.scaled_down(2);
-  const double baseline = film.geometry.stereo.baseline;
-  write_texts(folder, sequence, order, view, baseline);
-  TextFile hands(folder / "truth" / "hand.jsonl");
-  TextFile contacts(folder / "truth" / "contact.jsonl");
-  TextFile trajectory(folder / "truth" / "trajectory.txt");
-  TextFile rig(folder / "truth" / "rig.jsonl");
-  const SurfacePoints in_desk =
-      transformed(sample_surface(body.surface, kTruthSpacing), sequence.desk_from_body);
+  write_stereo_calibration(folder / "frames" / "calibration.yml", {rig, kFramesPerSecond});
+  const PinholeCamera view = geometry.stereo.camera.scaled_down(2);
+  write_texts(folder, sequence, order, view, geometry.stereo.baseline);
+  const FrameWriter writer{
+      folder,
+      sequence,
+      body,
+      view,
+      geometry.stereo.baseline,
+      transformed(sample_surface(body.surface, kTruthSpacing), sequence.desk_from_body)};
 
-  // Pictures are encoded and contact is measured while the next frames are drawn.
-  struct Shot {
-    RawPair pair;
-    DeskTruth truth;
-    Movers movers;
+  // Two threads film every second frame each: while one waits for the GPU, or for the threads that
+  // stand in for it, the other makes meshes and encodes.
+  std::vector<FrameLines> lines(static_cast<std::size_t>(sequence.frames));
+  std::atomic<int> written = 0;
+  std::atomic<bool> stop = false;
+  const auto film = [&](DeskRenderer& own, int first, const Progress& show) {
+    for (int frame = first; frame < sequence.frames && !stop; frame += 2) {
+      lines[static_cast<std::size_t>(frame)] = writer.write(own, frame);
+      report(show, {"writing the sequence", static_cast<double>(++written),
+                    static_cast<double>(sequence.frames), ""});
+    }
+    check_gl(own);
   };
-  std::deque<std::future<std::string>> encoding;
-  const auto finish_one = [&] {
-    contacts.write(encoding.front().get());
-    encoding.pop_front();
+  const auto or_stop_both = [&stop](const auto& work) {
+    try {
+      work();
+    } catch (...) {
+      stop = true;
+      throw;
+    }
   };
-  for (int frame = 0; frame < sequence.frames; ++frame) {
-    auto shot = std::make_unique<Shot>();
-    const DeskMoment moment = moment_of(sequence, frame);
-    film.renderer.draw(moment, shot->pair);
-    film.renderer.draw_truth(moment, view, baseline, shot->truth);
-    shot->movers = moment.movers(frame);
+  std::future<void> other = std::async(std::launch::async, [&] {
+    or_stop_both([&] {
+      if (sequence.frames < 2) return;
+      DeskRenderer own = make_renderer(sequence, scene, rig, geometry);
+      film(own, 1, {});
+    });
+  });
+  or_stop_both([&] { film(renderer, 0, progress); });
+  other.get();
+  report(progress, {"writing the sequence", static_cast<double>(sequence.frames),
+                    static_cast<double>(sequence.frames), ""});
 
-    hands.write(capsule_line(frame, shot->movers, moment.camera_from_desk(frame)));
-    trajectory.write(trajectory_line(frame, world_from_camera(sequence, frame)));
-    rig.write(fmt::format("{{\"frame\":{},\"row_offset_px\":{:.4f}{}}}\n", frame,
-                          sequence.faults.row_error_px + moment.rig.row_offset_px,
-                          moment.rig.row_step ? ",\"step\":true" : ""));
-
-    if (encoding.size() == kShotsInFlight) finish_one();
-    encoding.push_back(std::async(
-        std::launch::async, [shot = std::move(shot), frame, &folder, &sequence, &in_desk, &body] {
-          const std::string name = fmt::format("{:06d}", frame);
-          write_jpeg(folder / "frames" / "left" / (name + ".jpg"), shot->pair.left);
-          write_jpeg(folder / "frames" / "right" / (name + ".jpg"), shot->pair.right);
-          write_depth(folder / "truth" / "depth" / (name + ".png"), shot->truth.depth);
-          write_labels(folder / "truth" / "labels" / (name + ".png"), shot->truth.labels);
-          return contact_line(frame, shot->movers, in_desk, body, sequence.desk_from_body);
-        }));
-    report(progress,
-           {"writing the sequence", frame + 1.0, static_cast<double>(sequence.frames), ""});
-  }
-  while (!encoding.empty()) finish_one();
-  for (TextFile* file : {&hands, &contacts, &trajectory, &rig}) file->close();
-  if (film.renderer.gl_error_count() > 0)
-    throw Error(fmt::format("OpenGL reported {} errors on {}; the pictures may be wrong",
-                            film.renderer.gl_error_count(), film.renderer.gl_description()));
+  const auto write_lines = [&](const char* name, std::string FrameLines::*line) {
+    TextFile file(folder / "truth" / name);
+    for (const FrameLines& frame : lines) file.write(frame.*line);
+    file.close();
+  };
+  write_lines("hand.jsonl", &FrameLines::hand);
+  write_lines("contact.jsonl", &FrameLines::contact);
+  write_lines("trajectory.txt", &FrameLines::trajectory);
+  write_lines("rig.jsonl", &FrameLines::rig);
 }
 
 }  // namespace palpable::app

@@ -13,35 +13,6 @@ namespace palpable {
 
 namespace {
 
-/// A point in the half plane that holds the axis and the point, and the cone's slope there.
-///
-/// The line that touches both circles has the normal (cos, sin) over (radial, axial), with
-/// sin = (ra - rb) / length; `along` runs on it from the tangent point of a (0) to that of b.
-struct Profile {
-  double axial, radial;
-  double sine, cosine;
-  double along, along_end;
-  Eigen::Vector3d axis;
-  bool is_sphere;
-};
-
-Profile profile_of(const Capsule& capsule, const Eigen::Vector3d& x) {
-  Profile p{};
-  const Eigen::Vector3d ab = capsule.b - capsule.a;
-  const double length = ab.norm();
-  p.is_sphere = length <= std::abs(capsule.ra - capsule.rb);
-  if (p.is_sphere) return p;
-  p.axis = ab / length;
-  const Eigen::Vector3d ax = x - capsule.a;
-  p.axial = ax.dot(p.axis);
-  p.radial = std::sqrt(std::max(0.0, ax.squaredNorm() - p.axial * p.axial));
-  p.sine = (capsule.ra - capsule.rb) / length;
-  p.cosine = std::sqrt(1.0 - p.sine * p.sine);
-  p.along = p.cosine * p.axial - p.sine * p.radial;
-  p.along_end = p.cosine * length;
-  return p;
-}
-
 Eigen::Vector3d unit_or(const Eigen::Vector3d& v, const Eigen::Vector3d& otherwise) {
   const double length = v.norm();
   return length > 1e-12 ? Eigen::Vector3d(v / length) : otherwise;
@@ -49,14 +20,48 @@ Eigen::Vector3d unit_or(const Eigen::Vector3d& v, const Eigen::Vector3d& otherwi
 
 }  // namespace
 
+CapsuleField::CapsuleField(const Capsule& capsule) : capsule_(capsule) {
+  const Eigen::Vector3d ab = capsule.b - capsule.a;
+  const double length = ab.norm();
+  is_sphere_ = length <= std::abs(capsule.ra - capsule.rb);
+  if (is_sphere_) return;
+  axis_ = ab / length;
+  sine_ = (capsule.ra - capsule.rb) / length;
+  cosine_ = std::sqrt(1.0 - sine_ * sine_);
+  along_end_ = cosine_ * length;
+}
+
+CapsuleField::Profile CapsuleField::profile_of(const Eigen::Vector3d& x) const {
+  const Eigen::Vector3d ax = x - capsule_.a;
+  Profile p{};
+  p.axial = ax.dot(axis_);
+  p.radial = std::sqrt(std::max(0.0, ax.squaredNorm() - p.axial * p.axial));
+  p.along = cosine_ * p.axial - sine_ * p.radial;
+  return p;
+}
+
+double CapsuleField::distance(const Eigen::Vector3d& x) const {
+  const auto& [a, b, ra, rb] = capsule_;
+  if (is_sphere_) return ra >= rb ? (x - a).norm() - ra : (x - b).norm() - rb;
+  const Profile p = profile_of(x);
+  if (p.along <= 0.0) return (x - a).norm() - ra;
+  if (p.along >= along_end_) return (x - b).norm() - rb;
+  return cosine_ * p.radial + sine_ * p.axial - ra;
+}
+
+Eigen::Vector3d CapsuleField::normal(const Eigen::Vector3d& x) const {
+  const auto& [a, b, ra, rb] = capsule_;
+  const Eigen::Vector3d any = Eigen::Vector3d::UnitX();
+  if (is_sphere_) return unit_or(ra >= rb ? x - a : x - b, any);
+  const Profile p = profile_of(x);
+  if (p.along <= 0.0) return unit_or(x - a, any);
+  if (p.along >= along_end_) return unit_or(x - b, any);
+  const Eigen::Vector3d outwards = unit_or(x - a - p.axial * axis_, axis_.unitOrthogonal());
+  return cosine_ * outwards + sine_ * axis_;
+}
+
 double signed_distance(const Capsule& capsule, const Eigen::Vector3d& x) {
-  const Profile p = profile_of(capsule, x);
-  if (p.is_sphere)
-    return capsule.ra >= capsule.rb ? (x - capsule.a).norm() - capsule.ra
-                                    : (x - capsule.b).norm() - capsule.rb;
-  if (p.along <= 0.0) return (x - capsule.a).norm() - capsule.ra;
-  if (p.along >= p.along_end) return (x - capsule.b).norm() - capsule.rb;
-  return p.cosine * p.radial + p.sine * p.axial - capsule.ra;
+  return CapsuleField(capsule).distance(x);
 }
 
 double signed_distance(std::span<const Capsule> capsules, const Eigen::Vector3d& x) {
@@ -66,14 +71,7 @@ double signed_distance(std::span<const Capsule> capsules, const Eigen::Vector3d&
 }
 
 Eigen::Vector3d distance_normal(const Capsule& capsule, const Eigen::Vector3d& x) {
-  const Profile p = profile_of(capsule, x);
-  const Eigen::Vector3d any = Eigen::Vector3d::UnitX();
-  if (p.is_sphere) return unit_or(capsule.ra >= capsule.rb ? x - capsule.a : x - capsule.b, any);
-  if (p.along <= 0.0) return unit_or(x - capsule.a, any);
-  if (p.along >= p.along_end) return unit_or(x - capsule.b, any);
-  const Eigen::Vector3d outwards =
-      unit_or(x - capsule.a - p.axial * p.axis, p.axis.unitOrthogonal());
-  return p.cosine * outwards + p.sine * p.axis;
+  return CapsuleField(capsule).normal(x);
 }
 
 double ray_distance(std::span<const Capsule> capsules, const Eigen::Vector3d& origin,

@@ -20,15 +20,40 @@ struct Capsule {
   double rb = 0;  ///< > 0
 };
 
-/// Distance of x to the capsule's surface, negative inside; exact (closed form).
+/// A capsule's distance field, for many points.
+///
+/// The line that touches both circles of its profile has the normal (cosine, sine) over (radial,
+/// axial), with sine = (ra - rb) / length; `along` runs on it from the tangent point of a (0) to
+/// that of b.
+class CapsuleField {
+ public:
+  explicit CapsuleField(const Capsule& capsule);
+
+  /// Distance of x to the capsule's surface, negative inside; exact (closed form).
+  [[nodiscard]] double distance(const Eigen::Vector3d& x) const;
+  /// Unit outward normal of the field at x; any unit vector on the axis, where it has a crease.
+  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& x) const;
+
+ private:
+  struct Profile {
+    double axial, radial, along;
+  };
+  [[nodiscard]] Profile profile_of(const Eigen::Vector3d& x) const;
+
+  Capsule capsule_;
+  Eigen::Vector3d axis_ = Eigen::Vector3d::Zero();
+  double sine_ = 0, cosine_ = 1, along_end_ = 0;
+  bool is_sphere_ = false;
+};
+
+/// CapsuleField's, for one point.
 [[nodiscard]] double signed_distance(const Capsule& capsule, const Eigen::Vector3d& x);
 
 /// Distance to the union: the smallest of the capsules'; exact outside, a bound inside. Infinite
 /// for no capsules.
 [[nodiscard]] double signed_distance(std::span<const Capsule> capsules, const Eigen::Vector3d& x);
 
-/// Unit outward normal of the capsule's distance field at x; any unit vector on the axis, where the
-/// field has a crease.
+/// CapsuleField's, for one point.
 [[nodiscard]] Eigen::Vector3d distance_normal(const Capsule& capsule, const Eigen::Vector3d& x);
 
 /// Distance along the ray origin + t * direction (unit) to the union, by sphere tracing to 1e-6 m;

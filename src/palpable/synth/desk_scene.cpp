@@ -426,13 +426,19 @@ std::vector<const HandCapsule*> near_to(const Capsule& own, double reach,
 }
 
 /// Signed distances of a capsule's vertices (columns) to others (rows), m.
-Eigen::MatrixXd distances_of(const CapsuleMesh& mesh,
-                             const std::vector<const HandCapsule*>& others) {
+std::vector<CapsuleField> fields_of(const std::vector<const HandCapsule*>& capsules) {
+  std::vector<CapsuleField> fields;
+  fields.reserve(capsules.size());
+  for (const HandCapsule* capsule : capsules) fields.emplace_back(capsule->shape);
+  return fields;
+}
+Eigen::MatrixXd distances_of(const CapsuleMesh& mesh, std::span<const CapsuleField> others) {
   Eigen::MatrixXd distances(static_cast<Eigen::Index>(others.size()), mesh.vertices.cols());
-  for (Eigen::Index v = 0; v < distances.cols(); ++v)
-    for (Eigen::Index k = 0; k < distances.rows(); ++k)
-      distances(k, v) =
-          signed_distance(others[static_cast<std::size_t>(k)]->shape, mesh.vertices.col(v));
+  for (Eigen::Index v = 0; v < distances.cols(); ++v) {
+    const Vector3d x = mesh.vertices.col(v);
+    for (std::size_t k = 0; k < others.size(); ++k)
+      distances(static_cast<Eigen::Index>(k), v) = others[k].distance(x);
+  }
   return distances;
 }
 
@@ -508,7 +514,8 @@ std::vector<PaintedMesh> mover_meshes(std::span<const HandCapsule> capsules,
     const Vector3d side = axis.cross(back);
 
     const std::vector<const HandCapsule*> near = near_to(c, 2.0 * kShadeReach, capsules);
-    const Eigen::MatrixXd distances = distances_of(mesh, near);
+    const std::vector<CapsuleField> fields = fields_of(near);
+    const Eigen::MatrixXd distances = distances_of(mesh, fields);
     // Triangles that nobody sees are left out, and their corners are not shaded.
     std::vector<bool> is_seen(static_cast<std::size_t>(mesh.vertices.cols()), false);
     Eigen::MatrixXd also_distances;
@@ -516,7 +523,7 @@ std::vector<PaintedMesh> mover_meshes(std::span<const HandCapsule> capsules,
       const HandCapsule& then = also[static_cast<std::size_t>(one - capsules.data())];
       const CapsuleMesh moved = tessellate(then.shape, then.back, kChordError);
       PALPABLE_EXPECT(moved.triangles == mesh.triangles, "what moves keeps its triangles");
-      also_distances = distances_of(moved, near_to(then.shape, 0.0, also));
+      also_distances = distances_of(moved, fields_of(near_to(then.shape, 0.0, also)));
     }
     for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
       const Eigen::Vector3i triangle = mesh.triangles.col(t);
@@ -539,13 +546,14 @@ std::vector<PaintedMesh> mover_meshes(std::span<const HandCapsule> capsules,
       double open = kShadeReach;
       bool hidden = false;
       for (std::size_t k = 0; k < near.size() && !is_held(own); ++k) {
-        const Capsule& other = near[k]->shape;
         const double d = distances(static_cast<Eigen::Index>(k), v);
         hidden = hidden || d < -2.0 * blend;
         if (d > 2.5 * kShadeReach) continue;
         if (d < 4.0 * blend && sleeve(own) == sleeve(*near[k]))
-          smooth += std::exp(-d / blend) * distance_normal(other, x);
-        open = std::min(open, signed_distance(other, x + kShadeReach * smooth.normalized()));
+          smooth += std::exp(-d / blend) * fields[k].normal(x);
+        // A point kShadeReach away is at most so much nearer.
+        if (d - kShadeReach < open)
+          open = std::min(open, fields[k].distance(x + kShadeReach * smooth.normalized()));
       }
       if (hidden) smooth = n;
       PaintedVertex vertex;
