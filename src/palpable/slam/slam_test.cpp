@@ -230,12 +230,12 @@ TEST_CASE("when a loop is closed the map begins anew, and it says by what all ha
     ++closed;
     CHECK(found.moving == nullptr);
     CHECK_FALSE(found.fused);
-    CHECK((blocks > 1000 && free > 100));
+    CHECK((blocks > 1000 && free > 200));  // half of what the way so far has given: 1812, 390
     CHECK(slam.map()->blocks() == 0);
     CHECK(slam.space()->blocks() == 0);
   }
   CHECK(closed >= 1);
-  CHECK(slam.map()->blocks() > 100);
+  CHECK(slam.map()->blocks() > 360);  // half of the 720 that one view of a wall gives
 }
 
 TEST_CASE("without a map the camera alone is followed", "[slam]") {
