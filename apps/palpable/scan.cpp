@@ -9,10 +9,8 @@
 #include "palpable/base/error.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/picture_file.h"
-#include "palpable/slam/slam.h"
-#include "palpable/vision/depth_camera.h"
+#include "palpable/slam/room_scan.h"
 #include "palpable/vision/open_source.h"
-#include "palpable/vision/source_guard.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -21,8 +19,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -88,78 +84,6 @@ void write_picture(const fs::path& file, const SurfaceMap& map, const CameraPath
   write_png(file, picture_of_scan(renderer, mesh_of(map), path, keyframes, camera));
 }
 
-// Where each frame was seen from, as its keyframe stands in the end; nothing where it is not known.
-std::vector<std::optional<Rigid3>> corrected(const std::vector<TrackedPose>& frames,
-                                             const Tracker& tracker) {
-  std::map<int, Rigid3> world_from_keyframe;
-  for (const KeyframePose& k : tracker.keyframes()) {
-    world_from_keyframe[k.number] = k.world_from_camera;
-  }
-  std::vector<std::optional<Rigid3>> poses;
-  for (const TrackedPose& frame : frames) {
-    const auto keyframe = world_from_keyframe.find(frame.newest_keyframe);
-    poses.emplace_back();
-    if (is_known(frame) && keyframe != world_from_keyframe.end()) {
-      poses.back() = keyframe->second * frame.keyframe_from_camera;
-    }
-  }
-  return poses;
-}
-
-// Where a frame was seen from, if that is known before it is looked at.
-using PoseOf = std::function<std::optional<Rigid3>(int index, const SeenFrame& seen)>;
-
-// One pass through a source.
-struct Pass {
-  int read = 0;                     // frames
-  std::vector<TrackedPose> frames;  // (read)
-  SourceTroubles troubles;
-  std::string last_trouble;
-};
-
-// @param pose_of  empty: the camera is followed
-// @param again    the frames of an earlier pass: where that was ended by Ctrl-C, this is not
-Pass play(FrameSource& source, const std::string& name, int most, const PoseOf& pose_of,
-          DepthCamera& camera, Slam& slam, bool again) {
-  int total = source.frame_count();
-  if (most > 0) total = total > 0 ? std::min(total, most) : most;
-  const std::string label = again ? "scan, along the way as corrected" : "scan";
-  ProgressBar bar;
-  Frame frame;
-  SeenFrame seen;
-  SourceGuard guard(source);
-  StageTimes times;
-  Pass pass;
-  while ((most < 0 || pass.read < most) && (again || !asked_to_end())) {
-    const FrameStatus status = guard.next(frame);
-    for (const std::string& line : guard.take_reports()) {
-      bar.finish();
-      fmt::print(stderr, "{}\n", line);
-    }
-    if (status == FrameStatus::kEnd) break;
-    if (status != FrameStatus::kFrame) continue;
-    camera.see(frame, seen);
-    if (seen.misfit) throw Error(fmt::format("{}: {}", name, seen.misfit->message()));
-    const SlamFrame& found =
-        pose_of ? slam.advance(seen, pose_of(pass.read, seen), times) : slam.advance(seen, times);
-    pass.frames.push_back(found.camera);
-    ++pass.read;
-    if (total > 0) {
-      bar.show({label, static_cast<double>(pass.read), static_cast<double>(total),
-                fmt::format("{} blocks", slam.map()->blocks())});
-    }
-  }
-  bar.finish();
-  pass.troubles = guard.troubles();
-  pass.last_trouble = guard.last_trouble();
-  if (pass.read == 0) {
-    throw Error(fmt::format("{}: no frame could be read ({} unreadable{}{})", name,
-                            pass.troubles.unreadable, pass.last_trouble.empty() ? "" : "; ",
-                            pass.last_trouble));
-  }
-  return pass;
-}
-
 void scan(const ScanOptions& options) {
   const std::vector<StampedPose> given =
       options.trajectory.empty() ? std::vector<StampedPose>{} : read_trajectory(options.trajectory);
@@ -178,59 +102,63 @@ void scan(const ScanOptions& options) {
       throw Error(fmt::format("{}: there is no folder {}", file.string(), folder.string()));
     }
   }
-  std::unique_ptr<FrameSource> source = value_or_throw(open_source(request_of(options.input)));
-  DepthCamera camera = value_or_throw(DepthCamera::make(source->format()));
-  SlamSettings settings;
-  settings.track = given.empty();
-  settings.fuse_every = options.fuse_every;
-  settings.surface.voxel = 1e-3 * options.voxel_mm;
-  settings.surface.truncation = 4 * settings.surface.voxel;
-  auto slam = std::make_unique<Slam>(camera, source->format(), settings);
-
-  listen_for_ctrl_c();
-  PoseOf pose_of;
-  if (!given.empty()) {
-    pose_of = [&](int, const SeenFrame& seen) { return pose_at(given, seen.time); };
+  const std::string& name = options.input.source;
+  RoomScanSettings settings;
+  settings.slam.fuse_every = options.fuse_every;
+  settings.slam.surface.voxel = 1e-3 * options.voxel_mm;
+  settings.slam.surface.truncation = 4 * settings.slam.surface.voxel;
+  settings.most_frames = options.frames;
+  if (!given.empty()) settings.pose_at = [&](double time) { return pose_at(given, time); };
+  settings.name = name;
+  const auto open = [&] {
+    std::unique_ptr<FrameSource> source = value_or_throw(open_source(request_of(options.input)));
+    listen_for_ctrl_c();
+    return source;
+  };
+  ProgressBar bar;
+  const RoomScan scanned = scan_room(open, settings, [&](const RoomScanStep& step) {
+    for (const std::string& line : step.reports) {
+      bar.finish();
+      fmt::print(stderr, "{}\n", line);
+    }
+    if (step.total > 0) {
+      bar.show({step.again ? "scan, along the way as corrected" : "scan",
+                static_cast<double>(step.read), static_cast<double>(step.total),
+                fmt::format("{} blocks", step.blocks)});
+    }
+    return !asked_to_end();
+  });
+  bar.finish();
+  const SourceTroubles& troubles = scanned.troubles;
+  const std::size_t frames = scanned.frames.size();
+  if (frames == 0) {
+    throw Error(fmt::format("{}: no frame could be read ({} unreadable{}{})", name,
+                            troubles.unreadable, scanned.last_trouble.empty() ? "" : "; ",
+                            scanned.last_trouble));
   }
-  Pass pass = play(*source, options.input.source, options.frames, pose_of, camera, *slam, false);
-  std::vector<KeyframePose> keyframes;
-  if (slam->tracker() != nullptr) keyframes = slam->tracker()->keyframes();
-  const int loops = slam->tracker() != nullptr ? slam->tracker()->counts().loops : 0;
-  if (loops > 0 && !source->is_live()) {
-    // Where the camera has been is known better by now: once more, along the way as corrected.
-    const std::vector<std::optional<Rigid3>> poses = corrected(pass.frames, *slam->tracker());
-    source = value_or_throw(open_source(request_of(options.input)));
-    camera = value_or_throw(DepthCamera::make(source->format()));
-    settings.track = false;
-    slam = std::make_unique<Slam>(camera, source->format(), settings);
-    pass = play(
-        *source, options.input.source, pass.read,
-        [&](int index, const SeenFrame&) { return poses[static_cast<std::size_t>(index)]; }, camera,
-        *slam, true);
-  }
 
-  const SurfaceMap& map = *slam->map();
-  const SlamCounts& counts = slam->counts();
+  const SurfaceMap& map = *scanned.slam->map();
+  const SlamCounts& counts = scanned.slam->counts();
   const ColoredSurface mesh = map.mesh();
   if (mesh.surface.triangle_count() == 0) {
     throw Error(fmt::format("{}: no surface within {} m was seen in {} frames ({} without a pose)",
-                            options.input.source, map.settings().farthest, pass.read, counts.lost));
+                            name, map.settings().farthest, frames, counts.lost));
   }
   write_colored_ply(options.out, mesh,
                     given.empty() ? "the first frame's camera" : "the world of the given poses");
   CameraPath path;
-  for (const TrackedPose& frame : pass.frames) path.add(frame);
+  for (const TrackedPose& frame : scanned.frames) path.add(frame);
   if (!options.picture.empty()) {
-    write_picture(options.picture, map, path, keyframes, camera.camera());
+    write_picture(options.picture, map, path, scanned.keyframes, scanned.camera);
   }
-  fmt::print("{} frames, {} fused, {} without a pose\n", pass.read, counts.fused, counts.lost);
-  if (pass.troubles.unreadable > 0) {
-    fmt::print("{} unreadable, the last: {}\n", pass.troubles.unreadable, pass.last_trouble);
+  fmt::print("{} frames, {} fused, {} without a pose\n", frames, counts.fused, counts.lost);
+  if (troubles.unreadable > 0) {
+    fmt::print("{} unreadable, the last: {}\n", troubles.unreadable, scanned.last_trouble);
   }
-  if (loops > 0) {
-    fmt::print("{} loop{} closed: {}\n", loops, loops == 1 ? "" : "s",
-               source->is_live() ? "the surface holds what was seen since the last"
-                                 : "fused once more along the corrected way");
+  if (scanned.loops > 0) {
+    fmt::print("{} loop{} closed: {}\n", scanned.loops, scanned.loops == 1 ? "" : "s",
+               scanned.again ? "fused once more along the corrected way"
+                             : "the surface holds what was seen since the last");
   }
   if (map.refused() > 0) {
     fmt::print("the map was full ({} blocks): parts are missing; --voxel makes them larger\n",

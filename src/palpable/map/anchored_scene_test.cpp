@@ -117,8 +117,11 @@ struct Room {
   int frame = 0;
 };
 
-// Along the outline of a thing 9 px wide the voxels hold what is seen beside it.
-constexpr double kAllButOutline = 0.96;
+// Of the cup 581 px are seen clear of the desk, 73 of them at its sides and its top: there a voxel
+// may hold what is seen beside it.
+constexpr double kCupPoints = 581;
+const double kAllButOutline =
+    1 - tolerance(24 / kCupPoints, "a third of the outline; 15 and 11 px as measured");
 
 constexpr double kPoints = 320 * 180;
 // Of all that is seen with the cup in the room: but for its outline, 21 x 31 px.
@@ -229,7 +232,8 @@ TEST_CASE("what is remembered follows when a loop is closed, and what had come h
     room.show(frames);
     CHECK(room.share_there(on_cup) == 0);
     CHECK(room.share_there(beside_cup) >= kAllButRim);
-    CHECK(room.scene->blocks() < 2 * blocks);  // a surface lies in two where it lay in one
+    CHECK(room.scene->blocks() <
+          2 * blocks);  // a surface lies in two where it lay in one; 1.6 as measured
   }
   room.boxes.clear();
   room.show(300);
@@ -243,8 +247,10 @@ TEST_CASE("what is taken away after a loop was closed, and comes back, was not t
   room.show(60);
   room.anchor();
   room.close_loop(Rigid3(Eigen::Translation3d(0.113, -0.026, 0.055)));
-  const double outline = 1 - kAllButOutline;
-  CHECK(room.share_there(on_cup) > 1 - tolerance(2 * outline, "half a voxel is a pixel and more"));
+  CHECK(room.share_there(on_cup) >
+        1 - tolerance(36 / kCupPoints,
+                      "half of the outline: distances have moved to the nearest voxel; 26 px as "
+                      "measured"));
   room.boxes.clear();
   room.show(120);
   room.boxes = {cup_at(0, 0.7)};

@@ -210,10 +210,13 @@ TEST_CASE("a camera that walks to a wall and leaves out frames sees nothing move
 TEST_CASE("when a loop is closed the map begins anew, and it says by what all has moved",
           "[slam][long]") {
   DepthCamera camera = std::move(DepthCamera::make(test::creeping_format()).value());
-  Slam slam(camera, test::creeping_format());
+  SlamSettings settings;
+  settings.fuse_every = 2;  // the first frame after the loop would not be due yet
+  Slam slam(camera, test::creeping_format(), settings);
   SeenFrame seen;
   StageTimes times;
   int closed = 0;
+  bool began_anew = false;  // in the frame before
   for (int n = 0; n < test::kCreepingFrames; ++n) {
     INFO("frame " << n);
     camera.see(test::creeping_frame(n), seen);
@@ -221,16 +224,18 @@ TEST_CASE("when a loop is closed the map begins anew, and it says by what all ha
     const SlamFrame& found = slam.advance(seen, times);
     REQUIRE(is_known(found.camera));
     CHECK(found.corrections.empty() != found.camera.closed_loop);
+    if (began_anew) CHECK(found.fused);  // whenever the map that is gone was given something
+    began_anew = found.camera.closed_loop;
     if (!found.camera.closed_loop) continue;
     ++closed;
     CHECK(found.moving == nullptr);
     CHECK_FALSE(found.fused);
-    CHECK((blocks > 1000 && free > 100));
+    CHECK((blocks > 1000 && free > 200));  // half of what the way so far has given: 1812, 390
     CHECK(slam.map()->blocks() == 0);
     CHECK(slam.space()->blocks() == 0);
   }
   CHECK(closed >= 1);
-  CHECK(slam.map()->blocks() > 100);
+  CHECK(slam.map()->blocks() > 360);  // half of the 720 that one view of a wall gives
 }
 
 TEST_CASE("without a map the camera alone is followed", "[slam]") {

@@ -51,14 +51,14 @@ std::optional<Candidate> LandmarkSearch::expected(const TrackerFrame& frame, int
   return candidate;
 }
 
-std::vector<Candidate> LandmarkSearch::selected(const TrackerFrame& frame, const Rigid3& pose,
-                                                const Rigid3& before, double exposure,
-                                                int number) const {
+void LandmarkSearch::select(const TrackerFrame& frame, const Rigid3& pose, const Rigid3& before,
+                            double exposure, int number, std::vector<int>& cells,
+                            std::vector<Candidate>& candidates) const {
   const TrackCamera& camera = settings.camera;
-  std::vector<Candidate> candidates;
+  candidates.clear();
   const double cell = static_cast<double>(camera.camera.width) / kCellsAcross;
   const int down = static_cast<int>(std::ceil(camera.camera.height / cell));
-  std::vector<int> best(static_cast<std::size_t>(kCellsAcross * down), -1);
+  cells.assign(static_cast<std::size_t>(kCellsAcross * down), -1);
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     std::optional<Candidate> candidate = expected(frame, static_cast<int>(i), pose);
     if (!candidate) continue;
@@ -69,16 +69,18 @@ std::vector<Candidate> LandmarkSearch::selected(const TrackerFrame& frame, const
         0.02 * static_cast<double>(std::min<std::size_t>(landmark.sightings.size(), 20));
     const int cx = std::min(static_cast<int>(candidate->uv.x() / cell), kCellsAcross - 1);
     const int cy = std::min(static_cast<int>(candidate->uv.y() / cell), down - 1);
-    int& slot = best[static_cast<std::size_t>(cy * kCellsAcross + cx)];
+    int& slot = cells[static_cast<std::size_t>(cy * kCellsAcross + cx)];
     if (slot < 0) {
-      slot = static_cast<int>(candidates.size());
+      slot = candidate->turn = static_cast<int>(candidates.size());
       candidates.push_back(*candidate);
     } else if (candidates[static_cast<std::size_t>(slot)].worth < candidate->worth) {
+      candidate->turn = slot;
       candidates[static_cast<std::size_t>(slot)] = *candidate;
     }
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.worth != b.worth ? a.worth > b.worth : a.turn < b.turn;
+  });
   if (candidates.size() > static_cast<std::size_t>(settings.most_landmarks)) {
     candidates.resize(static_cast<std::size_t>(settings.most_landmarks));
   }
@@ -88,7 +90,6 @@ std::vector<Candidate> LandmarkSearch::selected(const TrackerFrame& frame, const
     const Eigen::Vector3d x = before * landmark.x_in_world;
     if (x.z() > kNearest) candidate.smear = exposure * (candidate.uv - camera.camera.project(x));
   }
-  return candidates;
 }
 
 bool LandmarkSearch::find(const Candidate& candidate, int coarsest, int finest,

@@ -21,6 +21,7 @@ struct Candidate {
   Eigen::Vector2d smear = Eigen::Vector2d::Zero();  ///< px of level 0
   Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();
   double worth = 0;
+  int turn = 0;  ///< in which its cell was first taken: of equal worth the earlier goes first
 };
 
 /// What is known when a picture is searched. Everything must outlive it.
@@ -42,13 +43,13 @@ struct LandmarkSearch {
                                                   const Rigid3& pose) const;
 
   /// Landmarks that should be seen from `pose`, the best of each cell, the best first, at most
-  /// TrackerSettings::most_landmarks.
+  /// TrackerSettings::most_landmarks. Takes no memory once the two lists have grown.
   /// @param before    the pose from which the image moved here, for the smear
   /// @param exposure  share of the frame time that the shutter is open
   /// @param number    of frames so far: what agreed just now is worth more
-  [[nodiscard]] std::vector<Candidate> selected(const TrackerFrame& frame, const Rigid3& pose,
-                                                const Rigid3& before, double exposure,
-                                                int number) const;
+  /// @param cells     room to work in
+  void select(const TrackerFrame& frame, const Rigid3& pose, const Rigid3& before, double exposure,
+              int number, std::vector<int>& cells, std::vector<Candidate>& candidates) const;
 
   /// Where a candidate is, from the coarsest to the finest level; uv and level of the finest at
   /// which it was found. False: at none.

@@ -3,14 +3,17 @@
 #include "palpable/track/median.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 namespace palpable {
 namespace {
 
 constexpr int kAcross = 8;
 constexpr int kDown = 6;
+constexpr std::size_t kPatches = kAcross * kDown;
 constexpr int kTries = 4;           // places per cell, across and down
 constexpr std::size_t kLeast = 10;  // patches that can be compared; fewer say nothing
 // px; a patch is moved by this much at most by noise (0.05 px of 0.65 grey levels, more in the
@@ -63,26 +66,29 @@ void StillWatch::begin(const GrayImage& image) {
 
 Stillness StillWatch::look(const GrayImage& image, const MaskImage* moving) const {
   const Eigen::Vector2d middle(0.5 * (image.width() - 1), 0.5 * (image.height() - 1));
-  std::vector<double> dx, dy, outwards, around;
-  std::size_t resting = 0;
+  std::array<double, kPatches> dx{}, dy{}, outwards{}, around{};
+  std::size_t compared = 0, resting = 0;
   for (const Patch& patch : patches_) {
     if (is_moving(moving, image, patch.at)) continue;
     const PatchMatch match = follow(image, patch.look, patch.at, {.steps = 6, .farthest = 4});
     if (!match.found || match.likeness < patch.least_likeness) continue;
     const Eigen::Vector2d moved = match.at - patch.at;
-    dx.push_back(moved.x());
-    dy.push_back(moved.y());
     const Eigen::Vector2d out = (patch.at - middle).normalized();
-    outwards.push_back(out.dot(moved));
-    around.push_back(out.x() * moved.y() - out.y() * moved.x());
+    dx[compared] = moved.x();
+    dy[compared] = moved.y();
+    outwards[compared] = out.dot(moved);
+    around[compared] = out.x() * moved.y() - out.y() * moved.x();
+    ++compared;
     resting += moved.cwiseAbs().maxCoeff() < kMoved ? 1 : 0;
   }
-  if (dx.size() < kLeast) return Stillness::kUnclear;
-  const double share = static_cast<double>(resting) / static_cast<double>(dx.size());
-  const std::size_t compared = dx.size();
+  if (compared < kLeast) return Stillness::kUnclear;
+  const double share = static_cast<double>(resting) / static_cast<double>(compared);
+  const auto middle_of = [&](std::array<double, kPatches>& values) {
+    return std::abs(median(std::span(values).first(compared)));
+  };
   // A camera that goes straight ahead or rolls moves them to all sides.
-  const double shift = std::max({std::abs(median(dx)), std::abs(median(dy)),
-                                 std::abs(median(outwards)), std::abs(median(around))});
+  const double shift =
+      std::max({middle_of(dx), middle_of(dy), middle_of(outwards), middle_of(around)});
   if (shift < kMoved && share > 0.5) return Stillness::kStill;
   if (compared < patches_.size() / 4) return Stillness::kUnclear;
   return shift >= kMoved ? Stillness::kMoved : Stillness::kStill;

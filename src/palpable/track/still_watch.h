@@ -24,6 +24,7 @@ class StillWatch {
   void begin(const GrayImage& image);
   [[nodiscard]] bool begun() const { return !patches_.empty(); }
 
+  /// Takes no memory.
   /// @param moving  255 where something moves, or null; of any size that divides the image's
   [[nodiscard]] Stillness look(const GrayImage& image, const MaskImage* moving) const;
 

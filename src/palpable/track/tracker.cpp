@@ -17,7 +17,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <deque>
 #include <future>
 #include <limits>
 #include <memory>
@@ -70,6 +69,7 @@ constexpr double kLoopPx = 20;
 // --- standing still ----------------------------------------------------------------------------
 constexpr double kStillSeconds = 0.7;
 constexpr double kStillPx = 0.2;
+constexpr std::size_t kMoments = 128;  // frames in that time, of a camera of 120 a second
 
 Rigid3 inverse(const Rigid3& T) { return T.inverse(Eigen::Isometry); }
 
@@ -114,6 +114,15 @@ struct Tracker::Parts {
   explicit Parts(const TrackerSettings& s) : settings(s), camera(s.camera) {
     landmarks.reserve(static_cast<std::size_t>(s.limits.landmarks));
     keyframes.reserve(static_cast<std::size_t>(s.limits.keyframes) + 1);
+    points.reserve(static_cast<std::size_t>(s.most_landmarks));
+    point_candidate.reserve(points.capacity());
+    fit.inlier.reserve(points.capacity());
+    numbers.reserve(points.capacity());
+    // As many as there are cells, before the best are left: a picture is not higher than wide.
+    candidates.reserve(LandmarkSearch::kCellsAcross * LandmarkSearch::kCellsAcross);
+    was_found.reserve(candidates.capacity());
+    cells.reserve(candidates.capacity());
+    history.reserve(kMoments);
   }
 
   // --- one frame ---
@@ -179,7 +188,12 @@ struct Tracker::Parts {
     double time;
     Rigid3 camera_from_world;
   };
-  std::deque<Moment> history;
+  std::vector<Moment> history;
+
+  // Room to work in, so that a frame takes no memory.
+  std::vector<double> numbers;
+  std::vector<char> was_found;  // of candidates
+  std::vector<int> cells;
 
   std::optional<std::future<Work>> pending;
   bool deferred = false;  // it is worked out on this thread, by take_over
@@ -195,17 +209,17 @@ struct Tracker::Parts {
 
 // What should be seen from `pose`, and how far it is smeared when the image moved from `before`.
 void Tracker::Parts::select(const TrackerFrame& frame, const Rigid3& pose, const Rigid3& before) {
-  candidates = search().selected(frame, pose, before, exposure, counts.frames);
-  std::vector<double> smears;
-  for (const Candidate& candidate : candidates) smears.push_back(candidate.smear.norm());
-  smear_px = smears.empty() ? 0 : median(smears);
+  search().select(frame, pose, before, exposure, counts.frames, cells, candidates);
+  numbers.clear();
+  for (const Candidate& candidate : candidates) numbers.push_back(candidate.smear.norm());
+  smear_px = numbers.empty() ? 0 : median(numbers);
 }
 
 // The pose from few landmarks in small images, for when the prediction may be far off.
 bool Tracker::Parts::guess_from_coarse(const TrackerFrame& frame, Rigid3& pose) {
   select(frame, pose, camera_from_world);
   // The best first, no more than three of a large cell.
-  std::vector<int> used(kCoarseCells * kCoarseCells, 0);
+  std::array<int, static_cast<std::size_t>(kCoarseCells * kCoarseCells)> used{};
   points.clear();
   for (const Candidate& candidate : candidates) {
     if (points.size() >= kCoarse) break;
@@ -326,10 +340,10 @@ void Tracker::Parts::learn_exposure() {
 }
 
 void Tracker::Parts::rate_landmarks(int frame) {
-  std::vector<char> found(candidates.size(), 0);
+  was_found.assign(candidates.size(), 0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto c = static_cast<std::size_t>(point_candidate[i]);
-    found[c] = 1;
+    was_found[c] = 1;
     Landmark& landmark = landmarks[static_cast<std::size_t>(candidates[c].landmark)];
     if (fit.inlier[i] != 0) {
       ++landmark.inlier;
@@ -341,7 +355,7 @@ void Tracker::Parts::rate_landmarks(int frame) {
   }
   if (smear_px > kBlurredPx) return;  // what is not found may be smeared
   for (std::size_t c = 0; c < candidates.size(); ++c) {
-    if (found[c] != 0) continue;
+    if (was_found[c] != 0) continue;
     Landmark& landmark = landmarks[static_cast<std::size_t>(candidates[c].landmark)];
     ++landmark.missed;
     if (landmark.missed > 30 && landmark.missed > 4 * landmark.inlier) landmark.alive = false;
@@ -470,11 +484,11 @@ void Tracker::Parts::accept(const TrackerFrame& frame, double dt) {
   if (!was_known) error_px = 1e9;
   state = TrackState::kTracking;
   watch = {};  // what it shows is where the camera stood: it would be taken for where it is
-  std::vector<double> depths;
+  numbers.clear();
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (fit.inlier[i] != 0) depths.push_back((camera_from_world * points[i].x_in_world).z());
+    if (fit.inlier[i] != 0) numbers.push_back((camera_from_world * points[i].x_in_world).z());
   }
-  if (!depths.empty()) median_depth = median(depths);
+  if (!numbers.empty()) median_depth = median(numbers);
   if (was_known && shift_px(previous, camera_from_world) > kFastPx) learn_exposure();
   rate_landmarks(counts.frames);
   if (wants_keyframe()) keep(frame);
@@ -483,7 +497,12 @@ void Tracker::Parts::accept(const TrackerFrame& frame, double dt) {
 }
 
 void Tracker::Parts::watch_for_standstill(const TrackerFrame& frame) {
-  while (history.size() > 2 && history[1].time <= frame.time - kStillSeconds) history.pop_front();
+  const auto within = std::find_if(history.begin(), history.end(), [&](const Moment& moment) {
+    return moment.time > frame.time - kStillSeconds;
+  });
+  // The one before them stays, and two at least.
+  const std::ptrdiff_t gone = std::min(within - history.begin(), std::ssize(history) - 1) - 1;
+  if (gone > 0) history.erase(history.begin(), history.begin() + gone);
   if (history.front().time > frame.time - kStillSeconds) return;
   for (const Moment& moment : history) {
     if (shift_px(moment.camera_from_world, camera_from_world) > kStillPx) return;

@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/track/recogniser.h"
+#include "tests/support/allocations.h"
 #include "tests/support/noise_room.h"
 #include "tests/support/test.h"
 
@@ -205,6 +206,32 @@ TEST_CASE("a standing camera is fixed from the first frame on, whatever moves be
   }
   CHECK(tracker.counts().keyframes == 1);
   CHECK(tracker.counts().stood == 11);  // all but the first: nothing was looked for in them
+}
+
+TEST_CASE("a frame takes no memory unless it is kept or an adjustment is taken over",
+          "[track][frame loop]") {
+  for (const bool walks : {false, true}) {
+    INFO("walks " << walks);
+    TrackerSettings settings = settings_of();
+    settings.adjust_on_thread = false;  // with a thread of its own it would be counted in between
+    Tracker tracker(settings);
+    int last_kept = 0, counted = 0;
+    for (int n = 0; n < 40; ++n) {
+      // To the picture's side and back: known ground, so that few frames are kept.
+      const Pair pair = pair_at(walks ? walk_pose(8 - std::abs(n % 16 - 8)) : Rigid3::Identity(),
+                                {100.0 + 8 * n, 190, 60});
+      const TrackerFrame frame = frame_of(pair, n);
+      TrackedPose pose;
+      const int taken = test::allocations_during([&] { pose = tracker.track(frame); });
+      REQUIRE(pose.state == (walks && n > 0 ? TrackState::kTracking : TrackState::kFixed));
+      if (pose.keyframe) last_kept = n;
+      if (pose.keyframe || n == last_kept + 3) continue;
+      INFO("frame " << n);
+      CHECK(taken == 0);
+      ++counted;
+    }
+    CHECK(counted > 20);
+  }
 }
 
 TEST_CASE(

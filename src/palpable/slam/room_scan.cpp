@@ -1,0 +1,105 @@
+#include "palpable/slam/room_scan.h"
+
+#include "palpable/base/error.h"
+#include "palpable/vision/depth_camera.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+// Where a frame was seen from, if that is known before it is looked at.
+using PoseOf = std::function<std::optional<Rigid3>(int index, const SeenFrame& seen)>;
+
+// One pass through a source, as far as `most` frames (-1: all).
+// @param pose_of  empty: the camera is followed
+// @param again    the frames of an earlier pass: it ends as that one did, whatever `go_on` says
+RoomScan play(FrameSource& source, const std::string& name, const SlamSettings& settings, int most,
+              const PoseOf& pose_of, bool again,
+              const std::function<bool(const RoomScanStep&)>& go_on) {
+  DepthCamera camera = value_or_throw(DepthCamera::make(source.format()));
+  RoomScan scan;
+  scan.slam = std::make_unique<Slam>(camera, source.format(), settings);
+  scan.camera = camera.camera();
+  RoomScanStep step;
+  step.again = again;
+  step.total = source.frame_count();
+  if (most > 0) step.total = step.total > 0 ? std::min(step.total, most) : most;
+  Frame frame;
+  SeenFrame seen;
+  SourceGuard guard(source);
+  StageTimes times;
+  bool goes_on = true;
+  while ((most < 0 || step.read < most) && (again || goes_on)) {
+    const FrameStatus status = guard.next(frame);
+    step.reports = guard.take_reports();
+    if (status == FrameStatus::kFrame) camera.see(frame, seen);
+    if (status == FrameStatus::kFrame && !seen.misfit) {
+      scan.frames.push_back(pose_of
+                                ? scan.slam->advance(seen, pose_of(step.read, seen), times).camera
+                                : scan.slam->advance(seen, times).camera);
+      ++step.read;
+      step.blocks = scan.slam->map()->blocks();
+    }
+    goes_on = go_on(step);
+    if (seen.misfit) throw Error(name + ": " + seen.misfit->message());
+    if (status == FrameStatus::kEnd) break;
+  }
+  scan.troubles = guard.troubles();
+  scan.last_trouble = guard.last_trouble();
+  return scan;
+}
+
+}  // namespace
+
+std::vector<std::optional<Rigid3>> corrected_way(std::span<const TrackedPose> frames,
+                                                 std::span<const KeyframePose> keyframes) {
+  std::map<int, Rigid3> world_from_keyframe;
+  for (const KeyframePose& k : keyframes) world_from_keyframe[k.number] = k.world_from_camera;
+  std::vector<std::optional<Rigid3>> poses;
+  for (const TrackedPose& frame : frames) {
+    const auto keyframe = world_from_keyframe.find(frame.newest_keyframe);
+    poses.emplace_back();
+    if (is_known(frame) && keyframe != world_from_keyframe.end()) {
+      poses.back() = keyframe->second * frame.keyframe_from_camera;
+    }
+  }
+  return poses;
+}
+
+RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
+                   const std::function<bool(const RoomScanStep&)>& go_on) {
+  SlamSettings slam = settings.slam;
+  slam.map = true;
+  slam.track = !settings.pose_at;
+  PoseOf pose_of;
+  if (settings.pose_at) {
+    pose_of = [&](int, const SeenFrame& seen) { return settings.pose_at(seen.time); };
+  }
+  std::unique_ptr<FrameSource> source = open();
+  RoomScan first = play(*source, settings.name, slam, settings.most_frames, pose_of, false, go_on);
+  const Tracker* tracker = first.slam->tracker();
+  if (tracker == nullptr) return first;
+  first.keyframes = tracker->keyframes();
+  first.loops = tracker->counts().loops;
+  if (first.loops == 0 || source->is_live()) return first;
+
+  const std::vector<std::optional<Rigid3>> way = corrected_way(first.frames, first.keyframes);
+  const auto pose_as_corrected = [&](int index, const SeenFrame&) {
+    return way[static_cast<std::size_t>(index)];
+  };
+  first.slam.reset();  // one map at a time
+  slam.track = false;
+  source = open();
+  RoomScan second = play(*source, settings.name, slam, static_cast<int>(first.frames.size()),
+                         pose_as_corrected, true, go_on);
+  second.keyframes = std::move(first.keyframes);
+  second.loops = first.loops;
+  second.again = true;
+  return second;
+}
+
+}  // namespace palpable
