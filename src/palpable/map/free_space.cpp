@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kLargest = 30000;  // cells from the world's origin; beyond nothing is kept
 
-// Rays are taken from squares of this many, one after the other.
-constexpr int kTurns = 2;
+// Rays are taken from rectangles of so many, one after the other.
+constexpr int kTurnsX = 4, kTurnsY = 2;
 
 }  // namespace
 
@@ -83,7 +83,7 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
     return Place{floor_to_int(kOne * a[0] + 0.5), floor_to_int(kOne * a[1] + 0.5),
                  floor_to_int(kOne * a[2] + 0.5)};
   };
-  const int turn_x = frame_ % kTurns, turn_y = frame_ / kTurns % kTurns;
+  const int turn_x = frame_ % kTurnsX, turn_y = frame_ / kTurnsX % kTurnsY;
   ++frame_;
   // Most blocks of the frame before are met again: they come from memory together.
   for (const Block* block : met_) {
@@ -97,8 +97,8 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
   // A ray's direction, with 1 along the camera's axis.
   const Eigen::Vector3d across = R.col(0) / rays.fx_px, down = R.col(1) / rays.fy_px;
   const Eigen::Vector3d first = R.col(2) - rays.cx_px * across - rays.cy_px * down;
-  for (int y = turn_y; y < rays.height; y += kTurns) {
-    for (int x = turn_x; x < rays.width; x += kTurns) {
+  for (int y = turn_y; y < rays.height; y += kTurnsY) {
+    for (int x = turn_x; x < rays.width; x += kTurnsX) {
       const auto Z = static_cast<double>(surface(x, y));
       if (!(Z > 0)) continue;
       const double margin = std::max(settings_.margin, settings_.sigmas * noise_.sigma(Z));
@@ -127,8 +127,8 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
   }
   for (Block* block : met_) count(*block);
   // Only now, so that a cell through which any ray passed counts as free.
-  for (int y = turn_y; y < rays.height; y += kTurns) {
-    for (int x = turn_x; x < rays.width; x += kTurns) {
+  for (int y = turn_y; y < rays.height; y += kTurnsY) {
+    for (int x = turn_x; x < rays.width; x += kTurnsX) {
       const auto Z = static_cast<double>(surface(x, y));
       if (!(Z > 0) || Z > settings_.farthest) continue;
       const Place at = fixed(origin + Z * per_m * (first + x * across + y * down));

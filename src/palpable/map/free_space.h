@@ -28,10 +28,10 @@ struct FreeSpaceSettings {
   /// less, and a surface's own noise would free the cells that it lies in.
   double margin = 0.08;
   double sigmas = 4;
-  int frames_to_free = 6;  ///< in which a cell was looked through until it counts as free, 1 .. 255
+  int frames_to_free = 4;  ///< in which a cell was looked through until it counts as free, 1 .. 255
   /// After so many frames in a row in which something ended in a free cell and nothing was seen
   /// through it, it is free no more: what was put there is part of the scene (20 s at 30 fps near
-  /// the camera; frames without a ray through the cell do not count, about three in four at 2 m).
+  /// the camera; frames without a ray through the cell do not count, about seven in eight at 2 m).
   /// 1 .. 32767.
   int frames_to_settle = 600;
   int blocks = 4096;  ///< of 8 x 8 x 8 cells (0.32 m, 1.6 KiB) that are kept at most: 6.5 MiB
@@ -44,7 +44,7 @@ class FreeSpace {
   /// @throws ContractViolation for settings out of their range
   FreeSpace(const DepthNoise& noise, const FreeSpaceSettings& settings = {});
 
-  /// Takes in what one frame shows: walks each ray in steps of one cell. Looks at a quarter of the
+  /// Takes in what one frame shows: walks each ray in steps of one cell. Looks at an eighth of the
   /// rays, in the next frames at the others: neighbours pass through the same cells.
   /// @param rays     a ray per pixel, e.g. the depth's camera scaled_down(8)
   /// @param surface  of the rays' size: depth at which each ray ends, m; NaN: unknown, and nothing

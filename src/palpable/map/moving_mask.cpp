@@ -80,6 +80,24 @@ void take_nearest(float there, std::int32_t says, const float* HWY_RESTRICT dept
   }
 }
 
+void tell_states(const std::uint8_t* label, std::uint8_t may_join, std::uint8_t waits,
+                 std::uint8_t* HWY_RESTRICT state, std::size_t count) {
+  static_assert(kDone == 0 && kMayJoin == 1 && kWaits == 2);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::uint8_t joins = label[k] >= may_join ? 1 : 0, stands = label[k] >= waits ? 1 : 0;
+    state[k] = static_cast<std::uint8_t>(joins + stands);
+  }
+}
+
+// 1 where a tile has that label and a depth.
+void tell_static(const std::uint8_t* label, std::uint8_t is_static, const float* depth,
+                 std::uint8_t* HWY_RESTRICT told, std::size_t count) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::uint8_t same = label[k] == is_static ? 1 : 0, known = depth[k] == depth[k] ? 1 : 0;
+    told[k] = same & known;
+  }
+}
+
 void low_and_high(const float* a, const float* b, float* HWY_RESTRICT low, float* HWY_RESTRICT high,
                   float* HWY_RESTRICT sum, int count) {
   for (int i = 0; i < count; ++i) {
@@ -288,10 +306,8 @@ void MovingMask::compare_look(const SeenFrame& seen, const Rigid3& world_from_ca
   ++compares_;
   const auto moving = std::count(tile_label_.begin(), tile_label_.end(), kMoving);
   if (sways && !moved_ && moving < settings_.fewest_tiles && compares_ % kQuietEvery != 0) return;
-  for (std::size_t k = 0; k < tile_label_.size(); ++k) {
-    tile_static_.data()[k] =
-        tile_label_.data()[k] == kStatic && !std::isnan(tile_depth_.data()[k]) ? 1 : 0;
-  }
+  tell_static(tile_label_.data(), kStatic, tile_depth_.data(), tile_static_.data(),
+              tile_static_.size());
   const int w = seen.depth.width(), h = seen.depth.height();
   const GrayImage& luma = seen.left_half.empty() ? seen.left : seen.left_half;
   if (sways) {
@@ -363,10 +379,7 @@ void MovingMask::group() {
   moved_ = false;
   const int width = tile_label_.width(), height = tile_label_.height();
   const auto share = static_cast<float>(settings_.same_share);
-  std::transform(tile_label_.begin(), tile_label_.end(), seen_.begin(), [](std::uint8_t label) {
-    return static_cast<std::uint8_t>((label >= kUnexplained ? kMayJoin : kDone) +
-                                     (label >= kChanged ? kWaits - kMayJoin : 0));
-  });
+  tell_states(tile_label_.data(), kUnexplained, kChanged, seen_.data(), seen_.size());
   // Calls `visit` with each tile around one, and what seen_ says of it.
   const auto around = [&](Tile at, const auto& visit) {
     for (int y = std::max(at.j - 1, 0); y <= std::min(at.j + 1, height - 1); ++y) {

@@ -126,7 +126,8 @@ void StaticPicture::forget() {
 
 void StaticPicture::resize(int width, int height, const Image<std::uint8_t>& tiles) {
   if (now_.width() == width && now_.height() == height) return;
-  now_ = picture_ = difference_ = least_ = largest_ = GrayImage(width, height);
+  now_ = picture_ = difference_ = GrayImage(width, height);
+  least_ = largest_ = GrayImage(width, 3);
   look_ = sure_ = colored_ = tried_ = Image<std::uint8_t>(tiles.width(), tiles.height());
   queue_.reserve(look_.size());
   sum_now_ = sum_then_ = sum_difference_ = strange_ =
@@ -219,29 +220,32 @@ void StaticPicture::take_view(const PictureView& view) {
 // gain is then 1.
 void StaticPicture::take_nearest(const PictureView& view) {
   const int width = now_.width(), height = kTile * rows_;
-  for (int y = 0; y < height; ++y) {
+  // Of three rows at a time, in what the nearest cache holds.
+  const auto see_row = [&](int y) {
     const std::uint8_t* p = view.luma.row(y);
     if (gain_ != kUnit) {
       scale_row(p, static_cast<std::uint16_t>(gain_), scaled_.data(), width);
       p = scaled_.data();
     }
-    span_of_three(p, least_.row(y), largest_.row(y), width);
-  }
-  gain_ = kUnit;
+    span_of_three(p, least_.row(y % 3), largest_.row(y % 3), width);
+  };
+  see_row(0);
   for (int j = 0; j < rows_; ++j) {
     std::fill(columns_.begin(), columns_.end(), std::uint16_t{0});
     std::fill(columns_of_difference_.begin(), columns_of_difference_.end(), std::uint16_t{0});
     for (int y = kTile * j; y < kTile * j + kTile; ++y) {
       const int above = std::max(y - 1, 0), below = std::min(y + 1, height - 1);
-      nearest_within({least_.row(above), least_.row(y), least_.row(below)},
-                     {largest_.row(above), largest_.row(y), largest_.row(below)}, now_.row(y),
-                     picture_.row(y), difference_.row(y), width);
+      if (below > y) see_row(below);
+      nearest_within({least_.row(above % 3), least_.row(y % 3), least_.row(below % 3)},
+                     {largest_.row(above % 3), largest_.row(y % 3), largest_.row(below % 3)},
+                     now_.row(y), picture_.row(y), difference_.row(y), width);
       add_row(picture_.row(y), columns_.data(), width);
       add_row(difference_.row(y), columns_of_difference_.data(), width);
     }
     sums_of(columns_.data(), sum_then_.row(j), tiles_);
     sums_of(columns_of_difference_.data(), sum_difference_.row(j), tiles_);
   }
+  gain_ = kUnit;
 }
 
 void StaticPicture::find_gain(const Image<std::uint8_t>& is_static) {

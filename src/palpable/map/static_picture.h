@@ -181,7 +181,7 @@ class StaticPicture {
   int factor_ = 1;            // the colours' size over the picture's
   int tiles_ = 0, rows_ = 0;  // whole ones
   GrayImage now_, picture_, difference_;
-  GrayImage least_, largest_;  // of a view, over three pixels of a row
+  GrayImage least_, largest_;  // of three rows of a view, over three pixels of each
   Image<std::uint16_t> sum_now_, sum_then_, sum_difference_;  // of the sixteen pixels of tiles
   Image<TileColor> colors_, colors_now_;
   Image<std::uint8_t> colored_;  // not 0: colors_now_ is this frame's
