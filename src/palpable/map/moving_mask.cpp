@@ -139,6 +139,7 @@ void MovingMask::resize(const DepthImage& depth) {
   if (mask_.width() == depth.width() && mask_.height() == depth.height()) return;
   mask_ = above_ = below_ = MaskImage(depth.width(), depth.height());
   open_.reserve(mask_.size());
+  row_is_empty_.assign(static_cast<std::size_t>(height), 1);
   tile_depth_ = DepthImage(width, height);
   tile_label_ = tile_static_ = Image<std::uint8_t>(width, height);
   seen_ = Image<std::uint8_t>(width, height);
@@ -493,9 +494,11 @@ void MovingMask::draw(const DepthImage& depth) {
     const int y0 = kTile * j, y1 = std::min(y0 + kTile, depth.height());
     std::uint8_t* first = mask_.row(y0);
     const std::uint8_t *any = seen_.row(j), *all = all_move_.row(j);
-    const bool nothing = std::memchr(any, 1, static_cast<std::size_t>(width)) == nullptr;
-    if (nothing) {
-      std::fill(first, mask_.row(y1 - 1) + depth.width(), kOff);
+    const bool was_empty = row_is_empty_[static_cast<std::size_t>(j)] != 0;
+    const bool is_empty = std::memchr(any, 1, static_cast<std::size_t>(width)) == nullptr;
+    row_is_empty_[static_cast<std::size_t>(j)] = is_empty ? 1 : 0;
+    if (is_empty) {
+      if (!was_empty) std::fill(first, mask_.row(y1 - 1) + depth.width(), kOff);
       continue;
     }
     for (int i = 0; i < width - 1; ++i)
@@ -555,6 +558,7 @@ void MovingMask::fill() {
   const int width = mask_.width(), height = mask_.height();
   open_.clear();
   for (int y = 0; y < height; ++y) {
+    if (row_is_empty_[static_cast<std::size_t>(y / kTile)] != 0) continue;
     std::uint8_t* row = mask_.row(y);
     for (int x = 0; x < width;) {
       const auto* next = static_cast<const std::uint8_t*>(

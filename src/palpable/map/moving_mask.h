@@ -122,7 +122,8 @@ class MovingMask {
   std::vector<float> columns_, highest_, sums_;  // of a row of tiles or two
   std::vector<float> alike_;
   MaskImage mask_;
-  std::vector<int> open_;  // pixels that are not decided yet
+  std::vector<std::uint8_t> row_is_empty_;  // of tiles: not 0 where the mask is 0
+  std::vector<int> open_;                   // pixels that are not decided yet
   MaskImage above_, below_;
 
   StaticPicture picture_;                     // of a camera that stands

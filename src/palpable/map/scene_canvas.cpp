@@ -33,8 +33,8 @@ int tile_of(float pixel) {
   return static_cast<int>((pixel + (kFarOut + 0.5F)) * (1.0F / kTile)) - kFarOut / kTile;
 }
 
-// Whether a frame looks at a tile.
-bool takes_in(int i, int j, int frame) { return i % kTurns == (frame + 2 * j) % kTurns; }
+// A frame looks at this tile of a row, and at every fourth from there on.
+int first_taken_in(int j, int frame) { return (frame + 2 * j) % kTurns; }
 
 // Where a pixel of one view lies in another: w (u, v, 1) = Z M (x, y, 1) + m.
 struct Transfer {
@@ -149,13 +149,14 @@ void SceneCanvas::draw(const Rigid3& world_from_camera, PictureView& view) {
     TileColor* colors = view.colors.row(j);
     std::uint8_t* to = view.luma.row(kTile * j);
     const std::ptrdiff_t stride = view.luma.width();
+    const int taken_in = first_taken_in(j, frame_ + 1);
     for (int i = 0; i < tiles; ++i, to += kTile) {
       Source from = row[i];
       if (from.i < 0 && i > 0 && i + 1 < tiles && row[i + 1].i >= 0) from = row[i - 1];
       if (from.i < 0 && j > 0 && j + 1 < rows && below[i].i >= 0) from = above[i];
       const int x = kTile * (i + margin) + from.dx, y = kTile * (j + margin) + from.dy;
       known[i] = from.i >= 0 && holds(x, y) ? 1 : 0;
-      asks[i] = known[i] == 0 && takes_in(i, j, frame_ + 1) ? 1 : 0;
+      asks[i] = known[i] == 0 && i % kTurns == taken_in ? 1 : 0;
       if (known[i] != 0) {
         colors[i] = colors_(from.i, from.j);
         const std::uint8_t* pixels = luma_.row(y) + x;
@@ -198,8 +199,7 @@ void SceneCanvas::learn(const Rigid3& world_from_camera, const StaticPicture& pi
   const int margin = settings_.margin;
   ++frame_;
   for (int j = 0; j < sources_.height(); ++j) {
-    for (int i = 0; i < sources_.width(); ++i) {
-      if (!takes_in(i, j, frame_)) continue;
+    for (int i = first_taken_in(j, frame_); i < sources_.width(); i += kTurns) {
       if (is_static(i, j) == 0 || moves(i, j) != 0) continue;
       const float u = static_cast<float>(kTile * i) + kMiddle;
       const float v = static_cast<float>(kTile * j) + kMiddle;
