@@ -178,9 +178,6 @@ void MovingMask::sample(const SeenFrame& seen) {
     return close;
   };
   for (int j = 0; j < tile_depth_.height(); ++j) {
-    // What the next row of tiles reads first, 16 values in a line of the cache.
-    const int next = kTile * (j + 1) + kPlaces[0][1];
-    for (int x = 0; next < height && x < width; x += 16) hwy::Prefetch(depth.row(next) + x);
     float* found = tile_depth_.row(j);
     std::uint8_t* label = tile_label_.row(j);
     const int tiles = tile_depth_.width();
