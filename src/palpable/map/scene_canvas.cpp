@@ -57,8 +57,8 @@ float chosen(std::int32_t mask, float u) {
                               (std::bit_cast<std::int32_t>(-kFarOutside) & ~mask));
 }
 
-// Where a row of tiles lands in the other view: tile (a, b), or (-1, -1), Z there, and by how many
-// pixels it is drawn from elsewhere. The tiles' first pixels are (x0, y), (x0 + 4, y), ...
+// Where a row of tiles lands in the other view: tile (a, b), which may lie outside, Z there, and by
+// how many pixels it is drawn from elsewhere. The tiles' first pixels are (x0, y), (x0 + 4, y), ...
 void transfer_row(const Transfer& t, const float* HWY_RESTRICT depth, int count, int x0, int y,
                   float* HWY_RESTRICT Z, std::int32_t* HWY_RESTRICT a, std::int32_t* HWY_RESTRICT b,
                   std::int32_t* HWY_RESTRICT dx, std::int32_t* HWY_RESTRICT dy) {
