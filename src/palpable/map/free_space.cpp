@@ -31,18 +31,6 @@ FreeSpace::FreeSpace(const DepthNoise& noise, const FreeSpaceSettings& settings)
   met_.reserve(blocks_.size());
 }
 
-// A new one; null when all are in use.
-FreeSpace::Block* FreeSpace::insert(std::uint64_t key) {
-  const int slot = table_.insert(key);
-  return slot == BlockTable::kNone ? nullptr : &blocks_[static_cast<std::size_t>(slot)];
-}
-
-// The block of that name, if there is one.
-FreeSpace::Block* FreeSpace::block_at(std::uint64_t key) {
-  const int slot = table_.find(key);
-  return slot == BlockTable::kNone ? nullptr : &blocks_[static_cast<std::size_t>(slot)];
-}
-
 // Nothing is met in it yet, if it is met for the first time in this frame.
 FreeSpace::Block* FreeSpace::meet(Block* block) {
   if (block == nullptr || block->frame == frame_) return block;
@@ -113,15 +101,16 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
           in_block = at;
           const std::uint64_t key = block_of(at);
           block = recent.of(key, [&] {
-            Block* there = block_at(key);
-            return meet(there != nullptr ? there : insert(key));
+            Block* there = block_in(table_.find(key));
+            return meet(there != nullptr ? there : block_in(table_.insert(key)));
           });
           if (block == nullptr) {
             ++blocked_;
             break;
           }
         }
-        block->met[part_of(at[2])] |= std::uint64_t{1} << (part_of(at[0]) | part_of(at[1]) << 3);
+        const std::size_t passed = cell_of(at);
+        block->met[passed / 64] |= std::uint64_t{1} << (passed % 64);
       }
     }
   }
@@ -133,7 +122,7 @@ void FreeSpace::add(const PinholeCamera& rays, const Rigid3& world_from_camera,
       if (!(Z > 0) || Z > settings_.farthest) continue;
       const Place at = fixed(origin + Z * per_m * (first + x * across + y * down));
       const std::uint64_t key = block_of(at);
-      Block* block = recent.of(key, [&] { return meet(block_at(key)); });
+      Block* block = recent.of(key, [&] { return meet(block_in(table_.find(key))); });
       if (block == nullptr) continue;
       const std::size_t here = cell_of(at);
       std::uint64_t& met = block->met[here / 64];

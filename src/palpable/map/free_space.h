@@ -97,8 +97,13 @@ class FreeSpace {
   [[nodiscard]] static bool same_block(const Place& a, const Place& b) {
     return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) >> (kFraction + 3) == 0;
   }
-  [[nodiscard]] Block* block_at(std::uint64_t key);
-  Block* insert(std::uint64_t key);
+  // Null for BlockTable::kNone.
+  [[nodiscard]] const Block* block_in(int slot) const {
+    return slot == BlockTable::kNone ? nullptr : &blocks_[static_cast<std::size_t>(slot)];
+  }
+  [[nodiscard]] Block* block_in(int slot) {
+    return slot == BlockTable::kNone ? nullptr : &blocks_[static_cast<std::size_t>(slot)];
+  }
   Block* meet(Block* block);
   static void count(Block& block);
 
@@ -134,11 +139,7 @@ class FreeSpace::Reader {
                   floor_to_int(point.z() * scale_)};
     if (const std::uint64_t key = block_of(p); key != last_) {
       last_ = key;
-      block_ = recent_.of(key, [&]() -> const Block* {
-        const int slot = space_.table_.find(key);
-        return slot == BlockTable::kNone ? nullptr
-                                         : &space_.blocks_[static_cast<std::size_t>(slot)];
-      });
+      block_ = recent_.of(key, [&] { return space_.block_in(space_.table_.find(key)); });
     }
     return cell_of(p);
   }
