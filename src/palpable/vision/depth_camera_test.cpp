@@ -355,11 +355,21 @@ TEST_CASE("a frame of another size has no depth, and the next one is as good as 
   const Frame good = frame_of({0.3, 0.1, 0.1}, stereo, 6);
   SeenFrame first;
   camera.see(good, first);
+  REQUIRE(first.left_half.width() == kWidth / 2);
+  REQUIRE(first.left_half.height() == kHeight / 2);
+  for (int y = 0; y < kHeight / 2; ++y) {
+    for (int x = 0; x < kWidth / 2; ++x) {
+      const int sum = first.left(2 * x, 2 * y) + first.left(2 * x + 1, 2 * y) +
+                      first.left(2 * x, 2 * y + 1) + first.left(2 * x + 1, 2 * y + 1);
+      REQUIRE(first.left_half(x, y) == (sum + 2) / 4);
+    }
+  }
   for (const auto& [width, height] : {std::pair{0, 0}, std::pair{kWidth, kHeight - 1}}) {
     Frame bad = good;
     bad.right = ColorImage(width, height);
-    SeenFrame seen;
+    SeenFrame seen = first;  // nothing of it stays
     camera.see(bad, seen);
+    CHECK((seen.left.empty() && seen.left_half.empty() && seen.right.empty()));
     REQUIRE(seen.depth.width() == kWidth / 2);
     CHECK(std::all_of(seen.depth.begin(), seen.depth.end(), [](float Z) { return std::isnan(Z); }));
   }
