@@ -124,10 +124,13 @@ class RecentBlocks {
  public:
   RecentBlocks() { known_.fill({kNoKey, nullptr}); }
 
+  /// The block must be there until it is forgotten.
+  void remember(std::uint64_t key, Block* block) { at(key) = {key, block}; }
+
   /// What `find()` says of the block, a pointer, which it is asked where it is not remembered.
   template <class Find>
   [[nodiscard]] Block* of(std::uint64_t key, const Find& find) {
-    Known& known = known_[(key ^ key >> 18 ^ key >> 36) % known_.size()];
+    Known& known = at(key);
     if (known.key != key) known = {key, find()};
     return known.block;
   }
@@ -137,6 +140,9 @@ class RecentBlocks {
     std::uint64_t key;
     Block* block;
   };
+  [[nodiscard]] Known& at(std::uint64_t key) {
+    return known_[(key ^ key >> 18 ^ key >> 36) % known_.size()];
+  }
   static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};  // of no block: they have 63 bits
   std::array<Known, 512> known_;
 };

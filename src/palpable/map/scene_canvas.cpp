@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstring>
 #include <hwy/base.h>
+#include <hwy/cache_control.h>
 #include <limits>
 
 namespace palpable {
@@ -137,6 +138,18 @@ bool SceneCanvas::holds(int x, int y) const {
   return !std::isnan(sum);
 }
 
+// What a row of the frame's tiles is drawn from, on its way from memory; `like`: moved as a tile of
+// a row before it.
+void SceneCanvas::fetch_row(int j, const Source& like) const {
+  constexpr int kLine = 64;  // of the cache, bytes
+  const int x0 = std::max(kTile * settings_.margin + like.dx, 0);
+  const int x1 = std::min(x0 + kTile * sources_.width(), luma_.width());
+  const int y = kTile * (j + settings_.margin) + like.dy;
+  for (int row = std::max(y, 0); row < std::min(y + kTile, luma_.height()); ++row) {
+    for (int x = x0; x < x1; x += kLine) hwy::Prefetch(luma_.row(row) + x);
+  }
+}
+
 void SceneCanvas::draw(const Rigid3& world_from_camera, PictureView& view) {
   find_sources(world_from_camera);
   const int tiles = sources_.width(), rows = sources_.height(), margin = settings_.margin;
@@ -150,6 +163,7 @@ void SceneCanvas::draw(const Rigid3& world_from_camera, PictureView& view) {
     std::uint8_t* to = view.luma.row(kTile * j);
     const std::ptrdiff_t stride = view.luma.width();
     const int taken_in = first_taken_in(j, frame_ + 1);
+    fetch_row(j + 2, row[tiles / 2]);
     for (int i = 0; i < tiles; ++i, to += kTile) {
       Source from = row[i];
       if (from.i < 0 && i > 0 && i + 1 < tiles && row[i + 1].i >= 0) from = row[i - 1];

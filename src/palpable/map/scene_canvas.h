@@ -66,6 +66,7 @@ class SceneCanvas {
   };
   void resize(const PinholeCamera& camera);
   [[nodiscard]] bool holds(int x, int y) const;
+  void fetch_row(int j, const Source& like) const;
   void find_sources(const Rigid3& world_from_camera);
 
   SceneCanvasSettings settings_;

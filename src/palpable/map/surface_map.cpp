@@ -138,6 +138,7 @@ std::optional<SurfaceMap::BlockView> SurfaceMap::block_in(int slot) const {
 }
 
 void SurfaceMap::clear() {
+  last_fused_ = {};
   for (int slot = 0; slot < used_slots(); ++slot) {
     if (table_.used(slot)) table_.erase(slot);
   }
@@ -257,6 +258,7 @@ void SurfaceMap::fuse(const DepthImage& depth, const PinholeCamera& camera,
   const float nothing_near = 0.95F * frame.truncation;
   ++fused_;
   in_view_.clear();
+  last_fused_ = {};
   for (int slot = 0; slot < used_slots(); ++slot) {
     if (!table_.used(slot)) continue;
     const Eigen::Vector3d corner =
@@ -271,8 +273,10 @@ void SurfaceMap::fuse(const DepthImage& depth, const PinholeCamera& camera,
     const float lowest = kernel_->fuse(frame, first.data(), b.voxels.data());
     if (lowest > nothing_near) {  // no surface in it: it was only passed, or carved
       table_.erase(slot);
-    } else if (!color.empty() &&
-               (b.colored < kColorFrames || (fused_ + slot) % kPaintAgainEvery == 0)) {
+      continue;
+    }
+    last_fused_.remember(table_.key(slot), &b);
+    if (!color.empty() && (b.colored < kColorFrames || (fused_ + slot) % kPaintAgainEvery == 0)) {
       paint(b, first, camera, color);
     }
   }

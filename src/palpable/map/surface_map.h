@@ -137,7 +137,8 @@ class SurfaceMap {
   BlockTable table_;
   SlabStore<Block> store_;
   std::vector<InView> in_view_;
-  DepthImage taken_;  // the depth that is fused: without what moves
+  RecentBlocks<const Block> last_fused_;  // most of what is asked for next
+  DepthImage taken_;                      // the depth that is fused: without what moves
   std::array<std::array<float, kVoxelsOfBlock>, 3> offsets_{};
   std::int64_t refused_ = 0;
   int fused_ = 0;  // depth images
@@ -146,7 +147,9 @@ class SurfaceMap {
 class SurfaceMap::Reader {
  public:
   explicit Reader(const SurfaceMap& map)
-      : map_(map), voxels_per_m_(static_cast<float>(1 / map.settings_.voxel)) {}
+      : map_(map),
+        recent_(map.last_fused_),
+        voxels_per_m_(static_cast<float>(1 / map.settings_.voxel)) {}
 
   /// The voxel nearest to a point; null where none is kept.
   /// @param point  world, m; within 5 km of its origin
