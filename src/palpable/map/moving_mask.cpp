@@ -27,7 +27,8 @@ constexpr std::uint8_t kOff = 0, kOpen = 128, kOn = 255;
 constexpr int kLongestHole = 24;
 
 // Four neighbours' depths that differ by less than this share, or by so many sigma, are looked up
-// once: four values of one depth span 2.1 sigma on average, more than 4 once in forty times.
+// once: four values of one depth span 2.1 sigma on average, more than 4 once in forty times. So are
+// two fours beside each other, by the share of their means.
 constexpr float kAlike = 0.02F;
 constexpr float kAlikeSigmas = 4;
 
@@ -251,14 +252,14 @@ void MovingMask::label(const Rigid3& world_from_camera, const SurfaceMap* map) {
     const bool same = std::abs(tile_depth_(i, j) - before) <= same_share * before;
     return same && age_(i, j) < settings_.frames_to_carry ? kCarried : kUnexplained;
   };
-  const auto ask = [&](int i, int j, float Z, bool for_four) {
+  const auto ask = [&](int i, int j, float Z, int tiles) {
     if (!(Z > 0)) return;  // unknown, or too close
-    const float aside = for_four ? 0.5F : 0;
-    const Eigen::Vector3f p = t + Z * (first + (static_cast<float>(i) + aside) * across +
-                                       (static_cast<float>(j) + aside) * down);
+    const float x = static_cast<float>(i) + 0.5F * static_cast<float>(tiles - 1);
+    const float y = static_cast<float>(j) + (tiles > 1 ? 0.5F : 0.0F);
+    const Eigen::Vector3f p = t + Z * (first + x * across + y * down);
     const Voxel* voxel = surface && Z <= farthest ? surface->voxel(p) : nullptr;
     if (voxel != nullptr) hwy::Prefetch(voxel);
-    questions_.push_back({p, voxel, Z, i, j, for_four});
+    questions_.push_back({p, voxel, Z, i, j, tiles});
   };
   const auto step = static_cast<float>(settings_.step);
   const auto sigmas = static_cast<float>(settings_.sigmas);
@@ -283,22 +284,30 @@ void MovingMask::label(const Rigid3& world_from_camera, const SurfaceMap* map) {
     questions_.clear();
     find_alike(j, j1);
     for (int i = 0; i < width; i += 2) {
-      if (const float Z = alike_[static_cast<std::size_t>(i / 2)]; Z > 0) {
-        ask(i, j, Z, true);
+      const auto four = static_cast<std::size_t>(i / 2);
+      if (const float Z = alike_[four]; Z > 0) {
+        const float beside = i + 3 < width ? alike_[four + 1] : 0;  // the next four's, if alike
+        if (std::abs(beside - Z) <= kAlike * Z) {
+          ask(i, j, 0.5F * (Z + beside), 4);
+          i += 2;
+        } else {
+          ask(i, j, Z, 2);
+        }
         continue;
       }
       const int i1 = std::min(i + 1, width - 1);
-      ask(i, j, tile_depth_(i, j), false);
-      if (i1 > i) ask(i1, j, tile_depth_(i1, j), false);
-      if (j1 > j) ask(i, j1, tile_depth_(i, j1), false);
-      if (i1 > i && j1 > j) ask(i1, j1, tile_depth_(i1, j1), false);
+      ask(i, j, tile_depth_(i, j), 1);
+      if (i1 > i) ask(i1, j, tile_depth_(i1, j), 1);
+      if (j1 > j) ask(i, j1, tile_depth_(i, j1), 1);
+      if (i1 > i && j1 > j) ask(i1, j1, tile_depth_(i1, j1), 1);
     }
     for (const Question& q : questions_) {
       const std::uint8_t label = answer(q);
       tile_label_(q.i, q.j) = label;
-      if (!q.for_four) continue;
-      const int i1 = std::min(q.i + 1, width - 1);
-      tile_label_(i1, j) = tile_label_(q.i, j1) = tile_label_(i1, j1) = label;
+      if (q.tiles == 1) continue;
+      for (int i = q.i; i < std::min(q.i + q.tiles, width); ++i) {
+        tile_label_(i, j) = tile_label_(i, j1) = label;
+      }
     }
   }
 }

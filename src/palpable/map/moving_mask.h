@@ -87,7 +87,7 @@ class MovingMask {
     const Voxel* voxel;  // of the map there, or null
     float depth;         // m
     int i, j;
-    bool for_four;  // also for its neighbours to the right and below
+    int tiles;  // it is for so many beside each other; if 2 or 4, for those below them too
   };
 
   void resize(const DepthImage& depth);
