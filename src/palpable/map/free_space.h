@@ -8,6 +8,7 @@
 #pragma once
 
 #include "palpable/base/floor_to_int.h"
+#include "palpable/base/huge_pages.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
@@ -110,7 +111,7 @@ class FreeSpace {
   DepthNoise noise_;
   FreeSpaceSettings settings_;
   BlockTable table_;
-  std::vector<Block> blocks_;
+  std::vector<Block, HugePageAllocator<Block>> blocks_;
   std::vector<Block*> met_;  // in this frame
   int frame_ = 0;
   std::int64_t blocked_ = 0;
