@@ -27,6 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kFramesForTwo = 30;  // of a film for which a second renderer is worth its start
 constexpr int kJpegQuality = 96;
 constexpr int kIgnoreStaticFrames = 15;   // what these show does not press
 constexpr double kDepthUnit = 0.00025;    // m per count
@@ -282,11 +283,12 @@ void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, cons
 
   // Two threads film every second frame each: while one waits for the GPU, or for the threads that
   // stand in for it, the other makes meshes and encodes.
+  const int threads = order.threads > 0 ? order.threads : sequence.frames < kFramesForTwo ? 1 : 2;
   std::vector<FrameLines> lines(static_cast<std::size_t>(sequence.frames));
   std::atomic<int> written = 0;
   std::atomic<bool> stop = false;
   const auto film = [&](DeskRenderer& own, int first, const Progress& show) {
-    for (int frame = first; frame < sequence.frames && !stop; frame += 2) {
+    for (int frame = first; frame < sequence.frames && !stop; frame += threads) {
       lines[static_cast<std::size_t>(frame)] = writer.write(own, frame);
       report(show, {"writing the sequence", static_cast<double>(++written),
                     static_cast<double>(sequence.frames), ""});
@@ -303,7 +305,7 @@ void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, cons
   };
   std::future<void> other = std::async(std::launch::async, [&] {
     or_stop_both([&] {
-      if (sequence.frames < 2) return;
+      if (threads < 2) return;
       DeskRenderer own = make_renderer(sequence, scene, rig, geometry);
       film(own, 1, {});
     });

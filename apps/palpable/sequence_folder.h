@@ -26,6 +26,7 @@ struct SequenceOrder {
   int frames = 0;    ///< >= 1
   std::uint64_t seed = 1;
   std::string body_name;  ///< noted in the truth
+  int threads = 0;        ///< that film, 1 or 2, with the same outcome; 0: what is quicker
 };
 
 /// Films `body` as ordered and writes frames/ and truth/ into `folder`, which must not exist or

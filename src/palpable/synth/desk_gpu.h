@@ -25,6 +25,10 @@ namespace palpable {
 
 /// Triangles on the GPU, as they are when an exposure begins and when it ends.
 struct GpuMesh {
+  /// Triangles of what moves: without nails and creases, the same looking away from the sun all the
+  /// time, and the others.
+  enum class Part { kLit, kDark, kDetailed };
+
   GlBuffer vertices, last_vertices, indices;
   GlVertexArray array;
   int index_count = 0;
@@ -46,30 +50,76 @@ struct GpuMesh {
   void fill(const PaintedMesh& mesh) {
     end_at(vertices);
     fill_first(mesh);
+    indices.stream(std::span<const std::uint32_t>(mesh.indices));
   }
-  /// @param last  the same triangles, moved
-  void fill(const PaintedMesh& first, const PaintedMesh& last) {
+  /// What moves. @param last  the same triangles, moved
+  void fill(const PaintedMesh& first, const PaintedMesh& last, const Eigen::Vector3f& to_sun) {
     PALPABLE_EXPECT(first.vertices.size() == last.vertices.size() && first.indices == last.indices,
                     "what moves keeps its triangles while the shutter is open");
     last_vertices.stream(std::span<const PaintedVertex>(last.vertices));
     end_at(last_vertices);
     fill_first(first);
+    stream_indices(first, last.vertices, to_sun);
   }
-  void draw() const {
-    if (index_count == 0) return;
-    array.bind();
-    glDrawElements(GL_TRIANGLES, index_count, GL_UNSIGNED_INT, nullptr);
-  }
+  void draw() const { draw(0, index_count); }
+  /// Of a mesh that was filled as a mover.
+  void draw(Part part) const { draw(starts[index(part)], count(part)); }
+  [[nodiscard]] int count(Part part) const { return starts[index(part) + 1] - starts[index(part)]; }
 
  private:
   static constexpr int kStride = sizeof(PaintedVertex);
+  std::array<int, 4> starts{};  // of the parts in `indices`, and their end
+  static std::size_t index(Part part) { return static_cast<std::size_t>(part); }
+  void draw(int first, int count) const {
+    if (count == 0) return;
+    array.bind();
+    glDrawElements(
+        GL_TRIANGLES, count, GL_UNSIGNED_INT,
+        reinterpret_cast<const void*>(static_cast<std::size_t>(first) * sizeof(std::uint32_t)));
+  }
+  /// The mesh's triangles in their order, and then once more by what lights them.
+  /// @param last  as the exposure ends
+  void stream_indices(const PaintedMesh& mesh, std::span<const PaintedVertex> last,
+                      const Eigen::Vector3f& to_sun) {
+    constexpr float kNoCrease = 0.004F;  // darkens by a tenth of a grey level at most
+    std::array<std::vector<std::uint32_t>, 3> parts;
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+      const std::array<std::uint32_t, 3> corners = {mesh.indices[i], mesh.indices[i + 1],
+                                                    mesh.indices[i + 2]};
+      const auto all = [&](const auto& is) {
+        return std::all_of(corners.begin(), corners.end(), is);
+      };
+      const auto extra = [&](std::uint32_t v) -> const Eigen::Vector4f& {
+        return mesh.vertices[v].extra;
+      };
+      // Beside a line that touches the nail's circle.
+      const bool no_nail = all([&](auto v) { return extra(v).z() >= 1.0F; }) ||
+                           all([&](auto v) { return extra(v).z() <= -1.0F; }) ||
+                           all([&](auto v) { return extra(v).w() >= 1.0F; }) ||
+                           all([&](auto v) { return extra(v).w() <= -1.0F; });
+      const bool no_crease = all([&](auto v) { return extra(v).y() < kNoCrease; });
+      const bool dark = all([&](auto v) {
+        return std::max(mesh.vertices[v].normal.dot(to_sun), last[v].normal.dot(to_sun)) <= 0.0F;
+      });
+      const auto part = !no_nail || !no_crease ? Part::kDetailed : dark ? Part::kDark : Part::kLit;
+      auto& to = parts[static_cast<std::size_t>(part)];
+      to.insert(to.end(), corners.begin(), corners.end());
+    }
+    std::vector<std::uint32_t> twice = mesh.indices;
+    twice.reserve(2 * mesh.indices.size());
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      starts[p] = static_cast<int>(twice.size());
+      twice.insert(twice.end(), parts[p].begin(), parts[p].end());
+    }
+    starts.back() = static_cast<int>(twice.size());
+    indices.stream(std::span<const std::uint32_t>(twice));
+  }
   void end_at(const GlBuffer& buffer) {
     array.floats(4, buffer, 3, kStride, 0);
     array.floats(5, buffer, 3, kStride, 12);
   }
   void fill_first(const PaintedMesh& mesh) {
     vertices.stream(std::span<const PaintedVertex>(mesh.vertices));
-    indices.stream(std::span<const std::uint32_t>(mesh.indices));
     index_count = static_cast<int>(mesh.indices.size());
     image = mesh.image;
     gloss = mesh.gloss;
@@ -234,27 +284,21 @@ struct Eye {
             ideal.height - 2 * kIdealMargin};
   }
 
-  /// The tiles of the raw picture that look into a rectangle of the ideal one.
-  [[nodiscard]] Box raw_box(const Box& in_ideal) const {
-    if (in_ideal.empty()) return {};
+  /// The tiles of the raw picture that look into any of some rectangles of the ideal one.
+  [[nodiscard]] Tiles raw_tiles(std::span<const Box> in_ideal) const {
     constexpr float kFilter = 1;  // px that a filtered look-up reads beyond its place
-    const Eigen::Vector2f low(static_cast<float>(in_ideal.x), static_cast<float>(in_ideal.y));
-    const Eigen::Vector2f high = low + Eigen::Vector2f(static_cast<float>(in_ideal.width),
-                                                       static_cast<float>(in_ideal.height));
-    int x0 = camera.pinhole.width, y0 = camera.pinhole.height, x1 = 0, y1 = 0;
-    for (int t = 0; t < static_cast<int>(tiles.size()); ++t) {
-      const Eigen::Vector4f& tile = tiles[static_cast<std::size_t>(t)];
-      if ((tile.tail<2>().array() + kFilter < low.array()).any() ||
-          (tile.head<2>().array() - kFilter > high.array()).any()) {
-        continue;
-      }
-      const int x = t % tiles_across * kTile, y = t / tiles_across * kTile;
-      x0 = std::min(x0, x);
-      y0 = std::min(y0, y);
-      x1 = std::max(x1, std::min(x + kTile, camera.pinhole.width));
-      y1 = std::max(y1, std::min(y + kTile, camera.pinhole.height));
+    Tiles found(camera.pinhole.width, camera.pinhole.height, kTile);
+    for (const Box& box : in_ideal) {
+      if (box.empty()) continue;
+      const Eigen::Vector2f low(static_cast<float>(box.x), static_cast<float>(box.y));
+      const Eigen::Vector2f high =
+          low + Eigen::Vector2f(static_cast<float>(box.width), static_cast<float>(box.height));
+      for (std::size_t t = 0; t < tiles.size(); ++t)
+        if ((tiles[t].tail<2>().array() + kFilter >= low.array()).all() &&
+            (tiles[t].head<2>().array() - kFilter <= high.array()).all())
+          found.marked[t] = true;
     }
-    return {x0, y0, std::max(0, x1 - x0), std::max(0, y1 - y0)};
+    return found;
   }
 
  private:

@@ -90,6 +90,7 @@ struct DeskRenderer::State {
   struct Paint {
     GlProgram program;
     bool far = false, moves = false;
+    bool sun = true;  // else it looks away
     bool still_shadows = false, moving_shadows = false;
   };
 
@@ -102,7 +103,9 @@ struct DeskRenderer::State {
   std::array<std::array<GlProgram, 2>, 2> sense_exposed;
   // What stands still: far away, with still shadows or with all, and the same on the desk's top.
   Paint paint_far, paint_still, paint_all, paint_still_top, paint_all_top;
-  Paint paint_mover, paint_mover_in_shade;
+  // Plain, and with nails and creases.
+  std::array<Paint, 2> paint_mover, paint_mover_in_shade;
+  Paint paint_mover_dark;
   FullScreenTriangle full_screen;
   std::vector<GlTexture> images, hand_images;
   std::vector<std::unique_ptr<GpuMesh>> meshes;
@@ -138,11 +141,17 @@ struct DeskRenderer::State {
         paint_still_top{.program = std::move(programs[12]), .still_shadows = true},
         paint_all_top{
             .program = std::move(programs[13]), .still_shadows = true, .moving_shadows = true},
-        paint_mover{.program = std::move(programs[14]), .moves = true, .moving_shadows = true},
-        paint_mover_in_shade{.program = std::move(programs[15]),
-                             .moves = true,
-                             .still_shadows = true,
-                             .moving_shadows = true},
+        paint_mover{{{.program = std::move(programs[14]), .moves = true, .moving_shadows = true},
+                     {.program = std::move(programs[15]), .moves = true, .moving_shadows = true}}},
+        paint_mover_in_shade{{{.program = std::move(programs[16]),
+                               .moves = true,
+                               .still_shadows = true,
+                               .moving_shadows = true},
+                              {.program = std::move(programs[17]),
+                               .moves = true,
+                               .still_shadows = true,
+                               .moving_shadows = true}}},
+        paint_mover_dark{.program = std::move(programs[18]), .moves = true, .sun = false},
         static_shadow(2048, light_from_desk({0.0, 0.15, 0.0}, 0.80, 1.5)),
         hand_shadow(1024, light_from_desk({0.10, 0.0, 0.05}, 0.50, 1.5)),
         shaded_by_movers(static_shadow.light),
@@ -210,10 +219,7 @@ struct DeskRenderer::State {
     const std::vector<PaintedMesh> after =
         moves ? meshes_at(last, first) : std::vector<PaintedMesh>();
     for (std::size_t i = 0; i < movers.size(); ++i) {
-      if (moves)
-        movers[i]->fill(before[i], after[i]);
-      else
-        movers[i]->fill(before[i]);
+      movers[i]->fill(before[i], moves ? after[i] : before[i], kToSun.cast<float>());
     }
     filled = first.capsules;
     filled_last = last.capsules;
@@ -309,13 +315,12 @@ struct DeskRenderer::State {
     const GlProgram& program = paint.program;
     const Eigen::Matrix4f view = eye_from_desk.matrix().cast<float>();
     program.set("clip_from_desk", Eigen::Matrix4f(clip_from_camera(eye.ideal) * view));
-    program.set("to_sun", Eigen::Vector3f(kToSun.cast<float>()));
     program.set("image", 0);
-    if (paint.moves) {
-      program.set("along", along);
+    if (paint.sun) program.set("to_sun", Eigen::Vector3f(kToSun.cast<float>()));
+    if (paint.moves) program.set("along", along);
+    if (paint.moves && paint.moving_shadows)
       program.set("shadow_along", shadow_along.value_or(along));
-    }
-    if (!paint.far)
+    if (!paint.far && paint.sun)
       program.set("eye", Eigen::Vector3f(eye_from_desk.inverse().translation().cast<float>()));
     if (paint.moving_shadows) {
       program.set("hand_light_from_desk", Eigen::Matrix4f(hand_shadow.light.cast<float>()));
@@ -327,16 +332,18 @@ struct DeskRenderer::State {
     }
   }
 
-  static void draw_mesh(const Paint& paint, const GpuMesh& mesh,
-                        const std::vector<GlTexture>& from) {
-    if (mesh.index_count == 0) return;
+  static void begin_mesh(const Paint& paint, const GpuMesh& mesh,
+                         const std::vector<GlTexture>& from) {
     const GlProgram& program = paint.program;
     program.use();
     from[static_cast<std::size_t>(mesh.image)].bind(0);
-    if (!paint.far) {
+    if (!paint.far && paint.sun) {
       program.set("gloss", mesh.gloss);
       program.set("sharpness", mesh.sharpness);
     }
+  }
+  void draw_still(const Paint& paint, const GpuMesh& mesh) const {
+    begin_mesh(paint, mesh, images);
     mesh.draw();
   }
 
@@ -357,15 +364,15 @@ struct DeskRenderer::State {
   void paint_one(std::size_t i, bool with_moving_shadows) const {
     const GpuMesh& mesh = *meshes[i];
     if (!mesh.in_shadows) {
-      draw_mesh(paint_far, mesh, images);
+      draw_still(paint_far, mesh);
     } else if (mesh.is_desk_top) {
       // Its light was looked up before (light_desk).
       static_shadow.top.bind(1);
       hand_shadow.top.bind(2);
-      draw_mesh(with_moving_shadows ? paint_all_top : paint_still_top, mesh, images);
+      draw_still(with_moving_shadows ? paint_all_top : paint_still_top, mesh);
       bind_shadows();
     } else {
-      draw_mesh(with_moving_shadows ? paint_all : paint_still, mesh, images);
+      draw_still(with_moving_shadows ? paint_all : paint_still, mesh);
     }
   }
   void bind_shadows() const {
@@ -373,14 +380,20 @@ struct DeskRenderer::State {
     hand_shadow.depth.bind(2);
   }
 
-  [[nodiscard]] const Paint& of_movers() const {
-    return in_shade ? paint_mover_in_shade : paint_mover;
-  }
   void paint_movers() const {
     // Movers are closed: half of their triangles look away. With Y down, the others run clockwise.
     glFrontFace(GL_CW);
     glEnable(GL_CULL_FACE);
-    for (const auto& mesh : movers) draw_mesh(of_movers(), *mesh, hand_images);
+    const auto& [plain, detailed] = in_shade ? paint_mover_in_shade : paint_mover;
+    using Part = GpuMesh::Part;
+    for (const auto& mesh : movers)
+      for (const auto& [part, paint] : {std::pair(Part::kLit, &plain),
+                                        {Part::kDark, &paint_mover_dark},
+                                        {Part::kDetailed, &detailed}}) {
+        if (mesh->count(part) == 0) continue;
+        begin_mesh(*paint, *mesh, hand_images);
+        mesh->draw(part);
+      }
     glDisable(GL_CULL_FACE);
   }
 
@@ -390,8 +403,9 @@ struct DeskRenderer::State {
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LEQUAL);  // what is painted again over its own copy must pass
     glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
-    for (const Paint* paint : {&paint_far, &paint_still, &paint_all, &paint_still_top,
-                               &paint_all_top, &paint_mover, &paint_mover_in_shade})
+    for (const Paint* paint :
+         {&paint_far, &paint_still, &paint_all, &paint_still_top, &paint_all_top, &paint_mover[0],
+          &paint_mover[1], &paint_mover_in_shade[0], &paint_mover_in_shade[1], &paint_mover_dark})
       look_from(*paint, eye, eye_from_desk, along);
     bind_shadows();
   }
@@ -463,6 +477,32 @@ struct DeskRenderer::State {
   [[nodiscard]] Box touched(const Eye& eye, const Rigid3& eye_from_desk, bool shadow = true) const {
     return around(touched_by(filled, eye, eye_from_desk, shadow),
                   touched_by(filled_last, eye, eye_from_desk, shadow));
+  }
+
+  /// Rectangles of the ideal picture that hold the movers, without their shadow, while the shutter
+  /// is open: one round each quarter of a capsule; or one round all where a cup stands for some.
+  [[nodiscard]] std::vector<Box> parts_touched(const Eye& eye, std::span<const Rigid3> poses,
+                                               bool cup) const {
+    std::vector<Box> parts;
+    if (cup) {
+      Box all;
+      for (const Rigid3& pose : poses) all = around(all, touched(eye, pose, false));
+      return {all};
+    }
+    constexpr int kParts = 4;
+    for (std::size_t i = 0; i < filled.size(); ++i)
+      for (int part = 0; part < kParts; ++part) {
+        SeenBox box(eye.ideal);
+        for (const Rigid3& pose : poses)
+          for (const HandCapsule* capsule : {&filled[i], &filled_last[i]}) {
+            const auto& [a, b, ra, rb] = capsule->shape;
+            const double from = static_cast<double>(part) / kParts, to = from + 1.0 / kParts;
+            box.include(pose * (a + from * (b - a)), ra + from * (rb - ra),
+                        pose * (a + to * (b - a)), ra + to * (rb - ra));
+          }
+        parts.push_back(box.pixels());
+      }
+    return parts;
   }
 
   /// The bands of rows that a frame is read in, each as if at one moment.
@@ -639,13 +679,15 @@ struct DeskRenderer::State {
     };
     const int all_layers = references * layers;
     const auto layer_at = [&](int layer) { return exposure.middle(layer, all_layers); };
-    Box moved;
+    std::vector<Rigid3> layer_poses;
     for (int layer = 0; layer < all_layers; ++layer)
-      moved = around(moved, touched(eye, pose_at(layer_at(layer)), false));
-    const Box raw_moved = eye.raw_box(moved);
+      layer_poses.push_back(pose_at(layer_at(layer)));
+    const Tiles tiles =
+        eye.raw_tiles(parts_touched(eye, layer_poses, first.desk_from_cup.has_value()));
+    const std::vector<Box> with_movers = tiles.boxes(true);
 
     eye.stills.hold(references, eye.ideal, eye.still_depth);
-    if (!raw_moved.empty()) eye.layers.hold(all_layers, eye.ideal, eye.ideal_depth);
+    if (!with_movers.empty()) eye.layers.hold(all_layers, eye.ideal, eye.ideal_depth);
     const Eigen::Matrix3d place_from_ray = eye.place_from_ray();
     const Eigen::Matrix3d ray_from_place = place_from_ray.inverse();
     const auto homography = [&](const Eigen::Matrix3d& turn) {
@@ -667,7 +709,7 @@ struct DeskRenderer::State {
         for (int k = 0; k < looks; ++k)
           still_from_moment.push_back(
               homography(turn_from(exposure.middle(layer * looks + k, all_layers * looks))));
-        if (!raw_moved.empty())
+        if (!with_movers.empty())
           paint_layer(eye, layer, Rigid3(turn * pose_at(at)),
                       static_cast<float>((at - opens) / (closes - opens)));
       }
@@ -677,6 +719,7 @@ struct DeskRenderer::State {
         "sensor.frag has so many layers and looks");
 
     const auto sense_mean = [&](std::span<const Box> boxes, bool with_layers) {
+      if (boxes.empty()) return;
       const GlProgram& program = sense_exposed[with_layers ? 1 : 0][turns ? 1 : 0];
       begin_sensing(program, view, frame);
       program.set("stills", 1);
@@ -698,8 +741,8 @@ struct DeskRenderer::State {
       }
       for (const Box& box : boxes) draw_raw(eye, box);
     };
-    if (!raw_moved.empty()) sense_mean(std::array{raw_moved}, true);
-    sense_mean(beside(all_of(eye.camera.pinhole), raw_moved), false);
+    sense_mean(with_movers, true);
+    sense_mean(tiles.boxes(false), false);
   }
 
   void draw(std::span<const View> views, const DeskMoment& frame) {
@@ -765,9 +808,12 @@ Result<DeskRenderer> DeskRenderer::make(const DeskCamera& camera, const DeskScen
   constexpr const char* kAllTop =
       "#define DESK_TOP\n#define STILL_SHADOWS\n#define MOVING_SHADOWS\n";
   constexpr const char* kMover = "#define MOVES\n#define MOVING_SHADOWS\n";
+  constexpr const char* kMoverDetail = "#define MOVES\n#define DETAIL\n#define MOVING_SHADOWS\n";
   constexpr const char* kMoverInShade =
       "#define MOVES\n#define STILL_SHADOWS\n#define MOVING_SHADOWS\n";
-  constexpr std::array<ProgramSource, 16> kSources = {
+  constexpr const char* kMoverDetailInShade =
+      "#define MOVES\n#define DETAIL\n#define STILL_SHADOWS\n#define MOVING_SHADOWS\n";
+  constexpr std::array<ProgramSource, 19> kSources = {
       {{"shadow.vert", "shadow.frag"},
        {"depth.vert", "depth.frag"},
        {"sensor.vert", "desk_top.frag"},
@@ -783,7 +829,10 @@ Result<DeskRenderer> DeskRenderer::make(const DeskCamera& camera, const DeskScen
        {"desk.vert", "desk.frag", kStillTop},
        {"desk.vert", "desk.frag", kAllTop},
        {"desk.vert", "desk.frag", kMover},
-       {"desk.vert", "desk.frag", kMoverInShade}}};
+       {"desk.vert", "desk.frag", kMoverDetail},
+       {"desk.vert", "desk.frag", kMoverInShade},
+       {"desk.vert", "desk.frag", kMoverDetailInShade},
+       {"desk.vert", "desk.frag", "#define MOVES\n#define DARK\n"}}};
   Result<std::vector<GlProgram>> programs = make_programs(synth_shader_files(), kSources);
   if (!programs.ok()) return programs.problem();
   return DeskRenderer(std::make_unique<State>(std::move(context).value(), camera, scene, look,

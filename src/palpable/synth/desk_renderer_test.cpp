@@ -478,9 +478,9 @@ TEST_CASE("an exposure is the mean of its moments, camera and movers moving", "[
   for (const auto& [unsmeared, error] :
        {errors(sharp.left, smeared.left, left), errors(sharp.right, smeared.right, right)}) {
     // A camera that only turns has one reference, whose edges lie in whole pixels.
-    const double share = motion.turn > 0.0 && motion.shift == 0.0 ? 0.15 : 0.12;
+    const double share = motion.turn > 0.0 && motion.shift == 0.0 ? 0.15 : 0.13;
     CHECK(error <= tolerance(share * unsmeared,
-                             "edges go in steps of up to 3 px instead of one; the shadow is the "
+                             "edges go in steps of up to 4 px instead of one; the shadow is the "
                              "middle one's"));
   }
 }

@@ -12,9 +12,9 @@ namespace palpable {
 namespace {
 
 constexpr double kNearStill = 0.4;  // m, the nearest of what stands still
-constexpr double kReferencePx = 1.5;
-constexpr double kLookPx = 1.5;
-constexpr double kMoverPx = 3.0;
+constexpr double kReferencePx = 2.0;
+constexpr double kLookPx = 2.0;
+constexpr double kMoverPx = 4.0;
 constexpr int kMost = 10;
 // share() rounds up: there are fewer than twice as many layers, and fewer looks than a layer has
 // besides those wanted.

@@ -34,11 +34,13 @@ inline constexpr int kMostLayers = 20, kMostLooks = 30;
 [[nodiscard]] std::pair<Movers, Movers> movers_between(const DeskMoment& frame, double opens,
                                                        double closes);
 
-/// How an eye's exposure is put together. What stands still is painted once for each 1.5 px that
-/// its near things shift against its far ones, and looked at once for each 1.5 px that the eye's
-/// turn moves it; movers, whose skin has weak texture and soft shading, are painted once for each
-/// 3 px that their picture moves within the view. At most ten references; fewer than twenty layers
-/// and fewer than thirty looks in all, as both are rounded up.
+/// How an eye's exposure is put together. What stands still is painted once for each 2 px that
+/// its near things shift against its far ones, and looked at once for each 2 px that the eye's turn
+/// moves it; movers, whose skin has weak texture and soft shading, are painted once for each 4 px
+/// that their picture moves within the view. Against steps three to four times as fine, the
+/// pictures of blur-hand are off by 0.2 grey levels in the mean (0.1 with 1.5, 1.5 and 3 px), by
+/// 0.7 in the worst of ten frames: no more than the noise. At most ten references; fewer than
+/// twenty layers and fewer than thirty looks in all, as both are rounded up.
 /// @param view  the eye without its lens
 [[nodiscard]] Exposure split_exposure(const PinholeCamera& view, const Rigid3& eye_from_camera,
                                       const DeskMoment& frame);

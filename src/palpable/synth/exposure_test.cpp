@@ -53,10 +53,10 @@ TEST_CASE("where nothing moves an exposure is one moment", "[synth]") {
   CHECK(split(moving).opens == 7.0);
 }
 
-TEST_CASE("movers have a layer for each 3 px that their picture moves within the view", "[synth]") {
+TEST_CASE("movers have a layer for each 4 px that their picture moves within the view", "[synth]") {
   const Eigen::Vector3d motion(0.01, 0.0, 0.0);  // 10 px in half a frame at 0.35 m
   const Exposure exposure = split(turning(0, kNo, kAhead, motion));
-  CHECK(exposure.layers == 4);
+  CHECK(exposure.layers == 3);
   CHECK(exposure.looks == 1);
   CHECK_FALSE(exposure.turns);
   CHECK(exposure.opens == 6.75);
@@ -70,14 +70,14 @@ TEST_CASE("a hand that goes along with a turning camera needs no layers for the 
   const Exposure exposure = split(turning(0.04, kNo, kAhead, kNo));  // 14 px in half a frame
   CHECK(exposure.references == 1);
   CHECK(exposure.layers == 1);
-  CHECK(exposure.looks == 10);
+  CHECK(exposure.looks == 7);
   CHECK(exposure.turns);
 }
 
 TEST_CASE("a shifting camera has references, and layers and looks are shared among them",
           "[synth]") {
-  // 4.4 px of parallax at 0.4 m, 14 px of turn, 10 px of the ball.
-  const Exposure exposure = split(turning(0.04, {0.005, 0, 0}, kAhead, {0.01, 0, 0}));
+  // 4.4 px of parallax at 0.4 m, 14 px of turn, 20 px of the ball.
+  const Exposure exposure = split(turning(0.04, {0.005, 0, 0}, kAhead, {0.02, 0, 0}));
   CHECK(exposure.references == 3);
   CHECK(exposure.layers == 2);
   CHECK(exposure.looks == 2);

@@ -7,7 +7,8 @@
 #include <Eigen/Core>
 
 #include <algorithm>
-#include <array>
+#include <cstddef>
+#include <vector>
 
 namespace palpable {
 
@@ -32,15 +33,45 @@ struct Box {
           std::max(a.y + a.height, b.y + b.height) - y0};
 }
 
-/// What of `all` lies outside of `part`, which lies in it: above, below, left, right.
-[[nodiscard]] inline std::array<Box, 4> beside(const Box& all, const Box& part) {
-  if (part.empty()) return {all, Box{}, Box{}, Box{}};
-  const int right = part.x + part.width, below = part.y + part.height;
-  return {Box{all.x, all.y, all.width, part.y - all.y},
-          Box{all.x, below, all.width, all.y + all.height - below},
-          Box{all.x, part.y, part.x - all.x, part.height},
-          Box{right, part.y, all.x + all.width - right, part.height}};
-}
+/// A picture cut into squares, some of them marked.
+struct Tiles {
+  int width = 0, height = 0;  ///< px, of the picture
+  int size = 1;               ///< px
+  std::vector<bool> marked;   ///< row by row
+
+  Tiles(int picture_width, int picture_height, int tile_size)
+      : width(picture_width),
+        height(picture_height),
+        size(tile_size),
+        marked(static_cast<std::size_t>(across() * ((height + size - 1) / size)), false) {}
+  [[nodiscard]] int across() const { return (width + size - 1) / size; }
+
+  /// Rectangles without overlap that make up the marked squares, or the others.
+  [[nodiscard]] std::vector<Box> boxes(bool of_marked) const {
+    std::vector<Box> found;
+    const int count = static_cast<int>(marked.size());
+    for (int t = 0; t < count;) {
+      const int row = t / across(), first = t;
+      while (t < count && t / across() == row && marked[static_cast<std::size_t>(t)] == of_marked)
+        ++t;
+      if (t == first) {
+        ++t;
+        continue;
+      }
+      const Box run =
+          Box{(first - row * across()) * size, row * size, (t - first) * size, size}.cut(
+              {0, 0, width, height});
+      const auto above = std::find_if(found.begin(), found.end(), [&](const Box& b) {
+        return b.x == run.x && b.width == run.width && b.y + b.height == run.y;
+      });
+      if (above == found.end())
+        found.push_back(run);
+      else
+        above->height += run.height;
+    }
+    return found;
+  }
+};
 
 /// The rectangle round what an eye sees of some capsules: of their parts beyond the near plane.
 class SeenBox {

@@ -77,14 +77,22 @@ TEST_CASE("the box of what is behind the eye or beside the picture is empty", "[
   CHECK(box.pixels().empty());
 }
 
-TEST_CASE("what lies beside a part makes the whole with it, once", "[synth]") {
-  const Box all{2, 3, 20, 11};
-  for (const Box& part : {Box{2, 3, 20, 11}, Box{5, 6, 7, 4}, Box{2, 10, 3, 4}, Box{}}) {
-    for (int y = 3; y < 14; ++y)
-      for (int x = 2; x < 22; ++x) {
-        int covered = holds(part, x, y) ? 1 : 0;
-        for (const Box& rest : beside(all, part)) covered += holds(rest, x, y) ? 1 : 0;
-        CHECK(covered == 1);
+TEST_CASE("marked tiles and the others make the whole picture, each pixel once", "[synth]") {
+  const Box all{0, 0, 23, 17};
+  for (const unsigned pattern : {0U, 0xffffffffU, 0x0f3c5a91U, 0x00066600U}) {
+    Tiles tiles(all.width, all.height, 5);
+    REQUIRE(tiles.marked.size() == 20);
+    for (std::size_t t = 0; t < 20; ++t) tiles.marked[t] = (pattern >> t & 1U) != 0;
+    for (int y = 0; y < all.height; ++y)
+      for (int x = 0; x < all.width; ++x) {
+        const bool marked = tiles.marked[static_cast<std::size_t>(y / 5 * 5 + x / 5)];
+        for (const bool which : {false, true}) {
+          int covered = 0;
+          for (const Box& box : tiles.boxes(which)) covered += holds(box, x, y) ? 1 : 0;
+          CHECK(covered == (which == marked ? 1 : 0));
+        }
       }
   }
+  Tiles whole(all.width, all.height, 5);
+  CHECK(whole.boxes(false).size() == 1);  // rows that are alike are one rectangle
 }

@@ -4,8 +4,9 @@
 //
 // Defined by the program: FAR for what is lit at its vertices (desk.vert); STILL_SHADOWS where the
 // desk's things cast shadows, MOVING_SHADOWS where something moves besides; DESK_TOP where both
-// were looked up before (desk_top.frag); MOVES for what moves. Mesa's software renderer runs
-// through both sides of a branch, so what a surface does not need is left out of its program.
+// were looked up before (desk_top.frag); MOVES for what moves, with DETAIL where it has nails or
+// creases, and DARK for what of it looks away from the sun. Mesa's software renderer runs through both sides of a branch, so what a surface does not
+// need is left out of its program.
 uniform sampler2D image;
 in vec2 image_uv;
 out vec4 color;
@@ -16,15 +17,28 @@ void main() { color = vec4(min(texture(image, image_uv).rgb * light_root, 1.0), 
 #else
 
 #include "daylight.glsl"
-in vec3 at;
-in vec3 n;
 #ifdef MOVES
-in vec4 more;
+in vec3 n;
+#ifndef DARK
+in vec3 half_way;
+#endif
+in float open_room;
+#ifdef DETAIL
+in float crease;
+in vec2 nail;
+#endif
+#else
+in vec3 at;
+uniform vec3 eye;  // desk frame, m
 #endif
 #ifdef DESK_TOP
+const vec3 n = vec3(0.0, 0.0, 1.0);
 #define Shadow sampler2D
 float lit(sampler2D top, vec3 p, float spread) { return texture(top, p.xy).r; }
 #else
+#ifndef MOVES
+in vec3 n;
+#endif
 #define Shadow sampler2DShadow
 #include "lit.glsl"
 #endif
@@ -36,29 +50,36 @@ uniform Shadow static_shadow;
 in vec3 in_hand_light;
 uniform Shadow hand_shadow;
 #endif
-uniform vec3 eye;     // desk frame, m
+#ifndef DARK
 uniform vec3 to_sun;  // desk frame, unit
 uniform float gloss;
 uniform float sharpness;
+#endif
 
 void main() {
   vec3 normal = normalize(n);
-  vec3 to_eye = normalize(eye - at);
   vec3 encoded = texture(image, image_uv).rgb;
+#ifndef DARK
   float shine = gloss;
   float exponent = sharpness;
-  float open = 1.0;  // share of the room's light that arrives
-#ifdef MOVES
-  open = more.x;
-  encoded *= 1.0 - 0.10 * more.y * (0.6 + 0.4 * sin(image_uv.x * 180.0));
-  if (dot(more.zw, more.zw) < 1.0) {  // a finger nail
-    float rim = smoothstep(0.80, 1.0, dot(more.zw, more.zw));
+#endif
+#ifdef DETAIL
+  encoded *= 1.0 - 0.10 * crease * (0.6 + 0.4 * sin(image_uv.x * 180.0));
+  if (dot(nail, nail) < 1.0) {
+    float rim = smoothstep(0.80, 1.0, dot(nail, nail));
     encoded = mix(vec3(0.93, 0.75, 0.69), encoded * 0.84, rim);
     shine = 0.45;
     exponent = 45.0;
   }
 #endif
   vec3 albedo = encoded * encoded;
+  vec3 room = room_light(normal);
+#ifdef MOVES
+  room *= open_room;
+#endif
+#ifdef DARK
+  vec3 light = albedo * room;
+#else
   float sun = max(dot(normal, to_sun), 0.0);
 #ifdef STILL_SHADOWS
   sun *= lit(static_shadow, in_static_light, 2.25 / 2048.0);
@@ -66,12 +87,15 @@ void main() {
 #ifdef MOVING_SHADOWS
   sun *= lit(hand_shadow, in_hand_light, 2.25 / 1024.0);
 #endif
-  vec3 light = albedo * (room_light(normal) * open + sun * kSun);
+#ifndef MOVES
+  vec3 half_way = to_sun + normalize(eye - at);
+#endif
+  vec3 light = albedo * (room + sun * kSun);
   if (shine > 0.0 && sun > 0.0) {
-    vec3 half_way = normalize(to_sun + to_eye);
-    float highlight = pow(max(dot(normal, half_way), 0.0), exponent);
+    float highlight = pow(max(dot(normal, normalize(half_way)), 0.0), exponent);
     light += shine * highlight * min(1.0, 4.0 * sun) * kSun;
   }
+#endif
   color = vec4(sqrt(clamp(light, 0.0, 1.0)), 1.0);
 }
 #endif

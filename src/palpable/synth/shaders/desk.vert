@@ -15,8 +15,12 @@ out vec2 image_uv;
 uniform vec3 to_sun;  // desk frame, unit
 out vec3 light_root;
 #else
-out vec3 at;
+#ifndef DESK_TOP
 out vec3 n;
+#endif
+#ifndef MOVES
+out vec3 at;
+#endif
 #endif
 
 #ifdef MOVES
@@ -26,7 +30,17 @@ layout(location = 4) in vec3 last_position;
 layout(location = 5) in vec3 last_normal;
 uniform float along;         // 0: as the shutter opens .. 1: as it closes
 uniform float shadow_along;  // when its own shadow falls (shadow.vert)
-out vec4 more;
+#ifndef DARK
+uniform vec3 eye;     // desk frame, m
+uniform vec3 to_sun;  // desk frame, unit
+// Its triangles are small against their distance: between corners this is nearly straight.
+out vec3 half_way;  // between the sun and the eye
+#endif
+out float open_room;  // share of the room's light that arrives
+#ifdef DETAIL
+out float crease;
+out vec2 nail;  // place on a finger nail, whose edge is the unit circle
+#endif
 #endif
 #ifdef STILL_SHADOWS
 uniform mat4 static_light_from_desk;  // 0..1 across the shadow map, z too
@@ -45,13 +59,24 @@ void main() {
   where = mix(position, last_position, along);
   facing = mix(normal, last_normal, along);
   in_shadow_map = mix(position, last_position, shadow_along);
-  more = extra;
+#ifndef DARK
+  half_way = to_sun + normalize(eye - where);
+#endif
+  open_room = extra.x;
+#ifdef DETAIL
+  crease = extra.y;
+  nail = extra.zw;
+#endif
 #endif
 #ifdef FAR
   light_root = sqrt(room_light(facing) + max(dot(facing, to_sun), 0.0) * kSun);
 #else
-  at = where;
+#ifndef DESK_TOP
   n = facing;
+#endif
+#ifndef MOVES
+  at = where;
+#endif
 #endif
 #ifdef STILL_SHADOWS
   in_static_light = (static_light_from_desk * vec4(where, 1.0)).xyz;
