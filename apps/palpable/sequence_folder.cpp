@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <mutex>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -267,12 +268,7 @@ void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, cons
   const StereoRig rig = zed_mini_rig();
   const RectifiedGeometry geometry = rectified_geometry(rig);
   const DeskScene scene = desk_scene(sequence.look);
-  DeskRenderer renderer = make_renderer(sequence, scene, rig, geometry);
-
-  make_folders(folder);
-  write_stereo_calibration(folder / "frames" / "calibration.yml", {rig, kFramesPerSecond});
   const PinholeCamera view = geometry.stereo.camera.scaled_down(2);
-  write_texts(folder, sequence, order, view, geometry.stereo.baseline);
   const FrameWriter writer{
       folder,
       sequence,
@@ -281,36 +277,38 @@ void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, cons
       geometry.stereo.baseline,
       transformed(sample_surface(body.surface, kTruthSpacing), sequence.desk_from_body)};
 
-  // Two threads film every second frame each: while one waits for the GPU, or for the threads that
-  // stand in for it, the other makes meshes and encodes.
+  // Two threads film, each with its own renderer, whichever frame comes next: while one waits for
+  // the GPU, or for the threads that stand in for it, the other makes meshes and encodes.
   const int threads = order.threads > 0 ? order.threads : sequence.frames < kFramesForTwo ? 1 : 2;
   std::vector<FrameLines> lines(static_cast<std::size_t>(sequence.frames));
-  std::atomic<int> written = 0;
+  std::once_flag folders;
+  std::atomic<int> next = 0, written = 0;
   std::atomic<bool> stop = false;
-  const auto film = [&](DeskRenderer& own, int first, const Progress& show) {
-    for (int frame = first; frame < sequence.frames && !stop; frame += threads) {
-      lines[static_cast<std::size_t>(frame)] = writer.write(own, frame);
-      report(show, {"writing the sequence", static_cast<double>(++written),
-                    static_cast<double>(sequence.frames), ""});
-    }
-    check_gl(own);
-  };
-  const auto or_stop_both = [&stop](const auto& work) {
+  const auto film = [&](const Progress& show) {
     try {
-      work();
+      DeskRenderer renderer = make_renderer(sequence, scene, rig, geometry);
+      // Nothing is written where nothing can be drawn.
+      std::call_once(folders, [&] {
+        if (stop) return;
+        make_folders(folder);
+        write_stereo_calibration(folder / "frames" / "calibration.yml", {rig, kFramesPerSecond});
+        write_texts(folder, sequence, order, view, geometry.stereo.baseline);
+      });
+      for (int frame = next++; frame < sequence.frames && !stop; frame = next++) {
+        lines[static_cast<std::size_t>(frame)] = writer.write(renderer, frame);
+        report(show, {"writing the sequence", static_cast<double>(++written),
+                      static_cast<double>(sequence.frames), ""});
+      }
+      check_gl(renderer);
     } catch (...) {
       stop = true;
       throw;
     }
   };
   std::future<void> other = std::async(std::launch::async, [&] {
-    or_stop_both([&] {
-      if (threads < 2) return;
-      DeskRenderer own = make_renderer(sequence, scene, rig, geometry);
-      film(own, 1, {});
-    });
+    if (threads > 1) film({});
   });
-  or_stop_both([&] { film(renderer, 0, progress); });
+  film(progress);
   other.get();
   report(progress, {"writing the sequence", static_cast<double>(sequence.frames),
                     static_cast<double>(sequence.frames), ""});
