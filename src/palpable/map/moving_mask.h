@@ -33,7 +33,7 @@ struct MovingMaskSettings {
   double same_share = 0.05;
   /// What moved so many frames ago or less, and is explained by nothing now, goes on moving; < 127.
   int frames_to_carry = 8;
-  int grow_px = 3;  ///< how far the mask reaches into pixels of unknown depth at its border
+  int grow_px = 4;  ///< how far the mask reaches into pixels of unknown depth at its border
   double most_unexplained = 8;  ///< tiles that join a moving group, times its own number
   int fewest_tiles = 20;        ///< a connected group of fewer tiles is noise
   bool look = true;             ///< false: depth alone decides, to see what the picture is worth
