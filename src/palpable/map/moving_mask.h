@@ -10,13 +10,16 @@
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/map/free_space.h"
+#include "palpable/map/mask_outline.h"
 #include "palpable/map/scene_canvas.h"
 #include "palpable/map/static_picture.h"
 #include "palpable/map/surface_map.h"
+#include "palpable/map/tile_groups.h"
 #include "palpable/vision/depth_camera.h"
 #include "palpable/vision/depth_noise.h"
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace palpable {
@@ -29,21 +32,16 @@ struct MovingMaskSettings {
   double sigmas = 4;
   /// A surface that was fused from fewer frames explains nothing yet: it may be the hand's own.
   double frames_to_trust = 6;
-  /// Neighbours whose depths differ by less than this share of them belong to one thing.
-  double same_share = 0.05;
-  /// What moved so many frames ago or less, and is explained by nothing now, goes on moving; < 127.
-  int frames_to_carry = 8;
-  int grow_px = 4;  ///< how far the mask reaches into pixels of unknown depth at its border
-  double most_unexplained = 8;  ///< tiles that join a moving group, times its own number
-  int fewest_tiles = 20;        ///< a connected group of fewer tiles is noise
-  bool look = true;             ///< false: depth alone decides, to see what the picture is worth
+  TileGroupSettings groups{};
+  int grow_px = 4;   ///< how far the mask reaches into pixels of unknown depth at its border
+  bool look = true;  ///< false: depth alone decides, to see what the picture is worth
 };
 
 /// Keeps the free space, and a picture of the scene while the camera stands or sways
-/// (static_picture.h, scene_canvas.h). All
-/// memory is taken when it is made and at the first frame.
+/// (static_picture.h, scene_canvas.h). All memory is taken when it is made and at the first frame.
 class MovingMask {
  public:
+  /// @throws ContractViolation for settings out of their range
   MovingMask(const DepthNoise& noise, const MovingMaskSettings& settings = {});
 
   /// The mask of one frame: 255 where something moves, of the depth's size.
@@ -53,13 +51,11 @@ class MovingMask {
   ///    has been seen often enough. Where the map does not tell, it moves in a free cell, and
   ///    nothing explains it elsewhere. What is too close to be measured moves: nothing static
   ///    comes nearer to a hand-held camera than 0.12 m.
-  /// 2. What nothing explains moves when it hangs together in depth with what moves: a hand that
-  ///    reaches into space which was not seen before.
-  ///    While the camera stands or sways, a tile that looks as the scene does is static whatever
+  /// 2. While the camera stands or sways, a tile that looks as the scene does is static whatever
   ///    its depth, and one without depth that does not moves.
-  /// 3. Pixels take over from the tile around them whose depth is most like theirs, so the mask
-  ///    follows depth edges. Holes inside move too; at the left border of near things, which the
-  ///    right eye sees instead of what lies behind, unknown pixels are the background's.
+  /// 3. What nothing explains moves when it hangs together in depth with what moves: a hand that
+  ///    reaches into space which was not seen before (tile_groups.h).
+  /// 4. Pixels follow the edges of depth and look (mask_outline.h).
   ///
   /// @param world_from_camera  this frame's, or foretold: an error of a tenth of the step is
   /// nothing
@@ -75,13 +71,6 @@ class MovingMask {
   [[nodiscard]] const MovingMaskSettings& settings() const { return settings_; }
 
  private:
-  // kChanged: without a depth, and it does not look as the scene does.
-  enum Label : std::uint8_t { kUnknown, kStatic, kUnexplained, kChanged, kCarried, kMoving };
-
-  struct Tile {
-    std::int16_t i, j;
-  };
-
   struct Question {  // of a tile
     Eigen::Vector3f point;
     const Voxel* voxel;  // of the map there, or null
@@ -95,36 +84,23 @@ class MovingMask {
   void find_alike(int j, int j1);
   void label(const Rigid3& world_from_camera, const SurfaceMap* map);
   void compare_look(const SeenFrame& seen, const Rigid3& world_from_camera);
-  void group();
-  void find_border();
-  void draw(const DepthImage& depth);
-  void draw_border(const DepthImage& depth, int i, int j);
-  void fill();
   void find_ray_depths();
 
   DepthNoise noise_;
   MovingMaskSettings settings_;
   FreeSpace space_;
+  std::pair<int, int> depth_size_;  // px, of the memory
   PinholeCamera depth_camera_;
   PinholeCamera tiles_;  // a pixel per tile
   DepthImage tile_depth_;
   Image<std::uint8_t> tile_label_;
   DepthImage ray_depth_;  // of 2 x 2 tiles: the nearest
   std::vector<Question> questions_;
-  std::vector<Tile> queue_, edge_;
-  Image<std::uint8_t> age_;  // of the tiles: frames since it was seen to move; 127: long ago
-  DepthImage moved_depth_;   // its depth then
-  // Of the tiles: while groups are counted; later whether they or a neighbour move.
-  Image<std::uint8_t> seen_;
-  Image<std::uint8_t> all_move_;  // with all neighbours
-  Image<std::uint8_t> any_beside_, all_beside_;
-  std::vector<std::uint8_t> row_;                // of tiles, and one more at both ends
   std::vector<float> columns_, highest_, sums_;  // of a row of tiles or two
   std::vector<float> alike_;
-  MaskImage mask_;
-  std::vector<std::uint8_t> row_is_empty_;  // of tiles: not 0 where the mask is 0
-  std::vector<int> open_;                   // pixels that are not decided yet
-  MaskImage above_, below_;
+  TileGroups groups_;
+  Image<std::uint8_t> tile_moves_;  // 1 or 0
+  MaskOutline outline_;
 
   StaticPicture picture_;                     // of a camera that stands
   Rigid3 picture_pose_ = Rigid3::Identity();  // from where it was taken

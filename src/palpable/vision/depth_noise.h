@@ -17,6 +17,11 @@ struct DepthNoise {
   [[nodiscard]] double sigma(double depth) const {
     return constant + depth * (linear + depth * quadratic);
   }
+  /// The same to a float's rounding, for loops over pixels.
+  [[nodiscard]] float sigma_in_float(float depth) const {
+    return static_cast<float>(constant) +
+           depth * (static_cast<float>(linear) + depth * static_cast<float>(quadratic));
+  }
 };
 
 /// Stereo: Z = f T / d gives sigma_Z = Z^2 / (f T) sigma_d. Pass the camera in which the disparity
