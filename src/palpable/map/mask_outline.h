@@ -16,9 +16,10 @@ namespace palpable {
 ///
 /// A tile that moves or does not as all its neighbours do is drawn whole. Else its pixels take over
 /// from the tile around them whose depth is most like theirs, and what they look like goes before
-/// that. Pixels of unknown depth in such a tile move if what moves lies on both sides of them within
-/// 24 px, along their row or else their column, and so do the next `grow_px` beside it. The strip
-/// at the left of a near thing, which only the left eye sees, is the background's beyond that.
+/// that. Pixels of unknown depth in such a tile move if what moves lies on both sides of them
+/// within 24 px, along their row or else their column, and so do the next `grow_px` beside it. The
+/// strip at the left of a near thing, which only the left eye sees, is the background's beyond
+/// that.
 class MaskOutline {
  public:
   /// How a frame looks, where it was compared.
