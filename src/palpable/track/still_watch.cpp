@@ -33,34 +33,61 @@ bool is_moving(const MaskImage* mask, const GrayImage& image, const Eigen::Vecto
 
 }  // namespace
 
+std::optional<StillWatch::Patch> StillWatch::patch_at(const Pyramid& pyramid,
+                                                      const Eigen::Vector2d& at) {
+  Patch patch;
+  patch.at = at.array().floor();
+  if (!patch.look.warp(PatchSource::cut(pyramid, patch.at), 0, Eigen::Matrix2d::Identity(),
+                       Eigen::Vector2d::Zero())) {
+    return std::nullopt;
+  }
+  patch.follows = patch.look.contrast / std::sqrt(std::max(patch.look.h_xx, patch.look.h_yy));
+  const double noise = kNoise / static_cast<double>(patch.look.contrast);
+  patch.least_likeness = kLikenessShare / (1 + noise * noise);
+  return patch;
+}
+
 void StillWatch::begin(const GrayImage& image) {
   patches_.clear();
   const int cell_x = image.width() / kAcross;
   const int cell_y = image.height() / kDown;
-  const Eigen::Matrix2d same = Eigen::Matrix2d::Identity();
   Pyramid pyramid;
   pyramid.build(image);
   for (int cy = 0; cy < kDown; ++cy) {
     for (int cx = 0; cx < kAcross; ++cx) {
       // The place in the cell that can be followed best.
-      Patch best;
-      float least_variance = 0;
+      std::optional<Patch> best;
       for (int k = 0; k < kTries * kTries; ++k) {
-        const Eigen::Vector2d at(cx * cell_x + (k % kTries + 0.5) * cell_x / kTries,
-                                 cy * cell_y + (k / kTries + 0.5) * cell_y / kTries);
-        PatchTemplate look;
-        if (!look.warp(PatchSource::cut(pyramid, at.array().floor()), 0, same,
-                       Eigen::Vector2d::Zero())) {
-          continue;
-        }
-        const float worst = look.contrast / std::sqrt(std::max(look.h_xx, look.h_yy));
-        if (worst <= least_variance) continue;
-        least_variance = worst;
-        const double noise = kNoise / static_cast<double>(look.contrast);
-        best = {at.array().floor(), look, kLikenessShare / (1 + noise * noise)};
+        const std::optional<Patch> patch =
+            patch_at(pyramid, {cx * cell_x + (k % kTries + 0.5) * cell_x / kTries,
+                               cy * cell_y + (k / kTries + 0.5) * cell_y / kTries});
+        if (patch && (!best || patch->follows > best->follows)) best = patch;
       }
-      if (least_variance > 0) patches_.push_back(best);
+      if (best) patches_.push_back(*best);
     }
+  }
+  if (patches_.size() < kPatches) fill_up(pyramid, image);
+}
+
+// A bare room shows something in few cells, and not where they were looked at: the best of the
+// whole picture, beside each other.
+void StillWatch::fill_up(const Pyramid& pyramid, const GrayImage& image) {
+  std::vector<Patch> others;
+  constexpr int kSide = PatchTemplate::kSide;
+  for (int y = kSide; y < image.height() - kSide; y += kSide) {
+    for (int x = kSide; x < image.width() - kSide; x += kSide) {
+      const std::optional<Patch> patch = patch_at(pyramid, {x, y});
+      if (patch && static_cast<double>(patch->look.contrast) > kNoise) others.push_back(*patch);
+    }
+  }
+  std::stable_sort(others.begin(), others.end(),
+                   [](const Patch& a, const Patch& b) { return a.follows > b.follows; });
+  for (const Patch& other : others) {
+    if (patches_.size() == kPatches) return;
+    const bool apart = std::none_of(patches_.begin(), patches_.end(), [&](const Patch& patch) {
+      return (patch.at - other.at).cwiseAbs().maxCoeff() < kSide;
+    });
+    if (apart) patches_.push_back(other);
   }
 }
 

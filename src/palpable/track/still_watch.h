@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include <optional>
 #include <vector>
 
 namespace palpable {
@@ -33,7 +34,12 @@ class StillWatch {
     Eigen::Vector2d at = Eigen::Vector2d::Zero();
     PatchTemplate look;
     double least_likeness = 1;
+    float follows = 0;  // how well it can be followed: grey levels a px, in its worse direction
   };
+  [[nodiscard]] static std::optional<Patch> patch_at(const Pyramid& pyramid,
+                                                     const Eigen::Vector2d& at);
+  void fill_up(const Pyramid& pyramid, const GrayImage& image);
+
   std::vector<Patch> patches_;
 };
 

@@ -60,6 +60,26 @@ TEST_CASE("a camera that goes straight ahead or rolls does not stand", "[track][
   }
 }
 
+TEST_CASE("a bare picture is watched by the little that it shows", "[track][still]") {
+  // White, but for a place of 56 x 56 px where four of the 8 x 6 cells meet.
+  const auto bare = [](double dx, double dy) {
+    const GrayImage all = picture(dx, dy);
+    GrayImage image(kWidth, kHeight, 200);
+    for (int y = 92; y < 148; ++y) std::copy_n(all.row(y) + 92, 56, image.row(y) + 92);
+    return image;
+  };
+  const StillWatch watch = watch_of(bare(0, 0));
+  CHECK(watch.look(bare(0, 0), nullptr) == Stillness::kStill);
+  CHECK(watch.look(bare(0.2, 0), nullptr) == Stillness::kStill);
+  CHECK(watch.look(bare(0.4, 0), nullptr) == Stillness::kMoved);
+  CHECK(watch.look(bare(0, 0.4), nullptr) == Stillness::kMoved);
+  // A hand over it: what is left says nothing.
+  MaskImage mask(kWidth, kHeight);
+  for (int y = 90; y < 150; ++y) std::fill_n(mask.row(y) + 90, 60, std::uint8_t{255});
+  CHECK(watch.look(bare(0, 0), &mask) == Stillness::kUnclear);
+  CHECK_FALSE(watch_of(GrayImage(kWidth, kHeight, 200)).begun());
+}
+
 TEST_CASE("noise is no motion", "[track][still]") {
   const StillWatch watch = watch_of(picture());
   for (unsigned seed = 0; seed < 10; ++seed) {
