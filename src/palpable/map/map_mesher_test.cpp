@@ -88,7 +88,7 @@ TEST_CASE("a map may change while it is copied; what is new comes with the next 
   CHECK(edge == right_edge(mesh_of(map)));
 }
 
-TEST_CASE("while the thread meshes, the map goes on growing", "[map][map_mesher]") {
+TEST_CASE("while the thread meshes, the map goes on growing", "[map][map_mesher][threads]") {
   SurfaceMap map(kNoise);
   MapMesher mesher({.blocks_per_frame = 1 << 20, .frames_to_mesh = 2});
   fuse_wall(map, 0);

@@ -180,7 +180,7 @@ TEST_CASE("a fast walk of which two frames in four are missing is followed by it
   CHECK(tracker.counts().recognised == 0);  // it was followed, not found again
 }
 
-TEST_CASE("the same frames give the same bytes, adjusted on a thread or not", "[track]") {
+TEST_CASE("the same frames give the same bytes, adjusted on a thread or not", "[track][threads]") {
   TrackerSettings here = settings_of();
   here.adjust_on_thread = false;
   Tracker one(settings_of()), two(here);
