@@ -333,8 +333,7 @@ void add_live(CLI::App& app) {
   command->footer(
       "Writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, "
       "rectification.jsonl,\n"
-      "live.json,\n"
-      "depth/, visible/, body_depth/ and moving/ (docs/benchmark.md has the formats).\n"
+      "live.json, depth/, visible/, body_depth/ and moving/ (docs/benchmark.md has the formats).\n"
       "A recording waits for the loop unless --paced. A camera that stalls or goes away does not "
       "end\n"
       "the run: the last state is held until pictures come again; Ctrl-C ends it.\n"

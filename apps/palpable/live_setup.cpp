@@ -77,8 +77,8 @@ Rigid3 place_of(const LiveOptions& options, const SceneFile& scene, const fs::pa
   }
   if (scene.camera_from_body) return *scene.camera_from_body;
   throw Error(fmt::format(
-      "{}: has no scene.toml beside it that says where the body stands; give --place \"x y z "
-      "roll pitch yaw\"",
+      "{}: has no scene.toml beside it that says where the body stands; give --anchor plane "
+      "(it stands on the desk that is seen), or --place \"x y z roll pitch yaw\"",
       images.string()));
 }
 
