@@ -153,6 +153,7 @@ auto look_at_first_frames(const CameraRequest& request, const DepthSettings& set
     camera.see(frame, seen);
     if (seen.misfit) throw Error(fmt::format("{}: {}", request.device, seen.misfit->message()));
     const TrackedPose pose = slam.advance(seen, unused).camera;
+    if (pose.new_world) result.sightings.clear();
     if (pose.state == TrackState::kLost) continue;
     if (result.live) world_from_start = pose.world_from_camera;
     if (const std::optional<Found> found = find_in(seen, camera)) {

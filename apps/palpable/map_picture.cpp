@@ -149,8 +149,11 @@ ColorImage picture_of_scan(MapRenderer& renderer, const MapMesh& surface, const 
   add_keyframes(lines, keyframes, camera);
   MapView view;
   view.camera = camera_of_view(1280, 720, kFieldOfView);
-  view.up = up_of_room(surface.normals, path.poses().front());
-  view.camera_from_world = overview(surface.vertices, path.poses(), view.up, view.camera);
+  // A camera that could follow nothing stood where the world begins.
+  const std::vector<Rigid3> stood{Rigid3::Identity()};
+  const std::vector<Rigid3>& way = path.poses().empty() ? stood : path.poses();
+  view.up = up_of_room(surface.normals, way.front());
+  view.camera_from_world = overview(surface.vertices, way, view.up, view.camera);
   view.lines = lines;
   view.supersampling = 2;
   ColorImage picture;

@@ -111,7 +111,26 @@ TEST_CASE("a lost camera is said to be lost, a found one is not", "[app][scene_p
   CHECK(warning_of(scene).empty());
   scene.camera.state = TrackState::kLost;
   CHECK(caption_of(scene) == "1.50 s");
+  CHECK(warning_of(scene).find("not placed yet") != std::string::npos);
+  scene.camera.newest_keyframe = 0;
   CHECK(warning_of(scene).find("lost") != std::string::npos);
+}
+
+TEST_CASE("a scan has a picture without a way, too: before a bare wall nothing is followed",
+          "[app][map_picture]") {
+  const Result<GlContext> context = GlContext::offscreen();
+  if (!context.ok()) PALPABLE_SKIP(context.problem().message);
+  MapRenderer renderer = value_or_throw(MapRenderer::make());
+  MapMesh wall;
+  wall.vertices.resize(3, 4);
+  wall.vertices << -1, 1, 1, -1, -1, -1, 1, 1, 2, 2, 2, 2;
+  wall.normals = Eigen::Vector3f(0, 0, -1).replicate<1, 4>();
+  wall.triangles.resize(3, 2);
+  wall.triangles << 0, 0, 2, 3, 1, 2;
+  wall.colors.assign(4, Rgb{90, 90, 90});
+  const ColorImage picture =
+      picture_of_scan(renderer, wall, CameraPath{}, {}, test::wall_format().depth_camera);
+  CHECK(std::count_if(picture.begin(), picture.end(), is_grey) > 10000);
 }
 
 }  // namespace

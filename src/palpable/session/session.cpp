@@ -101,13 +101,10 @@ struct Session::Parts {
         region(box_of(body.surface)),
         surface(fitted(settings.surface, camera, format, settings.depth.matcher, pose)),
         law(body, with_noise(settings.press, camera.noise(), settings.noise_share)) {
-    if (settings.map) anchored.emplace(*slam.map());
-    if (settings.ignore_static) {
-      background.emplace(camera.noise(),
-                         StaticBackgroundSettings{.frames = settings.static_frames});
-    }
+    forget_room();
   }
 
+  void forget_room();
   void find_scene(const SeenFrame& seen, Scene& scene);
   bool find_contact_depth(const SeenFrame& seen, const TrackedPose& tracked);
   std::optional<Touch> touch_of_frame(double time);
@@ -136,11 +133,20 @@ struct Session::Parts {
   Scene own_scene;
 };
 
+// What is seen from now on is the room in which the body stands.
+void Session::Parts::forget_room() {
+  if (settings.map) anchored.emplace(*slam.map());
+  if (settings.ignore_static) {
+    background.emplace(camera.noise(), StaticBackgroundSettings{.frames = settings.static_frames});
+  }
+}
+
 // Where the camera is, and with it the body; what moves.
 void Session::Parts::find_scene(const SeenFrame& seen, Scene& scene) {
   const SlamFrame& found = slam.advance(seen, scene.times);
   scene.camera = found.camera;
   scene.moving = found.moving;
+  if (found.camera.new_world) forget_room();
   if (!found.corrections.empty()) {
     const StageTimer timer(scene.times, "map");
     anchored->follow(found.corrections);

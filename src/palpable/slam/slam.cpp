@@ -16,7 +16,7 @@ constexpr double kUneven = 1e-4;
 // Motions of the frame before: after a longer gap than that the camera has hardly gone on so.
 constexpr double kFarthestForetold = 3;
 
-// Before the camera sees anything that it could follow it is taken to stand where the world begins:
+// Before it can follow anything, a camera that still stands has its place where the world begins:
 // else a hand before a bare desk would be what is seen first.
 bool is_placed(const TrackedPose& camera) {
   return is_known(camera) || camera.state == TrackState::kStarting;
@@ -68,6 +68,7 @@ const SlamFrame& Slam::advance(const SeenFrame& seen, StageTimes& times) {
     frame_.corrections = tracker_->corrections();
     last_camera_.state = TrackState::kLost;  // the way from there to here is no motion
   }
+  if (frame_.camera.new_world && map_) begin_map();
   learn(seen);
   return frame_;
 }

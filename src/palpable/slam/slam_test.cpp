@@ -157,6 +157,36 @@ TEST_CASE("before a bare wall there is nothing to follow, and what comes is seen
   CHECK(share_of(*found.moving) == Approx(kHalf));
 }
 
+TEST_CASE("what a camera saw before it moved in the dark is forgotten when it can be followed",
+          "[slam]") {
+  Room room({.fuse_every = 0});
+  const auto show_dark_at = [&](double z) {
+    Frame frame = frame_of_wall(room.number++, 0, z);
+    std::fill(frame.left.begin(), frame.left.end(), Rgb{});
+    return room.slam.advance(room.see(frame), room.times);
+  };
+  for (int n = 0; n < 10; ++n) CHECK(show_dark_at(0).fused);
+  const int blocks = room.slam.map()->blocks();
+  CHECK(blocks > 0);
+  // Were it taken to stand, the wall would be seen where it was free, or behind itself.
+  for (int n = 0; n < 10; ++n) {
+    const SlamFrame found = show_dark_at(0.1 + 0.01 * n);
+    CHECK(found.camera.state == TrackState::kLost);
+    CHECK(found.moving == nullptr);
+    CHECK_FALSE(found.fused);
+  }
+  CHECK(room.slam.counts().lost == 10);
+  CHECK(room.slam.map()->blocks() == blocks);
+  bool began = false;
+  for (int n = 0; n < 6 && !began; ++n) {
+    Frame frame = frame_of_wall(room.number++, 0, 0.2);
+    began = room.slam.advance(room.see(frame), room.times).camera.new_world;
+  }
+  REQUIRE(began);
+  CHECK(room.slam.map()->blocks() == 0);
+  CHECK(room.slam.space()->blocks() == 0);
+}
+
 TEST_CASE("a lost camera learns nothing and finds what moves again in the second frame after",
           "[slam]") {
   Room room({.fuse_every = 0});

@@ -10,6 +10,7 @@
 #include "palpable/track/new_corners.h"
 #include "palpable/track/pose_fit.h"
 #include "palpable/track/pose_graph.h"
+#include "palpable/track/start_watch.h"
 #include "palpable/track/still_watch.h"
 #include "palpable/track/window.h"
 
@@ -111,7 +112,8 @@ Work worked_out(Work work) {
 }  // namespace
 
 struct Tracker::Parts {
-  explicit Parts(const TrackerSettings& s) : settings(s), camera(s.camera) {
+  explicit Parts(const TrackerSettings& s)
+      : settings(s), camera(s.camera), start_watch(s.noise) {
     landmarks.reserve(static_cast<std::size_t>(s.limits.landmarks));
     keyframes.reserve(static_cast<std::size_t>(s.limits.keyframes) + 1);
     points.reserve(static_cast<std::size_t>(s.most_landmarks));
@@ -183,6 +185,7 @@ struct Tracker::Parts {
   PoseFit fit;
   int tried = 0;
 
+  StartWatch start_watch;  // until something can be followed
   StillWatch watch;
   struct Moment {
     double time;
@@ -383,9 +386,12 @@ TrackedPose Tracker::Parts::track(const TrackerFrame& frame) {
 
   const int kept = counts.keyframes;
   if (!usable) {
-    if (state != TrackState::kStarting) state = TrackState::kLost;
+    state = TrackState::kLost;
   } else if (keyframes.empty()) {
+    const bool stands = start_watch.look(*frame.left, *frame.depth) == Stillness::kStill;
+    state = stands ? TrackState::kStarting : TrackState::kLost;
     if (counts.frames % kStartEvery == 1) start(frame);
+    result.new_world = !stands && !keyframes.empty();
   } else {
     bool standing = false;
     if (settings.watch_stillness && watch.begun() && state != TrackState::kTracking) {

@@ -39,10 +39,12 @@ struct TrackerFrame {
 };
 
 enum class TrackState {
-  kStarting,  ///< no frame yet, or none that shows enough
+  kStarting,  ///< nothing to follow yet; as far as can be seen it stands where it began
   kFixed,     ///< it stands still; the pose is that of the moment since when it does
   kTracking,  ///< it moves, and the pose is known
-  kLost       ///< the pose is not known; what is given is the last one that was
+  /// The pose is not known; what is given is the last one that was. So is a camera that has moved,
+  /// or shows nothing at all, before anything could be followed.
+  kLost
 };
 
 struct TrackedPose {
@@ -54,6 +56,9 @@ struct TrackedPose {
   /// A loop was closed: what was placed by the poses between may be off by their drift
   /// (Tracker::corrections).
   bool closed_loop = false;
+  /// The first pose of a camera that was lost before: the world begins here, and what was placed
+  /// while it stood elsewhere lies nobody knows where.
+  bool new_world = false;
   int newest_keyframe = -1;  ///< the frame number of the newest one; -1: none
   /// Where the camera stood in it: with Tracker::keyframes() the pose of this frame as corrected
   /// since.

@@ -357,8 +357,41 @@ TEST_CASE(
     CHECK(pose.world_from_camera.matrix().isIdentity(0));
   }
   TrackedPose pose;
-  for (int n = 10; n < 16; ++n) pose = tracker.track(frame_of(pair_at(Rigid3::Identity()), n));
+  bool new_world = false;
+  for (int n = 10; n < 16; ++n) {
+    pose = tracker.track(frame_of(pair_at(Rigid3::Identity()), n));
+    new_world |= pose.new_world;
+  }
   CHECK(pose.state == TrackState::kFixed);
+  CHECK_FALSE(new_world);
+}
+
+TEST_CASE("a camera that moves in the dark is lost, and the world begins where it sees something",
+          "[track]") {
+  Tracker tracker(settings_of());
+  const auto dark_at = [](int step) {
+    Pair pair = pair_at(walk_pose(step));
+    std::fill(pair.left.begin(), pair.left.end(), std::uint8_t{0});
+    std::fill(pair.right.begin(), pair.right.end(), std::uint8_t{0});
+    return pair;
+  };
+  int number = 0;
+  CHECK(tracker.track(frame_of(dark_at(0), number++)).state == TrackState::kStarting);
+  for (int n = 0; n < 8; ++n) {
+    const TrackedPose pose = tracker.track(frame_of(dark_at(60), number++));
+    CHECK(pose.state == TrackState::kLost);
+    CHECK_FALSE(pose.new_world);
+  }
+  CHECK(tracker.counts().lost == 8);
+  int worlds = 0;
+  TrackedPose pose;
+  for (int n = 0; n < 6; ++n) {
+    pose = tracker.track(frame_of(pair_at(walk_pose(60)), number++));
+    worlds += pose.new_world ? 1 : 0;
+  }
+  CHECK(is_known(pose));
+  CHECK(worlds == 1);
+  CHECK(pose.world_from_camera.matrix().isIdentity(0));
 }
 
 TEST_CASE(
