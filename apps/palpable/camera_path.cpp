@@ -3,7 +3,7 @@
 namespace palpable::app {
 namespace {
 
-constexpr double kStep = 0.01;  // m between two points of the way
+constexpr std::size_t kMost = 4096;  // points
 constexpr Rgb kWay{28, 84, 222};
 constexpr float kWidth = 3.5f;  // px
 
@@ -18,9 +18,27 @@ void CameraPath::add(const TrackedPose& camera) {
   // By a closed loop it is put where it really is: it did not go there.
   const bool continues = now_.has_value() && !camera.closed_loop;
   now_ = pose;
-  if (continues && (poses_.back().translation() - pose.translation()).norm() < kStep) return;
+  if (continues && (poses_.back().translation() - pose.translation()).norm() < step_) return;
+  if (poses_.size() == kMost) thin();
   poses_.push_back(pose);
   continues_.push_back(continues);
+}
+
+// The ends of a stretch without a gap stay, and with them where it is now.
+void CameraPath::thin() {
+  step_ *= 2;
+  std::size_t kept = 0;
+  bool drop = false;
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    const bool ends = i + 1 == poses_.size() || !continues_[i + 1];
+    drop = continues_[i] && !ends && !drop;
+    if (drop) continue;
+    poses_[kept] = poses_[i];
+    continues_[kept] = continues_[i];
+    ++kept;
+  }
+  poses_.resize(kept);
+  continues_.resize(kept);
 }
 
 void CameraPath::draw(std::vector<MapLine>& lines) const {

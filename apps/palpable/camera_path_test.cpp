@@ -63,6 +63,23 @@ TEST_CASE("the way has a gap where a loop was closed: the camera did not go ther
   CHECK(length == Approx(0.2));
 }
 
+TEST_CASE("a way of hours keeps its length and its gaps, and takes no more memory",
+          "[app][camera_path]") {
+  CameraPath path;
+  // Two ways of 100 m straight ahead, 50 m apart.
+  for (int i = 0; i <= 10000; ++i) path.add(at(0.01001 * i));
+  path.add(at(0, TrackState::kLost));
+  for (int i = 0; i <= 10000; ++i) path.add(at(150 + 0.01001 * i));
+  CHECK(path.poses().size() <= 4096);
+  CHECK(path.poses().size() > 1000);
+  std::vector<MapLine> lines;
+  path.draw(lines);
+  double length = 0;
+  for (const MapLine& line : lines) length += static_cast<double>((line.to - line.from).norm());
+  CHECK(length == Approx(200.2).margin(test::tolerance(
+                      0.16, "the last step before the gap: 1 cm, doubled four times")));
+}
+
 TEST_CASE("a camera that was never known has no way", "[app][camera_path]") {
   CameraPath path;
   path.add(at(0, TrackState::kStarting));

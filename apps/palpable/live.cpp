@@ -134,6 +134,13 @@ nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const
   } else {
     result["tracking"] = nullptr;
   }
+  if (const SurfaceMap* map = run.session.map()) {
+    result["map"] = {{"blocks", map->blocks()},
+                     {"refused", map->refused()},
+                     {"free_space_refused", run.session.free_space()->blocked()}};
+  } else {
+    result["map"] = nullptr;
+  }
   result["frames"] = counts.processed.size();
   result["unreadable"] = counts.troubles.unreadable;
   result["source_troubles"] = {{"back_in_time", counts.troubles.back_in_time},
@@ -162,6 +169,7 @@ void live(const Options& options) {
   if (options.pictures && options.view != "camera") {
     throw Error("--pictures are what the camera sees: leave out --view map");
   }
+  if (options.out.empty()) throw Error("--out: names no folder");
   const SourceOptions& input = wanted.input;
   const std::vector<fs::path> earlier =
       earlier_run(options.out, options.overwrite,
@@ -234,7 +242,10 @@ void live(const Options& options) {
       drawn->time = scene.time;
       drawn->touches = scene.touches;
       drawn->camera_from_body = scene.camera_from_body;
-      drawn->world_from_camera = scene.camera.world_from_camera;
+      drawn->world_from_camera.reset();
+      if (scene.camera.state != TrackState::kLost) {
+        drawn->world_from_camera = scene.camera.world_from_camera;
+      }
       if (!options.no_depth) {
         drawn->depth = scene.seen->depth;
         drawn->too_close = scene.seen->too_close;
@@ -293,6 +304,11 @@ void live(const Options& options) {
   if (!counts.lost.empty()) {
     fmt::print("the camera was lost in {} frames, first in frame {}\n", counts.lost.size(),
                counts.lost.front());
+  }
+  if (const SurfaceMap* map = session.map();
+      map != nullptr && (map->refused() > 0 || session.free_space()->blocked() > 0)) {
+    fmt::print("the map was full ({} blocks): in ground seen later what moves is told less well\n",
+               map->blocks());
   }
   if (counts.first_touch) {
     fmt::print("touched in {} frames, first in frame {}, at most {:.1f} mm deep\n", counts.touching,

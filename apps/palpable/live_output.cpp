@@ -254,10 +254,12 @@ void LiveOutput::write_lines(const DrawnFrame& frame) {
         frame.number, frame.time, touch.site, touch.level, touch.force, touch.press_depth,
         touch.point_in_body.x(), touch.point_in_body.y(), touch.point_in_body.z());
   }
-  const Eigen::Vector3d t = frame.world_from_camera.translation();
-  const Eigen::Quaterniond q(frame.world_from_camera.linear());
-  trajectory_ << fmt::format("{:.6f} {:.7f} {:.7f} {:.7f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
-                             frame.time, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+  if (frame.world_from_camera) {
+    const Eigen::Vector3d t = frame.world_from_camera->translation();
+    const Eigen::Quaterniond q(frame.world_from_camera->linear());
+    trajectory_ << fmt::format("{:.6f} {:.7f} {:.7f} {:.7f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
+                               frame.time, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+  }
   poses_ << fmt::format("{{\"frame\":{},\"camera_from_body\":[", frame.number);
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < 4; ++column) {

@@ -60,8 +60,9 @@ struct DrawnFrame {
   MaskImage moving;              ///< of its size, or empty: not known
   double row_error_px = 0;       ///< of the rectified pair; NaN where nothing watches
   double row_correction_px = 0;  ///< by how much the right image was moved up
-  Rigid3 camera_from_body = Rigid3::Identity();   ///< where the body was drawn
-  Rigid3 world_from_camera = Rigid3::Identity();  ///< stays so for a fixed camera
+  Rigid3 camera_from_body = Rigid3::Identity();  ///< where the body was drawn
+  /// Stays so for a fixed camera; nothing while it is lost.
+  std::optional<Rigid3> world_from_camera = Rigid3::Identity();
   StageTimes times;
   FigureScores scores;
 };

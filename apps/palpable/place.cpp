@@ -17,6 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kFarthest = 100;  // m: what is farther was not meant
+
 // From text to numbers; commas and brackets separate too. Nothing when a word is no number.
 std::optional<std::vector<double>> numbers_in(std::string text) {
   for (char& c : text) {
@@ -78,6 +80,10 @@ Rigid3 pose_of(const std::vector<double>& n, const std::string& where) {
   if (!(pose.translation().z() > 0)) {
     throw Error(fmt::format("{}: the body would stand behind the camera (z = {} m)", where,
                             pose.translation().z()));
+  }
+  if (pose.translation().norm() > kFarthest) {
+    throw Error(fmt::format("{}: the body would stand {:.3g} m away; places are in metres", where,
+                            pose.translation().norm()));
   }
   return pose;
 }

@@ -52,6 +52,7 @@ TEST_CASE("what is no place is refused", "[apps][errors]") {
   CHECK_THROWS_AS(read_pose("1 2 3"), Error);
   CHECK_THROWS_AS(read_pose("0 0 -1 0 0 0"), Error);  // behind the camera
   CHECK_THROWS_AS(read_pose("0 0 nan 0 0 0"), Error);
+  CHECK_THROWS_AS(read_pose("1e300 0 0.5 0 0 0"), Error);  // nobody would see it
   CHECK_THROWS_AS(read_pose("no/such/file"), Error);
   CHECK_THROWS_AS(read_pose("1 0 0 0  0 1 0 0  0 0 -1 1  0 0 0 1"), Error);  // a mirror
   CHECK_THROWS_AS(read_pose("2 0 0 0  0 2 0 0  0 0 2 1  0 0 0 1"), Error);   // a scale

@@ -84,6 +84,20 @@ void write_picture(const fs::path& file, const SurfaceMap& map, const CameraPath
   write_png(file, picture_of_scan(renderer, mesh_of(map), path, keyframes, camera));
 }
 
+// Leaves what is there as it is. @throws Error when it could not be written
+void expect_writable(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder)) {
+    throw Error(fmt::format("{}: there is no folder {}", file.string(), folder.string()));
+  }
+  if (fs::is_directory(file)) throw Error(fmt::format("{}: is a folder", file.string()));
+  const bool was_there = fs::exists(file);
+  if (!std::ofstream(file, std::ios::app)) {
+    throw Error(fmt::format("{}: cannot be written", file.string()));
+  }
+  if (!was_there) fs::remove(file);
+}
+
 void scan(const ScanOptions& options) {
   const std::vector<StampedPose> given =
       options.trajectory.empty() ? std::vector<StampedPose>{} : read_trajectory(options.trajectory);
@@ -97,10 +111,7 @@ void scan(const ScanOptions& options) {
     throw Error(fmt::format("--picture {}: should end in .png", options.picture.string()));
   }
   for (const fs::path& file : {options.out, options.picture}) {  // not after an hour's scan
-    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-    if (!file.empty() && !fs::is_directory(folder)) {
-      throw Error(fmt::format("{}: there is no folder {}", file.string(), folder.string()));
-    }
+    if (!file.empty()) expect_writable(file);
   }
   const std::string& name = options.input.source;
   RoomScanSettings settings;

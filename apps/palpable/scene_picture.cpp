@@ -54,7 +54,8 @@ std::string caption_of(const Scene& scene) {
 
 std::string warning_of(const Scene& scene) {
   if (scene.camera.state != TrackState::kLost) return {};
-  if (scene.camera.newest_keyframe < 0) return "Camera not placed yet: show it a place with texture";
+  if (scene.camera.newest_keyframe < 0)
+    return "Camera not placed yet: show it a place with texture";
   return "Camera lost: show it what it has seen before";
 }
 

@@ -133,8 +133,7 @@ std::string matrix_text(const Rigid3& transform) {
   return text + "]";
 }
 
-void write_texts(const fs::path& out, const Sequence& sequence, const SequenceOrder& order,
-                 const PinholeCamera& view, double baseline) {
+void write_texts(const fs::path& out, const Sequence& sequence) {
   TextFile scene(out / "frames" / "scene.toml");
   scene.write(fmt::format(
       "# Where the body stands: camera_from_body, row by row, in the first frame's rectified left\n"
@@ -142,16 +141,6 @@ void write_texts(const fs::path& out, const Sequence& sequence, const SequenceOr
       "# What the first frames show does not press.\nignore_static_frames = {}\n",
       matrix_text(sequence.camera_from_body()), kFramesPerSecond, kIgnoreStaticFrames));
   scene.close();
-
-  TextFile camera(out / "truth" / "camera.toml");
-  camera.write(fmt::format(
-      "# The rectified left camera at half size: px; baseline in m.\n"
-      "width = {}\nheight = {}\nfx = {:.12g}\nfy = {:.12g}\ncx = {:.12g}\ncy = {:.12g}\n"
-      "baseline_m = {:.12g}\nfps = {}\ndepth_unit_m = {}\nsequence = \"{}\"\nseed = {}\n"
-      "body = '''{}'''\n",
-      view.width, view.height, view.fx_px, view.fy_px, view.cx_px, view.cy_px, baseline,
-      kFramesPerSecond, kDepthUnit, sequence.name, sequence.seed, order.body_name));
-  camera.close();
 
   TextFile script(out / "truth" / "script.toml");
   script.write(fmt::format("frames = {}\nframes_without_hand = {}\n", sequence.frames,
@@ -168,6 +157,20 @@ void write_texts(const fs::path& out, const Sequence& sequence, const SequenceOr
         touch.what, touch.site, touch.between, touch.depth, touch.seconds_to_depth,
         touch.frames.first, touch.frames.last, touch.view_angle * 57.29578));
   script.close();
+}
+
+// Without it a folder is no truth: it is written last, so that nobody scores half a film.
+void write_truth_camera(const fs::path& out, const Sequence& sequence, const SequenceOrder& order,
+                        const PinholeCamera& view, double baseline) {
+  TextFile camera(out / "truth" / "camera.toml");
+  camera.write(fmt::format(
+      "# The rectified left camera at half size: px; baseline in m.\n"
+      "width = {}\nheight = {}\nfx = {:.12g}\nfy = {:.12g}\ncx = {:.12g}\ncy = {:.12g}\n"
+      "baseline_m = {:.12g}\nfps = {}\ndepth_unit_m = {}\nsequence = \"{}\"\nseed = {}\n"
+      "body = '''{}'''\n",
+      view.width, view.height, view.fx_px, view.fy_px, view.cx_px, view.cy_px, baseline,
+      kFramesPerSecond, kDepthUnit, sequence.name, sequence.seed, order.body_name));
+  camera.close();
 }
 
 void make_folders(const fs::path& out) {
@@ -292,7 +295,7 @@ void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, cons
         if (stop) return;
         make_folders(folder);
         write_stereo_calibration(folder / "frames" / "calibration.yml", {rig, kFramesPerSecond});
-        write_texts(folder, sequence, order, view, geometry.stereo.baseline);
+        write_texts(folder, sequence);
       });
       for (int frame = next++; frame < sequence.frames && !stop; frame = next++) {
         lines[static_cast<std::size_t>(frame)] = writer.write(renderer, frame);
@@ -322,6 +325,7 @@ void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, cons
   write_lines("contact.jsonl", &FrameLines::contact);
   write_lines("trajectory.txt", &FrameLines::trajectory);
   write_lines("rig.jsonl", &FrameLines::rig);
+  write_truth_camera(folder, sequence, order, view, geometry.stereo.baseline);
 }
 
 }  // namespace palpable::app

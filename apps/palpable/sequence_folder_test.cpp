@@ -1,5 +1,6 @@
 #include "apps/palpable/sequence_folder.h"
 
+#include "palpable/base/error.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/render/gl_context.h"
 #include "tests/support/scratch_folder.h"
@@ -25,6 +26,21 @@ std::map<std::string, std::string> contents_of(const fs::path& folder) {
 }
 
 }  // namespace
+
+TEST_CASE("what was interrupted is no truth that could be scored", "[apps][gl]") {
+  if (!GlContext::offscreen().ok()) PALPABLE_SKIP("no OpenGL 4.5 context here");
+  const ReducedBody body = value_or_throw(read_pressable_body("tests/data/ball_v1.palpable"));
+  const test::ScratchFolder scratch("half_film");
+  const fs::path camera = scratch.path() / "truth" / "camera.toml";
+  const auto interrupt = [&](const ProgressReport& step) {
+    CHECK_FALSE(fs::exists(camera));
+    if (step.done >= 2) throw Error("enough");
+  };
+  CHECK_THROWS_AS(app::write_sequence(body, {"press", 3, 5, "ball", 1}, scratch.path(), interrupt),
+                  Error);
+  CHECK(fs::exists(scratch.path() / "frames" / "left" / "000001.jpg"));
+  CHECK_FALSE(fs::exists(camera));
+}
 
 TEST_CASE("two threads film what one films, byte for byte", "[apps][gl]") {
   if (!GlContext::offscreen().ok()) PALPABLE_SKIP("no OpenGL 4.5 context here");

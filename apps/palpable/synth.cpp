@@ -73,6 +73,7 @@ void add_synth(CLI::App& app) {
                   "docs/benchmark.md says what each promises and what is written.\n"
                   "Example: palpable synth press --body bunny.palpable --seed 1 -o clip");
   command->callback([options] {
+    if (options->out.empty()) throw Error("-o: names no folder");
     const SequenceKind& kind = kind_of(options->name);
     const fs::path file = options->body.empty() ? default_body() : options->body;
     const ReducedBody body = value_or_throw(read_pressable_body(file));

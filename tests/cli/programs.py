@@ -867,11 +867,13 @@ def without_times(folder):
     return said
 
 
-@case("a seed is a whole number from 0 on")
+@case("a seed is a whole number from 0 on, and a folder has a name")
 def _(programs, folder):
     for seed in ("-1", "x", "1.5", "9223372036854775808"):
         programs.refuses("synth", "press", "--seed", seed, "-o", folder / "clip", says=["--seed", seed])
         programs.refuses("bench", "sgbm-reference", "--seed", seed, says=["--seed", seed])
+    programs.refuses("synth", "press", "-o", "", says=["-o", "no folder"])
+    programs.refuses("live", "none.palpable", "--source", "none", "--out", "", says=["--out", "no folder"])
     programs.refuses("synth", "press", "--body", "none.palpable", "--seed", "9223372036854775807", "-o", folder / "clip",
                      says=["none.palpable"])
     assert not (folder / "clip").exists()
@@ -1265,6 +1267,8 @@ def _(programs, folder):
     refuses(source="empty", says=["empty"])
     refuses(to=folder / "out.obj", says=["out.obj", ".ply"])
     refuses(to=folder / "none/out.ply", says=["out.ply", "there is no folder"])
+    (folder / "taken.ply").mkdir()
+    refuses(to=folder / "taken.ply", says=["taken.ply", "is a folder"])
     refuses("--picture", folder / "map.jpg", says=["map.jpg", ".png"])
     refuses("--fuse-every", "-1", says=["--fuse-every"])
     refuses("--trajectory", folder / "none.txt", says=["none.txt", "cannot be read"])

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <map>
 #include <utility>
 
 namespace palpable {
@@ -77,14 +76,23 @@ std::optional<Rigid3> pose_by(const Loop& loop, const std::vector<Keyframe>& key
   return by_loop;
 }
 
-PoseGraph graph_of(const TrackCamera& camera, const std::vector<Keyframe>& keyframes,
-                   const std::vector<Landmark>& landmarks, const Loop& loop) {
-  std::map<std::pair<int, int>, int> shared;
+std::optional<PoseGraph> graph_of(const TrackCamera& camera, const std::vector<Keyframe>& keyframes,
+                                  const std::vector<Landmark>& landmarks, const Loop& loop) {
+  const int old_one = index_of(keyframes, loop.old_number);
+  const int new_one = index_of(keyframes, loop.new_number);
+  if (old_one < 0 || new_one <= old_one) return std::nullopt;
+  // Landmarks that two keyframes share, of the pair a, b at a K + b. A landmark may be seen from
+  // hundreds: a table, since a tree would hold up the frame.
+  const auto K = static_cast<int>(keyframes.size());
+  std::vector<int> shared(keyframes.size() * keyframes.size(), 0);
+  const auto count_of = [&](int a, int b) -> int& {
+    return shared[static_cast<std::size_t>(a) * keyframes.size() + static_cast<std::size_t>(b)];
+  };
   for (const Landmark& landmark : landmarks) {
     if (!landmark.alive) continue;
     for (std::size_t i = 0; i < landmark.sightings.size(); ++i) {
       for (std::size_t j = i + 1; j < landmark.sightings.size(); ++j) {
-        ++shared[{landmark.sightings[i].keyframe, landmark.sightings[j].keyframe}];
+        ++count_of(landmark.sightings[i].keyframe, landmark.sightings[j].keyframe);
       }
     }
   }
@@ -97,20 +105,20 @@ PoseGraph graph_of(const TrackCamera& camera, const std::vector<Keyframe>& keyfr
     const double depth = keyframes[static_cast<std::size_t>(b)].median_depth;
     graph.ties.push_back({a, b, b_from_a, depth * sigma_turn, sigma_turn});
   };
-  for (int k = 0; k + 1 < static_cast<int>(keyframes.size()); ++k) {
-    ++shared[{k, k + 1}];  // one comes from the other, whatever has been forgotten since
+  for (int k = 0; k + 1 < K; ++k) {
+    ++count_of(k, k + 1);  // one comes from the other, whatever has been forgotten since
   }
-  for (const auto& [pair, count] : shared) {
-    const auto& [a, b] = pair;
-    if (b != a + 1 && count < kTied) continue;
-    tie(a, b,
-        graph.camera_from_world[static_cast<std::size_t>(b)] *
-            graph.camera_from_world[static_cast<std::size_t>(a)].inverse(),
-        count);
+  for (int a = 0; a < K; ++a) {
+    for (int b = 0; b < K; ++b) {
+      const int count = count_of(a, b);
+      if (count == 0 || (b != a + 1 && count < kTied)) continue;
+      tie(a, b,
+          graph.camera_from_world[static_cast<std::size_t>(b)] *
+              graph.camera_from_world[static_cast<std::size_t>(a)].inverse(),
+          count);
+    }
   }
-  const int a = index_of(keyframes, loop.old_number);
-  const int b = index_of(keyframes, loop.new_number);
-  if (a >= 0 && b > a) { tie(a, b, loop.new_from_old.camera_from_old, loop.new_from_old.agreeing); }
+  tie(old_one, new_one, loop.new_from_old.camera_from_old, loop.new_from_old.agreeing);
   return graph;
 }
 

@@ -31,9 +31,12 @@ struct Loop {
                                             const std::vector<Keyframe>& keyframes);
 
 /// All keyframes, tied by the landmarks that they share and by the loop: each shared landmark (or
-/// feature that agreed) says how two cameras stand to a pixel, at their median depth.
-[[nodiscard]] PoseGraph graph_of(const TrackCamera& camera, const std::vector<Keyframe>& keyframes,
-                                 const std::vector<Landmark>& landmarks, const Loop& loop);
+/// feature that agreed) says how two cameras stand to a pixel, at their median depth. Nothing when
+/// one of the loop's two is no longer kept.
+[[nodiscard]] std::optional<PoseGraph> graph_of(const TrackCamera& camera,
+                                                const std::vector<Keyframe>& keyframes,
+                                                const std::vector<Landmark>& landmarks,
+                                                const Loop& loop);
 
 /// The graph's poses into the map; each landmark goes with the keyframe that saw it first.
 void put_back(const PoseGraph& graph, std::vector<Keyframe>& keyframes,

@@ -96,7 +96,7 @@ TEST_CASE("a loop takes the drift out of a circle, and landmarks go with their k
   CHECK(before > 0.05);
   const std::vector<Keyframe> drifted = circle.keyframes;
   const std::vector<Landmark> points = circle.landmarks;
-  PoseGraph graph = graph_of(kCamera, circle.keyframes, circle.landmarks, true_loop());
+  PoseGraph graph = graph_of(kCamera, circle.keyframes, circle.landmarks, true_loop()).value();
   CHECK(graph.ties.size() == kCount);  // one to the next each, and the loop
   REQUIRE(adjust_pose_graph(graph).solved);
   put_back(graph, circle.keyframes, circle.landmarks);
@@ -112,6 +112,17 @@ TEST_CASE("a loop takes the drift out of a circle, and landmarks go with their k
   }
 }
 
+TEST_CASE("a loop to a keyframe that is no longer kept is none", "[track][loop]") {
+  Circle circle;
+  Loop loop = true_loop();
+  CHECK(graph_of(kCamera, circle.keyframes, circle.landmarks, loop).has_value());
+  loop.old_number = -7;
+  CHECK_FALSE(graph_of(kCamera, circle.keyframes, circle.landmarks, loop).has_value());
+  loop = true_loop();
+  loop.new_number = 1 << 20;
+  CHECK_FALSE(graph_of(kCamera, circle.keyframes, circle.landmarks, loop).has_value());
+}
+
 TEST_CASE("a landmark whose first keyframe is forgotten goes with the oldest that is left",
           "[track][loop]") {
   Circle circle;
@@ -120,7 +131,7 @@ TEST_CASE("a landmark whose first keyframe is forgotten goes with the oldest tha
   landmark.lost_anchor = circle.keyframes[30].camera_from_world;
   const Landmark before = landmark;
   const Rigid3 old = circle.keyframes[30].camera_from_world;
-  PoseGraph graph = graph_of(kCamera, circle.keyframes, circle.landmarks, true_loop());
+  PoseGraph graph = graph_of(kCamera, circle.keyframes, circle.landmarks, true_loop()).value();
   REQUIRE(adjust_pose_graph(graph).solved);
   put_back(graph, circle.keyframes, circle.landmarks);
   const Rigid3& now = circle.keyframes[30].camera_from_world;
@@ -142,7 +153,7 @@ TEST_CASE(
     }
     return count;
   };
-  PoseGraph graph = graph_of(kCamera, circle.keyframes, circle.landmarks, true_loop());
+  PoseGraph graph = graph_of(kCamera, circle.keyframes, circle.landmarks, true_loop()).value();
   REQUIRE(adjust_pose_graph(graph).solved);
   put_back(graph, circle.keyframes, circle.landmarks);
   forget_doubles(kCamera, true_loop(), circle.keyframes, circle.landmarks);

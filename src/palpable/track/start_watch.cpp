@@ -45,8 +45,8 @@ Stillness StartWatch::look(const GrayImage& image, const DepthImage& depth) {
     picture_.begin(image);
     first_ = now;
     // Something that can be compared with itself.
-    begun_ = picture_.look(image, nullptr) == Stillness::kStill ||
-             compare(now) == Stillness::kStill;
+    begun_ =
+        picture_.look(image, nullptr) == Stillness::kStill || compare(now) == Stillness::kStill;
     return begun_ ? Stillness::kStill : Stillness::kUnclear;
   }
   const Stillness seen = picture_.look(image, nullptr);

@@ -25,7 +25,7 @@ class StartWatch {
  private:
   static constexpr int kAcross = 48;
   static constexpr int kDown = 36;
-  using Samples = std::array<float, static_cast<std::size_t>(kAcross * kDown)>;  // Z in m
+  using Samples = std::array<float, static_cast<std::size_t>(kAcross* kDown)>;  // Z in m
 
   [[nodiscard]] static Samples samples_of(const DepthImage& depth);
   [[nodiscard]] Stillness compare(const Samples& now) const;

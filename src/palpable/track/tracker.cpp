@@ -112,8 +112,7 @@ Work worked_out(Work work) {
 }  // namespace
 
 struct Tracker::Parts {
-  explicit Parts(const TrackerSettings& s)
-      : settings(s), camera(s.camera), start_watch(s.noise) {
+  explicit Parts(const TrackerSettings& s) : settings(s), camera(s.camera), start_watch(s.noise) {
     landmarks.reserve(static_cast<std::size_t>(s.limits.landmarks));
     keyframes.reserve(static_cast<std::size_t>(s.limits.keyframes) + 1);
     points.reserve(static_cast<std::size_t>(s.most_landmarks));
@@ -534,8 +533,8 @@ bool Tracker::Parts::come_back(const TrackerFrame& frame) {
   const auto try_near = [&](const Rigid3& pose) {
     camera_from_world = pose;  // no motion, no smear
     if (locate(frame, pose, true, kLeastRecognised)) {
+      if (state == TrackState::kLost) ++counts.recognised;
       state = TrackState::kLost;  // accept() is to begin without a motion
-      ++counts.recognised;
       return true;
     }
     camera_from_world = held;
@@ -720,9 +719,10 @@ void Tracker::Parts::ask_for_work(const TrackerFrame& frame) {
   work.image_camera = camera.camera.scaled_down(2);
   work.depth = *frame.depth;
   if (confirmed) {
-    work.graph = graph_of(camera, keyframes, landmarks, *confirmed);
     work.closing = std::exchange(confirmed, std::nullopt);
-  } else if (settings.adjust && keyframes.size() > 1) {
+    work.graph = graph_of(camera, keyframes, landmarks, *work.closing);
+  }
+  if (!work.graph && settings.adjust && keyframes.size() > 1) {
     work.window = window_of(camera, keyframes, landmarks);
   }
   if (settings.close_loops && !work.graph) {
