@@ -305,10 +305,10 @@ void live(const Options& options) {
     fmt::print("the camera was lost in {} frames, first in frame {}\n", counts.lost.size(),
                counts.lost.front());
   }
-  if (const SurfaceMap* map = session.map();
-      map != nullptr && (map->refused() > 0 || session.free_space()->blocked() > 0)) {
+  if (const SurfaceMap* room = session.map();
+      room != nullptr && (room->refused() > 0 || session.free_space()->blocked() > 0)) {
     fmt::print("the map was full ({} blocks): in ground seen later what moves is told less well\n",
-               map->blocks());
+               room->blocks());
   }
   if (counts.first_touch) {
     fmt::print("touched in {} frames, first in frame {}, at most {:.1f} mm deep\n", counts.touching,
