@@ -50,7 +50,7 @@ void score_trajectories(const TruthFolder& truth, const ResultFolder& result,
     scores["trajectory_share"] =
         static_cast<double>(pairs.size()) / static_cast<double>(asked.size());
   }
-  if (pairs.empty()) return;
+  if (pairs.size() < 2) return;  // one can be laid on any other
   const TrajectoryScore score = score_trajectory(pairs);
   scores["ate_mm"] = 1e3 * score.ate;
   if (!score.rpe) return;
@@ -74,7 +74,11 @@ void score_touching(const TruthFolder& truth, const ResultFolder& result, ordere
   }
   if (result.touches) {
     for (const auto& [frame, touch] : *result.touches) {
-      if (frame >= truth.frames) continue;
+      if (frame >= truth.frames) {
+        throw Error(fmt::format("{}: frame {} is touched, but the truth has {} frames (from 0 on)",
+                                (result.folder / "touches.jsonl").string(), frame, truth.frames));
+      }
+      if (result.processed[static_cast<std::size_t>(frame)] == 0) continue;
       felt[static_cast<std::size_t>(frame)] = 1;
       felt_site[static_cast<std::size_t>(frame)] = touch.site;
     }
@@ -89,6 +93,8 @@ void score_touching(const TruthFolder& truth, const ResultFolder& result, ordere
 }
 
 void score_anchor(const TruthFolder& truth, const ResultFolder& result, ordered_json& scores) {
+  scores["jitter_mm"] = nullptr;
+  if (!result.every_frame_has_a_pose()) return;  // those left out might be the worst ones
   AnchorScorer anchor;
   for (std::size_t f = 0; f < truth.trajectory.size(); ++f) {
     const std::optional<Rigid3> pose = result.pose_at(static_cast<int>(f));
@@ -136,6 +142,7 @@ void print(const ordered_json& scores) {
   line("near hand within 1 %", "hand_within_1pct", "", 3);
   line("too close, but called far", "too_close_called_far", "", 4);
   line("camera path, absolute error", "ate_mm", " mm", 2);
+  line("  share of the path that was found", "trajectory_share", "", 3);
   line("camera path, error over 1 s", "rpe_mm", " mm", 2);
   line("what moves, intersection over union", "moving_iou", "", 3);
   line("what moves, found", "moving_recall", "", 3);

@@ -196,6 +196,9 @@ void read_live(const fs::path& path, ResultFolder& result) {
       const auto frame = static_cast<std::size_t>(frame_number(value));
       if (frame < processed.size()) processed[frame] = 1;
     }
+    if (std::count(processed.begin(), processed.end(), 1) == 0) {
+      refuse("processed names no frame of the truth");
+    }
     result.processed = std::move(processed);
   } catch (const json::parse_error& error) {
     throw Error(fmt::format("{}: no JSON at character {}", path.string(), error.byte));
@@ -208,9 +211,16 @@ std::map<int, FoundTouch> read_touches(const fs::path& path) {
   std::map<int, FoundTouch> touches;
   for_each_object(path, [&](const json& line) {
     FoundTouch touch;
-    touch.site = line.value("site", -1);
+    if (line.contains("site")) {
+      if (!line.at("site").is_number_integer()) refuse("site is no whole number");
+      touch.site = line.at("site").get<int>();
+    }
     if (touch.site < -1) refuse(fmt::format("site {} is no site", touch.site));
-    if (line.contains("level")) touch.level = line.at("level").get<double>();
+    if (line.contains("level")) {
+      if (!line.at("level").is_number()) refuse("level is no number");
+      touch.level = line.at("level").get<double>();
+      if (*touch.level < 0) refuse("level is negative: it is a share of the site's full load");
+    }
     touches.emplace(frame_of(line), touch);  // of several the first
   });
   return touches;
@@ -233,6 +243,26 @@ std::vector<RowCorrection> read_corrections(const fs::path& path) {
     corrections.push_back({next_frame_of(line, last), line.at("row_correction_px").get<double>()});
   });
   return corrections;
+}
+
+// Files of other names would silently count as missing. An empty folder is one of a run that found
+// nothing. @throws Error
+void expect_frames_in(const fs::path& folder, const char* ending) {
+  if (!fs::is_directory(folder)) throw Error(fmt::format("{}: is no folder", folder.string()));
+  std::string other;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const fs::path name = entry.path().filename();
+    const std::string stem = name.stem().string();
+    if (name.extension() == ending && stem.size() == 6 &&
+        stem.find_first_not_of("0123456789") == std::string::npos) {
+      return;
+    }
+    if (stem.front() != '.' && (other.empty() || name.string() < other)) other = name.string();
+  }
+  if (!other.empty()) {
+    throw Error(fmt::format("{}: {} is no frame's name: they are 000000{}, 000001{} and so on",
+                            folder.string(), other, ending, ending));
+  }
 }
 
 fs::path image_name(const fs::path& folder, const char* kind, int frame) {
@@ -258,6 +288,13 @@ std::optional<Rigid3> ResultFolder::pose_at(int frame) const {
   const auto at = poses->find(frame);
   if (at == poses->end()) return std::nullopt;
   return at->second;
+}
+
+bool ResultFolder::every_frame_has_a_pose() const {
+  for (std::size_t f = 0; f < processed.size(); ++f) {
+    if (processed[f] != 0 && !pose_at(static_cast<int>(f))) return false;
+  }
+  return true;
 }
 
 TruthFolder read_truth_folder(const fs::path& folder) {
@@ -309,8 +346,13 @@ ResultFolder read_result_folder(const fs::path& folder, int frames) {
   if (there("trajectory.txt")) result.trajectory = read_trajectory(folder / "trajectory.txt");
   if (there("rectification.jsonl"))
     result.corrections = read_corrections(folder / "rectification.jsonl");
-  const bool any = result.touches || result.poses || result.trajectory || result.corrections ||
-                   there("depth") || there("moving") || there("visible") || there("meshes");
+  bool any = result.touches || result.poses || result.trajectory || result.corrections ||
+             result.camera_from_body;
+  for (const char* kind : {"depth", "moving", "visible", "body_depth", "meshes"}) {
+    if (!there(kind)) continue;
+    expect_frames_in(folder / kind, std::string_view(kind) == "meshes" ? ".ply" : ".png");
+    any = true;
+  }
   if (!any) {
     throw Error(fmt::format("{}: holds none of the files of a result (docs/benchmark.md)",
                             folder.string()));

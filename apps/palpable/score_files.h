@@ -52,6 +52,8 @@ struct ResultFolder {
 
   /// Where the body was drawn: pose.jsonl, else live.json.
   [[nodiscard]] std::optional<Rigid3> pose_at(int frame) const;
+  /// Whether it says so of all processed frames.
+  [[nodiscard]] bool every_frame_has_a_pose() const;
 };
 
 /// @param folder  TRUTH, or the folder that holds truth/

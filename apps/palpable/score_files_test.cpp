@@ -152,6 +152,11 @@ TEST_CASE("a result that makes no sense is refused with file and line", "[apps][
              {"touches.jsonl: line 2", "frame"}));
   CHECK(says(result_refusal("touches.jsonl", "{\"frame\":0,\"site\":-2}\n"),
              {"touches.jsonl: line 1", "-2"}));
+  CHECK(says(result_refusal("touches.jsonl", "{\"frame\":0,\"site\":1.7}\n"),
+             {"touches.jsonl: line 1", "site is no whole number"}));
+  CHECK(says(result_refusal("touches.jsonl", "{\"frame\":0,\"site\":1,\"level\":-3}\n"),
+             {"touches.jsonl: line 1", "negative"}));
+  CHECK(says(result_refusal("live.json", "{\"processed\":[]}"), {"live.json", "no frame"}));
   CHECK(says(result_refusal("touches.jsonl", "{\"frame\":0,\"site\":\"nose\"}\n"),
              {"touches.jsonl: line 1"}));
   CHECK(says(

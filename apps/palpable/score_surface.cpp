@@ -74,6 +74,8 @@ void score_surface(const TruthFolder& truth, const ResultFolder& result, const R
   for (const char* key :
        {"penetration_median_mm", "penetration_p99_mm", "largest_pop_mm", "largest_pop_frame"})
     scores[key] = nullptr;
+  // The frames that are left out might be the worst ones.
+  if (!result.every_frame_has_a_pose()) return;
   const Surfaces surfaces(result, body);
   std::vector<double> deepest;
   PopScorer pops;
@@ -83,7 +85,7 @@ void score_surface(const TruthFolder& truth, const ResultFolder& result, const R
     const std::optional<Rigid3> pose = result.pose_at(frame);
     if (result.processed[f] == 0 || !pose) continue;
     std::optional<Eigen::Matrix3Xd> surface = surfaces.at(frame);
-    if (!surface) continue;
+    if (!surface) return;
     if (vertices != 0 && surface->cols() != vertices) {
       throw Error(
           fmt::format("{}: {} vertices, but frames before it {}; every frame shows one body",

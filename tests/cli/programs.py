@@ -1057,6 +1057,52 @@ def _(programs, folder):
     close(scores["ate_mm"], 2)  # 0 and 4 mm about their mean
     close(scores["rpe_mm"], 4)
     assert scores["trajectory_share"] == 1, scores
+    lines(result / "touches.jsonl", [{"frame": n, "site": 1} for n in (1, 2)])
+    scores = score()
+    close(scores["touch_recall"], 0.5)  # both frames truly touch
+    close(scores["touch_precision"], 1)
+
+
+@case("what a result leaves out of its surfaces and poses might be the worst, so their scores are null")
+def _(programs, folder):
+    truth, result = write_truth(folder / "truth"), write_result(folder / "result")
+    surface = ("penetration_median_mm", "penetration_p99_mm", "largest_pop_mm")
+    def nulls():
+        scores = json.loads(programs.succeeds("score", truth, result, "--json").stdout)
+        return {key for key in (*surface, "jitter_mm") if scores[key] is None}
+    assert nulls() == set()
+    mesh = (result / "meshes/000001.ply").read_bytes()
+    (result / "meshes/000001.ply").unlink()
+    assert nulls() == set(surface)
+    (result / "meshes/000001.ply").write_bytes(mesh)
+    poses = (result / "pose.jsonl").read_text()
+    (result / "pose.jsonl").write_text("".join(poses.splitlines(keepends=True)[:2]))
+    assert nulls() == {*surface, "jitter_mm"}
+    # A frame that was not looked at needs neither.
+    (result / "live.json").write_text(json.dumps({"processed": [0, 1]}))
+    assert nulls() == set()
+
+
+@case("a result of other names or of another film is refused, not scored as empty")
+def _(programs, folder):
+    truth, result = write_truth(folder / "truth"), write_result(folder / "result")
+    for n in range(3):
+        (result / f"depth/{n:06d}.png").rename(result / f"depth/frame_{n}.png")
+    programs.refuses("score", truth, result, says=["depth", "frame_0.png", "000000.png"])
+    shutil.rmtree(result / "depth")
+    lines(result / "touches.jsonl", [{"frame": 99, "site": 1}])
+    programs.refuses("score", truth, result, says=["touches.jsonl", "99", "3 frames"])
+    # A trajectory of one pose fits every other one.
+    (result / "touches.jsonl").unlink()
+    lines(result / "trajectory.txt", ["0 0 0 0 0 0 0 1"])
+    scores = json.loads(programs.succeeds("score", truth, result, "--json").stdout)
+    assert scores["ate_mm"] is None and abs(scores["trajectory_share"] - 1 / 3) < 1e-9, scores
+    # Where the body stood all the time is a result by itself.
+    only = folder / "only"
+    only.mkdir()
+    (only / "live.json").write_text(json.dumps({"camera_from_body": IDENTITY}))
+    scores = json.loads(programs.succeeds("score", truth, only, "--json").stdout)
+    assert scores["jitter_mm"] is not None and scores["moving_iou"] is None, scores
 
 
 @case("touches that do not say where and how deep leave the drawn surface unscored")

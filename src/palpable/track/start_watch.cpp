@@ -7,8 +7,8 @@ namespace palpable {
 namespace {
 
 constexpr int kLeast = 50;  // depths that both views know; fewer say nothing
-// Two depths of one place differ by no more sigma than this, but for one in fifteen thousand.
-constexpr float kSigmas = 4;
+// Two depths of one place differ by no more sigma than this, but for one in a hundred.
+constexpr float kSigmas = 2.5F;
 constexpr float kOfTwo = 1.41421356F;  // the difference of two scatters more than each
 // Of a camera that stands, what moves may hide almost half of the view.
 constexpr double kSame = 0.5;

@@ -12,6 +12,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <string_view>
 #include <system_error>
@@ -71,6 +72,40 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(path, ignored);
 }
 
+// The last number in a name before its ending; nothing without one.
+std::optional<long long> number_in(const fs::path& image) {
+  const std::string name = image.stem().string();
+  const auto last = name.find_last_of("0123456789");
+  if (last == std::string::npos) return std::nullopt;
+  const auto before = name.find_last_not_of("0123456789", last);
+  const std::size_t from = before == std::string::npos ? 0 : before + 1;
+  long long number = 0;
+  const auto [end, error] = std::from_chars(name.data() + from, name.data() + last + 1, number);
+  return error == std::errc() ? std::optional(number) : std::nullopt;
+}
+
+// The first image without a partner of its number, where most have one: then the names are
+// numbers of frames, and not stamps or counters that each side has for itself.
+std::optional<fs::path> without_partner(const std::vector<fs::path>& first,
+                                        const std::vector<fs::path>& second) {
+  std::map<long long, int> sides;  // bit 0: in the first, bit 1: in the second
+  std::map<long long, const fs::path*> images;
+  for (const auto* list : {&first, &second}) {
+    for (const fs::path& image : *list) {
+      const std::optional<long long> number = number_in(image);
+      if (!number) return std::nullopt;
+      sides[*number] |= list == &first ? 1 : 2;
+      images[*number] = &image;
+    }
+  }
+  const auto alone = [](const auto& side) { return side.second != 3; };
+  const auto both =
+      static_cast<std::size_t>(std::count_if(sides.begin(), sides.end(), std::not_fn(alone)));
+  const auto odd = std::find_if(sides.begin(), sides.end(), alone);
+  if (odd == sides.end() || 2 * both <= first.size()) return std::nullopt;
+  return *images.at(odd->first);
+}
+
 // Partners by position; a problem when one has none.
 std::optional<Problem> join(const fs::path& folder, const std::vector<fs::path>& first,
                             const std::vector<fs::path>& second, std::string_view first_name,
@@ -80,6 +115,12 @@ std::optional<Problem> join(const fs::path& folder, const std::vector<fs::path>&
         fmt::format("{} has {} {} and {} {} images; each needs its partner, so add or "
                     "remove what is left over",
                     folder.string(), first.size(), first_name, second.size(), second_name)};
+  }
+  if (const std::optional<fs::path> odd = without_partner(first, second)) {
+    return Problem{
+        fmt::format("{} has no partner of its number among the {} and {} images of {}; "
+                    "add what is missing or remove what is left over",
+                    odd->filename().string(), first_name, second_name, folder.string())};
   }
   for (std::size_t i = 0; i < first.size(); ++i) {
     recording.frames.push_back({first[i], second[i], std::nullopt, std::nullopt});
@@ -159,6 +200,17 @@ Result<EurocCamera> read_euroc_camera(const fs::path& path) {
   }
   if (!is_image_side(size[0]) || !is_image_side(size[1])) {
     return Problem{fmt::format("{} has an image of {} x {} px", path.string(), size[0], size[1])};
+  }
+  for (const std::string& line : *lines) {
+    if (!line.starts_with("distortion_model:")) continue;
+    if (line.find("radial-tangential") != std::string::npos ||
+        line.find("radtan") != std::string::npos) {
+      continue;
+    }
+    return Problem{
+        fmt::format("{}: {}: only radial-tangential lenses are understood; rectify the "
+                    "images first, or calibrate again",
+                    path.string(), line)};
   }
   EurocCamera camera;
   camera.lens = {{static_cast<int>(size[0]), static_cast<int>(size[1]), f[0], f[1], f[2], f[3]},

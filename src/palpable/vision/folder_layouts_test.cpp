@@ -56,6 +56,43 @@ std::string euroc_sensor(double y) {
          "distortion_coefficients: [-0.28, 0.07, 0.0002, 1.8e-05]\n";
 }
 
+TEST_CASE("partners of different numbers are no pair, though there are as many on each side",
+          "[vision][folder]") {
+  const ScratchFolder folder("mispaired");
+  const auto name = [](int n) { return std::to_string(1000000 + n).substr(1) + ".png"; };
+  for (int n = 0; n < 6; ++n) {
+    if (n != 2) write_image(folder / "left" / name(n), n);
+    if (n != 4) write_image(folder / "right" / name(n), n);
+  }
+  CHECK(contains(refusal(folder.path()), "000002.png has no partner"));
+  write_image(folder / "left" / name(2), 2);
+  write_image(folder / "right" / name(4), 4);
+  CHECK(recognise_folder(folder.path()).ok());
+}
+
+TEST_CASE("each side may count for itself", "[vision][folder]") {
+  const ScratchFolder folder("own_counters");
+  for (int n = 0; n < 4; ++n) {
+    write_image(folder / "left" / (std::to_string(100 + n) + ".png"), n);
+    write_image(folder / "right" / (std::to_string(700 + n) + ".png"), n);
+  }
+  CHECK(recognise_folder(folder.path()).ok());
+}
+
+TEST_CASE("a lens of EuRoC that is not radial-tangential is refused by its name",
+          "[vision][folder]") {
+  const ScratchFolder folder("fisheye");
+  const fs::path mav = folder / "mav0";
+  for (const char* eye : {"cam0", "cam1"}) {
+    write_image(mav / eye / "data/1403636579763555584.png", 10);
+    std::string sensor = euroc_sensor(0.02);
+    const std::string model = "radial-tangential";
+    sensor.replace(sensor.find(model), model.size(), "equidistant");
+    write_bytes(mav / eye / "sensor.yaml", sensor);
+  }
+  CHECK(contains(refusal(folder.path()), "equidistant"));
+}
+
 TEST_CASE("a folder of EuRoC: pairs of one stamp, the rig from its files, poses from its truth",
           "[vision][folder][threads]") {
   const ScratchFolder folder("euroc");
