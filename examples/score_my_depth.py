@@ -21,9 +21,14 @@ def write_depth(path, rows, unit):
 if len(sys.argv) not in (3, 4):
     sys.exit("usage: score_my_depth.py CLIP RESULT [PALPABLE]")
 clip, result, *program = map(Path, sys.argv[1:])
+if not (clip / "truth/camera.toml").exists():
+    sys.exit(f"score_my_depth: {clip} has no truth/camera.toml: is it what palpable synth wrote?")
 camera = tomllib.loads((clip / "truth/camera.toml").read_text())
 (result / "depth").mkdir(parents=True, exist_ok=True)
 pairs = zip(*(sorted((clip / "frames" / eye).iterdir()) for eye in ("left", "right")))
 for number, (left, right) in enumerate(pairs):
     write_depth(result / f"depth/{number:06d}.png", depth_of(left, right, camera), camera["depth_unit_m"])
-subprocess.run([*(program or ["palpable"]), "score", clip / "truth", result, "--json"], check=True)
+try:
+    sys.exit(subprocess.run([*(program or ["palpable"]), "score", clip / "truth", result, "--json"]).returncode)
+except FileNotFoundError as error:
+    sys.exit(f"score_my_depth: {error.filename} cannot be started: name the program palpable as third word")

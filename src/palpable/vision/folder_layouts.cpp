@@ -339,14 +339,20 @@ Result<Recording> kitti(const fs::path& folder, std::string_view left, std::stri
 // --- TUM: https://cvg.cit.tum.de/data/datasets/rgbd-dataset ------------------------------------
 
 // "1305031102.1758 rgb/1305031102.1758.png" by time.
-std::map<double, fs::path> stamped_files(const fs::path& folder, const char* list) {
+// In the order of their stamps. Lines without one, and with one that an earlier line has, are left
+// out and counted.
+std::map<double, fs::path> stamped_files(const fs::path& folder, const char* list, int& left_out) {
   std::map<double, fs::path> files;
   const auto lines = read_lines(folder / list);
   for (const std::string& line : lines.value_or(std::vector<std::string>{})) {
+    if (line.empty() || line.front() == '#') continue;
     const auto space = line.find(' ');
+    const auto name = space == std::string::npos ? space : line.find_first_not_of(' ', space);
     const auto time = to_number(std::string_view(line).substr(0, space));
-    if (space == std::string::npos || !time) continue;
-    files[*time] = folder / line.substr(line.find_first_not_of(' ', space));
+    if (name == std::string::npos || !time || !std::isfinite(*time) ||
+        !files.emplace(*time, folder / line.substr(name)).second) {
+      ++left_out;
+    }
   }
   return files;
 }
@@ -364,8 +370,8 @@ Result<Recording> tum(const fs::path& folder) {
     poses[(*n)[0]] =
         pose_of(Eigen::Vector3d((*n)[1], (*n)[2], (*n)[3]), (*n)[7], (*n)[4], (*n)[5], (*n)[6]);
   }
-  const std::map<double, fs::path> depths = stamped_files(folder, "depth.txt");
-  for (const auto& [time, color] : stamped_files(folder, "rgb.txt")) {
+  const std::map<double, fs::path> depths = stamped_files(folder, "depth.txt", recording.unmatched);
+  for (const auto& [time, color] : stamped_files(folder, "rgb.txt", recording.unmatched)) {
     const fs::path* depth = nearest(depths, time);
     if (depth == nullptr) {
       ++recording.unmatched;
@@ -532,7 +538,12 @@ std::optional<ColorSensor> color_sensor_of(const Recording& recording,
 
 Result<Recording> recognise_folder(const fs::path& folder) {
   if (!is_there(folder)) { return Problem{fmt::format("there is no folder {}", folder.string())}; }
-  if (!is_folder(folder)) return Problem{fmt::format("{} is not a folder", folder.string())};
+  if (!is_folder(folder)) {
+    return Problem{
+        fmt::format("{} is not a folder, and its name does not end like a video's (.mp4, "
+                    ".avi, .mkv, .mov, .webm, .m4v, .mpg)",
+                    folder.string())};
+  }
   Result<Recording> recognised = recognise(folder);
   if (!recognised.ok()) return recognised;
   Recording& recording = recognised.value();

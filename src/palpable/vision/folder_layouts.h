@@ -34,7 +34,8 @@ struct Recording {
   std::string layout;  ///< for people, e.g. "EuRoC"
   ImagePair pair = ImagePair::kLeftRight;
   std::vector<RecordedFrame> frames;
-  /// Images that have no partner at the same moment, in layouts that match by time.
+  /// Images that have no partner at the same moment, or no stamp of their own, in layouts that
+  /// match by time.
   int unmatched = 0;
   double depth_unit = 0.001;  ///< m per step of a depth image, unless a calibration says otherwise
   /// A calibration that stands in the layout itself; else `calibration_files` are tried.

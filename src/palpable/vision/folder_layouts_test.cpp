@@ -211,8 +211,8 @@ TEST_CASE("a folder of TUM: colour and depth of one moment, depth in fifths of a
 
   const auto source = value_or_throw(open_folder(set));
   CHECK(source->take_notes() ==
-        std::vector<std::string>{"1 images have no partner of the same moment and are left "
-                                 "out"});
+        std::vector<std::string>{"1 images have no partner of the same moment, or no stamp of "
+                                 "their own, and are left out"});
   CHECK(source->take_notes().empty());
   CHECK(source->format().depth_camera.fx_px == 520.9);
   CHECK(source->format().depth_camera.width == kWidth);
@@ -236,6 +236,23 @@ TEST_CASE("a folder of TUM: colour and depth of one moment, depth in fifths of a
   CHECK(contains(refusal(folder / "desk"), "no intrinsics.txt"));
   write_bytes(folder / "desk/depth.txt", "7 depth/a.png\n");
   CHECK(contains(refusal(folder / "desk"), "no two of its images belong together"));
+}
+
+TEST_CASE("damaged lines of a TUM list are left out and counted", "[vision][folder]") {
+  const ScratchFolder folder("tum_damaged");
+  for (const char* name : {"a", "b", "c"}) {
+    write_image(folder / "rgb" / (std::string(name) + ".png"), 50);
+    write_depth(folder / "depth" / (std::string(name) + ".png"), 2500);
+  }
+  write_bytes(folder / "depth.txt", "# depth\n1.0 depth/a.png\n2.0 depth/b.png\n3.0 depth/c.png\n");
+  write_bytes(folder / "rgb.txt",
+              "# color\n\n1.0 rgb/a.png\n1.0 rgb/b.png\nnan rgb/b.png\nrgb/b.png\n2.0 \n"
+              "3.0 rgb/c.png\n");
+  const Recording recording = value_or_throw(recognise_folder(folder.path()));
+  CHECK(recording.layout == "TUM");
+  REQUIRE(recording.frames.size() == 2);
+  CHECK(recording.frames[0].first.filename() == "a.png");  // the earlier line has the stamp
+  CHECK(recording.unmatched == 4);
 }
 
 TEST_CASE("a folder of 7-Scenes: its names, its poses, its published camera",

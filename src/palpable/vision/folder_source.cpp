@@ -126,8 +126,9 @@ class ImageReader final : public FrameReader {
   int count() const override { return static_cast<int>(recording_.frames.size()); }
   std::vector<std::string> notes() const override {
     if (recording_.unmatched == 0) return {};
-    return {fmt::format("{} images have no partner of the same moment and are left out",
-                        recording_.unmatched)};
+    return {fmt::format(
+        "{} images have no partner of the same moment, or no stamp of their own, and are left out",
+        recording_.unmatched)};
   }
 
   FrameStatus read(int number, Frame& frame, std::string& trouble) override {
