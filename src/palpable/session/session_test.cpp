@@ -292,6 +292,26 @@ TEST_CASE("a session knows what was in the room when the body was anchored", "[s
   CHECK(session.free_space()->is_free({0, 0, 0.4}));
 }
 
+TEST_CASE("what a camera saw before it moved in the dark is no room of the body's", "[session]") {
+  SessionSettings settings;
+  settings.track = true;
+  settings.map = true;
+  Session session = make_session(settings);
+  int number = 0;
+  const auto show = [&](double z, bool dark) {
+    Frame frame = test::frame_of_wall(number++, 0, z);
+    if (dark) std::fill(frame.left.begin(), frame.left.end(), Rgb{});
+    return session.process(frame).camera;
+  };
+  for (int n = 0; n < 20; ++n) CHECK(show(0, true).state == TrackState::kStarting);
+  CHECK(session.anchored_scene()->blocks() > 0);
+  for (int n = 0; n < 5; ++n) CHECK(show(0.3, true).state == TrackState::kLost);
+  bool began = false;
+  for (int n = 0; n < 6 && !began; ++n) began = show(0.3, false).new_world;
+  REQUIRE(began);
+  CHECK(session.anchored_scene()->blocks() == 0);
+}
+
 TEST_CASE("what was in the room when the body was anchored is not forgotten when a loop is closed",
           "[session][long]") {
   SessionSettings settings;
