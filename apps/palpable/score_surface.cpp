@@ -82,8 +82,8 @@ void score_surface(const TruthFolder& truth, const ResultFolder& result, const R
   Eigen::Index vertices = 0;
   for (int frame = 0; frame < truth.frames; ++frame) {
     const auto f = static_cast<std::size_t>(frame);
-    const std::optional<Rigid3> pose = result.pose_at(frame);
-    if (result.processed[f] == 0 || !pose) continue;
+    if (result.processed[f] == 0) continue;
+    const Rigid3 pose = *result.pose_at(frame);
     std::optional<Eigen::Matrix3Xd> surface = surfaces.at(frame);
     if (!surface) return;
     if (vertices != 0 && surface->cols() != vertices) {
@@ -95,13 +95,12 @@ void score_surface(const TruthFolder& truth, const ResultFolder& result, const R
     vertices = surface->cols();
     PopFrame drawn;
     drawn.number = frame;
-    drawn.camera_from_body = *pose;
+    drawn.camera_from_body = pose;
     if (!truth.trajectory.empty()) drawn.world_from_camera = truth.trajectory[f].world_from_camera;
     if (const auto hand = truth.hands.find(frame); hand != truth.hands.end())
       drawn.hand = hand->second;
     if (!truth.contacts.empty() && truth.contacts[f].touching && !drawn.hand.empty()) {
-      const Eigen::Matrix3Xd in_camera =
-          (pose->linear() * *surface).colwise() + pose->translation();
+      const Eigen::Matrix3Xd in_camera = (pose.linear() * *surface).colwise() + pose.translation();
       deepest.push_back(deepest_penetration(in_camera, drawn.hand));
     }
     drawn.surface = std::move(*surface);

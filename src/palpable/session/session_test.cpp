@@ -258,10 +258,7 @@ TEST_CASE("the body stays where it was put in the room while the camera moves, i
 }
 
 TEST_CASE("nothing presses while the camera is lost, and the mask is not given", "[session]") {
-  SessionSettings settings;
-  settings.track = true;
-  settings.map = true;
-  Session session = make_session(settings);
+  Session session = make_session({.track = true, .map = true});
   int number = 0;
   for (const double x : {0.0, 0.0, 0.01, 0.02, 0.03, 0.02, 0.01, 0.0}) {
     CHECK(session.process(test::frame_of_wall(number++, x)).moving != nullptr);
@@ -293,10 +290,7 @@ TEST_CASE("a session knows what was in the room when the body was anchored", "[s
 }
 
 TEST_CASE("what a camera saw before it moved in the dark is no room of the body's", "[session]") {
-  SessionSettings settings;
-  settings.track = true;
-  settings.map = true;
-  Session session = make_session(settings);
+  Session session = make_session({.track = true, .map = true});
   int number = 0;
   const auto show = [&](double z, bool dark) {
     Frame frame = test::frame_of_wall(number++, 0, z);

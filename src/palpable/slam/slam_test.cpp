@@ -31,8 +31,8 @@ struct Room {
   const SlamFrame& show(double covers = 0) {
     return slam.advance(see(frame_of_wall(number++, 0), covers), times);
   }
-  const SlamFrame& show_dark() {
-    Frame frame = frame_of_wall(number++, 0);
+  const SlamFrame& show_dark(double z = 0) {
+    Frame frame = frame_of_wall(number++, 0, z);
     std::fill(frame.left.begin(), frame.left.end(), Rgb{});
     return slam.advance(see(frame), times);
   }
@@ -160,17 +160,12 @@ TEST_CASE("before a bare wall there is nothing to follow, and what comes is seen
 TEST_CASE("what a camera saw before it moved in the dark is forgotten when it can be followed",
           "[slam]") {
   Room room({.fuse_every = 0});
-  const auto show_dark_at = [&](double z) {
-    Frame frame = frame_of_wall(room.number++, 0, z);
-    std::fill(frame.left.begin(), frame.left.end(), Rgb{});
-    return room.slam.advance(room.see(frame), room.times);
-  };
-  for (int n = 0; n < 10; ++n) CHECK(show_dark_at(0).fused);
+  for (int n = 0; n < 10; ++n) CHECK(room.show_dark().fused);
   const int blocks = room.slam.map()->blocks();
   CHECK(blocks > 0);
   // Were it taken to stand, the wall would be seen where it was free, or behind itself.
   for (int n = 0; n < 10; ++n) {
-    const SlamFrame found = show_dark_at(0.1 + 0.01 * n);
+    const SlamFrame& found = room.show_dark(0.1 + 0.01 * n);
     CHECK(found.camera.state == TrackState::kLost);
     CHECK(found.moving == nullptr);
     CHECK_FALSE(found.fused);

@@ -3,9 +3,10 @@
 #include "palpable/vision/calibration_file.h"
 #include "palpable/vision/natural_order.h"
 #include "palpable/vision/text_numbers.h"
+#include "palpable/vision/video_file_source.h"
 
 #include <Eigen/Geometry>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -338,9 +339,8 @@ Result<Recording> kitti(const fs::path& folder, std::string_view left, std::stri
 
 // --- TUM: https://cvg.cit.tum.de/data/datasets/rgbd-dataset ------------------------------------
 
-// "1305031102.1758 rgb/1305031102.1758.png" by time.
-// In the order of their stamps. Lines without one, and with one that an earlier line has, are left
-// out and counted.
+// "1305031102.1758 rgb/1305031102.1758.png", in the order of their stamps. Lines without one, and
+// with one that an earlier line has, are left out and counted.
 std::map<double, fs::path> stamped_files(const fs::path& folder, const char* list, int& left_out) {
   std::map<double, fs::path> files;
   const auto lines = read_lines(folder / list);
@@ -539,10 +539,8 @@ std::optional<ColorSensor> color_sensor_of(const Recording& recording,
 Result<Recording> recognise_folder(const fs::path& folder) {
   if (!is_there(folder)) { return Problem{fmt::format("there is no folder {}", folder.string())}; }
   if (!is_folder(folder)) {
-    return Problem{
-        fmt::format("{} is not a folder, and its name does not end like a video's (.mp4, "
-                    ".avi, .mkv, .mov, .webm, .m4v, .mpg)",
-                    folder.string())};
+    return Problem{fmt::format("{} is not a folder, and its name does not end like a video's ({})",
+                               folder.string(), fmt::join(kVideoEndings, " "))};
   }
   Result<Recording> recognised = recognise(folder);
   if (!recognised.ok()) return recognised;

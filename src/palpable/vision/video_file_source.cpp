@@ -10,7 +10,6 @@
 #include <opencv2/videoio.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <string>
@@ -154,9 +153,7 @@ bool is_video_name(const fs::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  constexpr std::array<std::string_view, 7> kKnown = {".avi",  ".mp4", ".mkv", ".mov",
-                                                      ".webm", ".m4v", ".mpg"};
-  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
+  return std::find(kVideoEndings.begin(), kVideoEndings.end(), extension) != kVideoEndings.end();
 }
 
 Result<std::unique_ptr<FrameSource>> open_video(const fs::path& left, const fs::path& right,

@@ -5,8 +5,10 @@
 #include "palpable/base/error.h"
 #include "palpable/vision/frame_source.h"
 
+#include <array>
 #include <filesystem>
 #include <memory>
+#include <string_view>
 
 namespace palpable {
 
@@ -17,7 +19,11 @@ struct VideoSettings {
   bool without_calibration = false;  ///< as in folder_source.h
 };
 
-/// Whether the name ends like a video's: avi, mp4, mkv, mov, webm, m4v, mpg.
+/// How the name of a video ends.
+inline constexpr std::array<std::string_view, 7> kVideoEndings = {".avi",  ".mp4", ".mkv", ".mov",
+                                                                  ".webm", ".m4v", ".mpg"};
+
+/// Whether the name ends with one of kVideoEndings, in small letters or large ones.
 [[nodiscard]] bool is_video_name(const std::filesystem::path& path);
 
 /// Opens the left eye's (or both eyes') file and, if named, the right eye's, whose frames belong
