@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-FOLDERS = ("src", "apps", "tests", "examples")
+FOLDERS = ("src", "apps", "bench", "tests", "examples")
 
 
 def main():

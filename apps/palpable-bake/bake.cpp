@@ -4,10 +4,10 @@
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/bake_body.h"
-#include "palpable/bake/crew.h"
-#include "palpable/bake/held_out.h"
-#include "palpable/bake/intrusive_bake.h"
 #include "palpable/base/error.h"
+#include "palpable/campaign/crew.h"
+#include "palpable/campaign/held_out.h"
+#include "palpable/intrusive/intrusive_bake.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -6,14 +6,14 @@
 #include "apps/palpable-bake/machine.h"
 #include "apps/palpable-bake/text_file.h"
 #include "palpable/bake/bake_body.h"
-#include "palpable/bake/coordinate_reduction.h"
-#include "palpable/bake/method_comparison.h"
-#include "palpable/bake/pod_coordinates.h"
-#include "palpable/bake/site_bases.h"
-#include "palpable/bake/store_rows.h"
 #include "palpable/base/error.h"
+#include "palpable/campaign/store_rows.h"
 #include "palpable/exchange/method_page.h"
 #include "palpable/reduced/body_file.h"
+#include "palpable/separate/coordinate_reduction.h"
+#include "palpable/separate/method_comparison.h"
+#include "palpable/separate/pod_coordinates.h"
+#include "palpable/separate/site_bases.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 #include "apps/palpable-bake/blas_kernels.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/mpi_crew.h"
-#include "palpable/bake/crew.h"
+#include "palpable/campaign/crew.h"
 
 #include <CLI/CLI.hpp>
 

@@ -3,7 +3,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
-#include "palpable/bake/merge_stores.h"
+#include "palpable/campaign/merge_stores.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -1,12 +1,12 @@
 // palpable mesh SURFACE -o body.msh
 
 #include "apps/palpable-bake/commands.h"
-#include "palpable/bake/body_mesh.h"
-#include "palpable/bake/msh_file.h"
-#include "palpable/bake/remesh.h"
-#include "palpable/bake/tetrahedralise.h"
 #include "palpable/base/error.h"
+#include "palpable/describe/body_mesh.h"
 #include "palpable/geometry/mesh_file.h"
+#include "palpable/mesh/msh_file.h"
+#include "palpable/mesh/remesh.h"
+#include "palpable/mesh/tetrahedralise.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>

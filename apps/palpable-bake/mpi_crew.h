@@ -6,7 +6,7 @@
 /// mail: Open MPI's own waiting takes a whole core.
 #pragma once
 
-#include "palpable/bake/crew.h"
+#include "palpable/campaign/crew.h"
 
 #include <cstdio>
 #include <functional>

@@ -1,8 +1,8 @@
 #include "apps/palpable-bake/recomputed_stress.h"
 
-#include "palpable/bake/body_problem.h"
-#include "palpable/bake/held_out.h"
-#include "palpable/bake/store_rows.h"
+#include "palpable/campaign/held_out.h"
+#include "palpable/campaign/store_rows.h"
+#include "palpable/describe/body_problem.h"
 #include "palpable/solid/stress.h"
 
 #include <fmt/format.h>

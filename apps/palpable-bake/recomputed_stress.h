@@ -3,8 +3,8 @@
 /// that is a field of its own.
 #pragma once
 
-#include "palpable/bake/body_description.h"
-#include "palpable/bake/snapshot_store.h"
+#include "palpable/campaign/snapshot_store.h"
+#include "palpable/describe/body_description.h"
 #include "palpable/reduced/reduced_body.h"
 
 #include <nlohmann/json.hpp>

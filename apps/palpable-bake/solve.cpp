@@ -2,9 +2,9 @@
 
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/commands.h"
-#include "palpable/bake/body_problem.h"
-#include "palpable/bake/press_solver.h"
 #include "palpable/base/error.h"
+#include "palpable/campaign/press_solver.h"
+#include "palpable/describe/body_problem.h"
 #include "palpable/exchange/vtu_file.h"
 #include "palpable/solid/equilibrium.h"
 #include "palpable/solid/stress.h"

@@ -2,10 +2,10 @@
 
 #include "apps/common/progress_bar.h"
 #include "palpable/base/error.h"
-#include "palpable/vision/open_source.h"
-#include "palpable/vision/rectification.h"
-#include "palpable/vision/source_calibration.h"
-#include "palpable/vision/source_guard.h"
+#include "palpable/calibrate/rectification.h"
+#include "palpable/sources/open_source.h"
+#include "palpable/sources/source_calibration.h"
+#include "palpable/sources/source_guard.h"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

@@ -2,8 +2,8 @@
 /// What palpable calibrate does: boards of a source, recorded or live, to a calibration file.
 #pragma once
 
-#include "palpable/vision/board_calibration.h"
-#include "palpable/vision/camera_source.h"
+#include "palpable/calibrate/board_calibration.h"
+#include "palpable/sources/camera_source.h"
 
 #include <filesystem>
 #include <string>

@@ -2,8 +2,8 @@
 
 #include "apps/palpable/camera_list.h"
 #include "palpable/base/error.h"
-#include "palpable/vision/raw_picture.h"
-#include "palpable/vision/source_calibration.h"
+#include "palpable/sources/raw_picture.h"
+#include "palpable/sources/source_calibration.h"
 #include "tests/support/board_picture.h"
 #include "tests/support/fake_video.h"
 #include "tests/support/scratch_folder.h"

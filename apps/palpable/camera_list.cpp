@@ -1,9 +1,9 @@
 #include "apps/palpable/camera_list.h"
 
 #include "palpable/base/error.h"
-#include "palpable/vision/camera_source.h"
-#include "palpable/vision/side_by_side.h"
-#include "palpable/vision/v4l2_camera.h"
+#include "palpable/sources/camera_source.h"
+#include "palpable/sources/side_by_side.h"
+#include "palpable/sources/v4l2_camera.h"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

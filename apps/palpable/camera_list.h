@@ -2,7 +2,7 @@
 /// What palpable cameras says: what is plugged in, and what it can do.
 #pragma once
 
-#include "palpable/vision/video_system.h"
+#include "palpable/sources/video_system.h"
 
 #include <filesystem>
 #include <string>

@@ -1,6 +1,6 @@
 #include "apps/palpable/camera_list.h"
 
-#include "palpable/vision/raw_picture.h"
+#include "palpable/sources/raw_picture.h"
 #include "tests/support/fake_video.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"

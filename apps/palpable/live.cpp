@@ -9,10 +9,10 @@
 #include "apps/palpable/scene_picture.h"
 #include "apps/palpable/vision_thread.h"
 #include "palpable/base/error.h"
+#include "palpable/base/order_statistics.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/render/window.h"
-#include "palpable/score/percentile.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>

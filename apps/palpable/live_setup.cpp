@@ -5,14 +5,15 @@
 #include "apps/palpable/place.h"
 #include "apps/palpable/sequence_folder.h"
 #include "palpable/base/error.h"
+#include "palpable/base/fnv1a.h"
 #include "palpable/geometry/median_pose.h"
 #include "palpable/map/plane_fit.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/scaled_body.h"
 #include "palpable/slam/slam.h"
-#include "palpable/vision/open_source.h"
-#include "palpable/vision/paced_source.h"
-#include "palpable/vision/source_guard.h"
+#include "palpable/sources/open_source.h"
+#include "palpable/sources/paced_source.h"
+#include "palpable/sources/source_guard.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -33,14 +34,10 @@ namespace fs = std::filesystem;
 constexpr int kClipFrames = 300;
 constexpr std::uint64_t kClipSeed = 1;
 
-// FNV-1a: names the body a clip was made for; no security is asked of it.
+// Names the body that a clip was made for.
 std::uint64_t hash_of_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
-  std::uint64_t hash = 14695981039346656037ULL;
-  for (auto at = std::istreambuf_iterator<char>(in); at != std::istreambuf_iterator<char>(); ++at) {
-    hash = (hash ^ static_cast<unsigned char>(*at)) * 1099511628211ULL;
-  }
-  return hash;
+  return fnv1a(std::string(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()));
 }
 
 // The clip is filmed once for a body and kept; the label, written last, says that it is whole.

@@ -6,7 +6,7 @@
 #include "apps/palpable/board_options.h"
 #include "apps/palpable/source_options.h"
 #include "palpable/session/session.h"
-#include "palpable/vision/frame_source.h"
+#include "palpable/sources/frame_source.h"
 
 #include <filesystem>
 #include <memory>

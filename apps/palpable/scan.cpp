@@ -10,7 +10,7 @@
 #include "palpable/render/gl_context.h"
 #include "palpable/render/picture_file.h"
 #include "palpable/slam/room_scan.h"
-#include "palpable/vision/open_source.h"
+#include "palpable/sources/open_source.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>

@@ -1,6 +1,6 @@
 #include "apps/palpable/scene_picture.h"
 
-#include "palpable/score/percentile.h"
+#include "palpable/base/order_statistics.h"
 
 #include <fmt/core.h>
 

@@ -1,7 +1,7 @@
 #include "apps/palpable/score_files.h"
 
 #include "palpable/base/error.h"
-#include "palpable/vision/image_file.h"
+#include "palpable/sources/image_file.h"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

@@ -1,8 +1,8 @@
 #include "apps/palpable/score_surface.h"
 
 #include "palpable/base/error.h"
+#include "palpable/base/order_statistics.h"
 #include "palpable/geometry/mesh_file.h"
-#include "palpable/score/percentile.h"
 #include "palpable/score/pop.h"
 
 #include <fmt/core.h>

@@ -1,8 +1,8 @@
 #include "apps/palpable/sequence_folder.h"
 
 #include "palpable/base/error.h"
+#include "palpable/calibrate/calibration_file.h"
 #include "palpable/synth/contact_truth.h"
-#include "palpable/vision/calibration_file.h"
 
 #include <fmt/core.h>
 #include <opencv2/core.hpp>

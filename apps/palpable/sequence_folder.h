@@ -4,11 +4,11 @@
 #pragma once
 
 #include "palpable/base/progress.h"
+#include "palpable/calibrate/rectification.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/synth/desk_body.h"
 #include "palpable/synth/desk_renderer.h"
 #include "palpable/synth/sequence.h"
-#include "palpable/vision/rectification.h"
 
 #include <cstdint>
 #include <filesystem>

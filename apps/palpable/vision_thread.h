@@ -8,8 +8,8 @@
 #include "apps/palpable/bounded_queue.h"
 #include "palpable/base/stage_clock.h"
 #include "palpable/session/session.h"
-#include "palpable/vision/frame_source.h"
-#include "palpable/vision/source_guard.h"
+#include "palpable/sources/frame_source.h"
+#include "palpable/sources/source_guard.h"
 
 #include <exception>
 #include <memory>

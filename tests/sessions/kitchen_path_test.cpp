@@ -1,7 +1,7 @@
+#include "palpable/depth/depth_camera.h"
 #include "palpable/score/warped_depth.h"
+#include "palpable/sources/folder_source.h"
 #include "palpable/track/tracker.h"
-#include "palpable/vision/depth_camera.h"
-#include "palpable/vision/folder_source.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Geometry>

@@ -9,7 +9,7 @@
 #include "palpable/render/scene_renderer.h"
 #include "palpable/score/occlusion.h"
 #include "palpable/session/session.h"
-#include "palpable/vision/folder_source.h"
+#include "palpable/sources/folder_source.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"

@@ -3,8 +3,8 @@
 /// when someone waits. They stall, vanish, come back, drop and tear pictures as they are told.
 #pragma once
 
-#include "palpable/vision/raw_picture.h"
-#include "palpable/vision/video_system.h"
+#include "palpable/sources/raw_picture.h"
+#include "palpable/sources/video_system.h"
 
 #include <algorithm>
 #include <cerrno>

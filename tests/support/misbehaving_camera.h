@@ -4,7 +4,7 @@
 /// camera goes to the right meanwhile.
 #pragma once
 
-#include "palpable/vision/frame_source.h"
+#include "palpable/sources/frame_source.h"
 #include "tests/support/seen_capsules.h"
 #include "tests/support/seen_wall.h"
 

@@ -4,9 +4,9 @@
 #pragma once
 
 #include "palpable/geometry/camera.h"
+#include "palpable/geometry/frame.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
-#include "palpable/vision/frame.h"
 
 #include <Eigen/Geometry>
 

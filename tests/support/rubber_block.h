@@ -2,7 +2,7 @@
 /// A block of rubber that stands on the ground, for whatever presses sites of a body.
 #pragma once
 
-#include "palpable/bake/contact_sites.h"
+#include "palpable/describe/contact_sites.h"
 #include "palpable/geometry/tet_mesh.h"
 #include "palpable/solid/solid_model.h"
 

@@ -1,9 +1,9 @@
 // Our solver and CalculiX on the same meshes, laws and loads, each solved to 1e-8.
-#include "palpable/bake/calculix_comparison.h"
+#include "palpable/campaign/calculix_comparison.h"
 
-#include "palpable/bake/body_mesh.h"
-#include "palpable/bake/contact_sites.h"
-#include "palpable/bake/tetrahedralise.h"
+#include "palpable/describe/body_mesh.h"
+#include "palpable/describe/contact_sites.h"
+#include "palpable/mesh/tetrahedralise.h"
 #include "palpable/solid/equilibrium.h"
 #include "palpable/solid/patch_load.h"
 #include "tests/support/test.h"

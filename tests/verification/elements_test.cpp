@@ -1,7 +1,7 @@
 // 4-node and 10-node tetrahedra on the same nodes, against a finer mesh: the cheap relative of
 // `palpable bench elements`, which does the same for the paper's bunny.
 #include "palpable/bake/element_study.h"
-#include "palpable/bake/tetrahedralise.h"
+#include "palpable/mesh/tetrahedralise.h"
 #include "tests/support/test.h"
 #include "tests/verification/record.h"
 #include "tests/verification/shapes.h"

@@ -1,12 +1,12 @@
 #include "palpable/bake/bake_body.h"
 
-#include "palpable/bake/between_sites.h"
-#include "palpable/bake/body_problem.h"
-#include "palpable/bake/error_course.h"
-#include "palpable/bake/reduction.h"
-#include "palpable/bake/store_rows.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/campaign/between_sites.h"
+#include "palpable/campaign/store_rows.h"
+#include "palpable/describe/body_problem.h"
+#include "palpable/separate/error_course.h"
+#include "palpable/separate/reduction.h"
 
 #include <fmt/format.h>
 

@@ -2,16 +2,16 @@
 /// The whole bake: description -> mesh -> campaign in a store -> reduction -> body.
 #pragma once
 
-#include "palpable/bake/body_description.h"
-#include "palpable/bake/body_mesh.h"
-#include "palpable/bake/body_problem.h"
-#include "palpable/bake/campaign.h"
-#include "palpable/bake/crew.h"
-#include "palpable/bake/reduction.h"
-#include "palpable/bake/snapshot_store.h"
 #include "palpable/base/progress.h"
 #include "palpable/base/stage_clock.h"
+#include "palpable/campaign/campaign.h"
+#include "palpable/campaign/crew.h"
+#include "palpable/campaign/snapshot_store.h"
+#include "palpable/describe/body_description.h"
+#include "palpable/describe/body_mesh.h"
+#include "palpable/describe/body_problem.h"
 #include "palpable/reduced/reduced_body.h"
+#include "palpable/separate/reduction.h"
 
 #include <filesystem>
 #include <map>

@@ -1,8 +1,8 @@
 #include "palpable/bake/bake_body.h"
 
-#include "palpable/bake/msh_file.h"
 #include "palpable/base/error.h"
 #include "palpable/geometry/mesh_file.h"
+#include "palpable/mesh/msh_file.h"
 #include "palpable/reduced/body_file.h"
 #include "tests/support/solved_sites.h"
 #include "tests/support/test.h"

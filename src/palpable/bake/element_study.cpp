@@ -1,10 +1,10 @@
 #include "palpable/bake/element_study.h"
 
-#include "palpable/bake/body_problem.h"
-#include "palpable/bake/contact_sites.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
+#include "palpable/describe/body_problem.h"
+#include "palpable/describe/contact_sites.h"
 #include "palpable/solid/equilibrium.h"
 #include "palpable/solid/loads.h"
 #include "palpable/solid/selection.h"

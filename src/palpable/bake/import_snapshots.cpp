@@ -1,12 +1,12 @@
 #include "palpable/bake/import_snapshots.h"
 
 #include "palpable/bake/bake_body.h"
-#include "palpable/bake/body_problem.h"
-#include "palpable/bake/field_files.h"
-#include "palpable/bake/toml_section.h"
-#include "palpable/bake/volume_mesh.h"
 #include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
+#include "palpable/describe/body_problem.h"
+#include "palpable/describe/toml_section.h"
+#include "palpable/mesh/field_files.h"
+#include "palpable/mesh/volume_mesh.h"
 #include "palpable/solid/stress.h"
 
 #include <fmt/format.h>

@@ -2,9 +2,9 @@
 /// Snapshots that somebody else has computed, taken into a store: docs/snapshots.md, "Import".
 #pragma once
 
-#include "palpable/bake/body_description.h"
-#include "palpable/bake/snapshot_store.h"
 #include "palpable/base/progress.h"
+#include "palpable/campaign/snapshot_store.h"
+#include "palpable/describe/body_description.h"
 
 #include <filesystem>
 #include <map>

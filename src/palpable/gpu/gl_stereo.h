@@ -5,7 +5,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/geometry/image.h"
-#include "palpable/vision/stereo_kernels.h"
+#include "palpable/stereo/stereo_kernels.h"
 
 #include <memory>
 

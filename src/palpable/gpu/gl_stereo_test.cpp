@@ -2,7 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/render/gl_context.h"
-#include "palpable/vision/stereo_matcher.h"
+#include "palpable/stereo/stereo_matcher.h"
 #include "tests/support/noisy_pair.h"
 #include "tests/support/test.h"
 

@@ -9,11 +9,11 @@
 
 #include "palpable/base/floor_to_int.h"
 #include "palpable/base/huge_pages.h"
+#include "palpable/depth/depth_noise.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/map/block_table.h"
-#include "palpable/vision/depth_noise.h"
 
 #include <array>
 #include <cstddef>

@@ -6,6 +6,8 @@
 ///   tile  a square of 4 x 4 pixels of the depth image
 #pragma once
 
+#include "palpable/depth/depth_camera.h"
+#include "palpable/depth/depth_noise.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
@@ -15,8 +17,6 @@
 #include "palpable/map/static_picture.h"
 #include "palpable/map/surface_map.h"
 #include "palpable/map/tile_groups.h"
-#include "palpable/vision/depth_camera.h"
-#include "palpable/vision/depth_noise.h"
 
 #include <cstdint>
 #include <utility>

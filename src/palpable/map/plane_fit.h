@@ -2,10 +2,10 @@
 /// The plane on which a body is to stand: a table or a floor in one depth image. Camera frame, m.
 #pragma once
 
+#include "palpable/depth/depth_noise.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
-#include "palpable/vision/depth_noise.h"
 
 #include <optional>
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "palpable/base/floor_to_int.h"
+#include "palpable/depth/depth_noise.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
@@ -16,7 +17,6 @@
 #include "palpable/map/fuse_kernels.h"
 #include "palpable/map/slab_store.h"
 #include "palpable/map/voxel.h"
-#include "palpable/vision/depth_noise.h"
 
 #include <algorithm>
 #include <array>

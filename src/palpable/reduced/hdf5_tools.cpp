@@ -1,5 +1,7 @@
 #include "palpable/reduced/hdf5_tools.h"
 
+#include "palpable/base/fnv1a.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -72,13 +74,6 @@ hid_t native(Eigen::half) {
     return half;
   }();
   return type;
-}
-
-std::uint64_t fnv1a(std::string_view bytes, std::uint64_t hash) {
-  for (const char byte : bytes) {
-    hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
-  }
-  return hash;
 }
 
 void check(herr_t status, const std::string& what) {

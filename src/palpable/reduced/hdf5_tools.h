@@ -67,10 +67,6 @@ class Quiet {
 [[nodiscard]] inline hid_t native(int) { return H5T_NATIVE_INT; }
 [[nodiscard]] inline hid_t native(std::uint8_t) { return H5T_NATIVE_UINT8; }
 
-/// FNV-1a: each byte enters by an exclusive or and a multiplication, so that any one changed byte
-/// changes the result.
-[[nodiscard]] std::uint64_t fnv1a(std::string_view bytes, std::uint64_t hash = 0xcbf29ce484222325u);
-
 void check(herr_t status, const std::string& what);
 void require(bool condition, const std::string& what);
 

@@ -1,7 +1,7 @@
 #include "palpable/score/warped_depth.h"
 
 #include "palpable/base/contract.h"
-#include "palpable/score/percentile.h"
+#include "palpable/base/order_statistics.h"
 
 #include <cmath>
 #include <cstddef>

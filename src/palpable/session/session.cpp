@@ -1,10 +1,10 @@
 #include "palpable/session/session.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/depth/depth_edges.h"
+#include "palpable/depth/static_background.h"
 #include "palpable/reduced/pressed_surface.h"
 #include "palpable/slam/slam.h"
-#include "palpable/vision/depth_edges.h"
-#include "palpable/vision/static_background.h"
 
 #include <fmt/core.h>
 

@@ -19,14 +19,14 @@
 #include "palpable/contact/press_law.h"
 #include "palpable/contact/seen_surface.h"
 #include "palpable/contact/touch.h"
+#include "palpable/depth/depth_camera.h"
+#include "palpable/geometry/frame.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/map/anchored_scene.h"
 #include "palpable/map/free_space.h"
 #include "palpable/map/surface_map.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/track/tracker.h"
-#include "palpable/vision/depth_camera.h"
-#include "palpable/vision/frame.h"
 
 #include <Eigen/Core>
 

@@ -1,7 +1,7 @@
 #include "palpable/slam/room_scan.h"
 
 #include "palpable/base/error.h"
-#include "palpable/vision/depth_camera.h"
+#include "palpable/depth/depth_camera.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -6,8 +6,8 @@
 #pragma once
 
 #include "palpable/slam/slam.h"
-#include "palpable/vision/frame_source.h"
-#include "palpable/vision/source_guard.h"
+#include "palpable/sources/frame_source.h"
+#include "palpable/sources/source_guard.h"
 
 #include <functional>
 #include <memory>

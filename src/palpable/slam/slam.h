@@ -10,14 +10,14 @@
 #pragma once
 
 #include "palpable/base/stage_clock.h"
+#include "palpable/depth/depth_camera.h"
 #include "palpable/geometry/correction.h"
+#include "palpable/geometry/frame.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/map/moving_mask.h"
 #include "palpable/map/surface_map.h"
 #include "palpable/track/tracker.h"
-#include "palpable/vision/depth_camera.h"
-#include "palpable/vision/frame.h"
 
 #include <limits>
 #include <optional>

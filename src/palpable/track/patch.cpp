@@ -1,6 +1,6 @@
 #include "palpable/track/patch.h"
 
-#include "palpable/vision/rectification.h"
+#include "palpable/calibrate/rectification.h"
 
 #include <Eigen/LU>
 

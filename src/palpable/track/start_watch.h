@@ -3,9 +3,9 @@
 /// lens leave nothing to track; where it still stands as in the beginning its frames have a pose.
 #pragma once
 
+#include "palpable/depth/depth_noise.h"
 #include "palpable/geometry/image.h"
 #include "palpable/track/still_watch.h"
-#include "palpable/vision/depth_noise.h"
 
 #include <array>
 #include <cstddef>

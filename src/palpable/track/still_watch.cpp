@@ -1,6 +1,6 @@
 #include "palpable/track/still_watch.h"
 
-#include "palpable/track/median.h"
+#include "palpable/base/order_statistics.h"
 
 #include <algorithm>
 #include <array>
@@ -111,7 +111,7 @@ Stillness StillWatch::look(const GrayImage& image, const MaskImage* moving) cons
   if (compared < kLeast) return Stillness::kUnclear;
   const double share = static_cast<double>(resting) / static_cast<double>(compared);
   const auto middle_of = [&](std::array<double, kPatches>& values) {
-    return std::abs(median(std::span(values).first(compared)));
+    return std::abs(upper_median(std::span(values).first(compared)));
   };
   // A camera that goes straight ahead or rolls moves them to all sides.
   const double shift =

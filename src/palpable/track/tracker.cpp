@@ -2,11 +2,11 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/cpu_time.h"
+#include "palpable/base/order_statistics.h"
 #include "palpable/track/forgetting.h"
 #include "palpable/track/landmark_map.h"
 #include "palpable/track/landmark_search.h"
 #include "palpable/track/loop.h"
-#include "palpable/track/median.h"
 #include "palpable/track/new_corners.h"
 #include "palpable/track/pose_fit.h"
 #include "palpable/track/pose_graph.h"
@@ -214,7 +214,7 @@ void Tracker::Parts::select(const TrackerFrame& frame, const Rigid3& pose, const
   search().select(frame, pose, before, exposure, counts.frames, cells, candidates);
   numbers.clear();
   for (const Candidate& candidate : candidates) numbers.push_back(candidate.smear.norm());
-  smear_px = numbers.empty() ? 0 : median(numbers);
+  smear_px = numbers.empty() ? 0 : upper_median(numbers);
 }
 
 // The pose from few landmarks in small images, for when the prediction may be far off.
@@ -493,7 +493,7 @@ void Tracker::Parts::accept(const TrackerFrame& frame, double dt) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (fit.inlier[i] != 0) numbers.push_back((camera_from_world * points[i].x_in_world).z());
   }
-  if (!numbers.empty()) median_depth = median(numbers);
+  if (!numbers.empty()) median_depth = upper_median(numbers);
   if (was_known && shift_px(previous, camera_from_world) > kFastPx) learn_exposure();
   rate_landmarks(counts.frames);
   if (wants_keyframe()) keep(frame);
@@ -605,7 +605,7 @@ void Tracker::Parts::keep(const TrackerFrame& frame) {
     depths.push_back(
         (kept.camera_from_world * landmarks[static_cast<std::size_t>(id)].x_in_world).z());
   }
-  if (!depths.empty()) median_depth = kept.median_depth = median(depths);
+  if (!depths.empty()) median_depth = kept.median_depth = upper_median(depths);
   since_keyframe = 0;
   ++counts.keyframes;
   ask_for_work(frame);

@@ -14,12 +14,12 @@
 /// frames after it was asked for.
 #pragma once
 
+#include "palpable/depth/depth_noise.h"
 #include "palpable/geometry/correction.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/track/map_limits.h"
 #include "palpable/track/sighting.h"
-#include "palpable/vision/depth_noise.h"
 
 #include <memory>
 #include <span>

@@ -2,9 +2,9 @@
 /// What the tracker is given, from what the depth camera says: the same for every program.
 #pragma once
 
+#include "palpable/depth/depth_camera.h"
+#include "palpable/geometry/frame.h"
 #include "palpable/track/tracker.h"
-#include "palpable/vision/depth_camera.h"
-#include "palpable/vision/frame.h"
 
 namespace palpable {
 

@@ -1,4 +1,4 @@
-// What the matcher's compute shaders share; src/palpable/vision/stereo_kernels.h has the formulas.
+// What the matcher's compute shaders share; src/palpable/stereo/stereo_kernels.h has the formulas.
 //
 //   W, H, D   width, height, disparities
 //   codes     (H x W) 24 bits each, left then right

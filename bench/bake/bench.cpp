@@ -1,0 +1,40 @@
+// palpable-bake bench: what the parts of the offline half cost, and how true they are.
+
+#include "bench/bake/bench.h"
+
+#include "apps/palpable-bake/commands.h"
+#include "apps/palpable-bake/machine.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <thread>
+
+namespace palpable::app {
+
+void print_figures(nlohmann::ordered_json figures, bool json) {
+  figures["peak_memory_mb"] = peak_memory() / 1e6;
+  figures["cores"] = std::thread::hardware_concurrency();
+  figures["processor"] = processor_name();
+  figures["date"] = date_today();
+  if (json) {
+    fmt::print("{}\n", figures.dump(2));
+    return;
+  }
+  for (const auto& [key, value] : figures.items()) fmt::print("{:<36} {}\n", key, value.dump());
+}
+
+void add_bench(CLI::App& app) {
+  CLI::App* bench = app.add_subcommand("bench", "Time the parts of a bake");
+  bench->require_subcommand(1);
+  bench->footer("Example: palpable-bake bench bake --json");
+  add_bench_bake(*bench);
+  add_bench_beam(*bench);
+  add_bench_campaign(*bench);
+  add_bench_solid(*bench);
+  add_bench_elements(*bench);
+  add_bench_reduce(*bench);
+}
+
+}  // namespace palpable::app

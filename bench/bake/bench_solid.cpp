@@ -1,0 +1,566 @@
+// palpable-bake bench solid: one equilibrium path against CalculiX' on the same mesh and loads, in
+// CPU time and digit by digit.
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable-bake/machine.h"
+#include "palpable/base/cpu_time.h"
+#include "palpable/base/error.h"
+#include "palpable/campaign/calculix_comparison.h"
+#include "palpable/describe/body_problem.h"
+#include "palpable/describe/contact_sites.h"
+#include "palpable/solid/patch_load.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/bake/bench.h"
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string description = "bodies/bunny.toml";
+  std::string law = "neo-hooke-abaqus";
+  std::vector<int> sites{0, 3, 1};  // of the bunny: an ear, the back, low at the base
+  int levels = 26;
+  int repeats = 3;
+  std::string program = "ccx";
+  bool verify = false;
+  bool ours_only = false;
+  bool json = false;
+};
+
+constexpr double kTolerance = 1e-8;  // of both programs
+// Short of where either program stops: the last stretch before it is solved by luck.
+constexpr double kShareOfLast = 0.95;
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+std::vector<double> even_levels(int count) {
+  std::vector<double> levels;
+  for (int k = 1; k <= count; ++k) levels.push_back(static_cast<double>(k) / count);
+  return levels;
+}
+
+// One path of ours, all of it: the solver made, its factor of the undeformed body included.
+struct OurPath {
+  PathResult path;
+  double cpu_s = 0;    // the median of the repeats; all else is of that repeat
+  double setup_s = 0;  // of it, making the solver
+  SolverSetup setup;
+};
+OurPath solve_ours(const SolidModel& model, const Matrix3Xd& load,
+                   const std::vector<double>& levels, int repeats) {
+  std::vector<OurPath> runs(static_cast<std::size_t>(repeats));
+  for (OurPath& run : runs) {
+    const double begin = process_cpu_seconds();
+    const EquilibriumSolver solver(model, {.tolerance = kTolerance});
+    run.setup_s = process_cpu_seconds() - begin;
+    run.path = solver.solve_path(load, levels);
+    run.cpu_s = process_cpu_seconds() - begin;
+    run.setup = solver.setup();
+  }
+  std::sort(runs.begin(), runs.end(),
+            [](const OurPath& a, const OurPath& b) { return a.cpu_s < b.cpu_s; });
+  return std::move(runs[runs.size() / 2]);
+}
+
+struct Counts {
+  int newton = 0, cg = 0;
+};
+Counts counts_of(const PathResult& path) {
+  Counts counts;
+  for (const Equilibrium& step : path.steps) {
+    counts.newton += step.newton_steps;
+    counts.cg += step.cg_iterations;
+  }
+  return counts;
+}
+
+// Where the CPU time went.
+Json stages_of(const OurPath& ours) {
+  const SolverSetup& setup = ours.setup;
+  const SolveTimes& times = ours.path.times;
+  const double tangent = setup.tangent_s + times.tangent_s;
+  const double factor = setup.factor_s + times.factor_s;
+  const double solve = times.precondition_s + times.product_s;
+  const double before = setup.pattern_s + setup.ordering_s;
+  return {{"pattern_and_ordering", before},
+          {"tangent", tangent},
+          {"factor", factor},
+          {"solve", solve},
+          {"solve_preconditioner", times.precondition_s},
+          {"solve_products", times.product_s},
+          {"force", times.force_s},
+          {"rest", ours.cpu_s - before - tangent - factor - solve - times.force_s}};
+}
+
+Json json_of(const OurPath& ours) {
+  const Counts counts = counts_of(ours.path);
+  return {{"cpu_s", ours.cpu_s},
+          {"setup_s", ours.setup_s},
+          {"stages_s", stages_of(ours)},
+          {"newton_steps", counts.newton},
+          {"cg_iterations", counts.cg},
+          {"factors_renewed", ours.path.factors},
+          {"halvings", ours.path.halvings},
+          {"levels_reached", ours.path.steps.size()}};
+}
+
+// How far all runs of CalculiX together are.
+class Runs {
+ public:
+  explicit Runs(double total) : total_(total) {}
+  // A run that counts as `share` of the total.
+  [[nodiscard]] Progress next(double share, const std::string& what) {
+    begun_ += share_;
+    share_ = share;
+    total_ = std::max(total_, begun_ + share);
+    return [this, what](const ProgressReport& r) {
+      bar_.show({.task = "CalculiX",
+                 .done = begun_ + share_ * r.done / r.total,
+                 .total = total_,
+                 .note = fmt::format("{}: {}", what, r.note)});
+    };
+  }
+  void finish() { bar_.finish(); }
+
+ private:
+  ProgressBar bar_;
+  double total_, begun_ = 0, share_ = 0;
+};
+
+// Both programs on one path, and what they differ by.
+struct Pair {
+  OurPath ours;
+  CalculixRun theirs;
+  PathDifference difference;
+  double share = 1;  // of the load that was asked for
+};
+Pair solve_both(const SolidModel& model, const Matrix3Xd& full_load,
+                const std::vector<double>& levels, const Options& options, double share_of_runs,
+                const std::string& what, Runs& runs) {
+  Pair pair;
+  Matrix3Xd load = full_load;
+  // A second time where one of the two does not get to the end.
+  for (int attempt = 0;; ++attempt) {
+    pair.ours = solve_ours(model, load, levels, options.repeats);
+    pair.theirs = {};
+    double last = pair.ours.path.complete        ? 1.0
+                  : pair.ours.path.steps.empty() ? 0.0
+                                                 : pair.ours.path.steps.back().level;
+    if (!options.ours_only) {
+      pair.theirs = solve_with_calculix(
+          model, load, levels, {.program = options.program, .tolerance = kTolerance, .folder = {}},
+          runs.next(share_of_runs, what));
+      if (!pair.theirs.complete) last = std::min(last, pair.theirs.last_level);
+    }
+    const bool complete = pair.ours.path.complete && (options.ours_only || pair.theirs.complete);
+    if (complete) break;
+    if (attempt == 2 || !(last > 0.0)) {
+      throw Error(fmt::format("{}: no load that both programs reach: ours: {}; {}", what,
+                              pair.ours.path.why_stopped, pair.theirs.why_stopped));
+    }
+    load *= kShareOfLast * last;
+    pair.share *= kShareOfLast * last;
+  }
+  if (!options.ours_only) pair.difference = compare_paths(model, pair.ours.path, pair.theirs);
+  return pair;
+}
+
+Json json_of(const Pair& pair, const Options& options) {
+  Json row = json_of(pair.ours);
+  row["load_share"] = pair.share;
+  if (options.ours_only) return row;
+  row["ccx_cpu_s"] = pair.theirs.cpu_seconds;
+  row["ccx_wall_s"] = pair.theirs.wall_seconds;
+  row["ccx_increments"] = pair.theirs.increments;
+  row["ccx_iterations"] = pair.theirs.iterations;
+  row["ratio_to_ccx"] = pair.theirs.cpu_seconds / pair.ours.cpu_s;
+  row["max_rel_difference_u"] = pair.difference.displacement;
+  row["max_rel_difference_stress"] = pair.difference.stress;
+  row["largest_displacement_m"] = pair.difference.largest_displacement;
+  row["smallest_volume_ratio"] = pair.difference.smallest_volume_ratio;
+  return row;
+}
+
+// What one path takes at least on this machine, by any method that for each level evaluates the
+// forces once, a product with the tangent once and the factor once, and makes one factor: bytes at
+// the rate of a copy between arrays as large as the factor, operations at the rate of multiply-adds
+// in registers, in single precision, nothing overlapping and nothing kept in a cache.
+Json floor_of(const TetMesh& mesh, const SolverSetup& setup, int levels) {
+  const MachineRates rates = measure_machine(static_cast<std::size_t>(setup.factor_bytes));
+  // Displacements read, forces written and read, 3 doubles a node each.
+  const double element_bytes = setup.element_bytes + 72.0 * mesh.node_count();
+  // At each point F and the forces take 18 multiply-adds a node together, the law about 100
+  // operations.
+  const double points = mesh.is_quadratic() ? 4 : 1, nodes = mesh.is_quadratic() ? 10 : 4;
+  const double element_flops = mesh.tet_count() * points * (36.0 * nodes + 100.0);
+  const double pass =
+      std::max(element_bytes / rates.bytes_per_s, element_flops / rates.flops_per_s);
+  const double application = 2.0 * setup.factor_bytes / rates.bytes_per_s;
+  const double factor = setup.factor_flops / rates.flops_per_s;
+  return {{"copy_bytes_per_s", rates.bytes_per_s},
+          {"flops_per_s", rates.flops_per_s},
+          {"vectors", rates.vectors},
+          {"element_pass_bytes", element_bytes},
+          {"element_pass_flops", element_flops},
+          {"element_pass_s", pass},
+          {"factor_bytes", setup.factor_bytes},
+          {"factor_application_s", application},
+          {"factor_flops", setup.factor_flops},
+          {"factor_s", factor},
+          {"path_s", factor + levels * (2.0 * pass + application)}};
+}
+
+Json at_json(const Vector3d& at) { return {at[0], at[1], at[2]}; }
+
+// The body of 10-node tetrahedra with about as many nodes, to be pressed at the same places: meshed
+// with twice the edge, it has the same patches, since its edges' middles are vertices of its skin.
+BodyDescription of_ten_nodes(const BodyDescription& description,
+                             const std::vector<Vector3d>& places) {
+  BodyDescription coarse = description;
+  coarse.shape.edge = 2.0 * *description.shape.edge;
+  coarse.shape.order = 2;
+  coarse.sites.count = 0;
+  coarse.sites.at = {Where{Where::Nearest{places}, "the bench"}};
+  return coarse;
+}
+
+Json ten_node_figures(const BodyProblem& problem, const std::vector<double>& levels, int repeats) {
+  const EquilibriumSolver solver(problem.model, {.tolerance = kTolerance});
+  Json rows = Json::array();
+  std::vector<double> cpu;
+  for (const Site& site : problem.sites) {
+    const Matrix3Xd unit = unit_load(site, problem.mesh.boundary, problem.model.mesh.node_count());
+    const LoadSearch search = solver.find_load(unit, problem.press);
+    const double share = search.reached ? 1.0 : kShareOfLast;
+    const OurPath ours = solve_ours(problem.model, share * search.load * unit, levels, repeats);
+    if (!ours.path.complete) throw Error("10-node tetrahedra: " + ours.path.why_stopped);
+    Json row = {{"at_m", at_json(problem.mesh.boundary.surface.vertices.col(site.vertex))},
+                {"press_fraction", unit.cwiseProduct(ours.path.steps.back().displacement).sum() /
+                                       problem.mesh.height}};
+    row.update(json_of(ours));
+    cpu.push_back(ours.cpu_s);
+    rows.push_back(std::move(row));
+  }
+  return {{"nodes", problem.model.mesh.node_count()},
+          {"tets", problem.model.mesh.tet_count()},
+          {"path_cpu_s", median(cpu)},
+          {"sites", std::move(rows)}};
+}
+
+// The paper's beam, of its size, by St. Venant-Kirchhoff: bent at its tip by a fifth of its length.
+struct Beam {
+  SolidModel model;
+  Matrix3Xd load;
+};
+Beam full_size_beam() {
+  const Vector3d size(0.40, 0.10, 0.05);
+  const double young = 0.5e6;
+  Beam beam;
+  beam.model.mesh = box_tets({0, 0, 0}, size, 56, 14, 8);
+  beam.model.material = material_from_young("saint-venant-kirchhoff", young, 0.3);
+  std::vector<int> tip;
+  for (int n = 0; n < beam.model.mesh.node_count(); ++n) {
+    if (beam.model.mesh.nodes(0, n) == 0.0) beam.model.fixed_nodes.push_back(n);
+    if (beam.model.mesh.nodes(0, n) > size[0] - 1e-9) tip.push_back(n);
+  }
+  const double stiffness =
+      3.0 * young * size[1] * std::pow(size[2], 3) / 12.0 / std::pow(size[0], 3);
+  beam.load = 0.2 * size[0] * stiffness *
+              patch_force(beam.model.mesh.node_count(), tip, std::vector<double>(tip.size(), 1.0),
+                          {0.05, 0.2, -1.0});
+  return beam;
+}
+
+// For docs/results.md (tools/write_results.py).
+std::string section_text(const Json& result, const Options& options) {
+  std::string text = fmt::format(
+      "{}: {} nodes, {} linear tetrahedra, {}, {} levels, from rest to {:.1f} % of the height at "
+      "the "
+      "least; both programs to a residual of {:g}, each with one thread. CPU time of ours is all "
+      "of "
+      "one path: the solver made, its factor included, and the path; the search for the load is in "
+      "neither.",
+      result["body"].get<std::string>(), result["nodes"].get<int>(), result["tets"].get<int>(),
+      options.law, options.levels, 100 * result["press_fraction"].get<double>(), kTolerance);
+  if (options.ours_only) return text;
+  return text + fmt::format(" Medians: {:.2f} s against {:.0f} s, **{:.0f} times less**.",
+                            result["path_cpu_s"].get<double>(), result["ccx_cpu_s"].get<double>(),
+                            result["ratio_to_ccx"].get<double>());
+}
+
+Json section_tables(const Json& result, const Options& options) {
+  Json paths = {{"columns",
+                 {"site", "at height", "press", "ours, CPU s", "set-up of it", "Newton steps",
+                  "CG iterations"}},
+                {"rows", Json::array()}};
+  if (!options.ours_only) {
+    for (const char* column : {"CalculiX, CPU s", "ratio", "difference of u", "of stress"}) {
+      paths["columns"].push_back(column);
+    }
+  }
+  const auto add = [&](const Json& site, const std::string& name) {
+    Json row = {name,
+                fmt::format("{:.0f} mm", 1e3 * site["at_m"][2].get<double>()),
+                fmt::format("{:.1f} %", 100 * site["press_fraction"].get<double>()),
+                site["cpu_s"],
+                site["setup_s"],
+                site["newton_steps"],
+                site["cg_iterations"]};
+    if (!options.ours_only && site.contains("ccx_cpu_s")) {
+      row.push_back(site["ccx_cpu_s"]);
+      row.push_back(site["ratio_to_ccx"]);
+      row.push_back(fmt::format("{:.1e}", site["max_rel_difference_u"].get<double>()));
+      row.push_back(fmt::format("{:.1e}", site["max_rel_difference_stress"].get<double>()));
+    } else if (!options.ours_only) {
+      for (int k = 0; k < 4; ++k) row.push_back(nullptr);
+    }
+    paths["rows"].push_back(std::move(row));
+  };
+  for (const Json& site : result["sites"]) add(site, std::to_string(site["site"].get<int>()));
+  for (const Json& site : result["ten_node"]["sites"]) {
+    add(site, fmt::format("10-node, {} nodes", result["ten_node"]["nodes"].get<int>()));
+  }
+  Json stages = {
+      {"heading", "Where our CPU time goes"},
+      {"columns",
+       {"site", "pattern, ordering", "tangent", "factor", "solve", "forces", "rest", "all, s"}},
+      {"rows", Json::array()}};
+  for (const Json& site : result["sites"]) {
+    const Json& s = site["stages_s"];
+    stages["rows"].push_back({std::to_string(site["site"].get<int>()), s["pattern_and_ordering"],
+                              s["tangent"], s["factor"], s["solve"], s["force"], s["rest"],
+                              site["cpu_s"]});
+  }
+  const Json& floor = result["floor"];
+  Json least = {
+      {"heading", "What this machine would take at least"},
+      {"text",
+       fmt::format("One factor, and for each level one pass over the elements for the forces, one "
+                   "for a product with the tangent, and one application of the factor: **{:.3g} "
+                   "s**. Memory at the rate of a copy between arrays as large as the factor, "
+                   "{:.3g} GB/s; operations in single precision at the rate of multiply-adds in "
+                   "registers, {:.3g} GFlop/s ({}); nothing kept in a cache. Peak memory of the "
+                   "program: {:.0f} MB.",
+                   result["floor_s"].get<double>(), 1e-9 * floor["copy_bytes_per_s"].get<double>(),
+                   1e-9 * floor["flops_per_s"].get<double>(), floor["vectors"].get<std::string>(),
+                   1e-6 * result["memory_bytes"].get<double>())},
+      {"columns", {"once", "MB", "MFlop", "ms"}},
+      {"rows", Json::array()}};
+  const auto add_least = [&](const char* what, double bytes, double flops, double seconds) {
+    least["rows"].push_back({what, 1e-6 * bytes, 1e-6 * flops, 1e3 * seconds});
+  };
+  add_least("pass over the elements", floor["element_pass_bytes"], floor["element_pass_flops"],
+            floor["element_pass_s"]);
+  add_least("application of the factor, read twice", floor["factor_bytes"],
+            floor["factor_bytes"].get<double>(), floor["factor_application_s"]);
+  add_least("factor", floor["factor_bytes"], floor["factor_flops"], floor["factor_s"]);
+  return Json::array({std::move(paths), std::move(stages), std::move(least)});
+}
+
+void bench_solid(const Options& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  if (!options.ours_only && !find_calculix(options.program)) {
+    throw Error(
+        fmt::format("CalculiX ({}) is not there or cannot be run; on Debian: apt install "
+                    "calculix-ccx, or ask for --ours-only",
+                    options.program));
+  }
+  BodyDescription description = read_body_description(options.description);
+  if (!description.shape.edge || !description.material.constants.empty()) {
+    throw Error(
+        fmt::format("{}: the bench needs an edge in [shape], because it meshes the body "
+                    "with twice that edge, too, and a material by young and poisson",
+                    options.description));
+  }
+  description.material.law = options.law;
+  description.shape.order = 1;
+  const BodyProblem problem = pose_body(description);
+  if (problem.preload.cols() > 0 || problem.force > 0.0 || !problem.model.groups.empty()) {
+    throw Error(
+        fmt::format("{}: the bench presses a body of one material by a depth, without "
+                    "weight and pressures",
+                    options.description));
+  }
+  const TetMesh& mesh = problem.model.mesh;
+  const std::vector<double> levels = even_levels(options.levels);
+  const EquilibriumSolver search_solver(problem.model, {.tolerance = kTolerance});
+
+  Json sites = Json::array();
+  std::vector<Vector3d> places;
+  std::vector<double> cpu, ccx_cpu, ratios, fractions;
+  double difference_u = 0, difference_stress = 0;
+  Json floor;
+  Runs runs(options.verify ? 1.5 * static_cast<double>(options.sites.size())
+                           : static_cast<double>(options.sites.size()));
+  std::vector<std::string> beyond;
+  const auto hold_to_bars = [&](const std::string& what, const PathDifference& difference) {
+    difference_u = std::max(difference_u, difference.displacement);
+    difference_stress = std::max(difference_stress, difference.stress);
+    if (difference.displacement <= kDisplacementBar && difference.stress <= kStressBar) return;
+    beyond.push_back(fmt::format("{}: displacement {:.1e} (bar {:.0e}), stress {:.1e} (bar {:.0e})",
+                                 what, difference.displacement, kDisplacementBar, difference.stress,
+                                 kStressBar));
+  };
+
+  for (const int number : options.sites) {
+    if (number >= static_cast<int>(problem.sites.size())) {
+      throw Error(fmt::format("there is no site {}; the body has 0 to {}", number,
+                              problem.sites.size() - 1));
+    }
+    const Site& site = problem.sites[static_cast<std::size_t>(number)];
+    const std::string what = fmt::format("site {}", number);
+    const Matrix3Xd unit = unit_load(site, problem.mesh.boundary, mesh.node_count());
+    const LoadSearch search = search_solver.find_load(unit, problem.press);
+    if (!(search.load > 0.0)) throw Error(what + " cannot be pressed: " + search.why_stopped);
+    const double first_share = search.reached ? 1.0 : kShareOfLast;
+    Pair pair = solve_both(problem.model, first_share * search.load * unit, levels, options, 1.0,
+                           what, runs);
+    pair.share *= first_share;
+    const double press =
+        unit.cwiseProduct(pair.ours.path.steps.back().displacement).sum() / problem.mesh.height;
+    places.emplace_back(problem.mesh.boundary.surface.vertices.col(site.vertex));
+    Json row = {{"site", number}, {"at_m", at_json(places.back())}, {"press_fraction", press}};
+    row.update(json_of(pair, options));
+    sites.push_back(std::move(row));
+    cpu.push_back(pair.ours.cpu_s);
+    if (floor.is_null()) floor = floor_of(mesh, pair.ours.setup, options.levels);
+    ccx_cpu.push_back(pair.theirs.cpu_seconds);
+    ratios.push_back(pair.theirs.cpu_seconds / pair.ours.cpu_s);
+    fractions.push_back(press);
+    if (!options.ours_only) hold_to_bars(what, pair.difference);
+  }
+  const double memory = peak_memory();
+
+  Json result;
+  result["title"] = "An equilibrium path against CalculiX";
+  result["order"] = 40;
+  result["date"] = date_today();
+  result["machine"] = processor_name();
+  result["command"] =
+      fmt::format("palpable bench solid {} --sites {} --levels {}{} --json", options.description,
+                  fmt::join(options.sites, " "), options.levels, options.verify ? " --verify" : "");
+  result["body"] = description.name;
+  result["law"] = options.law;
+  result["young_Pa"] = description.material.young;
+  result["poisson"] = description.material.poisson;
+  result["nodes"] = mesh.node_count();
+  result["tets"] = mesh.tet_count();
+  result["skin_vertices"] = problem.mesh.boundary.surface.vertex_count();
+  result["levels"] = options.levels;
+  result["residual"] = kTolerance;
+  result["press_fraction"] = *std::min_element(fractions.begin(), fractions.end());
+  result["path_cpu_s"] = median(cpu);
+  if (!options.ours_only) {
+    result["ccx_cpu_s"] = median(ccx_cpu);
+    result["ratio_to_ccx"] = median(ratios);
+    result["max_rel_difference_u"] = difference_u;
+    result["max_rel_difference_stress"] = difference_stress;
+  }
+  result["floor_s"] = floor["path_s"];
+  result["memory_bytes"] = memory;
+  result["floor"] = std::move(floor);
+  result["sites"] = std::move(sites);
+  const BodyProblem ten = pose_body(of_ten_nodes(description, places));
+  result["ten_node"] = ten_node_figures(ten, levels, options.repeats);
+
+  if (options.verify && !options.ours_only) {
+    Json verified = Json::array();
+    const auto verify = [&](const std::string& what, const SolidModel& model, const Matrix3Xd& load,
+                            int count, double share) {
+      Options once = options;
+      once.repeats = 1;
+      const Pair pair = solve_both(model, load, even_levels(count), once, share, what, runs);
+      hold_to_bars(what, pair.difference);
+      Json row = {{"body", what},
+                  {"law", law_name(model.material)},
+                  {"nodes", model.mesh.node_count()},
+                  {"tets", model.mesh.tet_count()},
+                  {"element", model.mesh.is_quadratic() ? "C3D10" : "C3D4"},
+                  {"levels", count}};
+      row.update(json_of(pair, once));
+      verified.push_back(std::move(row));
+    };
+    const Beam beam = full_size_beam();
+    verify("beam", beam.model, beam.load, 10, 0.3);
+    const Matrix3Xd unit =
+        unit_load(ten.sites.front(), ten.mesh.boundary, ten.model.mesh.node_count());
+    const LoadSearch search =
+        EquilibriumSolver(ten.model, {.tolerance = kTolerance}).find_load(unit, 0.5 * ten.press);
+    if (!search.reached) throw Error("the 10-node body cannot be pressed: " + search.why_stopped);
+    verify("bunny, 10-node tetrahedra", ten.model, search.load * unit, 5, 1.2);
+    result["max_rel_difference_u"] = difference_u;
+    result["max_rel_difference_stress"] = difference_stress;
+    result["verified"] = std::move(verified);
+  }
+  result["text"] = section_text(result, options);
+  result["tables"] = section_tables(result, options);
+  runs.finish();
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  result["wall_s"] = wall.count();
+  if (options.json) {
+    fmt::print("{}\n", result.dump(1));
+  } else {
+    for (const auto& [key, value] : result.items()) fmt::print("{:<26} {}\n", key, value.dump());
+  }
+  if (options.verify && !beyond.empty()) {
+    throw Error(
+        fmt::format("the programs differ by more than they may: {}", fmt::join(beyond, "; ")));
+  }
+}
+
+}  // namespace
+
+void add_bench_solid(CLI::App& bench) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = bench.add_subcommand(
+      "solid", "One equilibrium path against CalculiX' in CPU time, and digit by digit");
+  command->add_option("body", options->description, "The body, with an edge in [shape]")
+      ->type_name("BODY.toml")
+      ->capture_default_str();
+  command->add_option("--law", options->law, "The body's law here: one that CalculiX has, too")
+      ->capture_default_str();
+  command->add_option("--sites", options->sites, "Which of the body's sites, from 0")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--levels", options->levels, "Load levels of a path")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--repeats", options->repeats, "Our path is timed so often; the median")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->add_option("--ccx", options->program, "CalculiX' program")->capture_default_str();
+  command->add_flag("--verify", options->verify,
+                    "A beam and 10-node tetrahedra, too; exit code 1 if displacements differ by "
+                    "more than 1e-6 of the largest or stresses by more than 1e-5");
+  command->add_flag("--ours-only", options->ours_only, "Leave CalculiX out: a minute");
+  command->add_flag("--json", options->json, "One JSON object on stdout");
+  command->footer(
+      "CalculiX takes about 5 minutes for each site of the paper's bunny.\n"
+      "Example: palpable bench solid --json");
+  command->callback([options] { bench_solid(*options); });
+}
+
+}  // namespace palpable::app

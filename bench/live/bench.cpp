@@ -1,0 +1,331 @@
+// palpable bench: ms per stage of the live half, median and 99th percentile.
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable/commands.h"
+#include "apps/palpable/live_setup.h"
+#include "apps/palpable/place.h"
+#include "apps/palpable/scene_picture.h"
+#include "apps/palpable/vision_thread.h"
+#include "palpable/base/error.h"
+#include "palpable/base/order_statistics.h"
+#include "palpable/contact/press_law.h"
+#include "palpable/contact/seen_surface.h"
+#include "palpable/reduced/body_file.h"
+#include "palpable/reduced/mode_kernels.h"
+#include "palpable/reduced/pressed_surface.h"
+#include "palpable/render/gl_context.h"
+#include "palpable/render/scene_renderer.h"
+#include "palpable/score/penetration.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/live/bench_depth.h"
+#include "bench/live/bench_sgbm.h"
+#include "bench/live/bench_track.h"
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+using Series = std::vector<std::pair<std::string, std::vector<double>>>;
+
+void add_to(Series& series, std::string_view name, double ms) {
+  for (auto& [stage, values] : series) {
+    if (stage == name) {
+      values.push_back(ms);
+      return;
+    }
+  }
+  series.emplace_back(std::string(name), std::vector<double>{ms});
+}
+
+void add(Series& series, const StageTimes& times) {
+  for (const StageTime& stage : times.stages()) add_to(series, stage.name, stage.ms);
+  add_to(series, "total", times.total_ms());
+}
+
+double median_of(const Series& series, std::string_view name) {
+  for (const auto& [stage, values] : series) {
+    if (stage == name) return percentile(values, 0.5);
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+void print(nlohmann::ordered_json result, const Series& series, bool json) {
+  result["cores"] = std::thread::hardware_concurrency();
+  for (const auto& [stage, values] : series) {
+    result["stages"][stage] = {{"p50_ms", percentile(values, 0.5)},
+                               {"p99_ms", percentile(values, 0.99)},
+                               {"count", values.size()}};
+  }
+  if (json) {
+    fmt::print("{}\n", result.dump(2));
+    return;
+  }
+  fmt::print("{:<16}{:>12}{:>12}{:>10}\n", "stage", "median ms", "p99 ms", "count");
+  for (const auto& [stage, values] : series) {
+    fmt::print("{:<16}{:>12.4f}{:>12.4f}{:>10}\n", stage, percentile(values, 0.5),
+               percentile(values, 0.99), values.size());
+  }
+}
+
+struct BodyOptions {
+  std::filesystem::path body;
+  int repeats = 500;
+  bool json = false;
+};
+
+nlohmann::ordered_json about(const char* bench, const ReducedBody& body) {
+  nlohmann::ordered_json result;
+  result["bench"] = bench;
+  result["body"] = body.name;
+  result["vertices"] = body.surface.vertex_count();
+  result["sites"] = body.sites.size();
+  result["displacement_modes"] = body.displacement.mode_count();
+  result["stress_modes"] = body.stress.mode_count();
+  return result;
+}
+
+// The size of the paper's bunny as the paper reduces it: modes for all sites together.
+constexpr int kGlobalVertices = 3731;
+constexpr int kGlobalModes = 60;
+
+// Its numbers are of no interest, its size is.
+SeparatedField global_field() {
+  Eigen::MatrixXf F(3 * kGlobalVertices, kGlobalModes);
+  for (Eigen::Index i = 0; i < F.size(); ++i) F(i) = static_cast<float>(i % 1000 - 500) * 1e-5f;
+  const Eigen::VectorXd levels = Eigen::VectorXd::LinSpaced(27, 0, 1);
+  const Eigen::VectorXd sites = Eigen::VectorXd::LinSpaced(34, 0, 33);
+  return {std::move(F),
+          {{"site", sites, Eigen::MatrixXd::Ones(34, kGlobalModes), Between::kNothing},
+           {"level", levels, levels.replicate(1, kGlobalModes), Between::kSmooth}}};
+}
+
+void bench_evaluate(const BodyOptions& options) {
+  const ReducedBody body = value_or_throw(read_pressable_body(options.body));
+  const Eigen::Matrix3Xf rest = body.surface.vertices.cast<float>();
+  const auto V = static_cast<std::size_t>(rest.cols());
+  Eigen::Matrix3Xf vertices(3, rest.cols()), normals(3, rest.cols());
+  std::vector<float> u(3 * V), mises(V), global_u(3 * kGlobalVertices);
+  const SeparatedField global = global_field();
+  Eigen::MatrixXf copy = global.modes();
+
+  Series series;
+  const auto timed = [&](const char* name, const auto& work) {
+    StageTimes times;
+    {
+      const StageTimer timer(times, name);
+      work();
+    }
+    for (const StageTime& stage : times.stages()) add_to(series, stage.name, stage.ms);
+  };
+  // Side by side, so that whatever else the machine does falls on both.
+  for (int i = 0; i < options.repeats; ++i) {
+    const std::array mu{static_cast<double>(i % 34), 0.1 + 0.8 * (i % 97) / 97.0};
+    timed("copy", [&] {
+      std::memcpy(copy.data(), global.modes().data(),
+                  static_cast<std::size_t>(copy.size()) * sizeof(float));
+    });
+    timed("global_60", [&] { global.evaluate(mu, global_u); });
+  }
+  for (int i = 0; i < options.repeats; ++i) {
+    // Each site for some frames, as a hand stays at one.
+    const std::array mu{static_cast<double>(static_cast<std::size_t>(i / 16) % body.sites.size()),
+                        0.1 + 0.8 * (i % 97) / 97.0};
+    timed("per_site", [&] { body.displacement.evaluate(mu, u); });
+    timed("derivative", [&] { body.displacement.derivative(mu, 1, u); });
+    timed("all", [&] { press_surface(body, rest, mu, vertices, normals, mises); });
+  }
+
+  nlohmann::ordered_json result = about("evaluate", body);
+  result["modes_per_site"] = body.displacement.largest_block();
+  result["stress_modes_per_site"] = body.stress.largest_block();
+  result["instructions"] = mode_kernels().front().name;
+  const auto median_us = [&](const char* name) { return 1e3 * median_of(series, name); };
+  const double mode_bytes = static_cast<double>(copy.size()) * sizeof(float);
+  const double moved = mode_bytes + static_cast<double>(global_u.size()) * sizeof(float);
+  result["us_global_60"] = median_us("global_60");
+  result["us_per_site"] = median_us("per_site");
+  result["us_derivative"] = median_us("derivative");
+  result["us_all"] = median_us("all");
+  result["copy_us"] = median_us("copy");
+  // Bytes read and written per second, against those of the copy, which reads and writes each.
+  result["bandwidth_fraction"] =
+      (moved / median_us("global_60")) / (2 * mode_bytes / median_us("copy"));
+  print(result, series, options.json);
+}
+
+// What a depth camera sees of a finger on the body's first site, and of a plane 0.1 m behind it.
+DepthImage depth_of_finger(const TrueCapsule& finger, const PinholeCamera& camera, double wall) {
+  DepthImage depth(camera.width, camera.height, static_cast<float>(wall));
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3d ray = camera.unproject(u, v, 1.0);
+      double z = 0.05;
+      for (int i = 0; i < 100 && z < wall; ++i) {
+        const double d = distance_to(finger, z * ray);
+        if (d < 1e-5) {
+          depth(u, v) = static_cast<float>(z);
+          break;
+        }
+        z += d / ray.norm();
+      }
+    }
+  }
+  return depth;
+}
+
+void bench_contact(const BodyOptions& options) {
+  const ReducedBody body = value_or_throw(read_pressable_body(options.body));
+  const Eigen::AlignedBox3d region(body.surface.vertices.rowwise().minCoeff(),
+                                   body.surface.vertices.rowwise().maxCoeff());
+  const double distance = std::max(0.4, 3 * region.sizes().maxCoeff());
+  const Rigid3 camera_from_body = upright_pose(0, region.sizes().z() / 2, distance, 0, 30, 0);
+  const PinholeCamera camera{640, 360, 350, 350, 319.5, 179.5};
+  PressLaw law(body);
+  SeenSurface surface;
+  PressState state;
+  Series series;
+  constexpr int kPoses = 8;
+  std::vector<DepthImage> frames;
+  const Site& site = body.sites.front();
+  for (int i = 0; i < kPoses; ++i) {
+    // Along the load, from just outside to 7 mm inside.
+    const Eigen::Vector3d x = body.surface.vertices.col(site.vertex);
+    const Eigen::Vector3d tip = x - (0.008 - 0.001 * i) * site.direction;
+    const TrueCapsule finger{camera_from_body * tip,
+                             camera_from_body * (tip - 0.1 * site.direction), 0.008, 0.009};
+    frames.push_back(depth_of_finger(finger, camera, distance + 0.1));
+  }
+  int touched = 0;
+  for (int i = 0; i < options.repeats; ++i) {
+    StageTimes times;
+    {
+      const StageTimer timer(times, "surface");
+      surface.build(frames[static_cast<std::size_t>(i % kPoses)], camera,
+                    camera_from_body.inverse(), region);
+    }
+    {
+      const StageTimer timer(times, "touch");
+      state = law.advance(state, surface, i / 30.0);
+    }
+    touched += state.touch.has_value();
+    add(series, times);
+  }
+  nlohmann::ordered_json result = about("contact", body);
+  result["points"] = surface.points().size();
+  result["frames_touching"] = touched;
+  print(result, series, options.json);
+}
+
+struct LiveBenchOptions {
+  LiveOptions live;
+  bool json = false;
+};
+
+void bench_live(LiveBenchOptions options) {
+  // With --source synthetic the clip is filmed once and kept for the next bench.
+  options.live.clip = std::filesystem::temp_directory_path() / "palpable-bench-clip";
+  LiveRun run = set_up_live(options.live);
+  const GlContext context = value_or_throw(GlContext::offscreen());
+  SceneRenderer renderer = value_or_throw(SceneRenderer::make());
+  Series series;
+  Scene scene;
+  ColorImage picture;
+  const double scale = stress_scale(run.session.body());
+  int total = run.source->frame_count();
+  if (options.live.frames > 0) total = std::min(total, options.live.frames);
+  ProgressBar bar;
+  const auto begin = std::chrono::steady_clock::now();
+  int done = 0;
+  {
+    VisionThread vision(*run.source, run.session, options.live.frames);
+    while (std::unique_ptr<FrameInFlight> flight = vision.next()) {
+      StageTimes times = flight->times;
+      run.session.respond(flight->seen, scene);
+      times.add(scene.times);
+      {
+        const StageTimer timer(times, "draw");
+        renderer.draw(view_of(scene, run.session, scale), picture);
+      }
+      add(series, times);
+      vision.recycle(std::move(flight));
+      bar.show(
+          {"live", static_cast<double>(++done), static_cast<double>(std::max(total, done)), ""});
+    }
+  }
+  bar.finish();
+  if (done == 0) throw Error(fmt::format("{}: no frame could be read", run.images.string()));
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  nlohmann::ordered_json result = about("live", run.session.body());
+  result["source"] = run.images.string();
+  result["renderer"] = context.description();
+  result["frames"] = done;
+  result["wall_ms_per_frame"] = 1e3 * wall.count() / done;
+  print(result, series, options.json);
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app) {
+  CLI::App* bench = app.add_subcommand("bench", "Time the stages of the live half (or of a bake)");
+  bench->require_subcommand(1);
+  bench->footer(
+      "Of the program palpable-bake, asked for in the same way:\n"
+      "  bench bake      the parts of a bake\n"
+      "  bench beam      the beam by intrusive PGD\n"
+      "  bench campaign  all sites and levels of a body, into an empty folder\n"
+      "  bench solid     one equilibrium path against CalculiX\n"
+      "  bench elements  how true 4-node and 10-node tetrahedra are\n"
+      "  bench reduce    all reductions beside each other\n"
+      "Example: palpable bench evaluate bunny.palpable --json");
+  const auto add_body_bench = [&](const char* name, const char* what,
+                                  void (*run)(const BodyOptions&)) {
+    auto options = std::make_shared<BodyOptions>();
+    CLI::App* command = bench->add_subcommand(name, what);
+    command->add_option("body", options->body,
+                        "Body file; else build/bodies/bunny.palpable or out/demo/bunny.palpable");
+    command->add_option("--repeats", options->repeats, "Frames")
+        ->check(CLI::Range(1, 10'000'000))
+        ->capture_default_str();
+    command->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+    command->footer(fmt::format("Example: palpable bench {} bunny.palpable", name));
+    command->callback([options, run] {
+      std::error_code ignored;
+      for (const char* usual : {"build/bodies/bunny.palpable", "out/demo/bunny.palpable"}) {
+        if (options->body.empty() && std::filesystem::exists(usual, ignored)) options->body = usual;
+      }
+      if (options->body.empty()) throw Error("name a body file; ./demo makes one");
+      run(*options);
+    });
+  };
+  add_body_bench("evaluate", "Evaluation of the reduced body, and what copying as many bytes takes",
+                 bench_evaluate);
+  add_body_bench("contact", "A finger at 640 x 360 on the first site", bench_contact);
+
+  add_bench_depth(*bench);
+  add_bench_sgbm(*bench);
+  add_bench_track(*bench);
+
+  auto options = std::make_shared<LiveBenchOptions>();
+  CLI::App* live = bench->add_subcommand("live", "The whole loop, without writing files");
+  add_live_options(*live, options->live);
+  live->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  live->footer("Example: palpable bench live bunny.palpable --source out/demo/clip/frames");
+  live->callback([options] { bench_live(*options); });
+}
+
+}  // namespace palpable::app

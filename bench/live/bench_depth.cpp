@@ -1,0 +1,447 @@
+// palpable bench depth: time and truth of the stereo matcher, OpenCV's SGBM beside it.
+
+#include "bench/live/bench_depth.h"
+
+#include "apps/common/progress_bar.h"
+#include "palpable/base/cpu_time.h"
+#include "palpable/base/error.h"
+#include "palpable/base/order_statistics.h"
+#include "palpable/calibrate/rectification.h"
+#include "palpable/depth/depth_camera.h"
+#include "palpable/render/fill_unknown.h"
+#include "palpable/render/outlines.h"
+#include "palpable/stereo/stereo_matcher.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "bench/live/middlebury_pairs.h"
+#include "bench/live/near_frames.h"
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+constexpr int kNearRange = 384;  // disparities of a 720p pair: down to 0.115 m
+constexpr int kFullRange = 128;
+constexpr double kTooFar = 1.2;                                          // of the true depth
+constexpr std::array kDepths{0.2, 0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0};  // m
+constexpr double kDepthBand = 0.15;
+
+struct DepthBenchOptions {
+  std::filesystem::path body;
+  std::filesystem::path data = "../shared/data";
+  std::uint64_t seed = 1;
+  int frames = 36;
+  int repeats = 7;
+  std::string simd;
+  bool json = false;
+};
+
+const StereoKernels& kernels_named(const std::string& name) {
+  std::string names;
+  for (const StereoKernels& kernels : stereo_kernels()) {
+    if (name.empty() || name == kernels.name) return kernels;
+    names += std::string(names.empty() ? "" : ", ") + kernels.name;
+  }
+  throw Error(fmt::format("--simd {}: this processor has {}", name, names));
+}
+
+// The reference as issue and docs/benchmark.md have it, its picture padded left by the range.
+cv::Mat sgbm(const GrayImage& left, const GrayImage& right, int range) {
+  const cv::Ptr<cv::StereoSGBM> matcher = cv::StereoSGBM::create(0, range, 5);
+  matcher->setMode(cv::StereoSGBM::MODE_SGBM_3WAY);
+  matcher->setP1(8 * 25);
+  matcher->setP2(32 * 25);
+  matcher->setUniquenessRatio(5);
+  const auto padded = [range](const GrayImage& image) {
+    const cv::Mat view(image.height(), image.width(), CV_8UC1,
+                       const_cast<std::uint8_t*>(image.data()));  // NOLINT
+    cv::Mat wide;
+    cv::copyMakeBorder(view, wide, 0, 0, range, 0, cv::BORDER_REPLICATE);
+    return wide;
+  };
+  cv::Mat disparity;
+  matcher->compute(padded(left), padded(right), disparity);
+  return disparity.colRange(range, disparity.cols);
+}
+
+GrayImage scaled(const GrayImage& image, int width, int height) {
+  GrayImage result(width, height);
+  const cv::Mat from(image.height(), image.width(), CV_8UC1,
+                     const_cast<std::uint8_t*>(image.data()));  // NOLINT
+  cv::Mat to(height, width, CV_8UC1, result.data());
+  cv::resize(from, to, to.size(), 0, 0, cv::INTER_AREA);
+  return result;
+}
+
+struct Times {
+  double cpu_ms = 0;
+  double wall_ms = 0;
+};
+
+template <class Work>
+Times timed(const Work& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  const double cpu = process_cpu_seconds();
+  work();
+  const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - begin;
+  return {1e3 * (process_cpu_seconds() - cpu), wall.count()};
+}
+
+// Least of many: other work on the machine only adds.
+void keep_least(Times& least, const Times& now) {
+  least.cpu_ms = least.cpu_ms == 0 ? now.cpu_ms : std::min(least.cpu_ms, now.cpu_ms);
+  least.wall_ms = least.wall_ms == 0 ? now.wall_ms : std::min(least.wall_ms, now.wall_ms);
+}
+
+// The near mode from rectified luma on: halved, matched, refined.
+class NearMode {
+ public:
+  NearMode(int width, int threads, const StereoKernels& kernels)
+      : matcher_([&] {
+          StereoMatcherSettings settings = near_matching();
+          settings.disparities = settings.disparities * width / 1280;
+          settings.guard_disparities = settings.guard_disparities * width / 1280;
+          settings.threads = threads;
+          settings.kernels = &kernels;
+          return settings;
+        }()) {}
+  void run(const GrayImage& left, const GrayImage& right) {
+    Rectification::halve(left, left_half_);
+    Rectification::halve(right, right_half_);
+    matcher_.match(left_half_, right_half_, pair_);
+    matcher_.refine(left, right, pair_);
+  }
+
+ private:
+  StereoMatcher matcher_;
+  GrayImage left_half_, right_half_;
+  MatchedPair pair_;
+};
+
+StereoMatcherSettings full_mode(int threads, const StereoKernels& kernels) {
+  StereoMatcherSettings settings = full_matching();
+  settings.threads = threads;
+  settings.kernels = &kernels;
+  return settings;
+}
+
+void time_matchers(const GrayImage& left, const GrayImage& right, int repeats,
+                   const StereoKernels& kernels, ProgressBar& bar, nlohmann::ordered_json& result) {
+  const GrayImage left_672 = scaled(left, 672, 376), right_672 = scaled(right, 672, 376);
+  const GrayImage left_1080 = scaled(left, 1920, 1080), right_1080 = scaled(right, 1920, 1080);
+  NearMode near(1280, 1, kernels), near_2(1280, 2, kernels), near_672(672, 1, kernels),
+      near_1080(1920, 1, kernels);
+  StereoMatcher full(full_mode(1, kernels)), full_2(full_mode(2, kernels));
+  MatchedPair pair;
+  Times near_t, near_2_t, t_672, t_1080, full_t, full_2_t, sgbm_near, sgbm_full;
+  const int threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  for (int i = 0; i < repeats; ++i) {
+    // All in turn, so that whatever else the machine does meets all of them.
+    keep_least(sgbm_near, timed([&] { sgbm(left, right, kNearRange); }));
+    keep_least(sgbm_full, timed([&] { sgbm(left, right, kFullRange); }));
+    for (int k = 0; k < 3; ++k) {
+      keep_least(near_t, timed([&] { near.run(left, right); }));
+      keep_least(near_2_t, timed([&] { near_2.run(left, right); }));
+      keep_least(t_672, timed([&] { near_672.run(left_672, right_672); }));
+      keep_least(t_1080, timed([&] { near_1080.run(left_1080, right_1080); }));
+      keep_least(full_t, timed([&] { full.match(left, right, pair); }));
+      keep_least(full_2_t, timed([&] { full_2.match(left, right, pair); }));
+    }
+    bar.show({"timing", i + 1.0, static_cast<double>(repeats), ""});
+  }
+  cv::setNumThreads(threads);
+  result["speedup_near"] = sgbm_near.cpu_ms / near_t.cpu_ms;
+  result["speedup_full"] = sgbm_full.cpu_ms / full_t.cpu_ms;
+  result["simd"] = kernels.name;
+  result["wall_ms_720p"] = near_2_t.wall_ms;
+  result["ms_672"] = t_672.cpu_ms;
+  result["ms_720p"] = near_t.cpu_ms;
+  result["ms_1080p"] = t_1080.cpu_ms;
+  result["ms_full"] = full_t.cpu_ms;
+  result["wall_ms_full"] = full_2_t.wall_ms;
+  result["sgbm_ms_near"] = sgbm_near.cpu_ms;
+  result["sgbm_ms_full"] = sgbm_full.cpu_ms;
+}
+
+// Share of the true, not occluded pixels that are off by more than 2 px or have no disparity.
+template <class DisparityAt>
+double bad_share(const MiddleburyPair& pair, const DisparityAt& at) {
+  std::size_t count = 0, bad = 0;
+  for (int y = 0; y < pair.truth.height(); ++y)
+    for (int x = 0; x < pair.truth.width(); ++x) {
+      if (std::isnan(pair.truth(x, y))) continue;
+      ++count;
+      const double d = at(x, y);  // NaN: a hole
+      bad += std::abs(d - static_cast<double>(pair.truth(x, y))) <= 2 ? 0 : 1;
+    }
+  return count == 0 ? std::nan("") : static_cast<double>(bad) / static_cast<double>(count);
+}
+
+void compare_scenes(const std::filesystem::path& data, const StereoKernels& kernels,
+                    nlohmann::ordered_json& result) {
+  nlohmann::ordered_json ratio, ours, theirs;
+  double sum_ours = 0, sum_theirs = 0;
+  bool all = true;
+  StereoMatcher matcher(full_mode(1, kernels));
+  for (const char* name : {"tsukuba", "teddy", "Cloth3"}) {
+    const std::optional<MiddleburyPair> pair = read_middlebury_pair(data / "stereo_gt" / name);
+    ratio[name] = ours[name] = theirs[name] = nullptr;
+    if (!pair) {
+      all = false;
+      continue;
+    }
+    MatchedPair found;
+    matcher.match(pair->left, pair->right, found);
+    const double own = bad_share(*pair, [&](int x, int y) {
+      const std::int16_t d = found.disparity(x, y);
+      return is_measured(d) ? static_cast<double>(d) / kDisparitySteps : std::nan("");
+    });
+    const cv::Mat reference = sgbm(pair->left, pair->right, kFullRange);
+    const double opencv = bad_share(*pair, [&](int x, int y) {
+      const int d = reference.at<std::int16_t>(y, x);
+      return d > 0 ? d / 16.0 : std::nan("");
+    });
+    ours[name] = own;
+    theirs[name] = opencv;
+    ratio[name] = own / opencv;
+    sum_ours += own;
+    sum_theirs += opencv;
+  }
+  ratio["mean"] = all ? nlohmann::ordered_json(sum_ours / sum_theirs) : nullptr;
+  result["bad2_ratio"] = ratio;
+  result["bad2"] = ours;
+  result["bad2_sgbm"] = theirs;
+}
+
+// What the whole chain, from raw pair to depth, finds of the near frames of `press`.
+struct NearScore {
+  std::size_t hand = 0, known = 0, within = 0, close = 0, called_far = 0, marked_close = 0;
+  std::vector<double> errors;
+  std::array<std::vector<double>, kDepths.size()> by_depth;
+
+  void add(const SeenFrame& seen, const DeskTruth& truth, bool is_near) {
+    constexpr std::uint8_t kWanted = kMovesLabel | kBothSeeLabel;
+    for (int y = 0; y < truth.depth.height(); ++y)
+      for (int x = 0; x < truth.depth.width(); ++x) {
+        const auto z = static_cast<double>(truth.depth(x, y));
+        if (!(z > 0)) continue;
+        const auto found = static_cast<double>(seen.depth(x, y));  // NaN: unknown
+        const double error = std::abs(found - z) / z;
+        if (truth.depth(x, y) < kTooCloseDepth) {
+          ++close;
+          called_far += found > kTooFar * z ? 1 : 0;
+          marked_close += seen.too_close(x, y) != 0 ? 1 : 0;
+        }
+        if (!is_near || (truth.labels(x, y) & kBothSeeLabel) == 0) continue;
+        for (std::size_t i = 0; i < kDepths.size(); ++i) {
+          if (std::abs(z - kDepths[i]) > kDepthBand * kDepths[i]) continue;
+          if (!std::isnan(error) && (x + y) % 5 == 0) by_depth[i].push_back(error);
+        }
+        if ((truth.labels(x, y) & kWanted) != kWanted) continue;
+        ++hand;
+        if (std::isnan(error)) continue;
+        ++known;
+        within += error <= 0.01 ? 1 : 0;
+        errors.push_back(error);
+      }
+  }
+};
+
+// What the outlines before a body cost: holes closed and sides decided in a box of the picture's
+// middle, as large as the demo's body at 720p with a margin.
+class OutlineTimes {
+ public:
+  void add(const SeenFrame& seen) {
+    constexpr int kSide = 144, kHoles = 6;  // half px
+    const int cx = seen.depth.width() / 2, cy = seen.depth.height() / 2;
+    const PixelBox inner{cx - kSide / 2, cy - kSide / 2, cx + kSide / 2, cy + kSide / 2};
+    const PixelBox box{std::max(inner.x0 - kLongestHalfSeen - 1, 0),
+                       std::max(inner.y0 - RealOutlines::kMargin, 0),
+                       std::min(inner.x1 + kLongestHalfSeen + 1, seen.depth.width()),
+                       std::min(inner.y1 + RealOutlines::kMargin, seen.depth.height())};
+    Times least;
+    for (int i = 0; i < 5; ++i) {
+      keep_least(least, timed([&] {
+                   fill_unknown(seen.depth, box, kHoles, nearest_, filled_);
+                   outlines_.find(seen.color, box, filled_, nearest_, inner);
+                 }));
+    }
+    cpu_ms_.push_back(least.cpu_ms);
+  }
+  [[nodiscard]] const std::vector<double>& cpu_ms() const { return cpu_ms_; }
+
+ private:
+  RealOutlines outlines_;
+  std::vector<signed char> nearest_;
+  std::vector<float> filled_;
+  std::vector<double> cpu_ms_;
+};
+
+nlohmann::ordered_json median_or_null(const std::vector<double>& values) {
+  if (values.empty()) return nullptr;
+  return percentile(values, 0.5);
+}
+
+void print_table(const nlohmann::ordered_json& r) {
+  fmt::print("{:<44}{:>12}{:>14}\n", "", "this", "OpenCV SGBM");
+  const auto line = [](const char* name, const char* format, const nlohmann::ordered_json& a,
+                       const nlohmann::ordered_json& b, double scale = 1) {
+    const auto text = [&](const nlohmann::ordered_json& v) {
+      return v.is_null() ? std::string("-")
+                         : fmt::format(fmt::runtime(format), scale * v.get<double>());
+    };
+    fmt::print("{:<44}{:>12}{:>14}\n", name, text(a), text(b));
+  };
+  const nlohmann::ordered_json none = nullptr;
+  line("near mode, 1280 x 720, CPU ms", "{:.1f}", r["ms_720p"], r["sgbm_ms_near"]);
+  line("  wall ms on two threads", "{:.1f}", r["wall_ms_720p"], none);
+  line("  672 x 376, 1 thread, CPU ms", "{:.1f}", r["ms_672"], none);
+  line("  1920 x 1080, 1 thread, CPU ms", "{:.1f}", r["ms_1080p"], none);
+  line("outlines before a body, 288 x 288 px, CPU ms", "{:.1f}", r["outlines_ms_720p"], none);
+  line("full mode, 1280 x 720 x 128, CPU ms", "{:.1f}", r["ms_full"], r["sgbm_ms_full"]);
+  for (const char* name : {"tsukuba", "teddy", "Cloth3"}) {
+    line(fmt::format("bad pixels of {}, %", name).c_str(), "{:.2f}", r["bad2"][name],
+         r["bad2_sgbm"][name], 100);
+  }
+  line("near hand: median error, %", "{:.3f}", r["near_median_error"], none, 100);
+  line("near hand: within 1 %, %", "{:.1f}", r["hand_within_1pct"], none, 100);
+  line("nearer than the range, called far, %", "{:.3f}", r["too_close_called_far"], none, 100);
+  fmt::print("\n{} less CPU time near, {} full ({})\n\n",
+             fmt::format("{:.1f} times", r["speedup_near"].get<double>()),
+             fmt::format("{:.1f} times", r["speedup_full"].get<double>()),
+             r["simd"].get<std::string>());
+  fmt::print("{:<10}{:>18}{:>24}\n", "depth, m", "median error, %", "a tenth of a pixel, %");
+  for (const auto& row : r["error_by_depth"]) {
+    fmt::print("{:<10}{:>18}{:>24.3f}\n", row["depth_m"].get<double>(),
+               row["median_error"].is_null()
+                   ? std::string("-")
+                   : fmt::format("{:.3f}", 100 * row["median_error"].get<double>()),
+               100 * row["limit_tenth_px"].get<double>());
+  }
+}
+
+void bench_depth(const DepthBenchOptions& options) {
+  const StereoKernels& kernels = kernels_named(options.simd);
+  ProgressBar bar;
+  NearFrames near(options.body.empty() ? default_body() : options.body, options.seed,
+                  bar.progress());
+  const RectifiedStereo& stereo = near.stereo();
+  nlohmann::ordered_json result;
+  result["bench"] = "depth";
+  result["body"] = near.body_name();
+  result["seed"] = options.seed;
+
+  DepthCamera camera = value_or_throw(DepthCamera::make(format_of(near.rig()), {}));
+  Frame frame;
+  RawPair pair;
+  DeskTruth truth;
+  SeenFrame seen;
+  NearScore score;
+  OutlineTimes outline_times;
+  GrayImage left, right;
+  Rectification rectification(near.rig());
+  const auto look = [&](const std::vector<int>& numbers, const char* what, bool is_near) {
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      near.draw(numbers[i], 2, pair, truth);
+      frame.left = pair.left;
+      frame.right = pair.right;
+      camera.see(frame, seen);
+      score.add(seen, truth, is_near);
+      if (is_near) outline_times.add(seen);
+      if (is_near && i == numbers.size() / 2) {
+        rectification.rectify_luma(Rectification::Eye::kLeft, pair.left, left);
+        rectification.rectify_luma(Rectification::Eye::kRight, pair.right, right);
+      }
+      bar.show({what, static_cast<double>(i + 1), static_cast<double>(numbers.size()), ""});
+    }
+  };
+  const auto frames = static_cast<std::size_t>(options.frames);
+  const std::vector<int> numbers = near.spread(frames);
+  const std::vector<int> close = near.spread_too_close((frames + 2) / 3);
+  look(numbers, "near frames", true);
+  look(close, "frames too close", false);
+  time_matchers(left, right, options.repeats, kernels, bar, result);
+  bar.finish();
+  compare_scenes(options.data, kernels, result);
+
+  const auto share = [](std::size_t part, std::size_t whole) {
+    return whole == 0
+               ? nlohmann::ordered_json(nullptr)
+               : nlohmann::ordered_json(static_cast<double>(part) / static_cast<double>(whole));
+  };
+  result["near_median_error"] = median_or_null(score.errors);
+  result["hand_within_1pct"] = share(score.within, score.hand);
+  result["hand_density"] = share(score.known, score.hand);
+  result["too_close_called_far"] = share(score.called_far, score.close);
+  result["too_close_marked"] = share(score.marked_close, score.close);
+  result["too_close_pixels"] = score.close;
+  result["outlines_ms_720p"] = median_or_null(outline_times.cpu_ms());
+  result["near_frames"] = numbers.size();
+  result["too_close_frames"] = close.size();
+  result["error_by_depth"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < kDepths.size(); ++i) {
+    result["error_by_depth"].push_back(
+        {{"depth_m", kDepths[i]},
+         {"median_error", median_or_null(score.by_depth[i])},
+         // dZ / Z = Z / (f T) dd
+         {"limit_tenth_px", 0.1 * kDepths[i] / (stereo.camera.fx_px * stereo.baseline)}});
+  }
+  if (options.json) {
+    fmt::print("{}\n", result.dump(2));
+  } else {
+    print_table(result);
+  }
+}
+
+}  // namespace
+
+void add_bench_depth(CLI::App& bench) {
+  auto options = std::make_shared<DepthBenchOptions>();
+  CLI::App* command = bench.add_subcommand(
+      "depth", "The stereo matcher beside OpenCV's SGBM: time, scenes with truth, near hands");
+  command->add_option("--body", options->body,
+                      "Body file. Default: build/bodies/bunny-dense.palpable, else "
+                      "out/demo/bunny.palpable");
+  command->add_option("--seed", options->seed, "Of the sequence press")
+      ->check(CLI::Range(std::uint64_t{0}, kLargestSeed))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--data", options->data,
+          "Folder whose stereo_gt/ holds tsukuba, teddy and Cloth3; what is absent is null")
+      ->capture_default_str();
+  command->add_option("--frames", options->frames, "At most so many near frames")
+      ->check(CLI::Range(1, 600))
+      ->capture_default_str();
+  command->add_option("--repeats", options->repeats, "Of each timing; the least counts")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option(
+      "--simd", options->simd,
+      "Time these instructions: AVX3_DL, AVX3 (both AVX-512), AVX2, SSE4, scalar ... "
+      "Default: the best of this processor");
+  command->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command->footer(
+      "Times are CPU ms of one thread, the least of the repeats, all matchers in turn in one run;\n"
+      "wall_ms_* are wall times on two threads. Near frames: the hand's pixels that both eyes "
+      "see.\n"
+      "Example: palpable bench depth --json");
+  command->callback([options] { bench_depth(*options); });
+}
+
+}  // namespace palpable::app

@@ -1,0 +1,309 @@
+// palpable bench track: CPU time of following the camera and of the map, and errors against truth.
+
+#include "bench/live/bench_track.h"
+
+#include "apps/common/progress_bar.h"
+#include "apps/palpable/sequence_folder.h"
+#include "palpable/base/error.h"
+#include "palpable/base/order_statistics.h"
+#include "palpable/depth/depth_camera.h"
+#include "palpable/reduced/body_file.h"
+#include "palpable/score/trajectory_score.h"
+#include "palpable/score/warped_depth.h"
+#include "palpable/sources/folder_source.h"
+#include "palpable/synth/sequence.h"
+#include "palpable/track/tracker_input.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/live/bench_map.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWalkFrames = 900;  // of the planned sequence
+constexpr int kSkipped = 10;      // frames in which nothing is timed: memory is taken there
+constexpr int kFixedFrames = 40;  // of a camera on a tripod
+constexpr int kDarkFrames = 30;   // 1 s
+constexpr int kAfterDark = 30;
+constexpr double kFoundWithin = 0.010;  // m: a pose that is farther off is not found
+constexpr double kWidestDepth = 100;    // m, of the street
+
+struct TrackBenchOptions {
+  fs::path body;
+  fs::path data = "../shared/data";
+  std::uint64_t seed = 1;
+  int frames = 120;
+  int hand_frames = 240;
+  bool json = false;
+};
+
+// --- the walk: time, and how soon a camera that saw nothing for a second knows where it is -------
+
+void bench_walk(const ReducedBody& body, const TrackBenchOptions& options, ProgressBar& bar,
+                nlohmann::ordered_json& result) {
+  const Sequence sequence = plan_sequence("walk", desk_body(body), kWalkFrames, options.seed);
+  Film film = film_of(sequence);
+  const FrameFormat format = format_of(film.rig);
+  DepthCamera camera = value_or_throw(DepthCamera::make(format));
+  Tracker tracker(tracker_settings(camera, format));
+
+  const int dark_end = options.frames + kDarkFrames;
+  const int last = std::min(dark_end + kAfterDark, kWalkFrames);
+  RawPair pair;
+  Frame frame;
+  SeenFrame seen;
+  TrackerCounts before;
+  std::optional<int> back;
+  for (int n = 0; n < last; ++n) {
+    const bool dark = n >= options.frames && n < dark_end;
+    if (!dark) {
+      film.renderer.draw(moment_of(sequence, n), pair);
+      frame.left = pair.left;
+      frame.right = pair.right;
+    } else {
+      std::fill(frame.left.begin(), frame.left.end(), Rgb{3, 3, 3});
+      std::fill(frame.right.begin(), frame.right.end(), Rgb{3, 3, 3});
+    }
+    frame.number = n;
+    frame.time = n / 30.0;
+    camera.see(frame, seen);
+    if (n == kSkipped) before = tracker.counts();
+    const TrackedPose pose = tracker.track(tracker_frame(seen));
+    const double off =
+        (pose.world_from_camera.translation() - world_from_camera(sequence, n).translation())
+            .norm();
+    if (n >= dark_end && is_known(pose) && off <= kFoundWithin) {
+      back = n;
+      break;
+    }
+    if (n == options.frames - 1) {
+      // What a keyframe asked for and nobody has taken over yet is missing: one in many.
+      const TrackerCounts now = tracker.counts();
+      const double frames = now.frames - before.frames;
+      result["cpu_ms_720p"] =
+          1e3 * (now.cpu_s + now.adjust_cpu_s - before.cpu_s - before.adjust_cpu_s) / frames;
+      result["adjust_ms_720p"] = 1e3 * (now.adjust_cpu_s - before.adjust_cpu_s) / frames;
+      result["lost_before_dark"] = now.lost;
+    }
+    bar.show({"walking", n + 1.0, static_cast<double>(last), ""});
+  }
+  result["relocalise_s"] =
+      back ? nlohmann::ordered_json((*back - dark_end) / 30.0) : nlohmann::ordered_json(nullptr);
+}
+
+// --- a camera that stands: what it costs to see that -------------------------------------------
+
+void bench_fixed(const ReducedBody& body, const TrackBenchOptions& options, ProgressBar& bar,
+                 nlohmann::ordered_json& result) {
+  const Sequence sequence =
+      plan_sequence("still-tripod", desk_body(body), kFixedFrames, options.seed);
+  Film film = film_of(sequence);
+  const FrameFormat format = format_of(film.rig);
+  DepthCamera camera = value_or_throw(DepthCamera::make(format));
+  Tracker tracker(tracker_settings(camera, format));
+  RawPair pair;
+  Frame frame;
+  SeenFrame seen;
+  TrackerCounts before;
+  for (int n = 0; n < kFixedFrames; ++n) {
+    film.renderer.draw(moment_of(sequence, n), pair);
+    frame.left = pair.left;
+    frame.right = pair.right;
+    frame.number = n;
+    frame.time = n / 30.0;
+    camera.see(frame, seen);
+    if (n == kSkipped) before = tracker.counts();
+    tracker.track(tracker_frame(seen));
+    bar.show({"standing", n + 1.0, static_cast<double>(kFixedFrames), ""});
+  }
+  const TrackerCounts now = tracker.counts();
+  const double frames = now.frames - before.frames;
+  result["fixed_cpu_ms"] =
+      1e3 * (now.cpu_s + now.adjust_cpu_s - before.cpu_s - before.adjust_cpu_s) / frames;
+  result["fixed_share"] = (now.stood - before.stood) / frames;
+}
+
+// --- recordings ----------------------------------------------------------------------------------
+
+// Poses of the left camera, or of the depth camera: what data sets publish.
+struct Followed {
+  std::vector<PosePair> pairs;
+  std::vector<DepthImage> depths;  // as the depth camera gave them
+  PinholeCamera depth_camera;
+};
+
+// Plays a folder; pose_of(n) gives the published pose of the frame with this number.
+template <class PoseOf>
+Followed follow(const fs::path& folder, double farthest, bool keep_depths, const PoseOf& pose_of) {
+  auto source = value_or_throw(open_folder(folder));
+  DepthSettings depth;
+  depth.farthest = farthest;
+  DepthCamera camera = value_or_throw(DepthCamera::make(source->format(), depth));
+  Tracker tracker(tracker_settings(camera, source->format()));
+  Followed followed;
+  followed.depth_camera = source->format().depth_camera;
+  const auto& color = source->format().color_sensor;
+  const Rigid3 camera_from_depth = color ? color->color_from_depth : Rigid3::Identity();
+  Frame frame;
+  SeenFrame seen;
+  FrameStatus status = source->next(frame);
+  for (; status != FrameStatus::kEnd; status = source->next(frame)) {
+    if (status != FrameStatus::kFrame) continue;
+    camera.see(frame, seen);
+    const TrackedPose pose = tracker.track(tracker_frame(seen));
+    followed.pairs.push_back(
+        {seen.time, pose_of(seen.number), pose.world_from_camera * camera_from_depth});
+    if (keep_depths) followed.depths.push_back(frame.depth);
+  }
+  return followed;
+}
+
+Rigid3 read_matrix(std::istream& in, int rows, const fs::path& path) {
+  Rigid3 pose = Rigid3::Identity();
+  for (int k = 0; k < 4 * rows; ++k) in >> pose.matrix()(k / 4, k % 4);
+  if (!in)
+    throw Error(fmt::format("{}: a matrix of {} x 4 numbers was expected", path.string(), rows));
+  return pose;
+}
+
+void bench_kitchen(const fs::path& folder, nlohmann::ordered_json& result) {
+  result["ate_7scenes_mm"] = result["warp_ratio_7scenes"] = nullptr;
+  if (!fs::exists(folder)) return;
+  const Followed f = follow(folder, 20, true, [&](int number) {
+    const fs::path path = folder / fmt::format("frame-{:06d}.pose.txt", number);
+    std::ifstream in(path);
+    return read_matrix(in, 4, path);
+  });
+  if (f.pairs.empty()) return;
+  result["ate_7scenes_mm"] = 1e3 * score_trajectory(f.pairs).ate;
+  std::vector<Rigid3> found, truth;
+  for (const PosePair& pair : f.pairs) {
+    found.push_back(pair.found);
+    truth.push_back(pair.truth);
+  }
+  const auto ours = warped_disagreement(f.depths, found, f.depth_camera);
+  const auto published = warped_disagreement(f.depths, truth, f.depth_camera);
+  if (!ours || !published) return;
+  result["warp_mm_7scenes"] = 1e3 * *ours;
+  result["warp_mm_7scenes_published"] = 1e3 * *published;
+  result["warp_ratio_7scenes"] = *ours / *published;
+}
+
+void bench_street(const fs::path& folder, nlohmann::ordered_json& result) {
+  result["kitti_position_error"] = nullptr;
+  if (!fs::exists(folder)) return;
+  std::ifstream in(folder / "poses.txt");
+  std::vector<Rigid3> published;  // by frame; some of them may not be readable
+  const Followed f = follow(folder, kWidestDepth, false, [&](int number) {
+    while (std::ssize(published) <= number) {
+      published.push_back(read_matrix(in, 3, folder / "poses.txt"));
+    }
+    return published[static_cast<std::size_t>(number)];
+  });
+  if (f.pairs.empty()) return;
+  double path = 0;
+  for (std::size_t i = 1; i < f.pairs.size(); ++i) {
+    path += (f.pairs[i].truth.translation() - f.pairs[i - 1].truth.translation()).norm();
+  }
+  const auto way = [&](const Rigid3& first, const Rigid3& last) -> Eigen::Vector3d {
+    return (first.inverse() * last).translation();
+  };
+  const Eigen::Vector3d error = way(f.pairs.front().truth, f.pairs.back().truth) -
+                                way(f.pairs.front().found, f.pairs.back().found);
+  result["kitti_position_error"] = error.norm() / path;
+}
+
+void print_table(const nlohmann::ordered_json& r) {
+  const auto line = [&](const char* what, const char* key, double scale, const char* bar) {
+    fmt::print(
+        "{:<52}{:>10}{:>12}\n", what,
+        r[key].is_null() ? std::string("-") : fmt::format("{:.3f}", scale * r[key].get<double>()),
+        bar);
+  };
+  fmt::print("{:<52}{:>10}{:>12}\n", "", "this", "at most");
+  line("CPU ms per 720p frame, adjustment included", "cpu_ms_720p", 1, "8");
+  line("  of it the adjustment", "adjust_ms_720p", 1, "");
+  line("  where the camera stands", "fixed_cpu_ms", 1, "");
+  line("CPU ms per depth image fused into the map", "map_ms", 1, "3");
+  line("CPU ms per frame: what moves, and free space", "mask_ms", 1, "1");
+  line("map cells where the hand was and nothing is", "ghost_voxels", 1, "0");
+  line("  the same without the mask", "ghost_voxels_no_mask", 1, "");
+  line("7-Scenes kitchen: path error, mm", "ate_7scenes_mm", 1, "25");
+  line("  depth warped by our poses / by the published", "warp_ratio_7scenes", 1, "1.1");
+  line("KITTI street: end position, % of the path", "kitti_position_error", 100, "2");
+  line("after 1 s of darkness: found again, s", "relocalise_s", 1, "0.5");
+}
+
+void bench_track(const TrackBenchOptions& options) {
+  ProgressBar bar;
+  nlohmann::ordered_json result;
+  result["bench"] = "track";
+  result["seed"] = options.seed;
+  const ReducedBody body =
+      value_or_throw(read_pressable_body(options.body.empty() ? default_body() : options.body));
+  bench_walk(body, options, bar, result);
+  bench_fixed(body, options, bar, result);
+  bench_map(body, options.seed, options.hand_frames, bar, result);
+  bar.finish();
+  bench_kitchen(options.data / "rgbd_pose_7scenes", result);
+  bench_street(options.data / "stereo_video_kitti1", result);
+  if (options.json) {
+    fmt::print("{}\n", result.dump(2));
+  } else {
+    print_table(result);
+  }
+}
+
+}  // namespace
+
+void add_bench_track(CLI::App& bench) {
+  auto options = std::make_shared<TrackBenchOptions>();
+  CLI::App* command = bench.add_subcommand(
+      "track", "Following the camera, the map: CPU time, recordings with truth, lost and found");
+  command->add_option("--body", options->body,
+                      "Body file. Default: build/bodies/bunny-dense.palpable, else "
+                      "out/demo/bunny.palpable");
+  command->add_option("--seed", options->seed, "Of the sequence walk")
+      ->check(CLI::Range(std::uint64_t{0}, kLargestSeed))
+      ->capture_default_str();
+  command->add_option("--frames", options->frames, "Of the walk, before the darkness")
+      ->check(CLI::Range(2 * kSkipped, kWalkFrames - kDarkFrames - 1))
+      ->capture_default_str();
+  command->add_option("--hand-frames", options->hand_frames, "Of the walk with a hand")
+      ->check(CLI::Range(kFewestHandFrames, kWalkFrames))
+      ->capture_default_str();
+  command
+      ->add_option("--data", options->data,
+                   "Folder that holds rgbd_pose_7scenes and stereo_video_kitti1; what is absent is "
+                   "null")
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command->footer(
+      "The walk is filmed for the bench, at 1280 x 720; from frame 10 on its CPU time counts, mean "
+      "over\n"
+      "frames, all threads. Then 1 s of darkness. fixed_cpu_ms is the same of a camera on a "
+      "tripod,\n"
+      "fixed_share its frames that ended with the look whether it stands. A third film, of the "
+      "walk\n"
+      "with a hand, is mapped.\n"
+      "Example: palpable bench track --json");
+  command->callback([options] { bench_track(*options); });
+}
+
+}  // namespace palpable::app

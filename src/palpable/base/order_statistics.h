@@ -1,0 +1,36 @@
+/// @file
+/// One number for many: the middle one, or the one below which a share of them lies.
+///
+///     values 1 2 3 4      percentile(values, 0.5) = 2.5      upper_median(values) = 3
+///
+/// Reports use percentile(). upper_median() is for the frame loop, which takes no memory, and for
+/// results that have to be one of the values.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// The value below which a share of the values lies: linear between the two nearest ranks, so that
+/// share 0.5 of an even number of values is the mean of the middle two.
+/// @param values  at least one, no NaN; any order
+/// @param share   in [0, 1]
+[[nodiscard]] double percentile(std::vector<double> values, double share);
+
+/// The middle value, of an even number of values the upper of the middle two. Takes no memory.
+/// @param values  at least one, no NaN; their order is changed
+template <class T>
+[[nodiscard]] T upper_median(std::span<T> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+template <class T>
+[[nodiscard]] T upper_median(std::vector<T>& values) {
+  return upper_median(std::span<T>(values));
+}
+
+}  // namespace palpable

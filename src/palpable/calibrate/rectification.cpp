@@ -1,0 +1,206 @@
+#include "palpable/calibrate/rectification.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/calibrate/calibration_file.h"
+#include "palpable/calibrate/opencv_views.h"
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <cmath>
+#include <string>
+
+namespace palpable {
+namespace {
+
+cv::Matx33d camera_matrix(const PinholeCamera& camera) {
+  return {camera.fx_px, 0, camera.cx_px, 0, camera.fy_px, camera.cy_px, 0, 0, 1};
+}
+
+cv::Vec<double, 5> distortion(const DistortedCamera& camera) {
+  return cv::Vec<double, 5>(camera.distortion.data());
+}
+
+cv::Matx33d to_cv(const Eigen::Matrix3d& m) {
+  return {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2)};
+}
+
+Eigen::Matrix3d to_eigen(const cv::Matx33d& m) {
+  Eigen::Matrix3d result;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) result(i, j) = m(i, j);
+  }
+  return result;
+}
+
+}  // namespace
+
+Result<RectifiedGeometry> rectify_rig(const StereoRig& rig) {
+  const std::string wrong = what_is_wrong_with(rig);
+  if (!wrong.empty()) return Problem{wrong};
+  const cv::Size size(rig.left.pinhole.width, rig.left.pinhole.height);
+  const Eigen::Vector3d t = rig.right_from_left.translation();
+  cv::Matx33d R1;
+  cv::Matx33d R2;
+  cv::Matx34d P1;
+  cv::Matx34d P2;
+  cv::Matx44d Q;
+  try {
+    cv::stereoRectify(camera_matrix(rig.left.pinhole), distortion(rig.left),
+                      camera_matrix(rig.right.pinhole), distortion(rig.right), size,
+                      to_cv(rig.right_from_left.linear()), cv::Vec3d(t.x(), t.y(), t.z()), R1, R2,
+                      P1, P2, Q, cv::CALIB_ZERO_DISPARITY, 0.0, size);
+  } catch (const cv::Exception& e) { return Problem{"the rig cannot be rectified: " + e.err}; }
+  RectifiedGeometry geometry;
+  geometry.stereo.camera = {size.width, size.height, P1(0, 0), P1(1, 1), P1(0, 2), P1(1, 2)};
+  geometry.stereo.baseline = -P2(0, 3) / P2(0, 0);
+  geometry.rectified_from_left.linear() = to_eigen(R1);
+  geometry.rectified_from_right.linear() = to_eigen(R2);
+  geometry.rectified_from_right.translation().x() = geometry.stereo.baseline;
+  // alpha = 0 zooms in until no blank pixel is left. A distortion that folds the image over leaves
+  // next to nothing to zoom to, and OpenCV then answers with a focal length of any size.
+  constexpr double kLargestZoom = 4;
+  const double zoom = geometry.stereo.camera.fx_px / rig.left.pinhole.fx_px;
+  if (!what_is_wrong_with(geometry.stereo).empty() || zoom > kLargestZoom ||
+      zoom < 1 / kLargestZoom) {
+    return Problem{
+        "the rig has no rectified picture without blank pixels: its distortion or the rotation "
+        "between the eyes is too large; calibrate again"};
+  }
+  return geometry;
+}
+
+RectifiedGeometry rectified_geometry(const StereoRig& rig) {
+  const Result<RectifiedGeometry> result = rectify_rig(rig);
+  PALPABLE_EXPECT(result.ok(), result.problem().message.c_str());
+  return result.value();
+}
+
+struct Rectification::Maps {
+  // From rectified to raw pixels. xy: CV_16SC2, whole pixels; fraction: CV_16UC1, which of OpenCV's
+  // 32 x 32 weights.
+  struct Table {
+    cv::Mat xy;
+    cv::Mat fraction;
+  };
+  bool warps[2] = {true, true};
+  DistortedCamera raw[2];
+  Table full[2];
+  Table half[2];
+  cv::Mat gray;       // luma of a raw image
+  cv::Mat gray_half;  // the same, averaged two by two
+};
+
+void Rectification::make_tables(Eye eye) {
+  const auto i = static_cast<std::size_t>(eye);
+  const PinholeCamera& camera = geometry_.stereo.camera;
+  const PinholeCamera half = camera.scaled_down(2);
+  const DistortedCamera& raw = maps_->raw[i];
+  const Rigid3& rectified_from_raw =
+      eye == Eye::kLeft ? geometry_.rectified_from_left : geometry_.rectified_from_right;
+  const auto make = [&](const PinholeCamera& target, cv::Mat& x, cv::Mat& y) {
+    cv::initUndistortRectifyMap(camera_matrix(raw.pinhole), distortion(raw),
+                                to_cv(rectified_from_raw.linear()), camera_matrix(target),
+                                cv::Size(target.width, target.height), CV_32FC1, x, y);
+  };
+  cv::Mat x;
+  cv::Mat y;
+  make(camera, x, y);
+  cv::convertMaps(x, y, maps_->full[i].xy, maps_->full[i].fraction, CV_16SC2);
+  // The raw pixel (u, v) lies in the raw image of half the size at ((u + 0.5) / 2 - 0.5, ...).
+  make(half, x, y);
+  x = (x + 0.5) * 0.5 - 0.5;
+  y = (y + 0.5) * 0.5 - 0.5;
+  cv::convertMaps(x, y, maps_->half[i].xy, maps_->half[i].fraction, CV_16SC2);
+}
+
+Rectification::Rectification(const StereoRig& rig)
+    : geometry_(rectified_geometry(rig)), maps_(std::make_unique<Maps>()) {
+  maps_->raw[0] = rig.left;
+  maps_->raw[1] = rig.right;
+  make_tables(Eye::kLeft);
+  make_tables(Eye::kRight);
+}
+
+Rectification::Rectification(const RectifiedStereo& stereo) : maps_(std::make_unique<Maps>()) {
+  const std::string wrong = what_is_wrong_with(stereo);
+  PALPABLE_EXPECT(wrong.empty(), wrong.c_str());
+  geometry_.stereo = stereo;
+  geometry_.rectified_from_right.translation().x() = stereo.baseline;
+  maps_->warps[0] = maps_->warps[1] = false;
+  maps_->raw[0].pinhole = maps_->raw[1].pinhole = stereo.camera;
+}
+
+void Rectification::turn_right(const Eigen::Matrix3d& turn) {
+  geometry_.rectified_from_right.linear() = turn * geometry_.rectified_from_right.linear();
+  make_tables(Eye::kRight);
+  maps_->warps[1] = true;
+}
+
+Rectification::Rectification(Rectification&&) noexcept = default;
+Rectification& Rectification::operator=(Rectification&&) noexcept = default;
+Rectification::~Rectification() = default;
+
+void Rectification::rectify(Eye eye, const ColorImage& raw, ColorImage& rectified) {
+  const PinholeCamera& camera = geometry_.stereo.camera;
+  PALPABLE_EXPECT(raw.width() == camera.width && raw.height() == camera.height,
+                  "an image has the size of its rig");
+  rectified.resize(camera.width, camera.height);
+  cv::Mat target = view(rectified);
+  if (!maps_->warps[static_cast<std::size_t>(eye)]) {
+    view(raw).copyTo(target);
+    return;
+  }
+  const Maps::Table& table = maps_->full[static_cast<std::size_t>(eye)];
+  cv::remap(view(raw), target, table.xy, table.fraction, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+}
+
+void Rectification::luma(const ColorImage& color, GrayImage& luma) {
+  luma.resize(color.width(), color.height());
+  cv::Mat target = view(luma);
+  cv::cvtColor(view(color), target, cv::COLOR_RGB2GRAY);
+}
+
+void Rectification::halve(const GrayImage& image, GrayImage& half) {
+  half.resize(image.width() / 2, image.height() / 2);
+  cv::Mat target = view(half);
+  const cv::Mat even = view(image)(cv::Rect(0, 0, 2 * half.width(), 2 * half.height()));
+  cv::resize(even, target, target.size(), 0, 0, cv::INTER_AREA);
+}
+
+void Rectification::rectify_luma(Eye eye, const ColorImage& raw, GrayImage& rectified) {
+  const PinholeCamera& camera = geometry_.stereo.camera;
+  PALPABLE_EXPECT(raw.width() == camera.width && raw.height() == camera.height,
+                  "an image has the size of its rig");
+  rectified.resize(camera.width, camera.height);
+  cv::Mat target = view(rectified);
+  if (!maps_->warps[static_cast<std::size_t>(eye)]) {
+    cv::cvtColor(view(raw), target, cv::COLOR_RGB2GRAY);
+    return;
+  }
+  cv::cvtColor(view(raw), maps_->gray, cv::COLOR_RGB2GRAY);
+  const Maps::Table& table = maps_->full[static_cast<std::size_t>(eye)];
+  cv::remap(maps_->gray, target, table.xy, table.fraction, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+}
+
+void Rectification::rectify_luma_half(Eye eye, const ColorImage& raw, GrayImage& rectified) {
+  const PinholeCamera half = geometry_.stereo.camera.scaled_down(2);
+  PALPABLE_EXPECT(raw.width() == geometry_.stereo.camera.width &&
+                      raw.height() == geometry_.stereo.camera.height,
+                  "an image has the size of its rig");
+  rectified.resize(half.width, half.height);
+  cv::Mat target = view(rectified);
+  cv::cvtColor(view(raw), maps_->gray, cv::COLOR_RGB2GRAY);
+  // Of an odd size the last row or column has no partner.
+  const cv::Mat even = maps_->gray(cv::Rect(0, 0, 2 * half.width, 2 * half.height));
+  if (!maps_->warps[static_cast<std::size_t>(eye)]) {
+    cv::resize(even, target, target.size(), 0, 0, cv::INTER_AREA);
+    return;
+  }
+  cv::resize(even, maps_->gray_half, target.size(), 0, 0, cv::INTER_AREA);
+  const Maps::Table& table = maps_->half[static_cast<std::size_t>(eye)];
+  cv::remap(maps_->gray_half, target, table.xy, table.fraction, cv::INTER_LINEAR,
+            cv::BORDER_REPLICATE);
+}
+
+}  // namespace palpable

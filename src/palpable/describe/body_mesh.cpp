@@ -1,0 +1,141 @@
+#include "palpable/describe/body_mesh.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/base/error.h"
+#include "palpable/describe/places.h"
+#include "palpable/geometry/mesh_file.h"
+#include "palpable/mesh/remesh.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <utility>
+
+namespace palpable {
+
+void place_in_body_frame(Eigen::Matrix3Xd& points, UpAxis up, std::optional<double> height) {
+  PALPABLE_EXPECT(points.cols() > 0, "there are points to place");
+  PALPABLE_EXPECT(!height || *height > 0.0, "a height is positive");
+  // Cyclic permutations are rotations.
+  const Eigen::Matrix3Xd given = points;
+  const int up_row = up == UpAxis::kX ? 0 : up == UpAxis::kY ? 1 : 2;
+  for (int k = 0; k < 3; ++k) points.row(k) = given.row((up_row + 1 + k) % 3);
+
+  Eigen::Vector3d low = points.rowwise().minCoeff();
+  const Eigen::Vector3d high = points.rowwise().maxCoeff();
+  if (!(high[2] > low[2])) throw Error("the shape has no height along its up axis");
+  const Eigen::Vector3d foot(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), low[2]);
+  points.colwise() -= foot;
+  if (height) points *= *height / (high[2] - low[2]);
+}
+
+Boundary split_boundary_of(const TetMesh& mesh) {
+  return boundary_of(mesh.is_quadratic() ? split_into_eight(mesh) : mesh);
+}
+
+namespace {
+
+// The tetrahedra of the shape in the body frame, and how they came about.
+VolumeMesh make_volume(const BodyDescription::Shape& shape, std::string& made) {
+  const std::string name = shape.file.string();
+  VolumeMesh volume;
+  if (shape.is_volume()) {
+    volume = value_or_throw(read_volume_file(shape.file));
+    if (shape.order == 1 && volume.mesh.is_quadratic()) {
+      throw Error(fmt::format("{} is 1, but '{}' has 10-node tetrahedra; leave 'order' out",
+                              shape.order_place, shape.file.filename().string()));
+    }
+    volume.mesh.nodes *= shape.unit;
+    place_in_body_frame(volume.mesh.nodes, shape.up, shape.height);
+    made = "tetrahedra as in the file";
+  } else {
+    SurfaceMesh surface = value_or_throw(read_surface_file(shape.file));
+    // Before placing, so that a defect is reported where the file has it.
+    if (!shape.wrap) require_solid_surface(surface, name);
+    surface.vertices *= shape.unit;
+    place_in_body_frame(surface.vertices, shape.up, shape.height);
+    made = "TetGen 1.5";
+    if (shape.wrap) surface = wrap_surface(surface, *shape.wrap);
+    if (shape.edge) {
+      surface = remesh_surface(surface, *shape.edge, name, !shape.wrap);
+      made = fmt::format("CGAL isotropic remeshing to {:.4g} m, TetGen 1.5", *shape.edge);
+    }
+    if (shape.wrap) {
+      // The wrap is a little larger than what it is around.
+      place_in_body_frame(surface.vertices, UpAxis::kZ, shape.height);
+      made = fmt::format("CGAL alpha wrapping with {:.4g} m, {}", *shape.wrap, made);
+    }
+    volume.mesh = tetrahedralise(surface, name, shape.inner_edge);
+  }
+  if (shape.order == 2 && !volume.mesh.is_quadratic()) {
+    volume = with_edge_nodes(std::move(volume));
+    made += ", a node in the middle of each edge";
+  }
+  return volume;
+}
+
+// What all supports together do to one node.
+struct Hold {
+  int by[3] = {-1, -1, -1};  // the support that holds each direction
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
+};
+
+void hold_nodes(const VolumeMesh& volume, const BodyDescription& description, BodyMesh& body) {
+  std::map<int, Hold> holds;
+  for (std::size_t s = 0; s < description.supports.size(); ++s) {
+    const BodyDescription::Support& support = description.supports[s];
+    for (const int n : nodes_at(volume, support.where)) {
+      Hold& hold = holds[n];
+      for (int i = 0; i < 3; ++i) {
+        if (!support.held[i]) continue;
+        if (hold.by[i] >= 0 && hold.displacement[i] != support.displacement[i]) {
+          const Eigen::Vector3d X = volume.mesh.nodes.col(n);
+          throw Error(fmt::format(
+              "{}: moves the node at ({:.4g}, {:.4g}, {:.4g}) m by {} m in {}, but {} by {} m: let "
+              "each node be held in each direction by one of them",
+              support.where.place, X[0], X[1], X[2], support.displacement[i], "xyz"[i],
+              description.supports[static_cast<std::size_t>(hold.by[i])].where.place,
+              hold.displacement[i]));
+        }
+        hold.by[i] = static_cast<int>(s);
+        hold.displacement[i] = support.displacement[i];
+      }
+    }
+  }
+  for (const auto& [node, hold] : holds) {
+    const Eigen::Array<bool, 3, 1> held(hold.by[0] >= 0, hold.by[1] >= 0, hold.by[2] >= 0);
+    if (held.all() && hold.displacement.isZero(0.0)) {
+      body.fixed_nodes.push_back(node);
+    } else {
+      body.supports.push_back({node, held, hold.displacement});
+    }
+  }
+}
+
+}  // namespace
+
+BodyMesh make_body_mesh(const BodyDescription& description) {
+  std::string made;
+  VolumeMesh volume = make_volume(description.shape, made);
+  BodyMesh body;
+  hold_nodes(volume, description, body);
+  body.mesh = std::move(volume.mesh);
+  body.sets = std::move(volume.sets);
+  body.boundary = split_boundary_of(body.mesh);
+  // Remeshing may leave the lowest vertex a little above Z = 0.
+  body.height = body.mesh.nodes.row(2).maxCoeff() - body.mesh.nodes.row(2).minCoeff();
+  body.quality = quality_of(body.mesh);
+  body.origin = fmt::format("{}, {}", description.shape.file.filename().string(), made);
+  return body;
+}
+
+std::vector<std::uint8_t> held_nodes(const BodyMesh& body) {
+  std::vector<std::uint8_t> held(static_cast<std::size_t>(body.mesh.node_count()), 0);
+  for (const int n : body.fixed_nodes) held[static_cast<std::size_t>(n)] = 1;
+  for (const Support& support : body.supports) {
+    held[static_cast<std::size_t>(support.node)] = support.held.all();
+  }
+  return held;
+}
+
+}  // namespace palpable

@@ -1,0 +1,147 @@
+#include "palpable/mesh/remesh.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/base/error.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/detect_features.h>
+#include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
+#include <CGAL/Polygon_mesh_processing/remesh.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/alpha_wrap_3.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
+using Mesh = CGAL::Surface_mesh<Point>;
+using Face = Mesh::Face_index;
+
+// Edges that keep their place: sharper than any of a smooth body, less sharp than a box.
+constexpr double kSharpDegrees = 80.0;
+// Rounds of splitting, collapsing, flipping and relaxing; later ones change nothing visible.
+constexpr unsigned kRounds = 5;
+
+// Of a wrap's distance in its size: small enough for a picture, large enough to be quick.
+constexpr double kWrapOffset = 7.0;
+
+Eigen::Vector3d to_eigen(const Point& p) { return {p.x(), p.y(), p.z()}; }
+
+Mesh to_cgal(const SurfaceMesh& surface, const std::string& name) {
+  std::vector<Point> points;
+  for (const auto& x : surface.vertices.colwise()) points.emplace_back(x[0], x[1], x[2]);
+  std::vector<std::array<std::size_t, 3>> triangles;
+  for (const auto& t : surface.triangles.colwise()) {
+    triangles.push_back({static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
+                         static_cast<std::size_t>(t[2])});
+  }
+  if (!PMP::is_polygon_soup_a_polygon_mesh(triangles)) {
+    throw Error(fmt::format(
+        "{}: two sheets of the surface meet in a single vertex; split it in a mesh editor", name));
+  }
+  Mesh mesh;
+  PMP::polygon_soup_to_polygon_mesh(points, triangles, mesh);
+  return mesh;
+}
+
+SurfaceMesh from_cgal(Mesh& mesh) {
+  mesh.collect_garbage();
+  SurfaceMesh surface;
+  surface.vertices.resize(3, static_cast<Eigen::Index>(mesh.number_of_vertices()));
+  surface.triangles.resize(3, static_cast<Eigen::Index>(mesh.number_of_faces()));
+  for (const auto v : mesh.vertices()) {
+    surface.vertices.col(static_cast<Eigen::Index>(v.idx())) = to_eigen(mesh.point(v));
+  }
+  Eigen::Index t = 0;
+  for (const auto f : mesh.faces()) {
+    int k = 0;
+    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f))) {
+      surface.triangles(k++, t) = static_cast<int>(v.idx());
+    }
+    ++t;
+  }
+  return surface;
+}
+
+void refuse_self_intersection(const Mesh& mesh, const std::string& name) {
+  std::vector<std::pair<Face, Face>> pairs;
+  PMP::self_intersections(mesh, std::back_inserter(pairs));
+  if (pairs.empty()) return;
+  std::sort(pairs.begin(), pairs.end());
+  Eigen::Vector3d where = Eigen::Vector3d::Zero();
+  for (const auto v : mesh.vertices_around_face(mesh.halfedge(pairs.front().first))) {
+    where += to_eigen(mesh.point(v)) / 3.0;
+  }
+  throw Error(
+      fmt::format("{}: the surface passes through itself: {} pair{} of triangles, the first near "
+                  "({:.4g}, {:.4g}, {:.4g}); repair it in a mesh editor",
+                  name, pairs.size(), pairs.size() == 1 ? "" : "s", where[0], where[1], where[2]));
+}
+
+Mesh checked(const SurfaceMesh& surface, const std::string& name) {
+  const WatertightReport report = check_watertight(surface);
+  if (!report.watertight()) throw Error(fmt::format("{}: {}", name, report.describe()));
+  Mesh mesh = to_cgal(surface, name);
+  refuse_self_intersection(mesh, name);
+  return mesh;
+}
+
+}  // namespace
+
+void require_solid_surface(const SurfaceMesh& surface, const std::string& name) {
+  (void)checked(surface, name);
+}
+
+SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length, const std::string& name,
+                           bool keep_sharp_edges) {
+  PALPABLE_EXPECT(edge_length > 0.0, "an edge length is positive");
+  Mesh mesh = checked(surface, name);
+  auto sharp = mesh.add_property_map<Mesh::Edge_index, bool>("e:sharp", false).first;
+  if (keep_sharp_edges) PMP::detect_sharp_edges(mesh, kSharpDegrees, sharp);
+  PMP::isotropic_remeshing(
+      mesh.faces(), edge_length, mesh,
+      PMP::parameters::number_of_iterations(kRounds).edge_is_constrained_map(sharp));
+  const SurfaceMesh remeshed = from_cgal(mesh);
+  try {
+    require_solid_surface(remeshed, name);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{} (after remeshing to an edge of {:.3g} m: try a shorter one)",
+                            error.what(), edge_length));
+  }
+  return remeshed;
+}
+
+SurfaceMesh wrap_surface(const SurfaceMesh& surface, double size) {
+  PALPABLE_EXPECT(size > 0.0, "a length is positive");
+  if (surface.triangle_count() == 0) throw Error("there are no triangles to wrap");
+  std::vector<Point> points;
+  for (const auto& x : surface.vertices.colwise()) points.emplace_back(x[0], x[1], x[2]);
+  std::vector<std::array<std::size_t, 3>> triangles;
+  for (const auto& t : surface.triangles.colwise()) {
+    triangles.push_back({static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
+                         static_cast<std::size_t>(t[2])});
+  }
+  Mesh wrapped;
+  CGAL::alpha_wrap_3(points, triangles, size, size / kWrapOffset, wrapped);
+  return from_cgal(wrapped);
+}
+
+double mean_edge_length(const SurfaceMesh& surface) {
+  PALPABLE_EXPECT(surface.triangle_count() > 0, "a surface has triangles");
+  double sum = 0.0;  // each edge of a closed surface is met twice
+  for (const auto& t : surface.triangles.colwise()) {
+    for (int k = 0; k < 3; ++k) {
+      sum += (surface.vertices.col(t[k]) - surface.vertices.col(t[(k + 1) % 3])).norm();
+    }
+  }
+  return sum / (3.0 * surface.triangle_count());
+}
+
+}  // namespace palpable

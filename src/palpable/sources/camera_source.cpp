@@ -1,0 +1,349 @@
+#include "palpable/sources/camera_source.h"
+
+#include "palpable/sources/side_by_side.h"
+#include "palpable/sources/source_calibration.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kStall = 0.5;         // s without a picture
+constexpr double kReopen = 1.0;        // s between attempts to open a lost device
+constexpr double kTogether = 0.6;      // periods; free-running cameras are up to half of one apart
+constexpr double kLockAfter = 1.0;     // s, until an automatic exposure has settled
+constexpr int kPreferredWidth = 2560;  // px, both eyes
+constexpr int kPreferredHeight = 720;  // px
+
+struct Size {
+  int width = 0;
+  int height = 0;
+};
+
+class CameraSource final : public FrameSource {
+ public:
+  CameraSource(VideoSystem& system, FrameFormat format, double depth_unit, bool lock,
+               V4l2Camera first, std::optional<V4l2Camera> second)
+      : system_(system),
+        format_(std::move(format)),
+        depth_unit_(depth_unit),
+        is_locked_(!lock),
+        wants_lock_(lock),
+        first_(std::move(first)),
+        second_(std::move(second)),
+        last_picture_(system.now()) {}
+
+  const FrameFormat& format() const override { return format_; }
+  int frame_count() const override { return -1; }
+  std::string last_trouble() const override { return trouble_; }
+  std::vector<std::string> take_notes() override { return std::exchange(notes_, {}); }
+  bool is_live() const override { return true; }
+  SourceState state() const override { return state_; }
+
+  FrameStatus next(Frame& frame) override {
+    if (state_ == SourceState::kGone && !reopen()) return FrameStatus::kWaiting;
+    const double until = system_.now() + kLongestWait;
+    while (!has_first_ || (second_ && !has_second_)) {
+      const double left = std::max(0.0, until - system_.now());
+      // Which of the two is looked at first does not matter: both drivers keep their newest.
+      const bool is_first = !has_first_;
+      V4l2Camera& camera = is_first ? first_ : *second_;
+      const V4l2Camera::Grab grab = camera.grab(left);
+      if (grab == V4l2Camera::Grab::kGone) return lose(camera);
+      if (grab == V4l2Camera::Grab::kNothing) return wait();
+      frame.number = first_.sequence();
+      std::string trouble =
+          grab == V4l2Camera::Grab::kBroken ? camera.trouble() : convert(camera, is_first);
+      if (!trouble.empty()) return leave_out(std::move(trouble));
+      (is_first ? has_first_ : has_second_) = true;
+      if (second_ && has_first_ && has_second_) forget_the_older();
+    }
+    has_first_ = has_second_ = false;
+    state_ = SourceState::kRunning;
+    frame.number = first_.sequence();
+    if (!begin_) begin_ = first_.time();
+    frame.time = first_.time() - *begin_;
+    std::swap(frame.left, left_);
+    std::swap(frame.right, right_);
+    std::swap(frame.depth, depth_);
+    last_picture_ = system_.now();
+    never_pair_ = false;
+    if (!running_from_) running_from_ = frame.time;
+    if (!is_locked_ && frame.time - *running_from_ > kLockAfter) lock();
+    return FrameStatus::kFrame;
+  }
+
+ private:
+  std::string convert(const V4l2Camera& camera, bool is_first) {
+    const RawPicture& raw = camera.picture();
+    if (!is_first) {
+      return format_.kind == FrameFormat::Kind::kColorDepth ? to_depth(raw, depth_unit_, depth_)
+                                                            : to_color(raw, right_);
+    }
+    if (second_) return to_color(raw, left_);
+    std::string trouble = to_color(raw, both_);
+    if (!trouble.empty()) return trouble;
+    if (both_.width() != 2 * format_.width || both_.height() != format_.height) {
+      return fmt::format("the picture is {} x {} px, not {} x {}", both_.width(), both_.height(),
+                         2 * format_.width, format_.height);
+    }
+    split_side_by_side(both_, left_, right_);
+    return {};
+  }
+
+  // Two pictures that are too far apart in time are not one moment.
+  void forget_the_older() {
+    const double apart = first_.time() - second_->time();
+    if (std::abs(apart) * first_.frames_per_second() <= kTogether) return;
+    (apart < 0 ? has_first_ : has_second_) = false;
+    never_pair_ = true;
+  }
+
+  FrameStatus leave_out(std::string trouble) {
+    last_picture_ = system_.now();
+    trouble_ = std::move(trouble);
+    return FrameStatus::kUnreadable;
+  }
+
+  FrameStatus wait() {
+    if (system_.now() - last_picture_ > kStall) {
+      if (state_ == SourceState::kRunning) {
+        trouble_ = never_pair_ ? "both cameras give pictures, but none of the same moment" : "";
+      }
+      state_ = SourceState::kStalled;
+    }
+    return FrameStatus::kWaiting;
+  }
+
+  FrameStatus lose(const V4l2Camera& camera) {
+    trouble_ = camera.trouble();
+    state_ = SourceState::kGone;
+    has_first_ = has_second_ = false;
+    last_try_ = system_.now();
+    return FrameStatus::kWaiting;
+  }
+
+  void lock(V4l2Camera& camera, const char* which) {
+    const std::string cannot = camera.lock();
+    if (!cannot.empty()) notes_.push_back(fmt::format("{} does not lock: {}", which, cannot));
+  }
+
+  // True when all devices are there again.
+  bool reopen() {
+    if (system_.now() - last_try_ < kReopen) {
+      system_.sleep(kLongestWait);
+      return false;
+    }
+    last_try_ = system_.now();
+    if (!first_.reopen() || (second_ && !second_->reopen())) return false;
+    last_picture_ = system_.now();
+    is_locked_ = !wants_lock_;  // a device that was plugged in again is automatic again
+    running_from_.reset();
+    state_ = SourceState::kStalled;  // until a picture comes
+    return true;
+  }
+
+  void lock() {
+    is_locked_ = true;
+    lock(first_, second_ ? "the first camera" : "the camera");
+    if (second_ && format_.kind == FrameFormat::Kind::kStereo) lock(*second_, "the second camera");
+  }
+
+  VideoSystem& system_;
+  FrameFormat format_;
+  double depth_unit_;
+  bool is_locked_;  // or is not to be
+  bool wants_lock_;
+  V4l2Camera first_;
+  std::optional<V4l2Camera> second_;
+  SourceState state_ = SourceState::kRunning;
+  std::vector<std::string> notes_;
+  std::string trouble_;
+  std::optional<double> begin_;         // the driver's time of the first frame
+  std::optional<double> running_from_;  // Frame::time of the first one since the device is open
+  double last_picture_;      // when a frame or an unreadable picture came, by the system's clock
+  bool never_pair_ = false;  // what came since then was of different moments
+  double last_try_ = 0;
+  bool has_first_ = false;  // left_ (or both eyes) is filled and not given away yet
+  bool has_second_ = false;
+  ColorImage both_;
+  ColorImage left_;
+  ColorImage right_;
+  DepthImage depth_;
+};
+
+// The largest size of these modes that is not higher than 720 px, or else the smallest.
+Size comfortable_size(const CameraInfo& info, bool depth, const CameraInfo* also) {
+  const auto has = [](const CameraInfo& other, const CameraMode& mode) {
+    return std::any_of(other.modes.begin(), other.modes.end(), [&](const CameraMode& m) {
+      return m.width == mode.width && m.height == mode.height;
+    });
+  };
+  Size best;
+  for (const CameraMode& mode : info.modes) {
+    if (is_depth_format(mode.format) != depth || (also != nullptr && !has(*also, mode))) continue;
+    const bool fits = mode.height <= kPreferredHeight;
+    const bool best_fits = best.height <= kPreferredHeight;
+    const bool larger = mode.width * mode.height > best.width * best.height;
+    if (best.width == 0 || (fits && !best_fits) || (fits == best_fits && fits == larger)) {
+      best = {mode.width, mode.height};
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+const CameraMode* side_by_side_mode(const CameraInfo& info) {
+  const CameraMode* best = nullptr;
+  for (const CameraMode& mode : info.modes) {
+    if (is_depth_format(mode.format) || !looks_side_by_side(mode.width, mode.height)) continue;
+    if (mode.width == kPreferredWidth && mode.height == kPreferredHeight) return &mode;
+    const bool fits = mode.width <= kPreferredWidth;
+    const bool best_fits = best != nullptr && best->width <= kPreferredWidth;
+    const bool larger = best != nullptr && mode.width > best->width;
+    if (best == nullptr || (fits && !best_fits) || (fits == best_fits && fits == larger)) {
+      best = &mode;
+    }
+  }
+  return best;
+}
+
+std::string calibration_name(const std::string& camera, int width, int height) {
+  std::string name;
+  for (const char c : camera) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) != 0) {
+      name += static_cast<char>(std::tolower(byte));
+    } else if (!name.empty() && name.back() != '-') {
+      name += '-';
+    }
+  }
+  while (!name.empty() && name.back() == '-') name.pop_back();
+  return fmt::format("{}-{}x{}.yml", name.empty() ? "camera" : name, width, height);
+}
+
+std::optional<fs::path> known_calibration(const std::string& camera, int width, int height,
+                                          const std::vector<fs::path>& folders) {
+  std::error_code ignored;
+  for (const fs::path& folder : folders) {
+    const fs::path own = folder / calibration_name(camera, width, height);
+    if (fs::exists(own, ignored)) return own;
+  }
+  if (camera.find("ZED") == std::string::npos) return std::nullopt;
+  for (const fs::path& folder : folders) {
+    std::vector<fs::path> factory;
+    std::error_code error;
+    for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+      if (it->path().extension() == ".conf" && it->path().filename().string().starts_with("SN")) {
+        factory.push_back(it->path());
+      }
+    }
+    if (factory.size() == 1) return factory.front();
+  }
+  return std::nullopt;
+}
+
+Result<std::unique_ptr<FrameSource>> open_camera(const CameraRequest& request,
+                                                 VideoSystem& system) {
+  const Result<CameraInfo> info = ask_camera(system, request.device);
+  if (!info.ok()) return info.problem();
+  if (request.lock && !info.value().has_exposure && !info.value().has_gain) {
+    return Problem{
+        fmt::format("{} has neither exposure nor gain that can be locked", request.device)};
+  }
+  const bool has_depth = !request.depth.empty();
+  const std::string& other = has_depth ? request.depth : request.right;
+  const bool two = !other.empty();
+
+  // The size of one eye: asked for, or the calibration's, or what the camera does best.
+  Size eye{two ? request.width : request.width / 2, request.height};
+  if (eye.width == 0 && !request.calibration.empty() &&
+      request.calibration.extension() != ".conf") {
+    const Result<SourceCalibration> calibration =
+        read_source_calibration(request.calibration, 0, 0);
+    if (!calibration.ok()) return calibration.problem();
+    eye = {calibration.value().format.width, calibration.value().format.height};
+  }
+  if (eye.width == 0 && two) {
+    const Result<CameraInfo> second = ask_camera(system, other);
+    if (!second.ok()) return second.problem();
+    eye = comfortable_size(second.value(), has_depth, &info.value());
+    if (eye.width == 0) {
+      return Problem{fmt::format("{} and {} have no {}picture size in common", request.device,
+                                 other, has_depth ? "depth and " : "")};
+    }
+  }
+  if (eye.width == 0) {
+    const CameraMode* mode = side_by_side_mode(info.value());
+    if (mode == nullptr) {
+      return Problem{fmt::format(
+          "{} ({}) gives one eye's pictures only: name the other eye's camera with --right, or the "
+          "depth of the same view with --depth",
+          request.device, info.value().name)};
+    }
+    eye = {mode->width / 2, mode->height};
+  }
+
+  SourceCalibration calibration;
+  if (request.without_calibration && !has_depth) {
+    calibration.format.width = eye.width;
+    calibration.format.height = eye.height;
+  } else {
+    fs::path path = request.calibration;
+    if (path.empty() && !has_depth) {
+      path = known_calibration(info.value().name, eye.width, eye.height, request.folders)
+                 .value_or(fs::path());
+    }
+    if (path.empty()) {
+      return Problem{fmt::format(
+          "no calibration is known of {} ({}) at {}x{} px an eye: name it with --calibration{}",
+          request.device, info.value().name, eye.width, eye.height,
+          has_depth ? " (intrinsics.txt)" : ", or make it with palpable calibrate")};
+    }
+    Result<SourceCalibration> read = read_source_calibration(path, eye.width, eye.height);
+    if (!read.ok()) return read.problem();
+    calibration = std::move(read).value();
+    FrameFormat& format = calibration.format;
+    if ((format.kind == FrameFormat::Kind::kColorDepth) != has_depth) {
+      return Problem{fmt::format("{} is no calibration of {}", path.string(),
+                                 has_depth ? "one camera (fx fy cx cy)" : "a stereo rig")};
+    }
+    if (format.width == 0) set_size(format, eye.width, eye.height);
+    if (format.width != eye.width || format.height != eye.height) {
+      return Problem{fmt::format("the calibration {} is for eyes of {}x{} px, not {}x{}",
+                                 path.string(), format.width, format.height, eye.width,
+                                 eye.height)};
+    }
+  }
+
+  CameraSettings settings;
+  settings.width = two ? eye.width : 2 * eye.width;
+  settings.height = eye.height;
+  settings.frames_per_second = request.frames_per_second;
+  settings.exposure_ms = request.exposure_ms;
+  settings.gain = request.gain;
+  Result<V4l2Camera> first = V4l2Camera::open(system, request.device, settings);
+  if (!first.ok()) return first.problem();
+  std::optional<V4l2Camera> second;
+  if (two) {
+    settings.depth = has_depth;
+    if (has_depth) settings.exposure_ms = settings.gain = std::nullopt;
+    Result<V4l2Camera> opened = V4l2Camera::open(system, other, settings);
+    if (!opened.ok()) return opened.problem();
+    second = std::move(opened).value();
+  }
+  constexpr double kMillimetre = 1e-3;  // what depth devices step in unless it is said
+  return std::unique_ptr<FrameSource>(std::make_unique<CameraSource>(
+      system, calibration.format, calibration.depth_unit.value_or(kMillimetre), request.lock,
+      std::move(first).value(), std::move(second)));
+}
+
+}  // namespace palpable

@@ -1,0 +1,80 @@
+/// @file
+/// What lies in a folder of images: which files belong together, when they were taken, what their
+/// pixels mean, and, where a data set says so, where the camera was.
+#pragma once
+
+#include "palpable/base/error.h"
+#include "palpable/geometry/rigid.h"
+#include "palpable/sources/source_calibration.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpable {
+
+/// What the two files of a frame hold.
+enum class ImagePair {
+  kLeftRight,   ///< the eyes
+  kSideBySide,  ///< `first` alone, the left eye in its left half
+  kColorDepth   ///< `second` has 16 bits
+};
+
+struct RecordedFrame {
+  std::filesystem::path first;
+  std::filesystem::path second;  ///< empty when side by side
+  std::optional<double> time;    ///< s since the first frame; nothing: number / frames_per_second
+  /// Where the data set says the camera was: of the left or depth camera as it stands in the rig
+  /// (before rectification). For scores; the frame loop is not shown it.
+  std::optional<Rigid3> world_from_camera;
+};
+
+struct Recording {
+  std::string layout;  ///< for people, e.g. "EuRoC"
+  ImagePair pair = ImagePair::kLeftRight;
+  std::vector<RecordedFrame> frames;
+  /// Images that have no partner at the same moment, or no stamp of their own, in layouts that
+  /// match by time.
+  int unmatched = 0;
+  double depth_unit = 0.001;  ///< m per step of a depth image, unless a calibration says otherwise
+  /// A calibration that stands in the layout itself; else `calibration_files` are tried.
+  std::optional<SourceCalibration> calibration;
+  std::vector<std::filesystem::path> calibration_files;  ///< those that exist
+};
+
+/// The colour sensor that a recording's layout is known for; nothing: as the depth, or the
+/// calibration says it. 7-Scenes where the depth has its published f = 585 px: other recordings in
+/// files of such names were registered by whoever made them.
+[[nodiscard]] std::optional<ColorSensor> color_sensor_of(const Recording& recording,
+                                                         const PinholeCamera& depth_camera);
+
+/// Recognises, in this order:
+///
+///   EuRoC     mav0/cam0 and mav0/cam1 with data/ and sensor.yaml; names are nanoseconds; poses
+///   from
+///             state_groundtruth_estimate0
+///   KITTI     image_0 image_1, image_2 image_3 or image_l image_r, with calib.txt; times.txt and
+///             poses.txt if there; rows are aligned
+///   TUM       rgb.txt and depth.txt (colour and depth within 20 ms belong together); depth in
+///             1/5000 m; groundtruth.txt if there; intrinsics.txt, or the published numbers when
+///             the folder's name has freiburg1, 2 or 3
+///   7-Scenes  frame-N.color.*, frame-N.depth.png; frame-N.pose.txt if there; depth in mm;
+///             camera-intrinsics.txt or intrinsics.txt, else the published f = 585 px, c = (320,
+///             240); a colour sensor of its own (color_sensor_of)
+///   ours      left/ and right/; color_* or rgb_* with depth_*; left* and right*; images side by
+///   side
+///
+/// A problem, one line with the folder, when none fits or partners are missing.
+[[nodiscard]] Result<Recording> recognise_folder(const std::filesystem::path& folder);
+
+/// Images by name: each pattern is a path whose last part may hold * and ?; what matches is put in
+/// natural order. With `second` empty they are pairs side by side.
+[[nodiscard]] Result<Recording> recognise_patterns(const std::filesystem::path& first,
+                                                   const std::filesystem::path& second,
+                                                   bool second_is_depth);
+
+/// Whether a name is such a pattern.
+[[nodiscard]] bool is_pattern(const std::filesystem::path& path);
+
+}  // namespace palpable

@@ -1,0 +1,45 @@
+#include "palpable/sources/open_source.h"
+
+#include "palpable/sources/folder_source.h"
+#include "palpable/sources/video_file_source.h"
+
+#include <fmt/core.h>
+
+namespace palpable {
+
+Result<std::unique_ptr<FrameSource>> open_source(const CameraRequest& request,
+                                                 VideoSystem& system) {
+  if (!request.right.empty() && !request.depth.empty()) {
+    return Problem{"--right and --depth exclude each other: two eyes, or colour and depth"};
+  }
+  if (request.device.starts_with("/dev/")) return open_camera(request, system);
+  if (request.width > 0 || request.frames_per_second > 0 || request.exposure_ms || request.gain ||
+      request.lock) {
+    return Problem{
+        fmt::format("{} is a recording: size, rate, exposure and gain can be set of a camera only",
+                    request.device)};
+  }
+  const FolderSettings folder{request.calibration, request.without_calibration};
+  if (is_pattern(request.device)) {
+    const bool has_depth = !request.depth.empty();
+    return open_patterns(request.device, has_depth ? request.depth : request.right, has_depth,
+                         folder);
+  }
+  if (is_video_name(request.device)) {
+    if (!request.depth.empty()) {
+      return Problem{fmt::format("{} is a video, and --depth is for cameras and images by name",
+                                 request.device)};
+    }
+    return open_video(request.device, request.right,
+                      {request.calibration, request.without_calibration});
+  }
+  if (!request.right.empty() || !request.depth.empty()) {
+    return Problem{
+        fmt::format("{} is a folder, which has its own pairs; --right and --depth are "
+                    "for cameras, videos and images by name (*.png)",
+                    request.device)};
+  }
+  return open_folder(request.device, folder);
+}
+
+}  // namespace palpable

@@ -1,0 +1,23 @@
+/// @file
+/// One way to open whatever gives frames, named as a user names it.
+#pragma once
+
+#include "palpable/base/error.h"
+#include "palpable/sources/camera_source.h"
+#include "palpable/sources/frame_source.h"
+
+#include <memory>
+#include <string>
+
+namespace palpable {
+
+/// What CameraRequest says, for every kind of source: `device` may also be a folder, images by name
+/// (cam0/*.png), or a video file; `right` and `depth` then name the other images or the other file.
+/// Size, rate, exposure and gain are for cameras.
+///
+/// A folder is opened by folder_source.h, a name with * or ? by its open_patterns(), a video's name
+/// by video_file_source.h, what lies in /dev by camera_source.h.
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> open_source(const CameraRequest& request,
+                                                               VideoSystem& system = linux_video());
+
+}  // namespace palpable

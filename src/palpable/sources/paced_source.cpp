@@ -1,0 +1,68 @@
+#include "palpable/sources/paced_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+class PacedSource final : public FrameSource {
+ public:
+  PacedSource(std::unique_ptr<FrameSource> source, WallClock& clock)
+      : source_(std::move(source)), clock_(clock) {}
+
+  const FrameFormat& format() const override { return source_->format(); }
+  int frame_count() const override { return source_->frame_count(); }
+  std::string last_trouble() const override { return source_->last_trouble(); }
+  std::vector<std::string> take_notes() override { return source_->take_notes(); }
+  bool is_live() const override { return true; }
+  SourceState state() const override { return source_->state(); }
+
+  FrameStatus next(Frame& frame) override {
+    if (!ahead_status_) read_ahead();
+    if (ahead_status_ == FrameStatus::kEnd) return FrameStatus::kEnd;
+    if (ahead_status_ != FrameStatus::kFrame) {
+      std::swap(frame, ahead_);
+      return *std::exchange(ahead_status_, std::nullopt);
+    }
+    const double wait = *due_ - clock_.now();
+    if (wait > 0) clock_.sleep(std::min(wait, kLongestWait));
+    if (wait > kLongestWait) return FrameStatus::kWaiting;
+    do {
+      std::swap(frame, ahead_);
+      read_ahead();
+    } while (ahead_status_ == FrameStatus::kFrame && *due_ <= clock_.now());
+    return FrameStatus::kFrame;
+  }
+
+ private:
+  void read_ahead() {
+    // A gap in a recording is not sat out, and a time that is wrong stops nothing.
+    constexpr double kLongestStep = 2;  // s
+    ahead_status_ = source_->next(ahead_);
+    if (ahead_status_ != FrameStatus::kFrame || !std::isfinite(ahead_.time)) {
+      if (!due_) due_ = clock_.now();
+      return;
+    }
+    const double step = ahead_.time - last_time_.value_or(ahead_.time);
+    due_ = due_.value_or(clock_.now()) + std::clamp(step, 0.0, kLongestStep);
+    last_time_ = ahead_.time;
+  }
+
+  std::unique_ptr<FrameSource> source_;
+  WallClock& clock_;
+  Frame ahead_;
+  std::optional<FrameStatus> ahead_status_;  // nothing: ahead_ is not filled
+  std::optional<double> due_;                // when the last frame read is due, on the clock
+  std::optional<double> last_time_;          // its own time
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> paced(std::unique_ptr<FrameSource> source, WallClock& clock) {
+  return std::make_unique<PacedSource>(std::move(source), clock);
+}
+
+}  // namespace palpable

@@ -1,0 +1,80 @@
+/// @file
+/// Stands between a source and the loop, so that nothing a camera does can stop the loop.
+#pragma once
+
+#include "palpable/sources/frame_source.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+
+/// What a source did that it should not have; all of it is ordinary and the loop goes on.
+struct SourceTroubles {
+  int unreadable = 0;    ///< frames that could not be used: garbage, another size, no time
+  int back_in_time = 0;  ///< of these, frames older than the one before
+  int dropped = 0;       ///< numbers missing between frames that came
+  int stalls = 0;        ///< times that pictures stopped coming
+  int losses = 0;        ///< times that the camera went away
+};
+
+/// Lets through only frames that the loop can use: images of the format's size, depths that are
+/// positive or NaN, times that grow. The rest is kUnreadable, and the caller holds its last state.
+///
+/// A camera whose clock begins anew (it was plugged in again, its driver restarted) would be back
+/// in time for ever. After kClockRestart frames in a row that are older than the last good one, but
+/// not than each other, its times are taken to go on from there.
+///
+/// One frame from the far future would make all later ones old. After a jump of more than
+/// kLongestGap frames are held back until as many in a row, each later than the one before, say the
+/// same; their times are then kept. After a stall or a loss a jump is what is expected.
+class SourceGuard {
+ public:
+  static constexpr int kClockRestart = 5;
+  static constexpr double kLongestGap = 5;  ///< s
+  /// Beyond it troubles are counted, not reported: a camera that fails every second frame all day
+  /// fills no disk. A camera that is gone or back is always reported.
+  static constexpr int kMostReports = 200;
+
+  /// @param source  must outlive this
+  explicit SourceGuard(FrameSource& source);
+
+  /// As FrameSource::next. Frame::time grows from frame to frame.
+  FrameStatus next(Frame& frame);
+
+  [[nodiscard]] const SourceTroubles& troubles() const { return troubles_; }
+  /// Why the last frame was not usable; empty when there was none.
+  [[nodiscard]] const std::string& last_trouble() const { return last_trouble_; }
+  /// What is new since the last call, one line each: the source's notes, the first bad frame of a
+  /// row, a stall, a camera that is gone or back.
+  [[nodiscard]] std::vector<std::string> take_reports();
+
+ private:
+  [[nodiscard]] std::string what_is_wrong_with(Frame& frame);
+  [[nodiscard]] std::string time_trouble(Frame& frame);
+  void watch_state();
+  void report(std::string line);
+  void report_always(std::string line) { reports_.push_back(std::move(line)); }
+
+  FrameSource& source_;
+  SourceState state_ = SourceState::kRunning;
+  SourceTroubles troubles_;
+  std::string last_trouble_;
+  std::vector<std::string> reports_;
+  int reported_ = 0;
+  bool in_bad_row_ = false;
+  int last_number_ = -1;
+  bool has_time_ = false;
+  bool may_jump_ = false;             // pictures come again, and none was let through yet
+  bool is_lost_ = false;              // the camera went away, and no picture came since
+  double last_time_ = 0;              // s, of the last frame let through
+  double period_ = 1.0 / 30;          // s, between the last two
+  double longest_gap_ = kLongestGap;  // s; more where a source's frames are that far apart
+  double offset_ = 0;                 // s, added to the source's times since its clock began anew
+  enum class Odd { kNone, kBehind, kAhead } odd_ = Odd::kNone;
+  int odd_row_ = 0;      // frames in a row that were odd in the same way
+  double odd_time_ = 0;  // the last such frame's
+};
+
+}  // namespace palpable
