@@ -82,8 +82,7 @@ std::optional<Found> find(const Place& place, const GrayImage& left, const GrayI
   int sum = 0;
   for (int i = 0; i < kSide; ++i) {
     for (int j = 0; j < kSide; ++j) {
-      sum += window[static_cast<std::size_t>(kSide * i + j)] =
-          left(place.x - kReach + j, place.y - kReach + i);
+      sum += window[kSide * i + j] = left(place.x - kReach + j, place.y - kReach + i);
     }
   }
   constexpr int n = kSide * kSide;
@@ -104,7 +103,7 @@ std::optional<Found> find(const Place& place, const GrayImage& left, const GrayI
       int difference = 0;
       for (int i = 0; i < kSide && difference < least; ++i) {
         const std::uint8_t* R = right.row(y - kReach + i) + x - kReach;
-        const int* L = window.data() + static_cast<std::ptrdiff_t>(kSide) * i;
+        const int* L = window.data() + kSide * i;
         for (int j = 0; j < kSide; ++j) difference += std::abs(L[j] - R[j] - offset);
       }
       if (difference >= least) continue;
@@ -131,9 +130,9 @@ std::optional<PairMisfit> misfit_of(const GrayImage& left, const GrayImage& righ
   if (places.size() < kLeastPlaces) return std::nullopt;
   // The row that most places lie on, its neighbours included.
   std::array<int, 2 * kFarthestRow + 3> votes{};
-  for (const Found& f : places) ++votes[static_cast<std::size_t>(f.row + kFarthestRow + 1)];
+  for (const Found& f : places) ++votes[f.row + kFarthestRow + 1];
   const auto near = [&](int row) {
-    const auto i = static_cast<std::size_t>(row + kFarthestRow + 1);
+    const int i = row + kFarthestRow + 1;
     return votes[i - 1] + votes[i] + votes[i + 1];
   };
   int best = -kFarthestRow;

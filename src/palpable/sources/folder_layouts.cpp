@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -80,9 +79,7 @@ std::optional<long long> number_in(const fs::path& image) {
   if (last == std::string::npos) return std::nullopt;
   const auto before = name.find_last_not_of("0123456789", last);
   const std::size_t from = before == std::string::npos ? 0 : before + 1;
-  long long number = 0;
-  const auto [end, error] = std::from_chars(name.data() + from, name.data() + last + 1, number);
-  return error == std::errc() ? std::optional(number) : std::nullopt;
+  return to_whole_number(std::string_view(name).substr(from, last + 1 - from));
 }
 
 // The first image without a partner of its number, where most have one: then the names are
@@ -246,10 +243,7 @@ Result<Recording> euroc(const fs::path& folder) {
   // double.
   const std::vector<fs::path> lefts = images_in(folder / "cam0/data");
   const auto nanoseconds = [](std::string_view text) {
-    long long value = -1;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool is_whole = error == std::errc() && end == text.data() + text.size();
-    return is_whole && value >= 0 ? value : -1LL;
+    return std::max(to_whole_number(text).value_or(-1), -1LL);  // -1: it is none
   };
   const long long begin = lefts.empty() ? 0 : nanoseconds(lefts.front().stem().string());
   std::map<double, Rigid3> poses;

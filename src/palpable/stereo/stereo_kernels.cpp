@@ -47,7 +47,7 @@ constexpr std::array<std::uint8_t, 64> byte_of_block() {
 }
 
 // Bytes of one of census()'s five rows: what a vector may read beyond its end is there.
-std::size_t census_stride(int width) { return static_cast<std::size_t>(width + 4 + 320); }
+std::size_t census_stride(int width) { return width + 4 + 320; }
 
 // Where the parts of a gang's workspace begin, in bytes.
 struct Workspace {
@@ -55,8 +55,8 @@ struct Workspace {
               across = 0, padded = 0, p2_along = 0, p2_down = 0, bytes = 0;
 
   Workspace(int width, int disparities, std::size_t N) {
-    const auto W = static_cast<std::size_t>(width);
-    const auto D = static_cast<std::size_t>(disparities);
+    const std::size_t W = width;
+    const std::size_t D = disparities;
     const std::size_t R = D / kBlock;
     const auto take = [this](std::size_t size) {
       const std::size_t begin = bytes;
@@ -162,7 +162,7 @@ HWY_ATTR void census_row(const std::uint8_t* const rows[5], int width, CensusCod
           hn::StoreU(code, d, codes[plane].row(y) + x);
         } else {
           hn::Store(code, d, tail);
-          std::memcpy(codes[plane].row(y) + x, tail, static_cast<std::size_t>(width - x));
+          std::memcpy(codes[plane].row(y) + x, tail, width - x);
         }
         code = hn::Zero(d);
         bit = 0;
@@ -178,19 +178,17 @@ HWY_ATTR void census(const GrayImage& image, CensusCodes& codes, std::uint8_t* r
   // Five padded rows at a time.
   const std::size_t stride = census_stride(width);
   const auto load = [&](int y) {
-    std::uint8_t* to = ring + static_cast<std::size_t>((y + 5) % 5) * stride;
+    std::uint8_t* to = ring + ((y + 5) % 5) * stride;
     const std::uint8_t* from = image.row(std::clamp(y, 0, height - 1));
     to[0] = to[1] = from[0];
-    std::memcpy(to + 2, from, static_cast<std::size_t>(width));
-    std::memset(to + 2 + width, from[width - 1], stride - static_cast<std::size_t>(width) - 2);
+    std::memcpy(to + 2, from, width);
+    std::memset(to + 2 + width, from[width - 1], stride - width - 2);
   };
   for (int y = -2; y < 2; ++y) load(y);
   for (int y = 0; y < height; ++y) {
     load(y + 2);
     const std::uint8_t* rows[5];
-    for (int i = 0; i < 5; ++i) {
-      rows[i] = ring + static_cast<std::size_t>((y - 2 + i + 5) % 5) * stride;
-    }
+    for (int i = 0; i < 5; ++i) { rows[i] = ring + ((y - 2 + i + 5) % 5) * stride; }
     census_row(rows, width, codes, y);
   }
 }
@@ -222,8 +220,7 @@ struct Walk {
     const auto none = hn::Set(d, kNoNeighbour);
     const std::size_t N = hn::Lanes(d);
     here = hn::Load(d, path);
-    previous = hn::CombineShiftRightBytes<15>(
-        d, hn::Load(d, path + static_cast<std::size_t>(R - 1) * N), none);
+    previous = hn::CombineShiftRightBytes<15>(d, hn::Load(d, path + (R - 1) * N), none);
     last = hn::CombineShiftRightBytes<1>(d, none, here);
     least = the_least;
     limit = hn::Add(the_least, p2);
@@ -282,8 +279,8 @@ class Gang {
   }
 
   HWY_INLINE void run() {
-    std::memset(above_, 0, stride() * static_cast<std::size_t>(W_));
-    std::memset(above_least_, 0, N * static_cast<std::size_t>(W_));
+    std::memset(above_, 0, stride() * W_);
+    std::memset(above_least_, 0, N * W_);
     int rows = 0;
     for (int b = 0; b < kBlocks; ++b) {
       const StripRows strip = strip_of(b);
@@ -305,7 +302,7 @@ class Gang {
   [[nodiscard]] HWY_INLINE StripRows strip_of(int block) const {
     return rows_of_strip(first_strip_ + block, H_);
   }
-  [[nodiscard]] HWY_INLINE std::size_t stride() const { return static_cast<std::size_t>(R_) * N; }
+  [[nodiscard]] HWY_INLINE std::size_t stride() const { return R_ * N; }
   [[nodiscard]] HWY_INLINE int row_of(int block, int t) const {
     return std::clamp(strip_of(block).begin + t, 0, H_ - 1);
   }
@@ -315,12 +312,10 @@ class Gang {
     for (int b = 0; b < kBlocks; ++b) {
       if (strip_of(b).begin + t != 0) continue;
       for (int x = 0; x < W_; ++x) {
-        const auto at = static_cast<std::size_t>(x);
-        std::memset(above_least_ + at * N + static_cast<std::size_t>(b) * kBlock, 0, kBlock);
+        const std::size_t at = x;
+        std::memset(above_least_ + at * N + b * kBlock, 0, kBlock);
         for (int j = 0; j < R_; ++j) {
-          std::memset(above_ + at * stride() + static_cast<std::size_t>(j) * N +
-                          static_cast<std::size_t>(b) * kBlock,
-                      0, kBlock);
+          std::memset(above_ + at * stride() + j * N + b * kBlock, 0, kBlock);
         }
       }
     }
@@ -331,7 +326,7 @@ class Gang {
   HWY_INLINE void load_row(int t) {
     for (std::size_t plane = 0; plane < 3; ++plane) {
       for (int b = 0; b < kBlocks; ++b) {
-        const std::size_t block = static_cast<std::size_t>(b) * kBlock;
+        const std::size_t block = b * kBlock;
         spread_right((*job_.right)[plane].row(row_of(b, t)),
                      right_ + plane * right_plane() + block);
       }
@@ -358,9 +353,7 @@ class Gang {
         byte_of_block();
     return hn::TableLookupBytes(hn::LoadDup128(d, bytes), hn::Load(d, kByteOfBlock.data()));
   }
-  [[nodiscard]] HWY_INLINE std::size_t left_plane() const {
-    return (static_cast<std::size_t>(W_) + 2 * kBlock) * static_cast<std::size_t>(kBlocks);
-  }
+  [[nodiscard]] HWY_INLINE std::size_t left_plane() const { return (W_ + 2 * kBlock) * kBlocks; }
   HWY_INLINE void zip_left(int t, std::size_t plane) {
     const hn::FixedTag<std::uint8_t, 16> d16;
     std::uint8_t* to = left_ + plane * left_plane();
@@ -370,7 +363,7 @@ class Gang {
     if (kBlocks > 1) {
       for (; x + static_cast<int>(kBlock) <= W_; x += static_cast<int>(kBlock)) {
         const auto row = [&](int b) HWY_ATTR { return hn::LoadU(d16, rows[b % kBlocks] + x); };
-        std::uint8_t* at = to + static_cast<std::size_t>(x) * static_cast<std::size_t>(kBlocks);
+        std::uint8_t* at = to + static_cast<std::size_t>(x) * kBlocks;
         const auto even = row(0);
         const auto odd = row(1);
         if (kBlocks == 2) {
@@ -394,9 +387,7 @@ class Gang {
       for (int b = 0; b < kBlocks; ++b) to[x * kBlocks + b] = rows[b][x];
     }
   }
-  [[nodiscard]] HWY_INLINE std::size_t right_plane() const {
-    return (static_cast<std::size_t>(W_ + R_) + kBlock) * N;
-  }
+  [[nodiscard]] HWY_INLINE std::size_t right_plane() const { return (W_ + R_ + kBlock) * N; }
   HWY_INLINE void spread_right(const std::uint8_t* codes, std::uint8_t* to) {
     const hn::FixedTag<std::uint8_t, 16> d16;
     // padded_[i] is the pixel i - (D - 1) - first, the border's beyond the border.
@@ -405,33 +396,29 @@ class Gang {
     const int from = -(D - 1) - job_.first;
     const int begin = std::clamp(-from, 0, length);
     const int end = std::clamp(W_ - from, 0, length);
-    std::memset(padded_, codes[0], static_cast<std::size_t>(begin));
-    if (end > begin) {
-      std::memcpy(padded_ + begin, codes + begin + from, static_cast<std::size_t>(end - begin));
-    }
-    std::memset(padded_ + end, codes[W_ - 1], static_cast<std::size_t>(length - end));
+    std::memset(padded_, codes[0], begin);
+    if (end > begin) { std::memcpy(padded_ + begin, codes + begin + from, end - begin); }
+    std::memset(padded_ + end, codes[W_ - 1], length - end);
     const int count = W_ + R_ - 1;
     for (int q = 0; q < count; q += static_cast<int>(kBlock)) {
       // q - (R-1) - l R, counted from padded_[0]: + D - 1, and D = 16 R.
       hn::Vec<decltype(d16)> v[16];
       for (int l = 0; l < 16; ++l) { v[l] = hn::LoadU(d16, padded_ + q + (15 - l) * R_); }
       transpose_16(d16, v);
-      for (std::size_t i = 0; i < 16; ++i) {
-        hn::StoreU(v[i], d16, to + (static_cast<std::size_t>(q) + i) * N);
-      }
+      for (std::size_t i = 0; i < 16; ++i) { hn::StoreU(v[i], d16, to + (q + i) * N); }
     }
   }
 
   // Hamming distances at x into slot x % 3 of raw_.
   HWY_INLINE void raw_costs(int x) {
     const Tag d;
-    const auto at = static_cast<std::size_t>(x);
-    const std::uint8_t* left = left_ + at * static_cast<std::size_t>(kBlocks);
+    const std::size_t at = x;
+    const std::uint8_t* left = left_ + at * kBlocks;
     const V l0 = spread(left);
     const V l1 = spread(left + left_plane());
     const V l2 = spread(left + 2 * left_plane());
-    const std::uint8_t* right = right_ + (at + static_cast<std::size_t>(R_) - 1) * N;
-    std::uint8_t* to = raw_ + static_cast<std::size_t>(x % 3) * stride();
+    const std::uint8_t* right = right_ + (at + R_ - 1) * N;
+    std::uint8_t* to = raw_ + (x % 3) * stride();
     const std::size_t plane = right_plane();
     for (int j = 0; j < R_; ++j) {
       const V c0 = hn::PopulationCount(hn::Xor(l0, hn::Load(d, right)));
@@ -456,22 +443,22 @@ class Gang {
     for (int x = 0; x < W_; ++x) {
       if (x + 1 < W_) raw_costs(x + 1);
       const auto slot = [&](int column) {
-        return raw_ + static_cast<std::size_t>(std::clamp(column, 0, W_ - 1) % 3) * stride();
+        return raw_ + (std::clamp(column, 0, W_ - 1) % 3) * stride();
       };
       const std::uint8_t* raw_before = slot(x - 1);
       const std::uint8_t* raw_here = slot(x);
       const std::uint8_t* raw_after = slot(x + 1);
-      std::uint8_t* above = above_ + static_cast<std::size_t>(x) * stride();
-      std::uint8_t* costs = costs_ + static_cast<std::size_t>(x) * stride();
-      std::uint8_t* sum = sum_ + static_cast<std::size_t>(x) * stride();
-      std::uint8_t* least_at = above_least_ + static_cast<std::size_t>(x) * N;
+      std::uint8_t* above = above_ + x * stride();
+      std::uint8_t* costs = costs_ + x * stride();
+      std::uint8_t* sum = sum_ + x * stride();
+      std::uint8_t* least_at = above_least_ + x * N;
       Walk<Tag> down(d, above, R, hn::Load(d, least_at), spread(p2_down_ + x * kBlocks));
       Walk<Tag> along(d, kWanted ? across_ : above, R, across_least,
                       spread(p2_along_ + x * kBlocks));
       V least_down = hn::Set(d, std::uint8_t{255});
       V least_along = least_down;
       for (int j = 0; j < R; ++j) {
-        const auto at = static_cast<std::size_t>(j) * N;
+        const std::size_t at = j * N;
         const V sides = hn::AverageRound(hn::Load(d, raw_before + at), hn::Load(d, raw_after + at));
         const V cost = hn::AverageRound(sides, hn::Load(d, raw_here + at));
         const bool is_last = j + 1 == R;
@@ -499,8 +486,8 @@ class Gang {
     V across_least = hn::Zero(d);
     std::memset(across_, 0, stride());
     for (int x = W_ - 1; x >= 0; --x) {
-      const std::uint8_t* costs = costs_ + static_cast<std::size_t>(x) * stride();
-      std::uint8_t* sum = sum_ + static_cast<std::size_t>(x) * stride();
+      const std::uint8_t* costs = costs_ + x * stride();
+      std::uint8_t* sum = sum_ + x * stride();
       Walk<Tag> along(d, across_, R, across_least,
                       spread(p2_along_ + std::min(x + 1, W_ - 1) * kBlocks));
       V least_along = hn::Set(d, std::uint8_t{255});
@@ -509,7 +496,7 @@ class Gang {
       V number = hn::Zero(d);
       const V one = hn::Set(d, std::uint8_t{1});
       for (int j = 0; j < R; ++j) {
-        const auto at = static_cast<std::size_t>(j) * N;
+        const std::size_t at = j * N;
         const bool is_last = j + 1 == R;
         const V A = along.step(hn::Load(d, costs + at),
                                is_last ? along.last : hn::Load(d, across_ + at + N), p1);
@@ -542,12 +529,10 @@ class Gang {
       std::uint16_t bits = 0;
       std::memcpy(&bits, winners + 2 * b, 2);
       const int lane = __builtin_ctz(bits);
-      const std::size_t block = static_cast<std::size_t>(b) * kBlock;
-      const int j = registers[block + static_cast<std::size_t>(lane)];
+      const std::size_t block = b * kBlock;
+      const int j = registers[block + lane];
       const int best_d = lane * R_ + j;
-      const auto S = [&](int l, int k) {
-        return sum[static_cast<std::size_t>(k) * N + block + static_cast<std::size_t>(l)];
-      };
+      const auto S = [&](int l, int k) { return sum[k * N + block + l]; };
       Winners& out = *job_.winners;
       const int y = strip.begin + t;
       out.best(x, y) = static_cast<std::uint16_t>(best_d);
@@ -633,10 +618,10 @@ class Refinement {
 
  private:
   [[nodiscard]] HWY_INLINE std::int16_t* g_row(int v) const {
-    return at_.g + static_cast<std::size_t>(v % kRefineRows) * at_.stride;
+    return at_.g + (v % kRefineRows) * at_.stride;
   }
   [[nodiscard]] HWY_INLINE std::int16_t* l_row(int v) const {
-    return at_.l + static_cast<std::size_t>(v % kRefineRows) * at_.stride;
+    return at_.l + (v % kRefineRows) * at_.stride;
   }
   HWY_ATTR void load(int v) {
     const std::uint8_t* L = left_.row(v);

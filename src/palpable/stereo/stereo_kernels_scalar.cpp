@@ -46,9 +46,7 @@ using Costs = std::vector<int>;  // (W x D): of one row
 void costs_of_row(const MatchJob& job, int y, Costs& raw, Costs& costs) {
   const int width = (*job.left)[0].width();
   const int D = job.disparities;
-  const auto at = [D](Costs& c, int x, int d) -> int& {
-    return c[static_cast<std::size_t>(x * D + d)];
-  };
+  const auto at = [D](Costs& c, int x, int d) -> int& { return c[x * D + d]; };
   for (int x = 0; x < width; ++x) {
     const std::uint32_t left = code_at(*job.left, x, y);
     for (int d = 0; d < D; ++d) {
@@ -87,7 +85,7 @@ void match(const MatchJob& job, int first_strip, int count, std::uint8_t* /*work
   const int width = (*job.left)[0].width();
   const int height = (*job.left)[0].height();
   const int D = job.disparities;
-  const auto row_size = static_cast<std::size_t>(width * D);
+  const int row_size = width * D;
   Costs raw(row_size), costs(row_size), above(row_size), above_next(row_size), across(row_size),
       sum(row_size);
   const auto at = [D](Costs& c, int x) { return c.data() + x * D; };

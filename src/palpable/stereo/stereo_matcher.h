@@ -11,7 +11,6 @@
 #include "palpable/stereo/disparity_filters.h"
 #include "palpable/stereo/stereo_kernels.h"
 
-#include <functional>
 #include <memory>
 
 namespace palpable {
@@ -28,10 +27,6 @@ struct StereoMatcherSettings {
   int guard_disparities = 0;
   int threads = 2;
   const StereoKernels* kernels = nullptr;  ///< null: the best of this processor
-  /// If given, finds the winners in place of `kernels`: on a GPU (gpu/gl_stereo.h), say.
-  std::function<void(const GrayImage& left, const GrayImage& right, int first, int disparities,
-                     Winners& winners)>
-      find_winners;
 };
 
 /// For things within reach, at half the resolution of a 720p pair: 192 disparities, guarded.
