@@ -29,9 +29,9 @@ std::optional<Points2> corners_of(const ColorImage& image, const BoardPattern& p
       gray, size, corners,
       cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK);
   if (!found) return std::nullopt;
-  // The window around a corner must see four squares and nothing else. On OpenCV's own thirteen
-  // pairs a quarter of the spacing gives rows 0.15 px apart, 0.4 of it 0.26 px: two slanted boards
-  // then bring their neighbours in.
+  // The window around a corner must show its four squares and nothing else. On OpenCV's own
+  // thirteen pairs a quarter of the spacing gives rows 0.15 px apart, 0.4 of it 0.26 px: on two
+  // slanted boards the larger window contains neighbouring corners.
   double spacing = 1e9;
   for (std::size_t i = 1; i < corners.size(); ++i) {
     if (i % pattern.columns == 0) continue;
@@ -177,7 +177,8 @@ Corners corners_of(std::span<const BoardView> views, const BoardPattern& pattern
 // Fills rig, focal_sigma, reprojection_px and reprojections_px.
 void solve(const Corners& corners, int width, int height, BoardCalibration& result) {
   const cv::Size size(width, height);
-  // k3 is left at 0: a board that does not reach into the corners cannot tell it from k2.
+  // k3 stays 0: from a board that does not reach into the picture's corners it cannot be told apart
+  // from k2.
   constexpr int kFlags = cv::CALIB_FIX_K3;
   cv::Mat K1, D1, K2, D2, R, T, E, F, turns, places, sigma, of_places, errors;
   cv::calibrateCamera(corners.boards, corners.left, size, K1, D1, turns, places, sigma, of_places,

@@ -17,11 +17,12 @@ constexpr int kReach = 4;  // of a place's window, px
 constexpr int kSide = 2 * kReach + 1;
 constexpr std::size_t kMostPlaces = 60;
 constexpr std::size_t kLeastPlaces = 20;  // as many as the row watch asks for
-// Mean steps along and across a window, grey levels per px: less is a plain surface or one edge,
-// which is found on many rows.
+// Mean steps along and across a window, grey levels per px: with less it shows a plain surface or a
+// single edge, which would be found on many rows.
 constexpr int kLeastTexture = 2;
-// Grey levels per px: more is no partner, unless steps along and across the window are more than
-// twice as large; half a pixel off, such a window differs by half of them.
+// Grey levels per px: a window that differs by more is no partner, unless the steps along and
+// across it are more than twice as large (half a pixel off, such a window differs by half of its
+// steps).
 constexpr int kLargestDifference = 10;
 constexpr double kAgreeing = 0.6;  // of the places
 // Of images at half the size; the row watch corrects 2.5 px of the full ones.
@@ -62,7 +63,8 @@ std::vector<Place> textured_places(const GrayImage& image) {
       if (best.texture >= kLeastTexture * kSide * kSide) places.push_back(best);
     }
   }
-  // Spread over the picture, and not the most textured: leaves and the like alias.
+  // Spread over the picture instead of the most textured: repeated texture (leaves) finds wrong
+  // partners.
   if (places.size() > kMostPlaces) {
     for (std::size_t i = 0; i < kMostPlaces; ++i)
       places[i] = places[i * places.size() / kMostPlaces];

@@ -57,7 +57,7 @@ std::uint64_t big_endian(const Bytes& bytes, std::size_t at, int count) {
   return value;
 }
 
-// What is wrong with the file before it is decoded, as far as its frame tells; empty if nothing.
+// What its first and last bytes show to be wrong with a file, before it is decoded; empty: nothing.
 std::string what_is_wrong_with(const Bytes& bytes) {
   if (!is_known_format(bytes)) return "is no image";
   std::optional<Size> size;

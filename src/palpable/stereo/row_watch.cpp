@@ -17,7 +17,7 @@ namespace {
 constexpr int kReach = 5;  // of a point's window, px
 constexpr int kSteps = 6;
 constexpr int kTries = 4;          // places in a cell, across and down, until one has texture
-constexpr double kFarthest = 2.5;  // px; a point that wanders farther is lost
+constexpr double kFarthest = 2.5;  // px; a point that moves farther is lost
 constexpr double kConverged = 0.03;
 constexpr std::uint8_t kSure = 150;  // confidence of a point
 // Least eigenvalue of the window's gradient matrix, (grey levels / px)^2 per pixel: a corner.
@@ -127,7 +127,7 @@ void RowWatch::fit() {
       A += w * row * row.transpose();
       b += w * point.row_error * row;
     }
-    // Points on one side alone do not know the roll.
+    // Points on one side of the picture alone cannot tell the roll from the pitch.
     A(1, 1) += 1e-2 * A(0, 0);
     const Eigen::Vector2d found = A.ldlt().solve(b);
     if (!found.allFinite()) break;

@@ -1,4 +1,5 @@
-// The matcher's loops, written as stereo_kernels.h says them. The vectorised ones are held to it.
+// The matcher's loops, written like the formulas of stereo_kernels.h. Tests hold the vectorised
+// ones to these.
 
 #include "palpable/stereo/disparity_filters.h"
 #include "palpable/stereo/stereo_kernels.h"
@@ -63,8 +64,8 @@ void costs_of_row(const MatchJob& job, int y, Costs& raw, Costs& costs) {
   }
 }
 
-// One step of a path, between pixels that differ by so many grey levels. `previous` empty: the path
-// starts here.
+// One step of a path, between pixels whose grey levels differ by `difference`. Without `previous`
+// the path starts here.
 void step(const MatchJob& job, const int* cost, int difference, const int* previous, int* path) {
   const int D = job.disparities;
   if (previous == nullptr) {

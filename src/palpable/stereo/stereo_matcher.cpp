@@ -140,7 +140,8 @@ void StereoMatcher::Parts::check(Pass& p, int first, int disparities, int left_r
   });
 }
 
-// Where the guard, or the ring around it, sees something nearer than the range.
+// Marks as too close where the guard finds something nearer than the range; the ring around such a
+// place becomes unknown.
 void StereoMatcher::Parts::mark_too_close(const GrayImage& left, const GrayImage& right,
                                           MatchedPair& out) {
   crew.run(2,
