@@ -59,7 +59,7 @@ const StereoKernels& kernels_named(const std::string& name) {
   throw Error(fmt::format("--simd {}: this processor has {}", name, names));
 }
 
-// The reference as issue and docs/benchmark.md have it, its picture padded left by the range.
+// The reference with the settings of docs/benchmark.md, its picture padded left by the range.
 cv::Mat sgbm(const GrayImage& left, const GrayImage& right, int range) {
   const cv::Ptr<cv::StereoSGBM> matcher = cv::StereoSGBM::create(0, range, 5);
   matcher->setMode(cv::StereoSGBM::MODE_SGBM_3WAY);
@@ -335,72 +335,101 @@ void print_table(const nlohmann::ordered_json& r) {
   }
 }
 
+// The whole chain on frames of `press`, from raw pair to depth and outlines.
+class NearBench {
+ public:
+  NearBench(NearFrames& near, ProgressBar& bar)
+      : near_(near),
+        bar_(bar),
+        camera_(value_or_throw(DepthCamera::make(format_of(near.rig()), {}))),
+        rectification_(near.rig()) {}
+
+  // Scores the frames of these numbers; of near ones the outlines are timed, too, and the pair in
+  // the middle is kept.
+  void run(const std::vector<int>& numbers, const char* what, bool is_near) {
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      near_.draw(numbers[i], 2, pair_, truth_);
+      frame_.left = pair_.left;
+      frame_.right = pair_.right;
+      camera_.see(frame_, seen_);
+      score_.add(seen_, truth_, is_near);
+      if (is_near) outlines_.add(seen_);
+      if (is_near && i == numbers.size() / 2) {
+        rectification_.rectify_luma(Rectification::Eye::kLeft, pair_.left, left_);
+        rectification_.rectify_luma(Rectification::Eye::kRight, pair_.right, right_);
+      }
+      bar_.show({what, static_cast<double>(i + 1), static_cast<double>(numbers.size()), ""});
+    }
+  }
+
+  void write_score(nlohmann::ordered_json& result) const {
+    const auto share = [](std::size_t part, std::size_t whole) {
+      return whole == 0
+                 ? nlohmann::ordered_json(nullptr)
+                 : nlohmann::ordered_json(static_cast<double>(part) / static_cast<double>(whole));
+    };
+    result["near_median_error"] = median_or_null(score_.errors);
+    result["hand_within_1pct"] = share(score_.within, score_.hand);
+    result["hand_density"] = share(score_.known, score_.hand);
+    result["too_close_called_far"] = share(score_.called_far, score_.close);
+    result["too_close_marked"] = share(score_.marked_close, score_.close);
+    result["too_close_pixels"] = score_.close;
+    result["outlines_ms_720p"] = median_or_null(outlines_.cpu_ms());
+  }
+
+  void write_error_by_depth(nlohmann::ordered_json& result) const {
+    const RectifiedStereo& stereo = near_.stereo();
+    result["error_by_depth"] = nlohmann::ordered_json::array();
+    for (std::size_t i = 0; i < kDepths.size(); ++i) {
+      result["error_by_depth"].push_back(
+          {{"depth_m", kDepths[i]},
+           {"median_error", median_or_null(score_.by_depth[i])},
+           // dZ / Z = Z / (f T) dd
+           {"limit_tenth_px", 0.1 * kDepths[i] / (stereo.camera.fx_px * stereo.baseline)}});
+    }
+  }
+
+  // Rectified, of the pair in the middle of the near frames.
+  [[nodiscard]] const GrayImage& left() const { return left_; }
+  [[nodiscard]] const GrayImage& right() const { return right_; }
+
+ private:
+  NearFrames& near_;
+  ProgressBar& bar_;
+  DepthCamera camera_;
+  Rectification rectification_;
+  NearScore score_;
+  OutlineTimes outlines_;
+  RawPair pair_;
+  DeskTruth truth_;
+  Frame frame_;
+  SeenFrame seen_;
+  GrayImage left_, right_;
+};
+
 void bench_depth(const DepthBenchOptions& options) {
   const StereoKernels& kernels = kernels_named(options.simd);
   ProgressBar bar;
   NearFrames near(options.body.empty() ? default_body() : options.body, options.seed,
                   bar.progress());
-  const RectifiedStereo& stereo = near.stereo();
   nlohmann::ordered_json result;
   result["bench"] = "depth";
   result["body"] = near.body_name();
   result["seed"] = options.seed;
 
-  DepthCamera camera = value_or_throw(DepthCamera::make(format_of(near.rig()), {}));
-  Frame frame;
-  RawPair pair;
-  DeskTruth truth;
-  SeenFrame seen;
-  NearScore score;
-  OutlineTimes outline_times;
-  GrayImage left, right;
-  Rectification rectification(near.rig());
-  const auto look = [&](const std::vector<int>& numbers, const char* what, bool is_near) {
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      near.draw(numbers[i], 2, pair, truth);
-      frame.left = pair.left;
-      frame.right = pair.right;
-      camera.see(frame, seen);
-      score.add(seen, truth, is_near);
-      if (is_near) outline_times.add(seen);
-      if (is_near && i == numbers.size() / 2) {
-        rectification.rectify_luma(Rectification::Eye::kLeft, pair.left, left);
-        rectification.rectify_luma(Rectification::Eye::kRight, pair.right, right);
-      }
-      bar.show({what, static_cast<double>(i + 1), static_cast<double>(numbers.size()), ""});
-    }
-  };
-  const auto frames = static_cast<std::size_t>(options.frames);
+  NearBench bench(near, bar);
+  const std::size_t frames = options.frames;
   const std::vector<int> numbers = near.spread(frames);
   const std::vector<int> close = near.spread_too_close((frames + 2) / 3);
-  look(numbers, "near frames", true);
-  look(close, "frames too close", false);
-  time_matchers(left, right, options.repeats, kernels, bar, result);
+  bench.run(numbers, "near frames", true);
+  bench.run(close, "frames too close", false);
+  time_matchers(bench.left(), bench.right(), options.repeats, kernels, bar, result);
   bar.finish();
   compare_scenes(options.data, kernels, result);
-
-  const auto share = [](std::size_t part, std::size_t whole) {
-    return whole == 0
-               ? nlohmann::ordered_json(nullptr)
-               : nlohmann::ordered_json(static_cast<double>(part) / static_cast<double>(whole));
-  };
-  result["near_median_error"] = median_or_null(score.errors);
-  result["hand_within_1pct"] = share(score.within, score.hand);
-  result["hand_density"] = share(score.known, score.hand);
-  result["too_close_called_far"] = share(score.called_far, score.close);
-  result["too_close_marked"] = share(score.marked_close, score.close);
-  result["too_close_pixels"] = score.close;
-  result["outlines_ms_720p"] = median_or_null(outline_times.cpu_ms());
+  bench.write_score(result);
   result["near_frames"] = numbers.size();
   result["too_close_frames"] = close.size();
-  result["error_by_depth"] = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < kDepths.size(); ++i) {
-    result["error_by_depth"].push_back(
-        {{"depth_m", kDepths[i]},
-         {"median_error", median_or_null(score.by_depth[i])},
-         // dZ / Z = Z / (f T) dd
-         {"limit_tenth_px", 0.1 * kDepths[i] / (stereo.camera.fx_px * stereo.baseline)}});
-  }
+  bench.write_error_by_depth(result);
   if (options.json) {
     fmt::print("{}\n", result.dump(2));
   } else {

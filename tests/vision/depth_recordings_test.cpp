@@ -1,5 +1,6 @@
 // What nobody here made: recordings with the truth that came with them. Each case is skipped, and
 // says so, where its data is not.
+#include "palpable/base/order_statistics.h"
 #include "palpable/calibrate/calibration_file.h"
 #include "palpable/calibrate/factory_calibration.h"
 #include "palpable/calibrate/opencv_views.h"
@@ -37,9 +38,7 @@ double known_share(const DepthImage& depth) {
 
 double median(std::vector<double> values) {
   REQUIRE_FALSE(values.empty());
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return upper_median(values);
 }
 
 // --- hands_squirrel: colour + depth, 320 x 240 -------------------------------------------------
