@@ -3,9 +3,9 @@
 
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
-#include "apps/palpable-bake/machine.h"
 #include "apps/palpable-bake/text_file.h"
 #include "palpable/base/error.h"
+#include "palpable/base/this_machine.h"
 #include "palpable/exchange/body_page.h"
 #include "palpable/reduced/body_file.h"
 

@@ -3,7 +3,6 @@
 
 #include "apps/common/progress_bar.h"
 #include "palpable/base/cpu_time.h"
-#include "palpable/intrusive/beam_study.h"
 #include "palpable/intrusive/intrusive_bake.h"
 #include "palpable/intrusive/linear_pgd.h"
 #include "palpable/reduced/body_file.h"
@@ -11,6 +10,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "bench/bake/beam_study.h"
 #include "bench/bake/bench.h"
 #include <algorithm>
 #include <array>

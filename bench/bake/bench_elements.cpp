@@ -1,9 +1,8 @@
 // palpable-bake bench elements: how true 4-node and 10-node tetrahedra are on a body's presses.
 
 #include "apps/common/progress_bar.h"
-#include "apps/palpable-bake/machine.h"
-#include "palpable/bake/element_study.h"
 #include "palpable/base/error.h"
+#include "palpable/base/this_machine.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -11,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/bake/bench.h"
+#include "bench/bake/element_study.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>

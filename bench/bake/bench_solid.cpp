@@ -2,10 +2,9 @@
 // CPU time and digit by digit.
 
 #include "apps/common/progress_bar.h"
-#include "apps/palpable-bake/machine.h"
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
-#include "palpable/campaign/calculix_comparison.h"
+#include "palpable/base/this_machine.h"
 #include "palpable/describe/body_problem.h"
 #include "palpable/describe/contact_sites.h"
 #include "palpable/solid/patch_load.h"
@@ -16,6 +15,8 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/bake/bench.h"
+#include "bench/bake/calculix_comparison.h"
+#include "bench/bake/machine_rates.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>

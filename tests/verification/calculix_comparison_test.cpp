@@ -1,5 +1,5 @@
 // Our solver and CalculiX on the same meshes, laws and loads, each solved to 1e-8.
-#include "palpable/campaign/calculix_comparison.h"
+#include "bench/bake/calculix_comparison.h"
 
 #include "palpable/describe/body_mesh.h"
 #include "palpable/describe/contact_sites.h"

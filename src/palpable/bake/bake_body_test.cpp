@@ -162,7 +162,7 @@ TEST_CASE("a body with its inside gives the snapshots back at every node", "[bak
   heavy.sites.count = 2;
   heavy.shape.order = 2;
   LocalCrew crew;
-  BakeSettings bake;
+  FillSettings bake;
   bake.threads = 1;
   bake.store = kitchen.folder / "egg.snapshots";
   const SnapshotStore store = fill_store(heavy, bake, crew).store;
@@ -342,7 +342,7 @@ TEST_CASE("a parameter that nobody settles stays free in the body", "[bake][body
   description.parameters = {{.name = "stiffness", .values = {0.5, 1.0, 2.0}}};
   const std::filesystem::path folder = kitchen.folder / "free.snapshots";
   LocalCrew crew;
-  BakeSettings bake;
+  FillSettings bake;
   bake.threads = 1;
   bake.store = folder;
   const FilledStore filled = fill_store(description, bake, crew);

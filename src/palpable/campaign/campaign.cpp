@@ -39,7 +39,7 @@ Digest digest_of_problem(const CampaignPlan& plan) {
   Digest digest;
   digest.add(kSnapshotLayout);
   digest.add(kSiteRunRevision);
-  digest.add(plan.solver);
+  digest.add(std::string(fe_solver_name(plan.solver)));
   const SolidModel& model = plan.model;
   digest.add(model.mesh.nodes);
   digest.add(model.mesh.tets);
@@ -181,10 +181,14 @@ class Account {
 
 }  // namespace
 
+std::string_view fe_solver_name(FeSolver solver) {
+  return solver == FeSolver::kCalculix ? "calculix" : "own";
+}
+
 std::uint64_t linear_key(const CampaignPlan& plan) {
   CampaignPlan pressed_by_nothing = plan;
   pressed_by_nothing.run = {};
-  pressed_by_nothing.solver = "own";
+  pressed_by_nothing.solver = FeSolver::kOwn;
   Digest digest = digest_of_problem(pressed_by_nothing);
   add(digest, plan.points[0].material);
   for (const Material& group : plan.points[0].groups) add(digest, group);
@@ -213,8 +217,8 @@ CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store
   const int S = static_cast<int>(plan.sites.size()), P = static_cast<int>(plan.points.size());
   PALPABLE_EXPECT(S > 0 && P > 0, "a campaign has sites and points");
   PALPABLE_EXPECT(store.content().unit_count() == S * P, "the store is of this plan");
-  PALPABLE_EXPECT(plan.run.at.empty() ||
-                      (static_cast<int>(plan.full_loads.size()) == S * P && plan.solver == "own"),
+  PALPABLE_EXPECT(plan.run.at.empty() || (static_cast<int>(plan.full_loads.size()) == S * P &&
+                                          plan.solver == FeSolver::kOwn),
                   "given levels need a load for each unit, and the own solver");
   const int threads = crew.threads(settings.threads);
 
@@ -249,7 +253,7 @@ CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store
     result.setup = solver->setup();
     const SiteSolver presses(*solver, plan.boundary, plan.preload);
     std::optional<CalculixSites> calculix;
-    if (plan.solver == "calculix") calculix.emplace(presses, settings.calculix);
+    if (plan.solver == FeSolver::kCalculix) calculix.emplace(presses, settings.calculix);
     const auto run = [&](const Pieces& pieces) {
       const SiteStream stream{[&]() -> std::optional<int> {
                                 const std::optional<int> i = pieces.next();

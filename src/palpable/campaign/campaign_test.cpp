@@ -127,7 +127,7 @@ TEST_CASE("a snapshot is of its mesh, material, load and levels, and of no other
   CHECK(changed([](CampaignPlan& p) { p.model.fixed_nodes.pop_back(); }));
   CHECK(changed([](CampaignPlan& p) { p.run.press *= 1.01; }));
   CHECK(changed([](CampaignPlan& p) { p.run.levels = 3; }));
-  CHECK(changed([](CampaignPlan& p) { p.solver = "calculix"; }));
+  CHECK(changed([](CampaignPlan& p) { p.solver = FeSolver::kCalculix; }));
   CHECK(changed([](CampaignPlan& p) {
     for (Site& site : p.sites) site.direction = -site.direction;
   }));

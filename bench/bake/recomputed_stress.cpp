@@ -1,4 +1,4 @@
-#include "apps/palpable-bake/recomputed_stress.h"
+#include "bench/bake/recomputed_stress.h"
 
 #include "palpable/campaign/held_out.h"
 #include "palpable/campaign/store_rows.h"

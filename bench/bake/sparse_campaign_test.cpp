@@ -1,4 +1,4 @@
-#include "palpable/campaign/sparse_campaign.h"
+#include "bench/bake/sparse_campaign.h"
 
 #include "palpable/base/error.h"
 #include "palpable/campaign/store_rows.h"

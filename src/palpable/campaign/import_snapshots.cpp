@@ -1,8 +1,8 @@
-#include "palpable/bake/import_snapshots.h"
+#include "palpable/campaign/import_snapshots.h"
 
-#include "palpable/bake/bake_body.h"
 #include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
+#include "palpable/campaign/fill_store.h"
 #include "palpable/describe/body_problem.h"
 #include "palpable/describe/toml_section.h"
 #include "palpable/mesh/field_files.h"
