@@ -1,5 +1,6 @@
 #include "bench/bake/recomputed_stress.h"
 
+#include "palpable/base/order_statistics.h"
 #include "palpable/campaign/held_out.h"
 #include "palpable/campaign/store_rows.h"
 #include "palpable/describe/body_problem.h"
@@ -27,9 +28,8 @@ struct Account {
 
   [[nodiscard]] double worst() const { return *std::max_element(errors.begin(), errors.end()); }
   [[nodiscard]] double median() const {
-    std::vector<double> sorted = errors;
-    std::sort(sorted.begin(), sorted.end());
-    return sorted[sorted.size() / 2];
+    std::vector<double> copy = errors;
+    return upper_median(copy);
   }
 };
 
@@ -70,101 +70,130 @@ TetMesh outer_layers(const TetMesh& mesh, const Boundary& boundary) {
   return part;
 }
 
+// What is compared, with all that the states have in common.
+struct Campaign {
+  const SnapshotStore& store;
+  const SnapshotStore& held_out;
+  const BodyProblem& problem;
+  StressRecovery recovery{problem.model.mesh};
+
+  [[nodiscard]] VectorXd von_mises_on_skin(const StressField& stress) const {
+    return von_mises(StressField(stress(Eigen::all, problem.mesh.boundary.node_of_vertex)));
+  }
+};
+
+// Displacement of one site at all nodes over the level, in up to kMost modes.
+SeparatedField few_modes(const Campaign& campaign, int site) {
+  const StoreContent& content = campaign.store.content();
+  const StoredField field = *find_field(content, "displacement");
+  const SnapshotRows rows = snapshot_rows(campaign.store, 0, field);
+  const SnapshotRows of_site{rows.values,
+                             {1, content.level_count()},
+                             [&](Index first, Index count) -> MatrixXd {
+                               return rows.read_first(site).middleRows(first, count);
+                             },
+                             [&](int) { return rows.read_first(site); }};
+  const Reduction modes = reduce(of_site, value_weights(campaign.problem.model.mesh, field),
+                                 {.tolerance = 1e-6, .max_modes = kMost, .weight_snapshots = true});
+  const SeparatedTensor& block = modes.blocks[0];
+  MatrixXd G = MatrixXd::Zero(content.levels.size(), block.F.cols());
+  G.bottomRows(content.level_count()) = block.G[0];
+  return {block.F.cast<float>(), {{"level", content.levels, G, Between::kSmooth}}};
+}
+
+// Errors at some levels between of one site: [m] from m modes of displacement.
+void add_site(const Campaign& campaign, int site, std::vector<Account>& recomputed) {
+  const SolidModel& model = campaign.problem.model;
+  const int N = model.mesh.node_count();
+  const SeparatedField field = few_modes(campaign, site);
+  const StoreContent& between = campaign.held_out.content();
+  const StoredField stress = *find_field(between, "stress");
+  const Eigen::MatrixXf truths = campaign.held_out.rows(site, stress, 0, Index{6} * N);
+  for (Index l = 0; l < between.level_count(); l += kLevelStep) {
+    const VectorXd truth =
+        campaign.von_mises_on_skin(StressField(truths.col(l).cast<double>().reshaped(6, N)));
+    for (int m = kFewest; m <= kMost; ++m) {
+      const SeparatedField cut = field.truncated(std::min(m, field.mode_count()));
+      Eigen::VectorXf u(cut.value_count());
+      const double mu[1] = {between.levels[l + 1]};
+      cut.evaluate(mu, {u.data(), static_cast<std::size_t>(u.size())});
+      const VectorXd found = campaign.von_mises_on_skin(
+          nodal_cauchy_stress(model, u.cast<double>().reshaped(3, N), campaign.recovery));
+      recomputed[m].errors.push_back((found - truth).cwiseAbs().maxCoeff() / truth.maxCoeff());
+    }
+  }
+}
+
+Json row_of(const std::string& name, const Account& account, double bytes, double us) {
+  return {{"stress", name},
+          {"vm_median", account.median()},
+          {"vm_worst", account.worst()},
+          {"bytes", static_cast<long long>(bytes)},
+          {"us", us}};
+}
+
+// The live half's way: both fields are evaluated.
+double own_field_us(const ReducedBody& body) {
+  std::vector<float> u(static_cast<std::size_t>(body.displacement.value_count()));
+  std::vector<float> sigma(static_cast<std::size_t>(body.stress.value_count()));
+  std::vector<float> vm(u.size() / 3);
+  const double mu[2] = {0.0, 0.5};
+  return microseconds_of(200, [&] {
+    body.displacement.evaluate(mu, u);
+    body.stress.evaluate(mu, sigma);
+    von_mises(sigma, vm);
+  });
+}
+
+// Displacement of n nodes from m modes over the level.
+double displacement_us(const VectorXd& levels, int n, int m) {
+  const SeparatedField few(Eigen::MatrixXf::Ones(Index{3} * n, m),
+                           {{"level", levels, MatrixXd::Ones(levels.size(), m), Between::kSmooth}});
+  Eigen::VectorXf moved(few.value_count());
+  const double level[1] = {0.5};
+  return microseconds_of(200, [&] {
+    few.evaluate(level, {moved.data(), static_cast<std::size_t>(moved.size())});
+  });
+}
+
 }  // namespace
 
 Json recomputed_stress(const BodyDescription& description, const SnapshotStore& store,
                        const SnapshotStore& held_out, const ReducedBody& body) {
   const BodyProblem problem = pose_body(description);
-  const TetMesh& mesh = problem.model.mesh;
-  const Boundary& boundary = problem.mesh.boundary;
-  const StressRecovery recovery(mesh);
+  const Campaign campaign{store, held_out, problem};
   const StoreContent& content = store.content();
-  const StoredField u_field = *find_field(content, "displacement");
-  const StoredField s_field = *find_field(content, "stress");
-  const SnapshotRows rows = snapshot_rows(store, 0, u_field);
-  const VectorXd weights = value_weights(mesh, u_field);
-  const VectorXd& levels = held_out.content().levels;
-  const auto on_skin = [&](const StressField& all) {
-    return von_mises(StressField(all(Eigen::all, boundary.node_of_vertex)));
-  };
-
+  const Index between = held_out.content().level_count();
   std::vector<Account> recomputed(kMost + 1);
   Account own;
   const HeldOutErrors of_body = held_out_errors(body, held_out);
   for (int s = 0; s < content.site_count(); s += kSiteStep) {
-    const SnapshotRows site{rows.values,
-                            {1, content.level_count()},
-                            [&](Index first, Index count) -> MatrixXd {
-                              return rows.read_first(s).middleRows(first, count);
-                            },
-                            [&](int) { return rows.read_first(s); }};
-    const Reduction modes =
-        reduce(site, weights, {.tolerance = 1e-6, .max_modes = kMost, .weight_snapshots = true});
-    const SeparatedTensor& block = modes.blocks[0];
-    MatrixXd G = MatrixXd::Zero(content.levels.size(), block.F.cols());
-    G.bottomRows(content.level_count()) = block.G[0];
-    const SeparatedField field(block.F.cast<float>(),
-                               {{"level", content.levels, G, Between::kSmooth}});
-    const Eigen::MatrixXf truths = held_out.rows(s, s_field, 0, Index{6} * mesh.node_count());
-    for (Index l = 0; l < levels.size() - 1; l += kLevelStep) {
-      own.errors.push_back(of_body.von_mises(l, s));
-      const VectorXd truth =
-          on_skin(StressField(truths.col(l).cast<double>().reshaped(6, mesh.node_count())));
-      for (int m = kFewest; m <= kMost; ++m) {
-        const SeparatedField cut = field.truncated(std::min(m, field.mode_count()));
-        Eigen::VectorXf u(cut.value_count());
-        const double mu[1] = {levels[l + 1]};
-        cut.evaluate(mu, {u.data(), static_cast<std::size_t>(u.size())});
-        const VectorXd found = on_skin(nodal_cauchy_stress(
-            problem.model, u.cast<double>().reshaped(3, mesh.node_count()), recovery));
-        recomputed[static_cast<std::size_t>(m)].errors.push_back(
-            (found - truth).cwiseAbs().maxCoeff() / truth.maxCoeff());
-      }
-    }
+    for (Index l = 0; l < between; l += kLevelStep) own.errors.push_back(of_body.von_mises(l, s));
+    add_site(campaign, s, recomputed);
   }
 
-  const TetMesh outer = outer_layers(mesh, boundary);
-  SolidModel part;
-  part.mesh = outer;
-  part.material = problem.model.material;
-  const StressRecovery part_recovery(outer);
-  const Eigen::Matrix3Xd rest = Eigen::Matrix3Xd::Zero(3, outer.node_count());
+  SolidModel outer;
+  outer.mesh = outer_layers(problem.model.mesh, problem.mesh.boundary);
+  outer.material = problem.model.material;
+  const int outer_nodes = outer.mesh.node_count();
+  const StressRecovery outer_recovery(outer.mesh);
+  const Eigen::Matrix3Xd rest = Eigen::Matrix3Xd::Zero(3, outer_nodes);
   const double us_stress =
-      microseconds_of(5, [&] { (void)nodal_cauchy_stress(part, rest, part_recovery); });
+      microseconds_of(5, [&] { (void)nodal_cauchy_stress(outer, rest, outer_recovery); });
   const double V = body.surface.vertex_count(), S = content.site_count();
   Json result;
   result["sites"] = (content.site_count() + kSiteStep - 1) / kSiteStep;
-  result["levels"] = (levels.size() - 2) / kLevelStep + 1;
-  result["outer_nodes"] = outer.node_count();
-  result["outer_tets"] = outer.tet_count();
-  const auto row = [&](const std::string& name, const Account& account, double bytes, double us) {
-    result["rows"].push_back({{"stress", name},
-                              {"vm_median", account.median()},
-                              {"vm_worst", account.worst()},
-                              {"bytes", static_cast<long long>(bytes)},
-                              {"us", us}});
-  };
-  std::vector<float> u(static_cast<std::size_t>(body.displacement.value_count()));
-  std::vector<float> sigma(static_cast<std::size_t>(body.stress.value_count()));
-  std::vector<float> vm(u.size() / 3);
-  const double mu[2] = {0.0, 0.5};
-  row("a field of its own", own,
-      4.0 * V * (3.0 * body.displacement.mode_count() + 6.0 * body.stress.mode_count()),
-      microseconds_of(200, [&] {
-        body.displacement.evaluate(mu, u);
-        body.stress.evaluate(mu, sigma);
-        von_mises(sigma, vm);
-      }));
+  result["levels"] = (between - 1) / kLevelStep + 1;
+  result["outer_nodes"] = outer_nodes;
+  result["outer_tets"] = outer.mesh.tet_count();
+  result["rows"].push_back(
+      row_of("a field of its own", own,
+             4.0 * V * (3.0 * body.displacement.mode_count() + 6.0 * body.stress.mode_count()),
+             own_field_us(body)));
   for (int m = kFewest; m <= kMost; ++m) {
-    const SeparatedField few(
-        Eigen::MatrixXf::Ones(Index{3} * outer.node_count(), m),
-        {{"level", content.levels, MatrixXd::Ones(content.levels.size(), m), Between::kSmooth}});
-    Eigen::VectorXf moved(few.value_count());
-    const double us_u = microseconds_of(200, [&] {
-      few.evaluate({mu + 1, 1}, {moved.data(), static_cast<std::size_t>(moved.size())});
-    });
-    row(fmt::format("from {} modes of displacement", m), recomputed[static_cast<std::size_t>(m)],
-        4.0 * 3.0 * outer.node_count() * m * S, us_u + us_stress);
+    result["rows"].push_back(row_of(fmt::format("from {} modes of displacement", m), recomputed[m],
+                                    4.0 * 3.0 * outer_nodes * m * S,
+                                    displacement_us(content.levels, outer_nodes, m) + us_stress));
   }
   return result;
 }

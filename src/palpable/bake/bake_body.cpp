@@ -6,7 +6,7 @@
 #include "palpable/campaign/store_rows.h"
 #include "palpable/campaign/temporary_folder.h"
 #include "palpable/geometry/tet_mesh.h"
-#include "palpable/separate/error_course.h"
+#include "palpable/bake/error_course.h"
 #include "palpable/separate/reduction.h"
 
 #include <fmt/format.h>

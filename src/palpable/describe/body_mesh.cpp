@@ -8,7 +8,9 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <map>
+#include <system_error>
 #include <utility>
 
 namespace palpable {
@@ -35,8 +37,21 @@ Boundary split_boundary_of(const TetMesh& mesh) {
 
 namespace {
 
+// The bodies of this repository refer to meshes that are no part of it: the set-up fetches or makes
+// them in build/meshes, the larger ones only when it is asked to.
+void require_made(const std::filesystem::path& file) {
+  std::error_code ignored;
+  const std::filesystem::path folder = file.lexically_normal().parent_path();
+  if (folder.filename() != "meshes" || folder.parent_path().filename() != "build" ||
+      std::filesystem::exists(file, ignored)) {
+    return;
+  }
+  throw Error(fmt::format("{}: no such file; 'tools/setup.sh bodies' makes it", file.string()));
+}
+
 // The tetrahedra of the shape in the body frame, and how they came about.
 VolumeMesh make_volume(const BodyDescription::Shape& shape, std::string& made) {
+  require_made(shape.file);
   const std::string name = shape.file.string();
   VolumeMesh volume;
   if (shape.is_volume()) {

@@ -116,6 +116,20 @@ TetAssembly::TetAssembly(const SolidModel& model, SimdLevel simd) : simd_(simd) 
   }
 }
 
+namespace {
+
+// The nodes of an element of A nodes.
+template <int A>
+Eigen::Matrix<int, A, 1> nodes_of(const TetMesh& mesh, int e) {
+  if constexpr (A == 4) {
+    return mesh.tets.col(e);
+  } else {
+    return quadratic_nodes(mesh, e);
+  }
+}
+
+}  // namespace
+
 template <int A, int Q>
 void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
   const TetMesh& mesh = model.mesh;
@@ -123,20 +137,48 @@ void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
   groups.push_back({model.material, {}, {}, {}});
   for (const MaterialGroup& group : model.groups) groups.push_back({group.material, {}, {}, {}});
   for (int e = 0; e < mesh.tet_count(); ++e) {
-    const int group = group_of_element[static_cast<std::size_t>(e)];
-    groups[static_cast<std::size_t>(group + 1)].numbers.push_back(e);
+    groups[group_of_element[e] + 1].numbers.push_back(e);
+  }
+  estimate_noise<A, Q>(mesh, groups);
+  build_pattern<A>(mesh);
+
+  // Elements along a curve, and nodes as the elements come to them.
+  row_of_node_.assign(mesh.node_count(), -1);
+  int rows = 0;
+  for (auto& group : groups) {
+    std::vector<int> sorted;
+    for (const int k : order_along_curve(centres(mesh, group.numbers))) {
+      sorted.push_back(group.numbers[k]);
+    }
+    group.numbers = std::move(sorted);
+    for (const int e : group.numbers) {
+      for (const int n : nodes_of<A>(mesh, e)) {
+        int& row = row_of_node_[n];
+        if (row < 0) row = rows++;
+      }
+    }
   }
 
-  const auto free_of = [&](int node) { return free_of_node_[static_cast<std::size_t>(node)]; };
-  const auto nodes_of = [&](int e) -> Eigen::Matrix<int, A, 1> {
-    if constexpr (A == 4) {
-      return mesh.tets.col(e);
-    } else {
-      return quadratic_nodes(mesh, e);
+  for (auto& group : groups) {
+    for (std::size_t first = 0; first < group.numbers.size(); first += kPackSize) {
+      group.blocks.push_back(block_of<A, Q>(mesh, group.numbers, first, row_of_node_));
     }
-  };
+    for (const int e : group.numbers) {
+      const auto nodes = nodes_of<A>(mesh, e);
+      std::array<int, A* A>& places = group.places.emplace_back();
+      for (int a = 0; a < A; ++a) {
+        for (int b = 0; b < A; ++b) {
+          const int row = free_of_node_[nodes[a]], column = free_of_node_[nodes[b]];
+          places[A * a + b] = row < 0 || column < 0 ? -1 : pattern_.find(row, column);
+        }
+      }
+    }
+  }
+}
 
-  // A few roundings of the numbers that energy and stress of an element are made of.
+// A few roundings of the numbers that energy and stress of an element are made of.
+template <int A, int Q>
+void TetAssembly::estimate_noise(const TetMesh& mesh, const Groups<A, Q>& groups) {
   const Eigen::VectorXd volumes = tet_volumes(mesh);
   double squares = 0.0;
   for (const auto& group : groups) {
@@ -149,17 +191,20 @@ void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
     }
   }
   force_noise_ = std::sqrt(squares);
+}
 
-  // Neighbours of each free node, itself included.
+// In the row of each free node the free nodes of its elements, itself included.
+template <int A>
+void TetAssembly::build_pattern(const TetMesh& mesh) {
   std::vector<std::vector<int>> neighbours(free_nodes_.size());
   for (int e = 0; e < mesh.tet_count(); ++e) {
-    const auto nodes = nodes_of(e);
+    const auto nodes = nodes_of<A>(mesh, e);
     for (const int a : nodes) {
-      const int row = free_of(a);
+      const int row = free_of_node_[a];
       if (row < 0) continue;
       for (const int b : nodes) {
-        const int column = free_of(b);
-        if (column >= 0) neighbours[static_cast<std::size_t>(row)].push_back(column);
+        const int column = free_of_node_[b];
+        if (column >= 0) neighbours[row].push_back(column);
       }
     }
   }
@@ -169,40 +214,6 @@ void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
     row.erase(std::unique(row.begin(), row.end()), row.end());
     pattern_.column.insert(pattern_.column.end(), row.begin(), row.end());
     pattern_.row_start.push_back(static_cast<int>(pattern_.column.size()));
-  }
-
-  // Elements along a curve, and nodes as the elements come to them.
-  row_of_node_.assign(static_cast<std::size_t>(mesh.node_count()), -1);
-  int rows = 0;
-  for (auto& group : groups) {
-    std::vector<int> sorted;
-    for (const int k : order_along_curve(centres(mesh, group.numbers))) {
-      sorted.push_back(group.numbers[static_cast<std::size_t>(k)]);
-    }
-    group.numbers = std::move(sorted);
-    for (const int e : group.numbers) {
-      for (const int n : nodes_of(e)) {
-        int& row = row_of_node_[static_cast<std::size_t>(n)];
-        if (row < 0) row = rows++;
-      }
-    }
-  }
-
-  for (auto& group : groups) {
-    for (std::size_t first = 0; first < group.numbers.size(); first += kPackSize) {
-      group.blocks.push_back(block_of<A, Q>(mesh, group.numbers, first, row_of_node_));
-    }
-    for (const int e : group.numbers) {
-      const auto nodes = nodes_of(e);
-      std::array<int, A* A>& places = group.places.emplace_back();
-      for (int a = 0; a < A; ++a) {
-        for (int b = 0; b < A; ++b) {
-          const int row = free_of(nodes[a]), column = free_of(nodes[b]);
-          places[static_cast<std::size_t>(A * a + b)] =
-              row < 0 || column < 0 ? -1 : pattern_.find(row, column);
-        }
-      }
-    }
   }
 }
 
