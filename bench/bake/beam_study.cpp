@@ -34,9 +34,7 @@ std::vector<std::vector<Index>> rows_of(const TravellingLoad& travelling) {
   std::vector<std::vector<Index>> sorted;
   for (auto& [y, row] : rows) {
     std::sort(row.begin(), row.end(), [&](Index a, Index b) {
-      const auto x = [&](Index s) {
-        return X(0, travelling.problem.sites[static_cast<std::size_t>(s)].vertex);
-      };
+      const auto x = [&](Index s) { return X(0, travelling.problem.sites[s].vertex); };
       return x(a) < x(b);
     });
     sorted.push_back(std::move(row));
@@ -52,9 +50,7 @@ HeldOutPositions held_out_positions(const LoadSeries& body, const TravellingLoad
   SeriesPgdGoal goal{.modes = modes};
   goal.used.assign(table.gram.size(), 1);
   for (const std::vector<Index>& row : rows) {
-    for (std::size_t k = 1; k + 1 < row.size(); k += 2) {
-      goal.used[static_cast<std::size_t>(row[k])] = 0;
-    }
+    for (std::size_t k = 1; k + 1 < row.size(); k += 2) { goal.used[row[k]] = 0; }
   }
   HeldOutPositions result;
   result.trained_on = static_cast<int>(std::count(goal.used.begin(), goal.used.end(), 1));
@@ -69,16 +65,14 @@ HeldOutPositions held_out_positions(const LoadSeries& body, const TravellingLoad
   for (const std::vector<Index>& row : rows) {
     std::vector<Index> known;
     for (const Index s : row) {
-      if (goal.used[static_cast<std::size_t>(s)] != 0) known.push_back(s);
+      if (goal.used[s] != 0) known.push_back(s);
     }
-    const auto x = [&](Index s) {
-      return X(0, travelling.problem.sites[static_cast<std::size_t>(s)].vertex);
-    };
+    const auto x = [&](Index s) { return X(0, travelling.problem.sites[s].vertex); };
     VectorXd at(static_cast<Index>(known.size()));
     MatrixXd values(at.size(), m * J);
     for (Index k = 0; k < at.size(); ++k) {
-      const auto s = static_cast<std::size_t>(known[static_cast<std::size_t>(k)]);
-      at[k] = x(known[static_cast<std::size_t>(k)]);
+      const auto s = static_cast<std::size_t>(known[k]);
+      at[k] = x(known[k]);
       values.row(k) = (pgd.G[s] * table.at_level[s]).reshaped().transpose();
     }
     const MatrixXd slopes = spline_slopes(at, values);
@@ -132,7 +126,7 @@ BodyDifference body_difference(const ReducedBody& body, const ReducedBody& other
   };
   const auto add = [&](Sums& sums, const SeparatedField& of_body, const SeparatedField& of_other,
                        const std::array<double, 2>& mu, const std::array<double, 2>& nu) {
-    std::vector<float> a(static_cast<std::size_t>(of_body.value_count())), b(a.size());
+    std::vector<float> a(of_body.value_count()), b(a.size());
     of_body.evaluate(mu, a);
     of_other.evaluate(nu, b);
     const std::size_t components = a.size() / static_cast<std::size_t>(V);
@@ -187,7 +181,7 @@ std::vector<NewtonCheck> newton_checks(const IntrusiveBake& made, int count, uns
   const Boundary& boundary = made.travelling.problem.mesh.boundary;
   const VectorXd areas = vertex_areas(boundary.surface);
   const auto V = static_cast<Index>(areas.size());
-  std::vector<float> u(static_cast<std::size_t>(3 * V)), sigma(static_cast<std::size_t>(6 * V));
+  std::vector<float> u(3 * V), sigma(6 * V);
   std::vector<NewtonCheck> checks;
   for (int k = 0; k < count; ++k) {
     // 53 random bits, the same on every system.

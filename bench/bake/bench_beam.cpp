@@ -44,7 +44,7 @@ Json modes_at(const Eigen::VectorXd& errors, double tolerance) {
 
 // us of CPU time, the median of many evaluations at changing loads.
 double evaluation_us(const SeparatedField& field, int sites) {
-  std::vector<float> values(static_cast<std::size_t>(field.value_count()));
+  std::vector<float> values(field.value_count());
   std::vector<double> times;
   for (int k = 0; k < 2000; ++k) {
     const std::array<double, 2> mu{static_cast<double>((37 * k) % sites), 0.05 + 0.0004 * k};

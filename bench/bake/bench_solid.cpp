@@ -69,7 +69,7 @@ struct OurPath {
 };
 OurPath solve_ours(const SolidModel& model, const Matrix3Xd& load,
                    const std::vector<double>& levels, int repeats) {
-  std::vector<OurPath> runs(static_cast<std::size_t>(repeats));
+  std::vector<OurPath> runs(repeats);
   for (OurPath& run : runs) {
     const double begin = process_cpu_seconds();
     const EquilibriumSolver solver(model, {.tolerance = kTolerance});

@@ -45,18 +45,18 @@ double microseconds_of(int times, const Work& work) {
 // The elements from which stress on the skin follows: a node there takes what patches of inner
 // nodes beside it say (stress_recovery.h), so two layers of elements.
 TetMesh outer_layers(const TetMesh& mesh, const Boundary& boundary) {
-  std::vector<char> node(static_cast<std::size_t>(mesh.node_count()), 0);
-  for (const int n : boundary.node_of_vertex) node[static_cast<std::size_t>(n)] = 1;
+  std::vector<char> node(mesh.node_count(), 0);
+  for (const int n : boundary.node_of_vertex) node[n] = 1;
   std::vector<int> elements;
   for (int layer = 0; layer < 2; ++layer) {
     elements.clear();
     for (int e = 0; e < mesh.tet_count(); ++e) {
-      const auto touches = [&](int n) { return node[static_cast<std::size_t>(n)] != 0; };
+      const auto touches = [&](int n) { return node[n] != 0; };
       const auto corners = mesh.tets.col(e);
       if (std::any_of(corners.begin(), corners.end(), touches)) elements.push_back(e);
     }
     for (const int e : elements) {
-      for (const int n : mesh.tets.col(e)) node[static_cast<std::size_t>(n)] = 1;
+      for (const int n : mesh.tets.col(e)) node[n] = 1;
     }
   }
   std::vector<int> number(node.size(), -1), kept;
@@ -66,7 +66,7 @@ TetMesh outer_layers(const TetMesh& mesh, const Boundary& boundary) {
     kept.push_back(static_cast<int>(n));
   }
   TetMesh part{mesh.nodes(Eigen::all, kept), mesh.tets(Eigen::all, elements)};
-  for (int& n : part.tets.reshaped()) n = number[static_cast<std::size_t>(n)];
+  for (int& n : part.tets.reshaped()) n = number[n];
   return part;
 }
 
@@ -134,8 +134,8 @@ Json row_of(const std::string& name, const Account& account, double bytes, doubl
 
 // The live half's way: both fields are evaluated.
 double own_field_us(const ReducedBody& body) {
-  std::vector<float> u(static_cast<std::size_t>(body.displacement.value_count()));
-  std::vector<float> sigma(static_cast<std::size_t>(body.stress.value_count()));
+  std::vector<float> u(body.displacement.value_count());
+  std::vector<float> sigma(body.stress.value_count());
   std::vector<float> vm(u.size() / 3);
   const double mu[2] = {0.0, 0.5};
   return microseconds_of(200, [&] {

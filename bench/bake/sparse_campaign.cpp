@@ -26,14 +26,14 @@ using Eigen::VectorXd;
 
 // (K) true for a random part; the same for the same seed.
 std::vector<bool> draw(Index K, double part, std::uint64_t seed) {
-  std::vector<Index> order(static_cast<std::size_t>(K));
+  std::vector<Index> order(K);
   std::iota(order.begin(), order.end(), Index{0});
   std::mt19937_64 random(seed);
   for (Index k = K - 1; k > 0; --k) {
     std::swap(order[k], order[random() % static_cast<std::uint64_t>(k + 1)]);
   }
   const auto count = static_cast<std::size_t>(std::llround(part * static_cast<double>(K)));
-  std::vector<bool> drawn(static_cast<std::size_t>(K), false);
+  std::vector<bool> drawn(K, false);
   for (std::size_t k = 0; k < count; ++k) drawn[order[k]] = true;
   return drawn;
 }

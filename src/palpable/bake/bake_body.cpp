@@ -1,12 +1,12 @@
 #include "palpable/bake/bake_body.h"
 
+#include "palpable/bake/error_course.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/campaign/between_sites.h"
 #include "palpable/campaign/store_rows.h"
 #include "palpable/campaign/temporary_folder.h"
 #include "palpable/geometry/tet_mesh.h"
-#include "palpable/bake/error_course.h"
 #include "palpable/separate/reduction.h"
 
 #include <fmt/format.h>
@@ -89,7 +89,7 @@ double largest_evaluation_error(const SeparatedField& reduced, const SnapshotSto
   const StoreContent& content = store.content();
   const int S = content.site_count(), L = content.level_count();
   const Index rows = Index{content.mesh.node_count()} * field.components;
-  std::vector<float> values(static_cast<std::size_t>(reduced.value_count()));
+  std::vector<float> values(reduced.value_count());
   const Eigen::Map<const Eigen::VectorXf> evaluated(values.data(), reduced.value_count());
   float largest = 0, whole = 0;
   for (int p = points.first; p < points.first + points.count; ++p) {

@@ -146,7 +146,7 @@ MethodLine end_of(const SeparatedField& field, const ErrorCourse& course, std::s
   }
   line.bytes = {mode_bytes(field.value_count(), field.mode_count(), functions)};
   for (std::vector<double>* errors : {&line.pooled, &line.median, &line.worst}) {
-    *errors = {(*errors)[static_cast<std::size_t>(last)]};
+    *errors = {(*errors)[last]};
   }
   return line;
 }

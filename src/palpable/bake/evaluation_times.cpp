@@ -28,8 +28,8 @@ double median_us(int repeats, const std::function<void(int)>& call) {
 
 EvaluationTimes evaluation_times(const ReducedBody& unsettled) {
   const ReducedBody body = value_or_throw(settled(unsettled));
-  std::vector<float> u(static_cast<std::size_t>(body.displacement.value_count()));
-  std::vector<float> sigma(static_cast<std::size_t>(body.stress.value_count()));
+  std::vector<float> u(body.displacement.value_count());
+  std::vector<float> sigma(body.stress.value_count());
   std::vector<float> vm(sigma.size() / 6);
   const auto S = static_cast<int>(body.sites.size());
   const auto at = [&](int i) {

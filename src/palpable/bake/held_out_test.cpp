@@ -49,7 +49,7 @@ TEST_CASE("a body's errors between its levels are those of what the live half ev
   const Boundary boundary = split_boundary_of(between.content().mesh);
   const Eigen::MatrixXf all =
       between.rows(1, between.content().fields[0], 0, 3 * between.content().mesh.node_count());
-  std::vector<float> u(static_cast<std::size_t>(reduced.displacement.value_count()));
+  std::vector<float> u(reduced.displacement.value_count());
   reduced.displacement.evaluate(std::array{1.0, 0.7}, u);
   double lost = 0, whole = 0;
   for (std::size_t v = 0; v < boundary.node_of_vertex.size(); ++v) {

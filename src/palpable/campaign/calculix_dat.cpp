@@ -143,7 +143,7 @@ class DatReader {
   void table(std::string_view what, int count, int points, const Store& store) {
     const std::size_t indices = points == 0 ? 1 : 2, values = points == 0 ? 3 : 6;
     const int per_index = std::max(points, 1), rows = per_index * count;
-    std::vector<bool> seen(static_cast<std::size_t>(rows));
+    std::vector<bool> seen(rows);
     for (int row = 0; row < rows; ++row) {
       if (!(row == 0 ? next_line_with_words() : next_line())) {
         throw Bad{fmt::format("the file ends after {} of {} lines of {}s", row, rows, what)};
@@ -163,10 +163,8 @@ class DatReader {
             fmt::format("integration point '{}'; an element has {}", shown(words[1]), points)};
       }
       const int column = per_index * (index - 1) + point - 1;
-      if (seen[static_cast<std::size_t>(column)]) {
-        throw Bad{fmt::format("{} {} comes twice", what, index)};
-      }
-      seen[static_cast<std::size_t>(column)] = true;
+      if (seen[column]) { throw Bad{fmt::format("{} {} comes twice", what, index)}; }
+      seen[column] = true;
       std::array<double, 6> numbers{};
       for (std::size_t k = 0; k < values; ++k) {
         if (!parse_fortran(words[indices + k], numbers[k])) {

@@ -248,7 +248,7 @@ TEST_CASE("a node of a deck is the node of the model to thirteen digits",
     CHECK(index == n + 1);
     for (int i = 0; i < 3; ++i) {
       const double exact = model.mesh.nodes(i, n);
-      CHECK(std::abs(metre * X[static_cast<std::size_t>(i)] - exact) <=
+      CHECK(std::abs(metre * X[i] - exact) <=
             tolerance(1e-12, "13 significant digits") * std::abs(exact));
     }
   }

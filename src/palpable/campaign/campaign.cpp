@@ -140,7 +140,7 @@ class Account {
       : progress_(progress),
         done_(there),
         total_(total),
-        parts_(static_cast<std::size_t>(units), 0.0) {
+        parts_(units, 0.0) {
     if (there > 0) found_ = fmt::format("{} were there", there);
   }
   void begin() {

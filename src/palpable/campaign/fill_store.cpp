@@ -107,8 +107,7 @@ std::vector<PointMaterials> points_of(const BodyDescription& description) {
     for (std::size_t k = description.parameters.size(); k-- > 0;) {
       const BodyDescription::Parameter& parameter = description.parameters[k];
       BodyDescription::MaterialLaw& law =
-          parameter.group < 0 ? here.material
-                              : here.groups[static_cast<std::size_t>(parameter.group)].material;
+          parameter.group < 0 ? here.material : here.groups[parameter.group].material;
       vary(law, parameter, parameter.values[rest % parameter.values.size()]);
       rest /= parameter.values.size();
     }

@@ -113,7 +113,7 @@ class NodeMatch {
   [[nodiscard]] std::vector<Index> rows(const NodalFile& file, Index count,
                                         const std::string& name) const {
     const int N = volume_.mesh.node_count();
-    std::vector<Index> row(static_cast<std::size_t>(N), -1);
+    std::vector<Index> row(N, -1);
     for (Index i = 0; i < count; ++i) {
       std::int64_t number = 0;
       if (!file.numbers.empty()) {

@@ -109,8 +109,7 @@ void hold_nodes(const VolumeMesh& volume, const BodyDescription& description, Bo
               "{}: moves the node at ({:.4g}, {:.4g}, {:.4g}) m by {} m in {}, but {} by {} m: let "
               "each node be held in each direction by one of them",
               support.where.place, X[0], X[1], X[2], support.displacement[i], "xyz"[i],
-              description.supports[static_cast<std::size_t>(hold.by[i])].where.place,
-              hold.displacement[i]));
+              description.supports[hold.by[i]].where.place, hold.displacement[i]));
         }
         hold.by[i] = static_cast<int>(s);
         hold.displacement[i] = support.displacement[i];
@@ -145,11 +144,9 @@ BodyMesh make_body_mesh(const BodyDescription& description) {
 }
 
 std::vector<std::uint8_t> held_nodes(const BodyMesh& body) {
-  std::vector<std::uint8_t> held(static_cast<std::size_t>(body.mesh.node_count()), 0);
-  for (const int n : body.fixed_nodes) held[static_cast<std::size_t>(n)] = 1;
-  for (const Support& support : body.supports) {
-    held[static_cast<std::size_t>(support.node)] = support.held.all();
-  }
+  std::vector<std::uint8_t> held(body.mesh.node_count(), 0);
+  for (const int n : body.fixed_nodes) held[n] = 1;
+  for (const Support& support : body.supports) { held[support.node] = support.held.all(); }
   return held;
 }
 

@@ -89,9 +89,7 @@ class StressStates {
 SeparatedField field_of(const MatrixXd& F, const TableTerms& terms, const VectorXd& levels) {
   const Index count = terms.site.cols(), S = terms.site.rows();
   Eigen::MatrixXf modes(F.rows(), count);
-  for (Index t = 0; t < count; ++t) {
-    modes.col(t) = F.col(terms.mode[static_cast<std::size_t>(t)]).cast<float>();
-  }
+  for (Index t = 0; t < count; ++t) { modes.col(t) = F.col(terms.mode[t]).cast<float>(); }
   VectorXd samples(levels.size() + 1);
   samples << 0.0, levels;
   MatrixXd of_level = MatrixXd::Zero(samples.size(), count);
@@ -126,12 +124,12 @@ MatrixXd skin_rows(const MatrixXd& values, const Boundary& boundary) {
 SeparatedField displacement_field(const SeriesPgd& pgd, const SeriesTable& table,
                                   const Boundary& boundary, IntrusiveReport& report) {
   const Index S = table.positions(), J = table.levels.size(), m = pgd.F.cols();
-  std::vector<MatrixXd> tables(static_cast<std::size_t>(m), MatrixXd(S, J));
+  std::vector<MatrixXd> tables(m, MatrixXd(S, J));
   VectorXd own(S);
   for (Index s = 0; s < S; ++s) {
     const auto at = static_cast<std::size_t>(s);
     const MatrixXd G = pgd.G[at] * table.at_level[at];
-    for (Index i = 0; i < m; ++i) tables[static_cast<std::size_t>(i)].row(s) = G.row(i);
+    for (Index i = 0; i < m; ++i) tables[i].row(s) = G.row(i);
     own[s] = table.area[s] / table.gram[at](0, 0);
   }
   // A tenth of the square of what the modes lose anyway, in the same weight.

@@ -88,7 +88,7 @@ TEST_CASE("each face of a tetrahedron has Abaqus' number", "[bake][inp]") {
     const std::string row = "LEFT, S" + std::to_string(face);
     const VolumeMesh volume =
         value_or_throw(parse_inp(replaced(kDeck, "LEFT, S1\n20, S1", row), "a.inp"));
-    const int opposite = std::array{3, 2, 0, 1}[static_cast<std::size_t>(face - 1)];
+    const int opposite = std::array{3, 2, 0, 1}[face - 1];
     INFO(row);
     CHECK_FALSE((volume.sets.faces.at("FOOT").at(0).array() == opposite).any());
   }

@@ -466,7 +466,7 @@ void read_further(hid_t file, ReducedBody& body) {
   hsize_t K = 1;
   for (int j = 0; j < static_cast<int>(count); ++j) {
     const Handle one = open_group(g, fmt::format("{}", j).c_str());
-    const ParameterAxis& axis = body.displacement.axes()[static_cast<std::size_t>(j) + 2];
+    const ParameterAxis& axis = body.displacement.axes()[j + 2];
     FurtherParameter p{read_text(one, "name"), axis.samples, read_number(one, "value")};
     const Table<double> samples =
         read_table<double>(one, "samples", static_cast<hsize_t>(axis.samples.size()), 1);

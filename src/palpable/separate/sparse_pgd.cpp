@@ -139,28 +139,24 @@ class Growing {
     const MatrixXd t = transposed_times(F_, values_);  // (m x T)
     std::vector<std::pair<Index, Index>> unknowns;     // mode, function
     for (Index i = 0; i < m; ++i) {
-      for (Index b = 0; b < sizes_[static_cast<std::size_t>(i)][j]; ++b)
-        unknowns.emplace_back(i, b);
+      for (Index b = 0; b < sizes_[i][j]; ++b) unknowns.emplace_back(i, b);
     }
     const auto n = static_cast<Index>(unknowns.size());
     MatrixXd rows(n, T);
     VectorXd right(n);
     for (Index k = 0; k < n; ++k) {
-      const auto [i, b] = unknowns[static_cast<std::size_t>(k)];
+      const auto [i, b] = unknowns[k];
       rows.row(k) = W.col(i).transpose().cwiseProduct(tables_[j].row(b));
       right[k] = rows.row(k).dot(t.row(i));
     }
     MatrixXd normal = times(rows, rows.transpose());
     for (Index k = 0; k < n; ++k) {
-      for (Index l = 0; l < n; ++l) {
-        normal(k, l) *= gram(unknowns[static_cast<std::size_t>(k)].first,
-                             unknowns[static_cast<std::size_t>(l)].first);
-      }
+      for (Index l = 0; l < n; ++l) { normal(k, l) *= gram(unknowns[k].first, unknowns[l].first); }
     }
     const VectorXd a = solve_with_ridge(std::move(normal), right, settings_.ridge);
     coefficients_[j].setZero();
     for (Index k = 0; k < n; ++k) {
-      const auto [i, b] = unknowns[static_cast<std::size_t>(k)];
+      const auto [i, b] = unknowns[k];
       coefficients_[j](b, i) = a[k];
     }
   }
@@ -195,19 +191,16 @@ struct Fold {
 std::vector<Fold> make_folds(const MatrixXd& values, const Tables& tables,
                              const SparseSettings& settings) {
   const Index T = values.cols();
-  std::vector<Index> order(static_cast<std::size_t>(T));
+  std::vector<Index> order(T);
   std::iota(order.begin(), order.end(), Index{0});
   std::mt19937_64 random(settings.seed);
   for (Index k = T - 1; k > 0; --k) {
-    std::swap(order[static_cast<std::size_t>(k)],
-              order[static_cast<std::size_t>(random() % static_cast<std::uint64_t>(k + 1))]);
+    std::swap(order[k], order[random() % static_cast<std::uint64_t>(k + 1)]);
   }
   std::vector<Fold> folds;
   for (int f = 0; f < settings.folds; ++f) {
     std::vector<Index> learn, ask;
-    for (Index k = 0; k < T; ++k) {
-      (k % settings.folds == f ? ask : learn).push_back(order[static_cast<std::size_t>(k)]);
-    }
+    for (Index k = 0; k < T; ++k) { (k % settings.folds == f ? ask : learn).push_back(order[k]); }
     folds.push_back({values(Eigen::all, learn), values(Eigen::all, ask), columns_of(tables, learn),
                      columns_of(tables, ask)});
   }

@@ -76,9 +76,9 @@ struct NextOrder {
     Tensor<Pack> H[kMostOrders];
     for (std::size_t number = 0; number < elements.size(); ++number) {
       const SeriesElement& e = elements[number];
-      for (int r = 1; r < p; ++r) H[r] = gradient(e, u[static_cast<std::size_t>(r)].data());
+      for (int r = 1; r < p; ++r) H[r] = gradient(e, u[r].data());
 
-      Symmetric& last = stress[static_cast<std::size_t>(p - 2)][number];
+      Symmetric& last = stress[p - 2][number];
       const Tensor<Pack>& h = H[p - 1];
       Symmetric strain;
       for (int i = 0; i < 3; ++i) strain.m[i] = h(i, i);
@@ -102,14 +102,14 @@ struct NextOrder {
         }
       }
       const Symmetric CQ = hooke(e, Q);
-      stress[static_cast<std::size_t>(p - 1)][number] = CQ;
+      stress[p - 1][number] = CQ;
 
       Tensor<Pack> P;
       for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) P(i, j) = CQ.m[kOfEntry[i][j]];
       }
       for (int r = 1; r < p; ++r) {
-        const Symmetric& S = stress[static_cast<std::size_t>(p - r - 1)][number];
+        const Symmetric& S = stress[p - r - 1][number];
         for (int j = 0; j < 3; ++j) {
           for (int i = 0; i < 3; ++i) {
             P(i, j) += H[r](i, 0) * S.m[kOfEntry[0][j]] + H[r](i, 1) * S.m[kOfEntry[1][j]] +
@@ -119,7 +119,7 @@ struct NextOrder {
       }
       for (int a = 0; a < 4; ++a) {
         for (int i = 0; i < 3; ++i) {
-          force[static_cast<std::size_t>(3 * e.nodes[a] + i)].of -=
+          force[3 * e.nodes[a] + i].of -=
               e.volume * (P(i, 0) * e.g[a][0] + P(i, 1) * e.g[a][1] + P(i, 2) * e.g[a][2]);
         }
       }
@@ -166,9 +166,8 @@ struct LoadSeries::Core {
     const std::vector<int>& free_nodes = assembly.free_nodes();
     for (int e = 0; e < model.mesh.tet_count(); ++e) {
       const ShapeGradients shape = shape_gradients(model.mesh, e);
-      const int g = group_of[static_cast<std::size_t>(e)];
-      const auto [lambda, mu] = lame_constants(
-          g < 0 ? model.material : model.groups[static_cast<std::size_t>(g)].material);
+      const int g = group_of[e];
+      const auto [lambda, mu] = lame_constants(g < 0 ? model.material : model.groups[g].material);
       SeriesElement element{{}, shape.volume, lambda, mu, {}};
       for (int a = 0; a < 4; ++a) {
         element.nodes[a] = model.mesh.tets(a, e);
@@ -257,7 +256,7 @@ class LoadsTogether {
   LoadsTogether(Index count, std::size_t values, std::size_t elements)
       : values_(values),
         elements_(elements),
-        orders_(static_cast<std::size_t>(count)),
+        orders_(count),
         norm_1_(orders_.size()),
         before_(orders_.size()),
         done_(orders_.size(), false),

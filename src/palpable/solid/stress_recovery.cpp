@@ -21,13 +21,11 @@ struct Neighbours {
 
   explicit Neighbours(const TetMesh& mesh) {
     start.assign(static_cast<std::size_t>(mesh.node_count()) + 1, 0);
-    for_each(mesh, [&](int n, int /*e*/) { ++start[static_cast<std::size_t>(n) + 1]; });
+    for_each(mesh, [&](int n, int /*e*/) { ++start[n + 1]; });
     for (std::size_t n = 1; n < start.size(); ++n) start[n] += start[n - 1];
-    element.resize(static_cast<std::size_t>(start.back()));
+    element.resize(start.back());
     std::vector<int> next(start.begin(), start.end() - 1);
-    for_each(mesh, [&](int n, int e) {
-      element[static_cast<std::size_t>(next[static_cast<std::size_t>(n)]++)] = e;
-    });
+    for_each(mesh, [&](int n, int e) { element[next[n]++] = e; });
   }
 
   template <class Visit>
@@ -41,8 +39,8 @@ struct Neighbours {
 };
 
 std::vector<char> skin_nodes(const TetMesh& mesh) {
-  std::vector<char> skin(static_cast<std::size_t>(mesh.node_count()), 0);
-  for (const int n : boundary_of(mesh).node_of_vertex) skin[static_cast<std::size_t>(n)] = 1;
+  std::vector<char> skin(mesh.node_count(), 0);
+  for (const int n : boundary_of(mesh).node_of_vertex) skin[n] = 1;
   return skin;
 }
 
@@ -57,8 +55,7 @@ Eigen::Matrix<double, 10, 4> nodes_from_points() {
   weights.topRows<4>() =
       (Eigen::Matrix4d::Identity() - Eigen::Matrix4d::Constant(other)) / (own - other);
   for (int k = 0; k < 6; ++k) {
-    weights.row(4 + k) = 0.5 * (weights.row(kTetEdges[static_cast<std::size_t>(k)][0]) +
-                                weights.row(kTetEdges[static_cast<std::size_t>(k)][1]));
+    weights.row(4 + k) = 0.5 * (weights.row(kTetEdges[k][0]) + weights.row(kTetEdges[k][1]));
   }
   return weights;
 }
@@ -251,13 +248,12 @@ void StressRecovery::recover_from_elements(const TetMesh& mesh) {
   const Eigen::Matrix<double, 10, 4> weights = nodes_from_points();
   start_.push_back(0);
   for (int n = 0; n < mesh.node_count(); ++n) {
-    const int begin = around.start[static_cast<std::size_t>(n)];
-    const int end = around.start[static_cast<std::size_t>(n) + 1];
+    const int begin = around.start[n];
+    const int end = around.start[n + 1];
     double volume = 0.0;
-    for (int k = begin; k < end; ++k)
-      volume += volumes[around.element[static_cast<std::size_t>(k)]];
+    for (int k = begin; k < end; ++k) volume += volumes[around.element[k]];
     for (int k = begin; k < end; ++k) {
-      const int e = around.element[static_cast<std::size_t>(k)];
+      const int e = around.element[k];
       const Eigen::Matrix<int, 10, 1> nodes = quadratic_nodes(mesh, e);
       const auto place = std::find(nodes.begin(), nodes.end(), n) - nodes.begin();
       for (int q = 0; q < 4; ++q)
@@ -297,9 +293,8 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> StressRecovery::apply(
   Eigen::Matrix<double, 6, Eigen::Dynamic> nodal(6, N);
   for (Eigen::Index n = 0; n < N; ++n) {
     Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
-    for (int k = start_[static_cast<std::size_t>(n)]; k < start_[static_cast<std::size_t>(n) + 1];
-         ++k) {
-      const Term& term = terms_[static_cast<std::size_t>(k)];
+    for (int k = start_[n]; k < start_[n + 1]; ++k) {
+      const Term& term = terms_[k];
       sum += term.weight * at_points.col(term.point);
     }
     nodal.col(n) = sum;
@@ -315,7 +310,7 @@ Eigen::MatrixXd StressRecovery::apply_at(const std::vector<int>& nodes,
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const auto node = static_cast<std::size_t>(nodes[n]);
     for (int k = start_[node]; k < start_[node + 1]; ++k) {
-      const Term& term = terms_[static_cast<std::size_t>(k)];
+      const Term& term = terms_[k];
       nodal.col(static_cast<Eigen::Index>(n)) += term.weight * at_points.col(term.point);
     }
   }
