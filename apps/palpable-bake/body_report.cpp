@@ -2,8 +2,8 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
-#include "apps/palpable-bake/machine.h"
 #include "palpable/base/error.h"
+#include "palpable/base/this_machine.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // palpable import-snapshots FOLDER --manifest runs.toml -o bunny.snapshots
 
-#include "palpable/bake/import_snapshots.h"
+#include "palpable/campaign/import_snapshots.h"
 
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"

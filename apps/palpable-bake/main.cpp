@@ -3,8 +3,8 @@
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/blas_kernels.h"
 #include "apps/palpable-bake/commands.h"
-#include "apps/palpable-bake/mpi_crew.h"
 #include "palpable/campaign/crew.h"
+#include "palpable/ranks/mpi_crew.h"
 
 #include <CLI/CLI.hpp>
 

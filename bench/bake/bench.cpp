@@ -3,7 +3,7 @@
 #include "bench/bake/bench.h"
 
 #include "apps/palpable-bake/commands.h"
-#include "apps/palpable-bake/machine.h"
+#include "palpable/base/this_machine.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>

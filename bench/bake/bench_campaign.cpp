@@ -1,8 +1,8 @@
 // palpable-bake bench campaign: from a description to all snapshots on disk, into an empty folder.
 
 #include "apps/common/progress_bar.h"
-#include "apps/palpable-bake/machine.h"
 #include "palpable/bake/bake_body.h"
+#include "palpable/base/this_machine.h"
 #include "palpable/solid/sparse_cholesky.h"
 
 #include <CLI/CLI.hpp>
@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/bake/bench.h"
+#include "bench/bake/machine_rates.h"
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -78,7 +79,7 @@ Outcome solve_campaign(const std::string& file, int threads) {
   LocalCrew crew;
   const Clock::time_point begin = Clock::now();
   const BodyDescription description = read_body_description(file);
-  BakeSettings settings;
+  FillSettings settings;
   settings.threads = threads;
   settings.store = folder.path();
   const FilledStore filled = fill_store(description, settings, crew, bar.progress());

@@ -1,9 +1,8 @@
 // palpable-bake bench elements: how true 4-node and 10-node tetrahedra are on a body's presses.
 
 #include "apps/common/progress_bar.h"
-#include "apps/palpable-bake/machine.h"
-#include "palpable/bake/element_study.h"
 #include "palpable/base/error.h"
+#include "palpable/base/this_machine.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -11,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/bake/bench.h"
+#include "bench/bake/element_study.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -106,16 +106,7 @@ void print(const char* heading, const ElementStudy& study) {
   }
 }
 
-void bench_elements(const Options& options) {
-  const auto begin = std::chrono::steady_clock::now();
-  BodyDescription description = read_body_description(options.description);
-  if (options.edge > 0.0) description.shape.edge = options.edge;
-  if (!description.shape.edge || !description.material.constants.empty()) {
-    throw Error(
-        fmt::format("{}: the bench needs an edge in [shape], because it meshes the body "
-                    "with twice that edge, too, and a material by young and poisson",
-                    options.description));
-  }
+ElementStudySettings settings_of(const Options& options, const BodyDescription& description) {
   ElementStudySettings settings;
   settings.sites = options.sites;
   settings.pressed = std::min(options.pressed, options.sites);
@@ -123,41 +114,41 @@ void bench_elements(const Options& options) {
   settings.law = description.material.law;
   settings.young = description.material.young;
   settings.patch = description.sites.patch;
+  return settings;
+}
 
-  ProgressBar bar;
-  const auto study = [&](double edge, bool nested, double* height) {
-    BodyDescription shape = description;
-    shape.shape.edge = edge;
-    shape.shape.order = 1;
-    const BodyMesh body = make_body_mesh(shape);
-    if (!body.supports.empty()) {
-      throw Error(fmt::format("{}: the bench knows supports that hold all directions only",
-                              options.description));
-    }
-    SolidModel model;
-    model.mesh = body.mesh;
-    model.fixed_nodes = body.fixed_nodes;
-    *height = body.height;
-    settings.lowest = description.sites.above * body.height;
-    settings.press = description.press.depth * body.height;
-    const char* task = nested ? "nested meshes" : "the body's mesh";
-    return study_elements(nested ? nested_family(model) : single_family(model), settings,
-                          [&](ProgressReport r) {
-                            r.task = task;
-                            bar.show(r);
-                          });
-  };
-  double height = 0, nested_height = 0;
-  // Split in eight, a mesh of twice the edge has the body's.
-  const ElementStudy nested = study(2.0 * *description.shape.edge, true, &nested_height);
-  const ElementStudy direct = study(*description.shape.edge, false, &height);
-  bar.finish();
+struct Studied {
+  ElementStudy study;
+  double height = 0, full_press = 0;  // m
+};
 
-  if (!options.json) {
-    print("One body on nested meshes:", nested);
-    print("The body's own mesh:", direct);
-    return;
+// One mesh of this edge and finer ones within it, or the mesh alone.
+Studied study_body(const Options& options, BodyDescription description, double edge, bool nested,
+                   ProgressBar& bar) {
+  ElementStudySettings settings = settings_of(options, description);
+  description.shape.edge = edge;
+  description.shape.order = 1;
+  const BodyMesh body = make_body_mesh(description);
+  if (!body.supports.empty()) {
+    throw Error(fmt::format("{}: the bench knows supports that hold all directions only",
+                            options.description));
   }
+  SolidModel model;
+  model.mesh = body.mesh;
+  model.fixed_nodes = body.fixed_nodes;
+  settings.lowest = description.sites.above * body.height;
+  settings.press = description.press.depth * body.height;
+  const char* task = nested ? "nested meshes" : "the body's mesh";
+  return {study_elements(nested ? nested_family(model) : single_family(model), settings,
+                         [&](ProgressReport r) {
+                           r.task = task;
+                           bar.show(r);
+                         }),
+          body.height, settings.press};
+}
+
+nlohmann::ordered_json figures_of(const Options& options, const BodyDescription& description,
+                                  const Studied& nested, const Studied& direct) {
   nlohmann::ordered_json result;
   result["date"] = date_today();
   result["machine"] = processor_name();
@@ -172,12 +163,37 @@ void bench_elements(const Options& options) {
       "in [verification.md](verification.md).";
   result["body"] = description.name;
   result["description"] = std::filesystem::path(options.description).filename().string();
-  result["law"] = settings.law;
+  result["law"] = description.material.law;
   result["edge_m"] = *description.shape.edge;
-  result["height_m"] = height;
-  result["full_press_m"] = settings.press;
-  result["nested"] = json_of(nested, nested_height);
-  result["direct"] = json_of(direct, height);
+  result["height_m"] = direct.height;
+  result["full_press_m"] = direct.full_press;
+  result["nested"] = json_of(nested.study, nested.height);
+  result["direct"] = json_of(direct.study, direct.height);
+  return result;
+}
+
+void bench_elements(const Options& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  BodyDescription description = read_body_description(options.description);
+  if (options.edge > 0.0) description.shape.edge = options.edge;
+  if (!description.shape.edge || !description.material.constants.empty()) {
+    throw Error(
+        fmt::format("{}: the bench needs an edge in [shape], because it meshes the body "
+                    "with twice that edge, too, and a material by young and poisson",
+                    options.description));
+  }
+  ProgressBar bar;
+  // Split in eight, a mesh of twice the edge has the body's.
+  const double edge = *description.shape.edge;
+  const Studied nested = study_body(options, description, 2.0 * edge, true, bar);
+  const Studied direct = study_body(options, description, edge, false, bar);
+  bar.finish();
+  if (!options.json) {
+    print("One body on nested meshes:", nested.study);
+    print("The body's own mesh:", direct.study);
+    return;
+  }
+  nlohmann::ordered_json result = figures_of(options, description, nested, direct);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   result["wall_s"] = wall.count();
   fmt::print("{}\n", result.dump(1));

@@ -2,11 +2,9 @@
 // afresh, and sparse PGD on a part of the beam's samples.
 
 #include "apps/common/progress_bar.h"
-#include "apps/palpable-bake/recomputed_stress.h"
 #include "palpable/bake/bake_body.h"
 #include "palpable/campaign/between_sites.h"
 #include "palpable/campaign/held_out.h"
-#include "palpable/campaign/sparse_campaign.h"
 #include "palpable/campaign/store_rows.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/separate/method_comparison.h"
@@ -16,6 +14,8 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/bake/bench.h"
+#include "bench/bake/recomputed_stress.h"
+#include "bench/bake/sparse_campaign.h"
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -48,7 +48,7 @@ SnapshotStore solved(const std::string& file, const fs::path& folder, const Opti
                      const SnapshotStore* held_out_of = nullptr) {
   ProgressBar bar;
   LocalCrew crew;
-  BakeSettings settings;
+  FillSettings settings;
   settings.threads = options.threads;
   settings.store = folder;
   settings.held_out_of = held_out_of;

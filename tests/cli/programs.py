@@ -256,6 +256,21 @@ def _(programs, folder):
         programs.refuses(*words, cwd=folder, says=["none"])
 
 
+@case("a body whose mesh the set-up has not made yet names the command that makes it")
+def _(programs, folder):
+    (folder / "bodies").mkdir(parents=True)
+    surface = BALL.replace("ball.off", "../build/meshes/dragon.ply")
+    volume = BAR.replace("bar.inp", "../build/meshes/beam.inp")
+    for text, file in ((surface, "dragon.ply"), (volume, "beam.inp")):
+        (folder / "bodies/body.toml").write_text(text)
+        for words in (("bake", "bodies/body.toml", "-o", "x.palpable"), ("solve", "bodies/body.toml", "-o", "x.vtu")):
+            programs.refuses(*words, cwd=folder, says=[f"build/meshes/{file}: no such file", "tools/setup.sh bodies"])
+    # A mesh that stands elsewhere is the user's own.
+    (folder / "bodies/body.toml").write_text(BAR.replace("bar.inp", "beam.inp"))
+    line = programs.refuses("bake", "bodies/body.toml", "-o", "x.palpable", cwd=folder, says=["beam.inp: no such file"])
+    assert "setup.sh" not in line
+
+
 @case("a surface that is not watertight is refused with the place")
 def _(programs, folder):
     write_ball(folder, holes=1)

@@ -69,14 +69,6 @@ double bytes_of_functions(const SeparatedField& field) {
 
 // ---- the courses of the errors -----------------------------------------------------------------
 
-// "per-site", "pgd", ... as the reduction has written it; empty: somebody else's modes.
-std::string method_of(const ReducedBody& body) {
-  for (const auto& [key, value] : body.provenance) {
-    if (key == "reduction") return value.substr(0, value.find(' '));
-  }
-  return {};
-}
-
 std::string axis_label(const std::string& method, const SeparatedField& field, bool by_file) {
   if (method == "hosvd" && !by_file) return "functions of space";
   if (method == "per-site" || (by_file && has_blocks(field))) return "modes of each site";
@@ -366,7 +358,7 @@ std::string lead_text(const ReducedBody& body) {
   const Eigen::Vector3d size =
       (body.surface.vertices.rowwise().maxCoeff() - body.surface.vertices.rowwise().minCoeff()) *
       1e3;
-  const std::string method = method_of(body);
+  const std::string& method = body.method;
   std::string further;
   for (const FurtherParameter& p : body.further) {
     further += fmt::format(" x {} of {}", p.samples.size(), p.name);
@@ -383,7 +375,7 @@ std::string lead_text(const ReducedBody& body) {
 std::string body_page(const ReducedBody& body, const BodyPageFacts& facts,
                       const std::string& csv_name) {
   const ReductionError& error = body.error;
-  const std::string method = method_of(body);
+  const std::string& method = body.method;
   Json data;
   data["name"] = body.name;
   data["file"] = {{"name", facts.file}, {"bytes", facts.file_bytes}};

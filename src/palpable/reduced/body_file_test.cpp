@@ -186,7 +186,7 @@ TEST_CASE("a body in half precision takes half the bytes and says what that cost
   const ReducedBody half = value_or_throw(read_body_file(folder / "half.palpable"));
   // 11 bits: at most 2^-12 = 2.4e-4 for each value, evenly spread over that: 1 / sqrt(3) of it.
   double error = 0, whole = 0;
-  std::vector<float> a(static_cast<std::size_t>(body.stress.value_count())), b(a.size());
+  std::vector<float> a(body.stress.value_count()), b(a.size());
   for (int s = 0; s < 6; ++s) {
     for (const double level : body.levels()) {
       body.stress.evaluate(std::array{double(s), level}, a);
@@ -235,7 +235,7 @@ TEST_CASE("a file of layout 1 is read for ever", "[reduced][files]") {
     // The closed form of tests/support/bodies.h; the full one is in half precision.
     const ReducedBody here = settled(full ? full_ball() : small_ball()).value();
     const ReducedBody one = settled(body).value();
-    std::vector<float> a(static_cast<std::size_t>(one.displacement.value_count())), b(a.size());
+    std::vector<float> a(one.displacement.value_count()), b(a.size());
     one.displacement.evaluate(std::array{4.0, 0.6}, a);
     here.displacement.evaluate(std::array{4.0, 0.6}, b);
     for (std::size_t i = 0; i < a.size(); ++i) {

@@ -161,11 +161,11 @@ double Walk::load_potential(double level, const Matrix3Xd& u) const {
 Matrix3Xd Walk::through(const std::vector<const Knot*>& knots, double level, int order) const {
   Matrix3Xd u = Matrix3Xd::Zero(3, assembly_.node_count());
   for (int i = 0; i <= order; ++i) {
-    const Knot& knot = *knots[static_cast<std::size_t>(i)];
+    const Knot& knot = *knots[i];
     double weight = 1.0;
     for (int j = 0; j <= order; ++j) {
       if (j == i) continue;
-      const double other = knots[static_cast<std::size_t>(j)]->level;
+      const double other = knots[j]->level;
       weight *= (level - other) / (knot.level - other);
     }
     u += weight * knot.u;

@@ -1,4 +1,4 @@
-#include "apps/palpable-bake/mpi_crew.h"
+#include "palpable/ranks/mpi_crew.h"
 
 #include "palpable/base/error.h"
 
@@ -15,7 +15,7 @@
 #include <unistd.h>
 #include <utility>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 // What travels. From a follower: kAsk, kDone {piece, its answer}, kFailed (text), kBye. From the
@@ -211,4 +211,4 @@ void MpiCrew::end(bool failed) {
   MPI_Finalize();
 }
 
-}  // namespace palpable::app
+}  // namespace palpable

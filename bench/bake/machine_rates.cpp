@@ -1,23 +1,17 @@
-#include "apps/palpable-bake/machine.h"
+#include "bench/bake/machine_rates.h"
 
 #include "palpable/base/contract.h"
 #include "palpable/base/cpu_time.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cstring>
-#include <ctime>
-#include <fstream>
-#include <sys/resource.h>
-#include <thread>
 #include <vector>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 // Eight chains hide the latency of a multiply-add on two ports.
@@ -63,31 +57,6 @@ constexpr int kChains = 8;
 
 }  // namespace
 
-double peak_memory() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
-std::string processor_name() {
-  std::ifstream info("/proc/cpuinfo");
-  std::string line, name = "unknown processor";
-  while (std::getline(info, line)) {
-    const std::size_t colon = line.find(": ");
-    if (!line.starts_with("model name") || colon == std::string::npos) continue;
-    name = line.substr(colon + 2);
-    break;
-  }
-  return fmt::format("{}, {} cores", name, std::thread::hardware_concurrency());
-}
-
-std::string date_today() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  ::gmtime_r(&now, &utc);
-  return fmt::format("{:04}-{:02}-{:02}", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday);
-}
-
 MachineRates measure_machine(std::size_t copied_bytes) {
   PALPABLE_EXPECT(copied_bytes > 0, "something to copy");
   MachineRates rates;
@@ -124,4 +93,4 @@ MachineRates measure_machine(std::size_t copied_bytes) {
   return rates;
 }
 
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,4 +1,4 @@
-#include "palpable/campaign/sparse_campaign.h"
+#include "bench/bake/sparse_campaign.h"
 
 #include "palpable/base/error.h"
 #include "palpable/campaign/store_rows.h"
@@ -25,7 +25,7 @@ SnapshotStore pressed_slab(const std::filesystem::path& folder) {
   content.mesh = box_tets({0, 0, 0}, {0.4, 0.1, 0.05}, 8, 4, 1);
   const Boundary boundary = split_boundary_of(content.mesh);
   const Index V = boundary.surface.vertices.cols(), N = content.mesh.node_count();
-  content.fixed.assign(static_cast<std::size_t>(V), 0);
+  content.fixed.assign(V, 0);
   for (Index v = 0; v < V; ++v) {
     if (boundary.surface.vertices(2, v) < 0.049) continue;
     content.sites.push_back({.vertex = static_cast<int>(v),
@@ -39,8 +39,7 @@ SnapshotStore pressed_slab(const std::filesystem::path& folder) {
   SnapshotStore store = SnapshotStore::create(folder, std::move(content));
   const StoreContent& known = store.content();
   for (int s = 0; s < known.site_count(); ++s) {
-    const Eigen::Vector3d at =
-        boundary.surface.vertices.col(known.sites[static_cast<std::size_t>(s)].vertex);
+    const Eigen::Vector3d at = boundary.surface.vertices.col(known.sites[s].vertex);
     SiteSnapshots snapshots;
     snapshots.displacement.resize(3 * N, 4);
     snapshots.press_depth = known.levels;
@@ -78,7 +77,7 @@ TEST_CASE("a part of a campaign along a face says what the rest is", "[bake][spa
     const MatrixXd A = rows.read_first(s);
     for (Index l = 0; l < 4; ++l) {
       Eigen::Vector3d mu;
-      const int vertex = store.content().sites[static_cast<std::size_t>(s)].vertex;
+      const int vertex = store.content().sites[s].vertex;
       mu << boundary.surface.vertices.col(vertex).head(2), store.content().levels[l + 1];
       const VectorXd left = A.col(l) - result.model.F * result.model.functions(mu);
       lost += left.cwiseAbs2().dot(w);

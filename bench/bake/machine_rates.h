@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string>
 
-namespace palpable::app {
+namespace palpable {
 
 /// Of one core, in CPU time, so that neighbours on other cores disturb little.
 struct MachineRates {
@@ -19,13 +19,4 @@ struct MachineRates {
 ///                      cache's bandwidth that is measured
 [[nodiscard]] MachineRates measure_machine(std::size_t copied_bytes);
 
-/// The most memory that this process ever held, bytes.
-[[nodiscard]] double peak_memory();
-
-/// As /proc/cpuinfo names it, with the number of cores: "..., 2 cores".
-[[nodiscard]] std::string processor_name();
-
-/// Today by UTC, "2026-11-21": beside what was measured today.
-[[nodiscard]] std::string date_today();
-
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,4 +1,4 @@
-#include "palpable/campaign/calculix_comparison.h"
+#include "bench/bake/calculix_comparison.h"
 
 #include "palpable/base/contract.h"
 #include "palpable/solid/patch_load.h"

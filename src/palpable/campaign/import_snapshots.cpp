@@ -1,8 +1,8 @@
-#include "palpable/bake/import_snapshots.h"
+#include "palpable/campaign/import_snapshots.h"
 
-#include "palpable/bake/bake_body.h"
 #include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
+#include "palpable/campaign/fill_store.h"
 #include "palpable/describe/body_problem.h"
 #include "palpable/describe/toml_section.h"
 #include "palpable/mesh/field_files.h"
@@ -113,26 +113,26 @@ class NodeMatch {
   [[nodiscard]] std::vector<Index> rows(const NodalFile& file, Index count,
                                         const std::string& name) const {
     const int N = volume_.mesh.node_count();
-    std::vector<Index> row(static_cast<std::size_t>(N), -1);
+    std::vector<Index> row(N, -1);
     for (Index i = 0; i < count; ++i) {
       std::int64_t number = 0;
       if (!file.numbers.empty()) {
-        number = file.numbers[static_cast<std::size_t>(i)];
+        number = file.numbers[i];
       } else if (count == N) {
-        number = sorted_[static_cast<std::size_t>(i)];
+        number = sorted_[i];
       } else {
         number = i + (sorted_.front() > 0 ? 1 : 0);  // all nodes of the file, unused ones as well
       }
       const auto at = node_of_.find(number);
-      if (at != node_of_.end()) row[static_cast<std::size_t>(at->second)] = i;
+      if (at != node_of_.end()) row[at->second] = i;
     }
     if (file.points.cols() > 0 && !fits(file, row)) row = by_place(file, name);
     const auto lost = std::find(row.begin(), row.end(), -1);
     if (lost != row.end()) {
-      throw Error(fmt::format(
-          "{}: has nothing for node {} of the mesh; it has {} rows, the mesh {} "
-          "nodes",
-          name, volume_.numbers[static_cast<std::size_t>(lost - row.begin())], count, N));
+      throw Error(
+          fmt::format("{}: has nothing for node {} of the mesh; it has {} rows, the mesh {} "
+                      "nodes",
+                      name, volume_.numbers[lost - row.begin()], count, N));
     }
     return row;
   }
@@ -313,11 +313,10 @@ std::vector<std::vector<int>> arrange(const ImportManifest& manifest, const Stor
     }
     Index l = 0;
     (content.levels.array() - snapshot.level).abs().minCoeff(&l);
-    int& slot =
-        at[static_cast<std::size_t>(point * S + snapshot.site)][static_cast<std::size_t>(l - 1)];
+    int& slot = at[point * S + snapshot.site][l - 1];
     if (slot >= 0) {
       throw Error(fmt::format("{}: the same site and level as {}", snapshot.place,
-                              manifest.snapshots[static_cast<std::size_t>(slot)].place));
+                              manifest.snapshots[slot].place));
     }
     slot = static_cast<int>(k);
   }
@@ -333,6 +332,127 @@ std::vector<std::vector<int>> arrange(const ImportManifest& manifest, const Stor
     }
   }
   return at;
+}
+
+// Rest, full load and what is in between.
+Eigen::VectorXd levels_of(const ImportManifest& manifest) {
+  std::set<double> levels{0.0, 1.0};
+  for (const ImportManifest::Snapshot& s : manifest.snapshots) levels.insert(s.level);
+  Eigen::VectorXd sorted(static_cast<Index>(levels.size()));
+  std::copy(levels.begin(), levels.end(), sorted.begin());
+  return sorted;
+}
+
+// The manifest's fields, displacement first, stress next, as every store has them.
+std::vector<std::size_t> fields_in_store_order(const ImportManifest& manifest) {
+  const auto rank = [&](std::size_t k) {
+    const std::string& name = manifest.fields[k].name;
+    return name == "displacement" ? 0 : name == "stress" ? 1 : 2;
+  };
+  std::vector<std::size_t> sorted(manifest.fields.size());
+  for (std::size_t k = 0; k < sorted.size(); ++k) sorted[k] = k;
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+  return sorted;
+}
+
+struct ImportedUnit {
+  SiteSnapshots site;
+  std::vector<Eigen::MatrixXf> others;  // fields that are neither displacement nor stress
+};
+
+// Reads the snapshots of one site at one point.
+struct UnitReader {
+  const StoreContent& content;
+  const ImportManifest& manifest;
+  const Reader& reader;
+  const std::vector<std::vector<int>>& order;
+  const std::vector<std::size_t>& sorted;  // content.fields[j] is manifest.fields[sorted[j]]
+  const Boundary& boundary;
+
+  [[nodiscard]] ImportedUnit read(std::size_t u) const {
+    const Index L = content.level_count();
+    const Matrix3Xd unit =
+        unit_load(content.sites[u % content.sites.size()], boundary, content.mesh.node_count());
+    ImportedUnit result = empty_unit();
+    for (Index l = 0; l < L; ++l) {
+      const ImportManifest::Snapshot& snapshot = manifest.snapshots[order[u][l]];
+      add_level(snapshot, l, unit, result);
+      require_deeper(snapshot, l, result.site.press_depth);
+      if (l + 1 < L) continue;
+      if (!(snapshot.force > 0.0)) {
+        throw Error(
+            fmt::format("{}: needs 'force', the load on the patch at level 1", snapshot.place));
+      }
+      result.site.full_load = snapshot.force;
+    }
+    result.site.outcome.press = result.site.press_depth[L];
+    return result;
+  }
+
+ private:
+  [[nodiscard]] ImportedUnit empty_unit() const {
+    const Index N = content.mesh.node_count(), L = content.level_count();
+    ImportedUnit unit;
+    unit.site.press_depth = Eigen::VectorXd::Zero(L + 1);
+    unit.site.displacement.resize(3 * N, L);
+    for (const StoredField& field : content.fields) {
+      if (field.name == "stress") {
+        unit.site.stress.resize(6 * N, L);
+      } else if (field.name != "displacement") {
+        unit.others.emplace_back(field.components * N, L);
+      }
+    }
+    return unit;
+  }
+
+  // @param unit  (3 x N) the site's load of 1 N
+  void add_level(const ImportManifest::Snapshot& snapshot, Index l, const Matrix3Xd& unit,
+                 ImportedUnit& result) const {
+    SiteSnapshots& site = result.site;
+    const std::vector<MatrixXd> values = reader.read(snapshot);
+    std::size_t other = 0;
+    for (std::size_t j = 0; j < sorted.size(); ++j) {
+      const MatrixXd& v = values[sorted[j]];
+      const StoredField& field = content.fields[j];
+      if (v.rows() != field.components) {
+        throw Error(fmt::format("{}: '{}' has {} components, in the first snapshot {}",
+                                snapshot.place, field.name, v.rows(), field.components));
+      }
+      if (field.name == "displacement") {
+        site.displacement.col(l) = v.reshaped().cast<float>();
+        site.press_depth[l + 1] = unit.cwiseProduct(v).sum();
+      } else if (field.name == "stress") {
+        site.stress.col(l) = v.reshaped().cast<float>();
+        const StressField skin = v(Eigen::all, boundary.node_of_vertex);
+        site.largest_von_mises = std::max(site.largest_von_mises, von_mises(skin).maxCoeff());
+      } else {
+        result.others[other++].col(l) = v.reshaped().cast<float>();
+      }
+    }
+  }
+
+  static void require_deeper(const ImportManifest::Snapshot& snapshot, Index l,
+                             const Eigen::VectorXd& depth) {
+    if (depth[l + 1] > depth[l]) return;
+    throw Error(fmt::format(
+        "{}: at level {:.6g} the patch of site {} has moved {:.4g} m along its load, not more "
+        "than the {:.4g} m of the level before: are site, direction, unit and 'up' right?",
+        snapshot.place, snapshot.level, snapshot.site, depth[l + 1], depth[l]));
+  }
+};
+
+// The key of imported snapshots is what they are.
+std::uint64_t key_of(const TetMesh& mesh, const ImportedUnit& unit, int number) {
+  Digest digest;
+  digest.add(std::string("imported"));
+  digest.add(mesh.nodes);
+  digest.add(unit.site.displacement);
+  digest.add(unit.site.stress);
+  for (const Eigen::MatrixXf& other : unit.others) digest.add(other);
+  digest.add(unit.site.full_load);
+  digest.add(number);
+  return digest.value();
 }
 
 }  // namespace
@@ -384,117 +504,38 @@ SnapshotStore import_snapshots(const fs::path& folder, const ImportManifest& man
                             manifest.body.string()));
   }
   StoreContent content = content_of(description, problem);
-  std::set<double> levels{0.0, 1.0};
-  for (const ImportManifest::Snapshot& s : manifest.snapshots) levels.insert(s.level);
-  content.levels = Eigen::VectorXd(static_cast<Index>(levels.size()));
-  std::copy(levels.begin(), levels.end(), content.levels.begin());
+  content.levels = levels_of(manifest);
   if (content.level_count() < 1) throw Error("there are no levels");
   const std::vector<std::vector<int>> order = arrange(manifest, content);
 
   const NodeMatch match(volume);
   const Reader reader{folder, manifest, match, description.shape.up};
+  const std::vector<std::size_t> sorted = fields_in_store_order(manifest);
+  const std::vector<MatrixXd> first = reader.read(manifest.snapshots[0]);
   content.fields.clear();
-  for (const MatrixXd& values : reader.read(manifest.snapshots[0])) {
-    content.fields.push_back(
-        {manifest.fields[content.fields.size()].name, static_cast<int>(values.rows())});
+  for (const std::size_t k : sorted) {
+    content.fields.push_back({manifest.fields[k].name, static_cast<int>(first[k].rows())});
   }
-  // Displacement first, stress next: as every store has them.
-  const auto rank = [](const std::string& name) {
-    return name == "displacement" ? 0 : name == "stress" ? 1 : 2;
-  };
-  std::vector<std::size_t> sorted(manifest.fields.size());
-  for (std::size_t k = 0; k < sorted.size(); ++k) sorted[k] = k;
-  std::stable_sort(sorted.begin(), sorted.end(), [&](std::size_t a, std::size_t b) {
-    return rank(manifest.fields[a].name) < rank(manifest.fields[b].name);
-  });
-  std::vector<StoredField> fields;
-  for (const std::size_t k : sorted) fields.push_back(content.fields[k]);
-  content.fields = fields;
   content.provenance.emplace_back(
       "snapshots", fmt::format("imported by {}, {} files", manifest.source.filename().string(),
                                manifest.snapshots.size()));
 
-  const Index N = volume.mesh.node_count(), L = content.level_count();
-  struct Unit {
-    SiteSnapshots site;
-    std::vector<Eigen::MatrixXf> others;
-  };
-  const auto read_unit = [&](std::size_t u) {
-    const Site& place = content.sites[u % content.sites.size()];
-    const Matrix3Xd unit = unit_load(place, problem.mesh.boundary, static_cast<int>(N));
-    Unit result;
-    SiteSnapshots& site = result.site;
-    site.press_depth = Eigen::VectorXd::Zero(L + 1);
-    site.displacement.resize(3 * N, L);
-    for (const StoredField& field : content.fields) {
-      if (field.name == "stress") site.stress.resize(6 * N, L);
-      if (rank(field.name) == 2) result.others.emplace_back(field.components * N, L);
-    }
-    for (Index l = 0; l < L; ++l) {
-      const ImportManifest::Snapshot& snapshot =
-          manifest.snapshots[static_cast<std::size_t>(order[u][static_cast<std::size_t>(l)])];
-      const std::vector<MatrixXd> values = reader.read(snapshot);
-      std::size_t other = 0;
-      for (std::size_t j = 0; j < sorted.size(); ++j) {
-        const MatrixXd& v = values[sorted[j]];
-        const StoredField& field = content.fields[j];
-        if (v.rows() != field.components) {
-          throw Error(fmt::format("{}: '{}' has {} components, in the first snapshot {}",
-                                  snapshot.place, field.name, v.rows(), field.components));
-        }
-        if (field.name == "displacement") {
-          site.displacement.col(l) = v.reshaped().cast<float>();
-          site.press_depth[l + 1] = unit.cwiseProduct(v).sum();
-        } else if (field.name == "stress") {
-          site.stress.col(l) = v.reshaped().cast<float>();
-          const StressField skin = v(Eigen::all, problem.mesh.boundary.node_of_vertex);
-          site.largest_von_mises = std::max(site.largest_von_mises, von_mises(skin).maxCoeff());
-        } else {
-          result.others[other++].col(l) = v.reshaped().cast<float>();
-        }
-      }
-      if (!(site.press_depth[l + 1] > site.press_depth[l])) {
-        throw Error(fmt::format(
-            "{}: at level {:.6g} the patch of site {} has moved {:.4g} m along its load, not more "
-            "than the {:.4g} m of the level before: are site, direction, unit and 'up' right?",
-            snapshot.place, snapshot.level, snapshot.site, site.press_depth[l + 1],
-            site.press_depth[l]));
-      }
-      if (l + 1 == L) {
-        if (!(snapshot.force > 0.0)) {
-          throw Error(
-              fmt::format("{}: needs 'force', the load on the patch at level 1", snapshot.place));
-        }
-        site.full_load = snapshot.force;
-      }
-    }
-    site.outcome.press = site.press_depth[L];
-    return result;
-  };
-
-  // The key of imported snapshots is what they are.
-  for (std::size_t u = 0; u < order.size(); ++u) {
-    report(progress, {"reading snapshots", static_cast<double>(u),
+  const UnitReader units{content, manifest, reader, order, sorted, problem.mesh.boundary};
+  const auto show = [&](std::size_t read) {  // each unit is read twice
+    report(progress, {"reading snapshots", static_cast<double>(read),
                       2.0 * static_cast<double>(order.size()), ""});
-    const Unit unit = read_unit(u);
-    Digest digest;
-    digest.add(std::string("imported"));
-    digest.add(content.mesh.nodes);
-    digest.add(unit.site.displacement);
-    digest.add(unit.site.stress);
-    for (const Eigen::MatrixXf& other : unit.others) digest.add(other);
-    digest.add(unit.site.full_load);
-    digest.add(static_cast<int>(u));
-    content.keys.push_back(digest.value());
+  };
+  StoreContent keyed = content;
+  for (std::size_t u = 0; u < order.size(); ++u) {
+    show(u);
+    keyed.keys.push_back(key_of(content.mesh, units.read(u), static_cast<int>(u)));
   }
-  const SnapshotStore store = SnapshotStore::create(output, content);
-  for (int u = 0; u < store.content().unit_count(); ++u) {
-    report(progress,
-           {"reading snapshots", static_cast<double>(u) + static_cast<double>(order.size()),
-            2.0 * static_cast<double>(order.size()), ""});
-    if (store.has(u)) continue;
-    const Unit unit = read_unit(static_cast<std::size_t>(u));
-    store.write(u, unit.site, Matrix3Xd(3, 0), unit.others);
+  const SnapshotStore store = SnapshotStore::create(output, std::move(keyed));
+  for (std::size_t u = 0; u < order.size(); ++u) {
+    show(order.size() + u);
+    if (store.has(static_cast<int>(u))) continue;
+    const ImportedUnit unit = units.read(u);
+    store.write(static_cast<int>(u), unit.site, Matrix3Xd(3, 0), unit.others);
   }
   report(progress, {"reading snapshots", 1.0, 1.0, ""});
   store.finish();

@@ -1,4 +1,4 @@
-#include "palpable/bake/element_study.h"
+#include "bench/bake/element_study.h"
 
 #include "palpable/base/contract.h"
 #include "tests/support/test.h"

@@ -1,9 +1,6 @@
-#include "palpable/intrusive/beam_study.h"
+#include "bench/bake/beam_study.h"
 
-#include "palpable/base/contract.h"
-#include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
-#include "palpable/reduced/loaded_body.h"
 #include "palpable/reduced/spline.h"
 #include "palpable/solid/equilibrium.h"
 #include "palpable/solid/stress.h"
@@ -37,9 +34,7 @@ std::vector<std::vector<Index>> rows_of(const TravellingLoad& travelling) {
   std::vector<std::vector<Index>> sorted;
   for (auto& [y, row] : rows) {
     std::sort(row.begin(), row.end(), [&](Index a, Index b) {
-      const auto x = [&](Index s) {
-        return X(0, travelling.problem.sites[static_cast<std::size_t>(s)].vertex);
-      };
+      const auto x = [&](Index s) { return X(0, travelling.problem.sites[s].vertex); };
       return x(a) < x(b);
     });
     sorted.push_back(std::move(row));
@@ -55,9 +50,7 @@ HeldOutPositions held_out_positions(const LoadSeries& body, const TravellingLoad
   SeriesPgdGoal goal{.modes = modes};
   goal.used.assign(table.gram.size(), 1);
   for (const std::vector<Index>& row : rows) {
-    for (std::size_t k = 1; k + 1 < row.size(); k += 2) {
-      goal.used[static_cast<std::size_t>(row[k])] = 0;
-    }
+    for (std::size_t k = 1; k + 1 < row.size(); k += 2) { goal.used[row[k]] = 0; }
   }
   HeldOutPositions result;
   result.trained_on = static_cast<int>(std::count(goal.used.begin(), goal.used.end(), 1));
@@ -72,16 +65,14 @@ HeldOutPositions held_out_positions(const LoadSeries& body, const TravellingLoad
   for (const std::vector<Index>& row : rows) {
     std::vector<Index> known;
     for (const Index s : row) {
-      if (goal.used[static_cast<std::size_t>(s)] != 0) known.push_back(s);
+      if (goal.used[s] != 0) known.push_back(s);
     }
-    const auto x = [&](Index s) {
-      return X(0, travelling.problem.sites[static_cast<std::size_t>(s)].vertex);
-    };
+    const auto x = [&](Index s) { return X(0, travelling.problem.sites[s].vertex); };
     VectorXd at(static_cast<Index>(known.size()));
     MatrixXd values(at.size(), m * J);
     for (Index k = 0; k < at.size(); ++k) {
-      const auto s = static_cast<std::size_t>(known[static_cast<std::size_t>(k)]);
-      at[k] = x(known[static_cast<std::size_t>(k)]);
+      const auto s = static_cast<std::size_t>(known[k]);
+      at[k] = x(known[k]);
       values.row(k) = (pgd.G[s] * table.at_level[s]).reshaped().transpose();
     }
     const MatrixXd slopes = spline_slopes(at, values);
@@ -135,7 +126,7 @@ BodyDifference body_difference(const ReducedBody& body, const ReducedBody& other
   };
   const auto add = [&](Sums& sums, const SeparatedField& of_body, const SeparatedField& of_other,
                        const std::array<double, 2>& mu, const std::array<double, 2>& nu) {
-    std::vector<float> a(static_cast<std::size_t>(of_body.value_count())), b(a.size());
+    std::vector<float> a(of_body.value_count()), b(a.size());
     of_body.evaluate(mu, a);
     of_other.evaluate(nu, b);
     const std::size_t components = a.size() / static_cast<std::size_t>(V);
@@ -181,48 +172,6 @@ BodyDifference body_difference(const ReducedBody& body, const ReducedBody& other
   return difference;
 }
 
-std::vector<TwoLoadCheck> two_load_checks(const IntrusiveBake& made, int count, unsigned seed,
-                                          const Progress& progress) {
-  PALPABLE_EXPECT(made.body.several.has_value(), "a body that was baked for several loads");
-  std::mt19937_64 random(seed);
-  const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
-  const EquilibriumSolver newton(made.series.model());
-  const VectorXd& M = made.series.mass();
-  const auto norm = [&](const VectorXd& u) { return std::sqrt(u.dot(M.cwiseProduct(u))); };
-  LoadedBody loaded = value_or_throw(LoadedBody::make(made.body));
-  std::vector<TwoLoadCheck> checks;
-  for (int k = 0; k < count; ++k) {
-    const Eigen::SparseMatrix<double>&load = made.travelling.load, &back = made.travelling.reaction;
-    const auto any_of = [&](Index places) {
-      return static_cast<Index>(uniform() * static_cast<double>(places));
-    };
-    const Index press = any_of(load.cols()), reaction = any_of(back.cols());
-    const double size = 0.05 + 0.95 * uniform(), share = uniform();
-    const VectorXd f = size * (VectorXd(load.col(press)) + share * VectorXd(back.col(reaction)));
-    const PathResult path =
-        newton.solve_path(f.reshaped(3, f.size() / 3), std::array<double, 1>{1.0});
-    if (!path.complete) throw Error("a reference was not found: " + path.why_stopped);
-    const VectorXd truth = path.steps[0].displacement.reshaped();
-    TwoLoadCheck check;
-    (void)loaded.solve({});  // from rest
-    const std::array<PlacedLoad, 2> loads{
-        PlacedLoad{static_cast<int>(press), size},
-        PlacedLoad{static_cast<int>(load.cols() + reaction), size * share}};
-    {
-      const double begin = thread_cpu_seconds();
-      const LoadedBody::Answer answer = loaded.solve(loads);
-      check.ms = 1e3 * (thread_cpu_seconds() - begin);
-      check.steps = answer.steps;
-      if (!answer.ok()) throw Error(refusal_text(made.body, answer, loads));
-    }
-    check.deflection = path.steps[0].displacement.colwise().norm().maxCoeff();
-    check.error = norm(made.energy_modes * loaded.amplitudes() - truth) / norm(truth);
-    checks.push_back(check);
-    report(progress, {"two loads, solved afresh", k + 1.0, static_cast<double>(count), ""});
-  }
-  return checks;
-}
-
 std::vector<NewtonCheck> newton_checks(const IntrusiveBake& made, int count, unsigned seed,
                                        const Progress& progress) {
   std::mt19937_64 random(seed);
@@ -232,7 +181,7 @@ std::vector<NewtonCheck> newton_checks(const IntrusiveBake& made, int count, uns
   const Boundary& boundary = made.travelling.problem.mesh.boundary;
   const VectorXd areas = vertex_areas(boundary.surface);
   const auto V = static_cast<Index>(areas.size());
-  std::vector<float> u(static_cast<std::size_t>(3 * V)), sigma(static_cast<std::size_t>(6 * V));
+  std::vector<float> u(3 * V), sigma(6 * V);
   std::vector<NewtonCheck> checks;
   for (int k = 0; k < count; ++k) {
     // 53 random bits, the same on every system.

@@ -51,11 +51,4 @@ struct BodyDifference {
 /// @throws Error if the skins differ, or no site is shared
 [[nodiscard]] BodyDifference body_difference(const ReducedBody& body, const ReducedBody& other);
 
-/// A press of 0.05 .. 1 of the full load at any position, and 0 .. 1 of that pushing back.
-/// Solved as the live half does (LoadedBody), on the modes of all nodes.
-/// @pre made.body.several
-[[nodiscard]] std::vector<TwoLoadCheck> two_load_checks(const IntrusiveBake& made, int count,
-                                                        unsigned seed,
-                                                        const Progress& progress = {});
-
 }  // namespace palpable

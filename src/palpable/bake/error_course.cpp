@@ -1,4 +1,4 @@
-#include "palpable/separate/error_course.h"
+#include "palpable/bake/error_course.h"
 
 #include "palpable/base/contract.h"
 

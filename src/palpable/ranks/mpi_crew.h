@@ -12,7 +12,7 @@
 #include <functional>
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
 
 class MpiCrew : public Crew {
  public:
@@ -45,4 +45,4 @@ class MpiCrew : public Crew {
   int stderr_ = -1;            // stderr itself, of a follower
 };
 
-}  // namespace palpable::app
+}  // namespace palpable

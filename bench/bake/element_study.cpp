@@ -1,4 +1,4 @@
-#include "palpable/bake/element_study.h"
+#include "bench/bake/element_study.h"
 
 #include "palpable/base/contract.h"
 #include "palpable/base/cpu_time.h"
@@ -39,11 +39,10 @@ Sparse identity(Eigen::Index n) {
 // Several elements say the same about a node they share: the first is taken.
 class Rows {
  public:
-  Rows(int rows, int columns)
-      : matrix_(rows, columns), done_(static_cast<std::size_t>(rows), false) {}
+  Rows(int rows, int columns) : matrix_(rows, columns), done_(rows, false) {}
   [[nodiscard]] bool take(int row) {
-    if (done_[static_cast<std::size_t>(row)]) return false;
-    done_[static_cast<std::size_t>(row)] = true;
+    if (done_[row]) return false;
+    done_[row] = true;
     return true;
   }
   void add(int row, int column, double value) {
@@ -131,12 +130,10 @@ class Study {
   Study(const ElementFamily& family, const ElementStudySettings& settings, const Progress& progress)
       : family_(family), settings_(settings), progress_(progress) {
     const SolidModel& reference = family.reference;
-    std::vector<char> held(static_cast<std::size_t>(reference.mesh.node_count()), 0);
-    for (const int n : reference.fixed_nodes) held[static_cast<std::size_t>(n)] = 1;
+    std::vector<char> held(reference.mesh.node_count(), 0);
+    for (const int n : reference.fixed_nodes) held[n] = 1;
     std::vector<std::uint8_t> fixed;
-    for (const int n : family.skin.node_of_vertex) {
-      fixed.push_back(held[static_cast<std::size_t>(n)] != 0);
-    }
+    for (const int n : family.skin.node_of_vertex) { fixed.push_back(held[n] != 0); }
     study_.sites = choose_sites(
         family.skin.surface, fixed,
         {.count = settings.sites, .lowest = settings.lowest, .patch_distance = settings.patch});
