@@ -177,7 +177,7 @@ void LiveOutput::write_frame(DrawnFrame& frame) {
     if (settings_.depth) write_depth(frame);
     if (settings_.masks) write_masks(frame);
     write_video(frame);
-    consider(frame);
+    keep_if_best(frame);
     write_lines(frame);
   }
   std::vector<double> row;
@@ -264,7 +264,7 @@ void LiveOutput::write_video(const DrawnFrame& frame) {
   append(frame.picture);
 }
 
-void LiveOutput::consider(const DrawnFrame& frame) {
+void LiveOutput::keep_if_best(const DrawnFrame& frame) {
   if (!settings_.figures) return;
   const std::array scores{frame.scores.hand_nearer, frame.scores.body_nearer, frame.scores.touch};
   for (std::size_t i = 0; i < scores.size(); ++i) {

@@ -116,7 +116,7 @@ class LiveOutput {
   void write_video(const DrawnFrame& frame);
   void open_video(const ColorImage& picture, double frames_per_second);
   void append(const ColorImage& picture);
-  void consider(const DrawnFrame& frame);
+  void keep_if_best(const DrawnFrame& frame);
   void end_files();
   void rethrow();
 

@@ -56,7 +56,7 @@ ContactLine contact_of(int frame, const Movers& movers, const SurfacePoints& in_
   contact.depth = truth.depth;
   contact.site = nearest_site(body, point);
   if (contact.site >= 0) {
-    const int vertex = body.site_vertices[static_cast<std::size_t>(contact.site)];
+    const int vertex = body.site_vertices[contact.site];
     if ((body.surface.vertices.col(vertex) - point).norm() > kAtSite) contact.site = -1;
   }
   contact.point = point;
@@ -178,7 +178,7 @@ struct FrameWriter {
 std::vector<FrameLines> film_frames(const FrameWriter& writer, int threads,
                                     const std::function<void()>& begin, const Progress& progress) {
   const Sequence& sequence = writer.sequence;
-  std::vector<FrameLines> lines(static_cast<std::size_t>(sequence.frames));
+  std::vector<FrameLines> lines(sequence.frames);
   std::once_flag begun;
   std::atomic<int> next = 0, written = 0;
   std::atomic<bool> stop = false;
@@ -189,7 +189,7 @@ std::vector<FrameLines> film_frames(const FrameWriter& writer, int threads,
         if (!stop) begin();
       });
       for (int frame = next++; frame < sequence.frames && !stop; frame = next++) {
-        lines[static_cast<std::size_t>(frame)] = writer.write(renderer, frame);
+        lines[frame] = writer.write(renderer, frame);
         report(show, {"writing the sequence", static_cast<double>(++written),
                       static_cast<double>(sequence.frames), ""});
       }

@@ -22,8 +22,8 @@ using LabelImage = Image<std::uint8_t>;
 inline constexpr std::uint8_t kMovingLabel = 1;    ///< hand, sleeve, pencil, cup
 inline constexpr std::uint8_t kBothEyesLabel = 2;  ///< the right eye sees the same point
 
-/// Middles of the distances that are told apart, m. A pixel belongs to one of them when its true
-/// depth is within 15 % of it, and else to none.
+/// The distances at which depth is scored, m. A pixel belongs to one of them when its true depth is
+/// within 15 % of it, and else to none.
 inline constexpr std::array kDepthDistances{0.2, 0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0};
 
 struct DepthAtDistance {

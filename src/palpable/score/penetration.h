@@ -10,7 +10,8 @@
 
 namespace palpable {
 
-/// min over the balls of |x - c| - r(c), m: negative inside. Exact, closed form.
+/// Distance of x to the capsule's surface, m, negative inside: the smallest |x - c| - r over the
+/// capsule's balls (middle c, radius r). Exact, closed form.
 [[nodiscard]] double distance_to(const Capsule& capsule, const Eigen::Vector3d& x);
 
 /// The deepest of the vertices inside the capsules, m; 0 when none is inside.

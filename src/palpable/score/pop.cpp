@@ -36,7 +36,7 @@ bool any(const std::vector<bool>& flags) {
   return std::find(flags.begin(), flags.end(), true) != flags.end();
 }
 
-// m_n; nothing when it cannot be told.
+// m_n (pop.h); nothing when the two frames cannot be compared.
 std::optional<double> hand_motion(const PopFrame& before, const PopFrame& now) {
   const std::vector<bool> near_before = near_body(before);
   const std::vector<bool> near_now = near_body(now);

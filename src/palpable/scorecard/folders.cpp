@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 std::vector<TrueContact> contacts_in(const fs::path& path) {
   std::vector<TrueContact> contacts;
   for (const ContactLine& line : read_contacts(path)) {
-    contacts.resize(static_cast<std::size_t>(line.frame) + 1);
+    contacts.resize(line.frame + 1);
     contacts.back() = {line.touching, line.site};
   }
   return contacts;
@@ -55,7 +55,7 @@ void read_live(const fs::path& path, ResultFolder& result) {
   if (!live.processed) return;
   std::vector<std::uint8_t> processed(result.processed.size(), 0);
   for (const int frame : *live.processed) {
-    if (frame < std::ssize(processed)) processed[static_cast<std::size_t>(frame)] = 1;
+    if (frame < std::ssize(processed)) processed[frame] = 1;
   }
   if (std::count(processed.begin(), processed.end(), 1) == 0) {
     throw Error(fmt::format("{}: processed names no frame of the truth", path.string()));

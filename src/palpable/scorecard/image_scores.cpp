@@ -207,7 +207,7 @@ ImageScores score_images(const TruthFolder& truth, const ResultFolder& result,
   ImageScorer scorer(truth, result);
   for (int frame = 0; frame < truth.frames; ++frame) {
     report(progress, {"comparing images", frame + 1.0, static_cast<double>(truth.frames), ""});
-    if (result.processed[static_cast<std::size_t>(frame)] != 0) scorer.add(frame);
+    if (result.processed[frame] != 0) scorer.add(frame);
   }
   return scorer.scores();
 }

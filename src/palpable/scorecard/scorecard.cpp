@@ -18,7 +18,7 @@ namespace {
 /// Per frame: 1 or 0 whether something touches; which site, -1 for none.
 struct Touching {
   explicit Touching(int frames)
-      : any(static_cast<std::size_t>(frames), 0), site(static_cast<std::size_t>(frames), -1) {}
+      : any(frames, std::uint8_t{0}), site(frames, -1) {}
   std::vector<std::uint8_t> any;
   std::vector<int> site;
 };
@@ -41,10 +41,9 @@ Touching found_touching(const TruthFolder& truth, const ResultFolder& result) {
       throw Error(fmt::format("{}: frame {} is touched, but the truth has {} frames (from 0 on)",
                               (result.folder / "touches.jsonl").string(), frame, truth.frames));
     }
-    const auto f = static_cast<std::size_t>(frame);
-    if (result.processed[f] == 0) continue;
-    touching.any[f] = 1;
-    touching.site[f] = touch.site;
+    if (result.processed[frame] == 0) continue;
+    touching.any[frame] = 1;
+    touching.site[frame] = touch.site;
   }
   return touching;
 }
@@ -104,9 +103,7 @@ std::optional<double> score_rows(const TruthFolder& truth, const ResultFolder& r
   if (!result.corrections) return std::nullopt;
   const int second = static_cast<int>(std::lround(truth.frames_per_second));
   std::vector<std::uint8_t> looked_at;
-  for (const TrueRowOffset& row : truth.rows) {
-    looked_at.push_back(result.processed[static_cast<std::size_t>(row.frame)]);
-  }
+  for (const TrueRowOffset& row : truth.rows) { looked_at.push_back(result.processed[row.frame]); }
   return largest_row_error(truth.rows, *result.corrections, second, looked_at);
 }
 

@@ -56,7 +56,7 @@ class Surfaces {
     if (touch == result_.touches->end()) return body_->surface.vertices;
     const auto [site, level] = touch->second;
     const fs::path path = result_.folder / "touches.jsonl";
-    if (static_cast<std::size_t>(site) >= body_->sites.size()) {
+    if (site >= std::ssize(body_->sites)) {
       throw Error(fmt::format("{}: frame {} presses site {}, but {} has {} sites", path.string(),
                               frame, site, body_->name, body_->sites.size()));
     }
@@ -83,8 +83,7 @@ SurfaceScores score_surface(const TruthFolder& truth, const ResultFolder& result
   PopScorer pops;
   Eigen::Index vertices = 0;
   for (int frame = 0; frame < truth.frames; ++frame) {
-    const auto f = static_cast<std::size_t>(frame);
-    if (result.processed[f] == 0) continue;
+    if (result.processed[frame] == 0) continue;
     const Rigid3 pose = *result.pose_at(frame);
     std::optional<Eigen::Matrix3Xd> surface = surfaces.at(frame);
     if (!surface) return {};
@@ -97,11 +96,12 @@ SurfaceScores score_surface(const TruthFolder& truth, const ResultFolder& result
     PopFrame drawn;
     drawn.number = frame;
     drawn.camera_from_body = pose;
-    if (!truth.trajectory.empty()) drawn.world_from_camera = truth.trajectory[f].world_from_camera;
+    if (!truth.trajectory.empty())
+      drawn.world_from_camera = truth.trajectory[frame].world_from_camera;
     if (const auto hand = truth.hands.find(frame); hand != truth.hands.end()) {
       drawn.hand = hand->second;
     }
-    if (!truth.contacts.empty() && truth.contacts[f].touching && !drawn.hand.empty()) {
+    if (!truth.contacts.empty() && truth.contacts[frame].touching && !drawn.hand.empty()) {
       const Eigen::Matrix3Xd in_camera = (pose.linear() * *surface).colwise() + pose.translation();
       deepest.push_back(deepest_penetration(in_camera, drawn.hand));
     }
