@@ -27,7 +27,7 @@ def read_table():
     rows = {}
     for line in (ROOT / "docs/architecture.md").read_text().splitlines():
         cells = [cell.strip() for cell in line.split("|")[1:-1]]
-        if len(cells) == 4 and re.fullmatch(r"[a-z]+", cells[0]) and cells[0] != "module":
+        if len(cells) == 4 and re.fullmatch(r"[a-z_]+", cells[0]) and cells[0] != "module":
             rows[cells[0]] = (set(cells[1].split()) - {"-"}, set(cells[2].split()) - {"-"})
     return rows
 

@@ -5,6 +5,7 @@
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/export_store.h"
 #include "palpable/base/error.h"
+#include "palpable/base/npy_file.h"
 #include "palpable/campaign/snapshot_store.h"
 #include "palpable/exchange/modes_files.h"
 #include "palpable/exchange/press_series.h"

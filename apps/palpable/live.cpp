@@ -10,18 +10,17 @@
 #include "apps/palpable/vision_thread.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
+#include "palpable/clip_files/live_file.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/render/window.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -103,64 +102,44 @@ struct Counts {
   }
 };
 
-nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const Counts& counts,
-                               const LiveOutput& output, double wall) {
-  nlohmann::ordered_json result;
-  result["body"] = options.live.body.string();
-  result["source"] = run.images.string();
-  result["contact"] = options.live.contact;
-  result["view"] = options.view;
-  result["ignore_static_frames"] =
-      run.session.settings().ignore_static ? run.session.settings().static_frames : 0;
-  result["scale"] = options.live.scale;
-  const auto rows_of = [](const Rigid3& pose) {
-    std::vector<double> numbers;
-    for (int row = 0; row < 4; ++row) {
-      for (int column = 0; column < 4; ++column) numbers.push_back(pose.matrix()(row, column));
-    }
-    return numbers;
-  };
-  result["camera_from_body"] = rows_of(run.session.camera_from_body());
-  // For paths that are published of the depth camera; trajectory.txt is the colour camera's.
-  const auto& color = run.source->format().color_sensor;
-  result["color_from_depth"] =
-      color ? nlohmann::ordered_json(rows_of(color->color_from_depth)) : nullptr;
+LiveSummary summary(const Options& options, const LiveRun& run, const Counts& counts,
+                    const LiveOutput& output, double wall) {
+  LiveSummary result;
+  result.body = options.live.body.string();
+  result.source = run.images.string();
+  result.contact = options.live.contact;
+  result.view = options.view;
+  if (run.session.settings().ignore_static) {
+    result.ignore_static_frames = run.session.settings().static_frames;
+  }
+  result.scale = options.live.scale;
+  result.camera_from_body = run.session.camera_from_body();
+  if (const auto& color = run.source->format().color_sensor) {
+    result.color_from_depth = color->color_from_depth;
+  }
   if (run.session.settings().track) {
     const TrackerCounts tracker = run.session.tracker_counts();
-    result["tracking"] = {
-        {"frames_moving", counts.moving},          {"frames_lost", counts.lost},
-        {"times_found_again", tracker.recognised}, {"loops_closed", tracker.loops},
-        {"keyframes", tracker.keyframes},          {"landmarks", tracker.landmarks}};
-  } else {
-    result["tracking"] = nullptr;
+    result.tracking = {counts.moving, counts.lost,       tracker.recognised,
+                       tracker.loops, tracker.keyframes, tracker.landmarks};
   }
   if (const SurfaceMap* map = run.session.map()) {
-    result["map"] = {{"blocks", map->blocks()},
-                     {"refused", map->refused()},
-                     {"free_space_refused", run.session.free_space()->blocked()}};
-  } else {
-    result["map"] = nullptr;
+    result.map = {map->blocks(), map->refused(), run.session.free_space()->blocked()};
   }
-  result["frames"] = counts.processed.size();
-  result["unreadable"] = counts.troubles.unreadable;
-  result["source_troubles"] = {{"back_in_time", counts.troubles.back_in_time},
-                               {"dropped", counts.troubles.dropped},
-                               {"stalls", counts.troubles.stalls},
-                               {"losses", counts.troubles.losses},
-                               {"reports", counts.reports}};
-  result["frames_touching"] = counts.touching;
-  result["first_touch_frame"] =
-      counts.first_touch ? nlohmann::ordered_json(*counts.first_touch) : nullptr;
-  result["deepest_press_m"] = counts.deepest;
-  result["site_changes"] = counts.site_changes;
-  result["video_codec"] = output.codec();
-  result["pictures"] = output.figures();
-  result["color_scale_pa"] = stress_scale(run.session.body());
-  result["wall_s"] = wall;
+  result.unreadable = counts.troubles.unreadable;
+  result.source_troubles = {counts.troubles.back_in_time, counts.troubles.dropped,
+                            counts.troubles.stalls, counts.troubles.losses, counts.reports};
+  result.frames_touching = counts.touching;
+  result.first_touch_frame = counts.first_touch;
+  result.deepest_press = counts.deepest;
+  result.site_changes = counts.site_changes;
+  result.video_codec = output.codec();
+  result.pictures = output.figures();
+  result.color_scale = stress_scale(run.session.body());
+  result.wall = wall;
   for (const auto& [stage, values] : output.times()) {
-    if (!values.empty()) result["median_ms"][stage] = percentile(values, 0.5);
+    if (!values.empty()) result.median_ms.emplace_back(stage, percentile(values, 0.5));
   }
-  result["processed"] = counts.processed;
+  result.processed = counts.processed;
   return result;
 }
 
@@ -285,13 +264,8 @@ void live(const Options& options) {
                             counts.troubles.unreadable, counts.last_trouble));
   }
   output->finish();
-  const fs::path summary_file = options.out / "live.json";
-  std::ofstream file(summary_file);
-  file << summary(options, run, counts, *output, wall.count()).dump(2) << "\n";
-  file.close();
-  if (!file) {
-    throw Error(fmt::format("{}: cannot be written (disk full?)", summary_file.string()));
-  }
+  write_live_summary(options.out / "live.json",
+                     summary(options, run, counts, *output, wall.count()));
   if (stage.errors().count() > 0) {
     throw Error(fmt::format("OpenGL reported {} errors, first: {}", stage.errors().count(),
                             stage.errors().first()));

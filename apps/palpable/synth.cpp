@@ -7,9 +7,11 @@
 
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
-#include "apps/palpable/sequence_folder.h"
+#include "apps/palpable/default_body.h"
 #include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
+#include "palpable/film/desk_film.h"
+#include "palpable/film/sequence_folder.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/synth/sequence.h"
 
@@ -48,6 +50,26 @@ const SequenceKind& kind_of(const std::string& name) {
                           nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
 }
 
+std::string list_of_kinds() {
+  std::string text = "Sequences (frames):\n";
+  for (const SequenceKind& kind : sequence_kinds()) {
+    text += fmt::format("  {:<14}{:>5}  {}\n", kind.name, kind.frames, kind.what);
+  }
+  return text;
+}
+
+void synth(const SynthOptions& options) {
+  if (options.out.empty()) throw Error("-o: names no folder");
+  const SequenceKind& kind = kind_of(options.name);
+  const fs::path file = options.body.empty() ? default_body() : options.body;
+  const ReducedBody body = value_or_throw(read_pressable_body(file));
+  ProgressBar bar;
+  write_sequence(body,
+                 {options.name, options.frames > 0 ? options.frames : kind.frames, options.seed,
+                  file.filename().string()},
+                 options.out, bar.progress());
+}
+
 }  // namespace
 
 void add_synth(CLI::App& app) {
@@ -66,23 +88,10 @@ void add_synth(CLI::App& app) {
       ->check(CLI::Range(std::uint64_t{0}, kLargestSeed))
       ->capture_default_str();
   command->add_option("-o,--out", options->out, "Folder for frames/ and truth/")->required();
-  std::string footer = "Sequences (frames):\n";
-  for (const SequenceKind& kind : sequence_kinds())
-    footer += fmt::format("  {:<14}{:>5}  {}\n", kind.name, kind.frames, kind.what);
-  command->footer(footer +
+  command->footer(list_of_kinds() +
                   "docs/benchmark.md says what each promises and what is written.\n"
                   "Example: palpable synth press --body bunny.palpable --seed 1 -o clip");
-  command->callback([options] {
-    if (options->out.empty()) throw Error("-o: names no folder");
-    const SequenceKind& kind = kind_of(options->name);
-    const fs::path file = options->body.empty() ? default_body() : options->body;
-    const ReducedBody body = value_or_throw(read_pressable_body(file));
-    ProgressBar bar;
-    write_sequence(body,
-                   {options->name, options->frames > 0 ? options->frames : kind.frames,
-                    options->seed, file.filename().string()},
-                   options->out, bar.progress());
-  });
+  command->callback([options] { synth(*options); });
 }
 
 }  // namespace palpable::app

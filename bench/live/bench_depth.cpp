@@ -3,6 +3,7 @@
 #include "bench/live/bench_depth.h"
 
 #include "apps/common/progress_bar.h"
+#include "apps/palpable/default_body.h"
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"

@@ -1,10 +1,10 @@
 #include "bench/live/bench_map.h"
 
 #include "apps/common/progress_bar.h"
-#include "apps/palpable/sequence_folder.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 #include "palpable/depth/depth_camera.h"
+#include "palpable/film/desk_film.h"
 #include "palpable/slam/slam.h"
 
 #include <Eigen/Geometry>

@@ -5,6 +5,7 @@
 #include "bench/live/bench_sgbm.h"
 
 #include "apps/common/progress_bar.h"
+#include "apps/palpable/default_body.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
 

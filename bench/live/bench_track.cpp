@@ -3,10 +3,11 @@
 #include "bench/live/bench_track.h"
 
 #include "apps/common/progress_bar.h"
-#include "apps/palpable/sequence_folder.h"
+#include "apps/palpable/default_body.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/depth/depth_camera.h"
+#include "palpable/film/desk_film.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/score/trajectory_score.h"
 #include "palpable/score/warped_depth.h"

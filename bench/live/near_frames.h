@@ -3,8 +3,8 @@
 /// of depth are measured on these (docs/benchmark.md).
 #pragma once
 
-#include "apps/palpable/sequence_folder.h"
 #include "palpable/base/progress.h"
+#include "palpable/film/desk_film.h"
 #include "palpable/synth/desk_renderer.h"
 #include "palpable/synth/sequence.h"
 

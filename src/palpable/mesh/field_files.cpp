@@ -1,5 +1,6 @@
 #include "palpable/mesh/field_files.h"
 
+#include "palpable/base/npy_file.h"
 #include "palpable/mesh/field_text.h"
 #include "palpable/reduced/hdf5_tools.h"
 
@@ -19,51 +20,27 @@ using Eigen::MatrixXd;
 using namespace field_text;
 
 NodalFile parse_npy(const std::string& bytes, const std::string& name) {
-  if (bytes.size() < 12 || bytes.compare(0, 6, "\x93NUMPY") != 0) bad(name, "not a .npy file");
-  const bool long_header = bytes[6] != 1;
-  const std::size_t begin = long_header ? 12 : 10;
-  std::size_t length = 0;
-  for (std::size_t k = 0; k < (long_header ? 4u : 2u); ++k) {
-    length |= static_cast<std::size_t>(static_cast<unsigned char>(bytes[8 + k])) << (8 * k);
+  const NpyHeader header = npy_header(bytes, name);
+  if (header.type != "<f8" && header.type != "<f4") {
+    bad(name,
+        fmt::format("holds numbers of type '{}': save it as float64 or float32", header.type));
   }
-  if (length > bytes.size() - begin) bad(name, "is cut short");
-  const std::string header = bytes.substr(begin, length);
-  const auto value_of = [&](const std::string& key) {
-    const std::size_t at = header.find("'" + key + "'");
-    const std::size_t colon = at == std::string::npos ? at : header.find(':', at);
-    if (colon == std::string::npos) bad(name, fmt::format("its header has no '{}'", key));
-    return header.substr(colon + 1);
-  };
-  const std::string type = value_of("descr");
-  const std::size_t quote = type.find('\'');
-  const std::string kind = quote == std::string::npos ? "" : type.substr(quote + 1, 3);
-  if (kind != "<f8" && kind != "<f4") {
-    bad(name, fmt::format("holds numbers of type '{}': save it as float64 or float32", kind));
-  }
-  if (value_of("fortran_order").find("False") > 2) {
+  if (header.column_by_column) {
     bad(name, "is stored column by column: save numpy.ascontiguousarray() of it");
   }
-  const std::string shape = value_of("shape");
-  const std::size_t open = shape.find('('), close = shape.find(')');
-  if (open == std::string::npos || close == std::string::npos) bad(name, "its header has no shape");
-  std::vector<std::int64_t> size;
-  for (const std::string_view word :
-       words_of(std::string_view(shape).substr(open + 1, close - open - 1), " ,")) {
-    size.push_back(static_cast<std::int64_t>(number_of(word).value_or(-1)));
-  }
-  if (size.empty() || size.size() > 2 || size[0] < 1 || size.back() < 1 || size[0] > kMostNumbers ||
-      size.back() > kMostNumbers / size[0]) {
+  const std::size_t dimensions = header.shape.size(), count = header.count();
+  if (dimensions == 0 || dimensions > 2 || count == 0 ||
+      count > static_cast<std::size_t>(kMostNumbers)) {
     bad(name, "must be an array of nodes x components");
   }
-  const std::int64_t components = size.size() == 2 ? size[1] : 1;
-  const std::string_view data = std::string_view(bytes).substr(begin + length);
-  const NumberType number = *number_type(kind == "<f8" ? "Float64" : "Float32");
-  if (data.size() != static_cast<std::size_t>(size[0] * components) * number.size) {
-    bad(name, fmt::format("has {} bytes of numbers where its shape needs {}", data.size(),
-                          static_cast<std::size_t>(size[0] * components) * number.size));
+  const std::size_t there = bytes.size() - header.begin;
+  if (there != count * header.number_size()) {
+    bad(name, fmt::format("has {} bytes of numbers where its shape needs {}", there,
+                          count * header.number_size()));
   }
+  const Index components = dimensions == 2 ? static_cast<Index>(header.shape[1]) : 1;
   NodalFile file;
-  file.fields.push_back({"", as_columns(number.convert(data, false), components)});
+  file.fields.push_back({"", as_columns(npy_array(header, bytes, name).values, components)});
   return file;
 }
 

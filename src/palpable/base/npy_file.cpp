@@ -1,4 +1,4 @@
-#include "palpable/exchange/npy_file.h"
+#include "palpable/base/npy_file.h"
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
@@ -37,6 +37,36 @@ std::string entry(const std::string& header, const std::string& key) {
   const std::size_t end =
       header[begin] == '(' ? header.find(')', begin) + 1 : header.find_first_of(",}", begin);
   return header.substr(begin, end - begin);
+}
+
+Error refusal(const std::string& name, const std::string& what) {
+  return Error(fmt::format("{}: {}", name, what));
+}
+
+// "(2, 3)" as numbers.
+std::vector<std::size_t> shape_of(const std::string& text, const std::string& name) {
+  std::vector<std::size_t> shape;
+  for (std::size_t i = 1; i < text.size();) {
+    const std::size_t digits = text.find_first_of("0123456789", i);
+    if (digits == std::string::npos) break;
+    const std::size_t end = text.find_first_not_of("0123456789", digits);
+    if (end - digits > 9) throw refusal(name, "claims an absurd size");
+    shape.push_back(std::stoul(text.substr(digits, end - digits)));
+    i = end;
+  }
+  return shape;
+}
+
+// From Fortran's order to C's.
+void turn(NpyArray& array) {
+  const std::vector<double> turned = array.values;
+  std::vector<std::size_t> index(array.shape.size(), 0);
+  for (const double value : turned) {
+    std::size_t at = 0;
+    for (std::size_t d = 0; d < index.size(); ++d) at = at * array.shape[d] + index[d];
+    array.values[at] = value;
+    for (std::size_t d = 0; d < index.size() && ++index[d] == array.shape[d]; ++d) index[d] = 0;
+  }
 }
 
 template <class T>
@@ -78,15 +108,17 @@ template void write_npy(const std::filesystem::path&, const std::vector<std::siz
 template void write_npy(const std::filesystem::path&, const std::vector<std::size_t>&,
                         std::span<const int>);
 
-NpyArray read_npy(const std::filesystem::path& path) {
-  const auto refuse = [&](const std::string& what) -> Error {
-    return Error(fmt::format("{}: {}", path.string(), what));
-  };
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw refuse("no such file");
-  const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (bytes.size() < 12 || std::string_view(bytes).substr(0, 6) != kMagic) {
-    throw refuse("not a file of NumPy (.npy)");
+std::size_t NpyHeader::count() const { return count_of(shape); }
+
+std::size_t NpyHeader::number_size() const {
+  if (type == "<f4" || type == "<i4") return 4;
+  if (type == "<f8" || type == "<i8") return 8;
+  return 0;
+}
+
+NpyHeader npy_header(const std::string& bytes, const std::string& name) {
+  if (bytes.size() < 12 || !bytes.starts_with(kMagic)) {
+    throw refusal(name, "not a file of NumPy (.npy)");
   }
   const auto byte = [&](std::size_t i) {
     return static_cast<std::size_t>(static_cast<unsigned char>(bytes[i]));
@@ -96,45 +128,45 @@ NpyArray read_npy(const std::filesystem::path& path) {
   const std::size_t length = first_version
                                  ? byte(8) + 256 * byte(9)
                                  : byte(8) + 256 * (byte(9) + 256 * (byte(10) + 256 * byte(11)));
-  if (begin + length > bytes.size()) throw refuse("cut short");
-  const std::string header = bytes.substr(begin, length);
-  const std::string type = entry(header, "descr"), order = entry(header, "fortran_order"),
-                    shape = entry(header, "shape");
-  if (type.size() < 5 || shape.empty() || shape[0] != '(') throw refuse("its header is damaged");
-  NpyArray array;
-  for (std::size_t i = 1; i < shape.size();) {
-    const std::size_t digits = shape.find_first_of("0123456789", i);
-    if (digits == std::string::npos) break;
-    const std::size_t end = shape.find_first_not_of("0123456789", digits);
-    if (end - digits > 9) throw refuse("claims an absurd size");
-    array.shape.push_back(std::stoul(shape.substr(digits, end - digits)));
-    i = end;
+  if (begin + length > bytes.size()) throw refusal(name, "cut short");
+  const std::string text = bytes.substr(begin, length);
+  const std::string type = entry(text, "descr"), shape = entry(text, "shape");
+  if (type.size() < 5 || shape.empty() || shape[0] != '(') {
+    throw refusal(name, "its header is damaged");
   }
-  const std::size_t count = count_of(array.shape);
-  const std::string kind = type.substr(1, 3);
-  const std::size_t size = kind == "<f4" || kind == "<i4"   ? 4
-                           : kind == "<f8" || kind == "<i8" ? 8
-                                                            : 0;
-  if (size == 0)
-    throw refuse(fmt::format("holds {}, not floats or integers of 4 or 8 bytes", type));
-  if (count == SIZE_MAX || bytes.size() - begin - length < count * size) throw refuse("cut short");
-  array.values.resize(count);
-  const char* data = bytes.data() + begin + length;
-  if (kind == "<f4") convert<float>(data, array.values);
-  if (kind == "<f8") convert<double>(data, array.values);
-  if (kind == "<i4") convert<std::int32_t>(data, array.values);
-  if (kind == "<i8") convert<std::int64_t>(data, array.values);
-  if (order == "False") return array;
-  // Fortran order: the first index runs fastest.
-  const std::vector<double> turned = array.values;
-  std::vector<std::size_t> index(array.shape.size(), 0);
-  for (std::size_t i = 0; i < count; ++i) {
-    std::size_t at = 0;
-    for (std::size_t d = 0; d < index.size(); ++d) at = at * array.shape[d] + index[d];
-    array.values[at] = turned[i];
-    for (std::size_t d = 0; d < index.size() && ++index[d] == array.shape[d]; ++d) index[d] = 0;
+  NpyHeader header;
+  header.shape = shape_of(shape, name);
+  header.type = type.substr(1, 3);
+  header.column_by_column = entry(text, "fortran_order") != "False";
+  header.begin = begin + length;
+  return header;
+}
+
+NpyArray npy_array(const NpyHeader& header, const std::string& bytes, const std::string& name) {
+  const std::size_t size = header.number_size();
+  if (size == 0) {
+    throw refusal(name,
+                  fmt::format("holds '{}', not floats or integers of 4 or 8 bytes", header.type));
   }
+  const std::size_t count = header.count();
+  if (count == SIZE_MAX || bytes.size() - header.begin < count * size) {
+    throw refusal(name, "cut short");
+  }
+  NpyArray array{header.shape, std::vector<double>(count)};
+  const char* data = bytes.data() + header.begin;
+  if (header.type == "<f4") convert<float>(data, array.values);
+  if (header.type == "<f8") convert<double>(data, array.values);
+  if (header.type == "<i4") convert<std::int32_t>(data, array.values);
+  if (header.type == "<i8") convert<std::int64_t>(data, array.values);
+  if (header.column_by_column) turn(array);
   return array;
+}
+
+NpyArray read_npy(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw refusal(path.string(), "no such file");
+  const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  return npy_array(npy_header(bytes, path.string()), bytes, path.string());
 }
 
 }  // namespace palpable

@@ -1,14 +1,14 @@
-#include "apps/palpable/score_files.h"
+#include "palpable/scorecard/folders.h"
 
 #include "palpable/base/error.h"
-#include "palpable/render/picture_file.h"
+#include "palpable/scorecard/scorecard.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
 #include <fstream>
 #include <string>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 namespace fs = std::filesystem;
@@ -32,7 +32,7 @@ std::string refusal(Read read) {
 }
 
 std::string truth_refusal(const char* file, const std::string& text) {
-  const ScratchFolder folder("score_files");
+  const ScratchFolder folder("scorecard");
   write(folder / "camera.toml", kCamera);
   write(folder / "contact.jsonl",
         "{\"frame\":0,\"touching\":false}\n{\"frame\":1,\"touching\":true}\n");
@@ -41,7 +41,7 @@ std::string truth_refusal(const char* file, const std::string& text) {
 }
 
 std::string result_refusal(const char* file, const std::string& text) {
-  const ScratchFolder folder("score_files");
+  const ScratchFolder folder("scorecard");
   write(folder / "touches.jsonl", "");
   write(folder / file, text);
   return refusal([&] { (void)read_result_folder(folder.path(), 2); });
@@ -58,8 +58,8 @@ bool says(const std::string& text, std::initializer_list<const char*> parts) {
   return text.find('\n') == std::string::npos;
 }
 
-TEST_CASE("a truth is read as it stands in its files", "[apps]") {
-  const ScratchFolder folder("score_files");
+TEST_CASE("a truth is read as it stands in its files", "[scorecard]") {
+  const ScratchFolder folder("scorecard");
   const fs::path truth = folder / "truth";
   write(truth / "camera.toml", kCamera);
   write(truth / "contact.jsonl",
@@ -89,8 +89,8 @@ TEST_CASE("a truth is read as it stands in its files", "[apps]") {
   }
 }
 
-TEST_CASE("a result is read as far as it goes", "[apps]") {
-  const ScratchFolder folder("score_files");
+TEST_CASE("a result is read as far as it goes", "[scorecard]") {
+  const ScratchFolder folder("scorecard");
   write(folder / "touches.jsonl", "{\"frame\":1}\n{\"frame\":2,\"site\":4,\"level\":0.5}\n");
   ResultFolder result = read_result_folder(folder.path(), 3);
   CHECK(result.processed == std::vector<std::uint8_t>{1, 1, 1});
@@ -115,7 +115,7 @@ TEST_CASE("a result is read as far as it goes", "[apps]") {
   CHECK_FALSE(result.pose_at(2).has_value());
 }
 
-TEST_CASE("a truth that makes no sense is refused with file and line", "[apps][errors]") {
+TEST_CASE("a truth that makes no sense is refused with file and line", "[scorecard][errors]") {
   CHECK(truth_refusal("script.toml", "anything").empty());
   CHECK(says(truth_refusal("camera.toml", "fps = 30\n"), {"camera.toml", "depth_unit_m"}));
   CHECK(says(truth_refusal("camera.toml", "fps = 30\ndepth_unit_m = -1\n"),
@@ -146,7 +146,7 @@ TEST_CASE("a truth that makes no sense is refused with file and line", "[apps][e
       says(truth_refusal("rig.jsonl", "{\"frame\":0}\n"), {"rig.jsonl: line 1", "row_offset_px"}));
 }
 
-TEST_CASE("a result that makes no sense is refused with file and line", "[apps][errors]") {
+TEST_CASE("a result that makes no sense is refused with file and line", "[scorecard][errors]") {
   CHECK(result_refusal("notes.txt", "anything").empty());
   CHECK(says(result_refusal("touches.jsonl", "{\"frame\":0}\n{\"site\":0}\n"),
              {"touches.jsonl: line 2", "frame"}));
@@ -178,8 +178,8 @@ TEST_CASE("a result that makes no sense is refused with file and line", "[apps][
   CHECK(says(result_refusal("trajectory.txt", "0 0 0 x 0 0 0 1\n"), {"trajectory.txt: line 1"}));
 }
 
-TEST_CASE("folders that are none, or empty, are refused by name", "[apps][errors]") {
-  const ScratchFolder folder("score_files");
+TEST_CASE("folders that are none, or empty, are refused by name", "[scorecard][errors]") {
+  const ScratchFolder folder("scorecard");
   CHECK(says(refusal([&] { (void)read_truth_folder(folder / "nowhere"); }), {"nowhere"}));
   CHECK(says(refusal([&] { (void)read_truth_folder(folder.path()); }), {"camera.toml is missing"}));
   write(folder / "camera.toml", kCamera);
@@ -189,27 +189,72 @@ TEST_CASE("folders that are none, or empty, are refused by name", "[apps][errors
              {"none of the files of a result"}));
 }
 
-TEST_CASE("images are read with their counts, and what is no image is named", "[apps]") {
-  const ScratchFolder folder("score_files");
-  fs::create_directories(folder / "depth");
-  DepthImage depth(3, 2, 0.5f);
-  depth(1, 0) = 2.0f;
-  write_depth_png(folder / "depth/000004.png", depth, 0.00025);
-  const auto counts = read_counts(folder.path(), "depth", 4);
-  REQUIRE(counts.has_value());
-  CHECK((*counts)(0, 0) == 2000);
-  CHECK((*counts)(1, 0) == 8000);
-  CHECK_FALSE(read_counts(folder.path(), "depth", 5).has_value());
-  GrayImage labels(3, 2, 3);
-  labels(2, 1) = 2;
-  fs::create_directories(folder / "labels");
-  write_png(folder / "labels/000004.png", labels);
-  CHECK(*read_gray(folder.path(), "labels", 4) == labels);
-  write(folder / "depth/000006.png", "no image");
-  CHECK(says(refusal([&] { (void)read_counts(folder.path(), "depth", 6); }), {"000006.png"}));
-  write_png(folder / "depth/000007.png", labels);  // 8 bits are no depth
-  CHECK(says(refusal([&] { (void)read_counts(folder.path(), "depth", 7); }), {"000007.png"}));
+TEST_CASE("what has no score is null for programs and a dash for people", "[scorecard]") {
+  Scorecard scores;
+  scores.frames = 3;
+  CHECK(json_of(scores) == R"({
+  "frames": 3,
+  "depth_frames": 0,
+  "depth_median": null,
+  "depth_within_1pct": null,
+  "depth_density": null,
+  "hand_within_1pct": null,
+  "hand_near_frames": null,
+  "too_close_called_far": null,
+  "moving_iou": null,
+  "moving_recall": null,
+  "moving_false": null,
+  "occlusion_frames": 0,
+  "occlusion_iou": null,
+  "occlusion_iou_where_hidden": null,
+  "occlusion_iou_worst_frame": null,
+  "edge_error_px": null,
+  "flicker": null,
+  "ate_mm": null,
+  "rpe_mm": null,
+  "rpe_deg": null,
+  "trajectory_share": null,
+  "frames_touching": null,
+  "touch_precision": null,
+  "touch_recall": null,
+  "touch_site": null,
+  "first_touch_delay_frames": null,
+  "penetration_median_mm": null,
+  "penetration_p99_mm": null,
+  "largest_pop_mm": null,
+  "largest_pop_frame": null,
+  "jitter_mm": null,
+  "row_error_px": null
+})");
+  const std::string text = text_of(scores);
+  CHECK(text.starts_with("frames                                      3\n"));
+  CHECK(text.find("jitter of the body in the world             -\n") != std::string::npos);
+  CHECK(text.find("depth at (m)") == std::string::npos);
+}
+
+TEST_CASE("scores are listed with their units, depth by distance", "[scorecard]") {
+  Scorecard scores;
+  scores.images.depth_frames = 1;
+  scores.images.depth.near_frames = 0;
+  scores.images.depth.at[2].median_error = 0.0123;
+  scores.images.depth.at[2].within_1pct = 0.5;
+  scores.press.first_touch_delay_frames = -2;
+  scores.jitter_mm = 1.25;
+  scores.reduction_error = 0.00123;
+  scores.reduction_error_worst = 0.5;
+  const std::string text = text_of(scores);
+  const auto in_text = [&](const char* part) { return text.find(part) != std::string::npos; };
+  CHECK(in_text("\n         0.5           1.23 %       50.0 %\n"));
+  CHECK_FALSE(in_text("\n         0.3 "));
+  CHECK(in_text("\nfirst touch felt after the true one by      -2 frames\n"));
+  CHECK(in_text("\njitter of the body in the world             1.25 mm\n"));
+  CHECK(in_text("\nerror of the reduced model, pooled          1.23e-03\n"));
+  const std::string json = json_of(scores);
+  CHECK(json.find("\"hand_near_frames\": 0") != std::string::npos);
+  CHECK(json.find("\"0.5\": 0.0123") != std::string::npos);
+  CHECK(json.find("\"15\": null") != std::string::npos);
+  CHECK(json.ends_with("\"reduction_error\": 0.00123,\n  \"reduction_error_worst\": 0.5\n}"));
 }
 
 }  // namespace
-}  // namespace palpable::app
+}  // namespace palpable

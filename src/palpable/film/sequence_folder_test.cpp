@@ -1,4 +1,4 @@
-#include "apps/palpable/sequence_folder.h"
+#include "palpable/film/sequence_folder.h"
 
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_file.h"
@@ -27,7 +27,7 @@ std::map<std::string, std::string> contents_of(const fs::path& folder) {
 
 }  // namespace
 
-TEST_CASE("what was interrupted is no truth that could be scored", "[apps][gl]") {
+TEST_CASE("what was interrupted is no truth that could be scored", "[film][gl]") {
   if (!GlContext::offscreen().ok()) PALPABLE_SKIP("no OpenGL 4.5 context here");
   const ReducedBody body = value_or_throw(read_pressable_body("tests/data/ball_v1.palpable"));
   const test::ScratchFolder scratch("half_film");
@@ -36,20 +36,20 @@ TEST_CASE("what was interrupted is no truth that could be scored", "[apps][gl]")
     CHECK_FALSE(fs::exists(camera));
     if (step.done >= 2) throw Error("enough");
   };
-  CHECK_THROWS_AS(app::write_sequence(body, {"press", 3, 5, "ball", 1}, scratch.path(), interrupt),
+  CHECK_THROWS_AS(write_sequence(body, {"press", 3, 5, "ball", 1}, scratch.path(), interrupt),
                   Error);
   CHECK(fs::exists(scratch.path() / "frames" / "left" / "000001.jpg"));
   CHECK_FALSE(fs::exists(camera));
 }
 
-TEST_CASE("two threads film what one films, byte for byte", "[apps][gl]") {
+TEST_CASE("two threads film what one films, byte for byte", "[film][gl]") {
   if (!GlContext::offscreen().ok()) PALPABLE_SKIP("no OpenGL 4.5 context here");
   const ReducedBody body = value_or_throw(read_pressable_body("tests/data/ball_v1.palpable"));
   const test::ScratchFolder scratch("film");
   constexpr int kFrames = 3;
   for (const int threads : {1, 2})
-    app::write_sequence(body, {"blur", kFrames, 5, "ball", threads},
-                        scratch.path() / std::to_string(threads), {});
+    write_sequence(body, {"blur", kFrames, 5, "ball", threads},
+                   scratch.path() / std::to_string(threads), {});
   const auto one = contents_of(scratch.path() / "1");
   CHECK(one == contents_of(scratch.path() / "2"));
   // Two pictures, depth and labels a frame.

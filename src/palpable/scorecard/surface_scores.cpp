@@ -1,8 +1,10 @@
-#include "apps/palpable/score_surface.h"
+#include "palpable/scorecard/surface_scores.h"
 
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
+#include "palpable/clip_files/frame_names.h"
 #include "palpable/geometry/mesh_file.h"
+#include "palpable/score/penetration.h"
 #include "palpable/score/pop.h"
 
 #include <fmt/core.h>
@@ -14,11 +16,10 @@
 #include <utility>
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::ordered_json;
 
 // What was drawn in each frame, body frame.
 class Surfaces {
@@ -39,9 +40,13 @@ class Surfaces {
     return from_touch(frame);
   }
 
+  [[nodiscard]] fs::path file_of(int frame) const {
+    return result_.folder / "meshes" / frame_name(frame, ".ply");
+  }
+
  private:
   [[nodiscard]] std::optional<Eigen::Matrix3Xd> from_file(int frame) const {
-    const fs::path path = result_.folder / "meshes" / fmt::format("{:06d}.ply", frame);
+    const fs::path path = file_of(frame);
     if (!fs::exists(path)) return std::nullopt;
     return value_or_throw(read_surface_file(path)).vertices;
   }
@@ -51,7 +56,7 @@ class Surfaces {
     if (touch == result_.touches->end()) return body_->surface.vertices;
     const auto [site, level] = touch->second;
     const fs::path path = result_.folder / "touches.jsonl";
-    if (static_cast<std::size_t>(site) >= body_->sites.size()) {
+    if (site >= std::ssize(body_->sites)) {
       throw Error(fmt::format("{}: frame {} presses site {}, but {} has {} sites", path.string(),
                               frame, site, body_->name, body_->sites.size()));
     }
@@ -69,51 +74,50 @@ class Surfaces {
 
 }  // namespace
 
-void score_surface(const TruthFolder& truth, const ResultFolder& result, const ReducedBody* body,
-                   ordered_json& scores) {
-  for (const char* key :
-       {"penetration_median_mm", "penetration_p99_mm", "largest_pop_mm", "largest_pop_frame"})
-    scores[key] = nullptr;
-  // The frames that are left out might be the worst ones.
-  if (!result.every_frame_has_a_pose()) return;
+SurfaceScores score_surface(const TruthFolder& truth, const ResultFolder& result,
+                            const ReducedBody* body) {
+  // A frame that is left out might be the worst one: then there is no score.
+  if (!result.every_frame_has_a_pose()) return {};
   const Surfaces surfaces(result, body);
   std::vector<double> deepest;
   PopScorer pops;
   Eigen::Index vertices = 0;
   for (int frame = 0; frame < truth.frames; ++frame) {
-    const auto f = static_cast<std::size_t>(frame);
-    if (result.processed[f] == 0) continue;
+    if (result.processed[frame] == 0) continue;
     const Rigid3 pose = *result.pose_at(frame);
     std::optional<Eigen::Matrix3Xd> surface = surfaces.at(frame);
-    if (!surface) return;
+    if (!surface) return {};
     if (vertices != 0 && surface->cols() != vertices) {
       throw Error(
           fmt::format("{}: {} vertices, but frames before it {}; every frame shows one body",
-                      (result.folder / "meshes" / fmt::format("{:06d}.ply", frame)).string(),
-                      surface->cols(), vertices));
+                      surfaces.file_of(frame).string(), surface->cols(), vertices));
     }
     vertices = surface->cols();
     PopFrame drawn;
     drawn.number = frame;
     drawn.camera_from_body = pose;
-    if (!truth.trajectory.empty()) drawn.world_from_camera = truth.trajectory[f].world_from_camera;
-    if (const auto hand = truth.hands.find(frame); hand != truth.hands.end())
+    if (!truth.trajectory.empty())
+      drawn.world_from_camera = truth.trajectory[frame].world_from_camera;
+    if (const auto hand = truth.hands.find(frame); hand != truth.hands.end()) {
       drawn.hand = hand->second;
-    if (!truth.contacts.empty() && truth.contacts[f].touching && !drawn.hand.empty()) {
+    }
+    if (!truth.contacts.empty() && truth.contacts[frame].touching && !drawn.hand.empty()) {
       const Eigen::Matrix3Xd in_camera = (pose.linear() * *surface).colwise() + pose.translation();
       deepest.push_back(deepest_penetration(in_camera, drawn.hand));
     }
     drawn.surface = std::move(*surface);
     pops.add(std::move(drawn));
   }
+  SurfaceScores scores;
   if (!deepest.empty()) {
-    scores["penetration_median_mm"] = 1e3 * percentile(deepest, 0.5);
-    scores["penetration_p99_mm"] = 1e3 * percentile(deepest, 0.99);
+    scores.penetration_median_mm = 1e3 * percentile(deepest, 0.5);
+    scores.penetration_p99_mm = 1e3 * percentile(deepest, 0.99);
   }
   if (pops.largest()) {
-    scores["largest_pop_mm"] = 1e3 * pops.largest()->size;
-    scores["largest_pop_frame"] = pops.largest()->frame;
+    scores.largest_pop_mm = 1e3 * pops.largest()->size;
+    scores.largest_pop_frame = pops.largest()->frame;
   }
+  return scores;
 }
 
-}  // namespace palpable::app
+}  // namespace palpable
