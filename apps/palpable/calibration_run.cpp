@@ -1,5 +1,6 @@
 #include "apps/palpable/calibration_run.h"
 
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/base/error.h"
 #include "palpable/calibrate/rectification.h"
@@ -8,7 +9,6 @@
 #include "palpable/sources/source_guard.h"
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <fstream>
@@ -67,9 +67,9 @@ Seen look(FrameSource& source, const BoardPattern& pattern, int wanted) {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-nlohmann::ordered_json json_of(const BoardCalibration& found, const Seen& seen) {
+Json json_of(const BoardCalibration& found, const Seen& seen) {
   const StereoRig& rig = found.calibration.rig;
-  nlohmann::ordered_json result;
+  Json result;
   result["pairs"] = seen.pairs;
   result["boards"] = seen.views.size();
   for (const auto& [name, eye] : {std::pair{"left", &rig.left}, std::pair{"right", &rig.right}}) {
@@ -156,8 +156,7 @@ CalibrationReport check(const CalibrationTask& task, const FrameFormat& format, 
                             error.problem().message));
   }
   const double rows = error.value();
-  const nlohmann::ordered_json json = {
-      {"pairs", seen.pairs}, {"boards", seen.views.size()}, {"row_error_px", rows}};
+  const Json json = {{"pairs", seen.pairs}, {"boards", seen.views.size()}, {"row_error_px", rows}};
   CalibrationReport report;
   report.text = task.json
                     ? json.dump(2) + "\n"
@@ -195,7 +194,7 @@ CalibrationReport calibrate(const CalibrationTask& task, VideoSystem& system) {
   write_stereo_calibration(output, found.value().calibration);
   CalibrationReport report;
   if (task.json) {
-    nlohmann::ordered_json result = json_of(found.value(), seen);
+    Json result = json_of(found.value(), seen);
     result["file"] = output.string();
     report.text = result.dump(2) + "\n";
   } else {

@@ -1,5 +1,7 @@
 // palpable live: images in, the pressed body in them out.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/ctrl_c.h"
@@ -14,9 +16,7 @@
 #include "palpable/render/scene_renderer.h"
 #include "palpable/render/window.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -103,9 +103,9 @@ struct Counts {
   }
 };
 
-nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const Counts& counts,
-                               const LiveOutput& output, double wall) {
-  nlohmann::ordered_json result;
+Json summary(const Options& options, const LiveRun& run, const Counts& counts,
+             const LiveOutput& output, double wall) {
+  Json result;
   result["body"] = options.live.body.string();
   result["source"] = run.images.string();
   result["contact"] = options.live.contact;
@@ -123,8 +123,7 @@ nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const
   result["camera_from_body"] = rows_of(run.session.camera_from_body());
   // For paths that are published of the depth camera; trajectory.txt is the colour camera's.
   const auto& color = run.source->format().color_sensor;
-  result["color_from_depth"] =
-      color ? nlohmann::ordered_json(rows_of(color->color_from_depth)) : nullptr;
+  result["color_from_depth"] = color ? Json(rows_of(color->color_from_depth)) : nullptr;
   if (run.session.settings().track) {
     const TrackerCounts tracker = run.session.tracker_counts();
     result["tracking"] = {
@@ -149,8 +148,7 @@ nlohmann::ordered_json summary(const Options& options, const LiveRun& run, const
                                {"losses", counts.troubles.losses},
                                {"reports", counts.reports}};
   result["frames_touching"] = counts.touching;
-  result["first_touch_frame"] =
-      counts.first_touch ? nlohmann::ordered_json(*counts.first_touch) : nullptr;
+  result["first_touch_frame"] = counts.first_touch ? Json(*counts.first_touch) : nullptr;
   result["deepest_press_m"] = counts.deepest;
   result["site_changes"] = counts.site_changes;
   result["video_codec"] = output.codec();
@@ -324,29 +322,28 @@ void live(const Options& options) {
 
 }  // namespace
 
-void add_live(CLI::App& app) {
+void add_live(Command app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("live", "Let what a camera saw press a body: video, figures, timing");
-  add_live_options(*command, options->live);
-  command->add_option("--out", options->out, "Folder for the results")->required();
+  add_live_options(command, options->live);
+  command.add_option("--out", options->out, "Folder for the results").required();
   command
-      ->add_option(
-          "--view", options->view,
-          "What the pictures show. camera: what the camera sees, with the body in it; map: "
-          "the room from outside as it has been seen so far, the way through it, the body")
-      ->check(CLI::IsMember({"camera", "map"}))
-      ->capture_default_str();
-  command->add_flag("--window", options->window,
-                    "Show it in a window too; Escape ends it. The mouse turns the map, its wheel "
-                    "comes nearer, R takes both back");
-  command->add_flag("--pictures", options->pictures,
-                    "Keep the pictures that show best: hand nearer, body nearer, touch");
-  command->add_flag("--no-masks", options->no_masks,
-                    "Leave out visible/, body_depth/ and moving/, which palpable score compares");
-  command->add_flag("--no-depth", options->no_depth, "Leave out depth/, the measured depth");
-  command->add_flag("--overwrite", options->overwrite, "Replace an earlier run in --out");
-  command->footer(
+      .add_option("--view", options->view,
+                  "What the pictures show. camera: what the camera sees, with the body in it; map: "
+                  "the room from outside as it has been seen so far, the way through it, the body")
+      .one_of({"camera", "map"})
+      .show_default();
+  command.add_flag("--window", options->window,
+                   "Show it in a window too; Escape ends it. The mouse turns the map, its wheel "
+                   "comes nearer, R takes both back");
+  command.add_flag("--pictures", options->pictures,
+                   "Keep the pictures that show best: hand nearer, body nearer, touch");
+  command.add_flag("--no-masks", options->no_masks,
+                   "Leave out visible/, body_depth/ and moving/, which palpable score compares");
+  command.add_flag("--no-depth", options->no_depth, "Leave out depth/, the measured depth");
+  command.add_flag("--overwrite", options->overwrite, "Replace an earlier run in --out");
+  command.footer(
       "Writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, "
       "rectification.jsonl,\n"
       "live.json, depth/, visible/, body_depth/ and moving/ (docs/benchmark.md has the formats).\n"
@@ -358,7 +355,7 @@ void add_live(CLI::App& app) {
       "--ignore-static --out out\n"
       "Example: palpable live bunny.palpable --source /dev/video0 --calibration SN10027514.conf "
       "--place \"0 0.1 0.6 0 40 0\" --window --out out");
-  command->callback([options] { live(*options); });
+  command.callback([options] { live(*options); });
 }
 
 }  // namespace palpable::app

@@ -1,14 +1,14 @@
 // palpable press: what a body does under one load, or under several at once, in numbers.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/named_loads.h"
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/loaded_body.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -73,7 +73,7 @@ void press(const Options& options) {
   const double largest = static_cast<double>(u.colwise().norm().maxCoeff(&vertex));
   const Eigen::Vector3d where = body.surface.vertices.col(vertex);
 
-  nlohmann::ordered_json result;
+  Json result;
   for (std::size_t k = 0; k < loads.size(); ++k) {
     const Site& at = load_place(body, loads[k].place);
     const bool reaction = loads[k].place >= S;
@@ -113,22 +113,22 @@ void press(const Options& options) {
 
 }  // namespace
 
-void add_press(CLI::App& app) {
+void add_press(Command app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("press", "What a body does under one load or several, in numbers");
-  command->add_option("body", options->body, "Body file")->required();
+  command.add_option("body", options->body, "Body file").required();
   command
-      ->add_option("--load", options->loads,
-                   "Where on the skin at rest (m, body frame) and how hard (N), along the "
-                   "direction in which the body was loaded there; several act together, where "
-                   "'palpable inspect' says that the body answers several loads")
-      ->required()
-      ->type_name("X,Y,Z=F");
-  command->add_flag("--json", options->json, "One JSON object on stdout");
-  command->footer(
+      .add_option("--load", options->loads,
+                  "Where on the skin at rest (m, body frame) and how hard (N), along the "
+                  "direction in which the body was loaded there; several act together, where "
+                  "'palpable inspect' says that the body answers several loads")
+      .required()
+      .type_name("X,Y,Z=F");
+  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.footer(
       "Example: palpable press beam.palpable --load 0.15,0,0.05=1.5 --load 0.18,0,0=0.6");
-  command->callback([options] { press(*options); });
+  command.callback([options] { press(*options); });
 }
 
 }  // namespace palpable::app

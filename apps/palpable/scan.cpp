@@ -1,5 +1,6 @@
 // palpable scan: what a camera saw, as one surface.
 
+#include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/ctrl_c.h"
@@ -12,7 +13,6 @@
 #include "palpable/slam/room_scan.h"
 #include "palpable/sources/open_source.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -182,37 +182,37 @@ void scan(const ScanOptions& options) {
 
 }  // namespace
 
-void add_scan(CLI::App& app) {
+void add_scan(Command app) {
   auto options = std::make_shared<ScanOptions>();
-  CLI::App* command = app.add_subcommand("scan", "Make a surface of what a camera saw of a room");
+  Command command = app.add_subcommand("scan", "Make a surface of what a camera saw of a room");
   command
-      ->add_option("source", options->input.source,
-                   "A folder, images by name, a video file or a camera, as for live")
-      ->required();
-  add_source_options(*command, options->input);
-  command->add_option("-o,--out", options->out, "The surface, a .ply with colours")->required();
-  command->add_option("--trajectory", options->trajectory,
-                      "Poses to use instead of tracking: lines time tx ty tz qx qy qz qw "
-                      "(world_from_camera), the first one the first frame's");
-  command->add_option("--picture", options->picture,
-                      "Also a .png of it: the room from outside, the way through it in blue");
+      .add_option("source", options->input.source,
+                  "A folder, images by name, a video file or a camera, as for live")
+      .required();
+  add_source_options(command, options->input);
+  command.add_option("-o,--out", options->out, "The surface, a .ply with colours").required();
+  command.add_option("--trajectory", options->trajectory,
+                     "Poses to use instead of tracking: lines time tx ty tz qx qy qz qw "
+                     "(world_from_camera), the first one the first frame's");
+  command.add_option("--picture", options->picture,
+                     "Also a .png of it: the room from outside, the way through it in blue");
   command
-      ->add_option("--voxel", options->voxel_mm,
-                   "Side of a voxel, mm; smaller ones than 5 would leave gaps between the rays")
-      ->check(CLI::Range(5.0, 100.0))
-      ->capture_default_str();
+      .add_option("--voxel", options->voxel_mm,
+                  "Side of a voxel, mm; smaller ones than 5 would leave gaps between the rays")
+      .in_range(5.0, 100.0)
+      .show_default();
   command
-      ->add_option("--fuse-every", options->fuse_every,
-                   "Fuse a frame every so many seconds of the recording; 0: all of them")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
-  command->add_option("--frames", options->frames, "Stop after so many frames")
-      ->check(CLI::Range(1, 100'000'000));
-  command->footer(
+      .add_option("--fuse-every", options->fuse_every,
+                  "Fuse a frame every so many seconds of the recording; 0: all of them")
+      .in_range(0.0, 3600.0)
+      .show_default();
+  command.add_option("--frames", options->frames, "Stop after so many frames")
+      .in_range(1, 100'000'000);
+  command.footer(
       "What moves is left out. Depths up to 3 m are taken, or up to where they scatter by 50 mm.\n"
       "Ctrl-C ends it and writes what was seen: so does a camera, which has no end of its own.\n"
       "Example: palpable scan room -o room.ply");
-  command->callback([options] { scan(*options); });
+  command.callback([options] { scan(*options); });
 }
 
 }  // namespace palpable::app

@@ -1,9 +1,10 @@
 // palpable score: what a run did against the truth of what it saw, whoever made the run.
 // docs/benchmark.md has the formats of both folders and the meaning of every score.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
-#include "apps/palpable/json_value.h"
 #include "apps/palpable/score_files.h"
 #include "apps/palpable/score_images.h"
 #include "apps/palpable/score_surface.h"
@@ -12,7 +13,6 @@
 #include "palpable/score/anchor_score.h"
 #include "palpable/score/touch_score.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <cmath>
@@ -28,8 +28,6 @@ namespace palpable::app {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::ordered_json;
-
 struct Options {
   fs::path truth;
   fs::path result;
@@ -37,8 +35,7 @@ struct Options {
   bool json = false;
 };
 
-void score_trajectories(const TruthFolder& truth, const ResultFolder& result,
-                        ordered_json& scores) {
+void score_trajectories(const TruthFolder& truth, const ResultFolder& result, Json& scores) {
   for (const char* key : {"ate_mm", "rpe_mm", "rpe_deg", "trajectory_share"}) scores[key] = nullptr;
   if (truth.trajectory.empty() || !result.trajectory) return;
   const double half_a_frame = 0.5 / truth.frames_per_second;
@@ -58,7 +55,7 @@ void score_trajectories(const TruthFolder& truth, const ResultFolder& result,
   scores["rpe_deg"] = *score.rpe_angle * 180 / std::numbers::pi;
 }
 
-void score_touching(const TruthFolder& truth, const ResultFolder& result, ordered_json& scores) {
+void score_touching(const TruthFolder& truth, const ResultFolder& result, Json& scores) {
   for (const char* key : {"frames_touching", "touch_precision", "touch_recall", "touch_site",
                           "first_touch_delay_frames"})
     scores[key] = nullptr;
@@ -86,13 +83,13 @@ void score_touching(const TruthFolder& truth, const ResultFolder& result, ordere
   const TouchScore score = score_touches(is, felt);
   scores["frames_touching"] = score.truly_touching;
   if (!result.touches) return;
-  scores["touch_precision"] = or_null(score.precision);
-  scores["touch_recall"] = or_null(score.recall);
-  scores["touch_site"] = or_null(score_sites(true_site, felt_site));
-  scores["first_touch_delay_frames"] = or_null(score.first_touch_delay_frames);
+  scores["touch_precision"] = score.precision;
+  scores["touch_recall"] = score.recall;
+  scores["touch_site"] = score_sites(true_site, felt_site);
+  scores["first_touch_delay_frames"] = score.first_touch_delay_frames;
 }
 
-void score_anchor(const TruthFolder& truth, const ResultFolder& result, ordered_json& scores) {
+void score_anchor(const TruthFolder& truth, const ResultFolder& result, Json& scores) {
   scores["jitter_mm"] = nullptr;
   if (!result.every_frame_has_a_pose()) return;  // those left out might be the worst ones
   AnchorScorer anchor;
@@ -101,10 +98,10 @@ void score_anchor(const TruthFolder& truth, const ResultFolder& result, ordered_
     if (pose && result.processed[f] != 0) anchor.add(truth.trajectory[f].world_from_camera, *pose);
   }
   const std::optional<double> jitter = anchor.jitter();
-  scores["jitter_mm"] = jitter ? ordered_json(1e3 * *jitter) : nullptr;
+  scores["jitter_mm"] = jitter ? Json(1e3 * *jitter) : nullptr;
 }
 
-void score_rows(const TruthFolder& truth, const ResultFolder& result, ordered_json& scores) {
+void score_rows(const TruthFolder& truth, const ResultFolder& result, Json& scores) {
   scores["row_error_px"] = nullptr;
   if (!result.corrections) return;
   const int second = static_cast<int>(std::lround(truth.frames_per_second));
@@ -112,16 +109,16 @@ void score_rows(const TruthFolder& truth, const ResultFolder& result, ordered_js
   for (const TrueRowOffset& row : truth.rows)
     looked_at.push_back(result.processed[static_cast<std::size_t>(row.frame)]);
   scores["row_error_px"] =
-      or_null(largest_row_error(truth.rows, *result.corrections, second, looked_at));
+      Json(largest_row_error(truth.rows, *result.corrections, second, looked_at));
 }
 
-std::string text_of(const ordered_json& value, int digits) {
+std::string text_of(const Json& value, int digits) {
   if (value.is_null()) return "-";
-  if (value.is_number_integer()) return fmt::format("{}", value.get<int>());
+  if (value.is_integer()) return fmt::format("{}", value.get<int>());
   return fmt::format("{:.{}f}", value.get<double>(), digits);
 }
 
-void print_depth(const ordered_json& scores) {
+void print_depth(const Json& scores) {
   if (scores["depth_median"].is_null()) return;
   fmt::print("depth at (m)    median error   within 1 %   (the paper's camera: 1 to 9 %)\n");
   for (const auto& [distance, median] : scores["depth_median"].items()) {
@@ -131,9 +128,9 @@ void print_depth(const ordered_json& scores) {
   }
 }
 
-void print(const ordered_json& scores) {
+void print(const Json& scores) {
   const auto line = [&](const char* text, const char* key, const char* unit, int digits) {
-    const ordered_json& value = scores[key];
+    const Json& value = scores[key];
     fmt::print("{:<44}{}{}\n", text, text_of(value, digits), value.is_null() ? "" : unit);
   };
   line("frames", "frames", "", 0);
@@ -175,7 +172,7 @@ void score(const Options& options) {
   std::optional<ReducedBody> body;
   if (!options.body.empty()) body = value_or_throw(read_pressable_body(options.body));
 
-  ordered_json scores;
+  Json scores;
   scores["frames"] = truth.frames;
   ProgressBar bar;
   score_images(truth, result, bar.progress(), scores);
@@ -198,24 +195,24 @@ void score(const Options& options) {
 
 }  // namespace
 
-void add_score(CLI::App& app) {
+void add_score(Command app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("score", "Compare a run with the truth of what it saw");
+  Command command = app.add_subcommand("score", "Compare a run with the truth of what it saw");
   command
-      ->add_option("truth", options->truth,
-                   "Folder of the truth: truth/ of palpable synth, or one like it")
-      ->required();
+      .add_option("truth", options->truth,
+                  "Folder of the truth: truth/ of palpable synth, or one like it")
+      .required();
   command
-      ->add_option("result", options->result,
-                   "What a run left: the --out folder of palpable live, or another system's files")
-      ->required();
-  command->add_option("--body", options->body,
-                      "The body of the run: adds what is left of the hand in it, and its jumps");
-  command->add_flag("--json", options->json, "One JSON object on stdout");
-  command->footer(
+      .add_option("result", options->result,
+                  "What a run left: the --out folder of palpable live, or another system's files")
+      .required();
+  command.add_option("--body", options->body,
+                     "The body of the run: adds what is left of the hand in it, and its jumps");
+  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.footer(
       "Formats and scores: docs/benchmark.md. What a result does not hold is null (-).\n"
       "Example: palpable score clip/truth out --body bunny.palpable");
-  command->callback([options] { score(*options); });
+  command.callback([options] { score(*options); });
 }
 
 }  // namespace palpable::app

@@ -66,7 +66,7 @@ void for_each_object(const fs::path& path, Take take) {
 
 // A frame's number: a whole one, for get<int>() would cut off what is not.
 int frame_number(const json& value) {
-  if (!value.is_number_integer()) refuse(fmt::format("{} is no frame's number", value.dump()));
+  if (!value.is_integer()) refuse(fmt::format("{} is no frame's number", value.dump()));
   const auto frame = value.get<std::int64_t>();
   if (frame < 0 || frame >= kMostFrames) refuse(fmt::format("frame {} is no frame", frame));
   return static_cast<int>(frame);
@@ -212,7 +212,7 @@ std::map<int, FoundTouch> read_touches(const fs::path& path) {
   for_each_object(path, [&](const json& line) {
     FoundTouch touch;
     if (line.contains("site")) {
-      if (!line.at("site").is_number_integer()) refuse("site is no whole number");
+      if (!line.at("site").is_integer()) refuse("site is no whole number");
       touch.site = line.at("site").get<int>();
     }
     if (touch.site < -1) refuse(fmt::format("site {} is no site", touch.site));

@@ -1,6 +1,6 @@
 #include "apps/palpable/score_images.h"
 
-#include "apps/palpable/json_value.h"
+#include "apps/common/json.h"
 #include "palpable/base/error.h"
 #include "palpable/score/mask_score.h"
 #include "palpable/score/occlusion.h"
@@ -14,8 +14,6 @@
 
 namespace palpable::app {
 namespace {
-
-using nlohmann::ordered_json;
 
 constexpr float kBodyDepthUnit = 1e-4f;  // m per count of body_depth/
 constexpr double kPictureScale = 2;      // full-size px per px of the truth
@@ -98,17 +96,17 @@ class OcclusionSum {
     worst_ = 0;
   }
 
-  void write(ordered_json& scores) const {
+  void write(Json& scores) const {
     const auto mean = [](double sum, int n) {
       return n == 0 ? std::nullopt : std::optional(sum / n);
     };
     scores["occlusion_frames"] = frames_;
-    scores["occlusion_iou"] = or_null(mean(sum_, frames_));
-    scores["occlusion_iou_where_hidden"] = or_null(mean(hidden_sum_, hidden_frames_));
-    scores["occlusion_iou_worst_frame"] = frames_ > 0 ? ordered_json(worst_) : nullptr;
+    scores["occlusion_iou"] = mean(sum_, frames_);
+    scores["occlusion_iou_where_hidden"] = mean(hidden_sum_, hidden_frames_);
+    scores["occlusion_iou_worst_frame"] = frames_ > 0 ? Json(worst_) : nullptr;
     const std::optional<double> border = border_.mean_px();
-    scores["edge_error_px"] = border ? ordered_json(kPictureScale * *border) : nullptr;
-    scores["flicker"] = or_null(flicker_.share());
+    scores["edge_error_px"] = border ? Json(kPictureScale * *border) : nullptr;
+    scores["flicker"] = flicker_.share();
   }
 
  private:
@@ -124,7 +122,7 @@ class OcclusionSum {
   SightImage drawn_;
 };
 
-void write_depth(const DepthScore& score, int frames, ordered_json& scores) {
+void write_depth(const DepthScore& score, int frames, Json& scores) {
   const bool any = frames > 0;
   scores["depth_frames"] = frames;
   for (const char* key : {"depth_median", "depth_within_1pct", "depth_density"})
@@ -132,20 +130,20 @@ void write_depth(const DepthScore& score, int frames, ordered_json& scores) {
   if (any) {
     for (std::size_t k = 0; k < kDepthDistances.size(); ++k) {
       const std::string distance = fmt::format("{}", kDepthDistances[k]);
-      scores["depth_median"][distance] = or_null(score.at[k].median_error);
-      scores["depth_within_1pct"][distance] = or_null(score.at[k].within_1pct);
-      scores["depth_density"][distance] = or_null(score.at[k].density);
+      scores["depth_median"][distance] = score.at[k].median_error;
+      scores["depth_within_1pct"][distance] = score.at[k].within_1pct;
+      scores["depth_density"][distance] = score.at[k].density;
     }
   }
-  scores["hand_within_1pct"] = or_null(score.hand_within_1pct);
-  scores["hand_near_frames"] = any ? ordered_json(score.near_frames) : nullptr;
-  scores["too_close_called_far"] = or_null(score.too_close_called_far);
+  scores["hand_within_1pct"] = score.hand_within_1pct;
+  scores["hand_near_frames"] = any ? Json(score.near_frames) : nullptr;
+  scores["too_close_called_far"] = score.too_close_called_far;
 }
 
 }  // namespace
 
 void score_images(const TruthFolder& truth, const ResultFolder& result, const Progress& progress,
-                  ordered_json& scores) {
+                  Json& scores) {
   DepthScorer depth(truth.depth_unit);
   int depth_frames = 0;
   MaskScore moving;
@@ -196,9 +194,9 @@ void score_images(const TruthFolder& truth, const ResultFolder& result, const Pr
     }
   }
   write_depth(depth.score(), depth_frames, scores);
-  scores["moving_iou"] = or_null(moving.iou());
-  scores["moving_recall"] = or_null(moving.recall());
-  scores["moving_false"] = or_null(moving.false_alarms());
+  scores["moving_iou"] = moving.iou();
+  scores["moving_recall"] = moving.recall();
+  scores["moving_false"] = moving.false_alarms();
   occlusion.write(scores);
 }
 

@@ -2,10 +2,9 @@
 /// The scores that compare images frame by frame: depth, moving mask, occlusion.
 #pragma once
 
+#include "apps/common/json.h"
 #include "apps/palpable/score_files.h"
 #include "palpable/base/progress.h"
-
-#include <nlohmann/json.hpp>
 
 namespace palpable::app {
 
@@ -13,6 +12,6 @@ namespace palpable::app {
 /// or result has no such images.
 /// @throws Error naming the file that cannot be read or has another size than its truth
 void score_images(const TruthFolder& truth, const ResultFolder& result, const Progress& progress,
-                  nlohmann::ordered_json& scores);
+                  Json& scores);
 
 }  // namespace palpable::app

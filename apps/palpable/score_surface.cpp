@@ -18,8 +18,6 @@ namespace palpable::app {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::ordered_json;
-
 // What was drawn in each frame, body frame.
 class Surfaces {
  public:
@@ -70,7 +68,7 @@ class Surfaces {
 }  // namespace
 
 void score_surface(const TruthFolder& truth, const ResultFolder& result, const ReducedBody* body,
-                   ordered_json& scores) {
+                   Json& scores) {
   for (const char* key :
        {"penetration_median_mm", "penetration_p99_mm", "largest_pop_mm", "largest_pop_frame"})
     scores[key] = nullptr;

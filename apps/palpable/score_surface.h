@@ -2,10 +2,9 @@
 /// The scores of the drawn surface: how deep the hand is left in it, and how it jumps.
 #pragma once
 
+#include "apps/common/json.h"
 #include "apps/palpable/score_files.h"
 #include "palpable/reduced/reduced_body.h"
-
-#include <nlohmann/json.hpp>
 
 namespace palpable::app {
 
@@ -16,6 +15,6 @@ namespace palpable::app {
 /// @param body  of the run; may be null
 /// @throws Error naming the file that cannot be read, or the site that `body` does not have
 void score_surface(const TruthFolder& truth, const ResultFolder& result, const ReducedBody* body,
-                   nlohmann::ordered_json& scores);
+                   Json& scores);
 
 }  // namespace palpable::app

@@ -17,7 +17,6 @@
 #include "palpable/render/studio.h"
 #include "palpable/render/window.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -441,43 +440,42 @@ void run_view(ViewOptions options) {
 
 }  // namespace
 
-void add_view(CLI::App& app) {
+void add_view(Command app) {
   auto options = std::make_shared<ViewOptions>();
-  CLI::App* view = app.add_subcommand("view", "Turn a body and press it with the mouse");
-  view->add_option("BODY", options->body, "A body file (.palpable)")->required();
-  view->add_option("--out", options->out,
-                   "Write pictures into this folder instead of opening a window");
-  auto* site =
-      view->add_option("--site", options->site, "Press this site")->check(CLI::NonNegativeNumber);
-  auto* level =
-      view->add_option("--level", options->level, "How hard, 0 to 1 of the site's full load")
-          ->check(CLI::Range(0.0, 1.0))
-          ->capture_default_str();
-  auto* load =
-      view->add_option(
+  Command view = app.add_subcommand("view", "Turn a body and press it with the mouse");
+  view.add_option("BODY", options->body, "A body file (.palpable)").required();
+  view.add_option("--out", options->out,
+                  "Write pictures into this folder instead of opening a window");
+  const Option site = view.add_option("--site", options->site, "Press this site").not_negative();
+  const Option level =
+      view.add_option("--level", options->level, "How hard, 0 to 1 of the site's full load")
+          .in_range(0.0, 1.0)
+          .show_default();
+  const Option load =
+      view.add_option(
               "--load", options->load,
               "Press with this force (N) at this point of the skin (m, body frame, at rest)")
-          ->type_name("X,Y,Z=F")
-          ->excludes(site)
-          ->excludes(level);
-  view->add_option("--modes", options->modes,
-                   "Instead: the first so many modes of displacement, and their functions of where "
-                   "the load is, as modes.png in the folder of --out")
-      ->check(CLI::Range(1, 16))
-      ->excludes(site)
-      ->excludes(level)
-      ->excludes(load);
-  add_set_option(*view, options->set);
-  view->add_option("--size", options->size, "Pixels of window and pictures, WIDTHxHEIGHT")
-      ->capture_default_str();
-  view->add_option("--close-after", options->close_after, "Close the window after so many seconds")
-      ->check(CLI::PositiveNumber);
-  view->footer(
+          .type_name("X,Y,Z=F")
+          .excludes(site)
+          .excludes(level);
+  view.add_option("--modes", options->modes,
+                  "Instead: the first so many modes of displacement, and their functions of where "
+                  "the load is, as modes.png in the folder of --out")
+      .in_range(1, 16)
+      .excludes(site)
+      .excludes(level)
+      .excludes(load);
+  add_set_option(view, options->set);
+  view.add_option("--size", options->size, "Pixels of window and pictures, WIDTHxHEIGHT")
+      .show_default();
+  view.add_option("--close-after", options->close_after, "Close the window after so many seconds")
+      .positive();
+  view.footer(
       "Without a display, pictures are written into NAME_view.\n"
       "Example: palpable view bunny.palpable\n"
       "         palpable view bunny.palpable --out pictures --site 4 --level 0.8\n"
       "         palpable view beam.palpable --out pictures --modes 4");
-  view->callback([options] { run_view(*options); });
+  view.callback([options] { run_view(*options); });
 }
 
 }  // namespace palpable::app
