@@ -7,14 +7,15 @@
 #include "apps/palpable/ctrl_c.h"
 #include "apps/palpable/live_output.h"
 #include "apps/palpable/live_setup.h"
-#include "apps/palpable/map_picture.h"
-#include "apps/palpable/scene_picture.h"
 #include "apps/palpable/vision_thread.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/render/window.h"
+#include "palpable/view/figure_scores.h"
+#include "palpable/view/map_picture.h"
+#include "palpable/view/scene_picture.h"
 
 #include <fmt/core.h>
 
@@ -227,14 +228,18 @@ void live(const Options& options) {
       drawn->times.add(scene.times);
       {
         const StageTimer timer(drawn->times, "draw");
-        SceneView view = view_of(scene, session, scale);
+        SceneView view = view_of(scene, session.body(), scale);
         if (map) {  // its own caption says it
           view.legend_title.clear();
           view.caption.clear();
           view.warning.clear();
         }
         renderer.draw(view, map ? inside : drawn->picture, &drawn->visible, &drawn->body_depth);
-        if (map) map->draw(scene, session, scale, inside, drawn->picture);
+        if (map) {
+          const MappedRoom room{session.body(), session.map(), session.camera_from_body(),
+                                [&] { return session.keyframes(); }};
+          map->draw(scene, room, scale, inside, drawn->picture);
+        }
       }
       drawn->number = scene.number;
       drawn->time = scene.time;
@@ -253,7 +258,7 @@ void live(const Options& options) {
       drawn->row_error_px = scene.seen->row_error_px;
       drawn->row_correction_px = scene.seen->row_correction_px;
       if (options.pictures) {
-        drawn->scores = figure_scores(scene, session, drawn->visible, drawn->body_depth,
+        drawn->scores = figure_scores(scene, session.body(), drawn->visible, drawn->body_depth,
                                       session.pressing_depth());
       }
       counts.add(scene);

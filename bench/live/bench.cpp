@@ -6,7 +6,6 @@
 #include "apps/palpable/commands.h"
 #include "apps/palpable/live_setup.h"
 #include "apps/palpable/place.h"
-#include "apps/palpable/scene_picture.h"
 #include "apps/palpable/vision_thread.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
@@ -18,6 +17,7 @@
 #include "palpable/render/gl_context.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/score/penetration.h"
+#include "palpable/view/scene_picture.h"
 
 #include <fmt/core.h>
 
@@ -259,7 +259,7 @@ void bench_live(LiveBenchOptions options) {
       times.add(scene.times);
       {
         const StageTimer timer(times, "draw");
-        renderer.draw(view_of(scene, run.session, scale), picture);
+        renderer.draw(view_of(scene, run.session.body(), scale), picture);
       }
       add(series, times);
       vision.recycle(std::move(flight));

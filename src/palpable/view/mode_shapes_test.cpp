@@ -1,11 +1,11 @@
-#include "apps/palpable/mode_shapes.h"
+#include "palpable/view/mode_shapes.h"
 
 #include "tests/support/bodies.h"
 #include "tests/support/test.h"
 
 #include <cmath>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 // Two modes, the first of them in two products: u = F_0 (G_0 a + G_1 a^2) + F_1 G_2 a.
@@ -25,7 +25,7 @@ ReducedBody body_of_products() {
 }
 
 TEST_CASE("products of one mode are one mode, as large as it gets under the full load",
-          "[apps][view]") {
+          "[view][mode_shapes]") {
   const ReducedBody body = body_of_products();
   const std::vector<ModeShape> shapes = first_modes(body, 9).value();
   REQUIRE(shapes.size() == 2);
@@ -41,7 +41,8 @@ TEST_CASE("products of one mode are one mode, as large as it gets under the full
              Catch::Contains("'ball' has modes of its own for each site"));
 }
 
-TEST_CASE("a function of the position is painted where its sites' patches are", "[apps][view]") {
+TEST_CASE("a function of the position is painted where its sites' patches are",
+          "[view][mode_shapes]") {
   const ReducedBody body = body_of_products();
   const Eigen::VectorXd values = on_skin(body, (Eigen::VectorXd(6) << 1, 2, 3, 4, 5, 6).finished());
   for (int s = 0; s < 6; ++s)
@@ -56,4 +57,4 @@ TEST_CASE("a function of the position is painted where its sites' patches are", 
 }
 
 }  // namespace
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,4 +1,4 @@
-#include "apps/palpable/body_view.h"
+#include "palpable/view/pressed_body.h"
 
 #include "palpable/base/contract.h"
 #include "palpable/reduced/pressed_surface.h"
@@ -7,7 +7,7 @@
 #include <array>
 #include <limits>
 
-namespace palpable::app {
+namespace palpable {
 
 PressedBody::PressedBody(const ReducedBody& body)
     : body_(body),
@@ -132,4 +132,4 @@ std::vector<int> sites_to_show(const ReducedBody& body, int count) {
   return chosen;
 }
 
-}  // namespace palpable::app
+}  // namespace palpable
