@@ -6,15 +6,12 @@
 #include "apps/palpable/named_loads.h"
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_file.h"
-#include "palpable/reduced/loaded_body.h"
+#include "palpable/reduced/press_answer.h"
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,46 +24,11 @@ struct Options {
   bool json = false;
 };
 
-struct Answered {
-  std::vector<double> depth;                // m, of each load along it
-  std::vector<float> displacement;          // (3V) m
-  std::optional<double> largest_von_mises;  // Pa; of one load
-  double error = 0;                         // relative, stated; at the worst
-};
-
-// One load at a site: from the separated fields.
-Answered under_one(const ReducedBody& body, const PlacedLoad& load) {
-  const std::array<double, 2> mu{static_cast<double>(load.place), load.level};
-  Answered answer{{press_depth_of_level(body, load.place, load.level)},
-                  std::vector<float>(static_cast<std::size_t>(body.displacement.value_count())),
-                  {},
-                  body.error.displacement_worst};
-  std::vector<float> stress(2 * answer.displacement.size()), of_mises(stress.size() / 6);
-  body.displacement.evaluate(mu, answer.displacement);
-  body.stress.evaluate(mu, stress);
-  von_mises(stress, of_mises);
-  answer.largest_von_mises = *std::max_element(of_mises.begin(), of_mises.end());
-  return answer;
-}
-
-Answered under_several(const ReducedBody& body, const std::vector<PlacedLoad>& loads) {
-  LoadedBody loaded = value_or_throw(LoadedBody::make(body));
-  const LoadedBody::Answer found = loaded.solve(loads);
-  if (!found.ok()) throw Error(refusal_text(body, found, loads));
-  Answered answer;
-  answer.displacement.resize(static_cast<std::size_t>(body.displacement.value_count()));
-  loaded.displacement(answer.displacement);
-  for (const PlacedLoad& load : loads) answer.depth.push_back(loaded.press_depth(load.place));
-  answer.error = body.several->error_worst;
-  return answer;
-}
-
 void press(const Options& options) {
   const ReducedBody body = value_or_throw(read_pressable_body(options.body));
   const std::vector<PlacedLoad> loads = parse_loads(body, options.loads);
   const auto S = static_cast<int>(body.sites.size());
-  const Answered answer = loads.size() == 1 && loads[0].place < S ? under_one(body, loads[0])
-                                                                  : under_several(body, loads);
+  const PressAnswer answer = answer_loads(body, loads);
   const Eigen::Map<const Eigen::Matrix3Xf> u(answer.displacement.data(), 3,
                                              body.surface.vertex_count());
   Eigen::Index vertex = 0;

@@ -58,7 +58,7 @@ struct PaintedBody {
       : at_rest(body.surface.vertices.cast<float>()),
         vertices(at_rest),
         normals(3, at_rest.cols()),
-        scalar(static_cast<std::size_t>(at_rest.cols())),
+        scalar(at_rest.cols()),
         marks(scalar.size()) {
     look.vertices = &vertices;
     look.normals = &normals;

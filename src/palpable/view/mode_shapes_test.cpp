@@ -45,15 +45,12 @@ TEST_CASE("a function of the position is painted where its sites' patches are",
           "[view][mode_shapes]") {
   const ReducedBody body = body_of_products();
   const Eigen::VectorXd values = on_skin(body, (Eigen::VectorXd(6) << 1, 2, 3, 4, 5, 6).finished());
-  for (int s = 0; s < 6; ++s)
-    CHECK(values[body.sites[static_cast<std::size_t>(s)].vertex] == s + 1);
-  std::vector<bool> held(static_cast<std::size_t>(values.size()));
+  for (int s = 0; s < 6; ++s) CHECK(values[body.sites[s].vertex] == s + 1);
+  std::vector<bool> held(values.size());
   for (const Site& site : body.sites) {
-    for (const int v : site.patch) held[static_cast<std::size_t>(v)] = true;
+    for (const int v : site.patch) held[v] = true;
   }
-  for (Eigen::Index v = 0; v < values.size(); ++v) {
-    CHECK(std::isnan(values[v]) == !held[static_cast<std::size_t>(v)]);
-  }
+  for (Eigen::Index v = 0; v < values.size(); ++v) { CHECK(std::isnan(values[v]) == !held[v]); }
 }
 
 }  // namespace

@@ -54,8 +54,7 @@ TEST_CASE("a click finds the site whose middle is nearest", "[view][pressed_body
   const ReducedBody body = test::pressed_ball();
   PressedBody pressed(body);
   for (int s = 0; s < static_cast<int>(body.sites.size()); ++s) {
-    const Eigen::Vector3d middle =
-        body.surface.vertices.col(body.sites[static_cast<std::size_t>(s)].vertex);
+    const Eigen::Vector3d middle = body.surface.vertices.col(body.sites[s].vertex);
     CHECK(pressed.nearest_site(middle + Eigen::Vector3d(0.002, -0.001, 0.003)) == s);
   }
 }
@@ -66,7 +65,7 @@ TEST_CASE("patches are marked and each site has its dot", "[view][pressed_body]"
   std::set<int> in_patches;
   for (const Site& site : body.sites) in_patches.insert(site.patch.begin(), site.patch.end());
   for (int v = 0; v < body.surface.vertex_count(); ++v) {
-    CHECK(pressed.patch_marks()[static_cast<std::size_t>(v)] == (in_patches.contains(v) ? 1 : 0));
+    CHECK(pressed.patch_marks()[v] == (in_patches.contains(v) ? 1 : 0));
   }
   std::vector<Dot> dots;
   pressed.site_dots(0.001f, dots);

@@ -11,8 +11,8 @@
 namespace palpable {
 double stress_scale(const ReducedBody& body) {
   const Eigen::Index V = body.surface.vertices.cols();
-  std::vector<float> stress(static_cast<std::size_t>(6 * V));
-  std::vector<float> mises(static_cast<std::size_t>(V));
+  std::vector<float> stress(6 * V);
+  std::vector<float> mises(V);
   std::vector<double> per_site;
   for (std::size_t s = 0; s < body.sites.size(); ++s) {
     body.stress.evaluate(std::array{static_cast<double>(s), 1.0}, stress);
