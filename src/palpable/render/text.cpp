@@ -78,7 +78,7 @@ void draw_text(ColorImage& picture, float x, float y, std::string_view text, flo
     const int top = baseline + glyph.top;
     for (int v = std::max(0, -top); v < std::min(glyph.height, picture.height() - top); ++v) {
       for (int u = std::max(0, -left); u < std::min(glyph.width, picture.width() - left); ++u) {
-        const int at = glyph.ink + v * glyph.width + u;
+        const auto at = glyph.ink + v * glyph.width + u;
         mix(picture(left + u, top + v), color, opacity * static_cast<float>(ink[at]) / 255.0f);
       }
     }
