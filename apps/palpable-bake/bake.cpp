@@ -1,5 +1,6 @@
 // palpable bake BODY.toml -o bunny.palpable
 
+#include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
@@ -10,7 +11,6 @@
 #include "palpable/campaign/store_rows.h"
 #include "palpable/intrusive/intrusive_bake.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <chrono>
@@ -173,53 +173,52 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
 
 }  // namespace
 
-void add_bake(CLI::App& app, const std::string& command_line, Crew& crew) {
+void add_bake(Command app, const std::string& command_line, Crew& crew) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("bake", "Mesh, solve and reduce: a body file from a description");
-  command->add_option("body", options->description, "What to bake (docs/body.md)")
-      ->required()
-      ->type_name("BODY.toml");
-  command->add_option("-o,--out", options->output, "Body file to write")
-      ->required()
-      ->type_name("FILE");
+  command.add_option("body", options->description, "What to bake (docs/body.md)")
+      .required()
+      .type_name("BODY.toml");
+  command.add_option("-o,--out", options->output, "Body file to write")
+      .required()
+      .type_name("FILE");
   command
-      ->add_option("--snapshots", options->store,
-                   "Folder of the snapshots, where what is valid is not solved again; else beside "
-                   "the body file, NAME.snapshots")
-      ->type_name("FOLDER");
+      .add_option("--snapshots", options->store,
+                  "Folder of the snapshots, where what is valid is not solved again; else beside "
+                  "the body file, NAME.snapshots")
+      .type_name("FOLDER");
   command
-      ->add_option(
-          "--method", options->method,
-          "intrusive-pgd: no campaign; the load of [intrusive] travels over a face and the "
-          "PGD solves for all its positions and sizes (docs/reduction.md)")
-      ->check(CLI::IsMember({"intrusive-pgd"}));
-  command->add_option("--threads", options->threads, "Sites solved side by side; 0: one per core")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
+      .add_option("--method", options->method,
+                  "intrusive-pgd: no campaign; the load of [intrusive] travels over a face and the "
+                  "PGD solves for all its positions and sizes (docs/reduction.md)")
+      .one_of({"intrusive-pgd"});
+  command.add_option("--threads", options->threads, "Sites solved side by side; 0: one per core")
+      .in_range(0, 4096)
+      .show_default();
   command
-      ->add_option("--shard", options->shard,
-                   "Solve only this part of the sites and stop there (docs/scaling.md)")
-      ->type_name("I/N");
-  command->add_flag(
+      .add_option("--shard", options->shard,
+                  "Solve only this part of the sites and stop there (docs/scaling.md)")
+      .type_name("I/N");
+  command.add_flag(
       "--held-out", options->held_out,
       "Also solve the levels between, and the values between of a free parameter, and say how far "
       "the body is from them; takes as long as the campaign; snapshots go to NAME.held-out and "
       "NAME.between-PARAMETER");
-  command->add_option("--solver", options->solver, "own, or calculix: runs ccx")
-      ->check(CLI::IsMember({"own", "calculix"}))
-      ->capture_default_str();
+  command.add_option("--solver", options->solver, "own, or calculix: runs ccx")
+      .one_of({"own", "calculix"})
+      .show_default();
   command
-      ->add_option("--at", options->at,
-                   "Of a further parameter, the one value that the body file holds; without --at "
-                   "all stay free")
-      ->type_name("NAME=VALUE");
-  add_file_options(*command, options->file);
-  command->footer(
+      .add_option("--at", options->at,
+                  "Of a further parameter, the one value that the body file holds; without --at "
+                  "all stay free")
+      .type_name("NAME=VALUE");
+  add_file_options(command, options->file);
+  command.footer(
       "What is killed goes on where it was when the same command is run again.\n"
       "On several cores or machines: mpirun -n 4 palpable bake ...\n"
       "Example: palpable bake bodies/bunny-demo.toml -o bunny.palpable");
-  command->callback([options, command_line, &crew] { bake(*options, command_line, crew); });
+  command.callback([options, command_line, &crew] { bake(*options, command_line, crew); });
 }
 
 }  // namespace palpable::app

@@ -1,5 +1,6 @@
 // palpable compare bunny.snapshots bunny.palpable: methods and bodies on one chart.
 
+#include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
@@ -8,7 +9,6 @@
 #include "palpable/base/this_machine.h"
 #include "palpable/separate/reduction.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -89,41 +89,41 @@ void compare(const Options& options, const std::string& command_line) {
 
 }  // namespace
 
-void add_compare(CLI::App& app, const std::string& command_line) {
+void add_compare(Command app, const std::string& command_line) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "compare", "All methods of reduction, and body files, on one chart of errors: an HTML page");
   command
-      ->add_option("inputs", options->inputs,
-                   "Folders of snapshots: every method is tried on them; body files: as they are")
-      ->required()
-      ->type_name("STORE|BODY ...");
+      .add_option("inputs", options->inputs,
+                  "Folders of snapshots: every method is tried on them; body files: as they are")
+      .required()
+      .type_name("STORE|BODY ...");
   command
-      ->add_option("-o,--out", options->output,
-                   "Page to write, NAME.html; the numbers go to NAME.csv")
-      ->type_name("FILE")
-      ->capture_default_str();
+      .add_option("-o,--out", options->output,
+                  "Page to write, NAME.html; the numbers go to NAME.csv")
+      .type_name("FILE")
+      .show_default();
   command
-      ->add_option("--method", options->settings.methods,
-                   "Only these, else all: " + fmt::format("{}", fmt::join(method_names(), " ")))
-      ->check(CLI::IsMember(method_names()))
-      ->type_name("METHOD");
+      .add_option("--method", options->settings.methods,
+                  "Only these, else all: " + fmt::format("{}", fmt::join(method_names(), " ")))
+      .one_of(method_names())
+      .type_name("METHOD");
   command
-      ->add_option("-e,--error", options->settings.tolerance,
-                   "Relative error at which each method stops, all snapshots together (per-site: "
-                   "those of each site)")
-      ->check(CLI::Range(1e-6, 0.999))
-      ->capture_default_str();
-  command->add_option("-n,--modes", options->settings.max_modes, "Or at this many modes")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+      .add_option("-e,--error", options->settings.tolerance,
+                  "Relative error at which each method stops, all snapshots together (per-site: "
+                  "those of each site)")
+      .in_range(1e-6, 0.999)
+      .show_default();
+  command.add_option("-n,--modes", options->settings.max_modes, "Or at this many modes")
+      .in_range(1, 100000)
+      .show_default();
   command
-      ->add_option("--at", options->at,
-                   "Of a further parameter, the value whose snapshots are compared; else the "
-                   "middle one")
-      ->type_name("NAME=VALUE");
-  command->footer("Example: palpable compare bunny.snapshots bunny.palpable -o compare.html");
-  command->callback([options, command_line] { compare(*options, command_line); });
+      .add_option("--at", options->at,
+                  "Of a further parameter, the value whose snapshots are compared; else the "
+                  "middle one")
+      .type_name("NAME=VALUE");
+  command.footer("Example: palpable compare bunny.snapshots bunny.palpable -o compare.html");
+  command.callback([options, command_line] { compare(*options, command_line); });
 }
 
 }  // namespace palpable::app

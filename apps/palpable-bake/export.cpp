@@ -11,7 +11,6 @@
 #include "palpable/exchange/press_series.h"
 #include "palpable/reduced/body_file.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -75,29 +74,28 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_export(CLI::App& app) {
+void add_export(Command app) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("export", "Write a body or its snapshots for other programs");
-  command->add_option("input", options->input, "A body file, or a folder of snapshots")
-      ->required()
-      ->type_name("BODY|STORE");
+  command.add_option("input", options->input, "A body file, or a folder of snapshots")
+      .required()
+      .type_name("BODY|STORE");
   command
-      ->add_option(
+      .add_option(
           "--to", options->to,
           "vtu: a folder, one file per site and level; xdmf: one file of the same; numpy: a "
           "folder of arrays, the modes (of a store: the snapshots); pxdmf: the modes as "
           "other PGD programs read them")
-      ->required()
-      ->check(CLI::IsMember({"vtu", "xdmf", "numpy", "pxdmf"}));
-  command->add_option("-o,--out", options->output, "File or folder to write")->required();
-  command->add_option("--site", options->site, "vtu, xdmf: this site only")
-      ->check(CLI::NonNegativeNumber);
-  add_set_option(*command, options->set);
-  command->footer(
+      .required()
+      .one_of({"vtu", "xdmf", "numpy", "pxdmf"});
+  command.add_option("-o,--out", options->output, "File or folder to write").required();
+  command.add_option("--site", options->site, "vtu, xdmf: this site only").not_negative();
+  add_set_option(command, options->set);
+  command.footer(
       "docs/exchange.md says what is where.\n"
       "Example: palpable export bunny.palpable --to vtu --site 4 -o bunny_site_4");
-  command->callback([options] { run(*options); });
+  command.callback([options] { run(*options); });
 }
 
 }  // namespace palpable::app

@@ -1,6 +1,7 @@
 // palpable report bunny.palpable: what a body gives up, costs and is made of, as a page and a
 // table.
 
+#include "apps/common/command_line.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/text_file.h"
@@ -10,7 +11,6 @@
 #include "palpable/exchange/body_page.h"
 #include "palpable/reduced/body_file.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -56,20 +56,20 @@ void report(const Options& options) {
 
 }  // namespace
 
-void add_report(CLI::App& app) {
+void add_report(Command app) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "report", "Errors, costs and modes of a body file: one HTML page, and a CSV file beside it");
-  command->add_option("body", options->body, "Body file")->required()->type_name("BODY.palpable");
+  command.add_option("body", options->body, "Body file").required().type_name("BODY.palpable");
   command
-      ->add_option("-o,--out", options->output,
-                   "Page to write, NAME.html; the numbers go to NAME.csv; else the body's name, "
-                   "in this folder")
-      ->type_name("FILE");
-  command->footer(
+      .add_option("-o,--out", options->output,
+                  "Page to write, NAME.html; the numbers go to NAME.csv; else the body's name, "
+                  "in this folder")
+      .type_name("FILE");
+  command.footer(
       "Evaluation times in it are measured as the page is written.\n"
       "Example: palpable report bunny.palpable -o bunny.html");
-  command->callback([options] { report(*options); });
+  command.callback([options] { report(*options); });
 }
 
 }  // namespace palpable::app

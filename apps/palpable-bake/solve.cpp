@@ -1,5 +1,6 @@
 // palpable solve BODY.toml --site 5 --level 0.7 -o x.vtu
 
+#include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
@@ -10,7 +11,6 @@
 #include "palpable/solid/equilibrium.h"
 #include "palpable/solid/stress.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <chrono>
@@ -160,33 +160,32 @@ void solve(const Options& options) {
 
 }  // namespace
 
-void add_solve(CLI::App& app) {
+void add_solve(Command app) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("solve", "Press a body at one site and write it for ParaView");
-  command->add_option("body", options->description, "What to press (docs/body.md)")
-      ->required()
-      ->type_name("BODY.toml");
-  command->add_option("-o,--out", options->output, "VTK grid to write")
-      ->required()
-      ->type_name("FILE.vtu");
-  command->add_option("--site", options->site, "Which of the description's sites, from 0")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  command.add_option("body", options->description, "What to press (docs/body.md)")
+      .required()
+      .type_name("BODY.toml");
+  command.add_option("-o,--out", options->output, "VTK grid to write")
+      .required()
+      .type_name("FILE.vtu");
+  command.add_option("--site", options->site, "Which of the description's sites, from 0")
+      .not_negative()
+      .show_default();
   command
-      ->add_option(
+      .add_option(
           "--level", options->level,
           "Share of the description's full press: its force, or the load that gives its depth")
-      ->check(CLI::Range(1e-6, 1.0))
-      ->capture_default_str();
+      .in_range(1e-6, 1.0)
+      .show_default();
   command
-      ->add_option(
-          "--order", options->order,
-          "1: 4-node tetrahedra; 2: 10-node ones, far more accurate (default: what 'order' "
-          "in the description says)")
-      ->check(CLI::Range(1, 2));
-  command->footer("Example: palpable solve bodies/bunny-demo.toml --site 5 --level 0.7 -o x.vtu");
-  command->callback([options] { solve(*options); });
+      .add_option("--order", options->order,
+                  "1: 4-node tetrahedra; 2: 10-node ones, far more accurate (default: what 'order' "
+                  "in the description says)")
+      .in_range(1, 2);
+  command.footer("Example: palpable solve bodies/bunny-demo.toml --site 5 --level 0.7 -o x.vtu");
+  command.callback([options] { solve(*options); });
 }
 
 }  // namespace palpable::app

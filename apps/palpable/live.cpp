@@ -1,12 +1,12 @@
 // palpable live: images in, the pressed body in them out.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/ctrl_c.h"
 #include "apps/palpable/live_output.h"
 #include "apps/palpable/live_setup.h"
-#include "apps/palpable/map_picture.h"
-#include "apps/palpable/scene_picture.h"
 #include "apps/palpable/vision_thread.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
@@ -14,8 +14,10 @@
 #include "palpable/render/gl_context.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/render/window.h"
+#include "palpable/view/figure_scores.h"
+#include "palpable/view/map_picture.h"
+#include "palpable/view/scene_picture.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -208,14 +210,18 @@ void live(const Options& options) {
       drawn->times.add(scene.times);
       {
         const StageTimer timer(drawn->times, "draw");
-        SceneView view = view_of(scene, session, scale);
+        SceneView view = view_of(scene, session.body(), scale);
         if (map) {  // its own caption says it
           view.legend_title.clear();
           view.caption.clear();
           view.warning.clear();
         }
         renderer.draw(view, map ? inside : drawn->picture, &drawn->visible, &drawn->body_depth);
-        if (map) map->draw(scene, session, scale, inside, drawn->picture);
+        if (map) {
+          const MappedRoom room{session.body(), session.map(), session.camera_from_body(),
+                                [&] { return session.keyframes(); }};
+          map->draw(scene, room, scale, inside, drawn->picture);
+        }
       }
       drawn->number = scene.number;
       drawn->time = scene.time;
@@ -234,7 +240,7 @@ void live(const Options& options) {
       drawn->row_error_px = scene.seen->row_error_px;
       drawn->row_correction_px = scene.seen->row_correction_px;
       if (options.pictures) {
-        drawn->scores = figure_scores(scene, session, drawn->visible, drawn->body_depth,
+        drawn->scores = figure_scores(scene, session.body(), drawn->visible, drawn->body_depth,
                                       session.pressing_depth());
       }
       counts.add(scene);
@@ -298,29 +304,28 @@ void live(const Options& options) {
 
 }  // namespace
 
-void add_live(CLI::App& app) {
+void add_live(Command app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("live", "Let what a camera saw press a body: video, figures, timing");
-  add_live_options(*command, options->live);
-  command->add_option("--out", options->out, "Folder for the results")->required();
+  add_live_options(command, options->live);
+  command.add_option("--out", options->out, "Folder for the results").required();
   command
-      ->add_option(
-          "--view", options->view,
-          "What the pictures show. camera: what the camera sees, with the body in it; map: "
-          "the room from outside as it has been seen so far, the way through it, the body")
-      ->check(CLI::IsMember({"camera", "map"}))
-      ->capture_default_str();
-  command->add_flag("--window", options->window,
-                    "Show it in a window too; Escape ends it. The mouse turns the map, its wheel "
-                    "comes nearer, R takes both back");
-  command->add_flag("--pictures", options->pictures,
-                    "Keep the pictures that show best: hand nearer, body nearer, touch");
-  command->add_flag("--no-masks", options->no_masks,
-                    "Leave out visible/, body_depth/ and moving/, which palpable score compares");
-  command->add_flag("--no-depth", options->no_depth, "Leave out depth/, the measured depth");
-  command->add_flag("--overwrite", options->overwrite, "Replace an earlier run in --out");
-  command->footer(
+      .add_option("--view", options->view,
+                  "What the pictures show. camera: what the camera sees, with the body in it; map: "
+                  "the room from outside as it has been seen so far, the way through it, the body")
+      .one_of({"camera", "map"})
+      .show_default();
+  command.add_flag("--window", options->window,
+                   "Show it in a window too; Escape ends it. The mouse turns the map, its wheel "
+                   "comes nearer, R takes both back");
+  command.add_flag("--pictures", options->pictures,
+                   "Keep the pictures that show best: hand nearer, body nearer, touch");
+  command.add_flag("--no-masks", options->no_masks,
+                   "Leave out visible/, body_depth/ and moving/, which palpable score compares");
+  command.add_flag("--no-depth", options->no_depth, "Leave out depth/, the measured depth");
+  command.add_flag("--overwrite", options->overwrite, "Replace an earlier run in --out");
+  command.footer(
       "Writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, "
       "rectification.jsonl,\n"
       "live.json, depth/, visible/, body_depth/ and moving/ (docs/benchmark.md has the formats).\n"
@@ -332,7 +337,7 @@ void add_live(CLI::App& app) {
       "--ignore-static --out out\n"
       "Example: palpable live bunny.palpable --source /dev/video0 --calibration SN10027514.conf "
       "--place \"0 0.1 0.6 0 40 0\" --window --out out");
-  command->callback([options] { live(*options); });
+  command.callback([options] { live(*options); });
 }
 
 }  // namespace palpable::app

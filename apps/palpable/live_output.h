@@ -21,6 +21,7 @@
 #include "palpable/contact/touch.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
+#include "palpable/view/figure_scores.h"
 
 #include <array>
 #include <exception>
@@ -36,13 +37,6 @@ class VideoWriter;
 }
 
 namespace palpable::app {
-
-/// How well a frame shows each situation; 0: not at all.
-struct FigureScores {
-  double hand_nearer = 0;
-  double body_nearer = 0;
-  double touch = 0;
-};
 
 /// One frame to be written; its memory goes round.
 struct DrawnFrame {

@@ -15,7 +15,6 @@
 #include "palpable/sources/paced_source.h"
 #include "palpable/sources/source_guard.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <cstdint>
@@ -79,24 +78,19 @@ Rigid3 place_of(const LiveOptions& options, const SceneFile& scene, const fs::pa
       images.string()));
 }
 
-// What follows --anchor. @throws CLI::ValidationError
-void anchor(const std::vector<std::string>& words, LiveOptions& options) {
+// Reads what follows --anchor. Returns why it is refused, else nothing.
+std::string read_anchor(const std::vector<std::string>& words, LiveOptions& options) {
   const std::string& how = words.front();
   const bool looks = how == "plane" || how == "board";
-  if (!looks && how != "pose") {
-    throw CLI::ValidationError("--anchor", how + " not in {plane,board,pose FILE}");
-  }
+  if (!looks && how != "pose") { return how + " not in {plane,board,pose FILE}"; }
   if (looks && words.size() > 1) {
-    throw CLI::ValidationError(
-        "--anchor", fmt::format("{} takes no file, and {} follows; the body comes before the "
-                                "options",
-                                how, words[1]));
+    return fmt::format("{} takes no file, and {} follows; the body comes before the options", how,
+                       words[1]);
   }
-  if (!looks && words.size() == 1) {
-    throw CLI::ValidationError("--anchor", "pose is to be followed by a file");
-  }
+  if (!looks && words.size() == 1) { return "pose is to be followed by a file"; }
   options.anchor = how;
   if (!looks) options.place = {words[1]};
+  return {};
 }
 
 // m from the body's origin at which its pose has to be right: half of a hand-sized body.
@@ -210,15 +204,15 @@ Rigid3 pose_on_board(const CameraRequest& request, const DepthSettings& settings
 
 }  // namespace
 
-void add_live_options(CLI::App& command, LiveOptions& options) {
-  command.add_option("body", options.body, "Body file")->required();
+void add_live_options(Command command, LiveOptions& options) {
+  command.add_option("body", options.body, "Body file").required();
   command
       .add_option(
           "--source", options.input.source,
           "A folder (left/ right/, side by side, colour + depth, EuRoC, KITTI, TUM, "
           "7-Scenes), images by name (\"cam0/*.png\"), a video file, a camera (/dev/video0), "
           "or: synthetic")
-      ->required();
+      .required();
   add_source_options(command, options.input);
   command.add_flag("--paced", options.paced,
                    "Play a recording at its own pace, leaving out what the loop has no time for; "
@@ -228,20 +222,21 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
                   "Where the body stands in the camera: \"x y z roll pitch yaw\" (m right, down, "
                   "forward; degrees), 16 numbers (camera_from_body row by row), or a file with "
                   "them. Default: scene.toml beside the images")
-      ->expected(1, 16);
+      .words(1, 16);
   command
-      .add_option_function<std::vector<std::string>>(
-          "--anchor", [&options](const std::vector<std::string>& words) { anchor(words, options); },
+      .add_option(
+          "--anchor",
+          [&options](const std::vector<std::string>& words) { return read_anchor(words, options); },
           "Instead of --place. plane: on the desk or floor that the first frames show, in the "
           "middle of the picture; board: on the middle of the chessboard that they show (--board, "
           "--square); pose FILE: at the pose in a file, as --place FILE")
-      ->type_name("plane|board|pose FILE")
-      ->expected(1, 2)
-      ->excludes("--place");
+      .type_name("plane|board|pose FILE")
+      .words(1, 2)
+      .excludes("--place");
   add_board_options(command, options.board);
   command.add_option("--scale", options.scale, "Makes the body so many times as large")
-      ->check(CLI::Range(1e-3, 1e3))
-      ->capture_default_str();
+      .in_range(1e-3, 1e3)
+      .show_default();
   command.add_flag("--ignore-static", options.ignore_static,
                    "What the first 15 frames show does not press (scene.toml may ask for it too)");
   command.add_flag("--fixed-camera", options.fixed_camera,
@@ -249,18 +244,18 @@ void add_live_options(CLI::App& command, LiveOptions& options) {
   command
       .add_option("--contact", options.contact,
                   "press: the level from the measured depth; paper: Algorithm 1 as printed")
-      ->check(CLI::IsMember({"press", "paper"}))
-      ->capture_default_str();
+      .one_of({"press", "paper"})
+      .show_default();
   command
       .add_option(
           "--matcher", options.matcher,
           "How stereo pairs are matched. census: this project's, from touching distance on, "
           "rows watched; opencv: its semi-global block matcher")
-      ->check(CLI::IsMember({"census", "opencv"}))
-      ->capture_default_str();
+      .one_of({"census", "opencv"})
+      .show_default();
   add_set_option(command, options.set);
   command.add_option("--frames", options.frames, "Stop after so many frames")
-      ->check(CLI::Range(1, 100'000'000));
+      .in_range(1, 100'000'000);
 }
 
 LiveRun set_up_live(const LiveOptions& options) {

@@ -13,11 +13,9 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace palpable::app {
+
+class Command;
 
 struct LiveOptions {
   std::filesystem::path body;
@@ -38,7 +36,7 @@ struct LiveOptions {
 };
 
 /// Adds the options to a command; "body" is positional.
-void add_live_options(CLI::App& command, LiveOptions& options);
+void add_live_options(Command command, LiveOptions& options);
 
 struct LiveRun {
   std::unique_ptr<FrameSource> source;

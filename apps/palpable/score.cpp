@@ -1,13 +1,14 @@
 // palpable score: what a run did against the truth of what it saw, whoever made the run.
 // docs/benchmark.md has the formats of both folders and the meaning of every score.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/scorecard/scorecard.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <filesystem>
@@ -40,24 +41,24 @@ void score(const Options& options) {
 
 }  // namespace
 
-void add_score(CLI::App& app) {
+void add_score(Command app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("score", "Compare a run with the truth of what it saw");
+  Command command = app.add_subcommand("score", "Compare a run with the truth of what it saw");
   command
-      ->add_option("truth", options->truth,
-                   "Folder of the truth: truth/ of palpable synth, or one like it")
-      ->required();
+      .add_option("truth", options->truth,
+                  "Folder of the truth: truth/ of palpable synth, or one like it")
+      .required();
   command
-      ->add_option("result", options->result,
-                   "What a run left: the --out folder of palpable live, or another system's files")
-      ->required();
-  command->add_option("--body", options->body,
-                      "The body of the run: adds what is left of the hand in it, and its jumps");
-  command->add_flag("--json", options->json, "One JSON object on stdout");
-  command->footer(
+      .add_option("result", options->result,
+                  "What a run left: the --out folder of palpable live, or another system's files")
+      .required();
+  command.add_option("--body", options->body,
+                     "The body of the run: adds what is left of the hand in it, and its jumps");
+  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.footer(
       "Formats and scores: docs/benchmark.md. What a result does not hold is null (-).\n"
       "Example: palpable score clip/truth out --body bunny.palpable");
-  command->callback([options] { score(*options); });
+  command.callback([options] { score(*options); });
 }
 
 }  // namespace palpable::app

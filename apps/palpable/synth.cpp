@@ -5,6 +5,7 @@
 //   DIR/frames/scene.toml              where the body stands, in the first rectified left camera
 //   DIR/truth/                         what docs/benchmark.md lists
 
+#include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/default_body.h"
@@ -15,7 +16,6 @@
 #include "palpable/reduced/body_file.h"
 #include "palpable/synth/sequence.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -72,26 +72,26 @@ void synth(const SynthOptions& options) {
 
 }  // namespace
 
-void add_synth(CLI::App& app) {
+void add_synth(Command app) {
   auto options = std::make_shared<SynthOptions>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "synth", "Film a sequence of the synthetic desk: stereo images, calibration, truth");
-  command->add_option("name", options->name, "Which sequence (below)")->required();
-  command->add_option("--body", options->body,
-                      "Body file: what is pressed, and where. Default: "
-                      "build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable");
+  command.add_option("name", options->name, "Which sequence (below)").required();
+  command.add_option("--body", options->body,
+                     "Body file: what is pressed, and where. Default: "
+                     "build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable");
   command
-      ->add_option("--frames", options->frames,
-                   "Length at 30 fps; the first 60 have no hand. Default: see below")
-      ->check(CLI::Range(1, 100000));
-  command->add_option("--seed", options->seed, "Textures, noise, places, depths, motions")
-      ->check(CLI::Range(std::uint64_t{0}, kLargestSeed))
-      ->capture_default_str();
-  command->add_option("-o,--out", options->out, "Folder for frames/ and truth/")->required();
-  command->footer(list_of_kinds() +
-                  "docs/benchmark.md says what each promises and what is written.\n"
-                  "Example: palpable synth press --body bunny.palpable --seed 1 -o clip");
-  command->callback([options] { synth(*options); });
+      .add_option("--frames", options->frames,
+                  "Length at 30 fps; the first 60 have no hand. Default: see below")
+      .in_range(1, 100000);
+  command.add_option("--seed", options->seed, "Textures, noise, places, depths, motions")
+      .in_range(std::uint64_t{0}, kLargestSeed)
+      .show_default();
+  command.add_option("-o,--out", options->out, "Folder for frames/ and truth/").required();
+  command.footer(list_of_kinds() +
+                 "docs/benchmark.md says what each promises and what is written.\n"
+                 "Example: palpable synth press --body bunny.palpable --seed 1 -o clip");
+  command.callback([options] { synth(*options); });
 }
 
 }  // namespace palpable::app

@@ -1,15 +1,14 @@
 // palpable-bake bench beam: the beam by intrusive PGD, against the SVD of its own fields, positions
 // left out, fresh Newton solves and the linear model.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/intrusive/intrusive_bake.h"
 #include "palpable/intrusive/linear_pgd.h"
 #include "palpable/reduced/body_file.h"
-
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include "bench/bake/beam_study.h"
 #include "bench/bake/bench.h"
@@ -23,8 +22,6 @@
 
 namespace palpable::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string description = "bodies/beam.toml";
@@ -207,29 +204,29 @@ void bench_beam(const Options& options) {
 
 }  // namespace
 
-void add_bench_beam(CLI::App& bench) {
+void add_bench_beam(Command bench) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = bench.add_subcommand(
+  Command command = bench.add_subcommand(
       "beam", "The beam by intrusive PGD: modes, positions left out, fresh Newton solves");
-  command->add_option("body", options->description, "A body with a section [intrusive]")
-      ->type_name("BODY.toml")
-      ->capture_default_str();
-  command->add_option("-o,--out", options->output, "Body file to write")
-      ->type_name("FILE")
-      ->capture_default_str();
-  command->add_option("--seed", options->seed, "Of the positions and loads solved afresh")
-      ->capture_default_str();
-  command->add_option("--checks", options->checks, "How many are solved afresh")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+  command.add_option("body", options->description, "A body with a section [intrusive]")
+      .type_name("BODY.toml")
+      .show_default();
+  command.add_option("-o,--out", options->output, "Body file to write")
+      .type_name("FILE")
+      .show_default();
+  command.add_option("--seed", options->seed, "Of the positions and loads solved afresh")
+      .show_default();
+  command.add_option("--checks", options->checks, "How many are solved afresh")
+      .in_range(1, 1000)
+      .show_default();
   command
-      ->add_option("--against", options->against,
-                   "A body of the same mesh made by a campaign: how far the two are apart at the "
-                   "sites that both have")
-      ->type_name("BODY");
-  command->add_flag("--json", options->json, "One JSON object on stdout");
-  command->footer("Takes 10 minutes of CPU and 3 GB.\nExample: palpable-bake bench beam --json");
-  command->callback([options] { bench_beam(*options); });
+      .add_option("--against", options->against,
+                  "A body of the same mesh made by a campaign: how far the two are apart at the "
+                  "sites that both have")
+      .type_name("BODY");
+  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.footer("Takes 10 minutes of CPU and 3 GB.\nExample: palpable-bake bench beam --json");
+  command.callback([options] { bench_beam(*options); });
 }
 
 }  // namespace palpable::app

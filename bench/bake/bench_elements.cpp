@@ -1,13 +1,13 @@
 // palpable-bake bench elements: how true 4-node and 10-node tetrahedra are on a body's presses.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/base/error.h"
 #include "palpable/base/this_machine.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "bench/bake/bench.h"
 #include "bench/bake/element_study.h"
@@ -32,12 +32,10 @@ struct Options {
 };
 
 // NaN has no form in JSON.
-nlohmann::ordered_json number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-nlohmann::ordered_json json_of(const ElementStudy& study, double height) {
-  nlohmann::ordered_json result;
+Json json_of(const ElementStudy& study, double height) {
+  Json result;
   for (std::size_t s = 0; s < study.sites.size(); ++s) {
     const Eigen::Vector3d& at = study.places[s];
     result["sites"].push_back({{"at_m", {at[0], at[1], at[2]}}, {"height", at[2] / height}});
@@ -51,7 +49,7 @@ nlohmann::ordered_json json_of(const ElementStudy& study, double height) {
                                 {"path_cpu_s", member.path_cpu_s}});
   }
   for (const ElementPress& press : study.presses) {
-    nlohmann::ordered_json row;
+    Json row;
     row["site"] = press.site;
     row["share"] = press.share;
     row["poisson"] = press.poisson;
@@ -147,9 +145,9 @@ Studied study_body(const Options& options, BodyDescription description, double e
           body.height, settings.press};
 }
 
-nlohmann::ordered_json figures_of(const Options& options, const BodyDescription& description,
-                                  const Studied& nested, const Studied& direct) {
-  nlohmann::ordered_json result;
+Json figures_of(const Options& options, const BodyDescription& description, const Studied& nested,
+                const Studied& direct) {
+  Json result;
   result["date"] = date_today();
   result["machine"] = processor_name();
   result["command"] = fmt::format(
@@ -193,7 +191,7 @@ void bench_elements(const Options& options) {
     print("The body's own mesh:", direct.study);
     return;
   }
-  nlohmann::ordered_json result = figures_of(options, description, nested, direct);
+  Json result = figures_of(options, description, nested, direct);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   result["wall_s"] = wall.count();
   fmt::print("{}\n", result.dump(1));
@@ -201,31 +199,30 @@ void bench_elements(const Options& options) {
 
 }  // namespace
 
-void add_bench_elements(CLI::App& bench) {
+void add_bench_elements(Command bench) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = bench.add_subcommand(
+  Command command = bench.add_subcommand(
       "elements", "How true 4-node and 10-node tetrahedra are on a body's presses");
-  command->add_option("body", options->description, "The body, with an edge in [shape]")
-      ->type_name("BODY.toml")
-      ->capture_default_str();
-  command->add_option("--sites", options->sites, "Sites pressed by a small load")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_option("--pressed", options->pressed, "How many of them are pressed in earnest")
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str();
-  command->add_option("--poisson", options->poisson, "Poisson's ratios; the first for the presses")
-      ->check(CLI::Range(0.0, 0.499))
-      ->capture_default_str();
-  command->add_option("--edge", options->edge, "m: another edge than the description's")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--json", options->json, "One JSON object on stdout");
-  command->footer(
+  command.add_option("body", options->description, "The body, with an edge in [shape]")
+      .type_name("BODY.toml")
+      .show_default();
+  command.add_option("--sites", options->sites, "Sites pressed by a small load")
+      .in_range(1, 1000)
+      .show_default();
+  command.add_option("--pressed", options->pressed, "How many of them are pressed in earnest")
+      .in_range(0, 1000)
+      .show_default();
+  command.add_option("--poisson", options->poisson, "Poisson's ratios; the first for the presses")
+      .in_range(0.0, 0.499)
+      .show_default();
+  command.add_option("--edge", options->edge, "m: another edge than the description's").positive();
+  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.footer(
       "Solves on eight times the nodes for comparison: 10 GB of memory and half an hour for a "
       "body\n"
       "of 17,000 nodes.\n"
       "Example: palpable bench elements bodies/bunny.toml --json");
-  command->callback([options] { bench_elements(*options); });
+  command.callback([options] { bench_elements(*options); });
 }
 
 }  // namespace palpable::app

@@ -1,6 +1,8 @@
 // palpable-bake bench solid: one equilibrium path against CalculiX' on the same mesh and loads, in
 // CPU time and digit by digit.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
@@ -10,10 +12,8 @@
 #include "palpable/describe/contact_sites.h"
 #include "palpable/solid/patch_load.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "bench/bake/bench.h"
 #include "bench/bake/calculix_comparison.h"
@@ -34,8 +34,6 @@ namespace {
 
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
-using Json = nlohmann::ordered_json;
-
 struct Options {
   std::string description = "bodies/bunny.toml";
   std::string law = "neo-hooke-abaqus";
@@ -578,34 +576,34 @@ void bench_solid(const Options& options) {
 
 }  // namespace
 
-void add_bench_solid(CLI::App& bench) {
+void add_bench_solid(Command bench) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = bench.add_subcommand(
+  Command command = bench.add_subcommand(
       "solid", "One equilibrium path against CalculiX' in CPU time, and digit by digit");
-  command->add_option("body", options->description, "The body, with an edge in [shape]")
-      ->type_name("BODY.toml")
-      ->capture_default_str();
-  command->add_option("--law", options->law, "The body's law here: one that CalculiX has, too")
-      ->capture_default_str();
-  command->add_option("--sites", options->sites, "Which of the body's sites, from 0")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command->add_option("--levels", options->levels, "Load levels of a path")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_option("--repeats", options->repeats, "Our path is timed so often; the median")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  command->add_option("--ccx", options->program, "CalculiX' program")->capture_default_str();
-  command->add_flag("--verify", options->verify,
-                    "A beam and 10-node tetrahedra, too; exit code 1 if displacements differ by "
-                    "more than 1e-6 of the largest or stresses by more than 1e-5");
-  command->add_flag("--ours-only", options->ours_only, "Leave CalculiX out: a minute");
-  command->add_flag("--json", options->json, "One JSON object on stdout");
-  command->footer(
+  command.add_option("body", options->description, "The body, with an edge in [shape]")
+      .type_name("BODY.toml")
+      .show_default();
+  command.add_option("--law", options->law, "The body's law here: one that CalculiX has, too")
+      .show_default();
+  command.add_option("--sites", options->sites, "Which of the body's sites, from 0")
+      .not_negative()
+      .show_default();
+  command.add_option("--levels", options->levels, "Load levels of a path")
+      .in_range(1, 1000)
+      .show_default();
+  command.add_option("--repeats", options->repeats, "Our path is timed so often; the median")
+      .in_range(1, 100)
+      .show_default();
+  command.add_option("--ccx", options->program, "CalculiX' program").show_default();
+  command.add_flag("--verify", options->verify,
+                   "A beam and 10-node tetrahedra, too; exit code 1 if displacements differ by "
+                   "more than 1e-6 of the largest or stresses by more than 1e-5");
+  command.add_flag("--ours-only", options->ours_only, "Leave CalculiX out: a minute");
+  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.footer(
       "CalculiX takes about 5 minutes for each site of the paper's bunny.\n"
       "Example: palpable bench solid --json");
-  command->callback([options] { bench_solid(*options); });
+  command.callback([options] { bench_solid(*options); });
 }
 
 }  // namespace palpable::app

@@ -3,11 +3,10 @@
 /// that is a field of its own.
 #pragma once
 
+#include "apps/common/json.h"
 #include "palpable/campaign/snapshot_store.h"
 #include "palpable/describe/body_description.h"
 #include "palpable/reduced/reduced_body.h"
-
-#include <nlohmann/json.hpp>
 
 namespace palpable::app {
 
@@ -15,9 +14,7 @@ namespace palpable::app {
 /// the skin against levels between (worst vertex, over the field's largest), bytes, microseconds.
 /// Every fourth site, every fifth level.
 /// @param store     of the description, complete; @param held_out  of the levels between
-[[nodiscard]] nlohmann::ordered_json recomputed_stress(const BodyDescription& description,
-                                                       const SnapshotStore& store,
-                                                       const SnapshotStore& held_out,
-                                                       const ReducedBody& body);
+[[nodiscard]] Json recomputed_stress(const BodyDescription& description, const SnapshotStore& store,
+                                     const SnapshotStore& held_out, const ReducedBody& body);
 
 }  // namespace palpable::app

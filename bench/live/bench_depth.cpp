@@ -2,6 +2,8 @@
 
 #include "bench/live/bench_depth.h"
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/default_body.h"
 #include "palpable/base/cpu_time.h"
@@ -13,9 +15,7 @@
 #include "palpable/render/outlines.h"
 #include "palpable/stereo/stereo_matcher.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -141,7 +141,7 @@ StereoMatcherSettings full_mode(int threads, const StereoKernels& kernels) {
 }
 
 void time_matchers(const GrayImage& left, const GrayImage& right, int repeats,
-                   const StereoKernels& kernels, ProgressBar& bar, nlohmann::ordered_json& result) {
+                   const StereoKernels& kernels, ProgressBar& bar, Json& result) {
   const GrayImage left_672 = scaled(left, 672, 376), right_672 = scaled(right, 672, 376);
   const GrayImage left_1080 = scaled(left, 1920, 1080), right_1080 = scaled(right, 1920, 1080);
   NearMode near(1280, 1, kernels), near_2(1280, 2, kernels), near_672(672, 1, kernels),
@@ -193,9 +193,8 @@ double bad_share(const MiddleburyPair& pair, const DisparityAt& at) {
   return count == 0 ? std::nan("") : static_cast<double>(bad) / static_cast<double>(count);
 }
 
-void compare_scenes(const std::filesystem::path& data, const StereoKernels& kernels,
-                    nlohmann::ordered_json& result) {
-  nlohmann::ordered_json ratio, ours, theirs;
+void compare_scenes(const std::filesystem::path& data, const StereoKernels& kernels, Json& result) {
+  Json ratio, ours, theirs;
   double sum_ours = 0, sum_theirs = 0;
   bool all = true;
   StereoMatcher matcher(full_mode(1, kernels));
@@ -223,7 +222,7 @@ void compare_scenes(const std::filesystem::path& data, const StereoKernels& kern
     sum_ours += own;
     sum_theirs += opencv;
   }
-  ratio["mean"] = all ? nlohmann::ordered_json(sum_ours / sum_theirs) : nullptr;
+  ratio["mean"] = all ? Json(sum_ours / sum_theirs) : nullptr;
   result["bad2_ratio"] = ratio;
   result["bad2"] = ours;
   result["bad2_sgbm"] = theirs;
@@ -293,22 +292,22 @@ class OutlineTimes {
   std::vector<double> cpu_ms_;
 };
 
-nlohmann::ordered_json median_or_null(const std::vector<double>& values) {
+Json median_or_null(const std::vector<double>& values) {
   if (values.empty()) return nullptr;
   return percentile(values, 0.5);
 }
 
-void print_table(const nlohmann::ordered_json& r) {
+void print_table(const Json& r) {
   fmt::print("{:<44}{:>12}{:>14}\n", "", "this", "OpenCV SGBM");
-  const auto line = [](const char* name, const char* format, const nlohmann::ordered_json& a,
-                       const nlohmann::ordered_json& b, double scale = 1) {
-    const auto text = [&](const nlohmann::ordered_json& v) {
+  const auto line = [](const char* name, const char* format, const Json& a, const Json& b,
+                       double scale = 1) {
+    const auto text = [&](const Json& v) {
       return v.is_null() ? std::string("-")
                          : fmt::format(fmt::runtime(format), scale * v.get<double>());
     };
     fmt::print("{:<44}{:>12}{:>14}\n", name, text(a), text(b));
   };
-  const nlohmann::ordered_json none = nullptr;
+  const Json none = nullptr;
   line("near mode, 1280 x 720, CPU ms", "{:.1f}", r["ms_720p"], r["sgbm_ms_near"]);
   line("  wall ms on two threads", "{:.1f}", r["wall_ms_720p"], none);
   line("  672 x 376, 1 thread, CPU ms", "{:.1f}", r["ms_672"], none);
@@ -363,11 +362,10 @@ class NearBench {
     }
   }
 
-  void write_score(nlohmann::ordered_json& result) const {
+  void write_score(Json& result) const {
     const auto share = [](std::size_t part, std::size_t whole) {
-      return whole == 0
-                 ? nlohmann::ordered_json(nullptr)
-                 : nlohmann::ordered_json(static_cast<double>(part) / static_cast<double>(whole));
+      return whole == 0 ? Json(nullptr)
+                        : Json(static_cast<double>(part) / static_cast<double>(whole));
     };
     result["near_median_error"] = median_or_null(score_.errors);
     result["hand_within_1pct"] = share(score_.within, score_.hand);
@@ -378,9 +376,9 @@ class NearBench {
     result["outlines_ms_720p"] = median_or_null(outlines_.cpu_ms());
   }
 
-  void write_error_by_depth(nlohmann::ordered_json& result) const {
+  void write_error_by_depth(Json& result) const {
     const RectifiedStereo& stereo = near_.stereo();
-    result["error_by_depth"] = nlohmann::ordered_json::array();
+    result["error_by_depth"] = Json::array();
     for (std::size_t i = 0; i < kDepths.size(); ++i) {
       result["error_by_depth"].push_back(
           {{"depth_m", kDepths[i]},
@@ -413,7 +411,7 @@ void bench_depth(const DepthBenchOptions& options) {
   ProgressBar bar;
   NearFrames near(options.body.empty() ? default_body() : options.body, options.seed,
                   bar.progress());
-  nlohmann::ordered_json result;
+  Json result;
   result["bench"] = "depth";
   result["body"] = near.body_name();
   result["seed"] = options.seed;
@@ -440,38 +438,37 @@ void bench_depth(const DepthBenchOptions& options) {
 
 }  // namespace
 
-void add_bench_depth(CLI::App& bench) {
+void add_bench_depth(Command bench) {
   auto options = std::make_shared<DepthBenchOptions>();
-  CLI::App* command = bench.add_subcommand(
+  Command command = bench.add_subcommand(
       "depth", "The stereo matcher beside OpenCV's SGBM: time, scenes with truth, near hands");
-  command->add_option("--body", options->body,
-                      "Body file. Default: build/bodies/bunny-dense.palpable, else "
-                      "out/demo/bunny.palpable");
-  command->add_option("--seed", options->seed, "Of the sequence press")
-      ->check(CLI::Range(std::uint64_t{0}, kLargestSeed))
-      ->capture_default_str();
+  command.add_option("--body", options->body,
+                     "Body file. Default: build/bodies/bunny-dense.palpable, else "
+                     "out/demo/bunny.palpable");
+  command.add_option("--seed", options->seed, "Of the sequence press")
+      .in_range(std::uint64_t{0}, kLargestSeed)
+      .show_default();
   command
-      ->add_option(
-          "--data", options->data,
-          "Folder whose stereo_gt/ holds tsukuba, teddy and Cloth3; what is absent is null")
-      ->capture_default_str();
-  command->add_option("--frames", options->frames, "At most so many near frames")
-      ->check(CLI::Range(1, 600))
-      ->capture_default_str();
-  command->add_option("--repeats", options->repeats, "Of each timing; the least counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_option(
+      .add_option("--data", options->data,
+                  "Folder whose stereo_gt/ holds tsukuba, teddy and Cloth3; what is absent is null")
+      .show_default();
+  command.add_option("--frames", options->frames, "At most so many near frames")
+      .in_range(1, 600)
+      .show_default();
+  command.add_option("--repeats", options->repeats, "Of each timing; the least counts")
+      .in_range(1, 1000)
+      .show_default();
+  command.add_option(
       "--simd", options->simd,
       "Time these instructions: AVX3_DL, AVX3 (both AVX-512), AVX2, SSE4, scalar ... "
       "Default: the best of this processor");
-  command->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
-  command->footer(
+  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command.footer(
       "Times are CPU ms of one thread, the least of the repeats, all matchers in turn in one run;\n"
       "wall_ms_* are wall times on two threads. Near frames: the hand's pixels that both eyes "
       "see.\n"
       "Example: palpable bench depth --json");
-  command->callback([options] { bench_depth(*options); });
+  command.callback([options] { bench_depth(*options); });
 }
 
 }  // namespace palpable::app

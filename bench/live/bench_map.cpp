@@ -84,7 +84,7 @@ int ghosts(const SurfaceMap& map, const Sequence& sequence, int last, const Dept
 }  // namespace
 
 void bench_map(const ReducedBody& body, std::uint64_t seed, int frames, ProgressBar& bar,
-               nlohmann::ordered_json& result) {
+               Json& result) {
   PALPABLE_EXPECT(frames >= kFewestHandFrames, "the hand comes and goes");
   Sequence sequence = plan_sequence("walk-hand", desk_body(body), frames, seed);
   const int gone = frames - kFramesAfterHand;

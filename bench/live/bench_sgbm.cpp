@@ -4,14 +4,14 @@
 
 #include "bench/live/bench_sgbm.h"
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/default_body.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -114,7 +114,7 @@ void bench_sgbm(const SgbmOptions& options) {
   const std::size_t near_frames = near.estimate();
   const bool within_expected =
       within >= kLeastWithin && within <= kMostWithin && near_frames >= kLeastNear;
-  nlohmann::ordered_json result;
+  Json result;
   result["bench"] = "sgbm-reference";
   result["body"] = near.body_name();
   result["seed"] = options.seed;
@@ -122,9 +122,8 @@ void bench_sgbm(const SgbmOptions& options) {
   result["frames"] = frames.size();
   result["hand_within_1pct"] = within;
   result["hand_density"] = score.share(score.dense);
-  result["hand_median_error"] = score.errors.empty()
-                                    ? nlohmann::ordered_json(nullptr)
-                                    : nlohmann::ordered_json(percentile(score.errors, 0.5));
+  result["hand_median_error"] =
+      score.errors.empty() ? Json(nullptr) : Json(percentile(score.errors, 0.5));
   result["within_expected"] = within_expected;
   if (options.json) {
     fmt::print("{}\n", result.dump(2));
@@ -144,25 +143,25 @@ void bench_sgbm(const SgbmOptions& options) {
 
 }  // namespace
 
-void add_bench_sgbm(CLI::App& bench) {
+void add_bench_sgbm(Command bench) {
   auto options = std::make_shared<SgbmOptions>();
-  CLI::App* command = bench.add_subcommand(
+  Command command = bench.add_subcommand(
       "sgbm-reference", "How well OpenCV's SGBM sees the near hand of the sequence press");
-  command->add_option("--body", options->body,
-                      "Body file. Default: build/bodies/bunny-dense.palpable, else "
-                      "out/demo/bunny.palpable");
-  command->add_option("--seed", options->seed, "Of the sequence")
-      ->check(CLI::Range(std::uint64_t{0}, kLargestSeed))
-      ->capture_default_str();
-  command->add_option("--frames", options->frames, "Near frames to match, evenly spread")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
-  command->footer(
+  command.add_option("--body", options->body,
+                     "Body file. Default: build/bodies/bunny-dense.palpable, else "
+                     "out/demo/bunny.palpable");
+  command.add_option("--seed", options->seed, "Of the sequence")
+      .in_range(std::uint64_t{0}, kLargestSeed)
+      .show_default();
+  command.add_option("--frames", options->frames, "Near frames to match, evenly spread")
+      .in_range(1, 1000)
+      .show_default();
+  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command.footer(
       "Fails with exit code 1, its figures printed all the same, unless 65 to 85 % are within 1 % "
       "in 60 near frames or more (estimated from every second frame).\n"
       "Example: palpable bench sgbm-reference --seed 1 --json");
-  command->callback([options] { bench_sgbm(*options); });
+  command.callback([options] { bench_sgbm(*options); });
 }
 
 }  // namespace palpable::app

@@ -1,10 +1,10 @@
-#include "apps/palpable/view_controls.h"
+#include "palpable/view/view_controls.h"
 
 #include "tests/support/test.h"
 
 #include <optional>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 using Kind = WindowEvent::Kind;
@@ -33,7 +33,7 @@ std::optional<int> site_at(double x, double /*y*/) {
 }
 
 TEST_CASE("holding the button on the body presses deeper and deeper, to the full load and no more",
-          "[apps][view]") {
+          "[view][view_controls]") {
   ViewControls controls(kUsual);
   CHECK(controls.level(0) == 0);
   CHECK_FALSE(controls.moving(0));
@@ -49,7 +49,7 @@ TEST_CASE("holding the button on the body presses deeper and deeper, to the full
   CHECK(controls.moving(5.0));
 }
 
-TEST_CASE("dragging presses too, and the camera stays where it is", "[apps][view]") {
+TEST_CASE("dragging presses too, and the camera stays where it is", "[view][view_controls]") {
   ViewControls controls(kUsual);
   controls.handle(mouse(Kind::kPress, 42, 10), 1.0, site_at);
   controls.handle(mouse(Kind::kMove, 42, 150), 1.0, site_at);
@@ -59,7 +59,8 @@ TEST_CASE("dragging presses too, and the camera stays where it is", "[apps][view
   CHECK(controls.camera.elevation == kUsual.elevation);
 }
 
-TEST_CASE("what is let go springs back without overshoot and comes to rest", "[apps][view]") {
+TEST_CASE("what is let go springs back without overshoot and comes to rest",
+          "[view][view_controls]") {
   ViewControls controls(kUsual);
   controls.handle(mouse(Kind::kPress, 5, 5), 1.0, site_at);
   controls.handle(mouse(Kind::kRelease, 5, 5), 1.6, site_at);
@@ -75,7 +76,7 @@ TEST_CASE("what is let go springs back without overshoot and comes to rest", "[a
   CHECK_FALSE(controls.moving(2.1));
 }
 
-TEST_CASE("dragging beside the body, or with another button, turns", "[apps][view]") {
+TEST_CASE("dragging beside the body, or with another button, turns", "[view][view_controls]") {
   for (const bool beside : {true, false}) {
     ViewControls controls(kUsual);
     const double x = beside ? 200 : 50;
@@ -92,7 +93,7 @@ TEST_CASE("dragging beside the body, or with another button, turns", "[apps][vie
   }
 }
 
-TEST_CASE("the wheel comes nearer and keys switch", "[apps][view]") {
+TEST_CASE("the wheel comes nearer and keys switch", "[view][view_controls]") {
   ViewControls controls(kUsual);
   WindowEvent wheel;
   wheel.kind = Kind::kWheel;
@@ -112,7 +113,7 @@ TEST_CASE("the wheel comes nearer and keys switch", "[apps][view]") {
   CHECK(controls.quit);
 }
 
-TEST_CASE("a kept press stays until another begins", "[apps][view]") {
+TEST_CASE("a kept press stays until another begins", "[view][view_controls]") {
   ViewControls controls(kUsual);
   controls.keep(7, 0.6);
   CHECK(controls.level(100) == 0.6);
@@ -127,4 +128,4 @@ TEST_CASE("a kept press stays until another begins", "[apps][view]") {
 }
 
 }  // namespace
-}  // namespace palpable::app
+}  // namespace palpable

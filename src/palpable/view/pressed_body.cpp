@@ -1,4 +1,4 @@
-#include "apps/palpable/body_view.h"
+#include "palpable/view/pressed_body.h"
 
 #include "palpable/base/contract.h"
 #include "palpable/reduced/pressed_surface.h"
@@ -7,24 +7,23 @@
 #include <array>
 #include <limits>
 
-namespace palpable::app {
+namespace palpable {
 
 PressedBody::PressedBody(const ReducedBody& body)
     : body_(body),
       at_rest_(body.surface.vertices.cast<float>()),
       vertices_(at_rest_),
       normals_(3, at_rest_.cols()),
-      von_mises_(static_cast<std::size_t>(at_rest_.cols())),
+      von_mises_(at_rest_.cols()),
       patch_marks_(von_mises_.size()) {
   for (const Site& site : body.sites) {
-    for (const int vertex : site.patch) patch_marks_[static_cast<std::size_t>(vertex)] = 1.0f;
+    for (const int vertex : site.patch) patch_marks_[vertex] = 1.0f;
   }
   press(0, 0.0);
 }
 
 void PressedBody::press(int site, double level) {
-  PALPABLE_EXPECT(site >= 0 && static_cast<std::size_t>(site) < body_.sites.size(),
-                  "the site exists");
+  PALPABLE_EXPECT(site >= 0 && site < std::ssize(body_.sites), "the site exists");
   level_ = std::clamp(level, 0.0, 1.0);
   if (site != site_) {
     site_ = site;
@@ -34,9 +33,7 @@ void PressedBody::press(int site, double level) {
   press_surface(body_, at_rest_, mu, vertices_, normals_, von_mises_);
 }
 
-double PressedBody::force() const {
-  return level_ * body_.sites[static_cast<std::size_t>(site_)].full_load;
-}
+double PressedBody::force() const { return level_ * body_.sites[site_].full_load; }
 
 double PressedBody::press_depth() const { return press_depth_of_level(body_, site_, level_); }
 
@@ -64,7 +61,7 @@ void PressedBody::site_dots(float radius, std::vector<Dot>& dots) const {
 }
 
 void PressedBody::load_dots(float radius, std::vector<Dot>& dots) const {
-  const Site& site = body_.sites[static_cast<std::size_t>(site_)];
+  const Site& site = body_.sites[site_];
   constexpr int kBalls = 6;
   for (int i = 0; i < kBalls; ++i) {
     // Smaller towards the body, as an arrow is.
@@ -105,8 +102,7 @@ int PressedBody::nearest_site(const Eigen::Vector3d& at_in_body) const {
 
 std::vector<int> sites_to_show(const ReducedBody& body, int count) {
   const auto middle = [&](int site) {
-    return Eigen::Vector3d(
-        body.surface.vertices.col(body.sites[static_cast<std::size_t>(site)].vertex));
+    return Eigen::Vector3d(body.surface.vertices.col(body.sites[site].vertex));
   };
   const int site_count = static_cast<int>(body.sites.size());
   // Near the support nothing gives way.
@@ -132,4 +128,4 @@ std::vector<int> sites_to_show(const ReducedBody& body, int count) {
   return chosen;
 }
 
-}  // namespace palpable::app
+}  // namespace palpable

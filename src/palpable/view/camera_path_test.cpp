@@ -1,8 +1,8 @@
-#include "apps/palpable/camera_path.h"
+#include "palpable/view/camera_path.h"
 
 #include "tests/support/test.h"
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 TrackedPose at(double x, TrackState state = TrackState::kTracking) {
@@ -12,7 +12,7 @@ TrackedPose at(double x, TrackState state = TrackState::kTracking) {
 }
 
 TEST_CASE("the way of a camera has a point every centimetre and ends where the camera is",
-          "[app][camera_path]") {
+          "[view][camera_path]") {
   CameraPath path;
   for (int n = 0; n <= 25; ++n) path.add(at(0.004 * n));  // 0.1 m
   CHECK(path.poses().size() == 9);                        // 0, 12, 24 .. 96 mm
@@ -24,13 +24,13 @@ TEST_CASE("the way of a camera has a point every centimetre and ends where the c
   CHECK(lines.back().to.x() == Approx(0.1));
 }
 
-TEST_CASE("a camera that stands adds nothing to its way", "[app][camera_path]") {
+TEST_CASE("a camera that stands adds nothing to its way", "[view][camera_path]") {
   CameraPath path;
   for (int n = 0; n < 100; ++n) path.add(at(1, TrackState::kFixed));
   CHECK(path.poses().size() == 1);
 }
 
-TEST_CASE("the way has a gap where the camera was lost", "[app][camera_path]") {
+TEST_CASE("the way has a gap where the camera was lost", "[view][camera_path]") {
   CameraPath path;
   path.add(at(0));
   path.add(at(0.1));
@@ -48,7 +48,7 @@ TEST_CASE("the way has a gap where the camera was lost", "[app][camera_path]") {
 }
 
 TEST_CASE("the way has a gap where a loop was closed: the camera did not go there",
-          "[app][camera_path]") {
+          "[view][camera_path]") {
   CameraPath path;
   path.add(at(0));
   path.add(at(0.1));
@@ -64,7 +64,7 @@ TEST_CASE("the way has a gap where a loop was closed: the camera did not go ther
 }
 
 TEST_CASE("a way of hours keeps its length and its gaps, and takes no more memory",
-          "[app][camera_path]") {
+          "[view][camera_path]") {
   CameraPath path;
   // Two ways of 100 m straight ahead, 50 m apart.
   for (int i = 0; i <= 10000; ++i) path.add(at(0.01001 * i));
@@ -80,7 +80,7 @@ TEST_CASE("a way of hours keeps its length and its gaps, and takes no more memor
                       0.16, "the last step before the gap: 1 cm, doubled four times")));
 }
 
-TEST_CASE("a camera that was never known has no way", "[app][camera_path]") {
+TEST_CASE("a camera that was never known has no way", "[view][camera_path]") {
   CameraPath path;
   path.add(at(0, TrackState::kStarting));
   std::vector<MapLine> lines;
@@ -90,4 +90,4 @@ TEST_CASE("a camera that was never known has no way", "[app][camera_path]") {
 }
 
 }  // namespace
-}  // namespace palpable::app
+}  // namespace palpable

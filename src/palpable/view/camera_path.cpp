@@ -1,10 +1,10 @@
-#include "apps/palpable/camera_path.h"
+#include "palpable/view/camera_path.h"
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 constexpr std::size_t kMost = 4096;  // points
-constexpr Rgb kWay{28, 84, 222};
+constexpr Rgb kColor{28, 84, 222};
 constexpr float kWidth = 3.5f;  // px
 
 }  // namespace
@@ -15,7 +15,7 @@ void CameraPath::add(const TrackedPose& camera) {
     return;
   }
   const Rigid3& pose = camera.world_from_camera;
-  // By a closed loop it is put where it really is: it did not go there.
+  // A closed loop corrects the pose at once: the camera did not travel there.
   const bool continues = now_.has_value() && !camera.closed_loop;
   now_ = pose;
   if (continues && (poses_.back().translation() - pose.translation()).norm() < step_) return;
@@ -24,7 +24,7 @@ void CameraPath::add(const TrackedPose& camera) {
   continues_.push_back(continues);
 }
 
-// The ends of a stretch without a gap stay, and with them where it is now.
+// Drops every second point, but keeps both ends of each stretch without a gap.
 void CameraPath::thin() {
   step_ *= 2;
   std::size_t kept = 0;
@@ -45,12 +45,12 @@ void CameraPath::draw(std::vector<MapLine>& lines) const {
   for (std::size_t i = 1; i < poses_.size(); ++i) {
     if (!continues_[i]) continue;
     lines.push_back({poses_[i - 1].translation().cast<float>(),
-                     poses_[i].translation().cast<float>(), kWay, kWidth});
+                     poses_[i].translation().cast<float>(), kColor, kWidth});
   }
   if (now_) {
     lines.push_back({poses_.back().translation().cast<float>(), now_->translation().cast<float>(),
-                     kWay, kWidth});
+                     kColor, kWidth});
   }
 }
 
-}  // namespace palpable::app
+}  // namespace palpable

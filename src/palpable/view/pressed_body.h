@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
 
 /// What the body looks like now. Body frame, m.
 class PressedBody {
@@ -54,4 +54,4 @@ class PressedBody {
 /// shows a body best.
 [[nodiscard]] std::vector<int> sites_to_show(const ReducedBody& body, int count);
 
-}  // namespace palpable::app
+}  // namespace palpable

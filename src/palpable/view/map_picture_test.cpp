@@ -1,7 +1,7 @@
-#include "apps/palpable/map_picture.h"
+#include "palpable/view/map_picture.h"
 
-#include "apps/palpable/scene_picture.h"
 #include "palpable/render/gl_context.h"
+#include "palpable/view/scene_picture.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/seen_wall.h"
 #include "tests/support/test.h"
@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <optional>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 // A session that follows a camera before a wall, and its map from outside.
@@ -40,7 +40,10 @@ struct Outside {
     session->see(frame, seen);
     session->respond(seen, scene);
     inside = ColorImage(644, 484, Rgb{0, 255, 0});  // large enough for what is written in it
-    map->draw(scene, *session, 1e4, inside, picture);
+    map->draw(scene,
+              {session->body(), session->map(), session->camera_from_body(),
+               [this] { return session->keyframes(); }},
+              1e4, inside, picture);
   }
   void show(double x) { show(test::frame_of_wall(number++, x)); }
   void show_dark() {
@@ -66,7 +69,7 @@ bool is_grey(Rgb c) { return c.r == c.g && c.g == c.b && c.r < 225; }
   if (!name.ready()) PALPABLE_SKIP(name.context.problem().message)
 
 TEST_CASE("the picture of the map shows room, way and camera, and what the camera sees",
-          "[app][map_picture]") {
+          "[view][map_picture]") {
   PALPABLE_NEEDS_OUTSIDE(out);
   for (int n = 0; n < 3; ++n) out.show(0.0);
   REQUIRE(out.picture.width() == 644);
@@ -86,7 +89,7 @@ TEST_CASE("the picture of the map shows room, way and camera, and what the camer
   CHECK(out.context.value().errors().count() == 0);
 }
 
-TEST_CASE("a lost camera stands red in the picture of the map", "[app][map_picture]") {
+TEST_CASE("a lost camera stands red in the picture of the map", "[view][map_picture]") {
   PALPABLE_NEEDS_OUTSIDE(out);
   for (const double x : {0.0, 0.0, 0.01, 0.02, 0.03, 0.02, 0.01, 0.0}) out.show(x);
   CHECK(out.count(is_red) == 0);
@@ -103,7 +106,7 @@ TEST_CASE("a lost camera stands red in the picture of the map", "[app][map_pictu
   CHECK(out.count(is_warning) == 0);
 }
 
-TEST_CASE("a lost camera is said to be lost, a found one is not", "[app][scene_picture]") {
+TEST_CASE("a lost camera is said to be lost, a found one is not", "[view][scene_picture]") {
   Scene scene;
   scene.time = 1.5;
   scene.camera.state = TrackState::kTracking;
@@ -117,7 +120,7 @@ TEST_CASE("a lost camera is said to be lost, a found one is not", "[app][scene_p
 }
 
 TEST_CASE("a scan has a picture without a way, too: before a bare wall nothing is followed",
-          "[app][map_picture]") {
+          "[view][map_picture]") {
   const Result<GlContext> context = GlContext::offscreen();
   if (!context.ok()) PALPABLE_SKIP(context.problem().message);
   MapRenderer renderer = value_or_throw(MapRenderer::make());
@@ -134,4 +137,4 @@ TEST_CASE("a scan has a picture without a way, too: before a bare wall nothing i
 }
 
 }  // namespace
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,4 +1,4 @@
-#include "apps/palpable/body_view.h"
+#include "palpable/view/pressed_body.h"
 
 #include "tests/support/bodies.h"
 #include "tests/support/test.h"
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <set>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
-TEST_CASE("a pressed body gives way at its site by the tabulated depth", "[apps][view]") {
+TEST_CASE("a pressed body gives way at its site by the tabulated depth", "[view][pressed_body]") {
   const ReducedBody body = test::pressed_ball();
   PressedBody pressed(body);
   const BodyLook at_rest = pressed.look();
@@ -33,7 +33,8 @@ TEST_CASE("a pressed body gives way at its site by the tabulated depth", "[apps]
   CHECK(*pressed.look().vertices == before);
 }
 
-TEST_CASE("the colour scale belongs to the site, not to how hard it is pressed", "[apps][view]") {
+TEST_CASE("the colour scale belongs to the site, not to how hard it is pressed",
+          "[view][pressed_body]") {
   const ReducedBody body = test::pressed_ball();
   PressedBody pressed(body);
   pressed.press(2, 0.2);
@@ -49,23 +50,22 @@ TEST_CASE("the colour scale belongs to the site, not to how hard it is pressed",
   CHECK(static_cast<double>(above) <= 0.01 * static_cast<double>(stress.size()) + 1);
 }
 
-TEST_CASE("a click finds the site whose middle is nearest", "[apps][view]") {
+TEST_CASE("a click finds the site whose middle is nearest", "[view][pressed_body]") {
   const ReducedBody body = test::pressed_ball();
   PressedBody pressed(body);
   for (int s = 0; s < static_cast<int>(body.sites.size()); ++s) {
-    const Eigen::Vector3d middle =
-        body.surface.vertices.col(body.sites[static_cast<std::size_t>(s)].vertex);
+    const Eigen::Vector3d middle = body.surface.vertices.col(body.sites[s].vertex);
     CHECK(pressed.nearest_site(middle + Eigen::Vector3d(0.002, -0.001, 0.003)) == s);
   }
 }
 
-TEST_CASE("patches are marked and each site has its dot", "[apps][view]") {
+TEST_CASE("patches are marked and each site has its dot", "[view][pressed_body]") {
   const ReducedBody body = test::pressed_ball();
   PressedBody pressed(body);
   std::set<int> in_patches;
   for (const Site& site : body.sites) in_patches.insert(site.patch.begin(), site.patch.end());
   for (int v = 0; v < body.surface.vertex_count(); ++v) {
-    CHECK(pressed.patch_marks()[static_cast<std::size_t>(v)] == (in_patches.contains(v) ? 1 : 0));
+    CHECK(pressed.patch_marks()[v] == (in_patches.contains(v) ? 1 : 0));
   }
   std::vector<Dot> dots;
   pressed.site_dots(0.001f, dots);
@@ -82,7 +82,7 @@ TEST_CASE("patches are marked and each site has its dot", "[apps][view]") {
   CHECK(dots.front().at_in_body.z() < dots.back().at_in_body.z());
 }
 
-TEST_CASE("the sites to show are different ones, the highest first", "[apps][view]") {
+TEST_CASE("the sites to show are different ones, the highest first", "[view][pressed_body]") {
   const ReducedBody body = test::pressed_ball();
   const std::vector<int> three = sites_to_show(body, 3);
   CHECK(three.size() == 3);
@@ -92,4 +92,4 @@ TEST_CASE("the sites to show are different ones, the highest first", "[apps][vie
 }
 
 }  // namespace
-}  // namespace palpable::app
+}  // namespace palpable

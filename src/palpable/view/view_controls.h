@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-namespace palpable::app {
+namespace palpable {
 
 /// Left button on the body presses the nearest site, deeper while it is held or dragged, and lets
 /// it spring back when released. Any button beside the body turns, the wheel zooms, keys switch.
@@ -61,4 +61,4 @@ class ViewControls {
   bool turning_ = false;
 };
 
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,9 +1,9 @@
-#include "apps/palpable/view_controls.h"
+#include "palpable/view/view_controls.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 constexpr int kLeft = 0;
@@ -121,4 +121,4 @@ const std::array<std::string, 2>& ViewControls::help() {
   return lines;
 }
 
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,4 +1,4 @@
-#include "apps/palpable/mode_shapes.h"
+#include "palpable/view/mode_shapes.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-namespace palpable::app {
+namespace palpable {
 
 using Eigen::Index;
 
@@ -56,4 +56,4 @@ Eigen::VectorXd on_skin(const ReducedBody& body, const Eigen::VectorXd& over_sit
   return values;
 }
 
-}  // namespace palpable::app
+}  // namespace palpable

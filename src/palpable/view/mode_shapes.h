@@ -11,7 +11,7 @@
 
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
 
 /// One F_i and what it counts at each site under the full load. A body file holds F_i once for each
 /// product F_i G(s) G(a); those are one mode here.
@@ -29,4 +29,4 @@ struct ModeShape {
 /// (V) the value of the nearest site whose patch holds the vertex; NaN where no patch does.
 [[nodiscard]] Eigen::VectorXd on_skin(const ReducedBody& body, const Eigen::VectorXd& over_sites);
 
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,5 +1,5 @@
 /// @file
-/// The way of a camera through a room, for pictures of it.
+/// The path of a camera through a room, to be drawn.
 #pragma once
 
 #include "palpable/geometry/rigid.h"
@@ -9,15 +9,16 @@
 #include <optional>
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
 
-/// Where the camera has been: one point every centimetre, a gap where it was lost or a loop was
-/// closed. What came before the loop stays where it was thought to be. Of a way of more than 4,096
-/// points every second one goes, and those to come are twice as far apart.
+/// Where the camera has been: one point every centimetre, and a gap where it was lost or a loop was
+/// closed. Points before the loop are not corrected by it. The memory is bounded: when a path
+/// reaches 4,096 points, every second one is dropped and later ones are twice as far apart.
 class CameraPath {
  public:
+  /// Call it for every frame, in order.
   void add(const TrackedPose& camera);
-  /// Adds the way as lines, up to where the camera is now.
+  /// Appends the path as lines, up to where the camera is now.
   void draw(std::vector<MapLine>& lines) const;
   /// Poses along it, one for each point.
   [[nodiscard]] const std::vector<Rigid3>& poses() const { return poses_; }
@@ -27,8 +28,8 @@ class CameraPath {
 
   double step_ = 0.01;           // m between two points
   std::vector<Rigid3> poses_;    // world_from_camera
-  std::vector<bool> continues_;  // the way leads here from the one before
+  std::vector<bool> continues_;  // a line leads here from the point before
   std::optional<Rigid3> now_;    // nothing while the camera is lost
 };
 
-}  // namespace palpable::app
+}  // namespace palpable

@@ -3,18 +3,29 @@
 /// room, the way through it as a blue line, keyframes, the camera as it stands, the body.
 #pragma once
 
-#include "apps/palpable/camera_path.h"
-#include "apps/palpable/follow_camera.h"
 #include "palpable/map/map_mesher.h"
+#include "palpable/map/surface_map.h"
+#include "palpable/reduced/reduced_body.h"
 #include "palpable/render/map_renderer.h"
 #include "palpable/session/session.h"
 #include "palpable/track/tracker.h"
+#include "palpable/view/camera_path.h"
+#include "palpable/view/follow_camera.h"
 
 #include <Eigen/Core>
 
+#include <functional>
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
+
+/// What of a session the map's picture shows beside its scene.
+struct MappedRoom {
+  const ReducedBody& body;
+  const SurfaceMap* map = nullptr;  ///< nothing while none is made
+  Rigid3 world_from_body = Rigid3::Identity();
+  std::function<std::vector<KeyframePose>()> keyframes{};  ///< called now and then: it copies them
+};
 
 /// The picture of a running session, frame by frame.
 class MapPicture {
@@ -25,18 +36,19 @@ class MapPicture {
   /// Turns and zooms (follow_camera.h).
   void handle(const WindowEvent& event) { turned_ |= view_.handle(event); }
 
-  /// The room is drawn anew in every third frame only, and when something is turned or the camera
-  /// is lost or found: without a GPU it costs about as much as all else. Call it for every frame.
-  /// @param scene   of the frame answered last; its touches and stress are on the body
+  /// Call it for every frame. The room is drawn anew in every third one only, and when the view is
+  /// turned or the camera is lost or found: without a GPU that costs about as much as everything
+  /// else.
+  /// @param scene   of the frame answered last: its touches and stress are painted on the body
   /// @param scale   Pa, top of the body's colours
-  /// @param inside  what the camera sees, with the body: becomes a small picture in a corner
+  /// @param inside  what the camera sees, with the body: it becomes a small picture in a corner
   /// @param picture overwritten, as large as `inside`
-  void draw(const Scene& scene, const Session& session, double scale, const ColorImage& inside,
+  void draw(const Scene& scene, const MappedRoom& room, double scale, const ColorImage& inside,
             ColorImage& picture);
 
  private:
   void add_moving(const Scene& scene);
-  void draw_room(const Scene& scene, const Session& session, double scale, int width, int height);
+  void draw_room(const Scene& scene, const MappedRoom& room, double scale, int width, int height);
 
   MapRenderer renderer_;
   FollowCamera view_;
@@ -60,4 +72,4 @@ class MapPicture {
                                          const std::vector<KeyframePose>& keyframes,
                                          const PinholeCamera& camera);
 
-}  // namespace palpable::app
+}  // namespace palpable

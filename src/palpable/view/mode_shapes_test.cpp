@@ -1,11 +1,11 @@
-#include "apps/palpable/mode_shapes.h"
+#include "palpable/view/mode_shapes.h"
 
 #include "tests/support/bodies.h"
 #include "tests/support/test.h"
 
 #include <cmath>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 // Two modes, the first of them in two products: u = F_0 (G_0 a + G_1 a^2) + F_1 G_2 a.
@@ -25,7 +25,7 @@ ReducedBody body_of_products() {
 }
 
 TEST_CASE("products of one mode are one mode, as large as it gets under the full load",
-          "[apps][view]") {
+          "[view][mode_shapes]") {
   const ReducedBody body = body_of_products();
   const std::vector<ModeShape> shapes = first_modes(body, 9).value();
   REQUIRE(shapes.size() == 2);
@@ -41,19 +41,17 @@ TEST_CASE("products of one mode are one mode, as large as it gets under the full
              Catch::Contains("'ball' has modes of its own for each site"));
 }
 
-TEST_CASE("a function of the position is painted where its sites' patches are", "[apps][view]") {
+TEST_CASE("a function of the position is painted where its sites' patches are",
+          "[view][mode_shapes]") {
   const ReducedBody body = body_of_products();
   const Eigen::VectorXd values = on_skin(body, (Eigen::VectorXd(6) << 1, 2, 3, 4, 5, 6).finished());
-  for (int s = 0; s < 6; ++s)
-    CHECK(values[body.sites[static_cast<std::size_t>(s)].vertex] == s + 1);
-  std::vector<bool> held(static_cast<std::size_t>(values.size()));
+  for (int s = 0; s < 6; ++s) CHECK(values[body.sites[s].vertex] == s + 1);
+  std::vector<bool> held(values.size());
   for (const Site& site : body.sites) {
-    for (const int v : site.patch) held[static_cast<std::size_t>(v)] = true;
+    for (const int v : site.patch) held[v] = true;
   }
-  for (Eigen::Index v = 0; v < values.size(); ++v) {
-    CHECK(std::isnan(values[v]) == !held[static_cast<std::size_t>(v)]);
-  }
+  for (Eigen::Index v = 0; v < values.size(); ++v) { CHECK(std::isnan(values[v]) == !held[v]); }
 }
 
 }  // namespace
-}  // namespace palpable::app
+}  // namespace palpable

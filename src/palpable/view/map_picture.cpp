@@ -1,8 +1,9 @@
-#include "apps/palpable/map_picture.h"
+#include "palpable/view/map_picture.h"
 
-#include "apps/palpable/scene_picture.h"
 #include "palpable/render/legend.h"
 #include "palpable/render/text.h"
+#include "palpable/view/room_overview.h"
+#include "palpable/view/scene_picture.h"
 
 #include <fmt/core.h>
 
@@ -11,7 +12,7 @@
 #include <cmath>
 #include <utility>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 constexpr double kFieldOfView = 0.9;  // rad, vertical
@@ -92,22 +93,22 @@ void MapPicture::add_moving(const Scene& scene) {
   }
 }
 
-void MapPicture::draw(const Scene& scene, const Session& session, double scale,
+void MapPicture::draw(const Scene& scene, const MappedRoom& room, double scale,
                       const ColorImage& inside, ColorImage& picture) {
-  if (session.map() != nullptr) {
-    if (const MapMesh* mesh = mesher_.advance(*session.map())) {
+  if (room.map != nullptr) {
+    if (const MapMesh* mesh = mesher_.advance(*room.map)) {
       renderer_.set_surface(surface_of(*mesh));
     }
   }
   const bool known = is_known(scene.camera);
   path_.add(scene.camera);
   if (known) view_.follow(scene.camera.world_from_camera, scene.time);
-  if (scene.camera.keyframe || frames_ % kKeyframesEvery == 0) keyframes_ = session.keyframes();
+  if (scene.camera.keyframe || frames_ % kKeyframesEvery == 0) keyframes_ = room.keyframes();
   const bool due = frames_ % kDrawEvery == 0 || turned_ || known != was_known_;
   ++frames_;
   turned_ = false;
   was_known_ = known;
-  if (due) draw_room(scene, session, scale, inside.width(), inside.height());
+  if (due) draw_room(scene, room, scale, inside.width(), inside.height());
   picture = room_;
   draw_inset(inside, picture);
   const float text_scale = legend_scale(picture.height());
@@ -118,7 +119,7 @@ void MapPicture::draw(const Scene& scene, const Session& session, double scale,
   }
 }
 
-void MapPicture::draw_room(const Scene& scene, const Session& session, double scale, int width,
+void MapPicture::draw_room(const Scene& scene, const MappedRoom& room, double scale, int width,
                            int height) {
   lines_.clear();
   path_.draw(lines_);
@@ -134,8 +135,8 @@ void MapPicture::draw_room(const Scene& scene, const Session& session, double sc
   view.up = up_;
   view.lines = lines_;
   view.points = points_;
-  BodyLook body = look_of_body(scene, session, scale);
-  body.camera_from_body = view.camera_from_world * session.camera_from_body();
+  BodyLook body = look_of_body(scene, room.body, scale);
+  body.camera_from_body = view.camera_from_world * room.world_from_body;
   view.bodies = {&body, 1};
   renderer_.draw(view, room_);
 }
@@ -161,4 +162,4 @@ ColorImage picture_of_scan(MapRenderer& renderer, const MapMesh& surface, const 
   return picture;
 }
 
-}  // namespace palpable::app
+}  // namespace palpable
