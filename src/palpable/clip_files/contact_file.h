@@ -17,9 +17,9 @@ namespace palpable {
 struct ContactLine {
   int frame = 0;
   bool touching = false;
-  double depth = 0;                      ///< m; "depth_m"
-  int site = -1;                         ///< nearest one; -1: none is near, or nothing touches
-  std::optional<Eigen::Vector3d> point;  ///< m, body frame; of a touch
+  double depth = 0;                           ///< m; "depth_m"
+  int site = -1;                              ///< nearest one; -1: none is near, or nothing touches
+  std::optional<Eigen::Vector3d> point = {};  ///< m, body frame; of a touch
 };
 
 /// One line, its end included.

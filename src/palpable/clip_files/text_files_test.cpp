@@ -131,7 +131,7 @@ TEST_CASE("a body's pose is the line it always was, and comes back", "[clip_file
   const std::vector<PoseLine> read = read_poses(TextIn(line).path);
   REQUIRE(read.size() == 1);
   CHECK(read[0].frame == 12);
-  CHECK(read[0].camera_from_body.matrix() == some_pose().matrix());
+  CHECK(read[0].camera_from_body.isApprox(some_pose(), 1e-14));
 }
 
 TEST_CASE("poses that are none are refused with file and line", "[clip_files][errors]") {
@@ -373,7 +373,7 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
 )");
   const LiveFile read = read_live_file(path);
   CHECK(read.processed == std::vector<int>{0, 2});
-  CHECK(read.camera_from_body->matrix() == some_pose().matrix());
+  CHECK(read.camera_from_body->isApprox(some_pose(), 1e-14));
   CHECK_FALSE(read_live_file(TextIn("{}").path).processed.has_value());
   const auto again = [](const fs::path& file) { (void)read_live_file(file); };
   CHECK(has(refusal("{\"processed\":[0,\n\n", again), "file: no JSON at character"));

@@ -18,12 +18,12 @@ namespace palpable {
 
 struct TouchLine {
   int frame = 0;
-  std::optional<double> time;            ///< s
-  int site = -1;                         ///< index in the body file; -1: not said
-  std::optional<double> level;           ///< >= 0, share of the site's full load
-  std::optional<double> force;           ///< N
-  std::optional<double> press_depth;     ///< m
-  std::optional<Eigen::Vector3d> point;  ///< m, body frame
+  std::optional<double> time = {};            ///< s
+  int site = -1;                              ///< index in the body file; -1: not said
+  std::optional<double> level = {};           ///< >= 0, share of the site's full load
+  std::optional<double> force = {};           ///< N
+  std::optional<double> press_depth = {};     ///< m
+  std::optional<Eigen::Vector3d> point = {};  ///< m, body frame
 };
 
 /// One line, its end included; what is not known is left out.

@@ -17,8 +17,7 @@ namespace {
 
 /// Per frame: 1 or 0 whether something touches; which site, -1 for none.
 struct Touching {
-  explicit Touching(int frames)
-      : any(frames, std::uint8_t{0}), site(frames, -1) {}
+  explicit Touching(int frames) : any(frames, std::uint8_t{0}), site(frames, -1) {}
   std::vector<std::uint8_t> any;
   std::vector<int> site;
 };
