@@ -18,7 +18,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Json = nlohmann::ordered_json;
 
 constexpr int kSiteStep = 4, kLevelStep = 5;
 constexpr int kFewest = 4, kMost = 6;  // modes of displacement a site
