@@ -72,7 +72,7 @@ struct BakedBody {
 
 /// Reduces the snapshots of a complete store to a body, boundary only unless settings.volume. Reads
 /// them in blocks: memory is 200 MB, 24 bytes for each pair of snapshots and what the modes take.
-/// What a touch between sites costs is stated where the store's linear responses tell.
+/// What a touch between sites costs is stated where the store has linear responses.
 /// @throws Error if a unit is missing or damaged, or `at` names what the store does not have
 [[nodiscard]] BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& settings,
                                      const Progress& progress = {});

@@ -114,7 +114,7 @@ class Child {
   rusage usage_{};
 };
 
-// What ccx's .sta file tells: one line for each attempt at an increment.
+// What ccx's .sta file says, one line for each attempt at an increment.
 struct StaSummary {
   int increments = 0, iterations = 0;
   double level = 0;  // time, which is the level in our decks

@@ -123,10 +123,10 @@ void MpiCrew::lead(int count, const std::function<void(const Pieces&)>& run,
                    const std::function<void(int, int)>& finished) {
   std::atomic<int> next{0};
   std::atomic<bool> failed{false}, working{true};
-  std::mutex telling;
+  std::mutex finishing;
   std::exception_ptr problem;
   const auto fail = [&](const std::exception_ptr& what) {
-    const std::lock_guard lock(telling);
+    const std::lock_guard lock(finishing);
     if (!problem) problem = what;
     failed = true;
   };
@@ -136,7 +136,7 @@ void MpiCrew::lead(int count, const std::function<void(const Pieces&)>& run,
     return i < count ? std::optional(i) : std::nullopt;
   };
   const auto done = [&](int i, int answer) {
-    const std::lock_guard lock(telling);
+    const std::lock_guard lock(finishing);
     finished(i, answer);
   };
   std::thread own([&] {

@@ -60,7 +60,7 @@ class LoadGuess {
   }
 
   // Whether the next state may be the wanted one. Half a stride before the end there is nothing
-  // left that a rough state could tell.
+  // to learn from a state that is solved roughly.
   [[nodiscard]] bool closes_in() const {
     return above_ || next_press() > (1.0 - 0.5 * kStride) * wanted_;
   }
