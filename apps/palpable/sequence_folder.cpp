@@ -2,7 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/calibrate/calibration_file.h"
-#include "palpable/synth/contact_truth.h"
+#include "palpable/script/contact_truth.h"
 
 #include <fmt/core.h>
 #include <opencv2/core.hpp>

@@ -6,9 +6,9 @@
 #include "palpable/base/progress.h"
 #include "palpable/calibrate/rectification.h"
 #include "palpable/reduced/reduced_body.h"
-#include "palpable/synth/desk_body.h"
-#include "palpable/synth/desk_renderer.h"
-#include "palpable/synth/sequence.h"
+#include "palpable/script/desk_body.h"
+#include "palpable/film/desk_renderer.h"
+#include "palpable/script/plan_sequence.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -11,7 +11,7 @@
 #include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
 #include "palpable/reduced/body_file.h"
-#include "palpable/synth/sequence.h"
+#include "palpable/script/plan_sequence.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>

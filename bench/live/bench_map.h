@@ -3,7 +3,7 @@
 #pragma once
 
 #include "palpable/reduced/reduced_body.h"
-#include "palpable/synth/sequence.h"
+#include "palpable/script/plan_sequence.h"
 
 #include <nlohmann/json.hpp>
 

@@ -11,7 +11,7 @@
 #include "palpable/score/trajectory_score.h"
 #include "palpable/score/warped_depth.h"
 #include "palpable/sources/folder_source.h"
-#include "palpable/synth/sequence.h"
+#include "palpable/script/plan_sequence.h"
 #include "palpable/track/tracker_input.h"
 
 #include <CLI/CLI.hpp>

@@ -5,8 +5,8 @@
 
 #include "apps/palpable/sequence_folder.h"
 #include "palpable/base/progress.h"
-#include "palpable/synth/desk_renderer.h"
-#include "palpable/synth/sequence.h"
+#include "palpable/film/desk_renderer.h"
+#include "palpable/script/plan_sequence.h"
 
 #include <cstddef>
 #include <cstdint>
