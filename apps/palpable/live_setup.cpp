@@ -5,7 +5,7 @@
 #include "apps/palpable/place.h"
 #include "palpable/base/error.h"
 #include "palpable/base/fnv1a.h"
-#include "palpable/film/sequence_folder.h"
+#include "palpable/clip_writer/sequence_folder.h"
 #include "palpable/geometry/median_pose.h"
 #include "palpable/map/plane_fit.h"
 #include "palpable/reduced/body_file.h"

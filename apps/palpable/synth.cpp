@@ -11,10 +11,10 @@
 #include "apps/palpable/default_body.h"
 #include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
-#include "palpable/film/desk_film.h"
-#include "palpable/film/sequence_folder.h"
+#include "palpable/clip_writer/desk_film.h"
+#include "palpable/clip_writer/sequence_folder.h"
 #include "palpable/reduced/body_file.h"
-#include "palpable/synth/sequence.h"
+#include "palpable/script/plan_sequence.h"
 
 #include <fmt/core.h>
 

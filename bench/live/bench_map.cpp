@@ -3,8 +3,8 @@
 #include "apps/common/progress_bar.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/clip_writer/desk_film.h"
 #include "palpable/depth/depth_camera.h"
-#include "palpable/film/desk_film.h"
 #include "palpable/slam/slam.h"
 
 #include <Eigen/Geometry>

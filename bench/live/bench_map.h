@@ -4,7 +4,7 @@
 
 #include "apps/common/json.h"
 #include "palpable/reduced/reduced_body.h"
-#include "palpable/synth/sequence.h"
+#include "palpable/script/plan_sequence.h"
 
 #include <cstdint>
 

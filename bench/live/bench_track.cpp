@@ -8,13 +8,13 @@
 #include "apps/palpable/default_body.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
+#include "palpable/clip_writer/desk_film.h"
 #include "palpable/depth/depth_camera.h"
-#include "palpable/film/desk_film.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/score/trajectory_score.h"
 #include "palpable/score/warped_depth.h"
+#include "palpable/script/plan_sequence.h"
 #include "palpable/sources/folder_source.h"
-#include "palpable/synth/sequence.h"
 #include "palpable/track/tracker_input.h"
 
 #include <fmt/core.h>

@@ -4,9 +4,9 @@
 #pragma once
 
 #include "palpable/base/progress.h"
-#include "palpable/film/desk_film.h"
-#include "palpable/synth/desk_renderer.h"
-#include "palpable/synth/sequence.h"
+#include "palpable/clip_writer/desk_film.h"
+#include "palpable/film/desk_renderer.h"
+#include "palpable/script/plan_sequence.h"
 
 #include <cstddef>
 #include <cstdint>

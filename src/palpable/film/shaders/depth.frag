@@ -1,0 +1,6 @@
+#version 450 core
+// The truth of depth: Z in the camera, m, and whether the surface moves.
+in float depth;
+uniform float moves;  // 1: hand, sleeve, pencil or cup
+out vec2 truth;
+void main() { truth = vec2(depth, moves); }

@@ -1,0 +1,3 @@
+#version 450 core
+// Only depth is written.
+void main() {}

@@ -1,0 +1,70 @@
+#include "palpable/script/working_hand.h"
+
+#include "palpable/script/hand_path.h"
+#include "palpable/script/random.h"
+
+#include <Eigen/Geometry>
+
+#include <utility>
+
+namespace palpable {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+std::function<Movers(double)> working_hand(CameraPath path, int frames, std::uint64_t seed) {
+  // The hand's path is written in a frame that moves with the camera: X right, Y forward, Z up as
+  // the camera sees them.
+  Rigid3 camera_from_own = Rigid3::Identity();
+  camera_from_own.linear() << 1, 0, 0,  //
+      0, 0, -1,                         //
+      0, 1, 0;
+  HandPath hand;
+  hand.tool = index_finger();
+  hand.arm = {{0.55, -0.55, -0.50}, {0.5, -0.6, -0.5}};
+  hand.tremor_seed = seed;
+  Random random(seed, "working hand");
+  const auto key = [&](double at, const Vector3d& knuckles, const Vector3d& fingers,
+                       const Vector3d& back, double open) {
+    const Quaterniond turn(frame_of(fingers, back));
+    const Vector3d tip =
+        knuckles + turn * (tip_in_wrist(hand.tool, hand.tool.passing) - Vector3d(0.08, 0.0, 0.0));
+    hand.keys.push_back({at, tip, turn, open});
+  };
+  const Vector3d away(0.34, 0.16, -0.24);
+  const Vector3d left_up(-0.80, 0.25, 0.50), palm_down(0.30, -0.35, 0.88);
+  double now = kFramesWithoutHand;
+  key(now, away, left_up, palm_down, 0.5);
+  while (now < frames) {
+    const auto spot = [&](double nearest, double farthest) {
+      return Vector3d(random.between(0.015, 0.065), random.between(nearest, farthest),
+                      random.between(-0.055, -0.005));
+    };
+    key(now += 10, spot(0.20, 0.22), left_up, palm_down, 0.9);
+    const int moves = 4 + static_cast<int>(random.between(0.0, 3.0));
+    for (int i = 0; i < moves; ++i) {
+      const Vector3d fingers(random.between(-0.95, -0.55), random.between(0.0, 0.5),
+                             random.between(0.05, 0.75));
+      const Vector3d back(random.between(0.0, 0.5), random.between(-0.9, -0.2),
+                          random.between(0.4, 1.0));
+      key(now += random.between(12.0, 26.0), spot(0.17, 0.22), fingers, back,
+          random.between(0.2, 1.0));
+    }
+    key(now += 11, away, left_up, palm_down, 0.5);
+    key(now += random.between(4.0, 12.0), away, left_up, palm_down, 0.5);
+  }
+  return [hand, path = std::move(path), camera_from_own](double frame) {
+    Movers movers;
+    if (frame < kFramesWithoutHand) return movers;
+    const Rigid3 desk_from_own = path(frame).inverse() * camera_from_own;
+    movers.capsules = hand.capsules(frame);
+    for (HandCapsule& c : movers.capsules) {
+      c.shape.a = desk_from_own * c.shape.a;
+      c.shape.b = desk_from_own * c.shape.b;
+      c.back = desk_from_own.linear() * c.back;
+    }
+    return movers;
+  };
+}
+
+}  // namespace palpable

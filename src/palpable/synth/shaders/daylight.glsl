@@ -1,6 +1,0 @@
-// A window's light, from one direction, and the room's; linear.
-const vec3 kSun = vec3(1.10, 1.04, 0.95);
-const vec3 kSky = vec3(0.46, 0.50, 0.56);
-const vec3 kGround = vec3(0.25, 0.21, 0.18);
-
-vec3 room_light(vec3 normal) { return mix(kGround, kSky, 0.5 + 0.5 * normal.z); }

@@ -1,3 +1,0 @@
-#version 450 core
-// Depth alone.
-void main() {}
