@@ -11,25 +11,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <vector>
 
 namespace palpable::app {
 namespace {
 
-constexpr int kLookEvery = 3;         // frames, for what is left of the hand
-constexpr int kBeside = 3;            // px
+constexpr int kLookEvery = 3;  // frames, of whose hands traces are looked for
+constexpr int kBeside = 3;     // px by which the edge of a true surface may be off
+// A trace lies more than max(kLeastError, kSigmas * sigma_Z) before all true surfaces.
 constexpr double kLeastError = 0.04;  // m
 constexpr double kSigmas = 4;
 
-// The nearest true depth within kBeside of a point's pixel, m; infinite where nothing is, NaN
-// outside the picture.
+// The nearest true depth within kBeside of a point's pixel, m; infinite where nothing is there, NaN
+// outside of the picture.
 double nearest_truth(const DepthImage& truth, const PinholeCamera& view,
                      const Eigen::Vector3d& point) {
   if (!(point.z() > 0)) return std::nan("");
   const Eigen::Vector2d at = view.project(point);
-  // Before they become whole numbers, which a point beside the camera may be too far off for.
+  // Compared before rounding: the pixel of a point beside the camera may not fit into an int.
   if (!(at.x() > -0.5 && at.y() > -0.5 && at.x() < view.width - 0.5 &&
         at.y() < view.height - 0.5)) {
     return std::nan("");
@@ -45,7 +45,8 @@ double nearest_truth(const DepthImage& truth, const PinholeCamera& view,
   return nearest;
 }
 
-// Cells of the map's surface in the hand of any frame before `last`, where nothing is in truth.
+// Counts the vertices of the map's surface that lie where the hand was in any frame before `last`,
+// and where nothing is in truth.
 int ghosts(const SurfaceMap& map, const Sequence& sequence, int last, const DepthCamera& camera,
            DeskRenderer& renderer) {
   Sequence alone = sequence;
@@ -53,7 +54,7 @@ int ghosts(const SurfaceMap& map, const Sequence& sequence, int last, const Dept
   const Eigen::Matrix3Xd in_desk =
       sequence.camera_from_desk(0.0).inverse() * map.mesh().surface.vertices;
   const double reach = 2 * map.settings().voxel;
-  std::vector<bool> ghost(static_cast<std::size_t>(in_desk.cols()), false);
+  std::vector<bool> ghost(in_desk.cols(), false);
   DeskTruth truth;
   for (int frame = kFramesWithoutHand; frame < last; frame += kLookEvery) {
     const std::vector<Capsule> hand = shapes_of(sequence.movers(frame).capsules);
@@ -75,7 +76,7 @@ int ghosts(const SurfaceMap& map, const Sequence& sequence, int last, const Dept
       const Eigen::Vector3d seen = camera_from_desk * point;
       const double Z = nearest_truth(truth.depth, camera.depth_camera(), seen);
       const double error = std::max(kLeastError, kSigmas * camera.noise().sigma(seen.z()));
-      if (seen.z() < Z - error) ghost[static_cast<std::size_t>(i)] = true;
+      if (seen.z() < Z - error) ghost[i] = true;
     }
   }
   return static_cast<int>(std::count(ghost.begin(), ghost.end(), true));
@@ -101,7 +102,7 @@ void bench_map(const ReducedBody& body, std::uint64_t seed, int frames, Progress
   Frame frame;
   SeenFrame seen;
   StageTimes times;
-  SlamCounts before;  // the hand
+  SlamCounts before;  // before the hand comes
   for (int n = 0; n < frames; ++n) {
     if (n == gone) {
       result["ghost_voxels_no_mask"] = ghosts(of_all, sequence, gone, camera, film.renderer);

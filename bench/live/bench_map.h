@@ -19,15 +19,16 @@ inline constexpr int kFewestHandFrames = kFramesWithoutHand + 2 * kFramesAfterHa
 /// Films `frames` (>= kFewestHandFrames) of walk-hand and follows them as `palpable live` does, the
 /// depth measured, the poses tracked.
 ///
-///     map_ms                CPU of one fused depth image, its thread's; mean from the hand on
-///     mask_ms               the same of one frame's mask and free space
-///     ghost_voxels          cells of the map's surface, when the hand has gone, that lie where it
-///                           was (within two voxels) and before all that is there in truth
-///     ghost_voxels_no_mask  the same of a map that took the hand in, just before the hand goes:
-///                           what the count is when it should not be 0
+///     map_ms                CPU ms of fusing one depth image; mean from the hand on
+///     mask_ms               CPU ms of one frame's mask and free space; mean from the hand on
+///     ghost_voxels          vertices of the map's surface, when the hand has gone, that lie where
+///                           it was (within two voxels) and before all true surfaces
+///     ghost_voxels_no_mask  the same of a map into which the hand was fused, just before the hand
+///                           goes: shows that the count finds ghosts when there are some
 ///
-/// In truth: of all that lies within 3 px the nearest, less max(40 mm, 4 sigma) for the error of
-/// a measured surface. @throws Error without OpenGL
+/// "Before all true surfaces" means: nearer than the nearest of them within 3 px by more than
+/// max(40 mm, 4 sigma), the error of a measured surface.
+/// @throws Error without OpenGL
 void bench_map(const ReducedBody& body, std::uint64_t seed, int frames, ProgressBar& bar,
                Json& result);
 

@@ -37,12 +37,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kWalkFrames = 900;  // of the planned sequence
-constexpr int kSkipped = 10;      // frames in which nothing is timed: memory is taken there
-constexpr int kFixedFrames = 40;  // of a camera on a tripod
-constexpr int kDarkFrames = 30;   // 1 s
-constexpr int kAfterDark = 30;
-constexpr double kFoundWithin = 0.010;  // m: a pose that is farther off is not found
+constexpr int kWalkFrames = 900;        // of the planned sequence
+constexpr int kSkipped = 10;            // first frames, which allocate: they are not timed
+constexpr int kFixedFrames = 40;        // of a camera on a tripod
+constexpr int kDarkFrames = 30;         // 1 s
+constexpr int kAfterDark = 30;          // frames in which the camera should find its pose again
+constexpr double kFoundWithin = 0.010;  // m: a pose that is farther off counts as not found
 constexpr double kWidestDepth = 100;    // m, of the street
 
 struct TrackBenchOptions {
@@ -54,7 +54,7 @@ struct TrackBenchOptions {
   bool json = false;
 };
 
-// --- the walk: time, and how soon a camera that saw nothing for a second knows where it is -------
+// --- the walk: CPU time, and how soon the pose is found again after a second of darkness ---------
 
 void bench_walk(const ReducedBody& body, const TrackBenchOptions& options, ProgressBar& bar,
                 Json& result) {
@@ -94,7 +94,7 @@ void bench_walk(const ReducedBody& body, const TrackBenchOptions& options, Progr
       break;
     }
     if (n == options.frames - 1) {
-      // What a keyframe asked for and nobody has taken over yet is missing: one in many.
+      // An adjustment that is still under way is not counted: one in many.
       const TrackerCounts now = tracker.counts();
       const double frames = now.frames - before.frames;
       result["cpu_ms_720p"] =
@@ -107,7 +107,7 @@ void bench_walk(const ReducedBody& body, const TrackBenchOptions& options, Progr
   result["relocalise_s"] = back ? Json((*back - dark_end) / 30.0) : Json(nullptr);
 }
 
-// --- a camera that stands: what it costs to see that -------------------------------------------
+// --- a camera that stands: CPU time of finding that out -----------------------------------------
 
 void bench_fixed(const ReducedBody& body, const TrackBenchOptions& options, ProgressBar& bar,
                  Json& result) {
@@ -141,14 +141,15 @@ void bench_fixed(const ReducedBody& body, const TrackBenchOptions& options, Prog
 
 // --- recordings ----------------------------------------------------------------------------------
 
-// Poses of the left camera, or of the depth camera: what data sets publish.
+// A recording with the poses that its data set publishes: of the left camera, or of the depth
+// camera.
 struct Followed {
   std::vector<PosePair> pairs;
-  std::vector<DepthImage> depths;  // as the depth camera gave them
+  std::vector<DepthImage> depths;  // as recorded
   PinholeCamera depth_camera;
 };
 
-// Plays a folder; pose_of(n) gives the published pose of the frame with this number.
+// Follows the camera through a folder. pose_of(n) is the published pose of frame number n.
 template <class PoseOf>
 Followed follow(const fs::path& folder, double farthest, bool keep_depths, const PoseOf& pose_of) {
   auto source = value_or_throw(open_folder(folder));
@@ -209,18 +210,20 @@ void bench_street(const fs::path& folder, Json& result) {
   result["kitti_position_error"] = nullptr;
   if (!fs::exists(folder)) return;
   std::ifstream in(folder / "poses.txt");
-  std::vector<Rigid3> published;  // by frame; some of them may not be readable
+  // By frame number. Poses are read in turn, also those of frames that cannot be read.
+  std::vector<Rigid3> published;
   const Followed f = follow(folder, kWidestDepth, false, [&](int number) {
     while (std::ssize(published) <= number) {
       published.push_back(read_matrix(in, 3, folder / "poses.txt"));
     }
-    return published[static_cast<std::size_t>(number)];
+    return published[number];
   });
   if (f.pairs.empty()) return;
   double path = 0;
   for (std::size_t i = 1; i < f.pairs.size(); ++i) {
     path += (f.pairs[i].truth.translation() - f.pairs[i - 1].truth.translation()).norm();
   }
+  // From the first camera to the last one.
   const auto way = [&](const Rigid3& first, const Rigid3& last) -> Eigen::Vector3d {
     return (first.inverse() * last).translation();
   };
@@ -299,9 +302,9 @@ void add_bench_track(Command bench) {
       "over\n"
       "frames, all threads. Then 1 s of darkness. fixed_cpu_ms is the same of a camera on a "
       "tripod,\n"
-      "fixed_share its frames that ended with the look whether it stands. A third film, of the "
-      "walk\n"
-      "with a hand, is mapped.\n"
+      "fixed_share the share of its frames in which nothing but its patches was looked for. A "
+      "third\n"
+      "film, of the walk with a hand, is mapped.\n"
       "Example: palpable bench track --json");
   command.callback([options] { bench_track(*options); });
 }

@@ -1,22 +1,28 @@
 /// @file
-/// What belongs to the room in which a body was anchored, and what has come since. The map itself
-/// does not say it: what is put down and left takes its place there.
+/// Does a point belong to the room in which the body was anchored, or has it come since? This is
+/// the one object that answers that question (was_there()). docs/map.md compares it with the four
+/// that answer questions near it: FreeSpace, MovingMask's StaticPicture and SceneCanvas, and
+/// StaticBackground. Today only tests ask it; contact asks StaticBackground (a camera that stands)
+/// and the moving mask instead, and the issue "What presses" lets it ask here. Session brings it up
+/// to date after every fused depth image all the same, which costs 0.2 to 0.9 ms each
+/// (docs/map.md).
 ///
 /// World frame, m.
 ///
 /// **Of the room** is
 ///   1. the surface that the map held when this was made;
-///   2. what is found later in space that was never seen free: a wall behind the camera's back.
+///   2. a surface that is found later in space that was never seen free: a wall behind the camera.
 /// **Come since** is
-///   3. what stands before the room's surface, or where the camera once looked through, also when
-///      it has settled there (FreeSpaceSettings::frames_to_settle) and the map has taken it in.
-/// What is taken away from the room belongs to it no more.
+///   3. what stands before the room's surface, or where the camera once looked through; also after
+///      it has settled there (FreeSpaceSettings::frames_to_settle) and the map holds it. The map
+///      itself could not tell: in it, what is put down and left looks like the room.
+/// A surface that is taken away no longer belongs to the room.
 ///
-/// It cannot know what is put down where nobody has looked yet: that is of the room.
+/// What is put down where nobody has looked yet cannot be told apart: it counts as of the room.
 ///
-/// When a loop is closed (track/tracker.h) map and free space begin anew. What is remembered here
-/// moves with the keyframes by which it was placed; where the camera has looked through, beyond the
-/// surfaces' own surroundings, is forgotten.
+/// When a loop is closed (track/tracker.h), map and free space begin anew. What is remembered here
+/// is moved with the keyframes by which it was placed. That the camera looked through some place is
+/// forgotten, except near surfaces.
 #pragma once
 
 #include "palpable/geometry/correction.h"
@@ -36,39 +42,42 @@
 namespace palpable {
 
 struct AnchoredSceneSettings {
-  /// A surface of the room that has gone back by more than this was taken away, m.
+  /// m: a surface of the room that lies farther back than it did by more than this was taken away.
   double step = 0.015;
-  /// Every block's distances are looked at once in so many updates.
+  /// Updates in which every block's distances are compared with the map's once.
   int updates_per_round = 20;
 };
 
-/// Keeps the room's signed distance apart from the map's, a byte per voxel (0.5 KiB per block
-/// against the map's 6), and which cells were free when a block first came into the map.
+/// Keeps a copy of the room's signed distance, one byte per voxel (0.5 KiB per block; the map has
+/// 4), and per block which of its eighths had been seen free before the block came into the map.
 class AnchoredScene {
  public:
-  /// The body is anchored now: all surface that `map` holds is the room's.
+  /// Anchors the body: all surface that `map` holds now is the room's.
   /// @throws ContractViolation for settings out of their range
   AnchoredScene(const SurfaceMap& map, const AnchoredSceneSettings& settings = {});
 
-  /// Takes in what has become of map and free space. Call it after each depth image that went into
-  /// the map: a block must be seen before the camera has looked through its surroundings so often
-  /// that they count as free. Always the same two; both may have begun anew after follow().
-  /// @param keyframe  frame number of the newest keyframe: what is new was placed by it
+  /// Learns what has changed in map and free space. Call it after each depth image that was fused:
+  /// a new block must be seen here before the camera has looked through its surroundings so often
+  /// that they count as free, or the room's own surface would count as come since. Pass the same
+  /// two objects each time; after follow() both may have begun anew.
+  /// @param keyframe  frame number of the newest keyframe: new blocks were placed by its pose
   void update(const SurfaceMap& map, const FreeSpace& space, int keyframe = 0);
 
-  /// A loop was closed: moves what is remembered, each block with the keyframe by which it was
-  /// placed, to the nearest voxels (off by half a voxel's diagonal, 9 mm of 10, at most). Where two
-  /// blocks come to lie at one place the older one counts: it drifted less. What the map held when
-  /// this was made goes with the first keyframe. Takes memory: as much again, for a moment.
+  /// A loop was closed: moves each block with the keyframe by which it was placed. Voxels are moved
+  /// to the nearest ones, which is off by half a voxel's diagonal at most (9 mm for voxels of 10).
+  /// Where two blocks come to lie at one place the older one counts: it had drifted less. What the
+  /// map held when this was made moves with the first keyframe. Doubles the memory for a moment.
   /// @param corrections  at least one, their numbers rising
   void follow(std::span<const Correction> corrections);
 
-  /// Answers for one point after the other; quick where they lie near each other. Valid until the
+  /// Answers for one point after the other, faster where they lie near each other. Valid until the
   /// next change of scene or space.
   class Reader;
 
-  /// Whether what is seen at a point of the world was there when the body was anchored.
-  /// @param tolerance  m, >= 0: how far before the room's surface a measured point of it may lie
+  /// Whether what is seen at a point of the world belongs to the room in which the body was
+  /// anchored.
+  /// @param tolerance  m, >= 0: how far before the room's surface a measured point of that surface
+  ///                   may lie
   [[nodiscard]] bool was_there(const Eigen::Vector3d& point, double tolerance,
                                const FreeSpace& space) const;
 
@@ -78,12 +87,13 @@ class AnchoredScene {
  private:
   static constexpr std::int8_t kUnknown = -128;
   struct Block {
-    std::array<std::int8_t, kVoxelsOfBlock> distance;  // 127 is the truncation
-    std::uint8_t came = 0;  // bit x + 2 y + 4 z: that eighth was free before it came into the map
-    bool mapped = false;    // the map has held it since it began
-    int keyframe = 0;       // by which it was placed
+    std::array<std::int8_t, kVoxelsOfBlock> distance;  // 127: the truncation; kUnknown
+    std::uint8_t was_free = 0;  // bit x + 2 y + 4 z: that eighth was seen free before the block
+                                // came into the map, so what is there has come since
+    bool mapped = false;        // the map has held it since the map began
+    int keyframe = 0;           // frame number of the keyframe by which it was placed
     [[nodiscard]] bool has_come(std::size_t voxel) const {
-      return (came >> eighth_of(voxel) & 1) != 0;
+      return (was_free >> eighth_of(voxel) & 1) != 0;
     }
   };
   [[nodiscard]] static int eighth_of(std::size_t voxel) {
@@ -91,16 +101,19 @@ class AnchoredScene {
   }
   Block* insert(std::uint64_t key, int keyframe);
   [[nodiscard]] std::uint8_t free_eighths(std::uint64_t key, FreeSpace::Reader& space) const;
-  void take(const SurfaceMap::BlockView& from, Block& to) const;
+  void copy_new_distances(const SurfaceMap::BlockView& from, Block& to) const;
+  void forget_what_has_gone(const SurfaceMap& map, FreeSpace::Reader& space);
+  void move_block(std::uint64_t key, const Block& from, const Rigid3& world_from_drifted,
+                  bool moves_distances);
 
   AnchoredSceneSettings settings_;
   double voxel_;      // m
-  float per_m_;       // counts of a distance
-  std::int8_t step_;  // counts
+  float per_m_;       // Block::distance has this many units per m
+  std::int8_t step_;  // settings_.step in these units
   VoxelUnits units_;  // of the map
   BlockTable table_;
   SlabStore<Block> store_;
-  int round_ = 0;
+  int round_ = 0;  // updates so far, modulo updates_per_round
 };
 
 class AnchoredScene::Reader {
@@ -120,7 +133,8 @@ class AnchoredScene::Reader {
       block_ = slot == BlockTable::kNone ? nullptr : &scene_.store_[slot];
     }
     if (block_ != nullptr) {
-      // The surface first: at a slanted one rays pass through the very cells in which it lies.
+      // The surface is asked before the free space: on its way to a slanted surface a ray passes
+      // through cells in which that surface lies a little later.
       const std::size_t i = voxel_index(x & 7, y & 7, z & 7);
       const std::int8_t count = block_->distance[i];
       if (count != kUnknown) {

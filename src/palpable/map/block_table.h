@@ -1,6 +1,6 @@
 /// @file
-/// Which blocks of space are kept, and where: a hash table of fixed size, so that what looks
-/// sparse takes memory only where something was seen.
+/// Which blocks of space are kept, and in which slot: a hash table of fixed size. Most of space is
+/// empty, and takes no memory.
 #pragma once
 
 #include "palpable/base/contract.h"
@@ -16,8 +16,8 @@
 
 namespace palpable {
 
-/// Names cubes of space by three whole numbers and gives each a slot in [0, capacity). Takes its
-/// memory when it is made and none later.
+/// Names cubes of space by three whole numbers and gives each a slot in [0, capacity). Allocates
+/// in its constructor only.
 class BlockTable {
  public:
   static constexpr int kNone = -1;
@@ -29,25 +29,26 @@ class BlockTable {
     for (int slot = capacity; slot-- > 0;) free_.push_back(slot);
   }
 
-  /// Coordinates of blocks must lie in [-2^20, 2^20).
+  /// The key of block (x, y, z), each in [-2^20, 2^20).
   [[nodiscard]] static std::uint64_t key_of(int x, int y, int z) {
     constexpr std::uint64_t kMask = (1U << 21) - 1;
     return (static_cast<std::uint64_t>(x) & kMask) | (static_cast<std::uint64_t>(y) & kMask) << 21 |
            (static_cast<std::uint64_t>(z) & kMask) << 42;
   }
 
+  /// (x, y, z) of a key.
   [[nodiscard]] static Eigen::Vector3i place_of(std::uint64_t key) {
     const auto number = [key](int shift) {
-      // Moved to the top and back, so that the sign comes along.
+      // Shifted to the top and back, which repeats the sign bit.
       return static_cast<int>(static_cast<std::int64_t>(key << (43 - shift)) >> 43);
     };
     return {number(0), number(21), number(42)};
   }
 
-  /// The slot of a block, or kNone.
+  /// The slot of a block, or kNone when it has none.
   [[nodiscard]] int find(std::uint64_t key) const { return places_[place_with(key)].slot; }
 
-  /// A slot for a block that has none; kNone when all are taken.
+  /// Gives a slot to a block that has none; kNone when all slots are in use.
   int insert(std::uint64_t key) {
     if (free_.empty()) return kNone;
     const int slot = free_.back();
@@ -57,12 +58,12 @@ class BlockTable {
     return slot;
   }
 
-  /// Gives a slot back.
+  /// Frees a slot.
   void erase(int slot) {
     PALPABLE_EXPECT(used(slot), "only a block that is there can be removed");
     std::size_t gap = place_with(key(slot));
-    // What lies behind moves up where its own way leads past the gap (Knuth, TAOCP 3, 6.4,
-    // algorithm R).
+    // An entry behind the gap moves into it if a search for it would pass there (Knuth, TAOCP 3,
+    // 6.4, algorithm R).
     for (std::size_t i = next(gap); places_[i].slot != kNone; i = next(i)) {
       const std::size_t gone = (i - first_place_of(places_[i].key)) & (places_.size() - 1);
       if (gone < ((i - gap) & (places_.size() - 1))) continue;
@@ -88,7 +89,8 @@ class BlockTable {
     std::uint64_t key = 0;
     int slot = kNone;
   };
-  // Neighbours in x lie together, in a line of the cache: half of what is looked up in turn.
+  // Four neighbours in x lie in one line of the cache: half of all look-ups go to a neighbour of
+  // the last one.
   static constexpr std::size_t kTogether = 4;
 
   [[nodiscard]] static std::size_t size_of(int capacity) {
@@ -104,7 +106,7 @@ class BlockTable {
   [[nodiscard]] std::size_t next(std::size_t place) const {
     return (place + 1) & (places_.size() - 1);
   }
-  // Where a block's key is, or else would go.
+  // Where a block's key is, or where it would be entered.
   [[nodiscard]] std::size_t place_with(std::uint64_t key) const {
     std::size_t i = first_place_of(key);
     while (places_[i].slot != kNone && places_[i].key != key) i = next(i);
@@ -116,18 +118,19 @@ class BlockTable {
   std::vector<int> free_;
 };
 
-/// Remembers of the last blocks that were looked up where the caller keeps them, in what the
-/// processor's nearest cache holds: an image comes back to the same few hundred blocks row by row.
-/// Valid until a block is removed.
+/// Remembers the addresses of up to 512 blocks that were looked up last, in 8 KiB that stay in the
+/// processor's nearest cache: an image comes back to the same few hundred blocks row by row. Valid
+/// until a block is removed.
 template <class Block>
 class RecentBlocks {
  public:
   RecentBlocks() { known_.fill({kNoKey, nullptr}); }
 
-  /// The block must be there until it is forgotten.
+  /// The block must stay where it is as long as this is used.
   void remember(std::uint64_t key, Block* block) { at(key) = {key, block}; }
 
-  /// What `find()` says of the block, a pointer, which it is asked where it is not remembered.
+  /// The block with this key. When it is not remembered, find() is called for its address, which
+  /// may be null.
   template <class Find>
   [[nodiscard]] Block* of(std::uint64_t key, const Find& find) {
     Known& known = at(key);
@@ -143,7 +146,7 @@ class RecentBlocks {
   [[nodiscard]] Known& at(std::uint64_t key) {
     return known_[(key ^ key >> 18 ^ key >> 36) % known_.size()];
   }
-  static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};  // of no block: they have 63 bits
+  static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};  // keys of blocks have 63 bits
   std::array<Known, 512> known_;
 };
 

@@ -27,7 +27,8 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// What rounds to the nearest unit by cutting off the fraction, which is the same everywhere.
+// A distance in units is rounded as int(d + kAboveAll + 1/2) - kAboveAll: cutting off the fraction
+// of a positive number gives the same everywhere.
 constexpr float kAboveAll = 32768;  // more than any distance in units
 
 float plain_fuse(const FuseFrame& f, const float* first, Voxel* voxels) {

@@ -20,8 +20,8 @@ MapMesh mesh_of(const SurfaceMap& map) {
 }
 
 MapMesher::MapMesher(const MapMesherSettings& settings) : settings_(settings) {
-  PALPABLE_EXPECT(settings.blocks_per_frame >= 1, "the copy goes on");
-  PALPABLE_EXPECT(settings.frames_to_mesh >= 1, "a mesh takes time");
+  PALPABLE_EXPECT(settings.blocks_per_frame >= 1, "each call copies a block at least");
+  PALPABLE_EXPECT(settings.frames_to_mesh >= 1, "a mesh takes a frame at least");
 }
 
 MapMesher::~MapMesher() = default;  // a future of std::async waits for its thread
@@ -42,7 +42,7 @@ const MapMesh* MapMesher::advance(const SurfaceMap& map) {
   const auto mesh = [this] { return mesh_of(*copy_); };
   try {
     work_ = std::async(std::launch::async, mesh);
-  } catch (const std::system_error&) {  // no thread to be had: the same mesh, by the last call
+  } catch (const std::system_error&) {  // no thread to be had: the last call makes the same mesh
     work_ = std::async(std::launch::deferred, mesh);
   }
   return nullptr;

@@ -1,5 +1,5 @@
 /// @file
-/// The surface of a map that goes on growing, meshed on a thread of its own: for pictures of it.
+/// Meshes a map that goes on growing, on a thread of its own, for pictures of it.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -16,24 +16,25 @@ namespace palpable {
 /// A surface as a renderer wants it. World frame, m; N vertices, M triangles.
 struct MapMesh {
   Eigen::Matrix3Xf vertices;   ///< (3 x N)
-  Eigen::Matrix3Xf normals;    ///< (3 x N) unit, to the side it was seen from; 0 where none is
+  Eigen::Matrix3Xf normals;    ///< (3 x N) unit, towards where it was seen from; 0 where a vertex
+                               ///< has no triangle
   Eigen::Matrix3Xi triangles;  ///< (3 x M) counter-clockwise seen from that side
   std::vector<Rgb> colors;     ///< (N)
 };
 
-/// SurfaceMap::mesh from a quarter of its usual weight on: to be looked at, a surface that is seen
-/// from afar is better than a hole.
+/// SurfaceMap::mesh() of all that has a quarter of the usual weight: in a picture, a surface that
+/// was seen from afar only is better than a hole.
 [[nodiscard]] MapMesh mesh_of(const SurfaceMap& map);
 
 struct MapMesherSettings {
-  int blocks_per_frame = 256;  ///< copied in one call at most: 1.5 MB
-  /// So many calls after the last block was copied the mesh is handed out: not sooner, so that it
-  /// does not depend on how fast the thread was; then the call waits for it.
+  int blocks_per_frame = 256;  ///< that one call copies at most: 1 MiB
+  /// Calls between the last block's copy and the new mesh. Not sooner, even if the thread is done,
+  /// and not later (the call waits): so pictures do not depend on how fast the thread was.
   int frames_to_mesh = 15;
 };
 
-/// Copies the map a part per frame, meshes the copy on a thread and begins anew. What is handed out
-/// depends on the calls alone. Its copy takes as much memory as the map.
+/// Copies the map, a part of it per frame, meshes the copy on a thread, and begins again. What it
+/// returns depends on the calls alone. The copy takes as much memory as the map.
 class MapMesher {
  public:
   /// @throws ContractViolation for settings below 1

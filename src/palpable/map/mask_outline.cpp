@@ -16,24 +16,26 @@ namespace {
 
 constexpr int kTile = StaticPicture::kTile;
 
-// A mask's pixels while it is being made.
+// Values of a mask's pixels while it is being made; kOpen is not decided yet.
 constexpr std::uint8_t kOff = 0, kOpen = 128, kOn = 255;
 
-// Holes are closed when what moves lies on both sides within so many pixels.
+// px: a longer run of pixels without depth between moving ones is no hole in a hand but the
+// background between two fingers.
 constexpr int kLongestHole = 24;
 
-// The loops below touch each value once, in arrays apart from each other, which the compiler cannot
-// know of members: told so, it takes many at a time.
+// HWY_RESTRICT tells the compiler that arrays do not overlap, which it cannot know of members, so
+// that it takes many values at a time.
 
-// Of pixels' depths: where another is the nearest so far, the pixel goes by what that one says.
-// `least`: how far the nearest so far is, as the bits of a float >= 0, which sort as their values
-// do, with what is not a number behind them all.
-void take_nearest(float there, std::int32_t says, const float* HWY_RESTRICT depth,
-                  std::int32_t* HWY_RESTRICT least, std::int32_t* HWY_RESTRICT value, int count) {
+// Compares pixels with one tile. Where its depth is more like a pixel's than those compared so far,
+// the pixel's value becomes the tile's.
+// @param least  the smallest difference of depth so far, as the bits of a float >= 0: as integers
+//               they sort as the floats do, and NaN behind all
+void use_if_nearest(float there, std::int32_t value_there, const float* HWY_RESTRICT depth,
+                    std::int32_t* HWY_RESTRICT least, std::int32_t* HWY_RESTRICT value, int count) {
   for (int k = 0; k < count; ++k) {
     const auto difference = std::bit_cast<std::int32_t>(std::abs(there - depth[k]));
     const std::int32_t nearer = difference < least[k] ? -1 : 0;
-    value[k] ^= (value[k] ^ says) & nearer;
+    value[k] ^= (value[k] ^ value_there) & nearer;
     least[k] ^= (least[k] ^ difference) & nearer;
   }
 }
@@ -59,11 +61,11 @@ void MaskOutline::resize(int width, int height) {
   mask_ = above_ = below_ = MaskImage(width, height);
   open_.reserve(mask_.size());
   near_ = inside_ = any_beside_ = all_beside_ = Image<std::uint8_t>(tiles, rows);
-  row_.resize(static_cast<std::size_t>(tiles) + 2);
-  row_is_empty_.assign(static_cast<std::size_t>(rows), 1);
+  row_.resize(tiles + 2);
+  row_is_empty_.assign(rows, 1);
 }
 
-// Which tiles move or have a neighbour that does (near_), and which move with all of theirs.
+// Finds the tiles around which any tile moves (near_), and those around which all do (inside_).
 void MaskOutline::find_border(const Image<std::uint8_t>& moves) {
   const int width = moves.width(), height = moves.height();
   for (int j = 0; j < height; ++j) {  // beside each other
@@ -91,9 +93,9 @@ const MaskImage& MaskOutline::draw(const DepthImage& depth, const DepthImage& ti
     const int y0 = kTile * j, y1 = std::min(y0 + kTile, depth.height());
     std::uint8_t* first = mask_.row(y0);
     const std::uint8_t *near = near_.row(j), *inside = inside_.row(j);
-    const bool was_empty = row_is_empty_[static_cast<std::size_t>(j)] != 0;
+    const bool was_empty = row_is_empty_[j] != 0;
     const bool is_empty = std::memchr(near, 1, static_cast<std::size_t>(width)) == nullptr;
-    row_is_empty_[static_cast<std::size_t>(j)] = is_empty ? 1 : 0;
+    row_is_empty_[j] = is_empty ? 1 : 0;
     if (is_empty) {
       if (!was_empty) std::fill(first, mask_.row(y1 - 1) + depth.width(), kOff);
       continue;
@@ -112,8 +114,7 @@ const MaskImage& MaskOutline::draw(const DepthImage& depth, const DepthImage& ti
   return mask_;
 }
 
-// The pixels of a tile that does not move as its neighbours do, or not all of them. Those of
-// unknown depth stay open.
+// Decides the pixels of a border tile by look and depth; those of unknown depth stay open.
 void MaskOutline::draw_border(const DepthImage& depth, const DepthImage& tile_depth,
                               const Image<std::uint8_t>& moves, const Look& look, int i, int j) {
   const int width = moves.width(), height = moves.height();
@@ -121,11 +122,11 @@ void MaskOutline::draw_border(const DepthImage& depth, const DepthImage& tile_de
   const int y0 = kTile * j, y1 = std::min(y0 + kTile, depth.height());
   const bool tile_moves = moves(i, j) != 0, measured = !std::isnan(tile_depth(i, j));
   const bool too_close = tile_moves && !measured;
-  // Whether a pixel that looks the same is the scene's: in the dark it may be chance.
-  const bool by_pixel =
+  // Whether a pixel that looks the same is taken for the scene. In the dark it may do so by chance.
+  const bool same_is_scene =
       look.picture != nullptr &&
       (!tile_moves || (look.picture->tells_pixels(i, j) && !(measured && look.may_be_off)));
-  // All sixteen pixels with one neighbour after the other.
+  // All sixteen pixels are compared with one tile after the other.
   std::array<float, kTile * kTile> Z;
   std::array<std::int32_t, kTile * kTile> least, value;
   Z.fill(std::numeric_limits<float>::quiet_NaN());
@@ -135,17 +136,16 @@ void MaskOutline::draw_border(const DepthImage& depth, const DepthImage& tile_de
   for (std::size_t k = 0; k < Z.size(); ++k) value[k] = too_close && std::isnan(Z[k]) ? kOn : kOpen;
   for (int b = std::max(j - 1, 0); b <= std::min(j + 1, height - 1); ++b) {
     for (int a = std::max(i - 1, 0); a <= std::min(i + 1, width - 1); ++a) {
-      take_nearest(tile_depth(a, b), moves(a, b) != 0 ? kOn : kOff, Z.data(), least.data(),
-                   value.data(), kTile * (y1 - y0));
+      use_if_nearest(tile_depth(a, b), moves(a, b) != 0 ? kOn : kOff, Z.data(), least.data(),
+                     value.data(), kTile * (y1 - y0));
     }
   }
   for (int y = y0; y < y1; ++y) {
     for (int x = x0; x < x1; ++x) {
-      auto of_pixel =
-          static_cast<std::uint8_t>(value[static_cast<std::size_t>(kTile * (y - y0) + x - x0)]);
+      auto of_pixel = static_cast<std::uint8_t>(value[kTile * (y - y0) + x - x0]);
       if (look.picture != nullptr && of_pixel != kOff) {
         const StaticPicture::Look seen = look.picture->pixel(x, y);
-        if (seen == StaticPicture::kSame && by_pixel) of_pixel = kOff;
+        if (seen == StaticPicture::kSame && same_is_scene) of_pixel = kOff;
         if (seen == StaticPicture::kChanged) of_pixel = kOn;
       }
       mask_(x, y) = of_pixel;
@@ -153,13 +153,12 @@ void MaskOutline::draw_border(const DepthImage& depth, const DepthImage& tile_de
   }
 }
 
-// Decides open pixels, all of which lie near something that moves, along their rows; leaves in
-// open_ those that are open still.
+// Decides open pixels by the moving ones in their rows; those that stay open are listed in open_.
 void MaskOutline::close_rows() {
   const int width = mask_.width(), height = mask_.height();
   open_.clear();
   for (int y = 0; y < height; ++y) {
-    if (row_is_empty_[static_cast<std::size_t>(y / kTile)] != 0) continue;
+    if (row_is_empty_[y / kTile] != 0) continue;
     std::uint8_t* row = mask_.row(y);
     for (int x = 0; x < width;) {
       const auto* next = static_cast<const std::uint8_t*>(
@@ -185,10 +184,10 @@ void MaskOutline::close_rows() {
   }
 }
 
-// Decides what rows have left open.
+// Decides the pixels that are still open by the moving ones in their columns.
 void MaskOutline::close_columns() {
   const int width = mask_.width(), height = mask_.height();
-  // How many open pixels away the next moving one is, above and below; 255: none there.
+  // How many pixels away the next moving one is, if only open ones lie between; 255: there is none.
   const auto away = [&](int k, int step, const MaskImage& distance) -> std::uint8_t {
     const int to = k + step;
     if (to < 0 || to >= width * height) return 255;

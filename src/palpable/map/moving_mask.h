@@ -1,7 +1,13 @@
 /// @file
-/// What moves in a depth image: what stands where the scene has been seen free, and what stands
-/// before the surface that the map knows, beyond the sensor's error; and of what has no depth, what
-/// does not look as the scene did.
+/// Which pixels of a frame show something that moves: something that stands where the scene was
+/// seen free, or before the surface that the map knows by more than the sensor's error, or that has
+/// no depth and does not look as the scene did.
+///
+///     sample()         one depth per tile
+///     label()          each tile by map and free space        (surface_map.h, free_space.h)
+///     compare_look()   corrected by how the tile looks        (static_picture.h, scene_canvas.h)
+///     TileGroups       neighbours together                    (tile_groups.h)
+///     MaskOutline      down to pixels                         (mask_outline.h)
 ///
 ///   tile  a square of 4 x 4 pixels of the depth image
 #pragma once
@@ -26,19 +32,21 @@ namespace palpable {
 
 struct MovingMaskSettings {
   FreeSpaceSettings space{};
-  /// A depth agrees with the map when it is less than this before its surface, m, or less than so
-  /// many sigma of the depth.
-  double step = 0.015;
+  /// A depth agrees with the map when it lies at most max(step, sigmas * sigma_Z) before or behind
+  /// its surface.
+  double step = 0.015;  ///< m
   double sigmas = 4;
-  /// A surface that was fused from fewer frames explains nothing yet: it may be the hand's own.
+  /// Frames from which a surface must have been fused before a depth that agrees with it is static.
+  /// With fewer it may be the surface of the hand itself.
   double frames_to_trust = 6;
   TileGroupSettings groups{};
   int grow_px = 4;   ///< how far the mask reaches into pixels of unknown depth at its border
-  bool look = true;  ///< false: depth alone decides, to see what the picture is worth
+  bool look = true;  ///< false: depth alone decides, to see what comparing looks is worth
 };
 
-/// Keeps the free space, and a picture of the scene while the camera stands or sways
-/// (static_picture.h, scene_canvas.h). All memory is taken when it is made and at the first frame.
+/// Finds the mask of each frame. Owns the free space, and the pictures of the scene for a camera
+/// that stands (static_picture.h) or sways (scene_canvas.h). Allocates in its constructor and at
+/// the first frame only.
 class MovingMask {
  public:
   /// @throws ContractViolation for settings out of their range
@@ -46,72 +54,86 @@ class MovingMask {
 
   /// The mask of one frame: 255 where something moves, of the depth's size.
   ///
-  /// 1. Each tile's middle depth is looked up. The map's signed distance there says first: before
-  ///    the surface by more than the tolerance, it moves; within it, it is static once the surface
-  ///    has been seen often enough. Where the map does not tell, it moves in a free cell, and
-  ///    nothing explains it elsewhere. What is too close to be measured moves: nothing static
-  ///    comes nearer to a hand-held camera than 0.12 m.
+  /// 1. The depth in the middle of each tile is looked up in the map. Before the map's surface by
+  /// more
+  ///    than the tolerance, the tile moves. Within the tolerance it is static, if the surface was
+  ///    fused from enough frames. Where the map does not say it, the tile moves if its place was
+  ///    seen free, and is unexplained otherwise. A tile that is too close to be measured moves:
+  ///    nothing static comes nearer to a hand-held camera than 0.12 m.
   /// 2. While the camera stands or sways, a tile that looks as the scene does is static whatever
-  ///    its depth, and one without depth that does not moves.
-  /// 3. What nothing explains moves when it hangs together in depth with what moves: a hand that
-  ///    reaches into space which was not seen before (tile_groups.h).
-  /// 4. Pixels follow the edges of depth and look (mask_outline.h).
+  /// its
+  ///    depth, and a tile without depth that has changed may move.
+  /// 3. An unexplained tile moves if it continues the depth of what moves: a hand that reaches into
+  ///    space which was never seen (tile_groups.h).
+  /// 4. The border follows the edges of depth and look (mask_outline.h).
   ///
-  /// @param world_from_camera  this frame's, or foretold: an error of a tenth of the step is
-  /// nothing
-  /// @param map                may be null: then free space alone says it
+  /// @param world_from_camera  this frame's pose, or one predicted for it: it may be off by a tenth
+  ///                           of MovingMaskSettings::step
+  /// @param map                null: free space alone decides
   const MaskImage& find(const SeenFrame& seen, const Rigid3& world_from_camera,
                         const SurfaceMap* map);
 
-  /// Takes in where the frame of the last find() saw through. Call it when the pose is known; a
-  /// frame whose pose is not known is left out.
+  /// Learns from the frame of the last find(): through which cells it looked, and how the scene
+  /// looks. Do not call it for a frame whose pose is not known.
   void learn(const Rigid3& world_from_camera);
 
   [[nodiscard]] const FreeSpace& space() const { return space_; }
   [[nodiscard]] const MovingMaskSettings& settings() const { return settings_; }
 
  private:
-  struct Question {  // of a tile
-    Eigen::Vector3f point;
-    const Voxel* voxel;  // of the map there, or null
-    float depth;         // m
+  // One look-up in map and free space, for `across` tiles from (i, j), and unless that is 1 for the
+  // same ones of the next row:
+  //
+  //     across = 1   x      2   x x      4   x x x x
+  //                             x x          x x x x
+  struct LookUp {
+    Eigen::Vector3f point;  // world, m
+    const Voxel* voxel;     // of the map there, or null
+    float depth;            // m
     int i, j;
-    int tiles;  // it is for so many beside each other; if 2 or 4, for those below them too
+    int across;
   };
+  class Labeller;
 
   void resize(const DepthImage& depth);
   void sample(const SeenFrame& seen);
-  void find_alike(int j, int j1);
+  void sample_other_places(const SeenFrame& seen, int i, int j);
+  void find_smooth_squares(int j, int j1);
   void label(const Rigid3& world_from_camera, const SurfaceMap* map);
   void compare_look(const SeenFrame& seen, const Rigid3& world_from_camera);
+  bool compare_with_picture(const SeenFrame& seen, const Rigid3& world_from_camera);
+  void relabel_by_look(const StaticPicture& picture, bool is_starting, int i, int j);
+  void relabel_without_depth(const StaticPicture& picture, int i, int j);
+  void relabel_with_depth(const StaticPicture& picture, int i, int j);
   void find_ray_depths();
 
   DepthNoise noise_;
   MovingMaskSettings settings_;
   FreeSpace space_;
-  std::pair<int, int> depth_size_;  // px, of the memory
+  std::pair<int, int> depth_size_;  // px, for which memory was allocated
   PinholeCamera depth_camera_;
-  PinholeCamera tiles_;  // a pixel per tile
+  PinholeCamera tiles_;  // the camera whose pixels are the tiles
   DepthImage tile_depth_;
-  Image<std::uint8_t> tile_label_;
-  DepthImage ray_depth_;  // of 2 x 2 tiles: the nearest
-  std::vector<Question> questions_;
-  std::vector<float> columns_, highest_, sums_;  // of a row of tiles or two
-  std::vector<float> alike_;
+  Image<std::uint8_t> tile_label_;  // TileGroups::Label
+  DepthImage ray_depth_;            // per 2 x 2 tiles the nearest depth, m
+  std::vector<LookUp> look_ups_;    // of two rows of tiles
+  // Of the tiles of a row, each with the one below it: least and largest depth, and their sum.
+  std::vector<float> lowest_, highest_, sums_;
+  std::vector<float> smooth_;  // per 2 x 2 tiles of two rows: the mean depth, or 0
   TileGroups groups_;
   Image<std::uint8_t> tile_moves_;  // 1 or 0
   MaskOutline outline_;
 
-  StaticPicture picture_;                     // of a camera that stands
-  Rigid3 picture_pose_ = Rigid3::Identity();  // from where it was taken
+  StaticPicture picture_;                     // for a camera that stands
+  Rigid3 picture_pose_ = Rigid3::Identity();  // world_from_camera where it was taken
   int stood_;                                 // frames since it was begun
-  SceneCanvas canvas_;                        // of one that sways
-  StaticPicture drawn_;                       // the canvas as this frame should show it
-  PictureView view_;
-  bool moved_ = false;                       // something, in the last frame
-  int compares_ = 0;                         // frames in which it stood or swayed
-  const StaticPicture* compared_ = nullptr;  // with which of them this frame was, if with any
-  Image<std::uint8_t> tile_static_;          // not 0: the tile's depth is the scene's
+  SceneCanvas canvas_;                        // for a camera that sways
+  StaticPicture drawn_;                       // compares frames with what the canvas draws
+  PictureView view_;                          // what it draws
+  bool moved_ = false;                        // whether anything moved in the last frame
+  int compares_ = 0;                          // frames in which the camera stood or swayed
+  const StaticPicture* compared_ = nullptr;   // &picture_, &drawn_, or null: this frame with none
+  Image<std::uint8_t> tile_static_;           // not 0: the tile's depth is the scene's
 };
 
 }  // namespace palpable

@@ -14,18 +14,23 @@
 namespace palpable {
 namespace {
 
-constexpr int kStep = 4;  // px between the pixels that are looked at
-constexpr int kRounds = 8;
-constexpr double kTukey = 4.685;       // 95 % efficiency for a normal distribution
-constexpr double kLeastSigma = 0.001;  // m; exact depths have an error, too: pixels are wide
+constexpr int kStep = 4;  // px between the pixels that are sampled
+constexpr std::size_t kFewestPoints = 100;
+constexpr std::size_t kVoteEvery = 4;  // a quarter of the points votes: enough to find the plane
+constexpr double kInPlane = 3;         // sigmas up to which a point lies in the plane
+constexpr int kRounds = 8;             // of least squares
+constexpr double kTukey = 4.685;       // sigmas; 95 % efficiency for a normal distribution
+// m; even an exact depth is off by as much, since it is taken for the middle of a wide pixel.
+constexpr double kLeastSigma = 0.001;
 
 struct Point {
   Eigen::Vector3d x;
   double sigma;        // m, of its depth
-  double from_middle;  // px^2
+  double from_middle;  // px^2, from the picture's middle
 };
 
-// A generator of its own, so that the same picture gives the same plane everywhere (Knuth's MMIX).
+// Random numbers that are the same on every machine, so that the same picture gives the same plane
+// (Knuth's MMIX).
 class Draw {
  public:
   std::size_t below(std::size_t count) {
@@ -44,30 +49,30 @@ double off_by(const Point& p, const Eigen::Vector3d& normal, double offset) {
   return (normal.dot(p.x) - offset) / (std::abs(along) * p.sigma + 1e-12);
 }
 
-}  // namespace
-
-std::optional<Plane> fit_standing_plane(const DepthImage& depth, const PinholeCamera& camera,
-                                        const DepthNoise& noise, const PlaneFitSettings& settings) {
-  PALPABLE_EXPECT(depth.width() == camera.width && depth.height() == camera.height,
-                  "the depth is the camera's");
+std::vector<Point> sampled_points(const DepthImage& depth, const PinholeCamera& camera,
+                                  const DepthNoise& noise, double farthest) {
   std::vector<Point> points;
   for (int y = kStep / 2; y < depth.height(); y += kStep) {
     for (int x = kStep / 2; x < depth.width(); x += kStep) {
       const auto Z = static_cast<double>(depth(x, y));
-      if (!(Z > 0 && Z <= settings.farthest)) continue;
+      if (!(Z > 0 && Z <= farthest)) continue;
       const double dx = x - 0.5 * depth.width(), dy = y - 0.5 * depth.height();
       points.push_back(
           {camera.unproject(x, y, Z), std::max(noise.sigma(Z), kLeastSigma), dx * dx + dy * dy});
     }
   }
-  if (points.size() < 100) return std::nullopt;
+  return points;
+}
 
-  const double least_up = std::cos(settings.steepest);
-  const auto stands = [&](const Eigen::Vector3d& normal) { return -normal.y() >= least_up; };
+// Whether something could stand on a plane with this normal.
+bool is_level(const Eigen::Vector3d& normal, double least_up) { return -normal.y() >= least_up; }
+
+// The plane through three random points in which most points lie. Nothing if none is level.
+std::optional<Plane> plane_by_vote(const std::vector<Point>& points, int trials, double least_up) {
   Draw draw;
   Plane best;
   std::size_t most = 0;
-  for (int trial = 0; trial < settings.trials; ++trial) {
+  for (int trial = 0; trial < trials; ++trial) {
     const Eigen::Vector3d& a = points[draw.below(points.size())].x;
     const Eigen::Vector3d& b = points[draw.below(points.size())].x;
     const Eigen::Vector3d& c = points[draw.below(points.size())].x;
@@ -75,11 +80,11 @@ std::optional<Plane> fit_standing_plane(const DepthImage& depth, const PinholeCa
     if (normal.norm() < 1e-6) continue;
     normal.normalize();
     if (normal.dot(a) > 0) normal = -normal;
-    if (!stands(normal)) continue;
+    if (!is_level(normal, least_up)) continue;
     const double offset = normal.dot(a);
     std::size_t votes = 0;
-    for (std::size_t i = 0; i < points.size(); i += 4) {
-      votes += std::abs(off_by(points[i], normal, offset)) < 3 ? 1 : 0;
+    for (std::size_t i = 0; i < points.size(); i += kVoteEvery) {
+      votes += std::abs(off_by(points[i], normal, offset)) < kInPlane ? 1 : 0;
     }
     if (votes <= most) continue;
     most = votes;
@@ -87,45 +92,68 @@ std::optional<Plane> fit_standing_plane(const DepthImage& depth, const PinholeCa
     best.offset = offset;
   }
   if (most == 0) return std::nullopt;
+  return best;
+}
 
-  for (int round = 0; round < kRounds; ++round) {
-    double weights = 0;
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-    for (const Point& p : points) {
-      const double r = off_by(p, best.normal, best.offset) / kTukey;
-      if (std::abs(r) >= 1) continue;
-      // Its distance to the plane has the sigma of its depth times the ray's slope to the plane.
-      const double sigma = p.sigma * std::abs(best.normal.dot(p.x)) / p.x.z() + 1e-12;
-      const double tukey = 1 - r * r;
-      const double w = tukey * tukey / (sigma * sigma);
-      weights += w;
-      mean += w * p.x;
-      squares += w * p.x * p.x.transpose();
-    }
-    if (!(weights > 0)) return std::nullopt;
-    mean /= weights;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(squares / weights -
-                                                              mean * mean.transpose());
-    Eigen::Vector3d normal = axes.eigenvectors().col(0);  // of the smallest spread
-    if (normal.dot(mean) > 0) normal = -normal;
-    best.normal = normal;
-    best.offset = normal.dot(mean);
+// One round of weighted least squares: improves normal and offset. False when no point is near.
+bool improve(const std::vector<Point>& points, Plane& plane) {
+  double weights = 0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  for (const Point& p : points) {
+    const double r = off_by(p, plane.normal, plane.offset) / kTukey;
+    if (std::abs(r) >= 1) continue;
+    // Its distance to the plane has the sigma of its depth times the ray's slope to the plane.
+    const double sigma = p.sigma * std::abs(plane.normal.dot(p.x)) / p.x.z() + 1e-12;
+    const double tukey = 1 - r * r;
+    const double w = tukey * tukey / (sigma * sigma);
+    weights += w;
+    mean += w * p.x;
+    squares += w * p.x * p.x.transpose();
   }
-  if (!stands(best.normal) || !(best.offset < 0)) return std::nullopt;
+  if (!(weights > 0)) return false;
+  mean /= weights;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(squares / weights -
+                                                            mean * mean.transpose());
+  Eigen::Vector3d normal = axes.eigenvectors().col(0);  // of the smallest spread
+  if (normal.dot(mean) > 0) normal = -normal;
+  plane.normal = normal;
+  plane.offset = normal.dot(mean);
+  return true;
+}
 
+// Counts the points that lie in the plane, and finds its middle.
+void measure_extent(const std::vector<Point>& points, Plane& plane) {
   std::size_t inside = 0;
   double nearest = std::numeric_limits<double>::infinity();
   for (const Point& p : points) {
-    if (std::abs(off_by(p, best.normal, best.offset)) >= 3) continue;
+    if (std::abs(off_by(p, plane.normal, plane.offset)) >= kInPlane) continue;
     ++inside;
     if (p.from_middle >= nearest) continue;
     nearest = p.from_middle;
-    best.middle = p.x * (best.offset / best.normal.dot(p.x));  // on the plane, along its ray
+    plane.middle = p.x * (plane.offset / plane.normal.dot(p.x));  // on the plane, along its ray
   }
-  best.share = static_cast<double>(inside) / static_cast<double>(points.size());
-  if (best.share < settings.least_share) return std::nullopt;
-  return best;
+  plane.share = static_cast<double>(inside) / static_cast<double>(points.size());
+}
+
+}  // namespace
+
+std::optional<Plane> fit_standing_plane(const DepthImage& depth, const PinholeCamera& camera,
+                                        const DepthNoise& noise, const PlaneFitSettings& settings) {
+  PALPABLE_EXPECT(depth.width() == camera.width && depth.height() == camera.height,
+                  "the depth is the camera's");
+  const std::vector<Point> points = sampled_points(depth, camera, noise, settings.farthest);
+  if (points.size() < kFewestPoints) return std::nullopt;
+  const double least_up = std::cos(settings.steepest);
+  std::optional<Plane> plane = plane_by_vote(points, settings.trials, least_up);
+  if (!plane) return std::nullopt;
+  for (int round = 0; round < kRounds; ++round) {
+    if (!improve(points, *plane)) return std::nullopt;
+  }
+  if (!is_level(plane->normal, least_up) || !(plane->offset < 0)) return std::nullopt;
+  measure_extent(points, *plane);
+  if (plane->share < settings.least_share) return std::nullopt;
+  return plane;
 }
 
 Plane moved_by(const Rigid3& to_from, const Plane& plane) {
@@ -139,7 +167,7 @@ Plane moved_by(const Rigid3& to_from, const Plane& plane) {
 Rigid3 camera_from_body_on(const Plane& plane) {
   const Eigen::Vector3d& Z = plane.normal;
   Eigen::Vector3d X = Eigen::Vector3d::UnitX() - Z.x() * Z;
-  // A plane seen exactly from its edge on the right has no X; the picture's depth is as good.
+  // On a plane that faces exactly left or right no direction runs to the right: X runs forward.
   if (X.norm() < 1e-3) X = Eigen::Vector3d::UnitZ() - Z.z() * Z;
   X.normalize();
   Rigid3 pose = Rigid3::Identity();

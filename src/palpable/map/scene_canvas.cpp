@@ -17,14 +17,14 @@ namespace palpable {
 namespace {
 
 constexpr int kTile = StaticPicture::kTile;
-constexpr float kMiddle = 1.5F;    // of a tile, from its first pixel
-constexpr int kTurns = 4;          // frames in which all tiles are looked at
-constexpr float kNearest = 0.05F;  // m
-constexpr float kFarthest = 1e3F;  // m; so is no depth that is infinite
+constexpr float kMiddle = 1.5F;  // px from a tile's first pixel to its middle
+constexpr int kTurns = 4;        // frames in which each tile is looked at once
+// m; tiles that come to lie nearer or farther are not drawn, nor are those of infinite depth.
+constexpr float kNearest = 0.05F, kFarthest = 1e3F;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-// Beyond it nothing is in a picture, px. Whole numbers below by cutting off what is positive: a
-// call of floor() for each tile would cost more than all else.
+// px; no picture reaches so far. It is added before numbers are cut to whole ones, so that positive
+// ones are cut: calling floor() for each tile would cost more than all else.
 constexpr int kFarOut = 1 << 13;
 constexpr auto kFarOutside = static_cast<float>(kFarOut);
 std::int32_t near_mask(float u) { return std::abs(u) < kFarOutside ? -1 : 0; }
@@ -34,10 +34,11 @@ int tile_of(float pixel) {
   return static_cast<int>((pixel + (kFarOut + 0.5F)) * (1.0F / kTile)) - kFarOut / kTile;
 }
 
-// A frame looks at this tile of a row, and at every fourth from there on.
-int first_taken_in(int j, int frame) { return (frame + 2 * j) % kTurns; }
+// In row j a frame learns from this tile, and from every fourth after it.
+int first_visited(int j, int frame) { return (frame + 2 * j) % kTurns; }
 
-// Where a pixel of one view lies in another: w (u, v, 1) = Z M (x, y, 1) + m.
+// Where pixel (x, y) of one view, at depth Z, lies in another: w (u, v, 1) = Z M (x, y, 1) + m,
+// with w its depth there.
 struct Transfer {
   Transfer(const PinholeCamera& c, const Rigid3& to_from_from) {
     Eigen::Matrix3d K;
@@ -52,14 +53,15 @@ struct Transfer {
   Eigen::Vector3f m;
 };
 
-// `u`, or far outside where the mask is 0 instead of -1.
-float chosen(std::int32_t mask, float u) {
+// u where the mask is -1, and a pixel far outside where it is 0.
+float inside_or_far(std::int32_t mask, float u) {
   return std::bit_cast<float>((std::bit_cast<std::int32_t>(u) & mask) |
                               (std::bit_cast<std::int32_t>(-kFarOutside) & ~mask));
 }
 
-// Where a row of tiles lands in the other view: tile (a, b), which may lie outside, Z there, and by
-// how many pixels it is drawn from elsewhere. The tiles' first pixels are (x0, y), (x0 + 4, y), ...
+// Where a row of tiles comes to lie in another view: at depth Z in tile (a, b), which may lie
+// outside of the view, moved by (-dx, -dy) px. The tiles' first pixels are (x0, y), (x0 + 4, y),
+// ...
 void transfer_row(const Transfer& t, const float* HWY_RESTRICT depth, int count, int x0, int y,
                   float* HWY_RESTRICT Z, std::int32_t* HWY_RESTRICT a, std::int32_t* HWY_RESTRICT b,
                   std::int32_t* HWY_RESTRICT dx, std::int32_t* HWY_RESTRICT dy) {
@@ -71,10 +73,10 @@ void transfer_row(const Transfer& t, const float* HWY_RESTRICT depth, int count,
     const float w = 1 / z;
     const float u = w * (depth[i] * (across.x() * u0 + down.x() + ahead.x()) + m.x());
     const float v = w * (depth[i] * (across.y() * u0 + down.y() + ahead.y()) + m.y());
-    // Without a branch, so that the compiler takes many at a time. NaN is not within.
+    // Without a branch, so that the compiler takes many tiles at a time. NaN is not within.
     const std::int32_t within =
         (z > kNearest ? -1 : 0) & (z < kFarthest ? -1 : 0) & near_mask(u) & near_mask(v);
-    const float near_u = chosen(within, u), near_v = chosen(within, v);
+    const float near_u = inside_or_far(within, u), near_v = inside_or_far(within, v);
     Z[i] = z;
     a[i] = tile_of(near_u);
     b[i] = tile_of(near_v);
@@ -102,9 +104,8 @@ void SceneCanvas::resize(const PinholeCamera& camera) {
   strange_ = Image<std::uint8_t>(wide, high);
   sources_ = Image<Source>(tiles, rows);
   nearest_ = DepthImage(tiles, rows);
-  const auto n = static_cast<std::size_t>(wide);
-  landing_ = {std::vector<float>(n), std::vector<std::int32_t>(n), std::vector<std::int32_t>(n),
-              std::vector<std::int32_t>(n), std::vector<std::int32_t>(n)};
+  const std::vector<std::int32_t> row(wide);
+  landing_ = {std::vector<float>(wide), row, row, row, row};
   stayed_ = 0;
 }
 
@@ -129,7 +130,7 @@ void SceneCanvas::follow(const PinholeCamera& depth_camera, const Rigid3& world_
   std::fill(depth_.begin(), depth_.end(), kNaN);
 }
 
-// Whether the four by four pixels from (x, y) of the canvas on are known.
+// Whether all of the 4 x 4 pixels from (x, y) of the canvas on are known.
 bool SceneCanvas::holds(int x, int y) const {
   if (x < 0 || y < 0 || x + kTile > luma_.width() || y + kTile > luma_.height()) return false;
   const int i0 = x / kTile, i1 = (x + kTile - 1) / kTile;
@@ -138,9 +139,9 @@ bool SceneCanvas::holds(int x, int y) const {
   return !std::isnan(sum);
 }
 
-// What a row of the frame's tiles is drawn from, on its way from memory; `like`: moved as a tile of
-// a row before it.
-void SceneCanvas::fetch_row(int j, const Source& like) const {
+// Fetches from memory what row j of the frame's tiles will probably be drawn from.
+// @param like  a tile of an earlier row, that is probably moved as this row is
+void SceneCanvas::prefetch_row(int j, const Source& like) const {
   constexpr int kLine = 64;  // of the cache, bytes
   const int x0 = std::max(kTile * settings_.margin + like.dx, 0);
   const int x1 = std::min(x0 + kTile * sources_.width(), luma_.width());
@@ -162,15 +163,15 @@ void SceneCanvas::draw(const Rigid3& world_from_camera, PictureView& view) {
     TileColor* colors = view.colors.row(j);
     std::uint8_t* to = view.luma.row(kTile * j);
     const std::ptrdiff_t stride = view.luma.width();
-    const int taken_in = first_taken_in(j, frame_ + 1);
-    fetch_row(j + 2, row[tiles / 2]);
+    const int visited = first_visited(j, frame_ + 1);
+    prefetch_row(j + 2, row[tiles / 2]);
     for (int i = 0; i < tiles; ++i, to += kTile) {
       Source from = row[i];
       if (from.i < 0 && i > 0 && i + 1 < tiles && row[i + 1].i >= 0) from = row[i - 1];
       if (from.i < 0 && j > 0 && j + 1 < rows && below[i].i >= 0) from = above[i];
       const int x = kTile * (i + margin) + from.dx, y = kTile * (j + margin) + from.dy;
       known[i] = from.i >= 0 && holds(x, y) ? 1 : 0;
-      asks[i] = known[i] == 0 && i % kTurns == taken_in ? 1 : 0;
+      asks[i] = known[i] == 0 && i % kTurns == visited ? 1 : 0;
       if (known[i] != 0) {
         colors[i] = colors_(from.i, from.j);
         const std::uint8_t* pixels = luma_.row(y) + x;
@@ -182,7 +183,8 @@ void SceneCanvas::draw(const Rigid3& world_from_camera, PictureView& view) {
   }
 }
 
-// Of each tile of a frame, what of the canvas lies there, the nearest of it.
+// Finds for each tile of a frame the tile of the canvas that lies there, the nearest if there are
+// several.
 void SceneCanvas::find_sources(const Rigid3& world_from_camera) {
   std::fill(sources_.begin(), sources_.end(), Source{});
   std::fill(nearest_.begin(), nearest_.end(), std::numeric_limits<float>::infinity());
@@ -205,6 +207,17 @@ void SceneCanvas::find_sources(const Rigid3& world_from_camera) {
   }
 }
 
+// Puts 4 x 4 pixels from (x, y) of an image onto tile (a, b) of the canvas.
+void SceneCanvas::put_onto(int a, int b, const GrayImage& from, int x, int y,
+                           const TileColor& color, float Z) {
+  for (int k = 0; k < kTile; ++k) {
+    std::copy_n(from.row(y + k) + x, kTile, luma_.row(kTile * b + k) + kTile * a);
+  }
+  colors_(a, b) = color;
+  depth_(a, b) = Z;
+  strange_(a, b) = 0;
+}
+
 void SceneCanvas::learn(const Rigid3& world_from_camera, const StaticPicture& picture,
                         const DepthImage& tile_depth, const Image<std::uint8_t>& is_static,
                         const Image<std::uint8_t>& moves) {
@@ -213,7 +226,7 @@ void SceneCanvas::learn(const Rigid3& world_from_camera, const StaticPicture& pi
   const int margin = settings_.margin;
   ++frame_;
   for (int j = 0; j < sources_.height(); ++j) {
-    for (int i = first_taken_in(j, frame_); i < sources_.width(); i += kTurns) {
+    for (int i = first_visited(j, frame_); i < sources_.width(); i += kTurns) {
       if (is_static(i, j) == 0 || moves(i, j) != 0) continue;
       const float u = static_cast<float>(kTile * i) + kMiddle;
       const float v = static_cast<float>(kTile * j) + kMiddle;
@@ -223,9 +236,9 @@ void SceneCanvas::learn(const Rigid3& world_from_camera, const StaticPicture& pi
       if (!is_near(x, y)) continue;
       const int a = tile_of(x) + margin, b = tile_of(y) + margin;
       if (a < 0 || b < 0 || a >= depth_.width() || b >= depth_.height()) continue;
-      std::uint8_t& strange = strange_(a, b);
       if (!std::isnan(depth_(a, b))) {
         const bool changed = picture.tile(i, j) == StaticPicture::kChanged;
+        std::uint8_t& strange = strange_(a, b);
         strange = static_cast<std::uint8_t>(changed ? strange + 1 : 0);
         if (strange >= settings_.visits_to_renew) depth_(a, b) = kNaN;
         continue;
@@ -238,12 +251,7 @@ void SceneCanvas::learn(const Rigid3& world_from_camera, const StaticPicture& pi
           from_y + kTile > now.height()) {
         continue;
       }
-      for (int k = 0; k < kTile; ++k) {
-        std::copy_n(now.row(from_y + k) + from_x, kTile, luma_.row(kTile * b + k) + kTile * a);
-      }
-      colors_(a, b) = *color;
-      depth_(a, b) = p.z();
-      strange = 0;
+      put_onto(a, b, now, from_x, from_y, *color, p.z());
     }
   }
 }

@@ -1,6 +1,6 @@
 /// @file
-/// The memory behind a BlockTable's slots: taken by slabs when a slot is first used, never moved
-/// and never given back.
+/// The memory behind a BlockTable's slots. It grows by slabs of one huge page when a slot is first
+/// used; blocks are never moved, and memory is never given back.
 #pragma once
 
 #include "palpable/base/huge_pages.h"
@@ -13,13 +13,14 @@ namespace palpable {
 template <class Block>
 class SlabStore {
  public:
-  /// The block of a slot, >= 0; what it held before, or undefined. Takes memory up to it.
-  Block& take(int slot) {
+  /// The block of a slot >= 0, with memory for it and all slots before it. It holds what it held
+  /// before, or undefined values.
+  Block& provide(int slot) {
     while (slot >= slots()) slabs_.emplace_back(kSlab);
     return (*this)[slot];
   }
 
-  /// Of a slot below slots().
+  /// The block of a slot below slots().
   [[nodiscard]] Block& operator[](int slot) {
     const auto i = static_cast<std::size_t>(slot);
     return slabs_[i / kSlab][i % kSlab];
@@ -36,7 +37,7 @@ class SlabStore {
   static constexpr std::size_t kSlab = kHugePage / sizeof(Block);
   static_assert(kSlab > 0);
   using Slab = std::vector<Block, HugePageAllocator<Block>>;
-  std::vector<Slab> slabs_;  // of one page each; moved, but not what is in them
+  std::vector<Slab> slabs_;  // of one page each
 };
 
 }  // namespace palpable

@@ -13,30 +13,31 @@ namespace {
 constexpr int kTile = StaticPicture::kTile;
 constexpr int kPixels = 16;   // of a tile
 constexpr int kSteps = 4096;  // of the histograms
-// Tiles that are nearly black or clipped say nothing about the gain.
+// Sums over tiles that are nearly black or clipped: their Y / P says nothing about the gain.
 constexpr int kDarkest = 4 * kPixels, kBrightest = 240 * kPixels;
-constexpr int kGainEvery = 2;  // of tiles and rows of them: a quarter will do
-// Fewer static tiles say nothing about gain and noise: those of the frame before stay.
+constexpr int kGainEvery = 2;  // of tiles and rows of them: a quarter is enough for a median
+// With fewer static tiles gain and noise of the frame before stay.
 constexpr int kFewest = 50;
-// A frame in which nothing is said to move counts so often: what may be a hand at rest must look
-// the same for five times as long.
+// A frame in which the mask calls a tile resting counts as five: a hand at rest, which the mask may
+// call moving, must look the same for five times as long until it is taken for the scene.
 constexpr int kQuietCounts = 5;
-// The picture follows what is seen in every so many frames; its colours, which hardly change, less
-// often.
-constexpr int kFollowEvery = 4, kColorEvery = 32;
+constexpr int kFollowEvery = 4;  // frames, in which P follows Y
+constexpr int kColorEvery = 32;  // frames, in which colours do, which hardly change
 
-// Four deviations of a mean of D, three of a mean of Y - g P, in m (static_picture.h); twice that
-// for what has changed.
+// a_4(n) - m and b_3(n) without rounding, times sqrt(n) / m (static_picture.h); twice as much for
+// what has changed.
 constexpr double kFourOfD = 4.24, kThreeOfY = 5.3;
-constexpr int kLightShare = 32;
-constexpr int kDarkestShadow = 40;  // %: darker things are things
+constexpr int kLightShare = 32;     // 1/32 of P: light that a hand reflects or takes
+constexpr int kDarkestShadow = 40;  // % of the light; what is darker is no shadow
 
-// How far the hue of a shadow is off: so much of (1 - L) / L, and at most (static_picture.h).
+// By how much the hue of a shadow may differ: this times (1 - L) / L, and this at most.
 constexpr double kSunAndSky = 0.14, kHue = 0.11;
-// A tile's colour is eight pixels of the full picture, of twice the deviation of the half one's.
-constexpr double kOfColor = 2 * 1.25 / 2.83;  // m
-constexpr int kLargestSquare = 2;             // tiles to each side
-// Two tiles' means of Y - g P differ by less than three deviations, m.
+// Standard deviation of a tile's mean colour, in m: eight pixels of the full image, whose noise is
+// twice that of the half image; s = 1.25 m.
+constexpr double kOfColor = 2 * 1.25 / 2.83;
+constexpr int kLargestSquare = 2;  // tiles to each side of the middle one
+// Two tiles of one surface differ in their means of Y - g P by less than this, in m: three standard
+// deviations.
 constexpr double kAlike = 1.9;
 
 void halve_rows(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t* half, int width) {
@@ -46,10 +47,12 @@ void halve_rows(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t* half
   }
 }
 
+// Adds a row of pixels to the sums over columns.
 void add_row(const std::uint8_t* row, std::uint16_t* columns, int width) {
   for (int x = 0; x < width; ++x) columns[x] = static_cast<std::uint16_t>(columns[x] + row[x]);
 }
 
+// Sums over tiles, of the sums over their four columns.
 void sums_of(const std::uint16_t* columns, std::uint16_t* sums, int tiles) {
   for (int i = 0; i < tiles; ++i) {
     const std::uint16_t* c = columns + static_cast<std::ptrdiff_t>(kTile) * i;
@@ -57,7 +60,7 @@ void sums_of(const std::uint16_t* columns, std::uint16_t* sums, int tiles) {
   }
 }
 
-// Times factor / 512, at most 255.
+// A row of pixels times factor / 512, at most 255.
 void scale_row(const std::uint8_t* row, std::uint16_t factor, std::uint8_t* scaled, int width) {
   for (int x = 0; x < width; ++x) {
     const auto wide = static_cast<std::uint32_t>(row[x]) << 7;
@@ -66,11 +69,11 @@ void scale_row(const std::uint8_t* row, std::uint16_t factor, std::uint8_t* scal
   }
 }
 
-// By value: of references the compiler makes branches, and takes one pixel at a time.
+// By value: with references (std::min) the compiler makes branches, and takes one pixel at a time.
 std::uint8_t lesser(std::uint8_t a, std::uint8_t b) { return a < b ? a : b; }
 std::uint8_t larger(std::uint8_t a, std::uint8_t b) { return a > b ? a : b; }
 
-// Of each value and its neighbours, the least and the largest.
+// The least and the largest of each value and its two neighbours.
 void span_of_three(const std::uint8_t* p, std::uint8_t* HWY_RESTRICT least,
                    std::uint8_t* HWY_RESTRICT largest, int width) {
   least[0] = largest[0] = p[0];
@@ -81,7 +84,8 @@ void span_of_three(const std::uint8_t* p, std::uint8_t* HWY_RESTRICT least,
   }
 }
 
-// What lies nearest to `seen` between the least and the largest of three rows, and how far away.
+// The value nearest to `seen` between the least and the largest of three rows, and how far it is
+// off.
 void nearest_within(const std::array<const std::uint8_t*, 3>& least,
                     const std::array<const std::uint8_t*, 3>& largest, const std::uint8_t* seen,
                     std::uint8_t* HWY_RESTRICT nearest, std::uint8_t* HWY_RESTRICT difference,
@@ -97,11 +101,10 @@ void nearest_within(const std::array<const std::uint8_t*, 3>& least,
   }
 }
 
-int middle_of(const std::vector<int>& histogram, int count) {
+// The median of a histogram with `count` entries.
+int median_of(const std::vector<int>& histogram, int count) {
   int below = 0, at = 0;
-  while (at < kSteps - 1 && 2 * (below + histogram[static_cast<std::size_t>(at)]) < count) {
-    below += histogram[static_cast<std::size_t>(at++)];
-  }
+  while (at < kSteps - 1 && 2 * (below + histogram[at]) < count) below += histogram[at++];
   return at;
 }
 
@@ -119,8 +122,7 @@ StaticPicture::StaticPicture(const StaticPictureSettings& settings)
 }
 
 void StaticPicture::forget() {
-  ++frame_;  // it was seen, too: a camera that moves from the first frame on does not start for
-             // ever
+  ++frame_;  // else a camera that moves from the first frame on would be starting() for ever
   std::fill(sure_.begin(), sure_.end(), std::uint8_t{0});
 }
 
@@ -128,12 +130,12 @@ void StaticPicture::resize(int width, int height, const Image<std::uint8_t>& til
   if (now_.width() == width && now_.height() == height) return;
   now_ = picture_ = difference_ = GrayImage(width, height);
   least_ = largest_ = GrayImage(width, 3);
-  look_ = sure_ = colored_ = tried_ = Image<std::uint8_t>(tiles.width(), tiles.height());
+  look_ = sure_ = colored_ = tested_ = Image<std::uint8_t>(tiles.width(), tiles.height());
   queue_.reserve(look_.size());
   sum_now_ = sum_then_ = sum_difference_ = strange_ =
       Image<std::uint16_t>(tiles.width(), tiles.height());
   colors_ = colors_now_ = Image<TileColor>(tiles.width(), tiles.height());
-  columns_.resize(static_cast<std::size_t>(width));
+  columns_.resize(width);
   columns_of_difference_.resize(columns_.size());
   scaled_.resize(columns_.size());
   follows_.resize(columns_.size());
@@ -146,31 +148,31 @@ bool StaticPicture::compare(const GrayImage& luma, const ColorImage& color, int 
   if (!halve(luma, color, width, height, is_static)) return false;
   find_gain(is_static);
   find_differences();
-  tell_looks(color, is_static, nullptr);
+  decide_looks(color, is_static, nullptr);
   return true;
 }
 
 bool StaticPicture::compare(const GrayImage& luma, const ColorImage& color, int width, int height,
                             const Image<std::uint8_t>& is_static, const PictureView& view) {
   if (!halve(luma, color, width, height, is_static)) return false;
-  take_view(view);
+  use_view(view);
   gain_ = view_gain_;
   find_gain(is_static);
   view_gain_ = gain_;
-  take_nearest(view);
-  tell_looks(color, is_static, &view);
+  replace_by_nearest(view);
+  decide_looks(color, is_static, &view);
   return true;
 }
 
-// With the differences known: what has changed.
-void StaticPicture::tell_looks(const ColorImage& color, const Image<std::uint8_t>& is_static,
-                               const PictureView* view) {
+// Finds all looks once the differences are known.
+void StaticPicture::decide_looks(const ColorImage& color, const Image<std::uint8_t>& is_static,
+                                 const PictureView* view) {
   find_noise(is_static);
   find_looks(color, is_static, view);
   spread_changes(color, is_static);
 }
 
-// The frame's luma at the depth's size, and its tiles.
+// Brings the frame's luma to the depth's size, and sums it over tiles. False for other sizes.
 bool StaticPicture::halve(const GrayImage& luma, const ColorImage& color, int width, int height,
                           const Image<std::uint8_t>& tiles) {
   const auto factor_of = [&](const auto& image) {
@@ -196,8 +198,8 @@ bool StaticPicture::halve(const GrayImage& luma, const ColorImage& color, int wi
   return true;
 }
 
-// What find_gain() asks for, and the tiles' colours.
-void StaticPicture::take_view(const PictureView& view) {
+// Takes from a view the sums that find_gain() needs, the tiles' colours, and what is known.
+void StaticPicture::use_view(const PictureView& view) {
   const int width = now_.width();
   for (int j = 0; j < rows_; j += kGainEvery) {
     std::fill(columns_.begin(), columns_.end(), std::uint16_t{0});
@@ -216,12 +218,12 @@ void StaticPicture::take_view(const PictureView& view) {
   }
 }
 
-// The picture becomes what lies nearest to Y within a pixel of the view, with the gain in it; the
-// gain is then 1.
-void StaticPicture::take_nearest(const PictureView& view) {
+// Makes the picture of the values nearest to Y within a pixel of the view, times the gain, which is
+// 1 afterwards.
+void StaticPicture::replace_by_nearest(const PictureView& view) {
   const int width = now_.width(), height = kTile * rows_;
-  // Of three rows at a time, in what the nearest cache holds.
-  const auto see_row = [&](int y) {
+  // Three rows at a time, which the nearest cache holds.
+  const auto find_span = [&](int y) {
     const std::uint8_t* p = view.luma.row(y);
     if (gain_ != kUnit) {
       scale_row(p, static_cast<std::uint16_t>(gain_), scaled_.data(), width);
@@ -229,13 +231,13 @@ void StaticPicture::take_nearest(const PictureView& view) {
     }
     span_of_three(p, least_.row(y % 3), largest_.row(y % 3), width);
   };
-  see_row(0);
+  find_span(0);
   for (int j = 0; j < rows_; ++j) {
     std::fill(columns_.begin(), columns_.end(), std::uint16_t{0});
     std::fill(columns_of_difference_.begin(), columns_of_difference_.end(), std::uint16_t{0});
     for (int y = kTile * j; y < kTile * j + kTile; ++y) {
       const int above = std::max(y - 1, 0), below = std::min(y + 1, height - 1);
-      if (below > y) see_row(below);
+      if (below > y) find_span(below);
       nearest_within({least_.row(above % 3), least_.row(y % 3), least_.row(below % 3)},
                      {largest_.row(above % 3), largest_.row(y % 3), largest_.row(below % 3)},
                      now_.row(y), picture_.row(y), difference_.row(y), width);
@@ -258,12 +260,12 @@ void StaticPicture::find_gain(const Image<std::uint8_t>& is_static) {
           now > kBrightest) {
         continue;
       }
-      ++histogram_[static_cast<std::size_t>(std::min(kUnit * now / then, kSteps - 1))];
+      ++histogram_[std::min(kUnit * now / then, kSteps - 1)];
       ++count;
     }
   }
-  if (count >= kFewest) gain_ = std::max(middle_of(histogram_, count), 1);
-  if (std::abs(gain_ - kUnit) <= 2) gain_ = kUnit;  // 0.4 %: nothing has changed
+  if (count >= kFewest) gain_ = std::max(median_of(histogram_, count), 1);
+  if (std::abs(gain_ - kUnit) <= 2) gain_ = kUnit;  // 0.4 % are taken for no change
 }
 
 void StaticPicture::find_differences() {
@@ -296,7 +298,7 @@ void StaticPicture::find_noise(const Image<std::uint8_t>& is_static) {
       ++count;
     }
   }
-  if (count >= kFewest) noise_ = static_cast<double>(middle_of(histogram_, count)) / kPixels;
+  if (count >= kFewest) noise_ = static_cast<double>(median_of(histogram_, count)) / kPixels;
 }
 
 void StaticPicture::find_looks(const ColorImage& color, const Image<std::uint8_t>& is_static,
@@ -315,16 +317,16 @@ void StaticPicture::find_looks(const ColorImage& color, const Image<std::uint8_t
   }
   std::fill(colored_.begin(), colored_.end(), std::uint8_t{0});
   for (int j = 0; j < rows_; ++j) {
-    const bool refresh = (frame_ + 1 + j) % kColorEvery == 0;  // learn() takes it
+    const bool refresh = (frame_ + 1 + j) % kColorEvery == 0;  // learn() will ask for its colours
     for (int i = 0; i < tiles_; ++i) {
       const bool known = sure_(i, j) >= trust_;
       const bool wanted =
           view != nullptr ? view->asks(i, j) != 0 && is_static(i, j) != 0
                           : !known || refresh || strange_(i, j) + 1 >= settings_.frames_to_renew;
-      if (wanted) see_color(color, i, j);
+      if (wanted) compute_color(color, i, j);
       look_(i, j) = kNothing;
       if (!known || !measured) continue;
-      const int now = sum_now_(i, j), then = foretold(i, j);
+      const int now = sum_now_(i, j), then = expected(i, j);
       const int d = sum_difference_(i, j), mean = std::abs(now - then);
       const int light = then / kLightShare;
       if (d > changed + light || mean > changed_mean + light) {
@@ -337,7 +339,7 @@ void StaticPicture::find_looks(const ColorImage& color, const Image<std::uint8_t
   }
 }
 
-// From changed tiles to their neighbours that look the same by chance.
+// Goes from changed tiles to their neighbours, and from those that are found to have changed on.
 void StaticPicture::spread_changes(const ColorImage& color, const Image<std::uint8_t>& is_static) {
   if (noise_ < 0) return;
   queue_.clear();
@@ -346,36 +348,42 @@ void StaticPicture::spread_changes(const ColorImage& color, const Image<std::uin
       if (look_(i, j) == kChanged) queue_.push_back(j * tiles_ + i);
     }
   }
-  std::fill(tried_.begin(), tried_.end(), std::uint8_t{0});
+  std::fill(tested_.begin(), tested_.end(), std::uint8_t{0});
   for (std::size_t head = 0; head < queue_.size(); ++head) {
     const int i = queue_[head] % tiles_, j = queue_[head] / tiles_;
     for (int b = std::max(j - 1, 0); b <= std::min(j + 1, rows_ - 1); ++b) {
       for (int a = std::max(i - 1, 0); a <= std::min(i + 1, tiles_ - 1); ++a) {
-        if (look_(a, b) >= kShadow || tried_(a, b) != 0 || sure_(a, b) < trust_ ||
-            is_static(a, b) != 0) {
-          continue;
-        }
-        tried_(a, b) = 1;
-        const Square square = square_of(color, a, b);
-        const auto is_scene = [&](double bounds) {
-          return has_mean_of_scene(square, bounds) &&
-                 has_hue_of_scene(square, bounds, bounds / kLightShare);
-        };
-        if (is_scene(square.alone ? 1 : 0.5)) continue;
-        look_(a, b) = is_scene(1) ? kNothing : kChanged;
-        queue_.push_back(b * tiles_ + a);
+        test_for_chance(color, is_static, a, b);
       }
     }
   }
 }
 
-void StaticPicture::see_color(const ColorImage& color, int i, int j) {
+// Whether a neighbour of a changed tile looks the same by chance ("Chance" in static_picture.h).
+void StaticPicture::test_for_chance(const ColorImage& color, const Image<std::uint8_t>& is_static,
+                                    int i, int j) {
+  if (look_(i, j) >= kShadow || tested_(i, j) != 0 || sure_(i, j) < trust_ ||
+      is_static(i, j) != 0) {
+    return;
+  }
+  tested_(i, j) = 1;
+  const Square square = square_of(color, i, j);
+  const auto is_scene = [&](double bounds) {
+    return has_mean_of_scene(square, bounds) &&
+           has_hue_of_scene(square, bounds, bounds / kLightShare);
+  };
+  if (is_scene(square.alone ? 1 : 0.5)) return;
+  look_(i, j) = is_scene(1) ? kNothing : kChanged;
+  queue_.push_back(j * tiles_ + i);
+}
+
+void StaticPicture::compute_color(const ColorImage& color, int i, int j) {
   if (colored_(i, j) != 0) return;
   colored_(i, j) = 1;
   colors_now_(i, j) = color_of(color, i, j);
 }
 
-// Over eight pixels that lie in all rows and columns.
+// Sums over eight pixels of a tile that lie in all of its rows and columns.
 TileColor StaticPicture::color_of(const ColorImage& color, int i, int j) const {
   TileColor sum;
   for (int k = 0; k < 8; ++k) {
@@ -389,13 +397,15 @@ TileColor StaticPicture::color_of(const ColorImage& color, int i, int j) const {
   return sum;
 }
 
-// Two deviations of the mean of a tile's channel, of now and then; 1/2: whole numbers.
+// Grey levels: two standard deviations of the difference of a tile's mean colour now and in the
+// picture, and 1/2 for rounding.
 double StaticPicture::color_noise() const { return 2 * std::sqrt(2.0) * kOfColor * noise_ + 0.5; }
 
+// The square around a tile in which the noise hides little enough ("Squares" in static_picture.h).
 StaticPicture::Square StaticPicture::square_of(const ColorImage& color, int i, int j) {
-  const double now = sum_now_(i, j), then = std::max(foretold(i, j), 1);
+  const double now = sum_now_(i, j), then = std::max(expected(i, j), 1);
   const double light = then / kLightShare;
-  // The noise of the hue falls with the square's side.
+  // The noise of the hue falls with the square's side: the side with which it is 1/32.
   const double side = kPixels * std::sqrt(2.0) * color_noise() / light;
   const int reach = std::clamp(static_cast<int>(std::ceil((side - 1) / 2)), 0, kLargestSquare);
   const double alike = (kPixels * (kAlike * noise_ + 0.5) + light) / then;
@@ -404,15 +414,15 @@ StaticPicture::Square StaticPicture::square_of(const ColorImage& color, int i, i
   for (int b = std::max(j - reach, 0); b <= std::min(j + reach, rows_ - 1); ++b) {
     for (int a = std::max(i - reach, 0); a <= std::min(i + reach, tiles_ - 1); ++a) {
       if (sure_(a, b) < trust_) continue;
-      const int foretold_here = std::max(foretold(a, b), 1);
-      if (std::abs(sum_now_(a, b) / static_cast<double>(foretold_here) - now / then) > alike) {
+      const int expected_here = std::max(expected(a, b), 1);
+      if (std::abs(sum_now_(a, b) / static_cast<double>(expected_here) - now / then) > alike) {
         continue;
       }
-      see_color(color, a, b);
+      compute_color(color, a, b);
       const TileColor &c = colors_now_(a, b), &p = colors_(a, b);
       ++square.tiles;
       square.now += sum_now_(a, b);
-      square.foretold += foretold_here;
+      square.expected += expected_here;
       square.color_now = {square.color_now[0] + c.r, square.color_now[1] + c.g,
                           square.color_now[2] + c.b};
       square.color_then = {square.color_then[0] + p.r, square.color_then[1] + p.g,
@@ -422,25 +432,28 @@ StaticPicture::Square StaticPicture::square_of(const ColorImage& color, int i, i
   return square;
 }
 
-// `bounds`: 1 for what has changed, 0.5 for what is the same.
+// Whether the mean of a square is the picture's.
+// @param bounds  1: by the bounds beyond which it has changed; 0.5: by half of them
 bool StaticPicture::has_mean_of_scene(const Square& s, double bounds) const {
-  const double n = s.tiles, mean = std::abs(s.now - s.foretold) / (kPixels * n);
-  const double light = s.foretold / (kPixels * n * kLightShare);
+  const double n = s.tiles, mean = std::abs(s.now - s.expected) / (kPixels * n);
+  const double light = s.expected / (kPixels * n * kLightShare);
   return mean <= bounds * (noise_ * 2 * kThreeOfY / (4 * std::sqrt(n)) + light) + 0.5;
 }
 
-// Whether red : green and blue : green are the picture's. `light`: share that a hand throws back.
+// Whether red over green and blue over green of a square are the picture's.
+// @param bounds  1 or 0.5, as above
+// @param light   share of the light that a hand may reflect
 bool StaticPicture::has_hue_of_scene(const Square& s, double bounds, double light) const {
-  const double L = s.now / static_cast<double>(s.foretold);
+  const double L = s.now / static_cast<double>(s.expected);
   const double shade = L < 1 ? std::min(kSunAndSky * (1 - L) / L, kHue) : 0.0;
   const double pixels = 8.0 * s.tiles, level = bounds * color_noise() / std::sqrt(s.tiles);
-  const auto alike = [&](std::size_t part) {
+  const auto is_alike = [&](int part) {
     const double now = s.color_now[part], green = std::max(s.color_now[1], 1);
     const double then = s.color_then[part], green_then = s.color_then[1];
     const double noise = level * pixels * std::hypot(1 / std::max(now, 1.0), 1 / green);
     return std::abs(now * green_then - green * then) <= (shade + light + noise) * green * then;
   };
-  return alike(0) && alike(2);
+  return is_alike(0) && is_alike(2);
 }
 
 StaticPicture::Look StaticPicture::pixel(int x, int y) const {
@@ -459,7 +472,7 @@ StaticPicture::Look StaticPicture::pixel(int x, int y) const {
 }
 
 bool StaticPicture::tells_pixels(int i, int j) const {
-  return kPixels * same_pixel_ <= 9 * 2 * foretold(i, j) / kLightShare;
+  return kPixels * same_pixel_ <= 9 * 2 * expected(i, j) / kLightShare;
 }
 
 bool StaticPicture::is_plain(int i, int j) const {
@@ -470,10 +483,11 @@ bool StaticPicture::is_plain(int i, int j) const {
       high = std::max(high, now_(x, y));
     }
   }
-  // Sixteen values of deviation s = 1.25 m span 3.5 s on average, with a deviation of 0.75 s.
+  // Sixteen values of standard deviation s = 1.25 m span 3.5 s on average, give or take 0.75 s.
   return high - low <= 1.25 * noise_ * (3.5 + 2 * 0.75) + 1;
 }
 
+// Makes what is seen of a tile its look.
 void StaticPicture::take_over(int i, int j) {
   int sum = 0;
   for (int y = kTile * j; y < kTile * j + kTile; ++y) {
@@ -497,31 +511,37 @@ void StaticPicture::learn(const Image<std::uint8_t>& moves, const Image<std::uin
     const bool refresh = (frame_ + j) % kColorEvery == 0;
     bool any = false;
     for (int i = 0; i < tiles_; ++i) {
-      std::uint16_t& strange = strange_(i, j);
-      std::uint8_t& sure = sure_(i, j);
-      const bool quiet = moves(i, j) == 0 || at_start;
-      bool takes = false;
-      if (sure == 0 || (sure < trust_ && sum_difference_(i, j) > changed_tile_)) {
-        take_over(i, j);
-      } else if (sure < trust_) {
-        sure = static_cast<std::uint8_t>(std::min(sure + (quiet ? kQuietCounts : 1), trust_));
-      } else if (look_(i, j) >= kShadow) {
-        const bool scene = quiet && is_static(i, j) != 0 && look_(i, j) != kShadow;
-        if (++strange >= (scene ? settings_.frames_to_renew : settings_.frames_to_settle)) {
-          take_over(i, j);
-        }
-      } else if (quiet || look_(i, j) == kSame) {
-        strange = 0;
-        takes = quiet;
-      }
-      if (takes && refresh) colors_(i, j) = colors_now_(i, j);
+      const bool follows = learn_tile(i, j, moves(i, j) == 0 || at_start, is_static(i, j) != 0);
+      if (follows && refresh) colors_(i, j) = colors_now_(i, j);
       if (!follow) continue;
-      any = any || takes;
+      any = any || follows;
       std::fill_n(follows_.begin() + static_cast<std::ptrdiff_t>(kTile) * i, kTile,
-                  static_cast<std::uint8_t>(takes ? 255 : 0));
+                  static_cast<std::uint8_t>(follows ? 255 : 0));
     }
     if (follow && any) follow_row(j);
   }
+}
+
+// Learns what can be learnt of a tile in one frame.
+// @param is_quiet  the mask does not call it moving
+// @return whether the picture may follow what is seen there: it is known, rests and looks the same
+bool StaticPicture::learn_tile(int i, int j, bool is_quiet, bool is_static) {
+  std::uint16_t& strange = strange_(i, j);
+  std::uint8_t& sure = sure_(i, j);
+  if (sure == 0 || (sure < trust_ && sum_difference_(i, j) > changed_tile_)) {
+    take_over(i, j);
+  } else if (sure < trust_) {
+    sure = static_cast<std::uint8_t>(std::min(sure + (is_quiet ? kQuietCounts : 1), trust_));
+  } else if (look_(i, j) >= kShadow) {
+    const bool is_scene = is_quiet && is_static && look_(i, j) != kShadow;
+    if (++strange >= (is_scene ? settings_.frames_to_renew : settings_.frames_to_settle)) {
+      take_over(i, j);
+    }
+  } else if (is_quiet || look_(i, j) == kSame) {
+    strange = 0;
+    return is_quiet;
+  }
+  return false;
 }
 
 // Moves the picture by one level towards what is seen, in the tiles of row j that follow.
@@ -538,7 +558,7 @@ void StaticPicture::follow_row(int j) {
     std::uint8_t* p = picture_.row(y);
     for (int x = 0; x < width; ++x) {
       const int step = (seen[x] > p[x] ? 1 : 0) - (seen[x] < p[x] ? 1 : 0);
-      p[x] = static_cast<std::uint8_t>(p[x] + (step & follows_[static_cast<std::size_t>(x)]));
+      p[x] = static_cast<std::uint8_t>(p[x] + (step & follows_[x]));
     }
     add_row(p, columns_.data(), width);
   }

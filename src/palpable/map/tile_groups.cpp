@@ -10,19 +10,22 @@
 namespace palpable {
 namespace {
 
-// A group of which this share is seen to move needs no memory of earlier frames.
+// If at least this share of a group moves by the evidence of this frame, its tiles become young
+// again. Otherwise their age goes on, so that a group cannot keep itself moving for ever.
 constexpr double kEvident = 0.1;
 
-constexpr std::uint8_t kLongAgo = 127;  // of an age
-constexpr std::uint8_t kOfThisFrame = 128;
+constexpr std::uint8_t kLongAgo = 127;      // an age
+constexpr std::uint8_t kOfThisFrame = 128;  // is added to the ages that this frame has written
 
-// Of a tile in this frame.
+// Of a tile in this frame: kDone has its group or needs none, kMayJoin is unexplained, kWaits will
+// be part of a group.
 enum State : std::uint8_t { kDone, kMayJoin, kWaits };
 
-// Each value is touched once, in arrays apart from each other, which the compiler cannot know of
-// members: told so, it takes many at a time.
-void tell_states(const std::uint8_t* label, std::uint8_t may_join, std::uint8_t waits,
-                 std::uint8_t* HWY_RESTRICT state, std::size_t count) {
+// kMayJoin from label `may_join` on, kWaits from label `waits` on. HWY_RESTRICT tells the compiler
+// that the arrays do not overlap, which it cannot know of members, so that it takes many tiles at a
+// time.
+void set_states(const std::uint8_t* label, std::uint8_t may_join, std::uint8_t waits,
+                std::uint8_t* HWY_RESTRICT state, std::size_t count) {
   static_assert(kDone == 0 && kMayJoin == 1 && kWaits == 2);
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint8_t joins = label[k] >= may_join ? 1 : 0, stands = label[k] >= waits ? 1 : 0;
@@ -30,7 +33,7 @@ void tell_states(const std::uint8_t* label, std::uint8_t may_join, std::uint8_t 
   }
 }
 
-// Calls `visit` with each tile around one, itself among them, and what is said of it.
+// Calls visit(i, j, state) with a tile and its up to eight neighbours.
 template <typename Visit>
 void for_around(Image<std::uint8_t>& state, int i, int j, const Visit& visit) {
   for (int y = std::max(j - 1, 0); y <= std::min(j + 1, state.height() - 1); ++y) {
@@ -57,39 +60,40 @@ void TileGroups::resize(int width, int height) {
   edge_.reserve(state_.size());
 }
 
-TileGroups::Label TileGroups::unexplained(int i, int j, float depth) const {
+TileGroups::Label TileGroups::label_of_unexplained(int i, int j, float depth) const {
   const float before = moved_depth_(i, j);
   const bool same = std::abs(depth - before) <= static_cast<float>(settings_.same_share) * before;
   return same && age_(i, j) < settings_.frames_to_carry ? kCarried : kUnexplained;
 }
 
-// All tiles that wait and hang together with one of them: group_; edge_: those at the group's edge.
-void TileGroups::gather(std::size_t first) {
-  const auto take = [this](int i, int j) {
+// Fills group_ with all waiting tiles that hang together with the first one, and edge_ with those
+// of them beside which tiles may join.
+void TileGroups::gather_group(std::size_t first) {
+  const auto add = [this](int i, int j) {
     state_(i, j) = kDone;
     group_.push_back({static_cast<std::int16_t>(i), static_cast<std::int16_t>(j)});
   };
   group_.clear();
   edge_.clear();
   const auto width = static_cast<std::size_t>(state_.width());
-  take(static_cast<int>(first % width), static_cast<int>(first / width));
+  add(static_cast<int>(first % width), static_cast<int>(first / width));
   for (std::size_t head = 0; head < group_.size(); ++head) {
     const Tile at = group_[head];
     bool on_edge = false;
     for_around(state_, at.i, at.j, [&](int i, int j, std::uint8_t state) {
       on_edge = on_edge || state == kMayJoin;
-      if (state == kWaits) take(i, j);
+      if (state == kWaits) add(i, j);
     });
     if (on_edge) edge_.push_back(at);
   }
 }
 
-// Two deviations beyond the mean, and a tenth; NaN where no tile of the group has a depth.
+// m: two deviations beyond the mean depth, and a tenth; NaN where no tile of the group has a depth.
 float TileGroups::deepest_of_group(const DepthImage& depth) const {
   double sum = 0, squares = 0, known = 0;
   for (const Tile at : group_) {
     const auto Z = static_cast<double>(depth(at.i, at.j));
-    if (std::isnan(Z)) continue;  // too close
+    if (std::isnan(Z)) continue;  // too close to be measured, or changed
     sum += Z;
     squares += Z * Z;
     known += 1;
@@ -99,8 +103,8 @@ float TileGroups::deepest_of_group(const DepthImage& depth) const {
                             (mean + 2 * std::sqrt(std::max(squares / known - mean * mean, 0.0))));
 }
 
-// What is unexplained and continues the group from its edge.
-void TileGroups::join(const DepthImage& depth) {
+// Adds the unexplained tiles that continue the group's depth from its edge.
+void TileGroups::add_unexplained(const DepthImage& depth) {
   const auto share = static_cast<float>(settings_.same_share);
   const float deepest = deepest_of_group(depth);
   const std::size_t joined = edge_.size();  // the first of them
@@ -120,18 +124,30 @@ void TileGroups::join(const DepthImage& depth) {
       settings_.most_unexplained * static_cast<double>(group_.size())) {
     group_.insert(group_.end(), first, edge_.end());
   } else {
-    // Another group may take them.
+    // They may join another group.
     for (auto at = first; at != edge_.end(); ++at) state_(at->i, at->j) = kMayJoin;
+  }
+}
+
+// @param is_evident  enough of the group moves by the evidence of this frame
+void TileGroups::mark_moving(const DepthImage& depth, bool is_evident, Image<std::uint8_t>& label) {
+  for (const Tile at : group_) {
+    std::uint8_t &age = age_(at.i, at.j), &of_tile = label(at.i, at.j);
+    const bool is_young = is_evident && of_tile >= kChanged;
+    age =
+        static_cast<std::uint8_t>(kOfThisFrame + (is_young ? 0 : std::min<int>(age + 1, kLongAgo)));
+    of_tile = kMoving;
+    moved_depth_(at.i, at.j) = depth(at.i, at.j);
   }
 }
 
 bool TileGroups::find(const DepthImage& depth, Image<std::uint8_t>& label) {
   bool moved = false;
-  tell_states(label.data(), kUnexplained, kChanged, state_.data(), state_.size());
+  set_states(label.data(), kUnexplained, kChanged, state_.data(), state_.size());
   std::size_t start = 0;
   while (const void* found = std::memchr(state_.data() + start, kWaits, state_.size() - start)) {
     start = static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - state_.data());
-    gather(start);
+    gather_group(start);
     if (static_cast<int>(group_.size()) < settings_.fewest_tiles) {
       for (const Tile at : group_) label(at.i, at.j) = kStatic;
       continue;
@@ -139,16 +155,10 @@ bool TileGroups::find(const DepthImage& depth, Image<std::uint8_t>& label) {
     moved = true;
     const auto evident = std::count_if(group_.begin(), group_.end(),
                                        [&](Tile at) { return label(at.i, at.j) != kCarried; });
-    join(depth);
-    const bool sure = static_cast<double>(evident) >= kEvident * static_cast<double>(group_.size());
-    for (const Tile at : group_) {
-      std::uint8_t &age = age_(at.i, at.j), &of_tile = label(at.i, at.j);
-      const bool fresh = sure && of_tile >= kChanged;
-      age =
-          static_cast<std::uint8_t>(kOfThisFrame + (fresh ? 0 : std::min<int>(age + 1, kLongAgo)));
-      of_tile = kMoving;
-      moved_depth_(at.i, at.j) = depth(at.i, at.j);
-    }
+    add_unexplained(depth);
+    mark_moving(depth,
+                static_cast<double>(evident) >= kEvident * static_cast<double>(group_.size()),
+                label);
   }
   for (std::uint8_t& age : age_) {
     age = age >= kOfThisFrame ? static_cast<std::uint8_t>(age - kOfThisFrame) : kLongAgo;

@@ -91,12 +91,12 @@ TEST_CASE("what moved a moment ago goes on moving at its depth while it is not e
   Tiles tiles;
   tiles.set(5, 5, 15, 15, 0.4F, kMoving);
   memory.find(tiles.depth, tiles.label);
-  CHECK(memory.unexplained(5, 5, 0.41F) == kCarried);
-  CHECK(memory.unexplained(5, 5, 0.43F) == kUnexplained);  // 7 %: another thing
-  CHECK(memory.unexplained(4, 5, 0.4F) == kUnexplained);
+  CHECK(memory.label_of_unexplained(5, 5, 0.41F) == kCarried);
+  CHECK(memory.label_of_unexplained(5, 5, 0.43F) == kUnexplained);  // 7 %: another thing
+  CHECK(memory.label_of_unexplained(4, 5, 0.4F) == kUnexplained);
   // Carried on from frame to frame it is forgotten: nobody has seen it move.
   int frames = 0;
-  while (memory.unexplained(5, 5, 0.4F) == kCarried) {
+  while (memory.label_of_unexplained(5, 5, 0.4F) == kCarried) {
     tiles.set(5, 5, 15, 15, 0.4F, kCarried);
     REQUIRE(memory.find(tiles.depth, tiles.label));
     REQUIRE(++frames <= settings.frames_to_carry);
@@ -108,11 +108,11 @@ TEST_CASE("what moved a moment ago goes on moving at its depth while it is not e
     tiles.set(5, 5, 6, 15, 0.4F, kMoving);
     memory.find(tiles.depth, tiles.label);
   }
-  CHECK(memory.unexplained(14, 14, 0.4F) == kCarried);
+  CHECK(memory.label_of_unexplained(14, 14, 0.4F) == kCarried);
   // And where nothing moves in a frame it is forgotten at once.
   tiles.set(0, 0, kWidth, kHeight, 0.4F, kStatic);
   memory.find(tiles.depth, tiles.label);
-  CHECK(memory.unexplained(14, 14, 0.4F) == kUnexplained);
+  CHECK(memory.label_of_unexplained(14, 14, 0.4F) == kUnexplained);
 }
 
 TEST_CASE("a group without any depth moves, and nothing joins it", "[map][tile_groups]") {

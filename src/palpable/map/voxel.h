@@ -1,11 +1,12 @@
 /// @file
-/// One voxel of the map in 32 bits, so that a look-up touches one line of the cache and a depth
-/// image moves half the bytes of two floats.
+/// One voxel of the map in 32 bits: a look-up touches one line of the cache, and fusing a depth
+/// image moves half the bytes that two floats would need.
 ///
-///   bits  0 .. 15  signed distance, in units of 1/32767 of the largest
-///   bits 16 .. 31  what it weighs, in units of 1/65535 of the most; 0: never seen
+///   bits  0 .. 15  signed distance, in units of 1/32767 of the largest distance
+///   bits 16 .. 31  weight, in units of 1/65535 of the largest weight; 0: never seen
 ///
-/// At 2 x 50 mm and a weight of 64 that is 3 um and 0.001 frames.
+/// With a largest distance of 100 mm and a largest weight of 64 frames the units are 3 um and 0.001
+/// frames.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,11 +16,11 @@
 
 namespace palpable {
 
-/// Voxels of a block: 8 x 8 x 8, x runs fastest.
+/// A block has 8 x 8 x 8 voxels, x runs fastest.
 inline constexpr int kVoxelsAcross = 8;
 inline constexpr std::size_t kVoxelsOfBlock = 512;
 
-/// The number in its block of a voxel at (x, y, z), each in [0, 8), and back.
+/// Index in its block of the voxel at (x, y, z), each in [0, 8), and back.
 [[nodiscard]] inline std::size_t voxel_index(int x, int y, int z) {
   return static_cast<std::size_t>(x + kVoxelsAcross * (y + kVoxelsAcross * z));
 }
@@ -30,14 +31,14 @@ inline constexpr std::size_t kVoxelsOfBlock = 512;
 
 using Voxel = std::uint32_t;
 
-/// What the units of a map's voxels are worth.
+/// The units in which a map's voxels hold distance and weight.
 struct VoxelUnits {
   static constexpr float kLargestDistance = 32767, kMostWeight = 65535;  ///< in units
   float distance = 1;                                                    ///< m
-  float weight = 1;
+  float weight = 1;                                                      ///< frames
 
   /// @param largest_distance  m
-  /// @param most_weight       of a voxel
+  /// @param most_weight       frames
   [[nodiscard]] static constexpr VoxelUnits of(double largest_distance, double most_weight) {
     return {static_cast<float>(largest_distance / kLargestDistance),
             static_cast<float>(most_weight / kMostWeight)};
@@ -45,7 +46,7 @@ struct VoxelUnits {
   [[nodiscard]] constexpr float largest_distance() const { return kLargestDistance * distance; }
   [[nodiscard]] constexpr float most_weight() const { return kMostWeight * weight; }
 
-  /// m, positive on the camera's side; says something where the voxel was seen.
+  /// m, positive on the camera's side of the surface; meaningful where was_seen().
   [[nodiscard]] constexpr float distance_of(Voxel voxel) const {
     return distance * static_cast<float>(static_cast<std::int16_t>(voxel & 0xFFFF));
   }

@@ -4,19 +4,19 @@
 #include "palpable/depth/depth_camera.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <map>
 #include <utility>
 
 namespace palpable {
 namespace {
 
-// Where a frame was seen from, if that is known before it is looked at.
+// world_from_camera of a frame, where poses are given instead of tracked.
 using PoseOf = std::function<std::optional<Rigid3>(int index, const SeenFrame& seen)>;
 
-// One pass through a source, as far as `most` frames (-1: all).
-// @param pose_of  empty: the camera is followed
-// @param again    the frames of an earlier pass: it ends as that one did, whatever `go_on` says
+// One pass through a source.
+// @param most     frames that are read at most; -1: all
+// @param pose_of  empty: the camera is tracked
+// @param again    this is the second pass: it has the first one's frames, whatever `go_on` returns
 RoomScan play(FrameSource& source, const std::string& name, const SlamSettings& settings, int most,
               const PoseOf& pose_of, bool again,
               const std::function<bool(const RoomScanStep&)>& go_on) {
@@ -55,8 +55,8 @@ RoomScan play(FrameSource& source, const std::string& name, const SlamSettings& 
 
 }  // namespace
 
-std::vector<std::optional<Rigid3>> corrected_way(std::span<const TrackedPose> frames,
-                                                 std::span<const KeyframePose> keyframes) {
+std::vector<std::optional<Rigid3>> corrected_path(std::span<const TrackedPose> frames,
+                                                  std::span<const KeyframePose> keyframes) {
   std::map<int, Rigid3> world_from_keyframe;
   for (const KeyframePose& k : keyframes) world_from_keyframe[k.number] = k.world_from_camera;
   std::vector<std::optional<Rigid3>> poses;
@@ -87,10 +87,8 @@ RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
   first.loops = tracker->counts().loops;
   if (first.loops == 0 || source->is_live()) return first;
 
-  const std::vector<std::optional<Rigid3>> way = corrected_way(first.frames, first.keyframes);
-  const auto pose_as_corrected = [&](int index, const SeenFrame&) {
-    return way[static_cast<std::size_t>(index)];
-  };
+  const std::vector<std::optional<Rigid3>> path = corrected_path(first.frames, first.keyframes);
+  const auto pose_as_corrected = [&](int index, const SeenFrame&) { return path[index]; };
   first.slam.reset();  // one map at a time
   slam.track = false;
   source = open();

@@ -110,7 +110,7 @@ TEST_CASE("a frame lies where its keyframe does in the end, or nowhere", "[slam]
   const std::vector<TrackedPose> frames{
       seen_after(3, TrackState::kTracking), seen_after(8, TrackState::kFixed),
       seen_after(8, TrackState::kLost), seen_after(5, TrackState::kTracking)};
-  const auto way = corrected_way(frames, keyframes);
+  const auto way = corrected_path(frames, keyframes);
   REQUIRE(way.size() == 4);
   REQUIRE((way[0] && way[1]));
   CHECK(way[0]->isApprox(moved(1, 0.5) * moved(0.25, 0.2)));

@@ -10,14 +10,16 @@
 
 namespace palpable {
 namespace {
-// s by which stamps that are meant to be even are not.
+
+// s: time stamps that are meant to be evenly spaced are off by up to this much.
 constexpr double kUneven = 1e-4;
 
-// Motions of the frame before: after a longer gap than that the camera has hardly gone on so.
-constexpr double kFarthestForetold = 3;
+// Last motions: after a longer gap the camera has hardly gone on as before.
+constexpr double kLongestPrediction = 3;
 
-// Before it can follow anything, a camera that still stands has its place where the world begins:
-// else a hand before a bare desk would be what is seen first.
+// Whether there is a pose to learn from. Before there is a keyframe, a camera that stands has its
+// pose where the world begins. Otherwise a hand before a bare desk would be the first thing to be
+// followed.
 bool is_placed(const TrackedPose& camera) {
   return is_known(camera) || camera.state == TrackState::kStarting;
 }
@@ -25,7 +27,7 @@ bool is_placed(const TrackedPose& camera) {
 
 Slam::Slam(const DepthCamera& camera, const FrameFormat& format, const SlamSettings& settings)
     : settings_(settings), noise_(camera.noise()) {
-  PALPABLE_EXPECT(settings.fuse_every >= 0, "time does not run backwards");
+  PALPABLE_EXPECT(settings.fuse_every >= 0, "a time between depth images is not negative");
   PALPABLE_EXPECT(settings.most_moving >= 0 && settings.most_moving <= 1, "a share of the picture");
   if (settings.track) tracker_.emplace(tracker_settings(camera, format));
   if (settings.map) begin_map();
@@ -33,7 +35,8 @@ Slam::Slam(const DepthCamera& camera, const FrameFormat& format, const SlamSetti
 
 void Slam::begin_map() {
   MovingMaskSettings moving = settings_.moving;
-  // The map answers for the middle of the nearest voxel: that far beside the point, at its corners.
+  // The map's distance is that of a voxel's middle, which a point in the voxel's corner is half a
+  // diagonal away from: the mask must allow for that, and 5 mm.
   moving.step = std::max(moving.step, 0.5 * std::sqrt(3.0) * settings_.surface.voxel + 0.005);
   mover_.emplace(noise_, moving);
   if (map_) {
@@ -45,39 +48,40 @@ void Slam::begin_map() {
 }
 
 const SlamFrame& Slam::advance(const SeenFrame& seen, StageTimes& times) {
-  if (!tracker_) return take(seen, {.state = TrackState::kFixed}, times);
+  if (!tracker_) return advance_at({.state = TrackState::kFixed}, seen, times);
   frame_ = {};
   {
     const StageTimer timer(times, "map");
-    large_ = nullptr;
-    if (is_placed(last_camera_)) { find_moving(seen, foretold(seen.time)); }
+    large_mask_ = nullptr;
+    if (is_placed(last_camera_)) find_moving(seen, predicted_pose(seen.time));
   }
   {
     const StageTimer timer(times, "track");
-    // A tracker that has not begun takes what it gets: what moves is told from a pose nobody has
-    // checked.
-    const bool begun = is_known(last_camera_);
-    frame_.camera = tracker_->track(tracker_frame(seen, begun ? frame_.moving : nullptr));
+    // Without a keyframe the mask was found from a pose that nothing has confirmed yet: the tracker
+    // looks for its first landmarks everywhere.
+    const bool has_keyframe = is_known(last_camera_);
+    frame_.camera = tracker_->track(tracker_frame(seen, has_keyframe ? frame_.moving : nullptr));
   }
-  // What moves was found from a pose that turns out to be wrong.
+  // The mask was found from a predicted pose that turns out to be wrong.
   if (!is_placed(frame_.camera)) frame_.moving = nullptr;
   const StageTimer timer(times, "map");
   if (frame_.camera.closed_loop && map_) {
-    frame_.moving = nullptr;  // it belongs to what is forgotten now
+    frame_.moving = nullptr;  // it was found by the map that is forgotten now
     begin_map();
     frame_.corrections = tracker_->corrections();
-    last_camera_.state = TrackState::kLost;  // the way from there to here is no motion
+    last_camera_.state = TrackState::kLost;  // from its pose to the corrected one is no motion
   }
   if (frame_.camera.new_world && map_) begin_map();
   learn(seen);
   return frame_;
 }
 
-// Where the camera is if it has gone on as before.
-Rigid3 Slam::foretold(double time) const {
-  const double share =
-      last_step_ > 0 ? std::clamp((time - last_time_) / last_step_, 0.0, kFarthestForetold) : 0;
-  return last_camera_.world_from_camera * part_of(last_motion_, share);
+// world_from_camera at `time` if the camera has gone on as before.
+Rigid3 Slam::predicted_pose(double time) const {
+  const double share = last_motion_time_ > 0 ? std::clamp((time - last_time_) / last_motion_time_,
+                                                          0.0, kLongestPrediction)
+                                             : 0;
+  return last_camera_.world_from_camera * part_of(before_from_last_, share);
 }
 
 const SlamFrame& Slam::advance(const SeenFrame& seen,
@@ -85,14 +89,14 @@ const SlamFrame& Slam::advance(const SeenFrame& seen,
   TrackedPose camera{.world_from_camera = last_camera_.world_from_camera,
                      .state = TrackState::kLost};
   if (world_from_camera) camera = {*world_from_camera, TrackState::kTracking};
-  return take(seen, camera, times);
+  return advance_at(camera, seen, times);
 }
 
-// With a pose that is not to be tracked.
-const SlamFrame& Slam::take(const SeenFrame& seen, const TrackedPose& camera, StageTimes& times) {
+const SlamFrame& Slam::advance_at(const TrackedPose& camera, const SeenFrame& seen,
+                                  StageTimes& times) {
   const StageTimer timer(times, "map");
   frame_ = {};
-  large_ = nullptr;
+  large_mask_ = nullptr;
   frame_.camera = camera;
   if (is_known(camera)) find_moving(seen, camera.world_from_camera);
   learn(seen);
@@ -109,27 +113,27 @@ void Slam::find_moving(const SeenFrame& seen, const Rigid3& world_from_camera) {
   if (static_cast<double>(moving) <= settings_.most_moving * static_cast<double>(mask.size())) {
     frame_.moving = &mask;
   } else {
-    large_ = &mask;
+    large_mask_ = &mask;
   }
 }
 
-// Takes the frame into the free space and the map, if it is known where it was seen from.
+// Learns from the frame, if its pose is known and its mask can be used: motion, free space, map.
 void Slam::learn(const SeenFrame& seen) {
   const bool known = is_placed(frame_.camera);
   const Rigid3& world_from_camera = frame_.camera.world_from_camera;
   if (frame_.camera.state == TrackState::kFixed && last_camera_.state == TrackState::kFixed &&
       frame_.moving == nullptr) {
-    frame_.moving = large_;
+    frame_.moving = large_mask_;
   }
-  last_motion_ = known && is_placed(last_camera_)
-                     ? last_camera_.world_from_camera.inverse() * world_from_camera
-                     : Rigid3::Identity();
-  last_step_ = seen.time - last_time_;
+  before_from_last_ = known && is_placed(last_camera_)
+                          ? last_camera_.world_from_camera.inverse() * world_from_camera
+                          : Rigid3::Identity();
+  last_motion_time_ = seen.time - last_time_;
   last_time_ = seen.time;
   last_camera_ = frame_.camera;
   ++counts_.frames;
   if (!known) ++counts_.lost;
-  if (frame_.moving == nullptr) return;  // so is what a lost camera sees
+  if (frame_.moving == nullptr) return;  // as in each frame of a lost camera
   {
     const CpuTimer timer(counts_.mask_cpu_s);
     mover_->learn(world_from_camera);

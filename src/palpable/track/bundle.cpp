@@ -13,19 +13,19 @@
 namespace palpable {
 namespace {
 
-constexpr double kNearest = 1e-3;  // m
+constexpr double kNearest = 1e-3;  // m; points nearer, or behind the camera, are not seen
 constexpr double kFirstDamping = 1e-4;
 constexpr double kLargestDamping = 1e6;
-// Added to a point's 3 x 3 block, 1/m^2: what fixes the depth of a point that is seen once and
-// without disparity; 1 km.
+// Added to the diagonal of a point's 3 x 3 block, 1/m^2, as if its place were known to 1 km:
+// without it the block of a point that was seen once and without disparity could not be inverted.
 constexpr double kPrior = 1e-6;
 
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-// A sighting's share in the normal equations.
+// What a sighting adds to the normal equations between its pose and its point.
 struct Term {
-  int free = -1;  // index among the free poses
+  int free = -1;  // index among the free poses; -1: its pose is fixed, or it does not count
   Matrix63 W = Matrix63::Zero();
 };
 
@@ -38,7 +38,7 @@ class Adjuster {
     }
     terms_.resize(p_.sightings.size());
     begin_.assign(p_.x_in_world.size() + 1, 0);
-    for (const BundleSighting& s : p_.sightings) ++begin_[static_cast<std::size_t>(s.point) + 1];
+    for (const BundleSighting& s : p_.sightings) ++begin_[s.point + 1];
     for (std::size_t j = 1; j < begin_.size(); ++j) begin_[j] += begin_[j - 1];
     point_H_.resize(p_.x_in_world.size());
     point_b_.resize(p_.x_in_world.size());
@@ -85,8 +85,7 @@ class Adjuster {
                                const std::vector<Eigen::Vector3d>& points) const {
     double cost = 0;
     for (const BundleSighting& s : p_.sightings) {
-      const Eigen::Vector3d x =
-          poses[static_cast<std::size_t>(s.pose)] * points[static_cast<std::size_t>(s.point)];
+      const Eigen::Vector3d x = poses[s.pose] * points[s.point];
       if (x.z() < kNearest) {
         cost += rho(1e4);
         continue;
@@ -101,15 +100,14 @@ class Adjuster {
   }
 
   void linearise() {
-    pose_H_.assign(static_cast<std::size_t>(free_count_), Matrix6::Zero());
-    pose_b_.assign(static_cast<std::size_t>(free_count_), Twist::Zero());
+    pose_H_.assign(free_count_, Matrix6::Zero());
+    pose_b_.assign(free_count_, Twist::Zero());
     std::fill(point_H_.begin(), point_H_.end(),
               Eigen::Matrix3d(kPrior * Eigen::Matrix3d::Identity()));
     std::fill(point_b_.begin(), point_b_.end(), Eigen::Vector3d(Eigen::Vector3d::Zero()));
     for (std::size_t k = 0; k < p_.sightings.size(); ++k) {
       const BundleSighting& s = p_.sightings[k];
-      const auto i = static_cast<std::size_t>(s.pose);
-      const auto j = static_cast<std::size_t>(s.point);
+      const int i = s.pose, j = s.point;
       Term& term = terms_[k];
       term.free = -1;
       const Rigid3& pose = p_.camera_from_world[i];
@@ -133,24 +131,24 @@ class Adjuster {
       const int f = free_of_[i];
       if (f < 0) continue;
       const Eigen::Matrix<double, 3, 6> J_pose = pose_derivative(D, x);
-      pose_H_[static_cast<std::size_t>(f)].noalias() +=
-          J_pose.transpose() * w.asDiagonal() * J_pose;
-      pose_b_[static_cast<std::size_t>(f)].noalias() += J_pose.transpose() * rw;
+      pose_H_[f].noalias() += J_pose.transpose() * w.asDiagonal() * J_pose;
+      pose_b_[f].noalias() += J_pose.transpose() * rw;
       term.free = f;
       term.W.noalias() = J_pose.transpose() * weighted;
     }
   }
 
-  // Solves with `damping`, fills new_poses_ and new_points_, gives their cost.
+  // Solves the normal equations with `damping`, and fills new_poses_ and new_points_.
+  // @return their cost
   double try_step(double damping) {
     const Eigen::Index n = 6 * free_count_;
     S_.setZero(n, n);
     g_.setZero(n);
     for (int f = 0; f < free_count_; ++f) {
-      Matrix6 H = pose_H_[static_cast<std::size_t>(f)];
+      Matrix6 H = pose_H_[f];
       H.diagonal() *= 1 + damping;
       S_.block<6, 6>(6 * f, 6 * f) = H;
-      g_.segment<6>(6 * f) = -pose_b_[static_cast<std::size_t>(f)];
+      g_.segment<6>(6 * f) = -pose_b_[f];
     }
     inverse_.resize(p_.x_in_world.size());
     for (std::size_t j = 0; j < p_.x_in_world.size(); ++j) {
@@ -210,8 +208,8 @@ class Adjuster {
 }  // namespace
 
 double squared_residual(const BundleProblem& problem, const BundleSighting& sighting) {
-  const Eigen::Vector3d x = problem.camera_from_world[static_cast<std::size_t>(sighting.pose)] *
-                            problem.x_in_world[static_cast<std::size_t>(sighting.point)];
+  const Eigen::Vector3d x =
+      problem.camera_from_world[sighting.pose] * problem.x_in_world[sighting.point];
   if (x.z() < kNearest) return std::numeric_limits<double>::infinity();
   const Eigen::Vector2d r = (problem.camera.see(x) - sighting.seen.uvd).head<2>();
   return r.squaredNorm() / (sighting.seen.sigma * sighting.seen.sigma);

@@ -15,11 +15,7 @@ Rigid3 at(double x) { return Rigid3(Eigen::Translation3d(-x, 0, 0)); }  // camer
 
 // Keyframes along a line, 0.1 m apart; each has `own` landmarks of its own, first seen in it, and
 // those of its own that `following` later ones see too.
-struct Walk {
-  std::vector<Keyframe> keyframes;
-  std::vector<Landmark> landmarks;
-  std::vector<int> free_slots;
-
+struct Walk : LandmarkMap {
   Walk(int count, int own, int following) {
     for (int k = 0; k < count; ++k) {
       Keyframe keyframe;
@@ -41,8 +37,8 @@ struct Walk {
     }
   }
   void see(int k, int id) {
-    landmarks[static_cast<std::size_t>(id)].sightings.push_back({k, {}});
-    keyframes[static_cast<std::size_t>(k)].landmarks.push_back(id);
+    landmarks[id].sightings.push_back({k, {}});
+    keyframes[k].landmarks.push_back(id);
   }
   [[nodiscard]] std::vector<int> numbers() const {
     std::vector<int> result;
@@ -69,9 +65,7 @@ struct Walk {
     }
     for (std::size_t k = 0; k < keyframes.size(); ++k) {
       if (k > 0) CHECK(keyframes[k - 1].number < keyframes[k].number);
-      for (const int id : keyframes[k].landmarks) {
-        CHECK(landmarks[static_cast<std::size_t>(id)].alive);
-      }
+      for (const int id : keyframes[k].landmarks) { CHECK(landmarks[id].alive); }
     }
   }
 };
@@ -86,7 +80,7 @@ TEST_CASE("a map with room for everything gives up only what is dead or of no us
   walk.landmarks[6].missed = 9;
   walk.landmarks[47].inlier = 0;  // and this one is still new
   walk.landmarks[47].missed = 20;
-  make_room(at(0.9), {100, 1000}, 3, walk.keyframes, walk.landmarks, walk.free_slots);
+  make_room(at(0.9), {100, 1000}, 3, walk);
   CHECK(walk.free_slots == std::vector<int>{3, 4});
   CHECK(walk.keyframes.size() == 10);
   CHECK(walk.keyframes[0].landmarks == std::vector<int>{0, 1, 2});
@@ -99,7 +93,7 @@ TEST_CASE(
     "[track][forgetting]") {
   Walk walk(24, 10, 2);  // 240 landmarks
   // Back at the sixth, 175 may be left: of the old ones the last go, each with what it saw first.
-  make_room(at(0.5), {100, 200}, 3, walk.keyframes, walk.landmarks, walk.free_slots);
+  make_room(at(0.5), {100, 200}, 3, walk);
   CHECK(walk.alive() == 170);
   CHECK(walk.numbers() ==
         std::vector<int>{0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 210, 220, 230});
@@ -118,7 +112,7 @@ TEST_CASE("a keyframe that looks elsewhere is farther than one a step away",
   walk.keyframes[2].camera_from_world = Rigid3(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitY()));
   walk.keyframes[5].camera_from_world = at(0.5);
   walk.keyframes[5].median_depth = 2;  // 0.25 of it
-  make_room(at(0), {16, 15}, 4, walk.keyframes, walk.landmarks, walk.free_slots);
+  make_room(at(0), {16, 15}, 4, walk);
   // 14 are to be left: first the one that looks elsewhere, then the one that stands apart.
   std::vector<int> expected;
   for (int k = 0; k < 16; ++k) {
@@ -139,7 +133,7 @@ TEST_CASE(
       for (const int other : {8, 9, 10, 11}) walk.see(other, 4 * k + i);
     }
   }
-  make_room(at(1.5), {16, 1000}, 4, walk.keyframes, walk.landmarks, walk.free_slots);
+  make_room(at(1.5), {16, 1000}, 4, walk);
   const std::vector<int> left = walk.numbers();
   CHECK(left.size() == 14);
   CHECK(std::count(left.begin(), left.end(), 30) == 0);
@@ -154,15 +148,14 @@ TEST_CASE(
 
 TEST_CASE("room made twice, the second time in what is left", "[track][forgetting]") {
   Walk walk(40, 6, 3);
-  make_room(at(3.9), {20, 150}, 7, walk.keyframes, walk.landmarks, walk.free_slots);
+  make_room(at(3.9), {20, 150}, 7, walk);
   walk.check();
   CHECK(walk.keyframes.size() <= 18);
   CHECK(walk.keyframes.back().number == 390);
-  make_room(at(3.9), {16, 60}, 7, walk.keyframes, walk.landmarks, walk.free_slots);
+  make_room(at(3.9), {16, 60}, 7, walk);
   walk.check();
   CHECK(walk.alive() <= 60);
-  CHECK_THROWS_AS(make_room(at(0), {13, 60}, 7, walk.keyframes, walk.landmarks, walk.free_slots),
-                  ContractViolation);
+  CHECK_THROWS_AS(make_room(at(0), {13, 60}, 7, walk), ContractViolation);
 }
 
 }  // namespace

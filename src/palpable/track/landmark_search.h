@@ -15,44 +15,52 @@ namespace palpable {
 
 /// A landmark that should be seen.
 struct Candidate {
-  int landmark = 0;
-  Eigen::Vector2d uv = Eigen::Vector2d::Zero();     ///< predicted, px
-  double depth = 0;                                 ///< predicted, m
-  Eigen::Vector2d smear = Eigen::Vector2d::Zero();  ///< px of level 0
-  Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();
-  double worth = 0;
-  int turn = 0;  ///< in which its cell was first taken: of equal worth the earlier goes first
+  int landmark = 0;                                    ///< index
+  Eigen::Vector2d uv = Eigen::Vector2d::Zero();        ///< predicted, px
+  double depth = 0;                                    ///< predicted, m
+  Eigen::Vector2d smear = Eigen::Vector2d::Zero();     ///< px of level 0
+  Eigen::Matrix2d warp = Eigen::Matrix2d::Identity();  ///< image_from_anchor()
+  double worth = 0;  ///< of two in one cell of the picture the one that is worth more is kept
+  int turn = 0;      ///< order in which cells were filled; among equal worth the earlier goes first
 };
 
 /// What is known when a picture is searched. Everything must outlive it.
 struct LandmarkSearch {
-  static constexpr int kCellsAcross = 32;       ///< of the picture: one is looked for in each
-  static constexpr double kNearest = 0.03;      ///< m
-  static constexpr double kSigma = 0.3;         ///< px of u and v at level 0; doubles with each
-  static constexpr double kSigmaStereo = 0.25;  ///< px of d
+  static constexpr int kCellsAcross = 32;         ///< of the picture: one is looked for in each
+  static constexpr double kFineLikeness = 0.7;    ///< correlation from which on a patch is found
+  static constexpr double kSigma = 0.3;           ///< px of u and v at level 0; doubles with each
+  static constexpr double kSigmaStereo = 0.25;    ///< px of d
+  static constexpr double kLeastDisparity = 0.3;  ///< px; below nothing is measured
 
   const TrackerSettings& settings;
   const Pyramid& pyramid;  ///< of the frame's left image
-  const std::vector<Keyframe>& keyframes;
-  const std::vector<Landmark>& landmarks;
+  const LandmarkMap& map;
 
-  /// Where a landmark should be seen from `pose` (camera_from_world); nothing where it cannot be:
-  /// outside, hidden, too different from what was first seen of it. Its warp and smear are left
-  /// open.
+  /// Where a landmark should be seen from a pose. Nothing when it lies outside of the picture, is
+  /// hidden by a nearer measured surface or covered by what moves, or when the pose differs so much
+  /// from the anchor's (by more than 53 degrees, or nearer or farther by more than 2.3 times) that
+  /// its patch would not be found. Candidate::warp and smear stay as they are by default.
   [[nodiscard]] std::optional<Candidate> expected(const TrackerFrame& frame, int id,
-                                                  const Rigid3& pose) const;
+                                                  const Rigid3& camera_from_world) const;
 
-  /// Landmarks that should be seen from `pose`, the best of each cell, the best first, at most
-  /// TrackerSettings::most_landmarks. Takes no memory once the two lists have grown.
-  /// @param before    the pose from which the image moved here, for the smear
-  /// @param exposure  share of the frame time that the shutter is open
-  /// @param number    of frames so far: what agreed just now is worth more
-  /// @param cells     room to work in
-  void select(const TrackerFrame& frame, const Rigid3& pose, const Rigid3& before, double exposure,
-              int number, std::vector<int>& cells, std::vector<Candidate>& candidates) const;
+  /// Landmarks that should be seen from a pose: in each cell the one that is worth most, those of
+  /// most worth first, at most TrackerSettings::most_landmarks. Worth is the share of frames in
+  /// which a landmark agreed, more if it agreed just now or was seen in many keyframes. Takes no
+  /// memory once the two lists have grown.
+  /// @param previous_from_world  the pose one frame ago, for the smear
+  /// @param exposure    share of the frame time that the shutter is open
+  /// @param frame_count frames so far
+  /// @param cells       room to work in
+  /// @param candidates  overwritten
+  void select(const TrackerFrame& frame, const Rigid3& camera_from_world,
+              const Rigid3& previous_from_world, double exposure, int frame_count,
+              std::vector<int>& cells, std::vector<Candidate>& candidates) const;
 
-  /// Where a candidate is, from the coarsest to the finest level; uv and level of the finest at
-  /// which it was found. False: at none.
+  /// Finds a candidate in the images of levels `coarsest` down to `finest`, each time from where
+  /// the level before has found it.
+  /// @param uv     out: where it was found, px of level 0
+  /// @param level  out: the finest level at which it was found
+  /// @return false when it was found at no level
   bool find(const Candidate& candidate, int coarsest, int finest, double least_likeness,
             Eigen::Vector2d& uv, int& level) const;
 
@@ -60,12 +68,12 @@ struct LandmarkSearch {
   [[nodiscard]] Sighting sighting_of(const TrackerFrame& frame, const Candidate& candidate,
                                      const Eigen::Vector2d& uv, int level) const;
 
-  /// px; nothing where neither the right image nor the depth says it.
+  /// px; nothing where neither the right image nor the depth image can say it.
   [[nodiscard]] std::optional<double> disparity_at(const TrackerFrame& frame,
                                                    const Eigen::Vector2d& uv,
                                                    double expected) const;
 
-  /// Standard deviation of a disparity d that was measured, px.
+  /// Standard deviation of a measured disparity d, px.
   [[nodiscard]] double sigma_of_disparity(const TrackerFrame& frame, double d) const;
 };
 

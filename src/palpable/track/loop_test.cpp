@@ -27,10 +27,7 @@ Rigid3 truth(int k) {
 
 // The same walk as a tracker has it that turns 1 % too little: 3.6 degrees at its end. Each
 // keyframe has 20 landmarks of its own, 0.5 m before it, that the next one sees too.
-struct Circle {
-  std::vector<Keyframe> keyframes;
-  std::vector<Landmark> landmarks;
-
+struct Circle : LandmarkMap {
   Circle() {
     Rigid3 pose = truth(0);
     for (int k = 0; k < kCount; ++k) {
@@ -60,8 +57,8 @@ struct Circle {
     }
   }
   void see(int k, int id) {
-    landmarks[static_cast<std::size_t>(id)].sightings.push_back({k, {}});
-    keyframes[static_cast<std::size_t>(k)].landmarks.push_back(id);
+    landmarks[id].sightings.push_back({k, {}});
+    keyframes[k].landmarks.push_back(id);
   }
 };
 
@@ -79,14 +76,14 @@ double end_error(const Circle& circle) {
 TEST_CASE("the keyframe that looks alike and shares no landmark is the one to compare with",
           "[track][loop]") {
   Circle circle;
-  CHECK(loop_candidates(circle.keyframes, circle.landmarks, 1) == std::vector<int>{0});
-  CHECK(loop_candidates(circle.keyframes, circle.landmarks, 3).size() == 3);
+  CHECK(loop_candidates(circle, 1) == std::vector<int>{0});
+  CHECK(loop_candidates(circle, 3).size() == 3);
   // Five of its landmarks are seen: it is known already.
   for (int i = 0; i < 5; ++i) circle.see(kCount - 1, i);
-  CHECK(loop_candidates(circle.keyframes, circle.landmarks, 1) != std::vector<int>{0});
+  CHECK(loop_candidates(circle, 1) != std::vector<int>{0});
   // Keyframes of the window are no loop, whatever they look like.
   circle.keyframes.resize(kWindow);
-  CHECK(loop_candidates(circle.keyframes, circle.landmarks, 3).empty());
+  CHECK(loop_candidates(circle, 3).empty());
 }
 
 TEST_CASE("a loop takes the drift out of a circle, and landmarks go with their keyframes",
@@ -96,10 +93,10 @@ TEST_CASE("a loop takes the drift out of a circle, and landmarks go with their k
   CHECK(before > 0.05);
   const std::vector<Keyframe> drifted = circle.keyframes;
   const std::vector<Landmark> points = circle.landmarks;
-  PoseGraph graph = graph_of(kCamera, circle.keyframes, circle.landmarks, true_loop()).value();
+  PoseGraph graph = graph_of(kCamera, circle, true_loop()).value();
   CHECK(graph.ties.size() == kCount);  // one to the next each, and the loop
   REQUIRE(adjust_pose_graph(graph).solved);
-  put_back(graph, circle.keyframes, circle.landmarks);
+  put_back(graph, circle);
   // 39 ties of 20 landmarks (and one) and a loop of 40: its share of the variances is 1 in 75.
   CHECK(end_error(circle) < before * tolerance(0.03, "twice the loop's share"));
   CHECK(circle.keyframes.front().camera_from_world.matrix() == truth(0).matrix());
@@ -115,12 +112,12 @@ TEST_CASE("a loop takes the drift out of a circle, and landmarks go with their k
 TEST_CASE("a loop to a keyframe that is no longer kept is none", "[track][loop]") {
   Circle circle;
   Loop loop = true_loop();
-  CHECK(graph_of(kCamera, circle.keyframes, circle.landmarks, loop).has_value());
+  CHECK(graph_of(kCamera, circle, loop).has_value());
   loop.old_number = -7;
-  CHECK_FALSE(graph_of(kCamera, circle.keyframes, circle.landmarks, loop).has_value());
+  CHECK_FALSE(graph_of(kCamera, circle, loop).has_value());
   loop = true_loop();
   loop.new_number = 1 << 20;
-  CHECK_FALSE(graph_of(kCamera, circle.keyframes, circle.landmarks, loop).has_value());
+  CHECK_FALSE(graph_of(kCamera, circle, loop).has_value());
 }
 
 TEST_CASE("a landmark whose first keyframe is forgotten goes with the oldest that is left",
@@ -131,9 +128,9 @@ TEST_CASE("a landmark whose first keyframe is forgotten goes with the oldest tha
   landmark.lost_anchor = circle.keyframes[30].camera_from_world;
   const Landmark before = landmark;
   const Rigid3 old = circle.keyframes[30].camera_from_world;
-  PoseGraph graph = graph_of(kCamera, circle.keyframes, circle.landmarks, true_loop()).value();
+  PoseGraph graph = graph_of(kCamera, circle, true_loop()).value();
   REQUIRE(adjust_pose_graph(graph).solved);
-  put_back(graph, circle.keyframes, circle.landmarks);
+  put_back(graph, circle);
   const Rigid3& now = circle.keyframes[30].camera_from_world;
   const double near = tolerance(1e-12, "a few products of numbers near 1");
   CHECK((now.matrix() - old.matrix()).norm() > 0.01);
@@ -148,15 +145,13 @@ TEST_CASE(
   Circle circle;
   const auto alive_of = [&](int k) {
     int count = 0;
-    for (int i = 0; i < 20; ++i) {
-      count += circle.landmarks[static_cast<std::size_t>(20 * k + i)].alive ? 1 : 0;
-    }
+    for (int i = 0; i < 20; ++i) { count += circle.landmarks[20 * k + i].alive ? 1 : 0; }
     return count;
   };
-  PoseGraph graph = graph_of(kCamera, circle.keyframes, circle.landmarks, true_loop()).value();
+  PoseGraph graph = graph_of(kCamera, circle, true_loop()).value();
   REQUIRE(adjust_pose_graph(graph).solved);
-  put_back(graph, circle.keyframes, circle.landmarks);
-  forget_doubles(kCamera, true_loop(), circle.keyframes, circle.landmarks);
+  put_back(graph, circle);
+  forget_doubles(kCamera, true_loop(), circle);
   CHECK(alive_of(kCount - 1) == 0);  // 9 degrees beside the first, whose picture is 85 wide
   CHECK(alive_of(0) == 20);
   CHECK(alive_of(1) == 20);

@@ -15,11 +15,12 @@ constexpr int kSide = PatchTemplate::kSide;
 constexpr int kReach = PatchTemplate::kReach;
 constexpr int kPixels = PatchTemplate::kPixels;
 constexpr int kWide = kSide + 2;        // a template and the rim that its gradients need
-constexpr float kLeastContrast = 1.2F;  // grey levels; below is noise
+constexpr float kLeastContrast = 1.2F;  // grey levels; what has less shows noise
 constexpr float kConverged = 0.015F;    // px
-constexpr float kLeastTexture = 0.01F;  // smaller eigenvalue of mean(g g^T), g per deviation
+// Smaller eigenvalue of mean(g g^T), g in contrasts per px: below, the patch slides along an edge.
+constexpr float kLeastTexture = 0.01F;
 
-// Of a patch's level: bilinear, its rim goes on for ever.
+// Bilinear value of a patch's level; beyond its rim the rim's value.
 float sample(const PatchSource::Level& level, float x, float y) {
   constexpr int last = PatchSource::kSide - 2;
   x = std::clamp(x, 0.0F, static_cast<float>(last) + 0.999F);
@@ -35,7 +36,8 @@ float sample(const PatchSource::Level& level, float x, float y) {
   return upper + t * (lower - upper);
 }
 
-// A kRows x kColumns window whose first pixel is at (x, y); the caller knows that it lies inside.
+// A kRows x kColumns window whose first pixel is at (x, y), bilinear. The caller makes sure that it
+// lies inside.
 template <int kRows, int kColumns>
 void sample_window(const GrayImage& image, float x, float y, float* out) {
   const int ix = static_cast<int>(x);
@@ -61,6 +63,7 @@ void sample_window(const GrayImage& image, float x, float y, float* out) {
   }
 }
 
+// Whether a window of `reach` pixels to each side of (x, y) lies inside of an image.
 bool fits(const GrayImage& image, double x, double y, int reach) {
   return x >= reach && y >= reach && x < image.width() - reach - 1 &&
          y < image.height() - reach - 1;
@@ -81,8 +84,10 @@ Moments moments(const float* values, int count) {
   return {mean, std::sqrt(std::max(squares / static_cast<float>(count) - mean * mean, 0.0F))};
 }
 
-// From a window with its rim: values, gradients and the inverse of their normal matrix.
-bool finish(PatchTemplate& patch, const std::array<float, kWide * kWide>& wide, bool along_row) {
+// Makes a template from a window with its rim: values, gradients and the inverse of their normal
+// matrix. False when it cannot be followed.
+bool make_template(PatchTemplate& patch, const std::array<float, kWide * kWide>& wide,
+                   bool along_row) {
   std::size_t k = 0;
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x, ++k) {
@@ -101,7 +106,8 @@ bool finish(PatchTemplate& patch, const std::array<float, kWide * kWide>& wide, 
   float xx = 0, xy = 0, yy = 0;
   for (k = 0; k < kPixels; ++k) {
     patch.value[k] = (patch.value[k] - mean) * scale;
-    // The mean is divided out of the image too, so a gradient common to all pixels shows nothing.
+    // The mean is taken out of the image as well, so a gradient that all pixels have in common
+    // says nothing about the place.
     patch.gx[k] = (patch.gx[k] - mean_gx) * scale;
     patch.gy[k] = (patch.gy[k] - mean_gy) * scale;
     xx += patch.gx[k] * patch.gx[k];
@@ -124,7 +130,8 @@ bool finish(PatchTemplate& patch, const std::array<float, kWide * kWide>& wide, 
   return true;
 }
 
-// The image's window around (x, y), mean 0 and deviation 1; its likeness to the template.
+// Fills `window` with the image around (x, y), scaled to mean 0 and deviation 1.
+// @return its likeness to the template
 float compare(const GrayImage& image, const PatchTemplate& patch, float x, float y,
               std::array<float, kPixels>& window) {
   sample_window<kSide, kSide>(image, x - kReach, y - kReach, window.data());
@@ -152,7 +159,7 @@ void Pyramid::build(const GrayImage& full) {
 PatchSource PatchSource::cut(const Pyramid& image, const Eigen::Vector2d& uv) {
   PatchSource source;
   for (int l = 0; l < Pyramid::kLevels; ++l) {
-    Level& to = source.levels[static_cast<std::size_t>(l)];
+    Level& to = source.levels[l];
     const GrayImage& from = image.level(l);
     const Eigen::Vector2d c = Pyramid::to_level(uv, l);
     const int x0 = static_cast<int>(std::floor(c.x())) - kSide / 2 + 1;
@@ -163,8 +170,7 @@ PatchSource PatchSource::cut(const Pyramid& image, const Eigen::Vector2d& uv) {
     for (int y = 0; y < kSide; ++y) {
       const std::uint8_t* row = from.row(std::clamp(y0 + y, 0, from.height() - 1));
       for (int x = 0; x < kSide; ++x) {
-        to.pixels[static_cast<std::size_t>(y * kSide + x)] =
-            row[std::clamp(x0 + x, 0, from.width() - 1)];
+        to.pixels[y * kSide + x] = row[std::clamp(x0 + x, 0, from.width() - 1)];
       }
     }
   }
@@ -175,10 +181,10 @@ bool PatchTemplate::warp(const PatchSource& source, int level,
                          const Eigen::Matrix2d& image_from_source, const Eigen::Vector2d& smear) {
   const double det = image_from_source.determinant();
   if (!(det > 0.02 && det < 50)) return false;
-  // A patch that appears s times as large is found at a level where it is as large as it was.
+  // A patch that appears s times as large is compared at the level at which it has its old size.
   const int from_level = std::clamp(level - static_cast<int>(std::lround(0.5 * std::log2(det))), 0,
                                     Pyramid::kLevels - 1);
-  const PatchSource::Level& from = source.levels[static_cast<std::size_t>(from_level)];
+  const PatchSource::Level& from = source.levels[from_level];
   if (!from.usable) return false;
   const double scale = std::ldexp(1.0, level - from_level);
   const Eigen::Matrix2f M = (image_from_source.inverse() * scale).cast<float>();
@@ -187,7 +193,7 @@ bool PatchTemplate::warp(const PatchSource& source, int level,
   const int blur = length < 0.7 ? 1 : std::min(static_cast<int>(std::ceil(length)) + 1, 9);
   std::array<float, kWide * kWide> wide{};
   for (int b = 0; b < blur; ++b) {
-    // Moments spread evenly over the exposure, symmetric about its middle.
+    // Moments of the exposure, evenly spread and symmetric about its middle.
     const float share =
         blur == 1 ? 0.0F : (static_cast<float>(b) + 0.5F) / static_cast<float>(blur) - 0.5F;
     const Eigen::Vector2f shift = share * smear.cast<float>();
@@ -207,15 +213,15 @@ bool PatchTemplate::warp(const PatchSource& source, int level,
   if (blur > 1) {
     for (float& w : wide) w /= static_cast<float>(blur);
   }
-  return finish(*this, wide, false);
+  return make_template(*this, wide, false);
 }
 
-bool PatchTemplate::take(const GrayImage& image, double x, double y) {
+bool PatchTemplate::cut(const GrayImage& image, double x, double y) {
   if (!fits(image, x, y, kReach + 1)) return false;
   std::array<float, kWide * kWide> wide{};
   sample_window<kWide, kWide>(image, static_cast<float>(x) - kReach - 1,
                               static_cast<float>(y) - kReach - 1, wide.data());
-  return finish(*this, wide, true);
+  return make_template(*this, wide, true);
 }
 
 PatchMatch follow(const GrayImage& image, const PatchTemplate& patch, const Eigen::Vector2d& start,

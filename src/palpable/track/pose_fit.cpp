@@ -12,7 +12,7 @@ namespace {
 constexpr int kLeastPoints = 4;
 constexpr double kNearest = 1e-3;      // m; points nearer, or behind, are not seen
 constexpr double kLargestStep = 1e-7;  // m and rad: converged
-constexpr double kLeastPivot = 1e-9;   // of the largest: directions that nothing fixes
+constexpr double kLeastPivot = 1e-9;   // share of the largest; below, nothing fixes a direction
 
 double tukey_weight(double squared_in_limits) {
   if (squared_in_limits >= 1) return 0;
@@ -26,7 +26,7 @@ struct Normal {
   int weighted = 0;
 };
 
-// Normal equations with residuals beyond `limit` sigmas left out.
+// Normal equations of one Gauss-Newton step. Residuals beyond `limit` sigmas are left out.
 Normal normal_equations(const TrackCamera& camera, std::span<const PosePoint> points,
                         const Rigid3& pose, double limit) {
   Normal normal;

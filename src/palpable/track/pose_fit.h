@@ -15,17 +15,16 @@ namespace palpable {
 struct PosePoint {
   Eigen::Vector3d x_in_world = Eigen::Vector3d::Zero();
   Sighting seen;
-  /// How much it is trusted beyond its sigma, 0..1: less for points that have not proved still.
+  /// Weight beside its sigma, 0..1: lower for a point that has not yet proved to stand still.
   double trust = 1;
 };
 
 struct PoseFitSettings {
-  /// Residuals beyond so many sigma have no weight (Tukey's biweight).
-  double tukey = 5;
-  /// In the first steps the limit is this many times as wide, because the start is a guess; it is
+  double tukey = 5;  ///< sigmas; residuals beyond have no weight (Tukey's biweight)
+  /// In the first step the limit is this many times as wide, because the start is a guess; it is
   /// halved from step to step.
   double first_width = 16;
-  int steps = 12;
+  int steps = 12;  ///< at most
 };
 
 struct PoseFit {
@@ -38,8 +37,9 @@ struct PoseFit {
 
 /// argmin over poses of  sum_i trust_i [ rho(|du_i, dv_i| / sigma_i) + rho(dd_i / sigma_d,i) ],
 /// rho Tukey's biweight (Beaton and Tukey 1974), by reweighted Gauss-Newton steps from `start`.
-/// Points behind the camera do not count. A group of points that moves together and is smaller, in
-/// trust, than the resting ones within the first limit does not draw the pose.
+/// Points behind the camera do not count. Points that move together (on a hand) do not draw the
+/// pose along, as long as their trust sums to less than that of the resting points within the first
+/// limit.
 /// @param fit  overwritten; its memory is used again
 void fit_pose(const TrackCamera& camera, std::span<const PosePoint> points, const Rigid3& start,
               const PoseFitSettings& settings, PoseFit& fit);

@@ -1,10 +1,9 @@
 /// @file
-/// Poses that are tied to each other in pairs: what agrees best with all ties. For loops, after
-/// which the first and the last pose are known to each other again and the error lies in all
-/// between.
+/// The poses that agree best with what is known about pairs of them (ties). After a loop the first
+/// and the last pose are tied, and the drift between them is shared among all poses between.
 ///
-/// A tie says where camera b stood in camera a. Its residual is what is left of going there and
-/// back,
+/// A tie says where camera a stood as seen from camera b. Its residual is what is left of going
+/// from b to a by the poses and back by the tie,
 ///
 ///     E = b_from_a (a_from_world) (b_from_world)^-1,   r = (translation of E, log of its rotation)
 ///
@@ -28,11 +27,12 @@ struct PoseTie {
 };
 
 struct PoseGraph {
-  std::vector<Rigid3> camera_from_world;  ///< (P) the first stays; the ties hang all on it
-  std::vector<PoseTie> ties;              ///< (T)
+  std::vector<Rigid3> camera_from_world;  ///< (P) the first stays as it is
+  std::vector<PoseTie> ties;              ///< (T) chains of them lead from each pose to the first
 };
 
-/// r of a tie, (6) m and rad, and its derivatives by small motions of a and b (moved_by).
+/// r of a tie, (6) m and rad, and its derivatives with respect to small motions of a and b
+/// (moved_by).
 struct TieResidual {
   Twist r = Twist::Zero();
   Eigen::Matrix<double, 6, 6> by_a, by_b;
@@ -41,12 +41,12 @@ struct TieResidual {
                                       const Rigid3& b_from_world);
 
 struct PoseGraphResult {
-  bool solved = false;  ///< false: a pose hangs on nothing; the poses are as they were
-  int steps = 0;        ///< that lowered the cost
+  bool solved = false;                   ///< false: a pose has no ties; the poses are as they were
+  int steps = 0;                         ///< that lowered the cost
   double first_cost = 0, last_cost = 0;  ///< sum of |r / sigma|^2
 };
 
-/// Improves the poses in place. Some milliseconds for hundreds of poses.
+/// Improves the poses in place. Takes some milliseconds for hundreds of poses.
 /// @throws ContractViolation when indices are out of range or sigmas are not positive
 PoseGraphResult adjust_pose_graph(PoseGraph& graph);
 

@@ -14,16 +14,16 @@ namespace palpable {
 namespace {
 
 constexpr int kFeatures = 500;
-constexpr int kThumbnailWidth = 40;
-constexpr int kFarthestMatch = 64;  // bits of 256
-constexpr double kRatio = 0.85;     // to the second best
-constexpr int kLeastAgreeing = 12;
+constexpr int kThumbnailWidth = 40, kThumbnailHeight = 22;  // px
+constexpr int kFarthestMatch = 64;  // bits in which two descriptors of 256 may differ
+// Lowe's ratio: the second best match must differ by that much more, or the best is a coincidence.
+constexpr double kRatio = 0.85;
+constexpr int kLeastAgreeing = 12;  // features
 constexpr int kRansacTrials = 200;
-constexpr float kRansacPx = 2.5F;
-constexpr int kHeight = 22;
+constexpr float kRansacPx = 2.5F;  // by which a feature that agrees may be off
 
 cv::Mat gray(const GrayImage& image) {
-  // OpenCV has no matrix of constants; nothing writes to it.
+  // OpenCV has no matrix that cannot be written to; nothing writes to this one.
   return {image.height(), image.width(), CV_8UC1,
           const_cast<std::uint8_t*>(image.data())};  // NOLINT
 }
@@ -38,9 +38,10 @@ cv::Mat descriptors_of(const Features& features) {
 Thumbnail thumbnail_of(const GrayImage& image) {
   cv::Mat small;
   try {
-    cv::resize(gray(image), small, cv::Size(kThumbnailWidth, kHeight), 0, 0, cv::INTER_AREA);
+    cv::resize(gray(image), small, cv::Size(kThumbnailWidth, kThumbnailHeight), 0, 0,
+               cv::INTER_AREA);
     cv::GaussianBlur(small, small, cv::Size(), 1.2);
-  } catch (const cv::Exception&) {  // out of memory: it is like nothing
+  } catch (const cv::Exception&) {  // out of memory
     return {};
   }
   Thumbnail result(small.begin<std::uint8_t>(), small.end<std::uint8_t>());
@@ -104,9 +105,9 @@ std::optional<Recognised> recognise(const Features& now, const Features& known,
       if (static_cast<double>(pair[0].distance) > kRatio * static_cast<double>(pair[1].distance)) {
         continue;
       }
-      const Eigen::Vector3f& x = known.x_in_camera[static_cast<std::size_t>(pair[0].trainIdx)];
+      const Eigen::Vector3f& x = known.x_in_camera[pair[0].trainIdx];
       if (std::isnan(x.z())) continue;
-      const Eigen::Vector2f& p = now.uv[static_cast<std::size_t>(pair[0].queryIdx)];
+      const Eigen::Vector2f& p = now.uv[pair[0].queryIdx];
       objects.emplace_back(x.x(), x.y(), x.z());
       pixels.emplace_back(p.x(), p.y());
     }

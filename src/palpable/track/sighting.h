@@ -1,8 +1,8 @@
 /// @file
 /// What a tracked camera measures of a point, and its derivatives.
 ///
-/// A sighting is (u, v, d): the pixel in the left image, and the disparity, all in px of the full
-/// rectified images. For colour + depth d comes from Z by a baseline that is agreed upon.
+/// A sighting is (u, v, d): the pixel in the left image and the disparity, all in px of the full
+/// rectified images. A colour + depth camera measures Z; an assumed baseline turns it into d.
 #pragma once
 
 #include "palpable/geometry/camera.h"
@@ -27,7 +27,7 @@ struct TrackCamera {
     return {uv.x(), uv.y(), camera.fx_px * baseline / x_in_camera.z()};
   }
 
-  /// The point that is seen so; d > 0.
+  /// The point whose sighting is (u, v, d), camera frame; d > 0.
   [[nodiscard]] Eigen::Vector3d point(const Eigen::Vector3d& uvd) const {
     return camera.unproject(uvd.x(), uvd.y(), camera.fx_px * baseline / uvd.z());
   }
@@ -47,11 +47,10 @@ struct TrackCamera {
   friend bool operator==(const TrackCamera&, const TrackCamera&) = default;
 };
 
-/// How well u or v, and how well d is known (standard deviations, px); d NaN when not measured.
 struct Sighting {
-  Eigen::Vector3d uvd = Eigen::Vector3d::Zero();
-  double sigma = 1;    ///< px, of u and of v
-  double sigma_d = 1;  ///< px, of d
+  Eigen::Vector3d uvd = Eigen::Vector3d::Zero();  ///< px; d is NaN when it was not measured
+  double sigma = 1;                               ///< px, standard deviation of u and of v
+  double sigma_d = 1;                             ///< px, standard deviation of d
 
   [[nodiscard]] bool has_disparity() const { return !std::isnan(uvd.z()); }
 };
@@ -59,8 +58,8 @@ struct Sighting {
 /// A small motion: translation (m), then rotation vector (rad).
 using Twist = Eigen::Matrix<double, 6, 1>;
 
-/// What happens of a motion in `share` of its time, when it turns and moves evenly; beyond 1 what
-/// it comes to if it goes on.
+/// The part of a motion that is done after `share` of its time, if it turns and moves evenly. With
+/// share > 1 the motion goes on beyond its end.
 [[nodiscard]] inline Rigid3 part_of(const Rigid3& motion, double share) {
   Eigen::AngleAxisd turn(motion.linear());
   turn.angle() *= share;
@@ -70,8 +69,9 @@ using Twist = Eigen::Matrix<double, 6, 1>;
   return part;
 }
 
-/// x -> exp(rotation) x + translation, put after `pose`: the step of all our least squares. The
-/// rotation is made orthogonal again, else products of rotations drift apart within seconds.
+/// `pose` followed by x -> exp(rotation) x + translation: the step of all our least squares. The
+/// rotation is made orthogonal again; without that, products of rotations would stop being
+/// rotations within seconds.
 [[nodiscard]] inline Rigid3 moved_by(const Twist& step, const Rigid3& pose) {
   const Eigen::Vector3d rotation = step.tail<3>();
   const double angle = rotation.norm();
@@ -84,7 +84,7 @@ using Twist = Eigen::Matrix<double, 6, 1>;
   return result;
 }
 
-/// cross_matrix(v) x is v's cross product with x.
+/// cross_matrix(v) x = v cross x.
 [[nodiscard]] inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
   m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;

@@ -6,11 +6,12 @@
 namespace palpable {
 namespace {
 
-constexpr int kLeast = 50;  // depths that both views know; fewer say nothing
-// Two depths of one place differ by no more sigma than this, but for one in a hundred.
+constexpr int kLeast = 50;  // depths known in both views; fewer say nothing
+// Two measurements of one depth differ by more sigmas of their difference once in 80 times.
 constexpr float kSigmas = 2.5F;
-constexpr float kOfTwo = 1.41421356F;  // the difference of two scatters more than each
-// Of a camera that stands, what moves may hide almost half of the view.
+constexpr float kOfTwo = 1.41421356F;  // sigma of a difference over sigma of one measurement
+// Share of the depths that must be the same: what moves before a standing camera may hide almost
+// half of the view.
 constexpr double kSame = 0.5;
 
 }  // namespace
@@ -20,8 +21,7 @@ StartWatch::Samples StartWatch::samples_of(const DepthImage& depth) {
   for (int j = 0; j < kDown; ++j) {
     const float* row = depth.row((2 * j + 1) * depth.height() / (2 * kDown));
     for (int i = 0; i < kAcross; ++i) {
-      samples[static_cast<std::size_t>(j * kAcross + i)] =
-          row[(2 * i + 1) * depth.width() / (2 * kAcross)];
+      samples[j * kAcross + i] = row[(2 * i + 1) * depth.width() / (2 * kAcross)];
     }
   }
   return samples;
@@ -44,7 +44,7 @@ Stillness StartWatch::look(const GrayImage& image, const DepthImage& depth) {
   if (!begun_) {
     picture_.begin(image);
     first_ = now;
-    // Something that can be compared with itself.
+    // It has begun when this view can be compared with itself.
     begun_ =
         picture_.look(image, nullptr) == Stillness::kStill || compare(now) == Stillness::kStill;
     return begun_ ? Stillness::kStill : Stillness::kUnclear;

@@ -1,6 +1,7 @@
 /// @file
-/// Has the camera moved before anything could be followed? A bare wall, a dark room or a covered
-/// lens leave nothing to track; where it still stands as in the beginning its frames have a pose.
+/// Has the camera moved before there was a keyframe? A bare wall, a dark room or a covered lens
+/// show nothing that could be tracked; but while the camera stands where it began, its pose is
+/// known.
 #pragma once
 
 #include "palpable/depth/depth_noise.h"
@@ -12,20 +13,22 @@
 
 namespace palpable {
 
-/// Compares with the first view that shows something: by its picture, and where that says nothing
-/// by its depths. A wall along which the camera slides, as like itself there as here, is not told.
+/// Compares each frame with the first one that showed something: by patches of its picture, or by
+/// 48 x 36 of its depths where the picture has no texture. It does not notice a camera that slides
+/// along a wall that looks the same everywhere.
 class StartWatch {
  public:
   explicit StartWatch(const DepthNoise& noise) : noise_(noise) {}
 
   /// Takes no memory after the first view that shows something.
-  /// @param depth  Z in m, unknown NaN; of any size, always the same
+  /// @param depth  Z in m, unknown NaN; of any size, in all frames the same
+  /// @return kUnclear as long as nothing has been seen that could be compared
   [[nodiscard]] Stillness look(const GrayImage& image, const DepthImage& depth);
 
  private:
   static constexpr int kAcross = 48;
   static constexpr int kDown = 36;
-  using Samples = std::array<float, static_cast<std::size_t>(kAcross* kDown)>;  // Z in m
+  using Samples = std::array<float, kAcross * kDown>;  // Z in m
 
   [[nodiscard]] static Samples samples_of(const DepthImage& depth);
   [[nodiscard]] Stillness compare(const Samples& now) const;

@@ -14,15 +14,16 @@ namespace {
 constexpr int kAcross = 8;
 constexpr int kDown = 6;
 constexpr std::size_t kPatches = kAcross * kDown;
-constexpr int kTries = 4;           // places per cell, across and down
+constexpr int kTries = 4;           // places that are tried per cell, across and down
 constexpr std::size_t kLeast = 10;  // patches that can be compared; fewer say nothing
-// px; a patch is moved by this much at most by noise (0.05 px of 0.65 grey levels, more in the
-// dark, which the median over all patches takes away).
+// px from which on a patch has moved. Noise alone moves a patch by 0.05 px (at 0.65 grey levels);
+// in the dark by more, but the median over all patches stays below.
 constexpr double kMoved = 0.3;
-// What a patch of deviation s is like under noise of deviation n is 1 / (1 + n^2 / s^2). Below this
-// share of it, at the noise of a dark picture, something else is seen there.
+// Noise of deviation n lowers the correlation of a patch of contrast s with itself to
+// 1 / (1 + n^2 / s^2). A patch whose correlation is less than this share of that value, n being
+// the noise of a dark picture, shows something else.
 constexpr double kLikenessShare = 0.75;
-constexpr double kNoise = 2;  // grey levels
+constexpr double kNoise = 2;  // n, grey levels
 
 bool is_moving(const MaskImage* mask, const GrayImage& image, const Eigen::Vector2d& at) {
   if (mask == nullptr || mask->empty()) return false;
@@ -69,8 +70,8 @@ void StillWatch::begin(const GrayImage& image) {
   if (patches_.size() < kPatches) fill_up(pyramid, image);
 }
 
-// A bare room shows something in few cells, and not where they were looked at: the best of the
-// whole picture, beside each other.
+// A bare room has texture in few cells, and not at the places that were tried: adds the best places
+// of the whole picture that do not overlap.
 void StillWatch::fill_up(const Pyramid& pyramid, const GrayImage& image) {
   std::vector<Patch> others;
   constexpr int kSide = PatchTemplate::kSide;
@@ -113,7 +114,8 @@ Stillness StillWatch::look(const GrayImage& image, const MaskImage* moving) cons
   const auto middle_of = [&](std::array<double, kPatches>& values) {
     return std::abs(upper_median(std::span(values).first(compared)));
   };
-  // A camera that goes straight ahead or rolls moves them to all sides.
+  // A camera that goes straight ahead or rolls moves its patches to all sides: to the right and
+  // down their median stays 0, outwards or around the middle it does not.
   const double shift =
       std::max({middle_of(dx), middle_of(dy), middle_of(outwards), middle_of(around)});
   if (shift < kMoved && share > 0.5) return Stillness::kStill;

@@ -1,17 +1,22 @@
 /// @file
 /// Where the camera is, frame after frame (paper Sec. 3.3: stereo SLAM).
 ///
-/// Points are kept with the patch in which they were first seen, and looked for again in every
-/// frame: warped and smeared as the predicted motion says, first in small images, then in large
-/// ones. The pose comes from those found (pose_fit.h); now and then a frame is kept, gives new
-/// points, and poses and points of the last keyframes are adjusted together (bundle.h). A camera
-/// that is lost is recognised by its features (recogniser.h), and so is ground to which one comes
-/// back with too much drift to find its landmarks (loop.h); a camera that stands still costs next
-/// to nothing (still_watch.h). docs/tracking.md says why it is so and how well it does.
+/// A landmark is a point of the world, kept with the patch of picture in which it was first seen.
+/// In every frame landmarks are looked for where the last motion predicts them, first in small
+/// images, then in large ones, their patches warped and smeared as the motion says
+/// (landmark_search.h). The pose is the one that agrees best with those that are found
+/// (pose_search.h, pose_fit.h). Now and then a frame is kept as a keyframe: it brings new landmarks
+/// (new_landmarks.h), and poses and landmarks of the last keyframes are adjusted together
+/// (window.h, bundle.h).
 ///
-/// The world is the camera frame of the first frame. Same frames, same poses to the bit, whether
-/// the adjustment runs on a thread of its own or not: its result is taken over a fixed number of
-/// frames after it was asked for.
+/// A camera that stands still is recognised by a few patches, at next to no cost (still_watch.h). A
+/// lost camera is recognised by its features (recogniser.h), and so is known ground to which the
+/// camera comes back with too much drift to find its landmarks (loop.h). track_states.h draws the
+/// states. docs/tracking.md says why all this is so and how well it does.
+///
+/// The world is the camera frame of the first keyframe, m. The same frames give the same poses to
+/// the bit, whether adjustments run on a thread of their own or not: a result is used a fixed
+/// number of frames after it was asked for.
 #pragma once
 
 #include "palpable/depth/depth_noise.h"
@@ -20,6 +25,7 @@
 #include "palpable/geometry/rigid.h"
 #include "palpable/track/map_limits.h"
 #include "palpable/track/sighting.h"
+#include "palpable/track/track_states.h"
 
 #include <memory>
 #include <span>
@@ -27,80 +33,73 @@
 
 namespace palpable {
 
-/// One moment, as the depth camera has prepared it. Pointers are read during the call only.
+/// What the depth camera has made of one frame. Pointers are read during the call only.
 struct TrackerFrame {
   int number = 0;
-  double time = 0;                    ///< s, of the source; rising
+  double time = 0;                    ///< s, by the source's stamps; rising
   const GrayImage* left = nullptr;    ///< luma, rectified, of TrackCamera's size
-  const GrayImage* right = nullptr;   ///< the same of the right eye; null: depth alone is measured
+  const GrayImage* right = nullptr;   ///< the same of the right eye; null: disparities are computed
+                                      ///< from the depth image
   const DepthImage* depth = nullptr;  ///< Z in m of the same view, as large or half as large
-  /// 255 where something moves, of the depth's size; or null. Left out of everything.
+  /// 255 where something moves, of the depth's size; or null. Nothing is followed there.
   const MaskImage* moving = nullptr;
-};
-
-enum class TrackState {
-  kStarting,  ///< nothing to follow yet; as far as can be seen it stands where it began
-  kFixed,     ///< it stands still; the pose is that of the moment since when it does
-  kTracking,  ///< it moves, and the pose is known
-  /// The pose is not known; what is given is the last one that was. So is a camera that has moved,
-  /// or shows nothing at all, before anything could be followed.
-  kLost
 };
 
 struct TrackedPose {
   Rigid3 world_from_camera = Rigid3::Identity();
   TrackState state = TrackState::kStarting;
-  int landmarks = 0;      ///< that carried it; 0 when kFixed or kLost
-  int tried = 0;          ///< that were looked for
-  bool keyframe = false;  ///< this frame was kept
-  /// A loop was closed: what was placed by the poses between may be off by their drift
-  /// (Tracker::corrections).
+  int landmarks = 0;      ///< that agreed with the pose; 0 unless kTracking
+  int tried = 0;          ///< that were looked for; 0 unless kTracking
+  bool keyframe = false;  ///< this frame became a keyframe
+  /// A loop was closed with this frame: what was placed by earlier poses may be off by their drift,
+  /// and Tracker::corrections() says by how much.
   bool closed_loop = false;
-  /// The first pose of a camera that was lost before: the world begins here, and what was placed
-  /// while it stood elsewhere lies nobody knows where.
+  /// The world begins with this frame, and the camera was lost before: nobody knows where in the
+  /// new world that lies which was placed before.
   bool new_world = false;
-  int newest_keyframe = -1;  ///< the frame number of the newest one; -1: none
-  /// Where the camera stood in it: with Tracker::keyframes() the pose of this frame as corrected
-  /// since.
+  int newest_keyframe = -1;  ///< its frame number; -1: there is none
+  /// This frame's pose relative to the newest keyframe. With Tracker::keyframes() it gives the pose
+  /// with all corrections that have been made since.
   Rigid3 keyframe_from_camera = Rigid3::Identity();
 };
 
-/// Whether a frame's points can be said to lie somewhere in the world.
+/// Whether the world positions of what a frame shows are known.
 [[nodiscard]] inline bool is_known(const TrackedPose& pose) {
   return pose.state == TrackState::kFixed || pose.state == TrackState::kTracking;
 }
 
 struct KeyframePose {
-  int number = 0;  ///< of the frame
-  double time = 0;
+  int number = 0;   ///< of the frame
+  double time = 0;  ///< s, of the frame
   Rigid3 world_from_camera = Rigid3::Identity();
 };
 
 struct TrackerSettings {
   TrackCamera camera;  ///< of the full rectified left image; without a right eye its baseline is
-                       ///< arbitrary: 0.08 m
-  double disparity_at_infinity_px = 0;
-  DepthNoise noise;              ///< of the depth images
-  bool adjust_on_thread = true;  ///< false: in track(), at the frame where it is taken over
-  bool watch_stillness = true;   ///< false: every frame is tracked in full
+                       ///< kDepthCameraBaseline
+  double disparity_at_infinity_px = 0;  ///< that the right image shows of points infinitely far
+  DepthNoise noise;                     ///< of the depth images
+  bool adjust_on_thread = true;  ///< false: adjustments are made in track(), when they are due
+  bool watch_stillness = true;   ///< false: every frame is tracked in full, also of a camera that
+                                 ///< stands
   bool adjust = true;            ///< false: no bundle adjustment, to see what it is worth
-  bool close_loops = true;       ///< false: drift stays, to see what it is worth
-  int most_landmarks = 220;      ///< looked for in a frame
+  bool close_loops = true;       ///< false: drift stays, to see what closing loops is worth
+  int most_landmarks = 220;      ///< that are looked for in a frame
   MapLimits limits;              ///< of what is remembered
 };
 
-/// What it has done so far, for benches.
+/// What the tracker has done so far, for benches.
 struct TrackerCounts {
   int frames = 0;
-  int keyframes = 0;        ///< taken
-  int kept_keyframes = 0;   ///< of them remembered
-  int lost = 0;             ///< frames
-  int stood = 0;            ///< frames that ended with the look whether the camera stands
-  int recognised = 0;       ///< times that a lost camera came back
-  int loops = 0;            ///< closed, by recognising a keyframe
-  int landmarks = 0;        ///< in the map
-  double cpu_s = 0;         ///< of track(), its thread's
-  double adjust_cpu_s = 0;  ///< of the adjustments, their threads'
+  int keyframes = 0;        ///< that were made
+  int kept_keyframes = 0;   ///< of them, those that are still remembered
+  int lost = 0;             ///< frames without a pose
+  int stood = 0;            ///< frames that needed nothing but the patches of still_watch.h
+  int recognised = 0;       ///< times that a lost camera found its pose again
+  int loops = 0;            ///< that were closed
+  int landmarks = 0;        ///< that are remembered and looked for
+  double cpu_s = 0;         ///< of track(), on the calling thread
+  double adjust_cpu_s = 0;  ///< of what is done beside the frames (keyframe_work.h)
 };
 
 class Tracker {
@@ -112,15 +111,14 @@ class Tracker {
   Tracker& operator=(Tracker&&) noexcept;
   ~Tracker();
 
-  /// Frames in their order. Images of another size than the camera's make a lost frame.
+  /// Finds the pose of the next frame. Images of another size than the camera's make it lost.
   TrackedPose track(const TrackerFrame& frame);
 
-  /// Of all keyframes that are remembered, as adjusted last; for maps that want to follow
-  /// corrections.
+  /// All keyframes that are remembered, with their poses as adjusted last.
   [[nodiscard]] std::vector<KeyframePose> keyframes() const;
   [[nodiscard]] TrackerCounts counts() const;
-  /// By the last loop that was closed, of the keyframes that were remembered then; empty before.
-  /// Valid until the next call of track().
+  /// How the last loop that was closed has moved the keyframes that were remembered then; empty
+  /// before the first. Valid until the next call of track().
   [[nodiscard]] std::span<const Correction> corrections() const;
 
  private:
@@ -128,7 +126,8 @@ class Tracker {
   std::unique_ptr<Parts> parts_;
 };
 
-/// The virtual baseline of colour + depth cameras, m.
+/// A baseline for colour + depth cameras, m, so that their depths can be treated as disparities.
+/// Its value is arbitrary: sigmas of depth are converted with it.
 inline constexpr double kDepthCameraBaseline = 0.08;
 
 }  // namespace palpable

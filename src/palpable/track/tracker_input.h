@@ -1,5 +1,5 @@
 /// @file
-/// What the tracker is given, from what the depth camera says: the same for every program.
+/// Settings and frames of the tracker, made of what the depth camera knows.
 #pragma once
 
 #include "palpable/depth/depth_camera.h"
@@ -8,12 +8,12 @@
 
 namespace palpable {
 
-/// For frames of `format` that `camera` has seen. A colour + depth camera gets
-/// kDepthCameraBaseline.
+/// Settings for the frames that `camera` makes of a source of this `format`. A colour + depth
+/// camera gets kDepthCameraBaseline.
 [[nodiscard]] TrackerSettings tracker_settings(const DepthCamera& camera,
                                                const FrameFormat& format);
 
-/// Points into `seen`, which must outlive the call of track().
+/// The frame for Tracker::track(). It points into `seen`, which must outlive that call.
 /// @param moving  255 where something moves, of the depth's size; or null
 [[nodiscard]] TrackerFrame tracker_frame(const SeenFrame& seen, const MaskImage* moving = nullptr);
 
