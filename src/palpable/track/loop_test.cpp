@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace palpable {
@@ -175,6 +176,33 @@ TEST_CASE(
   Loop gone = true_loop();
   gone.old_number = 5;
   CHECK_FALSE(pose_by(gone, circle.keyframes));
+}
+
+TEST_CASE("a loop is believed when two keyframes in turn say the same, and handed out once",
+          "[track][loop]") {
+  const Circle circle;
+  const auto compare = [&](LoopConfirmation& confirmation, const std::optional<Loop>& loop) {
+    confirmation.compare(loop, kCamera, 0.5, circle.keyframes);
+  };
+  LoopConfirmation confirmation;
+  compare(confirmation, true_loop());
+  CHECK_FALSE(confirmation.take_confirmed());
+  compare(confirmation, true_loop());
+  CHECK(confirmation.take_confirmed());
+  CHECK_FALSE(confirmation.take_confirmed());
+
+  // A keyframe between them that recognises nothing.
+  compare(confirmation, true_loop());
+  compare(confirmation, std::nullopt);
+  compare(confirmation, true_loop());
+  CHECK_FALSE(confirmation.take_confirmed());
+
+  // The two disagree: by 5 degrees, some 30 px.
+  Loop other = true_loop();
+  other.new_from_old.camera_from_old = Eigen::AngleAxisd(5 * kPi / 180, Eigen::Vector3d::UnitX()) *
+                                       other.new_from_old.camera_from_old;
+  compare(confirmation, other);
+  CHECK_FALSE(confirmation.take_confirmed());
 }
 
 }  // namespace
