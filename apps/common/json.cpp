@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <type_traits>
 
 namespace palpable::app {
 
@@ -43,7 +44,8 @@ Json::Json(std::initializer_list<Json> elements) {
   value_ = Object();
   for (const Json& element : elements) {
     const Array& pair = element.values();
-    (*this)[std::get<std::string>(pair[0].value_)] = pair[1];
+    const auto& key = std::get<std::string>(pair[0].value_);
+    if (!contains(key)) (*this)[key] = pair[1];  // of equal keys the first counts
   }
 }
 

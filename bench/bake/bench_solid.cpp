@@ -377,11 +377,12 @@ Json floor_table(const Json& result) {
   const auto add = [&](const char* what, double bytes, double flops, double seconds) {
     least["rows"].push_back({what, 1e-6 * bytes, 1e-6 * flops, 1e3 * seconds});
   };
-  add("pass over the elements", floor["element_pass_bytes"], floor["element_pass_flops"],
-      floor["element_pass_s"]);
-  add("application of the factor, read twice", floor["factor_bytes"],
-      floor["factor_bytes"].get<double>(), floor["factor_application_s"]);
-  add("factor", floor["factor_bytes"], floor["factor_flops"], floor["factor_s"]);
+  const auto of = [&](const char* key) { return floor[key].get<double>(); };
+  add("pass over the elements", of("element_pass_bytes"), of("element_pass_flops"),
+      of("element_pass_s"));
+  add("application of the factor, read twice", of("factor_bytes"), of("factor_bytes"),
+      of("factor_application_s"));
+  add("factor", of("factor_bytes"), of("factor_flops"), of("factor_s"));
   return least;
 }
 
