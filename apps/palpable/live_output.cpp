@@ -228,17 +228,17 @@ void LiveOutput::run() {
 
 void LiveOutput::write_frame(DrawnFrame& frame) {
   {
-    const StageTimer timer(frame.times, "write");
+    const StageTimer timer(frame.scene.times, "write");
     if (settings_.depth) write_depth(frame);
     if (settings_.masks) write_masks(frame);
     write_video(frame);
-    consider(frame);
+    keep_if_best(frame);
     write_lines(frame);
   }
-  timing_ << frame.number;
+  timing_ << frame.scene.number;
   double total = 0;
   for (auto& [stage, values] : times_) {
-    const double ms = stage == "total" ? total : frame.times.ms(stage);
+    const double ms = stage == "total" ? total : frame.scene.times.ms(stage);
     total += ms;
     values.push_back(ms);
     timing_ << fmt::format(",{:.3f}", ms);
@@ -247,49 +247,52 @@ void LiveOutput::write_frame(DrawnFrame& frame) {
 }
 
 void LiveOutput::write_lines(const DrawnFrame& frame) {
-  for (const Touch& touch : frame.touches) {
+  const Scene& scene = frame.scene;
+  for (const Touch& touch : scene.touches) {
     touches_ << fmt::format(
         "{{\"frame\":{},\"time\":{:.6f},\"site\":{},\"level\":{:.6f},\"force\":{:.6f},"
         "\"press_depth\":{:.7f},\"point\":[{:.6f},{:.6f},{:.6f}]}}\n",
-        frame.number, frame.time, touch.site, touch.level, touch.force, touch.press_depth,
+        scene.number, scene.time, touch.site, touch.level, touch.force, touch.press_depth,
         touch.point_in_body.x(), touch.point_in_body.y(), touch.point_in_body.z());
   }
-  if (frame.world_from_camera) {
-    const Eigen::Vector3d t = frame.world_from_camera->translation();
-    const Eigen::Quaterniond q(frame.world_from_camera->linear());
+  if (scene.camera.state != TrackState::kLost) {  // a fixed camera's pose stays as it is
+    const Rigid3& world_from_camera = scene.camera.world_from_camera;
+    const Eigen::Vector3d t = world_from_camera.translation();
+    const Eigen::Quaterniond q(world_from_camera.linear());
     trajectory_ << fmt::format("{:.6f} {:.7f} {:.7f} {:.7f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
-                               frame.time, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+                               scene.time, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
   }
-  poses_ << fmt::format("{{\"frame\":{},\"camera_from_body\":[", frame.number);
+  poses_ << fmt::format("{{\"frame\":{},\"camera_from_body\":[", scene.number);
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < 4; ++column) {
       poses_ << fmt::format("{}{:.9g}", row + column > 0 ? "," : "",
-                            frame.camera_from_body.matrix()(row, column));
+                            scene.camera_from_body.matrix()(row, column));
     }
   }
   poses_ << "]}\n";
-  const double correction = frame.row_correction_px;
+  const double correction = scene.seen.row_correction_px;
   if (last_correction_ != correction) {
     last_correction_ = correction;
     corrections_ << fmt::format(
-        "{{\"frame\":{},\"row_correction_px\":{:.4f},\"row_error_px\":{}}}\n", frame.number,
+        "{{\"frame\":{},\"row_correction_px\":{:.4f},\"row_error_px\":{}}}\n", scene.number,
         correction,
-        std::isnan(frame.row_error_px) ? "null" : fmt::format("{:.4f}", frame.row_error_px));
+        std::isnan(scene.seen.row_error_px) ? "null"
+                                            : fmt::format("{:.4f}", scene.seen.row_error_px));
   }
 }
 
 void LiveOutput::write_depth(const DrawnFrame& frame) {
-  write_image(settings_.folder / "depth" / fmt::format("{:06d}.png", frame.number),
-              counts_of(frame.depth, frame.too_close));
+  write_image(settings_.folder / "depth" / fmt::format("{:06d}.png", frame.scene.number),
+              counts_of(frame.scene.seen.depth, frame.scene.seen.too_close));
 }
 
 void LiveOutput::write_masks(const DrawnFrame& frame) {
-  const std::string name = fmt::format("{:06d}.png", frame.number);
+  const std::string name = fmt::format("{:06d}.png", frame.scene.number);
   const MaskImage& mask = frame.visible;
   write_image(settings_.folder / "visible" / name, cv::Mat(mask.height(), mask.width(), CV_8UC1,
                                                            const_cast<std::uint8_t*>(mask.data())));
   write_image(settings_.folder / "body_depth" / name, halved(frame.body_depth));
-  const MaskImage& moving = frame.moving;
+  const MaskImage& moving = frame.scene.moving;
   if (moving.empty()) return;
   write_image(
       settings_.folder / "moving" / name,
@@ -323,18 +326,18 @@ void LiveOutput::write_video(const DrawnFrame& frame) {
   ++written_;
   if (written_ == 1) {
     first_picture_ = frame.picture;
-    first_time_ = frame.time;
+    first_time_ = frame.scene.time;
     return;
   }
   if (written_ == 2) {
-    const double step = frame.time - first_time_;
+    const double step = frame.scene.time - first_time_;
     open_video(frame.picture, step > 1e-3 ? std::clamp(1 / step, 1.0, 240.0) : kDefaultRate);
     append(first_picture_);
   }
   append(frame.picture);
 }
 
-void LiveOutput::consider(const DrawnFrame& frame) {
+void LiveOutput::keep_if_best(const DrawnFrame& frame) {
   if (!settings_.figures) return;
   const std::array scores{frame.scores.hand_nearer, frame.scores.body_nearer, frame.scores.touch};
   for (std::size_t i = 0; i < scores.size(); ++i) {

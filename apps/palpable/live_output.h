@@ -6,8 +6,7 @@
 ///   touches.jsonl             {"frame","time","site","level","force","press_depth","point"} in SI
 ///   trajectory.txt            TUM: time tx ty tz qx qy qz qw, world_from_camera
 ///   rectification.jsonl       stereo: {"frame":n,"row_correction_px":c,"row_error_px":e}: from
-///   this
-///                             frame on the right image was moved up by c rows beyond the
+///                             this frame on the right image was moved up by c rows beyond the
 ///                             calibration; e is the error that was left in it (null: too few
 ///                             points)
 ///   pose.jsonl                {"frame","camera_from_body"}: where the body was drawn, row by row
@@ -18,11 +17,9 @@
 ///   hand_nearer.png body_nearer.png touch.png   the three situations of Fig. 9, if asked for
 #pragma once
 
-#include "apps/palpable/bounded_queue.h"
-#include "palpable/base/stage_clock.h"
-#include "palpable/contact/touch.h"
 #include "palpable/geometry/image.h"
-#include "palpable/geometry/rigid.h"
+#include "palpable/live/bounded_queue.h"
+#include "palpable/session/scene.h"
 
 #include <array>
 #include <exception>
@@ -47,23 +44,12 @@ struct FigureScores {
   double touch = 0;
 };
 
-/// One frame to be written; its memory goes round.
+/// One frame to be written: a scene, and what drawing adds to it. Its memory goes round.
 struct DrawnFrame {
-  int number = 0;
-  double time = 0;
-  std::vector<Touch> touches;
+  Scene scene;
   ColorImage picture;
   MaskImage visible;
-  DepthImage body_depth;         ///< full size
-  DepthImage depth;              ///< as measured; left empty when settings.depth is off
-  MaskImage too_close;           ///< of its size, or empty
-  MaskImage moving;              ///< of its size, or empty: not known
-  double row_error_px = 0;       ///< of the rectified pair; NaN where nothing watches
-  double row_correction_px = 0;  ///< by how much the right image was moved up
-  Rigid3 camera_from_body = Rigid3::Identity();  ///< where the body was drawn
-  /// Stays so for a fixed camera; nothing while it is lost.
-  std::optional<Rigid3> world_from_camera = Rigid3::Identity();
-  StageTimes times;
+  DepthImage body_depth;  ///< full size
   FigureScores scores;
 };
 
@@ -96,7 +82,7 @@ class LiveOutput {
 
   /// A frame to fill; waits while too many are under way.
   std::unique_ptr<DrawnFrame> blank();
-  /// Takes a filled frame. @throws Error what went wrong while writing an earlier one
+  /// Hands a filled frame to the thread. @throws Error what went wrong while writing an earlier one
   void write(std::unique_ptr<DrawnFrame> frame);
   /// Ends the files. @throws Error when something could not be written. After it only:
   void finish();
@@ -119,7 +105,7 @@ class LiveOutput {
   void write_video(const DrawnFrame& frame);
   void open_video(const ColorImage& picture, double frames_per_second);
   void append(const ColorImage& picture);
-  void consider(const DrawnFrame& frame);
+  void keep_if_best(const DrawnFrame& frame);
   void end_files();
   void rethrow();
 
@@ -133,7 +119,7 @@ class LiveOutput {
   std::ofstream corrections_;
   std::optional<double> last_correction_;
   std::unique_ptr<cv::VideoWriter> video_;
-  ColorImage first_picture_;  // held back until the second frame tells the rate
+  ColorImage first_picture_;  // held back until the second frame's time says the video's rate
   double first_time_ = 0;
   int written_ = 0;
   std::array<ColorImage, 3> best_;

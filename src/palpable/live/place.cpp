@@ -1,4 +1,4 @@
-#include "apps/palpable/place.h"
+#include "palpable/live/place.h"
 
 #include "palpable/base/error.h"
 
@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 namespace fs = std::filesystem;
@@ -164,4 +164,4 @@ SceneFile read_scene_file(const fs::path& path) {
   return scene;
 }
 
-}  // namespace palpable::app
+}  // namespace palpable

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-namespace palpable::app {
+namespace palpable {
 
 /// camera_from_body from six numbers: the place of the body's origin in the camera (m: right, down,
 /// forward) and three angles (degrees). With all angles 0 the body stands upright before a level
@@ -38,4 +38,4 @@ struct SceneFile {
 /// Nothing in it when there is no such file. @throws Error when it cannot be read or is wrong
 [[nodiscard]] SceneFile read_scene_file(const std::filesystem::path& path);
 
-}  // namespace palpable::app
+}  // namespace palpable
