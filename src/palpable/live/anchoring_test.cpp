@@ -50,7 +50,7 @@ constexpr double kHeight = 0.4;
 Frame frame_of_desk(double height = 0) {
   const FrameFormat format = test::wall_format();
   Frame frame;
-  frame.left = ColorImage(format.width, format.height, Rgb{90, 90, 90});
+  frame.left = test::frame_of_wall(0, 0).left;  // a pattern, so that the camera is seen to stand
   frame.depth = DepthImage(format.width, format.height);
   for (int v = 0; v < format.height; ++v) {
     for (int u = 0; u < format.width; ++u) {

@@ -4,6 +4,7 @@
 #include "tests/support/misbehaving_camera.h"
 #include "tests/support/test.h"
 
+#include <algorithm>
 #include <memory>
 #include <set>
 #include <string>
