@@ -1,5 +1,6 @@
 /// @file
-/// Where a body stands before the camera, as users write it.
+/// Where a body stands before the camera, as users write it: on the command line, in a file of
+/// numbers, or in the scene.toml beside a recording.
 #pragma once
 
 #include "palpable/geometry/rigid.h"
@@ -35,7 +36,7 @@ struct SceneFile {
   std::optional<int> ignore_static_frames;
 };
 
-/// Nothing in it when there is no such file. @throws Error when it cannot be read or is wrong
+/// Without such a file nothing is known. @throws Error when it cannot be read or is wrong
 [[nodiscard]] SceneFile read_scene_file(const std::filesystem::path& path);
 
 }  // namespace palpable
