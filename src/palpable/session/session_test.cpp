@@ -280,7 +280,7 @@ TEST_CASE("the body stays where it was put in the room while the camera moves, i
         tolerance(1.5e-3, "a third of a pixel of 250 px at 0.8 m; below 0.3 px it still stands"));
     CHECK(fixed.process(test::frame_of_wall(n, x)).camera_from_body.matrix() == pose().matrix());
   }
-  CHECK(followed.tracker_counts().lost == 0);
+  CHECK(followed.session.tracker_counts().lost == 0);
 }
 
 TEST_CASE("nothing presses while the camera is lost, and the mask is not given", "[session]") {
