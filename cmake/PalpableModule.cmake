@@ -1,3 +1,15 @@
+# The threads build instruments the modules that start threads or lock, and the tests. All else is
+# compiled with release's own options, so that ccache has it already; what does not synchronise loses
+# nothing but races between its own lines, which those modules' data would have to reach first.
+set(PALPABLE_MODULES_WITH_THREADS bake campaign live map solid sources stereo track)
+function(palpable_sanitize_threads target)
+  target_compile_options(${target} PRIVATE -Og -g1 -UNDEBUG -fsanitize=thread)
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL "EXECUTABLE")
+    target_link_options(${target} PRIVATE -fsanitize=thread)
+  endif()
+endfunction()
+
 # palpable_module(NAME reduced USES base geometry LIBRARIES Eigen3::Eigen)
 #
 # One module = one folder = one static library palpable::<name> + one test program of its
@@ -13,6 +25,11 @@ function(palpable_module)
 
   if(sources)
     add_library(palpable_${arg_NAME} STATIC ${sources})
+    if(PALPABLE_THREAD_SANITIZER AND arg_NAME IN_LIST PALPABLE_MODULES_WITH_THREADS)
+      palpable_sanitize_threads(palpable_${arg_NAME})
+    else()
+      palpable_precompile(palpable_${arg_NAME} library)
+    endif()
     set(scope PUBLIC)
   else()
     add_library(palpable_${arg_NAME} INTERFACE)
@@ -55,9 +72,14 @@ function(palpable_tests)
     endif()
   endif()
   add_executable(${arg_NAME}_tests ${arg_SOURCES})
+  if(PALPABLE_THREAD_SANITIZER)
+    palpable_sanitize_threads(${arg_NAME}_tests)
+  else()
+    palpable_precompile(${arg_NAME}_tests tests)
+  endif()
   target_link_libraries(${arg_NAME}_tests PRIVATE ${arg_LIBRARIES} palpable_test_main)
   set_property(GLOBAL APPEND PROPERTY PALPABLE_UNIT_TESTS ${arg_NAME}_tests)
-  set(skip SKIP_REGULAR_EXPRESSION "SKIPPED: ")
+  set(skip SKIP_RETURN_CODE 77)  # kSkippedExitCode of tests/support/test.h
   set(common TEST_PREFIX "${arg_NAME}/" WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   catch_discover_tests(${arg_NAME}_tests ${common} TEST_SPEC "~[long]~[threads]"
                        TEST_LIST ${arg_NAME}_unit PROPERTIES LABELS unit.${arg_NAME} TIMEOUT 300 ${skip})

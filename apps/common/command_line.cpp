@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <iostream>
+#include <utility>
 
 namespace palpable::app {
 namespace {
@@ -73,7 +73,99 @@ void print_error(std::string_view message) {
   fmt::print(stderr, "palpable: {}\n", line);
 }
 
-int run_command_line(CLI::App& app, int argc, const char* const* argv) {
+Option Option::required() { return Option(option_->required()); }
+
+Option Option::type_name(const std::string& name) { return Option(option_->type_name(name)); }
+
+Option Option::show_default() { return Option(option_->capture_default_str()); }
+
+Option Option::in_range(int least, int most) {
+  return Option(option_->check(CLI::Range(least, most)));
+}
+
+Option Option::in_range(double least, double most) {
+  return Option(option_->check(CLI::Range(least, most)));
+}
+
+Option Option::in_range(std::uint64_t least, std::uint64_t most) {
+  return Option(option_->check(CLI::Range(least, most)));
+}
+
+Option Option::positive() { return Option(option_->check(CLI::PositiveNumber)); }
+
+Option Option::not_negative() { return Option(option_->check(CLI::NonNegativeNumber)); }
+
+Option Option::one_of(const std::vector<std::string>& words) {
+  return Option(option_->check(CLI::IsMember(words)));
+}
+
+Option Option::existing_path() { return Option(option_->check(CLI::ExistingPath)); }
+
+Option Option::existing_folder() { return Option(option_->check(CLI::ExistingDirectory)); }
+
+Option Option::words(int fewest, int most) { return Option(option_->expected(fewest, most)); }
+
+Option Option::excludes(const Option& other) { return Option(option_->excludes(other.option_)); }
+
+Option Option::excludes(const std::string& name) { return Option(option_->excludes(name)); }
+
+Command Command::add_subcommand(const std::string& name, const std::string& what) {
+  return Command(app_->add_subcommand(name, what));
+}
+
+void Command::require_subcommand() { app_->require_subcommand(1); }
+
+template <OptionValue T>
+Option Command::add_option(const std::string& names, T& value, const std::string& what) {
+  return Option(app_->add_option(names, value, what));
+}
+
+template Option Command::add_option(const std::string&, std::string&, const std::string&);
+template Option Command::add_option(const std::string&, std::filesystem::path&, const std::string&);
+template Option Command::add_option(const std::string&, int&, const std::string&);
+template Option Command::add_option(const std::string&, double&, const std::string&);
+template Option Command::add_option(const std::string&, std::uint64_t&, const std::string&);
+template Option Command::add_option(const std::string&, std::optional<double>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<int>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<double>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<std::string>&,
+                                    const std::string&);
+
+Option Command::add_option(const std::string& name,
+                           std::function<std::string(const std::vector<std::string>&)> read,
+                           const std::string& what) {
+  return Option(app_->add_option_function<std::vector<std::string>>(
+      name,
+      [name, read = std::move(read)](const std::vector<std::string>& words) {
+        if (const std::string why = read(words); !why.empty()) {
+          throw CLI::ValidationError(name, why);
+        }
+      },
+      what));
+}
+
+Option Command::add_flag(const std::string& names, bool& value, const std::string& what) {
+  return Option(app_->add_flag(names, value, what));
+}
+
+void Command::footer(const std::string& text) { app_->footer(text); }
+
+void Command::callback(std::function<void()> run) { app_->callback(std::move(run)); }
+
+CommandLine::CommandLine(const std::string& what, const std::string& name,
+                         const std::string& version)
+    : CommandLine(std::make_unique<CLI::App>(what, name)) {
+  app().set_version_flag("--version", version);
+  app().set_help_flag("-h,--help", "Print this help and exit");
+}
+
+CommandLine::CommandLine(std::unique_ptr<CLI::App> app)
+    : Command(app.get()), owned_(std::move(app)) {}
+
+CommandLine::~CommandLine() = default;
+
+int CommandLine::run(int argc, const char* const* argv) {
+  CLI::App& app = this->app();
   // A word that is no command is looked at first: CLI11 would complain that a command is missing.
   if (argc > 1 && argv[1][0] != '-') {
     const std::vector<std::string> commands = subcommand_names(app);
@@ -121,12 +213,12 @@ std::map<std::string, double> parse_settings(const std::vector<std::string>& tex
   return values;
 }
 
-void add_set_option(CLI::App& command, std::vector<std::string>& texts) {
+void add_set_option(Command command, std::vector<std::string>& texts) {
   command
       .add_option("--set", texts,
                   "Value of a parameter beyond site and level, where the body has one (palpable "
                   "inspect names them); else its own")
-      ->type_name("NAME=VALUE");
+      .type_name("NAME=VALUE");
 }
 
 }  // namespace palpable::app

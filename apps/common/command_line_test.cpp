@@ -3,8 +3,6 @@
 #include "palpable/base/nearest_word.h"
 #include "tests/support/test.h"
 
-#include <CLI/CLI.hpp>
-
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,16 +12,16 @@ namespace {
 
 // A program with one command that takes a number and may fail.
 int run(std::vector<const char*> words) {
-  CLI::App app("A program", "prog");
-  app.require_subcommand(1);
-  CLI::App* halve = app.add_subcommand("halve", "Halve a number");
+  CommandLine app("A program", "prog", "prog 1");
+  app.require_subcommand();
+  Command halve = app.add_subcommand("halve", "Halve a number");
   int number = 0;
-  halve->add_option("--number", number, "Even")->required();
-  halve->callback([&] {
+  halve.add_option("--number", number, "Even").required();
+  halve.callback([&] {
     if (number % 2 != 0) throw std::runtime_error("odd\nand so no half");
   });
   words.insert(words.begin(), "prog");
-  return run_command_line(app, static_cast<int>(words.size()), words.data());
+  return app.run(static_cast<int>(words.size()), words.data());
 }
 
 TEST_CASE("every error ends with exit code 1, whatever CLI11 calls it", "[apps][errors]") {

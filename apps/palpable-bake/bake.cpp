@@ -1,15 +1,16 @@
 // palpable bake BODY.toml -o bunny.palpable
 
+#include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/bake_body.h"
+#include "palpable/bake/held_out_checks.h"
 #include "palpable/base/error.h"
 #include "palpable/campaign/crew.h"
-#include "palpable/campaign/held_out.h"
+#include "palpable/campaign/store_rows.h"
 #include "palpable/intrusive/intrusive_bake.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <chrono>
@@ -37,7 +38,7 @@ struct Options {
 };
 
 // "2/4" is the second of four.
-void read_shard(const std::string& text, BakeSettings& settings) {
+void read_shard(const std::string& text, FillSettings& settings) {
   int number = 0, count = 0, read = 0;
   if (std::sscanf(text.c_str(), "%d/%d%n", &number, &count, &read) != 2 ||
       read != static_cast<int>(text.size()) || number < 1 || count < number) {
@@ -57,34 +58,6 @@ std::filesystem::path store_of(const Options& options) {
                     options.output, store.stem().string()));
   }
   return store;
-}
-
-std::string errors_text(const HeldOutErrors& errors) {
-  return fmt::format(
-      "displacement {:.3g} pooled, {:.3g} at the median snapshot, {:.3g} at the worst, in their "
-      "own "
-      "norms; von Mises stress, worst vertex against the field's largest, {:.3g} at the median, "
-      "{:.3g} at the worst",
-      errors.displacement_pooled, errors.displacement_median(), errors.displacement.maxCoeff(),
-      errors.von_mises_median(), errors.von_mises.maxCoeff());
-}
-
-// Solves the levels between those of the campaign, and says in the body how far it is from them.
-void check_between_levels(const BodyDescription& description, BakeSettings settings,
-                          const ReduceSettings& reduction, const SnapshotStore& campaign,
-                          BakedBody& baked, const Progress& progress) {
-  settings.held_out_of = &campaign;
-  settings.store = campaign.folder();
-  settings.store.replace_extension(".held-out");
-  LocalCrew crew;
-  const FilledStore between = fill_store(description, settings, crew, progress);
-  const HeldOutErrors errors = held_out_errors(value_or_throw(settled(baked.body)), between.store,
-                                               point_of(campaign.content(), reduction.at));
-  baked.body.provenance.emplace_back(
-      "held out", fmt::format("against {} levels between, solved afresh, on the skin: {}",
-                              errors.displacement.size(), errors_text(errors)));
-  baked.body.error.held_out = errors.record();
-  baked.report.held_out = baked.body.provenance.back().second;
 }
 
 // No campaign: the PGD solves.
@@ -107,12 +80,7 @@ void bake_without_campaign(const Options& options, const BodyDescription& descri
       bar.progress());
   bar.finish();
   write_body_file(options.output, made.body, options.file.storage());
-  for (const auto& [key, value] : made.body.provenance) {
-    if (key == "loads" || key == "series" || key == "reduction" || key == "displacement" ||
-        key == "stress" || key == "several loads") {
-      fmt::print("{}: {}\n", key, value);
-    }
-  }
+  for (const auto& [key, value] : made.report.lines) fmt::print("{}: {}\n", key, value);
   std::string times;
   for (const StageTime& stage : made.report.cpu.stages()) {
     times += fmt::format("{}{} {:.1f} s", times.empty() ? "" : ", ", stage.name, 1e-3 * stage.ms);
@@ -123,38 +91,45 @@ void bake_without_campaign(const Options& options, const BodyDescription& descri
              1e-6 * static_cast<double>(std::filesystem::file_size(options.output)));
 }
 
-// The same for values between those of the body's free parameters, one parameter at a time, the
-// others at their usual values.
-void check_between_values(const BodyDescription& description, BakeSettings settings,
-                          const std::filesystem::path& campaign, BakedBody& baked,
-                          const Progress& progress) {
-  for (std::size_t k = 0; k < baked.body.further.size(); ++k) {
-    BodyDescription between = description;
-    for (std::size_t j = 0; j < between.parameters.size(); ++j) {
-      between.parameters[j].values = {baked.body.further[j].value};
-    }
-    const FurtherParameter& varied = baked.body.further[k];
-    std::vector<double>& values = between.parameters[k].values;
-    values.clear();
-    for (Eigen::Index i = 0; i + 1 < varied.samples.size(); ++i) {
-      values.push_back(0.5 * (varied.samples[i] + varied.samples[i + 1]));
-    }
-    settings.store = campaign;
-    settings.store.replace_extension(".between-" + varied.name);
-    LocalCrew crew;
-    const FilledStore solved = fill_store(between, settings, crew, progress);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const ReducedBody there = value_or_throw(settled(baked.body, {{varied.name, values[i]}}));
-      const HeldOutErrors errors =
-          held_out_errors(there, solved.store, static_cast<int>(i), HeldOutAt::kDepth);
-      baked.body.provenance.emplace_back(
-          fmt::format("held out, {} = {:g}", varied.name, values[i]),
-          fmt::format(
-              "against {} presses at {} = {:g}, solved afresh, at equal depth, on the skin: {}",
-              errors.displacement.size(), varied.name, values[i], errors_text(errors)));
-      baked.report.held_out += "\n" + baked.body.provenance.back().second;
-    }
+void print_campaign(const FilledStore& filled) {
+  const std::string folder = filled.store.folder().string();
+  const StoreContent& content = filled.store.content();
+  fmt::print(
+      "snapshots: {}, {} sites solved, {} were there; look at them with ParaView: "
+      "{}/campaign.xdmf\n",
+      folder, filled.campaign.solved, filled.campaign.reused, folder);
+  if (content.linear.empty()) return;
+  fmt::print("linear responses of {} vertices: {} of {} files made now\n", content.linear.size(),
+             filled.campaign.linear_solved, content.linear_file_count());
+}
+
+void print_parameters(const StoreContent& content, const ReducedBody& body,
+                      const std::string& store, const std::string& output) {
+  if (content.parameters.empty()) return;
+  const std::string& first = content.parameters[0].name;
+  if (body.further.empty()) {
+    fmt::print(
+        "this body file holds one value of each parameter ({}); for another: palpable reduce "
+        "{} --at {}=... -o FILE\n",
+        body.material, store, first);
+  } else {
+    fmt::print("this body file holds all values of '{}': palpable view {} --set {}=...\n", first,
+               output, first);
   }
+}
+
+// Reduces a campaign that is complete, checks and writes the body.
+BakedBody reduce_and_write(const Options& options, const ReduceSettings& reduction,
+                           const BodyDescription& description, const FillSettings& settings,
+                           const SnapshotStore& store, const Progress& progress) {
+  BakedBody baked = reduce_store(store, reduction, progress);
+  if (options.held_out) {
+    check_between_levels(description, settings, store, point_of(store.content(), reduction.at),
+                         baked, progress);
+    check_between_values(description, settings, store, baked, progress);
+  }
+  baked.body.error = write_body_file(options.output, baked.body, options.file.storage());
+  return baked;
 }
 
 void bake(const Options& options, const std::string& command_line, Crew& crew) {
@@ -165,15 +140,14 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
     if (crew.leads()) bake_without_campaign(options, description, command_line);
     return;
   }
-  BakeSettings settings{.threads = options.threads,
-                        .version = std::string("palpable ") + PALPABLE_VERSION,
-                        .command_line = command_line,
-                        .store = store_of(options),
-                        .solver = options.solver};
+  FillSettings settings{
+      .threads = options.threads,
+      .store = store_of(options),
+      .solver = options.solver == "calculix" ? FeSolver::kCalculix : FeSolver::kOwn};
   if (!options.shard.empty()) read_shard(options.shard, settings);
   const ReduceSettings reduction{.at = parse_values(options.at),
                                  .volume = options.file.volume,
-                                 .version = settings.version,
+                                 .version = std::string("palpable ") + PALPABLE_VERSION,
                                  .command_line = command_line};
   ProgressBar bar;
   const Progress progress = crew.leads() ? bar.progress() : Progress{};
@@ -188,85 +162,63 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
         folder, filled.campaign.solved, filled.campaign.reused, folder);
     return;
   }
-  BakedBody baked = reduce_store(filled.store, reduction, progress);
-  if (options.held_out) {
-    check_between_levels(description, settings, reduction, filled.store, baked, progress);
-    check_between_values(description, settings, filled.store.folder(), baked, progress);
-  }
+  const BakedBody baked =
+      reduce_and_write(options, reduction, description, settings, filled.store, progress);
   bar.finish();
-  baked.body.error = write_body_file(options.output, baked.body, options.file.storage());
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
-  const StoreContent& content = filled.store.content();
   print_body_report(baked, options.output, taken.count());
-  fmt::print(
-      "snapshots: {}, {} sites solved, {} were there; look at them with ParaView: "
-      "{}/campaign.xdmf\n",
-      folder, filled.campaign.solved, filled.campaign.reused, folder);
-  if (!content.linear.empty()) {
-    fmt::print("linear responses of {} vertices: {} of {} files made now\n", content.linear.size(),
-               filled.campaign.linear_solved, content.linear_file_count());
-  }
-  if (content.parameters.empty()) return;
-  if (baked.body.further.empty()) {
-    fmt::print(
-        "this body file holds one value of each parameter ({}); for another: palpable reduce "
-        "{} --at {}=... -o FILE\n",
-        baked.body.material, folder, content.parameters[0].name);
-  } else {
-    fmt::print("this body file holds all values of '{}': palpable view {} --set {}=...\n",
-               content.parameters[0].name, options.output, content.parameters[0].name);
-  }
+  print_campaign(filled);
+  print_parameters(filled.store.content(), baked.body, folder, options.output);
 }
 
 }  // namespace
 
-void add_bake(CLI::App& app, const std::string& command_line, Crew& crew) {
+void add_bake(Command app, const std::string& command_line, Crew& crew) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("bake", "Mesh, solve and reduce: a body file from a description");
-  command->add_option("body", options->description, "What to bake (docs/body.md)")
-      ->required()
-      ->type_name("BODY.toml");
-  command->add_option("-o,--out", options->output, "Body file to write")
-      ->required()
-      ->type_name("FILE");
+  command.add_option("body", options->description, "What to bake (docs/body.md)")
+      .required()
+      .type_name("BODY.toml");
+  command.add_option("-o,--out", options->output, "Body file to write")
+      .required()
+      .type_name("FILE");
   command
-      ->add_option("--snapshots", options->store,
-                   "Folder of the snapshots, where what is valid is not solved again; else beside "
-                   "the body file, NAME.snapshots")
-      ->type_name("FOLDER");
+      .add_option("--snapshots", options->store,
+                  "Folder of the snapshots, where what is valid is not solved again; else beside "
+                  "the body file, NAME.snapshots")
+      .type_name("FOLDER");
   command
-      ->add_option(
-          "--method", options->method,
-          "intrusive-pgd: no campaign; the load of [intrusive] travels over a face and the "
-          "PGD solves for all its positions and sizes (docs/reduction.md)")
-      ->check(CLI::IsMember({"intrusive-pgd"}));
-  command->add_option("--threads", options->threads, "Sites solved side by side; 0: one per core")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
+      .add_option("--method", options->method,
+                  "intrusive-pgd: no campaign; the load of [intrusive] travels over a face and the "
+                  "PGD solves for all its positions and sizes (docs/reduction.md)")
+      .one_of({"intrusive-pgd"});
+  command.add_option("--threads", options->threads, "Sites solved side by side; 0: one per core")
+      .in_range(0, 4096)
+      .show_default();
   command
-      ->add_option("--shard", options->shard,
-                   "Solve only this part of the sites and stop there (docs/scaling.md)")
-      ->type_name("I/N");
-  command->add_flag(
+      .add_option("--shard", options->shard,
+                  "Solve only this part of the sites and stop there (docs/scaling.md)")
+      .type_name("I/N");
+  command.add_flag(
       "--held-out", options->held_out,
       "Also solve the levels between, and the values between of a free parameter, and say how far "
       "the body is from them; takes as long as the campaign; snapshots go to NAME.held-out and "
       "NAME.between-PARAMETER");
-  command->add_option("--solver", options->solver, "own, or calculix: runs ccx")
-      ->check(CLI::IsMember({"own", "calculix"}))
-      ->capture_default_str();
+  command.add_option("--solver", options->solver, "own, or calculix: runs ccx")
+      .one_of({"own", "calculix"})
+      .show_default();
   command
-      ->add_option("--at", options->at,
-                   "Of a further parameter, the one value that the body file holds; without --at "
-                   "all stay free")
-      ->type_name("NAME=VALUE");
-  add_file_options(*command, options->file);
-  command->footer(
+      .add_option("--at", options->at,
+                  "Of a further parameter, the one value that the body file holds; without --at "
+                  "all stay free")
+      .type_name("NAME=VALUE");
+  add_file_options(command, options->file);
+  command.footer(
       "What is killed goes on where it was when the same command is run again.\n"
       "On several cores or machines: mpirun -n 4 palpable bake ...\n"
       "Example: palpable bake bodies/bunny-demo.toml -o bunny.palpable");
-  command->callback([options, command_line, &crew] { bake(*options, command_line, crew); });
+  command.callback([options, command_line, &crew] { bake(*options, command_line, crew); });
 }
 
 }  // namespace palpable::app

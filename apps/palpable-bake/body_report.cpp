@@ -2,10 +2,9 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
-#include "apps/palpable-bake/machine.h"
 #include "palpable/base/error.h"
+#include "palpable/base/this_machine.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -47,7 +46,7 @@ void print_errors(const BakeReport& report) {
 
 }  // namespace
 
-void add_file_options(CLI::App& command, FileOptions& options) {
+void add_file_options(Command command, FileOptions& options) {
   command.add_flag("--volume", options.volume,
                    "All nodes and elements too, not the boundary only: for palpable export; the "
                    "live half draws the boundary");

@@ -10,11 +10,9 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace palpable::app {
+
+class Command;
 
 /// What goes into a body file beside what its description says: --volume, --float16.
 struct FileOptions {
@@ -26,7 +24,7 @@ struct FileOptions {
 };
 
 /// @param options  outlives `command`
-void add_file_options(CLI::App& command, FileOptions& options);
+void add_file_options(Command command, FileOptions& options);
 
 /// Before the work, not after it. @throws Error when the folder of `output` does not exist
 void require_folder_of(const std::filesystem::path& output);

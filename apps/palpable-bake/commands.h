@@ -6,28 +6,26 @@
 
 #include <string>
 
-namespace CLI {
-class App;
-}
-
 namespace palpable {
 class Crew;
 }
 
 namespace palpable::app {
 
-void add_mesh(CLI::App& app);
+class Command;
+
+void add_mesh(Command app);
 /// @param command_line  as typed, for the provenance
 /// @param crew          outlives the app
-void add_bake(CLI::App& app, const std::string& command_line, Crew& crew);
-void add_merge(CLI::App& app);
-void add_import_snapshots(CLI::App& app);
-void add_reduce(CLI::App& app, const std::string& command_line);
-void add_report(CLI::App& app);
-void add_compare(CLI::App& app, const std::string& command_line);
-void add_solve(CLI::App& app);
-void add_export(CLI::App& app);
-void add_import_modes(CLI::App& app, const std::string& command_line);
-void add_bench(CLI::App& app);
+void add_bake(Command app, const std::string& command_line, Crew& crew);
+void add_merge(Command app);
+void add_import_snapshots(Command app);
+void add_reduce(Command app, const std::string& command_line);
+void add_report(Command app);
+void add_compare(Command app, const std::string& command_line);
+void add_solve(Command app);
+void add_export(Command app);
+void add_import_modes(Command app, const std::string& command_line);
+void add_bench(Command app);
 
 }  // namespace palpable::app

@@ -1,11 +1,11 @@
 // palpable import-modes theirs.pxdmf -o theirs.palpable
 
+#include "apps/common/command_line.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/exchange/modes_files.h"
 #include "palpable/reduced/body_file.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -41,26 +41,26 @@ void import(Options options, const std::string& command_line) {
 
 }  // namespace
 
-void add_import_modes(CLI::App& app, const std::string& command_line) {
+void add_import_modes(Command app, const std::string& command_line) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "import-modes", "Make a body file of a separated representation of another program");
-  command->add_option("input", options->input, "A .pxdmf file, or a folder of NumPy arrays")
-      ->required()
-      ->check(CLI::ExistingPath)
-      ->type_name("FILE|FOLDER");
-  command->add_option("-o,--out", options->output, "Body file to write")
-      ->required()
-      ->type_name("FILE");
+  command.add_option("input", options->input, "A .pxdmf file, or a folder of NumPy arrays")
+      .required()
+      .existing_path()
+      .type_name("FILE|FOLDER");
+  command.add_option("-o,--out", options->output, "Body file to write")
+      .required()
+      .type_name("FILE");
   command
-      ->add_option("--site", options->settings.site, "The parameter that is the place of the touch")
-      ->capture_default_str();
-  command->add_option("--level", options->settings.level, "The parameter that is the load")
-      ->capture_default_str();
-  command->footer(
+      .add_option("--site", options->settings.site, "The parameter that is the place of the touch")
+      .show_default();
+  command.add_option("--level", options->settings.level, "The parameter that is the load")
+      .show_default();
+  command.footer(
       "docs/exchange.md says what is read, and what is found where a file does not say it.\n"
       "Example: palpable import-modes theirs.pxdmf --level force -o theirs.palpable");
-  command->callback([options, command_line] { import(*options, command_line); });
+  command.callback([options, command_line] { import(*options, command_line); });
 }
 
 }  // namespace palpable::app

@@ -1,12 +1,12 @@
 // palpable import-snapshots FOLDER --manifest runs.toml -o bunny.snapshots
 
-#include "palpable/bake/import_snapshots.h"
+#include "palpable/campaign/import_snapshots.h"
 
+#include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <memory>
@@ -37,23 +37,22 @@ void import(const Options& options) {
 
 }  // namespace
 
-void add_import_snapshots(CLI::App& app) {
+void add_import_snapshots(Command app) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "import-snapshots", "Take over what another solver has computed (docs/snapshots.md)");
-  command->add_option("folder", options->folder, "Where the files are")
-      ->required()
-      ->check(CLI::ExistingDirectory)
-      ->type_name("FOLDER");
-  command->add_option("--manifest", options->manifest, "Which file is which snapshot")
-      ->required()
-      ->type_name("FILE.toml");
-  command->add_option("-o,--out", options->output, "Folder of snapshots to write")
-      ->required()
-      ->type_name("FOLDER");
-  command->footer(
-      "Example: palpable import-snapshots runs --manifest runs.toml -o bunny.snapshots");
-  command->callback([options] { import(*options); });
+  command.add_option("folder", options->folder, "Where the files are")
+      .required()
+      .existing_folder()
+      .type_name("FOLDER");
+  command.add_option("--manifest", options->manifest, "Which file is which snapshot")
+      .required()
+      .type_name("FILE.toml");
+  command.add_option("-o,--out", options->output, "Folder of snapshots to write")
+      .required()
+      .type_name("FOLDER");
+  command.footer("Example: palpable import-snapshots runs --manifest runs.toml -o bunny.snapshots");
+  command.callback([options] { import(*options); });
 }
 
 }  // namespace palpable::app

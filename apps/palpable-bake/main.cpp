@@ -3,10 +3,8 @@
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/blas_kernels.h"
 #include "apps/palpable-bake/commands.h"
-#include "apps/palpable-bake/mpi_crew.h"
 #include "palpable/campaign/crew.h"
-
-#include <CLI/CLI.hpp>
+#include "palpable/ranks/mpi_crew.h"
 
 #include <filesystem>
 #include <optional>
@@ -29,11 +27,9 @@ int run(int argc, char** argv) {
   // Under the name by which it was called, `palpable` or `palpable-bake`, so that what --help and
   // the provenance say can be typed again.
   const std::string name = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "";
-  CLI::App app("The offline half of Palpable: meshes, solves and reduces a body into a file.",
-               name);
-  app.set_version_flag("--version", std::string("palpable-bake ") + PALPABLE_VERSION);
-  app.set_help_flag("-h,--help", "Print this help and exit");
-  app.require_subcommand(1);
+  CommandLine app("The offline half of Palpable: meshes, solves and reduces a body into a file.",
+                  name, std::string("palpable-bake ") + PALPABLE_VERSION);
+  app.require_subcommand();
   app.footer(
       "Each command explains itself: palpable bake --help\n"
       "Example: palpable bake bodies/bunny-demo.toml -o bunny.palpable");
@@ -51,7 +47,7 @@ int run(int argc, char** argv) {
   add_export(app);
   add_import_modes(app, command_line);
   add_bench(app);
-  const int code = run_command_line(app, argc, argv);
+  const int code = app.run(argc, argv);
   if (ranks) ranks->end(code != 0);
   return code;
 }

@@ -1,11 +1,11 @@
 // palpable merge one.snapshots two.snapshots -o all.snapshots
 
+#include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/campaign/merge_stores.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -34,18 +34,18 @@ void merge(const Options& options) {
 
 }  // namespace
 
-void add_merge(CLI::App& app) {
+void add_merge(Command app) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("merge", "Collect snapshots of one campaign that were solved apart");
-  command->add_option("parts", options->parts, "Folders that palpable bake --shard filled")
-      ->required()
-      ->type_name("FOLDER");
-  command->add_option("-o,--out", options->output, "Folder to collect them in; may be one of them")
-      ->required()
-      ->type_name("FOLDER");
-  command->footer("Example: palpable merge a.snapshots b.snapshots -o bunny.snapshots");
-  command->callback([options] { merge(*options); });
+  command.add_option("parts", options->parts, "Folders that palpable bake --shard filled")
+      .required()
+      .type_name("FOLDER");
+  command.add_option("-o,--out", options->output, "Folder to collect them in; may be one of them")
+      .required()
+      .type_name("FOLDER");
+  command.footer("Example: palpable merge a.snapshots b.snapshots -o bunny.snapshots");
+  command.callback([options] { merge(*options); });
 }
 
 }  // namespace palpable::app

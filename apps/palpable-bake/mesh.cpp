@@ -1,5 +1,6 @@
 // palpable mesh SURFACE -o body.msh
 
+#include "apps/common/command_line.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/base/error.h"
 #include "palpable/describe/body_mesh.h"
@@ -8,7 +9,6 @@
 #include "palpable/mesh/remesh.h"
 #include "palpable/mesh/tetrahedralise.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <memory>
@@ -49,36 +49,35 @@ void mesh(const Options& options) {
 
 }  // namespace
 
-void add_mesh(CLI::App& app) {
+void add_mesh(Command app) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("mesh", "Fill a watertight surface with tetrahedra");
-  command->add_option("surface", options->surface, "Surface: .stl .ply .obj .3ds .off")
-      ->required()
-      ->type_name("SURFACE");
-  command->add_option("-o,--out", options->output, "Gmsh file (.msh, ASCII) to write")
-      ->required()
-      ->type_name("FILE");
+  Command command = app.add_subcommand("mesh", "Fill a watertight surface with tetrahedra");
+  command.add_option("surface", options->surface, "Surface: .stl .ply .obj .3ds .off")
+      .required()
+      .type_name("SURFACE");
+  command.add_option("-o,--out", options->output, "Gmsh file (.msh, ASCII) to write")
+      .required()
+      .type_name("FILE");
   command
-      ->add_option("--edge", options->edge,
-                   "Remesh the surface to this edge length first, in metres (after --height)")
-      ->check(CLI::Range(1e-6, 1e3))
-      ->type_name("METRES");
+      .add_option("--edge", options->edge,
+                  "Remesh the surface to this edge length first, in metres (after --height)")
+      .in_range(1e-6, 1e3)
+      .type_name("METRES");
   command
-      ->add_option("--height", options->height,
-                   "Scale to this height in metres and stand it on Z = 0")
-      ->check(CLI::Range(1e-6, 1e3))
-      ->type_name("METRES");
-  command->add_option("--up", options->up, "Axis of the file that points up: x, y or z")
-      ->check(CLI::IsMember({"x", "y", "z"}))
-      ->capture_default_str();
+      .add_option("--height", options->height,
+                  "Scale to this height in metres and stand it on Z = 0")
+      .in_range(1e-6, 1e3)
+      .type_name("METRES");
+  command.add_option("--up", options->up, "Axis of the file that points up: x, y or z")
+      .one_of({"x", "y", "z"})
+      .show_default();
   command
-      ->add_option("--order", options->order,
-                   "1: tetrahedra of 4 nodes; 2: of 10, with one in the middle of each edge")
-      ->check(CLI::Range(1, 2))
-      ->capture_default_str();
-  command->footer(
-      "Example: palpable mesh bunny.off -o bunny.msh --up y --height 0.15 --edge 0.007");
-  command->callback([options] { mesh(*options); });
+      .add_option("--order", options->order,
+                  "1: tetrahedra of 4 nodes; 2: of 10, with one in the middle of each edge")
+      .in_range(1, 2)
+      .show_default();
+  command.footer("Example: palpable mesh bunny.off -o bunny.msh --up y --height 0.15 --edge 0.007");
+  command.callback([options] { mesh(*options); });
 }
 
 }  // namespace palpable::app

@@ -1,11 +1,10 @@
 // palpable reduce bunny.snapshots -o bunny.palpable
 
+#include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/bake_body.h"
-
-#include <CLI/CLI.hpp>
 
 #include <chrono>
 #include <memory>
@@ -47,49 +46,47 @@ void reduce(const Options& options, const std::string& command_line) {
 
 }  // namespace
 
-void add_reduce(CLI::App& app, const std::string& command_line) {
+void add_reduce(Command app, const std::string& command_line) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("reduce", "Make a body file from snapshots");
+  Command command = app.add_subcommand("reduce", "Make a body file from snapshots");
   command
-      ->add_option("snapshots", options->store,
-                   "What palpable bake, merge or import-snapshots left")
-      ->required()
-      ->type_name("FOLDER");
-  command->add_option("-o,--out", options->output, "Body file to write")
-      ->required()
-      ->type_name("FILE");
+      .add_option("snapshots", options->store, "What palpable bake, merge or import-snapshots left")
+      .required()
+      .type_name("FOLDER");
+  command.add_option("-o,--out", options->output, "Body file to write")
+      .required()
+      .type_name("FILE");
   command
-      ->add_option(
+      .add_option(
           "--method", options->method,
           "per-site, pgd (the paper's), pgd2, pod, cp or hosvd (docs/reduction.md); else as "
           "the body's description says")
-      ->check(CLI::IsMember(method_names()));
+      .one_of(method_names());
   command
-      ->add_option(
-          "-e,--error,--tolerance", options->tolerance,
-          "Relative error for displacement and stress each: over all snapshots, or with "
-          "per-site over those of each site; else as the description says, or with another "
-          "method 1e-3 (per-site: 1e-4)")
-      ->check(CLI::Range(1e-6, 0.999));
+      .add_option("-e,--error,--tolerance", options->tolerance,
+                  "Relative error for displacement and stress each: over all snapshots, or with "
+                  "per-site over those of each site; else as the description says, or with another "
+                  "method 1e-3 (per-site: 1e-4)")
+      .in_range(1e-6, 0.999);
   command
-      ->add_option("-n,--modes,--max-modes", options->max_modes,
-                   "Stop at this many modes at the latest; else likewise")
-      ->check(CLI::Range(1, 100000));
+      .add_option("-n,--modes,--max-modes", options->max_modes,
+                  "Stop at this many modes at the latest; else likewise")
+      .in_range(1, 100000);
   command
-      ->add_option(
+      .add_option(
           "--norm", options->norm,
           "own: each snapshot counts by its own norm, so that small presses are as accurate "
           "as large ones; pooled: by its size. Else own with per-site, pooled otherwise")
-      ->check(CLI::IsMember({"own", "pooled"}));
+      .one_of({"own", "pooled"});
   command
-      ->add_option("--at", options->at,
-                   "Of a further parameter, the one value that the body file holds; without --at "
-                   "all stay free")
-      ->type_name("NAME=VALUE");
-  add_file_options(*command, options->file);
-  command->footer(
+      .add_option("--at", options->at,
+                  "Of a further parameter, the one value that the body file holds; without --at "
+                  "all stay free")
+      .type_name("NAME=VALUE");
+  add_file_options(command, options->file);
+  command.footer(
       "Example: palpable reduce bunny.snapshots --method pgd --error 1e-3 -o bunny.palpable");
-  command->callback([options, command_line] { reduce(*options, command_line); });
+  command.callback([options, command_line] { reduce(*options, command_line); });
 }
 
 }  // namespace palpable::app

@@ -1,6 +1,8 @@
 // palpable solve BODY.toml --site 5 --level 0.7 -o x.vtu
 
+#include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
+#include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/base/error.h"
 #include "palpable/campaign/press_solver.h"
@@ -9,11 +11,9 @@
 #include "palpable/solid/equilibrium.h"
 #include "palpable/solid/stress.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <chrono>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -54,35 +54,23 @@ void print_convergence(const Equilibrium& state, double press) {
              1e3 * press, state.smallest_volume_ratio);
 }
 
-void solve(const Options& options) {
-  // Where to write is looked at before the work, not after it.
-  const std::filesystem::path folder = std::filesystem::absolute(options.output).parent_path();
-  if (!std::filesystem::is_directory(folder)) {
-    throw Error(fmt::format("{}: the folder {} does not exist", options.output, folder.string()));
-  }
-  const auto begin = std::chrono::steady_clock::now();
-  BodyDescription description = read_body_description(options.description);
+BodyProblem posed(const Options& options, BodyDescription& description) {
   if (options.order > 0) {
     description.shape.order = options.order;
     description.shape.order_place = "--order";
   }
-  const BodyProblem problem = pose_body(description);
+  BodyProblem problem = pose_body(description);
   if (options.site >= static_cast<int>(problem.sites.size())) {
     throw Error(fmt::format("there is no site {}; the body has 0 to {}", options.site,
                             problem.sites.size() - 1));
   }
-  const Site& site = problem.sites[static_cast<std::size_t>(options.site)];
-  const EquilibriumSolver solver(problem.model);
-  const PressSolver presses = [&] {
-    try {
-      return PressSolver(solver, problem.preload);
-    } catch (const Error& error) {
-      throw Error(fmt::format("{}: {}", options.description, error.what()));
-    }
-  }();
-  const TetMesh& mesh = solver.model().mesh;
-  const Eigen::Matrix3Xd unit = unit_load(site, problem.mesh.boundary, mesh.node_count());
+  return problem;
+}
 
+void print_problem(const BodyDescription& description, const BodyProblem& problem,
+                   const PressSolver& presses, int number) {
+  const TetMesh& mesh = problem.model.mesh;
+  const Site& site = problem.sites[number];
   const Eigen::Vector3d at = problem.mesh.boundary.surface.vertices.col(site.vertex);
   fmt::print("{}: {} nodes, {} tetrahedra of {} nodes; {}\n", description.name, mesh.node_count(),
              mesh.tet_count(), mesh.is_quadratic() ? 10 : 4, material_line(description.material));
@@ -101,21 +89,25 @@ void solve(const Options& options) {
         1e3 * presses.rest().colwise().norm().maxCoeff());
   }
   fmt::print("site {} at ({:.1f}, {:.1f}, {:.1f}) mm, pressed along ({:.3f}, {:.3f}, {:.3f})\n",
-             options.site, 1e3 * at[0], 1e3 * at[1], 1e3 * at[2], site.direction[0],
-             site.direction[1], site.direction[2]);
-  double full_load = problem.force;
-  if (full_load > 0.0) {
-    fmt::print("level 1 is {:.4g} N\n\n", full_load);
-  } else {
-    const LoadSearch search = presses.find_load(unit, problem.press);
-    if (!(search.load > 0.0)) throw Error("the site cannot be pressed: " + search.why_stopped);
-    full_load = search.load;
-    fmt::print("level 1 is {:.4g} N, which press it in by {:.3f} mm{}{}\n\n", search.load,
-               1e3 * search.press, search.reached ? "" : ": ", search.why_stopped);
-  }
+             number, 1e3 * at[0], 1e3 * at[1], 1e3 * at[2], site.direction[0], site.direction[1],
+             site.direction[2]);
+}
 
-  const std::vector<double> levels = levels_to(options.level, description.press.levels);
-  const PathResult path = presses.solve_path(full_load * unit, levels);
+// N; the description's force, or what presses as deep as it asks.
+double find_full_load(const BodyProblem& problem, const PressSolver& presses,
+                      const Eigen::Matrix3Xd& unit) {
+  if (problem.force > 0.0) {
+    fmt::print("level 1 is {:.4g} N\n\n", problem.force);
+    return problem.force;
+  }
+  const LoadSearch search = presses.find_load(unit, problem.press);
+  if (!(search.load > 0.0)) throw Error("the site cannot be pressed: " + search.why_stopped);
+  fmt::print("level 1 is {:.4g} N, which press it in by {:.3f} mm{}{}\n\n", search.load,
+             1e3 * search.press, search.reached ? "" : ": ", search.why_stopped);
+  return search.load;
+}
+
+void print_path(const PathResult& path, const Eigen::Matrix3Xd& unit, const PressSolver& presses) {
   fmt::print("{:>8} {:>6} {:>10} {:>6} {:>6} {:>11} {:>11}\n", "level", "Newton", "residual", "CG",
              "share", "press / mm", "smallest J");
   for (const Equilibrium& state : path.steps) {
@@ -124,6 +116,29 @@ void solve(const Options& options) {
   fmt::print("\n");
   if (path.steps.empty()) throw Error(path.why_stopped);
   if (!path.complete) fmt::print("{}\n", path.why_stopped);
+}
+
+void solve(const Options& options) {
+  require_folder_of(options.output);
+  const auto begin = std::chrono::steady_clock::now();
+  BodyDescription description = read_body_description(options.description);
+  const BodyProblem problem = posed(options, description);
+  const EquilibriumSolver solver(problem.model);
+  const PressSolver presses = [&] {
+    try {
+      return PressSolver(solver, problem.preload);
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}: {}", options.description, error.what()));
+    }
+  }();
+  print_problem(description, problem, presses, options.site);
+  const TetMesh& mesh = solver.model().mesh;
+  const Eigen::Matrix3Xd unit =
+      unit_load(problem.sites[options.site], problem.mesh.boundary, mesh.node_count());
+  const double full_load = find_full_load(problem, presses, unit);
+  const PathResult path =
+      presses.solve_path(full_load * unit, levels_to(options.level, description.press.levels));
+  print_path(path, unit, presses);
 
   const Equilibrium& last = path.steps.back();
   const StressField stress = nodal_cauchy_stress(solver.model(), last.displacement);
@@ -145,33 +160,32 @@ void solve(const Options& options) {
 
 }  // namespace
 
-void add_solve(CLI::App& app) {
+void add_solve(Command app) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("solve", "Press a body at one site and write it for ParaView");
-  command->add_option("body", options->description, "What to press (docs/body.md)")
-      ->required()
-      ->type_name("BODY.toml");
-  command->add_option("-o,--out", options->output, "VTK grid to write")
-      ->required()
-      ->type_name("FILE.vtu");
-  command->add_option("--site", options->site, "Which of the description's sites, from 0")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  command.add_option("body", options->description, "What to press (docs/body.md)")
+      .required()
+      .type_name("BODY.toml");
+  command.add_option("-o,--out", options->output, "VTK grid to write")
+      .required()
+      .type_name("FILE.vtu");
+  command.add_option("--site", options->site, "Which of the description's sites, from 0")
+      .not_negative()
+      .show_default();
   command
-      ->add_option(
+      .add_option(
           "--level", options->level,
           "Share of the description's full press: its force, or the load that gives its depth")
-      ->check(CLI::Range(1e-6, 1.0))
-      ->capture_default_str();
+      .in_range(1e-6, 1.0)
+      .show_default();
   command
-      ->add_option(
-          "--order", options->order,
-          "1: 4-node tetrahedra; 2: 10-node ones, far more accurate (default: what 'order' "
-          "in the description says)")
-      ->check(CLI::Range(1, 2));
-  command->footer("Example: palpable solve bodies/bunny-demo.toml --site 5 --level 0.7 -o x.vtu");
-  command->callback([options] { solve(*options); });
+      .add_option("--order", options->order,
+                  "1: 4-node tetrahedra; 2: 10-node ones, far more accurate (default: what 'order' "
+                  "in the description says)")
+      .in_range(1, 2);
+  command.footer("Example: palpable solve bodies/bunny-demo.toml --site 5 --level 0.7 -o x.vtu");
+  command.callback([options] { solve(*options); });
 }
 
 }  // namespace palpable::app

@@ -1,8 +1,8 @@
 #include "apps/palpable/board_options.h"
 
+#include "apps/common/command_line.h"
 #include "palpable/base/error.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,12 +10,12 @@
 
 namespace palpable::app {
 
-void add_board_options(CLI::App& command, BoardOptions& options) {
+void add_board_options(Command command, BoardOptions& options) {
   command.add_option("--board", options.corners, "Inner corners of the board: COLUMNSxROWS")
-      ->capture_default_str();
+      .show_default();
   command.add_option("--square", options.square_mm, "Side of a square, mm")
-      ->check(CLI::Range(0.1, 10000.0))
-      ->capture_default_str();
+      .in_range(0.1, 10000.0)
+      .show_default();
 }
 
 BoardPattern pattern_of(const BoardOptions& options) {

@@ -6,11 +6,9 @@
 
 #include <string>
 
-namespace CLI {
-class App;
-}
-
 namespace palpable::app {
+
+class Command;
 
 struct BoardOptions {
   std::string corners = "9x6";
@@ -18,7 +16,7 @@ struct BoardOptions {
 };
 
 /// Adds --board and --square.
-void add_board_options(CLI::App& command, BoardOptions& options);
+void add_board_options(Command command, BoardOptions& options);
 
 /// @throws Error when --board is no board
 [[nodiscard]] BoardPattern pattern_of(const BoardOptions& options);

@@ -1,17 +1,17 @@
 #include "apps/palpable/calibration_run.h"
 
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/base/error.h"
+#include "palpable/base/output_file.h"
 #include "palpable/calibrate/rectification.h"
 #include "palpable/sources/open_source.h"
+#include "palpable/sources/seen_boards.h"
 #include "palpable/sources/source_calibration.h"
-#include "palpable/sources/source_guard.h"
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <fstream>
 #include <memory>
 #include <numbers>
 #include <utility>
@@ -22,54 +22,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Seen {
-  std::vector<BoardView> views;
-  int pairs = 0;  // looked at
-  int alike = 0;  // whose board was where another had been
-};
-
-// Looks at the source until it ends or, for a camera, until there are enough boards.
-Seen look(FrameSource& source, const BoardPattern& pattern, int wanted) {
-  // A board that has moved by less tells next to nothing new.
-  const double new_px = 0.02 * source.format().width;
-  Seen seen;
-  SourceGuard guard(source);
-  Frame frame;
+// With a bar, and the source's troubles on stderr.
+SeenBoards search(FrameSource& source, const BoardPattern& pattern, int wanted) {
   ProgressBar bar;
+  const bool live = source.is_live();
   const int total = source.frame_count();
-  for (FrameStatus status = guard.next(frame); status != FrameStatus::kEnd;
-       status = guard.next(frame)) {
-    for (const std::string& line : guard.take_reports()) fmt::print(stderr, "{}\n", line);
-    if (status != FrameStatus::kFrame) continue;
-    ++seen.pairs;
-    std::optional<BoardView> board = find_board(frame.left, frame.right, pattern);
-    if (board) {
-      board->number = frame.number;
-      const bool alike = std::any_of(
-          seen.views.begin(), seen.views.end(),
-          [&](const BoardView& other) { return difference_px(*board, other) < new_px; });
-      if (alike) {
-        ++seen.alike;
-      } else {
-        seen.views.push_back(std::move(*board));
-      }
-    }
-    const auto boards = static_cast<int>(seen.views.size());
-    bar.show({source.is_live() ? "show the board, tilted to all sides" : "boards",
-              static_cast<double>(source.is_live() ? boards : seen.pairs),
-              static_cast<double>(source.is_live() ? wanted : std::max(total, seen.pairs)),
+  SeenBoards seen = find_boards(source, pattern, wanted, [&](const BoardSearchStep& step) {
+    for (const std::string& line : step.reports) fmt::print(stderr, "{}\n", line);
+    if (!step.searched) return;
+    const auto boards = static_cast<int>(step.seen.views.size());
+    bar.show({live ? "show the board, tilted to all sides" : "boards",
+              static_cast<double>(live ? boards : step.seen.pairs),
+              static_cast<double>(live ? wanted : std::max(total, step.seen.pairs)),
               fmt::format("{} boards", boards)});
-    if (source.is_live() && boards == wanted) break;
-  }
+  });
   bar.finish();
   return seen;
 }
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-nlohmann::ordered_json json_of(const BoardCalibration& found, const Seen& seen) {
+Json json_of(const BoardCalibration& found, const SeenBoards& seen) {
   const StereoRig& rig = found.calibration.rig;
-  nlohmann::ordered_json result;
+  Json result;
   result["pairs"] = seen.pairs;
   result["boards"] = seen.views.size();
   for (const auto& [name, eye] : {std::pair{"left", &rig.left}, std::pair{"right", &rig.right}}) {
@@ -88,7 +63,8 @@ nlohmann::ordered_json json_of(const BoardCalibration& found, const Seen& seen) 
   return result;
 }
 
-std::string text_of(const BoardCalibration& found, const Seen& seen, const BoardPattern& pattern) {
+std::string text_of(const BoardCalibration& found, const SeenBoards& seen,
+                    const BoardPattern& pattern) {
   std::string text;
   for (std::size_t i = 0; i < seen.views.size(); ++i) {
     text += fmt::format("pair {:>4}  reprojection {:.3f} px\n", seen.views[i].number,
@@ -128,16 +104,8 @@ fs::path output_of(const CalibrationTask& task, const FrameFormat& format, Video
   return folder / calibration_name(info.name, format.width, format.height);
 }
 
-// Before anybody shows boards. @throws Error when the file could not be written
-void try_output(const fs::path& output) {
-  std::error_code error;
-  const bool was_there = fs::exists(output, error);
-  const bool can_be = std::ofstream(output, std::ios::app).good();
-  if (!was_there) fs::remove(output, error);
-  if (!can_be) throw Error(fmt::format("{}: cannot be written", output.string()));
-}
-
-CalibrationReport check(const CalibrationTask& task, const FrameFormat& format, const Seen& seen) {
+CalibrationReport check(const CalibrationTask& task, const FrameFormat& format,
+                        const SeenBoards& seen) {
   const SourceCalibration calibration =
       value_or_throw(read_source_calibration(task.check, format.width, format.height));
   const FrameFormat& checked = calibration.format;
@@ -156,8 +124,7 @@ CalibrationReport check(const CalibrationTask& task, const FrameFormat& format, 
                             error.problem().message));
   }
   const double rows = error.value();
-  const nlohmann::ordered_json json = {
-      {"pairs", seen.pairs}, {"boards", seen.views.size()}, {"row_error_px", rows}};
+  const Json json = {{"pairs", seen.pairs}, {"boards", seen.views.size()}, {"row_error_px", rows}};
   CalibrationReport report;
   report.text = task.json
                     ? json.dump(2) + "\n"
@@ -184,8 +151,8 @@ CalibrationReport calibrate(const CalibrationTask& task, VideoSystem& system) {
                             request.device));
   }
   const fs::path output = task.check.empty() ? output_of(task, format, system) : fs::path();
-  if (!output.empty()) try_output(output);
-  const Seen seen = look(*source, task.pattern, task.views);
+  if (!output.empty()) expect_writable(output);  // before anybody shows boards
+  const SeenBoards seen = search(*source, task.pattern, task.views);
   if (!task.check.empty()) return check(task, format, seen);
   const Result<BoardCalibration> found =
       calibrate_boards(seen.views, task.pattern, format.width, format.height, task.limits);
@@ -195,7 +162,7 @@ CalibrationReport calibrate(const CalibrationTask& task, VideoSystem& system) {
   write_stereo_calibration(output, found.value().calibration);
   CalibrationReport report;
   if (task.json) {
-    nlohmann::ordered_json result = json_of(found.value(), seen);
+    Json result = json_of(found.value(), seen);
     result["file"] = output.string();
     report.text = result.dump(2) + "\n";
   } else {

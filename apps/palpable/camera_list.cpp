@@ -1,12 +1,12 @@
 #include "apps/palpable/camera_list.h"
 
+#include "apps/common/json.h"
 #include "palpable/base/error.h"
 #include "palpable/sources/camera_source.h"
 #include "palpable/sources/side_by_side.h"
 #include "palpable/sources/v4l2_camera.h"
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 namespace palpable::app {
 namespace {
@@ -80,8 +80,8 @@ std::string text_of(const CameraInfo& info, const Folders& folders) {
   return text + fmt::format("  use: {}\n", use_of(info));
 }
 
-nlohmann::ordered_json json_of(const Found& found, const Folders& folders) {
-  nlohmann::ordered_json camera;
+Json json_of(const Found& found, const Folders& folders) {
+  Json camera;
   camera["device"] = found.info.path;
   if (!found.trouble.empty()) {
     camera["trouble"] = found.trouble;
@@ -89,7 +89,7 @@ nlohmann::ordered_json json_of(const Found& found, const Folders& folders) {
   }
   camera["name"] = found.info.name;
   camera["bus"] = found.info.bus;
-  camera["modes"] = nlohmann::ordered_json::array();
+  camera["modes"] = Json::array();
   for (const CameraMode& mode : found.info.modes) {
     camera["modes"].push_back({{"width", mode.width},
                                {"height", mode.height},
@@ -100,8 +100,7 @@ nlohmann::ordered_json json_of(const Found& found, const Folders& folders) {
   camera["exposure"] = found.info.has_exposure;
   camera["gain"] = found.info.has_gain;
   const std::string calibration = calibration_text(found.info, folders);
-  camera["calibration"] =
-      calibration.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(calibration);
+  camera["calibration"] = calibration.empty() ? Json(nullptr) : Json(calibration);
   return camera;
 }
 
@@ -120,9 +119,9 @@ std::string camera_list(VideoSystem& system, const Folders& folders, bool json) 
     }
   }
   if (json) {
-    nlohmann::ordered_json result = nlohmann::ordered_json::array();
+    Json result = Json::array();
     for (const Found& entry : found) result.push_back(json_of(entry, folders));
-    return nlohmann::ordered_json{{"cameras", result}}.dump(2) + "\n";
+    return Json{{"cameras", result}}.dump(2) + "\n";
   }
   if (found.empty()) {
     return "no camera: there is no /dev/video* (is it plugged in, and passed on to a container?)\n"

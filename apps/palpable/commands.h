@@ -4,21 +4,19 @@
 /// hoped, and main() turns that into one line on stderr and exit code 1.
 #pragma once
 
-namespace CLI {
-class App;
-}
-
 namespace palpable::app {
 
-void add_view(CLI::App& app);
-void add_live(CLI::App& app);
-void add_scan(CLI::App& app);
-void add_inspect(CLI::App& app);
-void add_press(CLI::App& app);
-void add_synth(CLI::App& app);
-void add_score(CLI::App& app);
-void add_bench(CLI::App& app);
-void add_cameras(CLI::App& app);
-void add_calibrate(CLI::App& app);
+class Command;
+
+void add_view(Command app);
+void add_live(Command app);
+void add_scan(Command app);
+void add_inspect(Command app);
+void add_press(Command app);
+void add_synth(Command app);
+void add_score(Command app);
+void add_bench(Command app);
+void add_cameras(Command app);
+void add_calibrate(Command app);
 
 }  // namespace palpable::app

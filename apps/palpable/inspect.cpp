@@ -1,14 +1,14 @@
 // palpable inspect: what is in a body file.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/palpable/commands.h"
 #include "palpable/base/error.h"
 #include "palpable/geometry/surface_mesh.h"
 #include "palpable/reduced/body_file.h"
 
-#include <CLI/CLI.hpp>
 #include <Eigen/Geometry>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <filesystem>
@@ -126,7 +126,7 @@ void print_text(const ReducedBody& body, const std::filesystem::path& path) {
 }
 
 void print_json(const ReducedBody& body) {
-  nlohmann::ordered_json result;
+  Json result;
   result["name"] = body.name;
   result["vertices"] = body.surface.vertex_count();
   result["triangles"] = body.surface.triangle_count();
@@ -169,13 +169,13 @@ void print_json(const ReducedBody& body) {
 
 }  // namespace
 
-void add_inspect(CLI::App& app) {
+void add_inspect(Command app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("inspect", "Show what is in a body file");
-  command->add_option("body", options->body, "Body file")->required();
-  command->add_flag("--json", options->json, "One JSON object on stdout");
-  command->footer("Example: palpable inspect bunny.palpable");
-  command->callback([options] {
+  Command command = app.add_subcommand("inspect", "Show what is in a body file");
+  command.add_option("body", options->body, "Body file").required();
+  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.footer("Example: palpable inspect bunny.palpable");
+  command.callback([options] {
     const ReducedBody body = value_or_throw(read_body_file(options->body));
     options->json ? print_json(body) : print_text(body, options->body);
   });

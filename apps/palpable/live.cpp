@@ -1,26 +1,27 @@
 // palpable live: images in, the pressed body in them out.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/ctrl_c.h"
 #include "apps/palpable/live_output.h"
 #include "apps/palpable/live_setup.h"
-#include "apps/palpable/map_picture.h"
-#include "apps/palpable/scene_picture.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
+#include "palpable/clip_files/live_file.h"
 #include "palpable/live/live_loop.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/render/window.h"
+#include "palpable/view/figure_scores.h"
+#include "palpable/view/map_picture.h"
+#include "palpable/view/scene_picture.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -64,14 +65,17 @@ class Painter {
   // Fills in what drawing adds to a scene, but for the scores.
   void draw(DrawnFrame& drawn, const Session& session) {
     const StageTimer timer(drawn.scene.times, "draw");
-    SceneView view = view_of(drawn.scene, session, scale_);
+    SceneView view = view_of(drawn.scene, session.body(), scale_);
     if (map_) {  // its own caption says it
       view.legend_title.clear();
       view.caption.clear();
       view.warning.clear();
     }
     renderer_->draw(view, map_ ? inside_ : drawn.picture, &drawn.visible, &drawn.body_depth);
-    if (map_) map_->draw(drawn.scene, session, scale_, inside_, drawn.picture);
+    if (!map_) return;
+    const MappedRoom room{session.body(), session.map(), session.world_from_body(),
+                          [&] { return session.keyframes(); }};
+    map_->draw(drawn.scene, room, scale_, inside_, drawn.picture);
   }
 
   void show(const ColorImage& picture) {
@@ -110,77 +114,46 @@ class Painter {
   bool ended_ = false;
 };
 
-using Json = nlohmann::ordered_json;
-
-std::vector<double> rows_of(const Rigid3& pose) {
-  std::vector<double> numbers;
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column) numbers.push_back(pose.matrix()(row, column));
-  }
-  return numbers;
-}
-
-Json tracking_summary(const Session& session, const LiveCounts& counts) {
-  if (!session.settings().track) return nullptr;
-  const TrackerCounts tracker = session.tracker_counts();
-  return {{"frames_moving", counts.moving},          {"frames_lost", counts.lost},
-          {"times_found_again", tracker.recognised}, {"loops_closed", tracker.loops},
-          {"keyframes", tracker.keyframes},          {"landmarks", tracker.landmarks}};
-}
-
-Json map_summary(const Session& session) {
-  const SurfaceMap* map = session.map();
-  if (map == nullptr) return nullptr;
-  return {{"blocks", map->blocks()},
-          {"refused", map->refused()},
-          {"free_space_refused", session.free_space()->blocked()}};
-}
-
-Json summary(const Options& options, const LiveRun& run, const LiveCounts& counts,
-             const LiveOutput& output, double wall) {
+LiveSummary summary(const Options& options, const LiveRun& run, const LiveCounts& counts,
+                    const LiveOutput& output, double wall) {
   const Session& session = run.loop.session;
-  Json result;
-  result["body"] = options.live.body.string();
-  result["source"] = run.images.string();
-  result["contact"] = options.live.contact;
-  result["view"] = options.view;
-  result["ignore_static_frames"] =
-      session.settings().ignore_static ? session.settings().static_frames : 0;
-  result["scale"] = options.live.scale;
-  // The first frame's camera is the world.
-  result["camera_from_body"] = rows_of(session.world_from_body());
-  // For paths that are published of the depth camera; trajectory.txt is the colour camera's.
-  const auto& color = run.source->format().color_sensor;
-  result["color_from_depth"] = color ? Json(rows_of(color->color_from_depth)) : nullptr;
-  result["tracking"] = tracking_summary(session, counts);
-  result["map"] = map_summary(session);
-  result["frames"] = counts.processed.size();
-  result["unreadable"] = counts.troubles.unreadable;
-  result["source_troubles"] = {{"back_in_time", counts.troubles.back_in_time},
-                               {"dropped", counts.troubles.dropped},
-                               {"stalls", counts.troubles.stalls},
-                               {"losses", counts.troubles.losses},
-                               {"reports", counts.reports}};
-  result["frames_touching"] = counts.touching;
-  result["first_touch_frame"] = counts.first_touch ? Json(*counts.first_touch) : nullptr;
-  result["deepest_press_m"] = counts.deepest;
-  result["site_changes"] = counts.site_changes;
-  result["video_codec"] = output.codec();
-  result["pictures"] = output.figures();
-  result["color_scale_pa"] = stress_scale(session.body());
-  result["wall_s"] = wall;
-  for (const auto& [stage, values] : output.times()) {
-    if (!values.empty()) result["median_ms"][stage] = percentile(values, 0.5);
+  LiveSummary result;
+  result.body = options.live.body.string();
+  result.source = run.images.string();
+  result.contact = options.live.contact;
+  result.view = options.view;
+  if (session.settings().ignore_static) {
+    result.ignore_static_frames = session.settings().static_frames;
   }
-  result["processed"] = counts.processed;
+  result.scale = options.live.scale;
+  result.camera_from_body = session.world_from_body();  // the first frame's camera is the world
+  if (const auto& color = run.source->format().color_sensor) {
+    result.color_from_depth = color->color_from_depth;
+  }
+  if (session.settings().track) {
+    const TrackerCounts tracker = session.tracker_counts();
+    result.tracking = {counts.moving, counts.lost,       tracker.recognised,
+                       tracker.loops, tracker.keyframes, tracker.landmarks};
+  }
+  if (const SurfaceMap* map = session.map()) {
+    result.map = {map->blocks(), map->refused(), session.free_space()->blocked()};
+  }
+  result.unreadable = counts.troubles.unreadable;
+  result.source_troubles = {counts.troubles.back_in_time, counts.troubles.dropped,
+                            counts.troubles.stalls, counts.troubles.losses, counts.reports};
+  result.frames_touching = counts.touching;
+  result.first_touch_frame = counts.first_touch;
+  result.deepest_press = counts.deepest;
+  result.site_changes = counts.site_changes;
+  result.video_codec = output.codec();
+  result.pictures = output.figures();
+  result.color_scale = stress_scale(session.body());
+  result.wall = wall;
+  for (const auto& [stage, values] : output.times()) {
+    if (!values.empty()) result.median_ms.emplace_back(stage, percentile(values, 0.5));
+  }
+  result.processed = counts.processed;
   return result;
-}
-
-void write_summary(const fs::path& path, const Json& summary) {
-  std::ofstream file(path);
-  file << summary.dump(2) << "\n";
-  file.close();
-  if (!file) throw Error(fmt::format("{}: cannot be written (disk full?)", path.string()));
 }
 
 void print_counts(const LiveCounts& counts, const Session& session, double wall) {
@@ -238,7 +211,7 @@ std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, 
     std::swap(drawn->scene, *scene);
     painter.draw(*drawn, session);
     if (options.pictures) {
-      drawn->scores = figure_scores(drawn->scene, session, drawn->visible, drawn->body_depth,
+      drawn->scores = figure_scores(drawn->scene, session.body(), drawn->visible, drawn->body_depth,
                                     session.pressing_depth());
     }
     painter.show(drawn->picture);
@@ -280,7 +253,8 @@ void live(const Options& options) {
                             counts.troubles.unreadable, counts.last_trouble));
   }
   output->finish();
-  write_summary(options.out / "live.json", summary(options, run, counts, *output, wall.count()));
+  write_live_summary(options.out / "live.json",
+                     summary(options, run, counts, *output, wall.count()));
   painter.throw_gl_errors();
 
   print_counts(counts, run.loop.session, wall.count());
@@ -292,29 +266,28 @@ void live(const Options& options) {
 
 }  // namespace
 
-void add_live(CLI::App& app) {
+void add_live(Command app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("live", "Let what a camera saw press a body: video, figures, timing");
-  add_live_options(*command, options->live);
-  command->add_option("--out", options->out, "Folder for the results")->required();
+  add_live_options(command, options->live);
+  command.add_option("--out", options->out, "Folder for the results").required();
   command
-      ->add_option(
-          "--view", options->view,
-          "What the pictures show. camera: what the camera sees, with the body in it; map: "
-          "the room from outside as it has been seen so far, the way through it, the body")
-      ->check(CLI::IsMember({"camera", "map"}))
-      ->capture_default_str();
-  command->add_flag("--window", options->window,
-                    "Show it in a window too; Escape ends it. The mouse turns the map, its wheel "
-                    "comes nearer, R takes both back");
-  command->add_flag("--pictures", options->pictures,
-                    "Keep the pictures that show best: hand nearer, body nearer, touch");
-  command->add_flag("--no-masks", options->no_masks,
-                    "Leave out visible/, body_depth/ and moving/, which palpable score compares");
-  command->add_flag("--no-depth", options->no_depth, "Leave out depth/, the measured depth");
-  command->add_flag("--overwrite", options->overwrite, "Replace an earlier run in --out");
-  command->footer(
+      .add_option("--view", options->view,
+                  "What the pictures show. camera: what the camera sees, with the body in it; map: "
+                  "the room from outside as it has been seen so far, the way through it, the body")
+      .one_of({"camera", "map"})
+      .show_default();
+  command.add_flag("--window", options->window,
+                   "Show it in a window too; Escape ends it. The mouse turns the map, its wheel "
+                   "comes nearer, R takes both back");
+  command.add_flag("--pictures", options->pictures,
+                   "Keep the pictures that show best: hand nearer, body nearer, touch");
+  command.add_flag("--no-masks", options->no_masks,
+                   "Leave out visible/, body_depth/ and moving/, which palpable score compares");
+  command.add_flag("--no-depth", options->no_depth, "Leave out depth/, the measured depth");
+  command.add_flag("--overwrite", options->overwrite, "Replace an earlier run in --out");
+  command.footer(
       "Writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, "
       "rectification.jsonl,\n"
       "live.json, depth/, visible/, body_depth/ and moving/ (docs/benchmark.md has the formats).\n"
@@ -326,7 +299,7 @@ void add_live(CLI::App& app) {
       "--ignore-static --out out\n"
       "Example: palpable live bunny.palpable --source /dev/video0 --calibration SN10027514.conf "
       "--place \"0 0.1 0.6 0 40 0\" --window --out out");
-  command->callback([options] { live(*options); });
+  command.callback([options] { live(*options); });
 }
 
 }  // namespace palpable::app

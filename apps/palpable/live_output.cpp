@@ -1,17 +1,23 @@
 #include "apps/palpable/live_output.h"
 
 #include "palpable/base/error.h"
+#include "palpable/clip_files/depth_image_file.h"
+#include "palpable/clip_files/frame_names.h"
+#include "palpable/clip_files/mask_image_file.h"
+#include "palpable/clip_files/pose_file.h"
+#include "palpable/clip_files/rectification_file.h"
+#include "palpable/clip_files/timing_file.h"
+#include "palpable/clip_files/touches_file.h"
+#include "palpable/clip_files/trajectory_file.h"
 #include "palpable/render/picture_file.h"
 
 #include <fmt/core.h>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -21,10 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kInFlight = 4;
-constexpr float kDepthUnit = 0.25e-3f;     // m per count of depth/ (docs/benchmark.md)
-constexpr float kBodyDepthUnit = 1e-4f;    // m per count of body_depth/
-constexpr float kLargestDepth = 65534.0f;  // counts
-constexpr std::uint16_t kTooCloseCount = 65535;
 constexpr double kDefaultRate = 30;  // of a clip of one frame
 constexpr std::array kStages{"read",       "rectify", "disparity", "depth", "map",  "track",
                              "background", "contact", "evaluate",  "draw",  "write"};
@@ -39,69 +41,6 @@ void make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
-}
-
-std::ofstream open_file(const fs::path& path) {
-  std::ofstream file(path);
-  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
-  return file;
-}
-
-void close_file(std::ofstream& file, const fs::path& path) {
-  file.close();
-  if (!file) throw Error(fmt::format("{}: cannot be written (disk full?)", path.string()));
-}
-
-void write_image(const fs::path& path, const cv::Mat& image) {
-  // Run lengths suit masks and smooth depth: smaller and a little faster than zlib's own choice.
-  const std::vector<int> settings{cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY,
-                                  cv::IMWRITE_PNG_STRATEGY_RLE};
-  if (!cv::imwrite(path.string(), image, settings)) {
-    throw Error(fmt::format("{}: cannot be written (disk full?)", path.string()));
-  }
-}
-
-// 0 where unknown, or farther than the counts reach; kTooCloseCount where nearer than measured.
-cv::Mat counts_of(const DepthImage& depth, const MaskImage& too_close) {
-  cv::Mat counts(depth.height(), depth.width(), CV_16UC1);
-  for (int y = 0; y < counts.rows; ++y) {
-    const float* from = depth.row(y);
-    auto* to = counts.ptr<std::uint16_t>(y);
-    for (int x = 0; x < counts.cols; ++x) {
-      const float count = std::round(from[x] / kDepthUnit);
-      to[x] = count >= 1.0f && count <= kLargestDepth  // false for NaN
-                  ? static_cast<std::uint16_t>(count)
-                  : std::uint16_t{0};
-    }
-    if (too_close.empty()) continue;
-    for (int x = 0; x < counts.cols; ++x) {
-      if (too_close(x, y) != 0) to[x] = kTooCloseCount;
-    }
-  }
-  return counts;
-}
-
-// Half size, 0.1 mm: the mean of the two to four known depths of a block, 0 for fewer.
-cv::Mat halved(const DepthImage& depth) {
-  cv::Mat half(depth.height() / 2, depth.width() / 2, CV_16UC1);
-  for (int y = 0; y < half.rows; ++y) {
-    const float* upper = depth.row(2 * y);
-    const float* lower = depth.row(2 * y + 1);
-    auto* out = half.ptr<std::uint16_t>(y);
-    for (int x = 0; x < half.cols; ++x) {
-      float sum = 0;
-      int count = 0;
-      for (const float z : {upper[2 * x], upper[2 * x + 1], lower[2 * x], lower[2 * x + 1]}) {
-        if (std::isnan(z)) continue;
-        sum += z;
-        ++count;
-      }
-      const float counts =
-          count >= 2 ? std::round(sum / (static_cast<float>(count) * kBodyDepthUnit)) : 0.0f;
-      out[x] = counts < 65535.0f ? static_cast<std::uint16_t>(counts) : std::uint16_t{0};
-    }
-  }
-  return half;
 }
 
 // Whether `path` is `folder` or something in it, links followed.
@@ -156,6 +95,19 @@ void remove_earlier_run(const std::vector<fs::path>& there) {
   }
 }
 
+LiveOutput::Texts::Texts(const fs::path& folder)
+    : timing(folder / "timing.csv"),
+      touches(folder / "touches.jsonl"),
+      trajectory(folder / "trajectory.txt"),
+      poses(folder / "pose.jsonl"),
+      corrections(folder / "rectification.jsonl") {
+  trajectory.write(kTrajectoryRemark);
+}
+
+void LiveOutput::Texts::close() {
+  for (TextFile* file : {&timing, &touches, &trajectory, &poses, &corrections}) file->close();
+}
+
 LiveOutput::LiveOutput(const LiveOutputSettings& settings)
     : settings_(settings), ready_(kInFlight), free_(kInFlight) {
   const fs::path& folder = settings_.folder;
@@ -166,19 +118,12 @@ LiveOutput::LiveOutput(const LiveOutputSettings& settings)
     make_folder(folder / "body_depth");
     make_folder(folder / "moving");
   }
-  timing_ = open_file(folder / "timing.csv");
-  touches_ = open_file(folder / "touches.jsonl");
-  trajectory_ = open_file(folder / "trajectory.txt");
-  poses_ = open_file(folder / "pose.jsonl");
-  corrections_ = open_file(folder / "rectification.jsonl");
-  trajectory_ << "# time tx ty tz qx qy qz qw: world_from_camera of the rectified left camera\n";
-  timing_ << "frame";
-  for (const char* stage : kStages) {
-    timing_ << "," << stage << "_ms";
-    times_.emplace_back(stage, std::vector<double>());
-  }
-  timing_ << ",total_ms\n";
+  texts_.emplace(folder);
+  for (const char* stage : kStages) times_.emplace_back(stage, std::vector<double>());
   times_.emplace_back("total", std::vector<double>());
+  std::vector<std::string> stages;
+  for (const auto& [stage, values] : times_) stages.push_back(stage);
+  texts_->timing.write(timing_header(stages));
   for (std::size_t i = 0; i < kInFlight; ++i) free_.push(std::make_unique<DrawnFrame>());
   thread_ = std::thread([this] { run(); });
 }
@@ -235,68 +180,53 @@ void LiveOutput::write_frame(DrawnFrame& frame) {
     keep_if_best(frame);
     write_lines(frame);
   }
-  timing_ << frame.scene.number;
+  std::vector<double> row;
   double total = 0;
   for (auto& [stage, values] : times_) {
     const double ms = stage == "total" ? total : frame.scene.times.ms(stage);
     total += ms;
     values.push_back(ms);
-    timing_ << fmt::format(",{:.3f}", ms);
+    row.push_back(ms);
   }
-  timing_ << "\n";
+  texts_->timing.write(timing_line(frame.scene.number, row));
 }
 
 void LiveOutput::write_lines(const DrawnFrame& frame) {
   const Scene& scene = frame.scene;
   for (const Touch& touch : scene.touches) {
-    touches_ << fmt::format(
-        "{{\"frame\":{},\"time\":{:.6f},\"site\":{},\"level\":{:.6f},\"force\":{:.6f},"
-        "\"press_depth\":{:.7f},\"point\":[{:.6f},{:.6f},{:.6f}]}}\n",
-        scene.number, scene.time, touch.site, touch.level, touch.force, touch.press_depth,
-        touch.point_in_body.x(), touch.point_in_body.y(), touch.point_in_body.z());
+    texts_->touches.write(touch_line({.frame = scene.number,
+                                      .time = scene.time,
+                                      .site = touch.site,
+                                      .level = touch.level,
+                                      .force = touch.force,
+                                      .press_depth = touch.press_depth,
+                                      .point = touch.point_in_body}));
   }
   if (scene.camera.state != TrackState::kLost) {  // a fixed camera's pose stays as it is
-    const Rigid3& world_from_camera = scene.camera.world_from_camera;
-    const Eigen::Vector3d t = world_from_camera.translation();
-    const Eigen::Quaterniond q(world_from_camera.linear());
-    trajectory_ << fmt::format("{:.6f} {:.7f} {:.7f} {:.7f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
-                               scene.time, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+    texts_->trajectory.write(trajectory_line({scene.time, scene.camera.world_from_camera}));
   }
-  poses_ << fmt::format("{{\"frame\":{},\"camera_from_body\":[", scene.number);
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column) {
-      poses_ << fmt::format("{}{:.9g}", row + column > 0 ? "," : "",
-                            scene.camera_from_body.matrix()(row, column));
-    }
-  }
-  poses_ << "]}\n";
+  texts_->poses.write(pose_line({scene.number, scene.camera_from_body}));
   const double correction = scene.seen.row_correction_px;
   if (last_correction_ != correction) {
     last_correction_ = correction;
-    corrections_ << fmt::format(
-        "{{\"frame\":{},\"row_correction_px\":{:.4f},\"row_error_px\":{}}}\n", scene.number,
-        correction,
-        std::isnan(scene.seen.row_error_px) ? "null"
-                                            : fmt::format("{:.4f}", scene.seen.row_error_px));
+    std::optional<double> error;
+    if (!std::isnan(scene.seen.row_error_px)) error = scene.seen.row_error_px;
+    texts_->corrections.write(correction_line({scene.number, correction, error}));
   }
 }
 
 void LiveOutput::write_depth(const DrawnFrame& frame) {
-  write_image(settings_.folder / "depth" / fmt::format("{:06d}.png", frame.scene.number),
-              counts_of(frame.scene.seen.depth, frame.scene.seen.too_close));
+  const Scene& scene = frame.scene;
+  write_measured_depth(settings_.folder / "depth" / frame_name(scene.number, ".png"),
+                       scene.seen.depth, scene.seen.too_close);
 }
 
 void LiveOutput::write_masks(const DrawnFrame& frame) {
-  const std::string name = fmt::format("{:06d}.png", frame.scene.number);
-  const MaskImage& mask = frame.visible;
-  write_image(settings_.folder / "visible" / name, cv::Mat(mask.height(), mask.width(), CV_8UC1,
-                                                           const_cast<std::uint8_t*>(mask.data())));
-  write_image(settings_.folder / "body_depth" / name, halved(frame.body_depth));
+  const std::string name = frame_name(frame.scene.number, ".png");
+  write_mask(settings_.folder / "visible" / name, frame.visible);
+  write_body_depth(settings_.folder / "body_depth" / name, frame.body_depth);
   const MaskImage& moving = frame.scene.moving;
-  if (moving.empty()) return;
-  write_image(
-      settings_.folder / "moving" / name,
-      cv::Mat(moving.height(), moving.width(), CV_8UC1, const_cast<std::uint8_t*>(moving.data())));
+  if (!moving.empty()) write_mask(settings_.folder / "moving" / name, moving);
 }
 
 void LiveOutput::open_video(const ColorImage& picture, double frames_per_second) {
@@ -354,11 +284,7 @@ void LiveOutput::end_files() {
     append(first_picture_);
   }
   video_.reset();
-  close_file(timing_, settings_.folder / "timing.csv");
-  close_file(touches_, settings_.folder / "touches.jsonl");
-  close_file(trajectory_, settings_.folder / "trajectory.txt");
-  close_file(poses_, settings_.folder / "pose.jsonl");
-  close_file(corrections_, settings_.folder / "rectification.jsonl");
+  texts_->close();
   for (std::size_t i = 0; i < best_.size(); ++i) {
     if (best_score_[i] <= 0) continue;
     write_png(settings_.folder / kFigureNames[i], best_[i]);

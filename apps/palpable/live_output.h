@@ -1,30 +1,29 @@
 /// @file
-/// What a live run leaves behind, written on a thread of its own.
+/// What a live run leaves behind, written on a thread of its own. The formats stand in clip_files,
+/// in the header that is named here.
 ///
 ///   touch.mp4                 the pictures
-///   timing.csv                ms per stage per frame
-///   touches.jsonl             {"frame","time","site","level","force","press_depth","point"} in SI
-///   trajectory.txt            TUM: time tx ty tz qx qy qz qw, world_from_camera
-///   rectification.jsonl       stereo: {"frame":n,"row_correction_px":c,"row_error_px":e}: from
-///                             this frame on the right image was moved up by c rows beyond the
-///                             calibration; e is the error that was left in it (null: too few
-///                             points)
-///   pose.jsonl                {"frame","camera_from_body"}: where the body was drawn, row by row
-///   depth/%06d.png            the measured Z, 16 bit, 0.25 mm, 0 unknown, 65535 too close
-///   visible/%06d.png          255 where the body is seen
-///   body_depth/%06d.png       Z of the whole body at half size, 16 bit, 0.1 mm, 0 none
-///   moving/%06d.png           255 where something moves, at the depth's size
+///   timing.csv                ms per stage per frame (timing_file.h)
+///   touches.jsonl             where the body is pressed (touches_file.h)
+///   trajectory.txt            where the camera was (trajectory_file.h)
+///   rectification.jsonl       stereo: each change of the correction of rows (rectification_file.h)
+///   pose.jsonl                where the body was drawn (pose_file.h)
+///   depth/%06d.png            the measured Z (depth_image_file.h)
+///   visible/%06d.png          255 where the body is seen (mask_image_file.h)
+///   body_depth/%06d.png       Z of the whole body at half size (depth_image_file.h)
+///   moving/%06d.png           255 where something moves, at the depth's size (mask_image_file.h)
 ///   hand_nearer.png body_nearer.png touch.png   the three situations of Fig. 9, if asked for
 #pragma once
 
+#include "palpable/clip_files/text_file.h"
 #include "palpable/geometry/image.h"
 #include "palpable/live/bounded_queue.h"
 #include "palpable/session/scene.h"
+#include "palpable/view/figure_scores.h"
 
 #include <array>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,13 +35,6 @@ class VideoWriter;
 }
 
 namespace palpable::app {
-
-/// How well a frame shows each situation; 0: not at all.
-struct FigureScores {
-  double hand_nearer = 0;
-  double body_nearer = 0;
-  double touch = 0;
-};
 
 /// One frame to be written: a scene, and what drawing adds to it. Its memory goes round.
 struct DrawnFrame {
@@ -112,11 +104,17 @@ class LiveOutput {
   LiveOutputSettings settings_;
   BoundedQueue<std::unique_ptr<DrawnFrame>> ready_;
   BoundedQueue<std::unique_ptr<DrawnFrame>> free_;
-  std::ofstream timing_;
-  std::ofstream touches_;
-  std::ofstream trajectory_;
-  std::ofstream poses_;
-  std::ofstream corrections_;
+  /// The text files, open from the constructor on.
+  struct Texts {
+    explicit Texts(const std::filesystem::path& folder);
+    void close();
+    TextFile timing;
+    TextFile touches;
+    TextFile trajectory;
+    TextFile poses;
+    TextFile corrections;
+  };
+  std::optional<Texts> texts_;
   std::optional<double> last_correction_;
   std::unique_ptr<cv::VideoWriter> video_;
   ColorImage first_picture_;  // held back until the second frame's time says the video's rate

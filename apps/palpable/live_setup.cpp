@@ -2,14 +2,13 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
-#include "apps/palpable/sequence_folder.h"
 #include "palpable/base/error.h"
 #include "palpable/base/fnv1a.h"
+#include "palpable/film/sequence_folder.h"
 #include "palpable/live/place.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/scaled_body.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <cstdint>
@@ -59,24 +58,19 @@ fs::path synthetic_clip(const LiveOptions& options, const ReducedBody& body) {
   return options.clip / "frames";
 }
 
-// What follows --anchor. @throws CLI::ValidationError
-void read_anchor(const std::vector<std::string>& words, LiveOptions& options) {
+// Reads what follows --anchor. Returns why it is refused, else nothing.
+std::string read_anchor(const std::vector<std::string>& words, LiveOptions& options) {
   const std::string& how = words.front();
   const bool looks = how == "plane" || how == "board";
-  if (!looks && how != "pose") {
-    throw CLI::ValidationError("--anchor", how + " not in {plane,board,pose FILE}");
-  }
+  if (!looks && how != "pose") { return how + " not in {plane,board,pose FILE}"; }
   if (looks && words.size() > 1) {
-    throw CLI::ValidationError(
-        "--anchor", fmt::format("{} takes no file, and {} follows; the body comes before the "
-                                "options",
-                                how, words[1]));
+    return fmt::format("{} takes no file, and {} follows; the body comes before the options", how,
+                       words[1]);
   }
-  if (!looks && words.size() == 1) {
-    throw CLI::ValidationError("--anchor", "pose is to be followed by a file");
-  }
+  if (!looks && words.size() == 1) { return "pose is to be followed by a file"; }
   options.anchor = how;
   if (!looks) options.place = {words[1]};
+  return {};
 }
 
 // Where --place or --anchor pose says that the body stands; nothing without either.
@@ -103,14 +97,14 @@ SessionSettings session_settings(const LiveOptions& options) {
 }
 
 // Where frames come from and what is matched.
-void add_input_options(CLI::App& command, LiveOptions& options) {
+void add_input_options(Command command, LiveOptions& options) {
   command
       .add_option(
           "--source", options.input.source,
           "A folder (left/ right/, side by side, colour + depth, EuRoC, KITTI, TUM, "
           "7-Scenes), images by name (\"cam0/*.png\"), a video file, a camera (/dev/video0), "
           "or: synthetic")
-      ->required();
+      .required();
   add_source_options(command, options.input);
   command.add_flag("--paced", options.paced,
                    "Play a recording at its own pace, leaving out what the loop has no time for; "
@@ -118,31 +112,31 @@ void add_input_options(CLI::App& command, LiveOptions& options) {
 }
 
 // Where the body stands, and how large it is.
-void add_place_options(CLI::App& command, LiveOptions& options) {
+void add_place_options(Command command, LiveOptions& options) {
   command
       .add_option("--place", options.place,
                   "Where the body stands in the camera: \"x y z roll pitch yaw\" (m right, down, "
                   "forward; degrees), 16 numbers (camera_from_body row by row), or a file with "
                   "them. Default: scene.toml beside the images")
-      ->expected(1, 16);
+      .words(1, 16);
   command
-      .add_option_function<std::vector<std::string>>(
+      .add_option(
           "--anchor",
-          [&options](const std::vector<std::string>& words) { read_anchor(words, options); },
+          [&options](const std::vector<std::string>& words) { return read_anchor(words, options); },
           "Instead of --place. plane: on the desk or floor that the first frames show, in the "
           "middle of the picture; board: on the middle of the chessboard that they show (--board, "
           "--square); pose FILE: at the pose in a file, as --place FILE")
-      ->type_name("plane|board|pose FILE")
-      ->expected(1, 2)
-      ->excludes("--place");
+      .type_name("plane|board|pose FILE")
+      .words(1, 2)
+      .excludes("--place");
   add_board_options(command, options.board);
   command.add_option("--scale", options.scale, "Makes the body so many times as large")
-      ->check(CLI::Range(1e-3, 1e3))
-      ->capture_default_str();
+      .in_range(1e-3, 1e3)
+      .show_default();
 }
 
 // What the loop makes of them.
-void add_loop_options(CLI::App& command, LiveOptions& options) {
+void add_loop_options(Command command, LiveOptions& options) {
   command.add_flag("--ignore-static", options.ignore_static,
                    "What the first 15 frames show does not press (scene.toml may ask for it too)");
   command.add_flag("--fixed-camera", options.fixed_camera,
@@ -150,24 +144,24 @@ void add_loop_options(CLI::App& command, LiveOptions& options) {
   command
       .add_option("--contact", options.contact,
                   "press: the level from the measured depth; paper: Algorithm 1 as printed")
-      ->check(CLI::IsMember({"press", "paper"}))
-      ->capture_default_str();
+      .one_of({"press", "paper"})
+      .show_default();
   command
       .add_option(
           "--matcher", options.matcher,
           "How stereo pairs are matched. census: this project's, from touching distance on, "
           "rows watched; opencv: its semi-global block matcher")
-      ->check(CLI::IsMember({"census", "opencv"}))
-      ->capture_default_str();
+      .one_of({"census", "opencv"})
+      .show_default();
   add_set_option(command, options.set);
   command.add_option("--frames", options.frames, "Stop after so many frames")
-      ->check(CLI::Range(1, 100'000'000));
+      .in_range(1, 100'000'000);
 }
 
 }  // namespace
 
-void add_live_options(CLI::App& command, LiveOptions& options) {
-  command.add_option("body", options.body, "Body file")->required();
+void add_live_options(Command command, LiveOptions& options) {
+  command.add_option("body", options.body, "Body file").required();
   add_input_options(command, options);
   add_place_options(command, options);
   add_loop_options(command, options);

@@ -11,11 +11,9 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace palpable::app {
+
+class Command;
 
 struct LiveOptions {
   std::filesystem::path body;
@@ -36,7 +34,7 @@ struct LiveOptions {
 };
 
 /// Adds the options to a command; "body" is positional.
-void add_live_options(CLI::App& command, LiveOptions& options);
+void add_live_options(Command command, LiveOptions& options);
 
 /// Reads the body, films the synthetic clip if it is wanted and not there yet, opens the images,
 /// finds the place. @throws Error for everything that is not as hoped

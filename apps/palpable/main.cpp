@@ -4,7 +4,6 @@
 #include "apps/common/command_line.h"
 #include "apps/palpable/commands.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -59,11 +58,9 @@ int run(int argc, char** argv) {
   ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
   ::setenv("OPENCV_LOG_LEVEL", "SILENT", 0);
 
-  CLI::App app("Virtual deformable bodies that real hands press, seen by a stereo camera.",
-               "palpable");
-  app.set_version_flag("--version", std::string("palpable ") + PALPABLE_VERSION);
-  app.set_help_flag("-h,--help", "Print this help and exit");
-  app.require_subcommand(1);
+  CommandLine app("Virtual deformable bodies that real hands press, seen by a stereo camera.",
+                  "palpable", std::string("palpable ") + PALPABLE_VERSION);
+  app.require_subcommand();
   app.footer(
       "Each command explains itself: palpable live --help\n"
       "Example: palpable view bunny.palpable");
@@ -86,7 +83,7 @@ int run(int argc, char** argv) {
   add_cameras(app);
   add_calibrate(app);
   add_bench(app);
-  return run_command_line(app, argc, argv);
+  return app.run(argc, argv);
 }
 
 }  // namespace

@@ -1,20 +1,17 @@
 // palpable press: what a body does under one load, or under several at once, in numbers.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/named_loads.h"
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_file.h"
-#include "palpable/reduced/loaded_body.h"
+#include "palpable/reduced/press_answer.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
-#include <algorithm>
-#include <array>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,53 +24,18 @@ struct Options {
   bool json = false;
 };
 
-struct Answered {
-  std::vector<double> depth;                // m, of each load along it
-  std::vector<float> displacement;          // (3V) m
-  std::optional<double> largest_von_mises;  // Pa; of one load
-  double error = 0;                         // relative, stated; at the worst
-};
-
-// One load at a site: from the separated fields.
-Answered under_one(const ReducedBody& body, const PlacedLoad& load) {
-  const std::array<double, 2> mu{static_cast<double>(load.place), load.level};
-  Answered answer{{press_depth_of_level(body, load.place, load.level)},
-                  std::vector<float>(static_cast<std::size_t>(body.displacement.value_count())),
-                  {},
-                  body.error.displacement_worst};
-  std::vector<float> stress(2 * answer.displacement.size()), of_mises(stress.size() / 6);
-  body.displacement.evaluate(mu, answer.displacement);
-  body.stress.evaluate(mu, stress);
-  von_mises(stress, of_mises);
-  answer.largest_von_mises = *std::max_element(of_mises.begin(), of_mises.end());
-  return answer;
-}
-
-Answered under_several(const ReducedBody& body, const std::vector<PlacedLoad>& loads) {
-  LoadedBody loaded = value_or_throw(LoadedBody::make(body));
-  const LoadedBody::Answer found = loaded.solve(loads);
-  if (!found.ok()) throw Error(refusal_text(body, found, loads));
-  Answered answer;
-  answer.displacement.resize(static_cast<std::size_t>(body.displacement.value_count()));
-  loaded.displacement(answer.displacement);
-  for (const PlacedLoad& load : loads) answer.depth.push_back(loaded.press_depth(load.place));
-  answer.error = body.several->error_worst;
-  return answer;
-}
-
 void press(const Options& options) {
   const ReducedBody body = value_or_throw(read_pressable_body(options.body));
   const std::vector<PlacedLoad> loads = parse_loads(body, options.loads);
   const auto S = static_cast<int>(body.sites.size());
-  const Answered answer = loads.size() == 1 && loads[0].place < S ? under_one(body, loads[0])
-                                                                  : under_several(body, loads);
+  const PressAnswer answer = answer_loads(body, loads);
   const Eigen::Map<const Eigen::Matrix3Xf> u(answer.displacement.data(), 3,
                                              body.surface.vertex_count());
   Eigen::Index vertex = 0;
   const double largest = static_cast<double>(u.colwise().norm().maxCoeff(&vertex));
   const Eigen::Vector3d where = body.surface.vertices.col(vertex);
 
-  nlohmann::ordered_json result;
+  Json result;
   for (std::size_t k = 0; k < loads.size(); ++k) {
     const Site& at = load_place(body, loads[k].place);
     const bool reaction = loads[k].place >= S;
@@ -113,22 +75,22 @@ void press(const Options& options) {
 
 }  // namespace
 
-void add_press(CLI::App& app) {
+void add_press(Command app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("press", "What a body does under one load or several, in numbers");
-  command->add_option("body", options->body, "Body file")->required();
+  command.add_option("body", options->body, "Body file").required();
   command
-      ->add_option("--load", options->loads,
-                   "Where on the skin at rest (m, body frame) and how hard (N), along the "
-                   "direction in which the body was loaded there; several act together, where "
-                   "'palpable inspect' says that the body answers several loads")
-      ->required()
-      ->type_name("X,Y,Z=F");
-  command->add_flag("--json", options->json, "One JSON object on stdout");
-  command->footer(
+      .add_option("--load", options->loads,
+                  "Where on the skin at rest (m, body frame) and how hard (N), along the "
+                  "direction in which the body was loaded there; several act together, where "
+                  "'palpable inspect' says that the body answers several loads")
+      .required()
+      .type_name("X,Y,Z=F");
+  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.footer(
       "Example: palpable press beam.palpable --load 0.15,0,0.05=1.5 --load 0.18,0,0=0.6");
-  command->callback([options] { press(*options); });
+  command.callback([options] { press(*options); });
 }
 
 }  // namespace palpable::app

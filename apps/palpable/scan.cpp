@@ -1,24 +1,23 @@
 // palpable scan: what a camera saw, as one surface.
 
+#include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/ctrl_c.h"
-#include "apps/palpable/map_picture.h"
-#include "apps/palpable/score_files.h"
 #include "apps/palpable/source_options.h"
 #include "palpable/base/error.h"
+#include "palpable/clip_files/trajectory_file.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/picture_file.h"
 #include "palpable/slam/room_scan.h"
 #include "palpable/sources/open_source.h"
+#include "palpable/view/map_picture.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -52,82 +51,60 @@ std::optional<Rigid3> pose_at(const std::vector<StampedPose>& poses, double time
   return nearest->world_from_camera;
 }
 
-// Binary little-endian PLY with a colour per vertex. @param frame  says whose coordinates they are
-void write_colored_ply(const fs::path& path, const ColoredSurface& mesh, const char* frame) {
-  std::ofstream file(path, std::ios::binary);
-  file << fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment palpable scan: metres, {}\n"
-      "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
-      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face {}\n"
-      "property list uchar int vertex_indices\nend_header\n",
-      frame, mesh.surface.vertex_count(), mesh.surface.triangle_count());
-  for (int i = 0; i < mesh.surface.vertex_count(); ++i) {
-    const Eigen::Vector3f p = mesh.surface.vertices.col(i).cast<float>();
-    file.write(reinterpret_cast<const char*>(p.data()), 12);
-    const Rgb c = mesh.colors[static_cast<std::size_t>(i)];
-    const char rgb[3] = {static_cast<char>(c.r), static_cast<char>(c.g), static_cast<char>(c.b)};
-    file.write(rgb, 3);
-  }
-  for (int i = 0; i < mesh.surface.triangle_count(); ++i) {
-    const Eigen::Vector3i t = mesh.surface.triangles.col(i);
-    file.put(3);
-    file.write(reinterpret_cast<const char*>(t.data()), 12);
-  }
-  file.close();
-  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
-}
-
-void write_picture(const fs::path& file, const SurfaceMap& map, const CameraPath& path,
-                   const std::vector<KeyframePose>& keyframes, const PinholeCamera& camera) {
+void write_picture(const fs::path& file, const RoomScan& scanned) {
+  CameraPath path;
+  for (const TrackedPose& frame : scanned.frames) path.add(frame);
   const GlContext context = value_or_throw(GlContext::offscreen());
   MapRenderer renderer = value_or_throw(MapRenderer::make());
-  write_png(file, picture_of_scan(renderer, mesh_of(map), path, keyframes, camera));
+  write_png(file, picture_of_scan(renderer, mesh_of(*scanned.slam->map()), path, scanned.keyframes,
+                                  scanned.camera));
 }
 
-// Leaves what is there as it is. @throws Error when it could not be written
-void expect_writable(const fs::path& file) {
+// Not after an hour's scan. @throws Error when it could not be written
+void expect_output(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   if (!fs::is_directory(folder)) {
     throw Error(fmt::format("{}: there is no folder {}", file.string(), folder.string()));
   }
   if (fs::is_directory(file)) throw Error(fmt::format("{}: is a folder", file.string()));
-  const bool was_there = fs::exists(file);
-  if (!std::ofstream(file, std::ios::app)) {
-    throw Error(fmt::format("{}: cannot be written", file.string()));
-  }
-  if (!was_there) fs::remove(file);
+  expect_writable(file);
 }
 
-void scan(const ScanOptions& options) {
-  const std::vector<StampedPose> given =
-      options.trajectory.empty() ? std::vector<StampedPose>{} : read_trajectory(options.trajectory);
-  if (!options.trajectory.empty() && given.empty()) {
-    throw Error(fmt::format("{}: holds no pose", options.trajectory.string()));
-  }
+void check(const ScanOptions& options) {
   if (options.out.extension() != ".ply") {
     throw Error(fmt::format("-o {}: should end in .ply", options.out.string()));
   }
   if (!options.picture.empty() && options.picture.extension() != ".png") {
     throw Error(fmt::format("--picture {}: should end in .png", options.picture.string()));
   }
-  for (const fs::path& file : {options.out, options.picture}) {  // not after an hour's scan
-    if (!file.empty()) expect_writable(file);
+  for (const fs::path& file : {options.out, options.picture}) {
+    if (!file.empty()) expect_output(file);
   }
-  const std::string& name = options.input.source;
+}
+
+std::vector<StampedPose> given_poses(const fs::path& file) {
+  if (file.empty()) return {};
+  std::vector<StampedPose> poses = read_trajectory(file);
+  if (poses.empty()) throw Error(fmt::format("{}: holds no pose", file.string()));
+  return poses;
+}
+
+// Plays the source, with a bar, until it or the user ends.
+RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>& given) {
   RoomScanSettings settings;
   settings.slam.fuse_every = options.fuse_every;
   settings.slam.surface.voxel = 1e-3 * options.voxel_mm;
   settings.slam.surface.truncation = 4 * settings.slam.surface.voxel;
   settings.most_frames = options.frames;
   if (!given.empty()) settings.pose_at = [&](double time) { return pose_at(given, time); };
-  settings.name = name;
+  settings.name = options.input.source;
   const auto open = [&] {
     std::unique_ptr<FrameSource> source = value_or_throw(open_source(request_of(options.input)));
     listen_for_ctrl_c();
     return source;
   };
   ProgressBar bar;
-  const RoomScan scanned = scan_room(open, settings, [&](const RoomScanStep& step) {
+  RoomScan scanned = scan_room(open, settings, [&](const RoomScanStep& step) {
     for (const std::string& line : step.reports) {
       bar.finish();
       fmt::print(stderr, "{}\n", line);
@@ -140,31 +117,16 @@ void scan(const ScanOptions& options) {
     return !asked_to_end();
   });
   bar.finish();
-  const SourceTroubles& troubles = scanned.troubles;
-  const std::size_t frames = scanned.frames.size();
-  if (frames == 0) {
-    throw Error(fmt::format("{}: no frame could be read ({} unreadable{}{})", name,
-                            troubles.unreadable, scanned.last_trouble.empty() ? "" : "; ",
-                            scanned.last_trouble));
-  }
+  return scanned;
+}
 
-  const SurfaceMap& map = *scanned.slam->map();
+void print(const RoomScan& scanned) {
   const SlamCounts& counts = scanned.slam->counts();
-  const ColoredSurface mesh = map.mesh();
-  if (mesh.surface.triangle_count() == 0) {
-    throw Error(fmt::format("{}: no surface within {} m was seen in {} frames ({} without a pose)",
-                            name, map.settings().farthest, frames, counts.lost));
-  }
-  write_colored_ply(options.out, mesh,
-                    given.empty() ? "the first frame's camera" : "the world of the given poses");
-  CameraPath path;
-  for (const TrackedPose& frame : scanned.frames) path.add(frame);
-  if (!options.picture.empty()) {
-    write_picture(options.picture, map, path, scanned.keyframes, scanned.camera);
-  }
-  fmt::print("{} frames, {} fused, {} without a pose\n", frames, counts.fused, counts.lost);
-  if (troubles.unreadable > 0) {
-    fmt::print("{} unreadable, the last: {}\n", troubles.unreadable, scanned.last_trouble);
+  const SurfaceMap& map = *scanned.slam->map();
+  fmt::print("{} frames, {} fused, {} without a pose\n", scanned.frames.size(), counts.fused,
+             counts.lost);
+  if (scanned.troubles.unreadable > 0) {
+    fmt::print("{} unreadable, the last: {}\n", scanned.troubles.unreadable, scanned.last_trouble);
   }
   if (scanned.loops > 0) {
     fmt::print("{} loop{} closed: {}\n", scanned.loops, scanned.loops == 1 ? "" : "s",
@@ -175,6 +137,31 @@ void scan(const ScanOptions& options) {
     fmt::print("the map was full ({} blocks): parts are missing; --voxel makes them larger\n",
                map.blocks());
   }
+}
+
+void scan(const ScanOptions& options) {
+  const std::vector<StampedPose> given = given_poses(options.trajectory);
+  check(options);
+  const RoomScan scanned = scan_source(options, given);
+  const std::size_t frames = scanned.frames.size();
+  if (frames == 0) {
+    throw Error(fmt::format("{}: no frame could be read ({} unreadable{}{})", options.input.source,
+                            scanned.troubles.unreadable, scanned.last_trouble.empty() ? "" : "; ",
+                            scanned.last_trouble));
+  }
+  const SurfaceMap& map = *scanned.slam->map();
+  const ColoredSurface mesh = map.mesh();
+  if (mesh.surface.triangle_count() == 0) {
+    throw Error(fmt::format("{}: no surface within {} m was seen in {} frames ({} without a pose)",
+                            options.input.source, map.settings().farthest, frames,
+                            scanned.slam->counts().lost));
+  }
+  write_colored_ply(
+      options.out, mesh.surface, mesh.colors,
+      fmt::format("palpable scan: metres, {}",
+                  given.empty() ? "the first frame's camera" : "the world of the given poses"));
+  if (!options.picture.empty()) write_picture(options.picture, scanned);
+  print(scanned);
   fmt::print("{}: {} vertices, {} triangles\n", options.out.string(), mesh.surface.vertex_count(),
              mesh.surface.triangle_count());
   if (!options.picture.empty()) fmt::print("{}\n", options.picture.string());
@@ -182,37 +169,37 @@ void scan(const ScanOptions& options) {
 
 }  // namespace
 
-void add_scan(CLI::App& app) {
+void add_scan(Command app) {
   auto options = std::make_shared<ScanOptions>();
-  CLI::App* command = app.add_subcommand("scan", "Make a surface of what a camera saw of a room");
+  Command command = app.add_subcommand("scan", "Make a surface of what a camera saw of a room");
   command
-      ->add_option("source", options->input.source,
-                   "A folder, images by name, a video file or a camera, as for live")
-      ->required();
-  add_source_options(*command, options->input);
-  command->add_option("-o,--out", options->out, "The surface, a .ply with colours")->required();
-  command->add_option("--trajectory", options->trajectory,
-                      "Poses to use instead of tracking: lines time tx ty tz qx qy qz qw "
-                      "(world_from_camera), the first one the first frame's");
-  command->add_option("--picture", options->picture,
-                      "Also a .png of it: the room from outside, the way through it in blue");
+      .add_option("source", options->input.source,
+                  "A folder, images by name, a video file or a camera, as for live")
+      .required();
+  add_source_options(command, options->input);
+  command.add_option("-o,--out", options->out, "The surface, a .ply with colours").required();
+  command.add_option("--trajectory", options->trajectory,
+                     "Poses to use instead of tracking: lines time tx ty tz qx qy qz qw "
+                     "(world_from_camera), the first one the first frame's");
+  command.add_option("--picture", options->picture,
+                     "Also a .png of it: the room from outside, the way through it in blue");
   command
-      ->add_option("--voxel", options->voxel_mm,
-                   "Side of a voxel, mm; smaller ones than 5 would leave gaps between the rays")
-      ->check(CLI::Range(5.0, 100.0))
-      ->capture_default_str();
+      .add_option("--voxel", options->voxel_mm,
+                  "Side of a voxel, mm; smaller ones than 5 would leave gaps between the rays")
+      .in_range(5.0, 100.0)
+      .show_default();
   command
-      ->add_option("--fuse-every", options->fuse_every,
-                   "Fuse a frame every so many seconds of the recording; 0: all of them")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
-  command->add_option("--frames", options->frames, "Stop after so many frames")
-      ->check(CLI::Range(1, 100'000'000));
-  command->footer(
+      .add_option("--fuse-every", options->fuse_every,
+                  "Fuse a frame every so many seconds of the recording; 0: all of them")
+      .in_range(0.0, 3600.0)
+      .show_default();
+  command.add_option("--frames", options->frames, "Stop after so many frames")
+      .in_range(1, 100'000'000);
+  command.footer(
       "What moves is left out. Depths up to 3 m are taken, or up to where they scatter by 50 mm.\n"
       "Ctrl-C ends it and writes what was seen: so does a camera, which has no end of its own.\n"
       "Example: palpable scan room -o room.ply");
-  command->callback([options] { scan(*options); });
+  command.callback([options] { scan(*options); });
 }
 
 }  // namespace palpable::app

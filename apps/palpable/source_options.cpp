@@ -1,8 +1,8 @@
 #include "apps/palpable/source_options.h"
 
+#include "apps/common/command_line.h"
 #include "palpable/base/error.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <cstdlib>
@@ -10,26 +10,29 @@
 
 namespace palpable::app {
 
-void add_source_options(CLI::App& command, SourceOptions& options) {
+void add_source_options(Command command, SourceOptions& options, SourceKind kind) {
   command.add_option(
       "--right", options.right,
       "The right eye's camera, video or images by name; --source is then the left's");
-  command.add_option("--depth", options.depth,
-                     "The depth camera, or depth images by name; of --source's view, or of the one "
-                     "that intrinsics.txt says");
-  command.add_option(
-      "--calibration", options.calibration,
-      "OpenCV YAML, a ZED's SN*.conf or intrinsics.txt. Default: what lies beside the "
-      "images, or what palpable calibrate has kept of the camera");
+  if (kind == SourceKind::kAny) {
+    command.add_option(
+        "--depth", options.depth,
+        "The depth camera, or depth images by name; of --source's view, or of the one "
+        "that intrinsics.txt says");
+    command.add_option(
+        "--calibration", options.calibration,
+        "OpenCV YAML, a ZED's SN*.conf or intrinsics.txt. Default: what lies beside the "
+        "images, or what palpable calibrate has kept of the camera");
+  }
   command.add_option(
       "--size", options.size,
       "Of a camera: WIDTHxHEIGHT of its picture, both eyes' together if side by side");
   command.add_option("--fps", options.frames_per_second, "Of a camera: pictures a second")
-      ->check(CLI::Range(0.1, 1000.0));
+      .in_range(0.1, 1000.0);
   command.add_option("--exposure", options.exposure_ms, "Of a camera: fixed exposure, ms")
-      ->check(CLI::Range(0.01, 10000.0));
+      .in_range(0.01, 10000.0);
   command.add_option("--gain", options.gain, "Of a camera: fixed gain, in its own unit")
-      ->check(CLI::Range(0.0, 1e6));
+      .in_range(0.0, 1e6);
   command.add_flag(
       "--lock-exposure", options.lock_exposure,
       "Of a camera: after a second, keep exposure, gain and white balance as they are");

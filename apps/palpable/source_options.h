@@ -10,11 +10,9 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace palpable::app {
+
+class Command;
 
 struct SourceOptions {
   std::string source;  ///< folder, images by name, video file or /dev/video*
@@ -28,8 +26,14 @@ struct SourceOptions {
   bool lock_exposure = false;
 };
 
+enum class SourceKind {
+  kAny,
+  kRawStereo,  ///< to be calibrated: neither --depth nor --calibration
+};
+
 /// Adds all but --source, which commands explain in their own words.
-void add_source_options(CLI::App& command, SourceOptions& options);
+void add_source_options(Command command, SourceOptions& options,
+                        SourceKind kind = SourceKind::kAny);
 
 /// The options as the library reads them. @throws Error when --size is no size
 [[nodiscard]] CameraRequest request_of(const SourceOptions& options);

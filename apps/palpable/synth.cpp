@@ -5,15 +5,17 @@
 //   DIR/frames/scene.toml              where the body stands, in the first rectified left camera
 //   DIR/truth/                         what docs/benchmark.md lists
 
+#include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
-#include "apps/palpable/sequence_folder.h"
+#include "apps/palpable/default_body.h"
 #include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
+#include "palpable/film/desk_film.h"
+#include "palpable/film/sequence_folder.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/synth/sequence.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -48,41 +50,48 @@ const SequenceKind& kind_of(const std::string& name) {
                           nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
 }
 
+std::string list_of_kinds() {
+  std::string text = "Sequences (frames):\n";
+  for (const SequenceKind& kind : sequence_kinds()) {
+    text += fmt::format("  {:<14}{:>5}  {}\n", kind.name, kind.frames, kind.what);
+  }
+  return text;
+}
+
+void synth(const SynthOptions& options) {
+  if (options.out.empty()) throw Error("-o: names no folder");
+  const SequenceKind& kind = kind_of(options.name);
+  const fs::path file = options.body.empty() ? default_body() : options.body;
+  const ReducedBody body = value_or_throw(read_pressable_body(file));
+  ProgressBar bar;
+  write_sequence(body,
+                 {options.name, options.frames > 0 ? options.frames : kind.frames, options.seed,
+                  file.filename().string()},
+                 options.out, bar.progress());
+}
+
 }  // namespace
 
-void add_synth(CLI::App& app) {
+void add_synth(Command app) {
   auto options = std::make_shared<SynthOptions>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "synth", "Film a sequence of the synthetic desk: stereo images, calibration, truth");
-  command->add_option("name", options->name, "Which sequence (below)")->required();
-  command->add_option("--body", options->body,
-                      "Body file: what is pressed, and where. Default: "
-                      "build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable");
+  command.add_option("name", options->name, "Which sequence (below)").required();
+  command.add_option("--body", options->body,
+                     "Body file: what is pressed, and where. Default: "
+                     "build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable");
   command
-      ->add_option("--frames", options->frames,
-                   "Length at 30 fps; the first 60 have no hand. Default: see below")
-      ->check(CLI::Range(1, 100000));
-  command->add_option("--seed", options->seed, "Textures, noise, places, depths, motions")
-      ->check(CLI::Range(std::uint64_t{0}, kLargestSeed))
-      ->capture_default_str();
-  command->add_option("-o,--out", options->out, "Folder for frames/ and truth/")->required();
-  std::string footer = "Sequences (frames):\n";
-  for (const SequenceKind& kind : sequence_kinds())
-    footer += fmt::format("  {:<14}{:>5}  {}\n", kind.name, kind.frames, kind.what);
-  command->footer(footer +
-                  "docs/benchmark.md says what each promises and what is written.\n"
-                  "Example: palpable synth press --body bunny.palpable --seed 1 -o clip");
-  command->callback([options] {
-    if (options->out.empty()) throw Error("-o: names no folder");
-    const SequenceKind& kind = kind_of(options->name);
-    const fs::path file = options->body.empty() ? default_body() : options->body;
-    const ReducedBody body = value_or_throw(read_pressable_body(file));
-    ProgressBar bar;
-    write_sequence(body,
-                   {options->name, options->frames > 0 ? options->frames : kind.frames,
-                    options->seed, file.filename().string()},
-                   options->out, bar.progress());
-  });
+      .add_option("--frames", options->frames,
+                  "Length at 30 fps; the first 60 have no hand. Default: see below")
+      .in_range(1, 100000);
+  command.add_option("--seed", options->seed, "Textures, noise, places, depths, motions")
+      .in_range(std::uint64_t{0}, kLargestSeed)
+      .show_default();
+  command.add_option("-o,--out", options->out, "Folder for frames/ and truth/").required();
+  command.footer(list_of_kinds() +
+                 "docs/benchmark.md says what each promises and what is written.\n"
+                 "Example: palpable synth press --body bunny.palpable --seed 1 -o clip");
+  command.callback([options] { synth(*options); });
 }
 
 }  // namespace palpable::app

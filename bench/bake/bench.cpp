@@ -2,18 +2,18 @@
 
 #include "bench/bake/bench.h"
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/palpable-bake/commands.h"
-#include "apps/palpable-bake/machine.h"
+#include "palpable/base/this_machine.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include <thread>
 
 namespace palpable::app {
 
-void print_figures(nlohmann::ordered_json figures, bool json) {
+void print_figures(Json figures, bool json) {
   figures["peak_memory_mb"] = peak_memory() / 1e6;
   figures["cores"] = std::thread::hardware_concurrency();
   figures["processor"] = processor_name();
@@ -25,16 +25,16 @@ void print_figures(nlohmann::ordered_json figures, bool json) {
   for (const auto& [key, value] : figures.items()) fmt::print("{:<36} {}\n", key, value.dump());
 }
 
-void add_bench(CLI::App& app) {
-  CLI::App* bench = app.add_subcommand("bench", "Time the parts of a bake");
-  bench->require_subcommand(1);
-  bench->footer("Example: palpable-bake bench bake --json");
-  add_bench_bake(*bench);
-  add_bench_beam(*bench);
-  add_bench_campaign(*bench);
-  add_bench_solid(*bench);
-  add_bench_elements(*bench);
-  add_bench_reduce(*bench);
+void add_bench(Command app) {
+  Command bench = app.add_subcommand("bench", "Time the parts of a bake");
+  bench.require_subcommand();
+  bench.footer("Example: palpable-bake bench bake --json");
+  add_bench_bake(bench);
+  add_bench_beam(bench);
+  add_bench_campaign(bench);
+  add_bench_solid(bench);
+  add_bench_elements(bench);
+  add_bench_reduce(bench);
 }
 
 }  // namespace palpable::app

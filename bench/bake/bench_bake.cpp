@@ -1,12 +1,12 @@
 // palpable-bake bench bake: how long the stages of a bake take.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/bake/bake_body.h"
 #include "palpable/reduced/body_file.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include "bench/bake/bench.h"
 #include <algorithm>
@@ -43,7 +43,7 @@ void bench_bake(const Options& options) {
   std::filesystem::remove(file);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
 
-  nlohmann::ordered_json result;
+  Json result;
   result["body"] = baked.body.name;
   result["wall_s"] = wall.count();
   for (const StageTime& stage : report.wall.stages()) {
@@ -82,19 +82,19 @@ void bench_bake(const Options& options) {
 
 }  // namespace
 
-void add_bench_bake(CLI::App& bench) {
+void add_bench_bake(Command bench) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       bench.add_subcommand("bake", "Bake a body from nothing and say how long each stage took");
-  command->add_option("body", options->description, "What to bake")
-      ->type_name("BODY.toml")
-      ->capture_default_str();
-  command->add_option("--threads", options->threads, "Sites solved side by side; 0: one per core")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "One JSON object on stdout");
-  command->footer("Example: palpable-bake bench bake bodies/bunny-demo.toml --json");
-  command->callback([options] { bench_bake(*options); });
+  command.add_option("body", options->description, "What to bake")
+      .type_name("BODY.toml")
+      .show_default();
+  command.add_option("--threads", options->threads, "Sites solved side by side; 0: one per core")
+      .in_range(0, 4096)
+      .show_default();
+  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.footer("Example: palpable-bake bench bake bodies/bunny-demo.toml --json");
+  command.callback([options] { bench_bake(*options); });
 }
 
 }  // namespace palpable::app

@@ -1,16 +1,16 @@
 // palpable-bake bench beam: the beam by intrusive PGD, against the SVD of its own fields, positions
 // left out, fresh Newton solves and the linear model.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/base/cpu_time.h"
-#include "palpable/intrusive/beam_study.h"
+#include "palpable/base/order_statistics.h"
 #include "palpable/intrusive/intrusive_bake.h"
 #include "palpable/intrusive/linear_pgd.h"
 #include "palpable/reduced/body_file.h"
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
-
+#include "bench/bake/beam_study.h"
 #include "bench/bake/bench.h"
 #include <algorithm>
 #include <array>
@@ -22,8 +22,6 @@
 
 namespace palpable::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string description = "bodies/beam.toml";
@@ -43,7 +41,7 @@ Json modes_at(const Eigen::VectorXd& errors, double tolerance) {
 
 // us of CPU time, the median of many evaluations at changing loads.
 double evaluation_us(const SeparatedField& field, int sites) {
-  std::vector<float> values(static_cast<std::size_t>(field.value_count()));
+  std::vector<float> values(field.value_count());
   std::vector<double> times;
   for (int k = 0; k < 2000; ++k) {
     const std::array<double, 2> mu{static_cast<double>((37 * k) % sites), 0.05 + 0.0004 * k};
@@ -51,8 +49,7 @@ double evaluation_us(const SeparatedField& field, int sites) {
     field.evaluate(mu, values);
     times.push_back(1e6 * (thread_cpu_seconds() - begin));
   }
-  std::nth_element(times.begin(), times.begin() + 1000, times.end());
-  return times[1000];
+  return upper_median(times);
 }
 
 // Both ways of the linear PGD, each in both norms.
@@ -77,6 +74,90 @@ Json linear_figures(const IntrusiveBake& made) {
   return result;
 }
 
+Json series_figures(const SeriesTable& table) {
+  return {
+      {"orders_most", table.most_orders},
+      {"orders_mean", static_cast<double>(table.orders) / static_cast<double>(table.positions())},
+      {"force_residual", table.worst_residual.maxCoeff()},
+      {"force_residual_at_loads",
+       std::vector<double>(table.worst_residual.begin(), table.worst_residual.end())},
+      {"pade_gap", table.worst_pade_gap}};
+}
+
+// How many modes the greedy PGD, that recompressed, and the SVD of the same fields take.
+Json modes_figures(const IntrusiveBake& made, const Progress& progress) {
+  const SeriesPgdGoal plain{.weight = SeriesWeight::kPlain, .modes = 18, .tolerance = 6e-4};
+  const SeriesPgd raw = series_pgd(made.series, made.table, plain, progress);
+  const SeriesPgd best = recompressed(raw, made.table, plain, static_cast<int>(raw.F.cols()));
+  const SeriesPgd svd = svd_of_series(made.series, made.table, plain, progress);
+  return {{"raw", modes_at(raw.errors, 1e-3)},
+          {"recompressed", modes_at(best.errors, 1e-3)},
+          {"svd", modes_at(svd.errors, 1e-3)}};
+}
+
+void add_held_out(const IntrusiveBake& made, const Progress& progress, Json& result) {
+  const HeldOutPositions held_out =
+      held_out_positions(made.series, made.travelling, made.table, 64, progress);
+  result["heldout_positions"] = held_out.held_out;
+  result["heldout_trained_on"] = held_out.trained_on;
+  result["heldout_modes"] = held_out.modes;
+  result["heldout_position_global"] = held_out.global;
+  result["heldout_position_worst"] = held_out.worst;
+}
+
+// As the bake stated them; here with the deflections, steps and times beside.
+void add_two_loads(const IntrusiveBake& made, Json& result) {
+  if (!made.body.several) return;
+  std::vector<double> steps, ms, deflections;
+  for (const TwoLoadCheck& check : made.two_loads) {
+    steps.push_back(check.steps);
+    ms.push_back(check.ms);
+    deflections.push_back(check.deflection);
+  }
+  result["two_load_error"] = made.body.several->error_worst;
+  result["two_load_error_median"] = made.body.several->error_median;
+  result["two_load_pairs"] = made.two_loads.size();
+  result["two_load_modes"] = made.body.several->mode_count();
+  result["two_load_largest_deflection_m"] =
+      *std::max_element(deflections.begin(), deflections.end());
+  result["two_load_steps_most"] = *std::max_element(steps.begin(), steps.end());
+  result["two_load_ms_median"] = upper_median(ms);
+}
+
+Json newton_figures(const IntrusiveBake& made, const Options& options, const Progress& progress) {
+  std::vector<double> u, sigma, deflection;
+  for (const NewtonCheck& check : newton_checks(made, options.checks, options.seed, progress)) {
+    u.push_back(check.displacement);
+    sigma.push_back(check.stress);
+    deflection.push_back(check.deflection);
+  }
+  return {{"solves", u.size()},
+          {"seed", options.seed},
+          {"largest_deflection_m", *std::max_element(deflection.begin(), deflection.end())},
+          {"displacement_median", upper_median(u)},
+          {"displacement_worst", *std::max_element(u.begin(), u.end())},
+          {"stress_median", upper_median(sigma)},
+          {"stress_worst", *std::max_element(sigma.begin(), sigma.end())}};
+}
+
+Json difference_figures(const ReducedBody& body, const std::string& against) {
+  const ReducedBody other = value_or_throw(read_pressable_body(against));
+  const BodyDifference d = body_difference(body, other);
+  return {{"body", against},
+          {"shared_sites", d.shared},
+          {"displacement_pooled", d.displacement_pooled},
+          {"displacement_median", d.displacement_median},
+          {"displacement_worst", d.displacement_worst},
+          {"stress_pooled", d.stress_pooled},
+          {"stress_median", d.stress_median},
+          {"stress_worst", d.stress_worst},
+          {"own_errors_of_it",
+           {{"displacement_pooled", other.error.displacement_pooled},
+            {"displacement_worst", other.error.displacement_worst},
+            {"stress_pooled", other.error.stress_pooled},
+            {"stress_worst", other.error.stress_worst}}}};
+}
+
 void bench_beam(const Options& options) {
   ProgressBar bar;
   const double begin = process_cpu_seconds();
@@ -85,103 +166,34 @@ void bench_beam(const Options& options) {
       {.checks = options.checks, .seed = options.seed, .all_residuals = true}, bar.progress());
   write_body_file(options.output, made.body);
   const double offline = process_cpu_seconds() - begin - 1e-3 * made.report.cpu.ms("references");
-  const SeriesTable& table = made.table;
 
   Json result;
   result["bench"] = "beam";
   result["body"] = options.description;
   result["nodes"] = made.series.model().mesh.node_count();
-  result["positions"] = table.positions();
+  result["positions"] = made.table.positions();
   result["offline_cpu_s"] = offline;
   for (const StageTime& stage : made.report.cpu.stages()) {
     result["offline_parts_cpu_s"][std::string(stage.name)] = 1e-3 * stage.ms;
   }
-  result["series"] = {
-      {"orders_most", table.most_orders},
-      {"orders_mean", static_cast<double>(table.orders) / static_cast<double>(table.positions())},
-      {"force_residual", table.worst_residual.maxCoeff()},
-      {"force_residual_at_loads",
-       std::vector<double>(table.worst_residual.begin(), table.worst_residual.end())},
-      {"pade_gap", table.worst_pade_gap}};
-
-  const SeriesPgdGoal plain{.weight = SeriesWeight::kPlain, .modes = 18, .tolerance = 6e-4};
-  const SeriesPgd raw = series_pgd(made.series, table, plain, bar.progress());
-  const SeriesPgd best = recompressed(raw, table, plain, static_cast<int>(raw.F.cols()));
-  const SeriesPgd svd = svd_of_series(made.series, table, plain, bar.progress());
-  result["modes_at_1e-3"] = {{"raw", modes_at(raw.errors, 1e-3)},
-                             {"recompressed", modes_at(best.errors, 1e-3)},
-                             {"svd", modes_at(svd.errors, 1e-3)}};
-
+  result["series"] = series_figures(made.table);
+  result["modes_at_1e-3"] = modes_figures(made, bar.progress());
   result["modes_used"] = made.report.modes;
   result["products_used"] = made.report.columns;
   result["global"] = made.report.displacement.global;
   result["worst_of_own_norm"] = made.report.displacement.worst;
-  const HeldOutPositions held_out =
-      held_out_positions(made.series, made.travelling, table, 64, bar.progress());
-  result["heldout_positions"] = held_out.held_out;
-  result["heldout_trained_on"] = held_out.trained_on;
-  result["heldout_modes"] = held_out.modes;
-  result["heldout_position_global"] = held_out.global;
-  result["heldout_position_worst"] = held_out.worst;
-  result["linear_model_worst"] = linear_model_error(table);
+  add_held_out(made, bar.progress(), result);
+  result["linear_model_worst"] = linear_model_error(made.table);
   result["linear"] = linear_figures(made);
-
-  if (made.body.several) {
-    // As the bake stated them; here with the deflections, steps and times beside.
-    std::vector<double> steps, ms, deflections;
-    for (const TwoLoadCheck& check : made.two_loads) {
-      steps.push_back(check.steps);
-      ms.push_back(check.ms);
-      deflections.push_back(check.deflection);
-    }
-    std::sort(ms.begin(), ms.end());
-    result["two_load_error"] = made.body.several->error_worst;
-    result["two_load_error_median"] = made.body.several->error_median;
-    result["two_load_pairs"] = made.two_loads.size();
-    result["two_load_modes"] = made.body.several->mode_count();
-    result["two_load_largest_deflection_m"] =
-        *std::max_element(deflections.begin(), deflections.end());
-    result["two_load_steps_most"] = *std::max_element(steps.begin(), steps.end());
-    result["two_load_ms_median"] = ms[ms.size() / 2];
-  }
-  std::vector<double> u, sigma, deflection;
-  for (const NewtonCheck& check :
-       newton_checks(made, options.checks, options.seed, bar.progress())) {
-    u.push_back(check.displacement);
-    sigma.push_back(check.stress);
-    deflection.push_back(check.deflection);
-  }
+  add_two_loads(made, result);
+  result["newton"] = newton_figures(made, options, bar.progress());
   bar.finish();
-  std::sort(u.begin(), u.end());
-  std::sort(sigma.begin(), sigma.end());
-  result["newton"] = {
-      {"solves", u.size()},
-      {"seed", options.seed},
-      {"largest_deflection_m", *std::max_element(deflection.begin(), deflection.end())},
-      {"displacement_median", u[u.size() / 2]},
-      {"displacement_worst", u.back()},
-      {"stress_median", sigma[sigma.size() / 2]},
-      {"stress_worst", sigma.back()}};
   result["stress"] = {{"modes", made.report.stress_modes},
                       {"products", made.report.stress_columns},
                       {"pooled", made.report.stress_pooled},
                       {"worst_of_own_norm", made.report.stress_worst}};
   if (!options.against.empty()) {
-    const ReducedBody other = value_or_throw(read_pressable_body(options.against));
-    const BodyDifference d = body_difference(made.body, other);
-    result["against"] = {{"body", options.against},
-                         {"shared_sites", d.shared},
-                         {"displacement_pooled", d.displacement_pooled},
-                         {"displacement_median", d.displacement_median},
-                         {"displacement_worst", d.displacement_worst},
-                         {"stress_pooled", d.stress_pooled},
-                         {"stress_median", d.stress_median},
-                         {"stress_worst", d.stress_worst},
-                         {"own_errors_of_it",
-                          {{"displacement_pooled", other.error.displacement_pooled},
-                           {"displacement_worst", other.error.displacement_worst},
-                           {"stress_pooled", other.error.stress_pooled},
-                           {"stress_worst", other.error.stress_worst}}}};
+    result["against"] = difference_figures(made.body, options.against);
   }
   const int sites = static_cast<int>(made.body.sites.size());
   result["online_us"] = evaluation_us(made.body.displacement, sites);
@@ -192,29 +204,29 @@ void bench_beam(const Options& options) {
 
 }  // namespace
 
-void add_bench_beam(CLI::App& bench) {
+void add_bench_beam(Command bench) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = bench.add_subcommand(
+  Command command = bench.add_subcommand(
       "beam", "The beam by intrusive PGD: modes, positions left out, fresh Newton solves");
-  command->add_option("body", options->description, "A body with a section [intrusive]")
-      ->type_name("BODY.toml")
-      ->capture_default_str();
-  command->add_option("-o,--out", options->output, "Body file to write")
-      ->type_name("FILE")
-      ->capture_default_str();
-  command->add_option("--seed", options->seed, "Of the positions and loads solved afresh")
-      ->capture_default_str();
-  command->add_option("--checks", options->checks, "How many are solved afresh")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+  command.add_option("body", options->description, "A body with a section [intrusive]")
+      .type_name("BODY.toml")
+      .show_default();
+  command.add_option("-o,--out", options->output, "Body file to write")
+      .type_name("FILE")
+      .show_default();
+  command.add_option("--seed", options->seed, "Of the positions and loads solved afresh")
+      .show_default();
+  command.add_option("--checks", options->checks, "How many are solved afresh")
+      .in_range(1, 1000)
+      .show_default();
   command
-      ->add_option("--against", options->against,
-                   "A body of the same mesh made by a campaign: how far the two are apart at the "
-                   "sites that both have")
-      ->type_name("BODY");
-  command->add_flag("--json", options->json, "One JSON object on stdout");
-  command->footer("Takes 10 minutes of CPU and 3 GB.\nExample: palpable-bake bench beam --json");
-  command->callback([options] { bench_beam(*options); });
+      .add_option("--against", options->against,
+                  "A body of the same mesh made by a campaign: how far the two are apart at the "
+                  "sites that both have")
+      .type_name("BODY");
+  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.footer("Takes 10 minutes of CPU and 3 GB.\nExample: palpable-bake bench beam --json");
+  command.callback([options] { bench_beam(*options); });
 }
 
 }  // namespace palpable::app

@@ -1,15 +1,16 @@
 // palpable-bake bench campaign: from a description to all snapshots on disk, into an empty folder.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
-#include "apps/palpable-bake/machine.h"
 #include "palpable/bake/bake_body.h"
+#include "palpable/base/this_machine.h"
 #include "palpable/solid/sparse_cholesky.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include "bench/bake/bench.h"
+#include "bench/bake/machine_rates.h"
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -78,7 +79,7 @@ Outcome solve_campaign(const std::string& file, int threads) {
   LocalCrew crew;
   const Clock::time_point begin = Clock::now();
   const BodyDescription description = read_body_description(file);
-  BakeSettings settings;
+  FillSettings settings;
   settings.threads = threads;
   settings.store = folder.path();
   const FilledStore filled = fill_store(description, settings, crew, bar.progress());
@@ -129,7 +130,7 @@ void print(const std::string& file, const Outcome& o) {
 void bench_campaign(const Options& options) {
   const Outcome bunny = solve_campaign(options.description, options.threads);
   const double peak_mb = peak_memory() / 1e6;
-  nlohmann::ordered_json result;
+  Json result;
   result["bench"] = "campaign";
   result["body"] = options.description;
   result["wall_s"] = bunny.wall_s;
@@ -175,23 +176,23 @@ void bench_campaign(const Options& options) {
 
 }  // namespace
 
-void add_bench_campaign(CLI::App& bench) {
+void add_bench_campaign(Command bench) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = bench.add_subcommand(
+  Command command = bench.add_subcommand(
       "campaign", "Solve a campaign into an empty folder: mesh, loads, states, stress, files");
-  command->add_option("body", options->description, "What to solve")
-      ->type_name("BODY.toml")
-      ->capture_default_str();
-  command->add_flag("--all", options->all,
-                    "Also bodies/bunny-dense.toml and bodies/dragon.toml (tools/setup.sh bodies)");
+  command.add_option("body", options->description, "What to solve")
+      .type_name("BODY.toml")
+      .show_default();
+  command.add_flag("--all", options->all,
+                   "Also bodies/bunny-dense.toml and bodies/dragon.toml (tools/setup.sh bodies)");
   command
-      ->add_option("--threads", options->threads,
-                   "Cores to use; 0: all. Results do not depend on it")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "One JSON object on stdout");
-  command->footer("Example: palpable-bake bench campaign --json");
-  command->callback([options] { bench_campaign(*options); });
+      .add_option("--threads", options->threads,
+                  "Cores to use; 0: all. Results do not depend on it")
+      .in_range(0, 4096)
+      .show_default();
+  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.footer("Example: palpable-bake bench campaign --json");
+  command.callback([options] { bench_campaign(*options); });
 }
 
 }  // namespace palpable::app

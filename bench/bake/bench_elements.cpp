@@ -1,16 +1,16 @@
 // palpable-bake bench elements: how true 4-node and 10-node tetrahedra are on a body's presses.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
-#include "apps/palpable-bake/machine.h"
-#include "palpable/bake/element_study.h"
 #include "palpable/base/error.h"
+#include "palpable/base/this_machine.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "bench/bake/bench.h"
+#include "bench/bake/element_study.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -32,12 +32,10 @@ struct Options {
 };
 
 // NaN has no form in JSON.
-nlohmann::ordered_json number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-nlohmann::ordered_json json_of(const ElementStudy& study, double height) {
-  nlohmann::ordered_json result;
+Json json_of(const ElementStudy& study, double height) {
+  Json result;
   for (std::size_t s = 0; s < study.sites.size(); ++s) {
     const Eigen::Vector3d& at = study.places[s];
     result["sites"].push_back({{"at_m", {at[0], at[1], at[2]}}, {"height", at[2] / height}});
@@ -51,7 +49,7 @@ nlohmann::ordered_json json_of(const ElementStudy& study, double height) {
                                 {"path_cpu_s", member.path_cpu_s}});
   }
   for (const ElementPress& press : study.presses) {
-    nlohmann::ordered_json row;
+    Json row;
     row["site"] = press.site;
     row["share"] = press.share;
     row["poisson"] = press.poisson;
@@ -106,16 +104,7 @@ void print(const char* heading, const ElementStudy& study) {
   }
 }
 
-void bench_elements(const Options& options) {
-  const auto begin = std::chrono::steady_clock::now();
-  BodyDescription description = read_body_description(options.description);
-  if (options.edge > 0.0) description.shape.edge = options.edge;
-  if (!description.shape.edge || !description.material.constants.empty()) {
-    throw Error(
-        fmt::format("{}: the bench needs an edge in [shape], because it meshes the body "
-                    "with twice that edge, too, and a material by young and poisson",
-                    options.description));
-  }
+ElementStudySettings settings_of(const Options& options, const BodyDescription& description) {
   ElementStudySettings settings;
   settings.sites = options.sites;
   settings.pressed = std::min(options.pressed, options.sites);
@@ -123,42 +112,42 @@ void bench_elements(const Options& options) {
   settings.law = description.material.law;
   settings.young = description.material.young;
   settings.patch = description.sites.patch;
+  return settings;
+}
 
-  ProgressBar bar;
-  const auto study = [&](double edge, bool nested, double* height) {
-    BodyDescription shape = description;
-    shape.shape.edge = edge;
-    shape.shape.order = 1;
-    const BodyMesh body = make_body_mesh(shape);
-    if (!body.supports.empty()) {
-      throw Error(fmt::format("{}: the bench knows supports that hold all directions only",
-                              options.description));
-    }
-    SolidModel model;
-    model.mesh = body.mesh;
-    model.fixed_nodes = body.fixed_nodes;
-    *height = body.height;
-    settings.lowest = description.sites.above * body.height;
-    settings.press = description.press.depth * body.height;
-    const char* task = nested ? "nested meshes" : "the body's mesh";
-    return study_elements(nested ? nested_family(model) : single_family(model), settings,
-                          [&](ProgressReport r) {
-                            r.task = task;
-                            bar.show(r);
-                          });
-  };
-  double height = 0, nested_height = 0;
-  // Split in eight, a mesh of twice the edge has the body's.
-  const ElementStudy nested = study(2.0 * *description.shape.edge, true, &nested_height);
-  const ElementStudy direct = study(*description.shape.edge, false, &height);
-  bar.finish();
+struct Studied {
+  ElementStudy study;
+  double height = 0, full_press = 0;  // m
+};
 
-  if (!options.json) {
-    print("One body on nested meshes:", nested);
-    print("The body's own mesh:", direct);
-    return;
+// One mesh of this edge and finer ones within it, or the mesh alone.
+Studied study_body(const Options& options, BodyDescription description, double edge, bool nested,
+                   ProgressBar& bar) {
+  ElementStudySettings settings = settings_of(options, description);
+  description.shape.edge = edge;
+  description.shape.order = 1;
+  const BodyMesh body = make_body_mesh(description);
+  if (!body.supports.empty()) {
+    throw Error(fmt::format("{}: the bench knows supports that hold all directions only",
+                            options.description));
   }
-  nlohmann::ordered_json result;
+  SolidModel model;
+  model.mesh = body.mesh;
+  model.fixed_nodes = body.fixed_nodes;
+  settings.lowest = description.sites.above * body.height;
+  settings.press = description.press.depth * body.height;
+  const char* task = nested ? "nested meshes" : "the body's mesh";
+  return {study_elements(nested ? nested_family(model) : single_family(model), settings,
+                         [&](ProgressReport r) {
+                           r.task = task;
+                           bar.show(r);
+                         }),
+          body.height, settings.press};
+}
+
+Json figures_of(const Options& options, const BodyDescription& description, const Studied& nested,
+                const Studied& direct) {
+  Json result;
   result["date"] = date_today();
   result["machine"] = processor_name();
   result["command"] = fmt::format(
@@ -172,12 +161,37 @@ void bench_elements(const Options& options) {
       "in [verification.md](verification.md).";
   result["body"] = description.name;
   result["description"] = std::filesystem::path(options.description).filename().string();
-  result["law"] = settings.law;
+  result["law"] = description.material.law;
   result["edge_m"] = *description.shape.edge;
-  result["height_m"] = height;
-  result["full_press_m"] = settings.press;
-  result["nested"] = json_of(nested, nested_height);
-  result["direct"] = json_of(direct, height);
+  result["height_m"] = direct.height;
+  result["full_press_m"] = direct.full_press;
+  result["nested"] = json_of(nested.study, nested.height);
+  result["direct"] = json_of(direct.study, direct.height);
+  return result;
+}
+
+void bench_elements(const Options& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  BodyDescription description = read_body_description(options.description);
+  if (options.edge > 0.0) description.shape.edge = options.edge;
+  if (!description.shape.edge || !description.material.constants.empty()) {
+    throw Error(
+        fmt::format("{}: the bench needs an edge in [shape], because it meshes the body "
+                    "with twice that edge, too, and a material by young and poisson",
+                    options.description));
+  }
+  ProgressBar bar;
+  // Split in eight, a mesh of twice the edge has the body's.
+  const double edge = *description.shape.edge;
+  const Studied nested = study_body(options, description, 2.0 * edge, true, bar);
+  const Studied direct = study_body(options, description, edge, false, bar);
+  bar.finish();
+  if (!options.json) {
+    print("One body on nested meshes:", nested.study);
+    print("The body's own mesh:", direct.study);
+    return;
+  }
+  Json result = figures_of(options, description, nested, direct);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   result["wall_s"] = wall.count();
   fmt::print("{}\n", result.dump(1));
@@ -185,31 +199,30 @@ void bench_elements(const Options& options) {
 
 }  // namespace
 
-void add_bench_elements(CLI::App& bench) {
+void add_bench_elements(Command bench) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = bench.add_subcommand(
+  Command command = bench.add_subcommand(
       "elements", "How true 4-node and 10-node tetrahedra are on a body's presses");
-  command->add_option("body", options->description, "The body, with an edge in [shape]")
-      ->type_name("BODY.toml")
-      ->capture_default_str();
-  command->add_option("--sites", options->sites, "Sites pressed by a small load")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_option("--pressed", options->pressed, "How many of them are pressed in earnest")
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str();
-  command->add_option("--poisson", options->poisson, "Poisson's ratios; the first for the presses")
-      ->check(CLI::Range(0.0, 0.499))
-      ->capture_default_str();
-  command->add_option("--edge", options->edge, "m: another edge than the description's")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--json", options->json, "One JSON object on stdout");
-  command->footer(
+  command.add_option("body", options->description, "The body, with an edge in [shape]")
+      .type_name("BODY.toml")
+      .show_default();
+  command.add_option("--sites", options->sites, "Sites pressed by a small load")
+      .in_range(1, 1000)
+      .show_default();
+  command.add_option("--pressed", options->pressed, "How many of them are pressed in earnest")
+      .in_range(0, 1000)
+      .show_default();
+  command.add_option("--poisson", options->poisson, "Poisson's ratios; the first for the presses")
+      .in_range(0.0, 0.499)
+      .show_default();
+  command.add_option("--edge", options->edge, "m: another edge than the description's").positive();
+  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.footer(
       "Solves on eight times the nodes for comparison: 10 GB of memory and half an hour for a "
       "body\n"
       "of 17,000 nodes.\n"
       "Example: palpable bench elements bodies/bunny.toml --json");
-  command->callback([options] { bench_elements(*options); });
+  command.callback([options] { bench_elements(*options); });
 }
 
 }  // namespace palpable::app

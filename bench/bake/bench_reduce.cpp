@@ -1,21 +1,20 @@
 // palpable-bake bench reduce: all methods on the bunny, the default body against states solved
 // afresh, and sparse PGD on a part of the beam's samples.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
-#include "apps/palpable-bake/recomputed_stress.h"
 #include "palpable/bake/bake_body.h"
 #include "palpable/campaign/between_sites.h"
 #include "palpable/campaign/held_out.h"
-#include "palpable/campaign/sparse_campaign.h"
 #include "palpable/campaign/store_rows.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/separate/method_comparison.h"
 #include "palpable/separate/pod_coordinates.h"
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
-
 #include "bench/bake/bench.h"
+#include "bench/bake/recomputed_stress.h"
+#include "bench/bake/sparse_campaign.h"
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -30,8 +29,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-using Json = nlohmann::ordered_json;
-
 struct Options {
   std::string description = "bodies/bunny.toml";
   std::string beam = "bodies/beam.toml";
@@ -48,7 +45,7 @@ SnapshotStore solved(const std::string& file, const fs::path& folder, const Opti
                      const SnapshotStore* held_out_of = nullptr) {
   ProgressBar bar;
   LocalCrew crew;
-  BakeSettings settings;
+  FillSettings settings;
   settings.threads = options.threads;
   settings.store = folder;
   settings.held_out_of = held_out_of;
@@ -225,30 +222,30 @@ void bench_reduce(const Options& options) {
 
 }  // namespace
 
-void add_bench_reduce(CLI::App& bench) {
+void add_bench_reduce(Command bench) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = bench.add_subcommand(
+  Command command = bench.add_subcommand(
       "reduce",
       "All reductions of a campaign, the default body on levels between, sparse PGD on the beam");
-  command->add_option("body", options->description, "What to reduce")
-      ->type_name("BODY.toml")
-      ->capture_default_str();
-  command->add_option("--beam", options->beam, "What sparse PGD learns from")
-      ->type_name("BODY.toml")
-      ->capture_default_str();
+  command.add_option("body", options->description, "What to reduce")
+      .type_name("BODY.toml")
+      .show_default();
+  command.add_option("--beam", options->beam, "What sparse PGD learns from")
+      .type_name("BODY.toml")
+      .show_default();
   command
-      ->add_option("--folder", options->folder,
-                   "Snapshots are kept there; what is valid is not solved again")
-      ->type_name("FOLDER")
-      ->capture_default_str();
+      .add_option("--folder", options->folder,
+                  "Snapshots are kept there; what is valid is not solved again")
+      .type_name("FOLDER")
+      .show_default();
   command
-      ->add_option("--threads", options->threads,
-                   "Cores for solves; 0: all. Results do not depend on it")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "One JSON object on stdout");
-  command->footer("Example: palpable-bake bench reduce --json");
-  command->callback([options] { bench_reduce(*options); });
+      .add_option("--threads", options->threads,
+                  "Cores for solves; 0: all. Results do not depend on it")
+      .in_range(0, 4096)
+      .show_default();
+  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.footer("Example: palpable-bake bench reduce --json");
+  command.callback([options] { bench_reduce(*options); });
 }
 
 }  // namespace palpable::app

@@ -1,21 +1,23 @@
 // palpable-bake bench solid: one equilibrium path against CalculiX' on the same mesh and loads, in
 // CPU time and digit by digit.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
-#include "apps/palpable-bake/machine.h"
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
-#include "palpable/campaign/calculix_comparison.h"
+#include "palpable/base/order_statistics.h"
+#include "palpable/base/this_machine.h"
 #include "palpable/describe/body_problem.h"
 #include "palpable/describe/contact_sites.h"
 #include "palpable/solid/patch_load.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "bench/bake/bench.h"
+#include "bench/bake/calculix_comparison.h"
+#include "bench/bake/machine_rates.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -32,8 +34,6 @@ namespace {
 
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
-using Json = nlohmann::ordered_json;
-
 struct Options {
   std::string description = "bodies/bunny.toml";
   std::string law = "neo-hooke-abaqus";
@@ -50,11 +50,7 @@ constexpr double kTolerance = 1e-8;  // of both programs
 // Short of where either program stops: the last stretch before it is solved by luck.
 constexpr double kShareOfLast = 0.95;
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-}
+double median(std::vector<double> values) { return percentile(std::move(values), 0.5); }
 
 std::vector<double> even_levels(int count) {
   std::vector<double> levels;
@@ -71,7 +67,7 @@ struct OurPath {
 };
 OurPath solve_ours(const SolidModel& model, const Matrix3Xd& load,
                    const std::vector<double>& levels, int repeats) {
-  std::vector<OurPath> runs(static_cast<std::size_t>(repeats));
+  std::vector<OurPath> runs(repeats);
   for (OurPath& run : runs) {
     const double begin = process_cpu_seconds();
     const EquilibriumSolver solver(model, {.tolerance = kTolerance});
@@ -311,7 +307,8 @@ std::string section_text(const Json& result, const Options& options) {
                             result["ratio_to_ccx"].get<double>());
 }
 
-Json section_tables(const Json& result, const Options& options) {
+// One path a row: the sites', and those of the 10-node body.
+Json paths_table(const Json& result, const Options& options) {
   Json paths = {{"columns",
                  {"site", "at height", "press", "ours, CPU s", "set-up of it", "Newton steps",
                   "CG iterations"}},
@@ -343,6 +340,10 @@ Json section_tables(const Json& result, const Options& options) {
   for (const Json& site : result["ten_node"]["sites"]) {
     add(site, fmt::format("10-node, {} nodes", result["ten_node"]["nodes"].get<int>()));
   }
+  return paths;
+}
+
+Json stages_table(const Json& result) {
   Json stages = {
       {"heading", "Where our CPU time goes"},
       {"columns",
@@ -354,6 +355,10 @@ Json section_tables(const Json& result, const Options& options) {
                               s["tangent"], s["factor"], s["solve"], s["force"], s["rest"],
                               site["cpu_s"]});
   }
+  return stages;
+}
+
+Json floor_table(const Json& result) {
   const Json& floor = result["floor"];
   Json least = {
       {"heading", "What this machine would take at least"},
@@ -369,25 +374,23 @@ Json section_tables(const Json& result, const Options& options) {
                    1e-6 * result["memory_bytes"].get<double>())},
       {"columns", {"once", "MB", "MFlop", "ms"}},
       {"rows", Json::array()}};
-  const auto add_least = [&](const char* what, double bytes, double flops, double seconds) {
+  const auto add = [&](const char* what, double bytes, double flops, double seconds) {
     least["rows"].push_back({what, 1e-6 * bytes, 1e-6 * flops, 1e3 * seconds});
   };
-  add_least("pass over the elements", floor["element_pass_bytes"], floor["element_pass_flops"],
-            floor["element_pass_s"]);
-  add_least("application of the factor, read twice", floor["factor_bytes"],
-            floor["factor_bytes"].get<double>(), floor["factor_application_s"]);
-  add_least("factor", floor["factor_bytes"], floor["factor_flops"], floor["factor_s"]);
-  return Json::array({std::move(paths), std::move(stages), std::move(least)});
+  add("pass over the elements", floor["element_pass_bytes"], floor["element_pass_flops"],
+      floor["element_pass_s"]);
+  add("application of the factor, read twice", floor["factor_bytes"],
+      floor["factor_bytes"].get<double>(), floor["factor_application_s"]);
+  add("factor", floor["factor_bytes"], floor["factor_flops"], floor["factor_s"]);
+  return least;
 }
 
-void bench_solid(const Options& options) {
-  const auto begin = std::chrono::steady_clock::now();
-  if (!options.ours_only && !find_calculix(options.program)) {
-    throw Error(
-        fmt::format("CalculiX ({}) is not there or cannot be run; on Debian: apt install "
-                    "calculix-ccx, or ask for --ours-only",
-                    options.program));
-  }
+Json section_tables(const Json& result, const Options& options) {
+  return Json::array({paths_table(result, options), stages_table(result), floor_table(result)});
+}
+
+// The body as the bench needs it: one material that CalculiX has, an edge that can be doubled.
+BodyDescription described(const Options& options) {
   BodyDescription description = read_body_description(options.description);
   if (!description.shape.edge || !description.material.constants.empty()) {
     throw Error(
@@ -397,40 +400,53 @@ void bench_solid(const Options& options) {
   }
   description.material.law = options.law;
   description.shape.order = 1;
-  const BodyProblem problem = pose_body(description);
+  return description;
+}
+
+BodyProblem posed(const BodyDescription& description, const Options& options) {
+  BodyProblem problem = pose_body(description);
   if (problem.preload.cols() > 0 || problem.force > 0.0 || !problem.model.groups.empty()) {
     throw Error(
         fmt::format("{}: the bench presses a body of one material by a depth, without "
                     "weight and pressures",
                     options.description));
   }
-  const TetMesh& mesh = problem.model.mesh;
-  const std::vector<double> levels = even_levels(options.levels);
-  const EquilibriumSolver search_solver(problem.model, {.tolerance = kTolerance});
+  for (const int number : options.sites) {
+    if (number < static_cast<int>(problem.sites.size())) continue;
+    throw Error(
+        fmt::format("there is no site {}; the body has 0 to {}", number, problem.sites.size() - 1));
+  }
+  return problem;
+}
 
-  Json sites = Json::array();
-  std::vector<Vector3d> places;
-  std::vector<double> cpu, ccx_cpu, ratios, fractions;
-  double difference_u = 0, difference_stress = 0;
-  Json floor;
-  Runs runs(options.verify ? 1.5 * static_cast<double>(options.sites.size())
-                           : static_cast<double>(options.sites.size()));
+// The largest differences of both programs, and the paths on which they are too large.
+struct Bars {
+  double displacement = 0, stress = 0;
   std::vector<std::string> beyond;
-  const auto hold_to_bars = [&](const std::string& what, const PathDifference& difference) {
-    difference_u = std::max(difference_u, difference.displacement);
-    difference_stress = std::max(difference_stress, difference.stress);
+
+  void hold(const std::string& what, const PathDifference& difference) {
+    displacement = std::max(displacement, difference.displacement);
+    stress = std::max(stress, difference.stress);
     if (difference.displacement <= kDisplacementBar && difference.stress <= kStressBar) return;
     beyond.push_back(fmt::format("{}: displacement {:.1e} (bar {:.0e}), stress {:.1e} (bar {:.0e})",
                                  what, difference.displacement, kDisplacementBar, difference.stress,
                                  kStressBar));
-  };
+  }
+};
 
+struct SitePaths {
+  Json sites = Json::array(), floor;
+  std::vector<Vector3d> places;
+  std::vector<double> cpu, ccx_cpu, ratios, fractions;  // a number for each site
+};
+
+SitePaths press_sites(const BodyProblem& problem, const std::vector<double>& levels,
+                      const Options& options, Runs& runs, Bars& bars) {
+  const TetMesh& mesh = problem.model.mesh;
+  const EquilibriumSolver search_solver(problem.model, {.tolerance = kTolerance});
+  SitePaths paths;
   for (const int number : options.sites) {
-    if (number >= static_cast<int>(problem.sites.size())) {
-      throw Error(fmt::format("there is no site {}; the body has 0 to {}", number,
-                              problem.sites.size() - 1));
-    }
-    const Site& site = problem.sites[static_cast<std::size_t>(number)];
+    const Site& site = problem.sites[number];
     const std::string what = fmt::format("site {}", number);
     const Matrix3Xd unit = unit_load(site, problem.mesh.boundary, mesh.node_count());
     const LoadSearch search = search_solver.find_load(unit, problem.press);
@@ -441,19 +457,52 @@ void bench_solid(const Options& options) {
     pair.share *= first_share;
     const double press =
         unit.cwiseProduct(pair.ours.path.steps.back().displacement).sum() / problem.mesh.height;
-    places.emplace_back(problem.mesh.boundary.surface.vertices.col(site.vertex));
-    Json row = {{"site", number}, {"at_m", at_json(places.back())}, {"press_fraction", press}};
+    paths.places.emplace_back(problem.mesh.boundary.surface.vertices.col(site.vertex));
+    Json row = {
+        {"site", number}, {"at_m", at_json(paths.places.back())}, {"press_fraction", press}};
     row.update(json_of(pair, options));
-    sites.push_back(std::move(row));
-    cpu.push_back(pair.ours.cpu_s);
-    if (floor.is_null()) floor = floor_of(mesh, pair.ours.setup, options.levels);
-    ccx_cpu.push_back(pair.theirs.cpu_seconds);
-    ratios.push_back(pair.theirs.cpu_seconds / pair.ours.cpu_s);
-    fractions.push_back(press);
-    if (!options.ours_only) hold_to_bars(what, pair.difference);
+    paths.sites.push_back(std::move(row));
+    paths.cpu.push_back(pair.ours.cpu_s);
+    if (paths.floor.is_null()) paths.floor = floor_of(mesh, pair.ours.setup, options.levels);
+    paths.ccx_cpu.push_back(pair.theirs.cpu_seconds);
+    paths.ratios.push_back(pair.theirs.cpu_seconds / pair.ours.cpu_s);
+    paths.fractions.push_back(press);
+    if (!options.ours_only) bars.hold(what, pair.difference);
   }
-  const double memory = peak_memory();
+  return paths;
+}
 
+// Both programs on the paper's beam and on 10-node tetrahedra.
+Json verify_others(const BodyProblem& ten, const Options& options, Runs& runs, Bars& bars) {
+  Json verified = Json::array();
+  const auto verify = [&](const std::string& what, const SolidModel& model, const Matrix3Xd& load,
+                          int count, double share) {
+    Options once = options;
+    once.repeats = 1;
+    const Pair pair = solve_both(model, load, even_levels(count), once, share, what, runs);
+    bars.hold(what, pair.difference);
+    Json row = {{"body", what},
+                {"law", law_name(model.material)},
+                {"nodes", model.mesh.node_count()},
+                {"tets", model.mesh.tet_count()},
+                {"element", model.mesh.is_quadratic() ? "C3D10" : "C3D4"},
+                {"levels", count}};
+    row.update(json_of(pair, once));
+    verified.push_back(std::move(row));
+  };
+  const Beam beam = full_size_beam();
+  verify("beam", beam.model, beam.load, 10, 0.3);
+  const Matrix3Xd unit =
+      unit_load(ten.sites.front(), ten.mesh.boundary, ten.model.mesh.node_count());
+  const LoadSearch search =
+      EquilibriumSolver(ten.model, {.tolerance = kTolerance}).find_load(unit, 0.5 * ten.press);
+  if (!search.reached) throw Error("the 10-node body cannot be pressed: " + search.why_stopped);
+  verify("bunny, 10-node tetrahedra", ten.model, search.load * unit, 5, 1.2);
+  return verified;
+}
+
+Json figures_of(const BodyDescription& description, const BodyProblem& problem,
+                const Options& options, SitePaths paths, const Bars& bars) {
   Json result;
   result["title"] = "An equilibrium path against CalculiX";
   result["order"] = 40;
@@ -466,54 +515,48 @@ void bench_solid(const Options& options) {
   result["law"] = options.law;
   result["young_Pa"] = description.material.young;
   result["poisson"] = description.material.poisson;
-  result["nodes"] = mesh.node_count();
-  result["tets"] = mesh.tet_count();
+  result["nodes"] = problem.model.mesh.node_count();
+  result["tets"] = problem.model.mesh.tet_count();
   result["skin_vertices"] = problem.mesh.boundary.surface.vertex_count();
   result["levels"] = options.levels;
   result["residual"] = kTolerance;
-  result["press_fraction"] = *std::min_element(fractions.begin(), fractions.end());
-  result["path_cpu_s"] = median(cpu);
+  result["press_fraction"] = *std::min_element(paths.fractions.begin(), paths.fractions.end());
+  result["path_cpu_s"] = median(paths.cpu);
   if (!options.ours_only) {
-    result["ccx_cpu_s"] = median(ccx_cpu);
-    result["ratio_to_ccx"] = median(ratios);
-    result["max_rel_difference_u"] = difference_u;
-    result["max_rel_difference_stress"] = difference_stress;
+    result["ccx_cpu_s"] = median(paths.ccx_cpu);
+    result["ratio_to_ccx"] = median(paths.ratios);
+    result["max_rel_difference_u"] = bars.displacement;
+    result["max_rel_difference_stress"] = bars.stress;
   }
-  result["floor_s"] = floor["path_s"];
-  result["memory_bytes"] = memory;
-  result["floor"] = std::move(floor);
-  result["sites"] = std::move(sites);
+  result["floor_s"] = paths.floor["path_s"];
+  result["memory_bytes"] = peak_memory();
+  result["floor"] = std::move(paths.floor);
+  result["sites"] = std::move(paths.sites);
+  return result;
+}
+
+void bench_solid(const Options& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  if (!options.ours_only && !find_calculix(options.program)) {
+    throw Error(
+        fmt::format("CalculiX ({}) is not there or cannot be run; on Debian: apt install "
+                    "calculix-ccx, or ask for --ours-only",
+                    options.program));
+  }
+  const BodyDescription description = described(options);
+  const BodyProblem problem = posed(description, options);
+  const std::vector<double> levels = even_levels(options.levels);
+  Runs runs((options.verify ? 1.5 : 1.0) * static_cast<double>(options.sites.size()));
+  Bars bars;
+  SitePaths paths = press_sites(problem, levels, options, runs, bars);
+  const std::vector<Vector3d> places = paths.places;
+  Json result = figures_of(description, problem, options, std::move(paths), bars);
   const BodyProblem ten = pose_body(of_ten_nodes(description, places));
   result["ten_node"] = ten_node_figures(ten, levels, options.repeats);
-
   if (options.verify && !options.ours_only) {
-    Json verified = Json::array();
-    const auto verify = [&](const std::string& what, const SolidModel& model, const Matrix3Xd& load,
-                            int count, double share) {
-      Options once = options;
-      once.repeats = 1;
-      const Pair pair = solve_both(model, load, even_levels(count), once, share, what, runs);
-      hold_to_bars(what, pair.difference);
-      Json row = {{"body", what},
-                  {"law", law_name(model.material)},
-                  {"nodes", model.mesh.node_count()},
-                  {"tets", model.mesh.tet_count()},
-                  {"element", model.mesh.is_quadratic() ? "C3D10" : "C3D4"},
-                  {"levels", count}};
-      row.update(json_of(pair, once));
-      verified.push_back(std::move(row));
-    };
-    const Beam beam = full_size_beam();
-    verify("beam", beam.model, beam.load, 10, 0.3);
-    const Matrix3Xd unit =
-        unit_load(ten.sites.front(), ten.mesh.boundary, ten.model.mesh.node_count());
-    const LoadSearch search =
-        EquilibriumSolver(ten.model, {.tolerance = kTolerance}).find_load(unit, 0.5 * ten.press);
-    if (!search.reached) throw Error("the 10-node body cannot be pressed: " + search.why_stopped);
-    verify("bunny, 10-node tetrahedra", ten.model, search.load * unit, 5, 1.2);
-    result["max_rel_difference_u"] = difference_u;
-    result["max_rel_difference_stress"] = difference_stress;
-    result["verified"] = std::move(verified);
+    result["verified"] = verify_others(ten, options, runs, bars);
+    result["max_rel_difference_u"] = bars.displacement;
+    result["max_rel_difference_stress"] = bars.stress;
   }
   result["text"] = section_text(result, options);
   result["tables"] = section_tables(result, options);
@@ -525,42 +568,42 @@ void bench_solid(const Options& options) {
   } else {
     for (const auto& [key, value] : result.items()) fmt::print("{:<26} {}\n", key, value.dump());
   }
-  if (options.verify && !beyond.empty()) {
+  if (options.verify && !bars.beyond.empty()) {
     throw Error(
-        fmt::format("the programs differ by more than they may: {}", fmt::join(beyond, "; ")));
+        fmt::format("the programs differ by more than they may: {}", fmt::join(bars.beyond, "; ")));
   }
 }
 
 }  // namespace
 
-void add_bench_solid(CLI::App& bench) {
+void add_bench_solid(Command bench) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = bench.add_subcommand(
+  Command command = bench.add_subcommand(
       "solid", "One equilibrium path against CalculiX' in CPU time, and digit by digit");
-  command->add_option("body", options->description, "The body, with an edge in [shape]")
-      ->type_name("BODY.toml")
-      ->capture_default_str();
-  command->add_option("--law", options->law, "The body's law here: one that CalculiX has, too")
-      ->capture_default_str();
-  command->add_option("--sites", options->sites, "Which of the body's sites, from 0")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command->add_option("--levels", options->levels, "Load levels of a path")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_option("--repeats", options->repeats, "Our path is timed so often; the median")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  command->add_option("--ccx", options->program, "CalculiX' program")->capture_default_str();
-  command->add_flag("--verify", options->verify,
-                    "A beam and 10-node tetrahedra, too; exit code 1 if displacements differ by "
-                    "more than 1e-6 of the largest or stresses by more than 1e-5");
-  command->add_flag("--ours-only", options->ours_only, "Leave CalculiX out: a minute");
-  command->add_flag("--json", options->json, "One JSON object on stdout");
-  command->footer(
+  command.add_option("body", options->description, "The body, with an edge in [shape]")
+      .type_name("BODY.toml")
+      .show_default();
+  command.add_option("--law", options->law, "The body's law here: one that CalculiX has, too")
+      .show_default();
+  command.add_option("--sites", options->sites, "Which of the body's sites, from 0")
+      .not_negative()
+      .show_default();
+  command.add_option("--levels", options->levels, "Load levels of a path")
+      .in_range(1, 1000)
+      .show_default();
+  command.add_option("--repeats", options->repeats, "Our path is timed so often; the median")
+      .in_range(1, 100)
+      .show_default();
+  command.add_option("--ccx", options->program, "CalculiX' program").show_default();
+  command.add_flag("--verify", options->verify,
+                   "A beam and 10-node tetrahedra, too; exit code 1 if displacements differ by "
+                   "more than 1e-6 of the largest or stresses by more than 1e-5");
+  command.add_flag("--ours-only", options->ours_only, "Leave CalculiX out: a minute");
+  command.add_flag("--json", options->json, "One JSON object on stdout");
+  command.footer(
       "CalculiX takes about 5 minutes for each site of the paper's bunny.\n"
       "Example: palpable bench solid --json");
-  command->callback([options] { bench_solid(*options); });
+  command.callback([options] { bench_solid(*options); });
 }
 
 }  // namespace palpable::app

@@ -1,9 +1,10 @@
 // palpable bench: ms per stage of the live half, median and 99th percentile.
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/live_setup.h"
-#include "apps/palpable/scene_picture.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/contact/press_law.h"
@@ -16,10 +17,9 @@
 #include "palpable/render/gl_context.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/score/penetration.h"
+#include "palpable/view/scene_picture.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include "bench/live/bench_depth.h"
 #include "bench/live/bench_sgbm.h"
@@ -64,7 +64,7 @@ double median_of(const Series& series, std::string_view name) {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-void print(nlohmann::ordered_json result, const Series& series, bool json) {
+void print(Json result, const Series& series, bool json) {
   result["cores"] = std::thread::hardware_concurrency();
   for (const auto& [stage, values] : series) {
     result["stages"][stage] = {{"p50_ms", percentile(values, 0.5)},
@@ -88,8 +88,8 @@ struct BodyOptions {
   bool json = false;
 };
 
-nlohmann::ordered_json about(const char* bench, const ReducedBody& body) {
-  nlohmann::ordered_json result;
+Json about(const char* bench, const ReducedBody& body) {
+  Json result;
   result["bench"] = bench;
   result["body"] = body.name;
   result["vertices"] = body.surface.vertex_count();
@@ -150,7 +150,7 @@ void bench_evaluate(const BodyOptions& options) {
     timed("all", [&] { press_surface(body, rest, mu, vertices, normals, mises); });
   }
 
-  nlohmann::ordered_json result = about("evaluate", body);
+  Json result = about("evaluate", body);
   result["modes_per_site"] = body.displacement.largest_block();
   result["stress_modes_per_site"] = body.stress.largest_block();
   result["instructions"] = mode_kernels().front().name;
@@ -225,7 +225,7 @@ void bench_contact(const BodyOptions& options) {
     touched += state.touch.has_value();
     add(series, times);
   }
-  nlohmann::ordered_json result = about("contact", body);
+  Json result = about("contact", body);
   result["points"] = surface.points().size();
   result["frames_touching"] = touched;
   print(result, series, options.json);
@@ -254,7 +254,7 @@ void bench_live(LiveBenchOptions options) {
     while (Scene* scene = loop.next()) {
       {
         const StageTimer timer(scene->times, "draw");
-        renderer.draw(view_of(*scene, session, scale), picture);
+        renderer.draw(view_of(*scene, session.body(), scale), picture);
       }
       add(series, scene->times);
       bar.show({"live", static_cast<double>(++done),
@@ -264,7 +264,7 @@ void bench_live(LiveBenchOptions options) {
   bar.finish();
   if (done == 0) throw Error(fmt::format("{}: no frame could be read", run.images.string()));
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-  nlohmann::ordered_json result = about("live", session.body());
+  Json result = about("live", session.body());
   result["source"] = run.images.string();
   result["renderer"] = context.description();
   result["frames"] = done;
@@ -274,10 +274,10 @@ void bench_live(LiveBenchOptions options) {
 
 }  // namespace
 
-void add_bench(CLI::App& app) {
-  CLI::App* bench = app.add_subcommand("bench", "Time the stages of the live half (or of a bake)");
-  bench->require_subcommand(1);
-  bench->footer(
+void add_bench(Command app) {
+  Command bench = app.add_subcommand("bench", "Time the stages of the live half (or of a bake)");
+  bench.require_subcommand();
+  bench.footer(
       "Of the program palpable-bake, asked for in the same way:\n"
       "  bench bake      the parts of a bake\n"
       "  bench beam      the beam by intrusive PGD\n"
@@ -289,15 +289,15 @@ void add_bench(CLI::App& app) {
   const auto add_body_bench = [&](const char* name, const char* what,
                                   void (*run)(const BodyOptions&)) {
     auto options = std::make_shared<BodyOptions>();
-    CLI::App* command = bench->add_subcommand(name, what);
-    command->add_option("body", options->body,
-                        "Body file; else build/bodies/bunny.palpable or out/demo/bunny.palpable");
-    command->add_option("--repeats", options->repeats, "Frames")
-        ->check(CLI::Range(1, 10'000'000))
-        ->capture_default_str();
-    command->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
-    command->footer(fmt::format("Example: palpable bench {} bunny.palpable", name));
-    command->callback([options, run] {
+    Command command = bench.add_subcommand(name, what);
+    command.add_option("body", options->body,
+                       "Body file; else build/bodies/bunny.palpable or out/demo/bunny.palpable");
+    command.add_option("--repeats", options->repeats, "Frames")
+        .in_range(1, 10'000'000)
+        .show_default();
+    command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+    command.footer(fmt::format("Example: palpable bench {} bunny.palpable", name));
+    command.callback([options, run] {
       std::error_code ignored;
       for (const char* usual : {"build/bodies/bunny.palpable", "out/demo/bunny.palpable"}) {
         if (options->body.empty() && std::filesystem::exists(usual, ignored)) options->body = usual;
@@ -310,16 +310,16 @@ void add_bench(CLI::App& app) {
                  bench_evaluate);
   add_body_bench("contact", "A finger at 640 x 360 on the first site", bench_contact);
 
-  add_bench_depth(*bench);
-  add_bench_sgbm(*bench);
-  add_bench_track(*bench);
+  add_bench_depth(bench);
+  add_bench_sgbm(bench);
+  add_bench_track(bench);
 
   auto options = std::make_shared<LiveBenchOptions>();
-  CLI::App* live = bench->add_subcommand("live", "The whole loop, without writing files");
-  add_live_options(*live, options->live);
-  live->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
-  live->footer("Example: palpable bench live bunny.palpable --source out/demo/clip/frames");
-  live->callback([options] { bench_live(*options); });
+  Command live = bench.add_subcommand("live", "The whole loop, without writing files");
+  add_live_options(live, options->live);
+  live.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  live.footer("Example: palpable bench live bunny.palpable --source out/demo/clip/frames");
+  live.callback([options] { bench_live(*options); });
 }
 
 }  // namespace palpable::app

@@ -2,7 +2,10 @@
 
 #include "bench/live/bench_depth.h"
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
+#include "apps/palpable/default_body.h"
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
@@ -12,9 +15,7 @@
 #include "palpable/render/outlines.h"
 #include "palpable/stereo/stereo_matcher.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -59,7 +60,7 @@ const StereoKernels& kernels_named(const std::string& name) {
   throw Error(fmt::format("--simd {}: this processor has {}", name, names));
 }
 
-// The reference as issue and docs/benchmark.md have it, its picture padded left by the range.
+// The reference with the settings of docs/benchmark.md, its picture padded left by the range.
 cv::Mat sgbm(const GrayImage& left, const GrayImage& right, int range) {
   const cv::Ptr<cv::StereoSGBM> matcher = cv::StereoSGBM::create(0, range, 5);
   matcher->setMode(cv::StereoSGBM::MODE_SGBM_3WAY);
@@ -140,7 +141,7 @@ StereoMatcherSettings full_mode(int threads, const StereoKernels& kernels) {
 }
 
 void time_matchers(const GrayImage& left, const GrayImage& right, int repeats,
-                   const StereoKernels& kernels, ProgressBar& bar, nlohmann::ordered_json& result) {
+                   const StereoKernels& kernels, ProgressBar& bar, Json& result) {
   const GrayImage left_672 = scaled(left, 672, 376), right_672 = scaled(right, 672, 376);
   const GrayImage left_1080 = scaled(left, 1920, 1080), right_1080 = scaled(right, 1920, 1080);
   NearMode near(1280, 1, kernels), near_2(1280, 2, kernels), near_672(672, 1, kernels),
@@ -192,9 +193,8 @@ double bad_share(const MiddleburyPair& pair, const DisparityAt& at) {
   return count == 0 ? std::nan("") : static_cast<double>(bad) / static_cast<double>(count);
 }
 
-void compare_scenes(const std::filesystem::path& data, const StereoKernels& kernels,
-                    nlohmann::ordered_json& result) {
-  nlohmann::ordered_json ratio, ours, theirs;
+void compare_scenes(const std::filesystem::path& data, const StereoKernels& kernels, Json& result) {
+  Json ratio, ours, theirs;
   double sum_ours = 0, sum_theirs = 0;
   bool all = true;
   StereoMatcher matcher(full_mode(1, kernels));
@@ -222,7 +222,7 @@ void compare_scenes(const std::filesystem::path& data, const StereoKernels& kern
     sum_ours += own;
     sum_theirs += opencv;
   }
-  ratio["mean"] = all ? nlohmann::ordered_json(sum_ours / sum_theirs) : nullptr;
+  ratio["mean"] = all ? Json(sum_ours / sum_theirs) : nullptr;
   result["bad2_ratio"] = ratio;
   result["bad2"] = ours;
   result["bad2_sgbm"] = theirs;
@@ -292,22 +292,22 @@ class OutlineTimes {
   std::vector<double> cpu_ms_;
 };
 
-nlohmann::ordered_json median_or_null(const std::vector<double>& values) {
+Json median_or_null(const std::vector<double>& values) {
   if (values.empty()) return nullptr;
   return percentile(values, 0.5);
 }
 
-void print_table(const nlohmann::ordered_json& r) {
+void print_table(const Json& r) {
   fmt::print("{:<44}{:>12}{:>14}\n", "", "this", "OpenCV SGBM");
-  const auto line = [](const char* name, const char* format, const nlohmann::ordered_json& a,
-                       const nlohmann::ordered_json& b, double scale = 1) {
-    const auto text = [&](const nlohmann::ordered_json& v) {
+  const auto line = [](const char* name, const char* format, const Json& a, const Json& b,
+                       double scale = 1) {
+    const auto text = [&](const Json& v) {
       return v.is_null() ? std::string("-")
                          : fmt::format(fmt::runtime(format), scale * v.get<double>());
     };
     fmt::print("{:<44}{:>12}{:>14}\n", name, text(a), text(b));
   };
-  const nlohmann::ordered_json none = nullptr;
+  const Json none = nullptr;
   line("near mode, 1280 x 720, CPU ms", "{:.1f}", r["ms_720p"], r["sgbm_ms_near"]);
   line("  wall ms on two threads", "{:.1f}", r["wall_ms_720p"], none);
   line("  672 x 376, 1 thread, CPU ms", "{:.1f}", r["ms_672"], none);
@@ -335,72 +335,100 @@ void print_table(const nlohmann::ordered_json& r) {
   }
 }
 
+// The whole chain on frames of `press`, from raw pair to depth and outlines.
+class NearBench {
+ public:
+  NearBench(NearFrames& near, ProgressBar& bar)
+      : near_(near),
+        bar_(bar),
+        camera_(value_or_throw(DepthCamera::make(format_of(near.rig()), {}))),
+        rectification_(near.rig()) {}
+
+  // Scores the frames of these numbers; of near ones the outlines are timed, too, and the pair in
+  // the middle is kept.
+  void run(const std::vector<int>& numbers, const char* what, bool is_near) {
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      near_.draw(numbers[i], 2, pair_, truth_);
+      frame_.left = pair_.left;
+      frame_.right = pair_.right;
+      camera_.see(frame_, seen_);
+      score_.add(seen_, truth_, is_near);
+      if (is_near) outlines_.add(seen_);
+      if (is_near && i == numbers.size() / 2) {
+        rectification_.rectify_luma(Rectification::Eye::kLeft, pair_.left, left_);
+        rectification_.rectify_luma(Rectification::Eye::kRight, pair_.right, right_);
+      }
+      bar_.show({what, static_cast<double>(i + 1), static_cast<double>(numbers.size()), ""});
+    }
+  }
+
+  void write_score(Json& result) const {
+    const auto share = [](std::size_t part, std::size_t whole) {
+      return whole == 0 ? Json(nullptr)
+                        : Json(static_cast<double>(part) / static_cast<double>(whole));
+    };
+    result["near_median_error"] = median_or_null(score_.errors);
+    result["hand_within_1pct"] = share(score_.within, score_.hand);
+    result["hand_density"] = share(score_.known, score_.hand);
+    result["too_close_called_far"] = share(score_.called_far, score_.close);
+    result["too_close_marked"] = share(score_.marked_close, score_.close);
+    result["too_close_pixels"] = score_.close;
+    result["outlines_ms_720p"] = median_or_null(outlines_.cpu_ms());
+  }
+
+  void write_error_by_depth(Json& result) const {
+    const RectifiedStereo& stereo = near_.stereo();
+    result["error_by_depth"] = Json::array();
+    for (std::size_t i = 0; i < kDepths.size(); ++i) {
+      result["error_by_depth"].push_back(
+          {{"depth_m", kDepths[i]},
+           {"median_error", median_or_null(score_.by_depth[i])},
+           // dZ / Z = Z / (f T) dd
+           {"limit_tenth_px", 0.1 * kDepths[i] / (stereo.camera.fx_px * stereo.baseline)}});
+    }
+  }
+
+  // Rectified, of the pair in the middle of the near frames.
+  [[nodiscard]] const GrayImage& left() const { return left_; }
+  [[nodiscard]] const GrayImage& right() const { return right_; }
+
+ private:
+  NearFrames& near_;
+  ProgressBar& bar_;
+  DepthCamera camera_;
+  Rectification rectification_;
+  NearScore score_;
+  OutlineTimes outlines_;
+  RawPair pair_;
+  DeskTruth truth_;
+  Frame frame_;
+  SeenFrame seen_;
+  GrayImage left_, right_;
+};
+
 void bench_depth(const DepthBenchOptions& options) {
   const StereoKernels& kernels = kernels_named(options.simd);
   ProgressBar bar;
   NearFrames near(options.body.empty() ? default_body() : options.body, options.seed,
                   bar.progress());
-  const RectifiedStereo& stereo = near.stereo();
-  nlohmann::ordered_json result;
+  Json result;
   result["bench"] = "depth";
   result["body"] = near.body_name();
   result["seed"] = options.seed;
 
-  DepthCamera camera = value_or_throw(DepthCamera::make(format_of(near.rig()), {}));
-  Frame frame;
-  RawPair pair;
-  DeskTruth truth;
-  SeenFrame seen;
-  NearScore score;
-  OutlineTimes outline_times;
-  GrayImage left, right;
-  Rectification rectification(near.rig());
-  const auto look = [&](const std::vector<int>& numbers, const char* what, bool is_near) {
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      near.draw(numbers[i], 2, pair, truth);
-      frame.left = pair.left;
-      frame.right = pair.right;
-      camera.see(frame, seen);
-      score.add(seen, truth, is_near);
-      if (is_near) outline_times.add(seen);
-      if (is_near && i == numbers.size() / 2) {
-        rectification.rectify_luma(Rectification::Eye::kLeft, pair.left, left);
-        rectification.rectify_luma(Rectification::Eye::kRight, pair.right, right);
-      }
-      bar.show({what, static_cast<double>(i + 1), static_cast<double>(numbers.size()), ""});
-    }
-  };
-  const auto frames = static_cast<std::size_t>(options.frames);
+  NearBench bench(near, bar);
+  const std::size_t frames = options.frames;
   const std::vector<int> numbers = near.spread(frames);
   const std::vector<int> close = near.spread_too_close((frames + 2) / 3);
-  look(numbers, "near frames", true);
-  look(close, "frames too close", false);
-  time_matchers(left, right, options.repeats, kernels, bar, result);
+  bench.run(numbers, "near frames", true);
+  bench.run(close, "frames too close", false);
+  time_matchers(bench.left(), bench.right(), options.repeats, kernels, bar, result);
   bar.finish();
   compare_scenes(options.data, kernels, result);
-
-  const auto share = [](std::size_t part, std::size_t whole) {
-    return whole == 0
-               ? nlohmann::ordered_json(nullptr)
-               : nlohmann::ordered_json(static_cast<double>(part) / static_cast<double>(whole));
-  };
-  result["near_median_error"] = median_or_null(score.errors);
-  result["hand_within_1pct"] = share(score.within, score.hand);
-  result["hand_density"] = share(score.known, score.hand);
-  result["too_close_called_far"] = share(score.called_far, score.close);
-  result["too_close_marked"] = share(score.marked_close, score.close);
-  result["too_close_pixels"] = score.close;
-  result["outlines_ms_720p"] = median_or_null(outline_times.cpu_ms());
+  bench.write_score(result);
   result["near_frames"] = numbers.size();
   result["too_close_frames"] = close.size();
-  result["error_by_depth"] = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < kDepths.size(); ++i) {
-    result["error_by_depth"].push_back(
-        {{"depth_m", kDepths[i]},
-         {"median_error", median_or_null(score.by_depth[i])},
-         // dZ / Z = Z / (f T) dd
-         {"limit_tenth_px", 0.1 * kDepths[i] / (stereo.camera.fx_px * stereo.baseline)}});
-  }
+  bench.write_error_by_depth(result);
   if (options.json) {
     fmt::print("{}\n", result.dump(2));
   } else {
@@ -410,38 +438,37 @@ void bench_depth(const DepthBenchOptions& options) {
 
 }  // namespace
 
-void add_bench_depth(CLI::App& bench) {
+void add_bench_depth(Command bench) {
   auto options = std::make_shared<DepthBenchOptions>();
-  CLI::App* command = bench.add_subcommand(
+  Command command = bench.add_subcommand(
       "depth", "The stereo matcher beside OpenCV's SGBM: time, scenes with truth, near hands");
-  command->add_option("--body", options->body,
-                      "Body file. Default: build/bodies/bunny-dense.palpable, else "
-                      "out/demo/bunny.palpable");
-  command->add_option("--seed", options->seed, "Of the sequence press")
-      ->check(CLI::Range(std::uint64_t{0}, kLargestSeed))
-      ->capture_default_str();
+  command.add_option("--body", options->body,
+                     "Body file. Default: build/bodies/bunny-dense.palpable, else "
+                     "out/demo/bunny.palpable");
+  command.add_option("--seed", options->seed, "Of the sequence press")
+      .in_range(std::uint64_t{0}, kLargestSeed)
+      .show_default();
   command
-      ->add_option(
-          "--data", options->data,
-          "Folder whose stereo_gt/ holds tsukuba, teddy and Cloth3; what is absent is null")
-      ->capture_default_str();
-  command->add_option("--frames", options->frames, "At most so many near frames")
-      ->check(CLI::Range(1, 600))
-      ->capture_default_str();
-  command->add_option("--repeats", options->repeats, "Of each timing; the least counts")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_option(
+      .add_option("--data", options->data,
+                  "Folder whose stereo_gt/ holds tsukuba, teddy and Cloth3; what is absent is null")
+      .show_default();
+  command.add_option("--frames", options->frames, "At most so many near frames")
+      .in_range(1, 600)
+      .show_default();
+  command.add_option("--repeats", options->repeats, "Of each timing; the least counts")
+      .in_range(1, 1000)
+      .show_default();
+  command.add_option(
       "--simd", options->simd,
       "Time these instructions: AVX3_DL, AVX3 (both AVX-512), AVX2, SSE4, scalar ... "
       "Default: the best of this processor");
-  command->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
-  command->footer(
+  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command.footer(
       "Times are CPU ms of one thread, the least of the repeats, all matchers in turn in one run;\n"
       "wall_ms_* are wall times on two threads. Near frames: the hand's pixels that both eyes "
       "see.\n"
       "Example: palpable bench depth --json");
-  command->callback([options] { bench_depth(*options); });
+  command.callback([options] { bench_depth(*options); });
 }
 
 }  // namespace palpable::app

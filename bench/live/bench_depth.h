@@ -2,12 +2,10 @@
 /// palpable bench depth: the stereo matcher beside OpenCV's, in time and in what it finds.
 #pragma once
 
-namespace CLI {
-class App;
-}
-
 namespace palpable::app {
 
-void add_bench_depth(CLI::App& bench);
+class Command;
+
+void add_bench_depth(Command bench);
 
 }  // namespace palpable::app

@@ -1,10 +1,10 @@
 #include "bench/live/bench_map.h"
 
 #include "apps/common/progress_bar.h"
-#include "apps/palpable/sequence_folder.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 #include "palpable/depth/depth_camera.h"
+#include "palpable/film/desk_film.h"
 #include "palpable/slam/slam.h"
 
 #include <Eigen/Geometry>
@@ -84,7 +84,7 @@ int ghosts(const SurfaceMap& map, const Sequence& sequence, int last, const Dept
 }  // namespace
 
 void bench_map(const ReducedBody& body, std::uint64_t seed, int frames, ProgressBar& bar,
-               nlohmann::ordered_json& result) {
+               Json& result) {
   PALPABLE_EXPECT(frames >= kFewestHandFrames, "the hand comes and goes");
   Sequence sequence = plan_sequence("walk-hand", desk_body(body), frames, seed);
   const int gone = frames - kFramesAfterHand;

@@ -2,10 +2,9 @@
 /// The part of `bench track` that measures the map and the moving mask.
 #pragma once
 
+#include "apps/common/json.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/synth/sequence.h"
-
-#include <nlohmann/json.hpp>
 
 #include <cstdint>
 
@@ -30,6 +29,6 @@ inline constexpr int kFewestHandFrames = kFramesWithoutHand + 2 * kFramesAfterHa
 /// In truth: of all that lies within 3 px the nearest, less max(40 mm, 4 sigma) for the error of
 /// a measured surface. @throws Error without OpenGL
 void bench_map(const ReducedBody& body, std::uint64_t seed, int frames, ProgressBar& bar,
-               nlohmann::ordered_json& result);
+               Json& result);
 
 }  // namespace palpable::app

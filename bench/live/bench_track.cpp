@@ -2,11 +2,14 @@
 
 #include "bench/live/bench_track.h"
 
+#include "apps/common/command_line.h"
+#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
-#include "apps/palpable/sequence_folder.h"
+#include "apps/palpable/default_body.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/depth/depth_camera.h"
+#include "palpable/film/desk_film.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/score/trajectory_score.h"
 #include "palpable/score/warped_depth.h"
@@ -14,9 +17,7 @@
 #include "palpable/synth/sequence.h"
 #include "palpable/track/tracker_input.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include "bench/live/bench_map.h"
 #include <algorithm>
@@ -56,7 +57,7 @@ struct TrackBenchOptions {
 // --- the walk: time, and how soon a camera that saw nothing for a second knows where it is -------
 
 void bench_walk(const ReducedBody& body, const TrackBenchOptions& options, ProgressBar& bar,
-                nlohmann::ordered_json& result) {
+                Json& result) {
   const Sequence sequence = plan_sequence("walk", desk_body(body), kWalkFrames, options.seed);
   Film film = film_of(sequence);
   const FrameFormat format = format_of(film.rig);
@@ -103,14 +104,13 @@ void bench_walk(const ReducedBody& body, const TrackBenchOptions& options, Progr
     }
     bar.show({"walking", n + 1.0, static_cast<double>(last), ""});
   }
-  result["relocalise_s"] =
-      back ? nlohmann::ordered_json((*back - dark_end) / 30.0) : nlohmann::ordered_json(nullptr);
+  result["relocalise_s"] = back ? Json((*back - dark_end) / 30.0) : Json(nullptr);
 }
 
 // --- a camera that stands: what it costs to see that -------------------------------------------
 
 void bench_fixed(const ReducedBody& body, const TrackBenchOptions& options, ProgressBar& bar,
-                 nlohmann::ordered_json& result) {
+                 Json& result) {
   const Sequence sequence =
       plan_sequence("still-tripod", desk_body(body), kFixedFrames, options.seed);
   Film film = film_of(sequence);
@@ -182,7 +182,7 @@ Rigid3 read_matrix(std::istream& in, int rows, const fs::path& path) {
   return pose;
 }
 
-void bench_kitchen(const fs::path& folder, nlohmann::ordered_json& result) {
+void bench_kitchen(const fs::path& folder, Json& result) {
   result["ate_7scenes_mm"] = result["warp_ratio_7scenes"] = nullptr;
   if (!fs::exists(folder)) return;
   const Followed f = follow(folder, 20, true, [&](int number) {
@@ -205,7 +205,7 @@ void bench_kitchen(const fs::path& folder, nlohmann::ordered_json& result) {
   result["warp_ratio_7scenes"] = *ours / *published;
 }
 
-void bench_street(const fs::path& folder, nlohmann::ordered_json& result) {
+void bench_street(const fs::path& folder, Json& result) {
   result["kitti_position_error"] = nullptr;
   if (!fs::exists(folder)) return;
   std::ifstream in(folder / "poses.txt");
@@ -229,7 +229,7 @@ void bench_street(const fs::path& folder, nlohmann::ordered_json& result) {
   result["kitti_position_error"] = error.norm() / path;
 }
 
-void print_table(const nlohmann::ordered_json& r) {
+void print_table(const Json& r) {
   const auto line = [&](const char* what, const char* key, double scale, const char* bar) {
     fmt::print(
         "{:<52}{:>10}{:>12}\n", what,
@@ -252,7 +252,7 @@ void print_table(const nlohmann::ordered_json& r) {
 
 void bench_track(const TrackBenchOptions& options) {
   ProgressBar bar;
-  nlohmann::ordered_json result;
+  Json result;
   result["bench"] = "track";
   result["seed"] = options.seed;
   const ReducedBody body =
@@ -272,29 +272,29 @@ void bench_track(const TrackBenchOptions& options) {
 
 }  // namespace
 
-void add_bench_track(CLI::App& bench) {
+void add_bench_track(Command bench) {
   auto options = std::make_shared<TrackBenchOptions>();
-  CLI::App* command = bench.add_subcommand(
+  Command command = bench.add_subcommand(
       "track", "Following the camera, the map: CPU time, recordings with truth, lost and found");
-  command->add_option("--body", options->body,
-                      "Body file. Default: build/bodies/bunny-dense.palpable, else "
-                      "out/demo/bunny.palpable");
-  command->add_option("--seed", options->seed, "Of the sequence walk")
-      ->check(CLI::Range(std::uint64_t{0}, kLargestSeed))
-      ->capture_default_str();
-  command->add_option("--frames", options->frames, "Of the walk, before the darkness")
-      ->check(CLI::Range(2 * kSkipped, kWalkFrames - kDarkFrames - 1))
-      ->capture_default_str();
-  command->add_option("--hand-frames", options->hand_frames, "Of the walk with a hand")
-      ->check(CLI::Range(kFewestHandFrames, kWalkFrames))
-      ->capture_default_str();
+  command.add_option("--body", options->body,
+                     "Body file. Default: build/bodies/bunny-dense.palpable, else "
+                     "out/demo/bunny.palpable");
+  command.add_option("--seed", options->seed, "Of the sequence walk")
+      .in_range(std::uint64_t{0}, kLargestSeed)
+      .show_default();
+  command.add_option("--frames", options->frames, "Of the walk, before the darkness")
+      .in_range(2 * kSkipped, kWalkFrames - kDarkFrames - 1)
+      .show_default();
+  command.add_option("--hand-frames", options->hand_frames, "Of the walk with a hand")
+      .in_range(kFewestHandFrames, kWalkFrames)
+      .show_default();
   command
-      ->add_option("--data", options->data,
-                   "Folder that holds rgbd_pose_7scenes and stereo_video_kitti1; what is absent is "
-                   "null")
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
-  command->footer(
+      .add_option("--data", options->data,
+                  "Folder that holds rgbd_pose_7scenes and stereo_video_kitti1; what is absent is "
+                  "null")
+      .show_default();
+  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command.footer(
       "The walk is filmed for the bench, at 1280 x 720; from frame 10 on its CPU time counts, mean "
       "over\n"
       "frames, all threads. Then 1 s of darkness. fixed_cpu_ms is the same of a camera on a "
@@ -303,7 +303,7 @@ void add_bench_track(CLI::App& bench) {
       "walk\n"
       "with a hand, is mapped.\n"
       "Example: palpable bench track --json");
-  command->callback([options] { bench_track(*options); });
+  command.callback([options] { bench_track(*options); });
 }
 
 }  // namespace palpable::app

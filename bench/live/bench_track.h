@@ -3,12 +3,10 @@
 /// truth.
 #pragma once
 
-namespace CLI {
-class App;
-}
-
 namespace palpable::app {
 
-void add_bench_track(CLI::App& bench);
+class Command;
+
+void add_bench_track(Command bench);
 
 }  // namespace palpable::app

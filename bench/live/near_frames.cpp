@@ -2,11 +2,8 @@
 
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
+#include "palpable/clip_files/jpeg_file.h"
 #include "palpable/reduced/body_file.h"
-
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 
@@ -14,7 +11,6 @@ namespace palpable::app {
 namespace {
 
 constexpr int kFrames = 600;
-constexpr int kJpegQuality = 96;  // as the sequences are written
 
 bool is_near(const DeskTruth& truth) {
   std::vector<double> depths;
@@ -40,16 +36,6 @@ std::vector<int> evenly(const std::vector<int>& numbers, std::size_t most) {
   std::vector<int> spread;
   for (std::size_t i = 0; i < count; ++i) spread.push_back(numbers[i * numbers.size() / count]);
   return spread;
-}
-
-void through_jpeg(ColorImage& picture) {
-  const cv::Mat rgb(picture.height(), picture.width(), CV_8UC3, picture.data());
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
-  bgr = cv::imdecode(bytes, cv::IMREAD_COLOR);
-  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
 }
 
 }  // namespace
@@ -86,8 +72,8 @@ void NearFrames::draw_truth(int number, int shrink, DeskTruth& truth) {
 void NearFrames::draw(int number, int shrink, RawPair& pair, DeskTruth& truth) {
   film_.renderer.draw(moment_of(sequence_, number), pair);
   draw_truth(number, shrink, truth);
-  through_jpeg(pair.left);
-  through_jpeg(pair.right);
+  pair.left = through_jpeg(pair.left);
+  pair.right = through_jpeg(pair.right);
 }
 
 }  // namespace palpable::app

@@ -1,10 +1,10 @@
 /// @file
-/// The near frames of the sequence `press`, as a player of the written sequence gets them: what
-/// benches of depth are measured on (docs/benchmark.md).
+/// The near frames of the sequence `press`, as the player of a written sequence gets them: benches
+/// of depth are measured on these (docs/benchmark.md).
 #pragma once
 
-#include "apps/palpable/sequence_folder.h"
 #include "palpable/base/progress.h"
+#include "palpable/film/desk_film.h"
 #include "palpable/synth/desk_renderer.h"
 #include "palpable/synth/sequence.h"
 
@@ -16,7 +16,7 @@
 
 namespace palpable::app {
 
-/// What is nearer than this is "too close" for a score, m.
+/// A score counts what is nearer than this as "too close", m.
 inline constexpr float kTooCloseDepth = 0.11F;
 
 /// Frames of `press` in which the hand's median depth is 0.12-0.5 m and it covers 5 % of the image

@@ -20,12 +20,16 @@ from math import cos, sin
 from pathlib import Path
 
 CASES = {}
+LONG = set()
 ROOT = Path(__file__).resolve().parent.parent.parent
 
 
-def case(sentence):
+def case(sentence, *, long=False):
+    """long: minutes of it; ./check --long runs it, ./check does not."""
     def add(function):
         CASES[sentence] = function
+        if long:
+            LONG.add(sentence)
         return function
     return add
 
@@ -250,6 +254,21 @@ def _(programs, folder):
                   ("scan", "none", "-o", "x.ply"),
                   ("score", "none", "neither")):
         programs.refuses(*words, cwd=folder, says=["none"])
+
+
+@case("a body whose mesh the set-up has not made yet names the command that makes it")
+def _(programs, folder):
+    (folder / "bodies").mkdir(parents=True)
+    surface = BALL.replace("ball.off", "../build/meshes/dragon.ply")
+    volume = BAR.replace("bar.inp", "../build/meshes/beam.inp")
+    for text, file in ((surface, "dragon.ply"), (volume, "beam.inp")):
+        (folder / "bodies/body.toml").write_text(text)
+        for words in (("bake", "bodies/body.toml", "-o", "x.palpable"), ("solve", "bodies/body.toml", "-o", "x.vtu")):
+            programs.refuses(*words, cwd=folder, says=[f"build/meshes/{file}: no such file", "tools/setup.sh bodies"])
+    # A mesh that stands elsewhere is the user's own.
+    (folder / "bodies/body.toml").write_text(BAR.replace("bar.inp", "beam.inp"))
+    line = programs.refuses("bake", "bodies/body.toml", "-o", "x.palpable", cwd=folder, says=["beam.inp: no such file"])
+    assert "setup.sh" not in line
 
 
 @case("a surface that is not watertight is refused with the place")
@@ -791,7 +810,7 @@ def _(programs, folder):
     programs.refuses("press", alone, "--load", "0,0,0.06=0.02", "--load", "0,0,0.06=0.02", says=["one load at a time"])
 
 
-@case("the solver's benches print one JSON object that docs/results.md takes")
+@case("the solver's benches print one JSON object that docs/results.md takes", long=True)
 def _(programs, folder):
     write_ball(folder)
     result = programs.succeeds("bench", "solid", folder / "ball.toml", "--ours-only", "--sites", "0",
@@ -815,7 +834,7 @@ def _(programs, folder):
         programs.refuses("bench", *words, no_edge, says=["no_edge.toml", "edge"])
 
 
-@case("the bench of depth has every figure of its bars")
+@case("the bench of depth has every figure of its bars", long=True)
 def _(programs, folder):
     words = ("bench", "depth", "--body", programs.small_body(), "--frames", "1", "--repeats", "1", "--data", folder)
     result = programs.run(*words, "--json")
@@ -834,7 +853,7 @@ def _(programs, folder):
     programs.refuses("bench", "depth", "--body", folder / "none.palpable", says=["none.palpable"])
 
 
-@case("the bench of track has every figure of its bars, and finds the camera again after darkness")
+@case("the bench of track has every figure of its bars, and finds the camera again after darkness", long=True)
 def _(programs, folder):
     words = ("bench", "track", "--body", programs.small_body(), "--frames", "20", "--hand-frames", "105",
              "--data", folder)
@@ -879,7 +898,7 @@ def _(programs, folder):
     assert not (folder / "clip").exists()
 
 
-@case("bench sgbm-reference says what it found, and succeeds only where the desk is as hard as it claims")
+@case("bench sgbm-reference says what it found, and succeeds only where the desk is as hard as it claims", long=True)
 def _(programs, folder):
     body = programs.small_body()
     result = programs.run("bench", "sgbm-reference", "--body", body, "--seed", "2", "--frames", "2", "--json")
@@ -1614,7 +1633,7 @@ def main():
     parser.add_argument("case", nargs="?")
     options = parser.parse_args()
     if options.list:
-        print("\n".join(CASES))
+        print("\n".join(("long|" if name in LONG else "cli|") + name for name in CASES))
         return 0
     options.work.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=options.work) as folder:

@@ -25,11 +25,17 @@ inline double tolerance(double value, const char* /*reason*/) {
 /// A generator for case number `seed`; print the seed (INFO) so that one case can be run alone.
 inline std::mt19937_64 random_case(unsigned seed) { return std::mt19937_64(seed); }
 
+/// How many cases of this run could not run; main() reads it.
+inline int skipped_cases = 0;
+inline constexpr int kSkippedExitCode = 77;
+
 }  // namespace palpable::test
 
-/// Ends a test case that cannot run here; ctest reports it as Skipped, with the reason in the log.
-#define PALPABLE_SKIP(reason)                                              \
-  do {                                                                     \
-    std::cout << "SKIPPED: " << (reason) << std::endl; /* flushed: read */ \
-    return;                                                                \
+/// Ends a test case that cannot run here. The program then ends with kSkippedExitCode unless a case
+/// failed, and ctest reports it as Skipped, with the reason in the log.
+#define PALPABLE_SKIP(reason)                          \
+  do {                                                 \
+    ++palpable::test::skipped_cases;                   \
+    std::cout << "SKIPPED: " << (reason) << std::endl; \
+    return;                                            \
   } while (false)

@@ -1,5 +1,5 @@
 // Our solver and CalculiX on the same meshes, laws and loads, each solved to 1e-8.
-#include "palpable/campaign/calculix_comparison.h"
+#include "bench/bake/calculix_comparison.h"
 
 #include "palpable/describe/body_mesh.h"
 #include "palpable/describe/contact_sites.h"
@@ -125,8 +125,7 @@ TEST_CASE("CalculiX presses a neo-Hookean ball with ears as we do, at every leve
   for (const Site& site :
        choose_sites(skin.surface, fixed, {.count = 1, .lowest = bottom + 0.03})) {
     std::vector<int> nodes;
-    for (const int v : site.patch)
-      nodes.push_back(skin.node_of_vertex[static_cast<std::size_t>(v)]);
+    for (const int v : site.patch) nodes.push_back(skin.node_of_vertex[v]);
     const std::vector<double> weights(site.weights.begin(), site.weights.end());
     const Matrix3Xd unit =
         patch_force(model.mesh.node_count(), nodes, weights, site.direction.cast<double>());
@@ -157,19 +156,16 @@ TEST_CASE("CalculiX presses a coarse neo-Hookean bunny as we do, at every level"
   model.mesh = body.mesh;
   model.material = material_from_young("neo-hooke-abaqus", 70e3, 0.3);
   model.fixed_nodes = body.fixed_nodes;
-  std::vector<std::uint8_t> held(static_cast<std::size_t>(body.mesh.node_count()));
-  for (const int n : body.fixed_nodes) held[static_cast<std::size_t>(n)] = 1;
+  std::vector<std::uint8_t> held(body.mesh.node_count());
+  for (const int n : body.fixed_nodes) held[n] = 1;
   std::vector<std::uint8_t> fixed;
-  for (const int n : body.boundary.node_of_vertex)
-    fixed.push_back(held[static_cast<std::size_t>(n)]);
+  for (const int n : body.boundary.node_of_vertex) fixed.push_back(held[n]);
   const EquilibriumSolver solver(model);
   int number = 0;
   for (const Site& site :
        choose_sites(body.boundary.surface, fixed, {.count = 2, .lowest = 0.01})) {
     std::vector<int> nodes;
-    for (const int v : site.patch) {
-      nodes.push_back(body.boundary.node_of_vertex[static_cast<std::size_t>(v)]);
-    }
+    for (const int v : site.patch) { nodes.push_back(body.boundary.node_of_vertex[v]); }
     const std::vector<double> weights(site.weights.begin(), site.weights.end());
     const Matrix3Xd unit =
         patch_force(model.mesh.node_count(), nodes, weights, site.direction.cast<double>());

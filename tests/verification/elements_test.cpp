@@ -1,11 +1,11 @@
 // 4-node and 10-node tetrahedra on the same nodes, against a finer mesh: the cheap relative of
 // `palpable bench elements`, which does the same for the paper's bunny.
-#include "palpable/bake/element_study.h"
 #include "palpable/mesh/tetrahedralise.h"
 #include "tests/support/test.h"
 #include "tests/verification/record.h"
 #include "tests/verification/shapes.h"
 
+#include "bench/bake/element_study.h"
 #include <algorithm>
 #include <cmath>
 

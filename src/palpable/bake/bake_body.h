@@ -4,16 +4,12 @@
 
 #include "palpable/base/progress.h"
 #include "palpable/base/stage_clock.h"
-#include "palpable/campaign/campaign.h"
-#include "palpable/campaign/crew.h"
+#include "palpable/campaign/fill_store.h"
 #include "palpable/campaign/snapshot_store.h"
 #include "palpable/describe/body_description.h"
-#include "palpable/describe/body_mesh.h"
-#include "palpable/describe/body_problem.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/separate/reduction.h"
 
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -24,15 +20,6 @@ struct BakeSettings {
   int threads = 0;           ///< 0: one per core
   std::string version;       ///< of the program, for the provenance
   std::string command_line;  ///< likewise
-  /// Folder of the snapshots, made if absent; what is valid there is not solved again. Empty: a
-  /// temporary one, which is removed.
-  std::filesystem::path store = {};
-  std::string solver = "own";  ///< or "calculix"
-  int shard = 0, shards = 1;   ///< as CampaignSettings
-  /// A complete campaign of the same description: then `store` gets the levels half way between its
-  /// levels, (m + 1/2) / L, of the same loads, solved afresh: what a reduced body was not made
-  /// from.
-  const SnapshotStore* held_out_of = nullptr;
 };
 
 /// What to make of a store.
@@ -83,36 +70,15 @@ struct BakedBody {
   BakeReport report;
 };
 
-/// What is known of a body before anything is solved; levels, keys, and where the snapshots come
-/// from are left to the caller.
-[[nodiscard]] StoreContent content_of(const BodyDescription& description,
-                                      const BodyProblem& problem);
-
-/// Meshes, and solves the campaign into settings.store.
-struct FilledStore {
-  SnapshotStore store;
-  CampaignReport campaign;
-  StageTimes wall;  ///< ms: mesh, campaign
-};
-
-/// @pre settings.store is not empty
-/// @throws Error for everything in the world that is not as hoped: mesh, supports, loads, disk
-[[nodiscard]] FilledStore fill_store(const BodyDescription& description,
-                                     const BakeSettings& settings, Crew& crew,
-                                     const Progress& progress = {});
-
-/// The point that ReduceSettings::at means. @throws Error if `at` names what the store does not
-/// have
-[[nodiscard]] int point_of(const StoreContent& content, const std::map<std::string, double>& at);
-
 /// Reduces the snapshots of a complete store to a body, boundary only unless settings.volume. Reads
 /// them in blocks: memory is 200 MB, 24 bytes for each pair of snapshots and what the modes take.
-/// What a touch between sites costs is stated where the store's linear responses tell.
+/// What a touch between sites costs is stated where the store has linear responses.
 /// @throws Error if a unit is missing or damaged, or `at` names what the store does not have
 [[nodiscard]] BakedBody reduce_store(const SnapshotStore& store, const ReduceSettings& settings,
                                      const Progress& progress = {});
 
-/// Both. Deterministic, whatever the number of threads.
+/// Solves the campaign of a description into a temporary store and reduces that. Deterministic,
+/// whatever the number of threads.
 [[nodiscard]] BakedBody bake_body(const BodyDescription& description, const BakeSettings& settings,
                                   const Progress& progress = {});
 

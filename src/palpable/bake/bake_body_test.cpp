@@ -100,7 +100,7 @@ TEST_CASE("a baked body gives its snapshots back within the error that it states
   const test::SolvedSites campaign =
       test::solved_sites(solver, mesh.boundary, body.sites, {.press = 0.06 * 0.08, .levels = 4});
   double lost = 0, whole = 0;
-  std::vector<float> u(static_cast<std::size_t>(body.displacement.value_count()));
+  std::vector<float> u(body.displacement.value_count());
   for (int s = 0; s < 3; ++s) {
     for (int l = 0; l < 4; ++l) {
       const double mu[2] = {double(s), body.levels()[l + 1]};
@@ -162,7 +162,7 @@ TEST_CASE("a body with its inside gives the snapshots back at every node", "[bak
   heavy.sites.count = 2;
   heavy.shape.order = 2;
   LocalCrew crew;
-  BakeSettings bake;
+  FillSettings bake;
   bake.threads = 1;
   bake.store = kitchen.folder / "egg.snapshots";
   const SnapshotStore store = fill_store(heavy, bake, crew).store;
@@ -191,8 +191,8 @@ TEST_CASE("a body with its inside gives the snapshots back at every node", "[bak
       const SeparatedField& inside = is_u ? again.volume->displacement : *again.volume->stress;
       const SeparatedField& skin = is_u ? again.displacement : again.stress;
       const StoredField field{name, is_u ? 3 : 6};
-      std::vector<float> all(static_cast<std::size_t>(inside.value_count()));
-      std::vector<float> outside(static_cast<std::size_t>(skin.value_count()));
+      std::vector<float> all(inside.value_count());
+      std::vector<float> outside(skin.value_count());
       const Boundary boundary = split_boundary_of(mesh);
       for (int s = 0; s < 2; ++s) {
         const Eigen::MatrixXf truth = store.rows(s, field, 0, inside.value_count());
@@ -277,7 +277,7 @@ TEST_CASE("a body that sags under its weight lies so in its file, and presses st
   CHECK(sag > 0.001);
   CHECK(baked.body.press_depth.row(0).isZero(0.0));
   CHECK(baked.body.press_depth(2, 0) == Approx(0.06 * 0.08).epsilon(1e-3));
-  std::vector<float> u(static_cast<std::size_t>(baked.body.displacement.value_count()));
+  std::vector<float> u(baked.body.displacement.value_count());
   baked.body.displacement.evaluate(std::array{0.0, 0.0}, u);
   CHECK(*std::max_element(u.begin(), u.end()) == 0.0f);
   std::string all;
@@ -342,7 +342,7 @@ TEST_CASE("a parameter that nobody settles stays free in the body", "[bake][body
   description.parameters = {{.name = "stiffness", .values = {0.5, 1.0, 2.0}}};
   const std::filesystem::path folder = kitchen.folder / "free.snapshots";
   LocalCrew crew;
-  BakeSettings bake;
+  FillSettings bake;
   bake.threads = 1;
   bake.store = folder;
   const FilledStore filled = fill_store(description, bake, crew);
@@ -361,7 +361,7 @@ TEST_CASE("a parameter that nobody settles stays free in the body", "[bake][body
     REQUIRE(vm.size() == stress.size());
     CAPTURE(1e6F * vm.maxCoeff(), 1e6F * stress.maxCoeff());
     CHECK(vm.maxCoeff() < std::max(20 * stress.maxCoeff(), 1e-5F));
-    std::vector<float> u(static_cast<std::size_t>(body.displacement.value_count())), one = u;
+    std::vector<float> u(body.displacement.value_count()), one = u;
     for (const double value : {0.5, 2.0}) {
       const ReducedBody settled_body = value_or_throw(settled(body, {{"stiffness", value}}));
       const ReducedBody alone =

@@ -13,8 +13,11 @@ namespace palpable {
 /// Nothing unless the whole text is one finite number; a leading + is allowed.
 [[nodiscard]] std::optional<double> to_number(std::string_view text);
 
-/// All numbers of a text, apart by white space, commas, semicolons or square brackets. Nothing when
-/// anything else is in it.
+/// Nothing unless the whole text is one whole number that fits; a leading - is allowed.
+[[nodiscard]] std::optional<long long> to_whole_number(std::string_view text);
+
+/// All numbers of a text, separated by white space, commas, semicolons or square brackets. Nothing
+/// when the text holds anything else.
 [[nodiscard]] std::optional<std::vector<double>> to_numbers(std::string_view text);
 
 /// Whether a number is a whole count of pixels that an image may have in a row or column.

@@ -29,12 +29,12 @@ std::optional<Points2> corners_of(const ColorImage& image, const BoardPattern& p
       gray, size, corners,
       cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK);
   if (!found) return std::nullopt;
-  // The window around a corner must see four squares and nothing else. On OpenCV's own thirteen
-  // pairs a quarter of the spacing gives rows 0.15 px apart, 0.4 of it 0.26 px: two slanted boards
-  // then bring their neighbours in.
+  // The window around a corner must show its four squares and nothing else. On OpenCV's own
+  // thirteen pairs a quarter of the spacing gives rows 0.15 px apart, 0.4 of it 0.26 px: on two
+  // slanted boards the larger window contains neighbouring corners.
   double spacing = 1e9;
   for (std::size_t i = 1; i < corners.size(); ++i) {
-    if (i % static_cast<std::size_t>(pattern.columns) == 0) continue;
+    if (i % pattern.columns == 0) continue;
     spacing = std::min(spacing, cv::norm(corners[i] - corners[i - 1]));
   }
   const int half = std::clamp(static_cast<int>(0.25 * spacing), 2, 7);
@@ -69,7 +69,7 @@ Points3 board_points(const BoardPattern& pattern) {
 }
 
 // The largest angle between two boards' normals, rad, for a lens of ordinary width without
-// distortion: what it is for is to tell boards that are all parallel, before anything is solved.
+// distortion: boards that are all parallel are found by it before anything is solved.
 double largest_tilt(const Points3& board, const std::vector<Points2>& seen, int width, int height) {
   const cv::Matx33d K(0.9 * width, 0, 0.5 * width, 0, 0.9 * width, 0.5 * height, 0, 0, 1);
   std::vector<cv::Vec3d> normals;
@@ -98,8 +98,34 @@ DistortedCamera camera_from(const cv::Mat& K, const cv::Mat& D, int width, int h
                     K.at<double>(1, 1),
                     K.at<double>(0, 2),
                     K.at<double>(1, 2)};
-  for (int i = 0; i < 5; ++i) camera.distortion[static_cast<std::size_t>(i)] = D.at<double>(i);
+  for (int i = 0; i < 5; ++i) camera.distortion[i] = D.at<double>(i);
   return camera;
+}
+
+Rigid3 rigid_of(const cv::Vec3d& turn, const cv::Vec3d& place) {
+  Rigid3 pose = Rigid3::Identity();
+  const Eigen::Vector3d axis(turn[0], turn[1], turn[2]);
+  if (axis.norm() > 0) {
+    pose.linear() = Eigen::AngleAxisd(axis.norm(), axis.normalized()).toRotationMatrix();
+  }
+  pose.translation() = Eigen::Vector3d(place[0], place[1], place[2]);
+  return pose;
+}
+
+// find_board_pose's frame, from that of the corner that was found first, whose X runs along a row
+// and Y along a column of corners.
+Rigid3 centred_pose(const Rigid3& first, const BoardPattern& pattern) {
+  Rigid3 pose = Rigid3::Identity();
+  pose.translation() =
+      first * (0.5 * pattern.square * Eigen::Vector3d(pattern.columns - 1, pattern.rows - 1, 0));
+  const Eigen::Vector3d along = first.linear().col(0);
+  const Eigen::Vector3d across = first.linear().col(1);
+  const Eigen::Vector3d side = std::abs(along.x()) >= std::abs(across.x()) ? along : across;
+  const Eigen::Vector3d normal = first.linear().col(2);
+  const Eigen::Vector3d X = side.x() >= 0 ? side : -side;
+  const Eigen::Vector3d Z = normal.dot(pose.translation()) < 0 ? normal : -normal;
+  pose.linear() << X, Z.cross(X), Z;
+  return pose;
 }
 
 // y of the points after rectification, px.
@@ -131,50 +157,41 @@ std::string no_rig(const std::string& wrong) {
   return wrong;
 }
 
-Result<BoardCalibration> calibrate(std::span<const BoardView> views, const BoardPattern& pattern,
-                                   int width, int height, const BoardLimits& limits) {
-  const Points3 board = board_points(pattern);
+// What the two eyes saw, as OpenCV wants it; one entry per view.
+struct Corners {
+  std::vector<Points3> boards;
   std::vector<Points2> left;
   std::vector<Points2> right;
+};
+
+Corners corners_of(std::span<const BoardView> views, const BoardPattern& pattern) {
+  Corners corners;
+  corners.boards.assign(views.size(), board_points(pattern));
   for (const BoardView& seen : views) {
-    left.push_back(to_cv(seen.left));
-    right.push_back(to_cv(seen.right));
+    corners.left.push_back(to_cv(seen.left));
+    corners.right.push_back(to_cv(seen.right));
   }
-  BoardCalibration result;
-  result.tilt = largest_tilt(board, left, width, height);
-  if (result.tilt < limits.least_tilt) {
-    return Problem{fmt::format(
-        "the boards are tilted by at most {:.0f} degrees against each other; {:.0f} are needed to "
-        "tell focal length from distance, so tilt the board to all sides",
-        result.tilt * kDegrees, limits.least_tilt * kDegrees)};
-  }
-  const std::vector<Points3> boards(views.size(), board);
+  return corners;
+}
+
+// Fills rig, focal_sigma, reprojection_px and reprojections_px.
+void solve(const Corners& corners, int width, int height, BoardCalibration& result) {
   const cv::Size size(width, height);
-  // k3 is left at 0: a board that does not reach into the corners cannot tell it from k2.
+  // k3 stays 0: from a board that does not reach into the picture's corners it cannot be told apart
+  // from k2.
   constexpr int kFlags = cv::CALIB_FIX_K3;
   cv::Mat K1, D1, K2, D2, R, T, E, F, turns, places, sigma, of_places, errors;
-  cv::calibrateCamera(boards, left, size, K1, D1, turns, places, sigma, of_places, errors, kFlags);
+  cv::calibrateCamera(corners.boards, corners.left, size, K1, D1, turns, places, sigma, of_places,
+                      errors, kFlags);
   result.focal_sigma = sigma.at<double>(0) / K1.at<double>(0, 0);
-  cv::calibrateCamera(boards, right, size, K2, D2, turns, places, kFlags);
+  cv::calibrateCamera(corners.boards, corners.right, size, K2, D2, turns, places, kFlags);
   result.reprojection_px = cv::stereoCalibrate(
-      boards, left, right, K1, D1, K2, D2, size, R, T, E, F, errors,
+      corners.boards, corners.left, corners.right, K1, D1, K2, D2, size, R, T, E, F, errors,
       kFlags | cv::CALIB_USE_INTRINSIC_GUESS,
       cv::TermCriteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-7));
-  std::size_t worst = 0;
   for (int i = 0; i < errors.rows; ++i) {
     const double both = std::hypot(errors.at<double>(i, 0), errors.at<double>(i, 1));
     result.reprojections_px.push_back(both / std::numbers::sqrt2);
-    const auto at = static_cast<std::size_t>(i);
-    if (result.reprojections_px[at] > result.reprojections_px[worst]) worst = at;
-  }
-  if (!(result.reprojection_px <= limits.largest_reprojection_px)) {
-    return Problem{fmt::format(
-        "the corners are off by {:.2f} px (rms); a good calibration has at most {:.2g}. The worst "
-        "is pair {} with {:.2f} px: has the board {} x {} inner corners and no more, is it flat "
-        "and "
-        "still, and were both eyes taken at once",
-        result.reprojection_px, limits.largest_reprojection_px, views[worst].number,
-        result.reprojections_px[worst], pattern.columns, pattern.rows)};
   }
   StereoRig& rig = result.calibration.rig;
   rig.left = camera_from(K1, D1, width, height);
@@ -183,6 +200,45 @@ Result<BoardCalibration> calibrate(std::span<const BoardView> views, const Board
     for (int j = 0; j < 3; ++j) rig.right_from_left.linear()(i, j) = R.at<double>(i, j);
     rig.right_from_left.translation()(i) = T.at<double>(i);
   }
+}
+
+std::optional<Problem> bad_reprojection(const BoardCalibration& result,
+                                        std::span<const BoardView> views,
+                                        const BoardPattern& pattern, const BoardLimits& limits) {
+  if (result.reprojection_px <= limits.largest_reprojection_px) return std::nullopt;
+  const std::vector<double>& of_views = result.reprojections_px;
+  const auto worst = std::max_element(of_views.begin(), of_views.end()) - of_views.begin();
+  return Problem{fmt::format(
+      "the corners are off by {:.2f} px (rms); a good calibration has at most {:.2g}. The worst "
+      "is pair {} with {:.2f} px: has the board {} x {} inner corners and no more, is it flat "
+      "and still, and were both eyes taken at once",
+      result.reprojection_px, limits.largest_reprojection_px, views[worst].number, of_views[worst],
+      pattern.columns, pattern.rows)};
+}
+
+// Share of the image inside the hull of all corners.
+double covered_share(const std::vector<Points2>& views, int width, int height) {
+  Points2 all;
+  for (const Points2& points : views) all.insert(all.end(), points.begin(), points.end());
+  Points2 hull;
+  cv::convexHull(all, hull);
+  return cv::contourArea(hull) / (static_cast<double>(width) * height);
+}
+
+Result<BoardCalibration> calibrate(std::span<const BoardView> views, const BoardPattern& pattern,
+                                   int width, int height, const BoardLimits& limits) {
+  const Corners corners = corners_of(views, pattern);
+  BoardCalibration result;
+  result.tilt = largest_tilt(board_points(pattern), corners.left, width, height);
+  if (result.tilt < limits.least_tilt) {
+    return Problem{fmt::format(
+        "the boards are tilted by at most {:.0f} degrees against each other; {:.0f} are needed to "
+        "tell focal length from distance, so tilt the board to all sides",
+        result.tilt * kDegrees, limits.least_tilt * kDegrees)};
+  }
+  solve(corners, width, height, result);
+  if (auto problem = bad_reprojection(result, views, pattern, limits)) return *problem;
+  const StereoRig& rig = result.calibration.rig;
   const std::string wrong = what_is_wrong_with(rig);
   if (!wrong.empty()) return Problem{no_rig(wrong)};
   if (!(result.focal_sigma <= limits.largest_focal_sigma)) {
@@ -200,11 +256,7 @@ Result<BoardCalibration> calibrate(std::span<const BoardView> views, const Board
                     "allowed, since a match is looked for along one row",
                     result.row_error_px, limits.largest_row_error_px)};
   }
-  Points2 all;
-  for (const Points2& points : left) all.insert(all.end(), points.begin(), points.end());
-  Points2 hull;
-  cv::convexHull(all, hull);
-  result.covered = cv::contourArea(hull) / (static_cast<double>(width) * height);
+  result.covered = covered_share(corners.left, width, height);
   return result;
 }
 
@@ -238,22 +290,7 @@ std::optional<Rigid3> find_board_pose(const ColorImage& image, const PinholeCame
       return std::nullopt;
     }
     cv::solvePnPRefineLM(board, *corners, K, cv::noArray(), turn, place);
-    const Eigen::Vector3d axis(turn[0], turn[1], turn[2]);
-    Rigid3 first = Rigid3::Identity();  // the first corner, rows and columns as they were found
-    if (axis.norm() > 0) {
-      first.linear() = Eigen::AngleAxisd(axis.norm(), axis.normalized()).toRotationMatrix();
-    }
-    first.translation() = Eigen::Vector3d(place[0], place[1], place[2]);
-    Rigid3 pose = Rigid3::Identity();
-    pose.translation() =
-        first * (0.5 * pattern.square * Eigen::Vector3d(pattern.columns - 1, pattern.rows - 1, 0));
-    const Eigen::Vector3d along = first.linear().col(0);
-    const Eigen::Vector3d across = first.linear().col(1);
-    const Eigen::Vector3d side = std::abs(along.x()) >= std::abs(across.x()) ? along : across;
-    const Eigen::Vector3d normal = first.linear().col(2);
-    const Eigen::Vector3d X = side.x() >= 0 ? side : -side;
-    const Eigen::Vector3d Z = normal.dot(pose.translation()) < 0 ? normal : -normal;
-    pose.linear() << X, Z.cross(X), Z;
+    const Rigid3 pose = centred_pose(rigid_of(turn, place), pattern);
     if (!pose.matrix().allFinite() || !(pose.translation().z() > 0)) return std::nullopt;
     return pose;
   } catch (const cv::Exception&) { return std::nullopt; }  // an image too small, say
@@ -273,8 +310,7 @@ double difference_px(const BoardView& a, const BoardView& b) {
 Result<BoardCalibration> calibrate_boards(std::span<const BoardView> views,
                                           const BoardPattern& pattern, int width, int height,
                                           const BoardLimits& limits) {
-  const auto corners =
-      static_cast<std::size_t>(pattern.columns) * static_cast<std::size_t>(pattern.rows);
+  const std::size_t corners = pattern.columns * pattern.rows;
   for (const BoardView& seen : views) {
     PALPABLE_EXPECT(seen.left.size() == corners && seen.right.size() == corners,
                     "a view has all corners of its board");

@@ -32,15 +32,15 @@ struct BoardView {
   std::vector<Eigen::Vector2d> right;
 };
 
-/// The corners, to a few hundredths of a pixel in a sharp picture; nothing when the whole board is
-/// not seen by both eyes. Takes a tenth of a second and more.
+/// The corners, to a few hundredths of a pixel in a sharp picture; nothing unless both eyes see the
+/// whole board. Costs a tenth of a second and more.
 [[nodiscard]] std::optional<BoardView> find_board(const ColorImage& left, const ColorImage& right,
                                                   const BoardPattern& pattern);
 
 /// camera_from_board of the board that one picture shows: the origin in the middle of its corners,
-/// Z out of it towards the camera, X along the side that runs most to the right in the picture; so
-/// it does not matter which corner was found first. The reprojection error of all corners is least
-/// (Collins and Bartoli 2014, IPPE, then cv::solvePnPRefineLM).
+/// Z out of the board towards the camera, X along the side that runs most to the right in the
+/// picture. So the pose does not depend on which corner was found first. The reprojection error of
+/// all corners is least (Collins and Bartoli 2014, IPPE, then cv::solvePnPRefineLM).
 ///
 /// @param camera  of the picture, which has no distortion
 /// @return nothing when the whole board is not seen
@@ -48,18 +48,18 @@ struct BoardView {
                                                     const PinholeCamera& camera,
                                                     const BoardPattern& pattern);
 
-/// Mean distance of the corners of two views in px, over both eyes: how much is learnt from the
-/// second once the first is there.
+/// Mean distance between the corners of two views in px, over both eyes: a second view that hardly
+/// differs from the first adds nothing to a calibration.
 [[nodiscard]] double difference_px(const BoardView& a, const BoardView& b);
 
-/// What makes a calibration a bad one.
+/// Limits beyond which a calibration is refused.
 struct BoardLimits {
   int fewest_views = 6;
   /// rad between the most different two boards. Boards that are all parallel to the image leave
   /// focal length and distance undecided.
   double least_tilt = 0.26;
   double largest_reprojection_px = 1.0;  ///< rms
-  /// rms. Block matching looks along one row: beyond half a pixel its matches get worse.
+  /// rms. Stereo matching searches along one row: beyond half a pixel its matches get worse.
   double largest_row_error_px = 0.5;
   double largest_focal_sigma = 0.01;  ///< of the focal length
 };
@@ -77,9 +77,9 @@ struct BoardCalibration {
 /// Each eye by Zhang's method (cv::calibrateCamera with k1 k2 p1 p2), then both and the pose
 /// between them together (cv::stereoCalibrate).
 ///
-/// A problem, without a file's name, when it is not to be had or not to be trusted: too few views,
-/// too little tilt, a limit exceeded (the worst view is named), eyes swapped, a rig that is not
-/// sound.
+/// A problem, without a file's name, when there is no calibration or it cannot be trusted: too few
+/// views, too little tilt, a limit exceeded (the worst view is named), eyes swapped, a rig that is
+/// not sound.
 [[nodiscard]] Result<BoardCalibration> calibrate_boards(std::span<const BoardView> views,
                                                         const BoardPattern& pattern, int width,
                                                         int height, const BoardLimits& limits = {});

@@ -1,20 +1,17 @@
 #include "palpable/calibrate/board_calibration.h"
 
-#include "palpable/sources/folder_source.h"
 #include "tests/support/board_picture.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Geometry>
 
 #include <cmath>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 namespace palpable {
 namespace {
 
-namespace fs = std::filesystem;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using test::tolerance;
@@ -84,7 +81,7 @@ std::string refusal(const std::vector<BoardView>& views, const BoardPattern& pat
   return result.problem().message;
 }
 
-TEST_CASE("boards without noise give back the rig that saw them", "[vision][calibrate][Sec3.3]") {
+TEST_CASE("boards without noise give back the rig that saw them", "[calibrate][Sec3.3]") {
   const StereoRig rig = true_rig();
   const auto found =
       value_or_throw(calibrate_boards(views_of(rig, 12, 0.6, 0, 1), kBoard, kWidth, kHeight));
@@ -102,7 +99,7 @@ TEST_CASE("boards without noise give back the rig that saw them", "[vision][cali
 }
 
 TEST_CASE("corners with a tenth of a pixel of noise give the rig to what the noise allows",
-          "[vision][calibrate][Sec3.3]") {
+          "[calibrate][Sec3.3]") {
   const StereoRig rig = true_rig();
   for (unsigned seed = 1; seed <= 3; ++seed) {
     INFO("seed " << seed);
@@ -123,7 +120,7 @@ TEST_CASE("corners with a tenth of a pixel of noise give the rig to what the noi
   }
 }
 
-TEST_CASE("a bad calibration is refused with its reason", "[vision][calibrate][refusal]") {
+TEST_CASE("a bad calibration is refused with its reason", "[calibrate][refusal]") {
   const StereoRig rig = true_rig();
   const auto good = views_of(rig, 10, 0.6, 0.05, 5);
   CHECK(contains(refusal({good.begin(), good.begin() + 5}),
@@ -156,7 +153,7 @@ TEST_CASE("a bad calibration is refused with its reason", "[vision][calibrate][r
 }
 
 TEST_CASE("a board's corners are found where they are, in the same order by both eyes",
-          "[vision][calibrate]") {
+          "[calibrate]") {
   const StereoRig rig = true_rig();
   auto random = test::random_case(4);
   const Rigid3 left_from_board = board_pose(random, 0.5);
@@ -186,7 +183,7 @@ TEST_CASE("a board's corners are found where they are, in the same order by both
 }
 
 TEST_CASE("one picture says where its board stands, whichever way up it is held",
-          "[vision][calibrate][board]") {
+          "[calibrate][board]") {
   const DistortedCamera eye{{kWidth, kHeight, 530, 532, 325, 236}, {}};
   for (unsigned seed = 1; seed <= 4; ++seed) {
     INFO("seed " << seed);
@@ -218,39 +215,6 @@ TEST_CASE("one picture says where its board stands, whichever way up it is held"
   }
   CHECK_FALSE(find_board_pose(ColorImage(kWidth, kHeight, Rgb{90, 90, 90}), eye.pinhole, kBoard));
   CHECK_FALSE(find_board_pose(ColorImage(4, 4, Rgb{}), eye.pinhole, kBoard));
-}
-
-// Published with the pictures (intrinsics.yml): f = 534.80 px; |T| = 3.327 squares is OpenCV's own
-// result (data README).
-TEST_CASE("OpenCV's thirteen pairs give the published calibration", "[vision][calibrate][real]") {
-  const fs::path data = "../shared/data/calib_opencv";
-  if (!fs::exists(data)) PALPABLE_SKIP("no folder " + data.string());
-  const auto source = value_or_throw(open_folder(data, {.without_calibration = true}));
-  const BoardPattern pattern{9, 6, 0.025};
-  std::vector<BoardView> views;
-  Frame frame;
-  while (source->next(frame) == FrameStatus::kFrame) {
-    if (auto seen = find_board(frame.left, frame.right, pattern)) {
-      seen->number = frame.number;
-      views.push_back(std::move(*seen));
-    }
-  }
-  CHECK(source->frame_count() == 13);
-  const auto found = value_or_throw(
-      calibrate_boards(views, pattern, source->format().width, source->format().height));
-  const StereoRig& rig = found.calibration.rig;
-  INFO("f " << rig.left.pinhole.fx_px << " " << rig.left.pinhole.fy_px << " "
-            << rig.right.pinhole.fx_px << " " << rig.right.pinhole.fy_px << " |T| "
-            << rig.right_from_left.translation().norm() / pattern.square << " squares, rms "
-            << found.reprojection_px << ", rows " << found.row_error_px << ", sigma "
-            << found.focal_sigma << ", tilt " << found.tilt << ", views " << views.size());
-  for (const DistortedCamera* eye : {&rig.left, &rig.right}) {
-    CHECK(eye->pinhole.fx_px == Approx(534.8).epsilon(0.01));
-    CHECK(eye->pinhole.fy_px == Approx(534.8).epsilon(0.01));
-  }
-  CHECK(rig.right_from_left.translation().norm() / pattern.square == Approx(3.327).epsilon(0.01));
-  CHECK(found.row_error_px <= 0.2);
-  CHECK(found.reprojection_px <= 0.4);
 }
 
 }  // namespace

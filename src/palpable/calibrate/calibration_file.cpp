@@ -31,7 +31,7 @@ std::string text_of(const std::filesystem::path& path) {
   const auto size = std::filesystem::file_size(path, error);
   if (error) throw Unusable{"cannot be read (" + error.message() + ")"};
   if (size > kLargestFile) throw Unusable{"is no calibration: more than 1 MB"};
-  std::string text(static_cast<std::size_t>(size), '\0');
+  std::string text(size, '\0');
   std::ifstream in(path, std::ios::binary);
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!in) throw Unusable{"cannot be read"};
@@ -228,9 +228,9 @@ std::string wrong_with(const PinholeCamera& camera, std::string_view name) {
   return {};
 }
 
-// Whether no ray at all reaches the middle of the image's left and right border: the radial part
-// r (1 + k1 r^2 + k2 r^4 + k3 r^6) has its maximum before. (The corners are another matter: many a
-// usable calibration folds there.)
+// Whether no ray reaches the middle of the image's left and right border, because the radial part
+// r (1 + k1 r^2 + k2 r^4 + k3 r^6) has its maximum before it. (In the corners many usable
+// calibrations fold; that does no harm.)
 bool folds_over(const DistortedCamera& lens) {
   const double border = 0.5 * lens.pinhole.width / lens.pinhole.fx_px;
   const double k1 = lens.distortion[0];
@@ -249,18 +249,14 @@ constexpr double kShortestBaseline = 1e-3;  // m
 constexpr double kLongestBaseline = 10.0;   // m
 constexpr double kLargestAngle = 0.7;       // rad between the eyes; real rigs have a few hundredths
 
-}  // namespace
-
-namespace {
 // Eyes of 10 mm to 10 m apart, had they been written in millimetres.
 const char* of_millimetres(double baseline) {
   return baseline > kLongestBaseline && baseline <= 1000 * kLongestBaseline
              ? " (this looks like millimetres: divide it by 1000)"
              : "";
 }
-}  // namespace
 
-std::string what_is_wrong_with(const StereoRig& rig) {
+std::string wrong_with_eyes(const StereoRig& rig) {
   for (const auto& [camera, name] :
        {std::pair{&rig.left, "left"}, std::pair{&rig.right, "right"}}) {
     std::string wrong = wrong_with(camera->pinhole, name);
@@ -284,8 +280,13 @@ std::string what_is_wrong_with(const StereoRig& rig) {
                        rig.left.pinhole.width, rig.left.pinhole.height, rig.right.pinhole.width,
                        rig.right.pinhole.height);
   }
-  const Eigen::Matrix3d R = rig.right_from_left.linear();
-  const Eigen::Vector3d T = rig.right_from_left.translation();
+  return {};
+}
+
+// How the eyes stand to each other.
+std::string wrong_with_pose(const Rigid3& right_from_left) {
+  const Eigen::Matrix3d R = right_from_left.linear();
+  const Eigen::Vector3d T = right_from_left.translation();
   if (!R.allFinite() || !T.allFinite()) return "a number of R or T is not finite";
   const double off = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(off <= 1e-3) || R.determinant() < 0) {
@@ -310,6 +311,13 @@ std::string what_is_wrong_with(const StereoRig& rig) {
     return "the right eye stands to the left of the left one: swap the images, or the signs of T";
   }
   return {};
+}
+
+}  // namespace
+
+std::string what_is_wrong_with(const StereoRig& rig) {
+  std::string wrong = wrong_with_eyes(rig);
+  return wrong.empty() ? wrong_with_pose(rig.right_from_left) : wrong;
 }
 
 std::string what_is_wrong_with(const RectifiedStereo& stereo) {

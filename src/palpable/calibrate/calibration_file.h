@@ -27,21 +27,22 @@ struct RectifiedCalibration {
   double frames_per_second = 30;
 };
 
-/// Says what is wrong with a rig, without a file's name: numbers that are not finite, sizes or
-/// focal lengths that are not positive, a distortion that no lens has, a rotation that is not one
+/// What is wrong with a rig, in one line without a file's name: numbers that are not finite, sizes
+/// or focal lengths that are not positive, a distortion that no lens has, a rotation that is not
+/// one
 /// (|R^T R - I| > 1e-3 in an entry, or det R < 0), a baseline that is not within 1 mm .. 10 m (a
 /// file in millimetres is a common slip), eyes that do not stand side by side or look more than 40
-/// degrees apart. Empty when nothing is.
+/// degrees apart. Empty when nothing is wrong.
 [[nodiscard]] std::string what_is_wrong_with(const StereoRig& rig);
 [[nodiscard]] std::string what_is_wrong_with(const RectifiedStereo& stereo);
 
-/// Reads and checks; whatever the bytes, the result is a sound rig or a problem that names the
-/// file. R is projected on the nearest rotation, so that round-off in the text does no harm.
+/// Reads and checks. Whatever the bytes are, the result is a sound rig or a problem that names the
+/// file. R is replaced by the nearest rotation, so that round-off in the text does no harm.
 [[nodiscard]] Result<StereoCalibration> read_stereo_calibration(const std::filesystem::path& path);
 [[nodiscard]] Result<RectifiedCalibration> read_rectified_calibration(
     const std::filesystem::path& path);
 
-/// Write with all digits, so that reading gives the same numbers again.
+/// Write all digits, so that reading gives the same numbers again.
 /// @throws ContractViolation when the calibration is not sound; Error when the file cannot be
 /// written
 void write_stereo_calibration(const std::filesystem::path& path,

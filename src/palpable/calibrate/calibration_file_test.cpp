@@ -39,7 +39,7 @@ std::string text_of_some_calibration(const ScratchFolder& folder) {
   return test::file_bytes(folder / "good.yml");
 }
 
-TEST_CASE("a calibration comes back with every bit", "[vision][calibration]") {
+TEST_CASE("a calibration comes back with every bit", "[calibrate][calibration]") {
   const ScratchFolder folder("calibration_round_trip");
   const StereoCalibration written = some_calibration();
   write_stereo_calibration(folder / "calibration.yml", written);
@@ -61,7 +61,8 @@ TEST_CASE("a calibration comes back with every bit", "[vision][calibration]") {
   CHECK(back.frames_per_second == 12.5);
 }
 
-TEST_CASE("OpenCV reads what we write, and we read what OpenCV writes", "[vision][calibration]") {
+TEST_CASE("OpenCV reads what we write, and we read what OpenCV writes",
+          "[calibrate][calibration]") {
   const ScratchFolder folder("calibration_opencv");
   write_stereo_calibration(folder / "ours.yml", some_calibration());
   const cv::FileStorage ours((folder / "ours.yml").string(), cv::FileStorage::READ);
@@ -94,7 +95,7 @@ TEST_CASE("OpenCV reads what we write, and we read what OpenCV writes", "[vision
 }
 
 TEST_CASE("a rotation that is rounded in the file is made a rotation again",
-          "[vision][calibration]") {
+          "[calibrate][calibration]") {
   const ScratchFolder folder("calibration_rounded");
   StereoCalibration calibration = some_calibration();
   calibration.rig.right_from_left.linear() =
@@ -109,7 +110,7 @@ TEST_CASE("a rotation that is rounded in the file is made a rotation again",
 }
 
 TEST_CASE("a calibration that cannot be right is refused with its reason",
-          "[vision][calibration][refusal]") {
+          "[calibrate][calibration][refusal]") {
   const ScratchFolder folder("calibration_refusals");
   const std::string good = text_of_some_calibration(folder);
   const std::vector<std::pair<std::string, std::string>> cases = {
@@ -150,7 +151,7 @@ TEST_CASE("a calibration that cannot be right is refused with its reason",
 }
 
 TEST_CASE("lens models beyond k3 are refused unless they are zero",
-          "[vision][calibration][refusal]") {
+          "[calibrate][calibration][refusal]") {
   const ScratchFolder folder("calibration_lens");
   const std::string good = text_of_some_calibration(folder);
   const std::string before = "D2: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n   data: [ ";
@@ -171,7 +172,8 @@ TEST_CASE("lens models beyond k3 are refused unless they are zero",
   CHECK_FALSE(with_D2("3", "0.1, 0.2, 0.").ok());
 }
 
-TEST_CASE("what is not a rotation, or not two equal eyes, is called so", "[vision][calibration]") {
+TEST_CASE("what is not a rotation, or not two equal eyes, is called so",
+          "[calibrate][calibration]") {
   const auto said = [](const std::function<void(StereoRig&)>& change) {
     StereoRig rig = some_calibration().rig;
     change(rig);
@@ -195,7 +197,7 @@ TEST_CASE("what is not a rotation, or not two equal eyes, is called so", "[visio
 }
 
 TEST_CASE("a calibration file that is cut off anywhere never gives an unsound rig",
-          "[vision][calibration][fuzz]") {
+          "[calibrate][calibration][fuzz]") {
   const ScratchFolder folder("calibration_cut");
   const std::string good = text_of_some_calibration(folder);
   for (std::size_t length = 0; length + 3 < good.size(); length += 7) {
@@ -207,7 +209,7 @@ TEST_CASE("a calibration file that is cut off anywhere never gives an unsound ri
 }
 
 TEST_CASE("a calibration file with bytes changed at random never gives an unsound rig",
-          "[vision][calibration][fuzz]") {
+          "[calibrate][calibration][fuzz]") {
   const ScratchFolder folder("calibration_noise");
   const std::string good = text_of_some_calibration(folder);
   int refused = 0;

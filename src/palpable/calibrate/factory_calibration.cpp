@@ -6,10 +6,12 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -30,9 +32,12 @@ std::string trimmed(std::string_view text) {
   return std::string(text.substr(from, text.find_last_not_of(" \t") - from + 1));
 }
 
-// "SECTION.key" -> text. Later entries win, as in the vendor's own reader.
-std::map<std::string, std::string> entries_of(const std::vector<std::string>& lines) {
-  std::map<std::string, std::string> entries;
+// "SECTION.key" -> text.
+using Entries = std::map<std::string, std::string>;
+
+// Later entries win, as in the vendor's own reader.
+Entries entries_of(const std::vector<std::string>& lines) {
+  Entries entries;
   std::string section;
   for (const std::string& line : lines) {
     if (line.front() == '[') section = line.substr(1, line.find(']') - 1);
@@ -44,25 +49,33 @@ std::map<std::string, std::string> entries_of(const std::vector<std::string>& li
   return entries;
 }
 
+// Thrown and caught in this file only.
 struct Missing {
   std::string key;
 };
 
-}  // namespace
+double number(const Entries& entries, const std::string& key) {
+  const auto entry = entries.find(key);
+  const auto value = entry == entries.end() ? std::nullopt : to_number(entry->second);
+  if (!value) throw Missing{key};
+  return *value;
+}
 
-Result<StereoCalibration> read_factory_calibration(const std::filesystem::path& path, int width,
-                                                   int height) {
-  const auto lines = read_lines(path);
-  if (!lines) return Problem{fmt::format("calibration {} cannot be read", path.string())};
-  const auto entries = entries_of(*lines);
+// The same for an entry that may be absent.
+double number_or_0(const Entries& entries, const std::string& key) {
+  return entries.contains(key) ? number(entries, key) : 0.0;
+}
 
-  const Section* section = nullptr;
+// The section for eyes of this size.
+Result<Section> section_for(const Entries& entries, const std::filesystem::path& path, int width,
+                            int height) {
+  std::optional<Section> section;
   std::string sizes;
   for (const Section& s : kSections) {
     if (!entries.contains(fmt::format("LEFT_CAM_{}.fx", s.name))) continue;
     sizes += fmt::format("{}{} x {}", sizes.empty() ? "" : ", ", s.width, s.height);
     const bool wanted = width == 0 || (s.width == width && s.height == height);
-    if (wanted && section == nullptr) section = &s;
+    if (wanted && !section) section = s;
   }
   if (sizes.empty()) {
     return Problem{fmt::format(
@@ -70,42 +83,51 @@ Result<StereoCalibration> read_factory_calibration(const std::filesystem::path& 
         "LEFT_CAM_2K or LEFT_CAM_VGA",
         path.string())};
   }
-  if (section == nullptr) {
-    return Problem{fmt::format("calibration {} is for eyes of {} px, not for {} x {}",
-                               path.string(), sizes, width, height)};
-  }
+  if (section) return *section;
+  return Problem{fmt::format("calibration {} is for eyes of {} px, not for {} x {}", path.string(),
+                             sizes, width, height)};
+}
 
-  const auto number = [&](const std::string& key, bool needed = true) {
-    const auto entry = entries.find(key);
-    if (entry == entries.end() && !needed) return 0.0;
-    const auto value = entry == entries.end() ? std::nullopt : to_number(entry->second);
-    if (!value) throw Missing{key};
-    return *value;
+DistortedCamera lens(const Entries& entries, std::string_view eye, const Section& section) {
+  const std::string s = fmt::format("{}_CAM_{}.", eye, section.name);
+  return {{section.width, section.height, number(entries, s + "fx"), number(entries, s + "fy"),
+           number(entries, s + "cx"), number(entries, s + "cy")},
+          {number(entries, s + "k1"), number(entries, s + "k2"), number_or_0(entries, s + "p1"),
+           number_or_0(entries, s + "p2"), number_or_0(entries, s + "k3")}};
+}
+
+StereoRig rig_of(const Entries& entries, const Section& section) {
+  StereoRig rig;
+  rig.left = lens(entries, "LEFT", section);
+  rig.right = lens(entries, "RIGHT", section);
+  const auto turn_of = [&](const char* name) {
+    return number(entries, fmt::format("STEREO.{}_{}", name, section.name));
   };
-  const auto lens = [&](std::string_view eye) {
-    const std::string s = fmt::format("{}_CAM_{}.", eye, section->name);
-    return DistortedCamera{{section->width, section->height, number(s + "fx"), number(s + "fy"),
-                            number(s + "cx"), number(s + "cy")},
-                           {number(s + "k1"), number(s + "k2"), number(s + "p1", false),
-                            number(s + "p2", false), number(s + "k3", false)}};
-  };
+  const Eigen::Vector3d turn(turn_of("RX"), turn_of("CV"), turn_of("RZ"));
+  const double angle = turn.norm();
+  if (angle > 0) {
+    rig.right_from_left.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+  }
+  constexpr double kMillimetre = 1e-3;
+  rig.right_from_left.translation() =
+      kMillimetre * Eigen::Vector3d(-std::abs(number(entries, "STEREO.Baseline")),
+                                    number_or_0(entries, "STEREO.TY"),
+                                    number_or_0(entries, "STEREO.TZ"));
+  return rig;
+}
+
+}  // namespace
+
+Result<StereoCalibration> read_factory_calibration(const std::filesystem::path& path, int width,
+                                                   int height) {
+  const auto lines = read_lines(path);
+  if (!lines) return Problem{fmt::format("calibration {} cannot be read", path.string())};
+  const Entries entries = entries_of(*lines);
+  const Result<Section> section = section_for(entries, path, width, height);
+  if (!section.ok()) return section.problem();
   StereoCalibration calibration;
   try {
-    calibration.rig.left = lens("LEFT");
-    calibration.rig.right = lens("RIGHT");
-    const auto turn_of = [&](const char* name) {
-      return number(fmt::format("STEREO.{}_{}", name, section->name));
-    };
-    const Eigen::Vector3d turn(turn_of("RX"), turn_of("CV"), turn_of("RZ"));
-    const double angle = turn.norm();
-    if (angle > 0) {
-      calibration.rig.right_from_left.linear() =
-          Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
-    }
-    constexpr double kMillimetre = 1e-3;
-    calibration.rig.right_from_left.translation() =
-        kMillimetre * Eigen::Vector3d(-std::abs(number("STEREO.Baseline")),
-                                      number("STEREO.TY", false), number("STEREO.TZ", false));
+    calibration.rig = rig_of(entries, section.value());
   } catch (const Missing& missing) {
     return Problem{fmt::format("calibration {} has no number {}", path.string(), missing.key)};
   }

@@ -11,11 +11,11 @@
 
 namespace palpable {
 
-/// The rig for images of this size (px, one eye). With width 0 the size for which 1280 x 720 or
-/// else the first section stands.
+/// The rig for images of this size (px, one eye). With width 0 the size is chosen: the first of
+/// HD, FHD, 2K and VGA that the file has.
 ///
-/// A problem, naming the file, when it cannot be read, has no numbers for this size (the sizes that
-/// it has are named), lacks a number or makes no sound rig.
+/// A problem, naming the file, when it cannot be read, has no numbers for this size (the message
+/// names those that it has), lacks a number or makes no sound rig.
 [[nodiscard]] Result<StereoCalibration> read_factory_calibration(const std::filesystem::path& path,
                                                                  int width, int height);
 

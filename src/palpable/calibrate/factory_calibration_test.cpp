@@ -1,6 +1,5 @@
 #include "palpable/calibrate/factory_calibration.h"
 
-#include "palpable/sources/source_calibration.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
@@ -32,7 +31,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST_CASE("a factory file gives the rig of the size that is asked for", "[vision][calibration]") {
+TEST_CASE("a factory file gives the rig of the size that is asked for", "[calibrate]") {
   const ScratchFolder folder("factory");
   const auto path = folder / "SN1.conf";
   write_bytes(path, kConf);
@@ -55,8 +54,7 @@ TEST_CASE("a factory file gives the rig of the size that is asked for", "[vision
             .x() == -0.0635);
 }
 
-TEST_CASE("a factory file is read the same under a locale with decimal commas",
-          "[vision][calibration]") {
+TEST_CASE("a factory file is read the same under a locale with decimal commas", "[calibrate]") {
   const ScratchFolder folder("factory_locale");
   write_bytes(folder / "SN1.conf", kConf);
   const std::string before = std::setlocale(LC_ALL, nullptr);
@@ -69,7 +67,7 @@ TEST_CASE("a factory file is read the same under a locale with decimal commas",
   CHECK(value_or_throw(calibration).rig.left.distortion[0] == -0.17);
 }
 
-TEST_CASE("a factory file that cannot be used says why", "[vision][calibration][refusal]") {
+TEST_CASE("a factory file that cannot be used says why", "[calibrate][refusal]") {
   const ScratchFolder folder("factory_refusals");
   const auto path = folder / "SN1.conf";
   const auto refusal = [&](const std::string& bytes, int width = 1280, int height = 720) {
@@ -90,55 +88,6 @@ TEST_CASE("a factory file that cannot be used says why", "[vision][calibration][
   broken = kConf;
   broken.replace(broken.find("=63.5"), 5, "=63500");
   CHECK(contains(refusal(broken), "63.5 m apart"));
-}
-
-TEST_CASE("one reader tells every kind of calibration apart", "[vision][calibration]") {
-  const ScratchFolder folder("source_calibration");
-  write_bytes(folder / "SN1.conf", kConf);
-  const auto factory = value_or_throw(read_source_calibration(folder / "SN1.conf", 1920, 1080));
-  CHECK(factory.format.width == 1920);
-  CHECK(factory.format.kind == FrameFormat::Kind::kStereo);
-
-  StereoCalibration raw;
-  raw.rig = value_or_throw(read_factory_calibration(folder / "SN1.conf", 1280, 720)).rig;
-  raw.frames_per_second = 15;
-  write_stereo_calibration(folder / "a.yml", raw);
-  const auto yaml = value_or_throw(read_source_calibration(folder / "a.yml", 0, 0));
-  CHECK(yaml.format.rig.left == raw.rig.left);
-  CHECK(yaml.frames_per_second == 15);
-
-  write_rectified_calibration(folder / "b.yml", {{{640, 480, 500, 500, 320, 240}, 0.1, 0}, 30});
-  CHECK(value_or_throw(read_source_calibration(folder / "b.yml", 0, 0)).format.already_rectified);
-
-  write_bytes(folder / "c.txt", "585 0 320\n0 586 240 # as 7-Scenes has it\n0 0 1\n");
-  const auto depth = value_or_throw(read_source_calibration(folder / "c.txt", 0, 0));
-  CHECK(depth.format.kind == FrameFormat::Kind::kColorDepth);
-  CHECK(depth.format.depth_camera == PinholeCamera{0, 0, 585, 586, 320, 240});
-
-  CHECK_FALSE(depth.format.color_sensor);
-
-  const auto beside = [&](const std::string& color) {
-    write_bytes(folder / "d.txt", "475 476 320 240 640 480 0.001\n" + color);
-    return read_source_calibration(folder / "d.txt", 0, 0);
-  };
-  const FrameFormat same_place = value_or_throw(beside("color 600 601 322 243 # px\n")).format;
-  CHECK(same_place.color_sensor->camera == PinholeCamera{640, 480, 600, 601, 322, 243});
-  CHECK(same_place.color_sensor->color_from_depth.matrix().isIdentity(0));
-  CHECK(same_place.depth_camera.fx_px == 475);
-  const FrameFormat apart =
-      value_or_throw(beside("color 600 601 322 243  1 0 0 -0.025  0 0 -1 0.002  0 1 0 0\n")).format;
-  CHECK(apart.color_sensor->color_from_depth * Eigen::Vector3d(0, 0, 1) ==
-        Eigen::Vector3d(-0.025, -0.998, 0));
-  const auto refusal = [&](const char* color) { return beside(color).problem().message; };
-  CHECK(contains(refusal("color 600 601 322\n"), "fx fy cx cy"));
-  CHECK(contains(refusal("color 600 -1 322 243\n"), "positive"));
-  CHECK(contains(refusal("color 6 6 3 2  2 0 0 0  0 1 0 0  0 0 1 0\n"), "no rotation"));
-  CHECK(contains(refusal("color 6 6 3 2  1 0 0 0  0 1 0 0  0 0 -1 0\n"), "no rotation"));
-  CHECK(contains(refusal("color 6 6 3 2  1 0 0 -25  0 1 0 0  0 0 1 0\n"), "25 m apart"));
-
-  const auto none = read_source_calibration(folder / "none.yml", 0, 0);
-  REQUIRE_FALSE(none.ok());
-  CHECK(contains(none.problem().message, "does not exist"));
 }
 
 }  // namespace

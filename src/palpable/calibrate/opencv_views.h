@@ -1,6 +1,6 @@
 /// @file
-/// Our images seen as OpenCV matrices, nothing copied. Included by .cpp files of this module only:
-/// no other header here names OpenCV.
+/// Our images seen as OpenCV matrices, nothing copied. For .cpp files: no header here includes
+/// OpenCV, which takes long to compile.
 #pragma once
 
 #include "palpable/geometry/image.h"

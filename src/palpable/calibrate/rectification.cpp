@@ -85,33 +85,22 @@ struct Rectification::Maps {
   };
   bool warps[2] = {true, true};
   DistortedCamera raw[2];
-  Table full[2];
-  Table half[2];
-  cv::Mat gray;       // luma of a raw image
-  cv::Mat gray_half;  // the same, averaged two by two
+  Table tables[2];
+  cv::Mat gray;  // luma of a raw image
 };
 
 void Rectification::make_tables(Eye eye) {
   const auto i = static_cast<std::size_t>(eye);
   const PinholeCamera& camera = geometry_.stereo.camera;
-  const PinholeCamera half = camera.scaled_down(2);
   const DistortedCamera& raw = maps_->raw[i];
   const Rigid3& rectified_from_raw =
       eye == Eye::kLeft ? geometry_.rectified_from_left : geometry_.rectified_from_right;
-  const auto make = [&](const PinholeCamera& target, cv::Mat& x, cv::Mat& y) {
-    cv::initUndistortRectifyMap(camera_matrix(raw.pinhole), distortion(raw),
-                                to_cv(rectified_from_raw.linear()), camera_matrix(target),
-                                cv::Size(target.width, target.height), CV_32FC1, x, y);
-  };
   cv::Mat x;
   cv::Mat y;
-  make(camera, x, y);
-  cv::convertMaps(x, y, maps_->full[i].xy, maps_->full[i].fraction, CV_16SC2);
-  // The raw pixel (u, v) lies in the raw image of half the size at ((u + 0.5) / 2 - 0.5, ...).
-  make(half, x, y);
-  x = (x + 0.5) * 0.5 - 0.5;
-  y = (y + 0.5) * 0.5 - 0.5;
-  cv::convertMaps(x, y, maps_->half[i].xy, maps_->half[i].fraction, CV_16SC2);
+  cv::initUndistortRectifyMap(camera_matrix(raw.pinhole), distortion(raw),
+                              to_cv(rectified_from_raw.linear()), camera_matrix(camera),
+                              cv::Size(camera.width, camera.height), CV_32FC1, x, y);
+  cv::convertMaps(x, y, maps_->tables[i].xy, maps_->tables[i].fraction, CV_16SC2);
 }
 
 Rectification::Rectification(const StereoRig& rig)
@@ -151,7 +140,7 @@ void Rectification::rectify(Eye eye, const ColorImage& raw, ColorImage& rectifie
     view(raw).copyTo(target);
     return;
   }
-  const Maps::Table& table = maps_->full[static_cast<std::size_t>(eye)];
+  const Maps::Table& table = maps_->tables[static_cast<std::size_t>(eye)];
   cv::remap(view(raw), target, table.xy, table.fraction, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
 }
 
@@ -179,28 +168,8 @@ void Rectification::rectify_luma(Eye eye, const ColorImage& raw, GrayImage& rect
     return;
   }
   cv::cvtColor(view(raw), maps_->gray, cv::COLOR_RGB2GRAY);
-  const Maps::Table& table = maps_->full[static_cast<std::size_t>(eye)];
+  const Maps::Table& table = maps_->tables[static_cast<std::size_t>(eye)];
   cv::remap(maps_->gray, target, table.xy, table.fraction, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-}
-
-void Rectification::rectify_luma_half(Eye eye, const ColorImage& raw, GrayImage& rectified) {
-  const PinholeCamera half = geometry_.stereo.camera.scaled_down(2);
-  PALPABLE_EXPECT(raw.width() == geometry_.stereo.camera.width &&
-                      raw.height() == geometry_.stereo.camera.height,
-                  "an image has the size of its rig");
-  rectified.resize(half.width, half.height);
-  cv::Mat target = view(rectified);
-  cv::cvtColor(view(raw), maps_->gray, cv::COLOR_RGB2GRAY);
-  // Of an odd size the last row or column has no partner.
-  const cv::Mat even = maps_->gray(cv::Rect(0, 0, 2 * half.width, 2 * half.height));
-  if (!maps_->warps[static_cast<std::size_t>(eye)]) {
-    cv::resize(even, target, target.size(), 0, 0, cv::INTER_AREA);
-    return;
-  }
-  cv::resize(even, maps_->gray_half, target.size(), 0, 0, cv::INTER_AREA);
-  const Maps::Table& table = maps_->half[static_cast<std::size_t>(eye)];
-  cv::remap(maps_->gray_half, target, table.xy, table.fraction, cv::INTER_LINEAR,
-            cv::BORDER_REPLICATE);
 }
 
 }  // namespace palpable

@@ -20,8 +20,8 @@ struct RectifiedGeometry {
 
 /// Both eyes are turned by half of the rotation between them and then together until the baseline
 /// is the X axis (Bouguet's method, cv::stereoRectify with zero disparity at infinity and
-/// alpha = 0: the largest picture without blank pixels). A function of the numbers alone, so that
-/// whoever has the calibration gets the same camera.
+/// alpha = 0: the largest picture without blank pixels). The result depends on the numbers alone:
+/// the same calibration always gives the same camera.
 ///
 /// A problem when the rig is not sound (calibration_file.h) or has no such picture.
 [[nodiscard]] Result<RectifiedGeometry> rectify_rig(const StereoRig& rig);
@@ -29,12 +29,13 @@ struct RectifiedGeometry {
 /// The same for a rig that is known to be sound. @throws ContractViolation where it is not
 [[nodiscard]] RectifiedGeometry rectified_geometry(const StereoRig& rig);
 
-/// Look-up tables from rectified to raw pixels, in 1/32 px.
+/// Warps the images of one rig: look-up tables from rectified to raw pixels, in 1/32 px.
 class Rectification {
  public:
-  /// As rectified_geometry, and the tables. @throws ContractViolation when the rig is not sound
+  /// Computes rectified_geometry and the tables.
+  /// @throws ContractViolation when the rig is not sound
   explicit Rectification(const StereoRig& rig);
-  /// For images that are rectified already: half-size luma is still made here, nothing is warped.
+  /// For images that are rectified already: nothing is warped until turn_right().
   explicit Rectification(const RectifiedStereo& stereo);
   Rectification(Rectification&&) noexcept;
   Rectification& operator=(Rectification&&) noexcept;
@@ -45,24 +46,20 @@ class Rectification {
   enum class Eye { kLeft, kRight };
 
   /// Turns the right eye by a small rotation: from now on its rays are `turn` times what they were.
-  /// What a rig that was knocked or grew warm needs (row_watch.h). Takes as long as a few frames.
+  /// A rig that was knocked or has become warm needs this (row_watch.h). Costs as much time as a
+  /// few frames.
   void turn_right(const Eigen::Matrix3d& turn);
 
-  /// The rectified image at full size.
+  /// The rectified image.
   /// @throws ContractViolation when the image has another size than the rig
   void rectify(Eye eye, const ColorImage& raw, ColorImage& rectified);
+  /// The luma of the rectified image; the same exception.
+  void rectify_luma(Eye eye, const ColorImage& raw, GrayImage& rectified);
 
-  /// Luma of any colour image, as rectify_luma has it.
+  /// Luma of a colour image: 0.299 R + 0.587 G + 0.114 B, rounded (cv::COLOR_RGB2GRAY).
   static void luma(const ColorImage& color, GrayImage& luma);
   /// Means of two by two pixels; of an odd size the last row or column is left out.
   static void halve(const GrayImage& image, GrayImage& half);
-
-  /// Its luma.
-  void rectify_luma(Eye eye, const ColorImage& raw, GrayImage& rectified);
-
-  /// Its luma at half the size: geometry().stereo.camera.scaled_down(2). Pixels are averaged
-  /// two by two before they are warped, which costs a third of warping first.
-  void rectify_luma_half(Eye eye, const ColorImage& raw, GrayImage& rectified);
 
  private:
   struct Maps;

@@ -62,8 +62,7 @@ std::optional<BetweenSites> between_sites(const SnapshotStore& store) {
     if (!store.has_linear(k)) return std::nullopt;
     const MatrixXf row = store.linear(k);
     for (Index i = 0; i < row.cols(); ++i) {
-      const auto at =
-          wanted.find(content.linear[static_cast<std::size_t>(Index{kLinearRow} * k + i)]);
+      const auto at = wanted.find(content.linear[Index{kLinearRow} * k + i]);
       if (at == wanted.end()) continue;
       responses.col(at->second) = row.col(i);
       ++found;

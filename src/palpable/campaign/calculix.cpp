@@ -1,6 +1,7 @@
 #include "palpable/campaign/calculix.h"
 
-#include "palpable/base/contract.h"
+#include "palpable/base/error.h"
+#include "palpable/campaign/temporary_folder.h"
 
 #include <fmt/format.h>
 
@@ -8,15 +9,12 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
-#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
-#include <istream>
 #include <iterator>
 #include <sstream>
 #include <sys/prctl.h>
@@ -33,6 +31,7 @@ using Eigen::Matrix3Xd;
 namespace {
 
 namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
 
 // Name of all files of a run; short, because ccx keeps file names in 132 characters.
 constexpr std::string_view kJob = "body";
@@ -40,76 +39,6 @@ constexpr std::string_view kJob = "body";
 constexpr std::array<std::string_view, 5> kGaveUp{
     "increment size smaller than minimum", "too many cutbacks", "too many iterations needed",
     "solution seems to diverge", "max. # of increments reached"};
-
-// The shortest form with the most digits that fits into the 20 characters that ccx reads.
-std::string number(double value) {
-  std::string text;
-  for (int digits = 17; digits >= 12; --digits) {
-    text = fmt::format("{:.{}g}", value, digits);
-    if (text.size() <= 20) break;
-  }
-  // Without a point ccx would read 5 as an integer in some places and refuse it.
-  if (text.find_first_of(".e") == std::string::npos) text += '.';
-  return text;
-}
-
-void check_input(const SolidModel& model, const Matrix3Xd& load, std::span<const double> levels) {
-  check_model(model);
-  if (load.cols() != model.mesh.node_count()) {
-    throw Error(fmt::format("the load has {} nodal forces and the body {} nodes", load.cols(),
-                            model.mesh.node_count()));
-  }
-  if (!load.allFinite()) throw Error("a nodal force is not finite");
-  const std::vector<HeldComponent> held = held_components(model);
-  const bool moved = std::any_of(held.begin(), held.end(),
-                                 [](const HeldComponent& h) { return h.displacement != 0.0; });
-  if (load.isZero(0) && !moved) { throw Error("the load is zero; give a force"); }
-  double before = 0.0;
-  for (const double level : levels) {
-    PALPABLE_EXPECT(level > before && std::isfinite(level), "levels are above 0 and increase");
-    before = level;
-  }
-  PALPABLE_EXPECT(!levels.empty(), "at least one level");
-}
-
-// Material section of the deck; `unit` is Pa per unit of stress in the deck.
-std::string material_section(const Material& material, const std::string& name, double unit) {
-  if (const auto* m = std::get_if<SaintVenantKirchhoff>(&material)) {
-    const double sum = m->lambda + m->mu;
-    return fmt::format("*MATERIAL, NAME={}\n*ELASTIC\n{}, {}\n", name,
-                       number(m->mu * (3.0 * m->lambda + 2.0 * m->mu) / sum / unit),
-                       number(m->lambda / (2.0 * sum)));
-  }
-  if (const auto* m = std::get_if<NeoHookeanAbaqus>(&material)) {
-    return fmt::format("*MATERIAL, NAME={}\n*HYPERELASTIC, NEO HOOKE\n{}, {}\n", name,
-                       number(m->C10 / unit), number(m->D1 * unit));
-  }
-  throw Error(fmt::format(
-      "CalculiX has no law like {}; use neo-hooke-abaqus or saint-venant-kirchhoff, or our solver",
-      law_name(material)));
-}
-
-// A folder that is gone at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "palpable-ccx-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) {
-      throw Error(fmt::format("cannot make a temporary folder {}: {}", name, std::strerror(errno)));
-    }
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 // A running program; killed if its owner leaves before it is done.
 class Child {
@@ -185,7 +114,7 @@ class Child {
   rusage usage_{};
 };
 
-// What ccx's .sta file tells: one line for each attempt at an increment.
+// What ccx's .sta file says, one line for each attempt at an increment.
 struct StaSummary {
   int increments = 0, iterations = 0;
   double level = 0;  // time, which is the level in our decks
@@ -220,285 +149,101 @@ std::string read_text(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-// Fortran prints three digits of exponent without the E: 1.234567-101.
-bool parse_fortran(std::string_view word, double& value) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  const char* const end = word.data() + word.size();
-  const auto [stop, code] = std::from_chars(word.data(), end, value);
-  if (code == std::errc() && stop == end) return std::isfinite(value);
-  const std::size_t sign = word.find_first_of("+-", 1);
-  if (sign == std::string_view::npos || word.find_first_of("eE") != std::string_view::npos) {
-    return false;
-  }
-  const std::string with_e = fmt::format("{}E{}", word.substr(0, sign), word.substr(sign));
-  const char* const with_e_end = with_e.data() + with_e.size();
-  const auto [stop_e, code_e] = std::from_chars(with_e.data(), with_e_end, value);
-  // Below the smallest double is zero, as far as a printed result is concerned.
-  if (code_e == std::errc::result_out_of_range && word[sign] == '-') {
-    value = 0.0;
-    return true;
-  }
-  return code_e == std::errc() && stop_e == with_e_end && std::isfinite(value);
-}
-
-bool parse_index(std::string_view word, int& value) {
-  const auto [stop, code] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return code == std::errc() && stop == word.data() + word.size();
-}
-
-// The words of a line, at most as many as fit; `count` may be larger.
-template <std::size_t Most>
-std::array<std::string_view, Most> split(std::string_view line, std::size_t& count) {
-  std::array<std::string_view, Most> words;
-  count = 0;
-  for (;;) {
-    const std::size_t begin = line.find_first_not_of(" \t\r");
-    if (begin == std::string_view::npos) return words;
-    line.remove_prefix(begin);
-    const std::size_t length = std::min(line.find_first_of(" \t\r"), line.size());
-    if (count < Most) words[count] = line.substr(0, length);
-    ++count;
-    line.remove_prefix(length);
-  }
-}
-
-// Reads a .dat file line by line; what it throws never leaves this file.
-class DatReader {
+// The files of a run in a folder.
+class JobFiles {
  public:
-  struct Bad {
-    std::string what;
-  };
-
-  DatReader(std::istream& in, const CalculixDatLayout& layout) : in_(in), layout_(layout) {}
-
-  [[nodiscard]] long line_number() const { return line_number_; }
-
-  std::vector<CalculixState> read() {
-    std::vector<CalculixState> states;
-    while (next_line_with_words()) {
-      const double time = heading("displacements");
-      if (states.size() == layout_.levels.size()) {
-        throw Bad{fmt::format("a result at time {}, after all {} levels", time, states.size())};
-      }
-      const double level = layout_.levels[states.size()];
-      CalculixState state;
-      state.level = level;
-      need_level(time, level);
-      state.displacement.resize(3, layout_.node_count);
-      table("node", layout_.node_count, 0, [&](int n, const std::array<double, 6>& row) {
-        state.displacement.col(n) << row[0], row[1], row[2];
-      });
-      state.displacement *= layout_.units.length;
-      if (!next_line_with_words()) throw Bad{"the file ends before the stresses"};
-      need_level(heading("stresses"), level);
-      state.stress.resize(6, layout_.points * layout_.tet_count);
-      table("element", layout_.tet_count, layout_.points,
-            [&](int e, const std::array<double, 6>& row) {
-              // CalculiX: xx yy zz xy xz yz. Ours: xx yy zz xy yz zx.
-              state.stress.col(e) << row[0], row[1], row[2], row[3], row[5], row[4];
-            });
-      state.stress *= layout_.units.stress;
-      states.push_back(std::move(state));
+  // Makes the folder if it is absent.
+  explicit JobFiles(const fs::path& folder) : folder_(fs::absolute(folder)) {
+    std::error_code failed;
+    fs::create_directories(folder_, failed);
+    if (failed) {
+      throw Error(fmt::format("{}: cannot be made: {}", folder_.string(), failed.message()));
     }
-    return states;
+  }
+  [[nodiscard]] const fs::path& folder() const { return folder_; }
+  [[nodiscard]] fs::path of(std::string_view ending) const {
+    return folder_ / fmt::format("{}.{}", kJob, ending);
+  }
+  // Removes what an earlier run left, and writes the deck.
+  void begin(const std::string& deck) const {
+    std::error_code ignored;
+    for (const std::string_view ending : {"dat", "sta", "frd", "cvg", "log"}) {
+      fs::remove(of(ending), ignored);
+    }
+    std::ofstream inp(of("inp"), std::ios::binary);
+    inp << deck << std::flush;
+    if (!inp) {
+      throw Error(fmt::format("{}: cannot be written (is the disk full?)", of("inp").string()));
+    }
   }
 
  private:
-  bool next_line() {
-    if (!std::getline(in_, line_)) return false;
-    ++line_number_;
-    return true;
-  }
-
-  bool next_line_with_words() {
-    while (next_line()) {
-      if (line_.find_first_not_of(" \t\r") != std::string::npos) return true;
-    }
-    return false;
-  }
-
-  // "... for set NAME and time  0.1000000E+00": the time.
-  double heading(std::string_view quantity) {
-    const std::string_view line = line_;
-    const std::size_t begin = line.find_first_not_of(' ');
-    const std::size_t at = line.rfind(" time ");
-    double time = 0;
-    std::size_t count = 0;
-    if (at != std::string_view::npos && line.substr(begin).starts_with(quantity)) {
-      const auto words = split<1>(line.substr(at + 6), count);
-      if (count == 1 && parse_fortran(words[0], time)) return time;
-    }
-    throw Bad{fmt::format("'{}' where the heading of the {} should be", shown(line_), quantity)};
-  }
-
-  static void need_level(double time, double level) {
-    // Seven digits are printed; levels nearer to each other than that make no sense.
-    if (std::abs(time - level) <= 1e-6 * level) return;
-    throw Bad{fmt::format("a result at time {} where level {} should be", time, level)};
-  }
-
-  // Lines of: index and 3 numbers (points 0); or index, number of the integration point and 6
-  // numbers, a line for each of the points. `take` gets the column: index, or points index + point.
-  template <class Take>
-  void table(std::string_view what, int count, int points, const Take& take) {
-    const std::size_t indices = points == 0 ? 1 : 2, values = points == 0 ? 3 : 6;
-    const int per_index = std::max(points, 1), rows = per_index * count;
-    std::vector<bool> seen(static_cast<std::size_t>(rows));
-    for (int row = 0; row < rows; ++row) {
-      if (!(row == 0 ? next_line_with_words() : next_line())) {
-        throw Bad{fmt::format("the file ends after {} of {} lines of {}s", row, rows, what)};
-      }
-      std::size_t found = 0;
-      const auto words = split<8>(line_, found);
-      if (found != indices + values) {
-        throw Bad{fmt::format("'{}' has {} columns, a line of a {} has {}", shown(line_), found,
-                              what, indices + values)};
-      }
-      int index = 0, point = 1;
-      if (!parse_index(words[0], index) || index < 1 || index > count) {
-        throw Bad{fmt::format("{} number '{}'; there are {}", what, shown(words[0]), count)};
-      }
-      if (points > 0 && (!parse_index(words[1], point) || point < 1 || point > points)) {
-        throw Bad{
-            fmt::format("integration point '{}'; an element has {}", shown(words[1]), points)};
-      }
-      const int column = per_index * (index - 1) + point - 1;
-      if (seen[static_cast<std::size_t>(column)]) {
-        throw Bad{fmt::format("{} {} comes twice", what, index)};
-      }
-      seen[static_cast<std::size_t>(column)] = true;
-      std::array<double, 6> numbers{};
-      for (std::size_t k = 0; k < values; ++k) {
-        if (!parse_fortran(words[indices + k], numbers[k])) {
-          throw Bad{fmt::format("'{}' is not a finite number", shown(words[indices + k]))};
-        }
-      }
-      take(column, numbers);
-    }
-  }
-
-  // At most 60 characters, printable.
-  static std::string shown(std::string_view text) {
-    std::string out(text.substr(0, 60));
-    for (char& c : out) {
-      if (std::isprint(static_cast<unsigned char>(c)) == 0) c = '?';
-    }
-    return out;
-  }
-
-  std::istream& in_;
-  const CalculixDatLayout& layout_;
-  std::string line_;
-  long line_number_ = 0;
+  fs::path folder_;
 };
 
+void show_progress(const JobFiles& files, std::span<const double> levels,
+                   const Progress& progress) {
+  const StaSummary sta = read_sta(files.of("sta"));
+  // Between two levels, the share of the way.
+  const auto above = std::upper_bound(levels.begin(), levels.end(), sta.level * (1.0 + 1e-6));
+  double done = static_cast<double>(above - levels.begin());
+  if (above != levels.end()) {
+    const double below = above == levels.begin() ? 0.0 : *(above - 1);
+    done += std::max(0.0, (sta.level - below) / (*above - below));
+  }
+  const auto level_count = static_cast<double>(levels.size());
+  report(progress,
+         {.task = "CalculiX",
+          .done = std::min(done, level_count),
+          .total = level_count,
+          .note = fmt::format("{} increments, {} iterations", sta.increments, sta.iterations)});
+}
+
+// Sleeps until the program has ended. Short runs are not kept waiting, long ones not disturbed.
+void wait_for(Child& child, const JobFiles& files, std::span<const double> levels,
+              const Progress& progress) {
+  Clock::time_point shown = Clock::now();
+  for (auto pause = std::chrono::milliseconds(2); !child.ended();
+       pause = std::min(2 * pause, std::chrono::milliseconds(100))) {
+    std::this_thread::sleep_for(pause);
+    if (Clock::now() - shown > std::chrono::milliseconds(300)) {
+      show_progress(files, levels, progress);
+      shown = Clock::now();
+    }
+  }
+}
+
+// Throws unless the program ended with results: all of them, or (true) those up to where CalculiX
+// gave up, which is how ccx says that the path does not go on.
+bool require_answer(int status, const std::string& said, double level, const std::string& where) {
+  if (WIFSIGNALED(status)) {
+    throw Error(
+        fmt::format("CalculiX was ended by signal {} ({}) at level {:.4g}; out of memory?{}",
+                    WTERMSIG(status), ::strsignal(WTERMSIG(status)), level, where));
+  }
+  const bool gave_up = std::any_of(kGaveUp.begin(), kGaveUp.end(), [&](std::string_view words) {
+    return said.find(words) != std::string::npos;
+  });
+  if (!gave_up && (WEXITSTATUS(status) != 0 || !said.empty())) {
+    throw Error(fmt::format("CalculiX failed: {}{}",
+                            said.empty() ? fmt::format("exit code {}", WEXITSTATUS(status)) : said,
+                            where));
+  }
+  return gave_up;
+}
+
+std::vector<CalculixState> read_states(const JobFiles& files, const SolidModel& model,
+                                       std::span<const double> levels) {
+  std::ifstream dat(files.of("dat"), std::ios::binary);
+  const CalculixDatLayout layout{.node_count = model.mesh.node_count(),
+                                 .tet_count = model.mesh.tet_count(),
+                                 .points = model.mesh.is_quadratic() ? 4 : 1,
+                                 .levels = {levels.begin(), levels.end()},
+                                 .units = calculix_units(model)};
+  return value_or_throw(read_calculix_dat(dat, layout, files.of("dat").string()));
+}
+
 }  // namespace
-
-CalculixUnits calculix_units(const SolidModel& model) {
-  const auto power_of_ten = [](double value) {
-    return std::pow(10.0, std::round(std::log10(value)));
-  };
-  const double edge = std::cbrt(tet_volumes(model.mesh).mean());
-  return {.length = power_of_ten(edge / 1e3),
-          .stress = power_of_ten(lame_constants(model.material).mu / 1e3)};
-}
-
-std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
-                          std::span<const double> levels, double tolerance) {
-  check_input(model, full_load, levels);
-  PALPABLE_EXPECT(tolerance > 0.0 && tolerance < 1.0, "the tolerance is between 0 and 1");
-  const CalculixUnits units = calculix_units(model);
-  const double last = levels.back();
-  double smallest_step = levels.front(), before = 0.0;
-  for (const double level : levels) {
-    smallest_step = std::min(smallest_step, level - before);
-    before = level;
-  }
-
-  std::string deck;
-  const auto out = std::back_inserter(deck);
-  fmt::format_to(out, "** Written by Palpable. Lengths in {:g} m, stresses in {:g} Pa.\n",
-                 units.length, units.stress);
-  deck += "** Time is the load level.\n";
-  deck += "*NODE, NSET=NALL\n";
-  for (int n = 0; n < model.mesh.node_count(); ++n) {
-    const Eigen::Vector3d X = model.mesh.nodes.col(n) / units.length;
-    fmt::format_to(out, "{},{},{},{}\n", n + 1, number(X[0]), number(X[1]), number(X[2]));
-  }
-  const bool quadratic = model.mesh.is_quadratic();
-  fmt::format_to(out, "*ELEMENT, TYPE={}, ELSET=EALL\n", quadratic ? "C3D10" : "C3D4");
-  for (int e = 0; e < model.mesh.tet_count(); ++e) {
-    fmt::format_to(out, "{}", e + 1);
-    for (const int v : model.mesh.tets.col(e)) fmt::format_to(out, ",{}", v + 1);
-    if (quadratic) {
-      for (const int v : model.mesh.edge_nodes.col(e)) fmt::format_to(out, ",{}", v + 1);
-    }
-    deck += '\n';
-  }
-  // What is in no group is BODY, the groups are GROUP1 and so on.
-  const std::vector<int> group_of = material_groups(model);
-  for (int g = -1; g < static_cast<int>(model.groups.size()); ++g) {
-    if (std::find(group_of.begin(), group_of.end(), g) == group_of.end()) continue;
-    const std::string name = g < 0 ? "BODY" : fmt::format("GROUP{}", g + 1);
-    const Material& material =
-        g < 0 ? model.material : model.groups[static_cast<std::size_t>(g)].material;
-    fmt::format_to(out, "*ELSET, ELSET={}\n", name);
-    for (std::size_t e = 0; e < group_of.size(); ++e) {
-      if (group_of[e] == g) fmt::format_to(out, "{}\n", e + 1);
-    }
-    deck += material_section(material, name, units.stress);
-    fmt::format_to(out, "*SOLID SECTION, ELSET={0}, MATERIAL={0}\n", name);
-  }
-  deck += "*BOUNDARY\n";
-  const std::vector<HeldComponent> held = held_components(model);
-  for (const HeldComponent& h : held) {
-    fmt::format_to(out, "{0},{1},{1}\n", h.at / 3 + 1, h.at % 3 + 1);
-  }
-  deck += "*TIME POINTS, NAME=LEVELS\n";
-  for (const double level : levels) fmt::format_to(out, "{}\n", number(level));
-
-  // Loads and displacements are given at the end of the step and grow linearly with time. An
-  // increment of a thousandth of the smallest step means that there is no way on.
-  fmt::format_to(out, "*STEP, NLGEOM, INC=1000000\n*STATIC\n{},{},{}\n", number(levels.front()),
-                 number(last), number(1e-3 * smallest_step));
-  // R_n, C_n, q_0, q_u, R_p, eps, C_eps, R_l. C_n = 1: the size of the last correction decides
-  // nothing. R_l: a residual so small would end the iteration whatever the correction.
-  fmt::format_to(out, "*CONTROLS, PARAMETERS=FIELD\n{0:g},1.,,,{0:g},,,{1:g}\n", tolerance,
-                 1e-4 * tolerance);
-  // I_0, I_R, I_P, I_C: a tight tolerance takes more iterations before divergence is suspected
-  // (from I_0 on), slow convergence (I_R) and failure (I_C).
-  deck += "*CONTROLS, PARAMETERS=TIME INCREMENTATION\n8,16,9,24\n";
-  deck += "*BOUNDARY\n";
-  Matrix3Xd load = full_load;
-  for (const HeldComponent& h : held) {
-    load.reshaped()[h.at] = 0.0;  // moves nothing
-    if (h.displacement == 0.0) continue;
-    fmt::format_to(out, "{0},{1},{1},{2}\n", h.at / 3 + 1, h.at % 3 + 1,
-                   number(last * h.displacement / units.length));
-  }
-  deck += "*CLOAD\n";
-  for (Eigen::Index at = 0; at < load.size(); ++at) {
-    const double force = load.reshaped()[at];
-    if (force == 0.0) continue;
-    fmt::format_to(out, "{},{},{}\n", at / 3 + 1, at % 3 + 1, number(last * force / units.force()));
-  }
-  // .dat has seven digits, .frd would have six.
-  deck += "*NODE PRINT, NSET=NALL, TIME POINTS=LEVELS\nU\n";
-  deck += "*EL PRINT, ELSET=EALL, TIME POINTS=LEVELS\nS\n";
-  deck += "*END STEP\n";
-  return deck;
-}
-
-Result<std::vector<CalculixState>> read_calculix_dat(std::istream& dat,
-                                                     const CalculixDatLayout& layout,
-                                                     std::string_view name) {
-  DatReader reader(dat, layout);
-  try {
-    return reader.read();
-  } catch (const DatReader::Bad& bad) {
-    return Problem{fmt::format("{}:{}: {}", name, reader.line_number(), bad.what)};
-  }
-}
 
 std::string calculix_error(std::string_view log) {
   constexpr std::string_view kMark = "*ERROR";
@@ -561,90 +306,27 @@ CalculixRun solve_with_calculix(const SolidModel& model, const Matrix3Xd& full_l
         settings.program));
   }
   std::optional<TemporaryFolder> temporary;
-  if (settings.folder.empty()) temporary.emplace();
-  const fs::path folder = fs::absolute(temporary ? temporary->path() : settings.folder);
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), failed.message()));
-  const auto file = [&](std::string_view ending) {
-    return folder / fmt::format("{}.{}", kJob, ending);
-  };
-  for (const std::string_view ending : {"dat", "sta", "frd", "cvg", "log"}) {
-    fs::remove(file(ending), failed);  // of an earlier run
-  }
-  {
-    std::ofstream inp(file("inp"), std::ios::binary);
-    inp << deck << std::flush;
-    if (!inp) {
-      throw Error(fmt::format("{}: cannot be written (is the disk full?)", file("inp").string()));
-    }
-  }
+  if (settings.folder.empty()) temporary.emplace("palpable-ccx");
+  const JobFiles files(temporary ? temporary->path() : settings.folder);
+  files.begin(deck);
 
-  const auto level_count = static_cast<double>(levels.size());
-  const auto show = [&] {
-    const StaSummary sta = read_sta(file("sta"));
-    // Between two levels, the share of the way.
-    const auto above = std::upper_bound(levels.begin(), levels.end(), sta.level * (1.0 + 1e-6));
-    double done = static_cast<double>(above - levels.begin());
-    if (above != levels.end()) {
-      const double below = above == levels.begin() ? 0.0 : *(above - 1);
-      done += std::max(0.0, (sta.level - below) / (*above - below));
-    }
-    report(progress,
-           {.task = "CalculiX",
-            .done = std::min(done, level_count),
-            .total = level_count,
-            .note = fmt::format("{} increments, {} iterations", sta.increments, sta.iterations)});
-  };
-
-  using Clock = std::chrono::steady_clock;
   const Clock::time_point start = Clock::now();
-  Child child(*program, kJob, folder, file("log"));
-  Clock::time_point shown = start;
-  // Short runs are not kept waiting, long ones not disturbed.
-  for (auto pause = std::chrono::milliseconds(2); !child.ended();
-       pause = std::min(2 * pause, std::chrono::milliseconds(100))) {
-    std::this_thread::sleep_for(pause);
-    if (Clock::now() - shown > std::chrono::milliseconds(300)) {
-      show();
-      shown = Clock::now();
-    }
-  }
+  Child child(*program, kJob, files.folder(), files.of("log"));
+  wait_for(child, files, levels, progress);
   CalculixRun run;
   run.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
   run.cpu_seconds = child.cpu_seconds();
-  const StaSummary sta = read_sta(file("sta"));
+  const StaSummary sta = read_sta(files.of("sta"));
   run.increments = sta.increments;
   run.iterations = sta.iterations;
   run.last_level = sta.level;
 
-  const std::string said = calculix_error(read_text(file("log")));
-  const int status = child.status();
   // Whoever keeps the folder can look further.
   const std::string where =
-      temporary ? std::string() : fmt::format(" (see {})", file("log").string());
-  if (WIFSIGNALED(status)) {
-    throw Error(
-        fmt::format("CalculiX was ended by signal {} ({}) at level {:.4g}; out of memory?{}",
-                    WTERMSIG(status), ::strsignal(WTERMSIG(status)), sta.level, where));
-  }
-  // How ccx says that the path does not go on, as opposed to a deck that it refuses.
-  const bool gave_up = std::any_of(kGaveUp.begin(), kGaveUp.end(), [&](std::string_view words) {
-    return said.find(words) != std::string::npos;
-  });
-  if (!gave_up && (WEXITSTATUS(status) != 0 || !said.empty())) {
-    throw Error(fmt::format("CalculiX failed: {}{}",
-                            said.empty() ? fmt::format("exit code {}", WEXITSTATUS(status)) : said,
-                            where));
-  }
-
-  std::ifstream dat(file("dat"), std::ios::binary);
-  const CalculixDatLayout layout{.node_count = model.mesh.node_count(),
-                                 .tet_count = model.mesh.tet_count(),
-                                 .points = model.mesh.is_quadratic() ? 4 : 1,
-                                 .levels = {levels.begin(), levels.end()},
-                                 .units = calculix_units(model)};
-  run.states = value_or_throw(read_calculix_dat(dat, layout, file("dat").string()));
+      temporary ? std::string() : fmt::format(" (see {})", files.of("log").string());
+  const std::string said = calculix_error(read_text(files.of("log")));
+  const bool gave_up = require_answer(child.status(), said, sta.level, where);
+  run.states = read_states(files, model, levels);
   run.complete = run.states.size() == levels.size();
   if (!run.complete && !gave_up) {
     throw Error(fmt::format("CalculiX ended well but printed {} of {} levels{}", run.states.size(),
@@ -656,7 +338,7 @@ CalculixRun solve_with_calculix(const SolidModel& model, const Matrix3Xd& full_l
         "CalculiX: {}",
         levels[run.states.size()], run.last_level, said);
   }
-  show();
+  show_progress(files, levels, progress);
   return run;
 }
 

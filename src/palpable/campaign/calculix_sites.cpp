@@ -73,7 +73,7 @@ SiteSnapshots CalculixSites::solve_site(const Site& place, const SiteRunSettings
   site.stress.resize(6 * unit.cols(), L);
   site.press_depth = Eigen::VectorXd::Zero(L + 1);
   for (Index l = 0; l < L; ++l) {
-    const Matrix3Xd& u = run.states[static_cast<std::size_t>(l)].displacement;
+    const Matrix3Xd& u = run.states[l].displacement;
     const StressField stress = solver_.added_stress(u);
     site.displacement.col(l) = u.reshaped().cast<float>();
     site.stress.col(l) = stress.reshaped().cast<float>();
@@ -93,8 +93,8 @@ void CalculixSites::solve(std::span<const Site> sites, const SiteRunSettings& se
   const auto work = [&](int s, Lane&) {
     try {
       StageTimes times;
-      SiteSnapshots snapshots = solve_site(sites[static_cast<std::size_t>(s)], settings, times,
-                                           [&](double part) { stream.tick(s, part); });
+      SiteSnapshots snapshots =
+          solve_site(sites[s], settings, times, [&](double part) { stream.tick(s, part); });
       stream.finished(s, std::move(snapshots), times);
     } catch (const Error& error) { throw Error(fmt::format("site {}: {}", s, error.what())); }
   };

@@ -31,9 +31,7 @@ std::vector<SiteSnapshots> by_calculix(const SiteSolver& presses, const std::vec
               [&](int, double part) {
                 if (done != nullptr) *done = part;
               },
-              [&](int s, SiteSnapshots site, const StageTimes&) {
-                all[static_cast<std::size_t>(s)] = std::move(site);
-              }});
+              [&](int s, SiteSnapshots site, const StageTimes&) { all[s] = std::move(site); }});
   return all;
 }
 

@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/mesh/inp_file.h"
 #include "palpable/solid/equilibrium.h"
 #include "tests/support/replaced.h"
 #include "tests/support/scratch_folder.h"
@@ -247,7 +248,7 @@ TEST_CASE("a node of a deck is the node of the model to thirteen digits",
     CHECK(index == n + 1);
     for (int i = 0; i < 3; ++i) {
       const double exact = model.mesh.nodes(i, n);
-      CHECK(std::abs(metre * X[static_cast<std::size_t>(i)] - exact) <=
+      CHECK(std::abs(metre * X[i] - exact) <=
             tolerance(1e-12, "13 significant digits") * std::abs(exact));
     }
   }
@@ -425,6 +426,35 @@ TEST_CASE("whoever stops listening to the progress stops CalculiX", "[bake][calc
   const int pid = std::atoi(test::file_bytes(folder / "run/pid").c_str());
   REQUIRE(pid > 0);
   CHECK(::kill(pid, 0) == -1);  // gone
+}
+
+TEST_CASE("the decks that we write for CalculiX are read as the meshes that they are",
+          "[bake][inp][quadratic]") {
+  const TetMesh four = box_tets({0, 0, 0}, {0.3, 0.1, 0.2}, 2, 1, 1);
+  for (const TetMesh& mesh : {four, with_edge_nodes(four)}) {
+    SolidModel model;
+    model.mesh = mesh;
+    model.material = material_from_young("neo-hooke-abaqus", 1e6, 0.3);
+    for (int n = 0; n < mesh.node_count(); ++n) {
+      if (mesh.nodes(0, n) == 0.0) model.fixed_nodes.push_back(n);
+    }
+    const Eigen::Matrix3Xd load = Eigen::Matrix3Xd::Ones(3, mesh.node_count());
+    const std::string deck = calculix_deck(model, load, std::array{0.5, 1.0});
+    const double unit = calculix_units(model).length;
+    const TetMesh again = value_or_throw(parse_inp(deck, "a.inp")).mesh;
+    REQUIRE(again.tet_count() == mesh.tet_count());
+    REQUIRE(again.is_quadratic() == mesh.is_quadratic());
+    const auto same = [&](int a, int b) {
+      return (unit * again.nodes.col(a) - mesh.nodes.col(b)).norm() <=
+             tolerance(1e-12, "13 digits in the deck");
+    };
+    for (int e = 0; e < mesh.tet_count(); ++e) {
+      for (int k = 0; k < 4; ++k) CHECK(same(again.tets(k, e), mesh.tets(k, e)));
+      for (int k = 0; mesh.is_quadratic() && k < 6; ++k) {
+        CHECK(same(again.edge_nodes(k, e), mesh.edge_nodes(k, e)));
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ Digest digest_of_problem(const CampaignPlan& plan) {
   Digest digest;
   digest.add(kSnapshotLayout);
   digest.add(kSiteRunRevision);
-  digest.add(plan.solver);
+  digest.add(std::string(fe_solver_name(plan.solver)));
   const SolidModel& model = plan.model;
   digest.add(model.mesh.nodes);
   digest.add(model.mesh.tets);
@@ -59,7 +59,7 @@ Digest digest_of_problem(const CampaignPlan& plan) {
 }
 
 SolidModel model_at(const CampaignPlan& plan, int point) {
-  const PointMaterials& materials = plan.points[static_cast<std::size_t>(point)];
+  const PointMaterials& materials = plan.points[point];
   SolidModel model = plan.model;
   model.material = materials.material;
   PALPABLE_EXPECT(materials.groups.size() == model.groups.size(), "a material for each group");
@@ -119,7 +119,7 @@ void solve_linear_responses(const CampaignPlan& plan, const SnapshotStore& store
                      {[&]() -> std::optional<int> {
                         const std::optional<int> i = pieces.next();
                         if (!i) return std::nullopt;
-                        return kLinearRow * pending[static_cast<std::size_t>(*i)];
+                        return kLinearRow * pending[*i];
                       },
                       [&](int first, const Eigen::MatrixXf& u) {
                         store.write_linear(first / kLinearRow, u);
@@ -140,29 +140,29 @@ class Account {
       : progress_(progress),
         done_(there),
         total_(total),
-        parts_(static_cast<std::size_t>(units), 0.0) {
+        parts_(units, 0.0) {
     if (there > 0) found_ = fmt::format("{} were there", there);
   }
   void begin() {
     const std::lock_guard lock(mutex_);
-    tell();
+    show();
   }
   // A part of a unit that is being solved here.
   void part(int unit, double part) {
     const std::lock_guard lock(mutex_);
-    parts_[static_cast<std::size_t>(unit)] = part;
-    tell();
+    parts_[unit] = part;
+    show();
   }
   void finished(int unit, int fell_short) {
     const std::lock_guard lock(mutex_);
-    parts_[static_cast<std::size_t>(unit)] = 0.0;
+    parts_[unit] = 0.0;
     done_ += 1.0;
     short_ += fell_short;
-    tell();
+    show();
   }
 
  private:
-  void tell() {
+  void show() {
     std::string note = found_;
     if (short_ > 0) {
       note += fmt::format("{}{} short of the press", note.empty() ? "" : ", ", short_);
@@ -181,10 +181,14 @@ class Account {
 
 }  // namespace
 
+std::string_view fe_solver_name(FeSolver solver) {
+  return solver == FeSolver::kCalculix ? "calculix" : "own";
+}
+
 std::uint64_t linear_key(const CampaignPlan& plan) {
   CampaignPlan pressed_by_nothing = plan;
   pressed_by_nothing.run = {};
-  pressed_by_nothing.solver = "own";
+  pressed_by_nothing.solver = FeSolver::kOwn;
   Digest digest = digest_of_problem(pressed_by_nothing);
   add(digest, plan.points[0].material);
   for (const Material& group : plan.points[0].groups) add(digest, group);
@@ -208,81 +212,116 @@ std::vector<std::uint64_t> unit_keys(const CampaignPlan& plan) {
   return keys;
 }
 
+namespace {
+
+// The units of this shard that the store does not hold yet, known to all of the crew.
+std::vector<int> pending_units(const SnapshotStore& store, Crew& crew,
+                               const CampaignSettings& settings, const Progress& progress,
+                               CampaignReport& result) {
+  const int units = store.content().unit_count();
+  std::vector<int> pending;
+  for (int u = 0; crew.leads() && u < units; ++u) {
+    report(progress, {"looking for snapshots", u + 1.0, static_cast<double>(units), ""});
+    if (u % settings.shards != settings.shard) {
+      ++result.missing;
+    } else if (store.has(u)) {
+      ++result.reused;
+    } else {
+      pending.push_back(u);
+    }
+  }
+  return crew.agree(std::move(pending));
+}
+
+// Solves sites of one point and writes each as it ends.
+class PointRun {
+ public:
+  PointRun(const CampaignPlan& plan, const SnapshotStore& store, const EquilibriumSolver& solver,
+           int point, std::vector<int> sites, const CampaignSettings& settings)
+      : plan_(plan),
+        store_(store),
+        presses_(solver, plan.boundary, plan.preload),
+        sites_(std::move(sites)),
+        first_unit_(point * static_cast<int>(plan.sites.size())),
+        run_(plan.run) {
+    if (plan.solver == FeSolver::kCalculix) calculix_.emplace(presses_, settings.calculix);
+    if (plan.run.at.empty()) return;
+    const auto loads = plan.full_loads.begin() + first_unit_;
+    run_.full_loads.assign(loads, loads + static_cast<std::ptrdiff_t>(plan.sites.size()));
+  }
+
+  [[nodiscard]] int count() const { return static_cast<int>(sites_.size()); }
+  [[nodiscard]] int unit_of(int site) const { return first_unit_ + site; }
+
+  void solve(const Pieces& pieces, int threads, Account& account, StageTimes& times) {
+    std::mutex timing;
+    const SiteStream stream{[&]() -> std::optional<int> {
+                              const std::optional<int> i = pieces.next();
+                              return i ? std::optional(sites_[*i]) : std::nullopt;
+                            },
+                            [&](int s, double part) { account.part(unit_of(s), part); },
+                            [&](int s, SiteSnapshots snapshots, StageTimes spent) {
+                              {
+                                const StageTimer timer(spent, "write");
+                                store_.write(unit_of(s), snapshots, presses_.rest());
+                              }
+                              {
+                                const std::lock_guard lock(timing);
+                                times.add(spent);
+                              }
+                              pieces.finished(s, snapshots.outcome.reached_press ? 0 : 1);
+                            }};
+    if (calculix_) {
+      calculix_->solve(plan_.sites, plan_.run, threads, stream);
+    } else {
+      solve_sites(presses_, plan_.sites, run_, threads, stream);
+    }
+  }
+
+ private:
+  const CampaignPlan& plan_;
+  const SnapshotStore& store_;
+  SiteSolver presses_;
+  std::vector<int> sites_;
+  int first_unit_;
+  SiteRunSettings run_;
+  std::optional<CalculixSites> calculix_;
+};
+
+}  // namespace
+
 CampaignReport run_campaign(const CampaignPlan& plan, const SnapshotStore& store, Crew& crew,
                             const CampaignSettings& settings, const Progress& progress) {
   const int S = static_cast<int>(plan.sites.size()), P = static_cast<int>(plan.points.size());
   PALPABLE_EXPECT(S > 0 && P > 0, "a campaign has sites and points");
   PALPABLE_EXPECT(store.content().unit_count() == S * P, "the store is of this plan");
-  PALPABLE_EXPECT(plan.run.at.empty() ||
-                      (static_cast<int>(plan.full_loads.size()) == S * P && plan.solver == "own"),
+  PALPABLE_EXPECT(plan.run.at.empty() || (static_cast<int>(plan.full_loads.size()) == S * P &&
+                                          plan.solver == FeSolver::kOwn),
                   "given levels need a load for each unit, and the own solver");
   const int threads = crew.threads(settings.threads);
 
   CampaignReport result;
-  std::vector<int> pending;
-  if (crew.leads()) {
-    for (int u = 0; u < S * P; ++u) {
-      report(progress, {"looking for snapshots", u + 1.0, static_cast<double>(S * P), ""});
-      if (u % settings.shards != settings.shard) {
-        ++result.missing;
-      } else if (store.has(u)) {
-        ++result.reused;
-      } else {
-        pending.push_back(u);
-      }
-    }
-  }
-  pending = crew.agree(std::move(pending));
-
+  const std::vector<int> pending = pending_units(store, crew, settings, progress, result);
   Account account(progress, result.reused, result.reused + static_cast<int>(pending.size()), S * P);
-  std::mutex timing;
   std::optional<EquilibriumSolver> solver;
   for (int p = 0; p < P; ++p) {
-    std::vector<int> here;
+    std::vector<int> sites;
     for (const int u : pending) {
-      if (u / S == p) here.push_back(u % S);
+      if (u / S == p) sites.push_back(u % S);
     }
-    if (here.empty()) continue;
+    if (sites.empty()) continue;
     account.begin();
     solver.reset();  // one factor at a time
     solver.emplace(model_at(plan, p), EquilibriumSettings{.tolerance = kSnapshotTolerance});
     result.setup = solver->setup();
-    const SiteSolver presses(*solver, plan.boundary, plan.preload);
-    std::optional<CalculixSites> calculix;
-    if (plan.solver == "calculix") calculix.emplace(presses, settings.calculix);
-    const auto run = [&](const Pieces& pieces) {
-      const SiteStream stream{[&]() -> std::optional<int> {
-                                const std::optional<int> i = pieces.next();
-                                return i ? std::optional(here[static_cast<std::size_t>(*i)])
-                                         : std::nullopt;
-                              },
-                              [&](int s, double part) { account.part(p * S + s, part); },
-                              [&](int s, SiteSnapshots snapshots, StageTimes spent) {
-                                {
-                                  const StageTimer timer(spent, "write");
-                                  store.write(p * S + s, snapshots, presses.rest());
-                                }
-                                {
-                                  const std::lock_guard lock(timing);
-                                  result.times.add(spent);
-                                }
-                                pieces.finished(s, snapshots.outcome.reached_press ? 0 : 1);
-                              }};
-      if (calculix) {
-        calculix->solve(plan.sites, plan.run, threads, stream);
-      } else {
-        SiteRunSettings here_run = plan.run;
-        if (!plan.run.at.empty()) {
-          here_run.full_loads.assign(plan.full_loads.begin() + std::ptrdiff_t{p} * S,
-                                     plan.full_loads.begin() + std::ptrdiff_t{p + 1} * S);
-        }
-        solve_sites(presses, plan.sites, here_run, threads, stream);
-      }
-    };
-    crew.share(static_cast<int>(here.size()), run, [&](int s, int fell_short) {
-      ++result.solved;
-      account.finished(p * S + s, fell_short);
-    });
+    PointRun run(plan, store, *solver, p, std::move(sites), settings);
+    crew.share(
+        run.count(),
+        [&](const Pieces& pieces) { run.solve(pieces, threads, account, result.times); },
+        [&](int s, int fell_short) {
+          ++result.solved;
+          account.finished(run.unit_of(s), fell_short);
+        });
   }
   if (!plan.linear.empty()) {
     PALPABLE_EXPECT(P == 1, "linear responses are of one body");

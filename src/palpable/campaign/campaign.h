@@ -18,6 +18,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace palpable {
@@ -27,6 +28,15 @@ struct PointMaterials {
   Material material;
   std::vector<Material> groups;  ///< one for each of model.groups
 };
+
+/// Who solves for the equilibrium of a press.
+enum class FeSolver {
+  kOwn,      ///< press_solver.h
+  kCalculix  ///< calculix_sites.h
+};
+
+/// "own" or "calculix": what a user types, and what the keys of units are mixed from.
+[[nodiscard]] std::string_view fe_solver_name(FeSolver solver);
 
 /// What is to be solved.
 struct CampaignPlan {
@@ -40,7 +50,7 @@ struct CampaignPlan {
   /// moved all the way before the first press.
   Eigen::Matrix3Xd preload = Eigen::Matrix3Xd(3, 0);
   std::vector<PointMaterials> points;  ///< (P) at least one
-  std::string solver = "own";          ///< or "calculix", see CalculixSites
+  FeSolver solver = FeSolver::kOwn;
   /// (P S) with run.at: the load of each unit at level 1, N; run.full_loads is then not read.
   std::vector<double> full_loads = {};
 };
@@ -57,7 +67,7 @@ struct CampaignSettings {
   /// Only every `shards`-th unit from number `shard` on is solved here.
   int shard = 0;
   int shards = 1;
-  std::string calculix = "ccx";  ///< the program, for plan.solver "calculix"
+  std::string calculix = "ccx";  ///< the program, for FeSolver::kCalculix
 };
 
 struct CampaignReport {

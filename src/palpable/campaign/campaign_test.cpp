@@ -127,7 +127,7 @@ TEST_CASE("a snapshot is of its mesh, material, load and levels, and of no other
   CHECK(changed([](CampaignPlan& p) { p.model.fixed_nodes.pop_back(); }));
   CHECK(changed([](CampaignPlan& p) { p.run.press *= 1.01; }));
   CHECK(changed([](CampaignPlan& p) { p.run.levels = 3; }));
-  CHECK(changed([](CampaignPlan& p) { p.solver = "calculix"; }));
+  CHECK(changed([](CampaignPlan& p) { p.solver = FeSolver::kCalculix; }));
   CHECK(changed([](CampaignPlan& p) {
     for (Site& site : p.sites) site.direction = -site.direction;
   }));
@@ -171,7 +171,7 @@ TEST_CASE("snapshots come back from the store as they were solved", "[bake][camp
     CHECK(store.rows(s, {"stress", 6}, 13, 40).cast<double>() ==
           solved.stress.block(13, 2 * s, 40, 2));
     CHECK(store.unit(s).press_depth == solved.press_depth.col(s));
-    CHECK(store.unit(s).full_load == solved.sites[static_cast<std::size_t>(s)].full_load);
+    CHECK(store.unit(s).full_load == solved.sites[s].full_load);
   }
 }
 
@@ -180,7 +180,7 @@ TEST_CASE("linear responses are reciprocal and the beginning of every press", "[
   Block block;
   std::vector<int> vertices;
   for (int v = 0; v < block.plan.boundary.surface.vertex_count(); ++v) {
-    if (block.content.fixed[static_cast<std::size_t>(v)] == 0) vertices.push_back(v);
+    if (block.content.fixed[v] == 0) vertices.push_back(v);
   }
   // Some twice, so that there are two files.
   for (std::size_t k = 0; k < 10; ++k) vertices.push_back(vertices[k]);
@@ -199,7 +199,7 @@ TEST_CASE("linear responses are reciprocal and the beginning of every press", "[
   // (V x n) what each site's load does at each patch: w_i . G_j, symmetric (Betti).
   Eigen::MatrixXd work(G.cols(), G.cols());
   for (Eigen::Index i = 0; i < G.cols(); ++i) {
-    const Site& site = block.plan.linear[static_cast<std::size_t>(i)];
+    const Site& site = block.plan.linear[i];
     Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(G.cols());
     for (std::size_t k = 0; k < site.patch.size(); ++k) {
       sum += static_cast<double>(site.weights[k]) * site.direction.transpose() *

@@ -15,13 +15,13 @@ int LocalCrew::threads(int wanted) const {
 void LocalCrew::share(int count, const std::function<void(const Pieces&)>& run,
                       const std::function<void(int, int)>& finished) {
   std::atomic<int> next{0};
-  std::mutex telling;
+  std::mutex finishing;
   run({[&]() -> std::optional<int> {
          const int i = next++;
          return i < count ? std::optional(i) : std::nullopt;
        },
        [&](int piece, int answer) {
-         const std::lock_guard lock(telling);
+         const std::lock_guard lock(finishing);
          finished(piece, answer);
        }});
 }

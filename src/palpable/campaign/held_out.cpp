@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/base/order_statistics.h"
 #include "palpable/campaign/store_rows.h"
 #include "palpable/describe/body_mesh.h"
 #include "palpable/geometry/surface_mesh.h"
@@ -9,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -45,10 +45,8 @@ std::span<float> span_of(VectorXf& values) {
 }
 
 double median(const MatrixXd& values) {
-  VectorXd sorted = values.reshaped();
-  const auto middle = sorted.begin() + sorted.size() / 2;
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle;
+  std::vector<double> all(values.data(), values.data() + values.size());
+  return upper_median(all);
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ SiteSnapshots snapshots_of(const SiteSolver& solver, const PressPath& path) {
   site.displacement.resize(3 * N, L);
   site.stress.resize(6 * N, L);
   for (Index l = 0; l < L; ++l) {
-    const Equilibrium& state = path.steps[static_cast<std::size_t>(l)];
+    const Equilibrium& state = path.steps[l];
     const StressField stress = solver.added_stress(state.displacement);
     const StressField skin = stress(Eigen::all, solver.boundary().node_of_vertex);
     site.largest_von_mises = std::max(site.largest_von_mises, von_mises(skin).maxCoeff());
@@ -103,7 +103,7 @@ void solve_sites(const SiteSolver& solver, std::span<const Site> sites,
                   "a load of each site, where levels are given");
   const PressGoal goal{.press = settings.press, .force = settings.force, .levels = settings.levels};
   const auto work = [&](int s, Lane& lane) {
-    const Site& site = sites[static_cast<std::size_t>(s)];
+    const Site& site = sites[s];
     StageTimes times;
     std::optional<StageTimer> timer(std::in_place, times, "solve");
     const Matrix3Xd unit =
@@ -112,8 +112,7 @@ void solve_sites(const SiteSolver& solver, std::span<const Site> sites,
         settings.at.empty()
             ? solver.presses().press_path(unit, goal, &lane,
                                           [&](double part) { stream.tick(s, 0.95 * part); })
-            : path_through(solver.presses(), unit, settings.full_loads[static_cast<std::size_t>(s)],
-                           settings.at, lane);
+            : path_through(solver.presses(), unit, settings.full_loads[s], settings.at, lane);
     if (path.steps.empty()) {
       throw Error(fmt::format("site {}: cannot be pressed: {}", s, path.why_stopped));
     }
@@ -138,14 +137,12 @@ void solve_linear(const SiteSolver& solver, std::span<const Site> sites, int cou
     const int end = std::min(first + count, static_cast<int>(sites.size()));
     Eigen::MatrixXf responses(3 * boundary.surface.vertices.cols(), end - first);
     for (int s = first; s < end; ++s) {
-      const Matrix3Xd unit =
-          unit_load(sites[static_cast<std::size_t>(s)], boundary, model.mesh.node_count());
+      const Matrix3Xd unit = unit_load(sites[s], boundary, model.mesh.node_count());
       Matrix3Xd u;
       try {
         u = solver.presses().linear_response(unit, &lane);
       } catch (const Error& e) {
-        throw Error(
-            fmt::format("vertex {}: {}", sites[static_cast<std::size_t>(s)].vertex, e.what()));
+        throw Error(fmt::format("vertex {}: {}", sites[s].vertex, e.what()));
       }
       responses.col(s - first) = u(Eigen::all, boundary.node_of_vertex).reshaped().cast<float>();
     }

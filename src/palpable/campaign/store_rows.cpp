@@ -1,6 +1,11 @@
 #include "palpable/campaign/store_rows.h"
 
+#include "palpable/base/error.h"
+
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace palpable {
 
@@ -59,6 +64,34 @@ VectorXd value_weights(const TetMesh& mesh, const StoredField& field) {
   VectorXd components = VectorXd::Ones(field.components);
   if (field.name == "stress") components.tail(3).setConstant(2.0);  // xx yy zz xy yz zx
   return (components * nodal_volumes(mesh).transpose()).reshaped();
+}
+
+int point_of(const StoreContent& content, const std::map<std::string, double>& at) {
+  for (const auto& [name, value] : at) {
+    const auto known = std::find_if(content.parameters.begin(), content.parameters.end(),
+                                    [&](const StoredParameter& p) { return p.name == name; });
+    if (known != content.parameters.end()) continue;
+    std::string names;
+    for (const StoredParameter& p : content.parameters) names += fmt::format(" '{}'", p.name);
+    throw Error(fmt::format(
+        "these snapshots have no parameter '{}';{}", name,
+        names.empty() ? " there is none beside site and level" : " there are:" + names));
+  }
+  int point = 0;
+  for (const StoredParameter& parameter : content.parameters) {
+    const auto n = static_cast<int>(parameter.values.size());
+    int k = n / 2;
+    if (const auto wanted = at.find(parameter.name); wanted != at.end()) {
+      const auto distance = (parameter.values.array() - wanted->second).abs();
+      if (!(distance.minCoeff(&k) <= 1e-9 * std::abs(wanted->second))) {
+        throw Error(fmt::format("'{}' has no value {:.6g}; there are: {:.6g}", parameter.name,
+                                wanted->second,
+                                fmt::join(parameter.values.begin(), parameter.values.end(), " ")));
+      }
+    }
+    point = point * n + k;
+  }
+  return point;
 }
 
 }  // namespace palpable

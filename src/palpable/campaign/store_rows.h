@@ -7,10 +7,18 @@
 
 #include <Eigen/Core>
 
+#include <map>
+#include <string>
+
 namespace palpable {
 
 /// nullptr when the store has no such field.
 [[nodiscard]] const StoredField* find_field(const StoreContent& content, const char* name);
+
+/// The point at which the parameters beyond site and level have the values `at`. A parameter that
+/// is not named has the value in the middle of its list.
+/// @throws Error if `at` names what the store does not have
+[[nodiscard]] int point_of(const StoreContent& content, const std::map<std::string, double>& at);
 
 /// One point's snapshots of a field over site x level. @param store  outlives the answer
 [[nodiscard]] SnapshotRows snapshot_rows(const SnapshotStore& store, int point,

@@ -2,6 +2,7 @@
 
 #include "tests/support/allocations.h"
 #include "tests/support/test.h"
+#include "tests/support/tilted_pair.h"
 
 #include <opencv2/core/utility.hpp>
 
@@ -142,7 +143,7 @@ Quality quality_of(const SeenFrame& seen, const Plane& plane, const RectifiedSte
           share_below(0.05)};
 }
 
-TEST_CASE("a slanted, textured plane comes out at its depth", "[vision][depth][Sec3.3]") {
+TEST_CASE("a slanted, textured plane comes out at its depth", "[depth][Sec3.3]") {
   const RectifiedStereo stereo = small_stereo();
   for (const bool full : {false, true}) {
     auto camera = value_or_throw(DepthCamera::make(format_of(stereo), {.full_resolution = full}));
@@ -167,8 +168,7 @@ TEST_CASE("a slanted, textured plane comes out at its depth", "[vision][depth][S
   }
 }
 
-TEST_CASE("walls at 5, 10 and 15 m come out better than the paper's camera",
-          "[vision][depth][Sec3.3]") {
+TEST_CASE("walls at 5, 10 and 15 m come out better than the paper's camera", "[depth][Sec3.3]") {
   // A ZED Mini at 720p; 1 % of 15 m is 0.03 px.
   const RectifiedStereo stereo{{1280, 720, 700, 700, 639.5, 359.5}, 0.063, 0};
   auto camera = value_or_throw(DepthCamera::make(format_of(stereo), {.farthest = 40}));
@@ -186,7 +186,33 @@ TEST_CASE("walls at 5, 10 and 15 m come out better than the paper's camera",
   }
 }
 
-TEST_CASE("a disparity at infinity that is not zero is taken off", "[vision][depth][Sec3.3]") {
+TEST_CASE(
+    "OpenCV's matcher, the reference, finds the same plane; it does not say what is too close",
+    "[depth][Sec3.3]") {
+  const Plane plane{0.4, 0.2, 0.1};
+  for (const double doffs : {0.0, 12.0}) {
+    const RectifiedStereo stereo = small_stereo(doffs);
+    auto camera = value_or_throw(DepthCamera::make(
+        format_of(stereo), {.matcher = DepthSettings::Matcher::kOpenCv, .full_resolution = true}));
+    const Frame frame = frame_of(plane, stereo, 2);
+    SeenFrame seen;
+    camera.see(frame, seen);
+    const Quality quality = quality_of(seen, plane, stereo);
+    INFO("doffs " << doffs << ": known " << quality.known << ", median " << quality.median);
+    CHECK(quality.known >= 0.75);
+    CHECK(quality.median <= test::tolerance(0.01, "a quarter of a pixel of 28"));
+    CHECK(camera.rectified().disparity_at_infinity_px == -doffs);
+    CHECK((seen.too_close.empty() && seen.confidence.empty()));
+    CHECK(std::isnan(seen.row_error_px));
+    Frame bad = frame;
+    bad.right = ColorImage(kWidth, kHeight - 1);
+    camera.see(bad, seen);
+    CHECK(camera.last_times().stages().empty());
+    CHECK(std::all_of(seen.depth.begin(), seen.depth.end(), [](float Z) { return std::isnan(Z); }));
+  }
+}
+
+TEST_CASE("a disparity at infinity that is not zero is taken off", "[depth][Sec3.3]") {
   const Plane plane{0.4, 0.2, 0.1};
   for (const double doffs : {12.0, -8.0}) {
     const RectifiedStereo stereo = small_stereo(doffs);
@@ -200,7 +226,7 @@ TEST_CASE("a disparity at infinity that is not zero is taken off", "[vision][dep
   }
 }
 
-TEST_CASE("a raw rig gives the depth of its rectified frame", "[vision][depth][Sec3.3]") {
+TEST_CASE("a raw rig gives the depth of its rectified frame", "[depth][Sec3.3]") {
   // Without distortion or rotation, but with another focal length than the rectified picture's:
   // the chain must use the rectified numbers throughout.
   StereoRig rig;
@@ -224,7 +250,7 @@ TEST_CASE("a raw rig gives the depth of its rectified frame", "[vision][depth][S
   CHECK(seen.camera == camera.camera());
 }
 
-TEST_CASE("what the right eye cannot see has no depth", "[vision][depth]") {
+TEST_CASE("what the right eye cannot see has no depth", "[depth]") {
   const RectifiedStereo stereo = small_stereo();
   const Plane plane{0.25, 0, 0};  // 44 px of disparity, 22 at half resolution
   auto camera = value_or_throw(DepthCamera::make(format_of(stereo)));
@@ -240,7 +266,7 @@ TEST_CASE("what the right eye cannot see has no depth", "[vision][depth]") {
   CHECK(guessed == 0);
 }
 
-TEST_CASE("where there is nothing to match, the depth is unknown", "[vision][depth]") {
+TEST_CASE("where there is nothing to match, the depth is unknown", "[depth]") {
   auto camera = value_or_throw(DepthCamera::make(format_of(small_stereo())));
   Frame frame;
   frame.left = frame.right = ColorImage(kWidth, kHeight, Rgb{90, 90, 90});
@@ -251,7 +277,7 @@ TEST_CASE("where there is nothing to match, the depth is unknown", "[vision][dep
   CHECK(known == 0);
 }
 
-TEST_CASE("two eyes that see different things agree on little", "[vision][depth]") {
+TEST_CASE("two eyes that see different things agree on little", "[depth]") {
   auto camera = value_or_throw(DepthCamera::make(format_of(small_stereo())));
   auto random = test::random_case(4);
   Frame frame;
@@ -270,7 +296,7 @@ TEST_CASE("two eyes that see different things agree on little", "[vision][depth]
   CHECK(static_cast<double>(known) <= 0.3 * static_cast<double>(seen.depth.size()));
 }
 
-TEST_CASE("depths are positive and no farther than asked, or unknown", "[vision][depth][law]") {
+TEST_CASE("depths are positive and no farther than asked, or unknown", "[depth][law]") {
   const RectifiedStereo stereo = small_stereo(5);
   auto camera =
       value_or_throw(DepthCamera::make(format_of(stereo), {.nearest = 0.2, .farthest = 0.45}));
@@ -286,7 +312,7 @@ TEST_CASE("depths are positive and no farther than asked, or unknown", "[vision]
   CHECK(known > 1000);
 }
 
-TEST_CASE("colour and depth pass through, what is not a depth as unknown", "[vision][depth]") {
+TEST_CASE("colour and depth pass through, what is not a depth as unknown", "[depth]") {
   FrameFormat format;
   format.kind = FrameFormat::Kind::kColorDepth;
   format.width = 5;
@@ -315,7 +341,7 @@ TEST_CASE("colour and depth pass through, what is not a depth as unknown", "[vis
 }
 
 TEST_CASE("depth of a sensor beside the colour's comes out in the colour's view",
-          "[vision][depth][registration]") {
+          "[depth][registration]") {
   FrameFormat format;
   format.kind = FrameFormat::Kind::kColorDepth;
   format.depth_camera = {0, 0, 110, 110, 31.5, 19.5};
@@ -349,7 +375,7 @@ TEST_CASE("depth of a sensor beside the colour's comes out in the colour's view"
 }
 
 TEST_CASE("a frame of another size has no depth, and the next one is as good as ever",
-          "[vision][depth][refusal]") {
+          "[depth][refusal]") {
   const RectifiedStereo stereo = small_stereo();
   auto camera = value_or_throw(DepthCamera::make(format_of(stereo)));
   const Frame good = frame_of({0.3, 0.1, 0.1}, stereo, 6);
@@ -379,7 +405,7 @@ TEST_CASE("a frame of another size has no depth, and the next one is as good as 
   CHECK(std::equal(first.depth.begin(), first.depth.end(), again.depth.begin(), same));
 }
 
-TEST_CASE("depth is the same to the bit on one and on two threads", "[vision][depth]") {
+TEST_CASE("depth is the same to the bit on one and on two threads", "[depth]") {
   const RectifiedStereo stereo = small_stereo();
   const Frame frame = frame_of({0.3, 0.3, -0.2}, stereo, 7);
   const auto depth_with = [&](int threads) {
@@ -399,7 +425,7 @@ TEST_CASE("depth is the same to the bit on one and on two threads", "[vision][de
 }
 
 TEST_CASE("after the first frame, seeing takes no memory of ours, and says where its time went",
-          "[vision][depth]") {
+          "[depth]") {
   const RectifiedStereo stereo = small_stereo();
   StereoRig rig;
   rig.left.pinhole = rig.right.pinhole = stereo.camera;
@@ -420,7 +446,7 @@ TEST_CASE("after the first frame, seeing takes no memory of ours, and says where
 }
 
 TEST_CASE("a first frame whose rows are far off, or whose eyes are swapped, says so",
-          "[vision][depth][refusal]") {
+          "[depth][refusal]") {
   const RectifiedStereo stereo = small_stereo();
   const Frame fits = frame_of({0.3, 0.1, -0.2}, stereo, 21);
   Frame lower = fits;  // the right image by 12 px
@@ -452,8 +478,41 @@ TEST_CASE("a first frame whose rows are far off, or whose eyes are swapped, says
   }
 }
 
-TEST_CASE("numbers that do not make a camera are refused with a reason",
-          "[vision][depth][refusal]") {
+ColorImage gray_color(const GrayImage& gray) {
+  ColorImage color(gray.width(), gray.height());
+  std::transform(gray.begin(), gray.end(), color.begin(), [](std::uint8_t level) {
+    return Rgb{level, level, level};
+  });
+  return color;
+}
+
+TEST_CASE("a camera whose eyes are turned is right again within a second", "[depth][rows]") {
+  const FrameFormat format = format_of(test::tilted_stereo());
+  auto camera = value_or_throw(DepthCamera::make(format));
+  constexpr double kDegree = M_PI / 180;
+  const auto pair = test::tilted_pair({0.15 * kDegree, 0.05 * kDegree}, 4);  // 0.9 px
+  Frame frame;
+  frame.left = gray_color(pair.left);
+  frame.right = gray_color(pair.right);
+  SeenFrame seen;
+  double first = 0;
+  for (int i = 0; i < 30; ++i) {
+    camera.see(frame, seen);
+    if (i == 0) first = seen.row_error_px;
+  }
+  CHECK(std::abs(first - 0.92) <= test::tolerance(0.15, "px; the median of a rolled picture"));
+  CHECK(std::abs(seen.row_error_px) <= test::tolerance(0.06, "px; the watch's limit"));
+  CHECK(std::abs(seen.row_correction_px - 0.92) <= test::tolerance(0.1, "px"));
+
+  DepthSettings settings;
+  settings.watch_rows = false;
+  auto blind = value_or_throw(DepthCamera::make(format, settings));
+  for (int i = 0; i < 20; ++i) blind.see(frame, seen);
+  CHECK(std::isnan(seen.row_error_px));
+  CHECK(seen.row_correction_px == 0);
+}
+
+TEST_CASE("numbers that do not make a camera are refused with a reason", "[depth][refusal]") {
   const auto reason = [](const FrameFormat& format, const DepthSettings& settings = {}) {
     const auto camera = DepthCamera::make(format, settings);
     REQUIRE_FALSE(camera.ok());

@@ -10,7 +10,7 @@ namespace {
 
 const float kNaN = std::nanf("");
 
-TEST_CASE("a jump loses one pixel on each side and nothing else", "[vision][depth_edges]") {
+TEST_CASE("a jump loses one pixel on each side and nothing else", "[depth][depth_edges]") {
   DepthImage depth(7, 5, 1.0F);
   for (int y = 0; y < 5; ++y) {
     for (int x = 4; x < 7; ++x) depth(x, y) = 1.1F;
@@ -25,7 +25,7 @@ TEST_CASE("a jump loses one pixel on each side and nothing else", "[vision][dept
   }
 }
 
-TEST_CASE("a jump between rows counts as one between columns does", "[vision][depth_edges]") {
+TEST_CASE("a jump between rows counts as one between columns does", "[depth][depth_edges]") {
   DepthImage depth(3, 4, 2.0F);
   for (int x = 0; x < 3; ++x) depth(x, 3) = depth(x, 2) = 1.0F;
   MaskImage scratch;
@@ -38,7 +38,7 @@ TEST_CASE("a jump between rows counts as one between columns does", "[vision][de
   }
 }
 
-TEST_CASE("a slant below the share and a border to the unknown are kept", "[vision][depth_edges]") {
+TEST_CASE("a slant below the share and a border to the unknown are kept", "[depth][depth_edges]") {
   DepthImage depth(20, 1);
   for (int x = 0; x < 20; ++x) depth(x, 0) = 0.3F * std::pow(1.05F, static_cast<float>(x));
   depth(10, 0) = kNaN;

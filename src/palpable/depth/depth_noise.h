@@ -25,8 +25,9 @@ struct DepthNoise {
 };
 
 /// Stereo: Z = f T / d gives sigma_Z = Z^2 / (f T) sigma_d. Pass the camera in which the disparity
-/// was measured. 0.25 px at the matched resolution is what block matching scatters on textured,
-/// still surfaces; the systematic part does not count here, since both depths have it.
+/// was measured. Block matching scatters by 0.25 px at the matched resolution on textured, still
+/// surfaces; systematic errors do not count here, since two depths that are compared both have
+/// them.
 [[nodiscard]] inline DepthNoise stereo_noise(const RectifiedStereo& matched,
                                              double sigma_disparity_px = 0.25) {
   return {0, 0, sigma_disparity_px / (matched.camera.fx_px * matched.baseline)};

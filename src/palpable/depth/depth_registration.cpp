@@ -59,7 +59,7 @@ void DepthRegistration::project_row(const DepthImage& depth, int y,
   const float* Z = depth.row(y);
   const Eigen::Vector3f start = M_.col(1) * static_cast<float>(y) + M_.col(2);
   for (int x = 0; x < width_; ++x) {
-    Corner& corner = row[static_cast<std::size_t>(x)];
+    Corner& corner = row[x];
     const Eigen::Vector3f p = Z[x] * (start + M_.col(0) * static_cast<float>(x)) + q_;
     const float w = 1 / p.z();
     const bool seen = w > kLeastInverse && Z[x] > 0;  // false for NaN
@@ -97,8 +97,8 @@ void DepthRegistration::to_color(const DepthImage& depth, DepthImage& in_color) 
   in_color.resize(color_width_, color_height_);
   std::fill(in_color.begin(), in_color.end(), std::numeric_limits<float>::quiet_NaN());
   if (width_ < 2 || height_ < 2) return;
-  above_.resize(static_cast<std::size_t>(width_));
-  below_.resize(static_cast<std::size_t>(width_));
+  above_.resize(width_);
+  below_.resize(width_);
   project_row(depth, 0, below_);
   for (int y = 1; y < height_; ++y) {
     above_.swap(below_);

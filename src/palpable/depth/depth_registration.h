@@ -1,9 +1,9 @@
 /// @file
-/// Depth as a colour camera beside the depth sensor would have measured it.
+/// Depth as a colour camera beside the depth sensor would have seen it.
 ///
-/// The picture stays as it was taken and every measured point goes where the picture shows it:
-/// what is drawn, tracked and touched then has one view. The other way round (colour brought to the
-/// depth) would blur the picture and leave holes in it where the depth sensor saw nothing.
+/// The colour image stays as it was taken; every measured point is moved to the pixel that shows
+/// it, so that drawing, tracking and contact share one view. Moving the colours to the depth's view
+/// instead would blur the picture and leave holes where the depth sensor saw nothing.
 #pragma once
 
 #include "palpable/geometry/frame.h"
@@ -20,11 +20,12 @@ class DepthRegistration {
   /// @param depth_camera  of the depth images; focal lengths positive, as the colour's
   DepthRegistration(const PinholeCamera& depth_camera, const ColorSensor& color);
 
-  /// Three neighbouring depths of one surface (no two differ by more than 6 %) are a triangle; it
-  /// is drawn into the colour image, 1/Z linear in it, which is exact on planes; the nearest one
-  /// counts. So a surface has no holes where it is seen larger; at a jump, and around unknown
-  /// pixels, half a pixel of it is lost; what the depth sensor did not see is unknown, as is a
-  /// single pixel without neighbours. About 10 ns per pixel; takes memory in the first call only.
+  /// Three neighbouring depths of one surface (no two differ by more than 6 %) form a triangle. It
+  /// is drawn into the colour image with 1/Z linear across it, which is exact on planes; where
+  /// triangles overlap, the nearest one counts. So a surface gets no holes where the colour camera
+  /// sees it larger. Half a pixel of it is lost at jumps and around unknown pixels; what the depth
+  /// sensor did not see is unknown, as is a single pixel without neighbours. About 10 ns per pixel;
+  /// allocates memory in the first call only.
   ///
   /// @param depth     Z in m, NaN unknown, of the depth camera's size
   /// @param in_color  overwritten: Z in m in the colour camera's frame, NaN unknown, of its size

@@ -35,7 +35,7 @@ Eigen::Vector3d moved_plane(const Rigid3& T, const Eigen::Vector3d& n) {
 }
 
 TEST_CASE("a plane's depth in the colour view is the plane's, without holes",
-          "[vision][registration]") {
+          "[depth][registration]") {
   const ColorSensor color = beside();
   const Rigid3 depth_from_color = color.color_from_depth.inverse();
   DepthRegistration registration(kDepth, color);
@@ -81,7 +81,7 @@ TEST_CASE("a plane's depth in the colour view is the plane's, without holes",
 TEST_CASE(
     "what stands before something hides it in the colour view; what the depth did not see "
     "is unknown",
-    "[vision][registration]") {
+    "[depth][registration]") {
   // 50 mm to the right, one lens: what is 0.5 m away moves 10 px to the left, what is 2 m 2.5 px.
   const PinholeCamera camera{100, 20, 100, 100, 49.5, 9.5};
   ColorSensor color{camera, Rigid3::Identity()};
@@ -102,7 +102,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("unknown depths stay unknown and one by itself is left out", "[vision][registration]") {
+TEST_CASE("unknown depths stay unknown and one by itself is left out", "[depth][registration]") {
   const PinholeCamera camera{30, 20, 40, 40, 14.5, 9.5};
   DepthRegistration registration(camera, {camera, Rigid3::Identity()});
   const float kNaN = std::nanf("");
@@ -126,7 +126,7 @@ TEST_CASE("unknown depths stay unknown and one by itself is left out", "[vision]
 }
 
 TEST_CASE("registration takes memory in its first call only, and refuses another size",
-          "[vision][registration]") {
+          "[depth][registration]") {
   DepthRegistration registration(kDepth, beside());
   DepthImage depth(kDepth.width, kDepth.height, 1.0F), found;
   registration.to_color(depth, found);

@@ -17,11 +17,12 @@ constexpr int kReach = 4;  // of a place's window, px
 constexpr int kSide = 2 * kReach + 1;
 constexpr std::size_t kMostPlaces = 60;
 constexpr std::size_t kLeastPlaces = 20;  // as many as the row watch asks for
-// Mean steps along and across a window, grey levels per px: less is a plain surface or one edge,
-// which is found on many rows.
+// Mean steps along and across a window, grey levels per px: with less it shows a plain surface or a
+// single edge, which would be found on many rows.
 constexpr int kLeastTexture = 2;
-// Grey levels per px: more is no partner, unless steps along and across the window are more than
-// twice as large; half a pixel off, such a window differs by half of them.
+// Grey levels per px: a window that differs by more is no partner, unless the steps along and
+// across it are more than twice as large (half a pixel off, such a window differs by half of its
+// steps).
 constexpr int kLargestDifference = 10;
 constexpr double kAgreeing = 0.6;  // of the places
 // Of images at half the size; the row watch corrects 2.5 px of the full ones.
@@ -62,7 +63,8 @@ std::vector<Place> textured_places(const GrayImage& image) {
       if (best.texture >= kLeastTexture * kSide * kSide) places.push_back(best);
     }
   }
-  // Spread over the picture, and not the most textured: leaves and the like alias.
+  // Spread over the picture instead of the most textured: repeated texture (leaves) finds wrong
+  // partners.
   if (places.size() > kMostPlaces) {
     for (std::size_t i = 0; i < kMostPlaces; ++i)
       places[i] = places[i * places.size() / kMostPlaces];
@@ -82,8 +84,7 @@ std::optional<Found> find(const Place& place, const GrayImage& left, const GrayI
   int sum = 0;
   for (int i = 0; i < kSide; ++i) {
     for (int j = 0; j < kSide; ++j) {
-      sum += window[static_cast<std::size_t>(kSide * i + j)] =
-          left(place.x - kReach + j, place.y - kReach + i);
+      sum += window[kSide * i + j] = left(place.x - kReach + j, place.y - kReach + i);
     }
   }
   constexpr int n = kSide * kSide;
@@ -104,7 +105,7 @@ std::optional<Found> find(const Place& place, const GrayImage& left, const GrayI
       int difference = 0;
       for (int i = 0; i < kSide && difference < least; ++i) {
         const std::uint8_t* R = right.row(y - kReach + i) + x - kReach;
-        const int* L = window.data() + static_cast<std::ptrdiff_t>(kSide) * i;
+        const int* L = window.data() + kSide * i;
         for (int j = 0; j < kSide; ++j) difference += std::abs(L[j] - R[j] - offset);
       }
       if (difference >= least) continue;
@@ -131,9 +132,9 @@ std::optional<PairMisfit> misfit_of(const GrayImage& left, const GrayImage& righ
   if (places.size() < kLeastPlaces) return std::nullopt;
   // The row that most places lie on, its neighbours included.
   std::array<int, 2 * kFarthestRow + 3> votes{};
-  for (const Found& f : places) ++votes[static_cast<std::size_t>(f.row + kFarthestRow + 1)];
+  for (const Found& f : places) ++votes[f.row + kFarthestRow + 1];
   const auto near = [&](int row) {
-    const auto i = static_cast<std::size_t>(row + kFarthestRow + 1);
+    const int i = row + kFarthestRow + 1;
     return votes[i - 1] + votes[i] + votes[i + 1];
   };
   int best = -kFarthestRow;

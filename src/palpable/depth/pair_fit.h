@@ -1,7 +1,7 @@
 /// @file
-/// Do two images fit the calibration that rectified them? Numbers can be sound and still belong to
-/// another camera, another resolution, or to the eyes the other way round; then hardly a pixel
-/// finds its partner, and nothing says why.
+/// Do two images fit the calibration that rectified them? A calibration can be sound and still be
+/// another camera's, or that of swapped eyes. Then hardly a pixel is matched, and without this
+/// check nobody would know why.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -11,11 +11,12 @@
 
 namespace palpable {
 
-/// What a pair shows that a calibration that fits would not.
+/// How a pair contradicts its calibration.
 struct PairMisfit {
-  /// Things lie further right in the right image than at infinity: the images are swapped.
+  /// The images are swapped: things lie further right in the right image than they would at
+  /// infinity.
   bool swapped = false;
-  double rows_px = 0;  ///< by how much the right image lies lower, px of the images that were given
+  double rows_px = 0;  ///< by how much the right image lies lower, px of the given images
 
   /// One line: what is wrong and what to do.
   [[nodiscard]] std::string message() const;
@@ -23,10 +24,10 @@ struct PairMisfit {
 
 /// Follows some 60 textured places of the left image through rows up to kFarthestRow up and down
 /// and disparities up to `reach` to both sides, by the sum of absolute differences of 9 x 9 px with
-/// their means removed. A misfit is what three in five of them agree on, and more than the row
-/// watch can correct. Nothing when the rows fit, and when too few places say anything.
+/// their means removed. It is a misfit if three in five of them agree on it and the row watch could
+/// not correct it. Nothing when the rows fit, or when too few places are found again.
 ///
-/// Takes some 50 ms and memory: for a first frame that matches badly, not for the loop.
+/// Costs some 50 ms and allocates: for a first frame that matches badly, not for every frame.
 ///
 /// @param infinity  disparity at infinity, px of these images
 /// @param reach     px, >= 1

@@ -33,7 +33,7 @@ Pair seen(int disparity, int rows, unsigned seed) {
   return pair;
 }
 
-TEST_CASE("a pair whose rows fit is no misfit, wherever its wall stands", "[vision][pair]") {
+TEST_CASE("a pair whose rows fit is no misfit, wherever its wall stands", "[depth][pair]") {
   for (const int disparity : {0, 7, 40}) {
     INFO("disparity " << disparity);
     const Pair pair = seen(disparity, 0, 1);
@@ -43,7 +43,7 @@ TEST_CASE("a pair whose rows fit is no misfit, wherever its wall stands", "[visi
   CHECK_FALSE(misfit_of(pair.left, pair.right, -12, 50));
 }
 
-TEST_CASE("rows that are far apart are measured, up and down", "[vision][pair]") {
+TEST_CASE("rows that are far apart are measured, up and down", "[depth][pair]") {
   for (const int rows : {3, -9, 20}) {
     const Pair pair = seen(15, rows, 3);
     const auto misfit = misfit_of(pair.left, pair.right, 0, 50);
@@ -56,12 +56,12 @@ TEST_CASE("rows that are far apart are measured, up and down", "[vision][pair]")
   }
 }
 
-TEST_CASE("one row is the row watch's to correct", "[vision][pair]") {
+TEST_CASE("one row is the row watch's to correct", "[depth][pair]") {
   const Pair pair = seen(15, 1, 4);
   CHECK_FALSE(misfit_of(pair.left, pair.right, 0, 50));
 }
 
-TEST_CASE("swapped eyes are called so, with rows that fit or not", "[vision][pair]") {
+TEST_CASE("swapped eyes are called so, with rows that fit or not", "[depth][pair]") {
   for (const int rows : {0, 6}) {
     const Pair pair = seen(-15, rows, 5);
     const auto misfit = misfit_of(pair.left, pair.right, 0, 50);
@@ -71,7 +71,7 @@ TEST_CASE("swapped eyes are called so, with rows that fit or not", "[vision][pai
   }
 }
 
-TEST_CASE("plain walls, noise and different scenes are no evidence of a misfit", "[vision][pair]") {
+TEST_CASE("plain walls, noise and different scenes are no evidence of a misfit", "[depth][pair]") {
   const GrayImage plain(kWidth, kHeight, 90);
   CHECK_FALSE(misfit_of(plain, plain, 0, 50));
   CHECK_FALSE(misfit_of(seen(5, 8, 6).left, seen(5, 8, 7).right, 0, 50));

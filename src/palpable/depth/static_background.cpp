@@ -17,7 +17,8 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr double kSigmaPerMad = 1.4826;
 constexpr double kLargestScatter = 3;  // times the sensor's sigma
 
-float median_of(std::span<float> values) {
+// Of an even number of values the lower of the middle two: one of the depths that were seen.
+float lower_median(std::span<float> values) {
   const auto middle = values.begin() + (std::ssize(values) - 1) / 2;
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -32,7 +33,7 @@ StaticBackground::StaticBackground(const DepthNoise& noise,
                   "a background is learnt from 1 to 255 frames");
   PALPABLE_EXPECT(settings.sigmas >= 0 && settings.edge_window_px >= 0,
                   "a tolerance and a window are not negative");
-  seen_.reserve(static_cast<std::size_t>(settings.frames));
+  seen_.reserve(settings.frames);
 }
 
 void StaticBackground::learn(const DepthImage& depth) {
@@ -61,10 +62,10 @@ void StaticBackground::finish() {
     }
     if (static_cast<int>(count) < wanted) continue;
     const std::span<float> seen(values.data(), count);
-    const float Z = median_of(seen);
+    const float Z = lower_median(seen);
     for (float& value : seen) value = std::abs(value - Z);
     const double sensor = noise_.sigma(Z);
-    const double scatter = kSigmaPerMad * median_of(seen);
+    const double scatter = kSigmaPerMad * lower_median(seen);
     median_.data()[i] = Z;
     limit.data()[i] = static_cast<float>(
         Z - settings_.sigmas * std::clamp(scatter, sensor, kLargestScatter * sensor));

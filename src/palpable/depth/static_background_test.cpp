@@ -42,7 +42,7 @@ StaticBackground learnt(std::mt19937_64& random, StaticBackgroundSettings settin
   return background;
 }
 
-TEST_CASE("a desk that was there is gone, near and far alike", "[vision][static_background]") {
+TEST_CASE("a desk that was there is gone, near and far alike", "[depth][static_background]") {
   auto random = test::random_case(1);
   // With no window, so that nothing but the tolerance keeps the noise out.
   const StaticBackground background = learnt(random, {.edge_window_px = 0});
@@ -60,7 +60,7 @@ TEST_CASE("a desk that was there is gone, near and far alike", "[vision][static_
 }
 
 TEST_CASE("a hand above the desk is kept whole, and its depth untouched",
-          "[vision][static_background]") {
+          "[depth][static_background]") {
   auto random = test::random_case(2);
   const StaticBackground background = learnt(random);
   DepthImage depth = noisy_desk(random, rig_noise());
@@ -73,7 +73,7 @@ TEST_CASE("a hand above the desk is kept whole, and its depth untouched",
 }
 
 TEST_CASE("what counts as the desk grows with the square of the depth for stereo",
-          "[vision][static_background]") {
+          "[depth][static_background]") {
   const DepthNoise noise = rig_noise();
   const auto thickness = [&](float Z) {
     StaticBackground background(noise, {.frames = 1, .sigmas = 4, .edge_window_px = 0});
@@ -93,7 +93,7 @@ TEST_CASE("what counts as the desk grows with the square of the depth for stereo
 }
 
 TEST_CASE("a pixel that scatters more than the sensor should is given more room",
-          "[vision][static_background]") {
+          "[depth][static_background]") {
   auto random = test::random_case(4);
   const DepthNoise noise = rig_noise();
   const auto left_over = [&](double times) {
@@ -115,7 +115,7 @@ TEST_CASE("a pixel that scatters more than the sensor should is given more room"
 }
 
 TEST_CASE("a depth edge that flickers by two pixels does not come through",
-          "[vision][static_background]") {
+          "[depth][static_background]") {
   auto random = test::random_case(3);
   std::uniform_int_distribution<int> flicker(-1, 1);
   const auto box_on_desk = [&] {
@@ -141,7 +141,7 @@ TEST_CASE("a depth edge that flickers by two pixels does not come through",
   CHECK(left_over(0) > 0);  // the window is what does it
 }
 
-TEST_CASE("where nothing was known, what comes is new", "[vision][static_background]") {
+TEST_CASE("where nothing was known, what comes is new", "[depth][static_background]") {
   DepthImage desk(kWidth, kHeight, 0.5F);
   for (int y = 10; y < 30; ++y) {
     for (int x = 10; x < 30; ++x) desk(x, y) = kNaN;
@@ -156,7 +156,7 @@ TEST_CASE("where nothing was known, what comes is new", "[vision][static_backgro
 }
 
 TEST_CASE("what lies behind the background, or is unknown, is not new",
-          "[vision][static_background]") {
+          "[depth][static_background]") {
   StaticBackground background(rig_noise());
   while (!background.ready()) background.learn(DepthImage(kWidth, kHeight, 0.5F));
   DepthImage behind(kWidth, kHeight, 0.9F);
@@ -167,7 +167,7 @@ TEST_CASE("what lies behind the background, or is unknown, is not new",
   CHECK(known(unknown) == 0);
 }
 
-TEST_CASE("a passer-by in a few of the first frames is not learnt", "[vision][static_background]") {
+TEST_CASE("a passer-by in a few of the first frames is not learnt", "[depth][static_background]") {
   StaticBackground background(rig_noise());
   for (int frame = 0; frame < 15; ++frame) {
     background.learn(DepthImage(kWidth, kHeight, frame < 5 ? 0.3F : 0.6F));
@@ -178,7 +178,7 @@ TEST_CASE("a passer-by in a few of the first frames is not learnt", "[vision][st
   CHECK(known(hand) == kWidth * kHeight);
 }
 
-TEST_CASE("the background is learnt once, and used only then", "[vision][static_background]") {
+TEST_CASE("the background is learnt once, and used only then", "[depth][static_background]") {
   StaticBackground background(rig_noise(), {.frames = 2});
   DepthImage depth(kWidth, kHeight, 0.5F);
   CHECK_THROWS_AS(background.remove_static(depth), ContractViolation);
@@ -196,7 +196,7 @@ TEST_CASE("the background is learnt once, and used only then", "[vision][static_
 }
 
 TEST_CASE("a camera that has moved still sees the desk as what was there, and a hand as new",
-          "[vision][static_background]") {
+          "[depth][static_background]") {
   // A wall at 1 m, learnt without noise; then the camera is 0.1 m nearer and turned by 3 degrees.
   const PinholeCamera camera{kWidth, kHeight, 60, 60, 31.5, 19.5};
   StaticBackground background(rig_noise(), {.frames = 3});
@@ -225,7 +225,7 @@ TEST_CASE("a camera that has moved still sees the desk as what was there, and a 
 }
 
 TEST_CASE("before what never had a depth everything is new, also for a camera that has moved",
-          "[vision][static_background]") {
+          "[depth][static_background]") {
   const PinholeCamera camera{kWidth, kHeight, 60, 60, 31.5, 19.5};
   StaticBackground background(rig_noise(), {.frames = 3});
   DepthImage half(kWidth, kHeight, 1);  // the left half is a wall, the right half a blank one

@@ -211,8 +211,7 @@ void read_parameters(TomlSection& root, BodyDescription& body) {
     }
     parameter.group = read_parameter_group(section, body);
     const BodyDescription::MaterialLaw& law =
-        parameter.group < 0 ? body.material
-                            : body.groups[static_cast<std::size_t>(parameter.group)].material;
+        parameter.group < 0 ? body.material : body.groups[parameter.group].material;
     const std::vector<std::string> given = section.present({"stiffness", "young", "poisson"});
     if (given.size() != 1) {
       throw Error(

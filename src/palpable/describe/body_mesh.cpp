@@ -8,7 +8,9 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <map>
+#include <system_error>
 #include <utility>
 
 namespace palpable {
@@ -35,8 +37,21 @@ Boundary split_boundary_of(const TetMesh& mesh) {
 
 namespace {
 
+// The bodies of this repository refer to meshes that are no part of it: the set-up fetches or makes
+// them in build/meshes, the larger ones only when it is asked to.
+void require_made(const std::filesystem::path& file) {
+  std::error_code ignored;
+  const std::filesystem::path folder = file.lexically_normal().parent_path();
+  if (folder.filename() != "meshes" || folder.parent_path().filename() != "build" ||
+      std::filesystem::exists(file, ignored)) {
+    return;
+  }
+  throw Error(fmt::format("{}: no such file; 'tools/setup.sh bodies' makes it", file.string()));
+}
+
 // The tetrahedra of the shape in the body frame, and how they came about.
 VolumeMesh make_volume(const BodyDescription::Shape& shape, std::string& made) {
+  require_made(shape.file);
   const std::string name = shape.file.string();
   VolumeMesh volume;
   if (shape.is_volume()) {
@@ -94,8 +109,7 @@ void hold_nodes(const VolumeMesh& volume, const BodyDescription& description, Bo
               "{}: moves the node at ({:.4g}, {:.4g}, {:.4g}) m by {} m in {}, but {} by {} m: let "
               "each node be held in each direction by one of them",
               support.where.place, X[0], X[1], X[2], support.displacement[i], "xyz"[i],
-              description.supports[static_cast<std::size_t>(hold.by[i])].where.place,
-              hold.displacement[i]));
+              description.supports[hold.by[i]].where.place, hold.displacement[i]));
         }
         hold.by[i] = static_cast<int>(s);
         hold.displacement[i] = support.displacement[i];
@@ -130,11 +144,9 @@ BodyMesh make_body_mesh(const BodyDescription& description) {
 }
 
 std::vector<std::uint8_t> held_nodes(const BodyMesh& body) {
-  std::vector<std::uint8_t> held(static_cast<std::size_t>(body.mesh.node_count()), 0);
-  for (const int n : body.fixed_nodes) held[static_cast<std::size_t>(n)] = 1;
-  for (const Support& support : body.supports) {
-    held[static_cast<std::size_t>(support.node)] = support.held.all();
-  }
+  std::vector<std::uint8_t> held(body.mesh.node_count(), 0);
+  for (const int n : body.fixed_nodes) held[n] = 1;
+  for (const Support& support : body.supports) { held[support.node] = support.held.all(); }
   return held;
 }
 

@@ -24,7 +24,7 @@ namespace {
 // (V) of the values at all nodes, those of the skin.
 std::vector<std::uint8_t> at_skin(const std::vector<std::uint8_t>& nodes, const Boundary& skin) {
   std::vector<std::uint8_t> vertices;
-  for (const int n : skin.node_of_vertex) vertices.push_back(nodes[static_cast<std::size_t>(n)]);
+  for (const int n : skin.node_of_vertex) vertices.push_back(nodes[n]);
   return vertices;
 }
 
@@ -61,7 +61,7 @@ SiteSettings site_settings(const BodyDescription& description, const BodyMesh& b
 // (V) 1 where a support holds the vertex in any direction.
 std::vector<std::uint8_t> supported_vertices(const BodyMesh& body) {
   std::vector<std::uint8_t> held = held_nodes(body);
-  for (const Support& support : body.supports) held[static_cast<std::size_t>(support.node)] = 1;
+  for (const Support& support : body.supports) held[support.node] = 1;
   return at_skin(held, body.boundary);
 }
 
@@ -97,10 +97,9 @@ std::vector<Site> place_sites(const BodyDescription& description, const BodyMesh
     return choose_sites(skin, supported_vertices(body), settings);
   }
 
-  std::vector<int> vertex_of_node(static_cast<std::size_t>(body.mesh.node_count()), -1);
+  std::vector<int> vertex_of_node(body.mesh.node_count(), -1);
   for (int v = 0; v < skin.vertex_count(); ++v) {
-    vertex_of_node[static_cast<std::size_t>(
-        body.boundary.node_of_vertex[static_cast<std::size_t>(v)])] = v;
+    vertex_of_node[body.boundary.node_of_vertex[v]] = v;
   }
   const std::vector<std::uint8_t> fixed = fixed_vertices(body);
   std::vector<Site> sites;
@@ -114,7 +113,7 @@ std::vector<Site> place_sites(const BodyDescription& description, const BodyMesh
       }
     } else {
       for (const int n : nodes_at({body.mesh, body.sets}, where)) {
-        const int v = vertex_of_node[static_cast<std::size_t>(n)];
+        const int v = vertex_of_node[n];
         if (v >= 0) vertices.push_back(v);
       }
       if (vertices.empty()) {
@@ -138,13 +137,13 @@ std::vector<Site> place_sites(const BodyDescription& description, const BodyMesh
 }
 
 void add_groups(const BodyDescription& description, const VolumeMesh& volume, SolidModel& model) {
-  std::vector<int> group_of(static_cast<std::size_t>(volume.mesh.tet_count()), -1);
+  std::vector<int> group_of(volume.mesh.tet_count(), -1);
   for (std::size_t g = 0; g < description.groups.size(); ++g) {
     const BodyDescription::MaterialPart& part = description.groups[g];
     model.groups.push_back({material_of(part.material), tets_at(volume, part.where)});
     int shared = 0, other = -1;
     for (const int e : model.groups.back().elements) {
-      int& group = group_of[static_cast<std::size_t>(e)];
+      int& group = group_of[e];
       if (group >= 0) {
         ++shared;
         other = group;
@@ -155,7 +154,7 @@ void add_groups(const BodyDescription& description, const VolumeMesh& volume, So
     throw Error(fmt::format(
         "{}: {} elements of this group are in another one already ({}); an element is in one group "
         "at most: let the places not overlap",
-        part.where.place, shared, description.groups[static_cast<std::size_t>(other)].where.place));
+        part.where.place, shared, description.groups[other].where.place));
   }
 }
 
@@ -176,7 +175,7 @@ void refuse_unsolvable(const BodyDescription& description, const SolidModel& mod
   SolidModel held = model;
   held.supports.clear();
   held.fixed_displacement.resize(3, 0);
-  held.fixed_nodes.resize(static_cast<std::size_t>(model.mesh.node_count()));
+  held.fixed_nodes.resize(model.mesh.node_count());
   std::iota(held.fixed_nodes.begin(), held.fixed_nodes.end(), 0);
   try {
     check_model(held);
@@ -243,7 +242,7 @@ Matrix3Xd unit_load(const Site& site, const Boundary& boundary, int node_count) 
   std::vector<int> nodes;
   std::vector<double> weights;
   for (std::size_t k = 0; k < site.patch.size(); ++k) {
-    nodes.push_back(boundary.node_of_vertex[static_cast<std::size_t>(site.patch[k])]);
+    nodes.push_back(boundary.node_of_vertex[site.patch[k]]);
     weights.push_back(static_cast<double>(site.weights[k]));
   }
   return patch_force(node_count, nodes, weights, site.direction);
@@ -265,7 +264,7 @@ Matrix3Xd patch_traction(const Site& site, const Boundary& boundary, int node_co
   for (const float w : site.weights) sum += static_cast<double>(w);
   for (std::size_t k = 0; k < site.patch.size(); ++k) {
     const int v = site.patch[k];
-    traction.col(boundary.node_of_vertex[static_cast<std::size_t>(v)]) =
+    traction.col(boundary.node_of_vertex[v]) =
         static_cast<double>(site.weights[k]) / (sum * areas[v]) * site.direction.normalized();
   }
   return traction;
@@ -273,7 +272,7 @@ Matrix3Xd patch_traction(const Site& site, const Boundary& boundary, int node_co
 
 Matrix3Xd unit_traction(const Site& site, const Boundary& boundary, const TetMesh& mesh) {
   Eigen::Matrix3Xi triangles = boundary.surface.triangles;
-  for (int& n : triangles.reshaped()) n = boundary.node_of_vertex[static_cast<std::size_t>(n)];
+  for (int& n : triangles.reshaped()) n = boundary.node_of_vertex[n];
   return traction_load(mesh, triangles, patch_traction(site, boundary, mesh.node_count()));
 }
 

@@ -218,7 +218,7 @@ TEST_CASE("order 2 puts a node on each edge and the load of a patch where such e
   float sum = 0;
   const int corners = one.model.mesh.node_count();
   for (std::size_t k = 0; k < site.patch.size(); ++k) {
-    const int node = two.mesh.boundary.node_of_vertex[static_cast<std::size_t>(site.patch[k])];
+    const int node = two.mesh.boundary.node_of_vertex[site.patch[k]];
     CHECK((site.weights[k] == 0.0f) == (node < corners));  // int N_a dA is 0 at corners
     sum += site.weights[k];
   }

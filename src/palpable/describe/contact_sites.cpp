@@ -58,9 +58,7 @@ class SiteMaker {
   }
 
   [[nodiscard]] const Eigen::Vector3d& centre() const { return centre_; }
-  [[nodiscard]] bool is_fixed(int vertex) const {
-    return fixed_[static_cast<std::size_t>(vertex)] != 0;
-  }
+  [[nodiscard]] bool is_fixed(int vertex) const { return fixed_[vertex] != 0; }
   [[nodiscard]] std::vector<int> patch_of(int vertex) const {
     return graph_patch(neighbours_, vertex, settings_.patch_distance);
   }

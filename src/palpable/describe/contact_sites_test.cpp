@@ -32,7 +32,7 @@ TEST_CASE("sites lie above the line asked for and their patches clear of the sup
     settings.lowest = lowest;
     for (const Site& site : choose_sites(ball.skin, ball.fixed, settings)) {
       CHECK(ball.skin.vertices(2, site.vertex) >= lowest);
-      for (const int p : site.patch) CHECK(ball.fixed[static_cast<std::size_t>(p)] == 0);
+      for (const int p : site.patch) CHECK(ball.fixed[p] == 0);
     }
   }
 }

@@ -69,14 +69,6 @@ double bytes_of_functions(const SeparatedField& field) {
 
 // ---- the courses of the errors -----------------------------------------------------------------
 
-// "per-site", "pgd", ... as the reduction has written it; empty: somebody else's modes.
-std::string method_of(const ReducedBody& body) {
-  for (const auto& [key, value] : body.provenance) {
-    if (key == "reduction") return value.substr(0, value.find(' '));
-  }
-  return {};
-}
-
 std::string axis_label(const std::string& method, const SeparatedField& field, bool by_file) {
   if (method == "hosvd" && !by_file) return "functions of space";
   if (method == "per-site" || (by_file && has_blocks(field))) return "modes of each site";
@@ -140,9 +132,7 @@ Json held_out_json(const std::optional<HeldOutRecord>& held_out) {
 
 // Sites far from each other, the highest first.
 std::vector<int> sites_apart(const ReducedBody& body, std::size_t count) {
-  const auto place = [&](int s) {
-    return body.surface.vertices.col(body.sites[static_cast<std::size_t>(s)].vertex);
-  };
+  const auto place = [&](int s) { return body.surface.vertices.col(body.sites[s].vertex); };
   const auto S = static_cast<int>(body.sites.size());
   int best = 0;
   for (int s = 1; s < S; ++s) {
@@ -213,7 +203,7 @@ Json modes_json(const ReducedBody& body, const SeparatedField& field, double uni
     std::string what = fmt::format("a component reaches {:.3g} {}", largest * unit, unit_name);
     if (mode.site >= 0) {
       what += fmt::format("; the site bears {:.3g} N and is pressed {:.3g} mm",
-                          body.sites[static_cast<std::size_t>(mode.site)].full_load,
+                          body.sites[mode.site].full_load,
                           body.press_depth(body.press_depth.rows() - 1, mode.site) * 1e3);
     }
     Json shown{{"title", mode.title},
@@ -366,7 +356,7 @@ std::string lead_text(const ReducedBody& body) {
   const Eigen::Vector3d size =
       (body.surface.vertices.rowwise().maxCoeff() - body.surface.vertices.rowwise().minCoeff()) *
       1e3;
-  const std::string method = method_of(body);
+  const std::string& method = body.method;
   std::string further;
   for (const FurtherParameter& p : body.further) {
     further += fmt::format(" x {} of {}", p.samples.size(), p.name);
@@ -378,12 +368,115 @@ std::string lead_text(const ReducedBody& body) {
       method.empty() ? "" : fmt::format(", reduced by the method {}", method));
 }
 
+// A CSV with one figure a line: what, of which field, and at which point.
+struct Table {
+  std::string text = "quantity,field,modes,site,level,further,value,unit\n";
+
+  void add(std::string_view quantity, std::string_view field, std::string_view modes,
+           std::string_view site, std::string_view level, std::string_view further, double value,
+           std::string_view unit) {
+    text += fmt::format("{},{},{},{},{},{},{:.9g},{}\n", quantity, field, modes, site, level,
+                        csv_cell(further), value, unit);
+  }
+};
+
+void add_errors(Table& table, const ReductionError& error) {
+  table.add("error_all_together", "displacement", "", "", "", "", error.displacement_pooled, "1");
+  table.add("error_worst", "displacement", "", "", "", "", error.displacement_worst, "1");
+  table.add("error_all_together", "stress", "", "", "", "", error.stress_pooled, "1");
+  table.add("error_worst", "stress", "", "", "", "", error.stress_worst, "1");
+  table.add("error_of_rounding", "displacement", "", "", "", "", error.displacement_rounding, "1");
+  table.add("error_of_rounding", "stress", "", "", "", "", error.stress_rounding, "1");
+  if (error.between_sites) {
+    table.add("error_between_sites", "", "", "", "", "", *error.between_sites, "1");
+  }
+}
+
+void add_sizes_and_times(Table& table, const ReducedBody& body, const BodyPageFacts& facts) {
+  const ReductionError& error = body.error;
+  for (const auto& [name, field, rounding, us] :
+       {std::tuple{"displacement", &body.displacement, error.displacement_rounding,
+                   facts.displacement_us},
+        std::tuple{"stress", &body.stress, error.stress_rounding, facts.stress_us}}) {
+    table.add("bytes_of_modes", name, fmt::to_string(field->mode_count()), "", "", "",
+              bytes_of_modes(*field, rounding > 0), "B");
+    table.add("bytes_of_functions", name, fmt::to_string(field->mode_count()), "", "", "",
+              bytes_of_functions(*field), "B");
+    table.add("evaluation", name, fmt::to_string(field->largest_block()), "", "", "", us, "us");
+  }
+  table.add("evaluation", "all", "", "", "", "", facts.all_us, "us");
+}
+
+// The error over the number of modes, of all snapshots and of each.
+void add_courses(Table& table, const ReducedBody& body) {
+  const ReductionError& error = body.error;
+  const VectorXd& levels = body.levels();
+  const Index L = levels.size() - 1;
+  for (const auto& [name, course] : {std::pair{"displacement", &error.displacement_course},
+                                     std::pair{"stress", &error.stress_course},
+                                     std::pair{"von_mises", &error.von_mises_course}}) {
+    if (!*course) continue;
+    const MatrixXf& snapshots = (*course)->snapshots;
+    const Index P = snapshots.rows() / (L * static_cast<Index>(body.sites.size()));
+    for (Index q = 0; q < (*course)->modes.size(); ++q) {
+      const std::string modes = fmt::to_string((*course)->modes[q]);
+      std::vector<float> errors = numbers_of(snapshots.col(q));
+      table.add("error_all_together", name, modes, "", "", "", (*course)->pooled[q], "1");
+      table.add("error_median", name, modes, "", "", "", quantile(errors, 0.5), "1");
+      table.add("error_worst", name, modes, "", "", "",
+                static_cast<double>(snapshots.col(q).maxCoeff()), "1");
+      for (Index k = 0; k < snapshots.rows(); ++k) {
+        table.add("error_snapshot", name, modes, fmt::to_string(k / P / L),
+                  fmt::format("{:.6g}", levels[1 + k / P % L]),
+                  P > 1 ? fmt::format("combination {}", k % P) : std::string(),
+                  static_cast<double>(snapshots(k, q)), "1");
+      }
+    }
+  }
+}
+
+void add_held_out(Table& table, const ReductionError& error) {
+  const auto& held_out = error.held_out;
+  if (!held_out) return;
+  table.add("held_out_all_together", "displacement", "", "", "", "", held_out->displacement_pooled,
+            "1");
+  for (const auto& [name, errors] : {std::pair{"displacement", &held_out->displacement},
+                                     std::pair{"von_mises", &held_out->von_mises}}) {
+    for (Index s = 0; s < errors->cols(); ++s) {
+      for (Index l = 0; l < errors->rows(); ++l) {
+        table.add("held_out", name, "", fmt::to_string(s),
+                  fmt::format("{:.6g}", held_out->levels[l]), "",
+                  static_cast<double>((*errors)(l, s)), "1");
+      }
+    }
+  }
+}
+
+// The functions of each parameter, those of the site left out where each site has modes of its own.
+void add_functions(Table& table, const ReducedBody& body) {
+  for (const auto& [name, field] :
+       {std::pair{"displacement", &body.displacement}, std::pair{"stress", &body.stress}}) {
+    for (std::size_t j = 0; j < field->axes().size(); ++j) {
+      const ParameterAxis& axis = field->axes()[j];
+      if (j == 0 && has_blocks(*field)) continue;
+      for (Index i = 0; i < axis.functions.cols(); ++i) {
+        for (Index k = 0; k < axis.samples.size(); ++k) {
+          const std::string at = fmt::format("{:.6g}", axis.samples[k]);
+          table.add("function_of_" + (j < 2 ? axis.name : std::string("further")), name,
+                    fmt::to_string(i + 1), j == 0 ? at : "", j == 1 ? at : "",
+                    j > 1 ? axis.name + "=" + at : "", axis.functions(k, i), "1");
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 
 std::string body_page(const ReducedBody& body, const BodyPageFacts& facts,
                       const std::string& csv_name) {
   const ReductionError& error = body.error;
-  const std::string method = method_of(body);
+  const std::string& method = body.method;
   Json data;
   data["name"] = body.name;
   data["file"] = {{"name", facts.file}, {"bytes", facts.file_bytes}};
@@ -435,87 +528,14 @@ std::string body_page(const ReducedBody& body, const BodyPageFacts& facts,
 }
 
 std::string body_table(const ReducedBody& body, const BodyPageFacts& facts) {
-  std::string table = "quantity,field,modes,site,level,further,value,unit\n";
-  const auto add = [&](std::string_view quantity, std::string_view field, std::string_view modes,
-                       std::string_view site, std::string_view level, std::string_view further,
-                       double value, std::string_view unit) {
-    table += fmt::format("{},{},{},{},{},{},{:.9g},{}\n", quantity, field, modes, site, level,
-                         csv_cell(further), value, unit);
-  };
-  const ReductionError& error = body.error;
-  const VectorXd& levels = body.levels();
-  const Index L = levels.size() - 1;
-  add("error_all_together", "displacement", "", "", "", "", error.displacement_pooled, "1");
-  add("error_worst", "displacement", "", "", "", "", error.displacement_worst, "1");
-  add("error_all_together", "stress", "", "", "", "", error.stress_pooled, "1");
-  add("error_worst", "stress", "", "", "", "", error.stress_worst, "1");
-  add("error_of_rounding", "displacement", "", "", "", "", error.displacement_rounding, "1");
-  add("error_of_rounding", "stress", "", "", "", "", error.stress_rounding, "1");
-  if (error.between_sites)
-    add("error_between_sites", "", "", "", "", "", *error.between_sites, "1");
-  add("bytes_of_file", "", "", "", "", "", static_cast<double>(facts.file_bytes), "B");
-  for (const auto& [name, field, rounding, us] :
-       {std::tuple{"displacement", &body.displacement, error.displacement_rounding,
-                   facts.displacement_us},
-        std::tuple{"stress", &body.stress, error.stress_rounding, facts.stress_us}}) {
-    add("bytes_of_modes", name, fmt::to_string(field->mode_count()), "", "", "",
-        bytes_of_modes(*field, rounding > 0), "B");
-    add("bytes_of_functions", name, fmt::to_string(field->mode_count()), "", "", "",
-        bytes_of_functions(*field), "B");
-    add("evaluation", name, fmt::to_string(field->largest_block()), "", "", "", us, "us");
-  }
-  add("evaluation", "all", "", "", "", "", facts.all_us, "us");
-
-  for (const auto& [name, course] : {std::pair{"displacement", &error.displacement_course},
-                                     std::pair{"stress", &error.stress_course},
-                                     std::pair{"von_mises", &error.von_mises_course}}) {
-    if (!*course) continue;
-    const MatrixXf& snapshots = (*course)->snapshots;
-    const Index P = snapshots.rows() / (L * static_cast<Index>(body.sites.size()));
-    for (Index q = 0; q < (*course)->modes.size(); ++q) {
-      const std::string modes = fmt::to_string((*course)->modes[q]);
-      std::vector<float> errors = numbers_of(snapshots.col(q));
-      add("error_all_together", name, modes, "", "", "", (*course)->pooled[q], "1");
-      add("error_median", name, modes, "", "", "", quantile(errors, 0.5), "1");
-      add("error_worst", name, modes, "", "", "", static_cast<double>(snapshots.col(q).maxCoeff()),
-          "1");
-      for (Index k = 0; k < snapshots.rows(); ++k) {
-        add("error_snapshot", name, modes, fmt::to_string(k / P / L),
-            fmt::format("{:.6g}", levels[1 + k / P % L]),
-            P > 1 ? fmt::format("combination {}", k % P) : std::string(),
-            static_cast<double>(snapshots(k, q)), "1");
-      }
-    }
-  }
-  if (const auto& held_out = error.held_out) {
-    add("held_out_all_together", "displacement", "", "", "", "", held_out->displacement_pooled,
-        "1");
-    for (const auto& [name, errors] : {std::pair{"displacement", &held_out->displacement},
-                                       std::pair{"von_mises", &held_out->von_mises}}) {
-      for (Index s = 0; s < errors->cols(); ++s) {
-        for (Index l = 0; l < errors->rows(); ++l) {
-          add("held_out", name, "", fmt::to_string(s), fmt::format("{:.6g}", held_out->levels[l]),
-              "", static_cast<double>((*errors)(l, s)), "1");
-        }
-      }
-    }
-  }
-  for (const auto& [name, field] :
-       {std::pair{"displacement", &body.displacement}, std::pair{"stress", &body.stress}}) {
-    for (std::size_t j = 0; j < field->axes().size(); ++j) {
-      const ParameterAxis& axis = field->axes()[j];
-      if (j == 0 && has_blocks(*field)) continue;
-      for (Index i = 0; i < axis.functions.cols(); ++i) {
-        for (Index k = 0; k < axis.samples.size(); ++k) {
-          const std::string at = fmt::format("{:.6g}", axis.samples[k]);
-          add("function_of_" + (j < 2 ? axis.name : std::string("further")), name,
-              fmt::to_string(i + 1), j == 0 ? at : "", j == 1 ? at : "",
-              j > 1 ? axis.name + "=" + at : "", axis.functions(k, i), "1");
-        }
-      }
-    }
-  }
-  return table;
+  Table table;
+  add_errors(table, body.error);
+  table.add("bytes_of_file", "", "", "", "", "", static_cast<double>(facts.file_bytes), "B");
+  add_sizes_and_times(table, body, facts);
+  add_courses(table, body);
+  add_held_out(table, body.error);
+  add_functions(table, body);
+  return table.text;
 }
 
 }  // namespace palpable

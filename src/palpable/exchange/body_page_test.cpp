@@ -48,6 +48,7 @@ ReducedBody ball(bool further) {
   }
   body.provenance = {{"reduction", "per-site (a POD of each site's levels)"},
                      {"command line", "palpable bake <b>ball</b>.toml"}};
+  body.method = "per-site";
   return body;
 }
 

@@ -81,16 +81,83 @@ Eigen::Vector3d at_vertex(const SeparatedField& u, const std::vector<double>& mu
   return value.cast<double>();
 }
 
-}  // namespace
-
-ReducedBody body_of_modes(const ForeignModes& modes, const ImportSettings& settings) {
-  const WatertightReport report = check_watertight(modes.surface);
-  if (!report.watertight()) throw Error("the surface is " + report.describe());
-  const int V = modes.surface.vertex_count();
-  if (modes.displacement.value_count() != 3 * V ||
-      (modes.stress && modes.stress->value_count() != 6 * V)) {
-    throw Error(fmt::format("the modes do not have 3 or 6 values for each of the {} vertices", V));
+// Where a field's parameters are: a site, a level, and one of the K combinations of samples of the
+// further parameters.
+class Points {
+ public:
+  explicit Points(const SeparatedField& u) : u_(u) {
+    for (std::size_t j = 2; j < u.axes().size(); ++j) K_ *= u.axes()[j].samples.size();
   }
+
+  [[nodiscard]] Index combinations() const { return K_; }
+
+  /// @param k  combination; the last parameter's samples run fastest
+  [[nodiscard]] std::vector<double> at(Index site, double level, Index k) const {
+    std::vector<double> mu(u_.axes().size());
+    mu[0] = static_cast<double>(site);
+    mu[1] = level;
+    for (std::size_t j = mu.size(); j-- > 2;) {
+      const VectorXd& samples = u_.axes()[j].samples;
+      mu[j] = samples[k % samples.size()];
+      k /= samples.size();
+    }
+    return mu;
+  }
+
+ private:
+  const SeparatedField& u_;
+  Index K_ = 1;
+};
+
+// Vertex and load of site s: as the file says, or where the surface moves most.
+// @param middle  the site's point at the last level
+Site loaded_vertex(const ForeignModes& modes, const SeparatedField& u, Index s,
+                   const std::vector<double>& middle) {
+  const Index S = u.axes()[0].samples.size();
+  const int V = modes.surface.vertex_count();
+  Site site;
+  if (std::ssize(modes.site_vertices) == S && modes.site_loads.cols() == S) {
+    site.vertex = modes.site_vertices[s];
+    if (site.vertex < 0 || site.vertex >= V) {
+      throw Error(
+          fmt::format("site {} is at vertex {}, which the surface does not have", s, site.vertex));
+    }
+    site.direction = modes.site_loads.col(s);
+  } else {
+    Eigen::Matrix3Xf moved(3, V);
+    u.evaluate(middle, std::span<float>(moved.data(), static_cast<std::size_t>(moved.size())));
+    moved.colwise().squaredNorm().maxCoeff(&site.vertex);
+    site.direction = moved.col(site.vertex).cast<double>().normalized();
+  }
+  site.full_load = site.direction.norm();
+  if (!(site.full_load > 0)) throw Error(fmt::format("at site {} nothing moves", s));
+  site.direction /= site.full_load;
+  return site;
+}
+
+// How far the patch of site s moves along its load at each level, in combination k.
+VectorXd press_depths(const SeparatedField& u, const Points& points, const Site& site, Index s,
+                      Index k) {
+  const VectorXd& levels = u.axes()[1].samples;
+  VectorXd depth = VectorXd::Zero(levels.size());
+  for (Index l = 1; l < levels.size(); ++l) {
+    const std::vector<double> mu = points.at(s, levels[l], k);
+    for (std::size_t i = 0; i < site.patch.size(); ++i) {
+      depth[l] += static_cast<double>(site.weights[i]) *
+                  site.direction.dot(at_vertex(u, mu, site.patch[i]));
+    }
+    if (!(depth[l] > depth[l - 1])) {
+      throw Error(
+          fmt::format("site {} does not give way farther from level {:.3g} to {:.3g}: {:.4g} m, "
+                      "then {:.4g} m along its load",
+                      s, levels[l - 1], levels[l], depth[l - 1], depth[l]));
+    }
+  }
+  return depth;
+}
+
+// Name, surface, fields and parameters; no sites yet.
+ReducedBody body_without_sites(const ForeignModes& modes, const ImportSettings& settings) {
   ReducedBody body{.name = settings.name,
                    .surface = modes.surface,
                    .fixed = {},
@@ -104,80 +171,47 @@ ReducedBody body_of_modes(const ForeignModes& modes, const ImportSettings& setti
   body.stress =
       modes.stress ? in_our_order(*modes.stress, settings) : zero_stress(body.displacement);
   const SeparatedField& u = body.displacement;
-  for (int v = 0; v < V; ++v) {
+  for (int v = 0; v < modes.surface.vertex_count(); ++v) {
     body.fixed.push_back(u.modes().middleRows(3 * v, 3).isZero(0) ? 1 : 0);
   }
-
-  const VectorXd& levels = u.axes()[1].samples;
-  const Index L = levels.size(), S = u.axes()[0].samples.size();
-  Index K = 1;
   for (std::size_t j = 2; j < u.axes().size(); ++j) {
     const VectorXd& samples = u.axes()[j].samples;
     body.further.push_back({u.axes()[j].name, samples, samples[samples.size() / 2]});
-    K *= samples.size();
   }
-  // The further parameters' values at point k; the last one runs fastest.
-  const auto point = [&](Index site, double level, Index k) {
-    std::vector<double> mu(u.axes().size());
-    mu[0] = static_cast<double>(site);
-    mu[1] = level;
-    for (std::size_t j = mu.size(); j-- > 2;) {
-      const VectorXd& samples = u.axes()[j].samples;
-      mu[j] = samples[k % samples.size()];
-      k /= samples.size();
-    }
-    return mu;
-  };
+  return body;
+}
 
+}  // namespace
+
+ReducedBody body_of_modes(const ForeignModes& modes, const ImportSettings& settings) {
+  const WatertightReport report = check_watertight(modes.surface);
+  if (!report.watertight()) throw Error("the surface is " + report.describe());
+  const int V = modes.surface.vertex_count();
+  if (modes.displacement.value_count() != 3 * V ||
+      (modes.stress && modes.stress->value_count() != 6 * V)) {
+    throw Error(fmt::format("the modes do not have 3 or 6 values for each of the {} vertices", V));
+  }
+  ReducedBody body = body_without_sites(modes, settings);
+  const SeparatedField& u = body.displacement;
+  const Points points(u);
+  const Index L = u.axes()[1].samples.size(), S = u.axes()[0].samples.size();
+  const Index K = points.combinations();
   const auto neighbours = vertex_neighbours(body.surface);
   const VectorXd areas = vertex_areas(body.surface);
-  const bool known =
-      modes.site_vertices.size() == static_cast<std::size_t>(S) && modes.site_loads.cols() == S;
   MatrixXd depth(L, S * K);
   MatrixXd load(S, K);
-  Eigen::Matrix3Xf moved(3, V);
   std::vector<float> stress(6 * static_cast<std::size_t>(V)), mises(static_cast<std::size_t>(V));
   for (Index s = 0; s < S; ++s) {
-    Site site;
-    std::vector<double> middle = point(s, 1.0, 0);
+    std::vector<double> middle = points.at(s, 1.0, 0);
     for (std::size_t j = 0; j < body.further.size(); ++j) middle[j + 2] = body.further[j].value;
-    if (known) {
-      site.vertex = modes.site_vertices[static_cast<std::size_t>(s)];
-      if (site.vertex < 0 || site.vertex >= V) {
-        throw Error(fmt::format("site {} is at vertex {}, which the surface does not have", s,
-                                site.vertex));
-      }
-      site.direction = modes.site_loads.col(s);
-    } else {
-      u.evaluate(middle, std::span<float>(moved.data(), static_cast<std::size_t>(moved.size())));
-      moved.colwise().squaredNorm().maxCoeff(&site.vertex);
-      site.direction = moved.col(site.vertex).cast<double>().normalized();
-    }
-    site.full_load = site.direction.norm();
-    if (!(site.full_load > 0)) throw Error(fmt::format("at site {} nothing moves", s));
-    site.direction /= site.full_load;
+    Site site = loaded_vertex(modes, u, s, middle);
     site.patch = graph_patch(neighbours, site.vertex, 2);
     double sum = 0;
     for (const int v : site.patch) sum += areas[v];
     for (const int v : site.patch) site.weights.push_back(static_cast<float>(areas[v] / sum));
     for (Index k = 0; k < K; ++k) {
       load(s, k) = site.full_load;
-      for (Index l = 0; l < L; ++l) {
-        double& d = depth(l, s + S * k);
-        d = 0;
-        if (l == 0) continue;
-        const std::vector<double> mu = point(s, levels[l], k);
-        for (std::size_t i = 0; i < site.patch.size(); ++i) {
-          d += static_cast<double>(site.weights[i]) *
-               site.direction.dot(at_vertex(u, mu, site.patch[i]));
-        }
-        if (!(d > depth(l - 1, s + S * k))) {
-          throw Error(fmt::format(
-              "site {} does not give way farther from level {:.3g} to {:.3g}: {:.4g} m, "
-              "then {:.4g} m along its load",
-              s, levels[l - 1], levels[l], depth(l - 1, s + S * k), d));
-        }
-      }
+      depth.col(s + S * k) = press_depths(u, points, site, s, k);
     }
     body.stress.evaluate(middle, stress);
     von_mises(stress, mises);

@@ -1,7 +1,7 @@
 #include "palpable/exchange/modes_files.h"
 
 #include "palpable/base/error.h"
-#include "palpable/exchange/npy_file.h"
+#include "palpable/base/npy_file.h"
 #include "palpable/exchange/press_series.h"
 #include "palpable/reduced/body_file.h"
 #include "tests/support/bodies.h"
@@ -216,27 +216,6 @@ TEST_CASE("arrays that are missing or do not fit are named", "[exchange][errors]
                      [](const fs::path& path) { std::ofstream(path) << "site maybe\n"; }),
              Contains("neither 'choice' nor 'quantity'"));
   CHECK_NOTHROW(read_numpy_modes(there));
-}
-
-TEST_CASE("arrays of NumPy come back, in both orders and all types", "[exchange]") {
-  const ScratchFolder folder("modes_files");
-  const fs::path path = folder.path() / "a.npy";
-  const std::vector<int> numbers{0, 1, 2, 3, 4, 5};
-  write_npy(path, {2, 3}, std::span<const int>(numbers));
-  CHECK(fs::file_size(path) == 128 + 24);  // values begin at a multiple of 64
-  CHECK(read_npy(path).shape == std::vector<std::size_t>{2, 3});
-  CHECK(read_npy(path).values == std::vector<double>{0, 1, 2, 3, 4, 5});
-  replace_in(path, "'fortran_order': False", "'fortran_order': True ");
-  CHECK(read_npy(path).values == std::vector<double>{0, 2, 4, 1, 3, 5});
-  replace_in(path, "<i4", "<c8");
-  CHECK_THROWS_WITH(read_npy(path), Catch::Contains("not floats or integers"));
-  replace_in(path, "<c8", "<f8");
-  CHECK_THROWS_WITH(read_npy(path), Catch::Contains("cut short"));
-  std::ofstream(path) << "no array";
-  CHECK_THROWS_WITH(read_npy(path), Catch::Contains("not a file of NumPy"));
-  const std::vector<double> odd{0.1};
-  write_npy(path, {1}, std::span<const double>(odd));
-  CHECK(read_npy(path).values == odd);
 }
 
 TEST_CASE("presses are written as series for ParaView", "[exchange]") {

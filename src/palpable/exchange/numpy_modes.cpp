@@ -1,6 +1,6 @@
 #include "palpable/base/error.h"
+#include "palpable/base/npy_file.h"
 #include "palpable/exchange/modes_files.h"
-#include "palpable/exchange/npy_file.h"
 
 #include <fmt/format.h>
 

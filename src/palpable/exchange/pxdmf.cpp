@@ -86,8 +86,8 @@ void write_space(Writer& out, const ForeignModes& modes) {
   for (int i = 0; modes.stress && i < modes.stress->mode_count(); ++i) {
     const auto ours = modes.stress->modes().col(i).reshaped(6, V);
     Eigen::MatrixXf theirs(6, V);
-    for (int c = 0; c < 6; ++c) {
-      theirs.row(c) = ours.row(kOursOfTheirs[static_cast<std::size_t>(c)]);
+    for (std::size_t c = 0; c < 6; ++c) {
+      theirs.row(static_cast<Index>(c)) = ours.row(kOursOfTheirs[c]);
     }
     const std::string name = fmt::format("stress_{}", i);
     out.attribute(name, "Tensor6", name, theirs);
@@ -240,8 +240,8 @@ MatrixXd modes_of(Reader& reader, const pugi::xml_node& grid, const std::string&
     if (std::string(attribute.attribute("AttributeType").as_string()) == "Tensor6") {
       if (values.rows() != 6) throw reader.refuse(what + " does not have six components");
       MatrixXd ours(6, values.cols());
-      for (int c = 0; c < 6; ++c) {
-        ours.row(kOursOfTheirs[static_cast<std::size_t>(c)]) = values.row(c);
+      for (std::size_t c = 0; c < 6; ++c) {
+        ours.row(kOursOfTheirs[c]) = values.row(static_cast<Index>(c));
       }
       values = std::move(ours);
     }
@@ -252,6 +252,93 @@ MatrixXd modes_of(Reader& reader, const pugi::xml_node& grid, const std::string&
     columns.col(i) = values.reshaped();
   }
   return columns;
+}
+
+// The grids of a file: the surface's, and each parameter's in their order.
+struct Grids {
+  pugi::xml_node space;
+  std::vector<pugi::xml_node> parameters;
+};
+
+Grids grids_of(const Reader& reader, const pugi::xml_document& document) {
+  Grids grids;
+  for (const pugi::xml_node& grid : document.child("Xdmf").child("Domain").children("Grid")) {
+    const std::string type = grid.child("Topology")
+                                 .attribute("TopologyType")
+                                 .as_string(grid.child("Topology").attribute("Type").as_string());
+    if (type == "Triangle" && !grids.space) {
+      grids.space = grid;
+    } else {
+      grids.parameters.push_back(grid);
+    }
+  }
+  if (!grids.space) throw reader.refuse("has no grid of triangles, which would be the surface");
+  if (grids.parameters.empty() || grids.parameters.size() > SeparatedField::kMostAxes) {
+    throw reader.refuse(fmt::format("has {} parameters; 1 to {} are read", grids.parameters.size(),
+                                    SeparatedField::kMostAxes));
+  }
+  return grids;
+}
+
+SurfaceMesh surface_of(Reader& reader, const pugi::xml_node& space) {
+  const MatrixXd vertices = reader.columns(space.child("Geometry"), "the surface's Geometry");
+  const MatrixXd triangles = reader.columns(space.child("Topology"), "the surface's Topology");
+  if (vertices.rows() != 3 || triangles.rows() != 3 || !(triangles.minCoeff() >= 0) ||
+      !(triangles.maxCoeff() < static_cast<double>(vertices.cols()))) {
+    throw reader.refuse("the surface is not one of triangles between points in space");
+  }
+  return {vertices, triangles.cast<int>()};
+}
+
+// Name and samples; the functions are each field's own.
+ParameterAxis axis_of(Reader& reader, const pugi::xml_node& grid) {
+  ParameterAxis axis;
+  axis.name = grid.find_child_by_attribute("Information", "Name", "Dim0")
+                  .attribute("Value")
+                  .as_string(grid.attribute("Name").as_string());
+  const MatrixXd points =
+      reader.columns(grid.child("Geometry"), fmt::format("the Geometry of '{}'", axis.name));
+  axis.samples = points.row(0).transpose();
+  if (points.rows() > 1 && !points.bottomRows(points.rows() - 1).isZero(0)) {
+    throw reader.refuse(
+        fmt::format("'{}' is a grid of more than one dimension, not read yet", axis.name));
+  }
+  for (Index k = 1; k < axis.samples.size(); ++k) {
+    if (axis.samples[k - 1] < axis.samples[k]) continue;
+    throw reader.refuse(fmt::format("the points of '{}' do not increase", axis.name));
+  }
+  const std::string type = grid.child("Topology").attribute("TopologyType").as_string();
+  axis.between = type == "Polyvertex" ? Between::kNothing : Between::kSmooth;
+  return axis;
+}
+
+// Nothing when the file has no modes of that name. @param axes  of the grids, without functions
+std::optional<SeparatedField> field_of(Reader& reader, const Grids& grids,
+                                       std::vector<ParameterAxis> axes, const char* name) {
+  const MatrixXd F = modes_of(reader, grids.space, name);
+  if (F.cols() == 0) return std::nullopt;
+  for (std::size_t j = 0; j < axes.size(); ++j) {
+    MatrixXd& functions = axes[j].functions;
+    functions = modes_of(reader, grids.parameters[j], name);
+    if (functions.cols() != F.cols() || functions.rows() != axes[j].samples.size()) {
+      throw reader.refuse(fmt::format(
+          "'{}' has {} functions of {} values for '{}', where {} of {} are needed", axes[j].name,
+          functions.cols(), functions.rows(), name, F.cols(), axes[j].samples.size()));
+    }
+  }
+  return SeparatedField(F.cast<float>(), std::move(axes));
+}
+
+// Where the body is pressed: write_pxdmf() writes it, other programs do not.
+void read_sites(Reader& reader, const std::string& heavy, ForeignModes& modes) {
+  try {
+    for (const double v : reader.heavy(heavy + ":/site_vertices", "sites")) {
+      modes.site_vertices.push_back(static_cast<int>(v));
+    }
+    const std::vector<double> loads = reader.heavy(heavy + ":/site_loads", "sites");
+    modes.site_loads =
+        Eigen::Map<const Eigen::Matrix3Xd>(loads.data(), 3, static_cast<Index>(loads.size() / 3));
+  } catch (const Error&) { modes.site_vertices.clear(); }
 }
 
 }  // namespace
@@ -295,80 +382,15 @@ ForeignModes read_pxdmf(const fs::path& path) {
   pugi::xml_document document;
   const pugi::xml_parse_result parsed = document.load_file(path.c_str());
   if (!parsed) throw reader.refuse(fmt::format("is no XML: {}", parsed.description()));
-  const pugi::xml_node domain = document.child("Xdmf").child("Domain");
-  pugi::xml_node space;
-  std::vector<pugi::xml_node> grids;
-  for (const pugi::xml_node& grid : domain.children("Grid")) {
-    const std::string type = grid.child("Topology")
-                                 .attribute("TopologyType")
-                                 .as_string(grid.child("Topology").attribute("Type").as_string());
-    if (type == "Triangle" && !space) {
-      space = grid;
-    } else {
-      grids.push_back(grid);
-    }
-  }
-  if (!space) throw reader.refuse("has no grid of triangles, which would be the surface");
-  if (grids.empty() || grids.size() > SeparatedField::kMostAxes) {
-    throw reader.refuse(fmt::format("has {} parameters; 1 to {} are read", grids.size(),
-                                    SeparatedField::kMostAxes));
-  }
-  const MatrixXd vertices = reader.columns(space.child("Geometry"), "the surface's Geometry");
-  const MatrixXd triangles = reader.columns(space.child("Topology"), "the surface's Topology");
-  if (vertices.rows() != 3 || triangles.rows() != 3 || !(triangles.minCoeff() >= 0) ||
-      !(triangles.maxCoeff() < static_cast<double>(vertices.cols()))) {
-    throw reader.refuse("the surface is not one of triangles between points in space");
-  }
+  const Grids grids = grids_of(reader, document);
+  SurfaceMesh surface = surface_of(reader, grids.space);
   std::vector<ParameterAxis> axes;
-  for (const pugi::xml_node& grid : grids) {
-    ParameterAxis axis;
-    axis.name = grid.find_child_by_attribute("Information", "Name", "Dim0")
-                    .attribute("Value")
-                    .as_string(grid.attribute("Name").as_string());
-    const MatrixXd points =
-        reader.columns(grid.child("Geometry"), fmt::format("the Geometry of '{}'", axis.name));
-    axis.samples = points.row(0).transpose();
-    if (points.rows() > 1 && !points.bottomRows(points.rows() - 1).isZero(0)) {
-      throw reader.refuse(
-          fmt::format("'{}' is a grid of more than one dimension, not read yet", axis.name));
-    }
-    for (Index k = 1; k < axis.samples.size(); ++k) {
-      if (axis.samples[k - 1] < axis.samples[k]) continue;
-      throw reader.refuse(fmt::format("the points of '{}' do not increase", axis.name));
-    }
-    const std::string type = grid.child("Topology").attribute("TopologyType").as_string();
-    axis.between = type == "Polyvertex" ? Between::kNothing : Between::kSmooth;
-    axes.push_back(std::move(axis));
-  }
-  const auto field = [&](const char* name) -> std::optional<SeparatedField> {
-    const MatrixXd F = modes_of(reader, space, name);
-    if (F.cols() == 0) return std::nullopt;
-    std::vector<ParameterAxis> with_functions = axes;
-    for (std::size_t j = 0; j < axes.size(); ++j) {
-      with_functions[j].functions = modes_of(reader, grids[j], name);
-      if (with_functions[j].functions.cols() != F.cols() ||
-          with_functions[j].functions.rows() != axes[j].samples.size()) {
-        throw reader.refuse(fmt::format(
-            "'{}' has {} functions of {} values for '{}', where {} of {} "
-            "are needed",
-            axes[j].name, with_functions[j].functions.cols(), with_functions[j].functions.rows(),
-            name, F.cols(), axes[j].samples.size()));
-      }
-    }
-    return SeparatedField(F.cast<float>(), std::move(with_functions));
-  };
-  std::optional<SeparatedField> displacement = field("displacement");
+  for (const pugi::xml_node& grid : grids.parameters) axes.push_back(axis_of(reader, grid));
+  std::optional<SeparatedField> displacement = field_of(reader, grids, axes, "displacement");
   if (!displacement) throw reader.refuse("has no modes displacement_0, displacement_1, ...");
-  ForeignModes modes{{vertices, triangles.cast<int>()}, std::move(*displacement), field("stress")};
-  const std::string heavy = path.filename().string() + ".h5";
-  try {  // ours writes them, nobody else does
-    for (const double v : reader.heavy(heavy + ":/site_vertices", "sites")) {
-      modes.site_vertices.push_back(static_cast<int>(v));
-    }
-    const std::vector<double> loads = reader.heavy(heavy + ":/site_loads", "sites");
-    modes.site_loads =
-        Eigen::Map<const Eigen::Matrix3Xd>(loads.data(), 3, static_cast<Index>(loads.size() / 3));
-  } catch (const Error&) { modes.site_vertices.clear(); }
+  ForeignModes modes{std::move(surface), std::move(*displacement),
+                     field_of(reader, grids, axes, "stress")};
+  read_sites(reader, path.filename().string() + ".h5", modes);
   return modes;
 }
 

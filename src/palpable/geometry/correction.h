@@ -1,6 +1,5 @@
 /// @file
-/// What a closed loop says of the way that was thought to be known: keyframe by keyframe, where
-/// what was placed by it really lies.
+/// How a closed loop moves what was placed before it was found: one correction per keyframe.
 #pragma once
 
 #include "palpable/base/contract.h"
@@ -13,12 +12,12 @@ namespace palpable {
 
 struct Correction {
   int keyframe = 0;  ///< number of its frame
-  /// Takes what was placed by this keyframe to where it lies.
+  /// Moves a point that was placed by this keyframe's drifted pose to its place in the world.
   Rigid3 world_from_drifted = Rigid3::Identity();
 };
 
-/// The correction for what was placed in frame `number`: the last keyframe's before it, or the
-/// first one's.
+/// The correction of what was placed in frame `number`: that of the last keyframe up to then, or
+/// the first one's.
 /// @param corrections  at least one, their numbers rising
 [[nodiscard]] inline const Rigid3& correction_at(std::span<const Correction> corrections,
                                                  int number) {

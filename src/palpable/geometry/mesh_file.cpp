@@ -1,5 +1,7 @@
 #include "palpable/geometry/mesh_file.h"
 
+#include "palpable/base/contract.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -647,6 +649,32 @@ void write_ply(const std::filesystem::path& path, const SurfaceMesh& surface) {
   for (int t = 0; t < surface.triangle_count(); ++t) {
     file.put(3);
     file.write(reinterpret_cast<const char*>(surface.triangles.col(t).data()), 3 * sizeof(int));
+  }
+  file.close();
+  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
+}
+
+void write_colored_ply(const std::filesystem::path& path, const SurfaceMesh& surface,
+                       std::span<const Rgb> colors, std::string_view comment) {
+  PALPABLE_EXPECT(std::ssize(colors) == surface.vertex_count(), "a colour for each vertex");
+  std::ofstream file(path, std::ios::binary);
+  file << fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment {}\n"
+      "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face {}\n"
+      "property list uchar int vertex_indices\nend_header\n",
+      comment, surface.vertex_count(), surface.triangle_count());
+  for (int i = 0; i < surface.vertex_count(); ++i) {
+    const Eigen::Vector3f p = surface.vertices.col(i).cast<float>();
+    file.write(reinterpret_cast<const char*>(p.data()), 12);
+    const Rgb c = colors[i];
+    const char rgb[3] = {static_cast<char>(c.r), static_cast<char>(c.g), static_cast<char>(c.b)};
+    file.write(rgb, 3);
+  }
+  for (int i = 0; i < surface.triangle_count(); ++i) {
+    const Eigen::Vector3i t = surface.triangles.col(i);
+    file.put(3);
+    file.write(reinterpret_cast<const char*>(t.data()), 12);
   }
   file.close();
   if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));

@@ -6,9 +6,11 @@
 #pragma once
 
 #include "palpable/base/error.h"
+#include "palpable/geometry/image.h"
 #include "palpable/geometry/surface_mesh.h"
 
 #include <filesystem>
+#include <span>
 #include <string_view>
 
 namespace palpable {
@@ -29,5 +31,12 @@ namespace palpable {
 /// Writes a surface as binary little-endian PLY (vertices as double).
 /// @throws Error when the file cannot be written
 void write_ply(const std::filesystem::path& path, const SurfaceMesh& surface);
+
+/// The same with a colour per vertex, vertices as float.
+/// @param colors   one for each vertex
+/// @param comment  one line of the header
+/// @throws Error when the file cannot be written
+void write_colored_ply(const std::filesystem::path& path, const SurfaceMesh& surface,
+                       std::span<const Rgb> colors, std::string_view comment);
 
 }  // namespace palpable

@@ -1,5 +1,6 @@
 #include "palpable/geometry/mesh_file.h"
 
+#include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
 #include <filesystem>
@@ -186,6 +187,28 @@ TEST_CASE("what write_ply writes is read back unchanged", "[geometry][files]") {
   CHECK(again.value().triangle_count() == sphere.triangle_count());
   std::filesystem::remove(path);
   CHECK_THROWS_AS(write_ply("/nowhere/a.ply", sphere), Error);
+}
+
+TEST_CASE("a coloured surface is read back as the same surface, its colours behind its vertices",
+          "[geometry][files]") {
+  const test::ScratchFolder folder("colored_ply");
+  SurfaceMesh square;
+  square.vertices.resize(3, 4);
+  square.vertices << 0, 1, 1, 0, 0, 0, 2, 2, 0.5, 0.5, 0.5, 0.5;
+  square.triangles.resize(3, 2);
+  square.triangles << 0, 0, 1, 2, 2, 3;
+  const std::vector<Rgb> colors{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {255, 254, 253}};
+  write_colored_ply(folder / "square.ply", square, colors, "a square");
+  const SurfaceMesh read = value_or_throw(read_surface_file(folder / "square.ply"));
+  CHECK(read.vertices == square.vertices);
+  CHECK(read.triangles == square.triangles);
+  const std::string bytes = test::file_bytes(folder / "square.ply");
+  CHECK(bytes.find("\ncomment a square\n") != std::string::npos);
+  const std::size_t vertices = bytes.find("end_header\n") + 11;
+  const std::size_t stride = 15;  // bytes of a vertex: three floats, three colours
+  CHECK(bytes.substr(vertices + 12, 3) == "\x01\x02\x03");
+  CHECK(bytes.substr(vertices + 3 * stride + 12, 3) == "\xff\xfe\xfd");
+  CHECK_THROWS_AS(write_colored_ply("/nowhere/a.ply", square, colors, ""), Error);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ std::vector<HalfEdge> sorted_half_edges(const SurfaceMesh& surface,
   std::vector<HalfEdge> edges;
   edges.reserve(static_cast<std::size_t>(surface.triangle_count()) * 3);
   for (int t = 0; t < surface.triangle_count(); ++t) {
-    if (!usable[static_cast<std::size_t>(t)]) continue;
+    if (!usable[t]) continue;
     for (int k = 0; k < 3; ++k) {
       const int a = surface.triangles(k, t);
       const int b = surface.triangles((k + 1) % 3, t);
@@ -72,7 +72,7 @@ WatertightReport check_watertight(const SurfaceMesh& surface) {
   };
 
   const int N = surface.vertex_count();
-  std::vector<bool> usable(static_cast<std::size_t>(surface.triangle_count()), true);
+  std::vector<bool> usable(surface.triangle_count(), true);
   for (int t = 0; t < surface.triangle_count(); ++t) {
     const Eigen::Vector3i v = surface.triangles.col(t);
     const bool in_range = v.minCoeff() >= 0 && v.maxCoeff() < N;
@@ -83,7 +83,7 @@ WatertightReport check_watertight(const SurfaceMesh& surface) {
       bad = !(n.squaredNorm() > 0.0) || !n.allFinite();
     }
     if (bad) {
-      usable[static_cast<std::size_t>(t)] = false;
+      usable[t] = false;
       ++report.bad_triangles;
       if (in_range) defect_at(surface.vertices.col(v[0]));
     }
@@ -190,12 +190,12 @@ void vertex_normals(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi& tr
 }
 
 std::vector<std::vector<int>> vertex_neighbours(const SurfaceMesh& surface) {
-  std::vector<std::vector<int>> neighbours(static_cast<std::size_t>(surface.vertex_count()));
+  std::vector<std::vector<int>> neighbours(surface.vertex_count());
   for (int t = 0; t < surface.triangle_count(); ++t) {
     for (int k = 0; k < 3; ++k) {
       const int a = surface.triangles(k, t), b = surface.triangles((k + 1) % 3, t);
-      neighbours[static_cast<std::size_t>(a)].push_back(b);
-      neighbours[static_cast<std::size_t>(b)].push_back(a);
+      neighbours[a].push_back(b);
+      neighbours[b].push_back(a);
     }
   }
   for (std::vector<int>& list : neighbours) {
@@ -211,15 +211,15 @@ std::vector<int> graph_patch(const std::vector<std::vector<int>>& neighbours, in
                   "the vertex exists");
   std::vector<int> patch{vertex};
   std::vector<bool> reached(neighbours.size(), false);
-  reached[static_cast<std::size_t>(vertex)] = true;
+  reached[vertex] = true;
   std::size_t ring_begin = 0;
   for (int ring = 0; ring < graph_distance; ++ring) {
     const std::size_t ring_end = patch.size();
     std::vector<int> next;
     for (std::size_t i = ring_begin; i < ring_end; ++i) {
-      for (const int n : neighbours[static_cast<std::size_t>(patch[i])]) {
-        if (reached[static_cast<std::size_t>(n)]) continue;
-        reached[static_cast<std::size_t>(n)] = true;
+      for (const int n : neighbours[patch[i]]) {
+        if (reached[n]) continue;
+        reached[n] = true;
         next.push_back(n);
       }
     }
@@ -259,9 +259,7 @@ SurfaceMesh sphere_surface(const Vector3d& centre, double radius, int subdivisio
     const auto middle = [&](int a, int b) {
       const auto [at, is_new] =
           middles.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<int>(v.size()));
-      if (is_new) {
-        v.push_back((v[static_cast<std::size_t>(a)] + v[static_cast<std::size_t>(b)]).normalized());
-      }
+      if (is_new) { v.push_back((v[a] + v[b]).normalized()); }
       return at->second;
     };
     std::vector<std::array<int, 3>> finer;

@@ -130,21 +130,20 @@ Boundary boundary_of(const TetMesh& mesh) {
   }
 
   Boundary boundary;
-  std::vector<int> vertex_of_node(static_cast<std::size_t>(mesh.node_count()), -1);
+  std::vector<int> vertex_of_node(mesh.node_count(), -1);
   for (const Eigen::Vector3i& f : skin) {
-    for (int k = 0; k < 3; ++k) vertex_of_node[static_cast<std::size_t>(f[k])] = 0;
+    for (int k = 0; k < 3; ++k) vertex_of_node[f[k]] = 0;
   }
   for (int n = 0; n < mesh.node_count(); ++n) {
-    if (vertex_of_node[static_cast<std::size_t>(n)] < 0) continue;
-    vertex_of_node[static_cast<std::size_t>(n)] = static_cast<int>(boundary.node_of_vertex.size());
+    if (vertex_of_node[n] < 0) continue;
+    vertex_of_node[n] = static_cast<int>(boundary.node_of_vertex.size());
     boundary.node_of_vertex.push_back(n);
   }
   boundary.surface.vertices = mesh.nodes(Eigen::all, boundary.node_of_vertex);
   boundary.surface.triangles.resize(3, static_cast<Eigen::Index>(skin.size()));
   for (std::size_t t = 0; t < skin.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
-      boundary.surface.triangles(k, static_cast<Eigen::Index>(t)) =
-          vertex_of_node[static_cast<std::size_t>(skin[t][k])];
+      boundary.surface.triangles(k, static_cast<Eigen::Index>(t)) = vertex_of_node[skin[t][k]];
     }
   }
   return boundary;
@@ -176,7 +175,7 @@ TetMesh box_tets(const Vector3d& a, const Vector3d& b, int nx, int ny, int nz) {
           Eigen::Vector4i tet;
           tet[0] = node(at[0], at[1], at[2]);
           for (int step = 0; step < 3; ++step) {
-            ++at[static_cast<std::size_t>(kOrders[o][step])];
+            ++at[kOrders[o][step]];
             tet[step + 1] = node(at[0], at[1], at[2]);
           }
           if (o >= 3) std::swap(tet[2], tet[3]);  // odd orders walk a left-handed tetrahedron

@@ -3,9 +3,10 @@
 #include "palpable/base/contract.h"
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
-#include "palpable/intrusive/beam_study.h"
+#include "palpable/base/order_statistics.h"
 #include "palpable/intrusive/reduced_energy.h"
 #include "palpable/intrusive/table_terms.h"
+#include "palpable/intrusive/two_load_checks.h"
 #include "palpable/separate/pod.h"
 #include "palpable/solid/stress.h"
 #include "palpable/solid/stress_together.h"
@@ -88,9 +89,7 @@ class StressStates {
 SeparatedField field_of(const MatrixXd& F, const TableTerms& terms, const VectorXd& levels) {
   const Index count = terms.site.cols(), S = terms.site.rows();
   Eigen::MatrixXf modes(F.rows(), count);
-  for (Index t = 0; t < count; ++t) {
-    modes.col(t) = F.col(terms.mode[static_cast<std::size_t>(t)]).cast<float>();
-  }
+  for (Index t = 0; t < count; ++t) { modes.col(t) = F.col(terms.mode[t]).cast<float>(); }
   VectorXd samples(levels.size() + 1);
   samples << 0.0, levels;
   MatrixXd of_level = MatrixXd::Zero(samples.size(), count);
@@ -125,12 +124,12 @@ MatrixXd skin_rows(const MatrixXd& values, const Boundary& boundary) {
 SeparatedField displacement_field(const SeriesPgd& pgd, const SeriesTable& table,
                                   const Boundary& boundary, IntrusiveReport& report) {
   const Index S = table.positions(), J = table.levels.size(), m = pgd.F.cols();
-  std::vector<MatrixXd> tables(static_cast<std::size_t>(m), MatrixXd(S, J));
+  std::vector<MatrixXd> tables(m, MatrixXd(S, J));
   VectorXd own(S);
   for (Index s = 0; s < S; ++s) {
     const auto at = static_cast<std::size_t>(s);
     const MatrixXd G = pgd.G[at] * table.at_level[at];
-    for (Index i = 0; i < m; ++i) tables[static_cast<std::size_t>(i)].row(s) = G.row(i);
+    for (Index i = 0; i < m; ++i) tables[i].row(s) = G.row(i);
     own[s] = table.area[s] / table.gram[at](0, 0);
   }
   // A tenth of the square of what the modes lose anyway, in the same weight.
@@ -239,37 +238,106 @@ MatrixXd modes_of_several(const LoadSeries& series, const TravellingLoad& travel
   return energy_modes(series, some, linear, std::min<int>(kCurved, linear));
 }
 
-// Against pairs of loads that are solved afresh.
+// How far the body is from pairs of loads that are solved afresh, stated in the body and the
+// report.
 void state_error_of_several(IntrusiveBake& made, const IntrusiveSettings& settings,
                             const Progress& progress) {
   SeveralLoads& several = *made.body.several;
   const double begin = process_cpu_seconds();
-  std::vector<double> errors;
+  std::string line = fmt::format("energy in {} modes", several.mode_count());
   try {
     made.two_loads = two_load_checks(made, settings.checks, settings.seed, progress);
+    std::vector<double> errors;
+    for (const TwoLoadCheck& check : made.two_loads) errors.push_back(check.error);
+    if (!errors.empty()) {
+      several.checked = static_cast<int>(errors.size());
+      several.error_worst = *std::max_element(errors.begin(), errors.end());
+      several.error_median = upper_median(errors);
+    }
+    line += fmt::format(
+        "; a press and one of {} reactions together, {} pairs solved "
+        "afresh: relative L2 error over the volume {:.3g} at the median, {:.3g} at the "
+        "worst",
+        several.reactions.size(), several.checked, several.error_median, several.error_worst);
   } catch (const Error& problem) {  // what was baked is no worse for it
-    made.body.provenance.emplace_back(
-        "several loads",
-        fmt::format("energy in {} modes and {} reactions; its error is not known: {}",
-                    several.mode_count(), several.reactions.size(), problem.what()));
-    made.report.cpu.add("references", 1e3 * (process_cpu_seconds() - begin));
-    return;
-  }
-  for (const TwoLoadCheck& check : made.two_loads) errors.push_back(check.error);
-  if (!errors.empty()) {
-    std::sort(errors.begin(), errors.end());
-    several.checked = static_cast<int>(errors.size());
-    several.error_median = errors[errors.size() / 2];
-    several.error_worst = errors.back();
+    line += fmt::format(" and {} reactions; its error is not known: {}", several.reactions.size(),
+                        problem.what());
   }
   made.report.cpu.add("references", 1e3 * (process_cpu_seconds() - begin));
-  made.body.provenance.emplace_back(
-      "several loads",
-      fmt::format("energy in {} modes; a press and one of {} reactions together, {} pairs solved "
-                  "afresh: relative L2 error over the volume {:.3g} at the median, {:.3g} at the "
-                  "worst",
-                  several.mode_count(), several.reactions.size(), several.checked,
-                  several.error_median, several.error_worst));
+  made.report.lines.emplace_back("several loads", line);
+  made.body.provenance.emplace_back("several loads", line);
+}
+
+// CPU time of the stages that follow each other.
+class Laps {
+ public:
+  explicit Laps(StageTimes& times) : times_(times) {}
+  void end(const char* stage) {
+    const double now = process_cpu_seconds();
+    times_.add(stage, 1e3 * (now - begin_));
+    begin_ = now;
+  }
+  // Time since the last end() that belongs to the stage "references" and not to the next one.
+  void leave_out(double seconds) { begin_ += seconds; }
+
+ private:
+  StageTimes& times_;
+  double begin_ = process_cpu_seconds();
+};
+
+// A fifth more modes than are wanted, in own norms, recompressed to those.
+SeriesPgd separate_series(const LoadSeries& series, const SeriesTable& table, int modes,
+                          IntrusiveReport& report, const Progress& progress) {
+  const Index S = table.positions();
+  const SeriesPgdGoal goal{.weight = SeriesWeight::kOwnNorm,
+                           .modes = static_cast<int>(std::min<Index>(modes + modes / 5 + 2, S))};
+  const SeriesPgd greedy = series_pgd(series, table, goal, progress);
+  report.greedy_modes = static_cast<int>(greedy.F.cols());
+  report.alternations = greedy.alternations;
+  return recompressed(greedy, table, goal, std::min(modes, static_cast<int>(greedy.F.cols())));
+}
+
+// (J + 1 x S) the displacement conjugate to the force at each load size: f . u / |f|.
+MatrixXd press_depths(const SeriesTable& table, double force) {
+  const Index S = table.positions(), J = table.levels.size();
+  MatrixXd depth = MatrixXd::Zero(J + 1, S);
+  for (Index s = 0; s < S; ++s) {
+    const auto at = static_cast<std::size_t>(s);
+    depth.col(s).tail(J) = table.at_level[at].transpose() * table.work[at] / force;
+  }
+  return depth;
+}
+
+// How the body was made and how far it is from its series: (key, value), for people.
+std::vector<std::pair<std::string, std::string>> report_lines(
+    const BodyDescription::Intrusive& wanted, const TravellingLoad& travelling,
+    const SeriesTable& table, const IntrusiveReport& made) {
+  const Index S = travelling.load.cols();
+  return {
+      {"loads",
+       fmt::format("{} positions of a travelling dead load of up to {:.4g} N ({} nearer than "
+                   "{:.3g} patch radii of {:.3g} m to what is held are left out)",
+                   S, wanted.force, travelling.left_out, wanted.clearance,
+                   travelling.patch_radius)},
+      {"series",
+       fmt::format("power series in the size of the load, {} orders at most, {:.1f} in the "
+                   "mean; forces balance the full load to {:.2g} of it at the worst "
+                   "position; Pade form and series differ by {:.2g} at most",
+                   table.most_orders, static_cast<double>(table.orders) / static_cast<double>(S),
+                   table.worst_residual.tail(1)[0], table.worst_pade_gap)},
+      {"reduction",
+       fmt::format("intrusive PGD over positions and load sizes, in own norms: {} modes "
+                   "by {} alternations, recompressed to {}",
+                   made.greedy_modes, made.alternations, made.modes)},
+      {"displacement",
+       fmt::format("{} modes in {} products, relative L2 error over the volume {:.3g} "
+                   "pooled, {:.3g} at the worst position and load in its own norm",
+                   made.modes, made.columns, made.displacement.global, made.displacement.worst)},
+      {"stress",
+       fmt::format("nodal Cauchy stress of the skin at thirds of the load: {} modes by "
+                   "randomised POD in {} products, relative L2 error {:.3g} pooled, {:.3g} "
+                   "at the worst position and load in its own norm",
+                   made.stress_modes, made.stress_columns, made.stress_pooled, made.stress_worst)}};
 }
 
 }  // namespace
@@ -277,18 +345,13 @@ void state_error_of_several(IntrusiveBake& made, const IntrusiveSettings& settin
 IntrusiveBake bake_intrusive(const BodyDescription& description, const IntrusiveSettings& settings,
                              const Progress& progress) {
   IntrusiveReport made;
-  double begin = process_cpu_seconds();
-  const auto lap = [&](const char* name) {
-    const double now = process_cpu_seconds();
-    made.cpu.add(name, 1e3 * (now - begin));
-    begin = now;
-  };
+  Laps laps(made.cpu);
   TravellingLoad travelling = travelling_load(description);
   const BodyProblem& problem = travelling.problem;
   const Boundary& boundary = problem.mesh.boundary;
   const BodyDescription::Intrusive& wanted = *description.intrusive;
   LoadSeries series(problem.model);
-  lap("pose");
+  laps.end("pose");
 
   const auto J = static_cast<Index>(wanted.levels);
   const VectorXd levels = VectorXd::LinSpaced(J, 1.0 / static_cast<double>(J), 1.0);
@@ -301,19 +364,15 @@ IntrusiveBake bake_intrusive(const BodyDescription& description, const Intrusive
       },
       progress, settings.all_residuals ? ResidualsAt::kAllLevels : ResidualsAt::kFullLoad);
   states.flush();
-  begin += table.check_cpu_s;
-  lap("series");
+  laps.leave_out(table.check_cpu_s);
+  laps.end("series");
   if (table.check_cpu_s > 0.0) made.cpu.add("references", 1e3 * table.check_cpu_s);
 
   const int modes = static_cast<int>(std::min<Index>(wanted.modes, S));
-  const SeriesPgdGoal goal{.weight = SeriesWeight::kOwnNorm,
-                           .modes = static_cast<int>(std::min<Index>(modes + modes / 5 + 2, S))};
-  const SeriesPgd greedy = series_pgd(series, table, goal, progress);
-  SeriesPgd pgd =
-      recompressed(greedy, table, goal, std::min(modes, static_cast<int>(greedy.F.cols())));
+  SeriesPgd pgd = separate_series(series, table, modes, made, progress);
   SeparatedField u = displacement_field(pgd, table, boundary, made);
   SeparatedField sigma = stress_field(states, boundary, wanted.stress_modes, levels, made);
-  lap("separate");
+  laps.end("separate");
 
   MatrixXd modes_of_energy;
   std::optional<SeveralLoads> several;
@@ -324,57 +383,27 @@ IntrusiveBake bake_intrusive(const BodyDescription& description, const Intrusive
         SeveralLoads{quartic_energy(series.model(), modes_of_energy),
                      skin_rows(modes_of_energy, boundary).cast<float>(), travelling.reaction_sites};
     report(progress, {"energy of several loads", 1.0, 1.0, ""});
-    lap("several loads");
+    laps.end("several loads");
   }
 
+  made.lines = report_lines(wanted, travelling, table, made);
   ReducedBody body{.name = description.name,
                    .surface = boundary.surface,
                    .fixed = fixed_vertices(problem.mesh),
                    .sites = problem.sites,
                    .displacement = std::move(u),
                    .stress = std::move(sigma),
-                   .press_depth = MatrixXd::Zero(J + 1, S),
+                   .press_depth = press_depths(table, wanted.force),
                    .largest_von_mises = states.largest_von_mises,
                    .error = {made.displacement.global, made.displacement.worst, made.stress_pooled,
                              made.stress_worst},
                    .material = material_line(description.material),
-                   .provenance = {},
+                   .provenance = {{"body", description.source.string()},
+                                  {"mesh", problem.mesh.origin},
+                                  {"material", material_line(description.material)}},
+                   .method = "intrusive",
                    .several = std::move(several)};
-  for (Index s = 0; s < S; ++s) {
-    // The displacement conjugate to the force: f . u / |f|.
-    const auto at = static_cast<std::size_t>(s);
-    body.press_depth.col(s).tail(J) =
-        table.at_level[at].transpose() * table.work[at] / wanted.force;
-  }
-  const auto add = [&](const char* key, std::string value) {
-    body.provenance.emplace_back(key, std::move(value));
-  };
-  add("body", description.source.string());
-  add("mesh", problem.mesh.origin);
-  add("material", body.material);
-  add("loads",
-      fmt::format("{} positions of a travelling dead load of up to {:.4g} N ({} nearer than "
-                  "{:.3g} patch radii of {:.3g} m to what is held are left out)",
-                  S, wanted.force, travelling.left_out, wanted.clearance, travelling.patch_radius));
-  add("series",
-      fmt::format("power series in the size of the load, {} orders at most, {:.1f} in the "
-                  "mean; forces balance the full load to {:.2g} of it at the worst "
-                  "position; Pade form and series differ by {:.2g} at most",
-                  table.most_orders, static_cast<double>(table.orders) / static_cast<double>(S),
-                  table.worst_residual.tail(1)[0], table.worst_pade_gap));
-  add("reduction",
-      fmt::format("intrusive PGD over positions and load sizes, in own norms: {} modes "
-                  "by {} alternations, recompressed to {}",
-                  greedy.F.cols(), greedy.alternations, made.modes));
-  add("displacement",
-      fmt::format("{} modes in {} products, relative L2 error over the volume {:.3g} "
-                  "pooled, {:.3g} at the worst position and load in its own norm",
-                  made.modes, made.columns, made.displacement.global, made.displacement.worst));
-  add("stress",
-      fmt::format("nodal Cauchy stress of the skin at thirds of the load: {} modes by "
-                  "randomised POD in {} products, relative L2 error {:.3g} pooled, {:.3g} "
-                  "at the worst position and load in its own norm",
-                  made.stress_modes, made.stress_columns, made.stress_pooled, made.stress_worst));
+  body.provenance.insert(body.provenance.end(), made.lines.begin(), made.lines.end());
   IntrusiveBake result{
       std::move(travelling), std::move(series), std::move(table),           std::move(pgd),
       std::move(body),       std::move(made),   std::move(modes_of_energy), {}};

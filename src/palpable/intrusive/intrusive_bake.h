@@ -15,6 +15,7 @@
 #include "palpable/solid/load_series.h"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpable {
@@ -33,6 +34,7 @@ struct IntrusiveSettings {
 /// How the body was made and how far it is from the fields of the series, stress from those of the
 /// series' displacements.
 struct IntrusiveReport {
+  int greedy_modes = 0, alternations = 0;  ///< of the PGD, before it was recompressed
   int modes = 0, columns = 0;  ///< of displacement: F_i, and products F_i G(s) G(a) in the file
   int stress_modes = 0, stress_columns = 0;
   SeriesErrors displacement;                   ///< over the volume, products in the file included
@@ -40,6 +42,9 @@ struct IntrusiveReport {
   /// ms of one core: pose, series (stress of all states included), separate, several loads; and
   /// "references", which the bake itself does not need.
   StageTimes cpu;
+  /// (key, value) What of that is for people: loads, series, reduction, displacement, stress and
+  /// perhaps several loads. In the body's provenance, too.
+  std::vector<std::pair<std::string, std::string>> lines = {};
 };
 
 /// A body in the modes of its energy, under two loads, against a fresh Newton solve.

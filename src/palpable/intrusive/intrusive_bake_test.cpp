@@ -40,7 +40,7 @@ TEST_CASE("a beam baked by intrusive PGD gives the fields of fresh Newton solves
   const Boundary& boundary = made.travelling.problem.mesh.boundary;
   const auto V = static_cast<Index>(body.surface.vertex_count());
   const EquilibriumSolver newton(made.travelling.problem.model);
-  std::vector<float> u(static_cast<std::size_t>(3 * V)), sigma(static_cast<std::size_t>(6 * V));
+  std::vector<float> u(3 * V), sigma(6 * V);
   for (const int site : {0, 17, 40, static_cast<int>(body.sites.size()) - 1}) {
     for (const double level : {0.37, 1.0}) {
       INFO("site " << site << " level " << level);
@@ -64,7 +64,7 @@ TEST_CASE("a beam baked by intrusive PGD gives the fields of fresh Newton solves
       CHECK((got_stress.cast<double>() - true_stress).norm() <=
             1.5 * made.report.stress_worst * true_stress.norm());
       // The patch has moved by what the file's table says.
-      const Site& at = body.sites[static_cast<std::size_t>(site)];
+      const Site& at = body.sites[site];
       double press = 0;
       for (std::size_t k = 0; k < at.patch.size(); ++k) {
         press += static_cast<double>(at.weights[k]) * at.direction.dot(truth.col(at.patch[k]));

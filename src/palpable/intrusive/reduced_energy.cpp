@@ -43,23 +43,23 @@ QuarticEnergy quartic_energy(const SolidModel& model, const MatrixXd& F) {
     const int count = std::min(kElements, model.mesh.tet_count() - first);
     strains.resize(7 * Index{count}, n + P);
     for (int c = 0; c < count; ++c) {
-      const int e = first + c, group = group_of[static_cast<std::size_t>(e)];
-      const LameConstants k = lame_constants(
-          group < 0 ? model.material : model.groups[static_cast<std::size_t>(group)].material);
+      const int e = first + c, group = group_of[e];
+      const LameConstants k =
+          lame_constants(group < 0 ? model.material : model.groups[group].material);
       const ShapeGradients shape = shape_gradients(model.mesh, e);
-      std::vector<Matrix3d> H(static_cast<std::size_t>(n), Matrix3d::Zero());
+      std::vector<Matrix3d> H(n, Matrix3d::Zero());
       for (Index i = 0; i < n; ++i) {
         for (int a = 0; a < 4; ++a) {
-          H[static_cast<std::size_t>(i)] +=
+          H[i] +=
               F.col(i).segment<3>(3 * Index{model.mesh.tets(a, e)}) * shape.g.col(a).transpose();
         }
       }
       for (Index j = 0; j < n; ++j) {
-        const Matrix3d& B = H[static_cast<std::size_t>(j)];
+        const Matrix3d& B = H[j];
         strains.col(j).segment<7>(7 * Index{c}) =
             weighted(0.5 * (B + B.transpose()), k, shape.volume);
         for (Index i = 0; i <= j; ++i) {
-          const Matrix3d product = H[static_cast<std::size_t>(i)].transpose() * B;
+          const Matrix3d product = H[i].transpose() * B;
           strains.col(n + pair_row(i, j)).segment<7>(7 * Index{c}) =
               weighted(0.5 * (product + product.transpose()), k, shape.volume);
         }
@@ -132,9 +132,7 @@ MatrixXd energy_modes(const LoadSeries& body, const Eigen::SparseMatrix<double>&
   all.leftCols(linear) = basis;
   for (Index j = 0; j < curved; ++j) {
     for (Index i = 0; i <= j; ++i) {
-      const auto second = [&](Index a, Index b) {
-        return orders[static_cast<std::size_t>(pair_row(a, b))].u.col(1);
-      };
+      const auto second = [&](Index a, Index b) { return orders[pair_row(a, b)].u.col(1); };
       VectorXd derivative = second(i, j);
       if (i != j) derivative -= second(i, i) + second(j, j);
       derivative = root.cwiseProduct(derivative);

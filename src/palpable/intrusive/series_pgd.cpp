@@ -18,7 +18,7 @@ namespace {
 
 // (S) of (n_s x n_s): omega_s W(s); empty for a position that is not used.
 std::vector<MatrixXd> weights_of(const SeriesTable& table, const SeriesPgdGoal& goal) {
-  std::vector<MatrixXd> weights(static_cast<std::size_t>(table.positions()));
+  std::vector<MatrixXd> weights(table.positions());
   for (std::size_t s = 0; s < weights.size(); ++s) {
     if (!goal.used.empty() && goal.used[s] == 0) continue;
     const MatrixXd& c = table.at_level[s];

@@ -127,7 +127,7 @@ TEST_CASE("the errors stated are those of the fields", "[bake][intrusive]") {
 TEST_CASE("positions that are left out are not looked at", "[bake][intrusive]") {
   const Beam& b = beam();
   SeriesPgdGoal goal{.modes = 4};
-  goal.used.assign(static_cast<std::size_t>(b.load.cols()), 1);
+  goal.used.assign(b.load.cols(), 1);
   goal.used[3] = 0;
   const SeriesPgd pgd = series_pgd(b.body, b.table, goal);
   CHECK(pgd.G[3].isZero(0.0));

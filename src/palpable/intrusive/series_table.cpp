@@ -43,7 +43,7 @@ std::vector<Index> by_distance(const LoadSeries& body, const Eigen::SparseMatrix
   held /= std::max(count, 1.0);
   VectorXd distance(load.cols());
   for (Index s = 0; s < load.cols(); ++s) distance[s] = (middle(load, s, nodes) - held).norm();
-  std::vector<Index> order(static_cast<std::size_t>(load.cols()));
+  std::vector<Index> order(load.cols());
   std::iota(order.begin(), order.end(), Index{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](Index a, Index b) { return distance[a] < distance[b]; });

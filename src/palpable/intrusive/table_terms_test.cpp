@@ -33,7 +33,7 @@ TEST_CASE("tables become products, and what is left out is what may be lost", "[
         sum += terms.site.col(static_cast<Index>(t)) *
                terms.level.col(static_cast<Index>(t)).transpose();
       }
-      const MatrixXd gone = tables[static_cast<std::size_t>(i)] - sum;
+      const MatrixXd gone = tables[i] - sum;
       lost += of_site.dot(gone.cwiseAbs2() * of_level);
     }
     CHECK(lost <= lose + test::tolerance(1e-20, "rounding of sums of order 10"));

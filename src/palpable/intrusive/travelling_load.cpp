@@ -25,7 +25,7 @@ Eigen::SparseMatrix<double> forces_of(const BodyProblem& problem, const std::vec
   for (std::size_t s = 0; s < sites.size(); ++s) {
     const Eigen::Matrix3Xd load = unit_load(sites[s], boundary, N);
     for (const int v : sites[s].patch) {
-      const int n = boundary.node_of_vertex[static_cast<std::size_t>(v)];
+      const int n = boundary.node_of_vertex[v];
       for (int i = 0; i < 3; ++i) {
         if (load(i, n) != 0.0) {
           entries.emplace_back(3 * n + i, static_cast<int>(s), force * load(i, n));

@@ -400,7 +400,7 @@ class InpReader {
         set.numbers.insert(set.numbers.end(), corners.begin(), corners.end());
         continue;
       }
-      const FileMesh::Tet& element = mesh_.tets[static_cast<std::size_t>(tet)];
+      const FileMesh::Tet& element = mesh_.tets[tet];
       set.numbers.insert(set.numbers.end(), element.nodes.begin(),
                          element.nodes.begin() + element.node_count);
     }
@@ -491,7 +491,7 @@ class InpReader {
           leave_out(row.name, row.line, fmt::format("element {} is no tetrahedron", number));
           break;
         }
-        const auto& nodes = mesh_.tets[static_cast<std::size_t>(at->second)].nodes;
+        const auto& nodes = mesh_.tets[at->second].nodes;
         const auto& face = kFaces[row.face];
         mesh_.face_sets[row.name].push_back({nodes[face[0]], nodes[face[1]], nodes[face[2]]});
       }

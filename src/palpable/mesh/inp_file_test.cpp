@@ -1,6 +1,5 @@
 #include "palpable/mesh/inp_file.h"
 
-#include "palpable/campaign/calculix.h"
 #include "tests/support/replaced.h"
 #include "tests/support/test.h"
 
@@ -89,7 +88,7 @@ TEST_CASE("each face of a tetrahedron has Abaqus' number", "[bake][inp]") {
     const std::string row = "LEFT, S" + std::to_string(face);
     const VolumeMesh volume =
         value_or_throw(parse_inp(replaced(kDeck, "LEFT, S1\n20, S1", row), "a.inp"));
-    const int opposite = std::array{3, 2, 0, 1}[static_cast<std::size_t>(face - 1)];
+    const int opposite = std::array{3, 2, 0, 1}[face - 1];
     INFO(row);
     CHECK_FALSE((volume.sets.faces.at("FOOT").at(0).array() == opposite).any());
   }
@@ -127,35 +126,6 @@ TEST_CASE("10-node tetrahedra are read with the middles of their edges", "[bake]
   CHECK(volume.sets.nodes.at("LONG").size() == static_cast<std::size_t>(box.node_count()));
   CHECK_THAT(complaint(deck + "\n*ELEMENT, TYPE=C3D4\n900, 1, 2, 3, 4\n"),
              Contains("tetrahedron 900 has 4 nodes, those before have 10"));
-}
-
-TEST_CASE("the decks that we write for CalculiX are read as the meshes that they are",
-          "[bake][inp][quadratic]") {
-  const TetMesh four = box_tets({0, 0, 0}, {0.3, 0.1, 0.2}, 2, 1, 1);
-  for (const TetMesh& mesh : {four, with_edge_nodes(four)}) {
-    SolidModel model;
-    model.mesh = mesh;
-    model.material = material_from_young("neo-hooke-abaqus", 1e6, 0.3);
-    for (int n = 0; n < mesh.node_count(); ++n) {
-      if (mesh.nodes(0, n) == 0.0) model.fixed_nodes.push_back(n);
-    }
-    const Eigen::Matrix3Xd load = Eigen::Matrix3Xd::Ones(3, mesh.node_count());
-    const std::string deck = calculix_deck(model, load, std::array{0.5, 1.0});
-    const double unit = calculix_units(model).length;
-    const TetMesh again = value_or_throw(parse_inp(deck, "a.inp")).mesh;
-    REQUIRE(again.tet_count() == mesh.tet_count());
-    REQUIRE(again.is_quadratic() == mesh.is_quadratic());
-    const auto same = [&](int a, int b) {
-      return (unit * again.nodes.col(a) - mesh.nodes.col(b)).norm() <=
-             tolerance(1e-12, "13 digits in the deck");
-    };
-    for (int e = 0; e < mesh.tet_count(); ++e) {
-      for (int k = 0; k < 4; ++k) CHECK(same(again.tets(k, e), mesh.tets(k, e)));
-      for (int k = 0; mesh.is_quadratic() && k < 6; ++k) {
-        CHECK(same(again.edge_nodes(k, e), mesh.edge_nodes(k, e)));
-      }
-    }
-  }
 }
 
 TEST_CASE("CalculiX' own beams of hexahedra are refused by their element type", "[bake][inp]") {

@@ -63,14 +63,14 @@ VolumeMesh number_anew(const FileMesh& file) {
   std::unordered_map<std::int64_t, int> number_of;
   std::vector<Eigen::Vector3d> nodes;
   for (Eigen::Index e = 0; e < tet_count; ++e) {
-    const FileMesh::Tet& tet = file.tets[static_cast<std::size_t>(e)];
+    const FileMesh::Tet& tet = file.tets[e];
     if (tet.node_count != node_count) {
       throw MeshDefect{tet.line, fmt::format("tetrahedron {} has {} nodes, those before have {}; "
                                              "mesh the body with elements of one order",
                                              tet.number, tet.node_count, node_count)};
     }
     for (int k = 0; k < node_count; ++k) {
-      const std::int64_t node = tet.nodes[static_cast<std::size_t>(k)];
+      const std::int64_t node = tet.nodes[k];
       const auto at = file.nodes.find(node);
       if (at == file.nodes.end()) {
         throw MeshDefect{tet.line, fmt::format("tetrahedron {} has a {} {} that is not a node",
@@ -114,7 +114,7 @@ VolumeMesh number_anew(const FileMesh& file) {
       Eigen::Vector3i corners;
       bool used = true;
       for (int k = 0; k < 3; ++k) {
-        const auto at = number_of.find(face[static_cast<std::size_t>(k)]);
+        const auto at = number_of.find(face[k]);
         used = used && at != number_of.end();
         if (used) corners[k] = at->second;
       }

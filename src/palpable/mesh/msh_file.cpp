@@ -167,7 +167,7 @@ class MshReader {
     std::array<std::size_t, 4> counts{};
     for (std::size_t& count : counts) count = head.count("the number of entities");
     for (int dimension = 0; dimension < 4; ++dimension) {
-      for (std::size_t i = 0; i < counts[static_cast<std::size_t>(dimension)]; ++i) {
+      for (std::size_t i = 0; i < counts[dimension]; ++i) {
         Numbers row = numbers();
         const auto tag = row.next<std::int64_t>("an entity's number");
         // A point's place, or the two corners of a bounding box.
@@ -201,8 +201,7 @@ class MshReader {
                    const std::vector<std::int64_t>& groups, Numbers& row) {
     std::array<std::int64_t, 10> nodes{};
     for (int k = 0; k < type.nodes; ++k) {
-      nodes[static_cast<std::size_t>(type.dimension == 3 ? kGmshEdge[k] : k)] =
-          row.next<std::int64_t>("a node number");
+      nodes[type.dimension == 3 ? kGmshEdge[k] : k] = row.next<std::int64_t>("a node number");
     }
     if (type.dimension == 3) return add_tet(type, number, groups, nodes);
     for (const std::int64_t group : groups) {
@@ -223,7 +222,7 @@ class MshReader {
     const auto [at, is_new] = tet_of_.try_emplace(number, static_cast<int>(mesh_.tets.size()));
     if (is_new) {
       mesh_.tets.push_back({number, text_.line(), type.nodes, nodes});
-    } else if (mesh_.tets[static_cast<std::size_t>(at->second)].nodes != nodes) {
+    } else if (mesh_.tets[at->second].nodes != nodes) {
       text_.bad(fmt::format("element {} comes twice, with different nodes", number));
     }
     for (const std::int64_t group : groups) {
@@ -339,8 +338,7 @@ void write_msh_file(const std::filesystem::path& path, const TetMesh& mesh) {
   for (int t = 0; t < triangles; ++t) {
     std::array<int, 3> v{};
     for (int k = 0; k < 3; ++k) {
-      v[static_cast<std::size_t>(k)] =
-          boundary.node_of_vertex[static_cast<std::size_t>(boundary.surface.triangles(k, t))];
+      v[k] = boundary.node_of_vertex[boundary.surface.triangles(k, t)];
     }
     text += fmt::format("{} {} 2 2 1 {} {} {}", t + 1,
                         mesh.is_quadratic() ? kQuadraticTriangle : kTriangle, v[0] + 1, v[1] + 1,

@@ -43,10 +43,10 @@ const char* tetgen_complaint(int code) {
 // Hands the surface over: TetGen frees what it is given with delete[].
 void fill(tetgenio& in, const SurfaceMesh& surface) {
   in.numberofpoints = surface.vertex_count();
-  in.pointlist = new REAL[static_cast<std::size_t>(surface.vertices.size())];
+  in.pointlist = new REAL[surface.vertices.size()];
   std::copy_n(surface.vertices.data(), surface.vertices.size(), in.pointlist);
   in.numberoffacets = surface.triangle_count();
-  in.facetlist = new tetgenio::facet[static_cast<std::size_t>(surface.triangle_count())];
+  in.facetlist = new tetgenio::facet[surface.triangle_count()];
   for (int t = 0; t < surface.triangle_count(); ++t) {
     tetgenio::facet& facet = in.facetlist[t];
     tetgenio::init(&facet);

@@ -10,8 +10,8 @@
 namespace palpable {
 
 std::vector<int> with_edge_middles(const TetMesh& mesh, const std::vector<int>& nodes) {
-  std::vector<char> chosen(static_cast<std::size_t>(mesh.node_count()), 0);
-  for (const int n : nodes) chosen[static_cast<std::size_t>(n)] = 1;
+  std::vector<char> chosen(mesh.node_count(), 0);
+  for (const int n : nodes) chosen[n] = 1;
   std::vector<int> all = nodes;
   for (Eigen::Index e = 0; e < mesh.edge_nodes.cols(); ++e) {
     for (int k = 0; k < 6; ++k) {

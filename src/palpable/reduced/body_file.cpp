@@ -217,6 +217,7 @@ void write_all(hid_t file, const ReducedBody& body, ModeStorage storage) {
           "the slopes of the press are not tabulated");
   write_text(file, "name", body.name);
   write_text(file, "material", body.material);
+  write_text(file, "method", body.method);
   write_number(file, "largest_von_mises", body.largest_von_mises);
 
   {
@@ -465,7 +466,7 @@ void read_further(hid_t file, ReducedBody& body) {
   hsize_t K = 1;
   for (int j = 0; j < static_cast<int>(count); ++j) {
     const Handle one = open_group(g, fmt::format("{}", j).c_str());
-    const ParameterAxis& axis = body.displacement.axes()[static_cast<std::size_t>(j) + 2];
+    const ParameterAxis& axis = body.displacement.axes()[j + 2];
     FurtherParameter p{read_text(one, "name"), axis.samples, read_number(one, "value")};
     const Table<double> samples =
         read_table<double>(one, "samples", static_cast<hsize_t>(axis.samples.size()), 1);
@@ -610,6 +611,15 @@ HeldOutRecord read_held_out(hid_t file, const ReducedBody& body) {
   return record;
 }
 
+// Files that were written before there was an attribute "method" name it in the first word of a
+// line of the provenance, or nowhere.
+std::string method_of_old_file(const ReducedBody& body) {
+  for (const auto& [key, value] : body.provenance) {
+    if (key == "reduction") return value.substr(0, value.find(' '));
+  }
+  return {};
+}
+
 ReducedBody read_all(hid_t file) {
   // A body cannot exist without its fields, so they start as one zero mode and are replaced below.
   const auto nothing = [](Eigen::Index rows) {
@@ -659,6 +669,7 @@ ReducedBody read_all(hid_t file) {
     body.provenance.emplace_back(read_text(g, fmt::format("{:03}_key", i).c_str()),
                                  read_text(g, fmt::format("{:03}_value", i).c_str()));
   }
+  body.method = has(file, "method") ? read_text(file, "method") : method_of_old_file(body);
   return body;
 }
 

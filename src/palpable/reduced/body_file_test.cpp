@@ -1,5 +1,6 @@
 #include "palpable/reduced/body_file.h"
 
+#include "palpable/reduced/hdf5_tools.h"
 #include "tests/support/bodies.h"
 #include "tests/support/test.h"
 
@@ -55,6 +56,7 @@ ReducedBody full_ball() {
 // What the error report may hold beside: 6 sites x 4 levels x 9 combinations of further values.
 ReducedBody reported_ball() {
   ReducedBody body = full_ball();
+  body.method = "pgd";
   ErrorCourse course{Eigen::Vector3i(1, 2, 5), Eigen::Vector3d(0.1, 0.02, 0.003),
                      Eigen::MatrixXf(6 * 4 * 9, 3)};
   for (Eigen::Index k = 0; k < course.snapshots.size(); ++k) {
@@ -112,6 +114,40 @@ ReducedBody written_and_read(const ReducedBody& body, ModeStorage storage = Mode
   return value_or_throw(read_body_file(folder / "ball.palpable"));
 }
 
+// A body file as it was written before there was an attribute "method".
+void write_old_file(const fs::path& path, const ReducedBody& body) {
+  constexpr std::string_view kKind = "palpable body file";
+  write_body_file(path, body);
+  const hdf5::Image image(hdf5::all_bytes(path), kKind, kBodyFileVersion, "a body", "");
+  const hdf5::Handle none(H5Pcreate(H5P_OBJECT_COPY), H5Pclose, "no memory");
+  hdf5::write_durably(
+      path, hdf5::image_of(kKind, kBodyFileVersion, [&](hid_t file) {
+        for (const char* text : {"name", "material"}) {
+          hdf5::write_text(file, text, hdf5::read_text(image.file(), text));
+        }
+        hdf5::write_number(file, "largest_von_mises",
+                           hdf5::read_number(image.file(), "largest_von_mises"));
+        for (const char* group :
+             {"surface", "sites", "displacement", "stress", "error", "provenance"}) {
+          REQUIRE(H5Ocopy(image.file(), group, file, group, none, H5P_DEFAULT) >= 0);
+        }
+      }));
+}
+
+TEST_CASE("an older file names its method in its provenance, or nowhere", "[reduced][files]") {
+  const Folder folder;
+  ReducedBody body = small_ball();
+  body.method = "lost with the attribute";
+  write_old_file(folder / "old.palpable", body);
+  CHECK(value_or_throw(read_body_file(folder / "old.palpable")).method.empty());
+  body.provenance.emplace_back("reduction", "per-site (a POD of each site's levels)");
+  write_old_file(folder / "old.palpable", body);
+  CHECK(value_or_throw(read_body_file(folder / "old.palpable")).method == "per-site");
+  // Where the attribute is there, the text is for people alone.
+  body.method = "hosvd";
+  CHECK(written_and_read(body).method == "hosvd");
+}
+
 TEST_CASE("a body that was written is read back the same", "[reduced][files]") {
   for (const ReducedBody& body : {small_ball(), full_ball(), reported_ball(), several_ball()}) {
     const ReducedBody again = written_and_read(body);
@@ -125,6 +161,7 @@ TEST_CASE("a body that was written is read back the same", "[reduced][files]") {
     CHECK(again.level_slope == body.level_slope);
     CHECK(again.largest_von_mises == body.largest_von_mises);
     CHECK(again.provenance == body.provenance);
+    CHECK(again.method == body.method);
     CHECK(again.error.displacement_worst == body.error.displacement_worst);
     CHECK(again.error.stress_pooled == body.error.stress_pooled);
     CHECK(again.error.stress_rounding == 0);
@@ -186,7 +223,7 @@ TEST_CASE("a body in half precision takes half the bytes and says what that cost
   const ReducedBody half = value_or_throw(read_body_file(folder / "half.palpable"));
   // 11 bits: at most 2^-12 = 2.4e-4 for each value, evenly spread over that: 1 / sqrt(3) of it.
   double error = 0, whole = 0;
-  std::vector<float> a(static_cast<std::size_t>(body.stress.value_count())), b(a.size());
+  std::vector<float> a(body.stress.value_count()), b(a.size());
   for (int s = 0; s < 6; ++s) {
     for (const double level : body.levels()) {
       body.stress.evaluate(std::array{double(s), level}, a);
@@ -235,7 +272,7 @@ TEST_CASE("a file of layout 1 is read for ever", "[reduced][files]") {
     // The closed form of tests/support/bodies.h; the full one is in half precision.
     const ReducedBody here = settled(full ? full_ball() : small_ball()).value();
     const ReducedBody one = settled(body).value();
-    std::vector<float> a(static_cast<std::size_t>(one.displacement.value_count())), b(a.size());
+    std::vector<float> a(one.displacement.value_count()), b(a.size());
     one.displacement.evaluate(std::array{4.0, 0.6}, a);
     here.displacement.evaluate(std::array{4.0, 0.6}, b);
     for (std::size_t i = 0; i < a.size(); ++i) {

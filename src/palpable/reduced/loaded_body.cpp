@@ -92,7 +92,7 @@ OnSkin nearest_skin(const SurfaceMesh& skin, const Vector3d& X) {
   }
   const double rounding = rounding_of(skin);
   for (Index t = 0; t < skin.triangles.cols(); ++t) {
-    if (distance[static_cast<std::size_t>(t)] > nearest.distance + rounding) continue;
+    if (distance[t] > nearest.distance + rounding) continue;
     nearest.normals.push_back(normal_of(skin, t));
   }
   return nearest;
@@ -255,7 +255,7 @@ double LoadedBody::press_depth(int place) const {
 
 std::string refusal_text(const ReducedBody& body, const LoadedBody::Answer& answer,
                          std::span<const PlacedLoad> loads) {
-  const auto refused = [&] { return loads[static_cast<std::size_t>(answer.load)]; };
+  const auto refused = [&] { return loads[answer.load]; };
   switch (answer.refused) {
     case LoadsRefused::kNot:
       return "";

@@ -45,11 +45,11 @@ TEST_CASE("the body under several loads is in equilibrium with all of them", "[r
   (void)energy.evaluate(loaded.amplitudes());
   CHECK((energy.gradient() - f).norm() <= tolerance(1e-6, "where Newton ends") * f.norm());
 
-  std::vector<float> u(static_cast<std::size_t>(F.rows()));
+  std::vector<float> u(F.rows());
   loaded.displacement(u);
   const VectorXd expected = F.cast<double>() * loaded.amplitudes();
   for (Index i = 0; i < expected.size(); ++i) {
-    CHECK(static_cast<double>(u[static_cast<std::size_t>(i)]) ==
+    CHECK(static_cast<double>(u[i]) ==
           Approx(expected[i]).margin(tolerance(1e-7, "single precision of 10 mm")));
   }
   // The press of a place is the mean of its patch along its load.
@@ -79,7 +79,7 @@ TEST_CASE("from the last answer the next is found in fewer steps, and nothing is
   const ReducedBody body = test::with_several(test::pressed_ball(0.05, 0.01, 1));
   LoadedBody loaded = LoadedBody::make(body).value();
   std::array<PlacedLoad, 2> loads{PlacedLoad{4, 0.7}, PlacedLoad{kBall, 0.5}};
-  std::vector<float> u(static_cast<std::size_t>(body.several->modes.rows()));
+  std::vector<float> u(body.several->modes.rows());
   LoadedBody::Answer far, near;
   static_assert(noexcept(loaded.solve(loads)));
   CHECK(test::allocations_during([&] {

@@ -42,7 +42,7 @@ TEST_CASE("arrays of another length are refused", "[reduced][errors]") {
   const Eigen::Index V = body.surface.vertices.cols();
   const Eigen::Matrix3Xf rest = body.surface.vertices.cast<float>();
   Eigen::Matrix3Xf vertices(3, V), normals(3, V - 1);
-  std::vector<float> mises(static_cast<std::size_t>(V));
+  std::vector<float> mises(V);
   CHECK_THROWS_AS(press_surface(body, rest, std::array{0.0, 0.5}, vertices, normals, mises),
                   ContractViolation);
 }

@@ -90,7 +90,7 @@ Result<ReducedBody> settled(const ReducedBody& body, const std::map<std::string,
       return Problem{
           fmt::format("between its samples the loads or depths of site {} are not ordered", s)};
     }
-    result.sites[static_cast<std::size_t>(s)].full_load = load(s, 0);
+    result.sites[s].full_load = load(s, 0);
   }
   result.further_press_depth.resize(0, 0);
   result.further_full_load.resize(0, 0);

@@ -132,6 +132,9 @@ struct ReducedBody {
   /// Where every number comes from: mesh source and sizes, material, method, program version,
   /// command line, ... as (key, value) lines in the order in which to show them.
   std::vector<std::pair<std::string, std::string>> provenance;
+  /// How the modes were found: "per-site", "pgd", ... (ReductionMethod), "intrusive"; empty: not
+  /// known, as of another program's modes.
+  std::string method = {};
 
   /// Parameters 3, 4, ... K is the product of their counts of samples, the last one runs fastest.
   std::vector<FurtherParameter> further = {};

@@ -82,10 +82,10 @@ int SeparatedField::largest_block() const {
 
 std::pair<int, int> SeparatedField::block(int j, Eigen::Index k) const {
   PALPABLE_EXPECT(j >= 0 && static_cast<std::size_t>(j) < axes_.size(), "the axis exists");
-  const Table& table = tables_[static_cast<std::size_t>(j)];
+  const Table& table = tables_[j];
   if (table.block.empty()) return {0, mode_count()};
   PALPABLE_EXPECT(k >= 0 && k < static_cast<Eigen::Index>(table.block.size()), "the sample exists");
-  return table.block[static_cast<std::size_t>(k)];
+  return table.block[k];
 }
 
 SeparatedField::Point SeparatedField::point(std::span<const double> mu, int derived) const {
@@ -99,7 +99,7 @@ SeparatedField::Point SeparatedField::point(std::span<const double> mu, int deri
       continue;
     }
     at.axes[j] = chosen(axes_[j], mu[j]);
-    const auto [first, end] = tables_[j].block[static_cast<std::size_t>(at.axes[j].left)];
+    const auto [first, end] = tables_[j].block[at.axes[j].left];
     at.first = std::max(at.first, first);
     at.end = std::min(at.end, end);
   }
@@ -177,9 +177,9 @@ void SeparatedField::derivative(std::span<const double> mu, int j, std::span<flo
 
 void SeparatedField::derivative_part(std::span<const double> mu, int j, int first,
                                      std::span<float> du) const {
-  PALPABLE_EXPECT(j >= 0 && static_cast<std::size_t>(j) < axes_.size() &&
-                      axes_[static_cast<std::size_t>(j)].between == Between::kSmooth,
-                  "the parameter is a quantity");
+  PALPABLE_EXPECT(
+      j >= 0 && static_cast<std::size_t>(j) < axes_.size() && axes_[j].between == Between::kSmooth,
+      "the parameter is a quantity");
   sum(point(mu, j), first, du);
 }
 
@@ -231,7 +231,7 @@ SeparatedField one_block_per_choice(const std::string& name,
   }
   Eigen::Index first = 0;
   for (Eigen::Index c = 0; c < S; ++c) {
-    const SeparatedField& block = blocks[static_cast<std::size_t>(c)];
+    const SeparatedField& block = blocks[c];
     const Eigen::Index count = block.mode_count();
     F.middleCols(first, count) = block.modes();
     axes[0].functions.row(c).segment(first, count).setOnes();

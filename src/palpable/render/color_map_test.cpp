@@ -49,7 +49,7 @@ std::vector<float> on_gpu(const std::string& include, const std::string& express
   program.value().use();
   const FullScreenTriangle triangle;
   triangle.draw();
-  std::vector<float> values(4 * static_cast<std::size_t>(width));
+  std::vector<float> values(4 * width);
   framebuffer.read(0, 0, 0, width, 1, GL_RGBA, GL_FLOAT, values.data());
   return values;
 }
@@ -83,8 +83,7 @@ TEST_CASE("the shader paints the colours of the C++ function", "[render][Fig16]"
     const Rgb expected = color_of_share(static_cast<float>(i) / 160.0f - 0.1f);
     const std::array<std::uint8_t, 3> bytes{expected.r, expected.g, expected.b};
     for (std::size_t c = 0; c < 3; ++c) {
-      CHECK(std::abs(255.0f * painted[4 * static_cast<std::size_t>(i) + c] -
-                     static_cast<float>(bytes[c])) <=
+      CHECK(std::abs(255.0f * painted[4 * i + c] - static_cast<float>(bytes[c])) <=
             tolerance(0.502, "rounding to a byte, and of terms up to 110 in single precision"));
     }
   }

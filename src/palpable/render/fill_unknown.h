@@ -1,7 +1,7 @@
 /// @file
-/// Depth images have holes along every outline: what one eye sees and the other does not, what the
-/// matcher refuses. For occlusion they are closed: the first with the background, a small one of
-/// the second kind with its nearest known neighbour.
+/// Closes the holes of a depth image, so that occlusion has a depth everywhere near an outline.
+/// Holes come from two causes: what only one eye sees, which is background, and what the matcher
+/// refuses, which is filled from the nearest known pixel where the hole is small.
 #pragma once
 
 #include "palpable/geometry/image.h"

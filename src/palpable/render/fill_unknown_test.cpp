@@ -62,8 +62,7 @@ TEST_CASE("a hole takes its nearest known neighbour within the radius", "[render
     for (int y = box.y0; y < box.y1; ++y) {
       for (int x = box.x0; x < box.x1; ++x) {
         INFO("pixel " << x << " " << y);
-        CHECK(filled[static_cast<std::size_t>((y - box.y0) * box.width() + x - box.x0)] ==
-              slow_fill(depth, box, 3, x, y));
+        CHECK(filled[(y - box.y0) * box.width() + x - box.x0] == slow_fill(depth, box, 3, x, y));
       }
     }
   }
@@ -95,7 +94,7 @@ TEST_CASE("a hole that is too long for one eye alone is not called background", 
   std::vector<signed char> nearest;
   std::vector<float> filled;
   fill_unknown(depth, {0, 0, depth.width(), 1}, 3, nearest, filled);
-  CHECK(filled[static_cast<std::size_t>(kLongestHalfSeen) + 1] == 0.3f);
+  CHECK(filled[kLongestHalfSeen + 1] == 0.3f);
   CHECK(filled[kLongestHalfSeen / 2] == 0.0f);
 }
 

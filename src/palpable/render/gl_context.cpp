@@ -62,8 +62,7 @@ std::vector<EGLDisplay> displays_without_screen() {
     if (eglQueryDevicesEXT(static_cast<EGLint>(devices.size()), devices.data(), &count) ==
         EGL_TRUE) {
       for (EGLint i = 0; i < count; ++i) {
-        displays.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT,
-                                                    devices[static_cast<std::size_t>(i)], nullptr));
+        displays.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr));
       }
     }
   }

@@ -99,7 +99,7 @@ std::string readable_log(std::string_view log, const std::vector<ExpandedShader:
   if (std::sscanf(line.c_str(), "%*u%*1[:(]%zu%n", &number, &used) != 1) return line;
   if (number == 0 || number > origins.size()) return line;
   return fmt::format("{}:{}{}", origins[number - 1].file, origins[number - 1].line,
-                     line.substr(static_cast<std::size_t>(used)));
+                     line.substr(used));
 }
 
 Result<GLuint> compile(std::span<const ShaderFile> files, std::string_view name, GLenum stage,
@@ -116,7 +116,7 @@ Result<GLuint> compile(std::span<const ShaderFile> files, std::string_view name,
   if (good == GL_TRUE) return shader;
   GLint length = 0;
   glGetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
-  std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
+  std::string log(std::max(length, 1), '\0');
   glGetShaderInfoLog(shader, length, nullptr, log.data());
   glDeleteShader(shader);
   return Problem{
@@ -145,7 +145,7 @@ Result<GlProgram> GlProgram::make(std::span<const ShaderFile> files, std::string
   if (good == GL_TRUE) return program;
   GLint length = 0;
   glGetProgramiv(program.get(), GL_INFO_LOG_LENGTH, &length);
-  std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
+  std::string log(std::max(length, 1), '\0');
   glGetProgramInfoLog(program.get(), length, nullptr, log.data());
   return Problem{
       fmt::format("{} and {} do not link: {}", vertex, fragment, readable_log(log.c_str(), {}))};

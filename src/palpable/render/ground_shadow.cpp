@@ -9,7 +9,7 @@ namespace {
 constexpr int kBlurRadius = 3;                // cells; twice in each direction
 constexpr int kMargin = 2 * kBlurRadius + 2;  // one for rounding
 
-std::size_t cell(int x, int y) { return static_cast<std::size_t>(y * GroundShadow::kSide + x); }
+int cell(int x, int y) { return y * GroundShadow::kSide + x; }
 
 }  // namespace
 

@@ -49,7 +49,7 @@ struct Wall {
       const double v = i < 2 ? -1 : i < 6 ? 99.5 : 242;
       vertices.col(i) = kCamera.unproject(i % 2 == 0 ? u0 : u1, v, Z).cast<float>();
       normals.col(i) = Eigen::Vector3f(0, 0, to_camera ? -1.0f : 1.0f);
-      colors[static_cast<std::size_t>(i)] = i < 4 ? Rgb{200, 0, 0} : Rgb{0, 200, 0};
+      colors[i] = i < 4 ? Rgb{200, 0, 0} : Rgb{0, 200, 0};
     }
     // Counter-clockwise for the eye: its picture's Y points down.
     triangles.resize(3, 4);

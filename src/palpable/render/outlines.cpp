@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kSpatialReach = 40;  // R_s, px
 constexpr float kColorReach = 40;    // R_c, grey levels, Euclidean over r g b
-constexpr float kNothing = 1e-3f;    // of a P and of a sum of weights: as good as none
+constexpr float kNothing = 1e-3f;    // a sum of weights below this counts as none
 
 constexpr int kLanes = 8;
 // Of a window in one row of the lattice, rounded up to whole lanes.
@@ -48,7 +48,7 @@ void RealOutlines::find(const ColorImage& picture, const PixelBox& box,
   const std::size_t count = at(0, h_);
   PALPABLE_EXPECT(depth.size() >= count && guessed.size() >= count, "depth and guesses fill a box");
   z_.assign(depth.begin(), depth.begin() + static_cast<std::ptrdiff_t>(count));
-  take_colors(picture, box);
+  average_colors(picture, box);
   find_doubts(guessed);
   build_lattice();
   const PixelBox own{inner.x0 - box.x0, inner.y0 - box.y0, inner.x1 - box.x0, inner.y1 - box.y0};
@@ -57,7 +57,7 @@ void RealOutlines::find(const ColorImage& picture, const PixelBox& box,
   write_fine(picture, box, own);
 }
 
-void RealOutlines::take_colors(const ColorImage& picture, const PixelBox& box) {
+void RealOutlines::average_colors(const ColorImage& picture, const PixelBox& box) {
   color_.resize(at(0, h_));
   for (int y = 0; y < h_; ++y) {
     const Rgb* upper = picture.row(2 * (box.y0 + y)) + 2 * box.x0;

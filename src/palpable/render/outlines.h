@@ -2,9 +2,9 @@
 /// Outlines of what hides the body, at the picture's resolution.
 ///
 /// A stereo matcher that works at half the resolution widens near things by up to six of its pixels
-/// towards the left, where the left eye alone sees what is behind them, and closes narrow gaps
-/// between them. Where its depth jumps, the picture itself says more: what lies on which side is
-/// decided by colour.
+/// towards the left, where only the left eye sees the background, and closes narrow gaps between
+/// near things. The picture knows better: beside a jump of the depth, the colour of each pixel
+/// decides on which side of the jump it lies.
 ///
 ///   w, h  size of the depth in question, half of the picture's
 #pragma once
@@ -21,28 +21,29 @@ namespace palpable {
 
 /// Decides anew on which side of a jump the pixels beside it lie.
 ///
-/// **In doubt** are pixels up to kDoubtLeft px right of something that is farther by a kJump or
-/// that is a guess, kDoubtRight left of it, kDoubtAcross below or above it; the pixel next to
-/// something nearer; and guesses. All others are sure.
+/// **Pixels in doubt.** Call a pixel F when its depth is a guess or is farther than that of the
+/// pixel in question by more than kJump. In doubt are the pixels up to kDoubtLeft px right of an F,
+/// up to kDoubtRight px left of one, and up to kDoubtAcross px above or below one; pixels that
+/// touch one that is nearer by more than kJump; and guesses. All others are sure.
 ///
-/// **Decision** for a pixel p in doubt with colour c_p, over the sure pixels q of a lattice, every
-/// kLatticeStep px within kWindow px of p. The harmonic mean of the least and the largest depth of
-/// them parts what is near (n) from what is far (f):
+/// **Decision** for a pixel p in doubt with colour c_p. Only sure pixels q vote, of a lattice with
+/// a step of kLatticeStep px, within kWindow px of p. The harmonic mean of their least and largest
+/// depth separates the near ones (n) from the far ones (f):
 ///
 ///     P_k(p) = sum_{q in k} s(p, q) g(c_p - c_q)  /  sum_{q in k} s(p, q),     k = n, f
 ///     s = max(0, 1 - |p - q|^2 / R_s^2)^2,   g = max(0, 1 - |c_p - c_q|^2 / R_c^2)^2
 ///
-/// how well the colour fits each side, whatever their sizes. (The weights are those of adaptive
-/// support, Yoon and Kweon 2006, on labels instead of costs.) The larger one wins; if p lay on the
-/// other side it takes the winner's mean depth. Where the window shows no jump, p keeps its depth.
-/// Last, a median of 3 x 3.
+/// P_k is how well the colour fits side k, independent of how many pixels are on that side. (The
+/// weights are those of adaptive support, Yoon and Kweon 2006, on labels instead of costs.) The
+/// side with the larger P wins; a p that lay on the other side gets the winner's mean depth. Where
+/// the window shows no jump, p keeps its depth. At last a median of 3 x 3 smooths what was decided.
 ///
-/// **Full resolution**: of the half pixels beside a jump, each of the four picture pixels goes to
-/// the side whose mean colour within 2 px is the more like its own.
+/// **Full resolution.** A half pixel beside a jump covers four pixels of the picture; each of them
+/// goes to the side whose mean colour within 2 half pixels is more like its own.
 class RealOutlines {
  public:
-  static constexpr float kJump =
-      0.06f;                            ///< share of the depth; a desk seen at 80 degrees has 1.6 %
+  /// Share of the depth from one pixel to the next; a desk seen at 80 degrees has 1.6 %.
+  static constexpr float kJump = 0.06f;
   static constexpr int kDoubtLeft = 5;  ///< px; the matcher widens by 3-6
   static constexpr int kDoubtRight = 3;
   static constexpr int kDoubtAcross = 3;
@@ -76,7 +77,8 @@ class RealOutlines {
     int height = 0;
     std::vector<float> sure, r, g, b, inverse;  // inverse: 1/m
   };
-  // How well a colour fits the two sides, and their mean depths in m; `parted` if both are there.
+  // How well a colour fits the two sides, and their mean depths in m; `parted` if the window has
+  // both sides.
   struct Verdict {
     bool parted = false;
     float split = 0;  // 1/m
@@ -87,7 +89,7 @@ class RealOutlines {
   [[nodiscard]] std::size_t at(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(w_) + static_cast<std::size_t>(x);
   }
-  void take_colors(const ColorImage& picture, const PixelBox& box);
+  void average_colors(const ColorImage& picture, const PixelBox& box);
   void find_doubts(std::span<const signed char> guessed);
   void build_lattice();
   [[nodiscard]] Verdict of_window(int x, int y) const;

@@ -54,7 +54,7 @@ struct Case {
       }
     }
   }
-  float& at(int x, int y) { return depth[static_cast<std::size_t>(y * kWidth + x)]; }
+  float& at(int x, int y) { return depth[y * kWidth + x]; }
 
   // Picture pixels of the inner box on the wrong side.
   [[nodiscard]] int wrong(std::span<const float> fine) const {
@@ -62,7 +62,7 @@ struct Case {
     const int stride = 2 * inner.width();
     for (int y = 0; y < 2 * inner.height(); ++y) {
       for (int x = 0; x < stride; ++x) {
-        const float z = fine[static_cast<std::size_t>(y * stride + x)];
+        const float z = fine[y * stride + x];
         const bool near = z > 0 && z < 0.42f;
         count += near != (truth(2 * inner.x0 + x, 2 * inner.y0 + y) != 0) ? 1 : 0;
       }
@@ -73,7 +73,7 @@ struct Case {
     std::vector<float> fine;
     for (int y = 2 * inner.y0; y < 2 * inner.y1; ++y) {
       for (int x = 2 * inner.x0; x < 2 * inner.x1; ++x) {
-        fine.push_back(depth[static_cast<std::size_t>(y / 2 * kWidth + x / 2)]);
+        fine.push_back(depth[y / 2 * kWidth + x / 2]);
       }
     }
     return wrong(fine);
@@ -111,7 +111,7 @@ TEST_CASE("a gap between two fingers opens where its depth was not known", "[ren
   for (int y = 51; y <= 57; ++y) {
     for (int x = 45; x < kWidth; ++x) {
       c.at(x, y) = kHand;
-      if (y >= 53 && y <= 55) c.guessed[static_cast<std::size_t>(y * kWidth + x)] = 3;
+      if (y >= 53 && y <= 55) c.guessed[y * kWidth + x] = 3;
     }
   }
   const int before = c.wrong_without();
@@ -138,7 +138,7 @@ TEST_CASE("what shows no jump keeps its depth to the bit, whatever its colours a
     for (int x = 0; x < stride; ++x) {
       const int u = c.inner.x0 + x / 2, v = c.inner.y0 + y / 2;
       if (std::abs(u - 60) <= 1 && std::abs(v - 50) <= 1) continue;  // within its median
-      REQUIRE(fine[static_cast<std::size_t>(y * stride + x)] == c.at(u, v));
+      REQUIRE(fine[y * stride + x] == c.at(u, v));
     }
   }
 }
@@ -153,7 +153,7 @@ TEST_CASE("far from every jump the depth is what it was", "[render][outlines][la
     for (int x = 0; x < stride; ++x) {
       const int u = c.inner.x0 + x / 2, v = c.inner.y0 + y / 2;
       if (u >= 72 && u <= 80) continue;
-      REQUIRE(fine[static_cast<std::size_t>(y * stride + x)] == c.at(u, v));
+      REQUIRE(fine[y * stride + x] == c.at(u, v));
     }
   }
 }

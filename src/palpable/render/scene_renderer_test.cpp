@@ -283,7 +283,7 @@ TEST_CASE("the picture's geometry is PinholeCamera's to a tenth of a pixel", "[r
       const Eigen::Vector3d x = kCamera.unproject(
           160 + 100 * std::cos(angle), 120 + 95 * std::sin(angle), 0.5 + 0.3 * unit(random));
       surface.vertices.col(i) = x;
-      corner[static_cast<std::size_t>(i)] = kCamera.project(x);
+      corner[i] = kCamera.project(x);
     }
     const Drawn drawn = draw(*gl.renderer, {.camera = kCamera, .bodies = {Skin(surface).look()}});
     for (int y = 0; y < kCamera.height; ++y) {
@@ -318,7 +318,7 @@ TEST_CASE("stress is painted: more of it is lighter, marks cover it", "[render][
   PALPABLE_NEEDS_RENDERER(gl);
   const Skin skin = plate();
   const auto color_at = [&](float stress, float mark) {
-    const std::vector<float> scalar(static_cast<std::size_t>(skin.vertices.cols()), stress);
+    const std::vector<float> scalar(skin.vertices.cols(), stress);
     const std::vector<float> marks(scalar.size(), mark);
     BodyLook look = skin.look();
     look.scalar = scalar;
@@ -415,8 +415,8 @@ TEST_CASE("a shadow is darkest at the body's foot and gone at its rim", "[render
   CHECK(at(0.035f, 0) < at(0, 0));
   CHECK(at(-0.035f, 0) < at(0.035f, 0));
   for (int i = 0; i < GroundShadow::kSide; ++i) {
-    CHECK(shadow.shade()[static_cast<std::size_t>(i)] == 0.0f);
-    CHECK(shadow.shade()[static_cast<std::size_t>(i * GroundShadow::kSide)] == 0.0f);
+    CHECK(shadow.shade()[i] == 0.0f);
+    CHECK(shadow.shade()[i * GroundShadow::kSide] == 0.0f);
   }
   shadow.cast(skin.vertices, skin.triangles, Eigen::Vector3f(0, 0, -1));
   CHECK(*std::max_element(shadow.shade().begin(), shadow.shade().end()) == 0.0f);
@@ -467,7 +467,7 @@ TEST_CASE("sizes that do not match are the caller's bug", "[render]") {
 TEST_CASE("drawing again allocates nothing of ours, and gives the same picture", "[render]") {
   PALPABLE_NEEDS_RENDERER(gl);
   const Skin skin(sphere_surface({0, 0, 0.5}, 0.05, 4));
-  const std::vector<float> stress(static_cast<std::size_t>(skin.vertices.cols()), 3e3f);
+  const std::vector<float> stress(skin.vertices.cols(), 3e3f);
   const std::array<Dot, 2> dots{Dot{{0, 0, 0.45f}, 0.003f, {}}, Dot{{0.05f, 0, 0.5f}, 0.003f, {}}};
   const ColorImage background(kCamera.width, kCamera.height, {80, 90, 100});
   const DepthImage real = two_walls(0.4f, 0.7f, 160, 2);

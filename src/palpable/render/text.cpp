@@ -20,8 +20,7 @@ const FontSize& nearest_size(float size) {
 }
 
 const Glyph& glyph_of(const FontSize& size, int letter) {
-  const auto glyphs = detail::font_table().glyphs.subspan(static_cast<std::size_t>(size.first),
-                                                          static_cast<std::size_t>(size.count));
+  const auto glyphs = detail::font_table().glyphs.subspan(size.first, size.count);
   const auto found = std::lower_bound(glyphs.begin(), glyphs.end(), letter,
                                       [](const Glyph& g, int c) { return g.letter < c; });
   if (found != glyphs.end() && found->letter == letter) return *found;
@@ -79,7 +78,7 @@ void draw_text(ColorImage& picture, float x, float y, std::string_view text, flo
     const int top = baseline + glyph.top;
     for (int v = std::max(0, -top); v < std::min(glyph.height, picture.height() - top); ++v) {
       for (int u = std::max(0, -left); u < std::min(glyph.width, picture.width() - left); ++u) {
-        const auto at = static_cast<std::size_t>(glyph.ink + v * glyph.width + u);
+        const auto at = glyph.ink + v * glyph.width + u;
         mix(picture(left + u, top + v), color, opacity * static_cast<float>(ink[at]) / 255.0f);
       }
     }

@@ -78,7 +78,7 @@ void DepthScorer::add_distances(const DepthCounts& truth, const LabelImage& labe
     }
     const int k = distance_of_count_[t];
     if (k < 0 || (!labels.empty() && (labels.data()[i] & kBothEyesLabel) == 0)) continue;
-    Distance& distance = distances_[static_cast<std::size_t>(k)];
+    Distance& distance = distances_[k];
     ++distance.pixels;
     if (!measured(f)) continue;
     ++distance.measured;

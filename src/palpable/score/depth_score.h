@@ -1,11 +1,11 @@
 /// @file
 /// How far measured depth is from the true one, by distance and on near hands.
 ///
-/// Depths are compared as the 16-bit counts of their files (docs/benchmark.md): Z = count * unit,
-/// one unit for truth and result, 0 where nothing is known, and in a result 65535 where something
-/// is too close to be measured.
+/// Depths are compared as the 16-bit counts of their files (geometry/depth_counts.h), in one unit
+/// for truth and result.
 #pragma once
 
+#include "palpable/geometry/depth_counts.h"
 #include "palpable/geometry/image.h"
 
 #include <array>
@@ -16,18 +16,14 @@
 
 namespace palpable {
 
-using DepthCounts = Image<std::uint16_t>;
 using LabelImage = Image<std::uint8_t>;
-
-inline constexpr std::uint16_t kNoDepth = 0;
-inline constexpr std::uint16_t kTooClose = 65535;  ///< in a result; in a truth an ordinary count
 
 /// Bits of a truth's label.
 inline constexpr std::uint8_t kMovingLabel = 1;    ///< hand, sleeve, pencil, cup
 inline constexpr std::uint8_t kBothEyesLabel = 2;  ///< the right eye sees the same point
 
-/// Middles of the distances that are told apart, m. A pixel belongs to one of them when its true
-/// depth is within 15 % of it, and else to none.
+/// The distances at which depth is scored, m. A pixel belongs to one of them when its true depth is
+/// within 15 % of it, and else to none.
 inline constexpr std::array kDepthDistances{0.2, 0.3, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0};
 
 struct DepthAtDistance {

@@ -34,7 +34,7 @@ struct MaskScore {
 [[nodiscard]] MaskScore compare_masks(const GrayImage& truth, std::uint8_t bit,
                                       const MaskImage& found);
 
-/// A frame without a mask: what is true in it was missed, and nobody said anything of its pixels.
+/// A frame without a mask: its true pixels count as missed, none of its pixels counts as compared.
 [[nodiscard]] MaskScore missing_mask(const GrayImage& truth, std::uint8_t bit);
 
 }  // namespace palpable

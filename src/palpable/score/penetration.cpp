@@ -5,7 +5,7 @@
 
 namespace palpable {
 
-double distance_to(const TrueCapsule& capsule, const Eigen::Vector3d& x) {
+double distance_to(const Capsule& capsule, const Eigen::Vector3d& x) {
   const Eigen::Vector3d ab = capsule.b - capsule.a;
   const double length = ab.norm();
   const double narrowing = capsule.ra - capsule.rb;
@@ -24,10 +24,9 @@ double distance_to(const TrueCapsule& capsule, const Eigen::Vector3d& x) {
   return (x - capsule.a - c * axis).norm() - (capsule.ra - sine * c);
 }
 
-double deepest_penetration(const Eigen::Matrix3Xd& vertices,
-                           std::span<const TrueCapsule> capsules) {
+double deepest_penetration(const Eigen::Matrix3Xd& vertices, std::span<const Capsule> capsules) {
   double deepest = 0;
-  for (const TrueCapsule& capsule : capsules) {
+  for (const Capsule& capsule : capsules) {
     const double reach = std::max(capsule.ra, capsule.rb);
     const Eigen::Vector3d low = capsule.a.cwiseMin(capsule.b).array() - reach;
     const Eigen::Vector3d high = capsule.a.cwiseMax(capsule.b).array() + reach;

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 using test::tolerance;
 
 TEST_CASE("beside an even capsule the distance is that to its axis less the radius", "[score]") {
-  const TrueCapsule capsule{{0, 0, 0}, {0, 0, 0.1}, 0.01, 0.01};
+  const Capsule capsule{{0, 0, 0}, {0, 0, 0.1}, 0.01, 0.01};
   CHECK(distance_to(capsule, {0.03, 0, 0.05}) == Approx(0.02));
   CHECK(distance_to(capsule, {0.004, 0, 0.05}) == Approx(-0.006));
   CHECK(distance_to(capsule, {0, 0, -0.03}) == Approx(0.02));
@@ -26,7 +26,7 @@ TEST_CASE("the distance to a tapered capsule is the least over all its balls", "
     auto random = test::random_case(seed);
     std::uniform_real_distribution<double> place(-0.05, 0.05), radius(0.005, 0.03);
     const auto point = [&] { return Vector3d(place(random), place(random), place(random)); };
-    const TrueCapsule capsule{point(), point(), radius(random), radius(random)};
+    const Capsule capsule{point(), point(), radius(random), radius(random)};
     for (int i = 0; i < 50; ++i) {
       const Vector3d x = 1.5 * point();
       double least = std::numeric_limits<double>::infinity();
@@ -42,7 +42,7 @@ TEST_CASE("the distance to a tapered capsule is the least over all its balls", "
 }
 
 TEST_CASE("a ball within the other end's ball adds nothing", "[score]") {
-  const TrueCapsule capsule{{0, 0, 0}, {0, 0, 0.005}, 0.02, 0.01};
+  const Capsule capsule{{0, 0, 0}, {0, 0, 0.005}, 0.02, 0.01};
   CHECK(distance_to(capsule, {0, 0, 0.03}) == Approx(0.01));
   CHECK(distance_to({capsule.b, capsule.a, 0.01, 0.02}, {0, 0, 0.03}) == Approx(0.01));
   CHECK(distance_to({{1, 2, 3}, {1, 2, 3}, 0.5, 0.5}, {1, 2, 4}) == Approx(0.5));
@@ -54,8 +54,8 @@ TEST_CASE("the penetration is that of the deepest vertex in any capsule", "[scor
   vertices.col(1) = Vector3d(0.007, 0, 0.05);  // 3 mm inside the first
   vertices.col(2) = Vector3d(0.2, 0.001, 0);   // 19 mm inside the second
   vertices.col(3) = Vector3d(0.2, 0.010, 0);   // 10 mm inside the second
-  const std::vector<TrueCapsule> capsules{{{0, 0, 0}, {0, 0, 0.1}, 0.01, 0.01},
-                                          {{0.2, 0, 0}, {0.2, 0, 0}, 0.02, 0.02}};
+  const std::vector<Capsule> capsules{{{0, 0, 0}, {0, 0, 0.1}, 0.01, 0.01},
+                                      {{0.2, 0, 0}, {0.2, 0, 0}, 0.02, 0.02}};
   CHECK(deepest_penetration(vertices, capsules) == Approx(0.019));
   CHECK(deepest_penetration(vertices.leftCols(2), capsules) == Approx(0.003));
   CHECK(deepest_penetration(vertices.leftCols(1), capsules) == 0);

@@ -17,7 +17,7 @@ std::vector<bool> near_body(const PopFrame& frame) {
   const Eigen::Matrix3Xd surface = (frame.camera_from_body.linear() * frame.surface).colwise() +
                                    frame.camera_from_body.translation();
   std::vector<bool> near;
-  for (const TrueCapsule& capsule : frame.hand) {
+  for (const Capsule& capsule : frame.hand) {
     const double reach = std::max(capsule.ra, capsule.rb) + kNear;
     const Eigen::Vector3d low = capsule.a.cwiseMin(capsule.b).array() - reach;
     const Eigen::Vector3d high = capsule.a.cwiseMax(capsule.b).array() + reach;
@@ -36,7 +36,7 @@ bool any(const std::vector<bool>& flags) {
   return std::find(flags.begin(), flags.end(), true) != flags.end();
 }
 
-// m_n; nothing when it cannot be told.
+// m_n (pop.h); nothing when the two frames cannot be compared.
 std::optional<double> hand_motion(const PopFrame& before, const PopFrame& now) {
   const std::vector<bool> near_before = near_body(before);
   const std::vector<bool> near_now = near_body(now);
@@ -45,7 +45,7 @@ std::optional<double> hand_motion(const PopFrame& before, const PopFrame& now) {
   double farthest = 0;
   for (std::size_t k = 0; k < near_now.size(); ++k) {
     if (!near_before[k] && !near_now[k]) continue;
-    for (const auto end : {&TrueCapsule::a, &TrueCapsule::b}) {
+    for (const auto end : {&Capsule::a, &Capsule::b}) {
       const Eigen::Vector3d from = before.world_from_camera * (before.hand[k].*end);
       const Eigen::Vector3d to = now.world_from_camera * (now.hand[k].*end);
       farthest = std::max(farthest, (to - from).norm());

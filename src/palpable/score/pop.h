@@ -22,7 +22,7 @@ struct PopFrame {
   Eigen::Matrix3Xd surface;                       ///< (3 x V) m, as drawn, body frame
   Rigid3 camera_from_body = Rigid3::Identity();   ///< where it was drawn
   Rigid3 world_from_camera = Rigid3::Identity();  ///< true
-  std::vector<TrueCapsule> hand;                  ///< true, camera frame of this frame
+  std::vector<Capsule> hand;                      ///< true, camera frame of this frame
 };
 
 struct Pop {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "palpable/geometry/rigid.h"
+#include "palpable/geometry/stamped_pose.h"
 
 #include <optional>
 #include <span>
@@ -12,11 +13,6 @@
 #include <vector>
 
 namespace palpable {
-
-struct StampedPose {
-  double time = 0;  ///< s
-  Rigid3 world_from_camera = Rigid3::Identity();
-};
 
 /// (true, found) world_from_camera with the time of the true one, in its order.
 struct PosePair {

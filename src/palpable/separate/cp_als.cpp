@@ -41,7 +41,7 @@ Separation cp_als(const SnapshotTensor& snapshots, const ReductionGoal& goal,
       Eigen::Map<const Eigen::VectorXd>(errors.data(), static_cast<Eigen::Index>(errors.size()));
   result.left.resize(result.errors.size(), snapshots.values.cols());
   for (Eigen::Index i = 0; i < result.left.rows(); ++i) {
-    result.left.row(i) = left[static_cast<std::size_t>(i)].transpose();
+    result.left.row(i) = left[i].transpose();
   }
   result.separated = modes.separated();
   return result;

@@ -78,7 +78,7 @@ ThinSvd thin_svd(MatrixXd A) {
   dgesdd_("S", &m, &n, A.data(), &m, svd.s.data(), svd.U.data(), &m, Vt.data(), &least, &wanted,
           &length, integers.data(), &info, 1);
   length = static_cast<int>(wanted);
-  std::vector<double> work(static_cast<std::size_t>(length));
+  std::vector<double> work(length);
   dgesdd_("S", &m, &n, A.data(), &m, svd.s.data(), svd.U.data(), &m, Vt.data(), &least, work.data(),
           &length, integers.data(), &info, 1);
   if (info != 0) throw Error("the singular values of a table were not found");
@@ -99,8 +99,8 @@ SymmetricEigen symmetric_eigen(MatrixXd A) {
           &wanted_integers, &integer_length, &info, 1, 1);
   length = static_cast<int>(wanted);
   integer_length = wanted_integers;
-  std::vector<double> work(static_cast<std::size_t>(length));
-  std::vector<int> integers(static_cast<std::size_t>(integer_length));
+  std::vector<double> work(length);
+  std::vector<int> integers(integer_length);
   dsyevd_("V", "L", &n, eigen.vectors.data(), &n, eigen.values.data(), work.data(), &length,
           integers.data(), &integer_length, &info, 1, 1);
   if (info != 0) throw Error("the eigenvalues of a table were not found");

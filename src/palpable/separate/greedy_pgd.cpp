@@ -96,9 +96,7 @@ Separation greedy_pgd(const SnapshotTensor& snapshots, const ReductionGoal& goal
   }
   result.errors = Eigen::Map<const VectorXd>(errors.data(), static_cast<Index>(errors.size()));
   result.left.resize(result.errors.size(), snapshots.values.cols());
-  for (Index i = 0; i < result.left.rows(); ++i) {
-    result.left.row(i) = left[static_cast<std::size_t>(i)].transpose();
-  }
+  for (Index i = 0; i < result.left.rows(); ++i) { result.left.row(i) = left[i].transpose(); }
   result.separated = greedy.separated();
   return result;
 }

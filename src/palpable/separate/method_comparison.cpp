@@ -1,11 +1,13 @@
 #include "palpable/separate/method_comparison.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/base/order_statistics.h"
 #include "palpable/separate/coordinate_reduction.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <span>
 #include <utility>
 
 namespace palpable {
@@ -76,8 +78,7 @@ MethodStep step_of(const std::vector<Course>& blocks, const VectorXd& whole, Ind
   step.pooled = std::sqrt(left.sum() / whole.sum());
   VectorXd own = (whole.array() > 0.0).select(left.cwiseQuotient(whole).cwiseSqrt(), 0.0);
   step.worst = own.maxCoeff();
-  std::nth_element(own.begin(), own.begin() + K / 2, own.end());
-  step.median = own[K / 2];
+  step.median = upper_median(std::span(own.data(), static_cast<std::size_t>(K)));
   return step;
 }
 

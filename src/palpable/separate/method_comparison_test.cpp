@@ -40,7 +40,7 @@ TEST_CASE("what a method would do, told from the Gram matrix, is what it does",
       CHECK(told.parameter_values > 0.0);
       REQUIRE(static_cast<int>(told.steps.size()) == told.modes);
       for (Index i = 0; i < done.pooled_course.size(); ++i) {
-        const MethodStep& step = told.steps[static_cast<std::size_t>(i)];
+        const MethodStep& step = told.steps[i];
         CHECK(step.modes == i + 1);
         CHECK(std::abs(step.pooled - done.pooled_course[i]) <=
               tolerance(1e-7, "what the Gram matrix drops"));

@@ -174,7 +174,7 @@ Reduction reduce_per_site(const SnapshotRows& snapshots, const VectorXd& weights
   }
   MatrixXd course(result.most_modes(), S * n);
   for (Index s = 0; s < S; ++s) {
-    const MatrixXd& here = courses[static_cast<std::size_t>(s)];
+    const MatrixXd& here = courses[s];
     for (Index i = 0; i < course.rows(); ++i) {
       course.block(i, s * n, 1, n) = here.row(std::min(i, here.rows() - 1));
     }

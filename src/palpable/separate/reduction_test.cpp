@@ -98,7 +98,7 @@ TEST_CASE("with blocks every site meets the tolerance, and with as few modes as 
     CHECK((reduced.middleCols(s * 6, 6) - A).norm() <= 1e-3 * A.norm());
     const Reduction alone =
         reduce(rows_of({A, {6}}), w, {.method = ReductionMethod::kPod, .tolerance = 1e-3});
-    CHECK(result.blocks[static_cast<std::size_t>(s)].F.cols() == alone.most_modes());
+    CHECK(result.blocks[s].F.cols() == alone.most_modes());
   }
 }
 
@@ -111,7 +111,7 @@ TEST_CASE("the errors of blocks are those of the worst site at each number of mo
     double worst = 0;
     for (Index s = 0; s < 5; ++s) {
       const SnapshotTensor here{snapshots.values.middleCols(s * 6, 6), {6}};
-      const int own = static_cast<int>(result.blocks[static_cast<std::size_t>(s)].F.cols());
+      const int own = static_cast<int>(result.blocks[s].F.cols());
       worst = std::max(worst, reduce(rows_of(here), w,
                                      {.method = ReductionMethod::kPod,
                                       .tolerance = 1e-6,
@@ -185,7 +185,7 @@ TEST_CASE("modes of all parameters together become blocks that say the same", "[
     const std::vector<SeparatedTensor> blocks = as_blocks(joint.blocks[0], 5, w, lose);
     REQUIRE(blocks.size() == 5);
     for (Index s = 0; s < 5; ++s) {
-      const SeparatedTensor& block = blocks[static_cast<std::size_t>(s)];
+      const SeparatedTensor& block = blocks[s];
       const MatrixXd here = whole.middleCols(s * 6, 6);
       const auto norm = [&](const MatrixXd& A) {
         return std::sqrt((A.cwiseAbs2().transpose() * w).sum());

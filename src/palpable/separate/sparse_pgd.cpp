@@ -139,28 +139,24 @@ class Growing {
     const MatrixXd t = transposed_times(F_, values_);  // (m x T)
     std::vector<std::pair<Index, Index>> unknowns;     // mode, function
     for (Index i = 0; i < m; ++i) {
-      for (Index b = 0; b < sizes_[static_cast<std::size_t>(i)][j]; ++b)
-        unknowns.emplace_back(i, b);
+      for (Index b = 0; b < sizes_[i][j]; ++b) unknowns.emplace_back(i, b);
     }
     const auto n = static_cast<Index>(unknowns.size());
     MatrixXd rows(n, T);
     VectorXd right(n);
     for (Index k = 0; k < n; ++k) {
-      const auto [i, b] = unknowns[static_cast<std::size_t>(k)];
+      const auto [i, b] = unknowns[k];
       rows.row(k) = W.col(i).transpose().cwiseProduct(tables_[j].row(b));
       right[k] = rows.row(k).dot(t.row(i));
     }
     MatrixXd normal = times(rows, rows.transpose());
     for (Index k = 0; k < n; ++k) {
-      for (Index l = 0; l < n; ++l) {
-        normal(k, l) *= gram(unknowns[static_cast<std::size_t>(k)].first,
-                             unknowns[static_cast<std::size_t>(l)].first);
-      }
+      for (Index l = 0; l < n; ++l) { normal(k, l) *= gram(unknowns[k].first, unknowns[l].first); }
     }
     const VectorXd a = solve_with_ridge(std::move(normal), right, settings_.ridge);
     coefficients_[j].setZero();
     for (Index k = 0; k < n; ++k) {
-      const auto [i, b] = unknowns[static_cast<std::size_t>(k)];
+      const auto [i, b] = unknowns[k];
       coefficients_[j](b, i) = a[k];
     }
   }
@@ -195,19 +191,16 @@ struct Fold {
 std::vector<Fold> make_folds(const MatrixXd& values, const Tables& tables,
                              const SparseSettings& settings) {
   const Index T = values.cols();
-  std::vector<Index> order(static_cast<std::size_t>(T));
+  std::vector<Index> order(T);
   std::iota(order.begin(), order.end(), Index{0});
   std::mt19937_64 random(settings.seed);
   for (Index k = T - 1; k > 0; --k) {
-    std::swap(order[static_cast<std::size_t>(k)],
-              order[static_cast<std::size_t>(random() % static_cast<std::uint64_t>(k + 1))]);
+    std::swap(order[k], order[random() % static_cast<std::uint64_t>(k + 1)]);
   }
   std::vector<Fold> folds;
   for (int f = 0; f < settings.folds; ++f) {
     std::vector<Index> learn, ask;
-    for (Index k = 0; k < T; ++k) {
-      (k % settings.folds == f ? ask : learn).push_back(order[static_cast<std::size_t>(k)]);
-    }
+    for (Index k = 0; k < T; ++k) { (k % settings.folds == f ? ask : learn).push_back(order[k]); }
     folds.push_back({values(Eigen::all, learn), values(Eigen::all, ask), columns_of(tables, learn),
                      columns_of(tables, ask)});
   }
@@ -247,6 +240,112 @@ VectorXd SparsePgd::functions(const VectorXd& mu) const {
   return product;
 }
 
+namespace {
+
+// A model that grows on all samples, and one for each fold that never sees the fold's own: what
+// those leave of it decides which degrees are used and when to stop.
+class CrossValidation {
+ public:
+  CrossValidation(const MatrixXd& values, const Tables& tables, const std::vector<SparseAxis>& axes,
+                  const SparseSettings& settings)
+      : axes_(axes), settings_(settings), folds_(make_folds(values, tables, settings)) {
+    for (const SparseAxis& axis : axes) {
+      starts_.emplace_back(axis.basis == SparseAxis::Basis::kNodal
+                               ? VectorXd::Ones(basis_size(axis))
+                               : VectorXd(VectorXd::Unit(basis_size(axis), 0)));
+    }
+    learning_.reserve(folds_.size());
+    for (const Fold& fold : folds_) learning_.emplace_back(fold.learn_values, fold.learn, settings);
+  }
+
+  // The lowest polynomial of each axis; of choices the same value each.
+  [[nodiscard]] const std::vector<VectorXd>& starts() const { return starts_; }
+
+  [[nodiscard]] std::vector<Index> sizes_of(const std::vector<int>& degrees) const {
+    std::vector<Index> sizes;
+    for (std::size_t j = 0; j < axes_.size(); ++j) sizes.push_back(used(axes_[j], degrees[j]));
+    return sizes;
+  }
+
+  // Raises the degrees, one at a time, as long as that leaves less of the unseen samples when a
+  // mode of these degrees is added.
+  [[nodiscard]] std::vector<int> raised(std::vector<int> degrees) const {
+    std::vector<MatrixXd> unseen_now;
+    for (std::size_t f = 0; f < folds_.size(); ++f) unseen_now.push_back(unseen(f));
+    double best = predicted(degrees, unseen_now);
+    for (bool raised = true; raised;) {
+      raised = false;
+      std::vector<int> best_degrees = degrees;
+      for (std::size_t j = 0; j < axes_.size(); ++j) {
+        if (axes_[j].basis == SparseAxis::Basis::kNodal) continue;
+        std::vector<int> candidate = degrees;
+        if (++candidate[j] > axes_[j].highest_degree) continue;
+        const double lost = predicted(candidate, unseen_now);
+        if (lost < (1.0 - settings_.least_gain) * best) {
+          best = lost;
+          best_degrees = candidate;
+          raised = true;
+        }
+      }
+      degrees = best_degrees;
+    }
+    return degrees;
+  }
+
+  // Adds a mode to each fold's model. @returns the square of what is left of all unseen samples
+  double add_mode(const std::vector<Index>& sizes) {
+    for (std::size_t f = 0; f < folds_.size(); ++f) {
+      learning_[f].add(fit_mode(learning_[f].left(), folds_[f].learn, starts_, sizes, settings_),
+                       sizes);
+    }
+    double lost = 0;
+    for (std::size_t f = 0; f < folds_.size(); ++f) lost += unseen(f).squaredNorm();
+    return lost;
+  }
+
+ private:
+  // What fold f's model leaves of the samples that it has not seen.
+  [[nodiscard]] MatrixXd unseen(std::size_t f) const {
+    MatrixXd left = folds_[f].ask_values;
+    subtract_product(learning_[f].F(), learning_[f].functions(folds_[f].ask), left);
+    return left;
+  }
+
+  // The square of what is left of unseen samples when a mode of these degrees is added to each
+  // fold's model.
+  [[nodiscard]] double predicted(const std::vector<int>& degrees,
+                                 const std::vector<MatrixXd>& unseen_now) const {
+    const std::vector<Index> sizes = sizes_of(degrees);
+    double lost = 0;
+    for (std::size_t f = 0; f < folds_.size(); ++f) {
+      const Mode mode = fit_mode(learning_[f].left(), folds_[f].learn, starts_, sizes, settings_);
+      lost += (unseen_now[f] - mode.F * products_of(mode, folds_[f].ask).transpose()).squaredNorm();
+    }
+    return lost;
+  }
+
+  const std::vector<SparseAxis>& axes_;
+  const SparseSettings& settings_;
+  std::vector<Fold> folds_;
+  std::vector<VectorXd> starts_;
+  std::vector<Growing> learning_;
+};
+
+// The basis functions of each axis at the samples.
+Tables tables_of(const std::vector<SparseAxis>& axes, const MatrixXd& points) {
+  Tables tables;
+  for (std::size_t j = 0; j < axes.size(); ++j) {
+    MatrixXd table(basis_size(axes[j]), points.cols());
+    for (Index t = 0; t < points.cols(); ++t) {
+      table.col(t) = basis_functions(axes[j], points(static_cast<Index>(j), t));
+    }
+    tables.push_back(std::move(table));
+  }
+  return tables;
+}
+
+}  // namespace
+
 SparsePgd sparse_pgd(const MatrixXd& values, const MatrixXd& points, std::vector<SparseAxis> axes,
                      const SparseSettings& settings, const Progress& progress) {
   const auto p = static_cast<Index>(axes.size());
@@ -258,80 +357,20 @@ SparsePgd sparse_pgd(const MatrixXd& values, const MatrixXd& points, std::vector
   const double whole = values.norm();
   if (!(whole > 0.0)) throw Error("all samples are zero: there is nothing to reduce");
 
-  Tables tables;
-  std::vector<VectorXd> starts;  // the lowest polynomial; of choices the same value each
-  for (Index j = 0; j < p; ++j) {
-    const SparseAxis& axis = axes[static_cast<std::size_t>(j)];
-    starts.emplace_back(axis.basis == SparseAxis::Basis::kNodal
-                            ? VectorXd::Ones(basis_size(axis))
-                            : VectorXd(VectorXd::Unit(basis_size(axis), 0)));
-    MatrixXd table(basis_size(axis), T);
-    for (Index t = 0; t < T; ++t) table.col(t) = basis_functions(axis, points(j, t));
-    tables.push_back(std::move(table));
-  }
-  const std::vector<Fold> folds = make_folds(values, tables, settings);
-  std::vector<Growing> learning;
-  learning.reserve(folds.size());
-  for (const Fold& fold : folds) learning.emplace_back(fold.learn_values, fold.learn, settings);
-  Growing model(values, tables, settings);
-
-  // (folds) what each fold's model leaves of the samples it has not seen.
-  const auto unseen = [&](std::size_t f) {
-    MatrixXd left = folds[f].ask_values;
-    subtract_product(learning[f].F(), learning[f].functions(folds[f].ask), left);
-    return left;
-  };
   SparsePgd result{std::move(axes), {}, {}, {}, {}, {}};
-  const std::vector<SparseAxis>& known = result.axes;
-  const auto sizes_of = [&](const std::vector<int>& degrees) {
-    std::vector<Index> sizes;
-    for (std::size_t j = 0; j < known.size(); ++j) sizes.push_back(used(known[j], degrees[j]));
-    return sizes;
-  };
-
-  std::vector<int> degrees(known.size(), 1);
+  const Tables tables = tables_of(result.axes, points);
+  CrossValidation folds(values, tables, result.axes, settings);
+  Growing model(values, tables, settings);
+  std::vector<int> degrees(result.axes.size(), 1);
   std::vector<double> training, validation;
   double before = 1.0;
   while (static_cast<int>(training.size()) < settings.max_modes) {
-    std::vector<MatrixXd> asked;
-    for (std::size_t f = 0; f < folds.size(); ++f) asked.push_back(unseen(f));
-    // What is left of unseen samples when a mode of these degrees is added to each fold's model.
-    const auto predicted = [&](const std::vector<int>& candidate) {
-      const std::vector<Index> sizes = sizes_of(candidate);
-      double lost = 0;
-      for (std::size_t f = 0; f < folds.size(); ++f) {
-        const Mode mode = fit_mode(learning[f].left(), folds[f].learn, starts, sizes, settings);
-        lost += (asked[f] - mode.F * products_of(mode, folds[f].ask).transpose()).squaredNorm();
-      }
-      return lost;
-    };
-    double best = predicted(degrees);
-    for (bool raised = true; raised;) {
-      raised = false;
-      std::vector<int> best_degrees = degrees;
-      for (std::size_t j = 0; j < known.size(); ++j) {
-        if (known[j].basis == SparseAxis::Basis::kNodal) continue;
-        std::vector<int> candidate = degrees;
-        if (++candidate[j] > known[j].highest_degree) continue;
-        const double lost = predicted(candidate);
-        if (lost < (1.0 - settings.least_gain) * best) {
-          best = lost;
-          best_degrees = candidate;
-          raised = true;
-        }
-      }
-      degrees = best_degrees;
-    }
-    const std::vector<Index> sizes = sizes_of(degrees);
-    for (std::size_t f = 0; f < folds.size(); ++f) {
-      learning[f].add(fit_mode(learning[f].left(), folds[f].learn, starts, sizes, settings), sizes);
-    }
-    double lost = 0;
-    for (std::size_t f = 0; f < folds.size(); ++f) lost += unseen(f).squaredNorm();
-    const double now = std::sqrt(lost) / whole;
+    degrees = folds.raised(std::move(degrees));
+    const std::vector<Index> sizes = folds.sizes_of(degrees);
+    const double now = std::sqrt(folds.add_mode(sizes)) / whole;
     if (!training.empty() && now > (1.0 - settings.least_gain) * before) break;
     before = now;
-    model.add(fit_mode(model.left(), tables, starts, sizes, settings), sizes);
+    model.add(fit_mode(model.left(), tables, folds.starts(), sizes, settings), sizes);
     result.degrees.push_back(degrees);
     training.push_back(model.left().norm() / whole);
     validation.push_back(now);

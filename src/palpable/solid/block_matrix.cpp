@@ -5,8 +5,8 @@
 namespace palpable {
 
 int BlockPattern::find(int row, int wanted) const {
-  const auto begin = column.begin() + row_start[static_cast<std::size_t>(row)];
-  const auto end = column.begin() + row_start[static_cast<std::size_t>(row) + 1];
+  const auto begin = column.begin() + row_start[row];
+  const auto end = column.begin() + row_start[row + 1];
   const auto found = std::lower_bound(begin, end, wanted);
   return found != end && *found == wanted ? static_cast<int>(found - column.begin()) : -1;
 }

@@ -96,9 +96,7 @@ TEST_CASE("a uniform traction on a distorted mesh held at three nodes gives a un
       const auto& X = skin.surface.vertices;
       const Vector3d area_normal =
           0.5 * Vector3d(X.col(v[1]) - X.col(v[0])).cross(Vector3d(X.col(v[2]) - X.col(v[0])));
-      for (const int k : v) {
-        load.col(skin.node_of_vertex[static_cast<std::size_t>(k)]) += P * area_normal / 3.0;
-      }
+      for (const int k : v) { load.col(skin.node_of_vertex[k]) += P * area_normal / 3.0; }
     }
 
     const EquilibriumSolver solver(model, {.tolerance = 1e-12});

@@ -23,7 +23,7 @@ std::uint64_t interleaved(const Eigen::Vector3d& cell) {
 }  // namespace
 
 std::vector<int> order_along_curve(const Eigen::Matrix3Xd& points) {
-  std::vector<int> order(static_cast<std::size_t>(points.cols()));
+  std::vector<int> order(points.cols());
   std::iota(order.begin(), order.end(), 0);
   if (order.empty()) return order;
   const Eigen::Vector3d low = points.rowwise().minCoeff();
@@ -32,7 +32,7 @@ std::vector<int> order_along_curve(const Eigen::Matrix3Xd& points) {
   std::vector<std::uint64_t> keys;
   keys.reserve(order.size());
   for (const auto& point : points.colwise()) keys.push_back(interleaved(cells * (point - low)));
-  std::ranges::stable_sort(order, {}, [&](int i) { return keys[static_cast<std::size_t>(i)]; });
+  std::ranges::stable_sort(order, {}, [&](int i) { return keys[i]; });
   return order;
 }
 

@@ -27,7 +27,7 @@ TEST_CASE("each point once, and neighbours follow each other", "[solid]") {
   std::vector<int> sorted = order;
   std::ranges::sort(sorted);
   REQUIRE(sorted.size() == 4096);
-  for (int k = 0; k < 4096; ++k) CHECK(sorted[static_cast<std::size_t>(k)] == k);
+  for (int k = 0; k < 4096; ++k) CHECK(sorted[k] == k);
   // A cell of one of 4,096 points is 7/16 wide: about as long as a step, against 0.66 x 7 between
   // two random points of a cube.
   CHECK(mean_step(points, order) < test::tolerance(2 * 7.0 / 16, "jumps of the curve included"));

@@ -320,10 +320,10 @@ TEST_CASE("half a block on its plane of symmetry moves as the whole block does",
   half.material = material_from_young("neo-hookean", 60e3, 0.4);
   const int N = half.mesh.node_count();
   SolidModel whole = half;
-  std::vector<int> mirrored(static_cast<std::size_t>(N));
+  std::vector<int> mirrored(N);
   for (int n = 0; n < N; ++n) {
     if (half.mesh.nodes(2, n) == 0.0) half.fixed_nodes.push_back(n);
-    int& other = mirrored[static_cast<std::size_t>(n)];
+    int& other = mirrored[n];
     other = n;
     if (half.mesh.nodes(0, n) == 0.0) continue;
     other = whole.mesh.node_count();
@@ -333,9 +333,7 @@ TEST_CASE("half a block on its plane of symmetry moves as the whole block does",
   const int E = half.mesh.tet_count();
   whole.mesh.tets.conservativeResize(4, 2 * E);
   for (int e = 0; e < E; ++e) {
-    for (int k = 0; k < 4; ++k) {
-      whole.mesh.tets(k, E + e) = mirrored[static_cast<std::size_t>(half.mesh.tets(k, e))];
-    }
+    for (int k = 0; k < 4; ++k) { whole.mesh.tets(k, E + e) = mirrored[half.mesh.tets(k, e)]; }
     std::swap(whole.mesh.tets(2, E + e), whole.mesh.tets(3, E + e));
   }
   for (int n = 0; n < whole.mesh.node_count(); ++n) {
@@ -349,7 +347,7 @@ TEST_CASE("half a block on its plane of symmetry moves as the whole block does",
     if (half.mesh.nodes(0, n) != kSide || half.mesh.nodes(2, n) != kSide) continue;
     load.col(n) = Vector3d(1, 0.5, -2);
     both.col(n) = load.col(n);
-    both.col(mirrored[static_cast<std::size_t>(n)]) = Vector3d(-1, 0.5, -2);
+    both.col(mirrored[n]) = Vector3d(-1, 0.5, -2);
   }
   const EquilibriumSettings exact{.tolerance = 1e-10};
   const PathResult a = EquilibriumSolver(half, exact).solve_path(load, std::array{0.5, 1.0});

@@ -76,9 +76,9 @@ struct NextOrder {
     Tensor<Pack> H[kMostOrders];
     for (std::size_t number = 0; number < elements.size(); ++number) {
       const SeriesElement& e = elements[number];
-      for (int r = 1; r < p; ++r) H[r] = gradient(e, u[static_cast<std::size_t>(r)].data());
+      for (int r = 1; r < p; ++r) H[r] = gradient(e, u[r].data());
 
-      Symmetric& last = stress[static_cast<std::size_t>(p - 2)][number];
+      Symmetric& last = stress[p - 2][number];
       const Tensor<Pack>& h = H[p - 1];
       Symmetric strain;
       for (int i = 0; i < 3; ++i) strain.m[i] = h(i, i);
@@ -102,14 +102,14 @@ struct NextOrder {
         }
       }
       const Symmetric CQ = hooke(e, Q);
-      stress[static_cast<std::size_t>(p - 1)][number] = CQ;
+      stress[p - 1][number] = CQ;
 
       Tensor<Pack> P;
       for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) P(i, j) = CQ.m[kOfEntry[i][j]];
       }
       for (int r = 1; r < p; ++r) {
-        const Symmetric& S = stress[static_cast<std::size_t>(p - r - 1)][number];
+        const Symmetric& S = stress[p - r - 1][number];
         for (int j = 0; j < 3; ++j) {
           for (int i = 0; i < 3; ++i) {
             P(i, j) += H[r](i, 0) * S.m[kOfEntry[0][j]] + H[r](i, 1) * S.m[kOfEntry[1][j]] +
@@ -119,7 +119,7 @@ struct NextOrder {
       }
       for (int a = 0; a < 4; ++a) {
         for (int i = 0; i < 3; ++i) {
-          force[static_cast<std::size_t>(3 * e.nodes[a] + i)].of -=
+          force[3 * e.nodes[a] + i].of -=
               e.volume * (P(i, 0) * e.g[a][0] + P(i, 1) * e.g[a][1] + P(i, 2) * e.g[a][2]);
         }
       }
@@ -166,9 +166,8 @@ struct LoadSeries::Core {
     const std::vector<int>& free_nodes = assembly.free_nodes();
     for (int e = 0; e < model.mesh.tet_count(); ++e) {
       const ShapeGradients shape = shape_gradients(model.mesh, e);
-      const int g = group_of[static_cast<std::size_t>(e)];
-      const auto [lambda, mu] = lame_constants(
-          g < 0 ? model.material : model.groups[static_cast<std::size_t>(g)].material);
+      const int g = group_of[e];
+      const auto [lambda, mu] = lame_constants(g < 0 ? model.material : model.groups[g].material);
       SeriesElement element{{}, shape.volume, lambda, mu, {}};
       for (int a = 0; a < 4; ++a) {
         element.nodes[a] = model.mesh.tets(a, e);
@@ -249,6 +248,97 @@ VectorXd LoadSeries::internal_force(const VectorXd& u) const {
   return force.reshaped();
 }
 
+namespace {
+
+// The series of some loads, order by order: eight loads to a group.
+class LoadsTogether {
+ public:
+  LoadsTogether(Index count, std::size_t values, std::size_t elements)
+      : values_(values),
+        elements_(elements),
+        orders_(count),
+        norm_1_(orders_.size()),
+        before_(orders_.size()),
+        done_(orders_.size(), false),
+        u_(static_cast<std::size_t>((count + kPackSize - 1) / kPackSize)),
+        stress_(u_.size()) {
+    for (std::size_t g = 0; g < u_.size(); ++g) {
+      u_[g].emplace_back();
+      stress_[g].emplace_back(elements);  // C : Q_1 = 0
+    }
+  }
+
+  // B(row[k], load): the right-hand side of order p >= 2 from the orders before.
+  void next_right_side(const std::vector<SeriesElement>& elements, SimdLevel simd, int p,
+                       const std::vector<Index>& unknown, const std::vector<Index>& row,
+                       MatrixXd& B) {
+    for (std::size_t g = 0; g < u_.size(); ++g) {
+      stress_[g].emplace_back(elements_);
+      std::vector<Lanes> force(values_);
+      run_at<NextOrder>(simd, elements, p, u_[g], stress_[g], force);
+      for (std::size_t k = 0; k < row.size(); ++k) {
+        const Lanes& here = force[unknown[k]];
+        for (Index lane = 0; lane < kPackSize; ++lane) {
+          const Index c = static_cast<Index>(g) * kPackSize + lane;
+          if (c < B.cols()) B(row[k], c) = here.of[lane];
+        }
+      }
+    }
+  }
+
+  // Keeps order p, whose free values are in B. @returns whether all series have converged
+  bool add_order(int p, const MatrixXd& B, const std::vector<Index>& unknown,
+                 const std::vector<Index>& row, const VectorXd& mass, double tolerance) {
+    bool all_done = true;
+    for (auto& group : u_) group.emplace_back(values_);
+    for (Index c = 0; c < B.cols(); ++c) {
+      double square = 0.0;
+      std::vector<Lanes>& lanes = u_[c / kPackSize].back();
+      for (std::size_t k = 0; k < row.size(); ++k) {
+        const double value = B(row[k], c);
+        lanes[unknown[k]].of[c % kPackSize] = value;
+        square += mass[unknown[k]] * value * value;
+      }
+      if (done_[c]) continue;
+      const double norm = std::sqrt(square);
+      if (p == 1) norm_1_[c] = norm;
+      LoadOrders& orders = orders_[c];
+      orders.radius =
+          p == 1 || norm == 0.0 ? std::numeric_limits<double>::infinity() : before_[c] / norm;
+      before_[c] = norm;
+      orders.converged = done_[c] = norm <= tolerance * norm_1_[c];
+      orders.u.resize(static_cast<Index>(values_), p);
+      all_done = all_done && done_[c];
+    }
+    return all_done;
+  }
+
+  // The orders of each load as far as they were needed; nothing is left here.
+  std::vector<LoadOrders> result() {
+    for (std::size_t c = 0; c < orders_.size(); ++c) {
+      LoadOrders& orders = orders_[c];
+      for (Index p = 1; p <= orders.u.cols(); ++p) {
+        const std::vector<Lanes>& lanes = u_[c / kPackSize][p];
+        for (std::size_t k = 0; k < values_; ++k) {
+          orders.u(static_cast<Index>(k), p - 1) = lanes[k].of[c % kPackSize];
+        }
+      }
+    }
+    return std::move(orders_);
+  }
+
+ private:
+  std::size_t values_, elements_;
+  std::vector<LoadOrders> orders_;
+  std::vector<double> norm_1_, before_;
+  std::vector<bool> done_;
+  // Of each group: u[p] (u[0] is not used) and stress[p - 1].
+  std::vector<std::vector<std::vector<Lanes>>> u_;
+  std::vector<std::vector<std::vector<Symmetric>>> stress_;
+};
+
+}  // namespace
+
 std::vector<LoadOrders> LoadSeries::solve(const MatrixXd& loads,
                                           const SeriesSettings& settings) const {
   PALPABLE_EXPECT(loads.rows() == core_->values(), "a load has three values a node");
@@ -256,80 +346,25 @@ std::vector<LoadOrders> LoadSeries::solve(const MatrixXd& loads,
                   "1 to 31 orders");
   constexpr Index kGroups = 2, kTogether = kGroups * kPackSize;
   const SimdLevel simd = best_simd_level();
-  const auto n_values = static_cast<std::size_t>(core_->values());
+  const std::vector<Index>&unknown = core_->unknown, &row = core_->row;
   std::vector<LoadOrders> all;
   for (Index first = 0; first < loads.cols(); first += kTogether) {
     const Index count = std::min(kTogether, loads.cols() - first);
-    std::vector<LoadOrders> some(static_cast<std::size_t>(count));
-    std::vector<double> norm_1(some.size()), before(some.size());
-    std::vector<bool> done(some.size(), false);
-    const Index groups = (count + kPackSize - 1) / kPackSize;
-    // Of each group of eight loads: u[p] (u[0] is not used) and stress[p - 1].
-    std::vector<std::vector<std::vector<Lanes>>> u(static_cast<std::size_t>(groups));
-    std::vector<std::vector<std::vector<Symmetric>>> stress(u.size());
-    for (std::size_t g = 0; g < u.size(); ++g) {
-      u[g].emplace_back();
-      stress[g].emplace_back(core_->elements.size());  // C : Q_1 = 0
-    }
+    LoadsTogether series(count, static_cast<std::size_t>(core_->values()), core_->elements.size());
     MatrixXd B(core_->rows(), count);
     for (int p = 1; p <= settings.most_orders; ++p) {
       B.setZero();
       if (p == 1) {
         for (Index c = 0; c < count; ++c) {
-          for (std::size_t k = 0; k < core_->row.size(); ++k) {
-            B(core_->row[k], c) = loads(core_->unknown[k], first + c);
-          }
+          for (std::size_t k = 0; k < row.size(); ++k) B(row[k], c) = loads(unknown[k], first + c);
         }
       } else {
-        for (std::size_t g = 0; g < u.size(); ++g) {
-          stress[g].emplace_back(core_->elements.size());
-          std::vector<Lanes> force(n_values);
-          run_at<NextOrder>(simd, core_->elements, p, u[g], stress[g], force);
-          for (std::size_t k = 0; k < core_->row.size(); ++k) {
-            const Lanes& here = force[static_cast<std::size_t>(core_->unknown[k])];
-            for (Index lane = 0; lane < kPackSize; ++lane) {
-              const Index c = static_cast<Index>(g) * kPackSize + lane;
-              if (c < count) B(core_->row[k], c) = here.of[lane];
-            }
-          }
-        }
+        series.next_right_side(core_->elements, simd, p, unknown, row, B);
       }
       core_->factor.solve(B, core_->workspace);
-      bool all_done = true;
-      for (std::size_t g = 0; g < u.size(); ++g) u[g].emplace_back(n_values);
-      for (Index c = 0; c < count; ++c) {
-        const auto at = static_cast<std::size_t>(c);
-        double square = 0.0;
-        std::vector<Lanes>& lanes = u[static_cast<std::size_t>(c / kPackSize)].back();
-        for (std::size_t k = 0; k < core_->row.size(); ++k) {
-          const double value = B(core_->row[k], c);
-          lanes[static_cast<std::size_t>(core_->unknown[k])].of[c % kPackSize] = value;
-          square += core_->mass[core_->unknown[k]] * value * value;
-        }
-        if (done[at]) continue;
-        const double norm = std::sqrt(square);
-        if (p == 1) norm_1[at] = norm;
-        LoadOrders& orders = some[at];
-        orders.radius =
-            p == 1 || norm == 0.0 ? std::numeric_limits<double>::infinity() : before[at] / norm;
-        before[at] = norm;
-        orders.converged = done[at] = norm <= settings.tolerance * norm_1[at];
-        orders.u.resize(core_->values(), p);
-        all_done = all_done && done[at];
-      }
-      if (all_done) break;
+      if (series.add_order(p, B, unknown, row, core_->mass, settings.tolerance)) break;
     }
-    for (Index c = 0; c < count; ++c) {
-      LoadOrders& orders = some[static_cast<std::size_t>(c)];
-      for (Index p = 1; p <= orders.u.cols(); ++p) {
-        const std::vector<Lanes>& lanes =
-            u[static_cast<std::size_t>(c / kPackSize)][static_cast<std::size_t>(p)];
-        for (std::size_t k = 0; k < n_values; ++k) {
-          orders.u(static_cast<Index>(k), p - 1) = lanes[k].of[c % kPackSize];
-        }
-      }
-      all.push_back(std::move(orders));
-    }
+    for (LoadOrders& orders : series.result()) all.push_back(std::move(orders));
   }
   return all;
 }

@@ -88,7 +88,7 @@ TEST_CASE("what comes out for a load does not depend on its neighbours", "[solid
   REQUIRE(all.size() == static_cast<std::size_t>(loads.cols()));
   for (const Index s : {Index{0}, Index{11}, Index{17}, loads.cols() - 1}) {
     const LoadOrders alone = series.solve(loads.col(s), {.most_orders = 6, .tolerance = 1e-3})[0];
-    const LoadOrders& together = all[static_cast<std::size_t>(s)];
+    const LoadOrders& together = all[s];
     REQUIRE(alone.u.cols() == together.u.cols());
     CHECK(alone.converged == together.converged);
     CHECK((alone.u - together.u).norm() <=

@@ -65,7 +65,7 @@ class Items {
 // when a thread had nothing else to do.
 class Lanes {
  public:
-  Lanes(int lanes, int threads) : lanes_(static_cast<std::size_t>(lanes)), threads_(threads) {}
+  Lanes(int lanes, int threads) : lanes_(lanes), threads_(threads) {}
 
   // The first `count` lanes have threads that call run().
   void begin(std::size_t count) {

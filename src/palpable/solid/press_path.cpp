@@ -40,22 +40,65 @@ struct SearchTolerances {
   double press = 0;  // of the wanted one
 };
 
-// The load that presses by `wanted`, along a walk under `unit_load`.
-// @param solved  called after each state
-LoadSearch search_load(Walk& walk, const Matrix3Xd& unit_load, double wanted,
-                       const SearchTolerances& tolerances, const std::function<void()>& solved) {
+// What a search knows of load and press: the states that it has solved, and the tightest load that
+// presses too far.
+class LoadGuess {
+ public:
   struct Point {
     double load, press;
   };
-  LoadSearch search;
-  std::vector<Point> points{{0.0, 0.0}};
-  // The next guess comes from the polynomial load(press) through the nearest points.
-  Matrix3Xd at_once;  // a guess to start from: three digits are plenty
-  walk.linear_response(1e-3, at_once);
-  const double compliance = unit_load.cwiseProduct(at_once).sum();
-  const auto load_for = [&](double press) {
-    if (points.size() == 1) return press / compliance;
-    std::vector<Point> near = points;
+
+  // @param compliance  press over load at rest
+  LoadGuess(double wanted, double compliance) : wanted_(wanted), compliance_(compliance) {}
+
+  // The deepest point that does not press too far.
+  [[nodiscard]] Point last_below() const {
+    return *std::max_element(points_.begin(), points_.end(), [&](const Point& a, const Point& b) {
+      const auto key = [&](const Point& p) { return p.press < wanted_ ? p.press : -1.0; };
+      return key(a) < key(b);
+    });
+  }
+
+  // Whether the next state may be the wanted one. Half a stride before the end there is nothing
+  // to learn from a state that is solved roughly.
+  [[nodiscard]] bool closes_in() const {
+    return above_ || next_press() > (1.0 - 0.5 * kStride) * wanted_;
+  }
+
+  [[nodiscard]] double next_load() const {
+    const Point below = last_below();
+    if (above_) {
+      const double load = load_for(wanted_);
+      const double width = above_->load - below.load;
+      // Guesses outside the bracket, or at its very ends, bring nothing: halve it instead.
+      const bool inside = load > below.load + 1e-9 * width && load < above_->load - 1e-9 * width;
+      return inside ? load : 0.5 * (below.load + above_->load);
+    }
+    const double load = load_for(closes_in() ? wanted_ : next_press());
+    // An extrapolation may turn back; the press grows with the load on a stable path.
+    return load > below.load ? load : below.load + kStride * wanted_ / compliance_;
+  }
+
+  // @returns false if the press has not grown with the load: the point is not kept
+  bool add(const Point& here) {
+    if (here.press > wanted_) {
+      if (!above_ || here.load < above_->load) above_ = here;
+    } else if (here.press <= last_below().press) {
+      return false;
+    }
+    points_.push_back(here);
+    return true;
+  }
+
+ private:
+  [[nodiscard]] double next_press() const {
+    return std::min(last_below().press + kStride * wanted_, wanted_);
+  }
+
+  // The polynomial load(press) through the nearest points.
+  [[nodiscard]] double load_for(double press) const {
+    if (points_.size() == 1) return press / compliance_;
+    std::vector<Point> near = points_;
     std::sort(near.begin(), near.end(), [&](const Point& a, const Point& b) {
       return std::abs(a.press - press) < std::abs(b.press - press);
     });
@@ -69,7 +112,21 @@ LoadSearch search_load(Walk& walk, const Matrix3Xd& unit_load, double wanted,
       load += weight * near[i].load;
     }
     return load;
-  };
+  }
+
+  double wanted_, compliance_;
+  std::vector<Point> points_{{0.0, 0.0}};
+  std::optional<Point> above_;  // the smallest load known to press too far
+};
+
+// The load that presses by `wanted`, along a walk under `unit_load`.
+// @param solved  called after each state
+LoadSearch search_load(Walk& walk, const Matrix3Xd& unit_load, double wanted,
+                       const SearchTolerances& tolerances, const std::function<void()>& solved) {
+  LoadSearch search;
+  Matrix3Xd at_once;  // a guess to start from: three digits are plenty
+  walk.linear_response(1e-3, at_once);
+  LoadGuess guess(wanted, unit_load.cwiseProduct(at_once).sum());
   const auto stopped = [&](Stop stop, const std::string& why) {
     search.stop = stop;
     search.why_stopped = fmt::format(
@@ -77,40 +134,18 @@ LoadSearch search_load(Walk& walk, const Matrix3Xd& unit_load, double wanted,
         1e3 * wanted, 1e3 * search.press, search.load, why);
   };
 
-  std::optional<Point> above;  // the smallest load known to press too far
   while (search.solves < kMostSolves) {
-    const Point last_below =
-        *std::max_element(points.begin(), points.end(), [&](const Point& a, const Point& b) {
-          const auto key = [&](const Point& p) { return p.press < wanted ? p.press : -1.0; };
-          return key(a) < key(b);
-        });
-    const double next_press = std::min(last_below.press + kStride * wanted, wanted);
-    // Half a stride before the end there is nothing left that a rough state could tell.
-    const bool closes_in = above || next_press > (1.0 - 0.5 * kStride) * wanted;
-    double load = 0.0;
-    if (above) {
-      load = load_for(wanted);
-      const double width = above->load - last_below.load;
-      // Guesses outside the bracket, or at its very ends, bring nothing: halve it instead.
-      if (!(load > last_below.load + 1e-9 * width && load < above->load - 1e-9 * width)) {
-        load = 0.5 * (last_below.load + above->load);
-      }
-    } else {
-      load = load_for(closes_in ? wanted : next_press);
-      // An extrapolation may turn back; the press grows with the load on a stable path.
-      if (!(load > last_below.load)) load = last_below.load + kStride * wanted / compliance;
-    }
+    const bool closes_in = guess.closes_in();
     const bool arrived =
-        walk.advance(load, closes_in ? tolerances.at_the_end : tolerances.on_the_way);
+        walk.advance(guess.next_load(), closes_in ? tolerances.at_the_end : tolerances.on_the_way);
     ++search.solves;
     solved();
     search.newton_steps += walk.now().newton_steps;
     search.cg_iterations += walk.now().cg_iterations;
-    const Point here{walk.now().level, walk.work_conjugate()};
-    search.load = here.load;
-    search.press = here.press;
+    search.load = walk.now().level;
+    search.press = walk.work_conjugate();
     search.state = walk.now();
-    if (closes_in && std::abs(here.press - wanted) <= tolerances.press * wanted) {
+    if (closes_in && std::abs(search.press - wanted) <= tolerances.press * wanted) {
       search.reached = true;
       search.why_stopped.clear();
       return search;
@@ -119,15 +154,12 @@ LoadSearch search_load(Walk& walk, const Matrix3Xd& unit_load, double wanted,
       stopped(walk.failure().stop, walk.describe_failure());
       return search;
     }
-    if (here.press > wanted) {
-      if (!above || here.load < above->load) above = here;
-    } else if (here.press <= last_below.press) {
+    if (!guess.add({search.load, search.press})) {
       stopped(Stop::kNegativeCurvature,
               "the press does not grow with the load any more: the body has snapped into another "
               "shape");
       return search;
     }
-    points.push_back(here);
   }
   stopped(Stop::kNoConvergence, fmt::format("no load found in {} solves", kMostSolves));
   return search;

@@ -22,7 +22,7 @@ const std::array<QuadraturePoint, 4>& four_point_rule() {
     const double near = (5.0 + 3.0 * std::sqrt(5.0)) / 20.0, far = (5.0 - std::sqrt(5.0)) / 20.0;
     std::array<QuadraturePoint, 4> points;
     for (int k = 0; k < 4; ++k) {
-      QuadraturePoint& point = points[static_cast<std::size_t>(k)];
+      QuadraturePoint& point = points[k];
       point = {Eigen::Vector4d::Constant(far), 0.25};
       point.barycentric[k] = near;
     }

@@ -69,7 +69,7 @@ int nearest_node(const TetMesh& mesh, const Vector3d& X) {
 Eigen::Matrix3Xi skin_triangles(const TetMesh& mesh) {
   const Boundary boundary = boundary_of(mesh);
   Eigen::Matrix3Xi triangles = boundary.surface.triangles;
-  for (int& n : triangles.reshaped()) n = boundary.node_of_vertex[static_cast<std::size_t>(n)];
+  for (int& n : triangles.reshaped()) n = boundary.node_of_vertex[n];
   return triangles;
 }
 

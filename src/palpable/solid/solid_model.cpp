@@ -46,7 +46,7 @@ void check_edge_nodes(const TetMesh& mesh) {
 }
 
 void check_groups(const SolidModel& model) {
-  std::vector<char> grouped(static_cast<std::size_t>(model.mesh.tet_count()), 0);
+  std::vector<char> grouped(model.mesh.tet_count(), 0);
   for (const MaterialGroup& group : model.groups) {
     check_material(group.material);
     for (const int e : group.elements) {
@@ -54,7 +54,7 @@ void check_groups(const SolidModel& model) {
         throw Error(fmt::format("a group of elements names tetrahedron {}; the body has 0 to {}", e,
                                 model.mesh.tet_count() - 1));
       }
-      if (std::exchange(grouped[static_cast<std::size_t>(e)], char{1}) != 0) {
+      if (std::exchange(grouped[e], char{1}) != 0) {
         throw Error(fmt::format("tetrahedron {} is in the groups of elements twice", e));
       }
     }
@@ -129,7 +129,7 @@ std::vector<HeldComponent> all_held(const SolidModel& model) {
 
 // Root of the set that `node` belongs to, halving paths on the way.
 int root_of(std::vector<int>& parent, int node) {
-  auto at = [&](int n) -> int& { return parent[static_cast<std::size_t>(n)]; };
+  auto at = [&](int n) -> int& { return parent[n]; };
   while (at(node) != node) {
     at(node) = at(at(node));
     node = at(node);
@@ -140,13 +140,13 @@ int root_of(std::vector<int>& parent, int node) {
 // Refuses what names no node, contradicts itself or is not a number.
 void check_held(const SolidModel& model) {
   const int N = model.mesh.node_count();
-  std::vector<char> fixed(static_cast<std::size_t>(N), 0);
+  std::vector<char> fixed(N, 0);
   for (const int n : model.fixed_nodes) {
     if (n < 0 || n >= N) {
       throw Error(
           fmt::format("fixed node {} does not exist; the body has nodes 0 to {}", n, N - 1));
     }
-    if (std::exchange(fixed[static_cast<std::size_t>(n)], char{1}) != 0) {
+    if (std::exchange(fixed[n], char{1}) != 0) {
       throw Error(fmt::format("node {} is listed twice among the fixed nodes", n));
     }
   }
@@ -227,32 +227,32 @@ void check_supports(const SolidModel& model) {
   }
 
   // Every separate part needs supports of its own.
-  std::vector<char> used(static_cast<std::size_t>(N), 0), is_held = used;
-  std::vector<int> parent(static_cast<std::size_t>(N));
+  std::vector<char> used(N, 0), is_held = used;
+  std::vector<int> parent(N);
   std::iota(parent.begin(), parent.end(), 0);
   for (int e = 0; e < mesh.tet_count(); ++e) {
     const auto join = [&](int n) {
-      used[static_cast<std::size_t>(n)] = 1;
+      used[n] = 1;
       const int a = root_of(parent, mesh.tets(0, e)), b = root_of(parent, n);
-      parent[static_cast<std::size_t>(b)] = a;
+      parent[b] = a;
     };
     for (const int n : mesh.tets.col(e)) join(n);
     if (mesh.is_quadratic()) {
       for (const int n : mesh.edge_nodes.col(e)) join(n);
     }
   }
-  std::vector<std::vector<HeldComponent>> held_in_part(static_cast<std::size_t>(N));
+  std::vector<std::vector<HeldComponent>> held_in_part(N);
   for (const HeldComponent& h : held) {
     const auto n = static_cast<std::size_t>(h.at / 3);
     is_held[n] = 1;
-    held_in_part[static_cast<std::size_t>(root_of(parent, static_cast<int>(n)))].push_back(h);
+    held_in_part[root_of(parent, static_cast<int>(n))].push_back(h);
   }
-  std::vector<int> size(static_cast<std::size_t>(N), 0);
+  std::vector<int> size(N, 0);
   for (int n = 0; n < N; ++n) {
-    if (used[static_cast<std::size_t>(n)] == 0 && is_held[static_cast<std::size_t>(n)] == 0) {
+    if (used[n] == 0 && is_held[n] == 0) {
       throw Error(fmt::format("node {} belongs to no tetrahedron; remove it from the mesh", n));
     }
-    ++size[static_cast<std::size_t>(root_of(parent, n))];
+    ++size[root_of(parent, n)];
   }
   for (int n = 0; n < N; ++n) {
     const auto part = static_cast<std::size_t>(n);
@@ -269,11 +269,9 @@ void check_supports(const SolidModel& model) {
 }  // namespace
 
 std::vector<int> material_groups(const SolidModel& model) {
-  std::vector<int> group_of(static_cast<std::size_t>(model.mesh.tet_count()), -1);
+  std::vector<int> group_of(model.mesh.tet_count(), -1);
   for (std::size_t g = 0; g < model.groups.size(); ++g) {
-    for (const int e : model.groups[g].elements) {
-      group_of[static_cast<std::size_t>(e)] = static_cast<int>(g);
-    }
+    for (const int e : model.groups[g].elements) { group_of[e] = static_cast<int>(g); }
   }
   return group_of;
 }

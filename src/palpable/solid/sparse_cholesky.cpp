@@ -145,10 +145,10 @@ struct LowerColumns {
  private:
   template <class Visit>
   static void for_column(const BlockPattern& pattern, int c, const Visit& visit) {
-    const auto begin = pattern.row_start[static_cast<std::size_t>(c)];
-    const auto end = pattern.row_start[static_cast<std::size_t>(c) + 1];
+    const auto begin = pattern.row_start[c];
+    const auto end = pattern.row_start[c + 1];
     for (int p = begin; p < end; ++p) {
-      const int r = pattern.column[static_cast<std::size_t>(p)];
+      const int r = pattern.column[p];
       if (r >= c) visit(r, p);
     }
   }
@@ -194,9 +194,8 @@ CholeskyAnalysis::CholeskyAnalysis(const BlockPattern& pattern, FactorWorkspace&
   // node stay together, which makes larger supernodes.
   std::vector<int> node_start{0}, node_row;
   for (int c = 0; c < pattern.rows(); ++c) {
-    for (int p = pattern.row_start[static_cast<std::size_t>(c)];
-         p < pattern.row_start[static_cast<std::size_t>(c) + 1]; ++p) {
-      const int r = pattern.column[static_cast<std::size_t>(p)];
+    for (int p = pattern.row_start[c]; p < pattern.row_start[c + 1]; ++p) {
+      const int r = pattern.column[p];
       if (r >= c) node_row.push_back(r);
     }
     node_start.push_back(static_cast<int>(node_row.size()));
@@ -232,13 +231,11 @@ CholeskyAnalysis::CholeskyAnalysis(const BlockPattern& pattern, FactorWorkspace&
   content->flops = common.fl;
   content->place_of_unknown.resize(3 * M);
   for (int place = 0; place < content->size(); ++place) {
-    content->place_of_unknown[static_cast<std::size_t>(
-        content->order()[static_cast<std::size_t>(place)])] = place;
+    content->place_of_unknown[content->order()[place]] = place;
   }
   const std::span<const int> first_column = content->supernodes().first_column;
   for (std::size_t k = 0; k + 1 < first_column.size(); ++k) {
-    content->supernode_of_column.resize(static_cast<std::size_t>(first_column[k + 1]),
-                                        static_cast<int>(k));
+    content->supernode_of_column.resize(first_column[k + 1], static_cast<int>(k));
   }
   content_ = std::move(content);
 }
@@ -281,7 +278,7 @@ double smallest_pivot(const CholeskyAnalysis::Content& analysis, const BlockMatr
   const std::ptrdiff_t stride = s.first_row[at + 1] - s.first_row[at];
   double smallest = 1.0;
   for (int j = 0; j < columns; ++j) {
-    const int unknown = analysis.order()[static_cast<std::size_t>(first + j)];
+    const int unknown = analysis.order()[first + j];
     const int node = unknown / 3, axis = unknown % 3;
     const double before = K.block(K.pattern().find(node, node))(axis, axis) / scale;
     const double pivot = static_cast<double>(panel[j + j * stride]);
@@ -529,11 +526,9 @@ void CholeskyFactor::solve_roughly(const Eigen::VectorXd& b, Eigen::VectorXd& x,
   }
   std::vector<float>& y = workspace.content().permuted;
   std::vector<float>& z = workspace.content().gathered;
-  y.resize(static_cast<std::size_t>(n));
+  y.resize(n);
   const int* const order = analysis.order().data();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    y[static_cast<std::size_t>(i)] = static_cast<float>(b[order[i]] / scale);
-  }
+  for (Eigen::Index i = 0; i < n; ++i) { y[i] = static_cast<float>(b[order[i]] / scale); }
   std::visit(
       [&](const auto& panels) {
         z.resize(panels.scratch_size());
@@ -541,7 +536,7 @@ void CholeskyFactor::solve_roughly(const Eigen::VectorXd& b, Eigen::VectorXd& x,
       },
       content_->panels);
   for (Eigen::Index i = 0; i < n; ++i) {
-    x[order[i]] = scale / content_->scale * static_cast<double>(y[static_cast<std::size_t>(i)]);
+    x[order[i]] = scale / content_->scale * static_cast<double>(y[i]);
   }
 }
 

@@ -33,9 +33,8 @@ void for_each_point(const TetMesh& mesh, const Visit& visit) {
   for (int e = 0; e < mesh.tet_count(); ++e) {
     const Eigen::Matrix<int, 10, 1> nodes = quadratic_nodes(mesh, e);
     for (int q = 0; q < 4; ++q) {
-      const QuadraticGradients at =
-          quadratic_gradients(mesh, e, shapes[static_cast<std::size_t>(q)]);
-      visit(e, q, at.g, nodes, four_point_rule()[static_cast<std::size_t>(q)].weight * at.volume);
+      const QuadraticGradients at = quadratic_gradients(mesh, e, shapes[q]);
+      visit(e, q, at.g, nodes, four_point_rule()[q].weight * at.volume);
     }
   }
 }
@@ -57,9 +56,8 @@ StressField point_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd&
                       "stress: use a smaller load",
                       e, J));
     }
-    const int group = group_of[static_cast<std::size_t>(e)];
-    const Material& material =
-        group < 0 ? model.material : model.groups[static_cast<std::size_t>(group)].material;
+    const int group = group_of[e];
+    const Material& material = group < 0 ? model.material : model.groups[group].material;
     const Matrix3d sigma = first_piola(material, F) * F.transpose() / J;
     stress.col(Q * e + q) << sigma(0, 0), sigma(1, 1), sigma(2, 2), sigma(0, 1), sigma(1, 2),
         sigma(2, 0);

@@ -21,13 +21,11 @@ struct Neighbours {
 
   explicit Neighbours(const TetMesh& mesh) {
     start.assign(static_cast<std::size_t>(mesh.node_count()) + 1, 0);
-    for_each(mesh, [&](int n, int /*e*/) { ++start[static_cast<std::size_t>(n) + 1]; });
+    for_each(mesh, [&](int n, int /*e*/) { ++start[n + 1]; });
     for (std::size_t n = 1; n < start.size(); ++n) start[n] += start[n - 1];
-    element.resize(static_cast<std::size_t>(start.back()));
+    element.resize(start.back());
     std::vector<int> next(start.begin(), start.end() - 1);
-    for_each(mesh, [&](int n, int e) {
-      element[static_cast<std::size_t>(next[static_cast<std::size_t>(n)]++)] = e;
-    });
+    for_each(mesh, [&](int n, int e) { element[next[n]++] = e; });
   }
 
   template <class Visit>
@@ -41,8 +39,8 @@ struct Neighbours {
 };
 
 std::vector<char> skin_nodes(const TetMesh& mesh) {
-  std::vector<char> skin(static_cast<std::size_t>(mesh.node_count()), 0);
-  for (const int n : boundary_of(mesh).node_of_vertex) skin[static_cast<std::size_t>(n)] = 1;
+  std::vector<char> skin(mesh.node_count(), 0);
+  for (const int n : boundary_of(mesh).node_of_vertex) skin[n] = 1;
   return skin;
 }
 
@@ -57,8 +55,7 @@ Eigen::Matrix<double, 10, 4> nodes_from_points() {
   weights.topRows<4>() =
       (Eigen::Matrix4d::Identity() - Eigen::Matrix4d::Constant(other)) / (own - other);
   for (int k = 0; k < 6; ++k) {
-    weights.row(4 + k) = 0.5 * (weights.row(kTetEdges[static_cast<std::size_t>(k)][0]) +
-                                weights.row(kTetEdges[static_cast<std::size_t>(k)][1]));
+    weights.row(4 + k) = 0.5 * (weights.row(kTetEdges[k][0]) + weights.row(kTetEdges[k][1]));
   }
   return weights;
 }
@@ -98,6 +95,142 @@ Fit fit_around(const Eigen::Vector3d& origin, const std::vector<int>& elements,
   return fit;
 }
 
+// Elements around nodes, and around those in turn.
+class Patches {
+ public:
+  explicit Patches(const TetMesh& mesh) : mesh_(mesh), around_(mesh), seen_(mesh.tet_count(), -1) {}
+
+  // Elements reached from `node` in so many steps, nearest first.
+  std::vector<int> of(int node, int rings) {
+    std::vector<int> patch;
+    add_around(node, node, patch);
+    for (int ring = 1; ring < rings; ++ring) {
+      const std::size_t before = patch.size();
+      for (std::size_t k = 0; k < before; ++k) {
+        for (const int corner : mesh_.tets.col(patch[k])) add_around(corner, node, patch);
+      }
+    }
+    for (const int e : patch) seen_[e] = -1;
+    return patch;
+  }
+
+ private:
+  void add_around(int n, int centre, std::vector<int>& patch) {
+    for (int k = around_.start[n]; k < around_.start[n + 1]; ++k) {
+      const int e = around_.element[k];
+      if (seen_[e] == centre) continue;
+      seen_[e] = centre;
+      patch.push_back(e);
+    }
+  }
+
+  const TetMesh& mesh_;
+  Neighbours around_;
+  std::vector<int> seen_;  // (elements) the node whose patch has it already
+};
+
+// (N) a polynomial around each node inside the body, whose patch surrounds it, so that the errors
+// of its elements cancel; none at the skin, or where points lie badly.
+std::vector<Fit> inner_fits(const TetMesh& mesh, const Eigen::Matrix3Xd& places, Patches& patches) {
+  const std::vector<char> skin = skin_nodes(mesh);
+  std::vector<Fit> fits(mesh.node_count());
+  for (int n = 0; n < mesh.node_count(); ++n) {
+    Fit& fit = fits[n];
+    if (skin[n] != 0) continue;
+    for (int rings = 1; rings <= 2; ++rings) {
+      fit = fit_around(mesh.nodes.col(n), patches.of(n, rings), places);
+      if (fit.coefficients.cols() == 0) continue;
+      if (fit.coefficients.row(0).lpNorm<1>() <= kMostAmplification) break;
+      fit.coefficients.resize(4, 0);
+    }
+  }
+  return fits;
+}
+
+// The weights of the elements' values in the value of one node, from one polynomial or several.
+class NodeWeights {
+ public:
+  NodeWeights(const TetMesh& mesh, const Eigen::Matrix3Xd& places, Patches& patches)
+      : mesh_(mesh),
+        places_(places),
+        patches_(patches),
+        fits_(inner_fits(mesh, places, patches)),
+        sum_(Eigen::VectorXd::Zero(mesh.tet_count())) {}
+
+  // The best that there is for node n; false: no polynomial says anything there.
+  bool add(int n) { return add_own(n) || add_mean_of_inner(n) || add_around(n); }
+
+  // Shows each weight (point, weight) and forgets them.
+  template <class Show>
+  void show_and_clear(const Show& show) {
+    for (const int point : touched_) {
+      if (sum_[point] != 0.0) show(point, sum_[point]);
+      sum_[point] = 0.0;
+    }
+    touched_.clear();
+  }
+
+ private:
+  void add(const Fit& fit, const Eigen::VectorXd& weights, double share) {
+    for (std::size_t k = 0; k < fit.elements.size(); ++k) {
+      const int point = fit.elements[k];
+      if (sum_[point] == 0.0) touched_.push_back(point);
+      sum_[point] += share * weights[static_cast<Eigen::Index>(k)];
+    }
+  }
+
+  bool add_own(int n) {
+    const Fit& own = fits_[n];
+    if (own.coefficients.cols() == 0) return false;
+    add(own, own.weights_at(mesh_.nodes.col(n)), 1.0);
+    return true;
+  }
+
+  // The mean of what the nearest inner nodes' polynomials say here.
+  bool add_mean_of_inner(int n) {
+    const Eigen::Vector3d X = mesh_.nodes.col(n);
+    for (int rings = 1; rings <= kMostRings; ++rings) {
+      std::vector<int> inner;
+      for (const int e : patches_.of(n, rings)) {
+        for (const int corner : mesh_.tets.col(e)) {
+          const Fit& fit = fits_[corner];
+          if (fit.coefficients.cols() > 0 && fit.weights_at(X).lpNorm<1>() <= kMostAmplification) {
+            inner.push_back(corner);
+          }
+        }
+      }
+      std::sort(inner.begin(), inner.end());
+      inner.erase(std::unique(inner.begin(), inner.end()), inner.end());
+      for (const int m : inner) {
+        add(fits_[m], fits_[m].weights_at(X), 1.0 / static_cast<double>(inner.size()));
+      }
+      if (!inner.empty()) return true;
+    }
+    return false;
+  }
+
+  // A polynomial of its own from elements that lie to one side of it.
+  bool add_around(int n) {
+    const Eigen::Vector3d X = mesh_.nodes.col(n);
+    for (int rings = 2; rings <= kMostRings; ++rings) {
+      const Fit fit = fit_around(X, patches_.of(n, rings), places_);
+      if (fit.coefficients.cols() == 0) continue;
+      const Eigen::VectorXd weights = fit.weights_at(X);
+      if (!(weights.lpNorm<1>() <= kMostAmplification)) continue;
+      add(fit, weights, 1.0);
+      return true;
+    }
+    return false;
+  }
+
+  const TetMesh& mesh_;
+  const Eigen::Matrix3Xd& places_;
+  Patches& patches_;
+  std::vector<Fit> fits_;
+  Eigen::VectorXd sum_;  // weights of one node; zero in between
+  std::vector<int> touched_;
+};
+
 }  // namespace
 
 StressRecovery::StressRecovery(const TetMesh& mesh) {
@@ -115,13 +248,12 @@ void StressRecovery::recover_from_elements(const TetMesh& mesh) {
   const Eigen::Matrix<double, 10, 4> weights = nodes_from_points();
   start_.push_back(0);
   for (int n = 0; n < mesh.node_count(); ++n) {
-    const int begin = around.start[static_cast<std::size_t>(n)];
-    const int end = around.start[static_cast<std::size_t>(n) + 1];
+    const int begin = around.start[n];
+    const int end = around.start[n + 1];
     double volume = 0.0;
-    for (int k = begin; k < end; ++k)
-      volume += volumes[around.element[static_cast<std::size_t>(k)]];
+    for (int k = begin; k < end; ++k) volume += volumes[around.element[k]];
     for (int k = begin; k < end; ++k) {
-      const int e = around.element[static_cast<std::size_t>(k)];
+      const int e = around.element[k];
       const Eigen::Matrix<int, 10, 1> nodes = quadratic_nodes(mesh, e);
       const auto place = std::find(nodes.begin(), nodes.end(), n) - nodes.begin();
       for (int q = 0; q < 4; ++q)
@@ -132,109 +264,24 @@ void StressRecovery::recover_from_elements(const TetMesh& mesh) {
 }
 
 void StressRecovery::recover_from_patches(const TetMesh& mesh) {
-  const int N = mesh.node_count();
   points_ = mesh.tet_count();
-  const Neighbours around(mesh);
   Eigen::Matrix3Xd places(3, mesh.tet_count());
   for (int e = 0; e < mesh.tet_count(); ++e) {
     places.col(e) = mesh.nodes(Eigen::all, mesh.tets.col(e)).rowwise().mean();
   }
   const Eigen::VectorXd volumes = tet_volumes(mesh);
-  const std::vector<char> skin = skin_nodes(mesh);
-
-  // Elements reached from `node` in so many steps, nearest first.
-  std::vector<int> seen(static_cast<std::size_t>(mesh.tet_count()), -1);
-  const auto patch_of = [&](int node, int rings) {
-    std::vector<int> patch;
-    const auto touch = [&](int n) {
-      for (int k = around.start[static_cast<std::size_t>(n)];
-           k < around.start[static_cast<std::size_t>(n) + 1]; ++k) {
-        const int e = around.element[static_cast<std::size_t>(k)];
-        if (seen[static_cast<std::size_t>(e)] == node) continue;
-        seen[static_cast<std::size_t>(e)] = node;
-        patch.push_back(e);
-      }
-    };
-    touch(node);
-    for (int ring = 1; ring < rings; ++ring) {
-      const std::size_t before = patch.size();
-      for (std::size_t k = 0; k < before; ++k) {
-        for (const int corner : mesh.tets.col(patch[k])) touch(corner);
-      }
-    }
-    for (const int e : patch) seen[static_cast<std::size_t>(e)] = -1;
-    return patch;
-  };
-
-  // Inside the body, patches surround their node and the errors of their elements cancel.
-  std::vector<Fit> fits(static_cast<std::size_t>(N));
-  for (int n = 0; n < N; ++n) {
-    Fit& fit = fits[static_cast<std::size_t>(n)];
-    if (skin[static_cast<std::size_t>(n)] != 0) continue;
-    for (int rings = 1; rings <= 2; ++rings) {
-      fit = fit_around(mesh.nodes.col(n), patch_of(n, rings), places);
-      if (fit.coefficients.cols() == 0) continue;
-      if (fit.coefficients.row(0).lpNorm<1>() <= kMostAmplification) break;
-      fit.coefficients.resize(4, 0);
-    }
-  }
-
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(points_);  // weights of one node; zero in between
-  std::vector<int> touched;
-  const auto add = [&](const Fit& fit, const Eigen::VectorXd& weights, double share) {
-    for (std::size_t k = 0; k < fit.elements.size(); ++k) {
-      const int point = fit.elements[k];
-      if (sum[point] == 0.0) touched.push_back(point);
-      sum[point] += share * weights[static_cast<Eigen::Index>(k)];
-    }
-  };
+  Patches patches(mesh);
+  NodeWeights weights(mesh, places, patches);
   start_.push_back(0);
-  for (int n = 0; n < N; ++n) {
-    const Eigen::Vector3d X = mesh.nodes.col(n);
-    bool found = false;
-    if (const Fit& own = fits[static_cast<std::size_t>(n)]; own.coefficients.cols() > 0) {
-      add(own, own.weights_at(X), 1.0);
-      found = true;
-    }
-    // Others take the mean of what the nearest inner nodes' polynomials say here.
-    for (int rings = 1; rings <= kMostRings && !found; ++rings) {
-      std::vector<int> inner;
-      for (const int e : patch_of(n, rings)) {
-        for (const int corner : mesh.tets.col(e)) {
-          const Fit& fit = fits[static_cast<std::size_t>(corner)];
-          if (fit.coefficients.cols() > 0 && fit.weights_at(X).lpNorm<1>() <= kMostAmplification) {
-            inner.push_back(corner);
-          }
-        }
-      }
-      std::sort(inner.begin(), inner.end());
-      inner.erase(std::unique(inner.begin(), inner.end()), inner.end());
-      for (const int m : inner) {
-        const Fit& fit = fits[static_cast<std::size_t>(m)];
-        add(fit, fit.weights_at(X), 1.0 / static_cast<double>(inner.size()));
-        found = true;
-      }
-    }
-    for (int rings = 2; rings <= kMostRings && !found; ++rings) {
-      const Fit fit = fit_around(X, patch_of(n, rings), places);
-      if (fit.coefficients.cols() == 0) continue;
-      const Eigen::VectorXd weights = fit.weights_at(X);
-      if (!(weights.lpNorm<1>() <= kMostAmplification)) continue;
-      add(fit, weights, 1.0);
-      found = true;
-    }
-    if (!found) {
-      const std::vector<int> patch = patch_of(n, 1);
+  for (int n = 0; n < mesh.node_count(); ++n) {
+    if (!weights.add(n)) {
+      const std::vector<int> patch = patches.of(n, 1);
       double volume = 0.0;
       for (const int e : patch) volume += volumes[e];
       for (const int e : patch) terms_.push_back({e, volumes[e] / volume});
       averaged_nodes_ += patch.empty() ? 0 : 1;
     }
-    for (const int point : touched) {
-      if (sum[point] != 0.0) terms_.push_back({point, sum[point]});
-      sum[point] = 0.0;
-    }
-    touched.clear();
+    weights.show_and_clear([&](int point, double weight) { terms_.push_back({point, weight}); });
     start_.push_back(static_cast<int>(terms_.size()));
   }
 }
@@ -246,9 +293,8 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> StressRecovery::apply(
   Eigen::Matrix<double, 6, Eigen::Dynamic> nodal(6, N);
   for (Eigen::Index n = 0; n < N; ++n) {
     Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
-    for (int k = start_[static_cast<std::size_t>(n)]; k < start_[static_cast<std::size_t>(n) + 1];
-         ++k) {
-      const Term& term = terms_[static_cast<std::size_t>(k)];
+    for (int k = start_[n]; k < start_[n + 1]; ++k) {
+      const Term& term = terms_[k];
       sum += term.weight * at_points.col(term.point);
     }
     nodal.col(n) = sum;
@@ -264,7 +310,7 @@ Eigen::MatrixXd StressRecovery::apply_at(const std::vector<int>& nodes,
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const auto node = static_cast<std::size_t>(nodes[n]);
     for (int k = start_[node]; k < start_[node + 1]; ++k) {
-      const Term& term = terms_[static_cast<std::size_t>(k)];
+      const Term& term = terms_[k];
       nodal.col(static_cast<Eigen::Index>(n)) += term.weight * at_points.col(term.point);
     }
   }

@@ -40,9 +40,8 @@ TEST_CASE("a stress that is linear in space is recovered exactly, up to the corn
     StressField points(6, Q * mesh.tet_count());
     for (int e = 0; e < mesh.tet_count(); ++e) {
       for (int q = 0; q < Q; ++q) {
-        const Eigen::Vector4d L = quadratic
-                                      ? four_point_rule()[static_cast<std::size_t>(q)].barycentric
-                                      : Eigen::Vector4d::Constant(0.25);
+        const Eigen::Vector4d L =
+            quadratic ? four_point_rule()[q].barycentric : Eigen::Vector4d::Constant(0.25);
         points.col(Q * e + q) = exact(mesh.nodes(Eigen::all, mesh.tets.col(e)) * L);
       }
     }

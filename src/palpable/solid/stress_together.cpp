@@ -70,9 +70,8 @@ MatrixXd StressTogether::operator()(const MatrixXd& u) const {
   MatrixXd at_points(6 * kStates, mesh.tet_count());
   for (int e = 0; e < mesh.tet_count(); ++e) {
     const ShapeGradients shape = shape_gradients(mesh, e);
-    const int group = group_of_[static_cast<std::size_t>(e)];
-    const Material& material =
-        group < 0 ? model_.material : model_.groups[static_cast<std::size_t>(group)].material;
+    const int group = group_of_[e];
+    const Material& material = group < 0 ? model_.material : model_.groups[group].material;
     const double* const g = shape.g.data();
     const int* const corners = &mesh.tets(0, e);
     const double* const values = by_state.data();

@@ -44,7 +44,7 @@ ElementPoints<10, 4> points_of(const TetMesh& mesh, int number, ElementPoints<10
 Matrix3Xd centres(const TetMesh& mesh, const std::vector<int>& numbers) {
   Matrix3Xd points(3, static_cast<Eigen::Index>(numbers.size()));
   for (Eigen::Index k = 0; k < points.cols(); ++k) {
-    const auto corners = mesh.tets.col(numbers[static_cast<std::size_t>(k)]);
+    const auto corners = mesh.tets.col(numbers[k]);
     points.col(k).setZero();
     for (const int node : corners) points.col(k) += 0.25 * mesh.nodes.col(node);
   }
@@ -68,9 +68,7 @@ ElementBlock<A, Q> block_of(const TetMesh& mesh, const std::vector<int>& numbers
       }
       block.points[q].weight[lane] = exists ? element.weight[q] : 0.0;
     }
-    for (int a = 0; a < A; ++a) {
-      block.nodes[a][lane] = row_of_node[static_cast<std::size_t>(element.nodes[a])];
-    }
+    for (int a = 0; a < A; ++a) { block.nodes[a][lane] = row_of_node[element.nodes[a]]; }
   }
   return block;
 }
@@ -79,13 +77,13 @@ ElementBlock<A, Q> block_of(const TetMesh& mesh, const std::vector<int>& numbers
 
 TetAssembly::TetAssembly(const SolidModel& model, SimdLevel simd) : simd_(simd) {
   const TetMesh& mesh = model.mesh;
-  free_of_node_.assign(static_cast<std::size_t>(mesh.node_count()), 0);
+  free_of_node_.assign(mesh.node_count(), 0);
   const std::vector<HeldComponent> held = held_components(model);
-  std::vector<int> held_directions(static_cast<std::size_t>(mesh.node_count()), 0);
-  for (const HeldComponent& h : held) ++held_directions[static_cast<std::size_t>(h.at / 3)];
+  std::vector<int> held_directions(mesh.node_count(), 0);
+  for (const HeldComponent& h : held) ++held_directions[h.at / 3];
   for (int n = 0; n < mesh.node_count(); ++n) {
-    int& place = free_of_node_[static_cast<std::size_t>(n)];
-    if (held_directions[static_cast<std::size_t>(n)] == 3) {
+    int& place = free_of_node_[n];
+    if (held_directions[n] == 3) {
       place = -1;
       continue;
     }
@@ -98,23 +96,33 @@ TetAssembly::TetAssembly(const SolidModel& model, SimdLevel simd) : simd_(simd) 
   } else {
     build(model, groups_.emplace<Groups<4, 1>>());
   }
-  for (const int n : free_nodes_) {
-    row_of_free_.push_back(row_of_node_[static_cast<std::size_t>(n)]);
-  }
+  for (const int n : free_nodes_) { row_of_free_.push_back(row_of_node_[n]); }
 
   for (const HeldComponent& h : held) {
-    const int row = free_of_node_[static_cast<std::size_t>(h.at / 3)];
+    const int row = free_of_node_[h.at / 3];
     if (row < 0) continue;
     HeldAxis axis{row, static_cast<int>(h.at % 3), {}};
     // The pattern is symmetric: the rows in this column are the columns of this row.
-    for (int p = pattern_.row_start[static_cast<std::size_t>(row)];
-         p < pattern_.row_start[static_cast<std::size_t>(row) + 1]; ++p) {
-      axis.column_places.push_back(
-          pattern_.find(pattern_.column[static_cast<std::size_t>(p)], row));
+    for (int p = pattern_.row_start[row]; p < pattern_.row_start[row + 1]; ++p) {
+      axis.column_places.push_back(pattern_.find(pattern_.column[p], row));
     }
     held_axes_.push_back(std::move(axis));
   }
 }
+
+namespace {
+
+// The nodes of an element of A nodes.
+template <int A>
+Eigen::Matrix<int, A, 1> nodes_of(const TetMesh& mesh, int e) {
+  if constexpr (A == 4) {
+    return mesh.tets.col(e);
+  } else {
+    return quadratic_nodes(mesh, e);
+  }
+}
+
+}  // namespace
 
 template <int A, int Q>
 void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
@@ -123,20 +131,48 @@ void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
   groups.push_back({model.material, {}, {}, {}});
   for (const MaterialGroup& group : model.groups) groups.push_back({group.material, {}, {}, {}});
   for (int e = 0; e < mesh.tet_count(); ++e) {
-    const int group = group_of_element[static_cast<std::size_t>(e)];
-    groups[static_cast<std::size_t>(group + 1)].numbers.push_back(e);
+    groups[group_of_element[e] + 1].numbers.push_back(e);
+  }
+  estimate_noise<A, Q>(mesh, groups);
+  build_pattern<A>(mesh);
+
+  // Elements along a curve, and nodes as the elements come to them.
+  row_of_node_.assign(mesh.node_count(), -1);
+  int rows = 0;
+  for (auto& group : groups) {
+    std::vector<int> sorted;
+    for (const int k : order_along_curve(centres(mesh, group.numbers))) {
+      sorted.push_back(group.numbers[k]);
+    }
+    group.numbers = std::move(sorted);
+    for (const int e : group.numbers) {
+      for (const int n : nodes_of<A>(mesh, e)) {
+        int& row = row_of_node_[n];
+        if (row < 0) row = rows++;
+      }
+    }
   }
 
-  const auto free_of = [&](int node) { return free_of_node_[static_cast<std::size_t>(node)]; };
-  const auto nodes_of = [&](int e) -> Eigen::Matrix<int, A, 1> {
-    if constexpr (A == 4) {
-      return mesh.tets.col(e);
-    } else {
-      return quadratic_nodes(mesh, e);
+  for (auto& group : groups) {
+    for (std::size_t first = 0; first < group.numbers.size(); first += kPackSize) {
+      group.blocks.push_back(block_of<A, Q>(mesh, group.numbers, first, row_of_node_));
     }
-  };
+    for (const int e : group.numbers) {
+      const auto nodes = nodes_of<A>(mesh, e);
+      std::array<int, A* A>& places = group.places.emplace_back();
+      for (int a = 0; a < A; ++a) {
+        for (int b = 0; b < A; ++b) {
+          const int row = free_of_node_[nodes[a]], column = free_of_node_[nodes[b]];
+          places[A * a + b] = row < 0 || column < 0 ? -1 : pattern_.find(row, column);
+        }
+      }
+    }
+  }
+}
 
-  // A few roundings of the numbers that energy and stress of an element are made of.
+// A few roundings of the numbers that energy and stress of an element are made of.
+template <int A, int Q>
+void TetAssembly::estimate_noise(const TetMesh& mesh, const Groups<A, Q>& groups) {
   const Eigen::VectorXd volumes = tet_volumes(mesh);
   double squares = 0.0;
   for (const auto& group : groups) {
@@ -149,17 +185,20 @@ void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
     }
   }
   force_noise_ = std::sqrt(squares);
+}
 
-  // Neighbours of each free node, itself included.
+// In the row of each free node the free nodes of its elements, itself included.
+template <int A>
+void TetAssembly::build_pattern(const TetMesh& mesh) {
   std::vector<std::vector<int>> neighbours(free_nodes_.size());
   for (int e = 0; e < mesh.tet_count(); ++e) {
-    const auto nodes = nodes_of(e);
+    const auto nodes = nodes_of<A>(mesh, e);
     for (const int a : nodes) {
-      const int row = free_of(a);
+      const int row = free_of_node_[a];
       if (row < 0) continue;
       for (const int b : nodes) {
-        const int column = free_of(b);
-        if (column >= 0) neighbours[static_cast<std::size_t>(row)].push_back(column);
+        const int column = free_of_node_[b];
+        if (column >= 0) neighbours[row].push_back(column);
       }
     }
   }
@@ -169,40 +208,6 @@ void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
     row.erase(std::unique(row.begin(), row.end()), row.end());
     pattern_.column.insert(pattern_.column.end(), row.begin(), row.end());
     pattern_.row_start.push_back(static_cast<int>(pattern_.column.size()));
-  }
-
-  // Elements along a curve, and nodes as the elements come to them.
-  row_of_node_.assign(static_cast<std::size_t>(mesh.node_count()), -1);
-  int rows = 0;
-  for (auto& group : groups) {
-    std::vector<int> sorted;
-    for (const int k : order_along_curve(centres(mesh, group.numbers))) {
-      sorted.push_back(group.numbers[static_cast<std::size_t>(k)]);
-    }
-    group.numbers = std::move(sorted);
-    for (const int e : group.numbers) {
-      for (const int n : nodes_of(e)) {
-        int& row = row_of_node_[static_cast<std::size_t>(n)];
-        if (row < 0) row = rows++;
-      }
-    }
-  }
-
-  for (auto& group : groups) {
-    for (std::size_t first = 0; first < group.numbers.size(); first += kPackSize) {
-      group.blocks.push_back(block_of<A, Q>(mesh, group.numbers, first, row_of_node_));
-    }
-    for (const int e : group.numbers) {
-      const auto nodes = nodes_of(e);
-      std::array<int, A* A>& places = group.places.emplace_back();
-      for (int a = 0; a < A; ++a) {
-        for (int b = 0; b < A; ++b) {
-          const int row = free_of(nodes[a]), column = free_of(nodes[b]);
-          places[static_cast<std::size_t>(A * a + b)] =
-              row < 0 || column < 0 ? -1 : pattern_.find(row, column);
-        }
-      }
-    }
   }
 }
 
@@ -220,7 +225,7 @@ void TetAssembly::set_state(const Matrix3Xd& u, PassFields& fields) const {
   fields.rows.assign(row_of_node_.size(), NodeRow{});
   for (std::size_t n = 0; n < row_of_node_.size(); ++n) {
     const auto at = u.col(static_cast<Eigen::Index>(n));
-    fields.rows[static_cast<std::size_t>(row_of_node_[n])].u = Quad{at[0], at[1], at[2], 0.0};
+    fields.rows[row_of_node_[n]].u = Quad{at[0], at[1], at[2], 0.0};
   }
 }
 
@@ -262,14 +267,14 @@ void TetAssembly::tangent_product(PassFields& fields, const Eigen::VectorXd& x,
                                   Eigen::VectorXd& y) const {
   const double* from = x.data();
   for (const int row : row_of_free_) {
-    fields.rows[static_cast<std::size_t>(row)].du = Quad{from[0], from[1], from[2], 0.0};
+    fields.rows[row].du = Quad{from[0], from[1], from[2], 0.0};
     from += 3;
   }
   add_changes(fields);
   y.resize(x.size());
   double* to = y.data();
   for (const int row : row_of_free_) {
-    const Quad& force = fields.sums[static_cast<std::size_t>(row)].force;
+    const Quad& force = fields.sums[row].force;
     for (int i = 0; i < 3; ++i) to[i] = force[i];
     to += 3;
   }
@@ -279,8 +284,7 @@ void TetAssembly::tangent_product(PassFields& fields, const Eigen::VectorXd& x,
 void TetAssembly::force_change(PassFields& fields, const Matrix3Xd& du, Matrix3Xd& change) const {
   for (std::size_t n = 0; n < row_of_node_.size(); ++n) {
     const auto along = du.col(static_cast<Eigen::Index>(n));
-    fields.rows[static_cast<std::size_t>(row_of_node_[n])].du =
-        Quad{along[0], along[1], along[2], 0.0};
+    fields.rows[row_of_node_[n]].du = Quad{along[0], along[1], along[2], 0.0};
   }
   add_changes(fields);
   for (NodeRow& row : fields.rows) row.du = Quad{};
@@ -290,7 +294,7 @@ void TetAssembly::force_change(PassFields& fields, const Matrix3Xd& du, Matrix3X
 // The sums in the order of the mesh.
 void TetAssembly::take_sums(const PassFields& fields, Matrix3Xd& field) const {
   for (std::size_t n = 0; n < row_of_node_.size(); ++n) {
-    const Quad& force = fields.sums[static_cast<std::size_t>(row_of_node_[n])].force;
+    const Quad& force = fields.sums[row_of_node_[n]].force;
     for (int i = 0; i < 3; ++i) field(i, static_cast<Eigen::Index>(n)) = force[i];
   }
 }
@@ -306,12 +310,12 @@ void TetAssembly::tangent(const PassFields& fields, BlockMatrix& K) const {
         const std::array<int, A* A>& places = group.places[element];
         for (int a = 0; a < A; ++a) {
           for (int b = a; b < A; ++b) {
-            const int place = places[static_cast<std::size_t>(A * a + b)];
+            const int place = places[A * a + b];
             if (place < 0) continue;
             Matrix3d ab;
             for (int k = 0; k < 9; ++k) ab(k) = eight.K[a][b][k][lane];
             K.block(place) += ab;
-            if (a < b) K.block(places[static_cast<std::size_t>(A * b + a)]) += ab.transpose();
+            if (a < b) K.block(places[A * b + a]) += ab.transpose();
           }
         }
       }
@@ -327,8 +331,7 @@ void TetAssembly::hold(BlockMatrix& K) const {
     const int diagonal = pattern_.find(held.row, held.row);
     // Its own stiffness keeps the matrix as well scaled as it was.
     const double stiffness = K.block(diagonal)(held.axis, held.axis);
-    for (int p = pattern_.row_start[static_cast<std::size_t>(held.row)];
-         p < pattern_.row_start[static_cast<std::size_t>(held.row) + 1]; ++p) {
+    for (int p = pattern_.row_start[held.row]; p < pattern_.row_start[held.row + 1]; ++p) {
       K.block(p).row(held.axis).setZero();
     }
     for (const int p : held.column_places) K.block(p).col(held.axis).setZero();

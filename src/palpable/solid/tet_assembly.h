@@ -93,6 +93,10 @@ class TetAssembly {
 
   template <int A, int Q>
   void build(const SolidModel& model, Groups<A, Q>& groups);
+  template <int A, int Q>
+  void estimate_noise(const TetMesh& mesh, const Groups<A, Q>& groups);
+  template <int A>
+  void build_pattern(const TetMesh& mesh);
   void add_changes(PassFields& fields) const;
   void take_sums(const PassFields& fields, Eigen::Matrix3Xd& field) const;
 

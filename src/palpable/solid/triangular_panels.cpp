@@ -94,7 +94,7 @@ struct TriangularPanels<Stored>::Solve {
   PALPABLE_ALWAYS_INLINE static int run(const TriangularPanels& L, float* y, float* z) {
     const Supernodes& s = L.supernodes_;
     const int count = static_cast<int>(s.first_column.size()) - 1;
-    const auto at = [](const auto& list, int k) { return list[static_cast<std::size_t>(k)]; };
+    const auto at = [](const auto& list, int k) { return list[k]; };
     for (int k = 0; k < count; ++k) {
       const int first = at(s.first_column, k), columns = at(s.first_column, k + 1) - first;
       const int rows = at(s.first_row, k + 1) - at(s.first_row, k), stride = padded(rows);
@@ -209,7 +209,7 @@ struct TriangularPanels<Stored>::SolveTogether {
     constexpr int kMost = 8, kSome = 4;  // columns that share one pass over the rows
     const Supernodes& s = L.supernodes_;
     const int count = static_cast<int>(s.first_column.size()) - 1;
-    const auto at = [](const auto& list, int k) { return list[static_cast<std::size_t>(k)]; };
+    const auto at = [](const auto& list, int k) { return list[k]; };
     for (int k = 0; k < count; ++k) {
       const int first = at(s.first_column, k), columns = at(s.first_column, k + 1) - first;
       const int rows = at(s.first_row, k + 1) - at(s.first_row, k), stride = padded(rows);
@@ -269,7 +269,7 @@ TriangularPanels<Stored>::TriangularPanels(const Supernodes& supernodes) : super
     scratch_size_ = std::max(scratch_size_, static_cast<std::size_t>(stride));
   }
   values_.assign(size, Sixteen{});
-  inverse_diagonal_.assign(static_cast<std::size_t>(supernodes.first_column.back()), 0.0F);
+  inverse_diagonal_.assign(supernodes.first_column.back(), 0.0F);
 }
 
 template <class Stored>
@@ -284,7 +284,7 @@ void TriangularPanels<Stored>::set(int k, const Number* values) {
     const Number* const from = values + static_cast<std::ptrdiff_t>(j) * rows;
     Stored* const to = values_[start_[at]].of + static_cast<std::ptrdiff_t>(j) * stride;
     for (int i = j + 1; i < rows; ++i) round_to(static_cast<float>(from[i]), to[i]);
-    inverse_diagonal_[static_cast<std::size_t>(first + j)] = static_cast<float>(1.0 / from[j]);
+    inverse_diagonal_[first + j] = static_cast<float>(1.0 / from[j]);
   }
 }
 

@@ -67,9 +67,7 @@ class TriangularPanels {
   };
   // Columns are padded so that each begins with a Sixteen.
   static constexpr int padded(int rows) { return (rows + kWidth - 1) / kWidth * kWidth; }
-  [[nodiscard]] const Stored* panel(int k) const {
-    return values_[start_[static_cast<std::size_t>(k)]].of;
-  }
+  [[nodiscard]] const Stored* panel(int k) const { return values_[start_[k]].of; }
 
   Supernodes supernodes_;
   std::vector<std::size_t> start_;  // (S) of each panel in values_

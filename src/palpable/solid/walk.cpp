@@ -161,11 +161,11 @@ double Walk::load_potential(double level, const Matrix3Xd& u) const {
 Matrix3Xd Walk::through(const std::vector<const Knot*>& knots, double level, int order) const {
   Matrix3Xd u = Matrix3Xd::Zero(3, assembly_.node_count());
   for (int i = 0; i <= order; ++i) {
-    const Knot& knot = *knots[static_cast<std::size_t>(i)];
+    const Knot& knot = *knots[i];
     double weight = 1.0;
     for (int j = 0; j <= order; ++j) {
       if (j == i) continue;
-      const double other = knots[static_cast<std::size_t>(j)]->level;
+      const double other = knots[j]->level;
       weight *= (level - other) / (knot.level - other);
     }
     u += weight * knot.u;
@@ -320,7 +320,7 @@ Walk::Failure Walk::solve(double level, double tolerance) {
     const double norm = r_.norm();
     // A load so small that rounding is larger than the tolerance is solved to that.
     if (norm <= std::max(tolerance * scale_, assembly_.force_noise())) {
-      accept(level, std::move(u), state, scale_ > 0.0 ? norm / scale_ : 0.0);
+      move_to(level, std::move(u), state, scale_ > 0.0 ? norm / scale_ : 0.0);
       return {};
     }
     if (step == settings_.max_newton_steps) {
@@ -332,7 +332,7 @@ Walk::Failure Walk::solve(double level, double tolerance) {
 
     // d_ points downhill in the potential, because the tangent was positive along all that
     // conjugate gradients saw. A step is taken if it lowers the potential as Armijo asks, or
-    // halves the residual: close to the solution the potential cannot tell any more.
+    // halves the residual: close to the solution rounding of the potential hides what it changes by.
     const double potential = state.energy + load_potential(level, u);
     const double slope = -r_.dot(d_);
     const double rounding = assembly_.energy_noise() + 1e-13 * std::abs(potential);
@@ -360,7 +360,7 @@ Walk::Failure Walk::solve(double level, double tolerance) {
   }
 }
 
-void Walk::accept(double level, Matrix3Xd u, const BodyState& state, double residual) {
+void Walk::move_to(double level, Matrix3Xd u, const BodyState& state, double residual) {
   std::erase_if(knots_, [&](const Knot& knot) { return is_close(knot.level, level); });
   knots_.push_back({level, u});
   now_.displacement = std::move(u);

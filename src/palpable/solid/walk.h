@@ -23,7 +23,7 @@ namespace palpable {
 /// with a start extrapolated or interpolated over the states that are known.
 class Walk {
  public:
-  /// Why a solve ended, with what is worth telling.
+  /// Why a solve ended, with the figures of the state at which it ended.
   struct Failure {
     Stop stop = Stop::kNone;
     int element = -1;         ///< kInversion
@@ -80,7 +80,7 @@ class Walk {
   CgResult solve_tangent(const Eigen::Matrix3Xd& u, double relative_tolerance);
   Failure newton_step(const Eigen::Matrix3Xd& u, double tolerance);
   Failure solve(double level, double tolerance);
-  void accept(double level, Eigen::Matrix3Xd u, const BodyState& state, double residual);
+  void move_to(double level, Eigen::Matrix3Xd u, const BodyState& state, double residual);
 
   const EquilibriumSolver::Core& core_;
   const TetAssembly& assembly_;

@@ -199,6 +199,99 @@ Size comfortable_size(const CameraInfo& info, bool depth, const CameraInfo* also
   return best;
 }
 
+// The device beside the first one: the depth's or the right eye's; empty: there is one device.
+const std::string& other_device(const CameraRequest& request) {
+  return request.depth.empty() ? request.right : request.depth;
+}
+
+// The size at which both devices give pictures.
+Result<Size> common_size(const CameraRequest& request, const CameraInfo& first,
+                         VideoSystem& system) {
+  const bool has_depth = !request.depth.empty();
+  const Result<CameraInfo> second = ask_camera(system, other_device(request));
+  if (!second.ok()) return second.problem();
+  const Size size = comfortable_size(second.value(), has_depth, &first);
+  if (size.width > 0) return size;
+  return Problem{fmt::format("{} and {} have no {}picture size in common", request.device,
+                             other_device(request), has_depth ? "depth and " : "")};
+}
+
+// The size of one eye: asked for, or the calibration's, or what the camera does best.
+Result<Size> eye_size(const CameraRequest& request, const CameraInfo& info, VideoSystem& system) {
+  const bool two = !other_device(request).empty();
+  const Size asked{two ? request.width : request.width / 2, request.height};
+  if (asked.width > 0) return asked;
+  if (!request.calibration.empty() && request.calibration.extension() != ".conf") {
+    const Result<SourceCalibration> calibration =
+        read_source_calibration(request.calibration, 0, 0);
+    if (!calibration.ok()) return calibration.problem();
+    const FrameFormat& format = calibration.value().format;
+    if (format.width > 0) return Size{format.width, format.height};
+  }
+  if (two) return common_size(request, info, system);
+  const CameraMode* mode = side_by_side_mode(info);
+  if (mode == nullptr) {
+    return Problem{fmt::format(
+        "{} ({}) gives one eye's pictures only: name the other eye's camera with --right, or the "
+        "depth of the same view with --depth",
+        request.device, info.name)};
+  }
+  return Size{mode->width / 2, mode->height};
+}
+
+// The calibration that the request names, or the one that is known of a camera of this name.
+Result<SourceCalibration> calibration_of(const CameraRequest& request, const std::string& camera,
+                                         const Size& eye) {
+  const bool has_depth = !request.depth.empty();
+  if (request.without_calibration && !has_depth) {
+    SourceCalibration none;
+    none.format.width = eye.width;
+    none.format.height = eye.height;
+    return none;
+  }
+  fs::path path = request.calibration;
+  if (path.empty() && !has_depth) {
+    path = known_calibration(camera, eye.width, eye.height, request.folders).value_or(fs::path());
+  }
+  if (path.empty()) {
+    return Problem{fmt::format(
+        "no calibration is known of {} ({}) at {}x{} px an eye: name it with --calibration{}",
+        request.device, camera, eye.width, eye.height,
+        has_depth ? " (intrinsics.txt)" : ", or make it with palpable calibrate")};
+  }
+  Result<SourceCalibration> read = read_source_calibration(path, eye.width, eye.height);
+  if (!read.ok()) return read;
+  FrameFormat& format = read.value().format;
+  if ((format.kind == FrameFormat::Kind::kColorDepth) != has_depth) {
+    return Problem{fmt::format("{} is no calibration of {}", path.string(),
+                               has_depth ? "one camera (fx fy cx cy)" : "a stereo rig")};
+  }
+  if (format.width == 0) set_size(format, eye.width, eye.height);
+  if (format.width != eye.width || format.height != eye.height) {
+    return Problem{fmt::format("the calibration {} is for eyes of {}x{} px, not {}x{}",
+                               path.string(), format.width, format.height, eye.width, eye.height)};
+  }
+  return read;
+}
+
+CameraSettings first_settings(const CameraRequest& request, const Size& eye) {
+  CameraSettings settings;
+  settings.width = other_device(request).empty() ? 2 * eye.width : eye.width;
+  settings.height = eye.height;
+  settings.frames_per_second = request.frames_per_second;
+  settings.exposure_ms = request.exposure_ms;
+  settings.gain = request.gain;
+  return settings;
+}
+
+// Exposure and gain are the colour's; a depth device has none that could be set with them.
+CameraSettings second_settings(const CameraRequest& request, const Size& eye) {
+  CameraSettings settings = first_settings(request, eye);
+  settings.depth = !request.depth.empty();
+  if (settings.depth) settings.exposure_ms = settings.gain = std::nullopt;
+  return settings;
+}
+
 }  // namespace
 
 const CameraMode* side_by_side_mode(const CameraInfo& info) {
@@ -259,91 +352,26 @@ Result<std::unique_ptr<FrameSource>> open_camera(const CameraRequest& request,
     return Problem{
         fmt::format("{} has neither exposure nor gain that can be locked", request.device)};
   }
-  const bool has_depth = !request.depth.empty();
-  const std::string& other = has_depth ? request.depth : request.right;
-  const bool two = !other.empty();
+  const Result<Size> eye = eye_size(request, info.value(), system);
+  if (!eye.ok()) return eye.problem();
+  const Result<SourceCalibration> calibration =
+      calibration_of(request, info.value().name, eye.value());
+  if (!calibration.ok()) return calibration.problem();
 
-  // The size of one eye: asked for, or the calibration's, or what the camera does best.
-  Size eye{two ? request.width : request.width / 2, request.height};
-  if (eye.width == 0 && !request.calibration.empty() &&
-      request.calibration.extension() != ".conf") {
-    const Result<SourceCalibration> calibration =
-        read_source_calibration(request.calibration, 0, 0);
-    if (!calibration.ok()) return calibration.problem();
-    eye = {calibration.value().format.width, calibration.value().format.height};
-  }
-  if (eye.width == 0 && two) {
-    const Result<CameraInfo> second = ask_camera(system, other);
-    if (!second.ok()) return second.problem();
-    eye = comfortable_size(second.value(), has_depth, &info.value());
-    if (eye.width == 0) {
-      return Problem{fmt::format("{} and {} have no {}picture size in common", request.device,
-                                 other, has_depth ? "depth and " : "")};
-    }
-  }
-  if (eye.width == 0) {
-    const CameraMode* mode = side_by_side_mode(info.value());
-    if (mode == nullptr) {
-      return Problem{fmt::format(
-          "{} ({}) gives one eye's pictures only: name the other eye's camera with --right, or the "
-          "depth of the same view with --depth",
-          request.device, info.value().name)};
-    }
-    eye = {mode->width / 2, mode->height};
-  }
-
-  SourceCalibration calibration;
-  if (request.without_calibration && !has_depth) {
-    calibration.format.width = eye.width;
-    calibration.format.height = eye.height;
-  } else {
-    fs::path path = request.calibration;
-    if (path.empty() && !has_depth) {
-      path = known_calibration(info.value().name, eye.width, eye.height, request.folders)
-                 .value_or(fs::path());
-    }
-    if (path.empty()) {
-      return Problem{fmt::format(
-          "no calibration is known of {} ({}) at {}x{} px an eye: name it with --calibration{}",
-          request.device, info.value().name, eye.width, eye.height,
-          has_depth ? " (intrinsics.txt)" : ", or make it with palpable calibrate")};
-    }
-    Result<SourceCalibration> read = read_source_calibration(path, eye.width, eye.height);
-    if (!read.ok()) return read.problem();
-    calibration = std::move(read).value();
-    FrameFormat& format = calibration.format;
-    if ((format.kind == FrameFormat::Kind::kColorDepth) != has_depth) {
-      return Problem{fmt::format("{} is no calibration of {}", path.string(),
-                                 has_depth ? "one camera (fx fy cx cy)" : "a stereo rig")};
-    }
-    if (format.width == 0) set_size(format, eye.width, eye.height);
-    if (format.width != eye.width || format.height != eye.height) {
-      return Problem{fmt::format("the calibration {} is for eyes of {}x{} px, not {}x{}",
-                                 path.string(), format.width, format.height, eye.width,
-                                 eye.height)};
-    }
-  }
-
-  CameraSettings settings;
-  settings.width = two ? eye.width : 2 * eye.width;
-  settings.height = eye.height;
-  settings.frames_per_second = request.frames_per_second;
-  settings.exposure_ms = request.exposure_ms;
-  settings.gain = request.gain;
-  Result<V4l2Camera> first = V4l2Camera::open(system, request.device, settings);
+  Result<V4l2Camera> first =
+      V4l2Camera::open(system, request.device, first_settings(request, eye.value()));
   if (!first.ok()) return first.problem();
   std::optional<V4l2Camera> second;
-  if (two) {
-    settings.depth = has_depth;
-    if (has_depth) settings.exposure_ms = settings.gain = std::nullopt;
-    Result<V4l2Camera> opened = V4l2Camera::open(system, other, settings);
+  if (!other_device(request).empty()) {
+    Result<V4l2Camera> opened =
+        V4l2Camera::open(system, other_device(request), second_settings(request, eye.value()));
     if (!opened.ok()) return opened.problem();
     second = std::move(opened).value();
   }
   constexpr double kMillimetre = 1e-3;  // what depth devices step in unless it is said
   return std::unique_ptr<FrameSource>(std::make_unique<CameraSource>(
-      system, calibration.format, calibration.depth_unit.value_or(kMillimetre), request.lock,
-      std::move(first).value(), std::move(second)));
+      system, calibration.value().format, calibration.value().depth_unit.value_or(kMillimetre),
+      request.lock, std::move(first).value(), std::move(second)));
 }
 
 }  // namespace palpable

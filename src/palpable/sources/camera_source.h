@@ -24,22 +24,22 @@ struct CameraRequest {
   std::string depth;
   std::filesystem::path calibration;  ///< empty: known_calibration() in `folders`
   std::vector<std::filesystem::path> folders;
-  bool without_calibration = false;  ///< for whoever wants to find it
+  bool without_calibration = false;  ///< to take the pictures from which one is computed
   int width = 0;                     ///< px of the whole picture; 0: fitting the calibration
   int height = 0;                    ///< px
   double frames_per_second = 0;      ///< 0: as fast as it can
   std::optional<double> exposure_ms;
   std::optional<double> gain;
-  /// After a second, leaves exposure, gain and white balance as they are by then.
+  /// After a second, switch automatic exposure, gain and white balance off and keep their values.
   bool lock = false;
 };
 
-/// Opens and starts. A problem says what is not there and what is instead.
+/// Opens the devices and starts them. A problem names what is missing and what is there instead.
 ///
-/// The source is live: it gives the newest pictures, waits at most kLongestWait, is kStalled after
-/// half a second without one, kGone when a device goes away, and looks for it every second. Frames'
-/// times are the driver's stamps. The pictures of two devices belong together when their stamps are
-/// less than 0.6 periods apart.
+/// The source is live: it gives the newest pictures and waits at most kLongestWait for them. It is
+/// kStalled after half a second without a picture; kGone when a device is unplugged, which is then
+/// looked for every second. Frames have the driver's time stamps. The pictures of two devices are
+/// one frame when their stamps are less than 0.6 periods apart.
 ///
 /// @param system  must outlive the source
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> open_camera(const CameraRequest& request,
@@ -55,8 +55,8 @@ struct CameraRequest {
     const std::string& camera, int width, int height,
     const std::vector<std::filesystem::path>& folders);
 
-/// The mode whose picture is taken for both eyes where nobody says which: 2560 x 720 (a ZED's HD),
-/// else the largest that is not wider; null when no picture looks like two eyes.
+/// The mode with both eyes side by side that is used by default: 2560 x 720 (a ZED's HD), else the
+/// largest that is not wider; null when no mode looks like two eyes.
 [[nodiscard]] const CameraMode* side_by_side_mode(const CameraInfo& info);
 
 }  // namespace palpable

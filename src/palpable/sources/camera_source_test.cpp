@@ -64,7 +64,7 @@ std::string refusal(FakeVideo& video, const CameraRequest& wanted) {
   return result.problem().message;
 }
 
-TEST_CASE("a stereo camera's pictures come as pairs with the driver's times", "[vision][camera]") {
+TEST_CASE("a stereo camera's pictures come as pairs with the driver's times", "[sources][camera]") {
   FakeVideo video;
   video.cameras = {stereo_camera()};
   // The eyes differ: the left half of each row is 10 + i, the right half 100 + i.
@@ -102,7 +102,7 @@ TEST_CASE("a stereo camera's pictures come as pairs with the driver's times", "[
 }
 
 TEST_CASE("a late reader gets the newest picture, and what it missed counts as dropped",
-          "[vision][camera]") {
+          "[sources][camera]") {
   FakeVideo video;
   video.cameras = {stereo_camera()};
   video.cameras[0].film(100, 40, 60, kBoth, 0);
@@ -127,7 +127,7 @@ TEST_CASE("a late reader gets the newest picture, and what it missed counts as d
 }
 
 TEST_CASE("a camera that stalls, goes and comes back is followed through all of it",
-          "[vision][camera]") {
+          "[sources][camera]") {
   FakeVideo video;
   video.cameras = {stereo_camera()};
   FakeDevice& camera = video.cameras[0];
@@ -161,7 +161,7 @@ TEST_CASE("a camera that stalls, goes and comes back is followed through all of 
   CHECK(video.mapped == 4);
 }
 
-TEST_CASE("torn and damaged pictures are left out, and the next one is good", "[vision][camera]") {
+TEST_CASE("torn and damaged pictures are left out, and the next one is good", "[sources][camera]") {
   FakeVideo video;
   video.cameras = {stereo_camera()};
   FakeDevice& camera = video.cameras[0];
@@ -182,7 +182,7 @@ TEST_CASE("torn and damaged pictures are left out, and the next one is good", "[
         std::vector{S::kFrame, S::kUnreadable, S::kFrame, S::kUnreadable, S::kFrame, S::kFrame});
 }
 
-TEST_CASE("the pictures of two cameras are paired by their times", "[vision][camera]") {
+TEST_CASE("the pictures of two cameras are paired by their times", "[sources][camera]") {
   FakeVideo video;
   FakeDevice left = stereo_camera();
   left.modes = {{kGrey, kWidth, kHeight, {30}}};
@@ -206,7 +206,7 @@ TEST_CASE("the pictures of two cameras are paired by their times", "[vision][cam
 }
 
 TEST_CASE("two cameras whose pictures are never of one moment are stalled, and say why",
-          "[vision][camera]") {
+          "[sources][camera]") {
   FakeVideo video;
   FakeDevice left = stereo_camera();
   left.modes = {{kGrey, kWidth, kHeight, {30}}};
@@ -228,7 +228,7 @@ TEST_CASE("two cameras whose pictures are never of one moment are stalled, and s
   CHECK(contains(source->last_trouble(), "none of the same moment"));
 }
 
-TEST_CASE("a camera that comes back is held again as it was asked for", "[vision][camera]") {
+TEST_CASE("a camera that comes back is held again as it was asked for", "[sources][camera]") {
   FakeVideo video;
   video.cameras = {stereo_camera()};
   FakeDevice& camera = video.cameras[0];
@@ -253,7 +253,7 @@ TEST_CASE("a camera that comes back is held again as it was asked for", "[vision
   CHECK(camera.controls[V4L2_CID_EXPOSURE_AUTO] == V4L2_EXPOSURE_MANUAL);
 }
 
-TEST_CASE("colour and depth of one view come as frames with depth in metres", "[vision][camera]") {
+TEST_CASE("colour and depth of one view come as frames with depth in metres", "[sources][camera]") {
   const ScratchFolder folder("camera_depth");
   test::write_bytes(folder / "intrinsics.txt", "30 30 16 5 32 10 0.0001");
   FakeVideo video;
@@ -290,7 +290,7 @@ TEST_CASE("colour and depth of one view come as frames with depth in metres", "[
   }
 }
 
-TEST_CASE("exposure and gain are set, or held as the camera has found them", "[vision][camera]") {
+TEST_CASE("exposure and gain are set, or held as the camera has found them", "[sources][camera]") {
   FakeVideo video;
   video.cameras = {stereo_camera()};
   auto& controls = video.cameras[0].controls;
@@ -346,7 +346,7 @@ TEST_CASE("exposure and gain are set, or held as the camera has found them", "[v
   CHECK(contains(refusal(other, wanted), "neither exposure nor gain that can be locked"));
 }
 
-TEST_CASE("what a camera can do is asked for, size by size", "[vision][camera]") {
+TEST_CASE("what a camera can do is asked for, size by size", "[sources][camera]") {
   FakeVideo video;
   video.cameras = {stereo_camera()};
   FakeDevice& camera = video.cameras[0];
@@ -371,7 +371,7 @@ TEST_CASE("what a camera can do is asked for, size by size", "[vision][camera]")
 }
 
 TEST_CASE("a calibration is known by the camera's name and size, or by the ZED's own file",
-          "[vision][camera]") {
+          "[sources][camera]") {
   const ScratchFolder folder("camera_known");
   CHECK(calibration_name("ZED-M: ZED-M", 1280, 720) == "zed-m-zed-m-1280x720.yml");
   CHECK(calibration_name("::", 1, 2) == "camera-1x2.yml");
@@ -399,7 +399,7 @@ TEST_CASE("a calibration is known by the camera's name and size, or by the ZED's
   CHECK(value_or_throw(open_camera(wanted, video))->format().rig.left == calibration.rig.left);
 }
 
-TEST_CASE("a camera that cannot be used says why and what to do", "[vision][camera][refusal]") {
+TEST_CASE("a camera that cannot be used says why and what to do", "[sources][camera][refusal]") {
   const ScratchFolder folder("camera_refusals");
   FakeVideo video;
   video.cameras = {stereo_camera()};
@@ -440,7 +440,7 @@ TEST_CASE("a camera that cannot be used says why and what to do", "[vision][came
   CHECK(contains(refusal(video, wanted), "no picture size in common"));
 }
 
-TEST_CASE("raw pictures become the colours that they hold", "[vision][camera]") {
+TEST_CASE("raw pictures become the colours that they hold", "[sources][camera]") {
   ColorImage image;
   // Two pixels of YUYV: luma 81 and 145 of a red (BT.601: Y 81, U 90, V 240).
   const std::vector<std::uint8_t> yuyv{81, 90, 145, 240};

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -24,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSameMoment = 0.02;  // s; TUM's own tool takes 20 ms
+constexpr double kSameMoment = 0.02;  // s, as TUM's own tool has it
 
 bool is_image(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -80,13 +79,11 @@ std::optional<long long> number_in(const fs::path& image) {
   if (last == std::string::npos) return std::nullopt;
   const auto before = name.find_last_not_of("0123456789", last);
   const std::size_t from = before == std::string::npos ? 0 : before + 1;
-  long long number = 0;
-  const auto [end, error] = std::from_chars(name.data() + from, name.data() + last + 1, number);
-  return error == std::errc() ? std::optional(number) : std::nullopt;
+  return to_whole_number(std::string_view(name).substr(from, last + 1 - from));
 }
 
-// The first image without a partner of its number, where most have one: then the names are
-// numbers of frames, and not stamps or counters that each side has for itself.
+// The first image whose number the other side does not have, if most numbers are on both sides: the
+// names then are numbers of frames. Otherwise each side has its own stamps or counters.
 std::optional<fs::path> without_partner(const std::vector<fs::path>& first,
                                         const std::vector<fs::path>& second) {
   std::map<long long, int> sides;  // bit 0: in the first, bit 1: in the second
@@ -169,7 +166,7 @@ void count_from_first(Recording& recording) {
 
 // --- EuRoC: https://projects.asl.ethz.ch/datasets ----------------------------------------------
 
-// The numbers in the first [...] after `key:`.
+// The numbers in the first [...] after `key:`; empty without one.
 std::vector<double> list_after(const std::string& text, std::string_view key) {
   const auto at = text.find(std::string(key) + ":");
   if (at == std::string::npos) return {};
@@ -225,8 +222,30 @@ Result<EurocCamera> read_euroc_camera(const fs::path& path) {
   return camera;
 }
 
+constexpr double kNanosecond = 1e-9;  // s
+
+// -1 if the text is no time stamp.
+long long nanoseconds(std::string_view text) {
+  return std::max(to_whole_number(text).value_or(-1), -1LL);
+}
+
+// Poses of the body by their time in s after `begin` ns.
+std::map<double, Rigid3> euroc_poses(const fs::path& csv, long long begin) {
+  std::map<double, Rigid3> poses;
+  const auto truth = read_lines(csv);
+  for (const std::string& line : truth.value_or(std::vector<std::string>{})) {
+    const auto n = to_numbers(line);
+    if (!n || n->size() < 8) continue;
+    const long long stamp = nanoseconds(std::string_view(line).substr(0, line.find(',')));
+    if (stamp < 0) continue;
+    const double time = kNanosecond * static_cast<double>(stamp - begin);
+    poses[time] =
+        pose_of(Eigen::Vector3d((*n)[1], (*n)[2], (*n)[3]), (*n)[4], (*n)[5], (*n)[6], (*n)[7]);
+  }
+  return poses;
+}
+
 Result<Recording> euroc(const fs::path& folder) {
-  constexpr double kNanosecond = 1e-9;
   Recording recording;
   recording.layout = "EuRoC";
   const Result<EurocCamera> left = read_euroc_camera(folder / "cam0/sensor.yaml");
@@ -242,27 +261,11 @@ Result<Recording> euroc(const fs::path& folder) {
   calibration.frames_per_second = left.value().rate;
   recording.calibration = calibration;
 
-  // ns to poses of the body. Times are kept relative to the first image: 1e18 ns have no room in a
-  // double.
+  // Times are kept relative to the first image: 1e18 ns do not fit a double.
   const std::vector<fs::path> lefts = images_in(folder / "cam0/data");
-  const auto nanoseconds = [](std::string_view text) {
-    long long value = -1;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool is_whole = error == std::errc() && end == text.data() + text.size();
-    return is_whole && value >= 0 ? value : -1LL;
-  };
   const long long begin = lefts.empty() ? 0 : nanoseconds(lefts.front().stem().string());
-  std::map<double, Rigid3> poses;
-  const auto truth = read_lines(folder / "state_groundtruth_estimate0/data.csv");
-  for (const std::string& line : truth.value_or(std::vector<std::string>{})) {
-    const auto n = to_numbers(line);
-    if (!n || n->size() < 8) continue;
-    const long long stamp = nanoseconds(std::string_view(line).substr(0, line.find(',')));
-    if (stamp < 0) continue;
-    const double time = kNanosecond * static_cast<double>(stamp - begin);
-    poses[time] =
-        pose_of(Eigen::Vector3d((*n)[1], (*n)[2], (*n)[3]), (*n)[4], (*n)[5], (*n)[6], (*n)[7]);
-  }
+  const std::map<double, Rigid3> poses =
+      euroc_poses(folder / "state_groundtruth_estimate0/data.csv", begin);
   for (const fs::path& image : lefts) {
     const fs::path partner = folder / "cam1/data" / image.filename();
     const long long stamp = nanoseconds(image.stem().string());
@@ -316,7 +319,7 @@ Result<Recording> kitti(const fs::path& folder, std::string_view left, std::stri
   SourceCalibration calibration;
   FrameFormat& format = calibration.format;
   format.already_rectified = true;
-  // The size is the images'; they are looked at when the folder is opened.
+  // The size is that of the images, which are read when the folder is opened.
   format.rectified = {{0, 0, L[0], L[5], L[2], L[6]}, (L[3] - R[3]) / L[0], L[2] - R[2]};
   calibration.frames_per_second = 10;
   recording.calibration = calibration;
@@ -339,8 +342,8 @@ Result<Recording> kitti(const fs::path& folder, std::string_view left, std::stri
 
 // --- TUM: https://cvg.cit.tum.de/data/datasets/rgbd-dataset ------------------------------------
 
-// "1305031102.1758 rgb/1305031102.1758.png", in the order of their stamps. Lines without one, and
-// with one that an earlier line has, are left out and counted.
+// "1305031102.1758 rgb/1305031102.1758.png", in the order of their stamps. Lines without a stamp,
+// or with that of an earlier line, are left out and counted.
 std::map<double, fs::path> stamped_files(const fs::path& folder, const char* list, int& left_out) {
   std::map<double, fs::path> files;
   const auto lines = read_lines(folder / list);

@@ -25,8 +25,8 @@ struct RecordedFrame {
   std::filesystem::path first;
   std::filesystem::path second;  ///< empty when side by side
   std::optional<double> time;    ///< s since the first frame; nothing: number / frames_per_second
-  /// Where the data set says the camera was: of the left or depth camera as it stands in the rig
-  /// (before rectification). For scores; the frame loop is not shown it.
+  /// Pose of the left or depth camera (before rectification) by the data set. For scores only: the
+  /// frame loop does not see it.
   std::optional<Rigid3> world_from_camera;
 };
 
@@ -34,26 +34,25 @@ struct Recording {
   std::string layout;  ///< for people, e.g. "EuRoC"
   ImagePair pair = ImagePair::kLeftRight;
   std::vector<RecordedFrame> frames;
-  /// Images that have no partner at the same moment, or no stamp of their own, in layouts that
-  /// match by time.
+  /// In layouts that match images by time: how many have no partner of the same moment, or no time
+  /// stamp of their own.
   int unmatched = 0;
   double depth_unit = 0.001;  ///< m per step of a depth image, unless a calibration says otherwise
-  /// A calibration that stands in the layout itself; else `calibration_files` are tried.
+  /// The calibration that belongs to the layout; without one `calibration_files` are read.
   std::optional<SourceCalibration> calibration;
   std::vector<std::filesystem::path> calibration_files;  ///< those that exist
 };
 
-/// The colour sensor that a recording's layout is known for; nothing: as the depth, or the
-/// calibration says it. 7-Scenes where the depth has its published f = 585 px: other recordings in
-/// files of such names were registered by whoever made them.
+/// The colour sensor of a layout whose files do not say it: 7-Scenes, if the depth has the
+/// published f = 585 px (other recordings with such file names were registered by their makers).
+/// Nothing for all others: their calibration says it, or colour and depth share one view.
 [[nodiscard]] std::optional<ColorSensor> color_sensor_of(const Recording& recording,
                                                          const PinholeCamera& depth_camera);
 
 /// Recognises, in this order:
 ///
 ///   EuRoC     mav0/cam0 and mav0/cam1 with data/ and sensor.yaml; names are nanoseconds; poses
-///   from
-///             state_groundtruth_estimate0
+///             from state_groundtruth_estimate0
 ///   KITTI     image_0 image_1, image_2 image_3 or image_l image_r, with calib.txt; times.txt and
 ///             poses.txt if there; rows are aligned
 ///   TUM       rgb.txt and depth.txt (colour and depth within 20 ms belong together); depth in
@@ -62,14 +61,14 @@ struct Recording {
 ///   7-Scenes  frame-N.color.*, frame-N.depth.png; frame-N.pose.txt if there; depth in mm;
 ///             camera-intrinsics.txt or intrinsics.txt, else the published f = 585 px, c = (320,
 ///             240); a colour sensor of its own (color_sensor_of)
-///   ours      left/ and right/; color_* or rgb_* with depth_*; left* and right*; images side by
-///   side
+///   ours      left/ and right/; color_* or rgb_* with depth_*; left* and right*;
+///             images side by side
 ///
 /// A problem, one line with the folder, when none fits or partners are missing.
 [[nodiscard]] Result<Recording> recognise_folder(const std::filesystem::path& folder);
 
-/// Images by name: each pattern is a path whose last part may hold * and ?; what matches is put in
-/// natural order. With `second` empty they are pairs side by side.
+/// Images by name: each pattern is a path whose last part may contain * and ?; the matching files
+/// are sorted in natural order. With `second` empty they are pairs side by side.
 [[nodiscard]] Result<Recording> recognise_patterns(const std::filesystem::path& first,
                                                    const std::filesystem::path& second,
                                                    bool second_is_depth);

@@ -57,7 +57,7 @@ std::string euroc_sensor(double y) {
 }
 
 TEST_CASE("partners of different numbers are no pair, though there are as many on each side",
-          "[vision][folder]") {
+          "[sources][folder]") {
   const ScratchFolder folder("mispaired");
   const auto name = [](int n) { return std::to_string(1000000 + n).substr(1) + ".png"; };
   for (int n = 0; n < 6; ++n) {
@@ -70,7 +70,7 @@ TEST_CASE("partners of different numbers are no pair, though there are as many o
   CHECK(recognise_folder(folder.path()).ok());
 }
 
-TEST_CASE("each side may count for itself", "[vision][folder]") {
+TEST_CASE("each side may count for itself", "[sources][folder]") {
   const ScratchFolder folder("own_counters");
   for (int n = 0; n < 4; ++n) {
     write_image(folder / "left" / (std::to_string(100 + n) + ".png"), n);
@@ -80,7 +80,7 @@ TEST_CASE("each side may count for itself", "[vision][folder]") {
 }
 
 TEST_CASE("a lens of EuRoC that is not radial-tangential is refused by its name",
-          "[vision][folder]") {
+          "[sources][folder]") {
   const ScratchFolder folder("fisheye");
   const fs::path mav = folder / "mav0";
   for (const char* eye : {"cam0", "cam1"}) {
@@ -94,7 +94,7 @@ TEST_CASE("a lens of EuRoC that is not radial-tangential is refused by its name"
 }
 
 TEST_CASE("a folder of EuRoC: pairs of one stamp, the rig from its files, poses from its truth",
-          "[vision][folder][threads]") {
+          "[sources][folder][threads]") {
   const ScratchFolder folder("euroc");
   const fs::path mav = folder / "MH_01/mav0";
   for (const char* ns : {"1403636579763555584", "1403636579813555456", "1403636579863555584"}) {
@@ -151,7 +151,7 @@ TEST_CASE("a folder of EuRoC: pairs of one stamp, the rig from its files, poses 
 }
 
 TEST_CASE("a folder of KITTI: aligned rows, the baseline from its projections",
-          "[vision][folder][threads]") {
+          "[sources][folder][threads]") {
   const ScratchFolder folder("kitti");
   for (const char* eye : {"image_2", "image_3"}) {
     for (int i = 0; i < 3; ++i) {
@@ -186,7 +186,7 @@ TEST_CASE("a folder of KITTI: aligned rows, the baseline from its projections",
 }
 
 TEST_CASE("a folder of TUM: colour and depth of one moment, depth in fifths of a millimetre",
-          "[vision][folder][threads]") {
+          "[sources][folder][threads]") {
   const ScratchFolder folder("tum");
   const fs::path set = folder / "rgbd_dataset_freiburg2_desk";
   write_image(set / "rgb/a.png", 50);
@@ -238,7 +238,7 @@ TEST_CASE("a folder of TUM: colour and depth of one moment, depth in fifths of a
   CHECK(contains(refusal(folder / "desk"), "no two of its images belong together"));
 }
 
-TEST_CASE("damaged lines of a TUM list are left out and counted", "[vision][folder]") {
+TEST_CASE("damaged lines of a TUM list are left out and counted", "[sources][folder]") {
   const ScratchFolder folder("tum_damaged");
   for (const char* name : {"a", "b", "c"}) {
     write_image(folder / "rgb" / (std::string(name) + ".png"), 50);
@@ -256,7 +256,7 @@ TEST_CASE("damaged lines of a TUM list are left out and counted", "[vision][fold
 }
 
 TEST_CASE("a folder of 7-Scenes: its names, its poses, its published camera",
-          "[vision][folder][threads]") {
+          "[sources][folder][threads]") {
   const ScratchFolder folder("seven_scenes");
   for (const char* n : {"000000", "000001"}) {
     const std::string name = std::string("frame-") + n;
@@ -293,7 +293,7 @@ TEST_CASE("a folder of 7-Scenes: its names, its poses, its published camera",
 }
 
 TEST_CASE("left* and right* in one folder, or any two patterns of names, are pairs",
-          "[vision][folder][threads]") {
+          "[sources][folder][threads]") {
   const ScratchFolder folder("patterns");
   for (int i = 8; i < 11; ++i) {
     write_image(folder / ("left_" + std::to_string(i) + "m.png"), i);
@@ -341,7 +341,7 @@ TEST_CASE("left* and right* in one folder, or any two patterns of names, are pai
 }
 
 TEST_CASE("stereo images open without a calibration for whoever looks for one",
-          "[vision][folder][threads]") {
+          "[sources][folder][threads]") {
   const ScratchFolder folder("without");
   write_image(folder / "left/0.png", 1);
   write_image(folder / "right/0.png", 2);
@@ -361,7 +361,7 @@ TEST_CASE("stereo images open without a calibration for whoever looks for one",
 }
 
 // What nobody here made.
-TEST_CASE("real sets of KITTI and 7-Scenes open with their poses", "[vision][folder][real]") {
+TEST_CASE("real sets of KITTI and 7-Scenes open with their poses", "[sources][folder][real]") {
   const fs::path data = "../shared/data";
   if (!fs::exists(data / "stereo_video_kitti1") || !fs::exists(data / "rgbd_pose_7scenes")) {
     PALPABLE_SKIP("no stereo_video_kitti1 or rgbd_pose_7scenes in " + data.string());

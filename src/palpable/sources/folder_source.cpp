@@ -133,7 +133,7 @@ class ImageReader final : public FrameReader {
 
   FrameStatus read(int number, Frame& frame, std::string& trouble) override {
     if (number >= count()) return FrameStatus::kEnd;
-    const RecordedFrame& recorded = recording_.frames[static_cast<std::size_t>(number)];
+    const RecordedFrame& recorded = recording_.frames[number];
     frame.number = number;
     frame.time = recorded.time.value_or(number / frames_per_second_);
     trouble = read_images(recorded, frame);

@@ -31,8 +31,7 @@ namespace palpable {
 
 struct FolderSettings {
   std::filesystem::path calibration{};  ///< instead of what lies in the folder; empty: that
-  /// Opens stereo images that have none, for whoever wants to find it: the format's rig is then
-  /// empty, and images more than twice as wide as high are taken to be side by side.
+  /// Open stereo images without one, to compute it from them: the format's rig is then empty.
   bool without_calibration = false;
 };
 

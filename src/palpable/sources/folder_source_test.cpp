@@ -71,7 +71,7 @@ bool contains(const std::string& text, const std::string& part) {
 }
 
 TEST_CASE("pairs of two folders come in the order of their numbers, with their times",
-          "[vision][folder][threads]") {
+          "[sources][folder][threads]") {
   const ScratchFolder folder("folder_two");
   write_two_folders(folder.path(), 12);
   const auto source = opened(folder.path());
@@ -98,7 +98,7 @@ TEST_CASE("pairs of two folders come in the order of their numbers, with their t
   CHECK(source->last_trouble().empty());
 }
 
-TEST_CASE("side by side, the left half is the left eye", "[vision][folder][threads]") {
+TEST_CASE("side by side, the left half is the left eye", "[sources][folder][threads]") {
   const ScratchFolder folder("folder_side");
   cv::Mat both(kHeight, 2 * kWidth, CV_8UC3, cv::Scalar(30, 30, 30));
   both.colRange(kWidth, 2 * kWidth).setTo(cv::Scalar(90, 90, 90));
@@ -115,7 +115,7 @@ TEST_CASE("side by side, the left half is the left eye", "[vision][folder][threa
   CHECK(frame.right == ColorImage(kWidth, kHeight, Rgb{90, 90, 90}));
 }
 
-TEST_CASE("colour and depth come in metres, 0 and 65535 as unknown", "[vision][folder][threads]") {
+TEST_CASE("colour and depth come in metres, 0 and 65535 as unknown", "[sources][folder][threads]") {
   for (const auto& [intrinsics, unit] :
        {std::pair{"# fx fy cx cy\n30.5 31 20 12\n", 0.001F},
         std::pair{"30.5 31\n20 12  40 24 0.000125 # Kinect-like\n", 0.000125F}}) {
@@ -140,7 +140,7 @@ TEST_CASE("colour and depth come in metres, 0 and 65535 as unknown", "[vision][f
 }
 
 TEST_CASE("an unreadable image in the middle is skipped and counted, and its neighbours are whole",
-          "[vision][folder][threads][refusal]") {
+          "[sources][folder][threads][refusal]") {
   const ScratchFolder folder("folder_unreadable");
   write_two_folders(folder.path(), 7);
   write_bytes(folder / "left/1.png", "garbage");
@@ -166,7 +166,7 @@ TEST_CASE("an unreadable image in the middle is skipped and counted, and its nei
   CHECK(contains(source->last_trouble(), "right/5.png is 41 x 24 px; the others are 40 x 24"));
 }
 
-TEST_CASE("an unreadable first image does not close the folder", "[vision][folder][threads]") {
+TEST_CASE("an unreadable first image does not close the folder", "[sources][folder][threads]") {
   const ScratchFolder folder("folder_first");
   write_two_folders(folder.path(), 3);
   write_bytes(folder / "left/0.png", "garbage");
@@ -177,7 +177,7 @@ TEST_CASE("an unreadable first image does not close the folder", "[vision][folde
   CHECK(frame.number == 1);
 }
 
-TEST_CASE("a source may be closed at any time", "[vision][folder][threads]") {
+TEST_CASE("a source may be closed at any time", "[sources][folder][threads]") {
   const ScratchFolder folder("folder_closed");
   write_two_folders(folder.path(), 5);
   for (int read = 0; read < 5; ++read) {
@@ -187,7 +187,7 @@ TEST_CASE("a source may be closed at any time", "[vision][folder][threads]") {
   }
 }
 
-TEST_CASE("a folder that cannot be used says why and what to do", "[vision][folder][refusal]") {
+TEST_CASE("a folder that cannot be used says why and what to do", "[sources][folder][refusal]") {
   const ScratchFolder root("folder_refusals");
   CHECK(contains(refusal(root / "nowhere"), "no folder"));
   write_bytes(root / "file", "x");
@@ -229,7 +229,7 @@ TEST_CASE("a folder that cannot be used says why and what to do", "[vision][fold
   CHECK(contains(refusal(root / "garbage"), "none of the 2 images"));
 }
 
-TEST_CASE("a colour and depth folder that cannot be used says why", "[vision][folder][refusal]") {
+TEST_CASE("a colour and depth folder that cannot be used says why", "[sources][folder][refusal]") {
   const ScratchFolder root("folder_depth_refusals");
   const fs::path folder = root / "d";
   write_image(folder / "color_0.png", 1);

@@ -12,11 +12,11 @@ namespace palpable {
 enum class FrameStatus {
   kFrame,       ///< the frame was filled
   kUnreadable,  ///< this one could not be used: its number is set, its images are unspecified
-  kWaiting,     ///< nothing came within kLongestWait; state() says whether that is trouble
+  kWaiting,     ///< nothing came within kLongestWait; state() says whether something is wrong
   kEnd          ///< nothing was read and nothing will be
 };
 
-/// How a source does at present. A recording is always kRunning.
+/// The state of a source. A recording is always kRunning.
 enum class SourceState {
   kRunning,
   kStalled,  ///< the camera is there, but no pictures come
@@ -25,11 +25,11 @@ enum class SourceState {
 
 /// A sequence of frames, read once from front to back by one thread.
 ///
-/// A recording waits for whoever reads it: no frame is passed over. A live source gives the newest
-/// frame that it has, and the numbers of those that nobody took in time are missing.
+/// A recording waits for its reader: no frame is left out. A live source gives the newest frame
+/// that it has; the numbers of frames that were not read in time are missing.
 class FrameSource {
  public:
-  /// s; next() of a live source answers kWaiting after it, so that whoever calls can end.
+  /// s; next() of a live source returns kWaiting after this time, so that its caller can end.
   static constexpr double kLongestWait = 0.1;
 
   virtual ~FrameSource() = default;
@@ -38,18 +38,18 @@ class FrameSource {
   [[nodiscard]] virtual const FrameFormat& format() const = 0;
 
   /// Fills `frame`, whose memory is used again where it suffices. Goes on after kUnreadable; after
-  /// kEnd every further call answers kEnd. Never throws for what the world does.
+  /// kEnd every further call returns kEnd. Does not throw, whatever files or cameras do.
   virtual FrameStatus next(Frame& frame) = 0;
 
-  /// Frames in all, the unreadable ones included; -1 when the source cannot know.
+  /// Frames in all, the unreadable ones included; -1 when it is not known.
   [[nodiscard]] virtual int frame_count() const = 0;
 
-  /// What is to be told once and concerns no single frame: images left out because they have no
-  /// partner, an exposure that could not be locked. One line each; empties the list.
+  /// Notes since the last call that concern no single frame: images left out because they have no
+  /// partner, an exposure that could not be locked. One line each.
   [[nodiscard]] virtual std::vector<std::string> take_notes() { return {}; }
 
-  /// Why the last unreadable frame was, naming its file, or what keeps a camera from giving
-  /// pictures; empty when there was nothing.
+  /// Why the last unreadable frame could not be read, naming its file, or why a camera gives no
+  /// pictures; empty when nothing was wrong.
   [[nodiscard]] virtual std::string last_trouble() const = 0;
 
   /// Whether frames come at their own pace and not at the reader's.

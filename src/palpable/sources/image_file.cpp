@@ -53,11 +53,11 @@ bool ends_with_mark(const Bytes& bytes, std::string_view mark) {
 
 std::uint64_t big_endian(const Bytes& bytes, std::size_t at, int count) {
   std::uint64_t value = 0;
-  for (int i = 0; i < count; ++i) value = value << 8 | bytes[at + static_cast<std::size_t>(i)];
+  for (int i = 0; i < count; ++i) value = value << 8 | bytes[at + i];
   return value;
 }
 
-// What is wrong with the file before it is decoded, as far as its frame tells; empty if nothing.
+// What its first and last bytes show to be wrong with a file, before it is decoded; empty: nothing.
 std::string what_is_wrong_with(const Bytes& bytes) {
   if (!is_known_format(bytes)) return "is no image";
   std::optional<Size> size;
@@ -90,7 +90,7 @@ struct ImageFileReader::Buffers {
     if (error) return "cannot be read (" + error.message() + ")";
     if (size > kLargestFile) return "is larger than 512 MB";
     if (size == 0) return "is empty";
-    bytes.resize(static_cast<std::size_t>(size));
+    bytes.resize(size);
     std::ifstream in(path, std::ios::binary);
     in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
     if (!in) return "cannot be read";
@@ -132,7 +132,7 @@ Result<bool> ImageFileReader::read_16bit(const std::filesystem::path& path,
   if (!wrong.empty()) return Problem{fmt::format("image {} {}", path.string(), wrong)};
   image.resize(decoded.cols, decoded.rows);
   for (int y = 0; y < decoded.rows; ++y) {
-    std::memcpy(image.row(y), decoded.ptr(y), static_cast<std::size_t>(decoded.cols) * 2);
+    std::memcpy(image.row(y), decoded.ptr(y), sizeof(std::uint16_t) * decoded.cols);
   }
   return true;
 }

@@ -14,8 +14,8 @@ namespace palpable {
 
 /// Decodes images one after the other and keeps its buffers between them. Not for two threads at
 /// once. Nothing throws: a file that is missing, cut off, garbage, larger than 64 Mpx or not an
-/// image is a problem that names it. Decoders carry on in silence over a cut JPEG and fill it up
-/// with gray; here that is a problem too.
+/// image is a problem that names it. So is a JPEG that is cut off, which decoders silently fill up
+/// with gray.
 class ImageFileReader {
  public:
   ImageFileReader();

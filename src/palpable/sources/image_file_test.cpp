@@ -27,7 +27,7 @@ cv::Mat some_picture() {
   return bgr;
 }
 
-TEST_CASE("a colour image comes in as red, green, blue, top row first", "[vision][image_file]") {
+TEST_CASE("a colour image comes in as red, green, blue, top row first", "[sources][image_file]") {
   const ScratchFolder folder("image_color");
   ImageFileReader reader;
   ColorImage image;
@@ -42,7 +42,7 @@ TEST_CASE("a colour image comes in as red, green, blue, top row first", "[vision
 }
 
 TEST_CASE("a 16-bit image keeps its numbers, and no other is taken for one",
-          "[vision][image_file]") {
+          "[sources][image_file]") {
   const ScratchFolder folder("image_16");
   cv::Mat depth(3, 5, CV_16UC1, cv::Scalar(0));
   depth.at<std::uint16_t>(2, 4) = 65535;
@@ -61,7 +61,7 @@ TEST_CASE("a 16-bit image keeps its numbers, and no other is taken for one",
 }
 
 TEST_CASE("an image that is cut off anywhere is a problem, not a gray picture",
-          "[vision][image_file][fuzz]") {
+          "[sources][image_file][fuzz]") {
   const ScratchFolder folder("image_cut");
   ImageFileReader reader;
   ColorImage image;
@@ -82,7 +82,7 @@ TEST_CASE("an image that is cut off anywhere is a problem, not a gray picture",
   }
 }
 
-TEST_CASE("an image with bytes changed at random never harms", "[vision][image_file][fuzz]") {
+TEST_CASE("an image with bytes changed at random never harms", "[sources][image_file][fuzz]") {
   const ScratchFolder folder("image_noise");
   ImageFileReader reader;
   ColorImage image;
@@ -109,7 +109,7 @@ TEST_CASE("an image with bytes changed at random never harms", "[vision][image_f
 }
 
 TEST_CASE("an image that claims a huge size is refused before memory is taken for it",
-          "[vision][image_file][refusal]") {
+          "[sources][image_file][refusal]") {
   const ScratchFolder folder("image_huge");
   cv::imwrite((folder / "huge.png").string(), some_picture());
   std::string bytes = file_bytes(folder / "huge.png");

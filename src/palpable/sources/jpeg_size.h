@@ -1,5 +1,5 @@
 /// @file
-/// What a JPEG says of itself before it is decoded.
+/// The size of a JPEG, read before it is decoded.
 #pragma once
 
 #include <cstddef>

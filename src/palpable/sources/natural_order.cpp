@@ -7,8 +7,8 @@ namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// Takes the digits at the front of `text` away; without leading zeros.
-std::string_view take_number(std::string_view& text) {
+// Removes the digits at the front of `text`; returns them without leading zeros.
+std::string_view remove_number(std::string_view& text) {
   std::size_t end = 0;
   while (end < text.size() && is_digit(text[end])) ++end;
   std::string_view digits = text.substr(0, end);
@@ -24,8 +24,8 @@ bool natural_less(std::string_view a, std::string_view b) {
   std::string_view rest_b = b;
   while (!rest_a.empty() && !rest_b.empty()) {
     if (is_digit(rest_a.front()) && is_digit(rest_b.front())) {
-      const std::string_view number_a = take_number(rest_a);
-      const std::string_view number_b = take_number(rest_b);
+      const std::string_view number_a = remove_number(rest_a);
+      const std::string_view number_b = remove_number(rest_b);
       if (number_a.size() != number_b.size()) return number_a.size() < number_b.size();
       if (number_a != number_b) return number_a < number_b;
       continue;

@@ -9,7 +9,7 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("names are sorted as a person counts", "[vision][natural_order]") {
+TEST_CASE("names are sorted as a person counts", "[sources][natural_order]") {
   const std::vector<std::string> sorted = {"a",
                                            "a0",
                                            "a1.png",
@@ -28,7 +28,7 @@ TEST_CASE("names are sorted as a person counts", "[vision][natural_order]") {
   CHECK(names == sorted);
 }
 
-TEST_CASE("the order of names is strict, whatever the names", "[vision][natural_order][law]") {
+TEST_CASE("the order of names is strict, whatever the names", "[sources][natural_order][law]") {
   std::vector<std::string> names;
   for (const char* a : {"", "0", "00", "1", "01", "x"}) {
     for (const char* b : {"", "y", "7", "y07", "y7"}) names.push_back(std::string(a) + b);

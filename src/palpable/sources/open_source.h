@@ -1,5 +1,5 @@
 /// @file
-/// One way to open whatever gives frames, named as a user names it.
+/// Opens a camera, a folder, images or a video by the name that a user gives.
 #pragma once
 
 #include "palpable/base/error.h"
@@ -11,9 +11,9 @@
 
 namespace palpable {
 
-/// What CameraRequest says, for every kind of source: `device` may also be a folder, images by name
-/// (cam0/*.png), or a video file; `right` and `depth` then name the other images or the other file.
-/// Size, rate, exposure and gain are for cameras.
+/// Like open_camera(), but `device` may also be a folder, images by name (cam0/*.png), or a video
+/// file; `right` and `depth` then name the other images or the other file. Size, rate, exposure and
+/// gain are for cameras only.
 ///
 /// A folder is opened by folder_source.h, a name with * or ? by its open_patterns(), a video's name
 /// by video_file_source.h, what lies in /dev by camera_source.h.

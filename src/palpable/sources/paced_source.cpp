@@ -39,7 +39,7 @@ class PacedSource final : public FrameSource {
 
  private:
   void read_ahead() {
-    // A gap in a recording is not sat out, and a time that is wrong stops nothing.
+    // A gap in a recording is shortened to this, and a wrong time does not stop the playing.
     constexpr double kLongestStep = 2;  // s
     ahead_status_ = source_->next(ahead_);
     if (ahead_status_ != FrameStatus::kFrame || !std::isfinite(ahead_.time)) {

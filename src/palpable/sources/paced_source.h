@@ -9,8 +9,8 @@
 
 namespace palpable {
 
-/// Gives each frame when its time has come, counted from the first; a reader that is late gets the
-/// newest frame that is due, and those before it are passed over.
+/// Gives each frame when it is due, by its time since the first frame. A reader that is late gets
+/// the newest frame that is due; the frames before it are left out.
 ///
 /// @param clock  must outlive the source
 [[nodiscard]] std::unique_ptr<FrameSource> paced(std::unique_ptr<FrameSource> source,

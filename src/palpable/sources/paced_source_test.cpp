@@ -20,7 +20,7 @@ class HandClock final : public WallClock {
   double time = 1000;
 };
 
-TEST_CASE("a reader in time gets every frame, and not before it is due", "[vision][paced]") {
+TEST_CASE("a reader in time gets every frame, and not before it is due", "[sources][paced]") {
   HandClock clock;
   const auto source =
       paced(std::make_unique<MisbehavingCamera>(std::vector<Act>(10, Act::kGood)), clock);
@@ -35,7 +35,7 @@ TEST_CASE("a reader in time gets every frame, and not before it is due", "[visio
   CHECK(source->next(frame) == FrameStatus::kEnd);
 }
 
-TEST_CASE("a late reader gets the newest frame that is due", "[vision][paced]") {
+TEST_CASE("a late reader gets the newest frame that is due", "[sources][paced]") {
   HandClock clock;
   const auto source =
       paced(std::make_unique<MisbehavingCamera>(std::vector<Act>(30, Act::kGood)), clock);
@@ -49,7 +49,7 @@ TEST_CASE("a late reader gets the newest frame that is due", "[vision][paced]") 
 }
 
 TEST_CASE("an unreadable frame is told, and a long wait is cut into short ones",
-          "[vision][paced]") {
+          "[sources][paced]") {
   HandClock clock;
   std::vector<Act> acts{Act::kGood, Act::kGarbage};
   acts.insert(acts.end(), 9, Act::kDrop);  // a third of a second without anything
@@ -65,7 +65,7 @@ TEST_CASE("an unreadable frame is told, and a long wait is cut into short ones",
   CHECK(frame.number == 11);
 }
 
-TEST_CASE("a time from the far future or none at all holds nothing up", "[vision][paced]") {
+TEST_CASE("a time from the far future or none at all holds nothing up", "[sources][paced]") {
   for (const Act act : {Act::kFarFuture, Act::kNoTime, Act::kLateClock}) {
     HandClock clock;
     std::vector<Act> acts(9, Act::kGood);

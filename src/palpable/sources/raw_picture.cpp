@@ -49,7 +49,7 @@ std::string too_short(const RawPicture& raw, std::size_t wanted) {
 // Rows that a device says are shorter than their pixels would be read beyond their end. Empty, or
 // what is wrong.
 std::string row_trouble(const RawPicture& raw, int pixel_bytes) {
-  const auto least = static_cast<std::size_t>(raw.width) * static_cast<std::size_t>(pixel_bytes);
+  const std::size_t least = static_cast<std::size_t>(raw.width) * pixel_bytes;
   if (raw.row_bytes >= least) return {};
   return fmt::format("the camera says that a row has {} bytes; {} px have {}", raw.row_bytes,
                      raw.width, least);
@@ -106,7 +106,7 @@ std::string to_color(const RawPicture& raw, ColorImage& image) {
     }
     const bool planes = format->bits == 12;  // luma rows, then half as many of colour
     const int rows = planes ? raw.height * 3 / 2 : raw.height;
-    const std::size_t wanted = raw.row_bytes * static_cast<std::size_t>(rows);
+    const std::size_t wanted = raw.row_bytes * rows;
     if (raw.size < wanted) return too_short(raw, wanted);
     const cv::Mat source(rows, raw.width, format->type,
                          const_cast<std::uint8_t*>(raw.data),  // NOLINT
@@ -128,12 +128,12 @@ std::string to_color(const RawPicture& raw, ColorImage& image) {
 
 std::string to_depth(const RawPicture& raw, double unit, DepthImage& image) {
   if (std::string trouble = row_trouble(raw, 2); !trouble.empty()) return trouble;
-  const std::size_t wanted = raw.row_bytes * static_cast<std::size_t>(raw.height);
+  const std::size_t wanted = raw.row_bytes * raw.height;
   if (raw.size < wanted) return too_short(raw, wanted);
   image.resize(raw.width, raw.height);
   const auto scale = static_cast<float>(unit);
   for (int y = 0; y < raw.height; ++y) {
-    const std::uint8_t* row = raw.data + raw.row_bytes * static_cast<std::size_t>(y);
+    const std::uint8_t* row = raw.data + raw.row_bytes * y;
     for (int x = 0; x < raw.width; ++x) {
       const int step = row[2 * x] | row[2 * x + 1] << 8;
       image(x, y) = step == 0 || step == 65535 ? std::numeric_limits<float>::quiet_NaN()

@@ -1,5 +1,5 @@
 /// @file
-/// A picture as a video device hands it over, and what it shows.
+/// A picture in a video device's own format, converted to colour or depth.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -18,7 +18,7 @@ constexpr std::uint32_t four_letters(const char (&text)[5]) {
 }
 [[nodiscard]] std::string letters_of(std::uint32_t code);
 
-/// Bytes that belong to the device.
+/// A picture in memory that belongs to the device.
 struct RawPicture {
   std::uint32_t format = 0;
   int width = 0;   ///< px
@@ -28,13 +28,13 @@ struct RawPicture {
   std::size_t size = 0;  ///< bytes that the device filled
 };
 
-/// Whether there is a conversion: YUYV, UYVY, NV12, GREY, RGB3, BGR3 and MJPG (JPEG) to colour; Z16
-/// and Y16 to depth.
+/// Whether a format can be converted: YUYV, UYVY, NV12, GREY, RGB3, BGR3 and MJPG (JPEG) to colour;
+/// Z16 and Y16 to depth.
 [[nodiscard]] bool is_color_format(std::uint32_t format);
 [[nodiscard]] bool is_depth_format(std::uint32_t format);
 
-/// Empty, or why the bytes are no picture of their size: too few, a JPEG that is cut off. YUV is
-/// BT.601 with luma in 16 .. 235; a gray picture gives gray colours.
+/// Converts. YUV is BT.601 with luma in 16 .. 235; a gray picture gives gray colours.
+/// @return empty, or why the bytes are no picture of this size: too few, a JPEG that is cut off
 [[nodiscard]] std::string to_color(const RawPicture& raw, ColorImage& image);
 
 /// The same for depth: steps of `unit` m; 0 and 65535 become NaN.

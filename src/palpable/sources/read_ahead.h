@@ -1,6 +1,6 @@
 /// @file
 /// Recorded frames, read one ahead on a thread of their own: decoding a 720p pair takes about
-/// 10 ms, which the loop would otherwise wait for.
+/// 10 ms, for which the frame loop would otherwise wait.
 #pragma once
 
 #include "palpable/sources/frame_source.h"
@@ -16,15 +16,16 @@ class FrameReader {
  public:
   virtual ~FrameReader() = default;
   [[nodiscard]] virtual const FrameFormat& format() const = 0;
-  /// Frames in all; -1 when it cannot know.
+  /// Frames in all; -1 when it is not known.
   [[nodiscard]] virtual int count() const = 0;
-  /// As FrameSource::take_notes(), told once.
+  /// What FrameSource::take_notes() hands out.
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
-  /// Reads frame `number`; asked for 0, 1, 2, ... until it answers kEnd. With kUnreadable,
+  /// Reads frame `number`; called with 0, 1, 2, ... until it returns kEnd. With kUnreadable,
   /// `trouble` says why.
   virtual FrameStatus read(int number, Frame& frame, std::string& trouble) = 0;
 };
 
+/// A source that decodes the next frame while the last one is used.
 [[nodiscard]] std::unique_ptr<FrameSource> read_ahead(std::unique_ptr<FrameReader> reader);
 
 }  // namespace palpable

@@ -20,8 +20,8 @@ inline void split_side_by_side(const ColorImage& both, ColorImage& left, ColorIm
   }
 }
 
-/// Whether a picture of this size is two eyes rather than one: cinema's widest is 2.4 times as wide
-/// as high, two eyes of 4 : 3 are 2.67.
+/// Whether a picture of this size shows two eyes rather than one, by its aspect: the widest cinema
+/// format is 2.4 times as wide as high, two eyes of 4 : 3 are 2.67 times.
 [[nodiscard]] inline bool looks_side_by_side(int width, int height) {
   return width % 2 == 0 && width >= 2.5 * height;
 }

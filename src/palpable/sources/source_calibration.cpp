@@ -131,7 +131,7 @@ Result<SourceCalibration> read_intrinsics(const std::filesystem::path& path) {
 
 Result<SourceCalibration> read_source_calibration(const std::filesystem::path& path, int width,
                                                   int height) {
-  // A pipe would be waited for, a recording named by mistake read to its end.
+  // Reading a pipe would wait for ever, a recording named by mistake would be read to its end.
   constexpr std::uintmax_t kLargestFile = 1u << 20;  // bytes
   std::error_code error;
   const bool is_file = std::filesystem::is_regular_file(path, error);

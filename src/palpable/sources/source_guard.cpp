@@ -36,9 +36,9 @@ FrameStatus SourceGuard::next(Frame& frame) {
 
 namespace {
 
-// Takes out what is no depth; more than a few such pixels are no measurement at all.
+// Makes unknown what is no depth. If more than a few pixels are none, the image is no measurement.
 std::string depth_trouble(DepthImage& depth) {
-  constexpr std::size_t kFew = 100;  // one pixel in so many
+  constexpr std::size_t kFew = 100;  // one pixel in a hundred
   std::size_t impossible = 0;
   for (float& Z : depth) {
     if (std::isnan(Z) || (Z > 0 && !std::isinf(Z))) continue;

@@ -1,5 +1,5 @@
 /// @file
-/// Stands between a source and the loop, so that nothing a camera does can stop the loop.
+/// Stands between a source and the frame loop, so that no fault of a camera can stop the loop.
 #pragma once
 
 #include "palpable/sources/frame_source.h"
@@ -10,31 +10,33 @@
 
 namespace palpable {
 
-/// What a source did that it should not have; all of it is ordinary and the loop goes on.
+/// Faults of a source, counted. All of them are expected to happen; the loop goes on.
 struct SourceTroubles {
   int unreadable = 0;    ///< frames that could not be used: garbage, another size, no time
   int back_in_time = 0;  ///< of these, frames older than the one before
   int dropped = 0;       ///< numbers missing between frames that came
-  int stalls = 0;        ///< times that pictures stopped coming
-  int losses = 0;        ///< times that the camera went away
+  int stalls = 0;        ///< how often pictures stopped coming
+  int losses = 0;        ///< how often the camera was unplugged or failed
 };
 
 /// Lets through only frames that the loop can use: images of the format's size, depths that are
-/// positive or NaN, times that grow. The rest is kUnreadable, and the caller holds its last state.
+/// positive or NaN, times that increase. All others become kUnreadable; the caller keeps its state.
 ///
-/// A camera whose clock begins anew (it was plugged in again, its driver restarted) would be back
-/// in time for ever. After kClockRestart frames in a row that are older than the last good one, but
-/// not than each other, its times are taken to go on from there.
+/// When a camera's clock restarts (it was plugged in again, its driver restarted), every frame
+/// would be older than the last good one for ever. So after kClockRestart frames in a row that are
+/// older than the last good one, but in order among themselves, an offset is added to their times
+/// and to all later ones, so that time continues.
 ///
-/// One frame from the far future would make all later ones old. After a jump of more than
-/// kLongestGap frames are held back until as many in a row, each later than the one before, say the
-/// same; their times are then kept. After a stall or a loss a jump is what is expected.
+/// One frame from the far future would make all later frames old. So after a jump of more than
+/// kLongestGap frames are held back until kClockRestart of them in a row, each later than the one
+/// before, confirm the jump; their times are then kept. After a stall or a loss a jump is normal
+/// and let through at once.
 class SourceGuard {
  public:
   static constexpr int kClockRestart = 5;
   static constexpr double kLongestGap = 5;  ///< s
-  /// Beyond it troubles are counted, not reported: a camera that fails every second frame all day
-  /// fills no disk. A camera that is gone or back is always reported.
+  /// After so many reports faults are only counted, so that a camera that fails in every second
+  /// frame all day does not fill the disk. That a camera is gone or back is always reported.
   static constexpr int kMostReports = 200;
 
   /// @param source  must outlive this
@@ -46,8 +48,8 @@ class SourceGuard {
   [[nodiscard]] const SourceTroubles& troubles() const { return troubles_; }
   /// Why the last frame was not usable; empty when there was none.
   [[nodiscard]] const std::string& last_trouble() const { return last_trouble_; }
-  /// What is new since the last call, one line each: the source's notes, the first bad frame of a
-  /// row, a stall, a camera that is gone or back.
+  /// Reports since the last call, one line each: the source's notes, the first bad frame of a
+  /// series, a stall, a camera that is gone or back.
   [[nodiscard]] std::vector<std::string> take_reports();
 
  private:
@@ -63,11 +65,11 @@ class SourceGuard {
   std::string last_trouble_;
   std::vector<std::string> reports_;
   int reported_ = 0;
-  bool in_bad_row_ = false;
+  bool in_bad_row_ = false;  // the last frame was unusable
   int last_number_ = -1;
   bool has_time_ = false;
   bool may_jump_ = false;             // pictures come again, and none was let through yet
-  bool is_lost_ = false;              // the camera went away, and no picture came since
+  bool is_lost_ = false;              // the camera is gone, and no picture has come since
   double last_time_ = 0;              // s, of the last frame let through
   double period_ = 1.0 / 30;          // s, between the last two
   double longest_gap_ = kLongestGap;  // s; more where a source's frames are that far apart

@@ -50,7 +50,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST_CASE("frames that are well pass as they are and nothing is reported", "[vision][guard]") {
+TEST_CASE("frames that are well pass as they are and nothing is reported", "[sources][guard]") {
   const Run result = run({Act::kGood, Act::kGood, Act::kGood});
   CHECK(result.frames == std::vector<int>{0, 1, 2});
   CHECK(result.times == std::vector<double>{0, 1 / 30.0, 2 / 30.0});
@@ -58,7 +58,7 @@ TEST_CASE("frames that are well pass as they are and nothing is reported", "[vis
   CHECK(result.troubles.unreadable == 0);
 }
 
-TEST_CASE("of a pair both images have to be there, each of its size", "[vision][guard][refusal]") {
+TEST_CASE("of a pair both images have to be there, each of its size", "[sources][guard][refusal]") {
   for (const auto& [act, says] :
        {std::pair{Act::kResize, "its left image is 80 x 121 px, not 161 x"},
         std::pair{Act::kRightResize, "its right image is 80 x 121 px"}}) {
@@ -71,7 +71,7 @@ TEST_CASE("of a pair both images have to be there, each of its size", "[vision][
 }
 
 TEST_CASE("a frame that the loop cannot use is left out, counted and explained",
-          "[vision][guard][refusal]") {
+          "[sources][guard][refusal]") {
   struct Case {
     Act act;
     const char* says;
@@ -95,14 +95,14 @@ TEST_CASE("a frame that the loop cannot use is left out, counted and explained",
   }
 }
 
-TEST_CASE("a row of bad frames is one report, and the next row another", "[vision][guard]") {
+TEST_CASE("a row of bad frames is one report, and the next row another", "[sources][guard]") {
   const Run result = run({Act::kGood, Act::kGarbage, Act::kResize, Act::kGarbage, Act::kGood,
                           Act::kGarbage, Act::kGood});
   CHECK(result.troubles.unreadable == 4);
   CHECK(result.reports.size() == 2);
 }
 
-TEST_CASE("numbers that are missing count as dropped", "[vision][guard]") {
+TEST_CASE("numbers that are missing count as dropped", "[sources][guard]") {
   const Run result =
       run({Act::kGood, Act::kDrop, Act::kDrop, Act::kGood, Act::kDrop, Act::kGarbage, Act::kGood});
   CHECK(result.frames == std::vector<int>{0, 3, 6});
@@ -110,7 +110,7 @@ TEST_CASE("numbers that are missing count as dropped", "[vision][guard]") {
   CHECK(result.troubles.unreadable == 1);
 }
 
-TEST_CASE("a stall, a loss and the return are reported once each", "[vision][guard]") {
+TEST_CASE("a stall, a loss and the return are reported once each", "[sources][guard]") {
   const Run result = run({Act::kGood, Act::kStall, Act::kStall, Act::kGone, Act::kGone, Act::kGood,
                           Act::kStall, Act::kGood});
   CHECK(result.frames == std::vector<int>{0, 1, 2});
@@ -122,7 +122,7 @@ TEST_CASE("a stall, a loss and the return are reported once each", "[vision][gua
   CHECK(contains(result.reports[2], "pictures come again"));
 }
 
-TEST_CASE("a clock that begins anew costs a few frames and then goes on", "[vision][guard]") {
+TEST_CASE("a clock that begins anew costs a few frames and then goes on", "[sources][guard]") {
   std::vector<Act> acts(10, Act::kGood);
   acts.push_back(Act::kNewClock);
   acts.insert(acts.end(), 9, Act::kGood);
@@ -137,7 +137,7 @@ TEST_CASE("a clock that begins anew costs a few frames and then goes on", "[visi
   CHECK(contains(result.reports[1], "clock began anew before frame 14"));
 }
 
-TEST_CASE("frames from the far future never move the clock", "[vision][guard]") {
+TEST_CASE("frames from the far future never move the clock", "[sources][guard]") {
   std::vector<Act> acts;
   for (int i = 0; i < 3 * SourceGuard::kClockRestart; ++i) {
     acts.push_back(Act::kGood);
@@ -149,7 +149,7 @@ TEST_CASE("frames from the far future never move the clock", "[vision][guard]") 
 }
 
 TEST_CASE("a recording's gap costs a few frames and leaves the clock's pace as it was",
-          "[vision][guard]") {
+          "[sources][guard]") {
   std::vector<Act> acts(10, Act::kGood);
   acts.push_back(Act::kLateClock);
   acts.insert(acts.end(), SourceGuard::kClockRestart - 1, Act::kGood);
@@ -165,13 +165,13 @@ TEST_CASE("a recording's gap costs a few frames and leaves the clock's pace as i
   CHECK(contains(result.reports[1], "clock went on by 60"));
 }
 
-TEST_CASE("after a stall pictures may be from any later time", "[vision][guard]") {
+TEST_CASE("after a stall pictures may be from any later time", "[sources][guard]") {
   const Run result = run({Act::kGood, Act::kStall, Act::kLateClock, Act::kGood});
   CHECK(result.frames == std::vector<int>{0, 1, 2});
   CHECK(result.times[1] == Approx(60 + 1 / 30.0));
 }
 
-TEST_CASE("old frames that come between new ones never move the clock", "[vision][guard]") {
+TEST_CASE("old frames that come between new ones never move the clock", "[sources][guard]") {
   std::vector<Act> acts;
   for (int i = 0; i < 3 * SourceGuard::kClockRestart; ++i) {
     acts.push_back(Act::kGood);
@@ -182,7 +182,7 @@ TEST_CASE("old frames that come between new ones never move the clock", "[vision
   CHECK(result.times.back() == Approx(result.frames.back() / 30.0));
 }
 
-TEST_CASE("a clock that stands still is no new clock", "[vision][guard]") {
+TEST_CASE("a clock that stands still is no new clock", "[sources][guard]") {
   std::vector<Act> acts(3, Act::kGood);
   acts.insert(acts.end(), 3 * SourceGuard::kClockRestart, Act::kStuckClock);
   acts.push_back(Act::kGood);
@@ -193,7 +193,7 @@ TEST_CASE("a clock that stands still is no new clock", "[vision][guard]") {
 }
 
 TEST_CASE("a camera that fails all day is counted without end but not reported without end",
-          "[vision][guard]") {
+          "[sources][guard]") {
   std::vector<Act> acts;
   for (int i = 0; i < 300; ++i) {
     acts.push_back(Act::kGood);

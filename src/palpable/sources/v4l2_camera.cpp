@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kCapture = V4L2_BUF_TYPE_VIDEO_CAPTURE;
 constexpr std::uint32_t kBuffers = 4;
-constexpr std::uint32_t kMostEntries = 1000;  // of any list; a device that never ends one is broken
+constexpr std::uint32_t kMostEntries = 1000;  // of any list, for a device whose list has no end
 
 std::string text_of(const __u8* text, std::size_t size) {
   const auto* begin = reinterpret_cast<const char*>(text);
@@ -375,16 +375,17 @@ struct V4l2Camera::Parts {
       newest = buffer;
     }
     if (!held) return Grab::kNothing;
-    take(newest);
+    show(newest);
     return (newest.flags & V4L2_BUF_FLAG_ERROR) != 0 ? Grab::kBroken : Grab::kPicture;
   }
 
-  void take(const v4l2_buffer& buffer) {
+  // Points `picture` at the buffer's memory, and sets its time and number.
+  void show(const v4l2_buffer& buffer) {
     const Buffer& memory = buffers[buffer.index];
     picture.data = static_cast<const std::uint8_t*>(memory.memory);
     picture.size = std::min<std::size_t>(buffer.bytesused, memory.length);
     if (!first_seen) first_seen = buffer.sequence;
-    // Some drivers do not count; then each picture seen is the next one.
+    // Some drivers do not number their pictures; then each picture seen is the next one.
     sequence =
         std::max(before_loss + static_cast<int>(buffer.sequence - *first_seen), sequence + 1);
     const double stamp = static_cast<double>(buffer.timestamp.tv_sec) +

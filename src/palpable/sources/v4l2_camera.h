@@ -30,21 +30,22 @@ struct CameraInfo {
   bool has_gain = false;
 };
 
-/// Asks a device. A problem names it: it is not there, it is no camera (a network of metadata, an
-/// encoder), it may not be opened (then: the group `video`).
+/// Asks a device what it is and can do. A problem names the device and says that it does not exist,
+/// is no camera (a node for metadata, an encoder) or may not be opened (and to join the group
+/// `video`).
 [[nodiscard]] Result<CameraInfo> ask_camera(VideoSystem& system, const std::string& path);
 
-/// What is wanted of one device.
+/// How one device is to be set.
 struct CameraSettings {
   int width = 0;   ///< px of the whole picture; both eyes' when they come side by side
   int height = 0;  ///< px
   double frames_per_second = 0;       ///< 0: as fast as it can
   std::optional<double> exposure_ms;  ///< fixed; nothing: left to the camera
   std::optional<double> gain;         ///< in the camera's own unit
-  bool depth = false;                 ///< a depth format, not a colour one
+  bool depth = false;                 ///< a depth format instead of a colour one
 };
 
-/// A device that streams into memory shared with it. After a loss, reopen() until it is back.
+/// A device that streams into memory shared with it. After a loss call reopen() until it is back.
 class V4l2Camera {
  public:
   enum class Grab {
@@ -55,33 +56,33 @@ class V4l2Camera {
   };
 
   /// Opens, sets size, rate, exposure and gain, and starts the stream. A problem names the device
-  /// and what it has instead, or what holds it (another program).
+  /// and the sizes that it has instead, or says that another program uses it.
   [[nodiscard]] static Result<V4l2Camera> open(VideoSystem& system, const std::string& path,
                                                const CameraSettings& settings);
   V4l2Camera(V4l2Camera&&) noexcept;
   V4l2Camera& operator=(V4l2Camera&&) noexcept;
   ~V4l2Camera();
 
-  /// Waits up to `seconds`; of several pictures takes the newest.
+  /// Waits up to `seconds` for a picture; if several have come, gives the newest.
   [[nodiscard]] Grab grab(double seconds);
   /// Valid until the next call of grab().
   [[nodiscard]] const RawPicture& picture() const;
-  /// When it was taken: s, by the driver's clock or, where that has none, the system's.
+  /// When the picture was taken: s, by the driver's clock or, if it has none, the system's.
   [[nodiscard]] double time() const;
-  /// Counts on by one for each picture that the device took, seen here or not.
+  /// Number of the picture; pictures that the device took but grab() did not give are counted too.
   [[nodiscard]] int sequence() const;
 
-  /// Opens the device again after kGone, as it was opened first; false while it is not there.
+  /// After kGone: opens the device again with the same settings; false while it is not there.
   [[nodiscard]] bool reopen();
-  /// What the device's last failure was.
+  /// Why the device failed last.
   [[nodiscard]] const std::string& trouble() const;
 
-  /// Leaves exposure, gain and white balance as the camera has found them by now. What it cannot
-  /// hold is named; empty when it holds all.
+  /// Switches automatic exposure, gain and white balance off and keeps their present values.
+  /// @return which of them the camera cannot hold; empty when it holds all
   [[nodiscard]] std::string lock();
 
-  [[nodiscard]] double frames_per_second()
-      const;  ///< as the device promised; 30 if it does not say
+  /// As the device says; 30 if it does not.
+  [[nodiscard]] double frames_per_second() const;
 
  private:
   struct Parts;

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -93,7 +94,8 @@ class VideoReader final : public FrameReader {
   }
 
  private:
-  // A video that has fewer frames than it says is told once before the end.
+  // A video that has fewer frames than it says is damaged: one unreadable frame reports that, then
+  // the video ends.
   FrameStatus end(const VideoFile& file, int number, std::string& trouble) {
     if (number >= count()) return FrameStatus::kEnd;
     is_damaged_ = true;
@@ -147,6 +149,47 @@ Result<SourceCalibration> calibration_of(const fs::path& video, const VideoSetti
                   video.string(), candidates.front().filename().string())};
 }
 
+std::optional<Problem> unequal_sizes(const VideoFile& left, const VideoFile& right) {
+  if (left.width == right.width && left.height == right.height) return std::nullopt;
+  return Problem{fmt::format("{} is {} x {} px and {} is {} x {}; they should be equal",
+                             left.path.string(), left.width, left.height, right.path.string(),
+                             right.width, right.height)};
+}
+
+std::optional<Problem> not_side_by_side(const VideoFile& both) {
+  if (looks_side_by_side(both.width, both.height)) return std::nullopt;
+  return Problem{
+      fmt::format("{} is {} x {} px, which is no pair side by side; name the other eye's file "
+                  "with --right",
+                  both.path.string(), both.width, both.height)};
+}
+
+// A stereo rig's calibration for eyes of this size; with settings.without_calibration the size
+// alone.
+Result<SourceCalibration> fitting_calibration(const fs::path& video, const VideoSettings& settings,
+                                              int eye_width, int height) {
+  if (settings.without_calibration) {
+    SourceCalibration none;
+    none.format.width = eye_width;
+    none.format.height = height;
+    return none;
+  }
+  Result<SourceCalibration> read = calibration_of(video, settings, eye_width, height);
+  if (!read.ok()) return read;
+  const FrameFormat& format = read.value().format;
+  if (format.kind != FrameFormat::Kind::kStereo) {
+    return Problem{fmt::format("{} needs a stereo rig's calibration, not one camera's intrinsics",
+                               video.string())};
+  }
+  if (format.width != eye_width || format.height != height) {
+    return Problem{
+        fmt::format("{}: the calibration is for eyes of {} x {} px but these are {} x "
+                    "{}; calibrate at this size",
+                    video.string(), format.width, format.height, eye_width, height)};
+  }
+  return read;
+}
+
 }  // namespace
 
 bool is_video_name(const fs::path& path) {
@@ -168,41 +211,14 @@ Result<std::unique_ptr<FrameSource>> open_video(const fs::path& left, const fs::
     if (!wrong.empty()) return Problem{fmt::format("{} {}", file->path.string(), wrong)};
   }
   const bool two = !right.empty();
-  if (two && (first.width != second.width || first.height != second.height)) {
-    return Problem{fmt::format("{} is {} x {} px and {} is {} x {}; they should be equal",
-                               left.string(), first.width, first.height, right.string(),
-                               second.width, second.height)};
-  }
-  if (!two && !looks_side_by_side(first.width, first.height)) {
-    return Problem{
-        fmt::format("{} is {} x {} px, which is no pair side by side; name the other eye's file "
-                    "with --right",
-                    left.string(), first.width, first.height)};
-  }
+  if (auto problem = two ? unequal_sizes(first, second) : not_side_by_side(first)) return *problem;
   const int eye_width = two ? first.width : first.width / 2;
-  SourceCalibration calibration;
-  calibration.format.width = eye_width;
-  calibration.format.height = first.height;
-  calibration.frames_per_second = 30;
-  if (!settings.without_calibration) {
-    Result<SourceCalibration> read = calibration_of(left, settings, eye_width, first.height);
-    if (!read.ok()) return read.problem();
-    calibration = std::move(read).value();
-    const FrameFormat& format = calibration.format;
-    if (format.kind != FrameFormat::Kind::kStereo) {
-      return Problem{fmt::format("{} needs a stereo rig's calibration, not one camera's intrinsics",
-                                 left.string())};
-    }
-    if (format.width != eye_width || format.height != first.height) {
-      return Problem{
-          fmt::format("{}: the calibration is for eyes of {} x {} px but these are {} x "
-                      "{}; calibrate at this size",
-                      left.string(), format.width, format.height, eye_width, first.height)};
-    }
-  }
-  const double rate = first.rate > 0 ? first.rate : calibration.frames_per_second;
-  return read_ahead(
-      std::make_unique<VideoReader>(std::move(first), std::move(second), calibration.format, rate));
+  Result<SourceCalibration> calibration =
+      fitting_calibration(left, settings, eye_width, first.height);
+  if (!calibration.ok()) return calibration.problem();
+  const double rate = first.rate > 0 ? first.rate : calibration.value().frames_per_second;
+  return read_ahead(std::make_unique<VideoReader>(std::move(first), std::move(second),
+                                                  calibration.value().format, rate));
 }
 
 }  // namespace palpable

@@ -16,20 +16,20 @@ struct VideoSettings {
   /// Empty: a file beside the video with its name and .yml (clip.mp4, clip.yml), or
   /// calibration.yml, rectified.yml or the one SN*.conf in its folder.
   std::filesystem::path calibration{};
-  bool without_calibration = false;  ///< as in folder_source.h
+  bool without_calibration = false;  ///< see FolderSettings
 };
 
-/// How the name of a video ends.
+/// The endings of video files' names.
 inline constexpr std::array<std::string_view, 7> kVideoEndings = {".avi",  ".mp4", ".mkv", ".mov",
                                                                   ".webm", ".m4v", ".mpg"};
 
 /// Whether the name ends with one of kVideoEndings, in small letters or large ones.
 [[nodiscard]] bool is_video_name(const std::filesystem::path& path);
 
-/// Opens the left eye's (or both eyes') file and, if named, the right eye's, whose frames belong
-/// together by their number. Frames are decoded one ahead; times are the file's own. A file that is
-/// cut off or damaged ends there, after one unreadable frame that says so; frames of another size
-/// are unreadable.
+/// Opens the left eye's (or both eyes') file and, if named, the right eye's; frames of the same
+/// number are a pair. Frames are decoded one ahead; times are the file's own. A file that is cut
+/// off or damaged ends there, after one unreadable frame that says so; frames of another size are
+/// unreadable.
 ///
 /// A problem, one line that names the file: not there, no video that can be decoded, no or a wrong
 /// calibration, files of different sizes.

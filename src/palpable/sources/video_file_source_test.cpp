@@ -47,7 +47,7 @@ bool contains(const std::string& text, const std::string& part) {
 }
 
 TEST_CASE("a video of both eyes, or a file for each, gives every frame with its time",
-          "[vision][video][threads]") {
+          "[sources][video][threads]") {
   const ScratchFolder folder("video");
   write_video(folder / "both.avi", 2 * kWidth, 6, 10, kWidth);
   write_video(folder / "l.avi", kWidth, 6, 10);
@@ -79,7 +79,7 @@ TEST_CASE("a video of both eyes, or a file for each, gives every frame with its 
 }
 
 TEST_CASE("a video that is cut off ends there, and one that is none is refused",
-          "[vision][video][refusal]") {
+          "[sources][video][refusal]") {
   const ScratchFolder folder("video_refusals");
   write_video(folder / "both.avi", 2 * kWidth, 20, 10);
   write_video(folder / "one.avi", kWidth, 3, 10);
@@ -111,7 +111,7 @@ TEST_CASE("a video that is cut off ends there, and one that is none is refused",
   CHECK(frames < 20);
 }
 
-TEST_CASE("a video that is damaged on its way says so before it ends", "[vision][video]") {
+TEST_CASE("a video that is damaged on its way says so before it ends", "[sources][video]") {
   const ScratchFolder folder("video_damaged");
   write_video(folder / "l.avi", kWidth, 20, 10);
   write_video(folder / "r.avi", kWidth, 20, 10);
@@ -136,7 +136,7 @@ TEST_CASE("a video that is damaged on its way says so before it ends", "[vision]
   CHECK(source->next(frame) == FrameStatus::kEnd);
 }
 
-TEST_CASE("a source is told by its name", "[vision][video][folder]") {
+TEST_CASE("a source is told by its name", "[sources][video][folder]") {
   const ScratchFolder folder("open_source");
   write_video(folder / "both.avi", 2 * kWidth, 2, 10);
   write_rig(folder / "both.yml");

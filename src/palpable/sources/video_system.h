@@ -12,10 +12,10 @@
 
 namespace palpable {
 
-/// As the system's own calls, but errors are returned: nothing here sets or reads errno.
+/// Like the system's own calls, but errors are returned: callers do not read errno.
 class VideoSystem : public WallClock {
  public:
-  /// Paths of what might be a camera, /dev/video2 before /dev/video10.
+  /// Paths of devices that may be cameras, /dev/video2 before /dev/video10.
   [[nodiscard]] virtual std::vector<std::string> devices() = 0;
   /// A file descriptor, or the error's number with a minus.
   [[nodiscard]] virtual int open(const std::string& path) = 0;
@@ -25,8 +25,8 @@ class VideoSystem : public WallClock {
   /// Memory shared with the device; null when that fails.
   [[nodiscard]] virtual void* map(int device, std::size_t length, std::uint32_t offset) = 0;
   virtual void unmap(void* memory, std::size_t length) = 0;
-  /// Waits until the device has a picture: 1, or 0 after so many seconds without, or -1 when the
-  /// device is in trouble.
+  /// Waits until the device has a picture.
+  /// @return 1; 0 after `seconds` without a picture; -1 when the device has failed
   [[nodiscard]] virtual int wait(int device, double seconds) = 0;
 };
 

@@ -1,5 +1,5 @@
 /// @file
-/// The time of day as an argument, so that what waits can be tested without waiting.
+/// The clock as an argument, so that code that waits can be tested without waiting.
 #pragma once
 
 namespace palpable {
@@ -7,9 +7,9 @@ namespace palpable {
 class WallClock {
  public:
   virtual ~WallClock() = default;
-  /// s since some moment; never goes back.
+  /// s since some moment; never decreases.
   [[nodiscard]] virtual double now() = 0;
-  /// Returns after so many seconds.
+  /// Returns after this many seconds.
   virtual void sleep(double seconds) = 0;
 };
 

@@ -35,9 +35,7 @@ void check_winners(const Winners& winners, int first, int disparities, int left_
                    int y_begin, int y_end, Disparities& out, GrayImage& confidence,
                    std::vector<std::uint32_t>& owners) {
   const int width = out.width();
-  if (owners.size() < static_cast<std::size_t>(width)) {
-    owners.resize(static_cast<std::size_t>(width));
-  }
+  if (owners.size() < static_cast<std::size_t>(width)) { owners.resize(width); }
   for (int y = y_begin; y < y_end; ++y) {
     const std::uint16_t* best = winners.best.row(y);
     const std::uint8_t* cost = winners.cost.row(y);
@@ -49,7 +47,7 @@ void check_winners(const Winners& winners, int first, int disparities, int left_
     for (int x = 0; x < width; ++x) {
       const int partner = x - first - best[x];
       if (partner < 0 || partner >= width) continue;
-      std::uint32_t& owner = owners[static_cast<std::size_t>(partner)];
+      std::uint32_t& owner = owners[partner];
       owner = std::min(owner, claim(cost[x], best[x]));
     }
     for (int x = 0; x < width; ++x) {
@@ -58,7 +56,7 @@ void check_winners(const Winners& winners, int first, int disparities, int left_
       to[x] = kUnknownDisparity;
       sure[x] = 0;
       if (d == 0 || d + 1 >= disparities || partner < 0 || partner >= width) continue;
-      const int owner = disparity_of(owners[static_cast<std::size_t>(partner)]);
+      const int owner = disparity_of(owners[partner]);
       if (std::abs(owner - d) > left_right_px) continue;
       to[x] = with_fraction(first + d, before[x], cost[x], after[x]);
       const int agreement = kLargestSum - std::min<int>(cost[x], kLargestSum);
@@ -77,7 +75,7 @@ void smooth_surfaces(const Disparities& in, int y_begin, int y_end, Disparities&
 }
 
 int SpeckleFilter::root(int run) {
-  const auto at = [this](int i) -> Run& { return runs_[static_cast<std::size_t>(i)]; };
+  const auto at = [this](int i) -> Run& { return runs_[i]; };
   while (at(run).parent != run) {
     at(run).parent = at(at(run).parent).parent;
     run = at(run).parent;
@@ -123,8 +121,8 @@ void SpeckleFilter::operator()(const SpeckleLimits& limits, int step, const Gray
         const int mine = root(me);
         const int other = root(static_cast<int>(i));
         if (mine == other) continue;
-        Run& from = runs_[static_cast<std::size_t>(mine)];
-        Run& to = runs_[static_cast<std::size_t>(other)];
+        Run& from = runs_[mine];
+        Run& to = runs_[other];
         from.parent = other;
         to.size += from.size;
         to.confidence += from.confidence;
@@ -135,7 +133,7 @@ void SpeckleFilter::operator()(const SpeckleLimits& limits, int step, const Gray
   }
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     const Run run = runs_[i];
-    const Run& patch = runs_[static_cast<std::size_t>(root(static_cast<int>(i)))];
+    const Run& patch = runs_[root(static_cast<int>(i))];
     const bool doubtful = patch.size < limits.doubtful_size &&
                           patch.confidence < std::int64_t{limits.doubtful_confidence} * patch.size;
     if (patch.size >= limits.size && !doubtful) continue;

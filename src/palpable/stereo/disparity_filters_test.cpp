@@ -52,8 +52,7 @@ Checked check(const Winners& winners, int first, int disparities, int left_right
   return out;
 }
 
-TEST_CASE("a winner with its partner outside, or at an end of the range, is unknown",
-          "[vision][stereo]") {
+TEST_CASE("a winner with its partner outside, or at an end of the range, is unknown", "[stereo]") {
   const Checked found = check(winners_of(40, 7, 3), 2, 16, 1);
   for (int x = 0; x < 40; ++x) {
     CHECK(found.d(x, 0) == (x < 9 ? kUnknownDisparity : px(9)));
@@ -67,7 +66,7 @@ TEST_CASE("a winner with its partner outside, or at an end of the range, is unkn
 }
 
 TEST_CASE("of two pixels that claim one partner the better one keeps it, of equals the nearer",
-          "[vision][stereo]") {
+          "[stereo]") {
   Winners winners = winners_of(40, 5, 6);
   winners.best(30, 0) = 10;  // claims 20, as x = 25 does with 5
   winners.cost(30, 0) = 4;
@@ -85,7 +84,7 @@ TEST_CASE("of two pixels that claim one partner the better one keeps it, of equa
   CHECK(check(winners, 0, 32, 5).d(25, 0) == px(5));  // within the tolerance
 }
 
-TEST_CASE("the fraction of a pixel is the tip of two lines of equal slope", "[vision][stereo]") {
+TEST_CASE("the fraction of a pixel is the tip of two lines of equal slope", "[stereo]") {
   for (int before = 0; before <= 60; ++before) {
     for (int after = 0; after <= 60; ++after) {
       Winners winners = winners_of(20, 4, 5);
@@ -100,7 +99,7 @@ TEST_CASE("the fraction of a pixel is the tip of two lines of equal slope", "[vi
   }
 }
 
-TEST_CASE("the more the eyes agree, the surer", "[vision][stereo]") {
+TEST_CASE("the more the eyes agree, the surer", "[stereo]") {
   int last = 256;
   for (int cost = 0; cost < 80; cost += 8) {
     const int sure = check(winners_of(20, 4, cost), 0, 16, 1).confidence(15, 0);
@@ -110,7 +109,7 @@ TEST_CASE("the more the eyes agree, the surer", "[vision][stereo]") {
   }
 }
 
-TEST_CASE("the median of nine is the median, and unknown stays unknown", "[vision][stereo]") {
+TEST_CASE("the median of nine is the median, and unknown stays unknown", "[stereo]") {
   const Disparities in = some_disparities(37, 11, 1);
   Disparities out(37, 11);
   median_3x3(in, 0, 4, out);
@@ -134,7 +133,7 @@ TEST_CASE("the median of nine is the median, and unknown stays unknown", "[visio
   }
 }
 
-TEST_CASE("smoothing is the mean of the neighbours on the same surface", "[vision][stereo]") {
+TEST_CASE("smoothing is the mean of the neighbours on the same surface", "[stereo]") {
   // Wider than a chunk of columns; values up to the largest there are.
   for (const int offset : {-20000, 0, kMostDisparities * kDisparitySteps - 600}) {
     Disparities in = some_disparities(150, 9, 2);
@@ -165,7 +164,7 @@ TEST_CASE("smoothing is the mean of the neighbours on the same surface", "[visio
   }
 }
 
-TEST_CASE("speckles are those of cv::filterSpeckles", "[vision][stereo]") {
+TEST_CASE("speckles are those of cv::filterSpeckles", "[stereo]") {
   SpeckleFilter filter;
   for (unsigned seed = 0; seed < 20; ++seed) {
     INFO("seed " << seed);
@@ -182,7 +181,7 @@ TEST_CASE("speckles are those of cv::filterSpeckles", "[vision][stereo]") {
   }
 }
 
-TEST_CASE("a larger patch is noise only if the eyes hardly agree on it", "[vision][stereo]") {
+TEST_CASE("a larger patch is noise only if the eyes hardly agree on it", "[stereo]") {
   SpeckleFilter filter;
   for (const int sure : {100, 200}) {
     Disparities d(60, 30, kUnknownDisparity);
@@ -197,7 +196,7 @@ TEST_CASE("a larger patch is noise only if the eyes hardly agree on it", "[visio
 }
 
 TEST_CASE("gaps are filled along a surface, and at an edge only if asked, with the far side",
-          "[vision][stereo]") {
+          "[stereo]") {
   const auto row = [](std::initializer_list<double> values) {
     Disparities d(static_cast<int>(values.size()), 1);
     std::transform(values.begin(), values.end(), d.begin(),
@@ -223,7 +222,7 @@ TEST_CASE("gaps are filled along a surface, and at an edge only if asked, with t
   CHECK(d(1, 0) == kUnknownDisparity);
 }
 
-TEST_CASE("speckles take memory once", "[vision][stereo]") {
+TEST_CASE("speckles take memory once", "[stereo]") {
   SpeckleFilter filter;
   const GrayImage sure(64, 48, 200);
   Disparities d = some_disparities(64, 48, 1);

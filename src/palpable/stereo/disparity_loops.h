@@ -1,7 +1,7 @@
 /// @file
-/// Loops of disparity_filters.h that every instruction set gets a copy of (stereo_kernels.cpp): the
-/// compiler vectorises them, and wherever they are inlined it does so for that place's
-/// instructions.
+/// Loops of disparity_filters.h that are compiled once for each instruction set
+/// (stereo_kernels.cpp): always inlined, so that the compiler vectorises them with the instructions
+/// of their caller.
 #pragma once
 
 #include "palpable/stereo/disparity_filters.h"

@@ -1,6 +1,7 @@
 #include "palpable/stereo/row_watch.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/base/order_statistics.h"
 
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
@@ -16,7 +17,7 @@ namespace {
 constexpr int kReach = 5;  // of a point's window, px
 constexpr int kSteps = 6;
 constexpr int kTries = 4;          // places in a cell, across and down, until one has texture
-constexpr double kFarthest = 2.5;  // px; a point that wanders farther is lost
+constexpr double kFarthest = 2.5;  // px; a point that moves farther is lost
 constexpr double kConverged = 0.03;
 constexpr std::uint8_t kSure = 150;  // confidence of a point
 // Least eigenvalue of the window's gradient matrix, (grey levels / px)^2 per pixel: a corner.
@@ -34,12 +35,6 @@ double sample(const GrayImage& image, double u, double v) {
   return (1 - t) * ((1 - s) * a[0] + s * a[1]) + t * ((1 - s) * b[0] + s * b[1]);
 }
 
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 Eigen::Matrix3d EyeTilt::rotation() const {
@@ -52,8 +47,8 @@ RowWatch::RowWatch(const PinholeCamera& camera, const RowWatchSettings& settings
     : camera_(camera), settings_(settings) {
   PALPABLE_EXPECT(settings.cell_px > 0 && settings.limit_px > 0 && settings.limit_edge_px > 0,
                   "cells and limits are positive");
-  const auto cells = static_cast<std::size_t>((camera.width / settings.cell_px + 1) *
-                                              (camera.height / settings.cell_px + 1));
+  const std::size_t cells =
+      (camera.width / settings.cell_px + 1) * (camera.height / settings.cell_px + 1);
   points_.reserve(cells);
   scratch_.reserve(std::max(cells, kFrames));
 }
@@ -132,7 +127,7 @@ void RowWatch::fit() {
       A += w * row * row.transpose();
       b += w * point.row_error * row;
     }
-    // Points on one side alone do not know the roll.
+    // Points on one side of the picture alone cannot tell the roll from the pitch.
     A(1, 1) += 1e-2 * A(0, 0);
     const Eigen::Vector2d found = A.ldlt().solve(b);
     if (!found.allFinite()) break;
@@ -178,7 +173,7 @@ const RowError& RowWatch::measure(const GrayImage& left, const GrayImage& right,
   if (error_.points < settings_.least_points) return error_;
   scratch_.clear();
   for (const Point& point : points_) scratch_.push_back(point.row_error);
-  error_.median_px = median_of(scratch_);
+  error_.median_px = upper_median(scratch_);
   fit();
   history_[next_] = error_;
   next_ = (next_ + 1) % kFrames;
@@ -191,7 +186,7 @@ std::optional<EyeTilt> RowWatch::correction_due() {
   const auto median_over_frames = [this](auto value) {
     scratch_.clear();
     for (const RowError& error : history_) scratch_.push_back(value(error));
-    return median_of(scratch_);
+    return upper_median(scratch_);
   };
   const double median = median_over_frames([](const RowError& e) { return e.median_px; });
   const EyeTilt tilt{median_over_frames([](const RowError& e) { return e.tilt.pitch; }),

@@ -1,7 +1,7 @@
 /// @file
-/// Are the eyes' rows still aligned? Half a pixel of row error halves the usable pixels of a desk,
-/// so matched points are followed across rows in every frame, and a small rotation between the eyes
-/// is found from them.
+/// Are the eyes' rows still aligned? Half a pixel of row error halves the pixels of a desk that can
+/// be matched. So in every frame matched points are located to a fraction of a row in both images,
+/// and a small rotation of the right eye is fitted to their row differences.
 #pragma once
 
 #include "palpable/geometry/camera.h"
@@ -18,13 +18,13 @@
 namespace palpable {
 
 struct RowWatchSettings {
-  int cell_px = 64;            ///< one point is followed in each cell of so many px
-  int least_points = 20;       ///< fewer say nothing
-  double limit_px = 0.04;      ///< a median error beyond is corrected if most frames agree on it
-  double limit_edge_px = 0.3;  ///< so is a roll that moves the picture's side by this much
+  int cell_px = 64;            ///< one point is followed in each cell of cell_px x cell_px
+  int least_points = 20;       ///< with fewer nothing is measured
+  double limit_px = 0.04;      ///< a larger median error is corrected if most frames agree on it
+  double limit_edge_px = 0.3;  ///< so is a roll that moves the picture's side by more than this
 };
 
-/// A small rotation of the right eye that brings its rows back: first by `roll` about Z, then by
+/// A small rotation of the right eye that aligns its rows again: first by `roll` about Z, then by
 /// `pitch` about X, radians.
 struct EyeTilt {
   double pitch = 0;
@@ -32,7 +32,7 @@ struct EyeTilt {
   [[nodiscard]] Eigen::Matrix3d rotation() const;
 };
 
-/// What one frame's points say, px of the full images.
+/// The row error in one frame, px of the full images.
 struct RowError {
   int points = 0;
   /// Median of v_right - v_left: positive where the right image lies lower. NaN with too few
@@ -43,22 +43,22 @@ struct RowError {
   EyeTilt tilt;
 };
 
-/// Takes no memory after the first frame.
+/// Allocates no memory after the first frame.
 class RowWatch {
  public:
   /// @param camera  of the full rectified images
   RowWatch(const PinholeCamera& camera, const RowWatchSettings& settings = {});
 
-  /// Follows points from the left to the right image: a step of Lucas and Kanade's method (1981)
-  /// in both directions around the matched place, since a row error that was read off along
-  /// slanted edges would be a disparity error too.
+  /// Follows points from the left to the right image: Lucas and Kanade's method (1981) from the
+  /// matched place on, along rows and columns together. Along columns alone, an error of the
+  /// disparity would look like a row error wherever edges are slanted.
   /// @param disparity   of the rectified pair, of images `factor` times smaller
   /// @param confidence  of the same size; points are taken where it is high
   const RowError& measure(const GrayImage& left, const GrayImage& right,
                           const Disparities& disparity, const GrayImage& confidence, int factor);
 
-  /// The correction, once the median of the last kFrames frames is beyond a limit; the watch then
-  /// begins anew, so the caller has to apply it.
+  /// The correction, once the median of the last kFrames frames exceeds a limit. The watch then
+  /// starts again from no frames, so the caller has to apply the correction.
   [[nodiscard]] std::optional<EyeTilt> correction_due();
 
   [[nodiscard]] const RowError& last() const { return error_; }
@@ -70,7 +70,7 @@ class RowWatch {
   };
   std::optional<Point> follow(const GrayImage& left, const GrayImage& right, int u, int v,
                               double disparity) const;
-  // The first of a cell's places that can be followed, if any.
+  // Adds the first point of a cell that can be followed, if any can.
   void follow_one_of(const GrayImage& left, const GrayImage& right, const Disparities& disparity,
                      const GrayImage& confidence, int factor, Eigen::Vector2i corner, int cell);
   void fit();

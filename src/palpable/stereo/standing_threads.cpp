@@ -6,7 +6,7 @@ namespace palpable {
 
 StandingThreads::StandingThreads(int size) {
   PALPABLE_EXPECT(size >= 1 && size <= 64, "a crew has 1 to 64 threads");
-  for (int i = 1; i < size; ++i) threads_.emplace_back([this] { help(); });
+  for (int i = 1; i < size; ++i) threads_.emplace_back([this] { work_until_end(); });
 }
 
 StandingThreads::~StandingThreads() {
@@ -29,11 +29,11 @@ void StandingThreads::run(int count, const void* work, Call call) {
   next_ = 0;
   count_ = unfinished_ = count;
   begun_.notify_all();
-  take_turns(lock);
+  work_on_pieces(lock);
   done_.wait(lock, [this] { return unfinished_ == 0; });
 }
 
-void StandingThreads::take_turns(std::unique_lock<std::mutex>& lock) {
+void StandingThreads::work_on_pieces(std::unique_lock<std::mutex>& lock) {
   while (next_ < count_) {
     const int mine = next_++;
     lock.unlock();
@@ -43,12 +43,12 @@ void StandingThreads::take_turns(std::unique_lock<std::mutex>& lock) {
   }
 }
 
-void StandingThreads::help() {
+void StandingThreads::work_until_end() {
   std::unique_lock lock(mutex_);
   while (true) {
     begun_.wait(lock, [this] { return ends_ || next_ < count_; });
     if (ends_) return;
-    take_turns(lock);
+    work_on_pieces(lock);
   }
 }
 

@@ -1,5 +1,5 @@
 /// @file
-/// A few threads that stand ready, for work of milliseconds that is done for every frame.
+/// A few threads that wait for work, for work of milliseconds in every frame.
 #pragma once
 
 #include <condition_variable>
@@ -9,7 +9,7 @@
 
 namespace palpable {
 
-/// The caller and size - 1 threads of its own. Takes no memory once it is made.
+/// The caller's thread and size - 1 more. Allocates no memory once it is made.
 class StandingThreads {
  public:
   /// @param size  >= 1
@@ -30,8 +30,8 @@ class StandingThreads {
  private:
   using Call = void (*)(const void*, int);
   void run(int count, const void* work, Call call);
-  void help();
-  void take_turns(std::unique_lock<std::mutex>& lock);
+  void work_until_end();
+  void work_on_pieces(std::unique_lock<std::mutex>& lock);
 
   std::vector<std::thread> threads_;
   std::mutex mutex_;

@@ -10,7 +10,7 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("a crew does each piece once, whatever its size", "[vision][threads]") {
+TEST_CASE("a crew does each piece once, whatever its size", "[stereo][threads]") {
   for (const int size : {1, 2, 3}) {
     StandingThreads crew(size);
     CHECK(crew.size() == size);
@@ -24,7 +24,7 @@ TEST_CASE("a crew does each piece once, whatever its size", "[vision][threads]")
   }
 }
 
-TEST_CASE("a crew that stands takes no memory", "[vision]") {
+TEST_CASE("a crew that stands takes no memory", "[stereo]") {
   StandingThreads crew(2);
   std::atomic<int> sum = 0;
   crew.run(4, [&](int i) { sum += i; });

@@ -1,5 +1,6 @@
-// The matcher's loops for whatever vector instructions there are, by Google Highway: this file is
-// compiled once for each instruction set, and the best one is chosen when the program runs.
+// The matcher's census and aggregation for whatever vector instructions there are, by Google
+// Highway: this file is compiled once for each instruction set, and the best one is chosen when the
+// program runs. refine_kernels.cpp has the other loops.
 //
 // A vector holds `kBlocks` blocks of 16 bytes. Each block belongs to another strip of rows, so that
 // nothing ever moves between blocks and all vector widths do the same arithmetic. In a block, lane
@@ -13,13 +14,11 @@
 #include "palpable/stereo/stereo_kernels.h"
 
 #include "palpable/base/simd_targets.h"
-#include "palpable/stereo/disparity_filters.h"
-#include "palpable/stereo/disparity_loops.h"
+#include "palpable/stereo/refine_kernels.h"
 
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <type_traits>
 #include <vector>
 
 #define HWY_WANT_AVX3_DL
@@ -38,7 +37,7 @@ namespace {
 
 constexpr std::size_t kBlock = 16;  // bytes
 constexpr std::size_t kWidestVector = 64;
-constexpr std::uint8_t kNoNeighbour = 127;  // above every P2 + cost, and P1 more is still a byte
+constexpr std::uint8_t kNoNeighbour = 127;  // above every P2 + cost; plus P1 it still fits a byte
 
 constexpr std::array<std::uint8_t, 64> byte_of_block() {
   std::array<std::uint8_t, 64> bytes{};
@@ -46,8 +45,9 @@ constexpr std::array<std::uint8_t, 64> byte_of_block() {
   return bytes;
 }
 
-// Bytes of one of census()'s five rows: what a vector may read beyond its end is there.
-std::size_t census_stride(int width) { return static_cast<std::size_t>(width + 4 + 320); }
+// Bytes of one of census()'s five rows: a vector may read beyond the row's end, but not beyond
+// these.
+std::size_t census_stride(int width) { return width + 4 + 320; }
 
 // Where the parts of a gang's workspace begin, in bytes.
 struct Workspace {
@@ -55,56 +55,25 @@ struct Workspace {
               across = 0, padded = 0, p2_along = 0, p2_down = 0, bytes = 0;
 
   Workspace(int width, int disparities, std::size_t N) {
-    const auto W = static_cast<std::size_t>(width);
-    const auto D = static_cast<std::size_t>(disparities);
+    const std::size_t W = width;
+    const std::size_t D = disparities;
     const std::size_t R = D / kBlock;
-    const auto take = [this](std::size_t size) {
+    const auto reserve = [this](std::size_t size) {
       const std::size_t begin = bytes;
       bytes += (size + kWidestVector - 1) / kWidestVector * kWidestVector;
       return begin;
     };
-    costs = take(W * R * N);
-    above = take(W * R * N);
-    sum = take(W * R * N);
-    above_least = take(W * N);
-    left = take(3 * (W + 2 * kBlock) * (N / kBlock) + kBlock);
-    right = take(3 * (W + R + kBlock) * N);
-    raw = take(3 * R * N);
-    across = take(R * N);
-    padded = take(W + D + 4 * kBlock);
-    p2_along = take((W + kBlock) * (N / kBlock));
-    p2_down = take((W + kBlock) * (N / kBlock));
-  }
-};
-
-// The rows of sums that Refinement keeps; a row is `stride` numbers long, more than the image's W.
-struct RefineMemory {
-  std::size_t stride;
-  std::int16_t *g, *l;  // kRefineRows rows each
-  std::int16_t *column, *sum_g, *sum_l, *sum_r;
-  std::int32_t *column_32, *sum_gg, *sum_gl;
-  std::int32_t *of_g, *of_r, *of_gg, *of_gr;  // of each half pixel
-
-  static constexpr std::size_t kRows_16 = 2 * kRefineRows + 4;
-  static constexpr std::size_t kRows_32 = 3 + 4;
-  static std::size_t stride_of(int width) {
-    return (static_cast<std::size_t>(width) + 95) / 32 * 32;
-  }
-  static std::size_t bytes(int width) { return stride_of(width) * (2 * kRows_16 + 4 * kRows_32); }
-
-  RefineMemory(int width, std::uint8_t* memory) : stride(stride_of(width)) {
-    std::size_t used = 0;
-    const auto take = [&](auto*& at, std::size_t rows) {
-      using Number = std::remove_reference_t<decltype(*at)>;
-      at = reinterpret_cast<Number*>(memory + used);  // NOLINT: raw, aligned memory
-      used += rows * stride * sizeof(Number);
-    };
-    take(g, kRefineRows);
-    take(l, kRefineRows);
-    for (std::int16_t** row : {&column, &sum_g, &sum_l, &sum_r}) take(*row, 1);
-    for (std::int32_t** row : {&column_32, &sum_gg, &sum_gl, &of_g, &of_r, &of_gg, &of_gr}) {
-      take(*row, 1);
-    }
+    costs = reserve(W * R * N);
+    above = reserve(W * R * N);
+    sum = reserve(W * R * N);
+    above_least = reserve(W * N);
+    left = reserve(3 * (W + 2 * kBlock) * (N / kBlock) + kBlock);
+    right = reserve(3 * (W + R + kBlock) * N);
+    raw = reserve(3 * R * N);
+    across = reserve(R * N);
+    padded = reserve(W + D + 4 * kBlock);
+    p2_along = reserve((W + kBlock) * (N / kBlock));
+    p2_down = reserve((W + kBlock) * (N / kBlock));
   }
 };
 
@@ -123,16 +92,6 @@ void census(const GrayImage& image, CensusCodes& codes, std::uint8_t* workspace)
 }
 void match(const MatchJob& job, int first_strip, int count, std::uint8_t* workspace) {
   scalar_stereo_kernels().match(job, first_strip, count, workspace);
-}
-void refine(const GrayImage& left, const GrayImage& right, int y_begin, int y_end, Disparities& d,
-            std::uint8_t* workspace) {
-  scalar_stereo_kernels().refine(left, right, y_begin, y_end, d, workspace);
-}
-void median(const Disparities& in, int y_begin, int y_end, Disparities& out) {
-  median_3x3(in, y_begin, y_end, out);
-}
-void smooth(const Disparities& in, int y_begin, int y_end, Disparities& out) {
-  smooth_surfaces(in, y_begin, y_end, out);
 }
 #else
 
@@ -162,7 +121,7 @@ HWY_ATTR void census_row(const std::uint8_t* const rows[5], int width, CensusCod
           hn::StoreU(code, d, codes[plane].row(y) + x);
         } else {
           hn::Store(code, d, tail);
-          std::memcpy(codes[plane].row(y) + x, tail, static_cast<std::size_t>(width - x));
+          std::memcpy(codes[plane].row(y) + x, tail, width - x);
         }
         code = hn::Zero(d);
         bit = 0;
@@ -178,19 +137,17 @@ HWY_ATTR void census(const GrayImage& image, CensusCodes& codes, std::uint8_t* r
   // Five padded rows at a time.
   const std::size_t stride = census_stride(width);
   const auto load = [&](int y) {
-    std::uint8_t* to = ring + static_cast<std::size_t>((y + 5) % 5) * stride;
+    std::uint8_t* to = ring + ((y + 5) % 5) * stride;
     const std::uint8_t* from = image.row(std::clamp(y, 0, height - 1));
     to[0] = to[1] = from[0];
-    std::memcpy(to + 2, from, static_cast<std::size_t>(width));
-    std::memset(to + 2 + width, from[width - 1], stride - static_cast<std::size_t>(width) - 2);
+    std::memcpy(to + 2, from, width);
+    std::memset(to + 2 + width, from[width - 1], stride - width - 2);
   };
   for (int y = -2; y < 2; ++y) load(y);
   for (int y = 0; y < height; ++y) {
     load(y + 2);
     const std::uint8_t* rows[5];
-    for (int i = 0; i < 5; ++i) {
-      rows[i] = ring + static_cast<std::size_t>((y - 2 + i + 5) % 5) * stride;
-    }
+    for (int i = 0; i < 5; ++i) { rows[i] = ring + ((y - 2 + i + 5) % 5) * stride; }
     census_row(rows, width, codes, y);
   }
 }
@@ -209,7 +166,7 @@ HWY_INLINE V least_of_block(Tag d, V v) {
   return hn::Min(v, hn::CombineShiftRightBytes<1>(d, v, v));
 }
 
-// What a path's step needs of the pixel before.
+// What a step of a path needs from the pixel before.
 template <class Tag, class V = Bytes<Tag>>
 struct Walk {
   V previous;  // of d - 1
@@ -222,8 +179,7 @@ struct Walk {
     const auto none = hn::Set(d, kNoNeighbour);
     const std::size_t N = hn::Lanes(d);
     here = hn::Load(d, path);
-    previous = hn::CombineShiftRightBytes<15>(
-        d, hn::Load(d, path + static_cast<std::size_t>(R - 1) * N), none);
+    previous = hn::CombineShiftRightBytes<15>(d, hn::Load(d, path + (R - 1) * N), none);
     last = hn::CombineShiftRightBytes<1>(d, none, here);
     least = the_least;
     limit = hn::Add(the_least, p2);
@@ -282,8 +238,8 @@ class Gang {
   }
 
   HWY_INLINE void run() {
-    std::memset(above_, 0, stride() * static_cast<std::size_t>(W_));
-    std::memset(above_least_, 0, N * static_cast<std::size_t>(W_));
+    std::memset(above_, 0, stride() * W_);
+    std::memset(above_least_, 0, N * W_);
     int rows = 0;
     for (int b = 0; b < kBlocks; ++b) {
       const StripRows strip = strip_of(b);
@@ -305,7 +261,7 @@ class Gang {
   [[nodiscard]] HWY_INLINE StripRows strip_of(int block) const {
     return rows_of_strip(first_strip_ + block, H_);
   }
-  [[nodiscard]] HWY_INLINE std::size_t stride() const { return static_cast<std::size_t>(R_) * N; }
+  [[nodiscard]] HWY_INLINE std::size_t stride() const { return R_ * N; }
   [[nodiscard]] HWY_INLINE int row_of(int block, int t) const {
     return std::clamp(strip_of(block).begin + t, 0, H_ - 1);
   }
@@ -315,12 +271,10 @@ class Gang {
     for (int b = 0; b < kBlocks; ++b) {
       if (strip_of(b).begin + t != 0) continue;
       for (int x = 0; x < W_; ++x) {
-        const auto at = static_cast<std::size_t>(x);
-        std::memset(above_least_ + at * N + static_cast<std::size_t>(b) * kBlock, 0, kBlock);
+        const std::size_t at = x;
+        std::memset(above_least_ + at * N + b * kBlock, 0, kBlock);
         for (int j = 0; j < R_; ++j) {
-          std::memset(above_ + at * stride() + static_cast<std::size_t>(j) * N +
-                          static_cast<std::size_t>(b) * kBlock,
-                      0, kBlock);
+          std::memset(above_ + at * stride() + j * N + b * kBlock, 0, kBlock);
         }
       }
     }
@@ -331,7 +285,7 @@ class Gang {
   HWY_INLINE void load_row(int t) {
     for (std::size_t plane = 0; plane < 3; ++plane) {
       for (int b = 0; b < kBlocks; ++b) {
-        const std::size_t block = static_cast<std::size_t>(b) * kBlock;
+        const std::size_t block = b * kBlock;
         spread_right((*job_.right)[plane].row(row_of(b, t)),
                      right_ + plane * right_plane() + block);
       }
@@ -358,9 +312,7 @@ class Gang {
         byte_of_block();
     return hn::TableLookupBytes(hn::LoadDup128(d, bytes), hn::Load(d, kByteOfBlock.data()));
   }
-  [[nodiscard]] HWY_INLINE std::size_t left_plane() const {
-    return (static_cast<std::size_t>(W_) + 2 * kBlock) * static_cast<std::size_t>(kBlocks);
-  }
+  [[nodiscard]] HWY_INLINE std::size_t left_plane() const { return (W_ + 2 * kBlock) * kBlocks; }
   HWY_INLINE void zip_left(int t, std::size_t plane) {
     const hn::FixedTag<std::uint8_t, 16> d16;
     std::uint8_t* to = left_ + plane * left_plane();
@@ -370,7 +322,7 @@ class Gang {
     if (kBlocks > 1) {
       for (; x + static_cast<int>(kBlock) <= W_; x += static_cast<int>(kBlock)) {
         const auto row = [&](int b) HWY_ATTR { return hn::LoadU(d16, rows[b % kBlocks] + x); };
-        std::uint8_t* at = to + static_cast<std::size_t>(x) * static_cast<std::size_t>(kBlocks);
+        std::uint8_t* at = to + static_cast<std::size_t>(x) * kBlocks;
         const auto even = row(0);
         const auto odd = row(1);
         if (kBlocks == 2) {
@@ -394,9 +346,7 @@ class Gang {
       for (int b = 0; b < kBlocks; ++b) to[x * kBlocks + b] = rows[b][x];
     }
   }
-  [[nodiscard]] HWY_INLINE std::size_t right_plane() const {
-    return (static_cast<std::size_t>(W_ + R_) + kBlock) * N;
-  }
+  [[nodiscard]] HWY_INLINE std::size_t right_plane() const { return (W_ + R_ + kBlock) * N; }
   HWY_INLINE void spread_right(const std::uint8_t* codes, std::uint8_t* to) {
     const hn::FixedTag<std::uint8_t, 16> d16;
     // padded_[i] is the pixel i - (D - 1) - first, the border's beyond the border.
@@ -405,33 +355,29 @@ class Gang {
     const int from = -(D - 1) - job_.first;
     const int begin = std::clamp(-from, 0, length);
     const int end = std::clamp(W_ - from, 0, length);
-    std::memset(padded_, codes[0], static_cast<std::size_t>(begin));
-    if (end > begin) {
-      std::memcpy(padded_ + begin, codes + begin + from, static_cast<std::size_t>(end - begin));
-    }
-    std::memset(padded_ + end, codes[W_ - 1], static_cast<std::size_t>(length - end));
+    std::memset(padded_, codes[0], begin);
+    if (end > begin) { std::memcpy(padded_ + begin, codes + begin + from, end - begin); }
+    std::memset(padded_ + end, codes[W_ - 1], length - end);
     const int count = W_ + R_ - 1;
     for (int q = 0; q < count; q += static_cast<int>(kBlock)) {
       // q - (R-1) - l R, counted from padded_[0]: + D - 1, and D = 16 R.
       hn::Vec<decltype(d16)> v[16];
       for (int l = 0; l < 16; ++l) { v[l] = hn::LoadU(d16, padded_ + q + (15 - l) * R_); }
       transpose_16(d16, v);
-      for (std::size_t i = 0; i < 16; ++i) {
-        hn::StoreU(v[i], d16, to + (static_cast<std::size_t>(q) + i) * N);
-      }
+      for (std::size_t i = 0; i < 16; ++i) { hn::StoreU(v[i], d16, to + (q + i) * N); }
     }
   }
 
   // Hamming distances at x into slot x % 3 of raw_.
   HWY_INLINE void raw_costs(int x) {
     const Tag d;
-    const auto at = static_cast<std::size_t>(x);
-    const std::uint8_t* left = left_ + at * static_cast<std::size_t>(kBlocks);
+    const std::size_t at = x;
+    const std::uint8_t* left = left_ + at * kBlocks;
     const V l0 = spread(left);
     const V l1 = spread(left + left_plane());
     const V l2 = spread(left + 2 * left_plane());
-    const std::uint8_t* right = right_ + (at + static_cast<std::size_t>(R_) - 1) * N;
-    std::uint8_t* to = raw_ + static_cast<std::size_t>(x % 3) * stride();
+    const std::uint8_t* right = right_ + (at + R_ - 1) * N;
+    std::uint8_t* to = raw_ + (x % 3) * stride();
     const std::size_t plane = right_plane();
     for (int j = 0; j < R_; ++j) {
       const V c0 = hn::PopulationCount(hn::Xor(l0, hn::Load(d, right)));
@@ -456,22 +402,22 @@ class Gang {
     for (int x = 0; x < W_; ++x) {
       if (x + 1 < W_) raw_costs(x + 1);
       const auto slot = [&](int column) {
-        return raw_ + static_cast<std::size_t>(std::clamp(column, 0, W_ - 1) % 3) * stride();
+        return raw_ + (std::clamp(column, 0, W_ - 1) % 3) * stride();
       };
       const std::uint8_t* raw_before = slot(x - 1);
       const std::uint8_t* raw_here = slot(x);
       const std::uint8_t* raw_after = slot(x + 1);
-      std::uint8_t* above = above_ + static_cast<std::size_t>(x) * stride();
-      std::uint8_t* costs = costs_ + static_cast<std::size_t>(x) * stride();
-      std::uint8_t* sum = sum_ + static_cast<std::size_t>(x) * stride();
-      std::uint8_t* least_at = above_least_ + static_cast<std::size_t>(x) * N;
+      std::uint8_t* above = above_ + x * stride();
+      std::uint8_t* costs = costs_ + x * stride();
+      std::uint8_t* sum = sum_ + x * stride();
+      std::uint8_t* least_at = above_least_ + x * N;
       Walk<Tag> down(d, above, R, hn::Load(d, least_at), spread(p2_down_ + x * kBlocks));
       Walk<Tag> along(d, kWanted ? across_ : above, R, across_least,
                       spread(p2_along_ + x * kBlocks));
       V least_down = hn::Set(d, std::uint8_t{255});
       V least_along = least_down;
       for (int j = 0; j < R; ++j) {
-        const auto at = static_cast<std::size_t>(j) * N;
+        const std::size_t at = j * N;
         const V sides = hn::AverageRound(hn::Load(d, raw_before + at), hn::Load(d, raw_after + at));
         const V cost = hn::AverageRound(sides, hn::Load(d, raw_here + at));
         const bool is_last = j + 1 == R;
@@ -499,8 +445,8 @@ class Gang {
     V across_least = hn::Zero(d);
     std::memset(across_, 0, stride());
     for (int x = W_ - 1; x >= 0; --x) {
-      const std::uint8_t* costs = costs_ + static_cast<std::size_t>(x) * stride();
-      std::uint8_t* sum = sum_ + static_cast<std::size_t>(x) * stride();
+      const std::uint8_t* costs = costs_ + x * stride();
+      std::uint8_t* sum = sum_ + x * stride();
       Walk<Tag> along(d, across_, R, across_least,
                       spread(p2_along_ + std::min(x + 1, W_ - 1) * kBlocks));
       V least_along = hn::Set(d, std::uint8_t{255});
@@ -509,7 +455,7 @@ class Gang {
       V number = hn::Zero(d);
       const V one = hn::Set(d, std::uint8_t{1});
       for (int j = 0; j < R; ++j) {
-        const auto at = static_cast<std::size_t>(j) * N;
+        const std::size_t at = j * N;
         const bool is_last = j + 1 == R;
         const V A = along.step(hn::Load(d, costs + at),
                                is_last ? along.last : hn::Load(d, across_ + at + N), p1);
@@ -522,11 +468,11 @@ class Gang {
         number = hn::Add(number, one);
       }
       across_least = least_of_block(d, least_along);
-      take_winners(t, x, best, which, sum);
+      store_winners(t, x, best, which, sum);
     }
   }
 
-  HWY_INLINE void take_winners(int t, int x, V best, V which, const std::uint8_t* sum) {
+  HWY_INLINE void store_winners(int t, int x, V best, V which, const std::uint8_t* sum) {
     const Tag d;
     const V least = least_of_block(d, best);
     // The smallest d of a block's equals lies in its lowest lane.
@@ -542,12 +488,10 @@ class Gang {
       std::uint16_t bits = 0;
       std::memcpy(&bits, winners + 2 * b, 2);
       const int lane = __builtin_ctz(bits);
-      const std::size_t block = static_cast<std::size_t>(b) * kBlock;
-      const int j = registers[block + static_cast<std::size_t>(lane)];
+      const std::size_t block = b * kBlock;
+      const int j = registers[block + lane];
       const int best_d = lane * R_ + j;
-      const auto S = [&](int l, int k) {
-        return sum[static_cast<std::size_t>(k) * N + block + static_cast<std::size_t>(l)];
-      };
+      const auto S = [&](int l, int k) { return sum[k * N + block + l]; };
       Winners& out = *job_.winners;
       const int y = strip.begin + t;
       out.best(x, y) = static_cast<std::uint16_t>(best_d);
@@ -602,162 +546,6 @@ HWY_ATTR void match(const MatchJob& job, int first_strip, int count, std::uint8_
   }
 }
 
-// --- fraction of a pixel -----------------------------------------------------------------------
-
-// With f the fraction, sums over the window are
-//
-//     r  = sum 64 L - ((64 - f) sum R0 + f sum R1)         R1: R one column further right
-//     gr = sum 64 g L - ((64 - f) sum g R0 + f sum g R1)
-//
-// What does not depend on d is the same for every place of the window: it is summed once per
-// column, then over kRefineColumns columns. Only sum g R0 and sum g R1 are left for each pixel.
-class Refinement {
- public:
-  HWY_INLINE Refinement(const GrayImage& left, const GrayImage& right, std::uint8_t* memory)
-      : left_(left), right_(right), at_(left.width(), memory) {}
-
-  HWY_ATTR void row(int y, std::int16_t* d, int width) {
-    const int top = RefineWindow::top_of(y);
-    if (top < 0 || top + kRefineRows > left_.height()) return;
-    // Rows that the window before this one had too are there already.
-    for (int v = std::max(top, next_); v < top + kRefineRows; ++v) load(v);
-    next_ = top + kRefineRows;
-    sum_columns(top);
-    for (int i = 0; i < kRefineRows; ++i) {
-      right_rows_[i] = right_.row(top + i);
-      g_rows_[i] = g_row(top + i);
-    }
-    for (int x = 0; x < width; ++x) gather(x, y, d[x]);
-    move(d, width);
-  }
-
- private:
-  [[nodiscard]] HWY_INLINE std::int16_t* g_row(int v) const {
-    return at_.g + static_cast<std::size_t>(v % kRefineRows) * at_.stride;
-  }
-  [[nodiscard]] HWY_INLINE std::int16_t* l_row(int v) const {
-    return at_.l + static_cast<std::size_t>(v % kRefineRows) * at_.stride;
-  }
-  HWY_ATTR void load(int v) {
-    const std::uint8_t* L = left_.row(v);
-    std::int16_t* g = g_row(v);
-    std::int16_t* l = l_row(v);
-    const int W = left_.width();
-    for (int u = 0; u < W; ++u) l[u] = L[u];
-    g[0] = g[W - 1] = 0;  // never in a window
-    for (int u = 1; u + 1 < W; ++u) g[u] = static_cast<std::int16_t>(L[u + 1] - L[u - 1]);
-  }
-
-  HWY_ATTR void sum_columns(int top) {
-    const int W = left_.width();
-    std::int16_t* column = at_.column;
-    std::int32_t* column_32 = at_.column_32;
-    const auto over_rows = [&](auto* sums, auto value) HWY_ATTR {
-      for (int u = 0; u < W; ++u) sums[u] = value(u, top);
-      for (int v = top + 1; v < top + kRefineRows; ++v) {
-        for (int u = 0; u < W; ++u) {
-          sums[u] = static_cast<std::remove_reference_t<decltype(*sums)>>(sums[u] + value(u, v));
-        }
-      }
-    };
-    const auto over_columns = [&](auto* sums, const auto* of_columns) HWY_ATTR {
-      static_assert(kRefineColumns == 8);
-      for (int u = 0; u + kRefineColumns <= W; ++u) {
-        const auto* c = of_columns + u;
-        sums[u] = static_cast<std::remove_reference_t<decltype(*sums)>>(c[0] + c[1] + c[2] + c[3] +
-                                                                        c[4] + c[5] + c[6] + c[7]);
-      }
-    };
-    over_rows(column, [&](int u, int v) HWY_ATTR { return l_row(v)[u]; });
-    over_columns(at_.sum_l, column);
-    over_rows(column, [&](int u, int v) HWY_ATTR { return g_row(v)[u]; });
-    over_columns(at_.sum_g, column);
-    over_rows(column,
-              [&](int u, int v) HWY_ATTR { return static_cast<std::int16_t>(right_.row(v)[u]); });
-    over_columns(at_.sum_r, column);
-    over_rows(column_32,
-              [&](int u, int v) HWY_ATTR { return std::int32_t{g_row(v)[u]} * g_row(v)[u]; });
-    over_columns(at_.sum_gg, column_32);
-    over_rows(column_32,
-              [&](int u, int v) HWY_ATTR { return std::int32_t{g_row(v)[u]} * l_row(v)[u]; });
-    over_columns(at_.sum_gl, column_32);
-  }
-
-  // What RefineSums holds, for pixel x; zeros where it stays as it is.
-  HWY_INLINE void gather(int x, int y, std::int16_t d) {
-    at_.of_g[x] = at_.of_r[x] = at_.of_gg[x] = at_.of_gr[x] = 0;
-    if (!is_measured(d)) return;
-    const RefineWindow window(x, y, d, left_.width(), left_.height());
-    if (!window.inside) return;
-    const hn::FixedTag<std::uint8_t, 8> d8;
-    const hn::FixedTag<std::int16_t, 8> d16;
-    const hn::FixedTag<std::int32_t, 4> d32;
-    auto sum_0 = hn::Zero(d32), sum_1 = sum_0, rest_0 = sum_0, rest_1 = sum_0;
-    for (std::size_t i = 0; i < kRefineRows; ++i) {
-      const std::uint8_t* R = right_rows_[i] + window.right;
-      const auto g = hn::LoadU(d16, g_rows_[i] + window.left);
-      const auto R0 = hn::PromoteTo(d16, hn::LoadU(d8, R));
-      const auto R1 = hn::PromoteTo(d16, hn::LoadU(d8, R + 1));
-      sum_0 = hn::ReorderWidenMulAccumulate(d32, g, R0, sum_0, rest_0);
-      sum_1 = hn::ReorderWidenMulAccumulate(d32, g, R1, sum_1, rest_1);
-    }
-    const int f = window.fraction;
-    const auto weighted =
-        hn::Add(hn::Mul(hn::Add(sum_0, rest_0), hn::Set(d32, kDisparitySteps - f)),
-                hn::Mul(hn::Add(sum_1, rest_1), hn::Set(d32, f)));
-    const std::int32_t gr = hn::GetLane(hn::SumOfLanes(d32, weighted));
-    const std::int16_t* R = at_.sum_r + window.right;
-    at_.of_g[x] = at_.sum_g[window.left];
-    at_.of_r[x] =
-        kDisparitySteps * at_.sum_l[window.left] - (kDisparitySteps - f) * R[0] - f * R[1];
-    at_.of_gg[x] = at_.sum_gg[window.left];
-    at_.of_gr[x] = kDisparitySteps * at_.sum_gl[window.left] - gr;
-  }
-
-  // RefineSums::step() for all pixels. Every product is a whole number below 2^53, so that only the
-  // quotient is rounded, as it is there.
-  HWY_ATTR void move(std::int16_t* d, int width) const {
-    const hn::ScalableTag<double> df;
-    const hn::Rebind<std::int32_t, decltype(df)> di;
-    const auto n = hn::Set(df, kRefineColumns * kRefineRows);
-    const auto flat = hn::Set(df, 4.0 * kRefineColumns * kRefineRows * kFlatness);
-    const auto longest = hn::Set(df, kLongestStep);
-    const auto half = hn::Set(df, 0.5);
-    for (int x = 0; x < width; x += static_cast<int>(hn::Lanes(df))) {
-      const auto sum = [&](const std::int32_t* row)
-                           HWY_ATTR { return hn::PromoteTo(df, hn::LoadU(di, row + x)); };
-      const auto g = sum(at_.of_g);
-      const auto r = sum(at_.of_r);
-      const auto covariance = hn::Sub(hn::Mul(n, sum(at_.of_gr)), hn::Mul(g, r));
-      const auto variance = hn::Add(hn::Sub(hn::Mul(n, sum(at_.of_gg)), hn::Mul(g, g)), flat);
-      const auto step = hn::Div(hn::Neg(covariance), variance);
-      const auto cut = hn::Min(hn::Max(step, hn::Neg(longest)), longest);
-      hn::StoreU(hn::DemoteTo(di, hn::Add(cut, hn::CopySign(half, cut))), di, at_.of_g + x);
-    }
-    for (int x = 0; x < width; ++x) d[x] = static_cast<std::int16_t>(d[x] + at_.of_g[x]);
-  }
-
-  const GrayImage& left_;
-  const GrayImage& right_;
-  RefineMemory at_;
-  const std::uint8_t* right_rows_[kRefineRows] = {};
-  const std::int16_t* g_rows_[kRefineRows] = {};
-  int next_ = 0;
-};
-
-HWY_ATTR void median(const Disparities& in, int y_begin, int y_end, Disparities& out) {
-  median_3x3_loops(in, y_begin, y_end, out);
-}
-HWY_ATTR void smooth(const Disparities& in, int y_begin, int y_end, Disparities& out) {
-  smooth_surfaces_loops(in, y_begin, y_end, out);
-}
-
-HWY_ATTR void refine(const GrayImage& left, const GrayImage& right, int y_begin, int y_end,
-                     Disparities& d, std::uint8_t* workspace) {
-  Refinement refinement(left, right, workspace);
-  for (int y = y_begin; y < y_end; ++y) refinement.row(y, d.row(y), d.width());
-}
-
 #endif  // HWY_SCALAR
 
 }  // namespace palpable::HWY_NAMESPACE
@@ -769,16 +557,13 @@ namespace palpable {
 namespace {
 HWY_EXPORT(census);
 HWY_EXPORT(match);
-HWY_EXPORT(refine);
-HWY_EXPORT(median);
-HWY_EXPORT(smooth);
 
 std::vector<StereoKernels> find_kernels() {
   std::vector<StereoKernels> kernels;
   for_each_simd_target(hwy::SupportedAndGeneratedTargets(), [&](const char* name) {
+    const RefineKernels chosen = chosen_refine_kernels();
     kernels.push_back({name, &HWY_DYNAMIC_DISPATCH(census), &HWY_DYNAMIC_DISPATCH(match),
-                       &HWY_DYNAMIC_DISPATCH(refine), &HWY_DYNAMIC_DISPATCH(median),
-                       &HWY_DYNAMIC_DISPATCH(smooth)});
+                       chosen.refine, chosen.median, chosen.smooth});
   });
   kernels.push_back(scalar_stereo_kernels());
   return kernels;
@@ -791,7 +576,7 @@ const std::vector<StereoKernels> kKernels = find_kernels();
 
 std::size_t kernel_workspace_bytes(int width, int disparities) {
   return std::max({Workspace(width, disparities, kWidestVector).bytes, 5 * census_stride(width),
-                   RefineMemory::bytes(2 * width + 1)});
+                   refine_workspace_bytes(2 * width + 1)});
 }
 
 std::span<const StereoKernels> stereo_kernels() { return kKernels; }

@@ -1,5 +1,6 @@
 /// @file
-/// The inner loops of the stereo matcher, once plain and once vectorised; both give the same bytes.
+/// The inner loops of the stereo matcher: a plain version and a vectorised one that gives the same
+/// bytes.
 ///
 ///   W, H  width and height of the matched images, px
 ///   D     disparities searched, a multiple of 16
@@ -10,31 +11,32 @@
 ///
 /// **Cost** of disparity d at x: the number of differing bits of left(x) and right(x - first - d),
 /// averaged over x-1, x, x+1 with weights 1 2 1 (rounded as avg(avg(c-, c+), c) with
-/// avg(a, b) = (a + b + 1) / 2). Beyond the border the border's code stands.
+/// avg(a, b) = (a + b + 1) / 2). Beyond the border the border's code counts.
 ///
 /// **Aggregation** (semi-global matching, Hirschmueller 2008) along r = from the left, from the
 /// right and from above:
 ///
-///     L_r(p, d) = C(p, d) + min( L_r(p-r, d), L_r(p-r, d +- 1) + P1, min_k L_r(p-r, k) + P2(p, r)
-///     )
-///                 - min_k L_r(p-r, k)
+///     L_r(p, d) = C(p, d) - m + min( L_r(p-r, d), L_r(p-r, d +- 1) + P1, m + P2(p, r) )
+///     m         = min_k L_r(p-r, k)
 ///     P2(p, r)  = max( p2_least, p2 - |I(p) - I(p-r)| )      I: grey levels of the left image
-///     S(p, d) = sum of the three L_r
+///     S(p, d)   = sum of the three L_r
 ///
-/// A jump is cheap where the picture has an edge: between a finger and the desk just behind it a
-/// constant P2 costs more than a ramp of P1 steps, and ramps are what a touch is lost in. At a
-/// path's start L_r = C. The picture is cut into kStrips bands of rows; the path from above
-/// starts anew kWarmUpRows above each band, so that bands can be worked on side by side: in the
-/// lanes of one vector and on several threads, with the same result whatever the number.
+/// P2 is the price of a jump in depth, lower where the picture has an edge. With a constant P2 a
+/// ramp of P1 steps would be cheaper than the jump from a finger to the desk just behind it, and in
+/// such a ramp a touch cannot be found. At a path's start L_r = C.
+///
+/// The picture is cut into kStrips bands of rows. The path from above starts anew kWarmUpRows above
+/// each band. So the bands are independent: they are computed in the lanes of one vector and on
+/// several threads, and the result does not depend on how many.
 ///
 /// **Fraction of a pixel at full resolution**: at disparity d of an image of half the size, the
 /// full images differ in a window of 8 x 6 px around (2x, 2y) by r(u) = L(u) - R(u - 2d), where
-/// R is interpolated along the row. With g = dL/du the window matches best (Lucas and Kanade 1981,
-/// between images that may differ by a constant) after a step of
+/// R is interpolated along the row. With g = dL/du the window matches best (Lucas and Kanade 1981;
+/// the images may differ by a constant) after a step of
 ///
 ///     -cov(g, r) / (var(g) + kFlatness)       full pixels
 ///
-/// which is cut at kLongestStep: what would move farther is an edge or a highlight.
+/// which is limited to kLongestStep: longer ones come from edges and highlights.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -49,9 +51,9 @@ namespace palpable {
 inline constexpr int kStrips = 8;
 inline constexpr int kWarmUpRows = 8;
 inline constexpr int kCensusStep = 1;
-/// Costs are at most 24, so that with this much for a jump a sum of three paths fits a byte.
+/// Costs are at most 24, so that with this P2 a sum of three paths fits a byte.
 inline constexpr int kLargestP2 = 61;
-/// Disparities lie this far from 0 at most: they and their differences fit 16 bits.
+/// Largest magnitude of a disparity: disparities and their differences fit 16 bits.
 inline constexpr int kMostDisparities = 496;
 
 inline constexpr int kDisparitySteps = 64;  ///< a disparity is a whole number of 1/64 px
@@ -76,13 +78,13 @@ struct Winners {
   void resize(int width, int height);
 };
 
-/// Of a step of one disparity and of a jump, in bits of the census code.
+/// P1, of a step of one disparity, and P2, of a jump: in bits of the census code.
 struct PathPenalties {
   int p1 = 0;
   int p2 = 0;        ///< <= kLargestP2
   int p2_least = 0;  ///< p1 <= p2_least <= p2
 
-  /// P2 between two pixels that differ by so many grey levels.
+  /// P2 between two pixels whose grey levels differ by `difference`.
   [[nodiscard]] std::uint8_t p2_across(int difference) const {
     const int fallen = p2 - (difference < 0 ? -difference : difference);
     return static_cast<std::uint8_t>(fallen > p2_least ? fallen : p2_least);
@@ -111,7 +113,7 @@ struct StereoKernels {
   /// @param workspace  kernel_workspace_bytes() of memory, aligned to 64 bytes; one per thread
   void (*match)(const MatchJob& job, int first_strip, int count, std::uint8_t* workspace);
   /// Moves the measured disparities of rows [y_begin, y_end) of an image of half the size to where
-  /// the full images match best. Pixels whose window leaves a picture stay as they are.
+  /// the full images match best. Pixels whose window leaves a picture are not moved.
   void (*refine)(const GrayImage& left, const GrayImage& right, int y_begin, int y_end,
                  Disparities& d, std::uint8_t* workspace);
   /// median_3x3 and smooth_surfaces of disparity_filters.h.
@@ -129,8 +131,8 @@ struct RefineSums {
 inline constexpr int kRefineColumns = 8;  // from 2x - 3
 inline constexpr int kRefineRows = 6;     // from 2y - 2
 
-/// Variance below which a window is flat, (grey levels per pixel)^2 per pixel: a window of this
-/// much texture takes half of its step.
+/// Variance of a flat window, (grey levels per pixel)^2 per pixel: a window with this variance
+/// moves by half of its step.
 inline constexpr int kFlatness = 16;
 inline constexpr int kLongestStep =
     16;  ///< 1/64 px of the half image: half a pixel of the full one
@@ -168,9 +170,9 @@ struct StripRows {
   return {strip * height / kStrips, (strip + 1) * height / kStrips};
 }
 
-/// The slow, obvious one.
+/// The slow, obvious implementation.
 [[nodiscard]] const StereoKernels& scalar_stereo_kernels();
-/// All that this processor can run, best first; the last is the scalar one.
+/// All implementations that this processor can run, best first; the last is the scalar one.
 [[nodiscard]] std::span<const StereoKernels> stereo_kernels();
 
 }  // namespace palpable

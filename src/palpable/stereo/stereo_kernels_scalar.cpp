@@ -1,4 +1,5 @@
-// The matcher's loops, written as stereo_kernels.h says them. The vectorised ones are held to it.
+// The matcher's loops, written like the formulas of stereo_kernels.h. Tests hold the vectorised
+// ones to these.
 
 #include "palpable/stereo/disparity_filters.h"
 #include "palpable/stereo/stereo_kernels.h"
@@ -46,9 +47,7 @@ using Costs = std::vector<int>;  // (W x D): of one row
 void costs_of_row(const MatchJob& job, int y, Costs& raw, Costs& costs) {
   const int width = (*job.left)[0].width();
   const int D = job.disparities;
-  const auto at = [D](Costs& c, int x, int d) -> int& {
-    return c[static_cast<std::size_t>(x * D + d)];
-  };
+  const auto at = [D](Costs& c, int x, int d) -> int& { return c[x * D + d]; };
   for (int x = 0; x < width; ++x) {
     const std::uint32_t left = code_at(*job.left, x, y);
     for (int d = 0; d < D; ++d) {
@@ -65,8 +64,8 @@ void costs_of_row(const MatchJob& job, int y, Costs& raw, Costs& costs) {
   }
 }
 
-// One step of a path, between pixels that differ by so many grey levels. `previous` empty: the path
-// starts here.
+// One step of a path, between pixels whose grey levels differ by `difference`. Without `previous`
+// the path starts here.
 void step(const MatchJob& job, const int* cost, int difference, const int* previous, int* path) {
   const int D = job.disparities;
   if (previous == nullptr) {
@@ -87,7 +86,7 @@ void match(const MatchJob& job, int first_strip, int count, std::uint8_t* /*work
   const int width = (*job.left)[0].width();
   const int height = (*job.left)[0].height();
   const int D = job.disparities;
-  const auto row_size = static_cast<std::size_t>(width * D);
+  const int row_size = width * D;
   Costs raw(row_size), costs(row_size), above(row_size), above_next(row_size), across(row_size),
       sum(row_size);
   const auto at = [D](Costs& c, int x) { return c.data() + x * D; };

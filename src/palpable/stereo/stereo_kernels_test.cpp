@@ -55,8 +55,7 @@ Found run(const StereoKernels& kernels, const NoisyPair& pair, int first, int di
   return found;
 }
 
-TEST_CASE("all instruction sets give the winners of the plain loops, bit for bit",
-          "[vision][stereo]") {
+TEST_CASE("all instruction sets give the winners of the plain loops, bit for bit", "[stereo]") {
   struct Case {
     int width, height, first, disparities;
     PathPenalties penalties;
@@ -84,7 +83,7 @@ TEST_CASE("all instruction sets give the winners of the plain loops, bit for bit
   }
 }
 
-TEST_CASE("the plain loops are always there, and this processor has more", "[vision][stereo]") {
+TEST_CASE("the plain loops are always there, and this processor has more", "[stereo]") {
   const auto kernels = stereo_kernels();
   REQUIRE_FALSE(kernels.empty());
   CHECK(std::string(kernels.back().name) == "scalar");
@@ -97,7 +96,7 @@ TEST_CASE("the plain loops are always there, and this processor has more", "[vis
 #endif
 }
 
-TEST_CASE("a census code is the same at another exposure", "[vision][stereo]") {
+TEST_CASE("a census code is the same at another exposure", "[stereo]") {
   NoisyPair pair{GrayImage(40, 12), GrayImage(40, 12)};
   auto random = test::random_case(3);
   for (std::uint8_t& p : pair.left) p = static_cast<std::uint8_t>(random() % 30 * 4 + 20);
@@ -107,7 +106,7 @@ TEST_CASE("a census code is the same at another exposure", "[vision][stereo]") {
   CHECK(found.left == found.right);
 }
 
-TEST_CASE("a picture that is shifted is found at its shift, at no cost", "[vision][stereo]") {
+TEST_CASE("a picture that is shifted is found at its shift, at no cost", "[stereo]") {
   const int width = 120;
   const int shift = 23;
   NoisyPair pair{GrayImage(width, 40), GrayImage(width, 40)};
@@ -130,7 +129,7 @@ TEST_CASE("a picture that is shifted is found at its shift, at no cost", "[visio
 }
 
 TEST_CASE("where the picture has an edge disparities jump, where it has none they may ramp",
-          "[vision][stereo]") {
+          "[stereo]") {
   // A thing 9 px nearer than what is behind it, both with little texture: nine steps of P1 = 3 cost
   // less than a jump at 40.
   const int width = 200;
@@ -173,7 +172,7 @@ TEST_CASE("where the picture has an edge disparities jump, where it has none the
   CHECK(on_the_ramp(0, 6) > falling);
 }
 
-TEST_CASE("strips cover every row once", "[vision][stereo]") {
+TEST_CASE("strips cover every row once", "[stereo]") {
   for (int height = 1; height < 40; ++height) {
     int next = 0;
     for (int strip = 0; strip < kStrips; ++strip) {

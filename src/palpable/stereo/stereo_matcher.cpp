@@ -115,21 +115,15 @@ struct StereoMatcher::Parts {
 void StereoMatcher::Parts::find_winners(Pass& p, const GrayImage& left, const GrayImage& right,
                                         int first, int disparities) {
   p.resize(left.width(), left.height());
-  if (settings.find_winners) {
-    settings.find_winners(left, right, first, disparities, p.winners);
-    return;
-  }
   make_room(kernel_workspace_bytes(left.width(), disparities));
   crew.run(2, [&](int eye) {
-    kernels->census(eye == 0 ? left : right, eye == 0 ? p.left : p.right,
-                    workspaces[static_cast<std::size_t>(eye)].begin());
+    kernels->census(eye == 0 ? left : right, eye == 0 ? p.left : p.right, workspaces[eye].begin());
   });
   const MatchJob job{&p.left, &p.right, &left, first, disparities, settings.penalties, &p.winners};
   // As many strips at once as leaves work for every thread: the widest vectors hold four.
   const int strips = crew.size() <= 2 ? 4 : crew.size() <= 4 ? 2 : 1;
-  crew.run(kStrips / strips, [&](int i) {
-    kernels->match(job, i * strips, strips, workspaces[static_cast<std::size_t>(i)].begin());
-  });
+  crew.run(kStrips / strips,
+           [&](int i) { kernels->match(job, i * strips, strips, workspaces[i].begin()); });
 }
 
 void StereoMatcher::Parts::check(Pass& p, int first, int disparities, int left_right_px,
@@ -138,7 +132,7 @@ void StereoMatcher::Parts::check(Pass& p, int first, int disparities, int left_r
   crew.run(kStrips, [&](int strip) {
     const StripRows rows = rows_of_strip(strip, height);
     check_winners(p.winners, first, disparities, left_right_px, rows.begin, rows.end, p.raw,
-                  confidence, owners[static_cast<std::size_t>(strip)]);
+                  confidence, owners[strip]);
   });
   crew.run(kStrips, [&](int strip) {
     const StripRows rows = rows_of_strip(strip, height);
@@ -146,7 +140,8 @@ void StereoMatcher::Parts::check(Pass& p, int first, int disparities, int left_r
   });
 }
 
-// Where the guard, or the ring around it, sees something nearer than the range.
+// Marks as too close where the guard finds something nearer than the range; the ring around such a
+// place becomes unknown.
 void StereoMatcher::Parts::mark_too_close(const GrayImage& left, const GrayImage& right,
                                           MatchedPair& out) {
   crew.run(2,
@@ -258,7 +253,7 @@ void StereoMatcher::refine(const GrayImage& left_full, const GrayImage& right_fu
   p.crew.run(kStrips, [&](int strip) {
     const StripRows rows = rows_of_strip(strip, height);
     p.kernels->refine(left_full, right_full, rows.begin, rows.end, pair.disparity,
-                      p.workspaces[static_cast<std::size_t>(strip)].begin());
+                      p.workspaces[strip].begin());
   });
   std::swap(p.unsmoothed, pair.disparity);
   p.crew.run(kStrips, [&](int strip) {

@@ -2,16 +2,15 @@
 /// Dense disparities of a rectified pair, down to touching distance, on a CPU (paper Sec. 3.3).
 ///
 /// Census codes, semi-global aggregation (stereo_kernels.h), left-right check and filters
-/// (disparity_filters.h), and a guard: a range that is too short does not leave holes, it calls
-/// near things far, so a pass at a quarter of the resolution over a range several times as long
-/// says where things are nearer than the range.
+/// (disparity_filters.h), and a guard. Without the guard a thing that is nearer than the searched
+/// range would not leave a hole: it would be matched wrongly and come out far away. So a second
+/// pass at a quarter of the resolution, over a range several times as long, marks such places.
 #pragma once
 
 #include "palpable/geometry/image.h"
 #include "palpable/stereo/disparity_filters.h"
 #include "palpable/stereo/stereo_kernels.h"
 
-#include <functional>
 #include <memory>
 
 namespace palpable {
@@ -20,21 +19,17 @@ struct StereoMatcherSettings {
   int first = 0;          ///< smallest disparity, px; may be negative
   int disparities = 128;  ///< how many; rounded up to a multiple of 16; at most kMostDisparities
   PathPenalties penalties{3, 40, 40};
-  int left_right_px = 2;  ///< by how much the right eye's answer may differ
+  int left_right_px = 2;  ///< by how much the disparities of both eyes may differ
   SpeckleLimits speckles{100, 0};
-  int longest_gap_px = 8;   ///< stretches of a row that are filled from their ends
-  bool fill_edges = false;  ///< also between near and far, with the far end
+  int longest_gap_px = 8;   ///< gaps of a row up to this length are filled from their ends
+  bool fill_edges = false;  ///< also gaps between near and far, with the far end's disparity
   /// Disparities of the guard at a quarter of the resolution; 0: no guard.
   int guard_disparities = 0;
   int threads = 2;
   const StereoKernels* kernels = nullptr;  ///< null: the best of this processor
-  /// If given, finds the winners in place of `kernels`: on a GPU (gpu/gl_stereo.h), say.
-  std::function<void(const GrayImage& left, const GrayImage& right, int first, int disparities,
-                     Winners& winners)>
-      find_winners;
 };
 
-/// For things within reach, at half the resolution of a 720p pair: 192 disparities, guarded.
+/// For things within reach, at half the resolution of a 720p pair: 192 disparities, with a guard.
 [[nodiscard]] StereoMatcherSettings near_matching();
 /// For scenes and benchmarks, at full resolution: 128 disparities, gaps filled.
 [[nodiscard]] StereoMatcherSettings full_matching();
@@ -45,8 +40,8 @@ struct MatchedPair {
   GrayImage confidence;   ///< disparity_filters.h
 };
 
-/// Takes memory while it is made and at the first pair of a size; then it takes none.
-/// The answer does not depend on the number of threads nor on the instruction set.
+/// Allocates memory while it is made and at the first pair of a size, then none.
+/// Disparities do not depend on the number of threads nor on the instruction set.
 class StereoMatcher {
  public:
   /// @throws ContractViolation unless 0 <= p1 <= p2_least <= p2 <= kLargestP2, 1 <= disparities and

@@ -84,8 +84,7 @@ StereoMatcherSettings small_matching() {
   return settings;
 }
 
-TEST_CASE("a plane at a fraction of a pixel is found there, negative disparities too",
-          "[vision][stereo]") {
+TEST_CASE("a plane at a fraction of a pixel is found there, negative disparities too", "[stereo]") {
   for (const double truth : {20.3, 11.75, -4.6}) {
     INFO("disparity " << truth);
     const Pair pair = seen_by_both(160, 72, 1, [&](int) { return truth; });
@@ -100,7 +99,7 @@ TEST_CASE("a plane at a fraction of a pixel is found there, negative disparities
 }
 
 TEST_CASE("refining at full resolution brings the disparity within a twentieth of a pixel",
-          "[vision][stereo]") {
+          "[stereo]") {
   const double truth = 27.36;  // full px
   const Pair full = seen_by_both(321, 145, 2, [&](int) { return truth; });
   const auto half_of = [](const GrayImage& image) {
@@ -126,8 +125,7 @@ TEST_CASE("refining at full resolution brings the disparity within a twentieth o
   CHECK(after > before);
 }
 
-TEST_CASE("what is nearer than the range is called too close or unknown, not far",
-          "[vision][stereo]") {
+TEST_CASE("what is nearer than the range is called too close or unknown, not far", "[stereo]") {
   // Background at 8 px; the lower half at 80 px, beyond the 48 that are searched.
   const auto disparity = [](int y) { return y < 48 ? 8.0 : 80.0; };
   const Pair pair = seen_by_both(256, 96, 3, disparity);
@@ -163,7 +161,7 @@ TEST_CASE("what is nearer than the range is called too close or unknown, not far
 }
 
 TEST_CASE("disparities are the same on one thread and on four, on all instruction sets",
-          "[vision][stereo][threads]") {
+          "[stereo][threads]") {
   const Pair pair = seen_by_both(150, 70, 4, [](int y) { return 10 + 0.1 * y; });
   const Pair full = seen_by_both(300, 140, 5, [](int y) { return 20 + 0.1 * y; });
   MatchedPair reference;
@@ -184,7 +182,7 @@ TEST_CASE("disparities are the same on one thread and on four, on all instructio
   }
 }
 
-TEST_CASE("from the second pair on, matching takes no memory", "[vision][stereo]") {
+TEST_CASE("from the second pair on, matching takes no memory", "[stereo]") {
   const Pair pair = seen_by_both(150, 70, 6, [](int) { return 12.0; });
   const Pair full = seen_by_both(300, 140, 7, [](int) { return 24.0; });
   StereoMatcherSettings settings = small_matching();
@@ -198,7 +196,7 @@ TEST_CASE("from the second pair on, matching takes no memory", "[vision][stereo]
   CHECK(test::allocations_during(frame) == 0);
 }
 
-TEST_CASE("bright and dark eyes agree as well as equal ones", "[vision][stereo]") {
+TEST_CASE("bright and dark eyes agree as well as equal ones", "[stereo]") {
   Pair pair = seen_by_both(160, 72, 8, [](int) { return 15.0; });
   for (std::uint8_t& p : pair.right) p = static_cast<std::uint8_t>(p * 7 / 10);
   StereoMatcher matcher(small_matching());
@@ -208,7 +206,7 @@ TEST_CASE("bright and dark eyes agree as well as equal ones", "[vision][stereo]"
 }
 
 TEST_CASE("settings that do not fit 16 bits, and images of two sizes, are refused",
-          "[vision][stereo][refusal]") {
+          "[stereo][refusal]") {
   const auto refused = [](auto change) {
     StereoMatcherSettings settings = small_matching();
     change(settings);

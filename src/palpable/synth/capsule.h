@@ -1,8 +1,11 @@
 /// @file
-/// Capsules: what the synthetic hand is made of, and what its truth is measured against.
+/// Distances to capsules, and their triangles: what the synthetic hand is made of, and what its
+/// truth is measured against. Here both radii are > 0.
 ///
 /// Metres; the frame is the caller's.
 #pragma once
+
+#include "palpable/geometry/capsule.h"
 
 #include <Eigen/Core>
 
@@ -10,15 +13,6 @@
 #include <vector>
 
 namespace palpable {
-
-/// The convex hull of two spheres (a cone with rounded ends). When one sphere holds the other it is
-/// the larger sphere.
-struct Capsule {
-  Eigen::Vector3d a = Eigen::Vector3d::Zero();
-  Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  double ra = 0;  ///< > 0
-  double rb = 0;  ///< > 0
-};
 
 /// A capsule's distance field, for many points.
 ///

@@ -1,0 +1,52 @@
+/// @file
+/// NumPy's own files (.npy): one array each.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace palpable {
+
+/// What such a file says about its numbers.
+struct NpyHeader {
+  std::vector<std::size_t> shape;
+  std::string type;               ///< as in the file, e.g. "<f8"
+  bool column_by_column = false;  ///< Fortran's order: the first index runs fastest
+  std::size_t begin = 0;          ///< of the numbers, bytes
+
+  /// The product of the shape; SIZE_MAX when it is absurd (more than 2^31).
+  [[nodiscard]] std::size_t count() const;
+  /// Bytes of one number; 0: of a type that is not read.
+  [[nodiscard]] std::size_t number_size() const;
+};
+
+/// An array in C order: the last index runs fastest.
+struct NpyArray {
+  std::vector<std::size_t> shape;
+  std::vector<double> values;
+};
+
+/// @param name  of the file, for messages
+/// @throws Error when the bytes do not begin as such a file
+[[nodiscard]] NpyHeader npy_header(const std::string& bytes, const std::string& name);
+
+/// The numbers behind the header: little-endian floats or integers of 4 or 8 bytes.
+/// @throws Error for numbers of another type, and when there are fewer than the shape says
+[[nodiscard]] NpyArray npy_array(const NpyHeader& header, const std::string& bytes,
+                                 const std::string& name);
+
+/// Writes single precision, double precision or 32-bit integers.
+/// @throws Error if the file cannot be written
+/// @throws ContractViolation if shape and number of values differ
+template <class T>
+void write_npy(const std::filesystem::path& path, const std::vector<std::size_t>& shape,
+               std::span<const T> values);
+
+/// Reads little-endian floats of 4 or 8 bytes and integers of 4 or 8 bytes, C or Fortran order.
+/// @throws Error for anything else, and for a file that is missing, cut or damaged
+[[nodiscard]] NpyArray read_npy(const std::filesystem::path& path);
+
+}  // namespace palpable

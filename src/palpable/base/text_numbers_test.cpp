@@ -1,0 +1,48 @@
+#include "palpable/base/text_numbers.h"
+
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <string>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+TEST_CASE("a text is one finite number or none", "[base][text]") {
+  CHECK(to_number("1.5e-3") == 1.5e-3);
+  CHECK(to_number("+7") == 7);
+  CHECK(to_number("-0.25") == -0.25);
+  for (const char* text : {"", " 1", "1 ", "1,5", "nan", "inf", "1e999", "0x10", "one"}) {
+    INFO(text);
+    CHECK_FALSE(to_number(text));
+  }
+}
+
+TEST_CASE("a whole number has no point, no room around it and fits 64 bits", "[base][text]") {
+  CHECK(to_whole_number("1403636579763555584") == 1403636579763555584LL);  // EuRoC's nanoseconds
+  CHECK(to_whole_number("-12") == -12);
+  CHECK(to_whole_number("007") == 7);
+  for (const char* text : {"", "1.0", " 1", "1 ", "+1", "9223372036854775808", "x"}) {
+    INFO(text);
+    CHECK_FALSE(to_whole_number(text));
+  }
+}
+
+TEST_CASE("numbers are separated by spaces, commas, semicolons and brackets", "[base][text]") {
+  CHECK(to_numbers("[1, 2;3]\t4\r\n") == std::vector<double>{1, 2, 3, 4});
+  CHECK(to_numbers(" ") == std::vector<double>{});
+  CHECK_FALSE(to_numbers("1 2 m"));
+}
+
+TEST_CASE("lines of a file come without comments, line ends and empty lines", "[base][text]") {
+  const test::ScratchFolder folder("text_numbers");
+  test::write_bytes(folder / "a.txt", "# all comment\n1 2 # and a word\r\n\n  \n3\n");
+  CHECK(read_lines(folder / "a.txt") == std::vector<std::string>{"1 2", "3"});
+  CHECK_FALSE(read_lines(folder / "none.txt"));
+  CHECK(is_image_side(640));
+  for (const double side : {0.0, 640.5, 16385.0, -1.0}) CHECK_FALSE(is_image_side(side));
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,37 @@
+#include "palpable/base/this_machine.h"
+
+#include <fmt/core.h>
+
+#include <ctime>
+#include <fstream>
+#include <sys/resource.h>
+#include <thread>
+
+namespace palpable {
+
+double peak_memory() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+std::string processor_name() {
+  std::ifstream info("/proc/cpuinfo");
+  std::string line, name = "unknown processor";
+  while (std::getline(info, line)) {
+    const std::size_t colon = line.find(": ");
+    if (!line.starts_with("model name") || colon == std::string::npos) continue;
+    name = line.substr(colon + 2);
+    break;
+  }
+  return fmt::format("{}, {} cores", name, std::thread::hardware_concurrency());
+}
+
+std::string date_today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  ::gmtime_r(&now, &utc);
+  return fmt::format("{:04}-{:02}-{:02}", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday);
+}
+
+}  // namespace palpable

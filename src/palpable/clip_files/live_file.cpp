@@ -1,0 +1,112 @@
+#include "palpable/clip_files/live_file.h"
+
+#include "palpable/base/error.h"
+#include "palpable/clip_files/json_lines.h"
+#include "palpable/clip_files/text_file.h"
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+
+namespace palpable {
+namespace {
+
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+ordered_json rows_of(const Rigid3& pose) {
+  ordered_json numbers = ordered_json::array();
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) numbers.push_back(pose.matrix()(row, column));
+  }
+  return numbers;
+}
+
+ordered_json tracking_of(const std::optional<LiveSummary::Tracking>& tracking) {
+  if (!tracking) return nullptr;
+  return {{"frames_moving", tracking->frames_moving},
+          {"frames_lost", tracking->frames_lost},
+          {"times_found_again", tracking->times_found_again},
+          {"loops_closed", tracking->loops_closed},
+          {"keyframes", tracking->keyframes},
+          {"landmarks", tracking->landmarks}};
+}
+
+ordered_json map_of(const std::optional<LiveSummary::Map>& map) {
+  if (!map) return nullptr;
+  return {{"blocks", map->blocks},
+          {"refused", map->refused},
+          {"free_space_refused", map->free_space_refused}};
+}
+
+ordered_json troubles_of(const LiveSummary::Troubles& troubles) {
+  return {{"back_in_time", troubles.back_in_time},
+          {"dropped", troubles.dropped},
+          {"stalls", troubles.stalls},
+          {"losses", troubles.losses},
+          {"reports", troubles.reports}};
+}
+
+template <class T>
+ordered_json or_null(const std::optional<T>& value) {
+  return value ? ordered_json(*value) : ordered_json(nullptr);
+}
+
+LiveFile live_file_of(const json& live) {
+  if (!live.is_object()) throw Error("is no JSON object");
+  LiveFile file;
+  const JsonObject object(live);
+  if (object.has("camera_from_body")) file.camera_from_body = object.rigid("camera_from_body");
+  if (!object.has("processed")) return file;
+  if (!live.at("processed").is_array()) throw Error("processed is no list of frames");
+  file.processed.emplace();
+  for (const json& frame : live.at("processed")) file.processed->push_back(frame_number(frame));
+  return file;
+}
+
+}  // namespace
+
+void write_live_summary(const std::filesystem::path& path, const LiveSummary& summary) {
+  ordered_json live;
+  live["body"] = summary.body;
+  live["source"] = summary.source;
+  live["contact"] = summary.contact;
+  live["view"] = summary.view;
+  live["ignore_static_frames"] = summary.ignore_static_frames;
+  live["scale"] = summary.scale;
+  live["camera_from_body"] = rows_of(summary.camera_from_body);
+  live["color_from_depth"] =
+      summary.color_from_depth ? rows_of(*summary.color_from_depth) : ordered_json(nullptr);
+  live["tracking"] = tracking_of(summary.tracking);
+  live["map"] = map_of(summary.map);
+  live["frames"] = summary.processed.size();
+  live["unreadable"] = summary.unreadable;
+  live["source_troubles"] = troubles_of(summary.source_troubles);
+  live["frames_touching"] = summary.frames_touching;
+  live["first_touch_frame"] = or_null(summary.first_touch_frame);
+  live["deepest_press_m"] = summary.deepest_press;
+  live["site_changes"] = summary.site_changes;
+  live["video_codec"] = summary.video_codec;
+  live["pictures"] = summary.pictures;
+  live["color_scale_pa"] = summary.color_scale;
+  live["wall_s"] = summary.wall;
+  for (const auto& [stage, ms] : summary.median_ms) live["median_ms"][stage] = ms;
+  live["processed"] = summary.processed;
+  TextFile file(path);
+  file.write(live.dump(2) + "\n");
+  file.close();
+}
+
+LiveFile read_live_file(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  try {
+    return live_file_of(json::parse(in));
+  } catch (const json::parse_error& error) {
+    throw Error(fmt::format("{}: no JSON at character {}", path.string(), error.byte));
+  } catch (const json::exception& error) {
+    throw Error(fmt::format("{}: {}", path.string(), without_brackets(error.what())));
+  } catch (const Error& error) { throw Error(fmt::format("{}: {}", path.string(), error.what())); }
+}
+
+}  // namespace palpable

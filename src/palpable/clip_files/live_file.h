@@ -1,0 +1,76 @@
+/// @file
+/// live.json of a result: what was run, which frames it looked at and what happened in all of them.
+#pragma once
+
+#include "palpable/geometry/rigid.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+
+/// What `palpable live` writes, in the order of the file.
+struct LiveSummary {
+  struct Tracking {
+    int frames_moving = 0;
+    std::vector<int> frames_lost;  ///< numbers
+    int times_found_again = 0;
+    int loops_closed = 0;
+    int keyframes = 0;
+    int landmarks = 0;
+  };
+  struct Map {
+    int blocks = 0;
+    std::int64_t refused = 0;
+    std::int64_t free_space_refused = 0;
+  };
+  struct Troubles {
+    int back_in_time = 0;
+    int dropped = 0;
+    int stalls = 0;
+    int losses = 0;
+    std::vector<std::string> reports;  ///< of the source, in its words
+  };
+
+  std::string body;  ///< file
+  std::string source;
+  std::string contact;
+  std::string view;
+  int ignore_static_frames = 0;
+  double scale = 1;
+  Rigid3 camera_from_body = Rigid3::Identity();  ///< in the last frame
+  /// For paths that are published of the depth camera: trajectory.txt is the colour camera's.
+  std::optional<Rigid3> color_from_depth;
+  std::optional<Tracking> tracking;  ///< nothing: the camera was taken for fixed
+  std::optional<Map> map;
+  int unreadable = 0;  ///< frames
+  Troubles source_troubles;
+  int frames_touching = 0;
+  std::optional<int> first_touch_frame;
+  double deepest_press = 0;  ///< m; "deepest_press_m"
+  int site_changes = 0;
+  std::string video_codec;
+  std::vector<std::string> pictures;
+  double color_scale = 0;                                 ///< Pa; "color_scale_pa"
+  double wall = 0;                                        ///< s; "wall_s"
+  std::vector<std::pair<std::string, double>> median_ms;  ///< of each stage
+  std::vector<int> processed;                             ///< numbers of the frames looked at
+};
+
+/// @throws Error when the file cannot be written
+void write_live_summary(const std::filesystem::path& path, const LiveSummary& summary);
+
+/// What scores need of live.json, which other systems may write too.
+struct LiveFile {
+  std::optional<std::vector<int>> processed;  ///< numbers of the frames looked at; nothing: all
+  std::optional<Rigid3> camera_from_body;     ///< of a body that stays where it is
+};
+
+/// @throws Error naming the file when it is no JSON object, or when one of the two makes no sense
+[[nodiscard]] LiveFile read_live_file(const std::filesystem::path& path);
+
+}  // namespace palpable

@@ -1,0 +1,23 @@
+/// @file
+/// Writes images through OpenCV. Included by .cpp files of this module only.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include <filesystem>
+#include <vector>
+
+namespace palpable {
+
+/// PNG, level 1, with run lengths in place of zlib's search for repetitions: for masks and smooth
+/// depth smaller and a little faster. What a run writes.
+[[nodiscard]] std::vector<int> png_of_runs();
+/// PNG, level 1, zlib's own search. What a truth is written with.
+[[nodiscard]] std::vector<int> png_of_repetitions();
+
+/// @param settings  as cv::imwrite wants them
+/// @throws Error naming the file when it cannot be written
+void write_image(const std::filesystem::path& path, const cv::Mat& image,
+                 const std::vector<int>& settings);
+
+}  // namespace palpable

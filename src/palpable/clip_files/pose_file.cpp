@@ -1,0 +1,23 @@
+#include "palpable/clip_files/pose_file.h"
+
+#include "palpable/clip_files/json_lines.h"
+
+#include <fmt/core.h>
+
+namespace palpable {
+
+std::string pose_line(const PoseLine& pose) {
+  return fmt::format("{{\"frame\":{},\"camera_from_body\":{}}}\n", pose.frame,
+                     rows_text(pose.camera_from_body, 9));
+}
+
+std::vector<PoseLine> read_poses(const std::filesystem::path& path) {
+  std::vector<PoseLine> poses;
+  for_each_object(path, [&](const JsonObject& line) {
+    const int frame = line.frame_after(poses.empty() ? -1 : poses.back().frame);
+    poses.push_back({frame, line.rigid("camera_from_body")});
+  });
+  return poses;
+}
+
+}  // namespace palpable

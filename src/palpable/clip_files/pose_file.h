@@ -1,0 +1,28 @@
+/// @file
+/// pose.jsonl of a result: where the body was drawn, a line per frame,
+///
+///     {"frame":7,"camera_from_body":[1,0,0,0.1,0,1,0,0.2,0,0,1,0.4,0,0,0,1]}
+///
+/// with the 16 numbers row by row.
+#pragma once
+
+#include "palpable/geometry/rigid.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace palpable {
+
+struct PoseLine {
+  int frame = 0;
+  Rigid3 camera_from_body = Rigid3::Identity();
+};
+
+/// One line, its end included.
+[[nodiscard]] std::string pose_line(const PoseLine& pose);
+
+/// @throws Error naming file and line when frames do not rise or a pose is no rigid motion
+[[nodiscard]] std::vector<PoseLine> read_poses(const std::filesystem::path& path);
+
+}  // namespace palpable

@@ -1,0 +1,252 @@
+#include "palpable/film/sequence_folder.h"
+
+#include "palpable/base/error.h"
+#include "palpable/calibrate/calibration_file.h"
+#include "palpable/clip_files/contact_file.h"
+#include "palpable/clip_files/depth_image_file.h"
+#include "palpable/clip_files/frame_names.h"
+#include "palpable/clip_files/hand_file.h"
+#include "palpable/clip_files/jpeg_file.h"
+#include "palpable/clip_files/mask_image_file.h"
+#include "palpable/clip_files/rig_file.h"
+#include "palpable/clip_files/text_file.h"
+#include "palpable/clip_files/trajectory_file.h"
+#include "palpable/clip_files/truth_camera_file.h"
+#include "palpable/film/desk_film.h"
+#include "palpable/synth/contact_truth.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <future>
+#include <mutex>
+#include <system_error>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFramesForTwo = 30;        // of a film for which a second renderer is worth its start
+constexpr int kIgnoreStaticFrames = 15;  // what these show does not press
+constexpr double kTruthSpacing = 0.0015;  // m between points of the body that are looked at
+constexpr double kAtSite = 0.010;         // m: farther from every site a touch lies between them
+
+HandLine hand_in_camera(int frame, const Movers& movers, const Rigid3& camera_from_desk) {
+  HandLine hand;
+  hand.frame = frame;
+  for (const HandCapsule& capsule : movers.capsules) {
+    hand.capsules.push_back({camera_from_desk * capsule.shape.a, camera_from_desk * capsule.shape.b,
+                             capsule.shape.ra, capsule.shape.rb});
+  }
+  return hand;
+}
+
+ContactLine contact_of(int frame, const Movers& movers, const SurfacePoints& in_desk,
+                       const DeskBody& body, const Rigid3& desk_from_body) {
+  ContactLine contact;
+  contact.frame = frame;
+  const PressTruth truth = press_truth(shapes_of(movers.capsules), in_desk);
+  if (!truth.touching) return contact;
+  const Eigen::Vector3d point = desk_from_body.inverse() * in_desk.points.col(truth.point);
+  contact.touching = true;
+  contact.depth = truth.depth;
+  contact.site = nearest_site(body, point);
+  if (contact.site >= 0) {
+    const int vertex = body.site_vertices[contact.site];
+    if ((body.surface.vertices.col(vertex) - point).norm() > kAtSite) contact.site = -1;
+  }
+  contact.point = point;
+  return contact;
+}
+
+std::string matrix_text(const Rigid3& transform) {
+  std::string text = "[";
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column)
+      text +=
+          fmt::format("{}{:.12g}", row + column > 0 ? ", " : "", transform.matrix()(row, column));
+  return text + "]";
+}
+
+void write_texts(const fs::path& out, const Sequence& sequence) {
+  TextFile scene(out / "frames" / "scene.toml");
+  scene.write(fmt::format(
+      "# Where the body stands: camera_from_body, row by row, in the first frame's rectified left\n"
+      "# camera (m).\ncamera_from_body = {}\nfps = {}\n"
+      "# What the first frames show does not press.\nignore_static_frames = {}\n",
+      matrix_text(sequence.camera_from_body()), kFramesPerSecond, kIgnoreStaticFrames));
+  scene.close();
+
+  TextFile script(out / "truth" / "script.toml");
+  script.write(fmt::format("frames = {}\nframes_without_hand = {}\n", sequence.frames,
+                           std::min(sequence.frames, kFramesWithoutHand)));
+  for (const NamedSpan& span : sequence.spans)
+    script.write(fmt::format("\n[[span]]\nwhat = \"{}\"\nframes = [{}, {}]\n", span.name,
+                             span.frames.first, span.frames.last));
+  for (const PlannedTouch& touch : sequence.touches)
+    script.write(fmt::format(
+        "\n[[touch]]\nwhat = \"{}\"\nsite = {}\nbetween_sites = {}\n"
+        "depth = {:.6f}  # m from the first touch on\nseconds_to_depth = {:.3f}\nframes = [{}, "
+        "{}]\n"
+        "view_angle = {:.1f}  # degrees between the touching surface's normal and the ray\n",
+        touch.what, touch.site, touch.between, touch.depth, touch.seconds_to_depth,
+        touch.frames.first, touch.frames.last, touch.view_angle * 57.29578));
+  script.close();
+}
+
+TruthCamera truth_camera(const Sequence& sequence, const SequenceOrder& order,
+                         const PinholeCamera& view, double baseline) {
+  TruthCamera camera;
+  camera.frames_per_second = kFramesPerSecond;
+  camera.depth_unit = kDepthUnit;
+  camera.camera = view;
+  camera.baseline = baseline;
+  camera.sequence = sequence.name;
+  camera.seed = sequence.seed;
+  camera.body = order.body_name;
+  return camera;
+}
+
+void make_folders(const fs::path& out) {
+  for (const char* part : {"frames", "truth"}) {
+    if (fs::exists(out / part)) {
+      throw Error(fmt::format("{}: exists; give another folder, or remove it first",
+                              (out / part).string()));
+    }
+  }
+  for (const char* folder : {"frames/left", "frames/right", "truth/depth", "truth/labels"}) {
+    std::error_code error;
+    fs::create_directories(out / folder, error);
+    if (error)
+      throw Error(fmt::format("{}: cannot be made: {}", (out / folder).string(), error.message()));
+  }
+}
+
+void check_gl(const DeskRenderer& renderer) {
+  if (renderer.gl_error_count() > 0)
+    throw Error(fmt::format("OpenGL reported {} errors on {}; the pictures may be wrong",
+                            renderer.gl_error_count(), renderer.gl_description()));
+}
+
+/// What one frame adds to the texts of the truth.
+struct FrameLines {
+  std::string hand, contact, trajectory, rig;
+};
+
+/// Films single frames. Several threads may use it, each with its own renderer.
+struct FrameWriter {
+  const fs::path& folder;
+  const Sequence& sequence;
+  const DeskBody& body;
+  PinholeCamera view;  ///< of the truth
+  double baseline;
+  SurfacePoints body_in_desk;
+
+  /// Writes the frame's images.
+  [[nodiscard]] FrameLines write(DeskRenderer& renderer, int frame) const {
+    const DeskMoment moment = moment_of(sequence, frame);
+    RawPair pair;
+    DeskTruth truth;
+    renderer.draw(moment, pair);
+    renderer.draw_truth(moment, view, baseline, truth);
+    write_jpeg(folder / "frames" / "left" / frame_name(frame, ".jpg"), pair.left);
+    write_jpeg(folder / "frames" / "right" / frame_name(frame, ".jpg"), pair.right);
+    write_true_depth(folder / "truth" / "depth" / frame_name(frame, ".png"), truth.depth);
+    write_labels(folder / "truth" / "labels" / frame_name(frame, ".png"), truth.labels);
+
+    const Movers movers = moment.movers(frame);
+    FrameLines lines;
+    lines.hand = hand_line(hand_in_camera(frame, movers, moment.camera_from_desk(frame)));
+    lines.contact =
+        contact_line(contact_of(frame, movers, body_in_desk, body, sequence.desk_from_body));
+    lines.trajectory =
+        trajectory_line({frame / kFramesPerSecond, world_from_camera(sequence, frame)});
+    lines.rig = rig_line(
+        {frame, sequence.faults.row_error_px + moment.rig.row_offset_px, moment.rig.row_step});
+    return lines;
+  }
+};
+
+/// Films all frames with `threads` threads, each with its own renderer, whichever frame comes next:
+/// while one waits for the GPU, or for the threads that stand in for it, the other makes meshes and
+/// encodes.
+/// @param begin  called once, before the first frame is written and after something can be drawn
+std::vector<FrameLines> film_frames(const FrameWriter& writer, int threads,
+                                    const std::function<void()>& begin, const Progress& progress) {
+  const Sequence& sequence = writer.sequence;
+  std::vector<FrameLines> lines(sequence.frames);
+  std::once_flag begun;
+  std::atomic<int> next = 0, written = 0;
+  std::atomic<bool> stop = false;
+  const auto film = [&](const Progress& show) {
+    try {
+      DeskRenderer renderer = film_of(sequence).renderer;
+      std::call_once(begun, [&] {
+        if (!stop) begin();
+      });
+      for (int frame = next++; frame < sequence.frames && !stop; frame = next++) {
+        lines[frame] = writer.write(renderer, frame);
+        report(show, {"writing the sequence", static_cast<double>(++written),
+                      static_cast<double>(sequence.frames), ""});
+      }
+      check_gl(renderer);
+    } catch (...) {
+      stop = true;
+      throw;
+    }
+  };
+  std::future<void> other = std::async(std::launch::async, [&] {
+    if (threads > 1) film({});
+  });
+  film(progress);
+  other.get();
+  report(progress, {"writing the sequence", static_cast<double>(sequence.frames),
+                    static_cast<double>(sequence.frames), ""});
+  return lines;
+}
+
+void write_lines(const fs::path& path, const std::vector<FrameLines>& frames,
+                 std::string FrameLines::*line) {
+  TextFile file(path);
+  for (const FrameLines& frame : frames) file.write(frame.*line);
+  file.close();
+}
+
+}  // namespace
+
+void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, const fs::path& folder,
+                    const Progress& progress) {
+  const DeskBody body = desk_body(reduced);
+  const Sequence sequence = plan_sequence(order.name, body, order.frames, order.seed);
+  const StereoRig rig = zed_mini_rig();
+  const RectifiedGeometry geometry = rectified_geometry(rig);
+  const PinholeCamera view = geometry.stereo.camera.scaled_down(2);
+  const FrameWriter writer{
+      folder,
+      sequence,
+      body,
+      view,
+      geometry.stereo.baseline,
+      transformed(sample_surface(body.surface, kTruthSpacing), sequence.desk_from_body)};
+  const int threads = order.threads > 0 ? order.threads : sequence.frames < kFramesForTwo ? 1 : 2;
+  const auto begin = [&] {
+    make_folders(folder);
+    write_stereo_calibration(folder / "frames" / "calibration.yml", {rig, kFramesPerSecond});
+    write_texts(folder, sequence);
+  };
+  const std::vector<FrameLines> lines = film_frames(writer, threads, begin, progress);
+  const fs::path truth = folder / "truth";
+  write_lines(truth / "hand.jsonl", lines, &FrameLines::hand);
+  write_lines(truth / "contact.jsonl", lines, &FrameLines::contact);
+  write_lines(truth / "trajectory.txt", lines, &FrameLines::trajectory);
+  write_lines(truth / "rig.jsonl", lines, &FrameLines::rig);
+  // Without its camera a folder is no truth: written last, so that nobody scores half a film.
+  write_truth_camera(truth / "camera.toml",
+                     truth_camera(sequence, order, view, geometry.stereo.baseline));
+}
+
+}  // namespace palpable

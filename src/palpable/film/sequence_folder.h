@@ -1,0 +1,30 @@
+/// @file
+/// A sequence of the synthetic desk, filmed into a folder: frames/ as a camera gives them, and
+/// truth/ beside them. docs/benchmark.md lists the files, clip_files has their formats.
+#pragma once
+
+#include "palpable/base/progress.h"
+#include "palpable/reduced/reduced_body.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace palpable {
+
+/// Which sequence.
+struct SequenceOrder {
+  std::string name;  ///< one of sequence_kinds()
+  int frames = 0;    ///< >= 1
+  std::uint64_t seed = 1;
+  std::string body_name;  ///< noted in the truth
+  int threads = 0;        ///< that film, 1 or 2, with the same outcome; 0: what is quicker
+};
+
+/// Films `body` as ordered and writes frames/ and truth/ into `folder`, which must not exist or
+/// must hold neither. @throws Error when the sequence cannot be planned for the body, when OpenGL
+/// is not to be had, or when the folder cannot be written
+void write_sequence(const ReducedBody& body, const SequenceOrder& order,
+                    const std::filesystem::path& folder, const Progress& progress);
+
+}  // namespace palpable

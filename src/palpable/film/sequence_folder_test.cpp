@@ -1,0 +1,58 @@
+#include "palpable/film/sequence_folder.h"
+
+#include "palpable/base/error.h"
+#include "palpable/reduced/body_file.h"
+#include "palpable/render/gl_context.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+using namespace palpable;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// What the files under a folder hold, by their names within it.
+std::map<std::string, std::string> contents_of(const fs::path& folder) {
+  std::map<std::string, std::string> contents;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    contents[entry.path().lexically_relative(folder).string()] = test::file_bytes(entry.path());
+  }
+  return contents;
+}
+
+}  // namespace
+
+TEST_CASE("what was interrupted is no truth that could be scored", "[film][gl]") {
+  if (!GlContext::offscreen().ok()) PALPABLE_SKIP("no OpenGL 4.5 context here");
+  const ReducedBody body = value_or_throw(read_pressable_body("tests/data/ball_v1.palpable"));
+  const test::ScratchFolder scratch("half_film");
+  const fs::path camera = scratch.path() / "truth" / "camera.toml";
+  const auto interrupt = [&](const ProgressReport& step) {
+    CHECK_FALSE(fs::exists(camera));
+    if (step.done >= 2) throw Error("enough");
+  };
+  CHECK_THROWS_AS(write_sequence(body, {"press", 3, 5, "ball", 1}, scratch.path(), interrupt),
+                  Error);
+  CHECK(fs::exists(scratch.path() / "frames" / "left" / "000001.jpg"));
+  CHECK_FALSE(fs::exists(camera));
+}
+
+TEST_CASE("two threads film what one films, byte for byte", "[film][gl]") {
+  if (!GlContext::offscreen().ok()) PALPABLE_SKIP("no OpenGL 4.5 context here");
+  const ReducedBody body = value_or_throw(read_pressable_body("tests/data/ball_v1.palpable"));
+  const test::ScratchFolder scratch("film");
+  constexpr int kFrames = 3;
+  for (const int threads : {1, 2})
+    write_sequence(body, {"blur", kFrames, 5, "ball", threads},
+                   scratch.path() / std::to_string(threads), {});
+  const auto one = contents_of(scratch.path() / "1");
+  CHECK(one == contents_of(scratch.path() / "2"));
+  // Two pictures, depth and labels a frame.
+  CHECK(one.size() > 4 * kFrames);
+  CHECK(one.at("frames/left/000001.jpg") != one.at("frames/left/000002.jpg"));
+}

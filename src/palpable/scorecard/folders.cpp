@@ -1,0 +1,171 @@
+#include "palpable/scorecard/folders.h"
+
+#include "palpable/base/error.h"
+#include "palpable/clip_files/contact_file.h"
+#include "palpable/clip_files/frame_names.h"
+#include "palpable/clip_files/hand_file.h"
+#include "palpable/clip_files/live_file.h"
+#include "palpable/clip_files/pose_file.h"
+#include "palpable/clip_files/rectification_file.h"
+#include "palpable/clip_files/rig_file.h"
+#include "palpable/clip_files/touches_file.h"
+#include "palpable/clip_files/trajectory_file.h"
+#include "palpable/clip_files/truth_camera_file.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A frame without a line, between others, does not touch.
+std::vector<TrueContact> contacts_in(const fs::path& path) {
+  std::vector<TrueContact> contacts;
+  for (const ContactLine& line : read_contacts(path)) {
+    contacts.resize(line.frame + 1);
+    contacts.back() = {line.touching, line.site};
+  }
+  return contacts;
+}
+
+std::map<int, std::vector<Capsule>> hands_in(const fs::path& path) {
+  std::map<int, std::vector<Capsule>> hands;
+  for (HandLine& line : read_hands(path)) {
+    if (!line.capsules.empty()) hands.emplace(line.frame, std::move(line.capsules));
+  }
+  return hands;
+}
+
+std::vector<TrueRowOffset> rows_in(const fs::path& path) {
+  std::vector<TrueRowOffset> rows;
+  for (const RigLine& line : read_rig(path)) {
+    rows.push_back({line.frame, line.row_offset_px, line.step});
+  }
+  return rows;
+}
+
+void read_live(const fs::path& path, ResultFolder& result) {
+  const LiveFile live = read_live_file(path);
+  result.camera_from_body = live.camera_from_body;
+  if (!live.processed) return;
+  std::vector<std::uint8_t> processed(result.processed.size(), 0);
+  for (const int frame : *live.processed) {
+    if (frame < std::ssize(processed)) processed[frame] = 1;
+  }
+  if (std::count(processed.begin(), processed.end(), 1) == 0) {
+    throw Error(fmt::format("{}: processed names no frame of the truth", path.string()));
+  }
+  result.processed = std::move(processed);
+}
+
+std::map<int, FoundTouch> touches_in(const fs::path& path) {
+  std::map<int, FoundTouch> touches;
+  for (const TouchLine& line : read_touches(path)) {
+    touches.emplace(line.frame, FoundTouch{line.site, line.level});
+  }
+  return touches;
+}
+
+std::map<int, Rigid3> poses_in(const fs::path& path) {
+  std::map<int, Rigid3> poses;
+  for (const PoseLine& line : read_poses(path)) poses.emplace(line.frame, line.camera_from_body);
+  return poses;
+}
+
+std::vector<RowCorrection> corrections_in(const fs::path& path) {
+  std::vector<RowCorrection> corrections;
+  for (const CorrectionLine& line : read_corrections(path)) {
+    corrections.push_back({line.frame, line.row_correction_px});
+  }
+  return corrections;
+}
+
+// Lists of one line per frame: as many as the truth has frames, or none.
+void expect_complete(const TruthFolder& truth, const char* name, std::size_t lines) {
+  if (lines == 0 || lines == static_cast<std::size_t>(truth.frames)) return;
+  throw Error(fmt::format("{}: {} frames, but the truth has {}", (truth.folder / name).string(),
+                          lines, truth.frames));
+}
+
+}  // namespace
+
+std::optional<Rigid3> ResultFolder::pose_at(int frame) const {
+  if (!poses) return camera_from_body;
+  const auto at = poses->find(frame);
+  if (at == poses->end()) return std::nullopt;
+  return at->second;
+}
+
+bool ResultFolder::every_frame_has_a_pose() const {
+  for (std::size_t f = 0; f < processed.size(); ++f) {
+    if (processed[f] != 0 && !pose_at(static_cast<int>(f))) return false;
+  }
+  return true;
+}
+
+TruthFolder read_truth_folder(const fs::path& folder) {
+  TruthFolder truth;
+  truth.folder = fs::exists(folder / "truth" / "camera.toml") ? folder / "truth" : folder;
+  if (!fs::is_directory(truth.folder)) {
+    throw Error(fmt::format("{}: no such folder", truth.folder.string()));
+  }
+  if (!fs::exists(truth.folder / "camera.toml")) {
+    throw Error(fmt::format("{}: is no truth: camera.toml is missing (docs/benchmark.md)",
+                            truth.folder.string()));
+  }
+  const TruthCamera camera = read_truth_camera(truth.folder / "camera.toml");
+  truth.depth_unit = camera.depth_unit;
+  truth.frames_per_second = camera.frames_per_second;
+  const auto path_of = [&](const char* name) { return truth.folder / name; };
+  const auto there = [&](const char* name) { return fs::exists(path_of(name)); };
+  if (there("contact.jsonl")) truth.contacts = contacts_in(path_of("contact.jsonl"));
+  if (there("hand.jsonl")) truth.hands = hands_in(path_of("hand.jsonl"));
+  if (there("rig.jsonl")) truth.rows = rows_in(path_of("rig.jsonl"));
+  if (there("trajectory.txt")) truth.trajectory = read_trajectory(path_of("trajectory.txt"));
+  truth.frames = std::max(
+      {static_cast<int>(truth.contacts.size()), static_cast<int>(truth.trajectory.size()),
+       frames_in(truth.folder / "depth"), truth.rows.empty() ? 0 : truth.rows.back().frame + 1});
+  if (truth.frames == 0) {
+    throw Error(fmt::format(
+        "{}: holds no frame: contact.jsonl, trajectory.txt, rig.jsonl and depth/ are empty or "
+        "missing",
+        truth.folder.string()));
+  }
+  expect_complete(truth, "contact.jsonl", truth.contacts.size());
+  expect_complete(truth, "trajectory.txt", truth.trajectory.size());
+  return truth;
+}
+
+ResultFolder read_result_folder(const fs::path& folder, int frames) {
+  if (!fs::is_directory(folder)) throw Error(fmt::format("{}: no such folder", folder.string()));
+  ResultFolder result;
+  result.folder = folder;
+  result.processed.assign(static_cast<std::size_t>(frames), 1);
+  const auto there = [&](const char* name) { return fs::exists(folder / name); };
+  if (there("live.json")) read_live(folder / "live.json", result);
+  if (there("touches.jsonl")) result.touches = touches_in(folder / "touches.jsonl");
+  if (there("pose.jsonl")) result.poses = poses_in(folder / "pose.jsonl");
+  if (there("trajectory.txt")) result.trajectory = read_trajectory(folder / "trajectory.txt");
+  if (there("rectification.jsonl")) {
+    result.corrections = corrections_in(folder / "rectification.jsonl");
+  }
+  bool any = result.touches || result.poses || result.trajectory || result.corrections ||
+             result.camera_from_body;
+  for (const char* kind : {"depth", "moving", "visible", "body_depth", "meshes"}) {
+    if (!there(kind)) continue;
+    expect_frames_in(folder / kind, std::string_view(kind) == "meshes" ? ".ply" : ".png");
+    any = true;
+  }
+  if (!any) {
+    throw Error(fmt::format("{}: holds none of the files of a result (docs/benchmark.md)",
+                            folder.string()));
+  }
+  return result;
+}
+
+}  // namespace palpable

@@ -1,0 +1,64 @@
+/// @file
+/// The folders that are scored, TRUTH and RESULT of docs/benchmark.md, read and checked as far as
+/// they are text. Images are read frame by frame (image_scores.h).
+#pragma once
+
+#include "palpable/geometry/capsule.h"
+#include "palpable/geometry/rigid.h"
+#include "palpable/geometry/stamped_pose.h"
+#include "palpable/score/row_error.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace palpable {
+
+struct TrueContact {
+  bool touching = false;
+  int site = -1;  ///< -1 between sites, or not touching
+};
+
+/// What is known of a film. Only camera.toml must be there; lists of files that are not are empty.
+struct TruthFolder {
+  std::filesystem::path folder;
+  double depth_unit = 0;                      ///< m per count of depth/, in truth and result
+  double frames_per_second = 0;               ///< > 0
+  int frames = 0;                             ///< > 0
+  std::vector<TrueContact> contacts;          ///< one per frame
+  std::vector<StampedPose> trajectory;        ///< one per frame
+  std::map<int, std::vector<Capsule>> hands;  ///< per frame, camera frame; no entry: no hand
+  std::vector<TrueRowOffset> rows;
+};
+
+struct FoundTouch {
+  int site = -1;                ///< -1: not said
+  std::optional<double> level;  ///< of the site's full load
+};
+
+/// What a system left that was shown the film. Nothing is there that the folder does not hold.
+struct ResultFolder {
+  std::filesystem::path folder;
+  /// (frames of the truth) 1 where live.json counts the frame as processed; all 1 without it.
+  std::vector<std::uint8_t> processed;
+  std::optional<Rigid3> camera_from_body;            ///< live.json
+  std::optional<std::map<int, FoundTouch>> touches;  ///< by frame; of several the first
+  std::optional<std::map<int, Rigid3>> poses;        ///< camera_from_body by frame
+  std::optional<std::vector<StampedPose>> trajectory;
+  std::optional<std::vector<RowCorrection>> corrections;
+
+  /// Where the body was drawn: pose.jsonl, else live.json.
+  [[nodiscard]] std::optional<Rigid3> pose_at(int frame) const;
+  /// Whether it says so of all processed frames.
+  [[nodiscard]] bool every_frame_has_a_pose() const;
+};
+
+/// @param folder  TRUTH, or the folder that holds truth/
+/// @throws Error naming file and line when something is missing or makes no sense
+[[nodiscard]] TruthFolder read_truth_folder(const std::filesystem::path& folder);
+/// @throws Error as above, and when the folder holds none of the files of a result
+[[nodiscard]] ResultFolder read_result_folder(const std::filesystem::path& folder, int frames);
+
+}  // namespace palpable

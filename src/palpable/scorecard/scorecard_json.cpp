@@ -1,0 +1,71 @@
+#include "palpable/scorecard/scorecard.h"
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+namespace palpable {
+namespace {
+
+using nlohmann::ordered_json;
+
+template <class T>
+ordered_json or_null(const std::optional<T>& value) {
+  return value ? ordered_json(*value) : ordered_json(nullptr);
+}
+
+void add_depth(const ImageScores& images, ordered_json& json) {
+  const bool any = images.depth_frames > 0;
+  const DepthScore& depth = images.depth;
+  json["depth_frames"] = images.depth_frames;
+  for (const char* key : {"depth_median", "depth_within_1pct", "depth_density"}) {
+    json[key] = nullptr;
+  }
+  for (std::size_t k = 0; any && k < kDepthDistances.size(); ++k) {
+    const std::string distance = fmt::format("{}", kDepthDistances[k]);
+    json["depth_median"][distance] = or_null(depth.at[k].median_error);
+    json["depth_within_1pct"][distance] = or_null(depth.at[k].within_1pct);
+    json["depth_density"][distance] = or_null(depth.at[k].density);
+  }
+  json["hand_within_1pct"] = or_null(depth.hand_within_1pct);
+  json["hand_near_frames"] = any ? ordered_json(depth.near_frames) : ordered_json(nullptr);
+  json["too_close_called_far"] = or_null(depth.too_close_called_far);
+}
+
+}  // namespace
+
+std::string json_of(const Scorecard& scores) {
+  ordered_json json;
+  json["frames"] = scores.frames;
+  add_depth(scores.images, json);
+  json["moving_iou"] = or_null(scores.images.moving_iou);
+  json["moving_recall"] = or_null(scores.images.moving_recall);
+  json["moving_false"] = or_null(scores.images.moving_false);
+  json["occlusion_frames"] = scores.images.occlusion_frames;
+  json["occlusion_iou"] = or_null(scores.images.occlusion_iou);
+  json["occlusion_iou_where_hidden"] = or_null(scores.images.occlusion_iou_where_hidden);
+  json["occlusion_iou_worst_frame"] = or_null(scores.images.occlusion_iou_worst_frame);
+  json["edge_error_px"] = or_null(scores.images.edge_error_px);
+  json["flicker"] = or_null(scores.images.flicker);
+  json["ate_mm"] = or_null(scores.path.ate_mm);
+  json["rpe_mm"] = or_null(scores.path.rpe_mm);
+  json["rpe_deg"] = or_null(scores.path.rpe_deg);
+  json["trajectory_share"] = or_null(scores.path.trajectory_share);
+  json["frames_touching"] = or_null(scores.press.frames_touching);
+  json["touch_precision"] = or_null(scores.press.touch_precision);
+  json["touch_recall"] = or_null(scores.press.touch_recall);
+  json["touch_site"] = or_null(scores.press.touch_site);
+  json["first_touch_delay_frames"] = or_null(scores.press.first_touch_delay_frames);
+  json["penetration_median_mm"] = or_null(scores.surface.penetration_median_mm);
+  json["penetration_p99_mm"] = or_null(scores.surface.penetration_p99_mm);
+  json["largest_pop_mm"] = or_null(scores.surface.largest_pop_mm);
+  json["largest_pop_frame"] = or_null(scores.surface.largest_pop_frame);
+  json["jitter_mm"] = or_null(scores.jitter_mm);
+  json["row_error_px"] = or_null(scores.row_error_px);
+  if (scores.reduction_error) {
+    json["reduction_error"] = *scores.reduction_error;
+    json["reduction_error_worst"] = or_null(scores.reduction_error_worst);
+  }
+  return json.dump(2);
+}
+
+}  // namespace palpable

@@ -1,0 +1,71 @@
+#include "palpable/scorecard/scorecard.h"
+
+#include <fmt/core.h>
+
+namespace palpable {
+namespace {
+
+/// "-" for what has no score.
+std::string line(const char* what, const std::optional<double>& score, const char* unit,
+                 int digits) {
+  if (!score) return fmt::format("{:<44}-\n", what);
+  return fmt::format("{:<44}{:.{}f}{}\n", what, *score, digits, unit);
+}
+
+std::string count(const char* what, const std::optional<int>& score, const char* unit = "") {
+  if (!score) return fmt::format("{:<44}-\n", what);
+  return fmt::format("{:<44}{}{}\n", what, *score, unit);
+}
+
+std::string depth_table(const ImageScores& images) {
+  if (images.depth_frames == 0) return {};
+  std::string text = "depth at (m)    median error   within 1 %   (the paper's camera: 1 to 9 %)\n";
+  for (std::size_t k = 0; k < kDepthDistances.size(); ++k) {
+    const DepthAtDistance& at = images.depth.at[k];
+    if (!at.median_error || !at.within_1pct) continue;
+    text += fmt::format("{:>12}{:>15.2f} %{:>11.1f} %\n", fmt::format("{}", kDepthDistances[k]),
+                        100 * *at.median_error, 100 * *at.within_1pct);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string text_of(const Scorecard& scores) {
+  const ImageScores& images = scores.images;
+  std::string text = count("frames", scores.frames);
+  text += count("frames whose depth is scored", images.depth_frames);
+  text += depth_table(images);
+  text += line("near hand within 1 %", images.depth.hand_within_1pct, "", 3);
+  text += line("too close, but called far", images.depth.too_close_called_far, "", 4);
+  text += line("camera path, absolute error", scores.path.ate_mm, " mm", 2);
+  text += line("  share of the path that was found", scores.path.trajectory_share, "", 3);
+  text += line("camera path, error over 1 s", scores.path.rpe_mm, " mm", 2);
+  text += line("what moves, intersection over union", images.moving_iou, "", 3);
+  text += line("what moves, found", images.moving_recall, "", 3);
+  text += line("called moving and is not, of all pixels", images.moving_false, "", 5);
+  text += count("frames with a true touch", scores.press.frames_touching);
+  text += count("first touch felt after the true one by", scores.press.first_touch_delay_frames,
+                " frames");
+  text += line("felt touches that are true", scores.press.touch_precision, "", 3);
+  text += line("true touches that are felt", scores.press.touch_recall, "", 3);
+  text += line("  at the right site", scores.press.touch_site, "", 3);
+  text += line("penetration left, median", scores.surface.penetration_median_mm, " mm", 2);
+  text += line("penetration left, 99 of 100", scores.surface.penetration_p99_mm, " mm", 2);
+  text += line("largest unexplained jump of the surface", scores.surface.largest_pop_mm, " mm", 2);
+  if (scores.reduction_error) {
+    text += fmt::format("{:<44}{:.2e}\n", "error of the reduced model, pooled",
+                        *scores.reduction_error);
+  }
+  text += count("frames whose occlusion is scored", images.occlusion_frames);
+  text += line("visible body, intersection over union", images.occlusion_iou, "", 3);
+  text += line("  where a hand hides part of it", images.occlusion_iou_where_hidden, "", 3);
+  text += line("  in the worst frame", images.occlusion_iou_worst_frame, "", 3);
+  text += line("border between body and hand is off by", images.edge_error_px, " px", 1);
+  text += line("flicker", images.flicker, "", 4);
+  text += line("jitter of the body in the world", scores.jitter_mm, " mm", 2);
+  text += line("rows out of line, at worst", scores.row_error_px, " px", 2);
+  return text;
+}
+
+}  // namespace palpable

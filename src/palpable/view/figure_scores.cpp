@@ -1,0 +1,65 @@
+#include "palpable/view/figure_scores.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace palpable {
+namespace {
+
+// m around a pressed site whose stress counts for the picture of a touch.
+constexpr float kAroundSite = 0.04f;
+
+// m behind the body up to which something counts as passing behind it, not as far background.
+constexpr float kJustBehind = 0.3f;
+
+// The stress around a site, as much of it as faces the camera.
+double stress_towards_camera(const Scene& scene, const Site& site) {
+  const Eigen::Matrix3f R = scene.camera_from_body.linear().cast<float>();
+  const Eigen::Vector3f t = scene.camera_from_body.translation().cast<float>();
+  double sum = 0;
+  for (Eigen::Index k = 0; k < scene.vertices.cols(); ++k) {
+    const auto x = scene.vertices.col(k);
+    if ((x - scene.vertices.col(site.vertex)).norm() > kAroundSite) continue;
+    const float facing = -(R * scene.normals.col(k)).dot((R * x + t).normalized());
+    sum += static_cast<double>(std::max(0.0f, facing) * scene.von_mises[k]);
+  }
+  return sum;
+}
+
+}  // namespace
+
+FigureScores figure_scores(const Scene& scene, const ReducedBody& body, const MaskImage& visible,
+                           const DepthImage& body_depth, const DepthImage& pressing) {
+  FigureScores scores;
+  if (!scene.touches.empty()) {
+    scores.touch = stress_towards_camera(scene, body.sites[scene.touches.front().site]);
+    return scores;
+  }
+  std::int64_t pixels = 0;
+  std::int64_t hidden = 0;
+  std::int64_t before_hand = 0;
+  for (int y = 0; y < body_depth.height(); ++y) {
+    const int py = std::min(y * pressing.height() / body_depth.height(), pressing.height() - 1);
+    for (int x = 0; x < body_depth.width(); ++x) {
+      const float z = body_depth(x, y);
+      if (std::isnan(z)) continue;
+      ++pixels;
+      if (visible(x, y) == 0) {
+        ++hidden;
+        continue;
+      }
+      const int px = std::min(x * pressing.width() / body_depth.width(), pressing.width() - 1);
+      const float real = pressing(px, py);
+      before_hand += real > z && real < z + kJustBehind;  // false for NaN
+    }
+  }
+  if (pixels == 0) return scores;
+  // Best when half of the body is left: a body that is hidden altogether shows nothing.
+  const double share = static_cast<double>(hidden) / static_cast<double>(pixels);
+  scores.hand_nearer = std::min(share, 1 - share);
+  scores.body_nearer = static_cast<double>(before_hand) / static_cast<double>(pixels);
+  return scores;
+}
+
+}  // namespace palpable

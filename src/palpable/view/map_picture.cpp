@@ -1,0 +1,165 @@
+#include "palpable/view/map_picture.h"
+
+#include "palpable/render/legend.h"
+#include "palpable/render/text.h"
+#include "palpable/view/room_overview.h"
+#include "palpable/view/scene_picture.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+constexpr double kFieldOfView = 0.9;  // rad, vertical
+constexpr int kKeyframesEvery = 30;   // frames: how often their adjusted poses are asked for
+constexpr int kDrawEvery = 3;         // frames: ten pictures a second, unless it is turned or lost
+constexpr int kMovingStep = 4;        // px of the depth between two points of what moves
+constexpr int kInset = 4;             // times smaller is the picture in the corner
+
+constexpr Rgb kKeyframe{92, 110, 140};
+constexpr Rgb kCamera{245, 140, 20};
+constexpr Rgb kLost{220, 30, 30};
+constexpr Rgb kMoving{255, 120, 0};
+
+void add_keyframes(std::vector<MapLine>& lines, const std::vector<KeyframePose>& keyframes,
+                   const PinholeCamera& camera) {
+  for (const KeyframePose& keyframe : keyframes) {
+    add_frustum(lines, camera, keyframe.world_from_camera, 0.03, kKeyframe, 1.0f);
+  }
+}
+
+MapSurface surface_of(const MapMesh& mesh) {
+  return {&mesh.vertices, &mesh.normals, &mesh.triangles, mesh.colors};
+}
+
+// A smaller picture with a border in the upper left corner.
+void draw_inset(const ColorImage& inside, ColorImage& picture) {
+  const int width = inside.width() / kInset, height = inside.height() / kInset;
+  const int margin = picture.height() / 45, border = std::max(picture.height() / 360, 1);
+  fill_panel(picture, static_cast<float>(margin - border), static_cast<float>(margin - border),
+             static_cast<float>(width + 2 * border), static_cast<float>(height + 2 * border), 0,
+             {255, 255, 255});
+  for (int y = 0; y < height && margin + y < picture.height(); ++y) {
+    Rgb* to = picture.row(margin + y) + margin;
+    for (int x = 0; x < width && margin + x < picture.width(); ++x) {
+      std::array<int, 3> sum{};
+      for (int j = 0; j < kInset; ++j) {
+        const Rgb* from = inside.row(kInset * y + j) + kInset * x;
+        for (int i = 0; i < kInset; ++i) {
+          sum[0] += from[i].r;
+          sum[1] += from[i].g;
+          sum[2] += from[i].b;
+        }
+      }
+      constexpr int n = kInset * kInset;
+      to[x] = {static_cast<std::uint8_t>((sum[0] + n / 2) / n),
+               static_cast<std::uint8_t>((sum[1] + n / 2) / n),
+               static_cast<std::uint8_t>((sum[2] + n / 2) / n)};
+    }
+  }
+}
+
+}  // namespace
+
+MapPicture::MapPicture(MapRenderer renderer, const Rigid3& world_from_body)
+    : renderer_(std::move(renderer)),
+      view_(world_from_body.linear().col(2), world_from_body.translation().norm()),
+      up_(world_from_body.linear().col(2)) {}
+
+void MapPicture::add_moving(const Scene& scene) {
+  points_.clear();
+  if (scene.moving.empty()) return;
+  const DepthImage& depth = scene.seen.depth;
+  const int factor = scene.seen.color.width() / depth.width();
+  for (int y = kMovingStep / 2; y < depth.height(); y += kMovingStep) {
+    for (int x = kMovingStep / 2; x < depth.width(); x += kMovingStep) {
+      const auto Z = static_cast<double>(depth(x, y));
+      if (scene.moving(x, y) == 0 || !(Z > 0)) continue;
+      const Rgb seen = scene.seen.color(factor * x, factor * y);
+      const auto mixed = [](int a, int b) { return static_cast<std::uint8_t>((3 * a + b) / 4); };
+      // As wide as the pixels between two points.
+      const double radius = 0.5 * kMovingStep * Z / scene.seen.depth_camera.fx_px;
+      points_.push_back(
+          {(scene.camera.world_from_camera * scene.seen.depth_camera.unproject(x, y, Z))
+               .cast<float>(),
+           static_cast<float>(radius),
+           {mixed(seen.r, kMoving.r), mixed(seen.g, kMoving.g), mixed(seen.b, kMoving.b)}});
+    }
+  }
+}
+
+void MapPicture::draw(const Scene& scene, const MappedRoom& room, double scale,
+                      const ColorImage& inside, ColorImage& picture) {
+  if (room.map != nullptr) {
+    if (const MapMesh* mesh = mesher_.advance(*room.map)) {
+      renderer_.set_surface(surface_of(*mesh));
+    }
+  }
+  const bool known = is_known(scene.camera);
+  path_.add(scene.camera);
+  if (known) view_.follow(scene.camera.world_from_camera, scene.time);
+  if (scene.camera.keyframe || frames_ % kKeyframesEvery == 0) keyframes_ = room.keyframes();
+  const bool due = frames_ % kDrawEvery == 0 || turned_ || known != was_known_;
+  ++frames_;
+  turned_ = false;
+  was_known_ = known;
+  if (due) draw_room(scene, room, scale, inside.width(), inside.height());
+  picture = room_;
+  draw_inset(inside, picture);
+  const float text_scale = legend_scale(picture.height());
+  const std::array caption{caption_of(scene)};
+  draw_caption(picture, caption, text_scale);
+  if (const std::string warning = warning_of(scene); !warning.empty()) {
+    draw_warning(picture, warning, text_scale);
+  }
+}
+
+void MapPicture::draw_room(const Scene& scene, const MappedRoom& room, double scale, int width,
+                           int height) {
+  lines_.clear();
+  path_.draw(lines_);
+  const PinholeCamera& camera = scene.seen.camera;
+  add_keyframes(lines_, keyframes_, camera);
+  add_frustum(lines_, camera, scene.camera.world_from_camera, 0.1,
+              is_known(scene.camera) ? kCamera : kLost, 2.5f);
+  add_moving(scene);
+
+  MapView view;
+  view.camera = camera_of_view(width, height, kFieldOfView);
+  view.camera_from_world = view_.camera_from_world();
+  view.up = up_;
+  view.lines = lines_;
+  view.points = points_;
+  BodyLook body = look_of_body(scene, room.body, scale);
+  body.camera_from_body = view.camera_from_world * room.world_from_body;
+  view.bodies = {&body, 1};
+  renderer_.draw(view, room_);
+}
+
+ColorImage picture_of_scan(MapRenderer& renderer, const MapMesh& surface, const CameraPath& path,
+                           const std::vector<KeyframePose>& keyframes,
+                           const PinholeCamera& camera) {
+  renderer.set_surface(surface_of(surface));
+  std::vector<MapLine> lines;
+  path.draw(lines);
+  add_keyframes(lines, keyframes, camera);
+  MapView view;
+  view.camera = camera_of_view(1280, 720, kFieldOfView);
+  // A camera that could follow nothing stood where the world begins.
+  const std::vector<Rigid3> stood{Rigid3::Identity()};
+  const std::vector<Rigid3>& way = path.poses().empty() ? stood : path.poses();
+  view.up = up_of_room(surface.normals, way.front());
+  view.camera_from_world = overview(surface.vertices, way, view.up, view.camera);
+  view.lines = lines;
+  view.supersampling = 2;
+  ColorImage picture;
+  renderer.draw(view, picture);
+  return picture;
+}
+
+}  // namespace palpable

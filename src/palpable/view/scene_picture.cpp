@@ -1,0 +1,62 @@
+#include "palpable/view/scene_picture.h"
+
+#include "palpable/base/order_statistics.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace palpable {
+double stress_scale(const ReducedBody& body) {
+  const Eigen::Index V = body.surface.vertices.cols();
+  std::vector<float> stress(6 * V);
+  std::vector<float> mises(V);
+  std::vector<double> per_site;
+  for (std::size_t s = 0; s < body.sites.size(); ++s) {
+    body.stress.evaluate(std::array{static_cast<double>(s), 1.0}, stress);
+    von_mises(stress, mises);
+    per_site.push_back(percentile(std::vector<double>(mises.begin(), mises.end()), 0.99));
+  }
+  return std::max(percentile(per_site, 0.75), 1.0);
+}
+
+BodyLook look_of_body(const Scene& scene, const ReducedBody& body, double scale) {
+  BodyLook look;
+  look.vertices = &scene.vertices;
+  look.normals = &scene.normals;
+  look.triangles = &body.surface.triangles;
+  look.scalar = scene.von_mises;
+  look.scalar_max = static_cast<float>(scale);
+  look.camera_from_body = scene.camera_from_body;
+  return look;
+}
+
+std::string caption_of(const Scene& scene) {
+  if (scene.touches.empty()) return fmt::format("{:.2f} s", scene.time);
+  const Touch& touch = scene.touches.front();
+  return fmt::format("{:.2f} s   site {}   {:.1f} mm   {:.2f} N", scene.time, touch.site,
+                     touch.press_depth * 1e3, touch.force);
+}
+
+std::string warning_of(const Scene& scene) {
+  if (scene.camera.state != TrackState::kLost) return {};
+  if (scene.camera.newest_keyframe < 0)
+    return "Camera not placed yet: show it a place with texture";
+  return "Camera lost: show it what it has seen before";
+}
+
+SceneView view_of(const Scene& scene, const ReducedBody& body, double scale) {
+  SceneView view;
+  view.background = &scene.seen.color;
+  view.real_depth = &scene.seen.depth;
+  view.camera = scene.seen.camera;
+  view.bodies.push_back(look_of_body(scene, body, scale));
+  view.legend_title = "von Mises";
+  view.caption.push_back(caption_of(scene));
+  view.warning = warning_of(scene);
+  return view;
+}
+
+}  // namespace palpable

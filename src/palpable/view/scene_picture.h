@@ -1,0 +1,33 @@
+/// @file
+/// A scene of a session in the terms of the renderer.
+#pragma once
+
+#include "palpable/reduced/reduced_body.h"
+#include "palpable/render/scene_renderer.h"
+#include "palpable/session/session.h"
+
+#include <string>
+
+namespace palpable {
+
+/// Pa at the top of the colour scale: what one vertex in a hundred exceeds under a full press, at a
+/// site that is stiffer than three quarters of the others. The very largest stress stands at single
+/// vertices and would leave everything else in the lowest colours.
+[[nodiscard]] double stress_scale(const ReducedBody& body);
+
+/// The pressed body of a scene where the camera sees it; pointers into both arguments.
+/// @param body   of the session that made the scene
+/// @param scale  Pa, top of the colours
+[[nodiscard]] BodyLook look_of_body(const Scene& scene, const ReducedBody& body, double scale);
+
+/// One line about a scene: its time, and site, depth and force of its touch.
+[[nodiscard]] std::string caption_of(const Scene& scene);
+/// That the camera is lost, and what to do; empty while it is not.
+[[nodiscard]] std::string warning_of(const Scene& scene);
+
+/// The picture of a scene: pointers into both arguments, valid while they are.
+/// @param body   of the session that made the scene
+/// @param scale  Pa, top of the colours
+[[nodiscard]] SceneView view_of(const Scene& scene, const ReducedBody& body, double scale);
+
+}  // namespace palpable

@@ -1,0 +1,64 @@
+/// @file
+/// What mouse and keys mean to `palpable view`. Knows no window and no clock: events and times come
+/// in, so that a test can be the user.
+#pragma once
+
+#include "palpable/render/orbit_camera.h"
+#include "palpable/render/window.h"
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace palpable {
+
+/// Left button on the body presses the nearest site, deeper while it is held or dragged, and lets
+/// it spring back when released. Any button beside the body turns, the wheel zooms, keys switch.
+class ViewControls {
+ public:
+  /// The site at a pixel of the picture, or nothing where the body is not.
+  using SiteAt = std::function<std::optional<int>(double x_px, double y_px)>;
+
+  /// @param usual  where to begin, and to return to with R
+  explicit ViewControls(const OrbitCamera& usual) : camera(usual), usual_(usual) {}
+
+  /// @param time  s, never before that of an earlier call
+  void handle(const WindowEvent& event, double time, const SiteAt& site_at);
+
+  /// Holds a site at a level until another is pressed or R is hit.
+  void keep(int site, double level);
+
+  [[nodiscard]] int site() const { return site_; }
+  /// 0..1 at a time (s).
+  [[nodiscard]] double level(double time) const;
+  /// Whether the level changes without any event.
+  [[nodiscard]] bool moving(double time) const;
+
+  [[nodiscard]] static const std::array<std::string, 2>& help();
+
+  OrbitCamera camera;
+  bool sites_shown = false;
+  bool legend_shown = true;
+  bool help_shown = true;
+  bool picture_wanted = false;  ///< P was hit; the reader resets it
+  bool quit = false;
+
+ private:
+  enum class Press { kNone, kHeld, kReleased, kKept };
+
+  void press(const WindowEvent& event, double time, const SiteAt& site_at);
+  void key(int key);
+
+  OrbitCamera usual_;
+  Press press_ = Press::kNone;
+  int site_ = 0;
+  double since_ = 0;    // s: begin of holding, or of springing back
+  double from_ = 0;     // level kept, or at release
+  double drag_px_ = 0;  // from where the press began
+  double x_begin_ = 0, y_begin_ = 0;
+  double x_before_ = 0, y_before_ = 0;
+  bool turning_ = false;
+};
+
+}  // namespace palpable
