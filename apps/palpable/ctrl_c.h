@@ -1,13 +1,14 @@
 /// @file
-/// Ctrl-C ends a long run as its last frame would, with all its files.
+/// Ctrl-C ends a long run in an orderly way: all its files are complete.
 #pragma once
 
 namespace palpable::app {
 
-/// From now on SIGINT and SIGTERM are heard once; a second one ends the program at once.
+/// From now on the first SIGINT or SIGTERM is only noted, for asked_to_end(); a second one of the
+/// same kind ends the program at once.
 void listen_for_ctrl_c();
 
-/// Whether one came.
+/// Whether the user has sent one.
 [[nodiscard]] bool asked_to_end();
 
 }  // namespace palpable::app

@@ -7,10 +7,10 @@
 #include "apps/palpable/ctrl_c.h"
 #include "apps/palpable/live_output.h"
 #include "apps/palpable/live_setup.h"
-#include "apps/palpable/vision_thread.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/clip_files/live_file.h"
+#include "palpable/live/live_loop.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/render/window.h"
@@ -20,7 +20,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -45,87 +44,99 @@ struct Options {
   bool overwrite = false;
 };
 
-// Where pictures are drawn: off screen, or into the context of a window that shows them.
-struct Stage {
-  std::optional<GlContext> offscreen;
-  std::optional<Window> window;
-
-  [[nodiscard]] const GlErrorLog& errors() const {
-    return window ? window->gl_errors() : offscreen->errors();
+// Draws scenes: off screen, or into the context of a window that shows them.
+class Painter {
+ public:
+  Painter(const Options& options, const FrameLoop& loop)
+      : scale_(stress_scale(loop.session.body())) {
+    const PinholeCamera& camera = loop.camera.camera();
+    if (options.window) {
+      window_.emplace(value_or_throw(Window::open("Palpable", camera.width, camera.height)));
+    } else {
+      offscreen_.emplace(value_or_throw(GlContext::offscreen()));
+    }
+    renderer_.emplace(value_or_throw(SceneRenderer::make()));
+    if (options.view == "map") {
+      map_ = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
+                                          loop.session.world_from_body());
+    }
   }
+
+  // Fills in what drawing adds to a scene, but for the scores.
+  void draw(DrawnFrame& drawn, const Session& session) {
+    const StageTimer timer(drawn.scene.times, "draw");
+    SceneView view = view_of(drawn.scene, session.body(), scale_);
+    if (map_) {  // its own caption says it
+      view.legend_title.clear();
+      view.caption.clear();
+      view.warning.clear();
+    }
+    renderer_->draw(view, map_ ? inside_ : drawn.picture, &drawn.visible, &drawn.body_depth);
+    if (!map_) return;
+    const MappedRoom room{session.body(), session.map(), session.world_from_body(),
+                          [&] { return session.keyframes(); }};
+    map_->draw(drawn.scene, room, scale_, inside_, drawn.picture);
+  }
+
+  void show(const ColorImage& picture) {
+    if (!window_) return;
+    window_->show(picture);
+    handle_events();
+  }
+
+  // Turns the map as the mouse says, and notes whether the user wants to end.
+  void handle_events() {
+    if (!window_) return;
+    ended_ |= window_->closed();
+    for (const WindowEvent& event : window_->events()) {
+      ended_ |= event.kind == WindowEvent::Kind::kKey && event.key == WindowEvent::kEscape;
+      if (map_) map_->handle(event);
+    }
+  }
+
+  // Whether the user has closed the window or pressed Escape.
+  [[nodiscard]] bool ended() const { return ended_; }
+
+  void throw_gl_errors() const {
+    const GlErrorLog& errors = window_ ? window_->gl_errors() : offscreen_->errors();
+    if (errors.count() == 0) return;
+    throw Error(
+        fmt::format("OpenGL reported {} errors, first: {}", errors.count(), errors.first()));
+  }
+
+ private:
+  std::optional<GlContext> offscreen_;
+  std::optional<Window> window_;
+  std::optional<SceneRenderer> renderer_;
+  std::unique_ptr<MapPicture> map_;  // the room from outside, if it is to be shown
+  ColorImage inside_;                // what the camera sees, where the picture is the map's
+  double scale_;                     // Pa, top of the colours
+  bool ended_ = false;
 };
 
-Stage make_stage(bool with_window, const PinholeCamera& camera) {
-  Stage stage;
-  if (with_window) {
-    stage.window = value_or_throw(Window::open("Palpable", camera.width, camera.height));
-  } else {
-    stage.offscreen = value_or_throw(GlContext::offscreen());
-  }
-  return stage;
-}
-
-// Whether the user has closed the window or pressed Escape; the map, if one is shown, is turned.
-bool ended_by(Window& window, MapPicture* map) {
-  bool ended = window.closed();
-  for (const WindowEvent& event : window.events()) {
-    ended |= event.kind == WindowEvent::Kind::kKey && event.key == WindowEvent::kEscape;
-    if (map != nullptr) map->handle(event);
-  }
-  return ended;
-}
-
-// What happened, for live.json and the last lines on the screen.
-struct Counts {
-  std::vector<int> processed;  // numbers of the frames
-  int touching = 0;
-  std::optional<int> first_touch;
-  int site_changes = 0;
-  int last_site = -1;
-  double deepest = 0;  // m
-  SourceTroubles troubles;
-  std::string last_trouble;
-  std::vector<std::string> reports;  // of the source, in its words
-
-  std::vector<int> lost;  // numbers of the frames in which the camera was
-  int moving = 0;         // frames in which it was tracked
-
-  void add(const Scene& scene) {
-    processed.push_back(scene.number);
-    if (scene.camera.state == TrackState::kLost) lost.push_back(scene.number);
-    moving += scene.camera.state == TrackState::kTracking ? 1 : 0;
-    if (scene.touches.empty()) return;
-    const Touch& touch = scene.touches.front();
-    ++touching;
-    if (!first_touch) first_touch = scene.number;
-    if (last_site >= 0 && last_site != touch.site) ++site_changes;
-    last_site = touch.site;
-    deepest = std::max(deepest, touch.press_depth);
-  }
-};
-
-LiveSummary summary(const Options& options, const LiveRun& run, const Counts& counts,
+LiveSummary summary(const Options& options, const LiveRun& run, const LiveCounts& counts,
                     const LiveOutput& output, double wall) {
+  const Session& session = run.loop.session;
   LiveSummary result;
   result.body = options.live.body.string();
   result.source = run.images.string();
   result.contact = options.live.contact;
   result.view = options.view;
-  if (run.session.settings().ignore_static) {
-    result.ignore_static_frames = run.session.settings().static_frames;
+  if (session.settings().ignore_static) {
+    result.ignore_static_frames = session.settings().static_frames;
   }
   result.scale = options.live.scale;
-  result.camera_from_body = run.session.camera_from_body();
+  result.camera_from_body = session.world_from_body();  // the first frame's camera is the world
   if (const auto& color = run.source->format().color_sensor) {
     result.color_from_depth = color->color_from_depth;
   }
-  if (run.session.settings().track) {
-    const TrackerCounts tracker = run.session.tracker_counts();
+  if (session.settings().track) {
+    const TrackerCounts tracker = session.tracker_counts();
     result.tracking = {counts.moving, counts.lost,       tracker.recognised,
                        tracker.loops, tracker.keyframes, tracker.landmarks};
   }
-  if (const SurfaceMap* map = run.session.map()) {
-    result.map = {map->blocks(), map->refused(), run.session.free_space()->blocked()};
+  if (const SurfaceMap* map = session.map()) {
+    result.map = {map->blocks(), map->refused(), session.free_space()->blocked()};
   }
   result.unreadable = counts.troubles.unreadable;
   result.source_troubles = {counts.troubles.back_in_time, counts.troubles.dropped,
@@ -136,7 +147,7 @@ LiveSummary summary(const Options& options, const LiveRun& run, const Counts& co
   result.site_changes = counts.site_changes;
   result.video_codec = output.codec();
   result.pictures = output.figures();
-  result.color_scale = stress_scale(run.session.body());
+  result.color_scale = stress_scale(session.body());
   result.wall = wall;
   for (const auto& [stage, values] : output.times()) {
     if (!values.empty()) result.median_ms.emplace_back(stage, percentile(values, 0.5));
@@ -145,142 +156,11 @@ LiveSummary summary(const Options& options, const LiveRun& run, const Counts& co
   return result;
 }
 
-void live(const Options& options) {
-  LiveOptions wanted = options.live;
-  if (options.pictures && options.view != "camera") {
-    throw Error("--pictures are what the camera sees: leave out --view map");
-  }
-  if (options.out.empty()) throw Error("--out: names no folder");
-  const SourceOptions& input = wanted.input;
-  const std::vector<fs::path> earlier =
-      earlier_run(options.out, options.overwrite,
-                  {wanted.body, input.source, input.right, input.depth, input.calibration});
-  wanted.clip = options.out / "clip";
-  LiveRun run = set_up_live(wanted);
-  Session& session = run.session;
-  Stage stage = make_stage(options.window, session.camera());
-  SceneRenderer renderer = value_or_throw(SceneRenderer::make());
-  std::unique_ptr<MapPicture> map;  // from outside, if it is to be shown
-  if (options.view == "map") {
-    map = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
-                                       session.camera_from_body());
-  }
-  std::optional<LiveOutput> output;
-
-  int total = run.source->frame_count();
-  if (wanted.frames > 0) total = total > 0 ? std::min(total, wanted.frames) : wanted.frames;
-  const double scale = stress_scale(session.body());
-  Counts counts;
-  ProgressBar bar;
-  const auto begin = std::chrono::steady_clock::now();
-  listen_for_ctrl_c();
-  {
-    VisionThread vision(*run.source, session, wanted.frames);
-    Scene scene;
-    ColorImage inside;  // what the camera sees, where the picture is the map's
-    const auto hear = [&] {
-      for (std::string& line : vision.take_reports()) {
-        bar.finish();
-        fmt::print(stderr, "{}\n", line);
-        counts.reports.push_back(std::move(line));
-      }
-      counts.troubles = vision.troubles();
-      counts.last_trouble = vision.last_trouble();
-    };
-    while (!vision.ended() && !asked_to_end()) {
-      std::unique_ptr<FrameInFlight> flight = vision.next_within(FrameSource::kLongestWait);
-      hear();
-      if (!flight) {  // the picture and the body stay as they are
-        if (stage.window && ended_by(*stage.window, map.get())) break;
-        continue;
-      }
-      if (flight->seen.misfit) {
-        throw Error(fmt::format("{}: {}", run.images.string(), flight->seen.misfit->message()));
-      }
-      if (!output) {  // not before: nothing that could be wrong with options or source was
-        remove_earlier_run(earlier);
-        output.emplace(LiveOutputSettings{.folder = options.out,
-                                          .depth = !options.no_depth,
-                                          .masks = !options.no_masks,
-                                          .figures = options.pictures});
-      }
-      session.respond(flight->seen, scene);
-      std::unique_ptr<DrawnFrame> drawn = output->blank();
-      drawn->times = flight->times;
-      drawn->times.add(scene.times);
-      {
-        const StageTimer timer(drawn->times, "draw");
-        SceneView view = view_of(scene, session.body(), scale);
-        if (map) {  // its own caption says it
-          view.legend_title.clear();
-          view.caption.clear();
-          view.warning.clear();
-        }
-        renderer.draw(view, map ? inside : drawn->picture, &drawn->visible, &drawn->body_depth);
-        if (map) {
-          const MappedRoom room{session.body(), session.map(), session.camera_from_body(),
-                                [&] { return session.keyframes(); }};
-          map->draw(scene, room, scale, inside, drawn->picture);
-        }
-      }
-      drawn->number = scene.number;
-      drawn->time = scene.time;
-      drawn->touches = scene.touches;
-      drawn->camera_from_body = scene.camera_from_body;
-      drawn->world_from_camera.reset();
-      if (scene.camera.state != TrackState::kLost) {
-        drawn->world_from_camera = scene.camera.world_from_camera;
-      }
-      if (!options.no_depth) {
-        drawn->depth = scene.seen->depth;
-        drawn->too_close = scene.seen->too_close;
-      }
-      drawn->moving.resize(0, 0);
-      if (!options.no_masks && scene.moving != nullptr) drawn->moving = *scene.moving;
-      drawn->row_error_px = scene.seen->row_error_px;
-      drawn->row_correction_px = scene.seen->row_correction_px;
-      if (options.pictures) {
-        drawn->scores = figure_scores(scene, session.body(), drawn->visible, drawn->body_depth,
-                                      session.pressing_depth());
-      }
-      counts.add(scene);
-      vision.recycle(std::move(flight));
-
-      if (stage.window) {
-        stage.window->show(drawn->picture);
-        if (ended_by(*stage.window, map.get())) total = static_cast<int>(counts.processed.size());
-      }
-      output->write(std::move(drawn));
-      const auto done = static_cast<double>(counts.processed.size());
-      if (total > 0) {
-        bar.show({"live", done, static_cast<double>(total),
-                  scene.touches.empty()
-                      ? std::string("not touched")
-                      : fmt::format("site {}, {:.1f} mm", scene.touches.front().site,
-                                    scene.touches.front().press_depth * 1e3)});
-      }
-      if (total > 0 && done >= total) break;
-    }
-    hear();
-  }
-  bar.finish();
-  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-  if (!output) {
-    throw Error(fmt::format("{}: no frame could be read ({} unreadable; {})", run.images.string(),
-                            counts.troubles.unreadable, counts.last_trouble));
-  }
-  output->finish();
-  write_live_summary(options.out / "live.json",
-                     summary(options, run, counts, *output, wall.count()));
-  if (stage.errors().count() > 0) {
-    throw Error(fmt::format("OpenGL reported {} errors, first: {}", stage.errors().count(),
-                            stage.errors().first()));
-  }
-
+void print_counts(const LiveCounts& counts, const Session& session, double wall) {
   fmt::print("{} frames in {:.1f} s ({:.0f} ms each), {} unreadable\n", counts.processed.size(),
-             wall.count(), 1e3 * wall.count() / static_cast<double>(counts.processed.size()),
+             wall, 1e3 * wall / static_cast<double>(counts.processed.size()),
              counts.troubles.unreadable);
-  if (counts.troubles.unreadable > 0) { fmt::print("last unreadable: {}\n", counts.last_trouble); }
+  if (counts.troubles.unreadable > 0) fmt::print("last unreadable: {}\n", counts.last_trouble);
   if (!counts.lost.empty()) {
     fmt::print("the camera was lost in {} frames, first in frame {}\n", counts.lost.size(),
                counts.lost.front());
@@ -296,6 +176,88 @@ void live(const Options& options) {
   } else {
     fmt::print("never touched\n");
   }
+}
+
+ProgressReport progress_of(const Scene& scene, int done, int total) {
+  return {"live", static_cast<double>(done), static_cast<double>(total),
+          scene.touches.empty() ? std::string("not touched")
+                                : fmt::format("site {}, {:.1f} mm", scene.touches.front().site,
+                                              scene.touches.front().press_depth * 1e3)};
+}
+
+// Plays the run to its end, or to the user's.
+// @param begin_output  makes the output; called when the first frame was answered, so that nothing
+//                      is replaced by a run that cannot begin
+// @return what happened, and the output; null when no frame could be used
+template <class BeginOutput>
+std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, LiveRun& run,
+                                                        Painter& painter,
+                                                        const BeginOutput& begin_output) {
+  const Session& session = run.loop.session;
+  ProgressBar bar;
+  LiveLoop loop(run, options.live.frames, [&](const std::string& line) {
+    bar.finish();
+    fmt::print(stderr, "{}\n", line);
+  });
+  std::unique_ptr<LiveOutput> output;
+  while (!loop.ended() && !painter.ended() && !asked_to_end()) {
+    Scene* scene = loop.next_within(FrameSource::kLongestWait);
+    if (scene == nullptr) {  // the picture and the body stay as they are
+      painter.handle_events();
+      continue;
+    }
+    if (!output) output = begin_output();
+    std::unique_ptr<DrawnFrame> drawn = output->blank();
+    std::swap(drawn->scene, *scene);
+    painter.draw(*drawn, session);
+    if (options.pictures) {
+      drawn->scores = figure_scores(drawn->scene, session.body(), drawn->visible, drawn->body_depth,
+                                    session.pressing_depth());
+    }
+    painter.show(drawn->picture);
+    const int done = static_cast<int>(loop.counts().processed.size());
+    const int total = painter.ended() ? done : loop.total();
+    const ProgressReport progress = progress_of(drawn->scene, done, total);
+    output->write(std::move(drawn));
+    if (total > 0) bar.show(progress);
+  }
+  return {loop.counts(), std::move(output)};
+}
+
+void live(const Options& options) {
+  LiveOptions wanted = options.live;
+  if (options.pictures && options.view != "camera") {
+    throw Error("--pictures are what the camera sees: leave out --view map");
+  }
+  if (options.out.empty()) throw Error("--out: names no folder");
+  const SourceOptions& input = wanted.input;
+  const std::vector<fs::path> earlier =
+      earlier_run(options.out, options.overwrite,
+                  {wanted.body, input.source, input.right, input.depth, input.calibration});
+  wanted.clip = options.out / "clip";
+  LiveRun run = set_up_live(wanted);
+  Painter painter(options, run.loop);
+
+  const auto begin = std::chrono::steady_clock::now();
+  listen_for_ctrl_c();
+  const auto [counts, output] = play(options, run, painter, [&] {
+    remove_earlier_run(earlier);
+    return std::make_unique<LiveOutput>(LiveOutputSettings{.folder = options.out,
+                                                           .depth = !options.no_depth,
+                                                           .masks = !options.no_masks,
+                                                           .figures = options.pictures});
+  });
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  if (!output) {
+    throw Error(fmt::format("{}: no frame could be read ({} unreadable; {})", run.images.string(),
+                            counts.troubles.unreadable, counts.last_trouble));
+  }
+  output->finish();
+  write_live_summary(options.out / "live.json",
+                     summary(options, run, counts, *output, wall.count()));
+  painter.throw_gl_errors();
+
+  print_counts(counts, run.loop.session, wall.count());
   fmt::print("{}\n", (options.out / "touch.mp4").string());
   for (const std::string& name : output->figures()) {
     fmt::print("{}\n", (options.out / name).string());

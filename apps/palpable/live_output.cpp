@@ -173,7 +173,7 @@ void LiveOutput::run() {
 
 void LiveOutput::write_frame(DrawnFrame& frame) {
   {
-    const StageTimer timer(frame.times, "write");
+    const StageTimer timer(frame.scene.times, "write");
     if (settings_.depth) write_depth(frame);
     if (settings_.masks) write_masks(frame);
     write_video(frame);
@@ -183,47 +183,50 @@ void LiveOutput::write_frame(DrawnFrame& frame) {
   std::vector<double> row;
   double total = 0;
   for (auto& [stage, values] : times_) {
-    const double ms = stage == "total" ? total : frame.times.ms(stage);
+    const double ms = stage == "total" ? total : frame.scene.times.ms(stage);
     total += ms;
     values.push_back(ms);
     row.push_back(ms);
   }
-  texts_->timing.write(timing_line(frame.number, row));
+  texts_->timing.write(timing_line(frame.scene.number, row));
 }
 
 void LiveOutput::write_lines(const DrawnFrame& frame) {
-  for (const Touch& touch : frame.touches) {
-    texts_->touches.write(touch_line({.frame = frame.number,
-                                      .time = frame.time,
+  const Scene& scene = frame.scene;
+  for (const Touch& touch : scene.touches) {
+    texts_->touches.write(touch_line({.frame = scene.number,
+                                      .time = scene.time,
                                       .site = touch.site,
                                       .level = touch.level,
                                       .force = touch.force,
                                       .press_depth = touch.press_depth,
                                       .point = touch.point_in_body}));
   }
-  if (frame.world_from_camera) {
-    texts_->trajectory.write(trajectory_line({frame.time, *frame.world_from_camera}));
+  if (scene.camera.state != TrackState::kLost) {  // a fixed camera's pose stays as it is
+    texts_->trajectory.write(trajectory_line({scene.time, scene.camera.world_from_camera}));
   }
-  texts_->poses.write(pose_line({frame.number, frame.camera_from_body}));
-  const double correction = frame.row_correction_px;
+  texts_->poses.write(pose_line({scene.number, scene.camera_from_body}));
+  const double correction = scene.seen.row_correction_px;
   if (last_correction_ != correction) {
     last_correction_ = correction;
     std::optional<double> error;
-    if (!std::isnan(frame.row_error_px)) error = frame.row_error_px;
-    texts_->corrections.write(correction_line({frame.number, correction, error}));
+    if (!std::isnan(scene.seen.row_error_px)) error = scene.seen.row_error_px;
+    texts_->corrections.write(correction_line({scene.number, correction, error}));
   }
 }
 
 void LiveOutput::write_depth(const DrawnFrame& frame) {
-  write_measured_depth(settings_.folder / "depth" / frame_name(frame.number, ".png"), frame.depth,
-                       frame.too_close);
+  const Scene& scene = frame.scene;
+  write_measured_depth(settings_.folder / "depth" / frame_name(scene.number, ".png"),
+                       scene.seen.depth, scene.seen.too_close);
 }
 
 void LiveOutput::write_masks(const DrawnFrame& frame) {
-  const std::string name = frame_name(frame.number, ".png");
+  const std::string name = frame_name(frame.scene.number, ".png");
   write_mask(settings_.folder / "visible" / name, frame.visible);
   write_body_depth(settings_.folder / "body_depth" / name, frame.body_depth);
-  if (!frame.moving.empty()) write_mask(settings_.folder / "moving" / name, frame.moving);
+  const MaskImage& moving = frame.scene.moving;
+  if (!moving.empty()) write_mask(settings_.folder / "moving" / name, moving);
 }
 
 void LiveOutput::open_video(const ColorImage& picture, double frames_per_second) {
@@ -253,11 +256,11 @@ void LiveOutput::write_video(const DrawnFrame& frame) {
   ++written_;
   if (written_ == 1) {
     first_picture_ = frame.picture;
-    first_time_ = frame.time;
+    first_time_ = frame.scene.time;
     return;
   }
   if (written_ == 2) {
-    const double step = frame.time - first_time_;
+    const double step = frame.scene.time - first_time_;
     open_video(frame.picture, step > 1e-3 ? std::clamp(1 / step, 1.0, 240.0) : kDefaultRate);
     append(first_picture_);
   }

@@ -15,12 +15,10 @@
 ///   hand_nearer.png body_nearer.png touch.png   the three situations of Fig. 9, if asked for
 #pragma once
 
-#include "apps/palpable/bounded_queue.h"
-#include "palpable/base/stage_clock.h"
 #include "palpable/clip_files/text_file.h"
-#include "palpable/contact/touch.h"
 #include "palpable/geometry/image.h"
-#include "palpable/geometry/rigid.h"
+#include "palpable/live/bounded_queue.h"
+#include "palpable/session/scene.h"
 #include "palpable/view/figure_scores.h"
 
 #include <array>
@@ -38,23 +36,12 @@ class VideoWriter;
 
 namespace palpable::app {
 
-/// One frame to be written; its memory goes round.
+/// One frame to be written: a scene, and what drawing adds to it. Its memory goes round.
 struct DrawnFrame {
-  int number = 0;
-  double time = 0;
-  std::vector<Touch> touches;
+  Scene scene;
   ColorImage picture;
   MaskImage visible;
-  DepthImage body_depth;         ///< full size
-  DepthImage depth;              ///< as measured; left empty when settings.depth is off
-  MaskImage too_close;           ///< of its size, or empty
-  MaskImage moving;              ///< of its size, or empty: not known
-  double row_error_px = 0;       ///< of the rectified pair; NaN where nothing watches
-  double row_correction_px = 0;  ///< by how much the right image was moved up
-  Rigid3 camera_from_body = Rigid3::Identity();  ///< where the body was drawn
-  /// Stays so for a fixed camera; nothing while it is lost.
-  std::optional<Rigid3> world_from_camera = Rigid3::Identity();
-  StageTimes times;
+  DepthImage body_depth;  ///< full size
   FigureScores scores;
 };
 
@@ -87,7 +74,7 @@ class LiveOutput {
 
   /// A frame to fill; waits while too many are under way.
   std::unique_ptr<DrawnFrame> blank();
-  /// Takes a filled frame. @throws Error what went wrong while writing an earlier one
+  /// Hands a filled frame to the thread. @throws Error what went wrong while writing an earlier one
   void write(std::unique_ptr<DrawnFrame> frame);
   /// Ends the files. @throws Error when something could not be written. After it only:
   void finish();
@@ -130,7 +117,7 @@ class LiveOutput {
   std::optional<Texts> texts_;
   std::optional<double> last_correction_;
   std::unique_ptr<cv::VideoWriter> video_;
-  ColorImage first_picture_;  // held back until the second frame tells the rate
+  ColorImage first_picture_;  // held back until the second frame's time says the video's rate
   double first_time_ = 0;
   int written_ = 0;
   std::array<ColorImage, 3> best_;

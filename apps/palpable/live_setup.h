@@ -1,15 +1,13 @@
 /// @file
-/// What `live` and `bench live` share: the options of a live run, and from them body, images and
-/// session.
+/// What `live` and `bench live` share: the options of a live run, and what they mean to the library
+/// (palpable/live/live_run.h).
 #pragma once
 
 #include "apps/palpable/board_options.h"
 #include "apps/palpable/source_options.h"
-#include "palpable/session/session.h"
-#include "palpable/sources/frame_source.h"
+#include "palpable/live/live_run.h"
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -37,12 +35,6 @@ struct LiveOptions {
 
 /// Adds the options to a command; "body" is positional.
 void add_live_options(Command command, LiveOptions& options);
-
-struct LiveRun {
-  std::unique_ptr<FrameSource> source;
-  Session session;
-  std::filesystem::path images;  ///< the folder, file or device that is played
-};
 
 /// Reads the body, films the synthetic clip if it is wanted and not there yet, opens the images,
 /// finds the place. @throws Error for everything that is not as hoped

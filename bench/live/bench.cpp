@@ -5,12 +5,12 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/live_setup.h"
-#include "apps/palpable/place.h"
-#include "apps/palpable/vision_thread.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/contact/press_law.h"
 #include "palpable/contact/seen_surface.h"
+#include "palpable/live/live_loop.h"
+#include "palpable/live/place.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/mode_kernels.h"
 #include "palpable/reduced/pressed_surface.h"
@@ -243,34 +243,28 @@ void bench_live(LiveBenchOptions options) {
   const GlContext context = value_or_throw(GlContext::offscreen());
   SceneRenderer renderer = value_or_throw(SceneRenderer::make());
   Series series;
-  Scene scene;
   ColorImage picture;
-  const double scale = stress_scale(run.session.body());
-  int total = run.source->frame_count();
-  if (options.live.frames > 0) total = std::min(total, options.live.frames);
+  const Session& session = run.loop.session;
+  const double scale = stress_scale(session.body());
   ProgressBar bar;
   const auto begin = std::chrono::steady_clock::now();
   int done = 0;
   {
-    VisionThread vision(*run.source, run.session, options.live.frames);
-    while (std::unique_ptr<FrameInFlight> flight = vision.next()) {
-      StageTimes times = flight->times;
-      run.session.respond(flight->seen, scene);
-      times.add(scene.times);
+    LiveLoop loop(run, options.live.frames);
+    while (Scene* scene = loop.next()) {
       {
-        const StageTimer timer(times, "draw");
-        renderer.draw(view_of(scene, run.session.body(), scale), picture);
+        const StageTimer timer(scene->times, "draw");
+        renderer.draw(view_of(*scene, session.body(), scale), picture);
       }
-      add(series, times);
-      vision.recycle(std::move(flight));
-      bar.show(
-          {"live", static_cast<double>(++done), static_cast<double>(std::max(total, done)), ""});
+      add(series, scene->times);
+      bar.show({"live", static_cast<double>(++done),
+                static_cast<double>(std::max(loop.total(), done)), ""});
     }
   }
   bar.finish();
   if (done == 0) throw Error(fmt::format("{}: no frame could be read", run.images.string()));
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-  Json result = about("live", run.session.body());
+  Json result = about("live", session.body());
   result["source"] = run.images.string();
   result["renderer"] = context.description();
   result["frames"] = done;

@@ -8,7 +8,7 @@
 #include "palpable/render/picture_file.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/score/occlusion.h"
-#include "palpable/session/session.h"
+#include "palpable/session/frame_loop.h"
 #include "palpable/sources/folder_source.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/scratch_folder.h"
@@ -115,11 +115,11 @@ TEST_CASE("a body on the squirrel's desk is touched when the hand reaches it and
   const Vector3d centre = pose * Vector3d(0, 0, kOverTheBall.radius);
   SessionSettings settings;
   settings.ignore_static = true;
-  Session session = value_or_throw(Session::make(kOverTheBall.body(), pose, format, settings));
+  FrameLoop loop = value_or_throw(FrameLoop::make(kOverTheBall.body(), pose, format, settings));
   std::vector<bool> touched;
   double highest = 0;
   for (const Frame& frame : frames) {
-    const Scene& scene = session.process(frame);
+    const Scene& scene = loop.process(frame);
     touched.push_back(!scene.touches.empty());
     for (const Touch& touch : scene.touches) {
       highest = std::max(highest, touch.point_in_body.z());
@@ -162,12 +162,12 @@ TEST_CASE("a body beside the squirrel's hand is never touched", "[sessions][real
   SessionSettings settings;
   settings.ignore_static = true;
   // On the desk, 12 cm nearer to the camera and to its left.
-  Session session = value_or_throw(Session::make(
+  FrameLoop loop = value_or_throw(FrameLoop::make(
       kOverTheBall.body(), upright(kFootOfTheBall + Vector3d(-0.03, 0.06, -0.11), kLookingDown),
       source->format(), settings));
   for (Frame frame; source->next(frame) == FrameStatus::kFrame;) {
     INFO("frame " << frame.number);
-    CHECK(session.process(frame).touches.empty());
+    CHECK(loop.process(frame).touches.empty());
   }
 }
 
@@ -216,8 +216,8 @@ TEST_CASE("a body among the motorcycle's parts is pressed where true points are 
       points_in_ball(m->true_depth, m->format.rectified.camera, pose * Vector3d(0, 0, 0.12), 0.10);
   REQUIRE(inside.size() > 300);  // 2 cm deep
 
-  Session session = value_or_throw(Session::make(ball_of_12_cm(), pose, m->format));
-  const Scene& scene = session.process(m->frame);
+  FrameLoop loop = value_or_throw(FrameLoop::make(ball_of_12_cm(), pose, m->format));
+  const Scene& scene = loop.process(m->frame);
   REQUIRE(scene.touches.size() == 1);
   const Touch& touch = scene.touches.front();
   CHECK(touch.press_depth > 0.01);
@@ -237,8 +237,8 @@ TEST_CASE("a body in the free space before the motorcycle is not pressed", "[ses
   REQUIRE(
       points_in_ball(m->true_depth, m->format.rectified.camera, pose * Vector3d(0, 0, 0.12), 0.20)
           .empty());
-  Session session = value_or_throw(Session::make(ball_of_12_cm(), pose, m->format));
-  CHECK(session.process(m->frame).touches.empty());
+  FrameLoop loop = value_or_throw(FrameLoop::make(ball_of_12_cm(), pose, m->format));
+  CHECK(loop.process(m->frame).touches.empty());
 }
 
 TEST_CASE("a body behind the motorcycle's seat is hidden as the true depth implies",
@@ -250,17 +250,17 @@ TEST_CASE("a body behind the motorcycle's seat is hidden as the true depth impli
   SceneRenderer renderer = value_or_throw(SceneRenderer::make());
   const auto m = motorcycle();
   const Rigid3 pose = upright(kBehindTheSeat, 0);
-  Session session = value_or_throw(Session::make(ball_of_12_cm(), pose, m->format));
-  const Scene& scene = session.process(m->frame);
+  FrameLoop loop = value_or_throw(FrameLoop::make(ball_of_12_cm(), pose, m->format));
+  const Scene& scene = loop.process(m->frame);
 
   SceneView view;
-  view.background = &scene.seen->color;
-  view.real_depth = &scene.seen->depth;
-  view.camera = scene.seen->camera;
+  view.background = &scene.seen.color;
+  view.real_depth = &scene.seen.depth;
+  view.camera = scene.seen.camera;
   BodyLook look;
   look.vertices = &scene.vertices;
   look.normals = &scene.normals;
-  look.triangles = &session.body().surface.triangles;
+  look.triangles = &loop.session.body().surface.triangles;
   look.camera_from_body = pose;
   view.bodies.push_back(look);
   ColorImage picture;

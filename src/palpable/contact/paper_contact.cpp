@@ -50,8 +50,7 @@ PaperState advance_as_printed(const PaperState& previous, const std::optional<Ne
 std::optional<Touch> touch_of(const PaperState& state, const ReducedBody& body) {
   if (state.step == 0) return std::nullopt;
   const double level = body.levels()[state.step];
-  return Touch{state.site, level,
-               level * body.sites[static_cast<std::size_t>(state.site)].full_load,
+  return Touch{state.site, level, level * body.sites[state.site].full_load,
                body.press_depth(state.step, state.site), state.point_in_body};
 }
 
@@ -59,7 +58,7 @@ void deformed_nodes(const PaperState& state, const ReducedBody& body, Eigen::Mat
   nodes.resize(3, static_cast<Eigen::Index>(body.sites.size()));
   const std::array mu{static_cast<double>(state.site), body.levels()[state.step]};
   for (Eigen::Index s = 0; s < nodes.cols(); ++s) {
-    const int k = body.sites[static_cast<std::size_t>(s)].vertex;
+    const int k = body.sites[s].vertex;
     Eigen::Vector3f u;
     body.displacement.evaluate_part(mu, 3 * k, std::span<float>(u.data(), 3));
     nodes.col(s) = body.surface.vertices.col(k).cast<float>() + u;

@@ -12,30 +12,30 @@ namespace {
 
 using Eigen::Vector3f;
 
-// m; what lies farther from the deepest vertex is another finger.
+// m around the deepest vertex: a touched vertex farther away belongs to another finger.
 constexpr float kRegionRadius = 0.025f;
 
-// A gap in the recording is not a licence to jump: s.
+// s: a longer gap between two frames counts as this one, so that the press does not jump after it.
 constexpr double kLongestFrame = 0.1;
 
-// A measurement that differs by so many sigma is followed at once.
+// A measurement that differs from the press by at least so many sigma is followed at once.
 constexpr double kPromptInSigmas = 4;
 
-// Halvings between two samples of the level axis: the rest is far below any camera's noise.
+// Halvings between two samples of the level axis: what they leave is far below any camera's noise.
 constexpr int kBisections = 7;
 
-double distance_to_site(const ReducedBody& body, std::size_t site, const Vector3f& x) {
+double distance_to_site(const ReducedBody& body, int site, const Vector3f& x) {
   return (body.surface.vertices.col(body.sites[site].vertex) - x.cast<double>()).norm();
 }
 
 int nearest_site(const ReducedBody& body, const Vector3f& x) {
   int nearest = 0;
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t s = 0; s < body.sites.size(); ++s) {
+  for (int s = 0; s < static_cast<int>(body.sites.size()); ++s) {
     const double d = distance_to_site(body, s, x);
     if (d < least) {
       least = d;
-      nearest = static_cast<int>(s);
+      nearest = s;
     }
   }
   return nearest;
@@ -69,25 +69,25 @@ bool PressLaw::inside(const Vector3f& x, const SeenSurface& seen, double toleran
   const std::optional<NearestSeen> found = seen.nearest(x);
   if (!found || found->support < settings_.least_support) return false;
   nearest = *found;
-  const float Z = seen.points()[static_cast<std::size_t>(found->point)].depth;
+  const float Z = seen.points()[found->point].depth;
   return static_cast<double>(found->distance) < -tolerance_share * noise(Z);
 }
 
 std::optional<TouchedRegion> PressLaw::touched_region(const SeenSurface& seen,
                                                       double tolerance_share) const {
   const auto depth_beyond = [&](const NearestSeen& n) {
-    const float Z = seen.points()[static_cast<std::size_t>(n.point)].depth;
+    const float Z = seen.points()[n.point].depth;
     return -static_cast<double>(n.distance) - tolerance_share * noise(Z);
   };
   TouchedRegion region;
   Eigen::Index deepest = -1;
   NearestSeen nearest;
   for (Eigen::Index k = 0; k < rest_.cols(); ++k) {
-    if (body_->fixed[static_cast<std::size_t>(k)] != 0) continue;
+    if (body_->fixed[k] != 0) continue;
     if (!inside(rest_.col(k), seen, tolerance_share, nearest)) continue;
     const double depth = depth_beyond(nearest);
     if (depth > region.depth) {
-      const SeenPoint& point = seen.points()[static_cast<std::size_t>(nearest.point)];
+      const SeenPoint& point = seen.points()[nearest.point];
       region.depth = depth;
       region.point = point.point;
       region.seen_at = point.depth;
@@ -98,7 +98,7 @@ std::optional<TouchedRegion> PressLaw::touched_region(const SeenSurface& seen,
   Vector3f sum = Vector3f::Zero();
   float weight = 0;
   for (Eigen::Index k = 0; k < rest_.cols(); ++k) {
-    if (body_->fixed[static_cast<std::size_t>(k)] != 0) continue;
+    if (body_->fixed[k] != 0) continue;
     if ((rest_.col(k) - rest_.col(deepest)).norm() > kRegionRadius) continue;
     if (!inside(rest_.col(k), seen, tolerance_share, nearest)) continue;
     const auto w = static_cast<float>(depth_beyond(nearest));
@@ -112,7 +112,7 @@ std::optional<TouchedRegion> PressLaw::touched_region(const SeenSurface& seen,
 
 PressLaw::Demand PressLaw::demanded_level(int site, const SeenSurface& seen,
                                           double tolerance_share) const {
-  const SitePath& path = paths_[static_cast<std::size_t>(site)];
+  const SitePath& path = paths_[site];
   const Eigen::VectorXd& levels = body_->levels();
   const Eigen::Index L = levels.size();
   Demand demand;
@@ -139,13 +139,48 @@ PressLaw::Demand PressLaw::demanded_level(int site, const SeenSurface& seen,
       }
       const double level = l + 1 < L ? levels[l] + out * (levels[l + 1] - levels[l]) : levels[l];
       if (level > demand.level) {
-        const SeenPoint& point = seen.points()[static_cast<std::size_t>(nearest.point)];
+        const SeenPoint& point = seen.points()[nearest.point];
         demand = {level, point.point, point.depth};
       }
       break;
     }
   }
   return demand;
+}
+
+PressLaw::Need PressLaw::need_of(int site, const SeenSurface& seen,
+                                 const std::optional<TouchedRegion>& region_of_site,
+                                 double tolerance_share) const {
+  const Demand demand = demanded_level(site, seen, tolerance_share);
+  Need need;
+  if (demand.level > 0) {
+    need = {press_depth_of_level(*body_, site, demand.level), demand.point, demand.seen_at};
+  }
+  if (region_of_site && region_of_site->depth > need.depth) {
+    need = {region_of_site->depth, region_of_site->point, region_of_site->seen_at};
+  }
+  return need;
+}
+
+Touch PressLaw::touch_with(int site, double level, const Need& need) const {
+  return Touch{site, level, level * body_->sites[site].full_load,
+               press_depth_of_level(*body_, site, level), need.point.cast<double>()};
+}
+
+double PressLaw::followed_level(const Touch& before, const Need& need) const {
+  const double sigma = noise(need.seen_at);
+  const double slack = settings_.hysteresis * sigma;
+  const double wanted = std::clamp(before.press_depth, need.depth - slack, need.depth + slack);
+  // Small changes may be noise and are followed slowly; large ones cannot be and are followed at
+  // once.
+  const double change = std::abs(wanted - before.press_depth);
+  const double follow = change < kPromptInSigmas * sigma
+                            ? std::max(settings_.least_follow, change / (kPromptInSigmas * sigma))
+                            : 1.0;
+  const double depth = before.press_depth + follow * (wanted - before.press_depth);
+  // The same depth keeps the same level to the bit: from level to depth and back would be 2e-5 off.
+  return depth == before.press_depth ? before.level
+                                     : level_of_press_depth(*body_, before.site, depth);
 }
 
 PressState PressLaw::advance(const PressState& previous, const SeenSurface& seen,
@@ -159,73 +194,35 @@ PressState PressLaw::advance(const PressState& previous, const SeenSurface& seen
   const double share = held ? 1 - settings_.hysteresis : 1.0;
   const std::optional<TouchedRegion> region = touched_region(seen, share);
   const int candidate = region ? nearest_site(*body_, region->middle) : -1;
-
-  // The press that one site needs now, m along its load; 0 when nothing of it is inside.
-  struct Need {
-    double depth = 0;
-    Vector3f point = Vector3f::Zero();
-    float seen_at = 0;
-  };
-  const auto need_of = [&](int site) {
-    const Demand demand = demanded_level(site, seen, share);
-    Need need;
-    if (demand.level > 0) {
-      need = {press_depth_of_level(*body_, site, demand.level), demand.point, demand.seen_at};
-    }
-    if (site == candidate && region->depth > need.depth) {
-      need = {region->depth, region->point, region->seen_at};
-    }
-    return need;
-  };
-  const auto touch_with = [&](int site, double level, const Need& need) {
-    const Site& pressed = body_->sites[static_cast<std::size_t>(site)];
-    return Touch{site, level, level * pressed.full_load, press_depth_of_level(*body_, site, level),
-                 need.point.cast<double>()};
+  const auto need = [&](int site) {
+    return need_of(site, seen, site == candidate ? region : std::nullopt, share);
   };
 
   if (held) {
-    const int site = previous.touch->site;
-    const Need need = need_of(site);
-    if (candidate >= 0 && candidate != site) {
-      const auto at = [&](int s) {
-        return distance_to_site(*body_, static_cast<std::size_t>(s), region->middle);
-      };
-      next.leaving_site = previous.leaving_site || need.depth == 0 ||
-                          at(candidate) < settings_.site_keeping * at(site);
+    const Touch& before = *previous.touch;
+    const Need here = need(before.site);
+    if (candidate >= 0 && candidate != before.site) {
+      const auto at = [&](int s) { return distance_to_site(*body_, s, region->middle); };
+      next.leaving_site = previous.leaving_site || here.depth == 0 ||
+                          at(candidate) < settings_.site_keeping * at(before.site);
     }
-    double level = 0;
-    if (need.depth > 0) {
-      const double sigma = noise(need.seen_at);
-      const double slack = settings_.hysteresis * sigma;
-      const double before = previous.touch->press_depth;
-      const double wanted = std::clamp(before, need.depth - slack, need.depth + slack);
-      // Calm where noise may be the reason, prompt where it cannot be.
-      const double change = std::abs(wanted - before);
-      const double follow =
-          change < kPromptInSigmas * sigma
-              ? std::max(settings_.least_follow, change / (kPromptInSigmas * sigma))
-              : 1.0;
-      const double depth = before + follow * (wanted - before);
-      // What stays stays to the bit: there and back between level and depth is 2e-5 off.
-      level = depth == before ? previous.touch->level : level_of_press_depth(*body_, site, depth);
-    }
+    double level = here.depth > 0 ? followed_level(before, here) : 0;
     if (level > 0) {
-      const double before = previous.touch->level;
-      level = next.leaving_site ? before - step : std::clamp(level, before - step, before + step);
+      level = next.leaving_site ? before.level - step
+                                : std::clamp(level, before.level - step, before.level + step);
     } else if (next.leaving_site && region) {  // the hand is there, at the other site
-      level = previous.touch->level - step;
+      level = before.level - step;
     }
     if (level > 0) {
-      next.touch = touch_with(site, level, need);
+      next.touch = touch_with(before.site, level, here);
       return next;
     }
   }
   if (candidate >= 0 && !(held && previous.touch->site == candidate)) {
-    const Need need = need_of(candidate);
-    const double wanted = level_of_press_depth(*body_, candidate, need.depth);
-    const double level = std::min(wanted, step);
+    const Need there = need(candidate);
+    const double level = std::min(level_of_press_depth(*body_, candidate, there.depth), step);
     next.leaving_site = false;
-    if (level > 0) next.touch = touch_with(candidate, level, need);
+    if (level > 0) next.touch = touch_with(candidate, level, there);
   }
   return next;
 }

@@ -29,8 +29,8 @@ namespace palpable {
 struct PressSettings {
   /// How far a seen surface is off at most times,
   ///     sigma(Z) = noise_constant + noise_linear Z + noise_quadratic Z^2    (m, 1, 1/m).
-  /// Disparity has a constant error, so stereo has the square alone; the session fills in what its
-  /// camera says. A vertex must be this deep inside to be touched. Smaller: the noise of a hand
+  /// Disparity has a constant error, so stereo has the square alone; the session fills in the noise
+  /// of its camera. A vertex must be this deep inside to be touched. Smaller: the noise of a hand
   /// that hovers presses; larger: touches begin late.
   double noise_constant = 0;
   double noise_linear = 0;
@@ -46,8 +46,8 @@ struct PressSettings {
   double least_follow = 0.4;
   /// Vertices that move less than this share of the patch do not set the level (press_paths.h).
   double least_share = 0.5;
-  /// The site is kept until another one is nearer than this share of the present one's distance to
-  /// the touched region.
+  /// The site changes when the touched region is nearer to another one than this share of its
+  /// distance to the present one.
   double site_keeping = 0.6;
   /// Levels per second that a press may rise or fall while it lasts: a vertex of a coarse skin that
   /// slides on or off a finger's edge changes the demand at once, and nothing may pop. A third of
@@ -110,6 +110,20 @@ class PressLaw {
   [[nodiscard]] bool inside(const Eigen::Vector3f& x, const SeenSurface& seen,
                             double tolerance_share, NearestSeen& nearest) const;
   [[nodiscard]] double noise(float depth) const;
+
+  // The press that one site needs now.
+  struct Need {
+    double depth = 0;  // m along its load; 0 when nothing of it is inside
+    Eigen::Vector3f point = Eigen::Vector3f::Zero();  // m, seen
+    float seen_at = 0;                                // Z of that point in the camera, m
+  };
+  // @param region_of_site  the touched region, if the site is the nearest one to it
+  [[nodiscard]] Need need_of(int site, const SeenSurface& seen,
+                             const std::optional<TouchedRegion>& region_of_site,
+                             double tolerance_share) const;
+  // The level to which a lasting touch goes in this frame, before settings.fastest limits it.
+  [[nodiscard]] double followed_level(const Touch& before, const Need& need) const;
+  [[nodiscard]] Touch touch_with(int site, double level, const Need& need) const;
 
   const ReducedBody* body_;
   PressSettings settings_;

@@ -25,15 +25,12 @@ std::vector<SitePath> press_paths(const ReducedBody& body, double least_share) {
     for (const int k : site.patch) most = std::max(most, u.col(k).norm());
     std::vector<char> follows(static_cast<std::size_t>(V), 0);
     for (Eigen::Index k = 0; k < V; ++k) {
-      follows[static_cast<std::size_t>(k)] =
-          u.col(k).norm() >= static_cast<float>(least_share) * most;
+      follows[k] = u.col(k).norm() >= static_cast<float>(least_share) * most;
     }
-    for (const int k : site.patch) follows[static_cast<std::size_t>(k)] = 1;
+    for (const int k : site.patch) follows[k] = 1;
     for (Eigen::Index k = 0; k < V; ++k) {
-      const bool fixed = body.fixed[static_cast<std::size_t>(k)] != 0;
-      if (follows[static_cast<std::size_t>(k)] != 0 && !fixed) {
-        path.vertices.push_back(static_cast<int>(k));
-      }
+      const bool fixed = body.fixed[k] != 0;
+      if (follows[k] != 0 && !fixed) { path.vertices.push_back(static_cast<int>(k)); }
     }
     path.positions.resize(3, static_cast<Eigen::Index>(path.vertices.size()) * L);
     for (Eigen::Index l = 0; l < L; ++l) {

@@ -15,9 +15,9 @@ namespace palpable {
 
 /// The vertices that follow one site, and their deformed positions.
 struct SitePath {
-  /// (n_s) the patch, and every vertex that moves at least the asked share of what the patch's most
-  /// moved vertex moves at level 1. Vertices that hang along less are no measure of the press: they
-  /// would have to be pushed many times as far as the object reaches.
+  /// (n_s) the patch, and every vertex that moves at level 1 at least a given share of what the
+  /// patch's most moved vertex moves. Vertices that move less cannot measure the press: to move one
+  /// by 1 mm the site would have to be pressed by many.
   std::vector<int> vertices;
   /// (3 x n_s L) m, body frame; vertex j at level l is column j L + l.
   Eigen::Matrix3Xf positions;

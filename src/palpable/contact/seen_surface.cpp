@@ -13,10 +13,11 @@ namespace {
 using Eigen::Vector3f;
 using Eigen::Vector3i;
 
-// Cells beyond this many per axis would only hold memory: a body is under a metre.
+// At most so many cells of the grid per axis, which bounds its memory. A body is under a metre
+// long; of a longer one the outermost cells hold all the rest.
 constexpr int kMostCells = 128;
 
-// Of the thickness, that an outline's margin may take.
+// The margin at a left outline takes at most this share of the thickness.
 constexpr float kMarginShare = 0.8f;
 
 bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
@@ -28,8 +29,9 @@ struct InverseDepthPlane {
   double c = 0;
 };
 
-// Fits by least squares over the valid pixels that are no further in depth from the centre than
-// `jump`; nothing when fewer than half of the window's pixels are left, or they are lopsided.
+// Fits by least squares over the window's pixels of known depth whose depth differs from the
+// centre's by at most `jump`. Nothing when that leaves fewer than half of the window, or when the
+// pixels left lie on one side of it.
 std::optional<InverseDepthPlane> fit_plane(const DepthImage& depth, int u, int v, int reach,
                                            float jump) {
   const float z0 = depth(u, v);
@@ -49,8 +51,9 @@ std::optional<InverseDepthPlane> fit_plane(const DepthImage& depth, int u, int v
   }
   const int side = 2 * reach + 1;
   if (2.0 * s < side * side) return std::nullopt;
-  // Lopsided: at an outline the window sees one side only, and on a round thing that is the slope
-  // of a place further in. The balls of the points further in fill the outline well.
+  // At an outline only one side of the window is left, and on a round thing the slope there is that
+  // of a place further in. Such points are not needed: the balls of the points further in reach the
+  // outline.
   const double lopsided = 0.25 * reach * s;
   if (std::abs(su) > lopsided || std::abs(sv) > lopsided) return std::nullopt;
   // Normal equations with the means removed.
@@ -78,7 +81,7 @@ SeenSurface::SeenSurface(const SeenSurfaceSettings& settings) : settings_(settin
 
 void SeenSurface::start(const Eigen::AlignedBox3d& region_in_body) {
   PALPABLE_EXPECT(!region_in_body.isEmpty(), "the region around a body is not empty");
-  // Whatever can matter to a query in the region: its ball reaches into the band.
+  // A point matters to a query in the region when its ball reaches into the query's band.
   const Vector3f margin =
       Vector3f::Constant(static_cast<float>(settings_.thickness + settings_.band));
   region_ = Eigen::AlignedBox3f(region_in_body.min().cast<float>() - margin,
@@ -113,7 +116,8 @@ void SeenSurface::build(const DepthImage& depth, const PinholeCamera& camera,
       const Vector3f in_body = R * in_camera + t;
       if (!region_.contains(in_body)) continue;
 
-      // Never below the noise of a near pixel, where Z^2 would leave a finger's own slope out.
+      // Never below 8 mm: near the camera Z^2 is so small that a finger's own slope would count as
+      // a jump.
       const float jump = std::max(0.008f, jump_at_1m * z * z);
       const auto falls_off = [&](int x, int y) {
         const float other = depth(x, y);
@@ -156,7 +160,7 @@ void SeenSurface::build(std::span<const SeenPoint> points,
 }
 
 Vector3i SeenSurface::cell_of(const Vector3f& x) const {
-  // Clamped: what lies outside shares the outermost cells, so that nothing is lost.
+  // What lies outside the grid goes into its outermost cells, so that nothing is lost.
   Vector3i cell;
   for (int axis = 0; axis < 3; ++axis) {
     const float position = (x[axis] - region_.min()[axis]) / cell_size_;
@@ -167,16 +171,11 @@ Vector3i SeenSurface::cell_of(const Vector3f& x) const {
 }
 
 std::size_t SeenSurface::cell_index(const Vector3i& cell) const {
-  return (static_cast<std::size_t>(cell.z()) * static_cast<std::size_t>(cells_.y()) +
-          static_cast<std::size_t>(cell.y())) *
-             static_cast<std::size_t>(cells_.x()) +
-         static_cast<std::size_t>(cell.x());
+  return (static_cast<std::size_t>(cell.z()) * cells_.y() + cell.y()) * cells_.x() + cell.x();
 }
 
 void SeenSurface::sort_into_grid() {
-  const std::size_t count = static_cast<std::size_t>(cells_.x()) *
-                            static_cast<std::size_t>(cells_.y()) *
-                            static_cast<std::size_t>(cells_.z());
+  const std::size_t count = static_cast<std::size_t>(cells_.x()) * cells_.y() * cells_.z();
   // Counting sort by the cell of the ball's centre; stable, so that a frame has one result.
   first_.assign(count + 1, 0);
   for (const SeenPoint& point : unsorted_) ++first_[cell_index(cell_of(point.centre)) + 1];
@@ -184,7 +183,7 @@ void SeenSurface::sort_into_grid() {
   points_.resize(unsorted_.size());
   for (const SeenPoint& point : unsorted_) {
     const std::size_t c = cell_index(cell_of(point.centre));
-    points_[static_cast<std::size_t>(first_[c]++)] = point;
+    points_[first_[c]++] = point;
   }
   // Each entry now says where its cell ends, which is where the next one begins.
   for (std::size_t c = count; c > 0; --c) first_[c] = first_[c - 1];
@@ -207,7 +206,7 @@ std::optional<NearestSeen> SeenSurface::nearest(const Vector3f& x) const {
       const int first = first_[cell_index({from, y, z})];
       const int last = first_[cell_index({to, y, z}) + 1];
       for (int i = first; i < last; ++i) {
-        const float d2 = (points_[static_cast<std::size_t>(i)].centre - x).squaredNorm();
+        const float d2 = (points_[i].centre - x).squaredNorm();
         if (d2 < radius * radius) ++found.support;
         if (d2 < best) {
           best = d2;

@@ -70,7 +70,7 @@ class SeenSurface {
   /// @throws ContractViolation if step or reach is below 1, or a length is not positive
   explicit SeenSurface(const SeenSurfaceSettings& settings = {});
 
-  /// Takes the pixels whose points lie in `region_in_body` grown by the thickness and the band.
+  /// Makes points of the pixels that lie in `region_in_body` grown by the thickness and the band.
   ///
   /// @param depth   Z in m, NaN where unknown: no depth, no point. Zero, negative and infinite
   ///                values count as unknown.
@@ -78,7 +78,8 @@ class SeenSurface {
   void build(const DepthImage& depth, const PinholeCamera& camera, const Rigid3& body_from_camera,
              const Eigen::AlignedBox3d& region_in_body);
 
-  /// Takes points as they are (tests, other sensors). Points outside the grown region are left out.
+  /// Uses these points as they are (tests, other sensors). Points outside the grown region are left
+  /// out.
   void build(std::span<const SeenPoint> points, const Eigen::AlignedBox3d& region_in_body);
 
   [[nodiscard]] std::span<const SeenPoint> points() const { return points_; }

@@ -28,12 +28,18 @@ constexpr double kJumpShare = 0.06;
 constexpr double kThicknessInSigmas = 3;
 constexpr double kPointsPerThickness = 4;
 
-// Half-resolution px: how wide the strip is that a stereo matcher wrongly gives a hand's depth
-// (seen on the synthetic desk with OpenCV's: 96 of 100 such pixels within 5, and holes beside
-// them). Ours leaves most of the strip unknown. With 12 px of a finger's 13 gone, two of three
-// touches of the demo were not felt. On two demo clips 3 px leave a penetration of 1.3 and 0.8 mm
-// (median), and 93 and 100 in 100 touches that were felt were true; 4 px 1.7 and 0.9 mm, 95 and
-// 100, and two touching frames fewer.
+// Left of a hand there is a strip that the left eye alone sees. A stereo matcher gives part of it
+// the hand's depth, wrongly: points there would press. So points that near to a left outline are
+// dropped; this is the width in px at half resolution. Too narrow: thin air presses. Too wide:
+// nothing is left of a finger (with 12 px of a finger's 13 gone, two of three touches of the demo
+// were not felt).
+//
+// OpenCV's matcher: of 100 wrong pixels 96 lay within 5 px, with holes beside them.
+// Ours leaves most of the strip unknown. On two demo clips (medians):
+//
+//     margin   penetration left   of 100 touches felt were true
+//     3 px     1.3 and 0.8 mm     93 and 100
+//     4 px     1.7 and 0.9 mm     95 and 100; two touching frames fewer
 constexpr int kCensusLeftMargin = 3;
 constexpr int kOpenCvLeftMargin = 12;
 
@@ -48,17 +54,19 @@ PressSettings with_noise(PressSettings press, const DepthNoise& noise, double sh
   return press;
 }
 
-// At depths where the surface itself is uncertain by half a finger, a finger's thickness would
-// leave nothing deep enough to be believed; and where points lie far apart, too few would say so.
+// Fits the seen surface to the distance at which the body stands. Far away the depth is uncertain
+// by half a finger: in an object as thick as a finger nothing would be deep enough inside to count,
+// so the thickness grows. And pixels lie farther apart: with the same step too few points would say
+// that a vertex is inside.
 SeenSurfaceSettings fitted(SeenSurfaceSettings surface, const DepthCamera& camera,
                            const FrameFormat& format, DepthSettings::Matcher matcher,
-                           const Rigid3& camera_from_body) {
+                           const Rigid3& world_from_body) {
   if (format.kind == FrameFormat::Kind::kStereo) {
     surface.left_margin = std::max(surface.left_margin, matcher == DepthSettings::Matcher::kCensus
                                                             ? kCensusLeftMargin
                                                             : kOpenCvLeftMargin);
   }
-  const double Z = std::max(camera_from_body.translation().z(), 0.0);
+  const double Z = std::max(world_from_body.translation().z(), 0.0);  // from the first camera
   surface.thickness = std::max(surface.thickness, kThicknessInSigmas * camera.noise().sigma(Z));
   const double spacing = Z / camera.depth_camera().fx_px;  // of neighbouring pixels
   const double step = std::floor(surface.thickness / (kPointsPerThickness * spacing));
@@ -90,22 +98,22 @@ std::optional<Problem> wrong_setting(const SessionSettings& s) {
 }  // namespace
 
 struct Session::Parts {
-  Parts(ReducedBody b, const Rigid3& pose, const FrameFormat& format, DepthCamera c,
+  Parts(ReducedBody b, const Rigid3& pose, const DepthCamera& camera, const FrameFormat& format,
         const SessionSettings& s)
       : body(std::move(b)),
         world_from_body(pose),
         settings(s),
-        camera(std::move(c)),
+        noise(camera.noise()),
         slam(camera, format, {.track = s.track, .map = s.map}),
         rest(body.surface.vertices.cast<float>()),
         region(box_of(body.surface)),
         surface(fitted(settings.surface, camera, format, settings.depth.matcher, pose)),
-        law(body, with_noise(settings.press, camera.noise(), settings.noise_share)) {
+        law(body, with_noise(settings.press, noise, settings.noise_share)) {
     forget_room();
   }
 
   void forget_room();
-  void find_scene(const SeenFrame& seen, Scene& scene);
+  void follow_camera(Scene& scene);
   bool find_contact_depth(const SeenFrame& seen, const TrackedPose& tracked);
   std::optional<Touch> touch_of_frame(double time);
   void reconstruct(Scene& scene);
@@ -113,7 +121,7 @@ struct Session::Parts {
   ReducedBody body;
   Rigid3 world_from_body;
   SessionSettings settings;
-  DepthCamera camera;
+  DepthNoise noise;
   Slam slam;
   Eigen::Matrix3Xf rest;  // (3 x V) m
   Eigen::AlignedBox3d region;
@@ -121,31 +129,33 @@ struct Session::Parts {
   std::optional<AnchoredScene> anchored;
   std::optional<StaticBackground> background;
   Rigid3 learnt_from_world = Rigid3::Identity();  // the camera when the background was learnt
-  DepthImage contact_depth;  // what may press; the scene's own depth keeps everything, for drawing
+  DepthImage contact_depth;  // what may press; the scene's depth keeps everything, for drawing
   MaskImage scratch;
   SeenSurface surface;
   PressLaw law;
   PressState press;
   PaperState paper;
   Eigen::Matrix3Xf nodes;
-
-  SeenFrame own_seen;  // of process()
-  Scene own_scene;
 };
 
-// What is seen from now on is the room in which the body stands.
+// Forgets what was learnt of the room: what is seen from now on is the room in which the body
+// stands.
 void Session::Parts::forget_room() {
   if (settings.map) anchored.emplace(*slam.map());
   if (settings.ignore_static) {
-    background.emplace(camera.noise(), StaticBackgroundSettings{.frames = settings.static_frames});
+    background.emplace(noise, StaticBackgroundSettings{.frames = settings.static_frames});
   }
 }
 
-// Where the camera is, and with it the body; what moves.
-void Session::Parts::find_scene(const SeenFrame& seen, Scene& scene) {
-  const SlamFrame& found = slam.advance(seen, scene.times);
+// Finds out where the camera is, and with it the body, and what moves.
+void Session::Parts::follow_camera(Scene& scene) {
+  const SlamFrame& found = slam.advance(scene.seen, scene.times);
   scene.camera = found.camera;
-  scene.moving = found.moving;
+  if (found.moving != nullptr) {
+    scene.moving = *found.moving;
+  } else {
+    scene.moving.resize(0, 0);
+  }
   if (found.camera.new_world) forget_room();
   if (!found.corrections.empty()) {
     const StageTimer timer(scene.times, "map");
@@ -164,7 +174,7 @@ void Session::Parts::find_scene(const SeenFrame& seen, Scene& scene) {
 // What may press in this frame; false while the background is being learnt.
 bool Session::Parts::find_contact_depth(const SeenFrame& seen, const TrackedPose& tracked) {
   contact_depth.resize(seen.depth.width(), seen.depth.height());
-  if (tracked.state == TrackState::kLost) {  // what is seen lies nobody knows where: it lets go
+  if (tracked.state == TrackState::kLost) {  // where the hand is in the world is not known
     std::fill(contact_depth.begin(), contact_depth.end(), std::numeric_limits<float>::quiet_NaN());
     return !background || background->ready();
   }
@@ -199,10 +209,9 @@ std::optional<Touch> Session::Parts::touch_of_frame(double time) {
 }
 
 void Session::Parts::reconstruct(Scene& scene) {
-  const auto V = static_cast<std::size_t>(rest.cols());
   scene.vertices.resize(3, rest.cols());
   scene.normals.resize(3, rest.cols());
-  scene.von_mises.resize(V);
+  scene.von_mises.resize(static_cast<std::size_t>(rest.cols()));
   if (scene.touches.empty()) {
     scene.vertices = rest;
     vertex_normals(scene.vertices, body.surface.triangles, scene.normals);
@@ -219,30 +228,23 @@ Session::Session(Session&&) noexcept = default;
 Session& Session::operator=(Session&&) noexcept = default;
 Session::~Session() = default;
 
-Result<Session> Session::make(ReducedBody body, const Rigid3& camera_from_body,
-                              const FrameFormat& format, const SessionSettings& settings) {
+Result<Session> Session::make(ReducedBody body, const Rigid3& world_from_body,
+                              const DepthCamera& camera, const FrameFormat& format,
+                              const SessionSettings& settings) {
   if (auto problem = wrong_setting(settings)) return *problem;
-  Result<DepthCamera> camera = DepthCamera::make(format, settings.depth);
-  if (!camera.ok()) return camera.problem();
-  return Session(std::make_unique<Parts>(std::move(body), camera_from_body, format,
-                                         std::move(camera).value(), settings));
+  return Session(
+      std::make_unique<Parts>(std::move(body), world_from_body, camera, format, settings));
 }
 
-StageTimes Session::see(const Frame& frame, SeenFrame& seen) {
-  parts_->camera.see(frame, seen);
-  return parts_->camera.last_times();
-}
-
-void Session::respond(const SeenFrame& seen, Scene& scene) {
+void Session::respond(Scene& scene) {
   Parts& p = *parts_;
+  const SeenFrame& seen = scene.seen;
   scene.number = seen.number;
   scene.time = seen.time;
-  scene.seen = &seen;
-  scene.times.clear();
   scene.touches.clear();
   scene.touches.reserve(1);
 
-  p.find_scene(seen, scene);
+  p.follow_camera(scene);
   bool may_press = false;
   {
     const StageTimer timer(scene.times, "background");
@@ -257,15 +259,6 @@ void Session::respond(const SeenFrame& seen, Scene& scene) {
   p.reconstruct(scene);
 }
 
-const Scene& Session::process(const Frame& frame) {
-  const StageTimes times = see(frame, parts_->own_seen);
-  respond(parts_->own_seen, parts_->own_scene);
-  StageTimes all = times;
-  all.add(parts_->own_scene.times);
-  parts_->own_scene.times = all;
-  return parts_->own_scene;
-}
-
 const DepthImage& Session::pressing_depth() const { return parts_->contact_depth; }
 const SurfaceMap* Session::map() const { return parts_->slam.map(); }
 const FreeSpace* Session::free_space() const { return parts_->slam.space(); }
@@ -273,7 +266,7 @@ const AnchoredScene* Session::anchored_scene() const {
   return parts_->anchored ? &*parts_->anchored : nullptr;
 }
 const ReducedBody& Session::body() const { return parts_->body; }
-const Rigid3& Session::camera_from_body() const { return parts_->world_from_body; }
+const Rigid3& Session::world_from_body() const { return parts_->world_from_body; }
 TrackerCounts Session::tracker_counts() const {
   const Tracker* tracker = parts_->slam.tracker();
   return tracker != nullptr ? tracker->counts() : TrackerCounts{};
@@ -283,7 +276,5 @@ std::vector<KeyframePose> Session::keyframes() const {
   return tracker != nullptr ? tracker->keyframes() : std::vector<KeyframePose>{};
 }
 const SessionSettings& Session::settings() const { return parts_->settings; }
-const PinholeCamera& Session::camera() const { return parts_->camera.camera(); }
-const PinholeCamera& Session::depth_camera() const { return parts_->camera.depth_camera(); }
 
 }  // namespace palpable

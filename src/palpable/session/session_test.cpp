@@ -1,5 +1,6 @@
 #include "palpable/session/session.h"
 
+#include "palpable/session/frame_loop.h"
 #include "tests/support/allocations.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/noise_room.h"
@@ -11,6 +12,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace palpable {
@@ -51,18 +53,18 @@ Frame frame_with_finger(int number, double depth) {
   return frame;
 }
 
-Session make_session(const SessionSettings& settings = {}) {
+FrameLoop make_loop(const SessionSettings& settings = {}) {
   return std::move(
-      Session::make(test::DentedSphere{}.body(), pose(), depth_format(), settings).value());
+      FrameLoop::make(test::DentedSphere{}.body(), pose(), depth_format(), settings).value());
 }
 
 TEST_CASE("a finger that presses the top dents the top, and leaves it at rest afterwards",
           "[session]") {
-  Session session = make_session();
+  FrameLoop loop = make_loop();
   const test::DentedSphere sphere;
-  for (int n = 0; n < 3; ++n) CHECK(session.process(frame_with_finger(n, -0.03)).touches.empty());
-  for (int n = 3; n < 8; ++n) session.process(frame_with_finger(n, 0.010));
-  const Scene& pressed = session.process(frame_with_finger(8, 0.010));
+  for (int n = 0; n < 3; ++n) CHECK(loop.process(frame_with_finger(n, -0.03)).touches.empty());
+  for (int n = 3; n < 8; ++n) loop.process(frame_with_finger(n, 0.010));
+  const Scene& pressed = loop.process(frame_with_finger(8, 0.010));
   REQUIRE(pressed.touches.size() == 1);
   const Touch touch = pressed.touches.front();
   CHECK(touch.site == 0);
@@ -71,26 +73,26 @@ TEST_CASE("a finger that presses the top dents the top, and leaves it at rest af
   const double dent = sphere.depth(touch.level);
   CHECK(dent > 0.010 - tolerance(0.0045, "0.5 (2 mm + 0.5 % Z) of tolerance, as much hysteresis"));
   CHECK(dent < 0.010 + tolerance(0.004, "neighbours 6 mm aside move less than the middle"));
-  const int top = session.body().sites[0].vertex;
+  const int top = loop.session.body().sites[0].vertex;
   CHECK(pressed.vertices(2, top) == Approx(2 * sphere.radius - dent).margin(1e-5));
   CHECK(pressed.von_mises[static_cast<std::size_t>(top)] > 0);
   CHECK((touch.point_in_body - Vector3d(0, 0, 0.1)).norm() < 0.02);
 
-  const Scene& after = session.process(frame_with_finger(9, -0.2));
+  const Scene& after = loop.process(frame_with_finger(9, -0.2));
   CHECK(after.touches.empty());
-  CHECK(after.vertices == session.body().surface.vertices.cast<float>());
+  CHECK(after.vertices == loop.session.body().surface.vertices.cast<float>());
   for (const float value : after.von_mises) CHECK(value == 0);
 }
 
 TEST_CASE("the stress of a scene is that of its touch", "[session]") {
-  Session session = make_session();
-  for (int n = 0; n < 4; ++n) session.process(frame_with_finger(n, 0.008));
-  const Scene& scene = session.process(frame_with_finger(4, 0.008));
+  FrameLoop loop = make_loop();
+  for (int n = 0; n < 4; ++n) loop.process(frame_with_finger(n, 0.008));
+  const Scene& scene = loop.process(frame_with_finger(4, 0.008));
   REQUIRE(scene.touches.size() == 1);
   // The dented sphere's stress at the middle is diag(-p, -p, -2p) with p = 1e4 depth / deepest.
   const test::DentedSphere sphere;
   const double p = 1e4 * sphere.depth(scene.touches[0].level) / sphere.deepest;
-  CHECK(scene.von_mises[static_cast<std::size_t>(session.body().sites[0].vertex)] ==
+  CHECK(scene.von_mises[static_cast<std::size_t>(loop.session.body().sites[0].vertex)] ==
         Approx(p).epsilon(tolerance(1e-3, "cubic between samples of a parabola, floats")));
 }
 
@@ -100,9 +102,9 @@ TEST_CASE("replaying the same frames gives the same bytes", "[session]") {
   std::vector<Eigen::Matrix3Xf> first;
   std::vector<double> levels;
   for (int run = 0; run < 2; ++run) {
-    Session session = make_session();
+    FrameLoop loop = make_loop();
     for (std::size_t n = 0; n < frames.size(); ++n) {
-      const Scene& scene = session.process(frames[n]);
+      const Scene& scene = loop.process(frames[n]);
       const double level = scene.touches.empty() ? 0 : scene.touches[0].level;
       if (run == 0) {
         first.push_back(scene.vertices);
@@ -117,31 +119,52 @@ TEST_CASE("replaying the same frames gives the same bytes", "[session]") {
   CHECK(levels.back() > 0.3);
 }
 
-TEST_CASE("the two halves of a session do what process does", "[session]") {
-  Session whole = make_session();
-  Session halves = make_session();
-  SeenFrame seen;
-  Scene scene;
+TEST_CASE("the two halves of a loop do what process does, in whichever scenes", "[session]") {
+  FrameLoop whole = make_loop();
+  FrameLoop halves = make_loop();
+  Scene scenes[2];  // in turn, as in a loop with two threads
   for (int n = 0; n < 6; ++n) {
     const Frame frame = frame_with_finger(n, 0.002 * n);
     const Scene& expected = whole.process(frame);
-    halves.see(frame, seen);
-    halves.respond(seen, scene);
-    CHECK(scene.seen == &seen);
+    Scene& scene = scenes[n % 2];
+    halves.camera.see(frame, scene.seen);
+    halves.session.respond(scene);
+    CHECK(scene.number == expected.number);
+    CHECK(scene.seen.depth.width() == expected.seen.depth.width());
     CHECK(scene.vertices == expected.vertices);
     CHECK(scene.normals == expected.normals);
     CHECK(scene.touches.size() == expected.touches.size());
   }
-  CHECK(scene.touches.size() == 1);
+  CHECK(scenes[1].touches.size() == 1);
+}
+
+TEST_CASE("a scene that was kept stays as it was", "[session]") {
+  FrameLoop loop = make_loop({.track = true, .map = true});
+  for (int n = 0; n < 6; ++n) loop.process(frame_with_finger(n, 0.006));
+  const Scene kept = loop.scene;
+  const DepthImage depth = kept.seen.depth;
+  const Eigen::Matrix3Xf vertices = kept.vertices;
+  REQUIRE(kept.touches.size() == 1);
+  REQUIRE_FALSE(kept.moving.empty());
+  const MaskImage moving = kept.moving;
+  for (int n = 6; n < 12; ++n) loop.process(frame_with_finger(n, -0.2));
+  REQUIRE(loop.scene.touches.empty());
+  CHECK(kept.number == 5);
+  CHECK(kept.touches.size() == 1);
+  CHECK(kept.vertices == vertices);
+  CHECK(kept.moving == moving);
+  CHECK(std::equal(depth.begin(), depth.end(), kept.seen.depth.begin(),
+                   [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); }));
+  CHECK_FALSE(kept.vertices == loop.scene.vertices);
 }
 
 TEST_CASE("what was there from the beginning does not press when it is to be ignored",
           "[session][static]") {
   // The finger rests in the body from the first frame on.
-  Session everything = make_session();
+  FrameLoop everything = make_loop();
   CHECK(everything.process(frame_with_finger(0, 0.010)).touches.size() == 1);
 
-  Session moving = make_session({.ignore_static = true, .static_frames = 5});
+  FrameLoop moving = make_loop({.ignore_static = true, .static_frames = 5});
   for (int n = 0; n < 10; ++n) {
     CHECK(moving.process(frame_with_finger(n, 0.010)).touches.empty());
   }
@@ -149,14 +172,12 @@ TEST_CASE("what was there from the beginning does not press when it is to be ign
 
 TEST_CASE("what comes after the beginning presses a body that ignores the rest",
           "[session][static]") {
-  Session session = make_session({.ignore_static = true, .static_frames = 5});
-  for (int n = 0; n < 8; ++n) {
-    CHECK(session.process(frame_with_finger(n, -0.3)).touches.empty());
-  }
-  CHECK(session.process(frame_with_finger(8, 0.010)).touches.size() == 1);
-  const DepthImage& pressing = session.pressing_depth();
+  FrameLoop loop = make_loop({.ignore_static = true, .static_frames = 5});
+  for (int n = 0; n < 8; ++n) { CHECK(loop.process(frame_with_finger(n, -0.3)).touches.empty()); }
+  CHECK(loop.process(frame_with_finger(8, 0.010)).touches.size() == 1);
+  const DepthImage& pressing = loop.session.pressing_depth();
   CHECK(std::any_of(pressing.begin(), pressing.end(), [](float z) { return z > 0; }));
-  CHECK(session.process(frame_with_finger(9, -0.3)).touches.empty());
+  CHECK(loop.process(frame_with_finger(9, -0.3)).touches.empty());
   CHECK(std::none_of(pressing.begin(), pressing.end(), [](float z) { return z > 0; }));
 }
 
@@ -164,8 +185,8 @@ TEST_CASE("the paper's algorithm stays pressed when the hand leaves fast, the de
           "[session][Alg1]") {
   SessionSettings settings;
   settings.contact = ContactKind::kPaper;
-  Session paper = make_session(settings);
-  Session ours = make_session();
+  FrameLoop paper = make_loop(settings);
+  FrameLoop ours = make_loop();
   for (int n = 0; n < 20; ++n) {
     const Frame frame = frame_with_finger(n, n < 8 ? 0.004 : -0.2);
     const bool paper_pressed = !paper.process(frame).touches.empty();
@@ -182,11 +203,11 @@ TEST_CASE("the paper's algorithm stays pressed when the hand leaves fast, the de
 }
 
 TEST_CASE("a frame without any depth is answered like an empty view", "[session]") {
-  Session session = make_session();
-  for (int n = 0; n < 3; ++n) session.process(frame_with_finger(n, 0.010));
+  FrameLoop loop = make_loop();
+  for (int n = 0; n < 3; ++n) loop.process(frame_with_finger(n, 0.010));
   Frame blind = frame_with_finger(3, 0.010);
   for (float& z : blind.depth) z = std::numeric_limits<float>::quiet_NaN();
-  CHECK(session.process(blind).touches.empty());
+  CHECK(loop.process(blind).touches.empty());
 }
 
 TEST_CASE("contact and reconstruction allocate nothing after the first frames",
@@ -196,35 +217,40 @@ TEST_CASE("contact and reconstruction allocate nothing after the first frames",
     settings.contact = kind;
     settings.ignore_static = true;
     settings.static_frames = 2;
-    Session session = make_session(settings);
-    SeenFrame away, pressing;
-    session.see(frame_with_finger(0, -0.3), away);
-    session.see(frame_with_finger(9, 0.006), pressing);
-    Scene scene;
-    for (int n = 0; n < 3; ++n) session.respond(away, scene);
-    session.respond(pressing, scene);
-    session.respond(away, scene);
+    FrameLoop loop = make_loop(settings);
+    Scene away, pressing;
+    loop.camera.see(frame_with_finger(0, -0.3), away.seen);
+    loop.camera.see(frame_with_finger(9, 0.006), pressing.seen);
+    for (int n = 0; n < 3; ++n) loop.session.respond(away);
+    loop.session.respond(pressing);
+    loop.session.respond(away);
     CHECK(test::allocations_during([&] {
-            session.respond(pressing, scene);
-            session.respond(away, scene);
-            session.respond(pressing, scene);
+            loop.session.respond(pressing);
+            loop.session.respond(away);
+            loop.session.respond(pressing);
+            std::swap(pressing, away);
           }) == 0);
-    CHECK(scene.touches.size() == 1);
+    CHECK(away.touches.size() == 1);
+    CHECK(pressing.touches.empty());
   }
 }
 
-TEST_CASE("every stage of a frame is timed", "[session]") {
-  Session session = make_session();
-  const Scene& scene = session.process(frame_with_finger(0, 0.006));
+TEST_CASE("every stage of a frame is timed, those of seeing too, and those of earlier frames not",
+          "[session]") {
+  FrameLoop loop = make_loop();
+  loop.process(frame_with_finger(0, 0.006));
+  const Scene& scene = loop.process(frame_with_finger(1, 0.006));
   CHECK(scene.times.ms("contact") > 0);
   CHECK(scene.times.ms("evaluate") > 0);
-  CHECK(scene.times.total_ms() >= scene.times.ms("contact") + scene.times.ms("evaluate"));
+  const StageTimes& seeing = loop.camera.last_times();
+  REQUIRE_FALSE(seeing.stages().empty());
+  for (const StageTime& stage : seeing.stages()) CHECK(scene.times.ms(stage.name) == stage.ms);
 }
 
 TEST_CASE("settings out of range and formats without numbers are problems, not crashes",
           "[session][errors]") {
   const auto refused = [](const SessionSettings& settings) {
-    return !Session::make(test::DentedSphere{}.body(), pose(), depth_format(), settings).ok();
+    return !FrameLoop::make(test::DentedSphere{}.body(), pose(), depth_format(), settings).ok();
   };
   CHECK_FALSE(refused({}));
   CHECK(refused({.ignore_static = true, .static_frames = 0}));
@@ -236,15 +262,15 @@ TEST_CASE("settings out of range and formats without numbers are problems, not c
   CHECK(refused(crossed));
   FrameFormat nothing = depth_format();
   nothing.kind = FrameFormat::Kind::kStereo;
-  CHECK_FALSE(Session::make(test::DentedSphere{}.body(), pose(), nothing).ok());
+  CHECK_FALSE(FrameLoop::make(test::DentedSphere{}.body(), pose(), nothing).ok());
 }
 
 TEST_CASE("the body stays where it was put in the room while the camera moves, if it is followed",
           "[session]") {
   SessionSettings settings;
   settings.track = true;
-  Session followed = make_session(settings);
-  Session fixed = make_session();
+  FrameLoop followed = make_loop(settings);
+  FrameLoop fixed = make_loop();
   for (int n = 0; n < 12; ++n) {
     const double x = 0.004 * n;
     const Scene& scene = followed.process(test::frame_of_wall(n, x));
@@ -254,56 +280,56 @@ TEST_CASE("the body stays where it was put in the room while the camera moves, i
         tolerance(1.5e-3, "a third of a pixel of 250 px at 0.8 m; below 0.3 px it still stands"));
     CHECK(fixed.process(test::frame_of_wall(n, x)).camera_from_body.matrix() == pose().matrix());
   }
-  CHECK(followed.tracker_counts().lost == 0);
+  CHECK(followed.session.tracker_counts().lost == 0);
 }
 
 TEST_CASE("nothing presses while the camera is lost, and the mask is not given", "[session]") {
-  Session session = make_session({.track = true, .map = true});
+  FrameLoop loop = make_loop({.track = true, .map = true});
   int number = 0;
   for (const double x : {0.0, 0.0, 0.01, 0.02, 0.03, 0.02, 0.01, 0.0}) {
-    CHECK(session.process(test::frame_of_wall(number++, x)).moving != nullptr);
+    CHECK_FALSE(loop.process(test::frame_of_wall(number++, x)).moving.empty());
   }
   for (int n = 0; n < 5; ++n) {
     Frame frame = frame_with_finger(number++, 0.006);
     std::fill(frame.left.begin(), frame.left.end(), Rgb{0, 0, 0});
-    const Scene& scene = session.process(frame);
+    const Scene& scene = loop.process(frame);
     REQUIRE(scene.camera.state == TrackState::kLost);
     CHECK(scene.touches.empty());
-    CHECK(scene.moving == nullptr);
+    CHECK(scene.moving.empty());
   }
 }
 
 TEST_CASE("a session knows what was in the room when the body was anchored", "[session]") {
-  CHECK(make_session().anchored_scene() == nullptr);
+  CHECK(make_loop().session.anchored_scene() == nullptr);
   SessionSettings settings;
   settings.map = true;
-  Session session = make_session(settings);
+  FrameLoop loop = make_loop(settings);
   int number = 0;
-  for (; number < 30; ++number) session.process(test::frame_of_wall(number, 0));
+  for (; number < 30; ++number) loop.process(test::frame_of_wall(number, 0));
   const auto was_there = [&](double Z) {
-    return session.anchored_scene()->was_there({0, 0, Z}, 0.015, *session.free_space());
+    return loop.session.anchored_scene()->was_there({0, 0, Z}, 0.015, *loop.session.free_space());
   };
   CHECK(was_there(test::kWallZ));
   CHECK_FALSE(was_there(test::kWallZ - 0.05));
   CHECK_FALSE(was_there(0.4));
-  CHECK(session.free_space()->is_free({0, 0, 0.4}));
+  CHECK(loop.session.free_space()->is_free({0, 0, 0.4}));
 }
 
 TEST_CASE("what a camera saw before it moved in the dark is no room of the body's", "[session]") {
-  Session session = make_session({.track = true, .map = true});
+  FrameLoop loop = make_loop({.track = true, .map = true});
   int number = 0;
   const auto show = [&](double z, bool dark) {
     Frame frame = test::frame_of_wall(number++, 0, z);
     if (dark) std::fill(frame.left.begin(), frame.left.end(), Rgb{});
-    return session.process(frame).camera;
+    return loop.process(frame).camera;
   };
   for (int n = 0; n < 20; ++n) CHECK(show(0, true).state == TrackState::kStarting);
-  CHECK(session.anchored_scene()->blocks() > 0);
+  CHECK(loop.session.anchored_scene()->blocks() > 0);
   for (int n = 0; n < 5; ++n) CHECK(show(0.3, true).state == TrackState::kLost);
   bool began = false;
   for (int n = 0; n < 6 && !began; ++n) began = show(0.3, false).new_world;
   REQUIRE(began);
-  CHECK(session.anchored_scene()->blocks() == 0);
+  CHECK(loop.session.anchored_scene()->blocks() == 0);
 }
 
 TEST_CASE("what was in the room when the body was anchored is not forgotten when a loop is closed",
@@ -311,16 +337,16 @@ TEST_CASE("what was in the room when the body was anchored is not forgotten when
   SessionSettings settings;
   settings.track = true;
   settings.map = true;
-  Session session = std::move(
-      Session::make(test::DentedSphere{}.body(), pose(), test::creeping_format(), settings)
+  FrameLoop loop = std::move(
+      FrameLoop::make(test::DentedSphere{}.body(), pose(), test::creeping_format(), settings)
           .value());
   int closed = 0;
   for (int n = 0; n < test::kCreepingFrames; ++n) {
-    const int blocks = session.anchored_scene()->blocks();
-    if (!session.process(test::creeping_frame(n)).camera.closed_loop) continue;
+    const int blocks = loop.session.anchored_scene()->blocks();
+    if (!loop.process(test::creeping_frame(n)).camera.closed_loop) continue;
     ++closed;
-    CHECK(session.map()->blocks() == 0);
-    CHECK(session.anchored_scene()->blocks() > blocks / 2);
+    CHECK(loop.session.map()->blocks() == 0);
+    CHECK(loop.session.anchored_scene()->blocks() > blocks / 2);
   }
   CHECK(closed >= 1);
   // Of the walls to the right and behind the camera the map has nothing yet. What comes close
@@ -332,8 +358,9 @@ TEST_CASE("what was in the room when the body was anchored is not forgotten when
     int before_wall = 0;  // of points 5 mm apart
     for (double away = 1; away < 2; away += 0.005) {
       const Vector3d p = Vector3d(0, 0, -0.7) + away * out;  // from the room's middle
-      REQUIRE_FALSE(session.map()->distance(p));
-      before_wall += session.anchored_scene()->was_there(p, 0.015, *session.free_space()) ? 0 : 1;
+      REQUIRE_FALSE(loop.session.map()->distance(p));
+      before_wall +=
+          loop.session.anchored_scene()->was_there(p, 0.015, *loop.session.free_space()) ? 0 : 1;
     }
     CHECK(before_wall >= 3);  // distances are kept up to 40 mm
   }

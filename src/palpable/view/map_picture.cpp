@@ -73,19 +73,19 @@ MapPicture::MapPicture(MapRenderer renderer, const Rigid3& world_from_body)
 
 void MapPicture::add_moving(const Scene& scene) {
   points_.clear();
-  if (scene.moving == nullptr) return;
-  const DepthImage& depth = scene.seen->depth;
-  const int factor = scene.seen->color.width() / depth.width();
+  if (scene.moving.empty()) return;
+  const DepthImage& depth = scene.seen.depth;
+  const int factor = scene.seen.color.width() / depth.width();
   for (int y = kMovingStep / 2; y < depth.height(); y += kMovingStep) {
     for (int x = kMovingStep / 2; x < depth.width(); x += kMovingStep) {
       const auto Z = static_cast<double>(depth(x, y));
-      if ((*scene.moving)(x, y) == 0 || !(Z > 0)) continue;
-      const Rgb seen = scene.seen->color(factor * x, factor * y);
+      if (scene.moving(x, y) == 0 || !(Z > 0)) continue;
+      const Rgb seen = scene.seen.color(factor * x, factor * y);
       const auto mixed = [](int a, int b) { return static_cast<std::uint8_t>((3 * a + b) / 4); };
       // As wide as the pixels between two points.
-      const double radius = 0.5 * kMovingStep * Z / scene.seen->depth_camera.fx_px;
+      const double radius = 0.5 * kMovingStep * Z / scene.seen.depth_camera.fx_px;
       points_.push_back(
-          {(scene.camera.world_from_camera * scene.seen->depth_camera.unproject(x, y, Z))
+          {(scene.camera.world_from_camera * scene.seen.depth_camera.unproject(x, y, Z))
                .cast<float>(),
            static_cast<float>(radius),
            {mixed(seen.r, kMoving.r), mixed(seen.g, kMoving.g), mixed(seen.b, kMoving.b)}});
@@ -123,7 +123,7 @@ void MapPicture::draw_room(const Scene& scene, const MappedRoom& room, double sc
                            int height) {
   lines_.clear();
   path_.draw(lines_);
-  const PinholeCamera& camera = scene.seen->camera;
+  const PinholeCamera& camera = scene.seen.camera;
   add_keyframes(lines_, keyframes_, camera);
   add_frustum(lines_, camera, scene.camera.world_from_camera, 0.1,
               is_known(scene.camera) ? kCamera : kLost, 2.5f);

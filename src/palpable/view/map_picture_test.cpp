@@ -1,6 +1,7 @@
 #include "palpable/view/map_picture.h"
 
 #include "palpable/render/gl_context.h"
+#include "palpable/session/frame_loop.h"
 #include "palpable/view/scene_picture.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/seen_wall.h"
@@ -15,10 +16,8 @@ namespace {
 // A session that follows a camera before a wall, and its map from outside.
 struct Outside {
   Result<GlContext> context = GlContext::offscreen();
-  std::optional<Session> session;
+  std::optional<FrameLoop> loop;
   std::optional<MapPicture> map;
-  Scene scene;
-  SeenFrame seen;
   ColorImage inside, picture;
   int number = 0;
 
@@ -30,19 +29,19 @@ struct Outside {
     Rigid3 camera_from_body = Rigid3::Identity();
     camera_from_body.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;  // Z up in the picture
     camera_from_body.translation() = Eigen::Vector3d(-0.15, 0.15, 0.6);
-    session.emplace(std::move(
-        Session::make(test::DentedSphere{}.body(), camera_from_body, test::wall_format(), settings)
-            .value()));
-    map.emplace(value_or_throw(MapRenderer::make()), session->camera_from_body());
+    loop.emplace(std::move(FrameLoop::make(test::DentedSphere{}.body(), camera_from_body,
+                                           test::wall_format(), settings)
+                               .value()));
+    map.emplace(value_or_throw(MapRenderer::make()), loop->session.world_from_body());
     return true;
   }
   void show(Frame frame) {
-    session->see(frame, seen);
-    session->respond(seen, scene);
+    const Scene& scene = loop->process(frame);
     inside = ColorImage(644, 484, Rgb{0, 255, 0});  // large enough for what is written in it
+    const Session& session = loop->session;
     map->draw(scene,
-              {session->body(), session->map(), session->camera_from_body(),
-               [this] { return session->keyframes(); }},
+              {session.body(), session.map(), session.world_from_body(),
+               [&session] { return session.keyframes(); }},
               1e4, inside, picture);
   }
   void show(double x) { show(test::frame_of_wall(number++, x)); }
@@ -79,7 +78,7 @@ TEST_CASE("the picture of the map shows room, way and camera, and what the camer
   CHECK(out.count(is_orange) > 10);
   for (int n = 0; n < 40; ++n) out.show(0.004 * n);
   for (int n = 0; n < 20; ++n) out.show(0.156);
-  REQUIRE(out.session->tracker_counts().lost == 0);
+  REQUIRE(out.loop->session.tracker_counts().lost == 0);
   CHECK(out.count(is_grey) > grey + 300);
   CHECK(out.count(is_blue) > blue + 20);
   CHECK(out.count(is_orange) > 10);
@@ -95,13 +94,13 @@ TEST_CASE("a lost camera stands red in the picture of the map", "[view][map_pict
   CHECK(out.count(is_red) == 0);
   REQUIRE(out.count(is_orange) > 10);
   out.show_dark();
-  REQUIRE(out.scene.camera.state == TrackState::kLost);
+  REQUIRE(out.loop->scene.camera.state == TrackState::kLost);
   CHECK(out.count(is_red) > 10);  // not the warning's: its red is darker
   CHECK(out.count(is_orange) == 0);
   CHECK(out.count(is_warning) > 1000);
   out.show(0.0);
   out.show(0.0);
-  REQUIRE(is_known(out.scene.camera));
+  REQUIRE(is_known(out.loop->scene.camera));
   CHECK(out.count(is_red) == 0);
   CHECK(out.count(is_warning) == 0);
 }

@@ -49,9 +49,9 @@ std::string warning_of(const Scene& scene) {
 
 SceneView view_of(const Scene& scene, const ReducedBody& body, double scale) {
   SceneView view;
-  view.background = &scene.seen->color;
-  view.real_depth = &scene.seen->depth;
-  view.camera = scene.seen->camera;
+  view.background = &scene.seen.color;
+  view.real_depth = &scene.seen.depth;
+  view.camera = scene.seen.camera;
   view.bodies.push_back(look_of_body(scene, body, scale));
   view.legend_title = "von Mises";
   view.caption.push_back(caption_of(scene));

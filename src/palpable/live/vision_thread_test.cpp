@@ -1,6 +1,7 @@
-#include "apps/palpable/vision_thread.h"
+#include "palpable/live/vision_thread.h"
 
-#include "apps/palpable/bounded_queue.h"
+#include "palpable/live/bounded_queue.h"
+#include "palpable/session/frame_loop.h"
 #include "tests/support/allocations.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/misbehaving_camera.h"
@@ -16,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 /// A finger that sinks into a sphere 0.4 m away, frame by frame; every fifth image is damaged.
@@ -51,35 +52,35 @@ class FingerSource : public FrameSource {
 };
 
 // The sphere of 5 cm with its middle at (0, 0, 0.4), its top towards -Y of the camera.
-Session session_for(const FrameSource& source) {
+FrameLoop loop_for(const FrameSource& source) {
   Rigid3 pose = Rigid3::Identity();
   pose.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   pose.translation() = Eigen::Vector3d(0, 0.05, 0.4);
-  return std::move(Session::make(test::DentedSphere{}.body(), pose, source.format()).value());
+  return std::move(FrameLoop::make(test::DentedSphere{}.body(), pose, source.format()).value());
 }
 
-TEST_CASE("seeing the next frame on another thread changes no result", "[apps][threads]") {
+TEST_CASE("seeing the next frame on another thread changes no result", "[live][threads]") {
   std::vector<Scene> expected;
   {
     FingerSource source;
-    Session session = session_for(source);
+    FrameLoop loop = loop_for(source);
     Frame frame;
     for (FrameStatus status = source.next(frame); status != FrameStatus::kEnd;
          status = source.next(frame)) {
-      if (status == FrameStatus::kFrame) expected.push_back(session.process(frame));
+      if (status == FrameStatus::kFrame) expected.push_back(loop.process(frame));
     }
   }
   REQUIRE(expected.size() == 16);
   REQUIRE(expected.back().touches.size() == 1);
 
   FingerSource source;
-  Session session = session_for(source);
-  VisionThread vision(source, session, -1);
-  Scene scene;
+  FrameLoop loop = loop_for(source);
+  VisionThread vision(source, loop.camera, -1);
   std::size_t n = 0;
   while (std::unique_ptr<FrameInFlight> flight = vision.next()) {
     REQUIRE(n < expected.size());
-    session.respond(flight->seen, scene);
+    loop.session.respond(flight->scene);
+    const Scene& scene = flight->scene;
     CHECK(scene.number == expected[n].number);
     CHECK(scene.vertices == expected[n].vertices);
     CHECK(scene.von_mises == expected[n].von_mises);
@@ -89,11 +90,11 @@ TEST_CASE("seeing the next frame on another thread changes no result", "[apps][t
   CHECK(n == expected.size());
 }
 
-TEST_CASE("the loop may stop after some frames, or be left in the middle", "[apps][threads]") {
+TEST_CASE("the loop may stop after some frames, or be left in the middle", "[live][threads]") {
   FingerSource source;
-  Session session = session_for(source);
+  FrameLoop loop = loop_for(source);
   {
-    VisionThread vision(source, session, 3);
+    VisionThread vision(source, loop.camera, 3);
     int frames = 0;
     while (std::unique_ptr<FrameInFlight> flight = vision.next()) {
       vision.recycle(std::move(flight));
@@ -101,23 +102,23 @@ TEST_CASE("the loop may stop after some frames, or be left in the middle", "[app
     }
     CHECK(frames == 3);
   }
-  VisionThread left_alone(source, session, -1);
+  VisionThread left_alone(source, loop.camera, -1);
   CHECK(left_alone.next() != nullptr);
 }
 
-TEST_CASE("what goes wrong while seeing is told to whoever waits for the frame",
-          "[apps][threads][errors]") {
+TEST_CASE("what goes wrong while seeing is said to whoever waits for the frame",
+          "[live][threads][errors]") {
   FingerSource source;
   source.fails_at = 2;
-  Session session = session_for(source);
-  VisionThread vision(source, session, -1);
+  FrameLoop loop = loop_for(source);
+  VisionThread vision(source, loop.camera, -1);
   vision.recycle(vision.next());
   vision.recycle(vision.next());
   CHECK_THROWS_WITH(vision.next(), "the cable came off");
 }
 
 TEST_CASE("a camera that does everything wrong never stops the loop, and the last state is held",
-          "[apps][threads][errors]") {
+          "[live][threads][errors]") {
   using test::Act;
   std::vector<Act> acts(8, Act::kGood);
   for (const Act bad : {Act::kStall, Act::kDrop, Act::kResize, Act::kNoDepth, Act::kGarbage,
@@ -132,21 +133,20 @@ TEST_CASE("a camera that does everything wrong never stops the loop, and the las
   std::vector<Scene> expected;
   {
     test::MisbehavingCamera camera(acts);
-    Session session = session_for(camera);
+    FrameLoop loop = loop_for(camera);
     SourceGuard guard(camera);
     Frame frame;
     for (FrameStatus status = guard.next(frame); status != FrameStatus::kEnd;
          status = guard.next(frame)) {
-      if (status == FrameStatus::kFrame) expected.push_back(session.process(frame));
+      if (status == FrameStatus::kFrame) expected.push_back(loop.process(frame));
     }
   }
   REQUIRE(expected.size() == 8 + 9 * 2 + 10 - (SourceGuard::kClockRestart - 1));
   REQUIRE(expected.back().touches.size() == 1);
 
   test::MisbehavingCamera camera(acts);
-  Session session = session_for(camera);
-  VisionThread vision(camera, session, -1);
-  Scene scene;
+  FrameLoop loop = loop_for(camera);
+  VisionThread vision(camera, loop.camera, -1);
   std::size_t n = 0;
   std::vector<std::string> reports;
   while (!vision.ended()) {
@@ -154,7 +154,8 @@ TEST_CASE("a camera that does everything wrong never stops the loop, and the las
     for (std::string& line : vision.take_reports()) reports.push_back(std::move(line));
     if (!flight) continue;  // the picture stays as it is
     REQUIRE(n < expected.size());
-    session.respond(flight->seen, scene);
+    loop.session.respond(flight->scene);
+    const Scene& scene = flight->scene;
     CHECK(scene.number == expected[n].number);
     CHECK(scene.vertices == expected[n].vertices);
     CHECK(scene.touches.size() == expected[n].touches.size());
@@ -184,12 +185,11 @@ struct Known {
 };
 
 Known known_of(const Scene& scene) {
-  return {scene.number, scene.camera.state, scene.camera.world_from_camera,
-          scene.moving == nullptr ? MaskImage() : *scene.moving};
+  return {scene.number, scene.camera.state, scene.camera.world_from_camera, scene.moving};
 }
 
 TEST_CASE("through all of it the camera is followed, what moves is found and the map stays",
-          "[apps][threads][errors]") {
+          "[live][threads][errors]") {
   using test::Act;
   for (const test::Shows shows : {test::Shows::kRoom, test::Shows::kStereoRoom}) {
     const bool stereo = shows == test::Shows::kStereoRoom;
@@ -204,11 +204,11 @@ TEST_CASE("through all of it the camera is followed, what moves is found and the
     acts.push_back(Act::kNewClock);
     acts.insert(acts.end(), 9, Act::kGood);
 
-    const auto session_of = [](const FrameSource& source) {
+    const auto loop_of = [](const FrameSource& source) {
       Rigid3 far_aside = Rigid3::Identity();  // the body is not what is looked at here
       far_aside.translation() = Eigen::Vector3d(0.3, 0, 0.5);
-      return std::move(Session::make(test::DentedSphere{}.body(), far_aside, source.format(),
-                                     {.track = true, .map = true})
+      return std::move(FrameLoop::make(test::DentedSphere{}.body(), far_aside, source.format(),
+                                       {.track = true, .map = true})
                            .value());
     };
     const Eigen::Vector3d on_wall(0, 0.03, test::kWallZ);
@@ -217,13 +217,13 @@ TEST_CASE("through all of it the camera is followed, what moves is found and the
     std::optional<double> expected_distance;
     {
       test::MisbehavingCamera camera(acts, shows);
-      Session session = session_of(camera);
+      FrameLoop loop = loop_of(camera);
       SourceGuard guard(camera);
       Frame frame;
       for (FrameStatus status = guard.next(frame); status != FrameStatus::kEnd;
            status = guard.next(frame)) {
         if (status != FrameStatus::kFrame) continue;
-        expected.push_back(known_of(session.process(frame)));
+        expected.push_back(known_of(loop.process(frame)));
         const Known& now = expected.back();
         INFO("frame " << now.number << " at " << camera.x() << " m");
         CHECK(now.state != TrackState::kLost);
@@ -240,22 +240,22 @@ TEST_CASE("through all of it the camera is followed, what moves is found and the
       // Of a pair, whose depth is of 80 x 60 px, the finger is too few tiles (moving_mask.h).
       if (!stereo) CHECK(at(camera.tip().x(), camera.tip().y()));
       CHECK_FALSE(at(140, 100));
-      CHECK(session.tracker_counts().lost == 0);
-      expected_distance = session.map()->distance(on_wall);
+      CHECK(loop.session.tracker_counts().lost == 0);
+      expected_distance = loop.session.map()->distance(on_wall);
       REQUIRE(expected_distance);
       CHECK(std::abs(*expected_distance) <= test::tolerance(0.01, "a voxel"));
     }
 
     test::MisbehavingCamera camera(acts, shows);
-    Session session = session_of(camera);
-    VisionThread vision(camera, session, -1);
-    Scene scene;
+    FrameLoop loop = loop_of(camera);
+    VisionThread vision(camera, loop.camera, -1);
     std::size_t n = 0;
     while (!vision.ended()) {
       std::unique_ptr<FrameInFlight> flight = vision.next_within(0.001);
       if (!flight) continue;
       REQUIRE(n < expected.size());
-      session.respond(flight->seen, scene);
+      loop.session.respond(flight->scene);
+      const Scene& scene = flight->scene;
       const Known now = known_of(scene);
       CHECK(now.number == expected[n].number);
       CHECK(now.state == expected[n].state);
@@ -265,7 +265,7 @@ TEST_CASE("through all of it the camera is followed, what moves is found and the
       ++n;
     }
     CHECK(n == expected.size());
-    CHECK(session.map()->distance(on_wall) == expected_distance);
+    CHECK(loop.session.map()->distance(on_wall) == expected_distance);
     CHECK(vision.troubles().unreadable == 5 * 3 + SourceGuard::kClockRestart - 1);
     CHECK(vision.troubles().dropped == 3);
     CHECK(vision.troubles().stalls == 1);
@@ -273,16 +273,16 @@ TEST_CASE("through all of it the camera is followed, what moves is found and the
   }
 }
 
-TEST_CASE("the loop can be left while a camera is silent", "[apps][threads]") {
+TEST_CASE("the loop can be left while a camera is silent", "[live][threads]") {
   test::MisbehavingCamera camera({test::Act::kStall});
   camera.repeats_last = true;
-  Session session = session_for(camera);
-  VisionThread vision(camera, session, -1);
+  FrameLoop loop = loop_for(camera);
+  VisionThread vision(camera, loop.camera, -1);
   CHECK(vision.next_within(0.001) == nullptr);
   CHECK_FALSE(vision.ended());
 }
 
-TEST_CASE("a queue hands everything over in order and tells that it is closed", "[apps][threads]") {
+TEST_CASE("a queue hands everything over in order and tells that it is closed", "[live][threads]") {
   BoundedQueue<int> queue(2);
   std::thread producer([&] {
     for (int i = 0; i < 1000; ++i) queue.push(i);
@@ -296,7 +296,7 @@ TEST_CASE("a queue hands everything over in order and tells that it is closed", 
   CHECK_FALSE(queue.pop().has_value());
 }
 
-TEST_CASE("a queue takes no memory once it is made", "[apps]") {
+TEST_CASE("a queue takes no memory once it is made", "[live]") {
   BoundedQueue<std::unique_ptr<int>> queue(3);
   std::unique_ptr<int> item = std::make_unique<int>(7);
   CHECK(test::allocations_during([&] {
@@ -309,4 +309,4 @@ TEST_CASE("a queue takes no memory once it is made", "[apps]") {
 }
 
 }  // namespace
-}  // namespace palpable::app
+}  // namespace palpable

@@ -10,9 +10,10 @@
 #include <utility>
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
 
-/// First in, first out. Any number of threads may push and pop. Takes its memory when it is made.
+/// First in, first out. Any number of threads may push and pop. Allocates when it is made, and
+/// never again.
 template <class T>
 class BoundedQueue {
  public:
@@ -34,17 +35,17 @@ class BoundedQueue {
   std::optional<T> pop() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return closed_ || count_ > 0; });
-    return taken();
+    return pop_first();
   }
 
-  /// The same, but waits at most so long: nothing then, too; drained() tells the two apart.
+  /// The same, but waits at most so long: nothing then, too. drained() tells the two apart.
   std::optional<T> pop_within(std::chrono::duration<double> wait) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, wait, [this] { return closed_ || count_ > 0; });
-    return taken();
+    return pop_first();
   }
 
-  /// Closed and empty: nothing will come any more.
+  /// Whether the queue is closed and empty: pop() will never give an item again.
   [[nodiscard]] bool drained() {
     const std::lock_guard lock(mutex_);
     return closed_ && count_ == 0;
@@ -55,7 +56,7 @@ class BoundedQueue {
     return closed_;
   }
 
-  /// No more items come. What is in the queue can still be taken.
+  /// Refuses further items. Those in the queue can still be popped.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
@@ -63,8 +64,8 @@ class BoundedQueue {
   }
 
  private:
-  // The first item; the lock is held.
-  std::optional<T> taken() {
+  // The first item, if any. The caller holds the lock.
+  std::optional<T> pop_first() {
     if (count_ == 0) return std::nullopt;
     std::optional<T> item(std::move(ring_[first_]));
     first_ = (first_ + 1) % ring_.size();
@@ -81,4 +82,4 @@ class BoundedQueue {
   bool closed_ = false;
 };
 
-}  // namespace palpable::app
+}  // namespace palpable

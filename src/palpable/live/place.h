@@ -1,5 +1,6 @@
 /// @file
-/// Where a body stands before the camera, as users write it.
+/// Where a body stands before the camera, as users write it: on the command line, in a file of
+/// numbers, or in the scene.toml beside a recording.
 #pragma once
 
 #include "palpable/geometry/rigid.h"
@@ -8,7 +9,7 @@
 #include <optional>
 #include <string>
 
-namespace palpable::app {
+namespace palpable {
 
 /// camera_from_body from six numbers: the place of the body's origin in the camera (m: right, down,
 /// forward) and three angles (degrees). With all angles 0 the body stands upright before a level
@@ -35,7 +36,7 @@ struct SceneFile {
   std::optional<int> ignore_static_frames;
 };
 
-/// Nothing in it when there is no such file. @throws Error when it cannot be read or is wrong
+/// Without such a file nothing is known. @throws Error when it cannot be read or is wrong
 [[nodiscard]] SceneFile read_scene_file(const std::filesystem::path& path);
 
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,4 +1,4 @@
-#include "apps/palpable/place.h"
+#include "palpable/live/place.h"
 
 #include "palpable/base/error.h"
 
@@ -12,14 +12,15 @@
 #include <string_view>
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFarthest = 100;  // m: what is farther was not meant
+constexpr double kFarthest = 100;  // m; a larger number is more likely in mm
 
-// From text to numbers; commas and brackets separate too. Nothing when a word is no number.
+// The numbers of a text, separated by blanks, commas, semicolons or brackets. Nothing when a word
+// is no number.
 std::optional<std::vector<double>> numbers_in(std::string text) {
   for (char& c : text) {
     if (c == ',' || c == '[' || c == ']' || c == ';') c = ' ';
@@ -55,9 +56,7 @@ Rigid3 pose_of(const std::vector<double>& n, const std::string& where) {
   } else if (n.size() == 16) {
     Eigen::Matrix4d matrix;
     for (int row = 0; row < 4; ++row) {
-      for (int column = 0; column < 4; ++column) {
-        matrix(row, column) = n[static_cast<std::size_t>(4 * row + column)];
-      }
+      for (int column = 0; column < 4; ++column) { matrix(row, column) = n[4 * row + column]; }
     }
     const Eigen::Matrix3d R = matrix.topLeftCorner<3, 3>();
     const double skew = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
@@ -164,4 +163,4 @@ SceneFile read_scene_file(const fs::path& path) {
   return scene;
 }
 
-}  // namespace palpable::app
+}  // namespace palpable

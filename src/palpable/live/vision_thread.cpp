@@ -1,17 +1,17 @@
-#include "apps/palpable/vision_thread.h"
+#include "palpable/live/vision_thread.h"
 
 #include <iterator>
 #include <utility>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 constexpr std::size_t kInFlight = 3;  // one being seen, one waiting, one being answered
 }
 
-VisionThread::VisionThread(FrameSource& source, Session& session, int frames)
+VisionThread::VisionThread(FrameSource& source, DepthCamera& camera, int frames)
     : ready_(1), free_(kInFlight) {
   for (std::size_t i = 0; i < kInFlight; ++i) free_.push(std::make_unique<FrameInFlight>());
-  thread_ = std::thread([this, &source, &session, frames] { run(source, session, frames); });
+  thread_ = std::thread([this, &source, &camera, frames] { run(source, camera, frames); });
 }
 
 VisionThread::~VisionThread() {
@@ -20,7 +20,7 @@ VisionThread::~VisionThread() {
   thread_.join();
 }
 
-void VisionThread::run(FrameSource& source, Session& session, int frames) {
+void VisionThread::run(FrameSource& source, DepthCamera& camera, int frames) {
   try {
     SourceGuard guard(source);
     for (int seen = 0; frames < 0 || seen < frames;) {
@@ -28,16 +28,18 @@ void VisionThread::run(FrameSource& source, Session& session, int frames) {
       if (!item) break;
       FrameInFlight& flight = **item;
       FrameStatus status = FrameStatus::kUnreadable;
-      flight.times.clear();
+      StageTimes& times = flight.scene.times;
+      times.clear();
       {
-        const StageTimer timer(flight.times, "read");
+        const StageTimer timer(times, "read");
         while (status != FrameStatus::kFrame && status != FrameStatus::kEnd && !ready_.closed()) {
           status = guard.next(flight.frame);
-          tell(guard);
+          copy_reports(guard);
         }
       }
       if (status != FrameStatus::kFrame) break;
-      flight.times.add(session.see(flight.frame, flight.seen));
+      camera.see(flight.frame, flight.scene.seen);
+      times.add(camera.last_times());
       ++seen;
       if (!ready_.push(std::move(*item))) break;
     }
@@ -45,7 +47,7 @@ void VisionThread::run(FrameSource& source, Session& session, int frames) {
   ready_.close();
 }
 
-std::unique_ptr<FrameInFlight> VisionThread::given(
+std::unique_ptr<FrameInFlight> VisionThread::frame_or_null(
     std::optional<std::unique_ptr<FrameInFlight>> item) {
   if (item) return std::move(*item);
   static_cast<void>(ended());
@@ -58,15 +60,15 @@ bool VisionThread::ended() {
   return true;
 }
 
-std::unique_ptr<FrameInFlight> VisionThread::next() { return given(ready_.pop()); }
+std::unique_ptr<FrameInFlight> VisionThread::next() { return frame_or_null(ready_.pop()); }
 
 std::unique_ptr<FrameInFlight> VisionThread::next_within(double seconds) {
-  return given(ready_.pop_within(std::chrono::duration<double>(seconds)));
+  return frame_or_null(ready_.pop_within(std::chrono::duration<double>(seconds)));
 }
 
-void VisionThread::tell(SourceGuard& guard) {
+void VisionThread::copy_reports(SourceGuard& guard) {
   std::vector<std::string> reports = guard.take_reports();
-  const std::lock_guard lock(told_mutex_);
+  const std::lock_guard lock(reports_mutex_);
   troubles_ = guard.troubles();
   last_trouble_ = guard.last_trouble();
   reports_.insert(reports_.end(), std::make_move_iterator(reports.begin()),
@@ -74,20 +76,20 @@ void VisionThread::tell(SourceGuard& guard) {
 }
 
 std::vector<std::string> VisionThread::take_reports() {
-  const std::lock_guard lock(told_mutex_);
+  const std::lock_guard lock(reports_mutex_);
   return std::exchange(reports_, {});
 }
 
 SourceTroubles VisionThread::troubles() {
-  const std::lock_guard lock(told_mutex_);
+  const std::lock_guard lock(reports_mutex_);
   return troubles_;
 }
 
 std::string VisionThread::last_trouble() {
-  const std::lock_guard lock(told_mutex_);
+  const std::lock_guard lock(reports_mutex_);
   return last_trouble_;
 }
 
 void VisionThread::recycle(std::unique_ptr<FrameInFlight> frame) { free_.push(std::move(frame)); }
 
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,0 +1,139 @@
+#include "palpable/live/anchoring.h"
+
+#include "palpable/base/error.h"
+#include "palpable/base/stage_clock.h"
+#include "palpable/geometry/median_pose.h"
+#include "palpable/map/plane_fit.h"
+#include "palpable/slam/slam.h"
+#include "palpable/sources/source_guard.h"
+
+#include <fmt/core.h>
+
+#include <functional>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+// A second at a camera's usual rate.
+constexpr int kFrames = 30;
+
+// A camera may take its time for the first picture, but not for ever. Of the failures those that
+// wait for a picture take 0.1 s each.
+constexpr int kMostFailures = 100;
+
+// m from the body's origin at which its pose has to be right: half of a hand-sized body.
+constexpr double kBodyReach = 0.1;
+
+// Calls look() for each of the first frames that can be used.
+// @return how many there were, at least one
+int see_first_frames(FrameSource& source, const std::string& name, DepthCamera& camera,
+                     const std::function<void(const SeenFrame&)>& look) {
+  SourceGuard guard(source);
+  Frame frame;
+  SeenFrame seen;
+  int looked = 0;
+  for (int failures = 0; looked < kFrames && failures < kMostFailures;) {
+    const FrameStatus status = guard.next(frame);
+    if (status == FrameStatus::kEnd) break;
+    if (status != FrameStatus::kFrame) {
+      ++failures;
+      continue;
+    }
+    ++looked;
+    camera.see(frame, seen);
+    if (seen.misfit) throw Error(fmt::format("{}: {}", name, seen.misfit->message()));
+    look(seen);
+  }
+  if (looked == 0) {
+    throw Error(fmt::format("{}: gives no picture that can be used{}{}", name,
+                            guard.last_trouble().empty() ? "" : ": ", guard.last_trouble()));
+  }
+  return looked;
+}
+
+// What one frame says about where the body is to stand.
+template <class Found>
+struct Sighting {
+  Rigid3 start_from_camera;  // start: the camera of the frame with which a session begins
+  Found found;               // in the frame's camera
+};
+
+// What the first frames show, at least one sighting, in their order.
+// @param find_in  (frame, camera) -> optional Found, in the frame's camera
+// @param missing  what is said not to be there when nothing is found
+template <class FindIn>
+auto find_in_first_frames(FrameSource& source, const std::string& name,
+                          const DepthSettings& settings, const FindIn& find_in,
+                          const std::string& missing) {
+  using Found =
+      typename std::invoke_result_t<FindIn, const SeenFrame&, const DepthCamera&>::value_type;
+  DepthCamera camera = value_or_throw(DepthCamera::make(source.format(), settings));
+  Slam slam(camera, source.format(), {.map = false});
+  const bool live = source.is_live();
+  std::vector<Sighting<Found>> sightings;  // until the end with world_from_camera
+  Rigid3 world_from_start = Rigid3::Identity();
+  StageTimes unused;
+  const int looked = see_first_frames(source, name, camera, [&](const SeenFrame& seen) {
+    const TrackedPose pose = slam.advance(seen, unused).camera;
+    if (pose.new_world) sightings.clear();
+    if (pose.state == TrackState::kLost) return;
+    if (live) world_from_start = pose.world_from_camera;
+    if (const std::optional<Found> found = find_in(seen, camera)) {
+      sightings.push_back({pose.world_from_camera, *found});
+    }
+  });
+  if (sightings.empty()) {
+    throw Error(
+        fmt::format("{}: its first {} frames show no {}, or give --place", name, looked, missing));
+  }
+  for (auto& sighting : sightings) {
+    sighting.start_from_camera = world_from_start.inverse() * sighting.start_from_camera;
+  }
+  return sightings;
+}
+
+}  // namespace
+
+Rigid3 pose_on_plane(FrameSource& source, const std::string& name, const DepthSettings& settings) {
+  const auto plane_in = [](const SeenFrame& seen, const DepthCamera& camera) {
+    return fit_standing_plane(seen.depth, seen.depth_camera, camera.noise());
+  };
+  const auto sightings =
+      find_in_first_frames(source, name, settings, plane_in,
+                           "plane to stand on (within 1.5 m, a tenth of what is seen there, "
+                           "facing up in the picture); turn the camera to the desk");
+  // The sighting nearest in time to where the session begins says at which point of the plane.
+  const auto& nearest = source.is_live() ? sightings.back() : sightings.front();
+  const Eigen::Vector3d middle = nearest.start_from_camera * nearest.found.middle;
+  std::vector<Rigid3> poses;
+  for (const auto& [start_from_camera, found] : sightings) {
+    Plane plane = moved_by(start_from_camera, found);
+    // The middle of its own picture is another point in every frame. All are asked for the pose at
+    // the same one, projected to their own plane.
+    plane.middle = middle - (plane.normal.dot(middle) - plane.offset) * plane.normal;
+    poses.push_back(camera_from_body_on(plane));
+  }
+  return median_pose(poses, kBodyReach);
+}
+
+Rigid3 pose_on_board(FrameSource& source, const std::string& name, const DepthSettings& settings,
+                     const BoardPattern& pattern) {
+  const auto board_in = [&](const SeenFrame& seen, const DepthCamera&) {
+    return find_board_pose(seen.color, seen.camera, pattern);
+  };
+  const auto sightings = find_in_first_frames(
+      source, name, settings, board_in,
+      fmt::format("chessboard of {}x{} inner corners (--board); show it whole, flat and sharp",
+                  pattern.columns, pattern.rows));
+  std::vector<Rigid3> poses;
+  for (const auto& [start_from_camera, found] : sightings) {
+    poses.push_back(start_from_camera * found);
+  }
+  return median_pose(poses, kBodyReach);
+}
+
+}  // namespace palpable

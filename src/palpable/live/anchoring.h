@@ -1,0 +1,36 @@
+/// @file
+/// Where a body stands when nobody gives its pose: on the desk, or on the chessboard, that the
+/// first second of a source shows.
+///
+/// Every frame gives one pose; their median is what counts, so that a hand which passes through
+/// some of the frames does not matter. The camera may move meanwhile: it is followed, and all poses
+/// are brought to the frame with which a session on the same source begins. That is a recording's
+/// first frame, and of a camera the last one that was seen.
+#pragma once
+
+#include "palpable/calibrate/board_calibration.h"
+#include "palpable/depth/depth_camera.h"
+#include "palpable/geometry/rigid.h"
+#include "palpable/sources/frame_source.h"
+
+#include <string>
+
+namespace palpable {
+
+/// On the plane that is seen, at the point nearest to the picture's middle, upright
+/// (camera_from_body_on in plane_fit.h).
+///
+/// @param source  reads up to 30 frames of it
+/// @param name    of the source, for messages
+/// @return world_from_body; the world is the camera of the frame named above
+/// @throws Error when no frame can be used, when a pair does not fit its calibration, or when no
+///         frame shows such a plane
+[[nodiscard]] Rigid3 pose_on_plane(FrameSource& source, const std::string& name,
+                                   const DepthSettings& settings);
+
+/// On the middle of the chessboard that is seen (find_board_pose in board_calibration.h); otherwise
+/// the same.
+[[nodiscard]] Rigid3 pose_on_board(FrameSource& source, const std::string& name,
+                                   const DepthSettings& settings, const BoardPattern& pattern);
+
+}  // namespace palpable

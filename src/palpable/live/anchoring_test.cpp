@@ -1,0 +1,113 @@
+#include "palpable/live/anchoring.h"
+
+#include "palpable/base/error.h"
+#include "tests/support/board_picture.h"
+#include "tests/support/seen_wall.h"
+#include "tests/support/test.h"
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Vector3d;
+using test::tolerance;
+
+/// The same colour + depth images again and again, in turn.
+class Pictures final : public FrameSource {
+ public:
+  Pictures(const FrameFormat& format, std::vector<Frame> frames, int count)
+      : format_(format), frames_(std::move(frames)), count_(count) {}
+  const FrameFormat& format() const override { return format_; }
+  FrameStatus next(Frame& frame) override {
+    if (number_ == count_) return FrameStatus::kEnd;
+    frame = frames_[static_cast<std::size_t>(number_) % frames_.size()];
+    frame.number = number_++;
+    frame.time = frame.number / 30.0;
+    return FrameStatus::kFrame;
+  }
+  int frame_count() const override { return count_; }
+  std::string last_trouble() const override { return {}; }
+  [[nodiscard]] int given() const { return number_; }
+
+ private:
+  FrameFormat format_;
+  std::vector<Frame> frames_;
+  int count_;
+  int number_ = 0;
+};
+
+// A desk 0.4 m below a camera that looks down by 45 degrees; normal . x = -0.4 m.
+const Vector3d kUp = Vector3d(0, -1, -1).normalized();
+constexpr double kHeight = 0.4;
+
+// @param height  m, of what is seen over the whole desk
+Frame frame_of_desk(double height = 0) {
+  const FrameFormat format = test::wall_format();
+  Frame frame;
+  frame.left = test::frame_of_wall(0, 0).left;  // a pattern, so that the camera is seen to stand
+  frame.depth = DepthImage(format.width, format.height);
+  for (int v = 0; v < format.height; ++v) {
+    for (int u = 0; u < format.width; ++u) {
+      const Vector3d ray = format.depth_camera.unproject(u, v, 1.0);
+      frame.depth(u, v) = static_cast<float>((height - kHeight) / kUp.dot(ray));
+    }
+  }
+  return frame;
+}
+
+TEST_CASE("a body is put upright on the plane that is seen, whatever a third of the frames shows",
+          "[live][anchor]") {
+  Pictures desk(test::wall_format(), {frame_of_desk(), frame_of_desk(0.15), frame_of_desk()}, 100);
+  const Rigid3 pose = pose_on_plane(desk, "the desk", {});
+  CHECK(desk.given() == 30);
+  CHECK((pose.linear().col(2) - kUp).norm() <= tolerance(1e-4, "depths are floats"));
+  CHECK(std::abs(kUp.dot(pose.translation()) + kHeight) <= tolerance(1e-4, "depths are floats"));
+  // Where the optical axis meets it.
+  const Vector3d middle(0, 0, kHeight / -kUp.z());
+  CHECK((pose.translation() - middle).norm() <=
+        tolerance(0.02, "one pixel in 16 is looked at: 4 px of 250 at 0.57 m"));
+}
+
+TEST_CASE("a body is put on the middle of the chessboard that is seen", "[live][anchor]") {
+  FrameFormat format = test::wall_format();
+  format.width = 321;
+  format.height = 241;
+  format.depth_camera = {321, 241, 300, 300, 160, 120};
+  const BoardPattern pattern{.columns = 5, .rows = 4, .square = 0.03};
+  Rigid3 camera_from_board = Rigid3::Identity();  // X right, Y down, leant back a little
+  camera_from_board.linear() = Eigen::AngleAxisd(0.4, Vector3d::UnitX()).toRotationMatrix();
+  camera_from_board.translation() = Vector3d(-0.05, -0.04, 0.5);
+  Frame frame;
+  frame.left = test::board_picture({format.depth_camera}, camera_from_board, pattern, 3);
+  frame.depth = DepthImage(format.width, format.height, 0.5F);
+  Pictures board(format, {frame}, 3);
+  const Rigid3 pose = pose_on_board(board, "the board", {}, pattern);
+  const Vector3d middle = camera_from_board * (pattern.square * Vector3d(2, 1.5, 0));
+  CHECK((pose.translation() - middle).norm() <=
+        tolerance(2e-3, "0.1 px of the corners of a board that is 72 px wide"));
+  CHECK(pose.linear().col(2).dot(camera_from_board.linear().col(2)) <
+        -0.999);  // Z points out of the board, at the camera: 2.6 degrees
+}
+
+TEST_CASE("where no plane, no board or no picture is, the source is named and what is missing",
+          "[live][anchor][errors]") {
+  using Catch::Contains;
+  const auto wall = [] { return Pictures(test::wall_format(), {test::frame_of_wall(0, 0)}, 4); };
+  Pictures facing = wall();
+  CHECK_THROWS_WITH(pose_on_plane(facing, "my clip", {}),
+                    Contains("my clip: its first 4 frames show no plane to stand on"));
+  Pictures bare = wall();
+  CHECK_THROWS_WITH(pose_on_board(bare, "my clip", {}, {}),
+                    Contains("no chessboard of 9x6 inner corners"));
+  Pictures empty(test::wall_format(), {}, 0);
+  CHECK_THROWS_WITH(pose_on_plane(empty, "my clip", {}), Contains("my clip: gives no picture"));
+}
+
+}  // namespace
+}  // namespace palpable

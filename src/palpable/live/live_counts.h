@@ -1,0 +1,35 @@
+/// @file
+/// What happened in a live run, counted.
+#pragma once
+
+#include "palpable/session/scene.h"
+#include "palpable/sources/source_guard.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpable {
+
+struct LiveCounts {
+  std::vector<int> processed;  ///< numbers of the answered frames
+  std::vector<int> lost;       ///< of these, frames in which it was not known where the camera is
+  int moving = 0;              ///< frames in which the camera moved and was followed
+
+  int touching = 0;                ///< frames in which the body was touched
+  std::optional<int> first_touch;  ///< number of the first of them
+  int site_changes = 0;            ///< times that a touch was at another site than the one before
+  double deepest = 0;              ///< m, of all presses
+
+  SourceTroubles troubles;           ///< of the source
+  std::string last_trouble;          ///< why the last unusable frame could not be used
+  std::vector<std::string> reports;  ///< of the source, in its words, a line each
+
+  /// Counts one answered frame.
+  void add(const Scene& scene);
+
+ private:
+  int last_site_ = -1;  // of the touch before; -1: there was none
+};
+
+}  // namespace palpable

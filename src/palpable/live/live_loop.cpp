@@ -1,0 +1,69 @@
+#include "palpable/live/live_loop.h"
+
+#include "palpable/base/error.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+int total_of(const FrameSource& source, int frames) {
+  const int there = source.frame_count();
+  if (frames <= 0) return there;
+  return there > 0 ? std::min(there, frames) : frames;
+}
+
+}  // namespace
+
+LiveLoop::LiveLoop(LiveRun& run, int frames, std::function<void(const std::string& line)> report)
+    : run_(run),
+      total_(total_of(*run.source, frames)),
+      report_(std::move(report)),
+      vision_(*run.source, run.loop.camera, frames) {}
+
+Scene* LiveLoop::next() {
+  recycle();
+  return ended() ? nullptr : answer(vision_.next());
+}
+
+Scene* LiveLoop::next_within(double seconds) {
+  recycle();
+  return ended() ? nullptr : answer(vision_.next_within(seconds));
+}
+
+bool LiveLoop::ended() {
+  const bool all_answered = total_ > 0 && static_cast<int>(counts_.processed.size()) >= total_;
+  return all_answered || vision_.ended();
+}
+
+const LiveCounts& LiveLoop::counts() {
+  for (std::string& line : vision_.take_reports()) {
+    if (report_) report_(line);
+    counts_.reports.push_back(std::move(line));
+  }
+  counts_.troubles = vision_.troubles();
+  counts_.last_trouble = vision_.last_trouble();
+  return counts_;
+}
+
+Scene* LiveLoop::answer(std::unique_ptr<FrameInFlight> flight) {
+  counts();
+  if (!flight) return nullptr;
+  flight_ = std::move(flight);
+  Scene& scene = flight_->scene;
+  if (scene.seen.misfit) {
+    throw Error(fmt::format("{}: {}", run_.images.string(), scene.seen.misfit->message()));
+  }
+  run_.loop.session.respond(scene);
+  counts_.add(scene);
+  return &scene;
+}
+
+void LiveLoop::recycle() {
+  if (flight_) vision_.recycle(std::move(flight_));
+}
+
+}  // namespace palpable

@@ -1,0 +1,56 @@
+/// @file
+/// From "this body, these images, this place" to a source and a frame loop that are ready to go.
+///
+///     LiveSettings wanted;
+///     wanted.images.device = "my/clip";
+///     LiveRun run = open_live(body, wanted);
+///     LiveLoop loop(run);                               // live_loop.h
+///     while (const Scene* scene = loop.next()) ...
+///
+/// examples/run_session.cpp is that, as a program.
+#pragma once
+
+#include "palpable/calibrate/board_calibration.h"
+#include "palpable/geometry/rigid.h"
+#include "palpable/reduced/reduced_body.h"
+#include "palpable/session/frame_loop.h"
+#include "palpable/session/session.h"
+#include "palpable/sources/camera_source.h"
+#include "palpable/sources/frame_source.h"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+namespace palpable {
+
+/// How it is found out where the body stands.
+enum class Anchor {
+  kPlace,  ///< LiveSettings::place says it, else the scene.toml beside the images (place.h)
+  kPlane,  ///< on the desk that the first frames show (anchoring.h)
+  kBoard   ///< on the chessboard that they show
+};
+
+struct LiveSettings {
+  CameraRequest images;  ///< folder, images by name, video or camera (open_source.h)
+  bool paced = false;    ///< a recording at its own pace; else it waits for the loop
+  Anchor anchor = Anchor::kPlace;
+  std::optional<Rigid3> place;  ///< of kPlace: world_from_body
+  BoardPattern board;           ///< of kBoard
+  /// ignore_static and static_frames are set if scene.toml asks for it.
+  SessionSettings session{.track = true, .map = true};
+};
+
+/// A run that is about to begin with the source's first frame.
+struct LiveRun {
+  std::unique_ptr<FrameSource> source;
+  FrameLoop loop;
+  std::filesystem::path images;  ///< the folder, file or device that is played
+};
+
+/// Finds the place, opens the images, and makes the loop. For kPlane and kBoard the images are
+/// opened, played for a second, closed and opened again.
+/// @throws Error for everything that is not as hoped
+[[nodiscard]] LiveRun open_live(ReducedBody body, const LiveSettings& settings);
+
+}  // namespace palpable

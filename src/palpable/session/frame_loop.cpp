@@ -1,0 +1,24 @@
+#include "palpable/session/frame_loop.h"
+
+#include <utility>
+
+namespace palpable {
+
+Result<FrameLoop> FrameLoop::make(ReducedBody body, const Rigid3& world_from_body,
+                                  const FrameFormat& format, const SessionSettings& settings) {
+  Result<DepthCamera> camera = DepthCamera::make(format, settings.depth);
+  if (!camera.ok()) return camera.problem();
+  Result<Session> session =
+      Session::make(std::move(body), world_from_body, camera.value(), format, settings);
+  if (!session.ok()) return session.problem();
+  return FrameLoop{std::move(camera).value(), std::move(session).value()};
+}
+
+const Scene& FrameLoop::process(const Frame& frame) {
+  camera.see(frame, scene.seen);
+  scene.times = camera.last_times();
+  session.respond(scene);
+  return scene;
+}
+
+}  // namespace palpable

@@ -1,0 +1,45 @@
+/// @file
+/// The answer to one frame: where the body is touched and what it then looks like.
+///
+///   V  surface vertices of the body
+#pragma once
+
+#include "palpable/base/stage_clock.h"
+#include "palpable/contact/touch.h"
+#include "palpable/depth/depth_camera.h"
+#include "palpable/geometry/image.h"
+#include "palpable/geometry/rigid.h"
+#include "palpable/track/tracker.h"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace palpable {
+
+/// All that is to be drawn, written or compared of one frame. Plain data without pointers: it may
+/// be kept, copied and handed to another thread.
+///
+/// A scene is filled in two steps: the depth camera fills `seen`, then Session::respond() fills the
+/// rest. A loop uses the same few scenes again and again (swap them, do not copy them): then no
+/// step allocates memory once every scene has been filled.
+struct Scene {
+  SeenFrame seen;  ///< the question: colour and depth of the frame
+
+  int number = 0;                                ///< the frame's: seen.number
+  double time = 0;                               ///< s, the frame's: seen.time
+  std::vector<Touch> touches;                    ///< at most one at present
+  Eigen::Matrix3Xf vertices;                     ///< (3 x V) m, body frame, deformed
+  Eigen::Matrix3Xf normals;                      ///< (3 x V) unit, outwards
+  std::vector<float> von_mises;                  ///< (V) Pa; 0 at rest
+  Rigid3 camera_from_body = Rigid3::Identity();  ///< where the body is drawn and touched
+  TrackedPose camera;                            ///< identity and kFixed when nothing is tracked
+  /// 255 where something moves, of the depth's size. Empty when that is not looked for, or when the
+  /// camera is lost.
+  MaskImage moving;
+  /// Stages as in StageTimes: "rectify" ... "depth" of seeing, "track" ... "contact", "evaluate" of
+  /// answering. Each step adds its own; whoever fills a scene anew clears them first.
+  StageTimes times;
+};
+
+}  // namespace palpable

@@ -1,0 +1,25 @@
+#!/usr/bin/env python3
+"""with_wall_clip.py PROGRAM [WORDS...]: runs the program; {clip} among the words becomes a folder of
+stereo pairs of a wall 0.441 m away, in whose scene.toml a body of 0.1 m stands in the wall."""
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from programs import write_stereo
+
+SCENE = "camera_from_body = [1, 0, 0, 0,  0, 0, -1, 0.04,  0, 1, 0, 0.42,  0, 0, 0, 1]\n"
+
+
+def main():
+    words = sys.argv[1:]
+    with tempfile.TemporaryDirectory() as folder:
+        if "{clip}" in words:
+            clip = write_stereo(Path(folder) / "clip")
+            (clip / "scene.toml").write_text(SCENE)
+            words = [str(clip) if word == "{clip}" else word for word in words]
+        return subprocess.run(words).returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main())
