@@ -5,7 +5,7 @@
 
 #include "palpable/geometry/image.h"
 #include "palpable/reduced/reduced_body.h"
-#include "palpable/session/session.h"
+#include "palpable/session/scene.h"
 
 namespace palpable {
 

@@ -7,7 +7,7 @@
 #include "palpable/map/surface_map.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/render/map_renderer.h"
-#include "palpable/session/session.h"
+#include "palpable/session/scene.h"
 #include "palpable/track/tracker.h"
 #include "palpable/view/camera_path.h"
 #include "palpable/view/follow_camera.h"

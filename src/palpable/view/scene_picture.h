@@ -4,7 +4,7 @@
 
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/render/scene_renderer.h"
-#include "palpable/session/session.h"
+#include "palpable/session/scene.h"
 
 #include <string>
 
