@@ -5,9 +5,9 @@
 
 #include "palpable/base/progress.h"
 #include "palpable/calibrate/rectification.h"
+#include "palpable/film/desk_renderer.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/script/desk_body.h"
-#include "palpable/film/desk_renderer.h"
 #include "palpable/script/plan_sequence.h"
 
 #include <cstdint>

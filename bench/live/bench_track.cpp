@@ -10,8 +10,8 @@
 #include "palpable/reduced/body_file.h"
 #include "palpable/score/trajectory_score.h"
 #include "palpable/score/warped_depth.h"
-#include "palpable/sources/folder_source.h"
 #include "palpable/script/plan_sequence.h"
+#include "palpable/sources/folder_source.h"
 #include "palpable/track/tracker_input.h"
 
 #include <CLI/CLI.hpp>
