@@ -95,37 +95,45 @@ enum SceneImage : int { kWood, kWall, kPage, kRed, kBlue, kGreen, kCarton, kGlaz
 
 /// All that lies on the desk.
 void put_things_on_desk(DeskScene& scene, Random& random, bool left_free) {
+  // The order of the draws is part of the films (random.h): yaw, then y, then x.
   const auto jitter = [&](double x, double y, double z) {
-    return Vector3d(x + random.between(-0.01, 0.01), y + random.between(-0.01, 0.01), z);
+    const double aside_y = random.between(-0.01, 0.01);
+    const double aside_x = random.between(-0.01, 0.01);
+    return Vector3d(x + aside_x, y + aside_y, z);
   };
   const auto degrees = [&](double middle, double spread) {
     return (middle + random.between(-spread, spread)) * std::numbers::pi / 180.0;
+  };
+  const auto placed_book = [&](const Vector3d& at, const Vector3d& size, double middle,
+                               double spread, int image) {
+    const double yaw = degrees(middle, spread);
+    return book(jitter(at.x(), at.y(), at.z()), size, yaw, image);
   };
   // The pile and the mug draw their random numbers even when they are left out, so that the other
   // things lie at the same places.
   std::vector<PaintedMesh> left;
   // Left, behind: a pile of books.
-  left.push_back(book(jitter(-0.27, 0.26, 0.0), {0.23, 0.165, 0.032}, degrees(14, 4), kBlue));
-  left.push_back(book(jitter(-0.26, 0.26, 0.032), {0.21, 0.150, 0.024}, degrees(4, 5), kRed));
-  left.push_back(book(jitter(-0.27, 0.255, 0.056), {0.18, 0.125, 0.019}, degrees(22, 5), kGreen));
+  left.push_back(placed_book({-0.27, 0.26, 0.0}, {0.23, 0.165, 0.032}, 14, 4, kBlue));
+  left.push_back(placed_book({-0.26, 0.26, 0.032}, {0.21, 0.150, 0.024}, 4, 5, kRed));
+  left.push_back(placed_book({-0.27, 0.255, 0.056}, {0.18, 0.125, 0.019}, 22, 5, kGreen));
   // Behind, a carton; further right another book, standing behind where the arm comes from.
-  PaintedMesh carton = painted_box(jitter(0.06, 0.44, 0.0), {0.155, 0.085, 0.135}, degrees(-12, 5),
-                                   {{0.0, 0.86, 1.0, 1.0},
-                                    {0.0, 0.0, 1.0, 0.86},
-                                    {0.0, 0.0, 1.0, 0.86},
-                                    {0.2, 0.0, 0.75, 0.86},
-                                    {0.2, 0.0, 0.75, 0.86}},
-                                   kCarton);
-  scene.meshes.push_back(carton);
-  scene.meshes.push_back(
-      book(jitter(0.36, 0.47, 0.0), {0.22, 0.16, 0.038}, degrees(-24, 4), kGreen));
-  left.push_back(mug(jitter(-0.215, 0.055, 0.0), degrees(200, 15), kGlaze));
+  const double carton_yaw = degrees(-12, 5);
+  scene.meshes.push_back(painted_box(jitter(0.06, 0.44, 0.0), {0.155, 0.085, 0.135}, carton_yaw,
+                                     {{0.0, 0.86, 1.0, 1.0},
+                                      {0.0, 0.0, 1.0, 0.86},
+                                      {0.0, 0.0, 1.0, 0.86},
+                                      {0.2, 0.0, 0.75, 0.86},
+                                      {0.2, 0.0, 0.75, 0.86}},
+                                     kCarton));
+  scene.meshes.push_back(placed_book({0.36, 0.47, 0.0}, {0.22, 0.16, 0.038}, -24, 4, kGreen));
+  const double handle_turn = degrees(200, 15);
+  left.push_back(mug(jitter(-0.215, 0.055, 0.0), handle_turn, kGlaze));
   if (!left_free) scene.meshes.insert(scene.meshes.end(), left.begin(), left.end());
   // A written page, a millimetre thick so that it lies on the desk and not in it.
-  PaintedMesh page = painted_box(
-      jitter(-0.22, -0.13, 0.0), {0.148, 0.21, 0.0008}, degrees(17, 6),
-      {{0, 0, 1, 1}, {0, 0, 1, 0.01}, {0, 0, 1, 0.01}, {0, 0, 1, 0.01}, {0, 0, 1, 0.01}}, kPage);
-  scene.meshes.push_back(page);
+  const double page_yaw = degrees(17, 6);
+  scene.meshes.push_back(painted_box(
+      jitter(-0.22, -0.13, 0.0), {0.148, 0.21, 0.0008}, page_yaw,
+      {{0, 0, 1, 1}, {0, 0, 1, 0.01}, {0, 0, 1, 0.01}, {0, 0, 1, 0.01}, {0, 0, 1, 0.01}}, kPage));
 }
 
 /// A rectangle that repeats its image u times across and v times down. It lies outside of all

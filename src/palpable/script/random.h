@@ -9,6 +9,17 @@
 namespace palpable {
 
 /// SplitMix64 (Steele, Lea, Flood 2014): a full-period generator whose every seed is good.
+///
+/// What comes out depends on the order of the draws, and C++ leaves the order open in which the
+/// arguments of a function and the operands of most operators are evaluated. So at most one draw
+/// stands in an argument list or in an expression; the others are named in statements before it:
+///
+///     Vector3d(random.unit(), random.unit(), 0.0)        wrong: another film with another compiler
+///     const double x = random.unit();                    right
+///     const double y = random.unit();
+///     Vector3d(x, y, 0.0)
+///
+/// (Members of a braced list are evaluated in their order.)
 class Random {
  public:
   /// Streams with different names are independent.

@@ -26,8 +26,10 @@ SensorFaults sensor_faults(std::uint64_t seed) {
   Random random(seed, "sensor");
   SensorFaults faults;
   // Both ranges are the outer half of what is allowed: no seed gives a rig nearly without faults.
-  faults.right_gain = 1.0 + random.sign() * random.between(0.015, 0.029);
-  faults.row_error_px = random.sign() * random.between(0.05, 0.09);
+  const double gain_sign = random.sign();
+  faults.right_gain = 1.0 + gain_sign * random.between(0.015, 0.029);
+  const double row_sign = random.sign();
+  faults.row_error_px = row_sign * random.between(0.05, 0.09);
   return faults;
 }
 

@@ -12,6 +12,14 @@ namespace palpable {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
+namespace {
+
+struct Span {
+  double low, high;
+};
+
+}  // namespace
+
 std::function<Movers(double)> working_hand(CameraPath path, int frames, std::uint64_t seed) {
   // The hand's path is written in a frame that moves with the camera: X right, Y forward, Z up as
   // the camera sees them.
@@ -36,19 +44,28 @@ std::function<Movers(double)> working_hand(CameraPath path, int frames, std::uin
   double now = kFramesWithoutHand;
   key(now, away, left_up, palm_down, 0.5);
   while (now < frames) {
+    // The order of the draws is part of the films (random.h).
     const auto spot = [&](double nearest, double farthest) {
-      return Vector3d(random.between(0.015, 0.065), random.between(nearest, farthest),
-                      random.between(-0.055, -0.005));
+      const double z = random.between(-0.055, -0.005);
+      const double y = random.between(nearest, farthest);
+      const double x = random.between(0.015, 0.065);
+      return Vector3d(x, y, z);
+    };
+    const auto direction = [&](const Span& x, const Span& y, const Span& z) {
+      const double at_z = random.between(z.low, z.high);
+      const double at_y = random.between(y.low, y.high);
+      const double at_x = random.between(x.low, x.high);
+      return Vector3d(at_x, at_y, at_z);
     };
     key(now += 10, spot(0.20, 0.22), left_up, palm_down, 0.9);
     const int moves = 4 + static_cast<int>(random.between(0.0, 3.0));
     for (int i = 0; i < moves; ++i) {
-      const Vector3d fingers(random.between(-0.95, -0.55), random.between(0.0, 0.5),
-                             random.between(0.05, 0.75));
-      const Vector3d back(random.between(0.0, 0.5), random.between(-0.9, -0.2),
-                          random.between(0.4, 1.0));
-      key(now += random.between(12.0, 26.0), spot(0.17, 0.22), fingers, back,
-          random.between(0.2, 1.0));
+      const Vector3d fingers = direction({-0.95, -0.55}, {0.0, 0.5}, {0.05, 0.75});
+      const Vector3d back = direction({0.0, 0.5}, {-0.9, -0.2}, {0.4, 1.0});
+      const double open = random.between(0.2, 1.0);
+      const Vector3d knuckles = spot(0.17, 0.22);
+      now += random.between(12.0, 26.0);
+      key(now, knuckles, fingers, back, open);
     }
     key(now += 11, away, left_up, palm_down, 0.5);
     key(now += random.between(4.0, 12.0), away, left_up, palm_down, 0.5);
