@@ -137,10 +137,7 @@ void solve_linear_responses(const CampaignPlan& plan, const SnapshotStore& store
 class Account {
  public:
   Account(const Progress& progress, int there, int total, int units)
-      : progress_(progress),
-        done_(there),
-        total_(total),
-        parts_(units, 0.0) {
+      : progress_(progress), done_(there), total_(total), parts_(units, 0.0) {
     if (there > 0) found_ = fmt::format("{} were there", there);
   }
   void begin() {

@@ -29,8 +29,8 @@ class Crew {
   [[nodiscard]] virtual std::vector<int> agree(std::vector<int> list) = 0;
 
   /// Hands out each 0 <= i < count once, in increasing order: every process calls run() once, which
-  /// asks `next` for pieces, from any of its threads, until there are none, and calls `finished` for
-  /// each. In the leader, finished() is then called with the same numbers, one call at a time.
+  /// asks `next` for pieces, from any of its threads, until there are none, and calls `finished`
+  /// for each. In the leader, finished() is then called with the same numbers, one call at a time.
   /// @throws what run() threw, when all processes have ended; nothing more is handed out then. In
   ///         a process that does not lead: an Error for a failure of any other
   virtual void share(int count, const std::function<void(const Pieces&)>& run,

@@ -332,7 +332,8 @@ Walk::Failure Walk::solve(double level, double tolerance) {
 
     // d_ points downhill in the potential, because the tangent was positive along all that
     // conjugate gradients saw. A step is taken if it lowers the potential as Armijo asks, or
-    // halves the residual: close to the solution rounding of the potential hides what it changes by.
+    // halves the residual: close to the solution rounding of the potential hides what it changes
+    // by.
     const double potential = state.energy + load_potential(level, u);
     const double slope = -r_.dot(d_);
     const double rounding = assembly_.energy_noise() + 1e-13 * std::abs(potential);
