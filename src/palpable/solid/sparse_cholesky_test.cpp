@@ -129,7 +129,7 @@ TEST_CASE("what single precision cannot factorise, double precision can, and 32 
     const CgResult result =
         conjugate_gradients(system_of(K, *factor, workspace), b, 1e-8, 400, x, scratch);
     CHECK(result.end == CgEnd::kConverged);
-    iterations[precision] = result.iterations;
+    iterations[static_cast<std::size_t>(precision)] = result.iterations;
   }
   INFO(iterations[0] << " iterations with 16 bits, " << iterations[1] << " with 32");
   CHECK(iterations[1] <= 4);
