@@ -1,7 +1,7 @@
 #include "palpable/bake/export_store.h"
 
 #include "palpable/base/error.h"
-#include "palpable/exchange/npy_file.h"
+#include "palpable/base/npy_file.h"
 #include "palpable/exchange/vtu_file.h"
 
 #include <fmt/format.h>
