@@ -184,7 +184,8 @@ Handle open_group(hid_t file, const char* name) {
 std::string image_of(std::string_view kind, int layout, const std::function<void(hid_t)>& fill) {
   const Handle access = in_memory();
   check(H5Pset_fapl_core(access, std::size_t{1} << 20, false), "no memory");
-  const Handle file(H5Fcreate("image", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, "no memory");
+  const Handle file(H5Fcreate("image that is written", H5F_ACC_TRUNC, H5P_DEFAULT, access),
+                    H5Fclose, "no memory");
   fill(file);
   check(H5Fflush(file, H5F_SCOPE_GLOBAL), "no memory");
   const ssize_t size = H5Fget_file_image(file, nullptr, 0);

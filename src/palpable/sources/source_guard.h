@@ -5,6 +5,7 @@
 #include "palpable/sources/frame_source.h"
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -57,7 +58,7 @@ class SourceGuard {
   [[nodiscard]] std::string time_trouble(Frame& frame);
   void watch_state();
   void report(std::string line);
-  void report_always(std::string line) { reports_.push_back(std::move(line)); }
+  void report_always(std::string_view line) { reports_.emplace_back(line); }
 
   FrameSource& source_;
   SourceState state_ = SourceState::kRunning;
