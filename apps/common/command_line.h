@@ -26,9 +26,10 @@ namespace palpable::app {
 /// What an option can fill. A list takes all words up to the next option, or several mentions.
 template <class T>
 concept OptionValue = std::same_as<T, std::string> || std::same_as<T, std::filesystem::path> ||
-    std::same_as<T, int> || std::same_as<T, double> || std::same_as<T, std::uint64_t> ||
-    std::same_as<T, std::optional<double>> || std::same_as<T, std::vector<int>> ||
-    std::same_as<T, std::vector<double>> || std::same_as<T, std::vector<std::string>>;
+    std::same_as<T, int> || std::same_as<T, unsigned> || std::same_as<T, double> ||
+    std::same_as<T, std::uint64_t> || std::same_as<T, std::optional<double>> ||
+    std::same_as<T, std::vector<int>> || std::same_as<T, std::vector<double>> ||
+    std::same_as<T, std::vector<std::string>>;
 
 /// One option of a command. A handle: copies mean the same option, which lives as long as its
 /// CommandLine does.

@@ -169,7 +169,7 @@ void bench_evaluate(const BodyOptions& options) {
 }
 
 // What a depth camera sees of a finger on the body's first site, and of a plane 0.1 m behind it.
-DepthImage depth_of_finger(const TrueCapsule& finger, const PinholeCamera& camera, double wall) {
+DepthImage depth_of_finger(const Capsule& finger, const PinholeCamera& camera, double wall) {
   DepthImage depth(camera.width, camera.height, static_cast<float>(wall));
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
@@ -206,8 +206,8 @@ void bench_contact(const BodyOptions& options) {
     // Along the load, from just outside to 7 mm inside.
     const Eigen::Vector3d x = body.surface.vertices.col(site.vertex);
     const Eigen::Vector3d tip = x - (0.008 - 0.001 * i) * site.direction;
-    const TrueCapsule finger{camera_from_body * tip,
-                             camera_from_body * (tip - 0.1 * site.direction), 0.008, 0.009};
+    const Capsule finger{camera_from_body * tip, camera_from_body * (tip - 0.1 * site.direction),
+                         0.008, 0.009};
     frames.push_back(depth_of_finger(finger, camera, distance + 0.1));
   }
   int touched = 0;
