@@ -12,10 +12,15 @@
 
 namespace palpable::test {
 
-inline BodyDescription egg_body(const std::filesystem::path& folder, int levels) {
-  SurfaceMesh surface = sphere_surface({0, 0, 0}, 1, 2);
+/// Writes the egg's surface as FOLDER/egg.ply.
+inline void write_egg(const std::filesystem::path& folder, int subdivisions = 2) {
+  SurfaceMesh surface = sphere_surface({0, 0, 0}, 1, subdivisions);
   surface.vertices.row(1) *= 1.3;
   write_ply(folder / "egg.ply", surface);
+}
+
+/// The egg of a folder that has its surface, as FOLDER/egg.toml would say it.
+inline BodyDescription egg_description(const std::filesystem::path& folder, int levels) {
   BodyDescription body;
   body.name = "egg";
   body.source = folder / "egg.toml";
@@ -26,6 +31,12 @@ inline BodyDescription egg_body(const std::filesystem::path& folder, int levels)
   body.sites = {.count = 2, .above = 0.4, .patch = 1};
   body.press = {.depth = 0.06, .levels = levels};
   return body;
+}
+
+/// Both.
+inline BodyDescription egg_body(const std::filesystem::path& folder, int levels) {
+  write_egg(folder);
+  return egg_description(folder, levels);
 }
 
 /// Its snapshots, or those of the levels between the ones of `held_out_of`.

@@ -4,6 +4,7 @@
 #include "palpable/geometry/mesh_file.h"
 #include "palpable/mesh/msh_file.h"
 #include "palpable/reduced/body_file.h"
+#include "tests/support/egg_body.h"
 #include "tests/support/solved_sites.h"
 #include "tests/support/test.h"
 
@@ -27,22 +28,13 @@ struct Kitchen {
       std::filesystem::temp_directory_path() / ("palpable-bake-test-" + std::to_string(::getpid()));
   Kitchen() {
     std::filesystem::create_directories(folder);
-    SurfaceMesh egg = sphere_surface({0, 0, 0}, 1, 2);
-    egg.vertices.row(1) *= 1.3;
-    write_ply(folder / "egg.ply", egg);
+    test::write_egg(folder);
   }
   ~Kitchen() { std::filesystem::remove_all(folder); }
 
   [[nodiscard]] BodyDescription egg() const {
-    BodyDescription body;
-    body.name = "egg";
-    body.source = folder / "egg.toml";
-    body.shape = {.file = folder / "egg.ply", .up = UpAxis::kY, .height = 0.08, .edge = {}};
-    body.material = {.law = "neo-hookean", .young = 40e3, .poisson = 0.35};
-    body.supports = {{.where = {Where::Below{0.15}, "egg.toml:9: 'below' in [support]"}}};
-    body.supports_place = "egg.toml:8: [support]";
+    BodyDescription body = test::egg_description(folder, 4);
     body.sites = {.count = 3, .above = 0.4, .patch = 1};
-    body.press = {.depth = 0.06, .levels = 4};
     body.reduction = {.tolerance = 1e-3, .max_modes = 100};
     return body;
   }

@@ -1,5 +1,5 @@
 #include "palpable/bake/bake_body.h"
-#include "palpable/geometry/mesh_file.h"
+#include "tests/support/egg_body.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
@@ -9,16 +9,8 @@ namespace {
 TEST_CASE("a baked body says what a touch between its sites costs, and less with more sites",
           "[bake][between]") {
   const test::ScratchFolder folder("between");
-  SurfaceMesh egg = sphere_surface({0, 0, 0}, 1, 3);
-  egg.vertices.row(1) *= 1.3;
-  write_ply(folder / "egg.ply", egg);
-  BodyDescription description;
-  description.name = "egg";
-  description.source = folder / "egg.toml";
-  description.shape = {.file = folder / "egg.ply", .up = UpAxis::kY, .height = 0.08, .edge = {}};
-  description.material = {.law = "neo-hookean", .young = 40e3, .poisson = 0.35};
-  description.supports = {{.where = {Where::Below{0.15}, "egg.toml:9: 'below' in [support]"}}};
-  description.supports_place = "egg.toml:8: [support]";
+  test::write_egg(folder.path(), 3);
+  BodyDescription description = test::egg_description(folder.path(), 2);
   description.press = {.depth = 0.02, .levels = 2};
   const auto baked = [&](int count, bool linear) {
     description.sites = {.count = count, .above = 0.3, .patch = 1, .linear = linear};
