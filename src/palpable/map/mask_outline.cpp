@@ -143,11 +143,7 @@ void MaskOutline::draw_border(const DepthImage& depth, const DepthImage& tile_de
   for (int y = y0; y < y1; ++y) {
     for (int x = x0; x < x1; ++x) {
       auto of_pixel = static_cast<std::uint8_t>(value[kTile * (y - y0) + x - x0]);
-      if (look.picture != nullptr && of_pixel != kOff) {
-        const StaticPicture::Look seen = look.picture->pixel(x, y);
-        if (seen == StaticPicture::kSame && same_is_scene) of_pixel = kOff;
-        if (seen == StaticPicture::kChanged) of_pixel = kOn;
-      }
+      if (same_is_scene && of_pixel != kOff && look.picture->is_same_pixel(x, y)) of_pixel = kOff;
       mask_(x, y) = of_pixel;
     }
   }

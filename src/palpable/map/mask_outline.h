@@ -25,9 +25,7 @@ namespace palpable {
 ///   one
 ///      rests, that is all. A pixel without a depth stays open; only in a moving tile that has no
 ///      depth either (it is too close to be measured) it moves.
-///   2. Where the frame was compared with a picture, the pixel's look overrules that: one that
-///   looks
-///      as the scene does rests, one that has changed moves.
+///   2. Where the frame was compared with a picture, a pixel that looks as the scene does rests.
 ///   3. An open pixel moves if moving pixels lie on both sides of it, at most 24 px apart along its
 ///      row or else along its column, or if one lies within `grow_px`. Else it is taken for the
 ///      background: the strip at the left of a near thing, which only the left eye sees.

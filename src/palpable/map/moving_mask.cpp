@@ -399,19 +399,15 @@ void MovingMask::relabel_without_depth(const StaticPicture& picture, int i, int 
 void MovingMask::relabel_with_depth(const StaticPicture& picture, int i, int j) {
   std::uint8_t& label = tile_label_(i, j);
   const StaticPicture::Look look = picture.tile(i, j);
-  const auto is_amid_scene = [&] {
-    return count_around(picture, tile_label_, i, j, is_scene) >= kFewestAlike;
-  };
-  if ((look == StaticPicture::kSame && is_amid_scene()) ||
-      (look == StaticPicture::kShadow && picture.is_plain(i, j))) {
-    // It shows the scene, so its depth is one that the matcher took over from a neighbour.
+  const bool shows_scene = look == StaticPicture::kSame
+                               ? count_around(picture, tile_label_, i, j, is_scene) >= kFewestAlike
+                               : look == StaticPicture::kShadow && picture.is_plain(i, j);
+  if (shows_scene) {
+    // Its depth is one that the matcher took over from a neighbour.
     label = kUnknown;
     tile_depth_(i, j) = kNaN;
-  } else if (label < kChanged || label == kCarried) {
-    // Nothing speaks for a motion but a neighbour: it is the scene in the shade, or at its edge.
-    const bool is_shaded =
-        look == StaticPicture::kShadow || (look == StaticPicture::kNothing && is_amid_scene());
-    if (is_shaded) label = kStatic;
+  } else if (look == StaticPicture::kShadow && (label < kChanged || label == kCarried)) {
+    label = kStatic;  // nothing speaks for a motion but a neighbour: it is the scene in the shade
   }
 }
 

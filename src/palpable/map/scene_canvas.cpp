@@ -89,9 +89,7 @@ void transfer_row(const Transfer& t, const float* HWY_RESTRICT depth, int count,
 
 SceneCanvas::SceneCanvas(const SceneCanvasSettings& settings) : settings_(settings) {
   PALPABLE_EXPECT(settings.margin >= 0 && settings.distance > 0, "a margin is not negative");
-  PALPABLE_EXPECT(settings.frames_to_stay >= 0 && settings.visits_to_renew >= 1 &&
-                      settings.visits_to_renew <= 255,
-                  "frames are counted from 1");
+  PALPABLE_EXPECT(settings.frames_to_stay >= 0, "a number of frames is not negative");
 }
 
 void SceneCanvas::resize(const PinholeCamera& camera) {
@@ -101,7 +99,6 @@ void SceneCanvas::resize(const PinholeCamera& camera) {
   luma_ = GrayImage(kTile * wide, kTile * high);
   colors_ = Image<TileColor>(wide, high);
   depth_ = DepthImage(wide, high, kNaN);
-  strange_ = Image<std::uint8_t>(wide, high);
   sources_ = Image<Source>(tiles, rows);
   nearest_ = DepthImage(tiles, rows);
   const std::vector<std::int32_t> row(wide);
@@ -157,8 +154,6 @@ void SceneCanvas::draw(const Rigid3& world_from_camera, PictureView& view) {
   const std::ptrdiff_t width = luma_.width();
   for (int j = 0; j < rows; ++j) {
     const Source* row = sources_.row(j);
-    const Source* above = sources_.row(std::max(j - 1, 0));
-    const Source* below = sources_.row(std::min(j + 1, rows - 1));
     std::uint8_t *known = view.known.row(j), *asks = view.asks.row(j);
     TileColor* colors = view.colors.row(j);
     std::uint8_t* to = view.luma.row(kTile * j);
@@ -166,9 +161,7 @@ void SceneCanvas::draw(const Rigid3& world_from_camera, PictureView& view) {
     const int visited = first_visited(j, frame_ + 1);
     prefetch_row(j + 2, row[tiles / 2]);
     for (int i = 0; i < tiles; ++i, to += kTile) {
-      Source from = row[i];
-      if (from.i < 0 && i > 0 && i + 1 < tiles && row[i + 1].i >= 0) from = row[i - 1];
-      if (from.i < 0 && j > 0 && j + 1 < rows && below[i].i >= 0) from = above[i];
+      const Source from = row[i];
       const int x = kTile * (i + margin) + from.dx, y = kTile * (j + margin) + from.dy;
       known[i] = from.i >= 0 && holds(x, y) ? 1 : 0;
       asks[i] = known[i] == 0 && i % kTurns == visited ? 1 : 0;
@@ -215,7 +208,6 @@ void SceneCanvas::put_onto(int a, int b, const GrayImage& from, int x, int y,
   }
   colors_(a, b) = color;
   depth_(a, b) = Z;
-  strange_(a, b) = 0;
 }
 
 void SceneCanvas::learn(const Rigid3& world_from_camera, const StaticPicture& picture,
@@ -236,13 +228,7 @@ void SceneCanvas::learn(const Rigid3& world_from_camera, const StaticPicture& pi
       if (!is_near(x, y)) continue;
       const int a = tile_of(x) + margin, b = tile_of(y) + margin;
       if (a < 0 || b < 0 || a >= depth_.width() || b >= depth_.height()) continue;
-      if (!std::isnan(depth_(a, b))) {
-        const bool changed = picture.tile(i, j) == StaticPicture::kChanged;
-        std::uint8_t& strange = strange_(a, b);
-        strange = static_cast<std::uint8_t>(changed ? strange + 1 : 0);
-        if (strange >= settings_.visits_to_renew) depth_(a, b) = kNaN;
-        continue;
-      }
+      if (!std::isnan(depth_(a, b))) continue;
       const TileColor* color = picture.color(i, j);
       if (color == nullptr) continue;
       const int from_x = kTile * (a - margin) - round_to_int(x - u);

@@ -28,9 +28,6 @@ struct SceneCanvasSettings {
   /// Frames that the camera must stay near a key before it counts as swaying: a camera that walks
   /// needs no canvas, and should not pay for one.
   int frames_to_stay = 15;
-  /// A tile whose depth is the scene's, but which looks otherwise, is forgotten when it was seen so
-  /// this many times in a row; 1 .. 255.
-  int visits_to_renew = 6;
 };
 
 class SceneCanvas {
@@ -46,15 +43,13 @@ class SceneCanvas {
   [[nodiscard]] bool stays() const { return stayed_ >= settings_.frames_to_stay; }
 
   /// Draws the scene as a frame from this pose should show it. Each tile of the canvas goes where
-  /// its depth says, by whole pixels; a nearer one covers a farther one. A gap of one tile is
-  /// filled as if it belonged to the tile at its left or above it.
+  /// its depth says, by whole pixels; a nearer one covers a farther one.
   /// @param view  of the frame's size; is overwritten
   void draw(const Rigid3& world_from_camera, PictureView& view);
 
   /// Learns from the tiles of a frame whose depth is the scene's and beside which nothing moves:
-  /// puts those that are not known yet onto the canvas, and forgets those that have looked
-  /// otherwise for a while. Each frame looks at a quarter of the tiles, the next three at the
-  /// others.
+  /// puts those that are not known yet onto the canvas. Each frame looks at a quarter of the tiles,
+  /// the next three at the others.
   /// @param picture     the one that compared the frame
   /// @param tile_depth  m, per tile of the frame
   /// @param is_static   per tile: not 0 where that depth is the scene's
@@ -89,10 +84,9 @@ class SceneCanvas {
   int frame_ = 0;   // frames from which it has learnt
   GrayImage luma_;
   Image<TileColor> colors_;
-  DepthImage depth_;             // per tile; NaN: nothing is known
-  Image<std::uint8_t> strange_;  // per tile: visits in a row in which it looked otherwise
-  Image<Source> sources_;        // per tile of the frame
-  DepthImage nearest_;           // per tile of the frame: Z of its source
+  DepthImage depth_;       // per tile; NaN: nothing is known
+  Image<Source> sources_;  // per tile of the frame
+  DepthImage nearest_;     // per tile of the frame: Z of its source
   Landings landing_;
 };
 

@@ -24,9 +24,9 @@ constexpr int kQuietCounts = 5;
 constexpr int kFollowEvery = 4;  // frames, in which P follows Y
 constexpr int kColorEvery = 32;  // frames, in which colours do, which hardly change
 
-// a_4(n) - m and b_3(n) without rounding, times sqrt(n) / m (static_picture.h); twice as much for
-// what has changed.
-constexpr double kFourOfD = 4.24, kThreeOfY = 5.3;
+// a_4(n) - m without rounding, times sqrt(n) / m (static_picture.h); twice as much for what has
+// changed.
+constexpr double kFourOfD = 4.24;
 constexpr int kLightShare = 32;     // 1/32 of P: light that a hand reflects or takes
 constexpr int kDarkestShadow = 40;  // % of the light; what is darker is no shadow
 
@@ -307,13 +307,10 @@ void StaticPicture::find_looks(const ColorImage& color, const Image<std::uint8_t
   const double m = measured ? noise_ : 0;
   const auto sum_of = [](int n, double mean) { return static_cast<int>(n * mean); };
   const int same = sum_of(kPixels, m * (1 + kFourOfD / 4) + 0.5);
-  const int same_mean = sum_of(kPixels, m * kThreeOfY / 4 + 0.5);
   const int changed = sum_of(kPixels, m * (1 + 2 * kFourOfD / 4) + 0.5);
-  const int changed_mean = sum_of(kPixels, m * 2 * kThreeOfY / 4 + 0.5);
   if (measured) {
     changed_tile_ = changed;
     same_pixel_ = sum_of(9, m * (1 + kFourOfD / 3) + 0.5);
-    changed_pixel_ = sum_of(9, m * (1 + 2 * kFourOfD / 3) + 0.5);
   }
   std::fill(colored_.begin(), colored_.end(), std::uint8_t{0});
   for (int j = 0; j < rows_; ++j) {
@@ -327,12 +324,11 @@ void StaticPicture::find_looks(const ColorImage& color, const Image<std::uint8_t
       look_(i, j) = kNothing;
       if (!known || !measured) continue;
       const int now = sum_now_(i, j), then = expected(i, j);
-      const int d = sum_difference_(i, j), mean = std::abs(now - then);
-      const int light = then / kLightShare;
-      if (d > changed + light || mean > changed_mean + light) {
+      const int d = sum_difference_(i, j), light = then / kLightShare;
+      if (d > changed + light) {
         const bool dim = now < then && 100 * now >= kDarkestShadow * then;
         look_(i, j) = dim && has_hue_of_scene(square_of(color, i, j), 0.5, 0) ? kShadow : kChanged;
-      } else if (d <= same + light / 2 && mean <= same_mean + light / 4) {
+      } else if (d <= same + light / 2) {
         look_(i, j) = kSame;
       }
     }
@@ -369,8 +365,7 @@ void StaticPicture::test_for_chance(const ColorImage& color, const Image<std::ui
   tested_(i, j) = 1;
   const Square square = square_of(color, i, j);
   const auto is_scene = [&](double bounds) {
-    return has_mean_of_scene(square, bounds) &&
-           has_hue_of_scene(square, bounds, bounds / kLightShare);
+    return has_hue_of_scene(square, bounds, bounds / kLightShare);
   };
   if (is_scene(square.alone ? 1 : 0.5)) return;
   look_(i, j) = is_scene(1) ? kNothing : kChanged;
@@ -432,16 +427,8 @@ StaticPicture::Square StaticPicture::square_of(const ColorImage& color, int i, i
   return square;
 }
 
-// Whether the mean of a square is the picture's.
-// @param bounds  1: by the bounds beyond which it has changed; 0.5: by half of them
-bool StaticPicture::has_mean_of_scene(const Square& s, double bounds) const {
-  const double n = s.tiles, mean = std::abs(s.now - s.expected) / (kPixels * n);
-  const double light = s.expected / (kPixels * n * kLightShare);
-  return mean <= bounds * (noise_ * 2 * kThreeOfY / (4 * std::sqrt(n)) + light) + 0.5;
-}
-
 // Whether red over green and blue over green of a square are the picture's.
-// @param bounds  1 or 0.5, as above
+// @param bounds  1: by the bounds beyond which it has changed; 0.5: by half of them
 // @param light   share of the light that a hand may reflect
 bool StaticPicture::has_hue_of_scene(const Square& s, double bounds, double light) const {
   const double L = s.now / static_cast<double>(s.expected);
@@ -456,10 +443,10 @@ bool StaticPicture::has_hue_of_scene(const Square& s, double bounds, double ligh
   return is_alike(0) && is_alike(2);
 }
 
-StaticPicture::Look StaticPicture::pixel(int x, int y) const {
-  const int i = x / kTile, j = y / kTile;
-  if (x < 1 || y < 1 || x + 1 >= now_.width() || y + 1 >= now_.height() || sure_(i, j) < trust_) {
-    return kNothing;
+bool StaticPicture::is_same_pixel(int x, int y) const {
+  if (x < 1 || y < 1 || x + 1 >= now_.width() || y + 1 >= now_.height() ||
+      sure_(x / kTile, y / kTile) < trust_) {
+    return false;
   }
   int sum = 0;
   for (int b = y - 1; b <= y + 1; ++b) {
@@ -467,8 +454,7 @@ StaticPicture::Look StaticPicture::pixel(int x, int y) const {
     sum += d[-1] + d[0] + d[1];
   }
   const int light = 9 * picture_(x, y) * gain_ / kUnit / kLightShare;
-  if (sum <= same_pixel_ + light / 2) return kSame;
-  return sum > changed_pixel_ + light && look_(i, j) != kShadow ? kChanged : kNothing;
+  return sum <= same_pixel_ + light / 2;
 }
 
 bool StaticPicture::tells_pixels(int i, int j) const {

@@ -52,29 +52,26 @@ struct StaticPictureSettings {
 ///
 /// **Noise.** Its size m is measured in each frame: the median over the same tiles of the mean of
 /// D. For normal noise of standard deviation s, m = 0.8 s. The mean of n values of D scatters by
-/// 0.6 s / sqrt(n), and the mean of Y - g P by s / sqrt(n); both by sqrt(2) more, since
-/// rectification makes neighbours' noise alike. In units of m that is 1.06 / sqrt(n) and
-/// 1.77 / sqrt(n). The bounds for k standard deviations are
+/// 0.6 s / sqrt(n), and by sqrt(2) more, since rectification makes neighbours' noise alike. In
+/// units of m that is 1.06 / sqrt(n). The bound for k standard deviations is
 ///
 ///     a_k(n) = m (1 + 1.06 k / sqrt(n)) + 1/2      of the mean of D
-///     b_k(n) = m 1.77 k / sqrt(n) + 1/2            of the mean of Y - g P
 ///
 /// where 1/2 stands for the rounding to whole grey levels.
 ///
 /// **Look** of a tile (n = 16):
 ///
-///     same      mean D <= a_4 + P / 64  and  |mean (Y - g P)| <= b_3 + P / 128
-///     changed   mean D > a_8 + P / 32  or  |mean (Y - g P)| > b_6 + P / 32
+///     same      mean D <= a_4 + P / 64
+///     changed   mean D > a_8 + P / 32
 ///     nothing   between these bounds, or while the tile is not known
 ///
 /// The shares of P allow for light that a hand reflects onto the scene, or takes from it without
 /// casting a shadow.
 ///
 /// **Squares.** In the dark the noise of one tile hides a hand whose level is near the scene's. So
-/// hue and mean are compared over a square of 1, 3 x 3 or 5 x 5 tiles: the smallest in which the
-/// noise changes the hue by less than 1/32, or else the largest. Of the square only those tiles
-/// count whose Y / P is that of the middle one within the noise, so that it does not reach across
-/// an edge.
+/// hue is compared over a square of 1, 3 x 3 or 5 x 5 tiles: the smallest in which the noise
+/// changes it by less than 1/32, or else the largest. Of the square only those tiles count whose Y
+/// / P is that of the middle one within the noise, so that it does not reach across an edge.
 ///
 /// **Shadow.** A changed tile looks shaded if it is darker, but not below L = Y / (g P) = 0.4, and
 /// has the scene's hue. The hue of a shadow differs a little. Let the sun give the shares S_r, S_g,
@@ -142,9 +139,9 @@ class StaticPicture {
 
   /// How a tile looks, by the last compare().
   [[nodiscard]] Look tile(int i, int j) const { return static_cast<Look>(look_(i, j)); }
-  /// How a pixel looks, by itself and its eight neighbours: same by a_4, changed by a_8 (n = 9).
-  /// kNothing at the image's border, and instead of kChanged in a tile that is shaded.
-  [[nodiscard]] Look pixel(int x, int y) const;
+  /// Whether a pixel and its eight neighbours look the same, by a_4 with n = 9. False at the
+  /// image's border, and in a tile that is not known.
+  [[nodiscard]] bool is_same_pixel(int x, int y) const;
   /// Whether a single pixel of the tile can be told from the scene: the bound that the noise sets
   /// is within P / 16. Where it is not, a pixel that looks the same may do so by chance.
   [[nodiscard]] bool tells_pixels(int i, int j) const;
@@ -191,7 +188,6 @@ class StaticPicture {
   [[nodiscard]] double color_noise() const;
   [[nodiscard]] Square square_of(const ColorImage& color, int i, int j);
   [[nodiscard]] bool has_hue_of_scene(const Square& square, double bounds, double light) const;
-  [[nodiscard]] bool has_mean_of_scene(const Square& square, double bounds) const;
   bool learn_tile(int i, int j, bool is_quiet, bool is_static);
   void take_over(int i, int j);
   void follow_row(int j);
@@ -221,8 +217,8 @@ class StaticPicture {
   double noise_ = -1;      // m, grey levels; < 0: not measured yet
   int frame_ = 0;          // frames so far
   // Bounds of the sum of D over a pixel and its neighbours, and of a tile. As long as the noise is
-  // not known, no pixel is the same and none has changed.
-  int same_pixel_ = -1, changed_pixel_ = 9 * 255, changed_tile_ = 16 * 8;
+  // not known, no pixel is the same.
+  int same_pixel_ = -1, changed_tile_ = 16 * 8;
 };
 
 }  // namespace palpable
