@@ -154,6 +154,8 @@ void SceneCanvas::draw(const Rigid3& world_from_camera, PictureView& view) {
   const std::ptrdiff_t width = luma_.width();
   for (int j = 0; j < rows; ++j) {
     const Source* row = sources_.row(j);
+    const Source* above = sources_.row(std::max(j - 1, 0));
+    const Source* below = sources_.row(std::min(j + 1, rows - 1));
     std::uint8_t *known = view.known.row(j), *asks = view.asks.row(j);
     TileColor* colors = view.colors.row(j);
     std::uint8_t* to = view.luma.row(kTile * j);
@@ -161,7 +163,9 @@ void SceneCanvas::draw(const Rigid3& world_from_camera, PictureView& view) {
     const int visited = first_visited(j, frame_ + 1);
     prefetch_row(j + 2, row[tiles / 2]);
     for (int i = 0; i < tiles; ++i, to += kTile) {
-      const Source from = row[i];
+      Source from = row[i];
+      if (from.i < 0 && i > 0 && i + 1 < tiles && row[i + 1].i >= 0) from = row[i - 1];
+      if (from.i < 0 && j > 0 && j + 1 < rows && below[i].i >= 0) from = above[i];
       const int x = kTile * (i + margin) + from.dx, y = kTile * (j + margin) + from.dy;
       known[i] = from.i >= 0 && holds(x, y) ? 1 : 0;
       asks[i] = known[i] == 0 && i % kTurns == visited ? 1 : 0;

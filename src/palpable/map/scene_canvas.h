@@ -43,13 +43,14 @@ class SceneCanvas {
   [[nodiscard]] bool stays() const { return stayed_ >= settings_.frames_to_stay; }
 
   /// Draws the scene as a frame from this pose should show it. Each tile of the canvas goes where
-  /// its depth says, by whole pixels; a nearer one covers a farther one.
+  /// its depth says, by whole pixels; a nearer one covers a farther one. A gap of one tile is
+  /// filled as if it belonged to the tile at its left or above it.
   /// @param view  of the frame's size; is overwritten
   void draw(const Rigid3& world_from_camera, PictureView& view);
 
   /// Learns from the tiles of a frame whose depth is the scene's and beside which nothing moves:
-  /// puts those that are not known yet onto the canvas. Each frame looks at a quarter of the tiles,
-  /// the next three at the others.
+  /// puts those that are not known yet onto the canvas. What is on it stays until the canvas is
+  /// begun anew. Each frame looks at a quarter of the tiles, the next three at the others.
   /// @param picture     the one that compared the frame
   /// @param tile_depth  m, per tile of the frame
   /// @param is_static   per tile: not 0 where that depth is the scene's

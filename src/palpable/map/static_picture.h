@@ -88,10 +88,9 @@ struct StaticPictureSettings {
 /// may be as bright as white paper: some of its tiles look the same by chance. So each neighbour of
 /// a changed tile that looks the same, or like nothing, is tested once more, over its square:
 ///
-///     changed   its mean is off by more than b_6(n) + P / 32, or
-///               its hue by more than h + 1/32 and two standard deviations
+///     changed   its hue is off by more than h + 1/32 and two standard deviations
 ///     nothing   (only where a tile alone says too little, that is for squares of 3 x 3 and more)
-///               its mean or hue is off by more than half of these bounds: its depth must decide
+///               its hue is off by more than h + 1/64 and one standard deviation: its depth decides
 ///
 /// A tile that becomes changed or nothing has its own neighbours tested. Tiles whose depth is the
 /// scene's are left out.
