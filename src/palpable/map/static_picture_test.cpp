@@ -140,6 +140,20 @@ TEST_CASE("a shadow is told from a thing that is as dark", "[map][static_picture
   CHECK(watch.count(Look::kShadow, false) + watch.count(Look::kChanged, false) == 0);
 }
 
+TEST_CASE("what is darker than any shadow is a thing, although its hue is the scene's",
+          "[map][static_picture]") {
+  Camera camera(25);
+  Watch watch;
+  watch.learn(camera, 20);
+  camera.see([&](int x, int y, auto& light) {
+    if (!Watch::in_thing(x, y)) return;
+    for (double& part : light) part *= 0.2;
+  });
+  watch.compare(camera);
+  CHECK(watch.count(Look::kChanged, true) == kInside);
+  CHECK(watch.count(Look::kShadow, false) + watch.count(Look::kChanged, false) == 0);
+}
+
 // Light `level` and noise of a bright and of a dark room.
 struct Room {
   double level, noise;
