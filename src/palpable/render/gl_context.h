@@ -14,7 +14,7 @@ namespace palpable {
 
 /// Collects what the driver reports as an error (KHR_debug), from the moment it is attached.
 ///
-/// A GL error is a bug of ours. Tests require count() == 0; programs show first() once.
+/// A GL error is a bug of ours. Tests require count() == 0; programs end with throw_if_any().
 class GlErrorLog {
  public:
   /// Listens to the context that is current on this thread, synchronously. The log must outlive
@@ -24,6 +24,8 @@ class GlErrorLog {
   [[nodiscard]] int count() const { return count_; }
   /// The first message; empty when count() is 0.
   [[nodiscard]] const std::string& first() const { return first_; }
+  /// @throws Error with the count and the first message when there are errors
+  void throw_if_any() const;
 
   void add(const char* message);
   void clear();
