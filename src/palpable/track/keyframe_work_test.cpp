@@ -170,9 +170,9 @@ TEST_CASE("of the old keyframes the one is recognised on which most features agr
     CHECK(done.loop->old_number == 8);
     CHECK(done.loop->new_number == 90);
     CHECK((done.loop->new_from_old.camera_from_old.matrix() - now.matrix()).norm() <=
-          tolerance(0.03,
-                    "a pixel of the half picture at 1.2 m is 9 mm; along the view some "
-                    "times that"));
+          tolerance(0.046,
+                    "a feature may be off by 2.5 px, 23 mm at 1.2 m in the half picture; "
+                    "twice that"));
   }
   // The second place alone is recognised too: the first one won by its number of features.
   work.candidates = {{3, far}};

@@ -104,11 +104,12 @@ TEST_CASE("two poses are as far apart as the picture's most moved part", "[track
   const Rigid3 aside(Eigen::Translation3d(-0.02, 0, 0));
   CHECK(std::abs(picture_shift_px(kCamera, 0.7, here, aside) - 350 * 0.02 / 0.7) <=
         tolerance(1e-9, "rounding of pixels"));
-  // Nearer by a tenth: a point 192.5 px and 108.5 px beside the middle goes to 10/9 of that.
+  // Nearer by a tenth: what lies beside the principal point moves away from it by a ninth. Of the
+  // four points the first one, (128, 72), lies farthest from this principal point.
+  const TrackCamera aslant{{640, 360, 350, 340, 400, 230}, 0.063};
   const Rigid3 nearer(Eigen::Translation3d(0, 0, -0.07));
-  CHECK(std::abs(picture_shift_px(kCamera, 0.7, here, nearer) -
-                 std::hypot(0.8 * 640 - 319.5, 0.8 * 360 - 179.5) / 9) <=
-        tolerance(1e-9, "rounding of pixels"));
+  CHECK(std::abs(picture_shift_px(aslant, 0.7, here, nearer) -
+                 std::hypot(400 - 128, 230 - 72) / 9) <= tolerance(1e-9, "rounding of pixels"));
   CHECK(picture_shift_px(kCamera, 0.7, here, Rigid3(Eigen::Translation3d(0, 0, -0.68))) == 1e9);
 }
 

@@ -51,10 +51,10 @@ TEST_CASE("corners of the picture become landmarks that lie on the wall", "[trac
   CHECK(map.keyframes[0].landmarks.size() == map.landmarks.size());
   for (const Landmark& landmark : map.landmarks) {
     CHECK(std::abs(landmark.x_in_world.z() - kNoiseWallZ) <=
-          tolerance(0.03, "0.3 px of disparity: 13.65 px are 1.2 m"));
+          tolerance(0.01, "a tenth of a pixel of disparity, of which 13.65 px are 1.2 m"));
     const Eigen::Vector3d truth = test::wall_at(kPose, landmark.uv.x(), landmark.uv.y()).second;
     CHECK((landmark.x_in_world - truth).head<2>().norm() <=
-          tolerance(0.03, "the ray is known, so x and y are off by at most as much as Z"));
+          tolerance(0.01, "the ray is known, so x and y are off by at most as much as Z"));
     CHECK(landmark.anchor == 0);
     CHECK(landmark.last_frame == kFrame);
     CHECK((landmark.sightings.size() == 1 && landmark.sightings[0].keyframe == 0));
@@ -63,7 +63,7 @@ TEST_CASE("corners of the picture become landmarks that lie on the wall", "[trac
     const double expected = (1 / test::wall_at(kPose, landmark.uv.x() + 1, landmark.uv.y()).first) -
                             (1 / test::wall_at(kPose, landmark.uv.x(), landmark.uv.y()).first);
     CHECK(std::abs(landmark.slope.x() - expected) <=
-          tolerance(1e-6, "1e-7 / m of a float's rounding, over 8 px"));
+          tolerance(2e-8, "two floats of 1 / 1.2 m, each rounded by 5e-8, over 8 px"));
     CHECK(landmark.look.levels[0].usable);
   }
 }
@@ -151,8 +151,7 @@ TEST_CASE("a corner at an old landmark's place is that landmark, not a new one",
            kNoiseWallCamera.see(
                kPose * test::wall_at(Rigid3::Identity(), landmark.uv.x(), landmark.uv.y()).second))
               .head<2>()
-              .norm() <=
-          tolerance(0.5, "where the wall's point is, to half a pixel of a patch that is found"));
+              .norm() <= tolerance(0.1, "a tenth of a pixel is what patches are good for"));
   }
   CHECK(again > 50);
   // Nothing that is new lies within 2 px of an old landmark that lives.

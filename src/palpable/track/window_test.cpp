@@ -84,6 +84,19 @@ TEST_CASE("the window is the last keyframes, tied to older ones that see the sam
   CHECK(first.landmarks.size() == 2U * kOwn);
 }
 
+TEST_CASE("a window that shares nothing with older keyframes is held by its own first one",
+          "[track]") {
+  Walk walk;
+  for (int k = 0; k < kFirst; ++k) walk.keyframes[k].landmarks.clear();
+  for (Landmark& landmark : walk.landmarks) {
+    std::erase_if(landmark.sightings,
+                  [](const KeyframeSighting& s) { return s.keyframe < kFirst; });
+  }
+  const Window window = window_of(kCamera, walk);
+  CHECK(window.keyframes == std::vector<int>{9, 10, 11, 12, 13, 14, 15});
+  CHECK(window.problem.fixed == std::vector<char>{1, 0, 0, 0, 0, 0, 0});
+}
+
 TEST_CASE("an adjusted window has its keyframes and landmarks where they were", "[track]") {
   const Walk walk;
   Walk off = walk;
