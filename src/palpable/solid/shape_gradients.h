@@ -15,11 +15,13 @@ struct ShapeGradients {
   double volume;  ///< m^3, undeformed; negative if the element is inverted
 };
 
-/// Gradients of element `e`, whatever nodes its edges have. Not finite for zero volume.
+/// Gradients of element `e` from its corners alone; edge nodes are ignored. Not finite for zero
+/// volume.
 [[nodiscard]] ShapeGradients shape_gradients(const TetMesh& mesh, int e);
 
 namespace detail {
-// Inlined by hand: called at every point of every pass, and the compiler stops short of it.
+// Forced inline: it is called at every point of every pass, and compilers do not inline it by
+// themselves.
 template <class Gradients, class Nodes>
 [[gnu::always_inline]] inline Eigen::Matrix3d deformation_gradient(const Gradients& g,
                                                                    const Nodes& nodes,
