@@ -6,22 +6,22 @@
 
 namespace palpable::detail {
 
-/// One letter at one size. The ink's top left corner lies (left, top) px from the pen on the
-/// baseline, y down.
+/// One letter at one size. The top left corner of its bitmap lies (left, top) px from the pen,
+/// which stands on the baseline; y down.
 struct Glyph {
   int letter;     ///< Unicode
   int left, top;  ///< px
   int width, height;
   float advance;  ///< px to the next letter
-  long ink;       ///< where its coverage begins, row-major, 0..255
+  long ink;       ///< index of its bitmap in FontTable::ink; row-major coverage, 0..255
 };
 
 struct FontSize {
   int size;       ///< px per em
   float ascent;   ///< px above the baseline
   float descent;  ///< px below it
-  int first;      ///< glyph
-  int count;      ///< glyphs
+  int first;      ///< index of its first glyph
+  int count;      ///< glyphs of this size
 };
 
 struct FontTable {

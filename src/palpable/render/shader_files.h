@@ -1,6 +1,5 @@
 /// @file
-/// The shaders of this module, compiled into the program from render/shaders by
-/// cmake/EmbedFiles.cmake.
+/// The shaders of render/shaders, which cmake/EmbedFiles.cmake compiles into the program.
 #pragma once
 
 #include "palpable/render/gl_objects.h"
