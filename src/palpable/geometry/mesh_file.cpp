@@ -72,7 +72,7 @@ class Lines {
     return true;
   }
 
-  // The next line that says something: comments (from `comment` on) and blank lines are skipped.
+  // The next line with content: comments (from `comment` on) and blank lines are skipped.
   bool next_content(std::string_view& line, char comment) {
     while (next(line)) {
       line = line.substr(0, line.find(comment));
