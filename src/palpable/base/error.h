@@ -28,7 +28,7 @@ class Error : public std::runtime_error {
   explicit Error(const Problem& problem) : std::runtime_error(problem.message) {}
 };
 
-/// A value, or the problem that prevented it.
+/// A value, or the problem that prevented it. Asking for the other one throws ContractViolation.
 template <class T>
 class [[nodiscard]] Result {
  public:

@@ -26,6 +26,7 @@ struct ForeignModes {
   Eigen::Matrix3Xd site_loads = {};
 };
 
+/// How foreign modes become a body.
 struct ImportSettings {
   std::string name = "imported";
   std::string site = "site";    ///< name of the parameter that is the place of the touch

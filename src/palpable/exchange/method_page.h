@@ -22,6 +22,7 @@ struct MethodLine {
   std::optional<double> seconds = {};  ///< wall time of the method, from the Gram matrix on
 };
 
+/// Content of the page. Texts are plain; displacement and stress have a chart each.
 struct MethodPage {
   std::string title;
   std::string lead;

@@ -15,6 +15,7 @@
 
 namespace palpable {
 
+/// A field on the nodes or the elements of a mesh.
 struct VtuField {
   std::string name;
   /// (components x N or E). Three components are a vector, six a symmetric tensor in the order

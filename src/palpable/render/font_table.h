@@ -16,6 +16,7 @@ struct Glyph {
   long ink;       ///< index of its bitmap in FontTable::ink; row-major coverage, 0..255
 };
 
+/// All letters at one size.
 struct FontSize {
   int size;       ///< px per em
   float ascent;   ///< px above the baseline
@@ -24,12 +25,14 @@ struct FontSize {
   int count;      ///< glyphs of this size
 };
 
+/// The whole font. `ink` holds the bitmaps of all glyphs.
 struct FontTable {
   std::span<const Glyph> glyphs;
   std::span<const FontSize> sizes;  ///< increasing
   std::span<const unsigned char> ink;
 };
 
+/// The font that is compiled into the program; valid for ever.
 [[nodiscard]] FontTable font_table();
 
 }  // namespace palpable::detail

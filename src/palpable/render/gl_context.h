@@ -45,8 +45,11 @@ class GlContext {
   GlContext& operator=(GlContext&&) noexcept;
   ~GlContext();
 
+  /// Makes the context current on the calling thread. @throws ContractViolation if another thread
+  /// has it
   void make_current();
 
+  /// The errors since the context was created or the log was cleared.
   [[nodiscard]] const GlErrorLog& errors() const;
   [[nodiscard]] GlErrorLog& errors();
   /// Renderer and version as the driver names them, e.g. "llvmpipe (LLVM 15.0.6, 256 bits), 4.5".

@@ -20,6 +20,7 @@ struct OrbitCamera {
 
   /// Position of the eye, m, body frame.
   [[nodiscard]] Eigen::Vector3d eye() const;
+  /// Pose of the body in the camera (X right, Y down, Z forward).
   [[nodiscard]] Rigid3 camera_from_body() const;
 
   /// Turns by a movement of the mouse in px, so that the body follows the pointer. Stops at

@@ -47,10 +47,10 @@ class RealOutlines {
   /// A change of depth from one pixel to the next is a jump above this share of the depth. A desk
   /// seen at 80 degrees changes by 1.6 %.
   static constexpr float kJump = 0.06f;
-  static constexpr int kDoubtLeft = 5;  ///< px; the matcher widens near things by 3-6 px
-  static constexpr int kDoubtRight = 3;
-  static constexpr int kDoubtAcross = 3;
-  static constexpr int kLatticeStep = 4;
+  static constexpr int kDoubtLeft = 5;    ///< px; the matcher widens near things by 3-6 px
+  static constexpr int kDoubtRight = 3;   ///< px
+  static constexpr int kDoubtAcross = 3;  ///< px
+  static constexpr int kLatticeStep = 4;  ///< px
   static constexpr int kWindow = 28;  ///< px: behind a half-seen strip of 25 px lies its background
   /// px by which `box` should exceed `inner` on each side, so that windows lie within it.
   static constexpr int kMargin = kWindow + kLatticeStep;

@@ -16,6 +16,7 @@ namespace palpable {
 /// Draws the studio with the OpenGL context that is current now and in every later call.
 class Studio {
  public:
+  /// Needs a current context. The problem names shader and line.
   [[nodiscard]] static Result<Studio> make();
 
   /// Draws the floor and the backdrop.

@@ -45,6 +45,7 @@ class Window {
   /// True once the user has asked to close the window.
   [[nodiscard]] bool closed() const;
 
+  /// Makes the window's context current on the calling thread, as open() does.
   void make_current();
   [[nodiscard]] const GlErrorLog& gl_errors() const;
 

@@ -23,6 +23,7 @@ struct CgScratch {
 /// y = A x with a symmetric A; conjugate_gradients() finds out whether it is positive definite.
 using LinearMap = std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& y)>;
 
+/// The system to solve, and what is done on the way.
 struct CgSystem {
   LinearMap K;
   LinearMap preconditioner;  ///< x ~= K^-1 b

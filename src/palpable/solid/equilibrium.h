@@ -31,6 +31,7 @@ namespace palpable {
 
 class Lane;
 
+/// Tolerances and limits of a solve.
 struct EquilibriumSettings {
   /// A state counts as solved when the residual at the free nodes is below this, relative to the
   /// norm of the applied forces, or of the forces at the held nodes if those are larger.
@@ -104,6 +105,7 @@ struct SolverSetup {
   double element_bytes = 0;  ///< read by one pass over the elements
 };
 
+/// A path as far as it could be solved.
 struct PathResult {
   std::vector<Equilibrium> steps;  ///< one per level reached, in order
   bool complete = false;           ///< all levels reached
@@ -132,6 +134,7 @@ struct PathOptions {
   std::function<void(double part)> tick = {};
 };
 
+/// Result of find_load().
 struct LoadSearch {
   double load = 0;   ///< N; the last good one if not reached
   double press = 0;  ///< m, sum(unit_load . u) there

@@ -23,6 +23,7 @@
 
 namespace palpable {
 
+/// When a series is long enough.
 struct SeriesSettings {
   int most_orders = 14;  ///< >= 1
   /// The series of a load ends where |u_p| <= tolerance |u_1|, at the full load, in the norm of

@@ -44,18 +44,21 @@ using Material = std::variant<NeoHookean, SaintVenantKirchhoff, NeoHookeanAbaqus
 [[nodiscard]] Material material_from_constants(std::string_view law,
                                                std::span<const double> values);
 
+/// Lame's constants of the material at small strains.
 [[nodiscard]] LameConstants lame_constants(const Material& material);
 
 /// Young's modulus (Pa) and Poisson's ratio at small strains.
 struct YoungPoisson {
   double young, poisson;
 };
+/// Young's modulus and Poisson's ratio of the material at small strains.
 [[nodiscard]] YoungPoisson young_poisson(const Material& material);
 
 /// @throws Error unless all constants are finite, none is negative, only those are 0 that may be
 /// (LawConstant::may_be_zero), mu > 0 and lambda >= 0
 void check_material(const Material& material);
 
+/// Psi(F) J/m^3, P(F) Pa and dP/dF Pa of the material's law; units, layout and errors as in law.h.
 [[nodiscard]] double energy_density(const Material& material, const Eigen::Matrix3d& F);
 [[nodiscard]] Eigen::Matrix3d first_piola(const Material& material, const Eigen::Matrix3d& F);
 [[nodiscard]] Tangent tangent(const Material& material, const Eigen::Matrix3d& F);

@@ -56,6 +56,7 @@ struct QuadraticShape {
   Eigen::Matrix<double, 10, 1> N;
   Eigen::Matrix<double, 3, 10> slope;  ///< d/dL_1, d/dL_2, d/dL_3 with L_0 = 1 - L_1 - L_2 - L_3
 };
+/// Shape functions and their slopes at the barycentric coordinates L_0 .. L_3.
 [[nodiscard]] QuadraticShape quadratic_shape(const Eigen::Vector4d& barycentric);
 
 /// Node indices of element `e` of a quadratic mesh: corners, then edges.
@@ -67,6 +68,7 @@ struct QuadraticGradients {
   double
       volume;  ///< m^3, a sixth of det dX/dL there: that of the element if its edges are straight
 };
+/// Gradients of element `e` of a mesh of 10-node tetrahedra at the point of `shape`.
 [[nodiscard]] QuadraticGradients quadratic_gradients(const TetMesh& mesh, int e,
                                                      const QuadraticShape& shape);
 

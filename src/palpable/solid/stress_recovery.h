@@ -32,6 +32,7 @@ namespace palpable {
 /// the same time.
 class StressRecovery {
  public:
+  /// @param mesh  4-node or 10-node tetrahedra; it need not outlive this object
   explicit StressRecovery(const TetMesh& mesh);
 
   /// (R x N) from (R x Q E), columns as point_cauchy_stress() has them; R = 6.

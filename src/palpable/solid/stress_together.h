@@ -17,7 +17,7 @@ namespace palpable {
 /// nodal_cauchy_stress() at some nodes of a mesh of 4-node tetrahedra, eight states side by side.
 class StressTogether {
  public:
-  static constexpr int kStates = 8;
+  static constexpr int kStates = 8;  ///< states side by side
 
   /// @param model  4-node tetrahedra; must outlive this object
   /// @param nodes  (n) where stress is wanted

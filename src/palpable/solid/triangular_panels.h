@@ -45,7 +45,7 @@ class TriangularPanels {
   void solve(SimdLevel simd, std::span<float> y, std::span<float> scratch) const;
   [[nodiscard]] std::size_t scratch_size() const { return scratch_size_; }
 
-  static constexpr int kSystems = 16;
+  static constexpr int kSystems = 16;  ///< vectors of one solve_together()
   /// The same for kSystems vectors, stored entry by entry: first the kSystems numbers of entry 0,
   /// and so on. Each vector is one lane of the arithmetic, so its result does not depend on the
   /// others. It differs from the result of solve() by rounding, because sums have another order.

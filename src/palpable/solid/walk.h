@@ -61,6 +61,7 @@ class Walk {
   /// @param tolerance  of the residual, relative to the load
   bool linear_response(double tolerance, Eigen::Matrix3Xd& du);
 
+  /// failure() in words, one line; empty without one.
   [[nodiscard]] std::string describe_failure() const;
 
  private:
