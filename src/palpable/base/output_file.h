@@ -1,8 +1,9 @@
 /// @file
-/// Checks files that will be written later.
+/// Writes files, and checks that files can be written later.
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 namespace palpable {
 
@@ -10,5 +11,11 @@ namespace palpable {
 /// not be written. An existing file keeps its content; a file that did not exist is removed again.
 /// @throws Error "FILE: cannot be written"
 void expect_writable(const std::filesystem::path& file);
+
+/// For a check before the work. @throws Error when the folder of `output` does not exist
+void expect_folder_of(const std::filesystem::path& output);
+
+/// Replaces a file by a text. @throws Error with the reason when that fails
+void write_text_file(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace palpable

@@ -111,6 +111,11 @@ void GlErrorLog::attach() {
   glDebugMessageCallback(on_message, this);
 }
 
+void GlErrorLog::throw_if_any() const {
+  if (count_ > 0)
+    throw Error(fmt::format("OpenGL reported {} errors, the first: {}", count_, first_));
+}
+
 void GlErrorLog::add(const char* message) {
   if (count_++ == 0) first_ = message;
 }

@@ -14,7 +14,8 @@ namespace palpable {
 
 /// Collects the errors that the driver reports (KHR_debug) once it is attached.
 ///
-/// A GL error is a bug of this program. Tests require count() == 0; programs show first() once.
+/// A GL error is a bug of this program. Tests require count() == 0; programs end with
+/// throw_if_any().
 class GlErrorLog {
  public:
   /// Logs the errors of the context that is current on this thread, synchronously. The log must
@@ -24,6 +25,8 @@ class GlErrorLog {
   [[nodiscard]] int count() const { return count_; }
   /// The first message; empty when count() is 0.
   [[nodiscard]] const std::string& first() const { return first_; }
+  /// @throws Error with the count and the first message when there are errors
+  void throw_if_any() const;
 
   void add(const char* message);
   void clear();
