@@ -22,7 +22,7 @@ struct Frame {
   DepthImage depth;  ///< Z in m, NaN unknown; of the format's depth camera
 };
 
-/// A colour sensor that stands beside the depth sensor and has a lens of its own.
+/// A colour sensor with a lens of its own, at another place than the depth sensor.
 struct ColorSensor {
   PinholeCamera camera;
   Rigid3 color_from_depth = Rigid3::Identity();  ///< translation in m
