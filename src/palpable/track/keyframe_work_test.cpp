@@ -84,7 +84,7 @@ TEST_CASE("a keyframe's work is its features, the window and old keyframes, or a
   REQUIRE(work.candidates.size() == 2);
   for (const auto& [number, features] : work.candidates) {
     CHECK(number < 40);
-    CHECK(features.uv.front().x() == static_cast<float>(number / 10));
+    CHECK(10 * features.uv.front().x() == static_cast<float>(number));
   }
 
   settings.adjust = false;

@@ -33,7 +33,8 @@ struct Walk : LandmarkMap {
       for (int i = 0; i < kOwn; ++i) {
         Landmark landmark;
         landmark.anchor = k;
-        const double u = 120 + 130 * (i % 4), v = 60 + 110 * (i / 4), Z = 1 + 0.1 * (i % 5);
+        const int column = i % 4, row = i / 4;
+        const double u = 120 + 130 * column, v = 60 + 110 * row, Z = 1 + 0.1 * (i % 5);
         landmark.x_in_world = truth(k).inverse(Eigen::Isometry) * kCamera.camera.unproject(u, v, Z);
         landmarks.push_back(landmark);
       }
