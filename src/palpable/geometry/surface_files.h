@@ -1,6 +1,6 @@
 /// @file
-/// What the readers of surface files share (mesh_file.h is for everybody else): text line by line,
-/// bytes one number after another, and the triangles on their way.
+/// Shared by the readers of surface files; other code includes mesh_file.h. Text line by line,
+/// bytes number by number, and the triangles read so far.
 #pragma once
 
 #include <Eigen/Core>
@@ -71,7 +71,7 @@ class Lines {
     return true;
   }
 
-  /// The next line that says something: comments (from `comment` on) and blank lines are skipped.
+  /// The next line with content: comments (from `comment` on) and blank lines are skipped.
   bool next_content(std::string_view& line, char comment) {
     while (next(line)) {
       line = line.substr(0, line.find(comment));
