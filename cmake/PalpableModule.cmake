@@ -3,7 +3,7 @@
 # nothing but races between its own lines, which those modules' data would have to reach first.
 set(PALPABLE_MODULES_WITH_THREADS bake campaign live map solid sources stereo track)
 function(palpable_sanitize_threads target)
-  target_compile_options(${target} PRIVATE -Og -g1 -UNDEBUG -fsanitize=thread)
+  target_compile_options(${target} PRIVATE -O2 -g1 -UNDEBUG -fsanitize=thread)
   get_target_property(type ${target} TYPE)
   if(type STREQUAL "EXECUTABLE")
     target_link_options(${target} PRIVATE -fsanitize=thread)

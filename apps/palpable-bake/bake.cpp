@@ -7,6 +7,7 @@
 #include "palpable/bake/bake_body.h"
 #include "palpable/bake/held_out_checks.h"
 #include "palpable/base/error.h"
+#include "palpable/base/output_file.h"
 #include "palpable/campaign/crew.h"
 #include "palpable/campaign/store_rows.h"
 #include "palpable/intrusive/intrusive_bake.h"
@@ -133,7 +134,7 @@ BakedBody reduce_and_write(const Options& options, const ReduceSettings& reducti
 }
 
 void bake(const Options& options, const std::string& command_line, Crew& crew) {
-  require_folder_of(options.output);
+  expect_folder_of(options.output);
   const auto begin = std::chrono::steady_clock::now();
   const BodyDescription description = read_body_description(options.description);
   if (options.method == "intrusive-pgd") {

@@ -54,13 +54,6 @@ void add_file_options(Command command, FileOptions& options) {
                    "Modes in half precision: half the bytes; what that costs is stated");
 }
 
-void require_folder_of(const std::filesystem::path& output) {
-  const std::filesystem::path folder = std::filesystem::absolute(output).parent_path();
-  if (!std::filesystem::is_directory(folder)) {
-    throw Error(fmt::format("{}: the folder {} does not exist", output.string(), folder.string()));
-  }
-}
-
 void print_body_report(const BakedBody& baked, const std::string& output, double seconds) {
   const BakeReport& report = baked.report;
   print_errors(report);

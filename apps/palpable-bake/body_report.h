@@ -1,5 +1,5 @@
 /// @file
-/// What bake and reduce say about the body that they made, and where they refuse to write.
+/// What bake and reduce say about the body that they made, and the options that they share.
 #pragma once
 
 #include "palpable/bake/bake_body.h"
@@ -25,9 +25,6 @@ struct FileOptions {
 
 /// @param options  outlives `command`
 void add_file_options(Command command, FileOptions& options);
-
-/// Before the work, not after it. @throws Error when the folder of `output` does not exist
-void require_folder_of(const std::filesystem::path& output);
 
 /// Errors against the number of modes, sites that fall short, sizes, and the file.
 /// @param seconds  since the command began

@@ -4,8 +4,9 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
-#include "apps/palpable-bake/text_file.h"
+#include "apps/palpable-bake/table_beside.h"
 #include "palpable/bake/compare_methods.h"
+#include "palpable/base/output_file.h"
 #include "palpable/base/this_machine.h"
 #include "palpable/separate/reduction.h"
 
@@ -68,7 +69,7 @@ void add_inputs(const Options& options, MethodPage& page) {
 }
 
 void compare(const Options& options, const std::string& command_line) {
-  require_folder_of(options.output);
+  expect_folder_of(options.output);
   const fs::path table = table_beside(options.output);
   MethodPage page;
   page.title = "Methods of reduction, side by side";

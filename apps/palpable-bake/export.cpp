@@ -6,6 +6,7 @@
 #include "palpable/bake/export_store.h"
 #include "palpable/base/error.h"
 #include "palpable/base/npy_file.h"
+#include "palpable/base/output_file.h"
 #include "palpable/campaign/snapshot_store.h"
 #include "palpable/exchange/modes_files.h"
 #include "palpable/exchange/press_series.h"
@@ -67,7 +68,7 @@ void export_snapshots(const Options& options) {
 }
 
 void run(const Options& options) {
-  require_folder_of(options.output);
+  expect_folder_of(options.output);
   fs::is_directory(options.input) ? export_snapshots(options) : export_body(options);
   fmt::print("{}\n", options.output);
 }

@@ -3,6 +3,7 @@
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
+#include "palpable/base/output_file.h"
 #include "palpable/exchange/modes_files.h"
 #include "palpable/reduced/body_file.h"
 
@@ -21,7 +22,7 @@ struct Options {
 };
 
 void import(Options options, const std::string& command_line) {
-  require_folder_of(options.output);
+  expect_folder_of(options.output);
   const bool folder = std::filesystem::is_directory(options.input);
   const ForeignModes modes = folder ? read_numpy_modes(options.input) : read_pxdmf(options.input);
   options.settings.name = std::filesystem::path(options.output).stem().string();

@@ -6,6 +6,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
+#include "palpable/base/output_file.h"
 
 #include <fmt/format.h>
 
@@ -22,7 +23,7 @@ struct Options {
 };
 
 void import(const Options& options) {
-  require_folder_of(options.output);
+  expect_folder_of(options.output);
   const ImportManifest manifest = read_import_manifest(options.manifest);
   ProgressBar bar;
   const SnapshotStore store =

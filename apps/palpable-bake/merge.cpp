@@ -4,6 +4,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
+#include "palpable/base/output_file.h"
 #include "palpable/campaign/merge_stores.h"
 
 #include <fmt/format.h>
@@ -22,7 +23,7 @@ struct Options {
 };
 
 void merge(const Options& options) {
-  require_folder_of(options.output);
+  expect_folder_of(options.output);
   ProgressBar bar;
   const SnapshotStore merged =
       merge_stores({options.parts.begin(), options.parts.end()}, options.output, bar.progress());

@@ -5,6 +5,7 @@
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/bake_body.h"
+#include "palpable/base/output_file.h"
 
 #include <chrono>
 #include <memory>
@@ -25,7 +26,7 @@ struct Options {
 };
 
 void reduce(const Options& options, const std::string& command_line) {
-  require_folder_of(options.output);
+  expect_folder_of(options.output);
   const auto begin = std::chrono::steady_clock::now();
   ReduceSettings settings{.at = parse_values(options.at),
                           .volume = options.file.volume,

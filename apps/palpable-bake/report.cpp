@@ -4,9 +4,10 @@
 #include "apps/common/command_line.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
-#include "apps/palpable-bake/text_file.h"
+#include "apps/palpable-bake/table_beside.h"
 #include "palpable/bake/evaluation_times.h"
 #include "palpable/base/error.h"
+#include "palpable/base/output_file.h"
 #include "palpable/base/this_machine.h"
 #include "palpable/exchange/body_page.h"
 #include "palpable/reduced/body_file.h"
@@ -30,7 +31,7 @@ void report(const Options& options) {
   const fs::path page = options.output.empty()
                             ? fs::path(options.body).filename().replace_extension(".html")
                             : fs::path(options.output);
-  require_folder_of(page);
+  expect_folder_of(page);
   const fs::path table = table_beside(page);
   const ReducedBody body = value_or_throw(read_body_file(options.body));
   BodyPageFacts facts{.file = fs::path(options.body).filename().string(),

@@ -5,6 +5,7 @@
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/base/error.h"
+#include "palpable/base/output_file.h"
 #include "palpable/campaign/press_solver.h"
 #include "palpable/describe/body_problem.h"
 #include "palpable/exchange/vtu_file.h"
@@ -119,7 +120,7 @@ void print_path(const PathResult& path, const Eigen::Matrix3Xd& unit, const Pres
 }
 
 void solve(const Options& options) {
-  require_folder_of(options.output);
+  expect_folder_of(options.output);
   const auto begin = std::chrono::steady_clock::now();
   BodyDescription description = read_body_description(options.description);
   const BodyProblem problem = posed(options, description);

@@ -1,38 +1,136 @@
 // palpable calibrate: pictures of a chessboard to a calibration file, or a file's errors on them.
 
 #include "apps/common/command_line.h"
+#include "apps/common/json.h"
+#include "apps/common/progress_bar.h"
 #include "apps/palpable/board_options.h"
-#include "apps/palpable/calibration_run.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/source_options.h"
 #include "palpable/base/error.h"
+#include "palpable/sources/calibrate_source.h"
 
 #include <fmt/core.h>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <numbers>
+#include <string>
+#include <utility>
 
 namespace palpable::app {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct Options {
   SourceOptions source;
   BoardOptions board;
   int views = 20;
   BoardLimits limits;
-  std::filesystem::path check;
-  std::filesystem::path output;
+  fs::path check;
+  fs::path output;
   bool json = false;
 };
 
-CalibrationTask task_of(const Options& options) {
-  return {request_of(options.source),
-          pattern_of(options.board),
-          options.views,
-          options.limits,
-          options.check,
-          options.output,
-          options.json};
+// A bar, and the source's troubles on stderr.
+std::function<void(const BoardSearchStep&)> shown_by(ProgressBar& bar) {
+  return [&bar](const BoardSearchStep& step) {
+    for (const std::string& line : step.reports) fmt::print(stderr, "{}\n", line);
+    if (!step.searched) return;
+    bar.show({step.is_live ? "show the board, tilted to all sides" : "boards",
+              static_cast<double>(step.done), static_cast<double>(step.total),
+              fmt::format("{} boards", step.seen.views.size())});
+  };
+}
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+Json json_of(const BoardCalibration& found, const SeenBoards& seen) {
+  const StereoRig& rig = found.calibration.rig;
+  Json result;
+  result["pairs"] = seen.pairs;
+  result["boards"] = seen.views.size();
+  for (const auto& [name, eye] : {std::pair{"left", &rig.left}, std::pair{"right", &rig.right}}) {
+    result[name] = {{"fx_px", eye->pinhole.fx_px},
+                    {"fy_px", eye->pinhole.fy_px},
+                    {"cx_px", eye->pinhole.cx_px},
+                    {"cy_px", eye->pinhole.cy_px},
+                    {"distortion", eye->distortion}};
+  }
+  result["baseline_m"] = rig.right_from_left.translation().norm();
+  result["reprojection_px"] = found.reprojection_px;
+  result["row_error_px"] = found.row_error_px;
+  result["focal_sigma"] = found.focal_sigma;
+  result["tilt_degrees"] = found.tilt * kDegrees;
+  result["covered"] = found.covered;
+  return result;
+}
+
+std::string text_of(const BoardCalibration& found, const SeenBoards& seen,
+                    const BoardPattern& pattern) {
+  std::string text;
+  for (std::size_t i = 0; i < seen.views.size(); ++i) {
+    text += fmt::format("pair {:>4}  reprojection {:.3f} px\n", seen.views[i].number,
+                        found.reprojections_px[i]);
+  }
+  text += fmt::format("{} boards in {} pairs", seen.views.size(), seen.pairs);
+  if (seen.alike > 0) text += fmt::format(" ({} more were where another had been)", seen.alike);
+  text += fmt::format("; tilt {:.0f} degrees, {:.0f} % of the picture covered\n",
+                      found.tilt * kDegrees, 100 * found.covered);
+  const StereoRig& rig = found.calibration.rig;
+  for (const auto& [name, eye] : {std::pair{"left", &rig.left}, std::pair{"right", &rig.right}}) {
+    const PinholeCamera& c = eye->pinhole;
+    text += fmt::format("{:<6} f {:.2f} {:.2f} px, centre {:.2f} {:.2f} px, k1 {:.4f} k2 {:.4f}\n",
+                        name, c.fx_px, c.fy_px, c.cx_px, c.cy_px, eye->distortion[0],
+                        eye->distortion[1]);
+  }
+  const double baseline = rig.right_from_left.translation().norm();
+  text += fmt::format("baseline {:.2f} mm ({:.3f} squares); focal length known to {:.2f} %\n",
+                      1e3 * baseline, baseline / pattern.square, 100 * found.focal_sigma);
+  text += fmt::format("reprojection {:.3f} px rms, rows after rectification {:.3f} px rms\n",
+                      found.reprojection_px, found.row_error_px);
+  return text;
+}
+
+void check(const Options& options, const BoardOrder& order) {
+  ProgressBar bar;
+  const CheckedCalibration checked =
+      check_calibration(order, options.check, linux_video(), shown_by(bar));
+  bar.finish();
+  const double rows = checked.row_error_px;
+  const std::size_t boards = checked.seen.views.size();
+  if (options.json) {
+    const Json json = {{"pairs", checked.seen.pairs}, {"boards", boards}, {"row_error_px", rows}};
+    fmt::print("{}\n", json.dump(2));
+  } else {
+    fmt::print("{} boards in {} pairs: rows after rectification {:.3f} px rms\n", boards,
+               checked.seen.pairs, rows);
+  }
+  if (rows > options.limits.largest_row_error_px) {
+    throw Error(fmt::format("{}: the rows are {:.2f} px apart; {:.2g} are allowed: calibrate again",
+                            options.check.string(), rows, options.limits.largest_row_error_px));
+  }
+}
+
+void calibrate(const Options& options) {
+  const BoardOrder order{request_of(options.source), pattern_of(options.board), options.views,
+                         options.limits};
+  if (!options.check.empty()) {
+    check(options, order);
+    return;
+  }
+  ProgressBar bar;
+  const CalibratedSource made =
+      calibrate_source(order, options.output, linux_video(), shown_by(bar));
+  bar.finish();
+  if (options.json) {
+    Json result = json_of(made.found, made.seen);
+    result["file"] = made.file.string();
+    fmt::print("{}\n", result.dump(2));
+  } else {
+    fmt::print("{}{}\n", text_of(made.found, made.seen, order.pattern), made.file.string());
+  }
 }
 
 }  // namespace
@@ -72,11 +170,7 @@ void add_calibrate(Command app) {
       "Example: palpable calibrate --source boards --board 9x6 --square 25 -o calibration.yml\n"
       "Example: palpable calibrate --source /dev/video0 --board 9x6 --square 25\n"
       "Example: palpable calibrate --source boards --square 25 --check SN10027514.conf");
-  command.callback([options] {
-    const CalibrationReport report = calibrate(task_of(*options), linux_video());
-    fmt::print("{}", report.text);
-    if (!report.refused.empty()) throw Error(report.refused);
-  });
+  command.callback([options] { calibrate(*options); });
 }
 
 }  // namespace palpable::app

@@ -5,25 +5,19 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/ctrl_c.h"
-#include "apps/palpable/live_output.h"
 #include "apps/palpable/live_setup.h"
 #include "palpable/base/error.h"
-#include "palpable/base/order_statistics.h"
-#include "palpable/clip_files/live_file.h"
 #include "palpable/live/live_loop.h"
-#include "palpable/render/gl_context.h"
-#include "palpable/render/scene_renderer.h"
-#include "palpable/render/window.h"
+#include "palpable/live_writer/live_output.h"
+#include "palpable/live_writer/live_summary.h"
 #include "palpable/view/figure_scores.h"
-#include "palpable/view/map_picture.h"
-#include "palpable/view/scene_picture.h"
+#include "palpable/view/scene_painter.h"
 
 #include <fmt/core.h>
 
 #include <chrono>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,115 +38,14 @@ struct Options {
   bool overwrite = false;
 };
 
-// Draws scenes: off screen, or into the context of a window that shows them.
-class Painter {
- public:
-  Painter(const Options& options, const FrameLoop& loop)
-      : scale_(stress_scale(loop.session.body())) {
-    const PinholeCamera& camera = loop.camera.camera();
-    if (options.window) {
-      window_.emplace(value_or_throw(Window::open("Palpable", camera.width, camera.height)));
-    } else {
-      offscreen_.emplace(value_or_throw(GlContext::offscreen()));
-    }
-    renderer_.emplace(value_or_throw(SceneRenderer::make()));
-    if (options.view == "map") {
-      map_ = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
-                                          loop.session.world_from_body());
-    }
-  }
-
-  // Fills in what drawing adds to a scene, but for the scores.
-  void draw(DrawnFrame& drawn, const Session& session) {
-    const StageTimer timer(drawn.scene.times, "draw");
-    SceneView view = view_of(drawn.scene, session.body(), scale_);
-    if (map_) {  // its own caption says it
-      view.legend_title.clear();
-      view.caption.clear();
-      view.warning.clear();
-    }
-    renderer_->draw(view, map_ ? inside_ : drawn.picture, &drawn.visible, &drawn.body_depth);
-    if (!map_) return;
-    const MappedRoom room{session.body(), session.map(), session.world_from_body(),
-                          [&] { return session.keyframes(); }};
-    map_->draw(drawn.scene, room, scale_, inside_, drawn.picture);
-  }
-
-  void show(const ColorImage& picture) {
-    if (!window_) return;
-    window_->show(picture);
-    handle_events();
-  }
-
-  // Turns the map as the mouse says, and notes whether the user wants to end.
-  void handle_events() {
-    if (!window_) return;
-    ended_ |= window_->closed();
-    for (const WindowEvent& event : window_->events()) {
-      ended_ |= event.kind == WindowEvent::Kind::kKey && event.key == WindowEvent::kEscape;
-      if (map_) map_->handle(event);
-    }
-  }
-
-  // Whether the user has closed the window or pressed Escape.
-  [[nodiscard]] bool ended() const { return ended_; }
-
-  void throw_gl_errors() const {
-    const GlErrorLog& errors = window_ ? window_->gl_errors() : offscreen_->errors();
-    if (errors.count() == 0) return;
-    throw Error(
-        fmt::format("OpenGL reported {} errors, first: {}", errors.count(), errors.first()));
-  }
-
- private:
-  std::optional<GlContext> offscreen_;
-  std::optional<Window> window_;
-  std::optional<SceneRenderer> renderer_;
-  std::unique_ptr<MapPicture> map_;  // the room from outside, if it is to be shown
-  ColorImage inside_;                // what the camera sees, where the picture is the map's
-  double scale_;                     // Pa, top of the colours
-  bool ended_ = false;
-};
-
 LiveSummary summary(const Options& options, const LiveRun& run, const LiveCounts& counts,
                     const LiveOutput& output, double wall) {
-  const Session& session = run.loop.session;
-  LiveSummary result;
+  LiveSummary result = summary_of(run, counts, output);
   result.body = options.live.body.string();
-  result.source = run.images.string();
   result.contact = options.live.contact;
   result.view = options.view;
-  if (session.settings().ignore_static) {
-    result.ignore_static_frames = session.settings().static_frames;
-  }
   result.scale = options.live.scale;
-  result.camera_from_body = session.world_from_body();  // the first frame's camera is the world
-  if (const auto& color = run.source->format().color_sensor) {
-    result.color_from_depth = color->color_from_depth;
-  }
-  if (session.settings().track) {
-    const TrackerCounts tracker = session.tracker_counts();
-    result.tracking = {counts.moving, counts.lost,       tracker.recognised,
-                       tracker.loops, tracker.keyframes, tracker.landmarks};
-  }
-  if (const SurfaceMap* map = session.map()) {
-    result.map = {map->blocks(), map->refused(), session.free_space()->blocked()};
-  }
-  result.unreadable = counts.troubles.unreadable;
-  result.source_troubles = {counts.troubles.back_in_time, counts.troubles.dropped,
-                            counts.troubles.stalls, counts.troubles.losses, counts.reports};
-  result.frames_touching = counts.touching;
-  result.first_touch_frame = counts.first_touch;
-  result.deepest_press = counts.deepest;
-  result.site_changes = counts.site_changes;
-  result.video_codec = output.codec();
-  result.pictures = output.figures();
-  result.color_scale = stress_scale(session.body());
   result.wall = wall;
-  for (const auto& [stage, values] : output.times()) {
-    if (!values.empty()) result.median_ms.emplace_back(stage, percentile(values, 0.5));
-  }
-  result.processed = counts.processed;
   return result;
 }
 
@@ -191,7 +84,7 @@ ProgressReport progress_of(const Scene& scene, int done, int total) {
 // @return what happened, and the output; null when no frame could be used
 template <class BeginOutput>
 std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, LiveRun& run,
-                                                        Painter& painter,
+                                                        ScenePainter& painter,
                                                         const BeginOutput& begin_output) {
   const Session& session = run.loop.session;
   ProgressBar bar;
@@ -236,7 +129,7 @@ void live(const Options& options) {
                   {wanted.body, input.source, input.right, input.depth, input.calibration});
   wanted.clip = options.out / "clip";
   LiveRun run = set_up_live(wanted);
-  Painter painter(options, run.loop);
+  ScenePainter painter({.window = options.window, .map = options.view == "map"}, run.loop);
 
   const auto begin = std::chrono::steady_clock::now();
   listen_for_ctrl_c();

@@ -3,60 +3,19 @@
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/base/error.h"
-#include "palpable/base/fnv1a.h"
-#include "palpable/clip_writer/sequence_folder.h"
+#include "palpable/clip_writer/kept_clip.h"
 #include "palpable/live/place.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/scaled_body.h"
 
 #include <fmt/core.h>
 
-#include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <utility>
 #include <vector>
 
 namespace palpable::app {
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr int kClipFrames = 300;
-constexpr std::uint64_t kClipSeed = 1;
-
-// Names the body that a clip was made for.
-std::uint64_t hash_of_file(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return fnv1a(std::string(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()));
-}
-
-// The clip is filmed once for a body and kept; the label, written last, says that it is whole.
-fs::path synthetic_clip(const LiveOptions& options, const ReducedBody& body) {
-  const std::string label =
-      fmt::format("palpable {} demo {} frames seed {} body {:016x}\n", PALPABLE_VERSION,
-                  kClipFrames, kClipSeed, hash_of_file(options.body));
-  const fs::path label_file = options.clip / "made_for.txt";
-  std::string found;
-  if (std::ifstream in(label_file); in) {
-    found.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-  }
-  if (found != label) {
-    std::error_code error;
-    if (fs::exists(options.clip) && !fs::is_empty(options.clip) && found.empty()) {
-      throw Error(fmt::format("{}: is in the way of the synthetic clip; move it away or remove it",
-                              options.clip.string()));
-    }
-    fs::remove_all(options.clip, error);
-    ProgressBar bar;
-    write_sequence(body, {"demo", kClipFrames, kClipSeed, options.body.filename().string()},
-                   options.clip, bar.progress());
-    bar.finish();
-    std::ofstream(label_file) << label;
-  }
-  return options.clip / "frames";
-}
 
 // Reads what follows --anchor. Returns why it is refused, else nothing.
 std::string read_anchor(const std::vector<std::string>& words, LiveOptions& options) {
@@ -177,7 +136,13 @@ LiveRun set_up_live(const LiveOptions& options) {
   settings.paced = options.paced;
   settings.session = session_settings(options);
   if (settings.images.device == "synthetic") {
-    settings.images.device = synthetic_clip(options, body).string();
+    ProgressBar bar;
+    settings.images.device =
+        kept_clip(body,
+                  {.folder = options.clip, .body_file = options.body, .version = PALPABLE_VERSION},
+                  bar.progress())
+            .string();
+    bar.finish();
   }
   if (options.scale != 1) body = scaled(body, options.scale);
   return open_live(std::move(body), settings);

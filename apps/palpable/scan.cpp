@@ -9,6 +9,7 @@
 #include "palpable/base/output_file.h"
 #include "palpable/clip_files/trajectory_file.h"
 #include "palpable/geometry/mesh_file.h"
+#include "palpable/geometry/stamped_pose.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/picture_file.h"
 #include "palpable/slam/room_scan.h"
@@ -17,11 +18,8 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,19 +38,6 @@ struct ScanOptions {
   int frames = -1;
 };
 
-// The pose nearest in time, if it is less than 1/60 s away. Frames count from the first pose's.
-std::optional<Rigid3> pose_at(const std::vector<StampedPose>& poses, double time) {
-  const double wanted = poses.front().time + time;
-  const auto after = std::lower_bound(poses.begin(), poses.end(), wanted,
-                                      [](const StampedPose& p, double t) { return p.time < t; });
-  const StampedPose* nearest = after == poses.end() ? &poses.back() : &*after;
-  if (after != poses.begin() && wanted - (after - 1)->time < std::abs(nearest->time - wanted)) {
-    nearest = &*(after - 1);
-  }
-  if (std::abs(nearest->time - wanted) > 1.0 / 60) return std::nullopt;
-  return nearest->world_from_camera;
-}
-
 void write_picture(const fs::path& file, const RoomScan& scanned) {
   CameraPath path;
   for (const TrackedPose& frame : scanned.frames) path.add(frame);
@@ -64,10 +49,7 @@ void write_picture(const fs::path& file, const RoomScan& scanned) {
 
 // Not after an hour's scan. @throws Error when it could not be written
 void expect_output(const fs::path& file) {
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder)) {
-    throw Error(fmt::format("{}: there is no folder {}", file.string(), folder.string()));
-  }
+  expect_folder_of(file);
   if (fs::is_directory(file)) throw Error(fmt::format("{}: is a folder", file.string()));
   expect_writable(file);
 }
@@ -98,7 +80,10 @@ RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>&
   settings.slam.surface.voxel = 1e-3 * options.voxel_mm;
   settings.slam.surface.truncation = 4 * settings.slam.surface.voxel;
   settings.most_frames = options.frames;
-  if (!given.empty()) settings.pose_at = [&](double time) { return pose_at(given, time); };
+  if (!given.empty())
+    settings.pose_at = [&](double time) {
+      return pose_nearest(given, given.front().time + time, 1.0 / 60);
+    };
   settings.name = options.input.source;
   const auto open = [&] {
     std::unique_ptr<FrameSource> source = value_or_throw(open_source(request_of(options.input)));

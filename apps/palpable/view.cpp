@@ -10,18 +10,15 @@
 #include "palpable/render/picture_file.h"
 #include "palpable/render/window.h"
 #include "palpable/view/body_pictures.h"
+#include "palpable/view/body_window.h"
 #include "palpable/view/mode_shapes.h"
-#include "palpable/view/studio_scene.h"
-#include "palpable/view/view_controls.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -60,13 +57,6 @@ void make_folder(const fs::path& folder) {
   if (failed) throw Error(fmt::format("cannot make {}: {}", folder.string(), failed.message()));
 }
 
-void check_gl(const GlContext& context) {
-  if (context.errors().count() > 0) {
-    throw Error(fmt::format("OpenGL reported {} errors, the first: {}", context.errors().count(),
-                            context.errors().first()));
-  }
-}
-
 void write_picture(const fs::path& folder, const std::string& name, const ColorImage& picture) {
   const fs::path file = folder / (name + ".png");
   write_png(file, picture);
@@ -81,7 +71,7 @@ void write_pictures(const ReducedBody& body, const ViewOptions& options, Picture
                [&](const std::string& name, const ColorImage& picture) {
                  write_picture(folder, name, picture);
                });
-  check_gl(context);
+  context.errors().throw_if_any();
 }
 
 void write_modes(const ReducedBody& body, const ViewOptions& options, PictureSize size,
@@ -90,59 +80,22 @@ void write_modes(const ReducedBody& body, const ViewOptions& options, PictureSiz
   make_folder(folder);
   const GlContext context = value_or_throw(GlContext::offscreen());
   write_picture(folder, "modes", draw_modes(body, shapes, size));
-  check_gl(context);
+  context.errors().throw_if_any();
 }
 
 void show_window(Window& window, const ReducedBody& body, const ViewOptions& options,
                  PictureSize size) {
-  StudioScene scene(body, size);
-  ViewControls controls(usual_camera(body, size.aspect()));
-  if (options.site >= 0) {
-    controls.keep(options.site, options.level);
-    controls.camera = camera_towards(body.sites[options.site], controls.camera);
-  }
-  const auto opened = std::chrono::steady_clock::now();
-  const auto now = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - opened).count();
-  };
-  const auto site_at = [&](double x_px, double y_px) -> std::optional<int> {
-    const auto point = scene.point_at(x_px, y_px);
-    if (!point) return std::nullopt;
-    return scene.pressed().nearest_site(*point);
-  };
   int pictures = 0;
-  bool changed = true;
-  while (!controls.quit && !window.closed()) {
-    const bool busy = changed || controls.moving(now());
-    for (const WindowEvent& event : window.events(busy ? 0.0 : 0.05)) {
-      controls.handle(event, now(), site_at);
-      changed = true;
-    }
-    if (options.close_after > 0 && now() > options.close_after) controls.quit = true;
-    const double level = controls.level(now());
-    if (!changed && level == scene.pressed().level()) continue;
-    scene.pressed().press(controls.site(), level);
-    scene.sites_shown = controls.sites_shown;
-    scene.legend_shown = controls.legend_shown && level > 0;
-    scene.caption = {level > 0 ? scene.reading() : scene.title()};
-    if (controls.help_shown) {
-      scene.caption.insert(scene.caption.end(), ViewControls::help().begin(),
-                           ViewControls::help().end());
-    }
-    const ColorImage& picture = scene.draw(controls.camera);
-    window.show(picture);
-    changed = false;
-    if (controls.picture_wanted) {
-      controls.picture_wanted = false;
-      const fs::path file = fmt::format("{}_view_{}.png", body.name, ++pictures);
-      write_png(file, picture);
-      fmt::print("{}\n", file.string());
-    }
-  }
-  if (window.gl_errors().count() > 0) {
-    throw Error(fmt::format("OpenGL reported {} errors, the first: {}", window.gl_errors().count(),
-                            window.gl_errors().first()));
-  }
+  show_body(window, body,
+            {.size = size,
+             .site = options.site,
+             .level = options.level,
+             .close_after = options.close_after},
+            [&](const ColorImage& picture) {
+              const fs::path file = fmt::format("{}_view_{}.png", body.name, ++pictures);
+              write_png(file, picture);
+              fmt::print("{}\n", file.string());
+            });
 }
 
 // --load as --site and --level.

@@ -1331,7 +1331,7 @@ def _(programs, folder):
     (folder / "empty").mkdir()
     refuses(source="empty", says=["empty"])
     refuses(to=folder / "out.obj", says=["out.obj", ".ply"])
-    refuses(to=folder / "none/out.ply", says=["out.ply", "there is no folder"])
+    refuses(to=folder / "none/out.ply", says=["out.ply", "none does not exist"])
     (folder / "taken.ply").mkdir()
     refuses(to=folder / "taken.ply", says=["taken.ply", "is a folder"])
     refuses("--picture", folder / "map.jpg", says=["map.jpg", ".png"])

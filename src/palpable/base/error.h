@@ -1,9 +1,9 @@
 /// @file
-/// How the two halves say that the world is not as hoped.
+/// How the two halves report input that is unusable and computations that fail.
 ///
 /// Offline (solid, bake, the programs' command lines) throws Error. The live half returns
-/// Result<T>, a value or a Problem; inside the frame loop even that is too much and ordinary
-/// values say it (no depth here, nothing near). A bug of the caller is neither: see contract.h.
+/// Result<T>, a value or a Problem; inside the frame loop even that is too costly, and ordinary
+/// values say it (no depth here, nothing near). For bugs of the caller see contract.h.
 #pragma once
 
 #include "palpable/base/contract.h"
@@ -21,14 +21,14 @@ struct Problem {
   std::string message;
 };
 
-/// Thrown by offline code when input or numerics are not as hoped.
+/// Thrown by offline code when its input is unusable or a computation fails.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
   explicit Error(const Problem& problem) : std::runtime_error(problem.message) {}
 };
 
-/// A value, or the problem that kept us from having one.
+/// A value, or the problem that prevented it. Asking for the other one throws ContractViolation.
 template <class T>
 class [[nodiscard]] Result {
  public:
@@ -59,7 +59,7 @@ class [[nodiscard]] Result {
   std::variant<T, Problem> content_;
 };
 
-/// The bridge for offline code: the value, or the problem thrown as an Error.
+/// For offline code: returns the value, or throws the problem as an Error.
 template <class T>
 [[nodiscard]] T value_or_throw(Result<T> result) {
   if (!result.ok()) throw Error(result.problem());

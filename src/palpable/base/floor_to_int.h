@@ -1,5 +1,5 @@
 /// @file
-/// Whole numbers of coordinates. std::floor is a call on plain SSE2, and a look-up needs three.
+/// Rounds coordinates down. std::floor is a call on plain SSE2, and a voxel look-up needs three.
 #pragma once
 
 namespace palpable {

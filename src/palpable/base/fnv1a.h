@@ -1,6 +1,6 @@
 /// @file
-/// A 64-bit name for some bytes: which mesh, which body, whether a file is whole. Against
-/// accidents, not against intent.
+/// A 64-bit checksum. It identifies meshes and bodies and shows whether a file is whole; it detects
+/// accidental changes, not deliberate ones.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ inline constexpr std::uint64_t kFnvStart = 0xcbf29ce484222325u;
 
 /// FNV-1a: each byte enters by an exclusive or and a multiplication, so that any one changed byte
 /// changes the result.
-/// @param hash  of the bytes before these; hashing in pieces gives what hashing at once does
+/// @param hash  the result for the bytes before these, so that bytes can be hashed in pieces
 [[nodiscard]] constexpr std::uint64_t fnv1a(std::string_view bytes,
                                             std::uint64_t hash = kFnvStart) {
   for (const char byte : bytes) {

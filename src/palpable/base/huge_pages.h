@@ -1,6 +1,6 @@
 /// @file
-/// Memory in pages of 2 MiB instead of 4 KiB, where the system has them: what is looked up all over
-/// the place otherwise waits for the table of pages as often as for its own memory.
+/// Memory in pages of 2 MiB instead of 4 KiB, where the system has them. With small pages, random
+/// look-ups in a large container wait for the table of pages as often as for the container.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ class HugePageAllocator {
   [[nodiscard]] T* allocate(std::size_t count) {
     void* memory = ::operator new (count * sizeof(T), std::align_val_t{kHugePage});
 #ifdef MADV_HUGEPAGE
-    madvise(memory, count * sizeof(T), MADV_HUGEPAGE);  // a wish: what it says does not matter
+    madvise(memory, count * sizeof(T), MADV_HUGEPAGE);  // a hint: without it all is slower
 #endif
     return static_cast<T*>(memory);
   }

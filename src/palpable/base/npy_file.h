@@ -10,16 +10,16 @@
 
 namespace palpable {
 
-/// What such a file says about its numbers.
+/// Header of such a file.
 struct NpyHeader {
   std::vector<std::size_t> shape;
   std::string type;               ///< as in the file, e.g. "<f8"
   bool column_by_column = false;  ///< Fortran's order: the first index runs fastest
-  std::size_t begin = 0;          ///< of the numbers, bytes
+  std::size_t begin = 0;          ///< byte at which the numbers begin
 
   /// The product of the shape; SIZE_MAX when it is absurd (more than 2^31).
   [[nodiscard]] std::size_t count() const;
-  /// Bytes of one number; 0: of a type that is not read.
+  /// Bytes of one number; 0 for a type that cannot be read.
   [[nodiscard]] std::size_t number_size() const;
 };
 
@@ -30,7 +30,7 @@ struct NpyArray {
 };
 
 /// @param name  of the file, for messages
-/// @throws Error when the bytes do not begin as such a file
+/// @throws Error when the bytes do not begin with a header
 [[nodiscard]] NpyHeader npy_header(const std::string& bytes, const std::string& name);
 
 /// The numbers behind the header: little-endian floats or integers of 4 or 8 bytes.

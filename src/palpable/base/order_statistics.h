@@ -1,9 +1,9 @@
 /// @file
-/// One number for many: the middle one, or the one below which a share of them lies.
+/// Medians and percentiles.
 ///
 ///     values 1 2 3 4      percentile(values, 0.5) = 2.5      upper_median(values) = 3
 ///
-/// Reports use percentile(). upper_median() is for the frame loop, which takes no memory, and for
+/// Reports use percentile(). upper_median() is for the frame loop, which must not allocate, and for
 /// results that have to be one of the values.
 #pragma once
 

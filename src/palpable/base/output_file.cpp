@@ -4,6 +4,8 @@
 
 #include <fmt/core.h>
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <system_error>
 
@@ -15,6 +17,24 @@ void expect_writable(const std::filesystem::path& file) {
   const bool can_be = std::ofstream(file, std::ios::app).good();
   if (!was_there) std::filesystem::remove(file, error);
   if (!can_be) throw Error(fmt::format("{}: cannot be written", file.string()));
+}
+
+void expect_folder_of(const std::filesystem::path& output) {
+  const std::filesystem::path folder = std::filesystem::absolute(output).parent_path();
+  if (!std::filesystem::is_directory(folder)) {
+    throw Error(fmt::format("{}: the folder {} does not exist", output.string(), folder.string()));
+  }
+}
+
+void write_text_file(const std::filesystem::path& file, std::string_view text) {
+  errno = 0;
+  std::ofstream out(file, std::ios::binary);
+  out.write(text.data(), static_cast<std::streamsize>(text.size()));
+  out.close();
+  if (!out) {
+    throw Error(fmt::format("{}: cannot be written: {}", file.string(),
+                            errno != 0 ? std::strerror(errno) : "unknown reason"));
+  }
 }
 
 }  // namespace palpable

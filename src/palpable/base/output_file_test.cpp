@@ -31,5 +31,23 @@ TEST_CASE("a file in a folder that is not there cannot be written, nor can a fol
   CHECK(fs::is_directory(folder.path()));
 }
 
+TEST_CASE("a folder that is not there is named before the work", "[base][output_file]") {
+  const test::ScratchFolder folder("folder_of");
+  CHECK_NOTHROW(expect_folder_of(folder.path() / "x.vtu"));
+  CHECK_NOTHROW(expect_folder_of("x.vtu"));  // here
+  CHECK_THROWS_WITH(expect_folder_of(folder.path() / "none" / "x.vtu"),
+                    Catch::EndsWith((folder.path() / "none").string() + " does not exist"));
+}
+
+TEST_CASE("a text replaces the file that was there, or the reason is said", "[base][output_file]") {
+  const test::ScratchFolder folder("text_file");
+  const fs::path file = folder.path() / "a.html";
+  write_text_file(file, "a longer text");
+  write_text_file(file, std::string_view("a\0b", 3));
+  CHECK(test::file_bytes(file) == std::string("a\0b", 3));
+  CHECK_THROWS_WITH(write_text_file(folder.path(), "x"),
+                    Catch::Contains("cannot be written: Is a directory"));
+}
+
 }  // namespace
 }  // namespace palpable

@@ -1,5 +1,5 @@
 /// @file
-/// How long work tells its caller how far it is. The library never prints; programs draw the bar.
+/// How a long task reports its progress. The library never prints; programs draw the bar.
 #pragma once
 
 #include <functional>
@@ -16,10 +16,10 @@ struct ProgressReport {
 };
 
 /// Called from the thread that does the work, a few times a second at most; never concurrently.
-/// An empty function is allowed and means that nobody listens.
+/// An empty function is allowed; then nothing is reported.
 using Progress = std::function<void(const ProgressReport&)>;
 
-/// Reports if somebody listens.
+/// Calls `progress` unless it is empty.
 inline void report(const Progress& progress, const ProgressReport& report) {
   if (progress) progress(report);
 }

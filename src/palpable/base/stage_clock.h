@@ -1,7 +1,7 @@
 /// @file
 /// How long the stages of a frame took: plain data that a frame may carry along.
 ///
-/// Measuring is the one place where the frame loop looks at a clock; no result depends on it.
+/// These classes alone read a clock in the frame loop; no result depends on the times.
 #pragma once
 
 #include "palpable/base/contract.h"
@@ -69,7 +69,7 @@ class StageTimes {
   std::size_t count_ = 0;
 };
 
-/// Measures from its birth to its end and adds that to `times`:
+/// Adds the time from its construction to its destruction to `times`:
 ///
 ///     { const StageTimer timer(times, "contact");  ... }
 class StageTimer {

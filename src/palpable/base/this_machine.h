@@ -1,5 +1,5 @@
 /// @file
-/// Where and when something was measured: what stands beside the figures of a report.
+/// Facts that reports state beside their measurements: the machine, its memory, the day.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@ namespace palpable {
 /// The most memory that this process ever held, bytes.
 [[nodiscard]] double peak_memory();
 
-/// As /proc/cpuinfo names it, with the number of cores: "..., 2 cores".
+/// The processor's name in /proc/cpuinfo with the number of cores: "..., 2 cores".
 [[nodiscard]] std::string processor_name();
 
-/// Today by UTC, "2026-11-21": beside what was measured today.
+/// Today by UTC, as in "2026-11-21".
 [[nodiscard]] std::string date_today();
 
 }  // namespace palpable

@@ -33,7 +33,7 @@ Json list(const auto& values) {
   return result;
 }
 
-// The value that a share q of all lies below.
+// The value below which a share q of all values lies. Changes their order.
 double quantile(std::vector<float>& values, double q) {
   const auto n = static_cast<double>(values.size());
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::min(n - 1, std::floor(q * n)));
@@ -92,7 +92,8 @@ Json course_json(const std::optional<ErrorCourse>& course, const std::string& ax
   return result;
 }
 
-// Rows by site, columns by level, with all modes; over further parameters the worst.
+// Errors with all modes, a row for each site and a column for each level; with further parameters
+// the largest over their values.
 Json snapshots_json(const std::optional<ErrorCourse>& course, const ReducedBody& body,
                     const std::string& where) {
   if (!course) return nullptr;
@@ -130,7 +131,7 @@ Json held_out_json(const std::optional<HeldOutRecord>& held_out) {
 
 // ---- the modes ---------------------------------------------------------------------------------
 
-// Sites far from each other, the highest first.
+// Sites that lie far from each other, beginning with the highest.
 std::vector<int> sites_apart(const ReducedBody& body, std::size_t count) {
   const auto place = [&](int s) { return body.surface.vertices.col(body.sites[s].vertex); };
   const auto S = static_cast<int>(body.sites.size());
@@ -157,10 +158,11 @@ std::vector<int> sites_apart(const ReducedBody& body, std::size_t count) {
 struct ShownMode {
   int column = 0;
   std::string title;
-  int site = -1;  // whose mode it is; -1: of all
+  int site = -1;  // that the mode belongs to; -1: all
 };
 
-// Of blocks: three modes of one site and the first of three others; else the first six.
+// With modes of their own per site, three of one site and the first of three others; else the first
+// six.
 std::vector<ShownMode> modes_to_show(const ReducedBody& body, const SeparatedField& field) {
   std::vector<ShownMode> shown;
   if (!has_blocks(field)) {
@@ -180,7 +182,7 @@ std::vector<ShownMode> modes_to_show(const ReducedBody& body, const SeparatedFie
   return shown;
 }
 
-// How large the functions of a mode together get, at samples.
+// The product of the largest values that the mode's functions have at their samples.
 double largest_weight(const SeparatedField& field, int mode) {
   double weight = 1;
   for (const ParameterAxis& axis : field.axes()) {
@@ -217,7 +219,7 @@ Json modes_json(const ReducedBody& body, const SeparatedField& field, double uni
   return result;
 }
 
-// One function, the largest value made one; between samples as it is evaluated.
+// One function, scaled so that its largest sample is 1, and interpolated as evaluation does.
 Json curve_json(const ParameterAxis& axis, int mode, const std::string& label, const VectorXd& at) {
   const VectorXd g = axis.functions.col(mode);
   const double largest = std::max(g.cwiseAbs().maxCoeff(), 1e-300);
@@ -237,7 +239,7 @@ Json functions_json(const ReducedBody& body, const SeparatedField& field) {
   for (std::size_t j = 0; j < field.axes().size(); ++j) {
     const ParameterAxis& axis = field.axes()[j];
     const bool choice = axis.between == Between::kNothing;
-    if (choice && has_blocks(field)) continue;  // 1 at one site and 0 at all others
+    if (choice && has_blocks(field)) continue;  // such functions are 1 at one site and 0 elsewhere
     if (axis.samples.size() < 2) continue;
     VectorXd at = axis.samples;
     if (!choice) {
@@ -368,7 +370,7 @@ std::string lead_text(const ReducedBody& body) {
       method.empty() ? "" : fmt::format(", reduced by the method {}", method));
 }
 
-// A CSV with one figure a line: what, of which field, and at which point.
+// Builds the CSV: one figure a line, with what it is, its field and its parameters.
 struct Table {
   std::string text = "quantity,field,modes,site,level,further,value,unit\n";
 
@@ -452,7 +454,7 @@ void add_held_out(Table& table, const ReductionError& error) {
   }
 }
 
-// The functions of each parameter, those of the site left out where each site has modes of its own.
+// The functions of each parameter; not those of the site if each site has modes of its own.
 void add_functions(Table& table, const ReducedBody& body) {
   for (const auto& [name, field] :
        {std::pair{"displacement", &body.displacement}, std::pair{"stress", &body.stress}}) {
@@ -523,7 +525,7 @@ std::string body_page(const ReducedBody& body, const BodyPageFacts& facts,
                  {"stress_modes", modes_text(body.stress, "stress (Cauchy)")},
                  {"footer", fmt::format("Written by {} on {} from {}; the same numbers are in {}.",
                                         facts.program, facts.date, facts.file, csv_name)}},
-       // Names and provenance may hold what is not UTF-8.
+       // Names and provenance may hold bytes that are not UTF-8.
        .data = data.dump(-1, ' ', false, Json::error_handler_t::replace)});
 }
 

@@ -1,6 +1,6 @@
 /// @file
-/// What a body file gives up, what it costs and what its modes look like: as a page for people and
-/// as a table for programs.
+/// Reports on a body file: its errors, its size and times, and pictures of its modes. As an HTML
+/// page for people and as a CSV table for programs.
 #pragma once
 
 #include "palpable/reduced/reduced_body.h"
@@ -10,24 +10,24 @@
 
 namespace palpable {
 
-/// What is not in the body but was measured, or is known of its file.
+/// Facts for the report that are not in the body: its file, and measured times.
 struct BodyPageFacts {
   std::string file;  ///< name, for people
   std::uintmax_t file_bytes = 0;
-  /// Microseconds of one evaluation, medians over sites and levels.
+  /// Microseconds of one evaluation; medians over sites and levels.
   double displacement_us = 0;
   double stress_us = 0;
-  double all_us = 0;  ///< displacement, stress and from it von Mises stress
-  int repeats = 0;    ///< evaluations that each median is of
+  double all_us = 0;  ///< displacement, stress, and von Mises stress computed from it
+  int repeats = 0;    ///< evaluations behind each median
   std::string processor, date, program;
 };
 
-/// One HTML file that loads nothing.
-/// @param csv_name  of the table beside it
+/// The report as one HTML file that loads nothing.
+/// @param csv_name  name of the table's file, to which the page links
 [[nodiscard]] std::string body_page(const ReducedBody& body, const BodyPageFacts& facts,
                                     const std::string& csv_name);
 
-/// The same numbers, one a line: quantity,field,modes,site,level,further,value,unit
+/// The same numbers as CSV, one a line: quantity,field,modes,site,level,further,value,unit
 [[nodiscard]] std::string body_table(const ReducedBody& body, const BodyPageFacts& facts);
 
 }  // namespace palpable

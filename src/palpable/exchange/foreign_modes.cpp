@@ -21,8 +21,8 @@ std::string names_of(const SeparatedField& field) {
   return names;
 }
 
-// The axis of that name taken out of the list; nothing if there is none.
-std::optional<ParameterAxis> taken(std::vector<ParameterAxis>& axes, const std::string& name) {
+// Removes the axis of that name from the list and returns it; nothing if there is none.
+std::optional<ParameterAxis> extract(std::vector<ParameterAxis>& axes, const std::string& name) {
   const auto found = std::find_if(axes.begin(), axes.end(),
                                   [&](const ParameterAxis& axis) { return axis.name == name; });
   if (found == axes.end()) return std::nullopt;
@@ -31,13 +31,13 @@ std::optional<ParameterAxis> taken(std::vector<ParameterAxis>& axes, const std::
   return axis;
 }
 
-// Site first, then a level from 0 (rest) to 1, then the others.
+// The field with its axes in the body's order: site, level from 0 (rest) to 1, then the others.
 SeparatedField in_our_order(const SeparatedField& field, const ImportSettings& settings) {
   std::vector<ParameterAxis> others = field.axes(), axes;
   const Index m = field.mode_count();
-  std::optional<ParameterAxis> site = taken(others, settings.site);
+  std::optional<ParameterAxis> site = extract(others, settings.site);
   if (!site) site = ParameterAxis{"", VectorXd::Zero(1), MatrixXd::Ones(1, m), Between::kNothing};
-  std::optional<ParameterAxis> level = taken(others, settings.level);
+  std::optional<ParameterAxis> level = extract(others, settings.level);
   if (!level) {
     throw Error(fmt::format("there is no parameter '{}' that could be the load; there are{}",
                             settings.level, names_of(field)));
@@ -81,7 +81,7 @@ Eigen::Vector3d at_vertex(const SeparatedField& u, const std::vector<double>& mu
   return value.cast<double>();
 }
 
-// Where a field's parameters are: a site, a level, and one of the K combinations of samples of the
+// Parameter values of a field: a site, a level, and one of the K combinations of samples of the
 // further parameters.
 class Points {
  public:
@@ -109,8 +109,8 @@ class Points {
   Index K_ = 1;
 };
 
-// Vertex and load of site s: as the file says, or where the surface moves most.
-// @param middle  the site's point at the last level
+// Vertex and load of site s: from the file, else where and along which the surface moves most.
+// @param middle  parameters of the site at the last level
 Site loaded_vertex(const ForeignModes& modes, const SeparatedField& u, Index s,
                    const std::vector<double>& middle) {
   const Index S = u.axes()[0].samples.size();

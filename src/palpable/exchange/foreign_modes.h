@@ -1,5 +1,5 @@
 /// @file
-/// Separated representations of whatever origin, and the body that one can press with them.
+/// Separated representations from other programs, and bodies made of them.
 ///
 ///   V  vertices   m  modes   p  parameters   n_j  samples of parameter j
 #pragma once
@@ -15,37 +15,42 @@
 
 namespace palpable {
 
-/// What another program's file says. Parameters are in any order and under any name.
+/// Content of another program's file. Parameters may have any order and any names.
 struct ForeignModes {
   SurfaceMesh surface;                        ///< m
   SeparatedField displacement;                ///< (3V) m
   std::optional<SeparatedField> stress = {};  ///< (6V) Pa: xx yy zz xy yz zx
-  /// Of the sites, where the file says it: their vertices, and (3 x S) loads in N at the last
-  /// level.
+  /// Vertices of the S sites and their loads at the last level, (3 x S) N; empty where the file
+  /// does not say them.
   std::vector<int> site_vertices = {};
   Eigen::Matrix3Xd site_loads = {};
 };
 
+/// How foreign modes become a body.
 struct ImportSettings {
   std::string name = "imported";
-  std::string site = "site";    ///< which parameter is the place of the touch; a choice
-  std::string level = "level";  ///< which is the load, from its first sample to its last
+  std::string site = "site";    ///< name of the parameter that is the place of the touch
+  std::string level = "level";  ///< name of the one that is the load, none or little at its start
   std::vector<std::pair<std::string, std::string>> provenance = {};
 };
 
-/// A body of them. What the file does not say is found from the field:
+/// A body made of foreign modes. What the file does not say is derived from the field:
 ///
-/// * no parameter of the site's name: one site.
-/// * a site's vertex: the one that moves most at the last level; its load: along that displacement,
-///   1 N. The patch is of graph distance 2, shared by nodal areas.
-/// * the level's samples are scaled to end at 1; if the first is above 0, rest is put before it.
-/// * a vertex is held where no mode moves it.
-/// * no stress: zero.
+/// * Without a parameter of the site's name there is one site.
+/// * Unless the file has both vertices and loads of the sites, a site's vertex is the one that
+/// moves
+///   most at the last level, and its load is 1 N along that displacement. Patches have graph
+///   distance 2 and are weighted by nodal areas.
+/// * The level's samples are scaled to end at 1. If the first is above 0, a level at rest is put
+///   before it.
+/// * Vertices that no mode moves are held.
+/// * Without stress modes the stress is zero.
+///
 /// @throws Error if the surface is not watertight, there is no such level, a site's patch does not
 ///         move farther with every level, or the sizes do not fit
 [[nodiscard]] ReducedBody body_of_modes(const ForeignModes& modes, const ImportSettings& settings);
 
-/// What another program needs of a body.
+/// The modes of a body, for another program.
 [[nodiscard]] ForeignModes modes_of_body(const ReducedBody& body);
 
 }  // namespace palpable

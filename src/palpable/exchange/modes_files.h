@@ -1,7 +1,7 @@
 /// @file
-/// Separated representations on disk, as other programs write and read them: a folder of NumPy
-/// arrays, and PXDMF, the PGD community's own: XDMF with one grid per space. docs/exchange.md says
-/// what is where.
+/// Files of separated representations that other programs write and read: a folder of NumPy arrays,
+/// and PXDMF, a format of the PGD community (XDMF with one grid per space). docs/exchange.md
+/// describes both.
 #pragma once
 
 #include "palpable/exchange/foreign_modes.h"
@@ -10,20 +10,20 @@
 
 namespace palpable {
 
-/// @param folder  made if it is not there
+/// @param folder  created if it does not exist
 /// @throws Error if something cannot be written
 void write_numpy_modes(const std::filesystem::path& folder, const ForeignModes& modes);
 
 /// @throws Error that names the array that is missing or does not fit
 [[nodiscard]] ForeignModes read_numpy_modes(const std::filesystem::path& folder);
 
-/// Writes `path` (.pxdmf) and beside it the numbers (with .h5 added to its name).
+/// Writes `path` (.pxdmf), and its numbers to a file beside it with .h5 added to the name.
 /// @throws Error if one of them cannot be written
 void write_pxdmf(const std::filesystem::path& path, const ForeignModes& modes);
 
-/// Reads numbers in HDF5 or in the XML itself. The space is the grid of triangles; of the others
-/// each is one parameter, a choice where its points are unconnected (Polyvertex).
-/// @throws Error that names what is missing or not understood
+/// Reads numbers from HDF5 or from the XML itself. The grid of triangles is the space. Every other
+/// grid is one parameter; it is a choice if its points are unconnected (Polyvertex).
+/// @throws Error that names what is missing or cannot be read
 [[nodiscard]] ForeignModes read_pxdmf(const std::filesystem::path& path);
 
 }  // namespace palpable

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Index;
 
-// Values as columns of a matrix, each column one row of the file.
+// The file's values as a matrix; each of its columns is one row of the file.
 template <class Matrix>
 void write_matrix(const fs::path& path, const Matrix& columns, std::size_t per_entry = 1) {
   using Scalar = typename Matrix::Scalar;

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Index;
 
-// One press as it is shown.
+// The fields of one press at one level.
 struct Shown {
   Eigen::Matrix3Xf displacement;
   Eigen::Matrix<float, 6, Eigen::Dynamic> stress;

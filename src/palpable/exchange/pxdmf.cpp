@@ -23,12 +23,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using hdf5::Handle;
 
-// XDMF's symmetric tensors are xx xy xz yy yz zz: where each of them is in ours.
+// XDMF's symmetric tensors are xx xy xz yy yz zz: the place of each component in ours.
 constexpr std::array<int, 6> kOursOfTheirs{0, 3, 5, 1, 4, 2};
 
 // ---- writing ---------------------------------------------------------------------------------
 
-// The XML and the HDF5 file that it points to, kept in step.
+// Writes the XML and the HDF5 file to which it refers, together.
 class Writer {
  public:
   Writer(hid_t file, std::string heavy) : file_(file), heavy_(std::move(heavy)) {}
@@ -37,7 +37,7 @@ class Writer {
     xml_.append(2 * static_cast<std::size_t>(depth), ' ');
     xml_ += text + "\n";
   }
-  /// @param columns  each one row of the data set
+  /// @param columns  each becomes one row of the data set
   template <class Matrix>
   void item(int depth, const std::string& dataset, const Matrix& columns) {
     using Scalar = typename Matrix::Scalar;
@@ -178,7 +178,7 @@ class Reader {
     return result;
   }
 
-  /// Numbers of a data set of the heavy file that is named `file`, if they are there.
+  /// The numbers of a data set of the HDF5 file `file`; nothing if it has no such data set.
   [[nodiscard]] std::vector<double> heavy(const std::string& text, const std::string& what) {
     const std::size_t begin = text.find_first_not_of(" \t\r\n");
     const std::size_t end = text.find_last_not_of(" \t\r\n");
@@ -219,7 +219,7 @@ class Reader {
   fs::path path_;
 };
 
-// name_0, name_1, ... of a grid, each as a column.
+// The attributes name_0, name_1, ... of a grid, each as a column.
 MatrixXd modes_of(Reader& reader, const pugi::xml_node& grid, const std::string& field) {
   std::map<long, pugi::xml_node> found;
   for (const pugi::xml_node& attribute : grid.children("Attribute")) {
@@ -254,7 +254,7 @@ MatrixXd modes_of(Reader& reader, const pugi::xml_node& grid, const std::string&
   return columns;
 }
 
-// The grids of a file: the surface's, and each parameter's in their order.
+// The grids of a file: the surface's, then those of the parameters in the file's order.
 struct Grids {
   pugi::xml_node space;
   std::vector<pugi::xml_node> parameters;
@@ -290,7 +290,7 @@ SurfaceMesh surface_of(Reader& reader, const pugi::xml_node& space) {
   return {vertices, triangles.cast<int>()};
 }
 
-// Name and samples; the functions are each field's own.
+// Name and samples of a parameter; each field has its own functions.
 ParameterAxis axis_of(Reader& reader, const pugi::xml_node& grid) {
   ParameterAxis axis;
   axis.name = grid.find_child_by_attribute("Information", "Name", "Dim0")
@@ -329,7 +329,8 @@ std::optional<SeparatedField> field_of(Reader& reader, const Grids& grids,
   return SeparatedField(F.cast<float>(), std::move(axes));
 }
 
-// Where the body is pressed: write_pxdmf() writes it, other programs do not.
+// Vertices and loads of the sites, if the file has them: write_pxdmf() writes them, other programs
+// do not.
 void read_sites(Reader& reader, const std::string& heavy, ForeignModes& modes) {
   try {
     for (const double v : reader.heavy(heavy + ":/site_vertices", "sites")) {

@@ -19,7 +19,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "numbers are written as they lie in memory");
 
-// The header's lines about arrays and the bytes that they point to, kept in step.
+// Collects the header's lines about arrays together with the bytes to which they refer.
 class Arrays {
  public:
   template <class T>

@@ -21,7 +21,7 @@ std::string_view part(std::string_view name) {
   return found->content;
 }
 
-// Every {{key}} of a text, once and from left to right: what is put in is not looked at again.
+// Replaces every {{key}} of a text, from left to right. Inserted text is not searched again.
 std::string filled(std::string_view text,
                    const std::vector<std::pair<std::string_view, std::string>>& values) {
   std::string result;
@@ -40,7 +40,7 @@ std::string filled(std::string_view text,
   }
 }
 
-// A script element ends at the first "</", whatever JSON thinks; "<\/" is the same string.
+// A script element ends at the first "</", even within a JSON string; "<\/" means the same there.
 std::string inside_script(std::string_view json) {
   std::string safe;
   for (std::size_t i = 0; i < json.size(); ++i) {
@@ -59,7 +59,7 @@ std::string web_page(const WebPage& page) {
   std::vector<std::pair<std::string_view, std::string>> texts{{"title", markup_text(page.title)}};
   for (const auto& [key, text] : page.texts) texts.emplace_back(key, markup_text(text));
   std::string script = "/*!\nuPlot: ";
-  script += part("LICENSE");  // its terms ask for this
+  script += part("LICENSE");  // required by its terms
   script += "*/\n";
   script += part("uPlot.iife.min.js");
   script += "\n";

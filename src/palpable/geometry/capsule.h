@@ -1,5 +1,5 @@
 /// @file
-/// Capsules: what hands, pencils and cups are made of, where their truth is known.
+/// Capsules. Synthetic scenes build hands, pencils and cups of them.
 ///
 /// Metres; the frame is the caller's.
 #pragma once
@@ -8,7 +8,7 @@
 
 namespace palpable {
 
-/// All balls whose middle lies between a and b and whose radius changes linearly from ra to rb: the
+/// All balls whose centre lies between a and b and whose radius changes linearly from ra to rb: the
 /// convex hull of the two spheres, a cone with rounded ends. When one sphere holds the other it is
 /// the larger sphere.
 struct Capsule {

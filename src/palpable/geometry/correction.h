@@ -1,5 +1,5 @@
 /// @file
-/// How a closed loop moves what was placed before it was found: one correction per keyframe.
+/// What was placed in the world before a loop was closed moves with it: a correction per keyframe.
 #pragma once
 
 #include "palpable/base/contract.h"
@@ -16,8 +16,8 @@ struct Correction {
   Rigid3 world_from_drifted = Rigid3::Identity();
 };
 
-/// The correction of what was placed in frame `number`: that of the last keyframe up to then, or
-/// the first one's.
+/// The correction of what was placed in frame `number`: that of the last keyframe up to this frame,
+/// or of the first keyframe if there is none.
 /// @param corrections  at least one, their numbers rising
 [[nodiscard]] inline const Rigid3& correction_at(std::span<const Correction> corrections,
                                                  int number) {

@@ -1,5 +1,5 @@
 /// @file
-/// Depth as the whole numbers that its files hold.
+/// Depth images in the integer units of their files.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -12,7 +12,7 @@ namespace palpable {
 using DepthCounts = Image<std::uint16_t>;
 
 inline constexpr std::uint16_t kNoDepth = 0;
-/// Something is there, nearer than can be measured. In a measured image only; in a truth this is an
+/// In measured images: something is there, too near to be measured. In images of a truth this is an
 /// ordinary count.
 inline constexpr std::uint16_t kTooClose = 65535;
 

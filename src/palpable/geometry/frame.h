@@ -1,5 +1,5 @@
 /// @file
-/// What a camera hands over: plain images and, once, what they mean.
+/// What a source delivers: frames of plain images, and one description of all its frames.
 ///
 /// Camera frame: X right, Y down, Z forward, m. Pixel (0, 0) is the centre of the first pixel.
 #pragma once
@@ -22,7 +22,7 @@ struct Frame {
   DepthImage depth;  ///< Z in m, NaN unknown; of the format's depth camera
 };
 
-/// A colour sensor that stands beside the depth sensor and has a lens of its own.
+/// A colour sensor with a lens of its own, at another place than the depth sensor.
 struct ColorSensor {
   PinholeCamera camera;
   Rigid3 color_from_depth = Rigid3::Identity();  ///< translation in m
@@ -39,11 +39,11 @@ struct FrameFormat {
   bool already_rectified = false;
   RectifiedStereo rectified;   ///< kStereo with already_rectified == true
   PinholeCamera depth_camera;  ///< kColorDepth
-  /// kColorDepth whose colour is another view than its depth; nothing: they share one view.
+  /// kColorDepth with a colour sensor of its own; nothing: colour and depth share one view.
   std::optional<ColorSensor> color_sensor;
 };
 
-/// For formats whose file did not say how large the images are.
+/// Sets the size of the images, for formats whose file does not state it.
 inline void set_size(FrameFormat& format, int width, int height) {
   format.width = format.depth_camera.width = width;
   format.height = format.depth_camera.height = height;
@@ -53,7 +53,7 @@ inline void set_size(FrameFormat& format, int width, int height) {
   }
 }
 
-/// Raw pairs of a rig, as large as its left eye's images.
+/// The format of a rig's raw pairs; images have the size of the left eye's.
 [[nodiscard]] inline FrameFormat format_of(const StereoRig& rig) {
   FrameFormat format;
   format.width = rig.left.pinhole.width;

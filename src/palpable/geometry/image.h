@@ -1,5 +1,5 @@
 /// @file
-/// Images as plain arrays: what crosses between camera, loop, picture and truth.
+/// Images as plain arrays.
 #pragma once
 
 #include "palpable/base/contract.h"

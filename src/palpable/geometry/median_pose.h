@@ -1,5 +1,5 @@
 /// @file
-/// What several measurements of one pose agree on.
+/// A robust mean of several measurements of one pose.
 #pragma once
 
 #include "palpable/geometry/rigid.h"
@@ -8,9 +8,9 @@
 
 namespace palpable {
 
-/// The mean of the half of the poses (rounded up) that lie nearest to the one from which all lie
-/// least far in sum: half of them may be anything. A turn of 1 rad counts as `reach` m, which is
-/// how far from the origin of the pose's source frame a point matters.
+/// The mean of the half of the poses (rounded up) nearest to the one whose distances to all others
+/// have the smallest sum. Almost half of the poses may be wrong. A turn of 1 rad counts as `reach`
+/// m: the distance from the origin of the source frame at which points matter.
 /// @param poses  at least one
 [[nodiscard]] Rigid3 median_pose(std::span<const Rigid3> poses, double reach);
 

@@ -1,8 +1,8 @@
 /// @file
 /// Surfaces from the files that people have: STL, PLY, OBJ, 3DS, OFF.
 ///
-/// Own small readers, and not a library's: what comes in is untrusted, only vertices and triangles
-/// are wanted, and the readers are fuzzed (docs/decisions/mesh-readers.md).
+/// The readers are our own and not a library's, because files are untrusted and only vertices and
+/// triangles are needed; they are fuzzed (docs/decisions/mesh-readers.md).
 #pragma once
 
 #include "palpable/base/error.h"
@@ -17,7 +17,7 @@ namespace palpable {
 
 /// Reads a surface; the format follows from the extension (.stl .ply .obj .3ds .off, any case).
 ///
-/// Lengths are taken as they stand in the file. Polygons are cut into triangle fans; vertices that
+/// Lengths are not converted. Polygons are cut into triangle fans; vertices that
 /// coincide exactly are joined and unused ones dropped. Textures, normals, colours and groups are
 /// skipped. Whatever the bytes, the result is a surface with at least one triangle and finite
 /// vertices (not necessarily watertight: check_watertight says) or a problem that names the file,

@@ -42,9 +42,9 @@ struct TetMesh {
 /// (E) signed volumes between the corners, m^3.
 [[nodiscard]] Eigen::VectorXd tet_volumes(const TetMesh& mesh);
 
-/// (N) the lumped mass of density 1, m^3: of each adjacent tetrahedron's volume a quarter; where it
-/// has ten nodes, 1/36 to a corner and 4/27 to an edge (in proportion to the consistent mass's
-/// diagonal; the plain row sums are negative at the corners).
+/// (N) the lumped mass of density 1, m^3. A 4-node tetrahedron gives each node a quarter of its
+/// volume; a 10-node one gives 1/36 to each corner and 4/27 to each edge node (in proportion to the
+/// diagonal of the consistent mass; its row sums are negative at the corners).
 [[nodiscard]] Eigen::VectorXd nodal_volumes(const TetMesh& mesh);
 
 /// The skin of a volume, with vertices numbered anew and the way back.

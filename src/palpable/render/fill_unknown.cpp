@@ -20,7 +20,7 @@ void fill_unknown(const DepthImage& depth, const PixelBox& box, int radius,
   nearest_in_row.resize(at(0, height));
   constexpr signed char kNone = 127;
 
-  // Along rows: the offset to the nearest known pixel, to the left when a tie.
+  // Along rows: the offset to the nearest known pixel; of two equally near, the farther depth.
   for (int y = 0; y < height; ++y) {
     const float* in = depth.row(box.y0 + y) + box.x0;
     float* out = filled.data() + at(0, y);
@@ -43,8 +43,8 @@ void fill_unknown(const DepthImage& depth, const PixelBox& box, int radius,
       if (nearer || tie_farther) offset[x] = static_cast<signed char>(ahead);
     }
   }
-  // Along columns: the best of the rows. Values written to unknown pixels are never read back,
-  // because only pixels with offset 0 are ever pointed at.
+  // Along columns: the nearest of the pixels found in the rows. This may write to `filled` while it
+  // reads it, because all offsets lead to known pixels.
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       if (nearest_in_row[at(x, y)] == 0) continue;
@@ -63,7 +63,8 @@ void fill_unknown(const DepthImage& depth, const PixelBox& box, int radius,
       filled[at(x, y)] = value;
     }
   }
-  // Runs that only the left eye sees are background, whatever is nearest. Offset 0: a known pixel.
+  // Runs that only the left eye sees get the depth on their left, whichever known pixel is nearest.
+  // Offset 0 marks a known pixel.
   for (int y = 0; y < height; ++y) {
     float* out = filled.data() + at(0, y);
     signed char* offset = nearest_in_row.data() + at(0, y);

@@ -1,7 +1,7 @@
 /// @file
 /// Closes the holes of a depth image, so that occlusion has a depth everywhere near an outline.
-/// Holes come from two causes: what only one eye sees, which is background, and what the matcher
-/// refuses, which is filled from the nearest known pixel where the hole is small.
+/// A hole has one of two causes. Either only one eye sees the surface there, which is then
+/// background; or the matcher has rejected its match, and the nearest known pixel is a good guess.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -21,22 +21,26 @@ struct PixelBox {
   [[nodiscard]] bool empty() const { return x1 <= x0 || y1 <= y0; }
 };
 
-/// The longest run of pixels that counts as half seen: at 0.2 m before a desk at 0.5 m a stereo
-/// pair of 63 mm and 350 px leaves 66 px; a hand at the body leaves 10 to 25.
+/// The longest run of pixels that counts as seen by one eye only. Beside a thing at 0.2 m before a
+/// desk at 0.5 m, a stereo pair of 63 mm and 350 px has a run of 66 px; beside a hand at the body
+/// it is 10 to 25 px.
 inline constexpr int kLongestHalfSeen = 64;
 
 /// Copies `box` of a depth image and closes its holes. An unknown pixel (NaN, infinite or not
 /// positive) becomes
 ///
-/// - in a run between something far on its left and something near on its right (by a tenth of the
-///   depth or more, in the same row, at most kLongestHalfSeen pixels): the far depth. Directly left
-///   of a near thing lies what the left eye alone sees, and that is background;
+/// - the depth on its left, if it belongs to a run of at most kLongestHalfSeen unknown pixels of a
+///   row, and the depth on the run's left is more than 1.1 times that on its right. The strip
+///   directly left of a near thing is seen by the left eye alone, and is background:
+///
+///       far  ?  ?  ?  near     ->     far  far  far  far  near
+///
 /// - else the depth of the nearest known pixel of the box within `radius` pixels (Euclidean; of two
 ///   equally near, the farther depth), or 0 if there is none.
 ///
-/// @param nearest_in_row  (box.height x box.width), overwritten: 0 where the depth was known or
-///                        became the far one, else not 0; kept between calls so that nothing is
-///                        allocated
+/// @param nearest_in_row  (box.height x box.width) row-major, overwritten: 0 where the depth was
+///                        known or is the far depth of the first rule, else not 0. Pass the same
+///                        vectors again and nothing is allocated
 /// @param filled          (box.height x box.width) row-major, overwritten
 void fill_unknown(const DepthImage& depth, const PixelBox& box, int radius,
                   std::vector<signed char>& nearest_in_row, std::vector<float>& filled);

@@ -15,7 +15,7 @@ namespace {
 void on_message(GLenum /*source*/, GLenum type, GLuint /*id*/, GLenum /*severity*/,
                 GLsizei /*length*/, const GLchar* message, const void* user) {
   if (type != GL_DEBUG_TYPE_ERROR) return;
-  // KHR_debug hands the pointer back as it was given; only its type says const.
+  // KHR_debug returns the pointer that attach() passed, which was not const.
   static_cast<GlErrorLog*>(const_cast<void*>(user))->add(message);
 }
 
@@ -44,8 +44,8 @@ bool has_word(const char* list, std::string_view word) {
   return padded.find(fmt::format(" {} ", word)) != std::string::npos;
 }
 
-/// The displays to try, best first. A display belongs to the process: EGL hands the same one out
-/// again, so none is ever terminated here.
+/// The displays to try, best first. EGL returns the same display object to every caller in the
+/// process, so displays are not terminated here.
 std::vector<EGLDisplay> displays_without_screen() {
   std::vector<EGLDisplay> displays;
   const char* extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
@@ -69,7 +69,7 @@ std::vector<EGLDisplay> displays_without_screen() {
   return displays;
 }
 
-/// A context on this display, or why there is none.
+/// A context on this display, or the step that failed.
 Result<EGLContext> make_context(EGLDisplay display) {
   const auto failed = [](const char* step) {
     return Problem{fmt::format("{}: {}", step, text_of(eglGetError()))};
@@ -109,6 +109,11 @@ void GlErrorLog::attach() {
   glEnable(GL_DEBUG_OUTPUT);
   glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
   glDebugMessageCallback(on_message, this);
+}
+
+void GlErrorLog::throw_if_any() const {
+  if (count_ > 0)
+    throw Error(fmt::format("OpenGL reported {} errors, the first: {}", count_, first_));
 }
 
 void GlErrorLog::add(const char* message) {
@@ -171,7 +176,7 @@ GlContext& GlContext::operator=(GlContext&&) noexcept = default;
 GlContext::~GlContext() = default;
 
 void GlContext::make_current() {
-  // Fails only if the context is current on another thread: the caller's bug.
+  // Fails only if the context is current on another thread, which is a bug of the caller.
   PALPABLE_EXPECT(
       eglMakeCurrent(state_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, state_->context) == EGL_TRUE,
       "a context is current on one thread at a time");

@@ -1,8 +1,8 @@
 /// @file
-/// An OpenGL 4.5 core context without a screen, and the list of what went wrong in it.
+/// An OpenGL 4.5 core context without a screen, and a log of its errors.
 ///
-/// Everything about EGL is in gl_context.cpp; the one other way to a context is window.h. Mesa's
-/// llvmpipe is enough: no GPU, no display, no X server.
+/// Only gl_context.cpp uses EGL; window.h makes contexts with a window. Mesa's llvmpipe suffices:
+/// no GPU, no display and no X server are needed.
 #pragma once
 
 #include "palpable/base/error.h"
@@ -12,18 +12,21 @@
 
 namespace palpable {
 
-/// Collects what the driver reports as an error (KHR_debug), from the moment it is attached.
+/// Collects the errors that the driver reports (KHR_debug) once it is attached.
 ///
-/// A GL error is a bug of ours. Tests require count() == 0; programs show first() once.
+/// A GL error is a bug of this program. Tests require count() == 0; programs end with
+/// throw_if_any().
 class GlErrorLog {
  public:
-  /// Listens to the context that is current on this thread, synchronously. The log must outlive
-  /// the context and keep its address.
+  /// Logs the errors of the context that is current on this thread, synchronously. The log must
+  /// outlive the context and keep its address.
   void attach();
 
   [[nodiscard]] int count() const { return count_; }
   /// The first message; empty when count() is 0.
   [[nodiscard]] const std::string& first() const { return first_; }
+  /// @throws Error with the count and the first message when there are errors
+  void throw_if_any() const;
 
   void add(const char* message);
   void clear();
@@ -33,20 +36,23 @@ class GlErrorLog {
   std::string first_;
 };
 
-/// A context that draws into framebuffers of its own only. Move-only. Belongs to the thread on
-/// which it was made current last; at most one context is current per thread.
+/// A context that draws into framebuffers of its own only. Move-only. It belongs to the thread that
+/// made it current last; a thread has at most one current context.
 class GlContext {
  public:
-  /// Makes a context and makes it current. Tries Mesa's surfaceless platform first, then every EGL
-  /// device. The problem says which step failed and which package usually helps.
+  /// Creates a context and makes it current. Tries Mesa's surfaceless platform first, then every
+  /// EGL device. The problem names the step that failed and the package that usually helps.
   [[nodiscard]] static Result<GlContext> offscreen();
 
   GlContext(GlContext&&) noexcept;
   GlContext& operator=(GlContext&&) noexcept;
   ~GlContext();
 
+  /// Makes the context current on the calling thread. @throws ContractViolation if another thread
+  /// has it
   void make_current();
 
+  /// The errors since the context was created or the log was cleared.
   [[nodiscard]] const GlErrorLog& errors() const;
   [[nodiscard]] GlErrorLog& errors();
   /// Renderer and version as the driver names them, e.g. "llvmpipe (LLVM 15.0.6, 256 bits), 4.5".

@@ -23,8 +23,8 @@ const ShaderFile* find(std::span<const ShaderFile> files, std::string_view name)
   return found == files.end() ? nullptr : &*found;
 }
 
-/// A shader with its includes in place, and where each of its lines came from. Not `#line`: Mesa
-/// loses the file number of what is found wrong after parsing.
+/// A shader with its includes inserted, and the origin of each line. `#line` would not do: Mesa
+/// loses the file number in errors that it finds after parsing.
 struct ExpandedShader {
   struct Origin {
     std::string_view file;
@@ -32,8 +32,8 @@ struct ExpandedShader {
   };
   std::string text;
   std::vector<Origin> origins;               // one per line of text
-  std::vector<std::string_view> files_seen;  // nothing is included twice; that also ends circles
-  std::string problem;                       // empty when all is well
+  std::vector<std::string_view> files_seen;  // each is inserted once, so cycles end
+  std::string problem;                       // empty: none
 
   void add(std::string_view line, Origin origin) {
     text += line;
@@ -42,7 +42,7 @@ struct ExpandedShader {
   }
 };
 
-/// The lines of a text, without their ends.
+/// The lines of a text, without line ends.
 std::vector<std::string_view> lines_of(std::string_view text) {
   std::vector<std::string_view> lines;
   while (!text.empty()) {
@@ -138,7 +138,7 @@ Result<GlProgram> GlProgram::make(std::span<const ShaderFile> files, std::string
   glAttachShader(program.get(), vertex_shader.value());
   glAttachShader(program.get(), fragment_shader.value());
   glLinkProgram(program.get());
-  glDeleteShader(vertex_shader.value());  // lives on while it is attached
+  glDeleteShader(vertex_shader.value());  // deleted once no program has it attached
   glDeleteShader(fragment_shader.value());
   GLint good = GL_FALSE;
   glGetProgramiv(program.get(), GL_LINK_STATUS, &good);
@@ -208,7 +208,7 @@ GlBuffer::GlBuffer() {
 
 void GlBuffer::stream(const void* data, std::size_t bytes) {
   capacity_ = std::max(capacity_, bytes);
-  // The same size again tells the driver that the old content is no longer wanted.
+  // Allocating the same size again tells the driver that the old content is not needed.
   glNamedBufferData(get(), static_cast<GLsizeiptr>(capacity_), nullptr, GL_STREAM_DRAW);
   if (bytes > 0) glNamedBufferSubData(get(), 0, static_cast<GLsizeiptr>(bytes), data);
 }

@@ -1,8 +1,8 @@
 /// @file
-/// OpenGL's objects with an owner: programs, buffers, vertex arrays, textures, framebuffers.
+/// Owners of OpenGL objects: programs, buffers, vertex arrays, textures, framebuffers.
 ///
-/// All of them are move-only, delete their object in the destructor (the context must be current
-/// then) and use direct state access (4.5), so that making or filling one binds nothing.
+/// All are move-only. Their destructors delete the object; the context must be current then. They
+/// use direct state access (4.5), so that creating or filling an object changes no binding.
 #pragma once
 
 #include "palpable/base/error.h"
@@ -69,8 +69,8 @@ class GlProgram {
   void use() const { glUseProgram(name_.get()); }
   [[nodiscard]] GLuint get() const { return name_.get(); }
 
-  /// Sets a uniform by name, without using the program. A name that the program does not have is
-  /// a bug (ContractViolation) unless the compiler may have dropped it, in which case leave it out.
+  /// Sets a uniform by name; the program need not be in use.
+  /// @throws ContractViolation if the program has no such uniform (compilers drop unused ones)
   void set(const char* uniform, int value) const;
   void set(const char* uniform, float value) const;
   void set(const char* uniform, const Eigen::Vector2f& value) const;
@@ -87,22 +87,22 @@ class GlProgram {
   detail::GlName<detail::delete_program> name_;
 };
 
-/// What GlProgram::make is told besides the files.
+/// Arguments of GlProgram::make besides the files.
 struct ProgramSource {
   std::string_view vertex, fragment;
   std::string_view defines = {};
 };
 
-/// A program for each of `sources`, in their order; or the first problem.
+/// One program for each of `sources`, in the same order; or the first problem.
 [[nodiscard]] Result<std::vector<GlProgram>> make_programs(std::span<const ShaderFile> files,
                                                            std::span<const ProgramSource> sources);
 
-/// A buffer that grows and never shrinks.
+/// A buffer whose storage grows as needed and never shrinks.
 class GlBuffer {
  public:
   GlBuffer();
-  /// Replaces the content. The old storage is left to the driver, so a frame that still draws from
-  /// it does not block.
+  /// Replaces the content. The driver keeps the old storage for frames that still draw from it, so
+  /// the call does not wait for them.
   void stream(const void* data, std::size_t bytes);
   template <class T>
   void stream(std::span<const T> values) {
@@ -116,7 +116,7 @@ class GlBuffer {
   std::size_t capacity_ = 0;
 };
 
-/// Which buffer feeds which input of a vertex shader.
+/// Says which buffer each input of a vertex shader reads.
 class GlVertexArray {
  public:
   GlVertexArray();
@@ -131,7 +131,7 @@ class GlVertexArray {
   detail::GlName<detail::delete_vertex_array> name_;
 };
 
-/// A 2D texture of fixed format.
+/// A 2D texture of fixed format and size.
 class GlTexture {
  public:
   GlTexture() = default;
@@ -158,7 +158,7 @@ class GlTexture {
   int height_ = 0;
 };
 
-/// 2D textures of one size and format behind one another: an array texture.
+/// An array texture: 2D layers of one size and format.
 class GlTextureArray {
  public:
   GlTextureArray() = default;
@@ -178,7 +178,7 @@ class GlTextureArray {
   int layers_ = 0;
 };
 
-/// Textures to draw into. They must outlive it.
+/// Textures to draw into. They must outlive this object.
 class GlFramebuffer {
  public:
   GlFramebuffer() = default;
@@ -186,10 +186,10 @@ class GlFramebuffer {
   /// @param depth   null for none
   /// @throws ContractViolation when OpenGL calls the combination incomplete
   GlFramebuffer(std::span<const GlTexture* const> colors, const GlTexture* depth);
-  /// One layer of an array as the only color.
+  /// With one layer of an array as the only colour attachment.
   GlFramebuffer(const GlTextureArray& colors, int layer, const GlTexture& depth);
 
-  /// Draws go here from now on, into all of it.
+  /// Directs drawing to this framebuffer; the viewport becomes all of it.
   void bind() const;
 
   /// Reads a rectangle of one attachment, first row first.

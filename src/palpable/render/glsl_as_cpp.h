@@ -1,6 +1,6 @@
 /// @file
-/// As much of GLSL as is needed to compile render/shaders/*.glsl as C++: include this, open
-/// `namespace palpable::glsl {`, include the .glsl, close it.
+/// The part of GLSL that compiles render/shaders/*.glsl as C++. Include this header, open
+/// `namespace palpable::glsl {`, include the .glsl, and close the namespace.
 #pragma once
 
 #include <algorithm>

@@ -6,8 +6,8 @@
 namespace palpable {
 namespace {
 
-constexpr int kBlurRadius = 3;                // cells; twice in each direction
-constexpr int kMargin = 2 * kBlurRadius + 2;  // one for rounding
+constexpr int kBlurRadius = 3;                // cells; applied twice in each direction
+constexpr int kMargin = 2 * kBlurRadius + 2;  // cells around the shadow that the blur may darken
 
 int cell(int x, int y) { return y * GroundShadow::kSide + x; }
 
@@ -18,7 +18,7 @@ void GroundShadow::cast(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi
   std::fill(shade_.begin(), shade_.end(), 0.0f);
   if (vertices.cols() == 0 || !(to_light.z() > 0.0f)) return;
 
-  // A low light would throw a long shadow; softness suits a short one.
+  // The light's slope is limited, because a long shadow should be less blurred at its foot.
   Eigen::Vector2f slope = -to_light.head<2>() / to_light.z();
   slope *= 0.5f / std::max(0.5f, slope.norm());
   const float height = std::max(vertices.row(2).maxCoeff(), 1e-3f);
@@ -50,7 +50,7 @@ void GroundShadow::cast(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi
     const Eigen::Vector2f p = to_cells(i);
     darken(static_cast<int>(p.x()), static_cast<int>(p.y()), fallen_(2, i));
   }
-  // Cells whose centre lies in a fallen triangle, for meshes coarser than the cells.
+  // Cells whose centre lies in a projected triangle: a mesh may be coarser than the cells.
   for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
     const Eigen::Vector3i v = triangles.col(t);
     const Eigen::Vector2f a = to_cells(v[0]);
@@ -80,7 +80,7 @@ void GroundShadow::cast(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi
 }
 
 void GroundShadow::blur() {
-  // Box blur along x into scratch, transposed; twice gives both directions back in place.
+  // Each pass blurs along x and transposes, so two passes blur in both directions.
   for (int pass = 0; pass < 2; ++pass) {
     for (int y = 0; y < kSide; ++y) {
       float sum = 0.0f;

@@ -8,18 +8,21 @@
 
 namespace palpable {
 
-/// Not a solution of any light transport: the part of the plane behind the body as seen from the
-/// light, the darker the nearer the body is to the plane, blurred. Its purpose is that a body
-/// stands on the desk and does not float.
+/// The body is projected onto the plane along the light; the shadow is darker where the body is
+/// nearer to the plane, and blurred. This solves no light transport: it makes the body appear to
+/// stand on the desk instead of floating above it.
 class GroundShadow {
  public:
   static constexpr int kSide = 64;  ///< cells per side
 
-  /// @param to_light  unit vector in the body frame; its Z > 0 (a light from below casts none)
+  /// Computes the shadow. Allocates nothing once it has seen as many vertices.
+  /// @param vertices   (3 x V) m, body frame
+  /// @param triangles  (3 x T) vertex indices
+  /// @param to_light   unit vector, body frame; without shadow if its Z <= 0 (light from below)
   void cast(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi& triangles,
             const Eigen::Vector3f& to_light);
 
-  /// (kSide x kSide) row-major, row = y; 0 lit .. 1 dark, 0 at the rim.
+  /// (kSide x kSide) row-major, row = y; 0 lit .. 1 dark, 0 at the image's border.
   [[nodiscard]] const std::vector<float>& shade() const { return shade_; }
   /// x0, y0, x1, y1 in m: the outer edges of the cells.
   [[nodiscard]] const Eigen::Vector4f& box() const { return box_; }
@@ -28,7 +31,8 @@ class GroundShadow {
   void blur();
   std::vector<float> shade_ = std::vector<float>(kSide * kSide);
   std::vector<float> scratch_ = std::vector<float>(kSide * kSide);
-  Eigen::Matrix3Xf fallen_;  // x, y where the light takes a vertex to the plane; closeness to it
+  // (3 x V) x, y of the vertex projected onto the plane along the light; darkness, 1 at the plane.
+  Eigen::Matrix3Xf fallen_;
   Eigen::Vector4f box_ = Eigen::Vector4f::Zero();
 };
 

@@ -27,7 +27,7 @@ double tick_step(double top, int wanted) {
   return 10.0 * power;
 }
 
-/// A number in as few letters as its step allows, in memory of the caller.
+/// Writes a tick's number with as many decimals as its step needs, into memory of the caller.
 std::string_view print_tick(double value, double step, std::array<char, 32>& text) {
   const int digits = std::max(0, -static_cast<int>(std::floor(std::log10(step) + 1e-9)));
   const auto end = fmt::format_to_n(text.data(), text.size(), "{:.{}f}", value, digits);

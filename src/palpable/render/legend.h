@@ -1,5 +1,5 @@
 /// @file
-/// What explains a picture: the colour bar of the stress, lines of text.
+/// Explanations drawn on a picture: the colour bar of the stress, lines of text.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -11,7 +11,7 @@
 
 namespace palpable {
 
-/// A bar of the colours of color_map with round numbers at it.
+/// A bar with the colours of color_map.h, labelled with round numbers.
 struct Legend {
   std::string_view title;  ///< what is painted, e.g. "von Mises stress"
   std::string_view unit;   ///< of the numbers, e.g. "kPa"
@@ -19,21 +19,21 @@ struct Legend {
   float scale = 1;         ///< of all lengths; 1 suits a picture of 720 rows
 };
 
-/// Draws it on a translucent panel at the right edge, centred in height.
+/// Draws the bar on a translucent panel at the right edge, centred in height.
 void draw_legend(ColorImage& picture, const Legend& legend);
 
-/// The scale that suits a picture of so many rows: letters stay legible in small ones.
+/// Legend::scale for a picture with this many rows; letters stay legible in small pictures.
 [[nodiscard]] float legend_scale(int rows);
 
 /// Draws lines of text on a translucent panel in the lower left corner.
 void draw_caption(ColorImage& picture, std::span<const std::string> lines, float scale);
 
-/// Draws one line on a red panel at the top, in the middle: what the user has to do something
-/// about. The letters become smaller where it would not fit.
+/// Draws one line on a red panel at the middle of the top: something that the user has to act on. A
+/// line that would not fit gets smaller letters.
 void draw_warning(ColorImage& picture, std::string_view text, float scale);
 
-/// Round numbers from 0 to at most `top`, about `wanted` of them: steps of 1, 2 or 5 times a power
-/// of ten. For top > 0.
+/// Round numbers from 0 to at most `top` (> 0), about `wanted` of them, in steps of 1, 2 or 5 times
+/// a power of ten.
 [[nodiscard]] std::vector<double> round_ticks(double top, int wanted);
 
 }  // namespace palpable

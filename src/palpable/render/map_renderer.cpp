@@ -13,12 +13,12 @@ namespace palpable {
 namespace {
 
 constexpr float kNear = 0.02f;           // m
-constexpr float kThroughSurface = 0.3f;  // how much of a line shines through what hides it
+constexpr float kThroughSurface = 0.3f;  // opacity of a line behind a surface
 constexpr std::array<float, 4> kBackground{0.925f, 0.930f, 0.940f, 1.0f};
 
 Eigen::Vector3f floats_of(Rgb color) { return Eigen::Vector3f(color.r, color.g, color.b) / 255.0f; }
 
-// The same view `factor` times as large: inverse of PinholeCamera::scaled_down.
+// The same view, `factor` times as large: the inverse of PinholeCamera::scaled_down().
 PinholeCamera scaled_up(const PinholeCamera& c, int factor) {
   const double f = factor;
   return {c.width * factor, c.height * factor,         c.fx_px * f,
@@ -236,7 +236,7 @@ void MapRenderer::State::draw_lines(const PinholeCamera& camera, const MapView& 
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
-  // What is hidden first. Its stretches must not overlap, or their ends would show as beads.
+  // Hidden parts of lines first. They must not overlap, or their blended ends would show as beads.
   for (const bool hidden : {true, false}) {
     glDepthFunc(hidden ? GL_LEQUAL : GL_GREATER);
     line.set("opacity", hidden ? kThroughSurface : 1.0f);
@@ -247,7 +247,7 @@ void MapRenderer::State::draw_lines(const PinholeCamera& camera, const MapView& 
   glDisable(GL_BLEND);
 }
 
-// The mean of factor x factor pixels each.
+// Each pixel becomes the mean of factor x factor pixels.
 void MapRenderer::State::read_back(int factor, ColorImage& picture) {
   const int width = target->color.width(), height = target->color.height();
   rgba.resize(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));

@@ -1,6 +1,6 @@
 /// @file
-/// The map seen from outside (the paper's Fig. 6): the room's surface in its colours, lines for
-/// where the camera has been, bodies where they stand, points for what moves.
+/// Draws the map from outside (the paper's Fig. 6): the room's surface in its colours, the camera's
+/// path as lines, the bodies, and moving things as points.
 ///
 ///   N  vertices     M  triangles
 ///
@@ -21,21 +21,22 @@
 
 namespace palpable {
 
-/// The room's surface as plain arrays; read by MapRenderer::set_surface only.
+/// The room's surface as plain arrays. Read during MapRenderer::set_surface() only.
 struct MapSurface {
   const Eigen::Matrix3Xf* vertices = nullptr;   ///< (3 x N) m
-  const Eigen::Matrix3Xf* normals = nullptr;    ///< (3 x N) unit, to the side it was seen from
+  const Eigen::Matrix3Xf* normals = nullptr;    ///< (3 x N) unit, towards the side that was seen
   const Eigen::Matrix3Xi* triangles = nullptr;  ///< (3 x M) counter-clockwise from that side
   std::span<const Rgb> colors;                  ///< (N)
 };
 
-/// A stretch of line, and a point (drawn as a small ball).
+/// A piece of a line.
 struct MapLine {
   Eigen::Vector3f from = Eigen::Vector3f::Zero();
   Eigen::Vector3f to = Eigen::Vector3f::Zero();
   Rgb color{};
   float width_px = 2;  ///< of the picture
 };
+/// A point, drawn as a small ball.
 struct MapPoint {
   Eigen::Vector3f at = Eigen::Vector3f::Zero();
   float radius = 0.004f;  ///< m
@@ -46,11 +47,11 @@ struct MapPoint {
 struct MapView {
   PinholeCamera camera = {};  ///< of the picture
   Rigid3 camera_from_world = Rigid3::Identity();
-  Eigen::Vector3d up = -Eigen::Vector3d::UnitY();  ///< unit; what faces it is a little lighter
+  Eigen::Vector3d up = -Eigen::Vector3d::UnitY();  ///< unit; surfaces that face it are lighter
   std::span<const MapLine> lines = {};
   std::span<const MapPoint> points = {};
   std::span<const BodyLook> bodies = {};  ///< their camera_from_body is of this view's camera
-  /// Drawn so many times as large and averaged: 1 for pictures that move, 2 for one that is kept.
+  /// The picture is drawn larger by this factor and averaged: 1 for moving pictures, 2 for stills.
   int supersampling = 1;
 };
 
@@ -65,13 +66,12 @@ class MapRenderer {
   MapRenderer& operator=(MapRenderer&&) noexcept;
   ~MapRenderer();
 
-  /// What the next pictures show as the room.
+  /// Sets the room's surface for the next pictures.
   /// @throws ContractViolation when sizes do not match
   void set_surface(const MapSurface& surface);
 
-  /// Draws `view`. A surface is seen from the side from which the camera saw it: walls between it
-  /// and the eye are left out, so that one looks into a room from outside. Lines shine faintly
-  /// through what hides them.
+  /// Draws `view`. Surfaces are drawn from the side from which they were seen only, so that the
+  /// near walls of a room do not hide its inside. Hidden parts of lines are drawn faintly.
   /// @param picture  overwritten, camera size
   void draw(const MapView& view, ColorImage& picture);
 

@@ -15,7 +15,7 @@ constexpr float kColorReach = 40;    // R_c, grey levels, Euclidean over r g b
 constexpr float kNothing = 1e-3f;    // a sum of weights below this counts as none
 
 constexpr int kLanes = 8;
-// Of a window in one row of the lattice, rounded up to whole lanes.
+// Lattice pixels of a window in one row, rounded up to whole vector registers.
 constexpr int kWindowColumns =
     (2 * RealOutlines::kWindow / RealOutlines::kLatticeStep + 1 + kLanes - 1) / kLanes * kLanes;
 
@@ -74,7 +74,7 @@ void RealOutlines::average_colors(const ColorImage& picture, const PixelBox& box
 
 void RealOutlines::find_doubts(std::span<const signed char> guessed) {
   doubt_.assign(at(0, h_), 0);
-  // Each pixel against the one at (dx, dy) from it. Without branches, so that it is vectorised.
+  // Compares each pixel with the one at (dx, dy) from it. Branch-free, so that it is vectorised.
   const auto compare = [&](int dx, int dy, const auto& doubtful) {
     const int first = std::max(-dx, 0);
     const int last = w_ - std::max(dx, 0);
@@ -147,7 +147,7 @@ RealOutlines::Verdict RealOutlines::of_window(int x, int y) const {
   lows.fill(std::numeric_limits<float>::max());
   for (int v = v0; v <= v1; ++v) {
     for (std::size_t k = 0; k < kWindowColumns; k += kLanes) {
-      const float* inverse = l.inverse.data() + row(v) + k;  // 0 where nobody is sure
+      const float* inverse = l.inverse.data() + row(v) + k;  // 0 where the pixel is not sure
       for (std::size_t i = 0; i < kLanes; ++i) {
         const float low = inverse[i] > 0.0f ? inverse[i] : std::numeric_limits<float>::max();
         lows[i] = std::min(lows[i], low);
@@ -239,7 +239,7 @@ void RealOutlines::smooth(const PixelBox& inner) {
 
 void RealOutlines::write_fine(const ColorImage& picture, const PixelBox& box,
                               const PixelBox& inner) {
-  constexpr int kReach = 2;  // half px around, whose colours stand for a side
+  constexpr int kReach = 2;  // px of the depth image: the colours of a side are those this near
   const std::size_t stride = 2 * static_cast<std::size_t>(inner.width());
   fine_.resize(stride * 2 * static_cast<std::size_t>(inner.height()));
   for (int y = inner.y0; y < inner.y1; ++y) {

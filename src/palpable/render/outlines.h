@@ -1,12 +1,12 @@
 /// @file
-/// Outlines of what hides the body, at the picture's resolution.
+/// Outlines of real things that hide the body, at the picture's resolution.
 ///
-/// A stereo matcher that works at half the resolution widens near things by up to six of its pixels
-/// towards the left, where only the left eye sees the background, and closes narrow gaps between
-/// near things. The picture knows better: beside a jump of the depth, the colour of each pixel
-/// decides on which side of the jump it lies.
+/// A stereo matcher at half the resolution widens near things by up to six of its pixels towards
+/// the left, where only the left eye sees the background, and closes narrow gaps between near
+/// things. Colours do not have these errors. So beside a jump of the depth, the colour of each
+/// pixel decides on which side of the jump it lies.
 ///
-///   w, h  size of the depth in question, half of the picture's
+///   w, h  size of the depth image, half that of the picture
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -19,45 +19,47 @@
 
 namespace palpable {
 
-/// Decides anew on which side of a jump the pixels beside it lie.
+/// Corrects on which side of a jump of the depth the pixels beside it lie.
 ///
-/// **Pixels in doubt.** Call a pixel F when its depth is a guess or is farther than that of the
-/// pixel in question by more than kJump. In doubt are the pixels up to kDoubtLeft px right of an F,
-/// up to kDoubtRight px left of one, and up to kDoubtAcross px above or below one; pixels that
-/// touch one that is nearer by more than kJump; and guesses. All others are sure.
+/// **Pixels in doubt.** For a pixel, let F be any pixel whose depth is a guess, or larger than its
+/// own by more than the share kJump. In doubt are the pixels up to kDoubtLeft px right of an F, up
+/// to kDoubtRight px left of one, and up to kDoubtAcross px above or below one; pixels with a
+/// neighbour that is nearer by more than kJump; and guesses. All others are sure.
 ///
-/// **Decision** for a pixel p in doubt with colour c_p. Only sure pixels q vote, of a lattice with
-/// a step of kLatticeStep px, within kWindow px of p. The harmonic mean of their least and largest
-/// depth separates the near ones (n) from the far ones (f):
+/// **Decision** for a pixel p in doubt with colour c_p. The votes are those of sure pixels q on a
+/// lattice with a step of kLatticeStep px, within kWindow px of p. The harmonic mean of their least
+/// and largest depth separates the near ones (n) from the far ones (f):
 ///
 ///     P_k(p) = sum_{q in k} s(p, q) g(c_p - c_q)  /  sum_{q in k} s(p, q),     k = n, f
 ///     s = max(0, 1 - |p - q|^2 / R_s^2)^2,   g = max(0, 1 - |c_p - c_q|^2 / R_c^2)^2
 ///
-/// P_k is how well the colour fits side k, independent of how many pixels are on that side. (The
-/// weights are those of adaptive support, Yoon and Kweon 2006, on labels instead of costs.) The
-/// side with the larger P wins; a p that lay on the other side gets the winner's mean depth. Where
-/// the window shows no jump, p keeps its depth. At last a median of 3 x 3 smooths what was decided.
+/// P_k measures how well the colour fits side k, whatever the number of pixels on that side. (The
+/// weights are those of adaptive support, Yoon and Kweon 2006, applied to labels instead of costs.)
+/// The side with the larger P wins. If p lay on the other side it gets the mean depth of the
+/// winner's pixels. If the window shows no jump, p keeps its depth. A 3 x 3 median smooths the
+/// decisions.
 ///
-/// **Full resolution.** A half pixel beside a jump covers four pixels of the picture; each of them
-/// goes to the side whose mean colour within 2 half pixels is more like its own.
+/// **Full resolution.** A pixel of the depth image beside a jump covers four pixels of the picture.
+/// Each of these goes to the side whose mean colour, within 2 px of the depth image, is more like
+/// its own.
 class RealOutlines {
  public:
-  /// Share of the depth from one pixel to the next; a desk seen at 80 degrees has 1.6 %.
+  /// A change of depth from one pixel to the next is a jump above this share of the depth. A desk
+  /// seen at 80 degrees changes by 1.6 %.
   static constexpr float kJump = 0.06f;
-  static constexpr int kDoubtLeft = 5;  ///< px; the matcher widens by 3-6
-  static constexpr int kDoubtRight = 3;
-  static constexpr int kDoubtAcross = 3;
-  static constexpr int kLatticeStep = 4;
+  static constexpr int kDoubtLeft = 5;    ///< px; the matcher widens near things by 3-6 px
+  static constexpr int kDoubtRight = 3;   ///< px
+  static constexpr int kDoubtAcross = 3;  ///< px
+  static constexpr int kLatticeStep = 4;  ///< px
   static constexpr int kWindow = 28;  ///< px: behind a half-seen strip of 25 px lies its background
-  /// By how much `box` should be larger than `inner`, px.
+  /// px by which `box` should exceed `inner` on each side, so that windows lie within it.
   static constexpr int kMargin = kWindow + kLatticeStep;
 
-  /// @param picture  colours, twice as wide and high as the image that `depth` is part of, or by a
-  ///                 pixel more
-  /// @param box      where `depth` lies in its image, half pixels
+  /// @param picture  colours, twice as wide and high as the depth image, or one pixel more
+  /// @param box      the part of the depth image that `depth` holds, in its pixels
   /// @param depth    (h x w) row-major, m, as fill_unknown() leaves it
-  /// @param guessed  (h x w) not 0 where `depth` was taken from a neighbour, likewise
-  /// @param inner    the pixels that are decided on, within `box`
+  /// @param guessed  (h x w) nearest_in_row of fill_unknown(): not 0 where `depth` is a neighbour's
+  /// @param inner    the pixels to correct, within `box`
   /// Allocates nothing once it has seen a box of this size.
   /// @throws ContractViolation when sizes do not match
   void find(const ColorImage& picture, const PixelBox& box, std::span<const float> depth,
@@ -71,14 +73,14 @@ class RealOutlines {
   struct Color {
     float r, g, b;
   };
-  // Sure pixels, row by row, a plane for each number; `sure` is 1 or 0.
+  // The lattice's pixels, row by row, one array for each quantity; `sure` is 1 or 0.
   struct Lattice {
-    int width = 0;  // with some empty columns, so that a window may read beyond the last
+    int width = 0;  // including empty columns at the end, which a window may read
     int height = 0;
     std::vector<float> sure, r, g, b, inverse;  // inverse: 1/m
   };
-  // How well a colour fits the two sides, and their mean depths in m; `parted` if the window has
-  // both sides.
+  // How well a colour fits the two sides of a window, and their mean depths in m. `parted`: the
+  // window shows both sides of a jump.
   struct Verdict {
     bool parted = false;
     float split = 0;  // 1/m

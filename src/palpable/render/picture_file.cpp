@@ -21,8 +21,8 @@ using File = std::unique_ptr<std::FILE, CloseFile>;
 
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 27;
 
-/// What libpng's error handler leaves behind. libpng unwinds with longjmp, so between setjmp and
-/// the last call nothing with a destructor may be created.
+/// libpng's error, as its handler leaves it here. libpng leaves a call with longjmp, so between
+/// setjmp and the last call no object with a destructor may be created.
 struct Complaint {
   std::string message;
 };
@@ -33,7 +33,7 @@ void on_error(png_structp png, png_const_charp message) {
 }
 void on_warning(png_structp /*png*/, png_const_charp /*message*/) {}
 
-/// Writes rows as they lie in memory. @return false after libpng complained
+/// Writes rows as they lie in memory. @return false after an error of libpng
 bool write_rows(std::FILE* file, png_uint_32 width, png_uint_32 height, int bits, int color,
                 const std::vector<png_bytep>& rows, Complaint& complaint) {
   png_structp png =
@@ -49,12 +49,12 @@ bool write_rows(std::FILE* file, png_uint_32 width, png_uint_32 height, int bits
     return false;
   }
   png_init_io(png, file);
-  // Level 3 takes a third of the default's time and a tenth more of its size.
+  // Compared with the default, level 3 takes a third of the time and makes files a tenth larger.
   png_set_compression_level(png, 3);
   png_set_IHDR(png, info, width, height, bits, color, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_write_info(png, info);
-  if (bits == 16) png_set_swap(png);  // PNG is big-endian, we are not
+  if (bits == 16) png_set_swap(png);  // PNG is big-endian, this machine little-endian
   png_write_image(png, const_cast<png_bytepp>(rows.data()));
   png_write_end(png, info);
   png_destroy_write_struct(&png, &info);
@@ -70,7 +70,7 @@ void write_image(const std::filesystem::path& path, const Image<T>& image, int b
   }
   std::vector<png_bytep> rows;
   for (int y = 0; y < image.height(); ++y) {
-    // libpng's row pointers are not const although writing only reads them.
+    // libpng only reads the rows, but its row pointers are not const.
     rows.push_back(reinterpret_cast<png_bytep>(const_cast<T*>(image.row(y))));
   }
   Complaint complaint;
@@ -82,7 +82,7 @@ void write_image(const std::filesystem::path& path, const Image<T>& image, int b
   }
 }
 
-/// What is asked of a PNG while it is read.
+/// A PNG while it is read.
 enum class As { kRgb8, kGray16 };
 
 struct Raw {

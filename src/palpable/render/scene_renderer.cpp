@@ -18,13 +18,13 @@ namespace palpable {
 namespace {
 
 constexpr float kNear = 0.01f;     // m
-constexpr int kHoleRadius = 6;     // texels of the depth image: what fill_unknown closes
-constexpr int kOutlineRadius = 2;  // px around the body that its soft outline may reach
+constexpr int kHoleRadius = 6;     // texels of the depth image; radius for fill_unknown()
+constexpr int kOutlineRadius = 2;  // px by which the soft outline may exceed the body
 constexpr Rgb kPlainGrey{118, 118, 118};
 
 Eigen::Vector3f floats_of(Rgb color) { return Eigen::Vector3f(color.r, color.g, color.b) / 255.0f; }
 
-/// What one body keeps in OpenGL.
+/// OpenGL buffers of one body.
 struct BodyBuffers {
   GlBuffer vertices, normals, scalar, marks, triangles, dots;
   GlVertexArray inputs, dot_inputs;
@@ -45,7 +45,7 @@ struct BodyBuffers {
   }
 };
 
-/// Everything that has the size of the picture.
+/// Textures and framebuffers of the picture's size.
 struct Targets {
   Targets(int width, int height)
       : body_color(GL_RGBA8, width, height),
@@ -59,9 +59,9 @@ struct Targets {
 
   GlTexture body_color, body_z, body_window_depth;
   GlTexture picture, visible;
-  GlFramebuffer body;      // what the body is, hidden or not
-  GlFramebuffer ground;    // the picture alone: the camera's image and shadows
-  GlFramebuffer composed;  // the picture and where the body is seen
+  GlFramebuffer body;      // the bodies, hidden or not
+  GlFramebuffer ground;    // the camera's image and shadows
+  GlFramebuffer composed;  // the picture, and the mask of visible bodies
 };
 
 /// A rectangle that grows around projected points.
@@ -70,7 +70,7 @@ struct Bounds {
   float y0 = std::numeric_limits<float>::max();
   float x1 = std::numeric_limits<float>::lowest();
   float y1 = std::numeric_limits<float>::lowest();
-  bool everything = false;  // a point before the near plane may appear anywhere
+  bool everything = false;  // a point lies before the near plane, so it may cover any pixel
 
   void add(const Eigen::Vector3f& x_in_camera, const PinholeCamera& camera, float radius) {
     const float z = x_in_camera.z() - radius;
@@ -107,8 +107,8 @@ void set_camera(const GlProgram& program, const PinholeCamera& camera) {
   program.set("near", kNear);
 }
 
-/// Up as the body stands, and the key light: from above, a little from the left and from behind the
-/// camera, so that what the camera sees is lit. Camera frame.
+/// Directions in the camera frame: the body's up, and towards the key light. The light comes from
+/// above, a little from the left and from behind the camera, so that visible sides are lit.
 struct Light {
   Eigen::Vector3f up;
   Eigen::Vector3f key;
@@ -157,7 +157,7 @@ struct SceneRenderer::State {
 
   struct Boxes {
     PixelBox bodies;
-    PixelBox all;  // their shadows too
+    PixelBox all;  // of bodies and their shadows
   };
   Boxes boxes_of(const SceneView& view) const;
   Eigen::Vector2f upload_real_depth(const SceneView& view, const Boxes& boxes);
@@ -237,7 +237,7 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
     glScissor(box.x0, box.y0, box.width(), box.height());
     const Eigen::Vector2f depth_per_picture = s.upload_real_depth(view, boxes);
     s.draw_bodies(view);
-    // The picture so far is the background, or the plain grey.
+    // At this point the picture is the background, or plain grey.
     s.targets->picture.upload(box.x0, box.y0, box.width(), box.height(), GL_RGB, GL_UNSIGNED_BYTE,
                               picture.row(box.y0) + box.x0, width);
     s.draw_shadows(view, depth_per_picture);
@@ -301,7 +301,7 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, c
   const bool half = view.background != nullptr && view.camera.width / 2 == depth.width() &&
                     view.camera.height / 2 == depth.height();
   const int margin = half ? RealOutlines::kMargin : kHoleRadius + 2;
-  // Wide enough that both ends of what one eye alone sees lie within.
+  // So wide that both ends of every strip that one eye alone sees lie within.
   const int row_margin = kLongestHalfSeen + 1;
   const PixelBox& box = boxes.all;
   const PixelBox texels{std::max(static_cast<int>(box.x0 * sx) - row_margin, 0),
@@ -433,7 +433,7 @@ void SceneRenderer::State::compose_picture(const SceneView& view,
   targets->composed.bind();
   constexpr std::array<float, 4> kNone{};
   glClearNamedFramebufferfv(targets->composed.get(), GL_COLOR, 1, kNone.data());
-  glEnablei(GL_BLEND, 0);  // the mask is written as it is
+  glEnablei(GL_BLEND, 0);  // attachment 0 only; the mask is not blended
   glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
   targets->body_color.bind(0);
   targets->body_z.bind(1);

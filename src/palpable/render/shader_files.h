@@ -1,6 +1,5 @@
 /// @file
-/// The shaders of this module, compiled into the program from render/shaders by
-/// cmake/EmbedFiles.cmake.
+/// The shaders of render/shaders, which cmake/EmbedFiles.cmake compiles into the program.
 #pragma once
 
 #include "palpable/render/gl_objects.h"
@@ -9,6 +8,7 @@
 
 namespace palpable {
 
+/// All of them; names without the folder.
 [[nodiscard]] std::span<const ShaderFile> render_shader_files();
 
 }  // namespace palpable

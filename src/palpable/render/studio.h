@@ -1,5 +1,6 @@
 /// @file
-/// A neutral place to look at a body: bright floor with a grid of 1 cm and 5 cm, soft backdrop.
+/// A neutral background for looking at a body: a bright floor with grids of 1 cm and 5 cm, and a
+/// soft backdrop.
 #pragma once
 
 #include "palpable/base/error.h"
@@ -15,11 +16,13 @@ namespace palpable {
 /// Draws the studio with the OpenGL context that is current now and in every later call.
 class Studio {
  public:
+  /// Needs a current context. The problem names shader and line.
   [[nodiscard]] static Result<Studio> make();
 
+  /// Draws the floor and the backdrop.
   /// @param camera_from_body  the floor is Z = 0 of the body frame
   /// @param picture           overwritten, camera size
-  /// About 10 ms at 720p on a software renderer: draw it again only when the camera has moved.
+  /// Takes about 10 ms at 720p on a software renderer, so redraw only when the camera has moved.
   void draw(const PinholeCamera& camera, const Rigid3& camera_from_body, ColorImage& picture);
 
  private:

@@ -27,7 +27,7 @@ const Glyph& glyph_of(const FontSize& size, int letter) {
   return glyph_of(size, '?');
 }
 
-/// The next letter of UTF-8 text, which is shortened; U+FFFD for what is not UTF-8.
+/// Removes the first letter of a UTF-8 text and returns it; U+FFFD for bytes that are not UTF-8.
 int take_letter(std::string_view& text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const int first = byte(0);
@@ -96,7 +96,7 @@ void fill_panel(ColorImage& picture, float x, float y, float width, float height
   const int x1 = std::min(static_cast<int>(std::ceil(x + width)), picture.width());
   for (int v = y0; v < y1; ++v) {
     for (int u = x0; u < x1; ++u) {
-      // Distance to the outline, negative inside; the outline is one pixel soft.
+      // Distance to the outline, px, negative inside. The outline is one pixel soft.
       const float dx = std::abs(static_cast<float>(u) + 0.5f - cx) - 0.5f * width + r;
       const float dy = std::abs(static_cast<float>(v) + 0.5f - cy) - 0.5f * height + r;
       const float outside =

@@ -1,7 +1,8 @@
 /// @file
-/// Letters and plain shapes on a picture in memory, with soft edges. DejaVu Sans at a few sizes.
+/// Draws text and plain shapes with soft edges into a picture in memory. The font is DejaVu Sans at
+/// a few sizes.
 ///
-/// Positions are in px from the picture's top left corner; what falls outside is cut off.
+/// Positions are px from the picture's top left corner. Parts outside of the picture are cut off.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -18,11 +19,12 @@ struct TextSize {
   [[nodiscard]] float height() const { return ascent + descent; }
 };
 
-/// @param size  px per em; the nearest size that exists (10 .. 42) is taken
+/// Size of one line of UTF-8 text.
+/// @param size  px per em; the nearest available size (10 .. 42) is used
 [[nodiscard]] TextSize measure_text(std::string_view text, float size);
 
-/// Draws one line of UTF-8 text with its top left corner at (x, y). A letter that the font has not
-/// (beyond ASCII: degree, plus-minus, squared, cubed, micro, middle dot, multiply) becomes '?'.
+/// Draws one line of UTF-8 text with its top left corner at (x, y). The font has ASCII, degree,
+/// plus-minus, squared, cubed, micro, middle dot and multiply; any other letter becomes '?'.
 void draw_text(ColorImage& picture, float x, float y, std::string_view text, float size, Rgb color,
                float opacity = 1.0f);
 

@@ -3,7 +3,7 @@
 #include "palpable/render/gl_objects.h"
 
 #include <epoxy/gl.h>
-// After epoxy: GLFW must not bring OpenGL's own header.
+// Included after epoxy, so that GLFW does not include OpenGL's own header.
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <fmt/core.h>
@@ -23,7 +23,7 @@ std::string glfw_reason() {
   return text != nullptr ? text : "no reason given";
 }
 
-/// Where the picture lies in the window's framebuffer, px from its lower left corner.
+/// The picture's rectangle in the window's framebuffer, px from its lower left corner.
 struct Placement {
   int x = 0, y = 0, width = 1, height = 1;
 };
@@ -45,7 +45,7 @@ struct Window::State {
   GLFWwindow* window = nullptr;
   GlErrorLog errors;
   std::vector<WindowEvent> gathered, handed_out;
-  // The picture last shown, and how it lies in the window.
+  // The picture last shown, and its rectangle in the window.
   int picture_width = 1, picture_height = 1;
   struct Surface {
     GlTexture texture;
@@ -64,7 +64,7 @@ struct Window::State {
     if (--open_windows == 0) glfwTerminate();
   }
 
-  static int open_windows;  // GLFW itself is one per process
+  static int open_windows;  // GLFW is terminated with the last one
 
   static State& of(GLFWwindow* window) {
     return *static_cast<State*>(glfwGetWindowUserPointer(window));

@@ -1,5 +1,5 @@
 /// @file
-/// A window that shows pictures and says what mouse and keyboard did, as plain data.
+/// A window that shows pictures and reports mouse and keyboard as plain data.
 #pragma once
 
 #include "palpable/base/error.h"
@@ -12,8 +12,8 @@
 
 namespace palpable {
 
-/// One thing that mouse or keyboard did. Positions are in px of the picture last shown (pixel
-/// (0, 0) is the centre of the first), whatever the size of the window.
+/// One event of mouse or keyboard. Positions are px of the picture last shown ((0, 0) is the centre
+/// of its first pixel), whatever the size of the window.
 struct WindowEvent {
   enum class Kind { kPress, kRelease, kMove, kWheel, kKey };
   Kind kind = Kind::kMove;
@@ -25,25 +25,27 @@ struct WindowEvent {
   static constexpr int kEscape = 256;
 };
 
-/// A window with an OpenGL 4.5 core context. Main thread only; move-only.
+/// A window with an OpenGL 4.5 core context. Move-only; use it on the main thread only.
 class Window {
  public:
-  /// Opens a window and makes its context current. The problem says why there is none, e.g. that
-  /// no display is there.
+  /// Opens a window and makes its context current. The problem says why it cannot be opened, for
+  /// instance because there is no display.
   [[nodiscard]] static Result<Window> open(const std::string& title, int width, int height);
 
   Window(Window&&) noexcept;
   Window& operator=(Window&&) noexcept;
   ~Window();
 
-  /// Shows a picture, as large as fits with its proportions kept, and waits for the screen.
+  /// Shows a picture as large as the window allows with its proportions kept. Waits for the
+  /// screen's next refresh.
   void show(const ColorImage& picture);
-  /// What happened since the last call; valid until the next one. Waits up to `wait` seconds when
-  /// nothing has happened yet.
+  /// The events since the last call; valid until the next call. Without any it waits up to `wait`
+  /// seconds for one.
   [[nodiscard]] std::span<const WindowEvent> events(double wait = 0);
-  /// True after the user has asked to close it.
+  /// True once the user has asked to close the window.
   [[nodiscard]] bool closed() const;
 
+  /// Makes the window's context current on the calling thread, as open() does.
   void make_current();
   [[nodiscard]] const GlErrorLog& gl_errors() const;
 

@@ -30,7 +30,7 @@ CgResult conjugate_gradients(const CgSystem& system, const Eigen::VectorXd& b,
     system.preconditioner(r, z);
     const double rz_before = rz;
     rz = r.dot(z);
-    if (!(rz > 0.0)) break;  // rounding has eaten the preconditioner: it is of no use here
+    if (!(rz > 0.0)) break;  // to rounding, the preconditioner is not positive definite here
     p = z + (rz / rz_before) * p;
   }
   result.end = CgEnd::kTooManyIterations;

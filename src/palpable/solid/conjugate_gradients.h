@@ -1,5 +1,5 @@
 /// @file
-/// Conjugate gradients with a factor of a similar matrix as preconditioner.
+/// Preconditioned conjugate gradients that report negative curvature.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,26 +15,27 @@ struct CgResult {
   int iterations = 0;
 };
 
-/// Vectors kept from one call to the next, so that only the first allocates.
+/// Work vectors. Reused between calls of one size, so that only the first call allocates.
 struct CgScratch {
   Eigen::VectorXd r, z, p, Kp;
 };
 
-/// y = A x; a symmetric positive definite A is hoped for.
+/// y = A x with a symmetric A; conjugate_gradients() finds out whether it is positive definite.
 using LinearMap = std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& y)>;
 
+/// The system to solve, and what is done on the way.
 struct CgSystem {
   LinearMap K;
   LinearMap preconditioner;  ///< x ~= K^-1 b
-  /// Called for each direction s that was stepped along, and K s; may be empty.
+  /// Called with each search direction s of a step that was made, and K s; may be empty.
   std::function<void(const Eigen::VectorXd& s, const Eigen::VectorXd& Ks)> visit = {};
 };
 
 /// Solves K x = b from x = 0 until |b - K x|_2 <= relative_tolerance |b|_2.
 ///
-/// Ends with kNegativeCurvature as soon as a direction p has p.Kp <= 0: K is not positive definite
-/// and x (so far) is not to be trusted as a Newton step. That a direction is not met does not prove
-/// that K has none.
+/// Ends with kNegativeCurvature as soon as a search direction p has p.Kp <= 0: then K is not
+/// positive definite, and x must not be used as a Newton step. Any other end does not prove that K
+/// is positive definite.
 CgResult conjugate_gradients(const CgSystem& system, const Eigen::VectorXd& b,
                              double relative_tolerance, int max_iterations, Eigen::VectorXd& x,
                              CgScratch& scratch);

@@ -6,8 +6,9 @@
 namespace palpable {
 namespace {
 
-// Of nodes 1 .. A - 1 of a block, [a - 1][i]. Values that are gathered are differences to node 0's:
-// gradients of the shape functions sum to zero. Forces on all nodes sum to zero, too.
+// Values of nodes 1 .. A - 1 of a block, [a - 1][i]. Gathered values are differences to node 0's,
+// which suffice because the gradients of the shape functions sum to zero. Forces on all nodes of an
+// element sum to zero too.
 template <int A>
 struct NodeValues {
   Pack at[A - 1][3];

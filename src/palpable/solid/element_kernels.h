@@ -1,5 +1,6 @@
 /// @file
-/// The passes over the elements that a solve spends its time in, eight elements at a time.
+/// Loops over the elements that evaluate energy, forces and tangents, eight elements at a time. A
+/// solve spends most of its time here.
 ///
 ///   A  nodes of an element      Q  its integration points      N  nodes of the body
 #pragma once
@@ -13,9 +14,9 @@
 
 namespace palpable {
 
-/// Eight elements of one kind and one material. Where the body has fewer left, the last one is
-/// repeated with weights of zero. Gradients of all nodes of an element sum to zero, so the first's
-/// is not stored.
+/// Eight elements of one kind and one material. The last block of a body is filled up with copies
+/// of its last element whose weights are zero. The gradients of an element's nodes sum to zero, so
+/// that of node 0 is not stored.
 template <int A, int Q>
 struct alignas(kPackAlignment) ElementBlock {
   struct alignas(kPackAlignment) Point {
@@ -26,23 +27,24 @@ struct alignas(kPackAlignment) ElementBlock {
   int nodes[A][kPackSize];
 };
 
-/// What one pass over the forces finds.
+/// Sums and extremes over all integration points of one pass.
 struct ForceSums {
   double energy = 0;                 ///< J
   double smallest_volume_ratio = 0;  ///< min J over the points
   int most_compressed = -1;          ///< 8 block + lane of the element it belongs to
-  bool inverted = false;             ///< some J is not above zero: forces and energy mean nothing
+  bool inverted = false;             ///< some J <= 0: forces and energy are meaningless
 };
 
-/// Adds dPsi/du of the blocks at the rows' u to `forces`.
+/// Adds the internal forces of the blocks, d(energy)/du at the displacements in `rows`, to
+/// `forces`.
 /// @param rows, forces  (N)
 template <int A, int Q>
 ForceSums add_forces(SimdLevel level, const Material& material,
                      std::span<const ElementBlock<A, Q>> blocks, const NodeRow* rows,
                      NodeSum* forces);
 
-/// Adds the derivative of the forces at u along du to `changes`: the tangent's product, without the
-/// tangent. @pre no element is inverted under u
+/// Adds the derivative of the forces at u along du to `changes`. This is the tangent times du,
+/// computed without assembling the tangent. @pre no element is inverted under u
 /// @param rows, changes  (N)
 template <int A, int Q>
 void add_force_changes(SimdLevel level, const Material& material,

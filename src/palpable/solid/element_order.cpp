@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kBits = 16;  // per axis: finer than any mesh that fits into memory
 
-// Bits of x, y and z in turn, from the highest on.
+// Interleaves the bits of x, y and z, highest first.
 std::uint64_t interleaved(const Eigen::Vector3d& cell) {
   std::uint64_t key = 0;
   for (int bit = kBits - 1; bit >= 0; --bit) {

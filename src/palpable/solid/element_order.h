@@ -1,5 +1,5 @@
 /// @file
-/// In which order the elements are passed over.
+/// The order in which loops visit the elements.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,8 +9,8 @@
 namespace palpable {
 
 /// Points along Morton's curve through their bounding box ("A computer oriented geodetic data base
-/// and a new technique in file sequencing", IBM, 1966): points that follow each other lie close
-/// together, so what elements there read is still in the cache.
+/// and a new technique in file sequencing", IBM, 1966). Consecutive points lie close together, so
+/// their elements share nodes, which are still in the cache.
 ///
 /// @param points  (3 x n), any unit
 /// @return  (n) indices into points; the same every time, equal points in their own order

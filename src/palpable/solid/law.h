@@ -1,14 +1,14 @@
 /// @file
-/// How a law of hyperelasticity is written: a struct of its constants, which says what it and they
-/// are called and how they hang together with Lame's (kName, kConstants, from_lame(), lame()), and
-/// three templates over the kind of number,
+/// How a law of hyperelasticity is written: a struct of its constants with its name, theirs and the
+/// conversion from and to Lame's constants (kName, kConstants, from_lame(), lame()), and three
+/// templates over the number type T,
 ///
 ///   T energy_density(const Law&, const Deformation<T>&)                        Psi, J/m^3
 ///   Tensor<T> first_piola(const Law&, const Deformation<T>&)                   P = dPsi/dF, Pa
 ///   Tensor<T> first_piola_along(const Law&, const Deformation<T>&, dF)         dP/dF : dF, Pa
 ///
-/// for J > 0. T is a double (what this header makes of them: functions of a matrix) or a pack of
-/// eight (element_kernels.cpp). Its row in the table of laws is its place in Material (material.h).
+/// for J > 0. T is double (this header turns them into functions of a matrix F) or a pack of eight
+/// doubles (element_kernels.cpp). A law is registered by listing it in Material (material.h).
 #pragma once
 
 #include "palpable/base/contract.h"
@@ -26,7 +26,7 @@ namespace palpable {
 struct LawConstant {
   const char* name;
   bool per_pressure = false;  ///< 1/Pa instead of Pa
-  bool may_be_zero = false;   ///< none may be negative
+  bool may_be_zero = false;   ///< no constant may be negative
 };
 
 /// Small-strain constants, Pa.
@@ -35,7 +35,7 @@ struct LameConstants {
   double mu;
 };
 
-/// What all laws are made of.
+/// The quantities of a deformation that the laws use.
 template <class T>
 struct Deformation {
   Tensor<T> F;  ///< deformation gradient, dx/dX
@@ -77,8 +77,8 @@ inline Tensor<double> tensor_of(const Eigen::Matrix3d& F) {
 }
 }  // namespace detail
 
-/// Psi(F), energy per undeformed volume in J/m^3. Infinite for J <= 0, which is what lets a line
-/// search back away from an inverted element instead of stopping.
+/// Psi(F), energy per undeformed volume in J/m^3. It is infinite for J <= 0, so that a line search
+/// shortens a step that inverts an element.
 template <class Law>
 [[nodiscard]] double energy_density(const Law& law, const Eigen::Matrix3d& F) {
   const Deformation<double> d = deformation(detail::tensor_of(F));

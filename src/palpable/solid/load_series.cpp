@@ -24,12 +24,12 @@ using Eigen::VectorXd;
 
 namespace {
 
-// A value of eight loads.
+// One number for each of eight loads.
 struct alignas(kPackAlignment) Lanes {
   Pack of;
 };
 
-// One element; eight loads share it.
+// One element; the eight loads of a group share it.
 struct SeriesElement {
   double g[4][3];  // dN_a/dX, 1/m
   double volume, lambda, mu;
@@ -64,7 +64,7 @@ PALPABLE_ALWAYS_INLINE Symmetric hooke(const SeriesElement& e, const Symmetric& 
   return S;
 }
 
-// From the orders 1 .. p-1 of eight loads to the right-hand side of order p.
+// The right-hand side of order p, from the orders 1 .. p-1, for eight loads.
 struct NextOrder {
   // stress[q - 1] holds S_q for q <= p - 2 and C : Q_{p-1} for q = p - 1, to which C : sym H_{p-1}
   // is added here; C : Q_p goes to stress[p - 1]. -f_p is added to `force`.
@@ -313,7 +313,7 @@ class LoadsTogether {
     return all_done;
   }
 
-  // The orders of each load as far as they were needed; nothing is left here.
+  // Moves out the orders of each load, as many as it needed.
   std::vector<LoadOrders> result() {
     for (std::size_t c = 0; c < orders_.size(); ++c) {
       LoadOrders& orders = orders_[c];
@@ -332,7 +332,7 @@ class LoadsTogether {
   std::vector<LoadOrders> orders_;
   std::vector<double> norm_1_, before_;
   std::vector<bool> done_;
-  // Of each group: u[p] (u[0] is not used) and stress[p - 1].
+  // For each group of loads: u[p] (u[0] is not used) and stress[p - 1].
   std::vector<std::vector<std::vector<Lanes>>> u_;
   std::vector<std::vector<std::vector<Symmetric>>> stress_;
 };

@@ -10,8 +10,8 @@
 ///     K u_1 = f
 ///     K u_p = - sum_e V_e ( C : Q_p + sum_{r=1}^{p-1} H_r S_{p-r} ) grad N,       p >= 2
 ///
-/// with the one stiffness K of the undeformed body. Nothing is left out: P = F S is a cubic
-/// polynomial of u, so these are all terms of order p.
+/// with one stiffness K, that of the undeformed body. P = F S is a cubic polynomial of u, so these
+/// are all terms of order p; nothing is truncated but the series itself.
 #pragma once
 
 #include "palpable/solid/solid_model.h"
@@ -23,6 +23,7 @@
 
 namespace palpable {
 
+/// When a series is long enough.
 struct SeriesSettings {
   int most_orders = 14;  ///< >= 1
   /// The series of a load ends where |u_p| <= tolerance |u_1|, at the full load, in the norm of
@@ -49,8 +50,8 @@ class LoadSeries {
 
   [[nodiscard]] const SolidModel& model() const;
 
-  /// (3N x k) K^-1 loads, 0 where the body is held: what a body that does not change its shape
-  /// much does under each load. 3 ms each on the beam of 12,803 nodes.
+  /// (3N x k) m, K^-1 loads, 0 where the body is held: the displacement under each load to first
+  /// order. 3 ms each on the beam of 12,803 nodes.
   /// @param loads  (3N x k) N; at held nodes not read
   [[nodiscard]] Eigen::MatrixXd linear_response(const Eigen::MatrixXd& loads) const;
 
@@ -63,7 +64,7 @@ class LoadSeries {
   [[nodiscard]] std::vector<LoadOrders> solve(const Eigen::MatrixXd& loads,
                                               const SeriesSettings& settings) const;
 
-  /// (3N) what holds the body in the state u: d/du of the stored energy, N.
+  /// (3N) N, the forces that hold the body in the state u (m): d/du of the stored energy.
   [[nodiscard]] Eigen::VectorXd internal_force(const Eigen::VectorXd& u) const;
 
   /// (3N) 1 where the component is free, 0 where it is held.
@@ -76,14 +77,14 @@ class LoadSeries {
   std::unique_ptr<const Core> core_;
 };
 
-/// (n) the coefficients c of the vector Pade form of a series at `a`, to be used as those of the
-/// series itself, a^p, are: u = sum_p c_p u_p with c_n = 0,
+/// (n) the coefficients c of the vector Pade form of a series at `a`. They replace the powers a^p
+/// of the series: u = sum_p c_p u_p with c_n = 0,
 ///
 ///     c_p = a^p D_{n-1-p}(a) / D_{n-1}(a),   D_k(a) = 1 + d_1 a + ... + d_k a^k,
 ///
 /// d such that u_n + d_1 u_{n-1} + ... + d_{n-1} u_1 is normal to u_1 ... u_{n-1} (Najah, Cochelin,
-/// Damil, Potier-Ferry 1998). It reaches farther than the series, and where both agree both are
-/// right.
+/// Damil, Potier-Ferry 1998). It converges for larger a than the series does. Where both give the
+/// same, both are right.
 /// @param gram  (n x n) inner products of the orders
 [[nodiscard]] Eigen::VectorXd pade_coefficients(const Eigen::MatrixXd& gram, double a);
 

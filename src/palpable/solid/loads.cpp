@@ -47,7 +47,7 @@ class EdgeNodes {
   std::vector<std::array<int, 3>> all_;
 };
 
-// Where a traction is asked for.
+// A point of the skin at which a traction is evaluated.
 struct SurfacePoint {
   Eigen::Index triangle;
   Eigen::Vector4d barycentric;

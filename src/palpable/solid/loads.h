@@ -4,8 +4,8 @@
 ///   N  nodes     T  triangles of the skin (skin_triangles(), triangles_between())
 ///
 /// All are dead loads: densities, areas and normals are those of the undeformed body, and a force
-/// keeps its size and direction while the body moves. A gas pressure, which follows the surface, is
-/// something else. 4-node and 10-node meshes alike.
+/// keeps its size and direction while the body moves (a gas pressure, by contrast, follows the
+/// surface). Meshes of 4-node and of 10-node tetrahedra.
 #pragma once
 
 #include "palpable/geometry/tet_mesh.h"
@@ -16,9 +16,9 @@
 
 namespace palpable {
 
-/// N per m^3 of undeformed volume at the undeformed place X.
+/// Force in N per m^3 of undeformed volume, at the undeformed place X (m).
 using BodyForceField = std::function<Eigen::Vector3d(const Eigen::Vector3d& X)>;
-/// N per m^2 of undeformed area at the undeformed place X, where the outward unit normal is n.
+/// Force in N per m^2 of undeformed area, at the undeformed place X (m) with outward unit normal n.
 using TractionField =
     std::function<Eigen::Vector3d(const Eigen::Vector3d& X, const Eigen::Vector3d& n)>;
 
@@ -41,8 +41,8 @@ using TractionField =
 [[nodiscard]] Eigen::Matrix3Xd pressure_load(const TetMesh& mesh, const Eigen::Matrix3Xi& triangles,
                                              double pressure);
 
-/// (3 x N) N of a traction that is linear in each triangle: that which nodal forces stand for, to
-/// be carried over to another mesh of the same skin.
+/// (3 x N) N of a traction that is linear over each triangle. Nodal forces of one mesh stand for
+/// such a traction; with it they are carried over to another mesh of the same skin.
 /// @param traction  (3 x N') Pa at the corner nodes, N' <= N their number
 [[nodiscard]] Eigen::Matrix3Xd traction_load(const TetMesh& mesh, const Eigen::Matrix3Xi& triangles,
                                              const Eigen::Matrix3Xd& traction);

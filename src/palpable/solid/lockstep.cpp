@@ -17,12 +17,12 @@
 namespace palpable {
 namespace {
 
-// Hands out items and keeps the first exception.
+// Hands out items; keeps the exception of the lowest one that failed.
 class Items {
  public:
   explicit Items(const std::function<std::optional<int>()>& next) : next_(next) {}
 
-  std::optional<int> take() {
+  std::optional<int> next_item() {
     const std::lock_guard lock(mutex_);
     if (ended_) return std::nullopt;
     try {
@@ -35,7 +35,7 @@ class Items {
     }
   }
 
-  // The exception that is being handled.
+  // Keeps the exception that is being handled as that of `item`; no further item is handed out.
   void failed(int item) {
     const std::lock_guard lock(mutex_);
     keep(item);
@@ -60,9 +60,9 @@ class Items {
   int item_of_problem_ = 0;
 };
 
-// Says who runs. Lanes are ready, running, or waiting for a factor to be applied; of those that
-// wait, one is woken to do that for a batch of them. A batch goes when nobody else can join it, or
-// when a thread had nothing else to do.
+// Decides which lane runs. A lane is ready, running, or waiting for a factor to be applied. To
+// apply it, one of the waiting lanes is woken and solves for a batch of them. That happens when no
+// other lane can join the batch, or when a thread has nothing else to do.
 class Lanes {
  public:
   Lanes(int lanes, int threads) : lanes_(lanes), threads_(threads) {}
@@ -84,7 +84,7 @@ class Lanes {
     Seat& seat = lanes_[self];
     wait_until_granted(seat);
     OfSeat lane(*this, seat);
-    while (const std::optional<int> item = items.take()) {
+    while (const std::optional<int> item = items.next_item()) {
       try {
         work(*item, lane);
       } catch (...) { items.failed(*item); }
@@ -101,11 +101,11 @@ class Lanes {
  private:
   struct Seat {
     std::condition_variable woken;
-    bool granted = false;      // may run
-    bool ended = false;        // no more items
-    double part = 0.0;         // of the item in work that is done
-    std::vector<Seat*> batch;  // whose systems this one is to solve
-    // What is asked for, or was last for the item in work: null before it has asked.
+    bool granted = false;      // the lane may run
+    bool ended = false;        // the lane has no more items
+    double part = 0.0;         // done, of the item in progress
+    std::vector<Seat*> batch;  // the lanes whose systems this one solves
+    // The system to be solved, or the item's last one; null before its first.
     const CholeskyFactor* factor = nullptr;
     const Eigen::VectorXd* b = nullptr;
     Eigen::VectorXd* x = nullptr;
@@ -119,7 +119,7 @@ class Lanes {
                Eigen::VectorXd& x) override {
       lanes_.solve(seat_, factor, b, x);
     }
-    void progressed(double part) override {
+    void report_progress(double part) override {
       const std::lock_guard lock(lanes_.mutex_);
       seat_.part = part;
     }
@@ -131,7 +131,7 @@ class Lanes {
 
   void solve(Seat& seat, const CholeskyFactor& factor, const Eigen::VectorXd& b,
              Eigen::VectorXd& x) {
-    // Not in the batch, where it would fail for all.
+    // Checked here: a wrong size found in the batch would fail all its lanes.
     PALPABLE_EXPECT(b.size() == factor.size(), "the right-hand side has the size of the matrix");
     {
       const std::lock_guard lock(mutex_);
@@ -152,7 +152,7 @@ class Lanes {
       seat.woken.wait(lock, [&] { return seat.granted || !seat.batch.empty(); });
       if (seat.granted) break;
       const std::vector<Seat*> batch = std::exchange(seat.batch, {});
-      std::unique_ptr<FactorWorkspace> workspace = take_workspace();
+      std::unique_ptr<FactorWorkspace> workspace = free_workspace();
       lock.unlock();
       apply_factor(batch, *workspace);
       lock.lock();
@@ -164,7 +164,7 @@ class Lanes {
     seat.granted = false;
   }
 
-  // Under the lock, as the next.
+  // The caller holds the lock, as for the functions below.
   void dispatch() {
     while (running_ < threads_) {
       std::vector<Seat*> batch = complete_batch();
@@ -190,8 +190,8 @@ class Lanes {
     }
   }
 
-  // A batch that waits for no one: as large as it may be, or all lanes that use its factor. A lane
-  // with a factor of its own thus never waits for the others, nor they for it.
+  // A batch that no further lane can join: it is as large as it may be, or it holds all lanes that
+  // use its factor. A lane with a factor of its own thus never waits for others, nor they for it.
   [[nodiscard]] std::vector<Seat*> complete_batch() const {
     for (const Seat* const first : waiting_) {
       std::vector<Seat*> batch = batch_of(*first->factor);
@@ -206,8 +206,8 @@ class Lanes {
     return {};
   }
 
-  // Those that wait for a factor; if they are too many, those that are least far, and among equals
-  // those that wait longest.
+  // The lanes that wait for a factor, at most kMostTogether: those whose items are least done, and
+  // among equals those that have waited longest.
   [[nodiscard]] std::vector<Seat*> batch_of(const CholeskyFactor& factor) const {
     std::vector<Seat*> batch;
     for (Seat* const seat : waiting_) {
@@ -220,7 +220,7 @@ class Lanes {
     return batch;
   }
 
-  std::unique_ptr<FactorWorkspace> take_workspace() {
+  std::unique_ptr<FactorWorkspace> free_workspace() {
     if (workspaces_.empty()) return std::make_unique<FactorWorkspace>();
     std::unique_ptr<FactorWorkspace> workspace = std::move(workspaces_.back());
     workspaces_.pop_back();
@@ -244,9 +244,9 @@ class Lanes {
   std::mutex mutex_;
   std::vector<Seat> lanes_;
   int threads_;
-  int running_ = 0;  // lanes, and batches that are solved
+  int running_ = 0;  // lanes that run, and batches that are being solved
   std::deque<Seat*> ready_;
-  std::vector<Seat*> waiting_;  // longest first
+  std::vector<Seat*> waiting_;  // those that have waited longest first
   std::vector<std::unique_ptr<FactorWorkspace>> workspaces_;
 };
 
@@ -262,7 +262,7 @@ void run_in_lockstep(const std::function<std::optional<int>()>& next,
   for (std::size_t lane = 0; lane < static_cast<std::size_t>(settings.lanes); ++lane) {
     try {
       threads.emplace_back([&, lane] { lanes.run(lane, items, work); });
-    } catch (const std::system_error&) {  // fewer do as well
+    } catch (const std::system_error&) {  // fewer threads give the same result
       if (threads.empty()) throw;
       break;
     }

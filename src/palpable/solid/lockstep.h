@@ -1,14 +1,15 @@
 /// @file
-/// Solves that go side by side and share each pass through a factor.
+/// Solves that run side by side and share each pass through a factor.
 ///
-/// Every solve is written as if it were alone, on a thread of its own: a *lane*. A lane that wants
-/// the factor applied waits; when 16 wait for it, or all that use it do, or a core has nothing else
-/// to do, one pass through the factor serves them (CholeskyFactor::solve_together): on a bunny of
-/// 16,000 nodes 2.2 ms each instead of 16, on a machine whose memory others used, too. As many
-/// lanes run at a time as cores may be used.
+/// Every solve is written as if it were alone. It runs on a thread of its own, a *lane*, of which
+/// LockstepSettings::threads run at a time. A lane that needs the factor applied waits, until one
+/// pass through the factor serves all that wait for it (CholeskyFactor::solve_together). The pass
+/// is made when 16 lanes wait for this factor, when all lanes that use it wait, or when a core has
+/// nothing else to do. On a bunny of 16,000 nodes an application costs 2.2 ms in a full pass and
+/// 16 ms alone (on a machine whose memory other programs used too).
 ///
-/// What a lane computes does not depend on the others, to the bit. So neither the number of cores
-/// and lanes nor the order of the items matters to any result.
+/// What a lane computes does not depend on the other lanes, to the bit. So neither the number of
+/// cores and lanes nor the order of the items changes any result.
 #pragma once
 
 #include "palpable/solid/sparse_cholesky.h"
@@ -20,31 +21,33 @@
 
 namespace palpable {
 
-/// A lane, as the solve that runs on it sees it.
+/// The lane that a solve runs on, as the solve sees it.
 class Lane {
  public:
   virtual ~Lane() = default;
-  /// CholeskyFactor::solve_roughly(), together with what other lanes ask of the same factor. Others
-  /// run meanwhile.
+  /// CholeskyFactor::solve_roughly(), in one pass with the systems of other lanes that use the same
+  /// factor. The thread waits; other lanes run meanwhile.
   virtual void solve(const CholeskyFactor& factor, const Eigen::VectorXd& b,
                      Eigen::VectorXd& x) = 0;
-  /// Says how much of the item is done, 0 .. 1. Of those that could go on, the one that is least
-  /// far does: a hard item then ends with the easy ones, and not alone long after them.
-  virtual void progressed(double part) = 0;
+  /// Reports how much of the item is done, 0 .. 1. Of the lanes that are ready, the one that has
+  /// done least runs next. Without that, hard items would end long after the easy ones, alone, and
+  /// pay for whole passes.
+  virtual void report_progress(double part) = 0;
 };
 
 struct LockstepSettings {
-  int threads = 1;  ///< that run at a time, >= 1
-  /// Items in progress, >= 1: some more than 16 for each thread keep every pass full. Each costs
-  /// the memory of its solve.
+  int threads = 1;  ///< lanes that run at a time, >= 1
+  /// Items in progress, >= 1. A few more than 16 for each thread keep every pass full. Each item
+  /// costs the memory of its solve.
   int lanes = 20;
 };
 
-/// Calls work(item, lane) for every item that `next` hands out, as soon as a lane is free, until it
-/// hands out none. Exceptions end it: nothing more is handed out, what runs is brought to its end,
-/// then that of the lowest item is thrown; one from `next` counts as that of a last item.
-/// @param next  called by one thread at a time, but not always by the same
-/// @param work  called by several threads
+/// Calls work(item, lane) for every item that `next` returns, as soon as a lane is free, until it
+/// returns none. After an exception no further item begins, those in progress are finished, and the
+/// exception of the lowest item is thrown again; one thrown by `next` counts as that of a last
+/// item.
+/// @param next  called by one thread at a time, but not always by the same one
+/// @param work  called by several threads at once
 void run_in_lockstep(const std::function<std::optional<int>()>& next,
                      const std::function<void(int item, Lane& lane)>& work,
                      const LockstepSettings& settings);

@@ -123,7 +123,7 @@ TEST_CASE("lanes that are least far go first", "[solid][lockstep]") {
   std::vector<int> order;
   const auto work = [&](int item, Lane& lane) {
     VectorXd x;
-    lane.progressed(1.0 - item / 20.0);
+    lane.report_progress(1.0 - item / 20.0);
     lane.solve(*chain.factor, chain.system(item), x);
     order.push_back(item);
     lane.solve(*chain.factor, chain.system(item), x);

@@ -14,7 +14,7 @@
 namespace palpable {
 namespace {
 
-// What Material's alternatives say about themselves.
+// Name, constants and conversions of one of Material's alternatives.
 struct Law {
   std::string_view name;
   std::span<const LawConstant> constants;

@@ -1,5 +1,5 @@
 /// @file
-/// The laws a body may be made of, and how they are named in a body file.
+/// The laws of hyperelasticity that a body may have, and their names in a body file.
 #pragma once
 
 #include "palpable/solid/mooney_rivlin.h"
@@ -15,13 +15,14 @@
 
 namespace palpable {
 
-/// One homogeneous material, and the table of the laws: each is one file (law.h) and its row here.
+/// One homogeneous material. The alternatives are all known laws; each is one file (law.h says how
+/// one is written) and one entry here.
 using Material = std::variant<NeoHookean, SaintVenantKirchhoff, NeoHookeanAbaqus, MooneyRivlin>;
 
 /// The law `law` with Young's modulus E and Poisson's ratio nu at small strains:
 /// mu = E / (2 (1 + nu)), lambda = E nu / ((1 + nu) (1 - 2 nu)).
 ///
-/// What a law has beyond these two it chooses itself (MooneyRivlin::from_lame).
+/// A law with more than two constants chooses the others itself (MooneyRivlin::from_lame).
 /// @param law  one of law_names()
 /// @param E    Pa, > 0
 /// @param nu   0 <= nu < 0.5; linear tetrahedra lock as nu nears 0.5 (10 % too stiff at 0.45)
@@ -43,18 +44,21 @@ using Material = std::variant<NeoHookean, SaintVenantKirchhoff, NeoHookeanAbaqus
 [[nodiscard]] Material material_from_constants(std::string_view law,
                                                std::span<const double> values);
 
+/// Lame's constants of the material at small strains.
 [[nodiscard]] LameConstants lame_constants(const Material& material);
 
 /// Young's modulus (Pa) and Poisson's ratio at small strains.
 struct YoungPoisson {
   double young, poisson;
 };
+/// Young's modulus and Poisson's ratio of the material at small strains.
 [[nodiscard]] YoungPoisson young_poisson(const Material& material);
 
-/// @throws Error unless the law's constants are finite and none is negative, or zero where it must
-/// not, and mu > 0 and lambda >= 0
+/// @throws Error unless all constants are finite, none is negative, only those are 0 that may be
+/// (LawConstant::may_be_zero), mu > 0 and lambda >= 0
 void check_material(const Material& material);
 
+/// Psi(F) J/m^3, P(F) Pa and dP/dF Pa of the material's law; units, layout and errors as in law.h.
 [[nodiscard]] double energy_density(const Material& material, const Eigen::Matrix3d& F);
 [[nodiscard]] Eigen::Matrix3d first_piola(const Material& material, const Eigen::Matrix3d& F);
 [[nodiscard]] Tangent tangent(const Material& material, const Eigen::Matrix3d& F);

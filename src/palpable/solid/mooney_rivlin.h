@@ -14,9 +14,9 @@ namespace palpable {
 
 /// Psi(F) = C1 (I1 - 3 - 2 ln J) + C2 (I2 - 3 - 4 ln J) + D1 (ln J)^2
 ///
-/// The logarithms take away the stress that the invariants would leave at rest. With C2 = 0 this is
-/// NeoHookean. For small strains it is linear elasticity with mu = 2 (C1 + C2) and
-/// lambda = 2 D1 + 4 C2: I2 resists a change of size as well.
+/// The logarithms cancel the stress that the invariants alone would have at rest. With C2 = 0 this
+/// is NeoHookean. For small strains it is linear elasticity with mu = 2 (C1 + C2) and lambda = 2 D1
+/// + 4 C2: I2 resists a change of size as well.
 struct MooneyRivlin {
   double C1;  ///< Pa, >= 0
   double C2;  ///< Pa, >= 0, not both zero

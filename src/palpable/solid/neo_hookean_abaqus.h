@@ -14,10 +14,10 @@ namespace palpable {
 
 /// Psi(F) = C10 (I1bar - 3) + (J - 1)^2 / D1
 ///
-/// Shape and size are told apart, unlike in eq. (7): the first term resists a change of shape, the
-/// second one of size. The second stays finite as J -> 0 and its pressure 2 (1 - J) / D1 is
-/// bounded, but J^(-2/3) in the first is not, so that a crushed element still stiffens as long as
-/// it is not crushed alike from all sides.
+/// Unlike eq. (7) this separates shape from size: the first term resists a change of shape, the
+/// second a change of size. As J -> 0 the second term stays finite, and so does its pressure
+/// 2 (1 - J) / D1. The factor J^(-2/3) of the first grows without bound, so a crushed element still
+/// stiffens, unless it is compressed equally in all directions.
 ///
 /// For small strains this is linear elasticity with shear modulus mu = 2 C10 and bulk modulus
 /// kappa = 2 / D1, so lambda = kappa - 2/3 mu.

@@ -1,32 +1,32 @@
 /// @file
-/// Nodal values as the passes over the elements read and write them: what is known of a node lies
-/// in one cache line, so that an element touches four lines and not a dozen, and eight elements'
-/// values are turned into packs by shuffles instead of one by one.
+/// Nodal values in the layout that the loops over the elements read and write. All values of a node
+/// lie in one cache line: a 4-node element touches four lines and not a dozen, and shuffles turn
+/// eight elements' values into packs.
 ///
-/// Measured on 173,839 tetrahedra (a dragon of 40,159 nodes), the tangent's product, one core with
-/// AVX-512: 7 ms and more from (3 x N) fields in the mesh's order; 4.6 ms with elements and nodes
-/// in the order of element_order.h; 3.2 ms with rows as well.
+/// The tangent's product on 173,839 tetrahedra (a dragon of 40,159 nodes), one core with AVX-512,
+/// takes 7 ms and more from (3 x N) fields in the mesh's order, 4.6 ms with elements and nodes in
+/// the order of element_order.h, and 3.2 ms with this layout as well.
 #pragma once
 
 #include "palpable/solid/tensor.h"
 
 namespace palpable {
 
-/// Four doubles, half a pack.
+/// Four doubles: half a Pack (tensor.h).
 using Quad = double __attribute__((vector_size(4 * sizeof(double))));
 
-/// What the passes read of a node. The fourth numbers are zero.
+/// Input of a pass for one node. The fourth numbers are zero.
 struct alignas(kPackAlignment) NodeRow {
   Quad u;   ///< m
   Quad du;  ///< a direction, m
 };
 
-/// What they add to: a force, or its change, N. The fourth number is zero.
+/// Output of a pass for one node: a force or its change, N. The fourth number is zero.
 struct alignas(kPackAlignment / 2) NodeSum {
   Quad force;
 };
 
-/// The first three numbers of eight nodes, as three packs.
+/// The first three numbers of a field of eight nodes, as three packs.
 template <Quad NodeRow::*kField>
 PALPABLE_ALWAYS_INLINE void gather(const NodeRow* rows, const int (&n)[kPackSize],
                                    Pack (&values)[3]) {

@@ -23,13 +23,13 @@ namespace {
 
 constexpr double kStride = 1.0 / 6.0;  // of the wanted press per step; failures shorten it anyway
 constexpr int kMostSolves = 100;
-// States that a search usually computes: what progress expects.
+// States that a search usually computes; progress is counted in these.
 constexpr int kUsualSolves = 8;
 
-// A site that stops early is taken this fraction of the way. The very last state that the solver
-// found is often its last because the next is none; and beside collapse a body changes faster than
-// 26 levels can tell: at the bunny's one such site, von Mises stress between the last two is wrong
-// by 5.1e-3 of its maximum with 0.97, 1.5e-3 with 0.95, 5e-4 with 0.92.
+// Where a path stops early, this fraction of the load that the body bears becomes the full load.
+// Close to collapse a body changes faster than 26 levels can follow: at the bunny's one such site,
+// von Mises stress half way between the last two levels is wrong by 5.1e-3 of its maximum with
+// 0.97, 1.5e-3 with 0.95, 5e-4 with 0.92.
 constexpr double kBackOff = 0.95;
 // How often a load may be lowered before we say that the body cannot be pressed there.
 constexpr int kMostLowerings = 12;
@@ -40,8 +40,8 @@ struct SearchTolerances {
   double press = 0;  // of the wanted one
 };
 
-// What a search knows of load and press: the states that it has solved, and the tightest load that
-// presses too far.
+// What a search knows of load against press: the states that it has solved, and the smallest load
+// that is known to press too far.
 class LoadGuess {
  public:
   struct Point {
@@ -59,8 +59,8 @@ class LoadGuess {
     });
   }
 
-  // Whether the next state may be the wanted one. Half a stride before the end there is nothing
-  // to learn from a state that is solved roughly.
+  // Whether the next state may be the wanted one. Within half a stride of the end a state solved
+  // to few digits would not help the search.
   [[nodiscard]] bool closes_in() const {
     return above_ || next_press() > (1.0 - 0.5 * kStride) * wanted_;
   }
@@ -70,12 +70,12 @@ class LoadGuess {
     if (above_) {
       const double load = load_for(wanted_);
       const double width = above_->load - below.load;
-      // Guesses outside the bracket, or at its very ends, bring nothing: halve it instead.
+      // A guess outside the bracket, or at its very ends, does not shrink it: halve it instead.
       const bool inside = load > below.load + 1e-9 * width && load < above_->load - 1e-9 * width;
       return inside ? load : 0.5 * (below.load + above_->load);
     }
     const double load = load_for(closes_in() ? wanted_ : next_press());
-    // An extrapolation may turn back; the press grows with the load on a stable path.
+    // An extrapolated load may be too small; on a stable path the press grows with the load.
     return load > below.load ? load : below.load + kStride * wanted_ / compliance_;
   }
 
@@ -124,7 +124,7 @@ class LoadGuess {
 LoadSearch search_load(Walk& walk, const Matrix3Xd& unit_load, double wanted,
                        const SearchTolerances& tolerances, const std::function<void()>& solved) {
   LoadSearch search;
-  Matrix3Xd at_once;  // a guess to start from: three digits are plenty
+  Matrix3Xd at_once;  // a start for the first state; three digits suffice
   walk.linear_response(1e-3, at_once);
   LoadGuess guess(wanted, unit_load.cwiseProduct(at_once).sum());
   const auto stopped = [&](Stop stop, const std::string& why) {
@@ -203,7 +203,7 @@ void walk_levels(Walk& walk, int levels, double tolerance, PressPath& path,
     }
     if (good == levels) return;
     path.reached = false;
-    // The last good level becomes the full load; if not even the first is good, a part of it.
+    // The last good level becomes the full load; if not even the first one is good, a part of it.
     path.full_load *= good > 0 ? kBackOff * good / levels : 0.5 / levels;
   }
   path.steps.clear();
@@ -250,7 +250,7 @@ PressPath EquilibriumSolver::press_path(const Matrix3Xd& unit_load, const PressG
   const auto solved = [&] {
     const double expected = goal.levels + (goal.force > 0.0 ? 0 : kUsualSolves);
     const double part = std::min(1.0, ++states / expected);
-    if (options.lane != nullptr) options.lane->progressed(part);
+    if (options.lane != nullptr) options.lane->report_progress(part);
     if (options.tick) options.tick(part);
   };
   if (!(goal.force > 0.0)) {

@@ -21,10 +21,11 @@ struct QuadraturePoint {
 /// 10-node tetrahedra. All points lie inside, all weights are positive.
 [[nodiscard]] const std::array<QuadraturePoint, 4>& four_point_rule();
 
-/// 27 points, exact for degree 3 and, seen at the element's size, accurate for smooth fields.
+/// 27 points of a tetrahedron, exact for polynomials of degree 3 and accurate for fields that are
+/// smooth over an element.
 [[nodiscard]] std::span<const QuadraturePoint> tetrahedron_rule();
 
-/// 9 points of a triangle, exact for degree 4.
+/// 9 points of a triangle, exact for polynomials of degree 4.
 [[nodiscard]] std::span<const QuadraturePoint> triangle_rule();
 
 }  // namespace palpable

@@ -10,8 +10,8 @@ void QuasiNewton::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x,
     apply_factor(b, x);
     return;
   }
-  // The two loops of L-BFGS (Nocedal and Wright, algorithm 7.4), in numbers of order one. Each
-  // pass adds one vector and multiplies by the next.
+  // The two loops of L-BFGS (Nocedal and Wright, algorithm 7.4), on b scaled to numbers of order
+  // one. Each pass over memory adds one vector and multiplies by the next.
   const double scale = b.cwiseAbs().maxCoeff();
   if (scale == 0.0) {
     x.setZero(b.size());
@@ -26,7 +26,7 @@ void QuasiNewton::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x,
   for (std::size_t i = count; i-- > 0;) {
     const Pair& pair = pairs_[i];
     shares_[i] = pair.inverse_curvature * static_cast<double>(along);
-    // After the last nothing is left to multiply by: any vector will do.
+    // After the last pair the product is not used; any vector will do.
     along = add_then_dot(simd_, static_cast<float>(-shares_[i]), pair.y, q_,
                          pairs_[i > 0 ? i - 1 : 0].s);
   }
@@ -43,35 +43,35 @@ void QuasiNewton::solve(const Eigen::VectorXd& b, Eigen::VectorXd& x,
   x = scale * q.cast<double>();
 }
 
-void QuasiNewton::note(const Eigen::VectorXd& s, const Eigen::VectorXd& Ks) {
-  // The memory of a pair is used again: the oldest noted one's, or one that was given up.
+void QuasiNewton::record(const Eigen::VectorXd& s, const Eigen::VectorXd& Ks) {
+  // The memory of an old pair is used again: of the oldest recorded one, or of one given up.
   Pair pair;
-  auto& source = static_cast<int>(noted_.size()) == capacity_ ? noted_ : spare_;
+  auto& source = static_cast<int>(recorded_.size()) == capacity_ ? recorded_ : spare_;
   if (!source.empty()) {
     pair = std::move(source.front());
     source.pop_front();
   }
-  // The update does not see the length of a pair; single precision does.
+  // The update does not depend on the length of s, but single precision has a small range.
   const double length = s.norm();
   pair.s.assign(s / length);
   pair.y.assign(Ks / length);
   pair.inverse_curvature = 1.0 / pair.s.dot(pair.y);
   if (pair.inverse_curvature > 0.0) {
-    noted_.push_back(std::move(pair));
-  } else {  // rounded away
+    recorded_.push_back(std::move(pair));
+  } else {  // rounding has made the curvature negative
     spare_.push_back(std::move(pair));
   }
 }
 
-void QuasiNewton::learn() {
-  for (Pair& pair : noted_) {
+void QuasiNewton::use_recorded() {
+  for (Pair& pair : recorded_) {
     if (static_cast<int>(pairs_.size()) == capacity_) {
       spare_.push_back(std::move(pairs_.front()));
       pairs_.pop_front();
     }
     pairs_.push_back(std::move(pair));
   }
-  noted_.clear();
+  recorded_.clear();
 }
 
 }  // namespace palpable

@@ -67,21 +67,21 @@ TEST_CASE("a full preconditioner forgets its oldest pairs", "[solid][sparse]") {
     QuasiNewton learnt(kCapacity);
     check_known(learnt, system, {false, false, false, false, false});
     for (std::size_t i = 0; i < 3; ++i) {
-      learnt.note(system.s[i], system.Ks[i]);
-      learnt.learn();
+      learnt.record(system.s[i], system.Ks[i]);
+      learnt.use_recorded();
     }
     check_known(learnt, system, {true, true, true, false, false});
     for (std::size_t i = 3; i < 5; ++i) {
-      learnt.note(system.s[i], system.Ks[i]);
-      learnt.learn();
+      learnt.record(system.s[i], system.Ks[i]);
+      learnt.use_recorded();
     }
     check_known(learnt, system, {false, false, true, true, true});
   }
   SECTION("more noted in one solve than there is room for") {
     QuasiNewton learnt(kCapacity);
-    for (std::size_t i = 0; i < 5; ++i) learnt.note(system.s[i], system.Ks[i]);
+    for (std::size_t i = 0; i < 5; ++i) learnt.record(system.s[i], system.Ks[i]);
     check_known(learnt, system, {false, false, false, false, false});  // not yet in use
-    learnt.learn();
+    learnt.use_recorded();
     check_known(learnt, system, {false, false, true, true, true});
   }
 }
@@ -89,8 +89,8 @@ TEST_CASE("a full preconditioner forgets its oldest pairs", "[solid][sparse]") {
 TEST_CASE("a zero right-hand side has a zero answer", "[solid][sparse]") {
   const System system;
   QuasiNewton learnt(kCapacity);
-  learnt.note(system.s[0], system.Ks[0]);
-  learnt.learn();
+  learnt.record(system.s[0], system.Ks[0]);
+  learnt.use_recorded();
   VectorXd x;
   learnt.solve(VectorXd::Zero(kUnknowns), x, [](const VectorXd& b, VectorXd& y) { y = b; });
   CHECK(x == VectorXd::Zero(kUnknowns));

@@ -10,7 +10,7 @@ namespace palpable {
 namespace {
 
 constexpr int kWidth = 16;
-constexpr int kSums = 4;  // side by side: one alone would wait for itself
+constexpr int kSums = 4;  // independent partial sums: a single one would wait for its own result
 constexpr int kStep = kWidth * kSums;
 constexpr double kLargest = 32767.0;
 

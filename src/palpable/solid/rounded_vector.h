@@ -1,8 +1,8 @@
 /// @file
-/// Vectors in 16 bits a number, for what reads many of them and is bound by memory.
+/// Vectors in 16 bits a number, for code whose time is that of reading many vectors.
 ///
-/// Each is one step times integers of at most 32767, so that all its entries are rounded by the
-/// same amount: a tenth of what the 8 bits of a bfloat16 would do to the largest ones.
+/// A vector is a step times integers of at most 32767. All its entries are thus rounded by the same
+/// amount; for the largest entries that is far less than with bfloat16, which has 8 bits.
 #pragma once
 
 #include "palpable/solid/simd.h"
@@ -19,11 +19,11 @@ class RoundedVector {
   /// Becomes v, each entry within max |v| / 65534. v is finite; zero stays zero.
   void assign(const Eigen::VectorXd& v);
 
-  /// v . w, without further rounding. @pre of one size
+  /// v . w of the rounded vectors, summed in double precision. @pre both have one size
   [[nodiscard]] double dot(const RoundedVector& w) const;
 
-  /// How many numbers a vector of floats must have room for that kernels below work on: its size,
-  /// and zeros behind.
+  /// The size that the float vectors of the functions below must have: this vector's size, rounded
+  /// up to whole vector registers. The entries beyond are zero.
   [[nodiscard]] Eigen::Index padded_size() const {
     return static_cast<Eigen::Index>(integers_.size());
   }

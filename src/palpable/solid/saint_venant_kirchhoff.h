@@ -15,8 +15,8 @@ namespace palpable {
 ///
 /// The textbook law for large rotations and small strains. It softens in strong compression: a
 /// bar pressed below 1/sqrt(3) = 0.58 of its length (uniaxial strain) needs less force the shorter
-/// it gets, and nothing in the formula keeps an element from being turned inside out. So loads must
-/// be bounded, and a path stops where the body collapses.
+/// it gets, and the energy stays finite when an element turns inside out. So loads must be bounded,
+/// and a path stops where the body collapses.
 struct SaintVenantKirchhoff {
   double lambda;  ///< Pa, >= 0
   double mu;      ///< Pa, > 0

@@ -19,7 +19,7 @@ std::string text(const Vector3d& X) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", X[0], X[1], X[2]);
 }
 
-// Where the body is, for messages about sets that miss it.
+// The body's bounding box as text, for messages about sets that miss it.
 std::string extent(const TetMesh& mesh) {
   if (mesh.node_count() == 0) return "the body has no nodes";
   return fmt::format("the body reaches from {} to {} m", text(mesh.nodes.rowwise().minCoeff()),

@@ -24,7 +24,7 @@ namespace palpable {
 [[nodiscard]] std::vector<int> nodes_on_plane(const TetMesh& mesh, const Eigen::Vector3d& point,
                                               const Eigen::Vector3d& normal, double distance);
 
-/// The node nearest to X; of several, the one with the lowest number. @pre there are nodes
+/// The node nearest to X (m); of several, the one with the lowest number. @pre there are nodes
 [[nodiscard]] int nearest_node(const TetMesh& mesh, const Eigen::Vector3d& X);
 
 /// (3 x T) corner nodes of the body's skin, anticlockwise from outside.

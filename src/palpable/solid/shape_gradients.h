@@ -15,11 +15,13 @@ struct ShapeGradients {
   double volume;  ///< m^3, undeformed; negative if the element is inverted
 };
 
-/// Gradients of element `e`, whatever nodes its edges have. Not finite for zero volume.
+/// Gradients of element `e` from its corners alone; edge nodes are ignored. Not finite for zero
+/// volume.
 [[nodiscard]] ShapeGradients shape_gradients(const TetMesh& mesh, int e);
 
 namespace detail {
-// Inlined by hand: called at every point of every pass, and the compiler stops short of it.
+// Forced inline: it is called at every point of every pass, and compilers do not inline it by
+// themselves.
 template <class Gradients, class Nodes>
 [[gnu::always_inline]] inline Eigen::Matrix3d deformation_gradient(const Gradients& g,
                                                                    const Nodes& nodes,
@@ -54,6 +56,7 @@ struct QuadraticShape {
   Eigen::Matrix<double, 10, 1> N;
   Eigen::Matrix<double, 3, 10> slope;  ///< d/dL_1, d/dL_2, d/dL_3 with L_0 = 1 - L_1 - L_2 - L_3
 };
+/// Shape functions and their slopes at the barycentric coordinates L_0 .. L_3.
 [[nodiscard]] QuadraticShape quadratic_shape(const Eigen::Vector4d& barycentric);
 
 /// Node indices of element `e` of a quadratic mesh: corners, then edges.
@@ -65,6 +68,7 @@ struct QuadraticGradients {
   double
       volume;  ///< m^3, a sixth of det dX/dL there: that of the element if its edges are straight
 };
+/// Gradients of element `e` of a mesh of 10-node tetrahedra at the point of `shape`.
 [[nodiscard]] QuadraticGradients quadratic_gradients(const TetMesh& mesh, int e,
                                                      const QuadraticShape& shape);
 

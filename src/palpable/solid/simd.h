@@ -1,13 +1,13 @@
 /// @file
-/// Which vector instructions the processor has, found out once at run time.
+/// Which vector instructions the processor has, and how to run a loop with them.
 #pragma once
 
 namespace palpable {
 
-/// Instructions to use. All levels give the same numbers up to rounding.
+/// Sets of vector instructions. All levels give the same numbers up to rounding.
 enum class SimdLevel { kPlain, kAvx2, kAvx512 };
 
-/// The widest that this processor has.
+/// The widest set that this processor has.
 [[nodiscard]] inline SimdLevel best_simd_level() {
 #ifdef __x86_64__
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
@@ -19,8 +19,9 @@ enum class SimdLevel { kPlain, kAvx2, kAvx512 };
   return SimdLevel::kPlain;
 }
 
-/// Pass::run(arguments...), compiled for `level`. It has to be forced inline, and so has everything
-/// it calls: what is not, runs with the instructions that every processor has.
+/// run_at() calls Pass::run(arguments...), compiled for `level`. Pass::run and every function that
+/// it calls must be forced inline: one that is not runs with the instructions that every processor
+/// has.
 template <class Pass, class... Arguments>
 auto run_plain(Arguments&... arguments) {
   return Pass::run(arguments...);

@@ -105,7 +105,7 @@ void check_elements(const TetMesh& mesh) {
       mesh.tets(2, first), mesh.tets(3, first), first_volume));
 }
 
-// Every component that anything holds, increasing; one that is held twice is there twice.
+// Every held component, increasing; a component that is held twice is listed twice.
 std::vector<HeldComponent> all_held(const SolidModel& model) {
   std::vector<HeldComponent> all;
   for (std::size_t k = 0; k < model.fixed_nodes.size(); ++k) {
@@ -137,7 +137,7 @@ int root_of(std::vector<int>& parent, int node) {
   return node;
 }
 
-// Refuses what names no node, contradicts itself or is not a number.
+// Refuses supports that name no node, contradict each other or are not finite.
 void check_held(const SolidModel& model) {
   const int N = model.mesh.node_count();
   std::vector<char> fixed(N, 0);
@@ -183,7 +183,7 @@ void check_held(const SolidModel& model) {
   }
 }
 
-// What a part of the body can still do, in words; empty if its supports hold it.
+// The rigid motion that a part of the body is still free to make, in words; empty if there is none.
 std::string freedom(const TetMesh& mesh, const std::vector<HeldComponent>& held) {
   std::vector<Eigen::Index> nodes;
   for (const HeldComponent& h : held) {
@@ -194,8 +194,9 @@ std::string freedom(const TetMesh& mesh, const std::vector<HeldComponent>& held)
     middle += mesh.nodes.col(n) / static_cast<double>(nodes.size());
   double extent = 0.0;
   for (const Eigen::Index n : nodes) extent = std::max(extent, (mesh.nodes.col(n) - middle).norm());
-  // Each held component as a row that six rigid motions (drift, turn about the middle) must not
-  // leave alone; turns are measured at the extent, so that the six compare.
+  // One row for each held component: its displacement under each of six rigid motions (drift, turn
+  // about the middle). The motions are held if the rows have rank six. Turns are scaled by the
+  // part's extent, so that the six columns have comparable size.
   Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
   for (const HeldComponent& h : held) {
     const Eigen::Vector3d axis = Eigen::Vector3d::Unit(h.at % 3);
@@ -204,8 +205,8 @@ std::string freedom(const TetMesh& mesh, const std::vector<HeldComponent>& held)
     gram += row * row.transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> modes(gram);
-  // 1e-6 of their extent, squared: held so nearly on a line, the tangent is singular to double
-  // precision.
+  // The square of 1e-6 of the extent: when the held nodes lie on a line to that precision, the
+  // tangent is singular to double precision.
   const auto loose = (modes.eigenvalues().array() <= 1e-12 * modes.eigenvalues()[5]).count();
   if (loose == 0 && !held.empty()) return {};
   if (held.size() != 3 * nodes.size()) {

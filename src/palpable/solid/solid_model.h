@@ -1,5 +1,5 @@
 /// @file
-/// What is to be solved: a body, what it is made of and where it is held (paper eqs. 1-3).
+/// The problem that is solved: a body, its materials and its supports (paper eqs. 1-3).
 ///
 ///   N  nodes     E  tetrahedra
 #pragma once
@@ -18,11 +18,11 @@ namespace palpable {
 struct Support {
   int node;
   Eigen::Array<bool, 3, 1> held;  ///< x, y, z
-  /// m, at load level 1 (in between, level times that); read where held.
+  /// m, at load level 1 (at other levels: level times that). Read in held directions only.
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
 };
 
-/// Elements that are made of something else than the rest.
+/// Elements whose material is not SolidModel::material.
 struct MaterialGroup {
   Material material;
   std::vector<int> elements;
@@ -33,11 +33,11 @@ struct SolidModel {
   Material material = NeoHookean{1, 1};  ///< of all elements that are in no group
   /// Nodes held in all three directions (the Dirichlet boundary of eq. 3); each once, any order.
   std::vector<int> fixed_nodes;
-  /// (3 x fixed_nodes.size()) m, where each held node is taken at load level 1; in between, level
-  /// times that. Empty: all stay where they are.
+  /// (3 x fixed_nodes.size()) m, displacement of each held node at load level 1; at other levels it
+  /// is level times that. Empty: all stay where they are.
   Eigen::Matrix3Xd fixed_displacement;
-  /// Further holds, direction by direction. A node may be in several, and in fixed_nodes as well,
-  /// as long as they agree where they hold the same direction.
+  /// Nodes that are held in some directions only. A node may have several supports, and be in
+  /// fixed_nodes as well, if all that hold the same direction give it the same displacement.
   std::vector<Support> supports = {};
   std::vector<MaterialGroup> groups = {};  ///< an element is in one group at most
 };
@@ -55,7 +55,7 @@ struct HeldComponent {
 /// @pre model passed check_model()
 [[nodiscard]] std::vector<HeldComponent> held_components(const SolidModel& model);
 
-/// Says what would make every solve fail, before any is tried.
+/// Refuses models whose solves would all fail.
 /// @throws Error for: no elements; an index out of range; elements of zero or negative volume
 /// (which, how many), or bent so far by its edge nodes; nodes that belong to no element; constants
 /// of a material out of range; groups that overlap;

@@ -16,9 +16,9 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Conjugate gradients on K with the factor of K itself, under the body's own weight, sideways too:
-// the loads that ask most of what is slender. One or two iterations if the factor is as good as
-// exact.
+// Iterations of conjugate gradients on K, preconditioned by the factor of K itself, for a force of
+// (1, 1, 1) at every node. That bends slender bodies, for which rounding of the factor matters
+// most. An exact factor needs one or two iterations.
 int iterations_with_own_factor(const BlockMatrix& K, const CholeskyFactor& factor,
                                FactorWorkspace& workspace) {
   constexpr double kDigits = 1e-4;
@@ -36,7 +36,7 @@ int iterations_with_own_factor(const BlockMatrix& K, const CholeskyFactor& facto
 
 RestFactor rest_factor(const TetAssembly& assembly, const CholeskyAnalysis& analysis,
                        FactorWorkspace& workspace, SolverSetup& setup) {
-  // Compact bodies take a few, slender ones many with 16 bits.
+  // Iterations. With 16 bits compact bodies take a few, slender ones many.
   constexpr int kGoodEnough = 6;
   BlockMatrix K(assembly.pattern());
   {
@@ -63,7 +63,7 @@ RestFactor rest_factor(const TetAssembly& assembly, const CholeskyAnalysis& anal
       "mesh the body anew or fix nodes of each part");
 }
 
-// Whatever `make` makes, its CPU time added to `seconds`.
+// Returns make(), and adds its CPU time to `seconds`.
 template <class Make>
 auto timed(double& seconds, const Make& make) {
   const CpuTimer timer(seconds);

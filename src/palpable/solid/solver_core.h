@@ -11,19 +11,19 @@
 
 namespace palpable {
 
-/// The undeformed body's tangent, factorised; what every call starts with.
+/// The factor of the undeformed body's tangent; every call starts with it.
 struct RestFactor {
   FactorPrecision precision = FactorPrecision::k16Bits;
   CholeskyFactor factor;
 };
 
-/// Read by all calls, written by none.
+/// Constant after its construction; calls only read it.
 struct EquilibriumSolver::Core {
   SolidModel model;
   EquilibriumSettings settings;
   std::vector<HeldComponent> held;
   SolverSetup setup;
-  FactorWorkspace workspace;  // of the construction only
+  FactorWorkspace workspace;  // used by the constructor only
   TetAssembly assembly;
   CholeskyAnalysis analysis;
   RestFactor at_rest;
@@ -32,7 +32,8 @@ struct EquilibriumSolver::Core {
 
   [[nodiscard]] bool moves_supports() const;
 
-  /// What a load must be that alone sets the body in motion. @throws Error
+  /// @throws Error if the load is not finite, acts on held nodes only, or is zero and no support
+  /// moves
   void check_load(const Eigen::Matrix3Xd& load) const;
 };
 

@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
-// From the OpenMP interface, of which this is all we need: <omp.h> is the compiler's own and need
-// not be there for a compiler that builds without OpenMP.
+// Declared here because <omp.h> belongs to the compiler, and one that builds without OpenMP may not
+// have it.
 extern "C" {
 void omp_set_max_active_levels(int levels);
 int omp_get_max_active_levels(void);
@@ -35,14 +35,15 @@ struct alignas(64) SixteenFloats {
 
 struct FactorWorkspace::Content {
   cholmod_common common{};
-  // Of solve_roughly(): the solution in the order of elimination, and rows of it side by side.
+  // For solve_roughly(): the solution in the order of elimination, and the entries of one panel's
+  // rows, gathered.
   std::vector<float> permuted, gathered;
-  // The same of solve_together().
+  // The same for solve_together().
   std::vector<SixteenFloats> many_permuted, many_gathered;
 
   Content() {
     cholmod_start(&common);
-    common.print = 0;  // the library is silent; the status tells
+    common.print = 0;  // no messages; `status` has the errors
     common.supernodal = CHOLMOD_SUPERNODAL;
     common.final_ll = 1;
     common.nmethods = 1;
@@ -59,10 +60,9 @@ FactorWorkspace::~FactorWorkspace() = default;
 
 namespace {
 
-// Debian's CHOLMOD asks OpenMP for four threads whatever OMP_NUM_THREADS says. A solve is to use
-// one: sites run side by side, and four threads on two busy cores mostly wait for each other. No
-// parallel region may become active while this object lives; the setting is the calling thread's
-// own.
+// While this object lives, OpenMP runs parallel regions of the calling thread on one thread.
+// Debian's CHOLMOD otherwise asks for four, whatever OMP_NUM_THREADS says; since sites run side by
+// side on all cores, those threads would mostly wait for each other.
 class OneThread {
  public:
   OneThread() : before_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
@@ -74,8 +74,8 @@ class OneThread {
   int before_;
 };
 
-// Frees with a common of its own: the one that allocated may belong to a thread that is gone. A
-// common only counts the bytes.
+// Frees with a `common` of its own, because the thread whose `common` allocated the memory may have
+// ended. CHOLMOD permits that: a `common` only counts the bytes.
 void free_factor(cholmod_factor* factor) {
   cholmod_common common;
   cholmod_start(&common);
@@ -91,8 +91,8 @@ void refuse_if_out_of_memory(const cholmod_common& common) {
   }
 }
 
-// The lower triangle of a symmetric block matrix, column by column, in arrays of ours that CHOLMOD
-// only reads.
+// The lower triangle of a symmetric block matrix, column by column, as CHOLMOD reads it. The arrays
+// are ours.
 struct LowerColumns {
   std::vector<int> start, row;
   std::vector<double> value;
@@ -180,7 +180,7 @@ struct CholeskyAnalysis::Content {
             {static_cast<const int*>(symbolic->s),
              static_cast<std::size_t>(first_row[symbolic->nsuper])}};
   }
-  // Of each panel in an array of all, as CHOLMOD lays them out.
+  // Where each panel begins in an array of all panels, as CHOLMOD lays them out.
   [[nodiscard]] const int* first_value() const { return static_cast<const int*>(symbolic->px); }
 };
 
@@ -243,7 +243,7 @@ CholeskyAnalysis::CholeskyAnalysis(const BlockPattern& pattern, FactorWorkspace&
 double CholeskyAnalysis::nonzeros() const { return static_cast<double>(content_->symbolic->xsize); }
 double CholeskyAnalysis::factor_flops() const { return content_->flops; }
 
-// Of K / scale, whose numbers are of order one whatever the unit of stiffness.
+// The factor of K / scale, whose numbers are of order one whatever the unit of stiffness.
 struct CholeskyFactor::Content {
   std::shared_ptr<const CholeskyAnalysis::Content> analysis;
   std::variant<TriangularPanels<BFloat16>, TriangularPanels<float>> panels;
@@ -261,14 +261,15 @@ double scale_of(const BlockMatrix& K) {
   return largest;
 }
 
-// What elimination may leave of a diagonal entry, relative to that entry: less is rounding, and the
-// matrix is singular to this precision. Rounding leaves 5.5 epsilon of the last pivots of a free
-// chain (the tests'), and of the pivots of the shipped bodies none is below 1e-3, which is 8,000
-// epsilon in single precision: the bound lies between the two.
+// The least that elimination may leave of a diagonal entry, relative to that entry. A smaller pivot
+// is rounding, and the matrix is singular to this precision. The bound lies between what rounding
+// leaves (5.5 epsilon in the last pivots of a free chain, as the tests build it) and the pivots of
+// real bodies (none of the shipped ones is below 1e-3, which is 8,000 epsilon in single precision).
 template <class Number>
 constexpr double kSmallestPivot = 100.0 * std::numeric_limits<Number>::epsilon();
 
-// Over the columns of a factorised panel of K / scale.
+// The smallest pivot of a factorised panel of K / scale, relative to its diagonal entry before the
+// elimination; at most 1.
 template <class Number>
 double smallest_pivot(const CholeskyAnalysis::Content& analysis, const BlockMatrix& K, double scale,
                       int k, const Number* panel) {
@@ -302,7 +303,7 @@ class SingleFactor {
         next_waiting_(waiting_.size(), -1),
         used_rows_(waiting_.size(), 0) {}
 
-  // False: not positive definite as far as single precision can tell, or too near to that.
+  // False: the matrix is not positive definite to single precision.
   bool factorise(const BlockMatrix& K) {
     for (int k = 0; k < count(); ++k) {
       for (int i = 0; i < rows(k); ++i) row_in_panel_[at(row_list(k)[i])] = i;
@@ -352,7 +353,7 @@ class SingleFactor {
     }
   }
 
-  // Takes from panel k what panel `left` contributes to it.
+  // Subtracts from panel k the contribution of panel `left`.
   void subtract(int left, int k) {
     const int begin = used_rows_[at(left)], all = rows(left), depth = columns(left);
     const int* const row = row_list(left);
@@ -407,7 +408,7 @@ class SingleFactor {
   Supernodes s_;
   std::vector<float> values_, product_;
   std::vector<int> row_in_panel_, target_;
-  // Lists of the panels that a supernode has to subtract, as links.
+  // For each supernode, a linked list of the panels that it has to subtract.
   std::vector<int> waiting_, next_waiting_;
   std::vector<int> used_rows_;
 };
@@ -461,7 +462,7 @@ ExactFactor::ExactFactor(const CholeskyAnalysis& analysis, const BlockMatrix& K,
 void ExactFactor::solve(Eigen::MatrixXd& B, FactorWorkspace& workspace) const {
   const OneThread one_thread;
   cholmod_common& common = workspace.content().common;
-  // CHOLMOD reads a factor but does not say so in its types.
+  // CHOLMOD only reads the factor, but its argument is not const.
   auto* const L = static_cast<cholmod_factor*>(const_cast<void*>(factor_.get()));
   PALPABLE_EXPECT(static_cast<std::size_t>(B.rows()) == L->n, "B has the rows of the matrix");
   cholmod_dense b{};

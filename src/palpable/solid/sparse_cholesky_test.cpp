@@ -250,7 +250,7 @@ TEST_CASE("what one solve learns serves the next", "[solid][sparse]") {
   };
   CgSystem system = system_of(K, *factor, workspace);
   system.preconditioner = [&](const VectorXd& b, VectorXd& x) { learnt.solve(b, x, apply_factor); };
-  system.visit = [&](const VectorXd& s, const VectorXd& Ks) { learnt.note(s, Ks); };
+  system.visit = [&](const VectorXd& s, const VectorXd& Ks) { learnt.record(s, Ks); };
   CgScratch scratch;
   VectorXd x;
   const auto iterations = [&](unsigned seed) {
@@ -264,17 +264,17 @@ TEST_CASE("what one solve learns serves the next", "[solid][sparse]") {
   };
   const int without = iterations(1);
   CHECK(iterations(1) == without);  // nothing changes before it is learnt
-  learnt.learn();
+  learnt.use_recorded();
   const int with = iterations(2);
   INFO(without << " iterations before, " << with << " after");
   CHECK(with <= without / 2);
   // Along the last direction that was learnt, s = H K s up to the rounding of K s, whose step the
   // three stiff nodes set: a part in 65,000 of their force, a hundredth of what the others feel.
-  learnt.learn();
+  learnt.use_recorded();
   VectorXd s = VectorXd::LinSpaced(120, 1, -3), Ks;
   K.multiply(s, Ks);
-  learnt.note(s, Ks);
-  learnt.learn();
+  learnt.record(s, Ks);
+  learnt.use_recorded();
   learnt.solve(Ks, x, apply_factor);
   CHECK((x - s).norm() <= tolerance(2e-2, "16 bits under unlike forces") * s.norm());
   VectorXd unlearnt;

@@ -21,10 +21,10 @@ using StressField = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 /// @throws Error if an element is inverted (J <= 0) under u
 [[nodiscard]] StressField point_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u);
 
-/// (6 x E) the same, averaged over each element's points by their volumes.
+/// (6 x E) the same, averaged over each element's points with their volumes as weights.
 [[nodiscard]] StressField element_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u);
 
-/// (6 x N) recovered at the nodes by least squares over patches, stress_recovery.h.
+/// (6 x N) stress at the nodes, recovered as stress_recovery.h describes.
 /// @param recovery  of model.mesh, made once for many states
 /// @throws Error if an element is inverted (J <= 0) under u
 [[nodiscard]] StressField nodal_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u,
@@ -32,9 +32,9 @@ using StressField = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 /// The same for a single state.
 [[nodiscard]] StressField nodal_cauchy_stress(const SolidModel& model, const Eigen::Matrix3Xd& u);
 
-/// (6 x N) mean of the elements around each node, weighted with their undeformed volume: what is
-/// often done, to compare with. First order in the element size at the boundary, where it leans to
-/// the inside.
+/// (6 x N) mean over the elements around each node, weighted with their undeformed volumes. Many
+/// programs do this; it is here for comparisons. At the boundary it is first order in the element
+/// size, because all elements lie to one side of the node.
 /// @throws Error if an element is inverted (J <= 0) under u
 [[nodiscard]] StressField averaged_cauchy_stress(const SolidModel& model,
                                                  const Eigen::Matrix3Xd& u);

@@ -44,7 +44,7 @@ std::vector<char> skin_nodes(const TetMesh& mesh) {
   return skin;
 }
 
-// (10 x 4) of a linear field's values at the four integration points, those at corners and edges.
+// (10 x 4) extrapolation of a linear field from the four integration points to corners and edges.
 //
 // With L = a at its own corner and b at the others, a + 3 b = 1, a field sum_c f_c L_c has the
 // value v_q = (a - b) f_q + b sum_c f_c at point q, and sum_q v_q = sum_c f_c.
@@ -63,8 +63,8 @@ Eigen::Matrix<double, 10, 4> nodes_from_points() {
 // A linear polynomial fitted to the values of some elements.
 struct Fit {
   std::vector<int> elements;
-  // (4 x elements) coefficients of 1 and of (X - origin) from the values; none if it cannot be
-  // made.
+  // (4 x elements) maps the values to the coefficients of 1 and of (X - origin). No columns: there
+  // is no fit.
   Eigen::Matrix4Xd coefficients;
   Eigen::Vector3d origin;
 
@@ -80,7 +80,7 @@ Fit fit_around(const Eigen::Vector3d& origin, const std::vector<int>& elements,
                const Eigen::Matrix3Xd& places) {
   Fit fit{elements, {}, origin};
   const auto count = static_cast<Eigen::Index>(fit.elements.size());
-  if (count < 6) return fit;  // four unknowns: with hardly more points nothing is smoothed
+  if (count < 6) return fit;  // four unknowns: fewer points would be interpolated, not smoothed
   Eigen::Matrix4Xd p(4, count);
   p.row(0).setOnes();
   p.bottomRows<3>() = places(Eigen::all, fit.elements).colwise() - origin;
@@ -95,12 +95,12 @@ Fit fit_around(const Eigen::Vector3d& origin, const std::vector<int>& elements,
   return fit;
 }
 
-// Elements around nodes, and around those in turn.
+// The elements around a node, ring after ring.
 class Patches {
  public:
   explicit Patches(const TetMesh& mesh) : mesh_(mesh), around_(mesh), seen_(mesh.tet_count(), -1) {}
 
-  // Elements reached from `node` in so many steps, nearest first.
+  // The elements of the first `rings` rings around `node`, nearest first.
   std::vector<int> of(int node, int rings) {
     std::vector<int> patch;
     add_around(node, node, patch);
@@ -126,11 +126,11 @@ class Patches {
 
   const TetMesh& mesh_;
   Neighbours around_;
-  std::vector<int> seen_;  // (elements) the node whose patch has it already
+  std::vector<int> seen_;  // (elements) the node whose patch is being built and holds it, else -1
 };
 
-// (N) a polynomial around each node inside the body, whose patch surrounds it, so that the errors
-// of its elements cancel; none at the skin, or where points lie badly.
+// (N) a polynomial around each inner node. Its patch surrounds the node, so that the errors of its
+// elements cancel. None for nodes of the skin, or where the points determine no polynomial.
 std::vector<Fit> inner_fits(const TetMesh& mesh, const Eigen::Matrix3Xd& places, Patches& patches) {
   const std::vector<char> skin = skin_nodes(mesh);
   std::vector<Fit> fits(mesh.node_count());
@@ -157,10 +157,10 @@ class NodeWeights {
         fits_(inner_fits(mesh, places, patches)),
         sum_(Eigen::VectorXd::Zero(mesh.tet_count())) {}
 
-  // The best that there is for node n; false: no polynomial says anything there.
+  // Finds weights for node n; false: no polynomial serves there.
   bool add(int n) { return add_own(n) || add_mean_of_inner(n) || add_around(n); }
 
-  // Shows each weight (point, weight) and forgets them.
+  // Calls visit(point, weight) for each weight, and sets all weights to zero.
   template <class Show>
   void show_and_clear(const Show& show) {
     for (const int point : touched_) {
@@ -186,7 +186,7 @@ class NodeWeights {
     return true;
   }
 
-  // The mean of what the nearest inner nodes' polynomials say here.
+  // The mean of the nearest inner nodes' polynomials at this node.
   bool add_mean_of_inner(int n) {
     const Eigen::Vector3d X = mesh_.nodes.col(n);
     for (int rings = 1; rings <= kMostRings; ++rings) {
@@ -209,7 +209,7 @@ class NodeWeights {
     return false;
   }
 
-  // A polynomial of its own from elements that lie to one side of it.
+  // A polynomial of the node's own, from elements that may lie to one side of it.
   bool add_around(int n) {
     const Eigen::Vector3d X = mesh_.nodes.col(n);
     for (int rings = 2; rings <= kMostRings; ++rings) {

@@ -1,5 +1,5 @@
 /// @file
-/// Stress at the nodes from stress in the elements.
+/// Recovers stress at the nodes from stress at the integration points.
 ///
 ///   N  nodes     E  tetrahedra     Q  integration points of each (1 or 4)
 #pragma once
@@ -12,37 +12,38 @@
 
 namespace palpable {
 
-/// 4-node elements have one value each: around each inner node a linear polynomial is fitted to the
-/// values of the elements that touch it (Zienkiewicz and Zhu's superconvergent patch recovery). A
-/// node of the skin takes the mean of what the polynomials of the nearest inner nodes say at its
-/// place, because in its own one-sided patch the elements' errors would not cancel. A field that is
-/// linear in X comes out exactly everywhere, where averaging the elements leans to the inside.
+/// **4-node elements** have one value each. A linear polynomial is fitted around each inner node to
+/// the values of the elements that touch it (Zienkiewicz and Zhu's superconvergent patch recovery).
+/// A node of the skin gets the mean of the polynomials of the nearest inner nodes at its place: the
+/// elements around it lie to one side, so that their errors would not cancel. A field that is
+/// linear in X is recovered exactly everywhere; a mean over elements is biased at the skin.
 ///
-/// Where the elements lie so unluckily that errors would be enlarged (sum of |weights| above 5), or
-/// where no inner node is near, patches grow up to three elements wide; if even that does not help,
-/// the mean of the touching elements by volume is taken. Patches do not stop at the border between
-/// two materials.
+/// A patch grows, up to three elements wide, where its elements lie so that it would enlarge errors
+/// (sum of |weights| above 5), or where no inner node is near. If that does not help, the node gets
+/// the mean of the elements that touch it, weighted by volume. Patches ignore borders between
+/// materials.
 ///
-/// 10-node elements have a linear field each: the one through the values at their four points, and
-/// a node takes the mean, by volume, of what the elements that touch it say there. A linear field
-/// comes out exactly here too, and no detail is lost to a patch: on coarse bodies the patches'
-/// error was half as large again (von Mises stress of a pressed ball with ears, 23-30 % against
-/// 14-18 %).
+/// **10-node elements** have a linear field each, the one through the values at their four points.
+/// A node gets the mean of the fields of the elements that touch it, weighted by volume. Linear
+/// fields are recovered exactly here too. Patches were worse: on coarse bodies the von Mises stress
+/// of a pressed ball with ears was off by 23-30 % with them and by 14-18 % without.
 ///
-/// All that depends on the mesh is computed once; apply() is const and may run in several threads.
+/// Everything that depends on the mesh alone is computed once; several threads may call apply() at
+/// the same time.
 class StressRecovery {
  public:
+  /// @param mesh  4-node or 10-node tetrahedra; it need not outlive this object
   explicit StressRecovery(const TetMesh& mesh);
 
   /// (R x N) from (R x Q E), columns as point_cauchy_stress() has them; R = 6.
   [[nodiscard]] Eigen::Matrix<double, 6, Eigen::Dynamic> apply(
       const Eigen::Matrix<double, 6, Eigen::Dynamic>& at_points) const;
 
-  /// (R x n) the same at some nodes, for any R values a point.
+  /// (R x n) the same at some nodes, for R values a point of any kind.
   [[nodiscard]] Eigen::MatrixXd apply_at(const std::vector<int>& nodes,
                                          const Eigen::MatrixXd& at_points) const;
 
-  /// Nodes of 4-node elements that had to take the mean.
+  /// Nodes of 4-node elements that got the mean because no patch served.
   [[nodiscard]] int averaged_nodes() const { return averaged_nodes_; }
 
  private:

@@ -1,7 +1,7 @@
 /// @file
-/// Nodal stress of eight states of one body at a time: for those who need it of thousands.
+/// Nodal stress of eight states of one body at a time, for callers that need it of thousands.
 ///
-///   N  nodes     n  nodes that are asked for
+///   N  nodes     n  nodes at which stress is wanted
 #pragma once
 
 #include "palpable/solid/solid_model.h"
@@ -14,17 +14,16 @@
 
 namespace palpable {
 
-/// What nodal_cauchy_stress() gives at some nodes, for 4-node tetrahedra, eight states side by
-/// side.
+/// nodal_cauchy_stress() at some nodes of a mesh of 4-node tetrahedra, eight states side by side.
 class StressTogether {
  public:
-  static constexpr int kStates = 8;
+  static constexpr int kStates = 8;  ///< states side by side
 
-  /// @param model  outlives this; 4-node tetrahedra
-  /// @param nodes  (n) where stress is asked for
+  /// @param model  4-node tetrahedra; must outlive this object
+  /// @param nodes  (n) where stress is wanted
   StressTogether(const SolidModel& model, std::vector<int> nodes);
 
-  /// (6n x 8) Pa, Cauchy, xx yy zz xy yz zx node by node; column by column a state.
+  /// (6n x 8) Cauchy stress, Pa, xx yy zz xy yz zx node by node. Column s belongs to state s.
   /// @param u  (3N x 8) m
   /// @throws Error if an element is inverted (J <= 0) under one of them
   [[nodiscard]] Eigen::MatrixXd operator()(const Eigen::MatrixXd& u) const;

@@ -1,22 +1,23 @@
 /// @file
-/// 3 x 3 matrices of numbers, where a number is a double or a pack of eight: what lets a law be
-/// written once and evaluated at one point or at eight points at a time.
+/// 3 x 3 matrices whose entries are doubles or packs of eight doubles. With them a law is written
+/// once and evaluated at one point or at eight points at a time.
 ///
-/// Everything here is forced inline: a pack has no calling convention that all processors share.
+/// All functions are forced inline, because packs are passed differently depending on the vector
+/// instructions that a caller is compiled for.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
 
-/// In front of every function that a kernel of element_kernels.cpp calls.
+/// Stands before every function that a kernel of element_kernels.cpp calls.
 #define PALPABLE_ALWAYS_INLINE [[gnu::always_inline]] inline
 
 namespace palpable {
 
 inline constexpr int kPackSize = 8;
-/// Eight doubles, worked on side by side: one AVX-512 register, two of AVX2, four of SSE2. Code
-/// that is compiled for AVX-512 takes them to be aligned to their size, other code does not: what
-/// is handed from one to the other says so itself (kPackAlignment).
+/// Eight doubles that are computed side by side: one AVX-512 register, two of AVX2, four of SSE2.
+/// Code compiled for AVX-512 assumes that packs are aligned to their size; code compiled for other
+/// instructions does not align them. So types that both use declare alignas(kPackAlignment).
 using Pack = double __attribute__((vector_size(kPackSize * sizeof(double))));
 using PackBits = std::int64_t __attribute__((vector_size(kPackSize * sizeof(std::int64_t))));
 using PackWords = std::uint64_t __attribute__((vector_size(kPackSize * sizeof(std::uint64_t))));
@@ -42,7 +43,7 @@ PALPABLE_ALWAYS_INLINE Tensor<T> operator-(const Tensor<T>& A, const Tensor<T>& 
   for (int k = 0; k < 9; ++k) difference.m[k] = A.m[k] - B.m[k];
   return difference;
 }
-/// @param s  a number like those of the tensor, or a double
+/// @param s  of the tensor's number type, or a double
 template <class S, class T>
 PALPABLE_ALWAYS_INLINE Tensor<T> operator*(const S& s, const Tensor<T>& A) {
   Tensor<T> scaled;
@@ -103,9 +104,9 @@ PALPABLE_ALWAYS_INLINE double logarithm(double x) { return std::log(x); }
 /// x = 2^e m with m in [1/sqrt 2, sqrt 2), ln m = 2 artanh((m - 1) / (m + 1)) by its power series,
 /// whose rest after the 21st power is below 1e-17 of the first term there.
 PALPABLE_ALWAYS_INLINE Pack logarithm(const Pack& x) {
-  // Adding the bits of 1 / (1 / sqrt 2) carries mantissas from sqrt 2 on into the exponent. Without
-  // a sign, because lanes of inverted elements pass here too: their sums wrap, and nobody reads
-  // them.
+  // Adding the bits of 1 less those of 1 / sqrt 2 carries mantissas from sqrt 2 on into the
+  // exponent. The sum is unsigned, because it may wrap in lanes of inverted elements, whose results
+  // are not used.
   const PackWords bits = (PackWords)x;
   const PackBits e = ((PackBits)(bits + (0x3ff0000000000000 - 0x3fe6a09e667f3bcd)) >> 52) - 0x3ff;
   const Pack m = (Pack)(bits - ((PackWords)e << 52));

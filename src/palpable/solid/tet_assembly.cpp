@@ -16,7 +16,7 @@ using Eigen::Matrix3Xd;
 
 namespace {
 
-// What a block holds of one element.
+// Gradients, weights (m^3) and nodes of one element at its integration points.
 template <int A, int Q>
 struct ElementPoints {
   std::array<Eigen::Matrix<double, 3, A>, Q> g;
@@ -51,8 +51,8 @@ Matrix3Xd centres(const TetMesh& mesh, const std::vector<int>& numbers) {
   return points;
 }
 
-// The block that holds `numbers` from `first` on.
-// @param row_of_node  where the passes keep a node
+// The block of the elements numbers[first], numbers[first + 1], ...
+// @param row_of_node  a node's place in PassFields
 template <int A, int Q>
 ElementBlock<A, Q> block_of(const TetMesh& mesh, const std::vector<int>& numbers, std::size_t first,
                             const std::vector<int>& row_of_node) {
@@ -112,7 +112,7 @@ TetAssembly::TetAssembly(const SolidModel& model, SimdLevel simd) : simd_(simd) 
 
 namespace {
 
-// The nodes of an element of A nodes.
+// The node indices of an element of A nodes.
 template <int A>
 Eigen::Matrix<int, A, 1> nodes_of(const TetMesh& mesh, int e) {
   if constexpr (A == 4) {
@@ -136,7 +136,7 @@ void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
   estimate_noise<A, Q>(mesh, groups);
   build_pattern<A>(mesh);
 
-  // Elements along a curve, and nodes as the elements come to them.
+  // Elements are sorted along a curve; nodes in the order in which these elements first use them.
   row_of_node_.assign(mesh.node_count(), -1);
   int rows = 0;
   for (auto& group : groups) {
@@ -170,7 +170,7 @@ void TetAssembly::build(const SolidModel& model, Groups<A, Q>& groups) {
   }
 }
 
-// A few roundings of the numbers that energy and stress of an element are made of.
+// A few rounding errors of the products from which an element's energy and stress are computed.
 template <int A, int Q>
 void TetAssembly::estimate_noise(const TetMesh& mesh, const Groups<A, Q>& groups) {
   const Eigen::VectorXd volumes = tet_volumes(mesh);
@@ -187,7 +187,7 @@ void TetAssembly::estimate_noise(const TetMesh& mesh, const Groups<A, Q>& groups
   force_noise_ = std::sqrt(squares);
 }
 
-// In the row of each free node the free nodes of its elements, itself included.
+// The row of a free node holds the free nodes of its elements, itself included.
 template <int A>
 void TetAssembly::build_pattern(const TetMesh& mesh) {
   std::vector<std::vector<int>> neighbours(free_nodes_.size());
@@ -248,7 +248,7 @@ BodyState TetAssembly::force(PassFields& fields, Matrix3Xd& force) const {
   std::visit([&](const auto& groups) { std::for_each(groups.begin(), groups.end(), add_group); },
              groups_);
   if (std::isnan(state.energy)) state.energy = std::numeric_limits<double>::infinity();
-  take_sums(fields, force);
+  copy_sums(fields, force);
   return state;
 }
 
@@ -288,11 +288,11 @@ void TetAssembly::force_change(PassFields& fields, const Matrix3Xd& du, Matrix3X
   }
   add_changes(fields);
   for (NodeRow& row : fields.rows) row.du = Quad{};
-  take_sums(fields, change);
+  copy_sums(fields, change);
 }
 
-// The sums in the order of the mesh.
-void TetAssembly::take_sums(const PassFields& fields, Matrix3Xd& field) const {
+// Copies the sums into the order of the mesh.
+void TetAssembly::copy_sums(const PassFields& fields, Matrix3Xd& field) const {
   for (std::size_t n = 0; n < row_of_node_.size(); ++n) {
     const Quad& force = fields.sums[row_of_node_[n]].force;
     for (int i = 0; i < 3; ++i) field(i, static_cast<Eigen::Index>(n)) = force[i];
@@ -329,7 +329,7 @@ void TetAssembly::tangent(const PassFields& fields, BlockMatrix& K) const {
 void TetAssembly::hold(BlockMatrix& K) const {
   for (const HeldAxis& held : held_axes_) {
     const int diagonal = pattern_.find(held.row, held.row);
-    // Its own stiffness keeps the matrix as well scaled as it was.
+    // The diagonal keeps its own stiffness, so that the matrix stays as well scaled as before.
     const double stiffness = K.block(diagonal)(held.axis, held.axis);
     for (int p = pattern_.row_start[held.row]; p < pattern_.row_start[held.row + 1]; ++p) {
       K.block(p).row(held.axis).setZero();

@@ -38,8 +38,8 @@ PALPABLE_ALWAYS_INLINE void load(const BFloat16* from, Floats& to) {
 
 }  // namespace
 
-// Forward and backward through one panel, kGroup columns at a time. `z` holds the panel's entries
-// of the vector, gathered, and zeros up to its padded length.
+// Forward and backward substitution with one panel, kGroup columns at a time. `z` holds the entries
+// of the vector at the panel's rows, and zeros up to the panel's padded length.
 template <class Stored>
 struct TriangularPanels<Stored>::Solve {
   template <int kColumns>
@@ -61,7 +61,7 @@ struct TriangularPanels<Stored>::Solve {
       }
       std::memcpy(z + i, &sum, sizeof sum);
     }
-    // The pass ran over these rows as well.
+    // The pass has changed these entries as well; set them again.
     for (int c = 0; c < kColumns; ++c) z[j + c] = solved[c];
   }
 
@@ -121,7 +121,7 @@ struct TriangularPanels<Stored>::Solve {
       const float* const inverse = L.inverse_diagonal_.data() + first;
       for (int i = 0; i < rows; ++i) z[i] = y[row[i]];
       for (int i = rows; i < stride; ++i) z[i] = 0.0F;
-      // From the last column back, in the groups of the way forward.
+      // From the last column to the first, in the same groups as forward.
       int j = columns;
       for (; j % kGroup != 0; --j) {
         backward<1>(panel + (j - 1) * std::ptrdiff_t{stride}, stride, j - 1, inverse + j - 1, z);
@@ -136,8 +136,8 @@ struct TriangularPanels<Stored>::Solve {
   }
 };
 
-// The same for several vectors: `z` holds a row of kSystems numbers for each entry. Numbers of the
-// panel are widened a tile of kWidth rows at a time, from where each is spread over the lanes.
+// The same for several vectors: `z` holds kSystems numbers for each entry. The panel's numbers are
+// converted to floats in tiles of kWidth rows; each is then broadcast to all lanes.
 template <class Stored>
 struct TriangularPanels<Stored>::SolveTogether {
   using Row = float __attribute__((vector_size(kSystems * sizeof(float)), may_alias));
@@ -146,7 +146,7 @@ struct TriangularPanels<Stored>::SolveTogether {
     float of[kColumns][kWidth];
   };
 
-  // By reference: vectors wider than the plain ABI's must not be returned.
+  // Returned by reference: the plain ABI has no registers that could hold so wide a vector.
   PALPABLE_ALWAYS_INLINE static Row& row(float* z, std::ptrdiff_t i) {
     return *reinterpret_cast<Row*>(z + i * kSystems);
   }

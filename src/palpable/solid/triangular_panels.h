@@ -1,9 +1,9 @@
 /// @file
-/// A sparse lower triangular matrix in 16 or 32 bits a number, and solving with it: the
-/// preconditioner's whole cost is reading these bytes.
+/// A sparse lower triangular matrix in 16 or 32 bits a number, and solves with it. Their time is
+/// that of reading the matrix from memory.
 ///
-/// Columns come in supernodes: runs of columns with the same rows below them. A supernode is one
-/// dense panel, column by column; its first rows are its own columns.
+/// The columns are grouped into supernodes: runs of columns that have the same rows below them. A
+/// supernode is stored as one dense panel, column by column, whose first rows are its own columns.
 #pragma once
 
 #include "palpable/solid/simd.h"
@@ -15,14 +15,14 @@
 
 namespace palpable {
 
-/// The upper half of a float: its range, 8 bits of its mantissa.
+/// The upper half of a float: the same range, 8 bits of mantissa.
 using BFloat16 = std::uint16_t;
 
 /// Supernode k of n columns in S supernodes.
 struct Supernodes {
   std::span<const int> first_column;  ///< (S + 1) increasing from 0 to n
   std::span<const int> first_row;     ///< (S + 1) places in `rows`
-  std::span<const int> rows;          ///< of panel k from first_row[k] on, increasing
+  std::span<const int> rows;          ///< those of panel k begin at first_row[k]; increasing
 };
 
 /// @tparam Stored  BFloat16 or float
@@ -34,8 +34,8 @@ class TriangularPanels {
   /// @param supernodes  must outlive the object
   explicit TriangularPanels(const Supernodes& supernodes);
 
-  /// Takes over one panel, rounded.
-  /// @param values  column by column, rows x columns of supernode k; above the diagonal ignored
+  /// Sets panel k, rounding its numbers.
+  /// @param values  rows x columns of supernode k, column by column; above the diagonal ignored
   template <class Number>
   void set(int k, const Number* values);
 
@@ -45,10 +45,10 @@ class TriangularPanels {
   void solve(SimdLevel simd, std::span<float> y, std::span<float> scratch) const;
   [[nodiscard]] std::size_t scratch_size() const { return scratch_size_; }
 
-  static constexpr int kSystems = 16;
-  /// The same for kSystems vectors side by side, each entry's kSystems numbers together. What comes
-  /// out of one of them does not depend on the others: each is one lane of the arithmetic. (It
-  /// differs from what solve() gives by rounding: sums are taken in another order.)
+  static constexpr int kSystems = 16;  ///< vectors of one solve_together()
+  /// The same for kSystems vectors, stored entry by entry: first the kSystems numbers of entry 0,
+  /// and so on. Each vector is one lane of the arithmetic, so its result does not depend on the
+  /// others. It differs from the result of solve() by rounding, because sums have another order.
   /// @param y        (n * kSystems), aligned to 64 bytes
   /// @param scratch  at least scratch_size() * kSystems, aligned to 64 bytes
   void solve_together(SimdLevel simd, std::span<float> y, std::span<float> scratch) const;
@@ -60,7 +60,7 @@ class TriangularPanels {
  private:
   struct Solve;
   struct SolveTogether;
-  // What one vector instruction works on; aligned, so that none straddles two cache lines.
+  // The operand of one vector instruction, aligned so that it lies within one cache line.
   static constexpr int kWidth = 16;
   struct alignas(kWidth * sizeof(Stored)) Sixteen {
     Stored of[kWidth];

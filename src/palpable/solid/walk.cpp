@@ -17,12 +17,13 @@ using Eigen::VectorXd;
 
 namespace {
 
-// With 26 levels, each order up to the seventh took half a digit more off the first residual;
-// from there on the solver's own error, amplified by 2^order, eats what is gained.
+// Of the extrapolation. With 26 levels, each order up to the seventh lowers the first residual by
+// half a digit; beyond, the solver's own error, amplified by 2^order, is larger than the gain.
 constexpr int kHighestOrder = 7;
 constexpr std::size_t kMostKnots = 9;
 
-// A polynomial through states at such levels would be one through their errors.
+// Levels this close must not both be used: a polynomial through their states would follow their
+// errors.
 bool is_close(double a, double b) { return std::abs(a - b) < 1e-3 * std::max(a, b); }
 
 Walk::Failure inverted(const BodyState& state) {
@@ -137,7 +138,7 @@ BodyState Walk::force_at(const Matrix3Xd& u) {
   return assembly_.force(fields_, force_);
 }
 
-// Forces at u into force_, the residual at the free nodes into r_.
+// Writes the forces at u to force_, and the residual in the free directions to r_.
 BodyState Walk::evaluate(double level, const Matrix3Xd& u) {
   const BodyState state = force_at(u);
   if (!std::isfinite(state.energy)) return state;
@@ -157,7 +158,7 @@ double Walk::load_potential(double level, const Matrix3Xd& u) const {
   return preloaded_ == nullptr ? of_load : of_load - preloaded_->force.cwiseProduct(u).sum();
 }
 
-// Polynomial through the first order + 1 of the knots.
+// The value at `level` of the polynomial through the first order + 1 knots.
 Matrix3Xd Walk::through(const std::vector<const Knot*>& knots, double level, int order) const {
   Matrix3Xd u = Matrix3Xd::Zero(3, assembly_.node_count());
   for (int i = 0; i <= order; ++i) {
@@ -174,8 +175,8 @@ Matrix3Xd Walk::through(const std::vector<const Knot*>& knots, double level, int
   return u;
 }
 
-// Supports that move drag the body along: the tangent says how. Without this the elements beside
-// them would take the whole motion and be crushed.
+// The state at `level` to first order, when supports move: they drag the body along. A start that
+// moved the supports alone would crush the elements beside them.
 std::optional<Matrix3Xd> Walk::dragged(double level) {
   Matrix3Xd du = Matrix3Xd::Zero(3, assembly_.node_count());
   set_supports(level - now_.level, du);
@@ -191,7 +192,7 @@ std::optional<Matrix3Xd> Walk::dragged(double level) {
   return u;
 }
 
-// The best start that the known states offer, judged by its residual.
+// The start with the smallest residual, of several polynomials through the known states.
 Matrix3Xd Walk::predict(double level) {
   if (knots_.size() == 1 && supports_grow_) {
     if (auto u = dragged(level)) return *std::move(u);
@@ -227,9 +228,9 @@ Matrix3Xd Walk::predict(double level) {
   const auto highest_order = [](const std::vector<const Knot*>& knots) {
     return std::min(kHighestOrder, static_cast<int>(knots.size()) - 1);
   };
-  // Guides are on both sides but were solved to few digits.
+  // Guides lie on both sides of the level, but were solved to few digits.
   if (with_guides.size() > own.size()) try_order(with_guides, highest_order(with_guides));
-  // The best order is among the highest, unless those turn an element inside out.
+  // The best order is one of the highest three, unless those turn an element inside out.
   const int highest = highest_order(own);
   for (int order = highest; order >= 0; --order) {
     if (order < highest - 2 && std::isfinite(best_residual)) break;
@@ -256,7 +257,7 @@ bool Walk::renew_factor(const Matrix3Xd& u) {
   return true;
 }
 
-// d_ with tangent(u) d_ = r_ at what is free.
+// Solves tangent(u) d_ = r_ in the free directions.
 CgResult Walk::solve_tangent(const Matrix3Xd& u, double relative_tolerance) {
   const auto apply_factor = [&](const VectorXd& b, VectorXd& x) {
     if (lane_ != nullptr && !own_factor_) {
@@ -275,22 +276,22 @@ CgResult Walk::solve_tangent(const Matrix3Xd& u, double relative_tolerance) {
       .preconditioner =
           [&](const VectorXd& b, VectorXd& x) {
             const CpuTimer timer(times_.precondition_s);
-            learnt_.solve(b, x, apply_factor);
+            corrections_.solve(b, x, apply_factor);
           },
-      .visit = [&](const VectorXd& s, const VectorXd& Ks) { learnt_.note(s, Ks); }};
+      .visit = [&](const VectorXd& s, const VectorXd& Ks) { corrections_.record(s, Ks); }};
   const CgResult cg = conjugate_gradients(system, r_, relative_tolerance,
                                           settings_.max_cg_iterations, d_, cg_scratch_);
   cg_iterations_ += cg.iterations;
   all_iterations_ += cg.iterations;
-  learnt_.learn();
+  corrections_.use_recorded();
   return cg;
 }
 
-// The Newton step at u for the residual r_, into d_.
+// Computes d_, the Newton step at u for the residual r_.
 Walk::Failure Walk::newton_step(const Matrix3Xd& u, double tolerance) {
   if (factor_is_slow_ && !renew_factor(u)) return {.stop = Stop::kNegativeCurvature};
-  // As exact as the quadratic convergence of Newton's method can use, and not more than the goal
-  // needs.
+  // The relative error of the step: small enough for quadratic convergence of Newton's method, and
+  // not smaller than the tolerance needs.
   const double relative = r_.norm() / scale_;
   const double forcing =
       std::max(std::min(0.05, relative), std::min(0.5, 0.3 * tolerance / relative));
@@ -309,7 +310,7 @@ Walk::Failure Walk::newton_step(const Matrix3Xd& u, double tolerance) {
   return {.stop = Stop::kLinearSolver, .residual = relative};
 }
 
-// Equilibrium at `level`, from the best prediction; on success it becomes now().
+// Finds equilibrium at `level`, from predict(level). On success it becomes now().
 Walk::Failure Walk::solve(double level, double tolerance) {
   Matrix3Xd u = predict(level);
   set_supports(level, u);
@@ -318,7 +319,7 @@ Walk::Failure Walk::solve(double level, double tolerance) {
   Matrix3Xd trial;
   for (int step = 0;; ++step) {
     const double norm = r_.norm();
-    // A load so small that rounding is larger than the tolerance is solved to that.
+    // Where the load is so small that rounding exceeds the tolerance, rounding ends the iteration.
     if (norm <= std::max(tolerance * scale_, assembly_.force_noise())) {
       move_to(level, std::move(u), state, scale_ > 0.0 ? norm / scale_ : 0.0);
       return {};
@@ -330,10 +331,10 @@ Walk::Failure Walk::solve(double level, double tolerance) {
     if (const Failure failure = newton_step(u, tolerance)) return failure;
     const int iterations = cg_iterations_ - iterations_before;
 
-    // d_ points downhill in the potential, because the tangent was positive along all that
-    // conjugate gradients saw. A step is taken if it lowers the potential as Armijo asks, or
-    // halves the residual: close to the solution rounding of the potential hides what it changes
-    // by.
+    // d_ is a descent direction of the potential, because the tangent was positive along all search
+    // directions of conjugate gradients. A step is accepted if it satisfies Armijo's condition, or
+    // if it halves the residual: close to the solution the potential changes by less than its
+    // rounding error.
     const double potential = state.energy + load_potential(level, u);
     const double slope = -r_.dot(d_);
     const double rounding = assembly_.energy_noise() + 1e-13 * std::abs(potential);
@@ -349,7 +350,7 @@ Walk::Failure Walk::solve(double level, double tolerance) {
         if (trial_potential <= potential + 1e-4 * share * slope + rounding) break;
         if (r_.norm() <= 0.5 * norm) break;
       }
-      // 2^-20: such a step moves nothing that a picture or a stress would show.
+      // Twenty halvings: so small a step changes nothing that matters.
       if (share < 1e-6) {
         if (!std::isfinite(trial_state.energy)) return inverted(trial_state);
         return {.stop = Stop::kNoConvergence, .residual = norm / scale_};

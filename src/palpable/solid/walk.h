@@ -1,5 +1,5 @@
 /// @file
-/// One walk along an equilibrium path: the state so far, and everything that a step needs.
+/// Follows one equilibrium path: the present state, and everything that a step needs.
 /// Internal to this module; equilibrium.h is what others use.
 #pragma once
 
@@ -20,7 +20,7 @@ namespace palpable {
 ///
 ///     internal_force(u) = preload + level * load      at the free nodes
 ///
-/// with a start extrapolated or interpolated over the states that are known.
+/// Each solve starts from an extrapolation of, or interpolation between, the states known so far.
 class Walk {
  public:
   /// Why a solve ended, with the figures of the state at which it ended.
@@ -32,8 +32,8 @@ class Walk {
     explicit operator bool() const { return stop != Stop::kNone; }
   };
 
-  /// At level 0: the undeformed body, or the preloaded one. All that is referred to must live as
-  /// long.
+  /// Begins at level 0 with the undeformed body, or with the preloaded one. All arguments must
+  /// outlive the walk.
   /// @param load  (3 x N) N, at level 1
   Walk(const EquilibriumSolver::Core& core, const Eigen::Matrix3Xd& load,
        const PathOptions& options);
@@ -43,22 +43,25 @@ class Walk {
   [[nodiscard]] int factors() const { return factors_; }
   [[nodiscard]] int halvings() const { return halvings_; }
   [[nodiscard]] const SolveTimes& times() const { return times_; }
-  /// load . (u - u at level 0), N m at level 1: the press where the load is of 1 N.
+  /// load . (u - u at level 0), N m, with the load at level 1. For a load of 1 N it is the press,
+  /// m.
   [[nodiscard]] double work_conjugate() const;
 
-  /// Goes to `target`, in smaller increments where one does not do. False: now() is the last good
-  /// state on the way and failure() says why.
+  /// Solves up (or down) to level `target`, halving increments that fail. False: now() is the last
+  /// state that was reached, and failure() says why there is no further one.
   /// @param tolerance  as EquilibriumSettings::tolerance
   bool advance(double target, double tolerance);
 
-  /// Back to level 0. The states that are known stay known: starts are interpolated between them.
+  /// Goes back to level 0. The states found so far are kept; later solves start from interpolations
+  /// between them.
   void return_to_start();
 
-  /// du / d level now, supports standing still, by the tangent; false where that is not positive
-  /// definite, or conjugate gradients do not converge.
+  /// du = du/dlevel at now(), (3 x N) m, with supports at rest. False if the tangent is not
+  /// positive definite or conjugate gradients do not converge.
   /// @param tolerance  of the residual, relative to the load
   bool linear_response(double tolerance, Eigen::Matrix3Xd& du);
 
+  /// failure() in words, one line; empty without one.
   [[nodiscard]] std::string describe_failure() const;
 
  private:
@@ -86,24 +89,24 @@ class Walk {
   const TetAssembly& assembly_;
   const EquilibriumSettings& settings_;
   const Eigen::Matrix3Xd& load_;
-  const Preloaded* preloaded_;  // nullptr: nothing acts but the load
+  const Preloaded* preloaded_;  // nullptr: no other forces than the load
   Lane* lane_;                  // nullptr: alone
-  bool supports_grow_;          // move in proportion to the level
+  bool supports_grow_;          // some supports move in proportion to the level
 
   FactorWorkspace workspace_;
-  std::optional<BlockMatrix> K_;  // only where the factor is renewed
+  std::optional<BlockMatrix> K_;  // the tangent; made when the factor is renewed first
   const CholeskyFactor* factor_;
   std::optional<CholeskyFactor> own_factor_;
   bool factor_is_slow_ = false;
-  QuasiNewton learnt_;
+  QuasiNewton corrections_;  // of factor_
   CgScratch cg_scratch_;
-  Eigen::VectorXd free_load_, free_preload_;  // at what is free, level 1
+  Eigen::VectorXd free_load_, free_preload_;  // in the free directions, at level 1
   Eigen::VectorXd r_, d_;
   Eigen::Matrix3Xd force_;
   PassFields fields_;
   double scale_ = 0.0;  // what the residual is relative to, N
 
-  // Known states: those of this way, that at level 0 among them, and those of an earlier way.
+  // States found: those since the last start from level 0, including it, and those before that.
   std::vector<Knot> knots_, guides_;
   Equilibrium start_, now_;
   Failure failure_;

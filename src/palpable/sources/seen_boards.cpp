@@ -40,7 +40,14 @@ SeenBoards find_boards(FrameSource& source, const BoardPattern& pattern, int wan
         add(std::move(*board), new_px, seen);
       }
     }
-    on_step({seen, searched, guard.take_reports()});
+    const bool is_live = source.is_live();
+    const int done = is_live ? static_cast<int>(seen.views.size()) : seen.pairs;
+    on_step({.seen = seen,
+             .searched = searched,
+             .is_live = is_live,
+             .done = done,
+             .total = is_live ? wanted : std::max(source.frame_count(), seen.pairs),
+             .reports = guard.take_reports()});
     if (searched && source.is_live() && std::ssize(seen.views) == wanted) break;
   }
   return seen;

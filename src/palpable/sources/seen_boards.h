@@ -21,6 +21,9 @@ struct SeenBoards {
 struct BoardSearchStep {
   const SeenBoards& seen;
   bool searched = false;             ///< a pair was read and searched
+  bool is_live = false;              ///< the source is a camera: it ends when enough were seen
+  int done = 0;                      ///< boards of a camera, pairs of a recording
+  int total = 0;                     ///< what `done` will be at the end
   std::vector<std::string> reports;  ///< of the source since the step before, a line each
 };
 

@@ -1,6 +1,8 @@
 // The refinement and the filters of stereo_kernels.h for whatever vector instructions there are, by
 // Google Highway: this file is compiled once for each instruction set.
 
+// AVX-512 with popcount of bytes. Has no effect after the first header of Highway.
+#define HWY_WANT_AVX3_DL
 #include "palpable/stereo/refine_kernels.h"
 
 #include "palpable/stereo/disparity_filters.h"
@@ -10,7 +12,6 @@
 #include <cstdint>
 #include <type_traits>
 
-#define HWY_WANT_AVX3_DL
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "palpable/stereo/refine_kernels.cpp"
 // What each file of Highway needs first:
@@ -23,6 +24,11 @@
 #define PALPABLE_REFINE_KERNELS_ONCE
 namespace palpable {
 namespace {
+
+#if HWY_ARCH_X86
+static_assert(HWY_ATTAINABLE_AVX3_DL != 0,
+              "HWY_WANT_AVX3_DL comes before the first header of Highway");
+#endif
 
 // The rows of sums that Refinement keeps; a row is `stride` numbers long, more than the image's W.
 struct RefineMemory {

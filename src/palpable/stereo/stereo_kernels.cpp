@@ -11,6 +11,8 @@
 // Shapes of the row buffers, a row at a time:
 //   costs, above, sum (W x R x N) bytes, N = 16 kBlocks
 
+// AVX-512 with popcount of bytes. Has no effect after the first header of Highway.
+#define HWY_WANT_AVX3_DL
 #include "palpable/stereo/stereo_kernels.h"
 
 #include "palpable/base/simd_targets.h"
@@ -21,7 +23,6 @@
 #include <cstring>
 #include <vector>
 
-#define HWY_WANT_AVX3_DL
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "palpable/stereo/stereo_kernels.cpp"
 // What each file of Highway needs first:
@@ -34,6 +35,11 @@
 #define PALPABLE_STEREO_KERNELS_ONCE
 namespace palpable {
 namespace {
+
+#if HWY_ARCH_X86
+static_assert(HWY_ATTAINABLE_AVX3_DL != 0,
+              "HWY_WANT_AVX3_DL comes before the first header of Highway");
+#endif
 
 constexpr std::size_t kBlock = 16;  // bytes
 constexpr std::size_t kWidestVector = 64;

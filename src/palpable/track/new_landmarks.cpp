@@ -70,7 +70,7 @@ void NewLandmarks::find_unseen(const LandmarkSearch& search, const TrackerFrame&
 }
 
 // Whether a corner is the place of an old landmark. It is looked for there once more: when it is
-// found the keyframe has seen it; when it is not, it looks otherwise by now and is given up.
+// found the keyframe has seen it; when it is not, its look has changed and it is given up.
 bool NewLandmarks::is_old_landmark(const LandmarkSearch& search, const TrackerFrame& frame,
                                    const Eigen::Vector3d& uvd, int frame_count, LandmarkMap& map) {
   const TrackCamera& camera = search.settings.camera;

@@ -24,8 +24,8 @@ struct PoseQuery {
   int frame_count = 0;    ///< frames so far: a landmark that agreed a moment ago is tried first
 };
 
-/// Looks for the pose, and keeps which landmarks carried the last one. Takes no memory after it was
-/// made, but for pictures that are higher than wide.
+/// Finds the pose, and keeps the landmarks that agreed with it. Allocates nothing after its
+/// construction, unless pictures are higher than wide.
 class PoseSearch {
  public:
   explicit PoseSearch(const TrackerSettings& settings);
@@ -34,13 +34,13 @@ class PoseSearch {
   [[nodiscard]] std::optional<Rigid3> find(const LandmarkSearch& search, const TrackerFrame& frame,
                                            const PoseQuery& query);
 
-  // What follows is said of the last find().
+  // The following describe the last find().
 
   [[nodiscard]] int tried() const { return tried_; }  ///< landmarks that were looked for
   [[nodiscard]] int inliers() const { return fit_.inliers; }
   /// Median over the landmarks that were looked for, px: how far the picture is smeared.
   [[nodiscard]] double smear_px() const { return smear_px_; }
-  /// Whether so much is smeared that a landmark may be missed for that alone.
+  /// Whether the smear is so large that landmarks may be missed because of it.
   [[nodiscard]] bool is_blurred() const { return smear_px_ > kBlurredPx; }
 
   /// Calls visit(const Candidate&, const PosePoint&) with each landmark that agreed with the pose.
@@ -51,11 +51,12 @@ class PoseSearch {
     }
   }
 
-  /// Counts in the landmarks whether they agreed, were found elsewhere or not found, and gives up
-  /// those that mostly do not agree: they lie on something that moves, or look otherwise by now.
+  /// Counts in each landmark whether it agreed, was found elsewhere or was not found. Gives up
+  /// landmarks that mostly do not agree: they lie on something that moves, or have changed their
+  /// look.
   void rate_landmarks(std::vector<Landmark>& landmarks, int frame_count);
 
-  /// No landmark has carried a pose.
+  /// Forgets the last find(): no landmark agrees.
   void clear();
 
  private:

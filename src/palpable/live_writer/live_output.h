@@ -1,6 +1,6 @@
 /// @file
-/// What a live run leaves behind, written on a thread of its own. The formats stand in clip_files,
-/// in the header that is named here.
+/// The files that a live run leaves behind, written on a thread of their own. clip_files has the
+/// formats, in the header that is named here.
 ///
 ///   touch.mp4                 the pictures
 ///   timing.csv                ms per stage per frame (timing_file.h)
@@ -18,8 +18,7 @@
 #include "palpable/clip_files/text_file.h"
 #include "palpable/geometry/image.h"
 #include "palpable/live/bounded_queue.h"
-#include "palpable/session/scene.h"
-#include "palpable/view/figure_scores.h"
+#include "palpable/view/drawn_frame.h"
 
 #include <array>
 #include <exception>
@@ -34,16 +33,7 @@ namespace cv {
 class VideoWriter;
 }
 
-namespace palpable::app {
-
-/// One frame to be written: a scene, and what drawing adds to it. Its memory goes round.
-struct DrawnFrame {
-  Scene scene;
-  ColorImage picture;
-  MaskImage visible;
-  DepthImage body_depth;  ///< full size
-  FigureScores scores;
-};
+namespace palpable {
 
 struct LiveOutputSettings {
   std::filesystem::path folder;  ///< made if it is not there
@@ -64,6 +54,8 @@ struct LiveOutputSettings {
 /// Removes what earlier_run found. @throws Error when that cannot be done
 void remove_earlier_run(const std::vector<std::filesystem::path>& there);
 
+/// Writes the frames of one run. Four DrawnFrames go round between the caller, who fills one, and
+/// the thread, which writes it; so the loop waits only when the disk is four frames behind.
 class LiveOutput {
  public:
   /// @throws Error when the folder or files in it cannot be made
@@ -129,4 +121,4 @@ class LiveOutput {
   std::thread thread_;
 };
 
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,4 +1,4 @@
-#include "apps/palpable/live_output.h"
+#include "palpable/live_writer/live_output.h"
 
 #include "palpable/base/error.h"
 #include "palpable/clip_files/depth_image_file.h"
@@ -21,7 +21,7 @@
 #include <optional>
 #include <utility>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 namespace fs = std::filesystem;
@@ -292,4 +292,4 @@ void LiveOutput::end_files() {
   }
 }
 
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,6 +1,5 @@
-#include "apps/palpable/calibration_run.h"
+#include "palpable/sources/calibrate_source.h"
 
-#include "apps/palpable/camera_list.h"
 #include "palpable/base/error.h"
 #include "palpable/sources/raw_picture.h"
 #include "palpable/sources/source_calibration.h"
@@ -15,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 using Eigen::Vector3d;
@@ -64,14 +63,16 @@ test::FakeVideo camera_that_sees(const std::vector<std::vector<std::uint8_t>>& p
   return video;
 }
 
-CalibrationTask task_in(const test::ScratchFolder& folder, int views) {
-  CalibrationTask task;
-  task.source.device = "/dev/video0";
-  task.source.folders = {folder.path() / "kept"};
-  task.pattern = kBoard;
-  task.views = views;
-  return task;
+BoardOrder order_in(const test::ScratchFolder& folder, int views) {
+  BoardOrder order;
+  order.source.device = "/dev/video0";
+  order.source.folders = {folder.path() / "kept"};
+  order.pattern = kBoard;
+  order.views = views;
+  return order;
 }
+
+void quietly(const BoardSearchStep& /*step*/) {}
 
 bool contains(const std::string& text, const std::string& part) {
   UNSCOPED_INFO(text);
@@ -79,7 +80,7 @@ bool contains(const std::string& text, const std::string& part) {
 }
 
 TEST_CASE("a board shown to a live camera becomes the calibration that cameras and live find",
-          "[apps][camera][calibrate]") {
+          "[sources][camera][calibrate]") {
   const test::ScratchFolder folder("calibration_run");
   const std::array boards{
       board_at(0.4, 0, {0.03, 0, 0.40}),      board_at(-0.4, 0.1, {0.05, 0.02, 0.42}),
@@ -94,31 +95,43 @@ TEST_CASE("a board shown to a live camera becomes the calibration that cameras a
   pictures.push_back(nothing);
   test::FakeVideo video = camera_that_sees(pictures);
 
-  const CalibrationReport report = calibrate(task_in(folder, 6), video);
-  CHECK(report.refused.empty());
-  CHECK(contains(report.text, "6 boards in 8 pairs (1 more were where another had been)"));
+  std::vector<int> done;
+  const CalibratedSource made =
+      calibrate_source(order_in(folder, 6), {}, video, [&](const BoardSearchStep& step) {
+        CHECK(step.is_live);
+        CHECK(step.total == 6);
+        if (step.searched) done.push_back(step.done);
+      });
+  CHECK(made.seen.views.size() == 6);
+  CHECK(made.seen.pairs == 8);
+  CHECK(made.seen.alike == 1);
+  CHECK(done == std::vector<int>{1, 1, 1, 2, 3, 4, 5, 6});
   CHECK(video.cameras[0].shots.size() == 2);  // enough is enough
   CHECK(video.opened == 0);
 
   const std::filesystem::path kept = folder.path() / "kept/two-eyes-320x240.yml";
-  CHECK(contains(report.text, kept.string()));
+  CHECK(made.file == kept);
   const StereoRig rig = value_or_throw(read_source_calibration(kept, kWidth, kHeight)).format.rig;
   const double percent = tolerance(0.02, "corners of a sixteenth of a pixel, six boards");
   CHECK(rig.left.pinhole.fx_px == Approx(kFocal).epsilon(percent));
   CHECK(rig.right.pinhole.fy_px == Approx(kFocal).epsilon(percent));
   CHECK(-rig.right_from_left.translation().x() == Approx(kBaseline).epsilon(percent));
-  CHECK(contains(camera_list(video, {folder.path() / "kept"}, false),
-                 "  calibration: " + kept.string()));
+  // It is found again, and is good on the boards that are left in the camera.
+  CHECK(known_calibration("Two Eyes", kWidth, kHeight, {folder.path() / "kept"}) == kept);
+  video = camera_that_sees({pictures[0], pictures[3]});
+  const CheckedCalibration checked = check_calibration(order_in(folder, 2), kept, video, quietly);
+  CHECK(checked.seen.views.size() == 2);
+  CHECK(checked.row_error_px < tolerance(0.1, "corners of a sixteenth of a pixel"));
 }
 
 TEST_CASE("what is wrong with a live calibration is said before or after boards are shown",
-          "[apps][camera][calibrate][refusal]") {
+          "[sources][camera][calibrate][refusal]") {
   const test::ScratchFolder folder("calibration_run");
   const std::vector<std::uint8_t> board = seen_by_both(board_at(0.4, 0, {0.03, 0, 0.40}));
   test::FakeVideo video = camera_that_sees({board});
-  CalibrationTask task = task_in(folder, 1);
+  const BoardOrder order = order_in(folder, 1);
   try {
-    (void)calibrate(task, video);
+    (void)calibrate_source(order, {}, video, quietly);
     FAIL("one board is no calibration");
   } catch (const Error& error) {
     CHECK(contains(error.what(), "/dev/video0: no calibration: "));
@@ -128,11 +141,16 @@ TEST_CASE("what is wrong with a live calibration is said before or after boards 
 
   // Nobody is asked to show boards when the file cannot be written: the picture is still there.
   video = camera_that_sees({board});
-  task.output = folder.path() / "no such folder/calibration.yml";
-  CHECK_THROWS_WITH(calibrate(task, video), Catch::Contains("cannot be written"));
+  CHECK_THROWS_WITH(
+      calibrate_source(order, folder.path() / "no such folder/calibration.yml", video, quietly),
+      Catch::Contains("cannot be written"));
+  CHECK(video.cameras[0].shots.size() == 1);
+  // Nor when the calibration that is to be checked cannot be read.
+  CHECK_THROWS_WITH(check_calibration(order, folder.path() / "none.yml", video, quietly),
+                    Catch::Contains("none.yml"));
   CHECK(video.cameras[0].shots.size() == 1);
   CHECK(video.opened == 0);
 }
 
 }  // namespace
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,0 +1,153 @@
+#include "palpable/live_writer/live_output.h"
+
+#include "palpable/base/error.h"
+#include "palpable/clip_files/depth_image_file.h"
+#include "palpable/clip_files/mask_image_file.h"
+#include "palpable/clip_files/pose_file.h"
+#include "palpable/clip_files/rectification_file.h"
+#include "palpable/clip_files/timing_file.h"
+#include "palpable/clip_files/touches_file.h"
+#include "palpable/clip_files/trajectory_file.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWidth = 64;  // px of the picture
+constexpr int kHeight = 48;
+
+// Frame `number` of a run at 20 frames per second.
+void fill(DrawnFrame& drawn, int number) {
+  Scene& scene = drawn.scene;
+  scene = Scene();
+  scene.number = number;
+  scene.time = 0.05 * number;
+  scene.camera_from_body.translation() = Eigen::Vector3d(0.1 * number, 0, 0.5);
+  scene.seen.depth = DepthImage(kWidth / 2, kHeight / 2, 0.25F);
+  scene.seen.row_correction_px = number < 2 ? 0.5 : 0.75;
+  scene.moving = MaskImage(kWidth / 2, kHeight / 2, 255);
+  scene.times.add("read", 2);
+  scene.times.add("contact", 3);
+  drawn.picture = ColorImage(kWidth, kHeight, Rgb{200, 100, 50});
+  drawn.visible = MaskImage(kWidth, kHeight, 255);
+  drawn.body_depth = DepthImage(kWidth, kHeight, 0.5F);
+  drawn.scores = {};
+}
+
+TEST_CASE("every file of a run can be read by its reader", "[live_writer]") {
+  const test::ScratchFolder folder("live_output");
+  LiveOutput output({.folder = folder / "out", .figures = true});
+  for (int number = 0; number < 3; ++number) {
+    std::unique_ptr<DrawnFrame> drawn = output.blank();
+    fill(*drawn, number);
+    if (number == 1) {
+      drawn->scene.touches.push_back({4, 0.5, 1.25, 0.003, {0.01, 0.02, 0.03}});
+      drawn->scores.touch = 10;
+    }
+    if (number == 2) drawn->scene.camera.state = TrackState::kLost;
+    output.write(std::move(drawn));
+  }
+  output.finish();
+  const fs::path out = folder / "out";
+  CHECK(fs::file_size(out / "touch.mp4") > 500);
+  CHECK_FALSE(output.codec().empty());
+  CHECK(output.figures() == std::vector<std::string>{"touch.png"});
+  CHECK(fs::exists(out / "touch.png"));
+
+  const TimingTable times = read_timing(out / "timing.csv");
+  REQUIRE(times.ms.size() == 3);
+  CHECK(times.stages.back() == "total");
+  CHECK(times.ms[2].front() == 2);
+  CHECK(times.ms[2].back() >= 5);  // "write" is timed too
+  REQUIRE(output.times().size() == times.stages.size());
+  CHECK(output.times().front().second == std::vector<double>{2, 2, 2});
+
+  const std::vector<TouchLine> touches = read_touches(out / "touches.jsonl");
+  REQUIRE(touches.size() == 1);
+  CHECK(touches[0].frame == 1);
+  CHECK(touches[0].site == 4);
+  CHECK(touches[0].press_depth == 0.003);
+  const std::vector<PoseLine> poses = read_poses(out / "pose.jsonl");
+  REQUIRE(poses.size() == 3);
+  CHECK(poses[2].camera_from_body.translation().x() == Approx(0.2));
+  CHECK(read_trajectory(out / "trajectory.txt").size() == 2);  // not where the camera is lost
+  const std::vector<CorrectionLine> corrections = read_corrections(out / "rectification.jsonl");
+  REQUIRE(corrections.size() == 2);  // its changes only
+  CHECK(corrections[1].frame == 2);
+  CHECK(corrections[1].row_correction_px == 0.75);
+
+  CHECK(read_depth_counts(out / "depth/000002.png").value()(3, 3) == 1000);
+  CHECK(read_depth_counts(out / "body_depth/000002.png").value()(3, 3) == 5000);
+  CHECK(read_mask(out / "visible/000000.png").value().width() == kWidth);
+  CHECK(read_mask(out / "moving/000000.png").value().width() == kWidth / 2);
+}
+
+TEST_CASE("a run of one frame has a video, one without depth and masks no folders of them",
+          "[live_writer]") {
+  const test::ScratchFolder folder("live_output_one");
+  LiveOutput output({.folder = folder.path(), .depth = false, .masks = false});
+  std::unique_ptr<DrawnFrame> drawn = output.blank();
+  fill(*drawn, 7);
+  output.write(std::move(drawn));
+  output.finish();
+  CHECK(fs::exists(folder / "touch.mp4"));
+  for (const char* name : {"depth", "visible", "body_depth", "moving", "touch.png"}) {
+    INFO(name);
+    CHECK_FALSE(fs::exists(folder / name));
+  }
+}
+
+TEST_CASE("what cannot be written is said by the next frame or at the end, not lost",
+          "[live_writer]") {
+  const test::ScratchFolder folder("live_output_fails");
+  LiveOutput output({.folder = folder.path()});
+  fs::remove_all(folder / "depth");
+  std::ofstream(folder / "depth") << "a file in the way";
+  const auto play = [&] {
+    for (int number = 0; number < 20; ++number) {
+      std::unique_ptr<DrawnFrame> drawn = output.blank();
+      fill(*drawn, number);
+      output.write(std::move(drawn));
+    }
+    output.finish();
+  };
+  CHECK_THROWS_WITH(play(), Catch::Contains("depth/000000.png"));
+}
+
+TEST_CASE("an earlier run is replaced only when that is asked for, and only what is a run's",
+          "[live_writer][refusal]") {
+  const test::ScratchFolder folder("earlier_run");
+  const fs::path out = folder / "out";
+  CHECK(earlier_run(out, false, {}).empty());
+  test::write_bytes(out / "notes.txt", "mine");
+  CHECK(earlier_run(out, false, {}).empty());
+  // A folder called depth alone is somebody's data.
+  fs::create_directories(out / "depth");
+  CHECK_THROWS_WITH(earlier_run(out, true, {}), Catch::Contains("not of an earlier run"));
+
+  test::write_bytes(out / "timing.csv", "frame,total_ms\n");
+  CHECK_THROWS_WITH(earlier_run(out, false, {}), Catch::Contains("--overwrite"));
+  const std::vector<fs::path> there = earlier_run(out, true, {folder / "body.palpable"});
+  CHECK(there == std::vector<fs::path>{out / "timing.csv", out / "depth"});
+  CHECK(fs::exists(out / "timing.csv"));  // nothing is removed yet
+  // What this run reads may not go: not a file among them, not the folder itself, by no name.
+  for (const fs::path& needed : {out / "depth" / "000000.png", out, out / "depth" / ".."}) {
+    INFO(needed);
+    CHECK_THROWS_WITH(earlier_run(out, true, {needed}), Catch::Contains("is needed by this run"));
+  }
+  CHECK_NOTHROW(earlier_run(out, true, {out / "notes.txt", {}}));
+
+  remove_earlier_run(there);
+  CHECK_FALSE(fs::exists(out / "depth"));
+  CHECK(test::file_bytes(out / "notes.txt") == "mine");
+}
+
+}  // namespace
+}  // namespace palpable

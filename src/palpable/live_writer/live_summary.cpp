@@ -1,0 +1,44 @@
+#include "palpable/live_writer/live_summary.h"
+
+#include "palpable/base/order_statistics.h"
+#include "palpable/view/scene_picture.h"
+
+namespace palpable {
+
+LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const LiveOutput& output) {
+  const Session& session = run.loop.session;
+  LiveSummary result;
+  result.source = run.images.string();
+  if (session.settings().ignore_static) {
+    result.ignore_static_frames = session.settings().static_frames;
+  }
+  result.camera_from_body = session.world_from_body();  // the first frame's camera is the world
+  if (const auto& color = run.source->format().color_sensor) {
+    result.color_from_depth = color->color_from_depth;
+  }
+  if (session.settings().track) {
+    const TrackerCounts tracker = session.tracker_counts();
+    result.tracking = {counts.moving, counts.lost,       tracker.recognised,
+                       tracker.loops, tracker.keyframes, tracker.landmarks};
+  }
+  if (const SurfaceMap* map = session.map()) {
+    result.map = {map->blocks(), map->refused(), session.free_space()->blocked()};
+  }
+  result.unreadable = counts.troubles.unreadable;
+  result.source_troubles = {counts.troubles.back_in_time, counts.troubles.dropped,
+                            counts.troubles.stalls, counts.troubles.losses, counts.reports};
+  result.frames_touching = counts.touching;
+  result.first_touch_frame = counts.first_touch;
+  result.deepest_press = counts.deepest;
+  result.site_changes = counts.site_changes;
+  result.video_codec = output.codec();
+  result.pictures = output.figures();
+  result.color_scale = stress_scale(session.body());
+  for (const auto& [stage, values] : output.times()) {
+    if (!values.empty()) result.median_ms.emplace_back(stage, percentile(values, 0.5));
+  }
+  result.processed = counts.processed;
+  return result;
+}
+
+}  // namespace palpable

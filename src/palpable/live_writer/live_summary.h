@@ -1,0 +1,18 @@
+/// @file
+/// live.json of a run (clip_files/live_file.h), from the run itself.
+#pragma once
+
+#include "palpable/clip_files/live_file.h"
+#include "palpable/live/live_counts.h"
+#include "palpable/live/live_run.h"
+#include "palpable/live_writer/live_output.h"
+
+namespace palpable {
+
+/// What a run that has ended says of itself. What only the user knows is left as it is: body,
+/// contact, view, scale, wall.
+/// @param output  after finish()
+[[nodiscard]] LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts,
+                                     const LiveOutput& output);
+
+}  // namespace palpable

@@ -1,0 +1,27 @@
+/// @file
+/// A body in a window, turned and pressed by mouse and keys, as `palpable view` shows it.
+#pragma once
+
+#include "palpable/reduced/reduced_body.h"
+#include "palpable/render/window.h"
+#include "palpable/view/studio_scene.h"
+
+#include <functional>
+
+namespace palpable {
+
+struct BodyWindowSettings {
+  PictureSize size{1280, 720};
+  int site = -1;           ///< held at `level` until another is pressed; -1: none is
+  double level = 1;        ///< 0 .. 1 of the site's full load
+  double close_after = 0;  ///< s; 0: when the user wants
+};
+
+/// Shows the body until the user closes the window (view_controls.h says what the user can do).
+/// Draws only when something changes; waits for events otherwise.
+/// @param keep_picture  called with the picture that is shown when the user asks to keep it
+/// @throws Error when OpenGL reported errors
+void show_body(Window& window, const ReducedBody& body, const BodyWindowSettings& settings,
+               const std::function<void(const ColorImage&)>& keep_picture);
+
+}  // namespace palpable

@@ -1,0 +1,20 @@
+/// @file
+/// A scene, and what drawing adds to it.
+#pragma once
+
+#include "palpable/geometry/image.h"
+#include "palpable/session/scene.h"
+#include "palpable/view/figure_scores.h"
+
+namespace palpable {
+
+/// One frame, from what was seen to what is shown. Kept and filled again: its memory goes round.
+struct DrawnFrame {
+  Scene scene;
+  ColorImage picture;     ///< what is shown: of the camera's size, or the map's picture
+  MaskImage visible;      ///< 255 where the picture shows the body, full size
+  DepthImage body_depth;  ///< Z of the whole body (m), full size; NaN beside it
+  FigureScores scores{};  ///< filled in only where somebody asks for them
+};
+
+}  // namespace palpable

@@ -1,0 +1,60 @@
+#include "palpable/view/scene_painter.h"
+
+#include "palpable/base/error.h"
+#include "palpable/base/stage_clock.h"
+#include "palpable/view/scene_picture.h"
+
+#include <fmt/core.h>
+
+namespace palpable {
+
+ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop& loop)
+    : scale_(stress_scale(loop.session.body())) {
+  const PinholeCamera& camera = loop.camera.camera();
+  if (settings.window) {
+    window_.emplace(value_or_throw(Window::open("Palpable", camera.width, camera.height)));
+  } else {
+    offscreen_.emplace(value_or_throw(GlContext::offscreen()));
+  }
+  renderer_.emplace(value_or_throw(SceneRenderer::make()));
+  if (settings.map) {
+    map_ = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
+                                        loop.session.world_from_body());
+  }
+}
+
+void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
+  const StageTimer timer(drawn.scene.times, "draw");
+  SceneView view = view_of(drawn.scene, session.body(), scale_);
+  if (map_) {  // its own caption says it
+    view.legend_title.clear();
+    view.caption.clear();
+    view.warning.clear();
+  }
+  renderer_->draw(view, map_ ? inside_ : drawn.picture, &drawn.visible, &drawn.body_depth);
+  if (!map_) return;
+  const MappedRoom room{session.body(), session.map(), session.world_from_body(),
+                        [&] { return session.keyframes(); }};
+  map_->draw(drawn.scene, room, scale_, inside_, drawn.picture);
+}
+
+void ScenePainter::show(const ColorImage& picture) {
+  if (!window_) return;
+  window_->show(picture);
+  handle_events();
+}
+
+void ScenePainter::handle_events() {
+  if (!window_) return;
+  ended_ |= window_->closed();
+  for (const WindowEvent& event : window_->events()) {
+    ended_ |= event.kind == WindowEvent::Kind::kKey && event.key == WindowEvent::kEscape;
+    if (map_) map_->handle(event);
+  }
+}
+
+void ScenePainter::throw_gl_errors() const {
+  (window_ ? window_->gl_errors() : offscreen_->errors()).throw_if_any();
+}
+
+}  // namespace palpable

@@ -1,0 +1,55 @@
+/// @file
+/// A session's scenes, drawn: what its camera sees with the body in it, or the room from outside.
+#pragma once
+
+#include "palpable/geometry/image.h"
+#include "palpable/render/gl_context.h"
+#include "palpable/render/scene_renderer.h"
+#include "palpable/render/window.h"
+#include "palpable/session/frame_loop.h"
+#include "palpable/view/drawn_frame.h"
+#include "palpable/view/map_picture.h"
+
+#include <memory>
+#include <optional>
+
+namespace palpable {
+
+struct ScenePainterSettings {
+  bool window = false;  ///< also show the pictures in a window; else draw off screen
+  bool map = false;     ///< the room from outside (map_picture.h) instead of the camera's picture
+};
+
+/// Draws the scenes of one frame loop, in their order. Main thread only.
+class ScenePainter {
+ public:
+  /// @throws Error when there is no OpenGL context, no display for a window, or a shader does not
+  ///         compile
+  ScenePainter(const ScenePainterSettings& settings, const FrameLoop& loop);
+
+  /// Fills in what drawing adds to a scene, but for the scores; its time goes to the stage "draw".
+  void draw(DrawnFrame& drawn, const Session& session);
+
+  /// Shows a picture in the window, and handles what the user did there; nothing without one.
+  void show(const ColorImage& picture);
+
+  /// Turns the map as the mouse says, and notes whether the user wants to end.
+  void handle_events();
+
+  /// Whether the user has closed the window or pressed Escape.
+  [[nodiscard]] bool ended() const { return ended_; }
+
+  /// @throws Error when OpenGL reported errors
+  void throw_gl_errors() const;
+
+ private:
+  std::optional<GlContext> offscreen_;
+  std::optional<Window> window_;
+  std::optional<SceneRenderer> renderer_;
+  std::unique_ptr<MapPicture> map_;  // the room from outside, if it is to be shown
+  ColorImage inside_;                // what the camera sees, where the picture is the map's
+  double scale_;                     // Pa, top of the colours
+  bool ended_ = false;
+};
+
+}  // namespace palpable
