@@ -23,11 +23,11 @@ int main(int argc, char** argv) try {
   // The skin at rest, and what press_surface() fills: positions (m), normals, stress (Pa).
   const Eigen::Matrix3Xf rest = body.surface.vertices.cast<float>();
   Eigen::Matrix3Xf pressed(3, rest.cols()), normals(3, rest.cols());
-  std::vector<float> von_mises(static_cast<std::size_t>(rest.cols()));
+  std::vector<float> von_mises(rest.cols());
   const std::array mu{static_cast<double>(site), 1.0};  // which site, which share of its full load
   press_surface(body, rest, mu, pressed, normals, von_mises);
 
-  const Site& where = body.sites[static_cast<std::size_t>(site)];
+  const Site& where = body.sites[site];
   const Eigen::Vector3f moved = pressed.col(where.vertex) - rest.col(where.vertex);
   std::printf("%.2f mm\n", 1e3 * static_cast<double>(moved.norm()));
 

@@ -310,7 +310,7 @@ double difference_px(const BoardView& a, const BoardView& b) {
 Result<BoardCalibration> calibrate_boards(std::span<const BoardView> views,
                                           const BoardPattern& pattern, int width, int height,
                                           const BoardLimits& limits) {
-  const std::size_t corners = pattern.columns * pattern.rows;
+  const std::size_t corners = std::size_t{1} * pattern.columns * pattern.rows;
   for (const BoardView& seen : views) {
     PALPABLE_EXPECT(seen.left.size() == corners && seen.right.size() == corners,
                     "a view has all corners of its board");

@@ -13,7 +13,8 @@ using Eigen::Index;
 using Eigen::MatrixXf;
 using test::tolerance;
 
-TEST_CASE("a touch is compared with the nearest site's field of equal depth", "[bake][between]") {
+TEST_CASE("a touch is compared with the nearest site's field of equal depth",
+          "[campaign][between]") {
   const SurfaceMesh skin = sphere_surface({0, 0, 0}, 1, 2);
   const auto neighbours = vertex_neighbours(skin);
   const int a = 0;

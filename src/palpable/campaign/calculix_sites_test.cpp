@@ -35,7 +35,7 @@ std::vector<SiteSnapshots> by_calculix(const SiteSolver& presses, const std::vec
   return all;
 }
 
-TEST_CASE("CalculiX and the own solver give the same snapshots", "[bake][calculix]") {
+TEST_CASE("CalculiX and the own solver give the same snapshots", "[campaign][calculix]") {
   if (!find_calculix()) PALPABLE_SKIP("ccx is not installed");
   const Block block;
   const EquilibriumSolver solver = block.solver("neo-hooke-abaqus");
@@ -61,7 +61,7 @@ TEST_CASE("CalculiX and the own solver give the same snapshots", "[bake][calculi
   }
 }
 
-TEST_CASE("what CalculiX cannot do is refused in its words or ours", "[bake][calculix]") {
+TEST_CASE("what CalculiX cannot do is refused in its words or ours", "[campaign][calculix]") {
   const Block block;
   const EquilibriumSolver solver = block.solver("neo-hookean");
   const SiteSolver presses(solver, block.boundary, Eigen::Matrix3Xd(3, 0));

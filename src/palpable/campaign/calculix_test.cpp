@@ -85,7 +85,7 @@ Result<std::vector<CalculixState>> parse(const std::string& text,
 }
 
 TEST_CASE("the printed results of CalculiX are read in our order and units",
-          "[bake][calculix][reader]") {
+          "[campaign][calculix][reader]") {
   const auto result = parse(some_dat());
   REQUIRE(result.ok());
   const auto& states = result.value();
@@ -100,7 +100,7 @@ TEST_CASE("the printed results of CalculiX are read in our order and units",
 }
 
 TEST_CASE("fewer states than levels are an answer, as when CalculiX stops on the way",
-          "[bake][calculix][reader]") {
+          "[campaign][calculix][reader]") {
   REQUIRE(parse(some_dat(1)).ok());
   CHECK(parse(some_dat(1)).value().size() == 1);
   REQUIRE(parse("\n").ok());
@@ -108,7 +108,7 @@ TEST_CASE("fewer states than levels are an answer, as when CalculiX stops on the
 }
 
 TEST_CASE("an exponent of three digits, which Fortran prints without its E, is read",
-          "[bake][calculix][reader]") {
+          "[campaign][calculix][reader]") {
   const std::string with_e = fmt::format("{:13.6E}", 1e-12);
   const auto result = parse(replaced(some_dat(), with_e, " 2.500000-101"));
   REQUIRE(result.ok());
@@ -117,7 +117,7 @@ TEST_CASE("an exponent of three digits, which Fortran prints without its E, is r
 }
 
 TEST_CASE("what CalculiX cannot have printed is refused with the line",
-          "[bake][calculix][reader][errors]") {
+          "[campaign][calculix][reader][errors]") {
   const std::string good = some_dat();
   const auto refusal = [](const std::string& text) {
     const auto result = parse(text);
@@ -146,7 +146,7 @@ TEST_CASE("what CalculiX cannot have printed is refused with the line",
 }
 
 TEST_CASE("a file that is cut off anywhere gives whole states or one clear line",
-          "[bake][calculix][reader][errors]") {
+          "[campaign][calculix][reader][errors]") {
   const std::string good = some_dat();
   const std::size_t one = some_dat(1).size();
   int accepted = 0;
@@ -166,7 +166,7 @@ TEST_CASE("a file that is cut off anywhere gives whole states or one clear line"
 }
 
 TEST_CASE("no damage to a file of results makes the reader crash or return what is not finite",
-          "[bake][calculix][reader][errors]") {
+          "[campaign][calculix][reader][errors]") {
   const std::string good = some_dat();
   for (unsigned seed = 0; seed < 2000; ++seed) {
     auto random = test::random_case(seed);
@@ -199,7 +199,7 @@ TEST_CASE("no damage to a file of results makes the reader crash or return what 
   }
 }
 
-TEST_CASE("CalculiX' message becomes one line", "[bake][calculix]") {
+TEST_CASE("CalculiX' message becomes one line", "[campaign][calculix]") {
   CHECK(calculix_error(" STEP 1\n\n *ERROR in e_c3d: nonpositive jacobian\n        determinant in "
                        "element          12\n *ERROR in e_c3d: again\n") ==
         "in e_c3d: nonpositive jacobian determinant in element 12");
@@ -211,7 +211,7 @@ TEST_CASE("CalculiX' message becomes one line", "[bake][calculix]") {
 }
 
 TEST_CASE("no field of a deck is longer than the twenty characters that CalculiX reads",
-          "[bake][calculix][deck]") {
+          "[campaign][calculix][deck]") {
   SolidModel model = block();
   model.mesh.nodes *= std::numbers::pi * 1e-3;  // numbers with all digits
   const Matrix3Xd everywhere =
@@ -231,7 +231,7 @@ TEST_CASE("no field of a deck is longer than the twenty characters that CalculiX
 }
 
 TEST_CASE("a node of a deck is the node of the model to thirteen digits",
-          "[bake][calculix][deck]") {
+          "[campaign][calculix][deck]") {
   SolidModel model = block();
   model.mesh.nodes *= -std::numbers::pi * 1e-3;
   model.mesh.tets.row(2).swap(model.mesh.tets.row(3));  // the mirror image is inside out again
@@ -255,7 +255,7 @@ TEST_CASE("a node of a deck is the node of the model to thirteen digits",
 }
 
 TEST_CASE("a body or load that CalculiX cannot be given is refused before it is started",
-          "[bake][calculix][errors]") {
+          "[campaign][calculix][errors]") {
   const std::array full{1.0};
   const auto solve = [&](const SolidModel& model, const Matrix3Xd& load) {
     return solve_with_calculix(model, load, full, {.program = "/nowhere/ccx", .folder = {}});
@@ -283,7 +283,7 @@ std::filesystem::path stand_in(const test::ScratchFolder& folder, const std::str
 }
 
 TEST_CASE("whatever becomes of the CalculiX process, the error is one line that says what",
-          "[bake][calculix][errors]") {
+          "[campaign][calculix][errors]") {
   const test::ScratchFolder folder("calculix_process");
   const SolidModel model = block();
   const Matrix3Xd load = push_on_top(model, {0, 0, -1});
@@ -304,7 +304,7 @@ TEST_CASE("whatever becomes of the CalculiX process, the error is one line that 
 }
 
 TEST_CASE("CalculiX gets one thread, whatever the caller's environment asks for",
-          "[bake][calculix]") {
+          "[campaign][calculix]") {
   const test::ScratchFolder folder("calculix_environment");
   ::setenv("OMP_NUM_THREADS", "7", 1);
   ::setenv("CCX_NPROC_STIFFNESS", "7", 1);
@@ -321,7 +321,7 @@ TEST_CASE("CalculiX gets one thread, whatever the caller's environment asks for"
 }
 
 TEST_CASE("a solve by CalculiX reports its way, prints every level and leaves nothing behind",
-          "[bake][calculix]") {
+          "[campaign][calculix]") {
   if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
   const SolidModel model = block();
   const Matrix3Xd load = push_on_top(model, {0.6, 0.3, -1.5});
@@ -351,7 +351,7 @@ TEST_CASE("a solve by CalculiX reports its way, prints every level and leaves no
 }
 
 TEST_CASE("the residual that CalculiX leaves is as small as asked for, however soft the body",
-          "[bake][calculix]") {
+          "[campaign][calculix]") {
   if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
   // Written in newtons, the soft block would not be solved at all (ccx takes any residual below
   // 1e-6 in the deck's unit for zero); written in pascals, the stiff one would get another bulk
@@ -376,7 +376,7 @@ TEST_CASE("the residual that CalculiX leaves is as small as asked for, however s
 }
 
 TEST_CASE("CalculiX stretches ten-node tetrahedra as the closed form says, at all four points",
-          "[bake][calculix]") {
+          "[campaign][calculix]") {
   if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
   SolidModel model;
   model.mesh = with_edge_nodes(box_tets({0, 0, 0}, {1, 0.8, 0.6}, 1, 1, 1));
@@ -397,7 +397,8 @@ TEST_CASE("CalculiX stretches ten-node tetrahedra as the closed form says, at al
   CHECK((xx.array() - 1169.587).abs().maxCoeff() <= tolerance(2e-3, "seven printed digits"));
 }
 
-TEST_CASE("where CalculiX finds no way on, the states so far are the answer", "[bake][calculix]") {
+TEST_CASE("where CalculiX finds no way on, the states so far are the answer",
+          "[campaign][calculix]") {
   if (!find_calculix()) PALPABLE_SKIP(kNoCalculix);
   // St. Venant-Kirchhoff collapses below 0.58 of its height.
   const SolidModel model = block(material_from_young("saint-venant-kirchhoff", 60e3, 0.3));
@@ -411,7 +412,7 @@ TEST_CASE("where CalculiX finds no way on, the states so far are the answer", "[
                                   Contains("increment size smaller than minimum"));
 }
 
-TEST_CASE("whoever stops listening to the progress stops CalculiX", "[bake][calculix]") {
+TEST_CASE("whoever stops listening to the progress stops CalculiX", "[campaign][calculix]") {
   const test::ScratchFolder folder("calculix_cancel");
   const SolidModel model = block();
   struct Cancelled {};
@@ -429,7 +430,7 @@ TEST_CASE("whoever stops listening to the progress stops CalculiX", "[bake][calc
 }
 
 TEST_CASE("the decks that we write for CalculiX are read as the meshes that they are",
-          "[bake][inp][quadratic]") {
+          "[campaign][inp][quadratic]") {
   const TetMesh four = box_tets({0, 0, 0}, {0.3, 0.1, 0.2}, 2, 1, 1);
   for (const TetMesh& mesh : {four, with_edge_nodes(four)}) {
     SolidModel model;

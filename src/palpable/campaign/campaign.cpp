@@ -251,7 +251,6 @@ class PointRun {
   [[nodiscard]] int unit_of(int site) const { return first_unit_ + site; }
 
   void solve(const Pieces& pieces, int threads, Account& account, StageTimes& times) {
-    std::mutex timing;
     const SiteStream stream{[&]() -> std::optional<int> {
                               const std::optional<int> i = pieces.next();
                               return i ? std::optional(sites_[*i]) : std::nullopt;
@@ -263,7 +262,7 @@ class PointRun {
                                 store_.write(unit_of(s), snapshots, presses_.rest());
                               }
                               {
-                                const std::lock_guard lock(timing);
+                                const std::lock_guard lock(timing_);
                                 times.add(spent);
                               }
                               pieces.finished(s, snapshots.outcome.reached_press ? 0 : 1);
@@ -283,6 +282,7 @@ class PointRun {
   int first_unit_;
   SiteRunSettings run_;
   std::optional<CalculixSites> calculix_;
+  std::mutex timing_;  // guards the times that solve() adds to
 };
 
 }  // namespace

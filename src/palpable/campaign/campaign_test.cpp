@@ -68,7 +68,7 @@ std::map<std::string, std::string> all_files(const fs::path& folder) {
   return files;
 }
 
-TEST_CASE("a store has the same bytes from one thread and from five", "[bake][campaign][threads]") {
+TEST_CASE("a store has the same bytes from one thread and from five", "[campaign][threads]") {
   const test::ScratchFolder folder("campaign_threads");
   const Block block;
   block.run(folder / "one", {.threads = 1});
@@ -79,7 +79,7 @@ TEST_CASE("a store has the same bytes from one thread and from five", "[bake][ca
 }
 
 TEST_CASE("what is valid is used again, what is damaged, foreign or gone is solved again",
-          "[bake][campaign]") {
+          "[campaign]") {
   const test::ScratchFolder folder("campaign_resume");
   const Block block("neo-hookean", 0.004, 2);
   const CampaignReport first = block.run(folder / "store", {.threads = 1});
@@ -103,8 +103,7 @@ TEST_CASE("what is valid is used again, what is damaged, foreign or gone is solv
   CHECK(all_files(folder / "store") == files);
 }
 
-TEST_CASE("a snapshot is of its mesh, material, load and levels, and of no other",
-          "[bake][campaign]") {
+TEST_CASE("a snapshot is of its mesh, material, load and levels, and of no other", "[campaign]") {
   const Block block;
   const std::vector<std::uint64_t> keys = block.content.keys;
   const auto changed = [&](const auto& change) {
@@ -135,7 +134,7 @@ TEST_CASE("a snapshot is of its mesh, material, load and levels, and of no other
       [](CampaignPlan& p) { p.preload = Eigen::Matrix3Xd::Zero(3, p.model.mesh.node_count()); }));
 }
 
-TEST_CASE("shards merge to what one bake leaves, byte for byte", "[bake][campaign]") {
+TEST_CASE("shards merge to what one bake leaves, byte for byte", "[campaign]") {
   const test::ScratchFolder folder("campaign_shards");
   const Block block("neo-hookean", 0.004, 2);
   block.run(folder / "whole", {.threads = 2});
@@ -153,7 +152,7 @@ TEST_CASE("shards merge to what one bake leaves, byte for byte", "[bake][campaig
                     Contains("c: not of the same campaign as"));
 }
 
-TEST_CASE("snapshots come back from the store as they were solved", "[bake][campaign]") {
+TEST_CASE("snapshots come back from the store as they were solved", "[campaign]") {
   const test::ScratchFolder folder("campaign_rows");
   const Block block;
   block.run(folder / "store");
@@ -175,7 +174,7 @@ TEST_CASE("snapshots come back from the store as they were solved", "[bake][camp
   }
 }
 
-TEST_CASE("linear responses are reciprocal and the beginning of every press", "[bake][campaign]") {
+TEST_CASE("linear responses are reciprocal and the beginning of every press", "[campaign]") {
   const test::ScratchFolder folder("campaign_linear");
   Block block;
   std::vector<int> vertices;
@@ -221,7 +220,7 @@ TEST_CASE("linear responses are reciprocal and the beginning of every press", "[
   CHECK(half * work(at, at) == Approx(gentle.unit(0).press_depth[1]).epsilon(1e-3));
 }
 
-TEST_CASE("progress is reported one at a time and reaches the end", "[bake][campaign][threads]") {
+TEST_CASE("progress is reported one at a time and reaches the end", "[campaign][threads]") {
   const test::ScratchFolder folder("campaign_progress");
   std::mutex only_one;
   double done = 0, last = 0;
@@ -237,14 +236,14 @@ TEST_CASE("progress is reported one at a time and reaches the end", "[bake][camp
   CHECK(last == 3.0);
 }
 
-TEST_CASE("a press that no load reaches is refused", "[bake][campaign]") {
+TEST_CASE("a press that no load reaches is refused", "[campaign]") {
   const test::ScratchFolder folder("campaign_refused");
   // St. Venant-Kirchhoff's law softens in compression until it collapses.
   CHECK_THROWS_WITH(Block("saint-venant-kirchhoff", 0.04).run(folder / "store"),
                     Contains("ask for a smaller press"));
 }
 
-TEST_CASE("a folder that holds something else is no place for snapshots", "[bake][campaign]") {
+TEST_CASE("a folder that holds something else is no place for snapshots", "[campaign]") {
   const test::ScratchFolder folder("campaign_folder");
   std::ofstream(folder / "letter.txt") << "dear reader";
   CHECK_THROWS_WITH(Block().run(folder.path()), Contains("holds something else than snapshots"));

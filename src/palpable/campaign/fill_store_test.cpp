@@ -14,7 +14,7 @@ using test::egg_body;
 using test::solved_store;
 using test::tolerance;
 
-TEST_CASE("levels between are solved under the loads of the campaign", "[bake][heldout]") {
+TEST_CASE("levels between are solved under the loads of the campaign", "[campaign][heldout]") {
   const test::ScratchFolder scratch("held-out");
   const BodyDescription body = egg_body(scratch.path(), 2);
   const SnapshotStore campaign = solved_store(body, scratch.path() / "campaign");

@@ -39,7 +39,7 @@ double imbalance(const EquilibriumSolver& solver, const Matrix3Xd& u, const Matr
 }
 
 TEST_CASE("without a preload a press is what the equilibrium solver makes of it",
-          "[bake][preload]") {
+          "[campaign][preload]") {
   const Block block;
   const EquilibriumSolver solver(block.model);
   const PressSolver presses(solver, Matrix3Xd(3, 0));
@@ -53,7 +53,7 @@ TEST_CASE("without a preload a press is what the equilibrium solver makes of it"
 }
 
 TEST_CASE("the weight acts in full at every level, and presses are counted from the shape it gives",
-          "[bake][preload]") {
+          "[campaign][preload]") {
   const Block block;
   const EquilibriumSolver solver(block.model);
   const Matrix3Xd weight = block.weight();
@@ -82,7 +82,7 @@ TEST_CASE("the weight acts in full at every level, and presses are counted from 
   CHECK(std::abs(search.load / solver.find_load(block.unit, 0.004).load - 1.0) > 1e-3);
 }
 
-TEST_CASE("a base that is moved takes the body along before it is pressed", "[bake][preload]") {
+TEST_CASE("a base that is moved takes the body along before it is pressed", "[campaign][preload]") {
   const Block block;
   const Vector3d step(0.002, -0.001, 0.003);
   SolidModel moved = block.model;
@@ -109,7 +109,7 @@ TEST_CASE("a base that is moved takes the body along before it is pressed", "[ba
 }
 
 TEST_CASE("a preload that crushes the body is refused, a press too far stops at the last good load",
-          "[bake][preload]") {
+          "[campaign][preload]") {
   const Block block;
   const EquilibriumSolver solver(block.model);
   CHECK_THROWS_WITH(PressSolver(solver, 1e3 * block.weight()),

@@ -25,7 +25,7 @@ struct Block : test::RubberBlock {
 };
 
 TEST_CASE("each site gives way by the press at its full load, in steps that only grow",
-          "[bake][sites]") {
+          "[campaign][sites]") {
   const Block block;
   const double press = 0.004;
   const SolvedSites campaign = block.run(press);
@@ -53,7 +53,7 @@ TEST_CASE("each site gives way by the press at its full load, in steps that only
   }
 }
 
-TEST_CASE("every snapshot is in equilibrium with its load", "[bake][sites]") {
+TEST_CASE("every snapshot is in equilibrium with its load", "[campaign][sites]") {
   const Block block;
   const SolvedSites campaign = block.run(0.004);
   for (Eigen::Index k = 0; k < campaign.displacement.cols(); ++k) {
@@ -74,7 +74,8 @@ TEST_CASE("every snapshot is in equilibrium with its load", "[bake][sites]") {
   }
 }
 
-TEST_CASE("the colour scale ends at the largest von Mises stress of the skin", "[bake][sites]") {
+TEST_CASE("the colour scale ends at the largest von Mises stress of the skin",
+          "[campaign][sites]") {
   const Block block;
   const SolvedSites campaign = block.run(0.004);
   double largest = 0;
@@ -91,7 +92,7 @@ TEST_CASE("the colour scale ends at the largest von Mises stress of the skin", "
         tolerance(1e-6, "snapshots are single precision") * largest);
 }
 
-TEST_CASE("a force that is given is the full load of every site", "[bake][sites]") {
+TEST_CASE("a force that is given is the full load of every site", "[campaign][sites]") {
   const Block block;
   const SolvedSites campaign =
       solved_sites(block.solver, block.boundary, block.sites, {.force = 1.5, .levels = 3});
@@ -102,7 +103,7 @@ TEST_CASE("a force that is given is the full load of every site", "[bake][sites]
 }
 
 TEST_CASE("a base that is moved as a whole changes no snapshot, only where the body is",
-          "[bake][sites][preload]") {
+          "[campaign][sites][preload]") {
   const Block block;
   const Eigen::Vector3d step(0.001, 0.002, -0.003);
   SolidModel model = block.model("neo-hookean");
@@ -120,7 +121,8 @@ TEST_CASE("a base that is moved as a whole changes no snapshot, only where the b
         tolerance(1e-4, "likewise") * a.stress.cwiseAbs().maxCoeff());
 }
 
-TEST_CASE("what a press adds to the weight is what the snapshots hold", "[bake][sites][preload]") {
+TEST_CASE("what a press adds to the weight is what the snapshots hold",
+          "[campaign][sites][preload]") {
   const Block block;
   const Eigen::Matrix3Xd weight = gravity_load(block.mesh, 4000, {0, 0, -9.81});
   const SolvedSites campaign = solved_sites(block.solver, block.boundary, block.sites,

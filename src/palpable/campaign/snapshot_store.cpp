@@ -307,8 +307,8 @@ void SnapshotStore::write_linear(int k, const Eigen::MatrixXf& responses) const 
       const hdf5::Quiet quiet;
       bytes = hdf5::image_of(kLinearKind, kSnapshotLayout, [&](hid_t h) {
         hdf5::write_text(h, "key", key_text(content_.linear_key));
-        const auto first = content_.linear.begin() + std::ptrdiff_t{k} * kLinearRow;
-        hdf5::write_table(h, "vertex", &*first, static_cast<hsize_t>(responses.cols()), 1);
+        const int* first = content_.linear.data() + std::ptrdiff_t{k} * kLinearRow;
+        hdf5::write_table(h, "vertex", first, static_cast<hsize_t>(responses.cols()), 1);
         hdf5::write_block(h, "displacement", responses.data(),
                           {static_cast<hsize_t>(responses.cols()),
                            static_cast<hsize_t>(responses.rows()) / 3, 3});

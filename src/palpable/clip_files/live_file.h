@@ -42,7 +42,7 @@ struct LiveSummary {
   std::string view;
   int ignore_static_frames = 0;
   double scale = 1;
-  Rigid3 camera_from_body = Rigid3::Identity();  ///< in the last frame
+  Rigid3 camera_from_body = Rigid3::Identity();  ///< in the first frame
   /// For paths that are published of the depth camera: trajectory.txt is the colour camera's.
   std::optional<Rigid3> color_from_depth;
   std::optional<Tracking> tracking;  ///< nothing: the camera was taken for fixed

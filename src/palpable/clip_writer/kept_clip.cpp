@@ -18,6 +18,17 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kSeed = 1;
 
+// In pieces: a body with its inside may have hundreds of MB.
+std::uint64_t hash_of_file(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::uint64_t hash = kFnvStart;
+  std::string piece(std::size_t{1} << 20, '\0');
+  while (in.read(piece.data(), std::ssize(piece)) || in.gcount() > 0) {
+    hash = fnv1a({piece.data(), static_cast<std::size_t>(in.gcount())}, hash);
+  }
+  return hash;
+}
+
 // Empty when there is no such file.
 std::string bytes_of(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -29,7 +40,7 @@ std::string bytes_of(const fs::path& path) {
 fs::path kept_clip(const ReducedBody& body, const KeptClipOrder& order, const Progress& progress) {
   const std::string label =
       fmt::format("palpable {} demo {} frames seed {} body {:016x}\n", order.version, order.frames,
-                  kSeed, fnv1a(bytes_of(order.body_file)));
+                  kSeed, hash_of_file(order.body_file));
   const fs::path label_file = order.folder / "made_for.txt";
   const std::string found = bytes_of(label_file);
   if (found != label) {

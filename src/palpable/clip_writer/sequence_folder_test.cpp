@@ -27,7 +27,7 @@ std::map<std::string, std::string> contents_of(const fs::path& folder) {
 
 }  // namespace
 
-TEST_CASE("what was interrupted is no truth that could be scored", "[film][gl]") {
+TEST_CASE("what was interrupted is no truth that could be scored", "[clip_writer][gl]") {
   if (!GlContext::offscreen().ok()) PALPABLE_SKIP("no OpenGL 4.5 context here");
   const ReducedBody body = value_or_throw(read_pressable_body("tests/data/ball_v1.palpable"));
   const test::ScratchFolder scratch("half_film");
@@ -42,7 +42,7 @@ TEST_CASE("what was interrupted is no truth that could be scored", "[film][gl]")
   CHECK_FALSE(fs::exists(camera));
 }
 
-TEST_CASE("two threads film what one films, byte for byte", "[film][gl]") {
+TEST_CASE("two threads film what one films, byte for byte", "[clip_writer][gl]") {
   if (!GlContext::offscreen().ok()) PALPABLE_SKIP("no OpenGL 4.5 context here");
   const ReducedBody body = value_or_throw(read_pressable_body("tests/data/ball_v1.palpable"));
   const test::ScratchFolder scratch("film");

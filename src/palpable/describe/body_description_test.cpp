@@ -51,7 +51,7 @@ std::string complaint(const std::string& text) {
   return "";
 }
 
-TEST_CASE("every key of a description arrives in SI units", "[bake][description]") {
+TEST_CASE("every key of a description arrives in SI units", "[describe][description]") {
   const BodyDescription body = parse_body_description(kBody, "dir/cube.toml");
   CHECK(body.name == "cube");
   CHECK(body.shape.file == "dir/cube.ply");
@@ -75,7 +75,7 @@ TEST_CASE("every key of a description arrives in SI units", "[bake][description]
 }
 
 TEST_CASE("a description says how to reduce, and each method has defaults of its own",
-          "[bake][description]") {
+          "[describe][description]") {
   const ReductionSettings usual = parse_body_description(kBody, "cube.toml").reduction;
   CHECK(usual.method == ReductionMethod::kPerSite);
   CHECK(usual.weight_snapshots);
@@ -94,7 +94,7 @@ TEST_CASE("a description says how to reduce, and each method has defaults of its
              Contains("cube.toml:21") && Contains("'method' in [reduction]") && Contains("hosvd"));
 }
 
-TEST_CASE("what has a default may be left out", "[bake][description]") {
+TEST_CASE("what has a default may be left out", "[describe][description]") {
   const BodyDescription body = parse_body_description(
       "name = 'a'\nshape.mesh = '/x/a.msh'\nmaterial = {young = '1 kPa', poisson = 0}\n"
       "sites.count = 1\n",
@@ -106,7 +106,7 @@ TEST_CASE("what has a default may be left out", "[bake][description]") {
   CHECK(body.press.levels == BodyDescription{}.press.levels);
 }
 
-TEST_CASE("the shipped demo body is the one that the issue asks for", "[bake][description]") {
+TEST_CASE("the shipped demo body is the one that the issue asks for", "[describe][description]") {
   const BodyDescription body = read_body_description("bodies/bunny-demo.toml");
   CHECK(body.name == "bunny");
   CHECK(body.shape.height.value() == 0.15);
@@ -118,7 +118,7 @@ TEST_CASE("the shipped demo body is the one that the issue asks for", "[bake][de
   CHECK(body.reduction.tolerance <= 1e-3);
 }
 
-TEST_CASE("an unknown key is refused with the nearest known one", "[bake][description]") {
+TEST_CASE("an unknown key is refused with the nearest known one", "[describe][description]") {
   CHECK_THAT(
       complaint(with("poisson =", "poison =")),
       StartsWith("dir/cube.toml:10: unknown key 'poison' in [material]; did you mean 'poisson'?"));
@@ -131,7 +131,7 @@ TEST_CASE("an unknown key is refused with the nearest known one", "[bake][descri
   CHECK_THAT(complaint(kBody + "zzzzz = 1\n"), Contains("known are 'method', 'tolerance', 'norm'"));
 }
 
-TEST_CASE("quantities need a unit that fits", "[bake][description]") {
+TEST_CASE("quantities need a unit that fits", "[describe][description]") {
   CHECK_THAT(complaint(with("\"10 cm\"", "0.1")),
              Contains("dir/cube.toml:4: 'height' in [shape] must be a text with a unit, such as "
                       "\"150 mm\""));
@@ -142,7 +142,7 @@ TEST_CASE("quantities need a unit that fits", "[bake][description]") {
   CHECK_THAT(complaint(with("0.5 MPa", "nan MPa")), Contains("must be above 0"));
 }
 
-TEST_CASE("values that cannot be are refused", "[bake][description]") {
+TEST_CASE("values that cannot be are refused", "[describe][description]") {
   CHECK_THAT(complaint(with("poisson = 0.3", "poisson = 0.5")),
              Contains(":10: 'poisson' in [material] is 0.5, must be at least 0 and below 0.5"));
   CHECK_THAT(complaint(with("poisson = 0.3", "poisson = nan")), Contains("must be"));
@@ -160,7 +160,7 @@ TEST_CASE("values that cannot be are refused", "[bake][description]") {
              Contains("must be a section [shape]"));
 }
 
-TEST_CASE("a shape is either a surface or a mesh", "[bake][description]") {
+TEST_CASE("a shape is either a surface or a mesh", "[describe][description]") {
   CHECK_THAT(complaint(with("surface = \"cube.ply\"", "")), Contains("needs either"));
   CHECK_THAT(complaint(with("up =", "mesh = \"a.msh\"\nup =")), Contains("not both"));
   CHECK_THAT(complaint(with("surface = \"cube.ply\"", "mesh = \"cube.ply\"")),
@@ -179,7 +179,8 @@ TEST_CASE("a shape is either a surface or a mesh", "[bake][description]") {
   CHECK(body.shape.inner_edge.value() == Approx(0.02).margin(1e-15));
 }
 
-TEST_CASE("sites are chosen far apart, or where the skin is curved most", "[bake][description]") {
+TEST_CASE("sites are chosen far apart, or where the skin is curved most",
+          "[describe][description]") {
   CHECK_FALSE(parse_body_description(kBody, "dir/cube.toml").sites.salient);
   CHECK(
       parse_body_description(with("count = 7", "count = 7\nchoose = \"salient\""), "dir/cube.toml")
@@ -204,7 +205,8 @@ std::string refused(const std::string& sections, const std::string& shape = "") 
   return complaint(described(sections, shape));
 }
 
-TEST_CASE("each law takes its own constants instead of Young's modulus", "[bake][description]") {
+TEST_CASE("each law takes its own constants instead of Young's modulus",
+          "[describe][description]") {
   const auto constants = [](const std::string& keys) {
     return parsed("[material]\n" + keys).material.constants;
   };
@@ -233,7 +235,7 @@ TEST_CASE("each law takes its own constants instead of Young's modulus", "[bake]
              Contains("unknown key 'lambda'"));
 }
 
-TEST_CASE("parts of the body may be made of something else", "[bake][description]") {
+TEST_CASE("parts of the body may be made of something else", "[describe][description]") {
   const BodyDescription body = parsed(
       "[material]\nlaw = 'mooney-rivlin'\nyoung = '1 kPa'\npoisson = 0.3\n"
       "[[material.group]]\nbelow = 0.5\nyoung = '2 kPa'\npoisson = 0.1\n"
@@ -257,7 +259,7 @@ TEST_CASE("parts of the body may be made of something else", "[bake][description
              Contains("unknown key 'naerest'"));
 }
 
-TEST_CASE("supports are places, directions and displacements", "[bake][description]") {
+TEST_CASE("supports are places, directions and displacements", "[describe][description]") {
   const BodyDescription body = parsed(
       "[[support]]\nplane = {point = ['0 mm', '0 mm', '1 cm'], normal = [0, 0, 2]}\nhold = 'xz'\n"
       "[[support]]\nbox = {low = ['0 m', '0 m', '0 m'], high = ['1 m', '1 m', '1 m']}\n"
@@ -294,7 +296,7 @@ TEST_CASE("supports are places, directions and displacements", "[bake][descripti
              Contains("unknown key 'belwo' in [[support]]; did you mean 'below'?"));
 }
 
-TEST_CASE("weight and pressures act on a body all the while", "[bake][description]") {
+TEST_CASE("weight and pressures act on a body all the while", "[describe][description]") {
   const BodyDescription body =
       parsed("[gravity]\ndensity = '1.1 g/cm^3'\n[[pressure]]\npressure = '2 kPa'\nabove = 0.9\n");
   CHECK(body.gravity.value().density == Approx(1100));
@@ -313,7 +315,7 @@ TEST_CASE("weight and pressures act on a body all the while", "[bake][descriptio
 }
 
 TEST_CASE("sites are counted, listed as points or named, and pressed in a direction",
-          "[bake][description]") {
+          "[describe][description]") {
   using Sites = BodyDescription::Sites;
   CHECK(std::holds_alternative<Sites::ToCentre>(parsed("").sites.direction));
   const BodyDescription points =
@@ -333,7 +335,7 @@ TEST_CASE("sites are counted, listed as points or named, and pressed in a direct
   CHECK_THAT(refused("[sites]\ncount = 1\ndirection = [1, 2]\n"), Contains("three numbers"));
 }
 
-TEST_CASE("a press is a fraction of the height, a length or a force", "[bake][description]") {
+TEST_CASE("a press is a fraction of the height, a length or a force", "[describe][description]") {
   CHECK(parsed("[press]\ndepth = 0.2\n").press.depth == 0.2);
   CHECK(parsed("[press]\ndepth = '5 mm'\n").press.length.value() == 0.005);
   CHECK(parsed("[press]\nforce = '2 N'\n").press.force.value() == 2.0);
@@ -343,7 +345,7 @@ TEST_CASE("a press is a fraction of the height, a length or a force", "[bake][de
   CHECK_THAT(refused("[press]\nforce = '0 N'\n"), Contains("above 0"));
 }
 
-TEST_CASE("elements are of order 1 or 2, lengths of a mesh in a unit", "[bake][description]") {
+TEST_CASE("elements are of order 1 or 2, lengths of a mesh in a unit", "[describe][description]") {
   CHECK_FALSE(parsed("").shape.order.has_value());
   CHECK(parsed("", "order = 2\nunit = 'mm'\n").shape.order.value() == 2);
   CHECK(parsed("", "order = 2\nunit = 'mm'\n").shape.unit == 1e-3);
@@ -353,7 +355,7 @@ TEST_CASE("elements are of order 1 or 2, lengths of a mesh in a unit", "[bake][d
   CHECK_THAT(refused("", "unit = 'mm'\nheight = '1 m'\n"), Contains("leave one of the two out"));
 }
 
-TEST_CASE("text that is not TOML is refused with its line", "[bake][description]") {
+TEST_CASE("text that is not TOML is refused with its line", "[describe][description]") {
   CHECK_THAT(complaint("name = \"a\"\nshape = [\n"), StartsWith("dir/cube.toml:"));
   CHECK_THAT(complaint(std::string("\xff\xfe\0\1", 4)), StartsWith("dir/cube.toml:1: "));
   CHECK_THROWS_WITH(read_body_description("no/such.toml"), Contains("no/such.toml: no such file"));

@@ -36,7 +36,7 @@ struct Block {
 };
 
 TEST_CASE("a traction on 4-node or 10-node elements carries the patch's newton along its direction",
-          "[bake][problem]") {
+          "[describe][problem]") {
   const Block block;
   const SolidModel fine = with_edge_nodes(block.model);
   for (const TetMesh& mesh : {block.model.mesh, fine.mesh}) {
@@ -49,7 +49,8 @@ TEST_CASE("a traction on 4-node or 10-node elements carries the patch's newton a
             .norm() <= tolerance(1e-6, "weights of single precision"));
 }
 
-TEST_CASE("10-node elements hold the edges of the held face and give way more", "[bake][problem]") {
+TEST_CASE("10-node elements hold the edges of the held face and give way more",
+          "[describe][problem]") {
   const Block block;
   const SolidModel fine = with_edge_nodes(block.model);
   CHECK(fine.fixed_nodes.size() == 9 * 9);  // of a face of 4 x 4 cells, with their diagonals
@@ -100,7 +101,8 @@ class BlockFile {
   test::ScratchFolder folder_{"body-problem"};
 };
 
-TEST_CASE("groups of elements have materials of their own and may not overlap", "[bake][problem]") {
+TEST_CASE("groups of elements have materials of their own and may not overlap",
+          "[describe][problem]") {
   const BlockFile file;
   const std::string material =
       "[material]\nyoung = '60 kPa'\npoisson = 0.4\n"
@@ -122,7 +124,7 @@ TEST_CASE("groups of elements have materials of their own and may not overlap", 
 }
 
 TEST_CASE("supports hold nodes direction by direction and may not contradict each other",
-          "[bake][problem]") {
+          "[describe][problem]") {
   const BlockFile file;
   const BodyProblem problem = file.pose(
       "[[support]]\nbelow = 0.01\nhold = 'z'\n"
@@ -159,7 +161,7 @@ TEST_CASE("supports hold nodes direction by direction and may not contradict eac
 }
 
 TEST_CASE("sites are where points and sets say, pressed the way that is asked for",
-          "[bake][problem]") {
+          "[describe][problem]") {
   const BlockFile file;
   const auto site = [&](const std::string& keys) {
     return file.pose("[sites]\n" + keys).sites.at(0);
@@ -188,7 +190,7 @@ TEST_CASE("sites are where points and sets say, pressed the way that is asked fo
              Contains("block.toml:8: 'sets' in [sites]: the mesh has no set 'lid'"));
 }
 
-TEST_CASE("weight and pressure add up to what they are", "[bake][problem]") {
+TEST_CASE("weight and pressure add up to what they are", "[describe][problem]") {
   const BlockFile file;
   for (const char* shape : {"", "order = 2\n"}) {
     const BodyProblem problem = file.pose(
@@ -202,7 +204,7 @@ TEST_CASE("weight and pressure add up to what they are", "[bake][problem]") {
 }
 
 TEST_CASE("order 2 puts a node on each edge and the load of a patch where such elements take it",
-          "[bake][problem][quadratic]") {
+          "[describe][problem][quadratic]") {
   const BlockFile file;
   const BodyProblem one = file.pose(""), two = file.pose("", "order = 2\n"),
                     read = file.pose("", "", "block10.msh");
@@ -232,7 +234,7 @@ TEST_CASE("order 2 puts a node on each edge and the load of a patch where such e
 }
 
 TEST_CASE("a press is given by fraction, length or force, a mesh in its own unit",
-          "[bake][problem]") {
+          "[describe][problem]") {
   const BlockFile file;
   CHECK(file.pose("[press]\ndepth = 0.2\n").press == Approx(0.008));
   CHECK(file.pose("[press]\ndepth = '3 mm'\n").press == Approx(0.003));

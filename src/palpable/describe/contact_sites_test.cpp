@@ -24,7 +24,7 @@ struct Ball {
 const SiteSettings kSettings{.count = 20, .lowest = 0.02, .patch_distance = 2};
 
 TEST_CASE("sites lie above the line asked for and their patches clear of the support",
-          "[bake][sites]") {
+          "[describe][sites]") {
   const Ball ball;
   for (const double lowest : {0.0, 0.02, 0.06}) {
     INFO("lowest " << lowest);
@@ -38,7 +38,7 @@ TEST_CASE("sites lie above the line asked for and their patches clear of the sup
 }
 
 TEST_CASE("patches carry weights that sum to one and loads point to the centre of mass",
-          "[bake][sites]") {
+          "[describe][sites]") {
   const Ball ball;
   const Eigen::VectorXd areas = vertex_areas(ball.skin);
   for (const Site& site : choose_sites(ball.skin, ball.fixed, kSettings)) {
@@ -60,7 +60,7 @@ TEST_CASE("patches carry weights that sum to one and loads point to the centre o
   }
 }
 
-TEST_CASE("each site is the farthest from those before it", "[bake][sites]") {
+TEST_CASE("each site is the farthest from those before it", "[describe][sites]") {
   const Ball ball;
   SiteSettings settings = kSettings;
   settings.patch_distance = 0;
@@ -83,7 +83,7 @@ TEST_CASE("each site is the farthest from those before it", "[bake][sites]") {
 }
 
 TEST_CASE("the same skin has the same sites, and more sites begin with the fewer",
-          "[bake][sites]") {
+          "[describe][sites]") {
   const Ball ball;
   SiteSettings fewer = kSettings;
   fewer.count = 6;
@@ -95,7 +95,7 @@ TEST_CASE("the same skin has the same sites, and more sites begin with the fewer
 }
 
 TEST_CASE("a listed site keeps its place, and what is held of its patch carries nothing",
-          "[bake][sites]") {
+          "[describe][sites]") {
   const Ball ball;
   const std::vector<Site> chosen = choose_sites(ball.skin, ball.fixed, kSettings);
   const std::vector<Site> again =
@@ -125,7 +125,7 @@ TEST_CASE("a listed site keeps its place, and what is held of its patch carries 
 }
 
 TEST_CASE("loads point along the inward normal of the patch or the way that is given",
-          "[bake][sites]") {
+          "[describe][sites]") {
   const Ball ball;
   SiteSettings settings = kSettings;
   settings.direction = SiteDirection::kAlongNormal;
@@ -142,7 +142,7 @@ TEST_CASE("loads point along the inward normal of the patch or the way that is g
   }
 }
 
-TEST_CASE("the areas that a load is shared by may be given", "[bake][sites]") {
+TEST_CASE("the areas that a load is shared by may be given", "[describe][sites]") {
   const Ball ball;
   SiteSettings settings = kSettings;
   settings.areas = Eigen::VectorXd::Zero(ball.skin.vertex_count());
@@ -157,7 +157,7 @@ TEST_CASE("the areas that a load is shared by may be given", "[bake][sites]") {
   CHECK(two.weights[5] == 0.25f);
 }
 
-TEST_CASE("more sites than vertices that may be one are refused", "[bake][sites]") {
+TEST_CASE("more sites than vertices that may be one are refused", "[describe][sites]") {
   const Ball ball;
   SiteSettings settings = kSettings;
   settings.lowest = 0.0995;
@@ -167,13 +167,13 @@ TEST_CASE("more sites than vertices that may be one are refused", "[bake][sites]
   CHECK_THROWS_AS(choose_sites(ball.skin, ball.fixed, settings), Error);
 }
 
-TEST_CASE("the salience of a sphere is one over its radius", "[bake][sites]") {
+TEST_CASE("the salience of a sphere is one over its radius", "[describe][sites]") {
   const Eigen::VectorXd found = salience(sphere_surface({0, 0, 0}, 0.05, 3), 2);
   CHECK(std::abs(found.minCoeff() * 0.05 - 1.0) <= tolerance(0.05, "of 1,280 flat triangles"));
   CHECK(std::abs(found.maxCoeff() * 0.05 - 1.0) <= tolerance(0.05, "likewise"));
 }
 
-TEST_CASE("salient sites are where the skin is curved most, and apart", "[bake][sites]") {
+TEST_CASE("salient sites are where the skin is curved most, and apart", "[describe][sites]") {
   // Tips at +-Z, radius of curvature there a^2 / c: a twelfth of that at the waist.
   SurfaceMesh egg = sphere_surface({0, 0, 0}, 0.02, 3);
   egg.vertices.row(2) *= 3.0;

@@ -36,7 +36,7 @@ std::string complaint(const Choose& choose) {
   return "";
 }
 
-TEST_CASE("nodes are chosen by height, plane, box, points and sets", "[bake][places]") {
+TEST_CASE("nodes are chosen by height, plane, box, points and sets", "[describe][places]") {
   const VolumeMesh volume = box();
   CHECK(nodes_at(volume, at(Where::Below{0.25})).size() == 18);  // two layers of nine
   CHECK(nodes_at(volume, at(Where::Above{0.75})).size() == 18);
@@ -49,7 +49,7 @@ TEST_CASE("nodes are chosen by height, plane, box, points and sets", "[bake][pla
   CHECK(nodes_at(volume, at(Where::Named{"Lid"})).size() == 9);   // those of its faces
 }
 
-TEST_CASE("a set of a mesh that gets edge nodes has those between its own", "[bake][places]") {
+TEST_CASE("a set of a mesh that gets edge nodes has those between its own", "[describe][places]") {
   const VolumeMesh volume = box(true);
   for (const char* name : {"BASE", "Lid"}) {
     const std::vector<int> nodes = nodes_at(volume, at(Where::Named{name}));
@@ -59,7 +59,7 @@ TEST_CASE("a set of a mesh that gets edge nodes has those between its own", "[ba
 }
 
 TEST_CASE("elements are chosen by their middles, a plane's by the side to which it points",
-          "[bake][places]") {
+          "[describe][places]") {
   const VolumeMesh volume = box();
   const auto count = static_cast<std::size_t>(volume.mesh.tet_count());
   CHECK(tets_at(volume, at(Where::Below{0.5})).size() == count / 2);
@@ -71,7 +71,7 @@ TEST_CASE("elements are chosen by their middles, a plane's by the side to which 
 }
 
 TEST_CASE("faces are those of the skin, turned outwards, whichever way a set has them",
-          "[bake][places]") {
+          "[describe][places]") {
   for (const VolumeMesh& volume : {box(), box(true)}) {
     for (const Where& where : {at(Where::Above{0.99}), at(Where::Named{"Lid"})}) {
       const Eigen::Matrix3Xi faces = faces_at(volume, where);
@@ -85,7 +85,7 @@ TEST_CASE("faces are those of the skin, turned outwards, whichever way a set has
 }
 
 TEST_CASE("a place that holds nothing and a set that is not there are refused with the key",
-          "[bake][places]") {
+          "[describe][places]") {
   const VolumeMesh volume = box();
   const auto nodes = [&](auto what) {
     return complaint([&] { return nodes_at(volume, at(what)); });

@@ -10,7 +10,7 @@ namespace palpable {
 namespace {
 
 TEST_CASE("touches lie between sites, evenly from the list, and are none themselves",
-          "[bake][between]") {
+          "[describe][between]") {
   const SurfaceMesh skin = sphere_surface({0, 0, 0}, 1, 3);
   // Three sites within an eighth of the ball around its first vertex.
   const auto neighbours = vertex_neighbours(skin);

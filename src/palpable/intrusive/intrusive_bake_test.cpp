@@ -21,8 +21,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using test::tolerance;
 
-TEST_CASE("a beam baked by intrusive PGD gives the fields of fresh Newton solves",
-          "[bake][intrusive]") {
+TEST_CASE("a beam baked by intrusive PGD gives the fields of fresh Newton solves", "[intrusive]") {
   const test::ScratchFolder folder("intrusive");
   const BodyDescription description = test::describe_small_beam(
       folder.path(),
@@ -77,7 +76,7 @@ TEST_CASE("a beam baked by intrusive PGD gives the fields of fresh Newton solves
   CHECK(made.report.stress_worst < tolerance(0.2, "60 modes of stress"));
 }
 
-TEST_CASE("what an intrusive bake cannot do is refused in one line", "[bake][intrusive]") {
+TEST_CASE("what an intrusive bake cannot do is refused in one line", "[intrusive]") {
   const test::ScratchFolder folder("intrusive");
   const auto refusal = [&](const std::string& intrusive) {
     try {

@@ -37,7 +37,7 @@ VectorXd tails(const MatrixXd& gram) {
 }
 
 TEST_CASE("with the adjoint the PGD is the SVD in L2, without it the one in energy",
-          "[bake][intrusive]") {
+          "[intrusive]") {
   const Beam beam;
   const MatrixXd f = beam.loads;
   const MatrixXd u = beam.body.linear_response(f);
@@ -67,7 +67,7 @@ TEST_CASE("with the adjoint the PGD is the SVD in L2, without it the one in ener
   CHECK(in_energy[modes - 1] > 10.0 * in_l2[modes - 1]);
 }
 
-TEST_CASE("the errors stated are those of the sum of the modes", "[bake][intrusive]") {
+TEST_CASE("the errors stated are those of the sum of the modes", "[intrusive]") {
   const Beam beam;
   const LinearPgd pgd = linear_pgd(beam.body, beam.loads, beam.weights, PositionStep::kAdjoint, 5);
   const LinearErrors errors = linear_errors(beam.body, beam.loads, beam.weights, pgd);

@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 using test::tolerance;
 
 TEST_CASE("the energy of the modes is the body's own, and so are its derivatives",
-          "[bake][several]") {
+          "[intrusive][several]") {
   SolidModel model = test::small_beam(8, 3, 2);
   model.groups.push_back({material_from_young("saint-venant-kirchhoff", 2e6, 0.1), {3, 4, 60}});
   const LoadSeries body(model);
@@ -40,7 +40,7 @@ TEST_CASE("the energy of the modes is the body's own, and so are its derivatives
 }
 
 TEST_CASE("two loads at once: within 3 % of a full solve, and stiff without modal derivatives",
-          "[bake][several]") {
+          "[intrusive][several]") {
   const SolidModel model = test::small_beam(16, 4, 2);
   const LoadSeries body(model);
   const std::vector<int> above = test::face_nodes(model, 0.05, 0.06),

@@ -47,7 +47,7 @@ MatrixXd fields(const Beam& beam, Index s) {
 }
 
 TEST_CASE("the table's fields are in equilibrium, and Pade's form agrees with the series",
-          "[bake][intrusive]") {
+          "[intrusive]") {
   const VectorXd& residual = beam().table.worst_residual;
   REQUIRE(residual.size() == 6);
   CHECK(residual.maxCoeff() <= tolerance(2e-6, "orders end at 1.5e-7 of the first"));
@@ -60,7 +60,7 @@ TEST_CASE("the table's fields are in equilibrium, and Pade's form agrees with th
 }
 
 TEST_CASE("nonlinear: greedy modes are nearly those of the SVD, recompressed they are",
-          "[bake][intrusive]") {
+          "[intrusive]") {
   const Beam& b = beam();
   for (const SeriesWeight weight : {SeriesWeight::kPlain, SeriesWeight::kOwnNorm}) {
     INFO((weight == SeriesWeight::kPlain ? "plain" : "own norms"));
@@ -100,7 +100,7 @@ TEST_CASE("nonlinear: greedy modes are nearly those of the SVD, recompressed the
   }
 }
 
-TEST_CASE("the errors stated are those of the fields", "[bake][intrusive]") {
+TEST_CASE("the errors stated are those of the fields", "[intrusive]") {
   const Beam& b = beam();
   const SeriesPgd pgd = series_pgd(b.body, b.table, {.modes = 8});
   const SeriesErrors errors = series_errors(pgd, b.table, 6);
@@ -124,7 +124,7 @@ TEST_CASE("the errors stated are those of the fields", "[bake][intrusive]") {
   CHECK((unit - MatrixXd::Identity(8, 8)).norm() <= tolerance(1e-10, "rounding"));
 }
 
-TEST_CASE("positions that are left out are not looked at", "[bake][intrusive]") {
+TEST_CASE("positions that are left out are not looked at", "[intrusive]") {
   const Beam& b = beam();
   SeriesPgdGoal goal{.modes = 4};
   goal.used.assign(b.load.cols(), 1);
@@ -134,7 +134,7 @@ TEST_CASE("positions that are left out are not looked at", "[bake][intrusive]") 
   CHECK(pgd.G[4].row(0).norm() > 0.0);
 }
 
-TEST_CASE("a load beyond the range of the series is refused, with its place", "[bake][intrusive]") {
+TEST_CASE("a load beyond the range of the series is refused, with its place", "[intrusive]") {
   const Beam& b = beam();
   CHECK_THROWS_WITH(solve_series(b.body, 5.0 * b.load, b.area, b.levels),
                     Contains("10 N") && Contains("beyond the range"));

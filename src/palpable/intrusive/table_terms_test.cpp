@@ -11,7 +11,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-TEST_CASE("tables become products, and what is left out is what may be lost", "[bake][intrusive]") {
+TEST_CASE("tables become products, and what is left out is what may be lost", "[intrusive]") {
   auto random = test::random_case(1);
   std::normal_distribution<double> normal;
   std::vector<MatrixXd> tables;

@@ -18,7 +18,7 @@ using test::tolerance;
 
 const IntrusiveBake& made() { return test::baked_beam(); }
 
-TEST_CASE("two loads at once are met within what the body states", "[bake][intrusive][several]") {
+TEST_CASE("two loads at once are met within what the body states", "[intrusive][several]") {
   REQUIRE(made().body.several);
   CHECK(made().body.several->mode_count() == 34);
   CHECK(made().body.several->checked == 6);
@@ -32,7 +32,7 @@ TEST_CASE("two loads at once are met within what the body states", "[bake][intru
 }
 
 TEST_CASE("the body that was read solves two loads as the bake's own energy does",
-          "[bake][intrusive][several]") {
+          "[intrusive][several]") {
   const test::ScratchFolder folder("study_body");
   write_body_file(folder.path() / "beam.palpable", made().body);
   const ReducedBody body = value_or_throw(read_pressable_body(folder.path() / "beam.palpable"));

@@ -72,7 +72,7 @@ void check_u(const NodalFile& file) {
   CHECK(file.tets == std::vector<std::vector<std::int64_t>>{{0, 1, 2, 3}});
 }
 
-TEST_CASE("a .vtu is read as text, binary, appended and packed", "[bake][import]") {
+TEST_CASE("a .vtu is read as text, binary, appended and packed", "[mesh][import]") {
   check_u(parse_vtu(vtu("ascii", "1 2 3 4 5 6 7 8.5 -9e-7 10 11 12"), "x"));
   const std::string raw = bytes_of(kValues);
   const auto size = static_cast<std::uint32_t>(raw.size());
@@ -97,7 +97,7 @@ TEST_CASE("a .vtu is read as text, binary, appended and packed", "[bake][import]
                     Contains("cut short") || Contains("damaged"));
 }
 
-TEST_CASE("a bad .vtu says what is wrong", "[bake][import]") {
+TEST_CASE("a bad .vtu says what is wrong", "[mesh][import]") {
   CHECK_THROWS_WITH(parse_vtu("<VTKFile", "a.vtu"), Contains("a.vtu: line 1: not XML"));
   CHECK_THROWS_WITH(parse_vtu("<VTKFile type=\"PolyData\"/>", "a.vtu"),
                     Contains("not an UnstructuredGrid"));
@@ -109,7 +109,7 @@ TEST_CASE("a bad .vtu says what is wrong", "[bake][import]") {
   CHECK_THROWS_WITH(parse_vtu(hexahedron, "a.vtu"), Contains("VTK's type 12"));
 }
 
-TEST_CASE("a legacy .vtk is read as text and binary", "[bake][import]") {
+TEST_CASE("a legacy .vtk is read as text and binary", "[mesh][import]") {
   const std::string head = "# vtk DataFile Version 3.0\ntitle\n";
   check_u(parse_vtk(head +
                         "ASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n0 0 0 1 0 0\n0 1 0 0 0 "
@@ -135,7 +135,7 @@ TEST_CASE("a legacy .vtk is read as text and binary", "[bake][import]") {
       Contains("x: line 6: 'zero'"));
 }
 
-TEST_CASE("an .frd gives the results of its last step by their names", "[bake][import]") {
+TEST_CASE("an .frd gives the results of its last step by their names", "[mesh][import]") {
   const std::string text =
       "    1C\n    2C                             2                                     1\n"
       " -1         7 0.00000E+00 0.00000E+00 1.00000E+00\n"
@@ -163,7 +163,7 @@ TEST_CASE("an .frd gives the results of its last step by their names", "[bake][i
   CHECK_THROWS_WITH(parse_frd("\x01\x02", "a.frd"), Contains("not an ASCII .frd"));
 }
 
-TEST_CASE("a .npy is an array of nodes x components", "[bake][import]") {
+TEST_CASE("a .npy is an array of nodes x components", "[mesh][import]") {
   const auto npy = [](const std::string& header, const std::string& data) {
     std::string bytes = "\x93NUMPY";
     bytes += '\1';
@@ -188,7 +188,7 @@ TEST_CASE("a .npy is an array of nodes x components", "[bake][import]") {
       Contains("nodes x components"));
 }
 
-TEST_CASE("tables of node and values are read with and without titles", "[bake][import]") {
+TEST_CASE("tables of node and values are read with and without titles", "[mesh][import]") {
   const NodalFile csv = parse_table("node, U1, U2\n3, 0.5, -1e-3\n1, 2, 3\n", "x");
   CHECK(csv.numbers == std::vector<std::int64_t>{3, 1});
   REQUIRE(csv.fields.size() == 2);

@@ -59,7 +59,7 @@ std::string complaint(const std::string& text) {
 }
 
 TEST_CASE("a deck gives nodes, tetrahedra and sets, whatever the case of its words",
-          "[bake][inp]") {
+          "[mesh][inp]") {
   const VolumeMesh volume = value_or_throw(parse_inp(kDeck, "a.inp"));
   const TetMesh& mesh = volume.mesh;
   REQUIRE(mesh.tet_count() == 2);
@@ -82,7 +82,7 @@ TEST_CASE("a deck gives nodes, tetrahedra and sets, whatever the case of its wor
   CHECK_THAT(volume.sets.unusable.at("GONE"), Contains("'nobody' is neither"));
 }
 
-TEST_CASE("each face of a tetrahedron has Abaqus' number", "[bake][inp]") {
+TEST_CASE("each face of a tetrahedron has Abaqus' number", "[mesh][inp]") {
   // S1 to S4 lie opposite to corners 4, 3, 1 and 2.
   for (int face = 1; face <= 4; ++face) {
     const std::string row = "LEFT, S" + std::to_string(face);
@@ -94,7 +94,7 @@ TEST_CASE("each face of a tetrahedron has Abaqus' number", "[bake][inp]") {
   }
 }
 
-TEST_CASE("10-node tetrahedra are read with the middles of their edges", "[bake][inp][quadratic]") {
+TEST_CASE("10-node tetrahedra are read with the middles of their edges", "[mesh][inp][quadratic]") {
   const TetMesh box = with_edge_nodes(box_tets({0, 0, 0}, {1, 2, 3}, 1, 1, 1));
   std::string deck = "*NODE\n";
   for (int n = 0; n < box.node_count(); ++n) {
@@ -128,7 +128,7 @@ TEST_CASE("10-node tetrahedra are read with the middles of their edges", "[bake]
              Contains("tetrahedron 900 has 4 nodes, those before have 10"));
 }
 
-TEST_CASE("CalculiX' own beams of hexahedra are refused by their element type", "[bake][inp]") {
+TEST_CASE("CalculiX' own beams of hexahedra are refused by their element type", "[mesh][inp]") {
   const std::filesystem::path folder = "../shared/data/solids_ccx";
   if (!std::filesystem::exists(folder)) PALPABLE_SKIP("no folder " + folder.string());
   for (const char* name : {"beammr", "beamnh", "beamnlp", "beamog"}) {
@@ -139,7 +139,7 @@ TEST_CASE("CalculiX' own beams of hexahedra are refused by their element type", 
   }
 }
 
-TEST_CASE("triangles name faces, beams and springs are skipped", "[bake][inp]") {
+TEST_CASE("triangles name faces, beams and springs are skipped", "[mesh][inp]") {
   // What Gmsh exports.
   const VolumeMesh volume = value_or_throw(
       parse_inp(replaced(kDeck, "*NSET, NSET=base",
@@ -153,7 +153,7 @@ TEST_CASE("triangles name faces, beams and springs are skipped", "[bake][inp]") 
   CHECK_FALSE(volume.sets.tets.contains("edge"));
 }
 
-TEST_CASE("one part with one instance may stand around a mesh", "[bake][inp]") {
+TEST_CASE("one part with one instance may stand around a mesh", "[mesh][inp]") {
   const std::string part =
       replaced(replaced(kDeck, "*NODE, NSET=ALL", "*PART, NAME=P\n*NODE"), "*MATERIAL",
                "*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P\n"
@@ -165,7 +165,7 @@ TEST_CASE("one part with one instance may stand around a mesh", "[bake][inp]") {
              Contains("a second *PART"));
 }
 
-TEST_CASE("bad decks are refused with file, line and reason", "[bake][inp]") {
+TEST_CASE("bad decks are refused with file, line and reason", "[mesh][inp]") {
   CHECK_THAT(complaint(""), Contains("a.inp: holds no tetrahedra"));
   CHECK_THAT(complaint("solid x\n"), Contains("a.inp: line 1: not an Abaqus or CalculiX deck"));
   CHECK_THAT(complaint(replaced(kDeck, "TYPE=C3D4,", "TYPE=C3D8R,")),
@@ -210,7 +210,7 @@ TEST_CASE("bad decks are refused with file, line and reason", "[bake][inp]") {
   CHECK_THAT(read_inp_file("no/such.inp").problem().message, Contains("no/such.inp: no such file"));
 }
 
-TEST_CASE("whatever is cut off or overwritten in a deck, the reader answers", "[bake][inp]") {
+TEST_CASE("whatever is cut off or overwritten in a deck, the reader answers", "[mesh][inp]") {
   // The format has no end mark, so what is left may be a smaller mesh, but never a broken one.
   const std::size_t first_tet = kDeck.find("10, 1, 2, 3, 4") + 14;
   for (std::size_t length = 0; length < kDeck.size(); ++length) {

@@ -79,7 +79,7 @@ std::string complaint(const std::string& text) {
   return result.ok() ? "" : result.problem().message;
 }
 
-TEST_CASE("a written mesh reads back to the last bit", "[bake][msh]") {
+TEST_CASE("a written mesh reads back to the last bit", "[mesh][msh]") {
   TetMesh mesh = box_tets({0, 0, 0}, {0.3, 0.1, 0.2}, 3, 2, 4);
   mesh.nodes.array() += 1.0 / 3.0;  // digits that do not end
   const TemporaryFile file;
@@ -95,7 +95,7 @@ TEST_CASE("a written mesh reads back to the last bit", "[bake][msh]") {
   }
 }
 
-TEST_CASE("versions 2.2 and 4.1 of the format give the same tetrahedron", "[bake][msh]") {
+TEST_CASE("versions 2.2 and 4.1 of the format give the same tetrahedron", "[mesh][msh]") {
   for (const std::string& text : {kVersion2, kVersion4}) {
     const TetMesh mesh = value_or_throw(parse_msh(text, "a.msh")).mesh;
     REQUIRE(mesh.tet_count() == 1);
@@ -105,7 +105,7 @@ TEST_CASE("versions 2.2 and 4.1 of the format give the same tetrahedron", "[bake
 }
 
 TEST_CASE("10-node tetrahedra are written and read with their edges in our order",
-          "[bake][msh][quadratic]") {
+          "[mesh][msh][quadratic]") {
   const TetMesh mesh = with_edge_nodes(box_tets({0, 0, 0}, {0.3, 0.1, 0.2}, 2, 1, 1));
   const TemporaryFile file;
   write_msh_file(file.path, mesh);
@@ -124,7 +124,7 @@ TEST_CASE("10-node tetrahedra are written and read with their edges in our order
 }
 
 TEST_CASE("the ten nodes of Gmsh's type 11 are corners and the edges 01 12 20 30 23 13",
-          "[bake][msh][quadratic]") {
+          "[mesh][msh][quadratic]") {
   const std::string text = R"($MeshFormat
 2.2 0 8
 $EndMeshFormat
@@ -154,7 +154,7 @@ $EndElements
   }
 }
 
-TEST_CASE("physical groups become sets, by name or number, in both versions", "[bake][msh]") {
+TEST_CASE("physical groups become sets, by name or number, in both versions", "[mesh][msh]") {
   const VolumeMesh two = value_or_throw(
       parse_msh(replaced(replaced(kVersion2, "1\n3 1 \"body\"", "2\n3 1 \"the body\"\n0 4 \"tip\""),
                          "1 15 2 0 1 1\n2 2 2 0 1", "1 15 2 4 1 9\n2 2 2 8 1"),
@@ -176,7 +176,7 @@ TEST_CASE("physical groups become sets, by name or number, in both versions", "[
   CHECK(four.mesh.nodes.col(four.sets.nodes.at("3")[0]) == Eigen::Vector3d(0, 0, 1));
 }
 
-TEST_CASE("an element in two groups of version 2 is one element", "[bake][msh]") {
+TEST_CASE("an element in two groups of version 2 is one element", "[mesh][msh]") {
   const std::string again = "3 4 3 1 1 0 1 2 7 9\n3 4 3 2 1 0 1 2 7 9\n";
   const std::string text =
       replaced(replaced(kVersion2, "3 4 3 1 1 0 1 2 7 9\n", again), "$Elements\n3", "$Elements\n4");
@@ -188,19 +188,19 @@ TEST_CASE("an element in two groups of version 2 is one element", "[bake][msh]")
              Contains("element 3 comes twice, with different nodes"));
 }
 
-TEST_CASE("line ends of Windows are read", "[bake][msh]") {
+TEST_CASE("line ends of Windows are read", "[mesh][msh]") {
   std::string text;
   for (const char c : kVersion2) text += c == '\n' ? std::string("\r\n") : std::string(1, c);
   CHECK(parse_msh(text, "a.msh").ok());
 }
 
-TEST_CASE("an inverted tetrahedron is refused by its number and line", "[bake][msh]") {
+TEST_CASE("an inverted tetrahedron is refused by its number and line", "[mesh][msh]") {
   const std::string text = replaced(kVersion2, "1 2 7 9\n", "1 2 9 7\n");
   CHECK_THAT(complaint(text), Contains("a.msh: line 20: 1 of 1 tetrahedra is inverted or flat, the "
                                        "first is number 3"));
 }
 
-TEST_CASE("bad meshes are refused with file, line and reason", "[bake][msh]") {
+TEST_CASE("bad meshes are refused with file, line and reason", "[mesh][msh]") {
   CHECK_THAT(complaint(""), Contains("not a Gmsh file"));
   CHECK_THAT(complaint("solid x\n"), Contains("line 1: not a Gmsh file"));
   CHECK_THAT(complaint(replaced(kVersion2, "2.2 0 8", "2.2 1 8")), Contains("line 2: a binary"));
@@ -228,7 +228,7 @@ TEST_CASE("bad meshes are refused with file, line and reason", "[bake][msh]") {
   CHECK_THAT(read_msh_file("no/such.msh").problem().message, Contains("no/such.msh: no such file"));
 }
 
-TEST_CASE("whatever is cut off or overwritten, the reader answers", "[bake][msh]") {
+TEST_CASE("whatever is cut off or overwritten, the reader answers", "[mesh][msh]") {
   for (const std::string& text : {kVersion2, kVersion4}) {
     for (std::size_t length = 0; length + 2 < text.size(); ++length) {
       INFO("first " << length << " bytes");

@@ -26,7 +26,7 @@ SurfaceMesh joined(const SurfaceMesh& a, const SurfaceMesh& b) {
 
 SurfaceMesh some_box() { return box_surface({0.1, -0.2, 0.0}, {0.3, 0.1, 0.15}); }
 
-TEST_CASE("the tetrahedra fill what the surface encloses", "[bake][mesh]") {
+TEST_CASE("the tetrahedra fill what the surface encloses", "[mesh]") {
   for (const SurfaceMesh& surface : {some_box(), sphere_surface({0.01, 0.0, 0.02}, 0.05, 2)}) {
     const TetMesh mesh = tetrahedralise(surface, "test");
     const double volume = enclosed_volume(surface);
@@ -37,7 +37,7 @@ TEST_CASE("the tetrahedra fill what the surface encloses", "[bake][mesh]") {
   }
 }
 
-TEST_CASE("the boundary of the tetrahedra is the surface itself", "[bake][mesh]") {
+TEST_CASE("the boundary of the tetrahedra is the surface itself", "[mesh]") {
   const SurfaceMesh surface = sphere_surface({0, 0, 0}, 0.05, 2);
   const TetMesh mesh = tetrahedralise(surface, "test");
   CHECK(mesh.node_count() > surface.vertex_count());  // nodes were added, all of them inside
@@ -47,7 +47,7 @@ TEST_CASE("the boundary of the tetrahedra is the surface itself", "[bake][mesh]"
   CHECK(check_watertight(boundary.surface).watertight());
 }
 
-TEST_CASE("the dihedral angles of a regular tetrahedron are 70.53 degrees", "[bake][mesh]") {
+TEST_CASE("the dihedral angles of a regular tetrahedron are 70.53 degrees", "[mesh]") {
   TetMesh mesh;
   mesh.nodes.resize(3, 4);
   mesh.nodes << 1, 1, -1, -1,  //
@@ -62,20 +62,20 @@ TEST_CASE("the dihedral angles of a regular tetrahedron are 70.53 degrees", "[ba
   CHECK(std::abs(quality.volume - 8.0 / 3.0) <= tolerance(1e-14, "rounding"));
 }
 
-TEST_CASE("no dihedral angle of a filled sphere is below 5 degrees", "[bake][mesh]") {
+TEST_CASE("no dihedral angle of a filled sphere is below 5 degrees", "[mesh]") {
   const TetQuality quality = quality_of(tetrahedralise(sphere_surface({0, 0, 0}, 1, 2), "test"));
   CHECK(quality.smallest_dihedral_degrees > 5.0);
   CHECK(quality.largest_dihedral_degrees < 175.0);
 }
 
-TEST_CASE("the mesher gives the same mesh every time", "[bake][mesh]") {
+TEST_CASE("the mesher gives the same mesh every time", "[mesh]") {
   const auto make = [] { return tetrahedralise(remesh_surface(some_box(), 0.05, "test"), "test"); };
   const TetMesh a = make(), b = make();
   CHECK(a.nodes == b.nodes);
   CHECK(a.tets == b.tets);
 }
 
-TEST_CASE("remeshing gives edges near the wanted length", "[bake][mesh]") {
+TEST_CASE("remeshing gives edges near the wanted length", "[mesh]") {
   const SurfaceMesh sphere = sphere_surface({0, 0, 0}, 0.1, 3);
   for (const double edge : {0.04, 0.02, 0.012}) {
     INFO("edge " << edge);
@@ -86,7 +86,7 @@ TEST_CASE("remeshing gives edges near the wanted length", "[bake][mesh]") {
   }
 }
 
-TEST_CASE("remeshing keeps sharp edges, and so the volume of a box", "[bake][mesh]") {
+TEST_CASE("remeshing keeps sharp edges, and so the volume of a box", "[mesh]") {
   const SurfaceMesh box = some_box();
   const SurfaceMesh fine = remesh_surface(box, 0.03, "test");
   CHECK(fine.triangle_count() > 100);
@@ -94,14 +94,13 @@ TEST_CASE("remeshing keeps sharp edges, and so the volume of a box", "[bake][mes
         tolerance(1e-9, "vertices slide in the faces' planes") * enclosed_volume(box));
 }
 
-TEST_CASE("the mean edge length of a unit cube is that of its 12 edges and 6 diagonals",
-          "[bake][mesh]") {
+TEST_CASE("the mean edge length of a unit cube is that of its 12 edges and 6 diagonals", "[mesh]") {
   const double mean = (12.0 + 6.0 * std::sqrt(2.0)) / 18.0;
   CHECK(std::abs(mean_edge_length(box_surface({0, 0, 0}, {1, 1, 1})) - mean) <=
         tolerance(1e-14, "rounding"));
 }
 
-TEST_CASE("a surface that is no solid is refused with what and where", "[bake][mesh]") {
+TEST_CASE("a surface that is no solid is refused with what and where", "[mesh]") {
   SurfaceMesh open = some_box();
   open.triangles.conservativeResize(3, 11);
   CHECK_THROWS_WITH(tetrahedralise(open, "open.stl"),
@@ -126,7 +125,7 @@ TEST_CASE("a surface that is no solid is refused with what and where", "[bake][m
   CHECK_THROWS_AS(tetrahedralise(SurfaceMesh{}, "nothing"), Error);
 }
 
-TEST_CASE("the Stanford bunny is meshed to the paper's size", "[bake][mesh][long]") {
+TEST_CASE("the Stanford bunny is meshed to the paper's size", "[mesh][long]") {
   const std::filesystem::path file = "../shared/data/meshes/npm_bunny.off";
   if (!std::filesystem::exists(file)) PALPABLE_SKIP("needs ../shared/data/meshes/npm_bunny.off");
   SurfaceMesh bunny = value_or_throw(read_surface_file(file));
@@ -142,8 +141,7 @@ TEST_CASE("the Stanford bunny is meshed to the paper's size", "[bake][mesh][long
   CHECK(quality_of(mesh).smallest_dihedral_degrees > 5.0);
 }
 
-TEST_CASE("an inner edge makes tetrahedra larger inside and leaves the skin alone",
-          "[bake][mesh]") {
+TEST_CASE("an inner edge makes tetrahedra larger inside and leaves the skin alone", "[mesh]") {
   const SurfaceMesh sphere = sphere_surface({0, 0, 0}, 0.05, 3);
   const double edge = mean_edge_length(sphere);
   const TetMesh fine = tetrahedralise(sphere, "test"),
@@ -153,7 +151,7 @@ TEST_CASE("an inner edge makes tetrahedra larger inside and leaves the skin alon
   CHECK(boundary_of(coarse).surface.vertices == sphere.vertices);
 }
 
-TEST_CASE("a heap of triangles with holes is wrapped into a solid", "[bake][mesh]") {
+TEST_CASE("a heap of triangles with holes is wrapped into a solid", "[mesh]") {
   // Two spheres that pass through each other, one with a hole.
   SurfaceMesh heap =
       joined(sphere_surface({0, 0, 0}, 0.05, 3), sphere_surface({0.04, 0, 0}, 0.05, 3));

@@ -3,6 +3,8 @@
 /// <random> differ between standard libraries).
 #pragma once
 
+#include "palpable/base/fnv1a.h"
+
 #include <cstdint>
 #include <string_view>
 
@@ -24,7 +26,7 @@ class Random {
  public:
   /// Streams with different names are independent.
   Random(std::uint64_t seed, std::string_view name) : state_(seed * 0x9e3779b97f4a7c15ULL) {
-    for (const char c : name) state_ = (state_ ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+    state_ = fnv1a(name, state_);
     next();
   }
 

@@ -16,7 +16,7 @@ using test::random_case;
 using test::random_separated;
 using test::tolerance;
 
-TEST_CASE("CP-ALS recovers a tensor of known rank with that many modes", "[bake][cp]") {
+TEST_CASE("CP-ALS recovers a tensor of known rank with that many modes", "[separate][cp]") {
   for (unsigned seed = 0; seed < 5; ++seed) {
     INFO("seed " << seed);
     auto random = random_case(seed);
@@ -30,7 +30,8 @@ TEST_CASE("CP-ALS recovers a tensor of known rank with that many modes", "[bake]
   }
 }
 
-TEST_CASE("CP-ALS needs at most as many modes as the greedy sweep it starts from", "[bake][cp]") {
+TEST_CASE("CP-ALS needs at most as many modes as the greedy sweep it starts from",
+          "[separate][cp]") {
   const SnapshotTensor tensor = test::hilbert(30, {9, 7});
   const auto greedy = greedy_pgd(tensor, {.tolerance = 1e-5}, {.update_all = false});
   const auto cp = cp_als(tensor, {.tolerance = 1e-5});
@@ -41,7 +42,7 @@ TEST_CASE("CP-ALS needs at most as many modes as the greedy sweep it starts from
   CHECK(std::abs(direct - cp.errors.tail(1)[0]) <= tolerance(1e-9, "rounding of sums"));
 }
 
-TEST_CASE("a number of modes given to CP-ALS is spent on sweeps", "[bake][cp]") {
+TEST_CASE("a number of modes given to CP-ALS is spent on sweeps", "[separate][cp]") {
   const SnapshotTensor tensor = test::dents(40, 9, 5);
   const auto greedy =
       greedy_pgd(tensor, {.tolerance = 1e-9, .max_modes = 6}, {.update_all = false});
@@ -51,7 +52,7 @@ TEST_CASE("a number of modes given to CP-ALS is spent on sweeps", "[bake][cp]") 
   CHECK(cp.errors.tail(1)[0] < greedy.errors.tail(1)[0]);
 }
 
-TEST_CASE("what CP-ALS cannot reduce is refused", "[bake][cp]") {
+TEST_CASE("what CP-ALS cannot reduce is refused", "[separate][cp]") {
   CHECK_THROWS_AS(cp_als({MatrixXd::Zero(20, 6), {3, 2}}, {}), Error);
   CHECK_THROWS_AS(cp_als(test::dents(20, 3, 2), {.max_modes = 0}), ContractViolation);
 }

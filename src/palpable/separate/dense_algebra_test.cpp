@@ -16,7 +16,7 @@ using test::random_case;
 using test::random_matrix;
 using test::tolerance;
 
-TEST_CASE("OpenBLAS's products are Eigen's", "[bake][dense]") {
+TEST_CASE("OpenBLAS's products are Eigen's", "[separate][dense]") {
   auto random = random_case(1);
   const MatrixXd A = random_matrix(13, 5, random), B = random_matrix(5, 7, random);
   const MatrixXd D = random_matrix(13, 4, random), E = random_matrix(7, 5, random);
@@ -37,7 +37,7 @@ TEST_CASE("OpenBLAS's products are Eigen's", "[bake][dense]") {
   CHECK_THROWS_AS(times(A, D), ContractViolation);
 }
 
-TEST_CASE("LAPACK's factors make up the matrix they are of", "[bake][dense]") {
+TEST_CASE("LAPACK's factors make up the matrix they are of", "[separate][dense]") {
   auto random = random_case(2);
   for (const auto& [rows, columns] : {std::pair{9, 4}, {4, 9}, {5, 5}, {1, 3}}) {
     const MatrixXd A = random_matrix(rows, columns, random);

@@ -19,7 +19,7 @@ using test::random_case;
 using test::random_separated;
 using test::tolerance;
 
-TEST_CASE("a tensor that is one separated term is found with one mode", "[bake][Sec3.2]") {
+TEST_CASE("a tensor that is one separated term is found with one mode", "[separate][Sec3.2]") {
   for (unsigned seed = 0; seed < 10; ++seed) {
     INFO("seed " << seed);
     auto random = random_case(seed);
@@ -33,7 +33,7 @@ TEST_CASE("a tensor that is one separated term is found with one mode", "[bake][
 }
 
 TEST_CASE("a tensor of known rank is recovered, with two, three and four factors",
-          "[bake][Sec3.2]") {
+          "[separate][Sec3.2]") {
   for (const std::vector<int>& sizes : {std::vector<int>{11}, {7, 5}, {5, 4, 3}}) {
     for (unsigned seed = 0; seed < 5; ++seed) {
       INFO("p " << sizes.size() << " seed " << seed);
@@ -48,7 +48,7 @@ TEST_CASE("a tensor of known rank is recovered, with two, three and four factors
 }
 
 TEST_CASE("with one parameter the greedy modes are those of the singular value decomposition",
-          "[bake][Sec3.2]") {
+          "[separate][Sec3.2]") {
   for (unsigned seed = 0; seed < 5; ++seed) {
     INFO("seed " << seed);
     auto random = random_case(seed);
@@ -66,7 +66,7 @@ TEST_CASE("with one parameter the greedy modes are those of the singular value d
 }
 
 TEST_CASE("each further mode lowers the error, and the error claimed is the true one",
-          "[bake][Sec3.2]") {
+          "[separate][Sec3.2]") {
   const SnapshotTensor snapshots = dents(80, 11, 6);
   for (const bool update : {false, true}) {
     INFO("update_all " << update);
@@ -81,7 +81,7 @@ TEST_CASE("each further mode lowers the error, and the error claimed is the true
   }
 }
 
-TEST_CASE("updating all functions needs no more modes", "[bake][Sec3.2]") {
+TEST_CASE("updating all functions needs no more modes", "[separate][Sec3.2]") {
   const SnapshotTensor snapshots = dents(80, 13, 6);
   const auto modes = [&](bool update) {
     return greedy_pgd(snapshots, {.tolerance = 1e-4}, {.update_all = update}).separated.F.cols();
@@ -90,7 +90,7 @@ TEST_CASE("updating all functions needs no more modes", "[bake][Sec3.2]") {
 }
 
 TEST_CASE("functions of parameters have unit length and a positive largest value",
-          "[bake][Sec3.2]") {
+          "[separate][Sec3.2]") {
   const Separation result = greedy_pgd(dents(50, 9, 6), {.tolerance = 1e-3});
   for (const MatrixXd& G : result.separated.G) {
     for (Index i = 0; i < G.cols(); ++i) {
@@ -100,13 +100,13 @@ TEST_CASE("functions of parameters have unit length and a positive largest value
   }
 }
 
-TEST_CASE("the number of modes can be bounded instead", "[bake][Sec3.2]") {
+TEST_CASE("the number of modes can be bounded instead", "[separate][Sec3.2]") {
   const Separation result = greedy_pgd(dents(40, 7, 4), {.tolerance = 1e-6, .max_modes = 3});
   CHECK(result.separated.F.cols() == 3);
   CHECK_FALSE(result.reached);
 }
 
-TEST_CASE("snapshots that greedy PGD cannot reduce are refused", "[bake][Sec3.2]") {
+TEST_CASE("snapshots that greedy PGD cannot reduce are refused", "[separate][Sec3.2]") {
   CHECK_THROWS_AS(greedy_pgd({MatrixXd::Zero(20, 6), {3, 2}}, {}), Error);
   CHECK_THROWS_AS(greedy_pgd({dents(20, 3, 2).values, {3, 3}}, {}), ContractViolation);
   CHECK_THROWS_AS(greedy_pgd(dents(20, 3, 2), {.max_modes = 0}), ContractViolation);

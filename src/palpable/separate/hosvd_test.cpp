@@ -35,7 +35,7 @@ double error_of(const Tucker& tucker, const SnapshotTensor& tensor) {
 }
 
 TEST_CASE("HOSVD's error is at most its bound, and the bound at most the tolerance",
-          "[bake][hosvd]") {
+          "[separate][hosvd]") {
   const SnapshotTensor tensor = test::hilbert(20, {7, 6, 5});
   for (const double asked : {1e-1, 1e-2, 1e-4, 1e-6}) {
     INFO("tolerance " << asked);
@@ -50,7 +50,7 @@ TEST_CASE("HOSVD's error is at most its bound, and the bound at most the toleran
   }
 }
 
-TEST_CASE("HOSVD finds the ranks of a tensor that has them", "[bake][hosvd]") {
+TEST_CASE("HOSVD finds the ranks of a tensor that has them", "[separate][hosvd]") {
   for (unsigned seed = 0; seed < 5; ++seed) {
     INFO("seed " << seed);
     auto random = random_case(seed);
@@ -70,7 +70,7 @@ TEST_CASE("HOSVD finds the ranks of a tensor that has them", "[bake][hosvd]") {
   }
 }
 
-TEST_CASE("HOSVD's bases are orthonormal and its two factors say the same", "[bake][hosvd]") {
+TEST_CASE("HOSVD's bases are orthonormal and its two factors say the same", "[separate][hosvd]") {
   const std::vector<int> sizes{7, 6, 5};
   const SnapshotTensor tensor = test::hilbert(20, sizes);
   const Tucker tucker = hosvd(tensor, 1e-3, HosvdOrder::kSequential);
@@ -84,7 +84,7 @@ TEST_CASE("HOSVD's bases are orthonormal and its two factors say the same", "[ba
         tolerance(1e-12, "rounding") * tensor.values.norm());
 }
 
-TEST_CASE("a tensor of zeros has no Tucker form", "[bake][hosvd]") {
+TEST_CASE("a tensor of zeros has no Tucker form", "[separate][hosvd]") {
   CHECK_THROWS_AS(hosvd({MatrixXd::Zero(20, 6), {3, 2}}, 1e-3, HosvdOrder::kAtOnce), Error);
 }
 

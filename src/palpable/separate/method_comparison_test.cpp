@@ -16,7 +16,7 @@ using test::random_weights;
 using test::tolerance;
 
 TEST_CASE("what a method would do, told from the Gram matrix, is what it does",
-          "[bake][reduction]") {
+          "[separate][reduction]") {
   const SnapshotTensor snapshots = dents(60, 9, 6);
   auto random = random_case(1);
   const Eigen::VectorXd w = random_weights(60, random);

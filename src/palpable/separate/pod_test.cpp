@@ -21,7 +21,7 @@ using test::random_case;
 using test::random_weights;
 using test::tolerance;
 
-TEST_CASE("POD's error after m modes is the tail of the singular values", "[bake][pod]") {
+TEST_CASE("POD's error after m modes is the tail of the singular values", "[separate][pod]") {
   const SnapshotTensor tensor = hilbert(30, {6, 5});
   const VectorXd s = Eigen::JacobiSVD<MatrixXd>(tensor.values).singularValues();
   for (const int m : {1, 2, 4}) {
@@ -33,7 +33,7 @@ TEST_CASE("POD's error after m modes is the tail of the singular values", "[bake
   }
 }
 
-TEST_CASE("POD stops at the first mode that meets the tolerance", "[bake][pod]") {
+TEST_CASE("POD stops at the first mode that meets the tolerance", "[separate][pod]") {
   const SnapshotTensor tensor = hilbert(30, {6, 5});
   const Separation result = pod(tensor, {.tolerance = 1e-4});
   const Index m = result.errors.size();
@@ -43,7 +43,7 @@ TEST_CASE("POD stops at the first mode that meets the tolerance", "[bake][pod]")
   CHECK(result.errors[m - 2] > 1e-4);
 }
 
-TEST_CASE("POD's modes are orthogonal in space and in the parameters", "[bake][pod]") {
+TEST_CASE("POD's modes are orthogonal in space and in the parameters", "[separate][pod]") {
   const Separation result = pod(hilbert(30, {6, 5}), {.tolerance = 1e-5});
   const MatrixXd FF = result.separated.F.transpose() * result.separated.F;
   const MatrixXd GG = result.separated.G[0].transpose() * result.separated.G[0];
@@ -54,7 +54,7 @@ TEST_CASE("POD's modes are orthogonal in space and in the parameters", "[bake][p
 }
 
 TEST_CASE("a randomised POD of a tensor of low rank is exact, in one pass and in two",
-          "[bake][pod]") {
+          "[separate][pod]") {
   for (const int passes : {1, 2}) {
     for (unsigned seed = 0; seed < 5; ++seed) {
       INFO("passes " << passes << " seed " << seed);
@@ -72,7 +72,7 @@ TEST_CASE("a randomised POD of a tensor of low rank is exact, in one pass and in
   }
 }
 
-TEST_CASE("a randomised POD of a slowly falling tensor is near the best one", "[bake][pod]") {
+TEST_CASE("a randomised POD of a slowly falling tensor is near the best one", "[separate][pod]") {
   auto random = random_case(3);
   // Singular values 1, 1/2, 1/4 ...
   SeparatedTensor terms = test::random_separated(120, {60}, 25, 1.0, random);
@@ -94,7 +94,7 @@ TEST_CASE("a randomised POD of a slowly falling tensor is near the best one", "[
   CHECK(error(2) >= best);
 }
 
-TEST_CASE("a randomised POD reads a store in blocks and once per pass", "[bake][pod]") {
+TEST_CASE("a randomised POD reads a store in blocks and once per pass", "[separate][pod]") {
   const SnapshotTensor tensor = hilbert(40, {5, 4});
   for (const int passes : {1, 2}) {
     Index read = 0;
@@ -110,7 +110,7 @@ TEST_CASE("a randomised POD reads a store in blocks and once per pass", "[bake][
   }
 }
 
-TEST_CASE("what POD cannot reduce is refused", "[bake][pod]") {
+TEST_CASE("what POD cannot reduce is refused", "[separate][pod]") {
   SnapshotTensor tensor = hilbert(20, {3, 2});
   CHECK_THROWS_AS(pod({MatrixXd::Zero(20, 6), {3, 2}}, {}), Error);
   CHECK_THROWS_AS(randomised_pod(rows_of(tensor), VectorXd::Ones(20), {.passes = 3}),

@@ -40,7 +40,7 @@ std::pair<VectorXd, VectorXd> squares(const MatrixXd& A, const MatrixXd& reduced
 }
 
 TEST_CASE("every method meets its tolerance in the weighted norm, and claims the true errors",
-          "[bake][reduction]") {
+          "[separate][reduction]") {
   SnapshotTensor snapshots = dents(60, 9, 6);
   snapshots.values.col(7).setZero();
   auto random = random_case(1);
@@ -70,7 +70,7 @@ TEST_CASE("every method meets its tolerance in the weighted norm, and claims the
 }
 
 TEST_CASE("no method beats POD's number of modes, and PGD in two factors has it",
-          "[bake][reduction]") {
+          "[separate][reduction]") {
   const SnapshotTensor snapshots = dents(80, 12, 6);
   auto random = random_case(2);
   const VectorXd w = random_weights(80, random);
@@ -85,7 +85,7 @@ TEST_CASE("no method beats POD's number of modes, and PGD in two factors has it"
 }
 
 TEST_CASE("with blocks every site meets the tolerance, and with as few modes as POD needs for it",
-          "[bake][reduction]") {
+          "[separate][reduction]") {
   SnapshotTensor snapshots = dents(60, 5, 6);
   // A site that is a thousand times smaller: a pooled error would not see it.
   snapshots.values.middleCols(2 * 6, 6) *= 1e-3;
@@ -103,7 +103,7 @@ TEST_CASE("with blocks every site meets the tolerance, and with as few modes as 
 }
 
 TEST_CASE("the errors of blocks are those of the worst site at each number of modes",
-          "[bake][reduction]") {
+          "[separate][reduction]") {
   const SnapshotTensor snapshots = dents(60, 5, 6);
   const VectorXd w = VectorXd::Ones(60);
   const Reduction result = reduce(rows_of(snapshots), w, {.tolerance = 1e-5});
@@ -123,7 +123,7 @@ TEST_CASE("the errors of blocks are those of the worst site at each number of mo
 }
 
 TEST_CASE("the course of a reduction says what one that stops earlier leaves of each snapshot",
-          "[bake][reduction]") {
+          "[separate][reduction]") {
   const SnapshotTensor snapshots = dents(60, 9, 6);
   auto random = random_case(4);
   const VectorXd w = random_weights(60, random);
@@ -152,7 +152,7 @@ TEST_CASE("the course of a reduction says what one that stops earlier leaves of 
 }
 
 TEST_CASE("blocks over a further parameter have functions of level and of it",
-          "[bake][reduction]") {
+          "[separate][reduction]") {
   const SnapshotTensor flat = dents(50, 4, 6);
   const std::vector<int> sizes{4, 6, 3};
   SnapshotTensor snapshots{MatrixXd(50, 4 * 6 * 3), sizes};
@@ -173,7 +173,8 @@ TEST_CASE("blocks over a further parameter have functions of level and of it",
   CHECK((expand(result, sizes) - snapshots.values).norm() <= 1e-3 * snapshots.values.norm());
 }
 
-TEST_CASE("modes of all parameters together become blocks that say the same", "[bake][reduction]") {
+TEST_CASE("modes of all parameters together become blocks that say the same",
+          "[separate][reduction]") {
   const SnapshotTensor snapshots = dents(60, 5, 6);
   auto random = random_case(4);
   const VectorXd w = random_weights(60, random);
@@ -198,7 +199,7 @@ TEST_CASE("modes of all parameters together become blocks that say the same", "[
 }
 
 TEST_CASE("weighted by their own norms, small snapshots are as accurate as large ones",
-          "[bake][reduction]") {
+          "[separate][reduction]") {
   const SnapshotTensor snapshots = dents(80, 8, 10);
   const VectorXd w = VectorXd::Ones(80);
   for (const ReductionMethod method : {ReductionMethod::kPerSite, ReductionMethod::kPgd,
@@ -218,7 +219,7 @@ TEST_CASE("weighted by their own norms, small snapshots are as accurate as large
   }
 }
 
-TEST_CASE("norms that are separated are found, others nearly", "[bake][reduction]") {
+TEST_CASE("norms that are separated are found, others nearly", "[separate][reduction]") {
   VectorXd norms(6);
   for (Index s = 0; s < 2; ++s) {
     for (Index l = 0; l < 3; ++l) {
@@ -236,7 +237,7 @@ TEST_CASE("norms that are separated are found, others nearly", "[bake][reduction
   for (const VectorXd& factor : separated_norms(norms, {2, 3})) CHECK(factor.minCoeff() > 0.0);
 }
 
-TEST_CASE("the greedy sweep in POD coordinates is the one in full space", "[bake][Sec3.2]") {
+TEST_CASE("the greedy sweep in POD coordinates is the one in full space", "[separate][Sec3.2]") {
   const SnapshotTensor snapshots = dents(70, 9, 5);
   auto random = random_case(2);
   const VectorXd root = random_weights(70, random).cwiseSqrt();
@@ -259,7 +260,7 @@ TEST_CASE("the greedy sweep in POD coordinates is the one in full space", "[bake
   }
 }
 
-TEST_CASE("POD coordinates leave out what they are allowed to", "[bake][reduction]") {
+TEST_CASE("POD coordinates leave out what they are allowed to", "[separate][reduction]") {
   const SnapshotTensor snapshots = dents(70, 9, 5);
   const MatrixXd gram = gram_of(rows_of(snapshots), VectorXd::Ones(70));
   const VectorXd ones = VectorXd::Ones(45);
@@ -272,7 +273,7 @@ TEST_CASE("POD coordinates leave out what they are allowed to", "[bake][reductio
         tolerance(1e-7, "the Gram matrix keeps half of the digits"));
 }
 
-TEST_CASE("the same snapshots give the same modes to the last bit", "[bake][Sec3.2]") {
+TEST_CASE("the same snapshots give the same modes to the last bit", "[separate][Sec3.2]") {
   const SnapshotTensor snapshots = dents(40, 7, 4);
   const VectorXd w = VectorXd::Ones(40);
   for (const ReductionMethod method : kAll) {
@@ -283,13 +284,13 @@ TEST_CASE("the same snapshots give the same modes to the last bit", "[bake][Sec3
   }
 }
 
-TEST_CASE("a method has one name", "[bake][reduction]") {
+TEST_CASE("a method has one name", "[separate][reduction]") {
   for (const ReductionMethod method : kAll) CHECK(method_named(method_name(method)) == method);
   CHECK_FALSE(method_named("svd"));
   CHECK(method_names().size() == std::size(kAll));
 }
 
-TEST_CASE("snapshots that cannot be reduced are refused", "[bake][reduction]") {
+TEST_CASE("snapshots that cannot be reduced are refused", "[separate][reduction]") {
   SnapshotTensor snapshots = dents(20, 3, 2);
   const VectorXd w = VectorXd::Ones(20);
   for (const ReductionMethod method : kAll) {

@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 using test::tolerance;
 
 TEST_CASE("products of snapshots through a basis of each site are those of the snapshots",
-          "[bake][reduction]") {
+          "[separate][reduction]") {
   SnapshotTensor snapshots = test::dents(90, 7, 8);
   snapshots.values.middleCols(3 * 8, 8).setZero();
   auto random = test::random_case(1);
@@ -36,7 +36,7 @@ TEST_CASE("products of snapshots through a basis of each site are those of the s
   }
 }
 
-TEST_CASE("a snapshot that is not a number has no basis", "[bake][reduction]") {
+TEST_CASE("a snapshot that is not a number has no basis", "[separate][reduction]") {
   SnapshotTensor snapshots = test::dents(20, 3, 2);
   snapshots.values(3, 4) = std::numeric_limits<double>::infinity();
   CHECK_THROWS_AS(site_bases(rows_of(snapshots), VectorXd::Ones(20), 1e-4), Error);

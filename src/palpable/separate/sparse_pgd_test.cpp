@@ -31,7 +31,7 @@ double error_at(const SparsePgd& model, const MatrixXd& values, const MatrixXd& 
   return std::sqrt(lost / values.squaredNorm());
 }
 
-TEST_CASE("the polynomials of sparse PGD are Legendre's", "[bake][sparse]") {
+TEST_CASE("the polynomials of sparse PGD are Legendre's", "[separate][sparse]") {
   const SparseAxis axis{.name = "x", .low = 2.0, .high = 6.0, .highest_degree = 3};
   const VectorXd phi = basis_functions(axis, 5.0);  // x = 1/2
   REQUIRE(phi.size() == 4);
@@ -46,7 +46,7 @@ TEST_CASE("the polynomials of sparse PGD are Legendre's", "[bake][sparse]") {
 }
 
 TEST_CASE("sparse PGD finds separated polynomials between a few scattered samples",
-          "[bake][sparse]") {
+          "[separate][sparse]") {
   for (unsigned seed = 0; seed < 5; ++seed) {
     INFO("seed " << seed);
     auto random = random_case(seed);
@@ -70,7 +70,7 @@ TEST_CASE("sparse PGD finds separated polynomials between a few scattered sample
   }
 }
 
-TEST_CASE("choices have values of their own in sparse PGD", "[bake][sparse]") {
+TEST_CASE("choices have values of their own in sparse PGD", "[separate][sparse]") {
   auto random = random_case(7);
   const MatrixXd F = test::random_matrix(10, 1, random);
   const double own[] = {1.0, -2.0, 0.5, 4.0};
@@ -93,7 +93,7 @@ TEST_CASE("choices have values of their own in sparse PGD", "[bake][sparse]") {
   CHECK(model.functions(mu).isZero(0.0));
 }
 
-TEST_CASE("noise in samples is not learnt by raising degrees", "[bake][sparse]") {
+TEST_CASE("noise in samples is not learnt by raising degrees", "[separate][sparse]") {
   auto random = random_case(5);
   std::normal_distribution<double> normal(0.0, 0.05);
   const auto truth = [](double x) { return 1.0 + 2.0 * x; };
@@ -107,7 +107,7 @@ TEST_CASE("noise in samples is not learnt by raising degrees", "[bake][sparse]")
   CHECK(error_at(model, clean, others) <= tolerance(0.02, "noise of 2.5 %, averaged"));
 }
 
-TEST_CASE("sparse PGD is the same every time", "[bake][sparse]") {
+TEST_CASE("sparse PGD is the same every time", "[separate][sparse]") {
   auto random = random_case(2);
   const MatrixXd points = uniform_points(2, 30, random);
   const MatrixXd values = test::random_matrix(6, 30, random);
@@ -115,7 +115,7 @@ TEST_CASE("sparse PGD is the same every time", "[bake][sparse]") {
   CHECK(sparse_pgd(values, points, axes).F == sparse_pgd(values, points, axes).F);
 }
 
-TEST_CASE("what sparse PGD cannot learn from is refused", "[bake][sparse]") {
+TEST_CASE("what sparse PGD cannot learn from is refused", "[separate][sparse]") {
   auto random = random_case(3);
   const MatrixXd points = uniform_points(1, 20, random);
   MatrixXd values = test::random_matrix(4, 20, random);

@@ -7,8 +7,10 @@
 namespace palpable {
 namespace {
 
-constexpr int kBorder = 9;               // px: the patch of a corner must lie in the picture
-constexpr double kLeastDisparity = 0.5;  // px; beyond, a depth says next to nothing
+constexpr int kBorder = 9;  // px: the patch of a corner must lie in the picture
+// px; nearer to 0 than this a depth says next to nothing. More than LandmarkSearch asks: a landmark
+// that is seen again has its depth already, a new one must get it here.
+constexpr double kLeastNewDisparity = 0.5;
 // The depth image and the patch's own disparity must agree to this, px: where they do not the
 // corner lies on an edge, between near and far.
 constexpr double kMostDisagreement = 1.5;
@@ -46,7 +48,7 @@ void NewLandmarks::add(const LandmarkSearch& search, const TrackerFrame& frame,
     }
     const double expected = camera.camera.fx_px * camera.baseline / corner.depth;
     const std::optional<double> d = search.disparity_at(frame, uv, expected);
-    if (!d || *d < kLeastDisparity || std::abs(*d - expected) > kMostDisagreement) continue;
+    if (!d || *d < kLeastNewDisparity || std::abs(*d - expected) > kMostDisagreement) continue;
     if (is_old_landmark(search, frame, {uv.x(), uv.y(), *d}, frame_count, map)) continue;
     Landmark landmark = landmark_at(search, frame, corner, *d, map);
     landmark.last_frame = frame_count;
