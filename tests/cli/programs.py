@@ -1546,6 +1546,7 @@ def _(programs, folder):
     assert found["row_error_px"] < 0.3 and found["reprojection_px"] < 0.3, found
     table = programs.succeeds(*words, "-o", folder / "again.yml").stdout
     assert "reprojection" in table and "rows after rectification" in table, table
+    assert "8 boards in 8 pairs; tilt" in table and "again.yml" in table, table
     checked = programs.succeeds(*words, "--check", folder / "found.yml").stdout
     assert "rows after rectification" in checked, checked
     # The file is what live reads.
