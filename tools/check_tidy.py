@@ -105,10 +105,10 @@ def main():
             return 0
         lines = sources_of(changed, known)
         files = sorted(lines, key=lambda name: (-lines[name], name))
-    if "--all" not in sys.argv[1:] and len(files) > MOST_CHANGED:
-        print(f"{len(files)} files changed; the {MOST_CHANGED} that changed most are read, "
-              "./check --long reads all")
-        files = files[:MOST_CHANGED]
+        if len(files) > MOST_CHANGED:
+            print(f"{len(files)} files changed; the {MOST_CHANGED} that changed most are read, "
+                  "./check --long reads all")
+            files = files[:MOST_CHANGED]
     wrong = 0
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for text in pool.map(lambda file: complaints(tool, file, *known[file]), files):

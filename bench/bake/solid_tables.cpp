@@ -93,11 +93,9 @@ std::string solid_section_text(const Json& result, const std::string& law, int l
                                double tolerance) {
   std::string text = fmt::format(
       "{}: {} nodes, {} linear tetrahedra, {}, {} levels, from rest to {:.1f} % of the height at "
-      "the "
-      "least; both programs to a residual of {:g}, each with one thread. CPU time of ours is all "
-      "of "
-      "one path: the solver made, its factor included, and the path; the search for the load is in "
-      "neither.",
+      "the least; both programs to a residual of {:g}, each with one thread. CPU time of ours is "
+      "all of one path: the solver made, its factor included, and the path; the search for the "
+      "load is in neither.",
       result["body"].get<std::string>(), result["nodes"].get<int>(), result["tets"].get<int>(), law,
       levels, 100 * result["press_fraction"].get<double>(), tolerance);
   if (!result.contains("ratio_to_ccx")) return text;  // ours only

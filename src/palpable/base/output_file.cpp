@@ -26,6 +26,12 @@ void expect_folder_of(const std::filesystem::path& output) {
   }
 }
 
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
+}
+
 void write_text_file(const std::filesystem::path& file, std::string_view text) {
   errno = 0;
   std::ofstream out(file, std::ios::binary);

@@ -39,6 +39,16 @@ TEST_CASE("a folder that is not there is named before the work", "[base][output_
                     Catch::EndsWith((folder.path() / "none").string() + " does not exist"));
 }
 
+TEST_CASE("a folder is made with those above it, or the reason is said", "[base][output_file]") {
+  const test::ScratchFolder folder("make_folder");
+  make_folder(folder.path() / "a" / "b");
+  CHECK(fs::is_directory(folder.path() / "a" / "b"));
+  CHECK_NOTHROW(make_folder(folder.path() / "a"));  // there already
+  std::ofstream(folder.path() / "file") << "in the way";
+  CHECK_THROWS_WITH(make_folder(folder.path() / "file" / "c"),
+                    Catch::Contains("file/c: cannot be made: Not a directory"));
+}
+
 TEST_CASE("a text replaces the file that was there, or the reason is said", "[base][output_file]") {
   const test::ScratchFolder folder("text_file");
   const fs::path file = folder.path() / "a.html";

@@ -1,6 +1,7 @@
 #include "palpable/campaign/calculix.h"
 
 #include "palpable/base/error.h"
+#include "palpable/base/output_file.h"
 #include "palpable/campaign/temporary_folder.h"
 
 #include <fmt/format.h>
@@ -154,11 +155,7 @@ class JobFiles {
  public:
   // Makes the folder if it is absent.
   explicit JobFiles(const fs::path& folder) : folder_(fs::absolute(folder)) {
-    std::error_code failed;
-    fs::create_directories(folder_, failed);
-    if (failed) {
-      throw Error(fmt::format("{}: cannot be made: {}", folder_.string(), failed.message()));
-    }
+    make_folder(folder_);
   }
   [[nodiscard]] const fs::path& folder() const { return folder_; }
   [[nodiscard]] fs::path of(std::string_view ending) const {

@@ -1,6 +1,7 @@
 #include "palpable/clip_writer/sequence_folder.h"
 
 #include "palpable/base/error.h"
+#include "palpable/base/output_file.h"
 #include "palpable/calibrate/calibration_file.h"
 #include "palpable/clip_files/contact_file.h"
 #include "palpable/clip_files/depth_image_file.h"
@@ -22,7 +23,6 @@
 #include <functional>
 #include <future>
 #include <mutex>
-#include <system_error>
 #include <vector>
 
 namespace palpable {
@@ -119,10 +119,7 @@ void make_folders(const fs::path& out) {
     }
   }
   for (const char* folder : {"frames/left", "frames/right", "truth/depth", "truth/labels"}) {
-    std::error_code error;
-    fs::create_directories(out / folder, error);
-    if (error)
-      throw Error(fmt::format("{}: cannot be made: {}", (out / folder).string(), error.message()));
+    make_folder(out / folder);
   }
 }
 

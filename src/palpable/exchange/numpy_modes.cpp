@@ -1,5 +1,6 @@
 #include "palpable/base/error.h"
 #include "palpable/base/npy_file.h"
+#include "palpable/base/output_file.h"
 #include "palpable/exchange/modes_files.h"
 
 #include <fmt/format.h>
@@ -7,7 +8,6 @@
 #include <cmath>
 #include <fstream>
 #include <sstream>
-#include <system_error>
 
 namespace palpable {
 namespace {
@@ -68,10 +68,7 @@ SeparatedField read_field(const fs::path& folder, const char* name,
 }  // namespace
 
 void write_numpy_modes(const fs::path& folder, const ForeignModes& modes) {
-  std::error_code problem;
-  fs::create_directories(folder, problem);
-  if (problem)
-    throw Error(fmt::format("{}: cannot be made: {}", folder.string(), problem.message()));
+  make_folder(folder);
   write_matrix(folder / "vertices.npy", modes.surface.vertices);
   write_matrix(folder / "triangles.npy", modes.surface.triangles);
   std::ofstream names(folder / "parameters.txt");

@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/base/output_file.h"
 #include "palpable/exchange/vtu_file.h"
 #include "palpable/reduced/hdf5_tools.h"
 
@@ -10,7 +11,6 @@
 #include <array>
 #include <fstream>
 #include <string>
-#include <system_error>
 #include <vector>
 
 namespace palpable {
@@ -72,10 +72,7 @@ void write_text(const fs::path& path, const std::string& text) {
 
 void write_vtu_series(const fs::path& folder, const ReducedBody& body, std::optional<int> site) {
   const std::vector<int> sites = sites_of(body, site);
-  std::error_code problem;
-  fs::create_directories(folder, problem);
-  if (problem)
-    throw Error(fmt::format("{}: cannot be made: {}", folder.string(), problem.message()));
+  make_folder(folder);
   TetMesh inside;
   if (body.volume) {
     inside.nodes = body.volume->nodes;

@@ -1,6 +1,7 @@
 #include "palpable/live_writer/live_output.h"
 
 #include "palpable/base/error.h"
+#include "palpable/base/output_file.h"
 #include "palpable/clip_files/depth_image_file.h"
 #include "palpable/clip_files/frame_names.h"
 #include "palpable/clip_files/mask_image_file.h"
@@ -36,12 +37,6 @@ constexpr std::array kOutputs{
     "timing.csv",          "touches.jsonl", "trajectory.txt", "pose.jsonl",   "live.json",
     "touch.mp4",           "depth",         "visible",        "body_depth",   "moving",
     "rectification.jsonl", kFigureNames[0], kFigureNames[1],  kFigureNames[2]};
-
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
-}
 
 // Whether `path` is `folder` or something in it, links followed.
 bool lies_in(const fs::path& path, const fs::path& folder) {

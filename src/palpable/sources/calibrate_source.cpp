@@ -10,7 +10,6 @@
 
 #include <memory>
 #include <string>
-#include <system_error>
 #include <utility>
 
 namespace palpable {
@@ -36,9 +35,7 @@ fs::path kept_file(const CameraRequest& request, const FrameFormat& format, Vide
   }
   const CameraInfo info = value_or_throw(ask_camera(system, request.device));
   const fs::path folder = request.folders.front();
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
+  make_folder(folder);
   return folder / calibration_name(info.name, format.width, format.height);
 }
 
