@@ -134,9 +134,11 @@ BakedBody reduce_and_write(const Options& options, const ReduceSettings& reducti
 }
 
 void bake(const Options& options, const std::string& command_line, Crew& crew) {
-  expect_folder_of(options.output);
   const auto begin = std::chrono::steady_clock::now();
   const BodyDescription description = read_body_description(options.description);
+  const std::vector<std::filesystem::path> inputs{options.description, description.shape.file};
+  guard_output_file(options.output, inputs);
+  if (crew.leads()) print_size(description);
   if (options.method == "intrusive-pgd") {
     if (crew.leads()) bake_without_campaign(options, description, command_line);
     return;
@@ -145,6 +147,7 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
       .threads = options.threads,
       .store = store_of(options),
       .solver = options.solver == "calculix" ? FeSolver::kCalculix : FeSolver::kOwn};
+  guard_output_folder(settings.store, inputs);
   if (!options.shard.empty()) read_shard(options.shard, settings);
   const ReduceSettings reduction{.at = parse_values(options.at),
                                  .volume = options.file.volume,

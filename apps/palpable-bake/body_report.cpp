@@ -4,10 +4,13 @@
 #include "apps/common/progress_bar.h"
 #include "palpable/base/error.h"
 #include "palpable/base/this_machine.h"
+#include "palpable/describe/body_mesh.h"
+#include "palpable/describe/body_size.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <set>
 #include <system_error>
 
@@ -52,6 +55,15 @@ void add_file_options(Command command, FileOptions& options) {
                    "live half draws the boundary");
   command.add_flag("--float16", options.float16,
                    "Modes in half precision: half the bytes; what that costs is stated");
+}
+
+void print_size(const BodyDescription& description) {
+  const Eigen::Vector3d size = size_of_body(description);
+  fmt::print("{}: {}\n", description.name, size_text(size));
+  std::fflush(stdout);  // before the progress bar
+  if (const auto warning = size_warning(description.shape, size)) {
+    fmt::print(stderr, "warning: {}\n", *warning);
+  }
 }
 
 void print_body_report(const BakedBody& baked, const std::string& output, double seconds) {

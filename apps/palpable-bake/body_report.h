@@ -3,6 +3,7 @@
 #pragma once
 
 #include "palpable/bake/bake_body.h"
+#include "palpable/describe/body_description.h"
 #include "palpable/reduced/body_file.h"
 
 #include <filesystem>
@@ -25,6 +26,10 @@ struct FileOptions {
 
 /// @param options  outlives `command`
 void add_file_options(Command command, FileOptions& options);
+
+/// The first line of what takes minutes: name and size. A size that nobody touches is remarked on, on
+/// stderr, with the unit that is likely.
+void print_size(const BodyDescription& description);
 
 /// Errors against the number of modes, sites that fall short, sizes, and the file.
 /// @param seconds  since the command began

@@ -69,8 +69,11 @@ void add_inputs(const Options& options, MethodPage& page) {
 }
 
 void compare(const Options& options, const std::string& command_line) {
-  expect_folder_of(options.output);
   const fs::path table = table_beside(options.output);
+  const std::vector<fs::path> inputs(options.inputs.begin(), options.inputs.end());
+  for (const fs::path& output : {fs::path(options.output), table}) {
+    guard_output_file(output, inputs);
+  }
   MethodPage page;
   page.title = "Methods of reduction, side by side";
   add_inputs(options, page);

@@ -68,7 +68,12 @@ void export_snapshots(const Options& options) {
 }
 
 void run(const Options& options) {
-  expect_folder_of(options.output);
+  if (options.to == "vtu" || options.to == "numpy") {
+    guard_output_folder(options.output, {options.input});
+  } else {  // the arrays go to a file beside it
+    guard_output_file(options.output, {options.input});
+    guard_output_file(options.output + ".h5", {options.input});
+  }
   fs::is_directory(options.input) ? export_snapshots(options) : export_body(options);
   fmt::print("{}\n", options.output);
 }

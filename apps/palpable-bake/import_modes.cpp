@@ -22,7 +22,7 @@ struct Options {
 };
 
 void import(Options options, const std::string& command_line) {
-  expect_folder_of(options.output);
+  guard_output_file(options.output, {options.input});
   const bool folder = std::filesystem::is_directory(options.input);
   const ForeignModes modes = folder ? read_numpy_modes(options.input) : read_pxdmf(options.input);
   options.settings.name = std::filesystem::path(options.output).stem().string();

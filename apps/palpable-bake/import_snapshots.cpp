@@ -23,7 +23,7 @@ struct Options {
 };
 
 void import(const Options& options) {
-  expect_folder_of(options.output);
+  guard_output_folder(options.output, {options.folder, options.manifest});
   const ImportManifest manifest = read_import_manifest(options.manifest);
   ProgressBar bar;
   const SnapshotStore store =

@@ -23,7 +23,7 @@ struct Options {
 };
 
 void merge(const Options& options) {
-  expect_folder_of(options.output);
+  guard_output_folder(options.output, {});  // it may be one of the parts
   ProgressBar bar;
   const SnapshotStore merged =
       merge_stores({options.parts.begin(), options.parts.end()}, options.output, bar.progress());

@@ -1,16 +1,21 @@
 // palpable mesh SURFACE -o body.msh
 
 #include "apps/common/command_line.h"
+#include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/base/error.h"
+#include "palpable/base/output_file.h"
 #include "palpable/describe/body_mesh.h"
+#include "palpable/describe/body_size.h"
 #include "palpable/geometry/mesh_file.h"
+#include "palpable/mesh/mesh_limits.h"
 #include "palpable/mesh/msh_file.h"
 #include "palpable/mesh/remesh.h"
 #include "palpable/mesh/tetrahedralise.h"
 
 #include <fmt/core.h>
 
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,22 +27,57 @@ struct Options {
   std::string surface;
   std::string output;
   std::optional<double> edge, height;
-  std::string up = "z";
+  std::string up = "z", unit;
   int order = 1;
 };
 
-void mesh(const Options& options) {
+// Said first; a forgotten unit costs minutes and gigabytes.
+void print_size(const Options& options, const SurfaceMesh& surface, double unit) {
+  const Eigen::Vector3d size =
+      surface.vertices.rowwise().maxCoeff() - surface.vertices.rowwise().minCoeff();
+  fmt::print("{}: {}\n", options.surface, size_text(size));
+  std::fflush(stdout);  // before the progress bar
+  const auto given = options.height ? std::nullopt : std::optional(unit);
+  require_possible_size(size, given, "--unit {}", options.surface);
+  if (const auto warning = size_warning(size, given, "--unit {}")) {
+    fmt::print(stderr, "warning: {}: {}\n", options.surface, *warning);
+  }
+}
+
+// As the file has it, unless a wish about unit or placing moves it.
+SurfaceMesh placed_surface(const Options& options) {
   SurfaceMesh surface = value_or_throw(read_surface_file(options.surface));
   require_solid_surface(surface, options.surface);
-  // Only a wish about the placing moves the mesh; otherwise it stays where the file has it.
+  const double unit = options.unit == "mm" ? 1e-3 : options.unit == "cm" ? 1e-2 : 1.0;
+  surface.vertices *= unit;
   if (options.height || options.up != "z") {
     const UpAxis up = options.up == "x" ? UpAxis::kX : options.up == "y" ? UpAxis::kY : UpAxis::kZ;
     place_in_body_frame(surface.vertices, up, options.height);
   }
-  if (options.edge) surface = remesh_surface(surface, *options.edge, options.surface);
+  print_size(options, surface, unit);
+  return surface;
+}
+
+void mesh(const Options& options) {
+  guard_output_file(options.output, {options.surface});
+  if (options.height && !options.unit.empty()) {
+    throw Error(
+        "--unit says what lengths in the file are, and --height scales them anew: leave "
+        "one of the two out");
+  }
+  SurfaceMesh surface = placed_surface(options);
+  ProgressBar bar;
+  const Progress progress = bar.progress();
+  if (options.edge) {
+    require_meshable(surface, *options.edge, *options.edge, options.surface);
+    report(progress, {"meshing", 0.0, 2.0, "edges of one length"});
+    surface = remesh_surface(surface, *options.edge, options.surface);
+  }
+  report(progress, {"meshing", options.edge ? 1.0 : 0.0, options.edge ? 2.0 : 1.0, "tetrahedra"});
   TetMesh volume = tetrahedralise(surface, options.surface);
   if (options.order == 2) volume = with_edge_nodes(volume);
   write_msh_file(options.output, volume);
+  bar.finish();
   const TetQuality quality = quality_of(volume);
   fmt::print(
       "{}: {} nodes, {} tetrahedra, boundary {} vertices and {} triangles,\n"
@@ -68,6 +108,8 @@ void add_mesh(Command app) {
                   "Scale to this height in metres and stand it on Z = 0")
       .in_range(1e-6, 1e3)
       .type_name("METRES");
+  command.add_option("--unit", options->unit, "What lengths in the file are: m, cm or mm; else m")
+      .one_of({"m", "cm", "mm"});
   command.add_option("--up", options->up, "Axis of the file that points up: x, y or z")
       .one_of({"x", "y", "z"})
       .show_default();

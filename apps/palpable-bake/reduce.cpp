@@ -26,7 +26,7 @@ struct Options {
 };
 
 void reduce(const Options& options, const std::string& command_line) {
-  expect_folder_of(options.output);
+  guard_output_file(options.output, {options.store});
   const auto begin = std::chrono::steady_clock::now();
   ReduceSettings settings{.at = parse_values(options.at),
                           .volume = options.file.volume,

@@ -31,8 +31,8 @@ void report(const Options& options) {
   const fs::path page = options.output.empty()
                             ? fs::path(options.body).filename().replace_extension(".html")
                             : fs::path(options.output);
-  expect_folder_of(page);
   const fs::path table = table_beside(page);
+  for (const fs::path& output : {page, table}) guard_output_file(output, {options.body});
   const ReducedBody body = value_or_throw(read_body_file(options.body));
   BodyPageFacts facts{.file = fs::path(options.body).filename().string(),
                       .file_bytes = fs::file_size(options.body),

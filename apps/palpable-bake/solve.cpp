@@ -120,9 +120,10 @@ void print_path(const PathResult& path, const Eigen::Matrix3Xd& unit, const Pres
 }
 
 void solve(const Options& options) {
-  expect_folder_of(options.output);
   const auto begin = std::chrono::steady_clock::now();
   BodyDescription description = read_body_description(options.description);
+  guard_output_file(options.output, {options.description, description.shape.file});
+  print_size(description);
   const BodyProblem problem = posed(options, description);
   const EquilibriumSolver solver(problem.model);
   const PressSolver presses = [&] {

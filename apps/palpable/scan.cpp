@@ -49,8 +49,7 @@ void write_picture(const fs::path& file, const RoomScan& scanned) {
 
 // Not after an hour's scan. @throws Error when it could not be written
 void expect_output(const fs::path& file) {
-  expect_folder_of(file);
-  if (fs::is_directory(file)) throw Error(fmt::format("{}: is a folder", file.string()));
+  guard_output_file(file, {});
   expect_writable(file);
 }
 

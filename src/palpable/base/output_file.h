@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string_view>
+#include <vector>
 
 namespace palpable {
 
@@ -12,8 +13,26 @@ namespace palpable {
 /// @throws Error "FILE: cannot be written"
 void expect_writable(const std::filesystem::path& file);
 
-/// For a check before the work. @throws Error when the folder of `output` does not exist
-void expect_folder_of(const std::filesystem::path& output);
+/// Whether `path` is `folder` or lies somewhere in it; links are followed, nothing need exist.
+[[nodiscard]] bool lies_in(const std::filesystem::path& path, const std::filesystem::path& folder);
+
+/// The file that writing to `file` has to replace: what stands behind symbolic links, whether it
+/// exists or not, so that a link stays a link. `file` itself where it is none.
+[[nodiscard]] std::filesystem::path behind_links(const std::filesystem::path& file);
+
+/// For a check before the work: refuses an output file that would destroy something else or cannot
+/// be written in the end. Empty inputs are passed over.
+/// @param inputs  files and folders that the work reads
+/// @throws Error when `output` is one of the inputs (by whatever path or link) or a file of an
+/// input
+///         folder, is a folder, a device, a pipe or a socket, or when its folder does not exist
+void guard_output_file(const std::filesystem::path& output,
+                       const std::vector<std::filesystem::path>& inputs);
+
+/// The same for a folder, which need not exist; the one above it must.
+/// @throws Error when `output` is an input, holds one, is a folder in one, or is a file
+void guard_output_folder(const std::filesystem::path& output,
+                         const std::vector<std::filesystem::path>& inputs);
 
 /// Makes a folder and those above it where they are missing.
 /// @throws Error "FOLDER: cannot be made", with the reason

@@ -31,12 +31,78 @@ TEST_CASE("a file in a folder that is not there cannot be written, nor can a fol
   CHECK(fs::is_directory(folder.path()));
 }
 
-TEST_CASE("a folder that is not there is named before the work", "[base][output_file]") {
-  const test::ScratchFolder folder("folder_of");
-  CHECK_NOTHROW(expect_folder_of(folder.path() / "x.vtu"));
-  CHECK_NOTHROW(expect_folder_of("x.vtu"));  // here
-  CHECK_THROWS_WITH(expect_folder_of(folder.path() / "none" / "x.vtu"),
-                    Catch::EndsWith((folder.path() / "none").string() + " does not exist"));
+TEST_CASE("an output whose folder is not there is refused before the work", "[base][output_file]") {
+  const test::ScratchFolder folder("guard_folder_above");
+  CHECK_NOTHROW(guard_output_file(folder.path() / "x.vtu", {}));
+  CHECK_NOTHROW(guard_output_file("x.vtu", {}));  // here
+  CHECK_NOTHROW(guard_output_folder(folder.path() / "out", {}));
+  CHECK_NOTHROW(guard_output_folder(folder.path() / "out/", {}));
+  const auto says = Catch::EndsWith((folder.path() / "none").string() + " does not exist");
+  CHECK_THROWS_WITH(guard_output_file(folder.path() / "none" / "x.vtu", {}), says);
+  CHECK_THROWS_WITH(guard_output_folder(folder.path() / "none" / "out/", {}), says);
+}
+
+TEST_CASE("a file that is read is not written over, by whatever name", "[base][output_file]") {
+  const test::ScratchFolder folder("guard_inputs");
+  const fs::path input = folder.path() / "a.stl", link = folder.path() / "link.stl",
+                 hard = folder.path() / "hard.stl", store = folder.path() / "store";
+  std::ofstream(input) << "kept";
+  fs::create_symlink("a.stl", link);
+  fs::create_hard_link(input, hard);
+  fs::create_directory(store);
+  std::ofstream(store / "site_0.h5") << "kept";
+  for (const fs::path& output : {input, link, hard, store / ".." / "a.stl"}) {
+    INFO(output);
+    CHECK_THROWS_WITH(guard_output_file(output, {"", input}),
+                      Catch::Contains(output.string() + ": is read as input"));
+  }
+  CHECK_THROWS_WITH(guard_output_file(store / "site_0.h5", {store}), Catch::Contains("is read as"));
+  CHECK_NOTHROW(guard_output_file(store / "body.palpable", {store}));
+  CHECK_NOTHROW(guard_output_file(folder.path() / "b.stl", {input, store}));
+  std::ofstream(folder.path() / "b.stl") << "an earlier result";
+  CHECK_NOTHROW(guard_output_file(folder.path() / "b.stl", {input, store}));
+}
+
+TEST_CASE("an output file is a file and an output folder a folder", "[base][output_file]") {
+  const test::ScratchFolder folder("guard_kinds");
+  const fs::path file = folder.path() / "file", store = folder.path() / "store";
+  std::ofstream(file) << "kept";
+  fs::create_directory(store);
+  CHECK_THROWS_WITH(guard_output_file(store, {}), Catch::Contains("is a folder"));
+  CHECK_THROWS_WITH(guard_output_file(folder.path() / "new/", {}),
+                    Catch::Contains("does not exist") || Catch::Contains("is a folder"));
+  CHECK_THROWS_WITH(guard_output_file("/dev/null", {}), Catch::Contains("is no ordinary file"));
+  CHECK_THROWS_WITH(guard_output_folder(file, {}), Catch::Contains("is a file"));
+  CHECK_NOTHROW(guard_output_folder(store, {file}));
+  CHECK_THROWS_WITH(guard_output_folder(store, {store}), Catch::Contains("read as input"));
+  CHECK_THROWS_WITH(guard_output_folder(folder.path(), {store}), Catch::Contains("read as input"));
+  CHECK_NOTHROW(guard_output_folder(store / "new", {store}));
+  fs::create_directory(store / "new");
+  CHECK_THROWS_WITH(guard_output_folder(store / "new", {store}), Catch::Contains("read as input"));
+}
+
+TEST_CASE("a link is followed to the file that it stands for", "[base][output_file]") {
+  const test::ScratchFolder folder("behind_links");
+  const fs::path file = folder.path() / "file", first = folder.path() / "first";
+  CHECK(behind_links(file) == file);
+  fs::create_symlink("second", first);
+  fs::create_symlink(file, folder.path() / "second");
+  CHECK(behind_links(first) == file);  // which does not exist
+  fs::create_symlink("circle", folder.path() / "circle");
+  CHECK(fs::is_symlink(behind_links(folder.path() / "circle")));  // and an end
+}
+
+TEST_CASE("what lies in a folder is known through links and dots", "[base][output_file]") {
+  const test::ScratchFolder folder("lies_in");
+  const fs::path inside = folder.path() / "a" / "b", link = folder.path() / "link";
+  fs::create_directories(inside);
+  fs::create_directory_symlink(inside, link);
+  CHECK(lies_in(inside, folder.path()));
+  CHECK(lies_in(inside, inside));
+  CHECK(lies_in(link / "new", folder.path() / "a"));
+  CHECK(lies_in(folder.path() / "a" / ".." / "c", folder.path()));
+  CHECK_FALSE(lies_in(folder.path() / "a" / ".." / "c", folder.path() / "a"));
+  CHECK_FALSE(lies_in(folder.path() / "ab", folder.path() / "a"));
 }
 
 TEST_CASE("a folder is made with those above it, or the reason is said", "[base][output_file]") {

@@ -21,10 +21,10 @@ struct SequenceOrder {
   int threads = 0;        ///< that film, 1 or 2, with the same outcome; 0: what is quicker
 };
 
-/// Films `body` as ordered and writes frames/ and truth/ into `folder`, which must not exist or
+/// Films `reduced` as ordered and writes frames/ and truth/ into `folder`, which must not exist or
 /// must hold neither. @throws Error when the sequence cannot be planned for the body, when OpenGL
 /// is not to be had, or when the folder cannot be written
-void write_sequence(const ReducedBody& body, const SequenceOrder& order,
+void write_sequence(const ReducedBody& reduced, const SequenceOrder& order,
                     const std::filesystem::path& folder, const Progress& progress);
 
 }  // namespace palpable

@@ -66,6 +66,7 @@ void read_shape(TomlSection section, const std::string& file, BodyDescription& b
     section.bad("wrap",
                 "leaves triangles of all sizes: give an 'edge', to which they are remeshed");
   }
+  shape.place = section.place();
   shape.order_place = section.place("order");
   if (section.has("order")) shape.order = section.integer("order", 1, 2);
   section.refuse_unknown();

@@ -67,6 +67,7 @@ struct BodyDescription {
     /// Nodes of a tetrahedron: 1: four, 2: ten. None: as the file has it, four for a surface.
     std::optional<int> order = {};
     std::string order_place = {};  ///< how messages about it begin
+    std::string place = {};        ///< likewise, about the shape: "cube.toml:2: [shape]"
     [[nodiscard]] bool is_volume() const;
   } shape;
 

@@ -2,8 +2,10 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/describe/body_size.h"
 #include "palpable/describe/places.h"
 #include "palpable/geometry/mesh_file.h"
+#include "palpable/mesh/mesh_limits.h"
 #include "palpable/mesh/remesh.h"
 
 #include <fmt/format.h>
@@ -49,38 +51,65 @@ void require_made(const std::filesystem::path& file) {
   throw Error(fmt::format("{}: no such file; 'tools/setup.sh bodies' makes it", file.string()));
 }
 
+Eigen::Vector3d extent_of(const Eigen::Matrix3Xd& points) {
+  return points.rowwise().maxCoeff() - points.rowwise().minCoeff();
+}
+
+VolumeMesh read_volume(const BodyDescription::Shape& shape) {
+  require_made(shape.file);
+  VolumeMesh volume = value_or_throw(read_volume_file(shape.file));
+  volume.mesh.nodes *= shape.unit;
+  place_in_body_frame(volume.mesh.nodes, shape.up, shape.height);
+  return volume;
+}
+
+// @param solid  refused unless it is one, with places as the file has them
+SurfaceMesh read_surface(const BodyDescription::Shape& shape, bool solid) {
+  require_made(shape.file);
+  SurfaceMesh surface = value_or_throw(read_surface_file(shape.file));
+  if (solid) require_solid_surface(surface, shape.file.string());
+  if (surface.vertex_count() == 0) {
+    throw Error(fmt::format("{}: there are no triangles in it", shape.file.string()));
+  }
+  surface.vertices *= shape.unit;
+  place_in_body_frame(surface.vertices, shape.up, shape.height);
+  return surface;
+}
+
+// Wrapped, remeshed and filled, as the shape asks. @param made  how, for people
+TetMesh mesh_of_surface(SurfaceMesh surface, const BodyDescription::Shape& shape,
+                        std::string& made) {
+  const std::string name = shape.file.string();
+  made = "TetGen 1.5";
+  if (shape.wrap) surface = wrap_surface(surface, *shape.wrap);
+  if (shape.edge) {
+    require_meshable(surface, *shape.edge, shape.inner_edge.value_or(*shape.edge), name);
+    surface = remesh_surface(surface, *shape.edge, name, !shape.wrap);
+    made = fmt::format("CGAL isotropic remeshing to {:.4g} m, TetGen 1.5", *shape.edge);
+  }
+  if (shape.wrap) {
+    // The wrap is a little larger than what it is around.
+    place_in_body_frame(surface.vertices, UpAxis::kZ, shape.height);
+    made = fmt::format("CGAL alpha wrapping with {:.4g} m, {}", *shape.wrap, made);
+  }
+  return tetrahedralise(surface, name, shape.inner_edge);
+}
+
 // The tetrahedra of the shape in the body frame, and how they came about.
 VolumeMesh make_volume(const BodyDescription::Shape& shape, std::string& made) {
-  require_made(shape.file);
-  const std::string name = shape.file.string();
   VolumeMesh volume;
   if (shape.is_volume()) {
-    volume = value_or_throw(read_volume_file(shape.file));
+    volume = read_volume(shape);
+    require_possible_size(shape, extent_of(volume.mesh.nodes));
     if (shape.order == 1 && volume.mesh.is_quadratic()) {
       throw Error(fmt::format("{} is 1, but '{}' has 10-node tetrahedra; leave 'order' out",
                               shape.order_place, shape.file.filename().string()));
     }
-    volume.mesh.nodes *= shape.unit;
-    place_in_body_frame(volume.mesh.nodes, shape.up, shape.height);
     made = "tetrahedra as in the file";
   } else {
-    SurfaceMesh surface = value_or_throw(read_surface_file(shape.file));
-    // Before placing, so that a defect is reported where the file has it.
-    if (!shape.wrap) require_solid_surface(surface, name);
-    surface.vertices *= shape.unit;
-    place_in_body_frame(surface.vertices, shape.up, shape.height);
-    made = "TetGen 1.5";
-    if (shape.wrap) surface = wrap_surface(surface, *shape.wrap);
-    if (shape.edge) {
-      surface = remesh_surface(surface, *shape.edge, name, !shape.wrap);
-      made = fmt::format("CGAL isotropic remeshing to {:.4g} m, TetGen 1.5", *shape.edge);
-    }
-    if (shape.wrap) {
-      // The wrap is a little larger than what it is around.
-      place_in_body_frame(surface.vertices, UpAxis::kZ, shape.height);
-      made = fmt::format("CGAL alpha wrapping with {:.4g} m, {}", *shape.wrap, made);
-    }
-    volume.mesh = tetrahedralise(surface, name, shape.inner_edge);
+    SurfaceMesh surface = read_surface(shape, !shape.wrap);
+    require_possible_size(shape, extent_of(surface.vertices));
+    volume.mesh = mesh_of_surface(std::move(surface), shape, made);
   }
   if (shape.order == 2 && !volume.mesh.is_quadratic()) {
     volume = with_edge_nodes(std::move(volume));
@@ -127,6 +156,12 @@ void hold_nodes(const VolumeMesh& volume, const BodyDescription& description, Bo
 }
 
 }  // namespace
+
+Eigen::Vector3d size_of_body(const BodyDescription& description) {
+  const BodyDescription::Shape& shape = description.shape;
+  return extent_of(shape.is_volume() ? read_volume(shape).mesh.nodes
+                                     : read_surface(shape, false).vertices);
+}
 
 BodyMesh make_body_mesh(const BodyDescription& description) {
   std::string made;

@@ -32,12 +32,17 @@ struct BodyMesh {
 /// @throws ContractViolation for no points or height <= 0; Error for points all at one height
 void place_in_body_frame(Eigen::Matrix3Xd& points, UpAxis up, std::optional<double> height);
 
+/// Extents of the body before it is meshed, m, along the axes of the body frame. Reads the shape's
+/// file. @throws Error for what cannot be read or placed
+[[nodiscard]] Eigen::Vector3d size_of_body(const BodyDescription& description);
+
 /// The skin of a volume with all nodes on it: where tetrahedra have ten nodes, each face is four
 /// triangles between its corners and the middles of its edges.
 [[nodiscard]] Boundary split_boundary_of(const TetMesh& mesh);
 
 /// Reads the shape's file, places it, meshes it, finds what the supports hold.
-/// @throws Error for what cannot be read or meshed, and when a support holds no node or two
+/// @throws Error for what cannot be read or meshed, for a body that is impossibly large or small
+///         (body_size.h), and when a support holds no node or two
 ///         supports contradict each other
 [[nodiscard]] BodyMesh make_body_mesh(const BodyDescription& description);
 

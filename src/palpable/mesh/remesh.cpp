@@ -2,6 +2,8 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/geometry/shells.h"
+#include "palpable/mesh/mesh_limits.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/detect_features.h>
@@ -12,7 +14,9 @@
 #include <CGAL/alpha_wrap_3.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -90,6 +94,8 @@ Mesh checked(const SurfaceMesh& surface, const std::string& name) {
   if (!report.watertight()) throw Error(fmt::format("{}: {}", name, report.describe()));
   Mesh mesh = to_cgal(surface, name);
   refuse_self_intersection(mesh, name);
+  const std::string misplaced = misplaced_shell(surface);
+  if (!misplaced.empty()) throw Error(fmt::format("{}: {}", name, misplaced));
   return mesh;
 }
 
@@ -103,6 +109,7 @@ SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length, const
                            bool keep_sharp_edges) {
   PALPABLE_EXPECT(edge_length > 0.0, "an edge length is positive");
   Mesh mesh = checked(surface, name);
+  require_meshable(surface, edge_length, std::numeric_limits<double>::infinity(), name);
   auto sharp = mesh.add_property_map<Mesh::Edge_index, bool>("e:sharp", false).first;
   if (keep_sharp_edges) PMP::detect_sharp_edges(mesh, kSharpDegrees, sharp);
   PMP::isotropic_remeshing(
@@ -115,6 +122,7 @@ SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length, const
     throw Error(fmt::format("{} (after remeshing to an edge of {:.3g} m: try a shorter one)",
                             error.what(), edge_length));
   }
+  require_same_volume(surface, enclosed_volume(remeshed), edge_length, name);
   return remeshed;
 }
 

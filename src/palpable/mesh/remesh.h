@@ -10,8 +10,10 @@ namespace palpable {
 
 /// Refuses a surface that does not enclose a solid.
 /// @param name  what to call it in the message, e.g. the file
-/// @throws Error if the surface is not watertight, two sheets meet in a single vertex, or triangles
-///         pass through each other: what, where, and what to do
+/// @throws Error if the surface is not watertight, two sheets meet in a single vertex, triangles
+/// pass
+///         through each other, or a shell lies wrongly in others (misplaced_shell()): what, where,
+///         and what to do
 void require_solid_surface(const SurfaceMesh& surface, const std::string& name);
 
 /// A surface over the same shape whose edges are about `edge_length` long. Vertices stay on the
@@ -20,7 +22,7 @@ void require_solid_surface(const SurfaceMesh& surface, const std::string& name);
 /// @param edge_length  m, > 0
 /// @param name         for messages
 /// @throws Error as require_solid_surface(), for the result too: an edge length too coarse for thin
-///         parts makes their sides meet
+///         parts makes their sides meet; as require_meshable() and require_same_volume()
 [[nodiscard]] SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length,
                                          const std::string& name, bool keep_sharp_edges = true);
 

@@ -2,17 +2,20 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/geometry/shells.h"
+#include "palpable/mesh/mesh_limits.h"
 #include "palpable/mesh/remesh.h"
+#include "palpable/mesh/tetgen_process.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
-
-#define TETLIBRARY  // tetgen.h then throws an int where the program would exit
-#include <tetgen.h>
+#include <utility>
+#include <variant>
 
 namespace palpable {
 namespace {
@@ -22,41 +25,23 @@ namespace {
 // nodes at its 7.5k surface triangles.
 constexpr double kVolumeOfEdgeCubed = 0.26;
 
-// What TetGen's numbers mean (terminatetetgen in tetgen.h).
-const char* tetgen_complaint(int code) {
-  switch (code) {
-    case 1:
-      return "out of memory";
-    case 3:
-      return "the surface passes through itself";
-    case 4:
-      return "the surface has features too small to resolve; remesh it with --edge";
-    case 5:
-      return "two facets are nearly coplanar; remesh the surface with --edge";
-    case 10:
-      return "an input error";
-    default:
-      return "an internal error; remesh the surface with another --edge";
+// The thinnest triangle, where meshers fail first.
+std::string place_of_trouble(const SurfaceMesh& surface) {
+  double thinnest = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d where = Eigen::Vector3d::Zero();
+  for (const auto& t : surface.triangles.colwise()) {
+    const Eigen::Vector3d a = surface.vertices.col(t[0]), b = surface.vertices.col(t[1]),
+                          c = surface.vertices.col(t[2]);
+    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    const double height = (b - a).cross(c - a).norm() / longest;
+    if (height / longest >= thinnest) continue;
+    thinnest = height / longest;
+    where = (a + b + c) / 3.0;
   }
-}
-
-// Hands the surface over: TetGen frees what it is given with delete[].
-void fill(tetgenio& in, const SurfaceMesh& surface) {
-  in.numberofpoints = surface.vertex_count();
-  in.pointlist = new REAL[surface.vertices.size()];
-  std::copy_n(surface.vertices.data(), surface.vertices.size(), in.pointlist);
-  in.numberoffacets = surface.triangle_count();
-  in.facetlist = new tetgenio::facet[surface.triangle_count()];
-  for (int t = 0; t < surface.triangle_count(); ++t) {
-    tetgenio::facet& facet = in.facetlist[t];
-    tetgenio::init(&facet);
-    facet.numberofpolygons = 1;
-    facet.polygonlist = new tetgenio::polygon[1];
-    tetgenio::init(&facet.polygonlist[0]);
-    facet.polygonlist[0].numberofvertices = 3;
-    facet.polygonlist[0].vertexlist = new int[3];
-    std::copy_n(surface.triangles.col(t).data(), 3, facet.polygonlist[0].vertexlist);
-  }
+  return fmt::format(
+      "its thinnest triangle, {:.2g} times as long as high, is at ({:.4g}, {:.4g}, "
+      "{:.4g}) m",
+      1.0 / thinnest, where[0], where[1], where[2]);
 }
 
 }  // namespace
@@ -64,29 +49,18 @@ void fill(tetgenio& in, const SurfaceMesh& surface) {
 TetMesh tetrahedralise(const SurfaceMesh& surface, const std::string& name,
                        std::optional<double> inner_edge) {
   require_solid_surface(surface, name);
-  tetgenio in, out;
-  fill(in, surface);
-  const double largest_volume =
-      kVolumeOfEdgeCubed * std::pow(inner_edge ? *inner_edge : mean_edge_length(surface), 3);
-  // p: a surface is given; Y: keep it; q: radius to edge ratio and smallest dihedral angle,
-  // degrees; a: largest volume, m^3; Q: say nothing.
-  std::string switches = fmt::format("pYQq1.3/12a{:.9f}", largest_volume);
-  if (largest_volume < 1e-6) switches = fmt::format("pYQq1.3/12a{:.17f}", largest_volume);
-  tetgenbehavior behavior;
-  if (!behavior.parse_commandline(switches.data())) {
-    throw Error(fmt::format("{}: TetGen refuses '{}'", name, switches));
+  require_gaps(surface, name);
+  const double edge = mean_edge_length(surface), inner = inner_edge.value_or(edge);
+  require_meshable(surface, edge, inner, name);
+  std::variant<TetMesh, std::string> made =
+      run_tetgen({.surface = surface,
+                  .largest_volume = kVolumeOfEdgeCubed * std::pow(inner, 3),
+                  .holes = points_in_cavities(surface)});
+  if (const std::string* why = std::get_if<std::string>(&made)) {
+    throw Error(fmt::format("{}: TetGen cannot fill it with tetrahedra: {}; {}", name, *why,
+                            place_of_trouble(surface)));
   }
-  try {
-    tetrahedralize(&behavior, &in, &out);
-  } catch (const int code) {
-    throw Error(fmt::format("{}: cannot be filled with tetrahedra: {} (TetGen's code {})", name,
-                            tetgen_complaint(code), code));
-  }
-
-  TetMesh mesh;
-  mesh.nodes = Eigen::Map<const Eigen::Matrix3Xd>(out.pointlist, 3, out.numberofpoints);
-  mesh.tets = Eigen::Map<const Eigen::Matrix4Xi>(out.tetrahedronlist, 4, out.numberoftetrahedra);
-  if (mesh.tet_count() == 0) throw Error(fmt::format("{}: TetGen made no tetrahedra", name));
+  TetMesh mesh = std::move(std::get<TetMesh>(made));
   Eigen::VectorXd volumes = tet_volumes(mesh);
   if (volumes.sum() < 0.0) {  // TetGen orders them the other way round
     mesh.tets.row(2).swap(mesh.tets.row(3));
@@ -96,9 +70,10 @@ TetMesh tetrahedralise(const SurfaceMesh& surface, const std::string& name,
   if (volumes.minCoeff(&worst) <= 0.0) {
     throw Error(
         fmt::format("{}: TetGen made a tetrahedron without volume ({}); remesh the surface "
-                    "with another --edge",
-                    name, worst));
+                    "with another edge; {}",
+                    name, worst, place_of_trouble(surface)));
   }
+  require_same_volume(surface, volumes.sum(), 0.0, name);
   return mesh;
 }
 

@@ -3,6 +3,7 @@
 #include "palpable/base/error.h"
 #include "palpable/geometry/mesh_file.h"
 #include "palpable/mesh/remesh.h"
+#include "tests/support/meshes.h"
 #include "tests/support/test.h"
 
 #include <cmath>
@@ -13,16 +14,9 @@ namespace {
 
 using Catch::Matchers::Contains;
 using Eigen::Vector3d;
+using test::flipped;
+using test::joined;
 using test::tolerance;
-
-SurfaceMesh joined(const SurfaceMesh& a, const SurfaceMesh& b) {
-  SurfaceMesh both;
-  both.vertices.resize(3, a.vertex_count() + b.vertex_count());
-  both.vertices << a.vertices, b.vertices;
-  both.triangles.resize(3, a.triangle_count() + b.triangle_count());
-  both.triangles << a.triangles, (b.triangles.array() + a.vertex_count()).matrix();
-  return both;
-}
 
 SurfaceMesh some_box() { return box_surface({0.1, -0.2, 0.0}, {0.3, 0.1, 0.15}); }
 
@@ -139,6 +133,42 @@ TEST_CASE("the Stanford bunny is meshed to the paper's size", "[mesh][long]") {
   CHECK(std::abs(mesh.node_count() - 16519) < 1000);
   CHECK(std::abs(mesh.tet_count() - 87916) < 7000);
   CHECK(quality_of(mesh).smallest_dihedral_degrees > 5.0);
+}
+
+TEST_CASE("a cavity stays empty, and so it is after remeshing", "[mesh]") {
+  const SurfaceMesh hollow =
+      joined(sphere_surface({0, 0, 0}, 0.05, 3), flipped(sphere_surface({0.01, 0, 0}, 0.025, 2)));
+  const double volume = enclosed_volume(hollow);
+  CHECK(volume < 0.9 * enclosed_volume(sphere_surface({0, 0, 0}, 0.05, 3)));
+  const TetMesh mesh = tetrahedralise(hollow, "hollow");
+  CHECK(std::abs(tet_volumes(mesh).sum() - volume) <=
+        tolerance(1e-12, "rounding of a sum") * volume);
+  CHECK(boundary_of(mesh).surface.triangle_count() == hollow.triangle_count());
+  const SurfaceMesh fine = remesh_surface(hollow, 0.006, "hollow");
+  CHECK(std::abs(tet_volumes(tetrahedralise(fine, "hollow")).sum() - volume) < 0.02 * volume);
+}
+
+TEST_CASE("shells that lie wrongly in each other are named", "[mesh]") {
+  const SurfaceMesh ball = sphere_surface({0, 0, 0}, 0.05, 2);
+  const SurfaceMesh nested = joined(ball, sphere_surface({0.01, 0, 0}, 0.025, 1));
+  CHECK_THROWS_WITH(tetrahedralise(nested, "nested.stl"),
+                    Contains("nested.stl: of 2 closed shells the one at (") &&
+                        Contains("faces outwards like it"));
+  const SurfaceMesh film = joined(ball, flipped(sphere_surface({0, 0, 0}, 0.05 - 1e-10, 2)));
+  CHECK_THROWS_WITH(tetrahedralise(film, "film.stl"), Contains("film.stl: two closed shells come"));
+}
+
+TEST_CASE("what TetGen gives up or crashes on is an error with a place", "[mesh][tetgen]") {
+  // A tetrahedron whose tip is a hundred million times its base away.
+  SurfaceMesh needle = box_surface({0, 0, 0}, {0.1, 0.1, 0.1});
+  needle.vertices.col(7) = Vector3d(1e7, 1e7, 1e7);
+  try {
+    const TetMesh mesh = tetrahedralise(needle, "needle.stl");
+    CHECK(tet_volumes(mesh).minCoeff() > 0.0);  // or it can
+  } catch (const Error& error) {
+    INFO(error.what());
+    CHECK_THAT(error.what(), Contains("needle.stl: "));
+  }
 }
 
 TEST_CASE("an inner edge makes tetrahedra larger inside and leaves the skin alone", "[mesh]") {

@@ -1,6 +1,7 @@
 #include "palpable/reduced/hdf5_tools.h"
 
 #include "palpable/base/fnv1a.h"
+#include "palpable/base/output_file.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -210,8 +211,9 @@ std::string all_bytes(const std::filesystem::path& path) {
   return bytes;
 }
 
-void write_durably(const std::filesystem::path& path, std::string_view bytes,
+void write_durably(const std::filesystem::path& output, std::string_view bytes,
                    const std::string& suffix) {
+  const std::filesystem::path path = behind_links(output);
   std::filesystem::path aside = path;
   aside += suffix;
   const int file = ::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);

@@ -164,8 +164,9 @@ class Image {
 [[nodiscard]] std::string all_bytes(const std::filesystem::path& path);
 
 /// Writes aside, syncs, and renames into place: a reader sees the old file or the whole new one.
-/// Aside is `path` with `suffix`; it is gone after any end but a killed process.
-void write_durably(const std::filesystem::path& path, std::string_view bytes,
+/// Aside is `output` with `suffix`; it is gone after any end but a killed process. A symbolic link
+/// stays one: what it stands for is replaced.
+void write_durably(const std::filesystem::path& output, std::string_view bytes,
                    const std::string& suffix = ".part");
 
 }  // namespace palpable::hdf5

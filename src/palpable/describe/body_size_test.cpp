@@ -1,0 +1,81 @@
+#include "palpable/describe/body_size.h"
+
+#include "palpable/base/error.h"
+#include "palpable/describe/body_mesh.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace palpable {
+namespace {
+
+using Catch::Matchers::Contains;
+using Eigen::Vector3d;
+
+// A pyramid with a square base as an OFF file.
+std::string pyramid(double width, double height) {
+  const std::string w = std::to_string(width);
+  return "OFF\n5 6 0\n0 0 0\n" + w + " 0 0\n" + w + " " + w + " 0\n0 " + w + " 0\n0 0 " +
+         std::to_string(height) + "\n3 0 2 1\n3 0 3 2\n3 0 1 4\n3 1 2 4\n3 2 3 4\n3 3 0 4\n";
+}
+
+BodyDescription described(const test::ScratchFolder& folder, const std::string& shape) {
+  return parse_body_description("name = 'p'\n[shape]\nsurface = 'p.off'\n" + shape +
+                                    "[material]\nyoung = '60 kPa'\npoisson = 0.4\n"
+                                    "[sites]\ncount = 1\n",
+                                folder.path() / "p.toml");
+}
+
+TEST_CASE("a size is said in metres or millimetres", "[describe][size]") {
+  CHECK(size_text({0.08, 0.0761, 0.06812}) == "80 x 76.1 x 68.1 mm");
+  CHECK(size_text({80, 76.1, 68.12}) == "80 x 76.1 x 68.1 m");
+}
+
+TEST_CASE("a body that nobody touches is warned of, with the unit that is likely",
+          "[describe][size]") {
+  const std::string write = "--unit {}";
+  for (const double usual : {0.003, 0.08, 3.0}) {
+    CHECK_FALSE(size_warning(Vector3d::Constant(usual), 1.0, write));
+  }
+  CHECK_THAT(size_warning({80, 76, 68}, 1.0, write).value(),
+             Contains("the body is 80 x 76 x 68 m, larger than 3 m: if lengths in its file are "
+                      "millimetres, write --unit mm"));
+  CHECK_THAT(size_warning({8e-5, 7e-5, 7e-5}, 1e-3, write).value(),
+             Contains("smaller than 3 mm") && Contains("metres, write --unit m"));
+  CHECK_THAT(size_warning({5, 4, 3}, std::nullopt, write).value(), Contains("height"));
+  CHECK_THAT(size_warning({1e9, 1, 1}, 1.0, write).value(), Contains("give its height"));
+}
+
+TEST_CASE("a forgotten unit is said with file and line before anything is meshed",
+          "[describe][size]") {
+  const test::ScratchFolder folder("body_size");
+  std::ofstream(folder.path() / "p.off") << pyramid(80, 60);
+  const BodyDescription metres = described(folder, "");
+  const Vector3d size = size_of_body(metres);
+  CHECK(size == Vector3d(80, 80, 60));
+  CHECK_THAT(size_warning(metres.shape, size).value(),
+             Contains("p.toml:2: [shape]: the body is 80 x 80 x 60 m") &&
+                 Contains("write unit = \"mm\" in [shape]"));
+  const BodyDescription millimetres = described(folder, "unit = 'mm'\n");
+  CHECK_FALSE(size_warning(millimetres.shape, size_of_body(millimetres)));
+  const BodyDescription scaled = described(folder, "height = '60 mm'\n");
+  CHECK_FALSE(size_warning(scaled.shape, size_of_body(scaled)));
+}
+
+TEST_CASE("a body of a kilometre or of a micron is refused", "[describe][size]") {
+  const test::ScratchFolder folder("impossible_size");
+  std::ofstream(folder.path() / "p.off") << pyramid(800, 600);
+  CHECK_THROWS_WITH(make_body_mesh(described(folder, "")),
+                    Contains("p.toml:2: [shape]: the body is 800 x 800 x 600 m; bodies are from "
+                             "0.1 mm to 100 m: if lengths in its file are millimetres, write "
+                             "unit = \"mm\" in [shape]"));
+  std::ofstream(folder.path() / "p.off") << pyramid(0.01, 0.01);
+  CHECK_THROWS_WITH(make_body_mesh(described(folder, "unit = 'mm'\n")),
+                    Contains("0.01 x 0.01 x 0.01 mm") && Contains("write unit = \"m\""));
+}
+
+}  // namespace
+}  // namespace palpable

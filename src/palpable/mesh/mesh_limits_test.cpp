@@ -1,0 +1,79 @@
+#include "palpable/mesh/mesh_limits.h"
+
+#include "palpable/base/error.h"
+#include "palpable/mesh/remesh.h"
+#include "palpable/mesh/tetrahedralise.h"
+#include "tests/support/meshes.h"
+#include "tests/support/test.h"
+
+#include <cmath>
+#include <string>
+
+namespace palpable {
+namespace {
+
+using Catch::Matchers::Contains;
+using Eigen::Vector3d;
+
+TEST_CASE("the number of nodes is known well enough before meshing", "[mesh][limits]") {
+  const SurfaceMesh ball = sphere_surface({0, 0, 0}, 0.05, 4);
+  const SurfaceMesh plate = box_surface({0, 0, 0}, {0.2, 0.1, 0.02});
+  for (const SurfaceMesh* surface : {&ball, &plate}) {
+    for (const double edge : {0.01, 0.006}) {
+      const SurfaceMesh fine = remesh_surface(*surface, edge, "test");
+      const int nodes = tetrahedralise(fine, "test").node_count();
+      const double guess = estimated_nodes(*surface, edge, edge);
+      INFO("edge " << edge << ": " << nodes << " nodes, estimated " << guess);
+      CHECK(guess > 0.8 * nodes);
+      CHECK(guess < 1.7 * nodes);  // a plate of three layers has few nodes inside
+    }
+  }
+}
+
+TEST_CASE("a mesh beyond memory is refused with the edge that would do", "[mesh][limits]") {
+  const SurfaceMesh ball = sphere_surface({0, 0, 0}, 0.04, 3);
+  CHECK_NOTHROW(require_meshable(ball, 0.002, 0.002, "ball"));
+  std::string said;
+  try {
+    require_meshable(ball, 1e-5, 1e-5, "ball.stl");
+  } catch (const Error& error) { said = error.what(); }
+  CHECK_THAT(said, Contains("ball.stl: edges of 1e-05 m make some 3.8e+11 nodes") ||
+                       Contains("ball.stl: edges of 1e-05 m make some 3.5e+11 nodes") ||
+                       Contains("ball.stl: edges of 1e-05 m make some 3.6e+11 nodes"));
+  const std::size_t at = said.find("an edge of ");
+  REQUIRE(at != std::string::npos);
+  const double would_do = std::stod(said.substr(at + 11));
+  CHECK_NOTHROW(require_meshable(ball, would_do, would_do, "ball"));
+  CHECK_THROWS_AS(require_meshable(ball, 0.9 * would_do, 0.9 * would_do, "ball"), Error);
+  CHECK_THROWS_WITH(remesh_surface(ball, 1e-5, "ball.stl"), Contains("would do"));
+}
+
+TEST_CASE("a solid that loses more than its facets explain is refused", "[mesh][limits]") {
+  const SurfaceMesh ball = sphere_surface({0, 0, 0}, 0.04, 4);
+  const double volume = enclosed_volume(ball);
+  CHECK_NOTHROW(require_same_volume(ball, 0.991 * volume, 0.0, "ball"));
+  CHECK_THROWS_WITH(require_same_volume(ball, 0.985 * volume, 0.0, "ball.stl"),
+                    Contains("ball.stl: encloses 0.000267") && Contains("try a shorter edge"));
+  CHECK_NOTHROW(require_same_volume(ball, 0.985 * volume, 0.008, "ball"));  // 0.5 / 25 more
+  // However coarse the edge, it does not explain a tenth of the body.
+  CHECK_THROWS_AS(require_same_volume(ball, 0.88 * volume, 10.0, "ball"), Error);
+  CHECK_THROWS_WITH(remesh_surface(ball, 10.0, "ball.stl"), Contains("ball.stl: "));
+  for (const double edge : {0.02, 0.01}) {  // what is asked for in earnest passes
+    INFO("edge " << edge);
+    CHECK_NOTHROW(remesh_surface(ball, edge, "ball"));
+  }
+}
+
+TEST_CASE("shells that nearly touch are refused with the place", "[mesh][limits]") {
+  const SurfaceMesh apart =
+      test::joined(box_surface({0, 0, 0}, {1, 1, 1}), box_surface({1.01, 0, 0}, {2, 1, 1}));
+  CHECK_NOTHROW(require_gaps(apart, "boxes"));
+  const SurfaceMesh near =
+      test::joined(box_surface({0, 0, 0}, {1, 1, 1}), box_surface({1 + 1e-9, 0, 0}, {2, 1, 1}));
+  CHECK_THROWS_WITH(
+      require_gaps(near, "boxes.stl"),
+      Contains("boxes.stl: two closed shells come within 1e-09 m of each other at (1"));
+}
+
+}  // namespace
+}  // namespace palpable
