@@ -99,6 +99,11 @@ void print_campaign(const FilledStore& filled) {
       "snapshots: {}, {} sites solved, {} were there; look at them with ParaView: "
       "{}/campaign.xdmf\n",
       folder, filled.campaign.solved, filled.campaign.reused, folder);
+  if (const auto& aside = filled.set_aside) {
+    fmt::print("{} held {} sites of another description: kept in {}{}\n", folder, aside->units,
+               aside->folder.string(),
+               aside->brought_back ? "; this description's own were brought back" : "");
+  }
   if (content.linear.empty()) return;
   fmt::print("linear responses of {} vertices: {} of {} files made now\n", content.linear.size(),
              filled.campaign.linear_solved, content.linear_file_count());

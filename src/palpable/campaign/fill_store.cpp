@@ -238,6 +238,8 @@ FilledStore fill_store(const BodyDescription& description, const FillSettings& s
   for (const Site& site : plan.linear) content.linear.push_back(site.vertex);
   if (!plan.linear.empty()) content.linear_key = linear_key(plan);
   std::optional<StageTimer> timer(std::in_place, wall, "campaign");
+  std::optional<SetAside> set_aside;
+  if (crew.leads()) set_aside = set_aside_other_campaign(settings.store, content);
   SnapshotStore store = crew.leads() ? SnapshotStore::create(settings.store, std::move(content))
                                      : SnapshotStore::attach(settings.store, std::move(content));
   try {
@@ -246,7 +248,7 @@ FilledStore fill_store(const BodyDescription& description, const FillSettings& s
         {.threads = settings.threads, .shard = settings.shard, .shards = settings.shards},
         progress);
     timer.reset();
-    return {std::move(store), std::move(campaign), wall};
+    return {std::move(store), std::move(campaign), wall, std::move(set_aside)};
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", description.source.string(), error.what()));
   }

@@ -6,11 +6,13 @@
 #include "palpable/base/stage_clock.h"
 #include "palpable/campaign/campaign.h"
 #include "palpable/campaign/crew.h"
+#include "palpable/campaign/set_aside.h"
 #include "palpable/campaign/snapshot_store.h"
 #include "palpable/describe/body_description.h"
 #include "palpable/describe/body_problem.h"
 
 #include <filesystem>
+#include <optional>
 
 namespace palpable {
 
@@ -30,6 +32,8 @@ struct FilledStore {
   SnapshotStore store;
   CampaignReport campaign;
   StageTimes wall;  ///< ms by the clock on the wall: mesh, campaign
+  /// Snapshots of another description that were in the folder; on the leader of the crew.
+  std::optional<SetAside> set_aside = {};
 };
 
 /// What is known of a body before anything is solved. Levels, keys, and where the snapshots come
@@ -37,7 +41,8 @@ struct FilledStore {
 [[nodiscard]] StoreContent content_of(const BodyDescription& description,
                                       const BodyProblem& problem);
 
-/// Meshes the body and solves its campaign into settings.store.
+/// Meshes the body and solves its campaign into settings.store; what is there of another campaign
+/// is set aside first.
 /// @pre settings.store is not empty
 /// @throws Error for everything in the world that is not as hoped: mesh, supports, loads, disk
 [[nodiscard]] FilledStore fill_store(const BodyDescription& description,

@@ -1,6 +1,7 @@
 #include "palpable/campaign/import_snapshots.h"
 
 #include "palpable/base/error.h"
+#include "palpable/campaign/set_aside.h"
 #include "palpable/base/nearest_word.h"
 #include "palpable/campaign/fill_store.h"
 #include "palpable/describe/body_problem.h"
@@ -530,6 +531,7 @@ SnapshotStore import_snapshots(const fs::path& folder, const ImportManifest& man
     show(u);
     keyed.keys.push_back(key_of(content.mesh, units.read(u), static_cast<int>(u)));
   }
+  set_aside_other_campaign(output, keyed);
   const SnapshotStore store = SnapshotStore::create(output, std::move(keyed));
   for (std::size_t u = 0; u < order.size(); ++u) {
     show(order.size() + u);

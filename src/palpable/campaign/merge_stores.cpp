@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/campaign/set_aside.h"
 
 #include <fmt/format.h>
 
@@ -25,6 +26,7 @@ SnapshotStore merge_stores(const std::vector<std::filesystem::path>& parts,
     }
     stores.push_back(std::move(store));
   }
+  set_aside_other_campaign(output, stores[0].content());
   SnapshotStore merged = SnapshotStore::create(output, stores[0].content());
   const int units = merged.content().unit_count();
   int missing = 0, first_missing = -1;

@@ -38,15 +38,6 @@ constexpr std::array kOutputs{
     "touch.mp4",           "depth",         "visible",        "body_depth",   "moving",
     "rectification.jsonl", kFigureNames[0], kFigureNames[1],  kFigureNames[2]};
 
-// Whether `path` is `folder` or something in it, links followed.
-bool lies_in(const fs::path& path, const fs::path& folder) {
-  std::error_code error;
-  const fs::path inner = fs::weakly_canonical(fs::absolute(path), error);
-  const fs::path outer = fs::weakly_canonical(fs::absolute(folder), error);
-  const fs::path relative = inner.lexically_relative(outer);
-  return !relative.empty() && *relative.begin() != "..";
-}
-
 }  // namespace
 
 std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,

@@ -1,0 +1,28 @@
+/// @file
+/// Snapshots of a description that was edited: they took hours, and nobody asked for their end.
+#pragma once
+
+#include "palpable/campaign/snapshot_store.h"
+
+#include <filesystem>
+#include <optional>
+
+namespace palpable {
+
+/// What happened to the snapshots that were there.
+struct SetAside {
+  std::filesystem::path folder;  ///< where they are now: NAME.snapshots.1a2b3c4d
+  int units = 0;                 ///< sites (at one point each) in it
+  int still_valid = 0;           ///< of them that hold for the new campaign, too, and stand in both
+  bool brought_back = false;     ///< the new campaign's own snapshots had been set aside earlier
+};
+
+/// Makes room for a campaign: where `folder` holds units that are none of its own, the folder is
+/// renamed by the hash of the campaign that they belong to. What was set aside for this very
+/// campaign earlier comes back; otherwise units that hold for both are linked into a new folder.
+/// @returns nothing where nothing had to move
+/// @throws Error when a folder cannot be renamed or a file cannot be linked
+std::optional<SetAside> set_aside_other_campaign(const std::filesystem::path& folder,
+                                                 const StoreContent& content);
+
+}  // namespace palpable

@@ -1,0 +1,92 @@
+#include "palpable/campaign/set_aside.h"
+
+#include "palpable/base/error.h"
+#include "tests/support/rubber_block.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What a campaign of three sites is about; its units are written without being solved.
+StoreContent campaign_of(const std::vector<std::uint64_t>& keys) {
+  const test::RubberBlock block(static_cast<int>(keys.size()));
+  StoreContent content;
+  content.name = "block";
+  content.mesh = block.mesh;
+  content.sites = block.sites;
+  content.levels = Eigen::VectorXd::LinSpaced(2, 0.0, 1.0);
+  content.fixed.assign(block.boundary.surface.vertex_count(), 0);
+  content.keys = keys;
+  return content;
+}
+
+void write_units(const SnapshotStore& store) {
+  const int N = store.content().mesh.node_count();
+  SiteSnapshots site;
+  site.full_load = 1.0;
+  site.press_depth = Eigen::VectorXd::LinSpaced(2, 0.0, 1e-3);
+  site.displacement = Eigen::MatrixXf::Constant(3 * N, 1, 1e-3f);
+  site.stress = Eigen::MatrixXf::Constant(6 * N, 1, 1.0f);
+  for (int u = 0; u < store.content().unit_count(); ++u) {
+    if (!store.has(u)) store.write(u, site, Eigen::Matrix3Xd::Zero(3, N));
+  }
+}
+
+int folders_in(const fs::path& folder) {
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) count += entry.is_directory();
+  return count;
+}
+
+TEST_CASE("snapshots of an edited description are set aside and come back", "[campaign][aside]") {
+  const test::ScratchFolder folder("set_aside");
+  const fs::path store = folder / "block.snapshots";
+  CHECK_FALSE(set_aside_other_campaign(store, campaign_of({1, 2, 3})));
+  write_units(SnapshotStore::create(store, campaign_of({1, 2, 3})));
+  CHECK_FALSE(set_aside_other_campaign(store, campaign_of({1, 2, 3})));
+  CHECK_FALSE(set_aside_other_campaign(store, campaign_of({1, 2, 3, 4})));  // nothing is lost
+
+  // Edited: of three sites, one still holds.
+  const auto moved = set_aside_other_campaign(store, campaign_of({1, 5, 6}));
+  REQUIRE(moved);
+  CHECK(moved->units == 3);
+  CHECK(moved->still_valid == 1);
+  CHECK_FALSE(moved->brought_back);
+  CHECK(moved->folder.string().starts_with(store.string() + "."));
+  const SnapshotStore aside = SnapshotStore::open(moved->folder);
+  for (const int u : {0, 1, 2}) CHECK(aside.has(u));
+  const SnapshotStore edited = SnapshotStore::create(store, campaign_of({1, 5, 6}));
+  CHECK(edited.has(0));
+  CHECK(edited.why_not(1) == "missing");
+  write_units(edited);
+  edited.finish();
+  for (const int u : {0, 1, 2}) CHECK(aside.has(u));  // a link is not written through
+
+  // Edited back: the first campaign's own come back, whole, and the second's are kept.
+  const auto back = set_aside_other_campaign(store, campaign_of({1, 2, 3}));
+  REQUIRE(back);
+  CHECK(back->brought_back);
+  const SnapshotStore first = SnapshotStore::create(store, campaign_of({1, 2, 3}));
+  for (const int u : {0, 1, 2}) CHECK(first.has(u));
+  const SnapshotStore second = SnapshotStore::open(back->folder);
+  for (const int u : {0, 1, 2}) CHECK(second.has(u));
+  CHECK(folders_in(folder.path()) == 2);
+}
+
+TEST_CASE("a campaign without a unit leaves nothing to set aside", "[campaign][aside]") {
+  const test::ScratchFolder folder("nothing_aside");
+  const fs::path store = folder / "block.snapshots";
+  (void)SnapshotStore::create(store, campaign_of({1, 2, 3}));
+  CHECK_FALSE(set_aside_other_campaign(store, campaign_of({4, 5, 6})));
+  CHECK(folders_in(folder.path()) == 1);
+}
+
+}  // namespace
+}  // namespace palpable
