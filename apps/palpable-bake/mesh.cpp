@@ -70,13 +70,14 @@ void mesh(const Options& options) {
   const Progress progress = bar.progress();
   if (options.edge) {
     require_meshable(surface, *options.edge, *options.edge, options.surface);
-    report(progress, {"meshing", 0.0, 2.0, "edges of one length"});
+    report(progress, {"meshing", 0.0, 1.0, "edges of one length"});
     surface = remesh_surface(surface, *options.edge, options.surface);
   }
-  report(progress, {"meshing", options.edge ? 1.0 : 0.0, options.edge ? 2.0 : 1.0, "tetrahedra"});
+  report(progress, {"meshing", 0.0, 1.0, "tetrahedra"});
   TetMesh volume = tetrahedralise(surface, options.surface);
   if (options.order == 2) volume = with_edge_nodes(volume);
   write_msh_file(options.output, volume);
+  report(progress, {"meshing", 1.0, 1.0, "written"});
   bar.finish();
   const TetQuality quality = quality_of(volume);
   fmt::print(

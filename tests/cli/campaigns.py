@@ -43,6 +43,23 @@ def start(programs, *words, cwd, limit=None):
                             stdin=subprocess.DEVNULL)
 
 
+@case("snapshots of an edited description are kept, and used again when it is edited back")
+def _(programs, folder):
+    description = base.write_bar(folder, BLOCK)
+    bake = ("bake", "bar.toml", "-o", "bar.palpable")
+    programs.succeeds(*bake, cwd=folder)
+    first = files_of(folder / "bar.snapshots")
+    description.write_text(BLOCK.replace("60 kPa", "70 kPa"))
+    edited = programs.succeeds(*bake, cwd=folder).stdout
+    kept = re.search(r"bar.snapshots held 6 sites of another description: kept in (\S+)", edited)
+    assert kept and "6 sites solved" in edited, edited
+    assert files_of(folder / kept[1]) == first
+    description.write_text(BLOCK)
+    back = programs.succeeds(*bake, cwd=folder).stdout
+    assert "0 sites solved, 6 were there" in back and "brought back" in back, back
+    assert files_of(folder / "bar.snapshots") == first
+
+
 @case("a bake that is killed again and again ends with the bytes of one that is not")
 def _(programs, folder):
     words = ("bake", "bar.toml", "-o", "bar.palpable", "--threads", "2")

@@ -256,6 +256,84 @@ def _(programs, folder):
         programs.refuses(*words, cwd=folder, says=["none"])
 
 
+def cube(low, high, inwards=False):
+    """Twelve triangles as lines of an ASCII STL."""
+    corners = [[(low, high)[i >> k & 1] for k in range(3)] for i in range(8)]
+    faces = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6),
+             (0, 6, 2), (1, 3, 7), (1, 7, 5)]
+    text = ""
+    for a, b, c in faces:
+        order = (a, c, b) if inwards else (a, b, c)
+        text += "facet normal 0 0 0\nouter loop\n"
+        text += "".join("vertex {} {} {}\n".format(*corners[i]) for i in order) + "endloop\nendfacet\n"
+    return text
+
+
+def write_stl(path, *shells):
+    path.write_text("solid s\n" + "".join(shells) + "endsolid s\n")
+
+
+@case("mesh keeps cavities, names shells that lie wrongly, and says the size first")
+def _(programs, folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    write_stl(folder / "hollow.stl", cube(0, 80), cube(20, 60, inwards=True))
+    write_stl(folder / "nested.stl", cube(0, 80), cube(20, 60))
+    result = programs.succeeds("mesh", "hollow.stl", "-o", "h.msh", "--unit", "mm", "--edge", "0.01", cwd=folder)
+    assert result.stdout.splitlines()[0] == "hollow.stl: 80 x 80 x 80 mm", result.stdout
+    volume = float(re.search(r"volume (\S+) m\^3", result.stdout)[1])
+    assert abs(volume - (0.08**3 - 0.04**3)) < 1e-3 * volume, volume
+    programs.refuses("mesh", "nested.stl", "-o", "n.msh", "--unit", "mm", cwd=folder,
+                     says=["nested.stl: of 2 closed shells", "faces outwards like it"])
+    metres = programs.succeeds("mesh", "hollow.stl", "-o", "m.msh", "--edge", "20", cwd=folder)
+    assert "larger than 3 m" in metres.stderr and "write --unit mm" in metres.stderr, metres.stderr
+
+
+@case("a mesh that would not fit, or would be another body, is refused")
+def _(programs, folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "ball.off").write_text(octahedron())
+    words = ("mesh", "ball.off", "-o", "b.msh", "--height", "0.08", "--edge")
+    programs.refuses(*words, "1e-5", cwd=folder, says=["ball.off: edges of 1e-05 m make some", "would do"])
+    programs.refuses(*words, "10", cwd=folder, says=["ball.off: "])
+    assert not (folder / "b.msh").exists()
+
+
+@case("an output that is an input, a folder or a device is refused before the work")
+def _(programs, folder):
+    description = write_ball(folder)
+    (folder / "dir").mkdir()
+    before = {path: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+    for output, says in (("ball.toml", "is read as input"), ("ball.off", "is read as input"), ("dir", "is a folder"),
+                         ("./dir/../ball.off", "is read as input"), ("/dev/null", "no ordinary file"),
+                         ("out/", "does not exist")):
+        for command in ("bake", "solve"):
+            programs.refuses(command, "ball.toml", "-o", output, cwd=folder, says=[says, output])
+    programs.refuses("mesh", "ball.off", "-o", "ball.off", cwd=folder, says=["is read as input"])
+    shutil.copy(programs.small_body(), folder / "b.palpable")
+    before[folder / "b.palpable"] = (folder / "b.palpable").read_bytes()
+    (folder / "link").symlink_to("b.palpable")
+    for output in ("b.palpable", "link"):
+        programs.refuses("export", "b.palpable", "--to", "xdmf", "-o", output, cwd=folder, says=["is read as input"])
+        programs.refuses("report", "b.palpable", "-o", output, cwd=folder, says=["b.palpable"])
+    for path, bytes_ in before.items():
+        assert path.read_bytes() == bytes_, path
+    assert description.exists()
+
+
+@case("a forgotten unit is said first, and a body of a kilometre is refused")
+def _(programs, folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    write_stl(folder / "part.stl", cube(0, 80))
+    text = BALL.replace("ball.off", "part.stl").replace('height = "100 mm"\n', "")
+    (folder / "part.toml").write_text(text)
+    result = programs.run("bake", "part.toml", "-o", "part.palpable", cwd=folder)
+    assert result.stdout.splitlines()[0] == "ball: 80 x 80 x 80 m", result.stdout
+    assert "part.toml:2: [shape]: the body is 80 x 80 x 80 m" in result.stderr, result.stderr
+    assert 'write unit = "mm" in [shape]' in result.stderr, result.stderr
+    write_stl(folder / "part.stl", cube(0, 800))
+    programs.refuses("bake", "part.toml", "-o", "part.palpable", cwd=folder, says=["100 m", 'unit = "mm"'])
+
+
 @case("a body whose mesh the set-up has not made yet names the command that makes it")
 def _(programs, folder):
     (folder / "bodies").mkdir(parents=True)
