@@ -4,7 +4,6 @@ import json
 import os
 import random
 import re
-import resource
 import shutil
 import signal
 import struct
@@ -32,17 +31,6 @@ def files_of(folder):
     return {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
 
 
-def start(programs, *words, cwd, limit=None):
-    def prepare():
-        if limit is not None:
-            # Writing beyond the limit fails as on a full disk, instead of a signal.
-            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
-    return subprocess.Popen([programs.palpable, *map(str, words)], cwd=cwd, preexec_fn=prepare,
-                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                            stdin=subprocess.DEVNULL)
-
-
 @case("a bake that is killed again and again ends with the bytes of one that is not")
 def _(programs, folder):
     words = ("bake", "bar.toml", "-o", "bar.palpable", "--threads", "2")
@@ -60,7 +48,7 @@ def _(programs, folder):
 
     for attempt in range(10):
         before = sites()
-        process = start(programs, *words, cwd=folder / "killed")
+        process = programs.start(*words, cwd=folder / "killed")
         if attempt % 2 == 0:
             time.sleep(dice.uniform(0.0, 0.5) * wall)
         else:  # while sites are finishing
@@ -93,7 +81,7 @@ def _(programs, folder):
     before = files_of(folder / "full/bar.snapshots")
     assert any(name.startswith("site_") for name in before)
     limit = len(whole["site_0000.h5"]) // 2
-    process = start(programs, *words, cwd=folder / "full", limit=limit)
+    process = programs.start(*words, cwd=folder / "full", limit=limit)
     error = process.communicate(timeout=200)[1]
     said = [line for line in error.splitlines() if line.startswith("palpable: ")]
     assert process.returncode == 1 and len(said) == 1, error
