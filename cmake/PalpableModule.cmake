@@ -1,7 +1,7 @@
 # The threads build instruments the modules whose threads are tested there, those whose data go from
 # one thread to another (a frame is seen on one and answered on another), and the tests. All else is
 # compiled with release's own options, so that ccache has it already. Not watched: live_writer (its
-# thread hands frames to OpenCV's encoder), clip_writer (two threads that film, in an OpenGL driver
+# thread hands frames to FFmpeg's encoder), clip_writer (two threads that film, in an OpenGL driver
 # that is not built for it) and ranks (MPI).
 set(PALPABLE_MODULES_WITH_THREADS bake campaign depth live map session slam solid sources stereo track)
 function(palpable_sanitize_threads target)

@@ -14,6 +14,9 @@ pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5)  # BSD-like: body files, s
 # Apache-2.0: images, rectification, block matching, features, video. Its video module brings
 # Debian's ffmpeg, a GPL build (docs/licences.md).
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs calib3d features2d videoio)
+# LGPL-2.1+ as it is published, a GPL build in Debian, and that one already in the program through
+# OpenCV's video module: films that survive a crash and a full disk (docs/decisions/films.md).
+pkg_check_modules(ffmpeg REQUIRED IMPORTED_TARGET libavformat libavcodec libswscale libavutil)
 # Apache-2.0 or BSD: vector instructions chosen at run time, matcher, map, evaluation of modes.
 pkg_check_modules(hwy REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)  # MIT: GL entry points

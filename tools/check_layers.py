@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 # How a third party's headers look -> its name in the table.
 THIRD_PARTIES = {
-    r"Eigen/": "Eigen", r"fmt/": "fmt", r"opencv2/": "OpenCV", r"hdf5\.h$": "HDF5", r"pugixml\.hpp$": "pugixml",
+    r"Eigen/": "Eigen", r"fmt/": "fmt", r"opencv2/": "OpenCV", r"lib(av\w+|swscale)/": "FFmpeg", r"hdf5\.h$": "HDF5", r"pugixml\.hpp$": "pugixml",
     r"epoxy/": "epoxy", r"EGL/": "EGL", r"GLFW/": "GLFW", r"X11/": "X11", r"imgui": "imgui", r"png\.h$": "libpng",
     r"nlohmann/": "nlohmann-json", r"toml\+\+/": "tomlplusplus", r"CGAL/": "CGAL",
     r"tetgen\.h$": "TetGen", r"cholmod\.h$": "CHOLMOD", r"cblas\.h$": "OpenBLAS", r"catch2/": "Catch2", r"CLI/": "CLI11",

@@ -70,7 +70,8 @@ void print_error(std::string_view message) {
     }
   }
   while (line.ends_with("; ")) line.resize(line.size() - 2);
-  fmt::print(stderr, "palpable: {}\n", line);
+  // Not fmt::print, which throws where the terminal was closed.
+  std::fputs(fmt::format("palpable: {}\n", line).c_str(), stderr);
 }
 
 Option Option::required() { return Option(option_->required()); }

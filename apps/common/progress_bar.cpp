@@ -57,12 +57,22 @@ ProgressBar::~ProgressBar() { finish(); }
 void ProgressBar::finish() {
   if (task_.empty()) return;
   if (terminal_) {
-    fmt::print(stream_, "\r{}\x1b[K\n", last_line_);
+    print(fmt::format("\r{}\x1b[K\n", last_line_));
   } else if (!shown_last_) {
-    fmt::print(stream_, "{}\n", last_line_);
+    print(last_line_ + "\n");
   }
-  std::fflush(stream_);
   task_.clear();
+}
+
+void ProgressBar::say(std::string_view line) {
+  finish();
+  print(fmt::format("{}\n", line));
+}
+
+// Not fmt::print, which throws: a terminal that was closed is no reason to lose the work.
+void ProgressBar::print(const std::string& text) {
+  std::fputs(text.c_str(), stream_);
+  std::fflush(stream_);
 }
 
 void ProgressBar::show(const ProgressReport& report) {
@@ -80,12 +90,7 @@ void ProgressBar::show(const ProgressReport& report) {
   if (seconds(now - drawn_) < (terminal_ ? kRedrawSeconds : kLogSeconds)) return;
   drawn_ = now;
   shown_last_ = true;
-  if (terminal_) {
-    fmt::print(stream_, "\r{}\x1b[K", last_line_);
-  } else {
-    fmt::print(stream_, "{}\n", last_line_);
-  }
-  std::fflush(stream_);
+  print(terminal_ ? fmt::format("\r{}\x1b[K", last_line_) : last_line_ + "\n");
 }
 
 }  // namespace palpable::app

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdio>
 #include <string>
+#include <string_view>
 
 namespace palpable::app {
 
@@ -17,6 +18,7 @@ namespace palpable::app {
 ///     bake_body(description, settings, bar.progress());
 ///
 /// The destructor ends an open bar's line, so what is printed next starts on a line of its own.
+/// Where nothing can be printed, on a terminal that was closed, the work goes on without a word.
 class ProgressBar {
  public:
   /// @param stream    where to draw; stderr, unless a test looks at it
@@ -30,6 +32,8 @@ class ProgressBar {
   void show(const ProgressReport& report);
   /// Ends an open bar's line, as the destructor does.
   void finish();
+  /// A line of its own, for what is not progress; an open bar's line ends before it.
+  void say(std::string_view line);
 
   /// A function that shows reports here; valid as long as this object.
   [[nodiscard]] Progress progress() {
@@ -38,6 +42,8 @@ class ProgressBar {
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  void print(const std::string& text);
 
   std::FILE* stream_;
   bool terminal_;

@@ -44,6 +44,20 @@ TEST_CASE("the time left follows from the part that is done", "[apps][progress]"
   CHECK_THAT(progress_line({"solving", 12, 12, ""}, 30.0, 8), Contains("100 %  30 s"));
 }
 
+TEST_CASE("a bar on a terminal that was closed does not stop the work", "[apps][progress]") {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> full(std::fopen("/dev/full", "w"),
+                                                             &std::fclose);
+  std::setvbuf(full.get(), nullptr, _IONBF, 0);  // as stderr has none
+  const auto work = [&](bool terminal) {
+    ProgressBar bar(full.get(), terminal);
+    for (int i = 0; i <= 5; ++i) bar.show({"first", double(i), 5, ""});
+    bar.say("the camera is gone");
+    bar.show({"second", 0, 3, ""});
+  };
+  CHECK_NOTHROW(work(true));
+  CHECK_NOTHROW(work(false));
+}
+
 TEST_CASE("what an earlier run did says nothing about the time left of this one",
           "[apps][progress]") {
   // Half was there, a quarter more took 30 s: the last quarter takes as long.
@@ -57,6 +71,11 @@ TEST_CASE("a log gets one line for a short task, a terminal the same line redraw
     for (int i = 0; i <= 50; ++i) bar.show({"first", double(i), 50, ""});
     bar.show({"second", 0, 3, ""});
   };
+  const auto talk = [](ProgressBar& bar) {
+    bar.show({"first", 1, 2, ""});
+    bar.say("the camera is gone");
+  };
+  CHECK_THAT(printed(true, talk), Contains("\x1b[K\nthe camera is gone\n"));
   const std::string log = printed(false, work);
   CHECK(std::count(log.begin(), log.end(), '\n') == 2);
   CHECK_THAT(log, Contains("first") && Contains("100 %") && Contains("second") && !Contains("\r"));

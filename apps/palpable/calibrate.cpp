@@ -36,7 +36,7 @@ struct Options {
 // A bar, and the source's troubles on stderr.
 std::function<void(const BoardSearchStep&)> shown_by(ProgressBar& bar) {
   return [&bar](const BoardSearchStep& step) {
-    for (const std::string& line : step.reports) fmt::print(stderr, "{}\n", line);
+    for (const std::string& line : step.reports) bar.say(line);
     if (!step.searched) return;
     bar.show({step.is_live ? "show the board, tilted to all sides" : "boards",
               static_cast<double>(step.done), static_cast<double>(step.total),

@@ -18,6 +18,9 @@ void listen_for_ctrl_c() {
       std::signal(which, SIG_DFL);
     });
   }
+  if (std::signal(SIGHUP, [](int) { interrupted = true; }) == SIG_IGN) {
+    std::signal(SIGHUP, SIG_IGN);
+  }
 }
 
 bool asked_to_end() { return interrupted; }

@@ -7,6 +7,7 @@
 #include "apps/palpable/ctrl_c.h"
 #include "apps/palpable/live_setup.h"
 #include "palpable/base/error.h"
+#include "palpable/base/folder_lock.h"
 #include "palpable/live/live_loop.h"
 #include "palpable/live_writer/live_output.h"
 #include "palpable/live_writer/live_summary.h"
@@ -88,10 +89,7 @@ std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, 
                                                         const BeginOutput& begin_output) {
   const Session& session = run.loop.session;
   ProgressBar bar;
-  LiveLoop loop(run, options.live.frames, [&](const std::string& line) {
-    bar.finish();
-    fmt::print(stderr, "{}\n", line);
-  });
+  LiveLoop loop(run, options.live.frames, [&](const std::string& line) { bar.say(line); });
   std::unique_ptr<LiveOutput> output;
   while (!loop.ended() && !painter.ended() && !asked_to_end()) {
     Scene* scene = loop.next_within(FrameSource::kLongestWait);
@@ -123,6 +121,7 @@ void live(const Options& options) {
     throw Error("--pictures are what the camera sees: leave out --view map");
   }
   if (options.out.empty()) throw Error("--out: names no folder");
+  const FolderLock lock(options.out);
   const SourceOptions& input = wanted.input;
   const std::vector<fs::path> earlier =
       earlier_run(options.out, options.overwrite,

@@ -91,10 +91,7 @@ RoomScan scan_source(const ScanOptions& options, const std::vector<StampedPose>&
   };
   ProgressBar bar;
   RoomScan scanned = scan_room(open, settings, [&](const RoomScanStep& step) {
-    for (const std::string& line : step.reports) {
-      bar.finish();
-      fmt::print(stderr, "{}\n", line);
-    }
+    for (const std::string& line : step.reports) bar.say(line);
     if (step.total > 0) {
       bar.show({step.again ? "scan, along the way as corrected" : "scan",
                 static_cast<double>(step.read), static_cast<double>(step.total),

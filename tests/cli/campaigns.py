@@ -4,7 +4,6 @@ import json
 import os
 import random
 import re
-import resource
 import shutil
 import signal
 import struct
@@ -77,7 +76,7 @@ def _(programs, folder):
 
     for attempt in range(10):
         before = sites()
-        process = start(programs, *words, cwd=folder / "killed")
+        process = programs.start(*words, cwd=folder / "killed")
         if attempt % 2 == 0:
             time.sleep(dice.uniform(0.0, 0.5) * wall)
         else:  # while sites are finishing
@@ -110,7 +109,7 @@ def _(programs, folder):
     before = files_of(folder / "full/bar.snapshots")
     assert any(name.startswith("site_") for name in before)
     limit = len(whole["site_0000.h5"]) // 2
-    process = start(programs, *words, cwd=folder / "full", limit=limit)
+    process = programs.start(*words, cwd=folder / "full", limit=limit)
     error = process.communicate(timeout=200)[1]
     said = [line for line in error.splitlines() if line.startswith("palpable: ")]
     assert process.returncode == 1 and len(said) == 1, error

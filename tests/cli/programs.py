@@ -10,7 +10,9 @@ import html.parser
 import json
 import os
 import re
+import resource
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -42,6 +44,18 @@ class Programs:
     def run(self, *words, cwd=None, timeout=280):
         return subprocess.run([self.palpable, *map(str, words)], capture_output=True, text=True,
                               cwd=cwd, timeout=timeout, stdin=subprocess.DEVNULL)
+
+    def start(self, *words, limit=None, before=None, **options):
+        """Does not wait for its end. limit: no file grows beyond so many bytes; before: called in its process."""
+        def prepare():
+            if limit is not None:
+                # Writing beyond the limit fails as on a full disk, instead of a signal.
+                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+                resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+            if before is not None:
+                before()
+        streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "stdin": subprocess.DEVNULL} | options
+        return subprocess.Popen([self.palpable, *map(str, words)], preexec_fn=prepare, text=True, **streams)
 
     def succeeds(self, *words, **options):
         result = self.run(*words, **options)

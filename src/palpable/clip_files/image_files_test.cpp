@@ -5,11 +5,13 @@
 #include "palpable/clip_files/jpeg_file.h"
 #include "palpable/clip_files/mask_image_file.h"
 #include "palpable/sources/image_file.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <string>
 
@@ -17,6 +19,7 @@ namespace palpable {
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+namespace fs = std::filesystem;
 using test::ScratchFolder;
 
 /// 0.2 m to 15 m, with a hole.
@@ -120,6 +123,22 @@ TEST_CASE("images that are none are refused by name", "[clip_files][errors]") {
   CHECK_THROWS_WITH(read_depth_counts(folder / "m.png"),
                     Catch::Contains("m.png is not a 16-bit gray image"));
   CHECK_THROWS_AS(write_mask(folder / "nowhere/m.png", MaskImage(3, 2, 255)), Error);
+}
+
+TEST_CASE("no image fails in silence, however small, and half of one does not stay",
+          "[clip_files][errors]") {
+  const ScratchFolder folder("clip_files");
+  const auto full = Catch::EndsWith("i.png: cannot be written: No space left on device");
+  fs::create_symlink("/dev/full", folder / "i.png");
+  CHECK_THROWS_WITH(write_mask(folder / "i.png", MaskImage(3, 2, 255)), full);
+  CHECK_THROWS_WITH(write_body_depth(folder / "i.png", some_depth()), full);
+  fs::create_symlink("/dev/full", folder / "i.jpg");
+  CHECK_THROWS_WITH(write_jpeg(folder / "i.jpg", ColorImage(8, 8)),
+                    Catch::EndsWith("i.jpg: cannot be written: No space left on device"));
+  const test::FileSizeLimit limit(100);
+  CHECK_THROWS_WITH(write_true_depth(folder / "d.png", some_depth()),
+                    Catch::EndsWith("d.png: cannot be written: File too large"));
+  CHECK_FALSE(fs::exists(folder / "d.png"));
 }
 
 TEST_CASE("a picture that went through JPEG is what a reader of its file gets", "[clip_files]") {

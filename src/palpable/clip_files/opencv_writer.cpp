@@ -1,6 +1,7 @@
 #include "palpable/clip_files/opencv_writer.h"
 
 #include "palpable/base/error.h"
+#include "palpable/base/growing_file.h"
 
 #include <fmt/core.h>
 #include <opencv2/imgcodecs.hpp>
@@ -15,13 +16,17 @@ std::vector<int> png_of_repetitions() { return {cv::IMWRITE_PNG_COMPRESSION, 1};
 
 void write_image(const std::filesystem::path& path, const cv::Mat& image,
                  const std::vector<int>& settings) {
-  bool written = false;
+  // Not cv::imwrite, which does not look whether its file could be closed: of a picture of less
+  // than a block nothing else would tell that the disk is full.
+  std::vector<unsigned char> bytes;
+  bool encoded = false;
   try {
-    written = cv::imwrite(path.string(), image, settings);
+    encoded = cv::imencode(path.extension().string(), image, bytes, settings);
   } catch (const cv::Exception& error) {
     throw Error(fmt::format("{}: {}", path.string(), error.err));
   }
-  if (!written) throw Error(fmt::format("{}: cannot be written (disk full?)", path.string()));
+  if (!encoded) throw Error(fmt::format("{}: cannot be encoded", path.string()));
+  write_whole_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace palpable

@@ -15,8 +15,10 @@ namespace palpable {
 /// PNG, level 1, zlib's own search. What a truth is written with.
 [[nodiscard]] std::vector<int> png_of_repetitions();
 
-/// @param settings  as cv::imwrite wants them
-/// @throws Error naming the file when it cannot be written
+/// @param path      its ending says the format
+/// @param settings  as cv::imencode wants them
+/// @throws Error naming the file when it cannot be written, with the reason; half of an image does
+/// not stay
 void write_image(const std::filesystem::path& path, const cv::Mat& image,
                  const std::vector<int>& settings);
 

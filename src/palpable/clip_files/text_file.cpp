@@ -4,19 +4,37 @@
 
 #include <fmt/core.h>
 
+#include <cstddef>
+#include <fstream>
 #include <utility>
 
 namespace palpable {
 
-TextFile::TextFile(std::filesystem::path path) : path_(std::move(path)), stream_(path_) {
-  if (!stream_) throw Error(fmt::format("{}: cannot be written", path_.string()));
+namespace {
+
+constexpr std::size_t kMostKept = 1 << 16;  // bytes
+
+}  // namespace
+
+TextFile::~TextFile() {
+  try {
+    flush();
+  } catch (const Error&) {  // nobody asked; the lines before are there
+  }
 }
 
-void TextFile::write(std::string_view text) { stream_ << text; }
+void TextFile::write(std::string_view lines) {
+  kept_ += lines;
+  if (kept_.size() > kMostKept) flush();
+}
+
+void TextFile::flush() {
+  if (!kept_.empty()) file_.append(std::exchange(kept_, {}));
+}
 
 void TextFile::close() {
-  stream_.close();
-  if (!stream_) throw Error(fmt::format("{}: cannot be written (disk full?)", path_.string()));
+  flush();
+  file_.close();
 }
 
 void for_each_line(const std::filesystem::path& path,

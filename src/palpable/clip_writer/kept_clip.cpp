@@ -2,6 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/base/fnv1a.h"
+#include "palpable/base/output_file.h"
 #include "palpable/clip_writer/sequence_folder.h"
 
 #include <fmt/core.h>
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <string_view>
 #include <system_error>
 
 namespace palpable {
@@ -17,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kSeed = 1;
+constexpr std::string_view kOurs = "palpable";  // how made_for.txt begins
 
 // In pieces: a body with its inside may have hundreds of MB.
 std::uint64_t hash_of_file(const fs::path& path) {
@@ -35,24 +38,35 @@ std::string bytes_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
+// Empties the folder of an earlier clip, whole or not, and leaves a label that says so: whenever
+// this or the filming is interrupted, the folder is known as a clip's. @param found  its label
+void clear(const fs::path& folder, const fs::path& label_file, const std::string& found) {
+  std::error_code error;
+  const bool is_clip = fs::exists(label_file, error) && (found.empty() || found.starts_with(kOurs));
+  if (fs::exists(folder, error) && !fs::is_empty(folder, error) && !is_clip) {
+    throw Error(fmt::format("{}: is in the way of the synthetic clip; move it away or remove it",
+                            folder.string()));
+  }
+  make_folder(folder);
+  write_text_file(label_file, fmt::format("{} is filming\n", kOurs));
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path() != label_file) fs::remove_all(entry.path(), error);
+  }
+}
+
 }  // namespace
 
 fs::path kept_clip(const ReducedBody& body, const KeptClipOrder& order, const Progress& progress) {
   const std::string label =
-      fmt::format("palpable {} demo {} frames seed {} body {:016x}\n", order.version, order.frames,
+      fmt::format("{} {} demo {} frames seed {} body {:016x}\n", kOurs, order.version, order.frames,
                   kSeed, hash_of_file(order.body_file));
   const fs::path label_file = order.folder / "made_for.txt";
   const std::string found = bytes_of(label_file);
   if (found != label) {
-    std::error_code error;
-    if (fs::exists(order.folder) && !fs::is_empty(order.folder) && found.empty()) {
-      throw Error(fmt::format("{}: is in the way of the synthetic clip; move it away or remove it",
-                              order.folder.string()));
-    }
-    fs::remove_all(order.folder, error);
+    clear(order.folder, label_file, found);
     write_sequence(body, {"demo", order.frames, kSeed, order.body_file.filename().string()},
                    order.folder, progress);
-    std::ofstream(label_file) << label;
+    write_text_file(label_file, label);
   }
   return order.folder / "frames";
 }

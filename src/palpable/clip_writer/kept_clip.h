@@ -17,8 +17,9 @@ struct KeptClipOrder {
   int frames = 300;
 };
 
-/// The sequence "demo", seed 1. The file made_for.txt, written last, says what a folder
-/// was filmed for, and that it is whole; a folder of another body or version is filmed again.
+/// The sequence "demo", seed 1. The file made_for.txt says what a folder was filmed for, and that
+/// it is whole: until it is, made_for.txt says that it is being filmed. A folder whose filming was
+/// interrupted, or one of another body or version, is filmed again.
 /// @return the folder of the images
 /// @throws Error when the folder holds something else, or as write_sequence()
 [[nodiscard]] std::filesystem::path kept_clip(const ReducedBody& body, const KeptClipOrder& order,

@@ -34,10 +34,34 @@ TEST_CASE("the clip of a live run is filmed once for a body, and anew for anothe
   (void)kept_clip(body, order, {});
   CHECK(fs::exists(picture));
 
-  // A clip whose filming was interrupted has no label and is in the way, as anything else is.
+  // What has no label of a clip is in the way.
   fs::remove(order.folder / "made_for.txt");
   CHECK_THROWS_WITH(kept_clip(body, order, {}), Catch::Contains("in the way"));
+  std::ofstream(order.folder / "made_for.txt") << "a friend\n";
+  CHECK_THROWS_WITH(kept_clip(body, order, {}), Catch::Contains("in the way"));
   CHECK(fs::exists(picture));
+}
+
+TEST_CASE("a clip whose filming was interrupted is filmed again", "[clip_writer][gl]") {
+  if (!GlContext::offscreen().ok()) PALPABLE_SKIP("no OpenGL 4.5 context here");
+  const test::ScratchFolder scratch("kept_clip_half");
+  const fs::path file = "tests/data/ball_v1.palpable";
+  const ReducedBody body = value_or_throw(read_pressable_body(file));
+  const KeptClipOrder order{scratch.path() / "clip", file, "1.0", 3};
+  const fs::path last = order.folder / "frames" / "left" / "000002.jpg";
+  const auto interrupt = [](const ProgressReport& step) {
+    if (step.done >= 1) throw Error("enough");
+  };
+  CHECK_THROWS_WITH(kept_clip(body, order, interrupt), "enough");
+  CHECK(fs::exists(order.folder / "frames"));
+  fs::remove(last);  // whether it was filmed already, nobody promises
+  CHECK(fs::exists(kept_clip(body, order, {}) / "left" / "000002.jpg"));
+
+  // The disk was full when the label was to be written.
+  std::ofstream(order.folder / "made_for.txt").close();
+  fs::remove(last);
+  (void)kept_clip(body, order, {});
+  CHECK(fs::exists(last));
 }
 
 }  // namespace

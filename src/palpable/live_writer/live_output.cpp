@@ -13,9 +13,6 @@
 #include "palpable/render/picture_file.h"
 
 #include <fmt/core.h>
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -31,12 +28,13 @@ constexpr std::size_t kInFlight = 4;
 constexpr double kDefaultRate = 30;  // of a clip of one frame
 constexpr std::array kStages{"read",       "rectify", "disparity", "depth", "map",  "track",
                              "background", "contact", "evaluate",  "draw",  "write"};
+constexpr std::chrono::seconds kFlushEvery(1);
 constexpr std::array kFigureNames{"hand_nearer.png", "body_nearer.png", "touch.png"};
 // All that a run may leave in its folder, timing.csv first: every run begins with it.
 constexpr std::array kOutputs{
-    "timing.csv",          "touches.jsonl", "trajectory.txt", "pose.jsonl",   "live.json",
-    "touch.mp4",           "depth",         "visible",        "body_depth",   "moving",
-    "rectification.jsonl", kFigureNames[0], kFigureNames[1],  kFigureNames[2]};
+    "timing.csv",          "touches.jsonl", "trajectory.txt", "pose.jsonl",    "live.json",
+    "touch.mp4",           "depth",         "visible",        "body_depth",    "moving",
+    "rectification.jsonl", kFigureNames[0], kFigureNames[1],  kFigureNames[2], "touch.mp4.part"};
 
 }  // namespace
 
@@ -44,8 +42,8 @@ std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
                                   const std::vector<fs::path>& needed) {
   std::vector<fs::path> there;
   for (const char* name : kOutputs) {
-    std::error_code ignored;
-    if (fs::exists(folder / name, ignored)) there.push_back(folder / name);
+    std::error_code ignored;  // a link that leads nowhere is something, too
+    if (fs::exists(fs::symlink_status(folder / name, ignored))) there.push_back(folder / name);
   }
   if (there.empty()) return there;
   // A folder depth/ alone is somebody's data.
@@ -72,11 +70,12 @@ std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
 }
 
 void remove_earlier_run(const std::vector<fs::path>& there) {
-  for (const fs::path& path : there) {
+  // timing.csv, by which a run is known as one, last: who is interrupted can do it again.
+  for (auto path = there.rbegin(); path != there.rend(); ++path) {
     std::error_code error;
-    fs::remove_all(path, error);
+    fs::remove_all(*path, error);
     if (error) {
-      throw Error(fmt::format("{}: cannot be removed: {}", path.string(), error.message()));
+      throw Error(fmt::format("{}: cannot be removed: {}", path->string(), error.message()));
     }
   }
 }
@@ -90,6 +89,10 @@ LiveOutput::Texts::Texts(const fs::path& folder)
   trajectory.write(kTrajectoryRemark);
 }
 
+void LiveOutput::Texts::flush() {
+  for (TextFile* file : {&timing, &touches, &trajectory, &poses, &corrections}) file->flush();
+}
+
 void LiveOutput::Texts::close() {
   for (TextFile* file : {&timing, &touches, &trajectory, &poses, &corrections}) file->close();
 }
@@ -98,13 +101,13 @@ LiveOutput::LiveOutput(const LiveOutputSettings& settings)
     : settings_(settings), ready_(kInFlight), free_(kInFlight) {
   const fs::path& folder = settings_.folder;
   make_folder(folder);
+  texts_.emplace(folder);  // first: what has no timing.csv is taken for somebody else's
   if (settings_.depth) make_folder(folder / "depth");
   if (settings_.masks) {
     make_folder(folder / "visible");
     make_folder(folder / "body_depth");
     make_folder(folder / "moving");
   }
-  texts_.emplace(folder);
   for (const char* stage : kStages) times_.emplace_back(stage, std::vector<double>());
   times_.emplace_back("total", std::vector<double>());
   std::vector<std::string> stages;
@@ -145,9 +148,14 @@ void LiveOutput::rethrow() {
 
 void LiveOutput::run() {
   try {
-    while (std::optional<std::unique_ptr<DrawnFrame>> frame = ready_.pop()) {
-      write_frame(**frame);
-      free_.push(std::move(*frame));
+    flush();
+    while (!ready_.drained()) {
+      // Also while the source stalls: what came before is not to wait for its return.
+      if (std::optional<std::unique_ptr<DrawnFrame>> frame = ready_.pop_within(kFlushEvery)) {
+        write_frame(**frame);
+        free_.push(std::move(*frame));
+      }
+      if (std::chrono::steady_clock::now() - flushed_ >= kFlushEvery) flush();
     }
     end_files();
   } catch (...) {
@@ -215,27 +223,16 @@ void LiveOutput::write_masks(const DrawnFrame& frame) {
   if (!moving.empty()) write_mask(settings_.folder / "moving" / name, moving);
 }
 
-void LiveOutput::open_video(const ColorImage& picture, double frames_per_second) {
-  const std::string path = (settings_.folder / "touch.mp4").string();
-  // Chroma is halved in every direction: an odd last column or row is left out.
-  const cv::Size size(picture.width() / 2 * 2, picture.height() / 2 * 2);
-  for (const char* codec : {"avc1", "mp4v"}) {
-    video_ = std::make_unique<cv::VideoWriter>(
-        path, cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]), frames_per_second,
-        size);
-    if (video_->isOpened()) {
-      codec_ = codec;
-      return;
-    }
-  }
-  throw Error(fmt::format("{}: no video can be written here (neither H.264 nor MPEG-4)", path));
+void LiveOutput::flush() {
+  texts_->flush();
+  if (video_) video_->flush();
+  flushed_ = std::chrono::steady_clock::now();
 }
 
-void LiveOutput::append(const ColorImage& picture) {
-  const cv::Mat rgb(picture.height(), picture.width(), CV_8UC3, const_cast<Rgb*>(picture.data()));
-  cv::Mat bgr;
-  cv::cvtColor(rgb(cv::Rect(0, 0, rgb.cols / 2 * 2, rgb.rows / 2 * 2)), bgr, cv::COLOR_RGB2BGR);
-  video_->write(bgr);
+void LiveOutput::open_video(const ColorImage& picture, double frames_per_second) {
+  video_ = std::make_unique<VideoFileWriter>(settings_.folder / "touch.mp4", picture.width(),
+                                             picture.height(), frames_per_second);
+  codec_ = video_->codec();
 }
 
 void LiveOutput::write_video(const DrawnFrame& frame) {
@@ -248,9 +245,9 @@ void LiveOutput::write_video(const DrawnFrame& frame) {
   if (written_ == 2) {
     const double step = frame.scene.time - first_time_;
     open_video(frame.picture, step > 1e-3 ? std::clamp(1 / step, 1.0, 240.0) : kDefaultRate);
-    append(first_picture_);
+    video_->append(first_picture_);
   }
-  append(frame.picture);
+  video_->append(frame.picture);
 }
 
 void LiveOutput::keep_if_best(const DrawnFrame& frame) {
@@ -267,9 +264,9 @@ void LiveOutput::keep_if_best(const DrawnFrame& frame) {
 void LiveOutput::end_files() {
   if (written_ == 1) {
     open_video(first_picture_, kDefaultRate);
-    append(first_picture_);
+    video_->append(first_picture_);
   }
-  video_.reset();
+  if (video_) video_->close();
   texts_->close();
   for (std::size_t i = 0; i < best_.size(); ++i) {
     if (best_score_[i] <= 0) continue;

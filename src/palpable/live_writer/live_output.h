@@ -1,8 +1,9 @@
 /// @file
 /// The files that a live run leaves behind, written on a thread of their own. clip_files has the
-/// formats, in the header that is named here.
+/// formats, in the header that is named here. Once a second all of them go to the disk: a run that
+/// is killed leaves files that can be read, up to its last second or two.
 ///
-///   touch.mp4                 the pictures
+///   touch.mp4                 the pictures (video_file_writer.h)
 ///   timing.csv                ms per stage per frame (timing_file.h)
 ///   touches.jsonl             where the body is pressed (touches_file.h)
 ///   trajectory.txt            where the camera was (trajectory_file.h)
@@ -18,9 +19,11 @@
 #include "palpable/clip_files/text_file.h"
 #include "palpable/geometry/image.h"
 #include "palpable/live/bounded_queue.h"
+#include "palpable/live_writer/video_file_writer.h"
 #include "palpable/view/drawn_frame.h"
 
 #include <array>
+#include <chrono>
 #include <exception>
 #include <filesystem>
 #include <memory>
@@ -28,10 +31,6 @@
 #include <string>
 #include <thread>
 #include <vector>
-
-namespace cv {
-class VideoWriter;
-}
 
 namespace palpable {
 
@@ -54,8 +53,9 @@ struct LiveOutputSettings {
 /// Removes what earlier_run found. @throws Error when that cannot be done
 void remove_earlier_run(const std::vector<std::filesystem::path>& there);
 
-/// Writes the frames of one run. Four DrawnFrames go round between the caller, who fills one, and
-/// the thread, which writes it; so the loop waits only when the disk is four frames behind.
+/// Writes the frames of one run; one run at a time writes into a folder (base/folder_lock.h). Four
+/// DrawnFrames go round between the caller, who fills one, and the thread, which writes it; so the
+/// loop waits only when the disk is four frames behind.
 class LiveOutput {
  public:
   /// @throws Error when the folder or files in it cannot be made
@@ -88,7 +88,7 @@ class LiveOutput {
   void write_masks(const DrawnFrame& frame);
   void write_video(const DrawnFrame& frame);
   void open_video(const ColorImage& picture, double frames_per_second);
-  void append(const ColorImage& picture);
+  void flush();
   void keep_if_best(const DrawnFrame& frame);
   void end_files();
   void rethrow();
@@ -99,6 +99,7 @@ class LiveOutput {
   /// The text files, open from the constructor on.
   struct Texts {
     explicit Texts(const std::filesystem::path& folder);
+    void flush();
     void close();
     TextFile timing;
     TextFile touches;
@@ -108,10 +109,11 @@ class LiveOutput {
   };
   std::optional<Texts> texts_;
   std::optional<double> last_correction_;
-  std::unique_ptr<cv::VideoWriter> video_;
+  std::unique_ptr<VideoFileWriter> video_;
   ColorImage first_picture_;  // held back until the second frame's time says the video's rate
   double first_time_ = 0;
   int written_ = 0;
+  std::chrono::steady_clock::time_point flushed_;
   std::array<ColorImage, 3> best_;
   std::array<double, 3> best_score_{};
   std::string codec_;

@@ -8,12 +8,19 @@
 #include "palpable/clip_files/timing_file.h"
 #include "palpable/clip_files/touches_file.h"
 #include "palpable/clip_files/trajectory_file.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
+#include <opencv2/core.hpp>
+#include <opencv2/videoio.hpp>
+
+#include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <thread>
 
 namespace palpable {
 namespace {
@@ -119,6 +126,55 @@ TEST_CASE("what cannot be written is said by the next frame or at the end, not l
     output.finish();
   };
   CHECK_THROWS_WITH(play(), Catch::Contains("depth/000000.png"));
+}
+
+TEST_CASE("what was written is on the disk soon, also while no frame comes", "[live_writer]") {
+  const test::ScratchFolder folder("live_output_flushed");
+  LiveOutput output({.folder = folder.path()});
+  const auto write = [&](int number) {
+    std::unique_ptr<DrawnFrame> drawn = output.blank();
+    fill(*drawn, number);
+    output.write(std::move(drawn));
+  };
+  for (int number = 0; number < 3; ++number) write(number);
+  // The source stalls: nothing comes any more. Without an end to the waiting, a test that hangs.
+  while (read_poses(folder / "pose.jsonl").size() < 3) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  CHECK(read_timing(folder / "timing.csv").ms.size() == 3);
+  CHECK(read_trajectory(folder / "trajectory.txt").size() == 3);
+  CHECK(fs::file_size(folder / "touch.mp4") > 0);
+}
+
+TEST_CASE("a full disk ends the run, and what was written before can be read",
+          "[live_writer][refusal]") {
+  const test::ScratchFolder folder("live_output_full");
+  {
+    const test::FileSizeLimit limit(4000);
+    LiveOutput output({.folder = folder.path()});
+    const auto play = [&] {
+      for (int number = 0; number < 100; ++number) {
+        std::unique_ptr<DrawnFrame> drawn = output.blank();
+        fill(*drawn, number);
+        if (number == 5) {  // noise, which cannot be packed into so few bytes
+          drawn->visible.resize(400, 400);
+          auto random = test::random_case(5);
+          for (std::uint8_t& value : drawn->visible) value = static_cast<std::uint8_t>(random());
+        }
+        output.write(std::move(drawn));
+      }
+    };
+    CHECK_THROWS_WITH(play(),
+                      Catch::EndsWith("visible/000005.png: cannot be written: File too large"));
+  }
+  CHECK(read_poses(folder / "pose.jsonl").size() == 5);
+  CHECK(read_timing(folder / "timing.csv").ms.size() == 5);
+  CHECK(read_mask(folder / "visible/000004.png").value().width() == kWidth);
+  CHECK_FALSE(fs::exists(folder / "visible/000005.png"));
+  cv::VideoCapture film((folder / "touch.mp4").string(), cv::CAP_FFMPEG);
+  int pictures = 0;
+  for (cv::Mat picture; film.read(picture);) ++pictures;
+  CHECK(pictures == 5);
 }
 
 TEST_CASE("an earlier run is replaced only when that is asked for, and only what is a run's",

@@ -1,5 +1,7 @@
 #include "palpable/render/picture_file.h"
 
+#include "palpable/base/growing_file.h"
+
 #include <fmt/core.h>
 
 #include <cerrno>
@@ -9,6 +11,7 @@
 #include <limits>
 #include <memory>
 #include <png.h>
+#include <string>
 #include <vector>
 
 namespace palpable {
@@ -33,9 +36,15 @@ void on_error(png_structp png, png_const_charp message) {
 }
 void on_warning(png_structp /*png*/, png_const_charp /*message*/) {}
 
-/// Writes rows as they lie in memory. @return false after an error of libpng
-bool write_rows(std::FILE* file, png_uint_32 width, png_uint_32 height, int bits, int color,
-                const std::vector<png_bytep>& rows, Complaint& complaint) {
+void append_bytes(png_structp png, png_bytep bytes, png_size_t count) {
+  static_cast<std::string*>(png_get_io_ptr(png))
+      ->append(reinterpret_cast<const char*>(bytes), count);
+}
+void flush_nothing(png_structp /*png*/) {}
+
+/// The bytes of a PNG of rows as they lie in memory. @return false after an error of libpng
+bool encode_rows(std::string& file, png_uint_32 width, png_uint_32 height, int bits, int color,
+                 const std::vector<png_bytep>& rows, Complaint& complaint) {
   png_structp png =
       png_create_write_struct(PNG_LIBPNG_VER_STRING, &complaint, on_error, on_warning);
   png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
@@ -48,7 +57,7 @@ bool write_rows(std::FILE* file, png_uint_32 width, png_uint_32 height, int bits
     png_destroy_write_struct(&png, &info);
     return false;
   }
-  png_init_io(png, file);
+  png_set_write_fn(png, &file, append_bytes, flush_nothing);
   // Compared with the default, level 3 takes a third of the time and makes files a tenth larger.
   png_set_compression_level(png, 3);
   png_set_IHDR(png, info, width, height, bits, color, PNG_INTERLACE_NONE,
@@ -64,22 +73,18 @@ bool write_rows(std::FILE* file, png_uint_32 width, png_uint_32 height, int bits
 template <class T>
 void write_image(const std::filesystem::path& path, const Image<T>& image, int bits, int color) {
   PALPABLE_EXPECT(!image.empty(), "a picture has pixels");
-  const File file(std::fopen(path.c_str(), "wb"));
-  if (!file) {
-    throw Error(fmt::format("cannot write {}: {}", path.string(), std::strerror(errno)));
-  }
   std::vector<png_bytep> rows;
   for (int y = 0; y < image.height(); ++y) {
     // libpng only reads the rows, but its row pointers are not const.
     rows.push_back(reinterpret_cast<png_bytep>(const_cast<T*>(image.row(y))));
   }
   Complaint complaint;
-  if (!write_rows(file.get(), static_cast<png_uint_32>(image.width()),
-                  static_cast<png_uint_32>(image.height()), bits, color, rows, complaint) ||
-      std::fflush(file.get()) != 0) {
-    throw Error(fmt::format("cannot write {}: {}", path.string(),
-                            complaint.message.empty() ? std::strerror(errno) : complaint.message));
+  std::string bytes;
+  if (!encode_rows(bytes, static_cast<png_uint_32>(image.width()),
+                   static_cast<png_uint_32>(image.height()), bits, color, rows, complaint)) {
+    throw Error(fmt::format("{}: cannot be encoded: {}", path.string(), complaint.message));
   }
+  write_whole_file(path, bytes);
 }
 
 /// A PNG while it is read.

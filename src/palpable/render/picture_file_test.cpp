@@ -102,4 +102,8 @@ TEST_CASE("a picture that cannot be written says where and why", "[render]") {
   CHECK_THROWS_WITH(
       write_png("/nonexistent/folder/a.png", some_picture(3, 3)),
       Catch::Contains("/nonexistent/folder/a.png") && Catch::Contains("No such file"));
+  const Folder folder("full");
+  std::filesystem::create_symlink("/dev/full", folder / "a.png");
+  CHECK_THROWS_WITH(write_png(folder / "a.png", some_picture(3, 3)),
+                    Catch::EndsWith("a.png: cannot be written: No space left on device"));
 }

@@ -1,0 +1,28 @@
+/// @file
+/// One program at a time writes into a folder.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace palpable {
+
+/// Holds a folder, which is made where it is missing. The system holds the lock for the program and
+/// lets it go when the program ends, killed or not; there is no file that could stay behind. A
+/// file system that cannot lock folders (NFS) does not keep two programs apart.
+class FolderLock {
+ public:
+  /// @throws Error when another program, or another lock of this one, holds the folder, or when it
+  /// cannot be made
+  explicit FolderLock(const std::filesystem::path& folder);
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+  /// Removes the folders that it made, where they are still empty.
+  ~FolderLock();
+
+ private:
+  std::vector<std::filesystem::path> made_;  // innermost first
+  int descriptor_ = -1;
+};
+
+}  // namespace palpable

@@ -1,0 +1,80 @@
+#include "palpable/base/growing_file.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/base/error.h"
+
+#include <fmt/core.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+[[noreturn]] void give_up(const std::filesystem::path& path, int reason) {
+  throw Error(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(reason)));
+}
+
+// 0, or errno.
+int write_all(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written > 0) {
+      bytes.remove_prefix(static_cast<std::size_t>(written));
+    } else if (written < 0 && errno != EINTR) {
+      return errno;
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+GrowingFile::GrowingFile(std::filesystem::path path) : path_(std::move(path)) {
+  constexpr mode_t kAllMayReadAndWrite = 0666;  // less the user's umask
+  descriptor_ =
+      ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kAllMayReadAndWrite);
+  if (descriptor_ < 0) give_up(path_, errno);
+}
+
+GrowingFile::~GrowingFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void GrowingFile::append(std::string_view piece) {
+  PALPABLE_EXPECT(descriptor_ >= 0, "nothing is appended to a file that was closed");
+  const int reason = write_all(descriptor_, piece);
+  if (reason == 0) {
+    size_ += std::ssize(piece);
+    return;
+  }
+  // A device or a pipe cannot be cut, and keeps nothing.
+  const bool cut =
+      ::ftruncate(descriptor_, size_) == 0 && ::lseek(descriptor_, size_, SEEK_SET) == size_;
+  static_cast<void>(cut);
+  give_up(path_, reason);
+}
+
+void GrowingFile::close() {
+  if (descriptor_ < 0) return;
+  // Some file systems (NFS, quotas) say only now that there was no room.
+  if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) give_up(path_, errno);
+}
+
+void write_whole_file(const std::filesystem::path& path, std::string_view bytes) {
+  GrowingFile file(path);
+  try {
+    file.append(bytes);
+    file.close();
+  } catch (const Error&) {
+    std::error_code ignored;  // a device, or a link to one, is not ours to remove
+    if (std::filesystem::is_regular_file(path, ignored)) std::filesystem::remove(path, ignored);
+    throw;
+  }
+}
+
+}  // namespace palpable
