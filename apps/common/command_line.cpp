@@ -1,5 +1,6 @@
 #include "apps/common/command_line.h"
 
+#include "apps/common/help_format.h"
 #include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
 
@@ -110,7 +111,7 @@ Option Option::excludes(const Option& other) { return Option(option_->excludes(o
 Option Option::excludes(const std::string& name) { return Option(option_->excludes(name)); }
 
 Command Command::add_subcommand(const std::string& name, const std::string& what) {
-  return Command(app_->add_subcommand(name, what));
+  return Command(app_->add_subcommand(name, what)->group("Commands"));
 }
 
 void Command::require_subcommand() { app_->require_subcommand(1); }
@@ -156,7 +157,8 @@ void Command::callback(std::function<void()> run) { app_->callback(std::move(run
 CommandLine::CommandLine(const std::string& what, const std::string& name,
                          const std::string& version)
     : CommandLine(std::make_unique<CLI::App>(what, name)) {
-  app().set_version_flag("--version", version);
+  app().formatter(help_format());
+  app().set_version_flag("--version", version, "Print the version and exit");
   app().set_help_flag("-h,--help", "Print this help and exit");
 }
 

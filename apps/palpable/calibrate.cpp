@@ -165,7 +165,7 @@ void add_calibrate(Command app) {
   command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
   add_source_options(command, options->source, SourceKind::kRawStereo);
   command.footer(
-      "A flat board with an odd and an even number of inner corners, shown 15 times or more, near\n"
+      "A flat board with an odd and an even number of inner corners, shown 15 times or more, near "
       "enough to fill the picture and tilted to all sides.\n"
       "Example: palpable calibrate --source boards --board 9x6 --square 25 -o calibration.yml\n"
       "Example: palpable calibrate --source /dev/video0 --board 9x6 --square 25\n"

@@ -16,7 +16,7 @@ void add_cameras(Command app) {
   Command command = app.add_subcommand("cameras", "What is plugged in, and what it can do");
   command.add_flag("--json", *json, "One JSON object on stdout");
   command.footer(
-      "Sizes, formats and rates of each device, whether its picture looks like two eyes side by\n"
+      "Sizes, formats and rates of each device, whether its picture looks like two eyes side by "
       "side, whether exposure and gain can be fixed, and the calibration that is known of it.\n"
       "Example: palpable cameras");
   command.callback(

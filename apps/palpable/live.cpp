@@ -172,8 +172,8 @@ void add_live(Command app) {
       .one_of({"camera", "map"})
       .show_default();
   command.add_flag("--window", options->window,
-                   "Show it in a window too; Escape ends it. The mouse turns the map, its wheel "
-                   "comes nearer, R takes both back");
+                   "Show it in a window too; Escape or Q ends the run. With --view map, dragging "
+                   "turns the map, the wheel comes nearer, R takes both back");
   command.add_flag("--pictures", options->pictures,
                    "Keep the pictures that show best: hand nearer, body nearer, touch");
   command.add_flag("--no-masks", options->no_masks,
@@ -182,11 +182,10 @@ void add_live(Command app) {
   command.add_flag("--overwrite", options->overwrite, "Replace an earlier run in --out");
   command.footer(
       "Writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, "
-      "rectification.jsonl,\n"
-      "live.json, depth/, visible/, body_depth/ and moving/ (docs/benchmark.md has the formats).\n"
+      "rectification.jsonl, live.json, depth/, visible/, body_depth/ and moving/ "
+      "(docs/benchmark.md has the formats).\n"
       "A recording waits for the loop unless --paced. A camera that stalls or goes away does not "
-      "end\n"
-      "the run: the last state is held until pictures come again; Ctrl-C ends it.\n"
+      "end the run: the last state is held until pictures come again; Ctrl-C ends it.\n"
       "Example: palpable live bunny.palpable --source synthetic --out out\n"
       "Example: palpable live bunny.palpable --source desk --place \"0 0.1 0.6 0 40 0\" "
       "--ignore-static --out out\n"

@@ -219,7 +219,7 @@ void add_bench_elements(Command bench) {
   command.add_flag("--json", options->json, "One JSON object on stdout");
   command.footer(
       "Solves on eight times the nodes for comparison: 10 GB of memory and half an hour for a "
-      "body\n"
+      "body "
       "of 17,000 nodes.\n"
       "Example: palpable bench elements bodies/bunny.toml --json");
   command.callback([options] { bench_elements(*options); });

@@ -299,11 +299,11 @@ void add_bench_track(Command bench) {
   command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
   command.footer(
       "The walk is filmed for the bench, at 1280 x 720; from frame 10 on its CPU time counts, mean "
-      "over\n"
+      "over "
       "frames, all threads. Then 1 s of darkness. fixed_cpu_ms is the same of a camera on a "
-      "tripod,\n"
+      "tripod, "
       "fixed_share the share of its frames in which nothing but its patches was looked for. A "
-      "third\n"
+      "third "
       "film, of the walk with a hand, is mapped.\n"
       "Example: palpable bench track --json");
   command.callback([options] { bench_track(*options); });
