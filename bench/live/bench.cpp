@@ -18,6 +18,7 @@
 #include "palpable/render/scene_renderer.h"
 #include "palpable/score/penetration.h"
 #include "palpable/view/scene_picture.h"
+#include "palpable/view/stress_scale.h"
 
 #include <fmt/core.h>
 

@@ -3,6 +3,7 @@
 #include "palpable/base/error.h"
 #include "palpable/base/stage_clock.h"
 #include "palpable/view/scene_picture.h"
+#include "palpable/view/stress_scale.h"
 
 #include <fmt/core.h>
 
