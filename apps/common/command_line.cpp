@@ -118,7 +118,9 @@ void Command::require_subcommand() { app_->require_subcommand(1); }
 
 template <OptionValue T>
 Option Command::add_option(const std::string& names, T& value, const std::string& what) {
-  return Option(app_->add_option(names, value, what));
+  CLI::Option* option = app_->add_option(names, value, what);
+  if constexpr (std::same_as<T, std::filesystem::path>) option->type_name("PATH");
+  return Option(option);
 }
 
 template Option Command::add_option(const std::string&, std::string&, const std::string&);
@@ -219,8 +221,8 @@ std::map<std::string, double> parse_settings(const std::vector<std::string>& tex
 void add_set_option(Command command, std::vector<std::string>& texts) {
   command
       .add_option("--set", texts,
-                  "Value of a parameter beyond site and level, where the body has one (palpable "
-                  "inspect names them); else its own")
+                  "Value of a further parameter, where the body has one (palpable inspect names "
+                  "them). Default: the body's own")
       .type_name("NAME=VALUE");
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,7 +46,7 @@ TypeWords type_words(const std::string& cli_name) {
       words.rules.emplace_back("above 0");
     } else if (*part == "NONNEGATIVE") {
       words.rules.emplace_back("0 or more");
-    } else if (!part->empty() && part->find("(existing)") == std::string::npos) {
+    } else if (!part->empty() && *part != "FILE" && *part != "DIR" && *part != "PATH(existing)") {
       words.rules.push_back(*part);
     }
   }
@@ -89,17 +90,20 @@ class HelpFormat : public CLI::Formatter {
     std::vector<std::string> rules;
     if (option->get_type_size() != 0) {  // else a flag
       TypeWords type = type_words(option->get_type_name());
-      if (!is_positional || type.type != "TEXT") name += " " + type.type;
-      if (option->get_expected_max() > 1) name += " ...";
+      // "body Body file" needs no PATH, "surface" no SURFACE.
+      const bool says_more =
+          type.type != "TEXT" && type.type != "PATH" && CLI::detail::to_lower(type.type) != name;
+      if (!is_positional || says_more) name += " " + type.type;
+      if (option->get_expected_max() >= CLI::detail::expected_max_vector_size) name += " ...";
       rules = std::move(type.rules);
       if (const std::string usual = option->get_default_str(); !usual.empty()) {
         rules.push_back("default " + usual);
       }
     }
     if (option->get_required() && !is_positional) rules.emplace_back("required");
-    for (const CLI::Option* other : option->get_excludes()) {
-      rules.push_back("not with " + other->get_name());
-    }
+    std::set<std::string> others;  // in the alphabet's order: CLI11 has them by their addresses
+    for (const CLI::Option* other : option->get_excludes()) others.insert(other->get_name());
+    if (!others.empty()) rules.push_back(fmt::format("not with {}", fmt::join(others, ", ")));
     std::string text = option->get_description();
     if (!rules.empty()) text += fmt::format(" [{}]", fmt::join(rules, "; "));
     return row(name, text);

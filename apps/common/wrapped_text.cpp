@@ -14,18 +14,32 @@ std::size_t columns(std::string_view text) {
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) >> 6) != 2; }));
 }
 
-// @param keep_quoted  "a b" is one word
-std::vector<std::string_view> words_of(std::string_view text, bool keep_quoted) {
+std::vector<std::string_view> words_of(std::string_view text) {
   std::vector<std::string_view> words;
-  bool quoted = false;
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i <= text.size(); ++i) {
-    if (i < text.size() && text[i] == '"') quoted = !quoted;
-    if (i < text.size() && (text[i] != ' ' || (quoted && keep_quoted))) continue;
-    if (i > begin) words.push_back(text.substr(begin, i - begin));
-    begin = i + 1;
+  for (std::size_t begin = text.find_first_not_of(' '); begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    words.push_back(text.substr(begin, end - begin));
+    begin = text.find_first_not_of(' ', end);
   }
   return words;
+}
+
+// Where a command may be broken: not in quotes, nor between an option and its value.
+std::vector<std::string_view> parts_of_command(std::string_view text) {
+  std::vector<std::string_view> parts;
+  std::size_t quotes = 0;
+  bool joins = false;
+  for (const std::string_view word : words_of(text)) {
+    if (joins && (quotes % 2 != 0 || !word.starts_with("-"))) {
+      const char* begin = parts.back().data();
+      parts.back() = {begin, static_cast<std::size_t>(word.data() + word.size() - begin)};
+    } else {
+      parts.push_back(word);
+    }
+    quotes += static_cast<std::size_t>(std::count(word.begin(), word.end(), '"'));
+    joins = word.starts_with("-") || quotes % 2 != 0;
+  }
+  return parts;
 }
 
 // @param mark  at the end of each line that goes on
@@ -62,7 +76,7 @@ std::size_t text_begin(std::string_view line) {
 std::string wrapped_line(std::string_view line, std::size_t width) {
   if (columns(line) <= width) return std::string(line);
   if (line.starts_with(kExample)) {
-    return std::string(kExample) + joined(words_of(line.substr(kExample.size()), true),
+    return std::string(kExample) + joined(parts_of_command(line.substr(kExample.size())),
                                           kExample.size(), kExample.size() + 2, width, " \\");
   }
   const std::size_t begin = text_begin(line);
@@ -74,7 +88,7 @@ std::string wrapped_line(std::string_view line, std::size_t width) {
 std::string wrapped(std::string_view text, std::size_t begin, std::size_t indent,
                     std::size_t width) {
   if (begin + columns(text) <= width) return std::string(text);
-  return joined(words_of(text, false), begin, indent, width, "");
+  return joined(words_of(text), begin, indent, width, "");
 }
 
 std::string wrapped_footer(std::string_view text, std::size_t width) {

@@ -23,8 +23,8 @@ inline constexpr std::size_t kHelpWidth = 100;
 /// The lines below a help, each wrapped on its own. The rest of a line goes below where its text
 /// begins, that of a row of a table ("  name   what it is") below its last column.
 ///
-/// A line "Example: command" is broken between words as a shell reads them, with a backslash, so
-/// that it can be copied and run.
+/// A line "Example: command" is broken with a backslash, as a shell wants it, so that it can be
+/// copied and run; an option stays beside its value.
 [[nodiscard]] std::string wrapped_footer(std::string_view text, std::size_t width = kHelpWidth);
 
 }  // namespace palpable::app

@@ -35,8 +35,8 @@ TEST_CASE("below a help each line is wrapped on its own, rows of a table in thei
 }
 
 TEST_CASE("a long example stays one command for a shell", "[apps][help]") {
-  CHECK(wrapped_footer("Example: go --place \"0 0 1\" --out out", 24) ==
-        "Example: go --place \\\n           \"0 0 1\" \\\n           --out out\n");
+  CHECK(wrapped_footer("Example: go --place \"0 0 1\" --out out x", 26) ==
+        "Example: go \\\n           --place \"0 0 1\" \\\n           --out out x\n");
   CHECK(wrapped_footer("Example: go --out out", 24) == "Example: go --out out\n");
 }
 

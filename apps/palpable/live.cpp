@@ -164,7 +164,7 @@ void add_live(Command app) {
   Command command =
       app.add_subcommand("live", "Let what a camera saw press a body: video, figures, timing");
   add_live_options(command, options->live);
-  command.add_option("--out", options->out, "Folder for the results").required();
+  command.add_option("--out", options->out, "Folder to write the results into").required();
   command
       .add_option("--view", options->view,
                   "What the pictures show. camera: what the camera sees, with the body in it; map: "
@@ -175,7 +175,8 @@ void add_live(Command app) {
                    "Show it in a window too; Escape or Q ends the run. With --view map, dragging "
                    "turns the map, the wheel comes nearer, R takes both back");
   command.add_flag("--pictures", options->pictures,
-                   "Keep the pictures that show best: hand nearer, body nearer, touch");
+                   "Also write the three pictures that best show the hand before the body, the "
+                   "body before the hand, and a touch");
   command.add_flag("--no-masks", options->no_masks,
                    "Leave out visible/, body_depth/ and moving/, which palpable score compares");
   command.add_flag("--no-depth", options->no_depth, "Leave out depth/, the measured depth");

@@ -160,12 +160,12 @@ void run_view(ViewOptions options) {
 void add_view(Command app) {
   auto options = std::make_shared<ViewOptions>();
   Command view = app.add_subcommand("view", "Turn a body and press it with the mouse");
-  view.add_option("BODY", options->body, "A body file (.palpable)").required();
+  view.add_option("body", options->body, "Body file (.palpable)").required();
   view.add_option("--out", options->out,
                   "Write pictures into this folder instead of opening a window");
   const Option site = view.add_option("--site", options->site, "Press this site").not_negative();
   const Option level =
-      view.add_option("--level", options->level, "How hard, 0 to 1 of the site's full load")
+      view.add_option("--level", options->level, "How hard, as a share of the site's full load")
           .in_range(0.0, 1.0)
           .show_default();
   const Option load =
@@ -176,21 +176,22 @@ void add_view(Command app) {
           .excludes(site)
           .excludes(level);
   view.add_option("--modes", options->modes,
-                  "Instead: the first so many modes of displacement, and their functions of where "
-                  "the load is, as modes.png in the folder of --out")
+                  "Instead of presses: this many modes of displacement, the first ones, and their "
+                  "functions of where the load is, as modes.png in the folder of --out")
       .in_range(1, 16)
       .excludes(site)
       .excludes(level)
       .excludes(load);
   add_set_option(view, options->set);
-  view.add_option("--size", options->size, "Pixels of window and pictures, WIDTHxHEIGHT")
+  view.add_option("--size", options->size, "Pixels of window and pictures")
+      .type_name("WIDTHxHEIGHT")
       .show_default();
-  view.add_option("--close-after", options->close_after, "Close the window after so many seconds")
+  view.add_option("--close-after", options->close_after, "Close the window after this many seconds")
       .positive();
   view.footer(
       "In the window: hold or drag the left button on the body to press it, drag beside it to turn "
       "it, zoom with the wheel. S shows the sites, L the legend, H the help; R goes back to the "
-      "begin, P writes the picture to NAME_view_1.png (2, 3, ...) in this folder, Escape or Q "
+      "start, P writes the picture to NAME_view_1.png (2, 3, ...) in this folder, Escape or Q "
       "ends.\n"
       "Without a display, pictures are written into the folder NAME_view.\n"
       "Example: palpable view bunny.palpable\n"

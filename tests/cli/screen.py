@@ -9,7 +9,7 @@ import subprocess
 import time
 from ctypes import POINTER, Structure, byref, c_char_p, c_int, c_long, c_uint, c_ulong, c_void_p
 
-KEY_PRESS = 2
+KEY_PRESS, KEY_RELEASE = 2, 3
 Z_PIXMAP = 2
 SECONDS = 60  # that anything may take
 
@@ -128,9 +128,10 @@ class Screen:
 
     def type(self, window, key):
         """A letter, or an X keysym by its number."""
-        event = Key(type=KEY_PRESS, display=self.display, window=window, root=self.root, same=1)
+        event = Key(display=self.display, window=window, root=self.root, same=1)
         event.keycode = self.x.XKeysymToKeycode(self.display, ord(key) if isinstance(key, str) else key)
-        self.x.XSendEvent(self.display, window, 1, 0, byref(event))
+        for event.type in (KEY_PRESS, KEY_RELEASE):
+            self.x.XSendEvent(self.display, window, 1, 0, byref(event))
         self.x.XSync(self.display, 0)
 
 

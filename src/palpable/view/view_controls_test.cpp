@@ -81,12 +81,13 @@ TEST_CASE("dragging beside the body, or with another button, turns", "[view][vie
   for (const bool beside : {true, false}) {
     ViewControls controls(kUsual);
     const double x = beside ? 200 : 50;
-    controls.handle(mouse(Kind::kPress, x, 5, beside ? 0 : 1), 1.0, site_at);
+    const int button = beside ? 0 : 1;
+    controls.handle(mouse(Kind::kPress, x, 5, button), 1.0, site_at);
     controls.handle(mouse(Kind::kMove, x + 20, 5), 1.1, site_at);
     CHECK(controls.camera.azimuth < kUsual.azimuth);
     CHECK(controls.level(2.0) == 0);
     const OrbitCamera turned = controls.camera;
-    controls.handle(mouse(Kind::kRelease, x + 20, 5), 1.2, site_at);
+    controls.handle(mouse(Kind::kRelease, x + 20, 5, button), 1.2, site_at);
     controls.handle(mouse(Kind::kMove, x + 90, 80), 1.3, site_at);
     CHECK(controls.camera.azimuth == turned.azimuth);
     controls.handle(typed('R'), 1.4, site_at);
