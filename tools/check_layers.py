@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Compare the #include lines under src/palpable with the table in docs/architecture.md.
+"""Compare the #include lines of modules, programs, benches and examples with the tables in
+docs/architecture.md.
 
-Exit code 0 when they agree; otherwise one line per include that the table does not allow. Also
-compares the table with the USES of CMakeLists.txt and refuses rows without a folder.
+Exit code 0 when they agree; otherwise one line per include that the tables do not allow. Also
+compares the table of modules with the USES of CMakeLists.txt, refuses rows without a folder, and
+programs of the live half that reach a module of the bake half.
 """
 import re
 import sys
@@ -18,18 +20,36 @@ THIRD_PARTIES = {
     r"tetgen\.h$": "TetGen", r"cholmod\.h$": "CHOLMOD", r"cblas\.h$": "OpenBLAS", r"catch2/": "Catch2", r"CLI/": "CLI11",
     r"ceres/": "Ceres", r"hwy/": "Highway", r"mpi\.h$": "MPI", r"zlib\.h$": "zlib",
 }
-POSIX = re.compile(r"^(unistd|fcntl|sys/\w+|poll|signal|pthread|sched|time|linux/videodev2)\.h$")
+SYSTEM = re.compile(r"^(unistd|fcntl|sys/\w+|poll|signal|pthread|sched|time|linux/videodev2|immintrin)\.h$")
 STANDARD = re.compile(r"^[a-z_0-9]+$")  # <vector>, <cmath>; C's <stdio.h> is not wanted
 
 
-def read_table():
-    """{module: (modules it may use, third parties it may use)}"""
-    rows = {}
+PROGRAMS = re.compile(r"(apps|bench)/[a-z-]+|examples")
+LIVE_PROGRAMS = ("apps/palpable", "bench/live", "examples")
+
+
+def read_tables():
+    """{module or folder of a program: (what of ours it may use, third parties it may use)}, and the modules of
+    the bake half: those whose table stands below a title that begins with Bake."""
+    rows, bake, title = {}, set(), ""
     for line in (ROOT / "docs/architecture.md").read_text().splitlines():
+        title = line if line.startswith("**") else title
         cells = [cell.strip() for cell in line.split("|")[1:-1]]
-        if len(cells) == 4 and re.fullmatch(r"[a-z_]+", cells[0]) and cells[0] != "module":
-            rows[cells[0]] = (set(cells[1].split()) - {"-"}, set(cells[2].split()) - {"-"})
-    return rows
+        if len(cells) != 4 or cells[0] in ("module", "folder") or not (
+                re.fullmatch(r"[a-z_]+", cells[0]) or PROGRAMS.fullmatch(cells[0])):
+            continue
+        rows[cells[0]] = (set(cells[1].split()) - {"-"}, set(cells[2].split()) - {"-"})
+        if title.startswith("**Bake"):
+            bake.add(cells[0])
+    return rows, bake
+
+
+def folder_of(path):
+    """The row to which a path of ours, of a file or in an #include, belongs."""
+    parts = path.split("/")
+    if parts[0] == "palpable":
+        return parts[1]
+    return parts[0] if parts[0] == "examples" else "/".join(parts[:2])
 
 
 def third_party(header):
@@ -39,35 +59,56 @@ def third_party(header):
     return None
 
 
+def sources():
+    for folder in ("src/palpable", "apps", "bench", "examples"):
+        for source in sorted((ROOT / folder).rglob("*")):
+            if source.suffix in (".h", ".cpp"):
+                yield source.relative_to(ROOT)
+
+
 def wrong_includes(allowed):
-    for source in sorted((ROOT / "src/palpable").rglob("*")):
-        if source.suffix not in (".h", ".cpp"):
+    for where in sources():
+        folder = folder_of(str(where).removeprefix("src/"))
+        is_test = where.stem.endswith("_test")
+        if folder not in allowed:
+            yield f"{where}: '{folder}' has no line in docs/architecture.md"
             continue
-        module = source.relative_to(ROOT / "src/palpable").parts[0]
-        where = source.relative_to(ROOT)
-        is_test = source.stem.endswith("_test")
-        if module not in allowed:
-            yield f"{where}: module '{module}' has no line in docs/architecture.md"
-            continue
-        modules, parties = allowed[module]
-        for number, line in enumerate(source.read_text().splitlines(), 1):
+        ours, parties = allowed[folder]
+        for number, line in enumerate((ROOT / where).read_text().splitlines(), 1):
             match = re.match(r'\s*#\s*include\s+(["<])([^">]+)[">]', line)
             if not match:
                 continue
             header = match.group(2)
-            ours = re.match(r"palpable/(\w+)/", header)
             party = third_party(header)
-            if ours:
-                if ours.group(1) not in modules | {module}:
-                    yield f"{where}:{number}: {module} may not use {ours.group(1)}"
+            if re.match(r"(palpable|apps|bench|examples)/", header):
+                if folder_of(header) not in ours | {folder}:
+                    yield f"{where}:{number}: {folder} may not use {folder_of(header)}"
             elif header.startswith("tests/"):
                 if not is_test:
                     yield f"{where}:{number}: only tests may include {header}"
             elif party:
                 if party not in parties and not is_test:
-                    yield f"{where}:{number}: {module} may not use {party}"
-            elif match.group(1) == "<" and not STANDARD.match(header) and not POSIX.match(header):
+                    yield f"{where}:{number}: {folder} may not use {party}"
+            elif match.group(1) == "<" and not STANDARD.match(header) and not SYSTEM.match(header):
                 yield f"{where}:{number}: <{header}> is no known third party; tools/check_layers.py lists them"
+
+
+def reached(allowed, folder):
+    found, todo = set(), [folder]
+    while todo:
+        here = todo.pop()
+        if here not in found:
+            found.add(here)
+            todo += allowed.get(here, ((), ()))[0]
+    return found
+
+
+def wrong_halves(allowed, bake):
+    for program in LIVE_PROGRAMS:
+        if program not in allowed:
+            yield f"docs/architecture.md: {program} has no line"
+        for module in sorted(reached(allowed, program) & bake):
+            yield f"docs/architecture.md: {program} belongs to the live half and reaches {module} of the bake half"
 
 
 def wrong_targets(allowed):
@@ -80,13 +121,13 @@ def wrong_targets(allowed):
 
 
 def main():
-    allowed = read_table()
-    if not allowed:
-        sys.exit("check_layers: docs/architecture.md has no table of modules")
-    wrong = list(wrong_includes(allowed)) + list(wrong_targets(allowed))
-    for module in allowed:
-        if not (ROOT / "src/palpable" / module).is_dir():
-            wrong.append(f"docs/architecture.md: module '{module}' has no folder")
+    allowed, bake = read_tables()
+    if not bake:
+        sys.exit("check_layers: docs/architecture.md has no table of modules below a title **Bake ...")
+    wrong = [*wrong_includes(allowed), *wrong_targets(allowed), *wrong_halves(allowed, bake)]
+    for row in allowed:
+        if not (ROOT / row if PROGRAMS.fullmatch(row) else ROOT / "src/palpable" / row).is_dir():
+            wrong.append(f"docs/architecture.md: '{row}' has no folder")
     print("\n".join(wrong))
     return 1 if wrong else 0
 

@@ -1,5 +1,6 @@
 #include "apps/common/command_line.h"
 
+#include "apps/common/help_format.h"
 #include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
 
@@ -111,14 +112,16 @@ Option Option::excludes(const Option& other) { return Option(option_->excludes(o
 Option Option::excludes(const std::string& name) { return Option(option_->excludes(name)); }
 
 Command Command::add_subcommand(const std::string& name, const std::string& what) {
-  return Command(app_->add_subcommand(name, what));
+  return Command(app_->add_subcommand(name, what)->group("Commands"));
 }
 
 void Command::require_subcommand() { app_->require_subcommand(1); }
 
 template <OptionValue T>
 Option Command::add_option(const std::string& names, T& value, const std::string& what) {
-  return Option(app_->add_option(names, value, what));
+  CLI::Option* option = app_->add_option(names, value, what);
+  if constexpr (std::same_as<T, std::filesystem::path>) option->type_name("PATH");
+  return Option(option);
 }
 
 template Option Command::add_option(const std::string&, std::string&, const std::string&);
@@ -157,7 +160,8 @@ void Command::callback(std::function<void()> run) { app_->callback(std::move(run
 CommandLine::CommandLine(const std::string& what, const std::string& name,
                          const std::string& version)
     : CommandLine(std::make_unique<CLI::App>(what, name)) {
-  app().set_version_flag("--version", version);
+  app().formatter(help_format());
+  app().set_version_flag("--version", version, "Print the version and exit");
   app().set_help_flag("-h,--help", "Print this help and exit");
 }
 
@@ -218,8 +222,8 @@ std::map<std::string, double> parse_settings(const std::vector<std::string>& tex
 void add_set_option(Command command, std::vector<std::string>& texts) {
   command
       .add_option("--set", texts,
-                  "Value of a parameter beyond site and level, where the body has one (palpable "
-                  "inspect names them); else its own")
+                  "Value of a further parameter, where the body has one (palpable inspect names "
+                  "them). Default: the body's own")
       .type_name("NAME=VALUE");
 }
 

@@ -3,6 +3,9 @@
 #include "palpable/base/nearest_word.h"
 #include "tests/support/test.h"
 
+#include <filesystem>
+#include <iostream>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -35,6 +38,49 @@ TEST_CASE("every error ends with exit code 1, whatever CLI11 calls it", "[apps][
   CHECK(run({"halve", "--number", "four"}) == 1);
   CHECK(run({"halve", "--number", "3"}) == 1);
   CHECK(run({"--nonsense"}) == 1);
+}
+
+// What the program prints on stdout for these words.
+std::string printed(CommandLine& app, std::vector<const char*> words) {
+  words.insert(words.begin(), "prog");
+  std::ostringstream text;
+  std::streambuf* const usual = std::cout.rdbuf(text.rdbuf());
+  const int code = app.run(static_cast<int>(words.size()), words.data());
+  std::cout.rdbuf(usual);
+  CHECK(code == 0);
+  return text.str();
+}
+
+TEST_CASE("help is at most 100 columns wide and says in words what an option may be",
+          "[apps][help]") {
+  std::string many_words = "Of";
+  for (int i = 0; i < 40; ++i) many_words += " many words";
+  CommandLine app("A program", "prog", "prog 1");
+  Command command = app.add_subcommand("halve", many_words);
+  std::filesystem::path file;
+  double share = 1;
+  std::string how = "up";
+  std::vector<int> some;
+  command.add_option("body", file, "Body file").required();
+  const Option level = command.add_option("--share", share, many_words).in_range(0.0, 1.0);
+  command.add_option("--how", how, "Rounds").one_of({"up", "down"}).show_default();
+  command.add_option("--some", some, "Numbers").not_negative().excludes(level).excludes("--how");
+  command.add_option("-o,--out", file, "Where to").required();
+  command.footer("Example: prog halve " + std::string(60, 'y') + " " + std::string(60, 'z'));
+
+  CHECK(printed(app, {"--help"}).find("Commands:\n  halve") != std::string::npos);
+  const std::string help = printed(app, {"halve", "--help"});
+  INFO(help);
+  std::istringstream lines(help);
+  for (std::string line; std::getline(lines, line);) { CHECK(line.size() <= 100); }
+  const auto says = [&](const std::string& text) { return help.find(text) != std::string::npos; };
+  CHECK(says("Usage: prog halve [OPTIONS] body\n"));
+  CHECK(says("\n  body                        Body file\n"));
+  CHECK(says("[0 to 1; not with --some]\n"));
+  CHECK(says("\n  --how up|down               Rounds [default up; not with --some]\n"));
+  CHECK(says("\n  --some N ...                Numbers [0 or more; not with --how, --share]\n"));
+  CHECK(says("\n  -o,--out PATH               Where to [required]\n"));
+  CHECK(says("yyy \\\n           zzz"));
 }
 
 TEST_CASE("the nearest word is suggested when it is near enough to have been meant", "[apps]") {

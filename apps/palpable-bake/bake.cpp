@@ -194,12 +194,12 @@ void add_bake(Command app, const std::string& command_line, Crew& crew) {
       .type_name("FILE");
   command
       .add_option("--snapshots", options->store,
-                  "Folder of the snapshots, where what is valid is not solved again; else beside "
-                  "the body file, NAME.snapshots")
+                  "Folder for the snapshots; those that are there and valid are not solved again. "
+                  "Default: NAME.snapshots beside the body file")
       .type_name("FOLDER");
   command
       .add_option("--method", options->method,
-                  "intrusive-pgd: no campaign; the load of [intrusive] travels over a face and the "
+                  "No campaign: the load of [intrusive] travels over a face and the "
                   "PGD solves for all its positions and sizes (docs/reduction.md)")
       .one_of({"intrusive-pgd"});
   command.add_option("--threads", options->threads, "Sites solved side by side; 0: one per core")
@@ -209,22 +209,21 @@ void add_bake(Command app, const std::string& command_line, Crew& crew) {
       .add_option("--shard", options->shard,
                   "Solve only this part of the sites and stop there (docs/scaling.md)")
       .type_name("I/N");
-  command.add_flag(
-      "--held-out", options->held_out,
-      "Also solve the levels between, and the values between of a free parameter, and say how far "
-      "the body is from them; takes as long as the campaign; snapshots go to NAME.held-out and "
-      "NAME.between-PARAMETER");
-  command.add_option("--solver", options->solver, "own, or calculix: runs ccx")
+  command.add_flag("--held-out", options->held_out,
+                   "Also solve the levels in between (and the values of a free parameter in "
+                   "between), and say how far the body is from them; takes as long as the campaign "
+                   "again; snapshots go to NAME.held-out and NAME.between-PARAMETER");
+  command.add_option("--solver", options->solver, "own: this project's; calculix: runs ccx")
       .one_of({"own", "calculix"})
       .show_default();
   command
       .add_option("--at", options->at,
-                  "Of a further parameter, the one value that the body file holds; without --at "
-                  "all stay free")
+                  "The one value of a further parameter that the body file holds. Default: the "
+                  "parameter stays free")
       .type_name("NAME=VALUE");
   add_file_options(command, options->file);
   command.footer(
-      "What is killed goes on where it was when the same command is run again.\n"
+      "A bake that was stopped goes on where it was when the same command is run again.\n"
       "On several cores or machines: mpirun -n 4 palpable bake ...\n"
       "Example: palpable bake bodies/bunny-demo.toml -o bunny.palpable");
   command.callback([options, command_line, &crew] { bake(*options, command_line, crew); });

@@ -51,10 +51,10 @@ void print_errors(const BakeReport& report) {
 
 void add_file_options(Command command, FileOptions& options) {
   command.add_flag("--volume", options.volume,
-                   "All nodes and elements too, not the boundary only: for palpable export; the "
-                   "live half draws the boundary");
+                   "Keep all nodes and elements, which palpable export can write, not only the "
+                   "boundary, which the live half draws");
   command.add_flag("--float16", options.float16,
-                   "Modes in half precision: half the bytes; what that costs is stated");
+                   "Keep modes in half precision: half the bytes; the loss is printed");
 }
 
 void print_size(const BodyDescription& description) {

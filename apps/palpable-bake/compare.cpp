@@ -96,20 +96,19 @@ void compare(const Options& options, const std::string& command_line) {
 void add_compare(Command app, const std::string& command_line) {
   const auto options = std::make_shared<Options>();
   Command command = app.add_subcommand(
-      "compare", "All methods of reduction, and body files, on one chart of errors: an HTML page");
+      "compare",
+      "Put all methods of reduction, and body files, on one chart of errors: an HTML page");
   command
       .add_option("inputs", options->inputs,
                   "Folders of snapshots: every method is tried on them; body files: as they are")
       .required()
-      .type_name("STORE|BODY ...");
+      .type_name("STORE|BODY");
   command
       .add_option("-o,--out", options->output,
                   "Page to write, NAME.html; the numbers go to NAME.csv")
       .type_name("FILE")
       .show_default();
-  command
-      .add_option("--method", options->settings.methods,
-                  "Only these, else all: " + fmt::format("{}", fmt::join(method_names(), " ")))
+  command.add_option("--method", options->settings.methods, "Only these methods. Default: all")
       .one_of(method_names())
       .type_name("METHOD");
   command
@@ -118,13 +117,15 @@ void add_compare(Command app, const std::string& command_line) {
                   "those of each site)")
       .in_range(1e-6, 0.999)
       .show_default();
-  command.add_option("-n,--modes", options->settings.max_modes, "Or at this many modes")
+  command
+      .add_option("-n,--modes", options->settings.max_modes,
+                  "Number of modes at which each method stops at the latest")
       .in_range(1, 100000)
       .show_default();
   command
-      .add_option("--at", options->at,
-                  "Of a further parameter, the value whose snapshots are compared; else the "
-                  "middle one")
+      .add_option(
+          "--at", options->at,
+          "The value of a further parameter whose snapshots are compared. Default: the middle one")
       .type_name("NAME=VALUE");
   command.footer("Example: palpable compare bunny.snapshots bunny.palpable -o compare.html");
   command.callback([options, command_line] { compare(*options, command_line); });

@@ -99,7 +99,7 @@ void add_export(Command app) {
   command.add_option("--site", options->site, "vtu, xdmf: this site only").not_negative();
   add_set_option(command, options->set);
   command.footer(
-      "docs/exchange.md says what is where.\n"
+      "docs/exchange.md describes the files.\n"
       "Example: palpable export bunny.palpable --to vtu --site 4 -o bunny_site_4");
   command.callback([options] { run(*options); });
 }

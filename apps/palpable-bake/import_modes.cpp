@@ -45,7 +45,7 @@ void import(Options options, const std::string& command_line) {
 void add_import_modes(Command app, const std::string& command_line) {
   const auto options = std::make_shared<Options>();
   Command command = app.add_subcommand(
-      "import-modes", "Make a body file of a separated representation of another program");
+      "import-modes", "Make a body file from another program's separated representation");
   command.add_option("input", options->input, "A .pxdmf file, or a folder of NumPy arrays")
       .required()
       .existing_path()
@@ -59,7 +59,7 @@ void add_import_modes(Command app, const std::string& command_line) {
   command.add_option("--level", options->settings.level, "The parameter that is the load")
       .show_default();
   command.footer(
-      "docs/exchange.md says what is read, and what is found where a file does not say it.\n"
+      "docs/exchange.md says what is read, and how what a file does not say is found.\n"
       "Example: palpable import-modes theirs.pxdmf --level force -o theirs.palpable");
   command.callback([options, command_line] { import(*options, command_line); });
 }

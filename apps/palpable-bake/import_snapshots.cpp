@@ -42,11 +42,13 @@ void add_import_snapshots(Command app) {
   const auto options = std::make_shared<Options>();
   Command command = app.add_subcommand(
       "import-snapshots", "Take over what another solver has computed (docs/snapshots.md)");
-  command.add_option("folder", options->folder, "Where the files are")
+  command.add_option("folder", options->folder, "Folder with the files of the other solver")
       .required()
       .existing_folder()
       .type_name("FOLDER");
-  command.add_option("--manifest", options->manifest, "Which file is which snapshot")
+  command
+      .add_option("--manifest", options->manifest,
+                  "Text that says which file is which snapshot (docs/snapshots.md)")
       .required()
       .type_name("FILE.toml");
   command.add_option("-o,--out", options->output, "Folder of snapshots to write")

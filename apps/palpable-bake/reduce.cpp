@@ -51,7 +51,8 @@ void add_reduce(Command app, const std::string& command_line) {
   const auto options = std::make_shared<Options>();
   Command command = app.add_subcommand("reduce", "Make a body file from snapshots");
   command
-      .add_option("snapshots", options->store, "What palpable bake, merge or import-snapshots left")
+      .add_option("snapshots", options->store,
+                  "Folder that palpable bake, merge or import-snapshots has written")
       .required()
       .type_name("FOLDER");
   command.add_option("-o,--out", options->output, "Body file to write")
@@ -60,29 +61,28 @@ void add_reduce(Command app, const std::string& command_line) {
   command
       .add_option(
           "--method", options->method,
-          "per-site, pgd (the paper's), pgd2, pod, cp or hosvd (docs/reduction.md); else as "
-          "the body's description says")
+          "How (docs/reduction.md); pgd is the paper's. Default: as the body's description says")
       .one_of(method_names());
   command
       .add_option("-e,--error,--tolerance", options->tolerance,
                   "Relative error for displacement and stress each: over all snapshots, or with "
-                  "per-site over those of each site; else as the description says, or with another "
-                  "method 1e-3 (per-site: 1e-4)")
+                  "per-site over those of each site. Default: as the description says; with a "
+                  "--method other than its own 1e-3 (per-site: 1e-4)")
       .in_range(1e-6, 0.999);
   command
       .add_option("-n,--modes,--max-modes", options->max_modes,
-                  "Stop at this many modes at the latest; else likewise")
+                  "Stop at this many modes at the latest. Default: likewise")
       .in_range(1, 100000);
   command
       .add_option(
           "--norm", options->norm,
           "own: each snapshot counts by its own norm, so that small presses are as accurate "
-          "as large ones; pooled: by its size. Else own with per-site, pooled otherwise")
+          "as large ones; pooled: by its size. Default: own with per-site, else pooled")
       .one_of({"own", "pooled"});
   command
       .add_option("--at", options->at,
-                  "Of a further parameter, the one value that the body file holds; without --at "
-                  "all stay free")
+                  "The one value of a further parameter that the body file holds. Default: the "
+                  "parameter stays free")
       .type_name("NAME=VALUE");
   add_file_options(command, options->file);
   command.footer(

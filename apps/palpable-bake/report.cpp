@@ -60,15 +60,16 @@ void report(const Options& options) {
 void add_report(Command app) {
   const auto options = std::make_shared<Options>();
   Command command = app.add_subcommand(
-      "report", "Errors, costs and modes of a body file: one HTML page, and a CSV file beside it");
+      "report",
+      "Write errors, costs and modes of a body file as one HTML page, and a CSV file beside it");
   command.add_option("body", options->body, "Body file").required().type_name("BODY.palpable");
   command
       .add_option("-o,--out", options->output,
-                  "Page to write, NAME.html; the numbers go to NAME.csv; else the body's name, "
+                  "Page to write, NAME.html; the numbers go to NAME.csv. Default: the body's name, "
                   "in this folder")
       .type_name("FILE");
   command.footer(
-      "Evaluation times in it are measured as the page is written.\n"
+      "The evaluation times in it are measured while the page is written.\n"
       "Example: palpable report bunny.palpable -o bunny.html");
   command.callback([options] { report(*options); });
 }

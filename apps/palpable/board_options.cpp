@@ -11,9 +11,10 @@
 namespace palpable::app {
 
 void add_board_options(Command command, BoardOptions& options) {
-  command.add_option("--board", options.corners, "Inner corners of the board: COLUMNSxROWS")
+  command.add_option("--board", options.corners, "Inner corners of the chessboard")
+      .type_name("COLUMNSxROWS")
       .show_default();
-  command.add_option("--square", options.square_mm, "Side of a square, mm")
+  command.add_option("--square", options.square_mm, "Side of one of its squares, mm")
       .in_range(0.1, 10000.0)
       .show_default();
 }

@@ -138,34 +138,36 @@ void calibrate(const Options& options) {
 void add_calibrate(Command app) {
   auto options = std::make_shared<Options>();
   Command command = app.add_subcommand(
-      "calibrate", "Pictures of a chessboard, or a live stereo camera, to a calibration file");
+      "calibrate",
+      "Make a calibration file from pictures of a chessboard, or with a live stereo camera");
   command
       .add_option("--source", options->source.source,
                   "Stereo pairs of a board: a folder, images by name, a video file or /dev/videoN")
       .required();
   add_board_options(command, options->board);
-  command.add_option("--views", options->views, "Of a camera: boards to take")
+  command.add_option("--views", options->views, "For a camera: pictures of the board to take")
       .in_range(6, 1000)
       .show_default();
   command
       .add_option("--largest-reprojection", options->limits.largest_reprojection_px,
-                  "Refuse above this, px rms")
+                  "Refuse a calibration whose reprojection error is larger, px rms")
       .show_default();
   command
       .add_option("--largest-row-error", options->limits.largest_row_error_px,
-                  "Refuse above this, px rms")
+                  "Refuse one whose two eyes' rows are farther apart, px rms")
       .show_default();
   command.add_option("--check", options->check,
-                     "Make none; say how far this calibration's rows are apart on the boards");
+                     "Instead of calibrating: say how far this calibration leaves the two eyes' "
+                     "rows apart on the boards");
   command
       .add_option("-o,--output", options->output,
-                  "Calibration file (OpenCV YAML). Default for a camera: where palpable live "
-                  "finds it")
+                  "Calibration file to write (OpenCV YAML). Default for a camera: where palpable "
+                  "live finds it")
       .excludes("--check");
   command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
   add_source_options(command, options->source, SourceKind::kRawStereo);
   command.footer(
-      "A flat board with an odd and an even number of inner corners, shown 15 times or more, near\n"
+      "A flat board with an odd and an even number of inner corners, shown 15 times or more, near "
       "enough to fill the picture and tilted to all sides.\n"
       "Example: palpable calibrate --source boards --board 9x6 --square 25 -o calibration.yml\n"
       "Example: palpable calibrate --source /dev/video0 --board 9x6 --square 25\n"

@@ -13,10 +13,12 @@ namespace palpable::app {
 
 void add_cameras(Command app) {
   auto json = std::make_shared<bool>(false);
-  Command command = app.add_subcommand("cameras", "What is plugged in, and what it can do");
+  Command command =
+      app.add_subcommand("cameras", "List the cameras that are plugged in, and what each can do");
   command.add_flag("--json", *json, "One JSON object on stdout");
   command.footer(
-      "Sizes, formats and rates of each device, whether its picture looks like two eyes side by\n"
+      "Says the sizes, formats and rates of each device, whether its picture looks like two eyes "
+      "side by "
       "side, whether exposure and gain can be fixed, and the calibration that is known of it.\n"
       "Example: palpable cameras");
   command.callback(

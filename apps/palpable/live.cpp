@@ -163,7 +163,7 @@ void add_live(Command app) {
   Command command =
       app.add_subcommand("live", "Let what a camera saw press a body: video, figures, timing");
   add_live_options(command, options->live);
-  command.add_option("--out", options->out, "Folder for the results").required();
+  command.add_option("--out", options->out, "Folder to write the results into").required();
   command
       .add_option("--view", options->view,
                   "What the pictures show. camera: what the camera sees, with the body in it; map: "
@@ -171,21 +171,21 @@ void add_live(Command app) {
       .one_of({"camera", "map"})
       .show_default();
   command.add_flag("--window", options->window,
-                   "Show it in a window too; Escape ends it. The mouse turns the map, its wheel "
-                   "comes nearer, R takes both back");
+                   "Show it in a window too; Escape or Q ends the run. With --view map, dragging "
+                   "turns the map, the wheel comes nearer, R takes both back");
   command.add_flag("--pictures", options->pictures,
-                   "Keep the pictures that show best: hand nearer, body nearer, touch");
+                   "Also write the three pictures that best show the hand before the body, the "
+                   "body before the hand, and a touch");
   command.add_flag("--no-masks", options->no_masks,
                    "Leave out visible/, body_depth/ and moving/, which palpable score compares");
   command.add_flag("--no-depth", options->no_depth, "Leave out depth/, the measured depth");
   command.add_flag("--overwrite", options->overwrite, "Replace an earlier run in --out");
   command.footer(
       "Writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, "
-      "rectification.jsonl,\n"
-      "live.json, depth/, visible/, body_depth/ and moving/ (docs/benchmark.md has the formats).\n"
+      "rectification.jsonl, live.json, depth/, visible/, body_depth/ and moving/ "
+      "(docs/benchmark.md has the formats).\n"
       "A recording waits for the loop unless --paced. A camera that stalls or goes away does not "
-      "end\n"
-      "the run: the last state is held until pictures come again; Ctrl-C ends it.\n"
+      "end the run: the last state is held until pictures come again; Ctrl-C ends it.\n"
       "Example: palpable live bunny.palpable --source synthetic --out out\n"
       "Example: palpable live bunny.palpable --source desk --place \"0 0.1 0.6 0 40 0\" "
       "--ignore-static --out out\n"

@@ -58,11 +58,10 @@ SessionSettings session_settings(const LiveOptions& options) {
 // Where frames come from and what is matched.
 void add_input_options(Command command, LiveOptions& options) {
   command
-      .add_option(
-          "--source", options.input.source,
-          "A folder (left/ right/, side by side, colour + depth, EuRoC, KITTI, TUM, "
-          "7-Scenes), images by name (\"cam0/*.png\"), a video file, a camera (/dev/video0), "
-          "or: synthetic")
+      .add_option("--source", options.input.source,
+                  "A folder (left/ right/, side by side, colour + depth, EuRoC, KITTI, TUM, "
+                  "7-Scenes), images by name (\"cam0/*.png\"), a video file, a camera "
+                  "(/dev/video0), or the word synthetic: the built-in desk")
       .required();
   add_source_options(command, options.input);
   command.add_flag("--paced", options.paced,
@@ -77,6 +76,7 @@ void add_place_options(Command command, LiveOptions& options) {
                   "Where the body stands in the camera: \"x y z roll pitch yaw\" (m right, down, "
                   "forward; degrees), 16 numbers (camera_from_body row by row), or a file with "
                   "them. Default: scene.toml beside the images")
+      .type_name("POSE")
       .words(1, 16);
   command
       .add_option(
@@ -89,7 +89,7 @@ void add_place_options(Command command, LiveOptions& options) {
       .words(1, 2)
       .excludes("--place");
   add_board_options(command, options.board);
-  command.add_option("--scale", options.scale, "Makes the body so many times as large")
+  command.add_option("--scale", options.scale, "Make the body this many times as large")
       .in_range(1e-3, 1e3)
       .show_default();
 }
@@ -102,18 +102,19 @@ void add_loop_options(Command command, LiveOptions& options) {
                    "Do not follow the camera: it stands where it stood in the first frame");
   command
       .add_option("--contact", options.contact,
-                  "press: the level from the measured depth; paper: Algorithm 1 as printed")
+                  "How the level of a touch is found. press: from the measured depth; paper: by "
+                  "the paper's Algorithm 1, as printed")
       .one_of({"press", "paper"})
       .show_default();
   command
       .add_option(
           "--matcher", options.matcher,
-          "How stereo pairs are matched. census: this project's, from touching distance on, "
-          "rows watched; opencv: its semi-global block matcher")
+          "How stereo pairs are matched. census: this project's, which sees from touching distance "
+          "on and watches for rows out of line; opencv: OpenCV's semi-global block matcher")
       .one_of({"census", "opencv"})
       .show_default();
   add_set_option(command, options.set);
-  command.add_option("--frames", options.frames, "Stop after so many frames")
+  command.add_option("--frames", options.frames, "Stop after this many frames")
       .in_range(1, 100'000'000);
 }
 

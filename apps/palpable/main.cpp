@@ -31,11 +31,11 @@ constexpr std::array kBakeCommands{
     BakeCommand{"merge", "Collect snapshots of one campaign that were solved apart"},
     BakeCommand{"import-snapshots", "Take over what another solver has computed"},
     BakeCommand{"reduce", "Make a body file from snapshots"},
-    BakeCommand{"report", "Errors, costs and modes of a body file as a page"},
-    BakeCommand{"compare", "All methods of reduction on one chart of errors"},
+    BakeCommand{"report", "Write errors, costs and modes of a body file as a page"},
+    BakeCommand{"compare", "Put all methods of reduction on one chart of errors"},
     BakeCommand{"solve", "Press a body at one site and write it for ParaView"},
     BakeCommand{"export", "Write a body or its snapshots for other programs"},
-    BakeCommand{"import-modes", "Make a body file of another program's modes"},
+    BakeCommand{"import-modes", "Make a body file from another program's modes"},
 };
 
 // Of `palpable bench`, those that palpable-bake has.

@@ -78,7 +78,7 @@ void press(const Options& options) {
 void add_press(Command app) {
   auto options = std::make_shared<Options>();
   Command command =
-      app.add_subcommand("press", "What a body does under one load or several, in numbers");
+      app.add_subcommand("press", "Say what a body does under one load or several, in numbers");
   command.add_option("body", options->body, "Body file").required();
   command
       .add_option("--load", options->loads,

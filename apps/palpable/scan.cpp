@@ -160,12 +160,12 @@ void add_scan(Command app) {
                   "A folder, images by name, a video file or a camera, as for live")
       .required();
   add_source_options(command, options->input);
-  command.add_option("-o,--out", options->out, "The surface, a .ply with colours").required();
+  command.add_option("-o,--out", options->out, "Surface to write, a .ply with colours").required();
   command.add_option("--trajectory", options->trajectory,
-                     "Poses to use instead of tracking: lines time tx ty tz qx qy qz qw "
-                     "(world_from_camera), the first one the first frame's");
+                     "File with poses to use instead of tracking: a line 'time tx ty tz qx qy qz "
+                     "qw' (world_from_camera) each, the first one for the first frame");
   command.add_option("--picture", options->picture,
-                     "Also a .png of it: the room from outside, the way through it in blue");
+                     "Also write a .png of it: the room from outside, the way through it in blue");
   command
       .add_option("--voxel", options->voxel_mm,
                   "Side of a voxel, mm; smaller ones than 5 would leave gaps between the rays")
@@ -173,14 +173,14 @@ void add_scan(Command app) {
       .show_default();
   command
       .add_option("--fuse-every", options->fuse_every,
-                  "Fuse a frame every so many seconds of the recording; 0: all of them")
+                  "Seconds of the recording between two frames that are used; 0: all frames are")
       .in_range(0.0, 3600.0)
       .show_default();
-  command.add_option("--frames", options->frames, "Stop after so many frames")
+  command.add_option("--frames", options->frames, "Stop after this many frames")
       .in_range(1, 100'000'000);
   command.footer(
       "What moves is left out. Depths up to 3 m are taken, or up to where they scatter by 50 mm.\n"
-      "Ctrl-C ends it and writes what was seen: so does a camera, which has no end of its own.\n"
+      "Ctrl-C ends the scan and writes what was seen; a camera has no end of its own.\n"
       "Example: palpable scan room -o room.ply");
   command.callback([options] { scan(*options); });
 }

@@ -53,7 +53,8 @@ void add_score(Command app) {
                   "What a run left: the --out folder of palpable live, or another system's files")
       .required();
   command.add_option("--body", options->body,
-                     "The body of the run: adds what is left of the hand in it, and its jumps");
+                     "The body of the run: then it is also scored how deep the hand stays in it, "
+                     "and how it jumps");
   command.add_flag("--json", options->json, "One JSON object on stdout");
   command.footer(
       "Formats and scores: docs/benchmark.md. What a result does not hold is null (-).\n"

@@ -13,29 +13,30 @@ namespace palpable::app {
 void add_source_options(Command command, SourceOptions& options, SourceKind kind) {
   command.add_option(
       "--right", options.right,
-      "The right eye's camera, video or images by name; --source is then the left's");
+      "The right eye's camera, video or images by name; the source is then the left's");
   if (kind == SourceKind::kAny) {
-    command.add_option(
-        "--depth", options.depth,
-        "The depth camera, or depth images by name; of --source's view, or of the one "
-        "that intrinsics.txt says");
+    command.add_option("--depth", options.depth,
+                       "The depth camera, or depth images by name: from where the source looks, or "
+                       "from where intrinsics.txt says");
     command.add_option(
         "--calibration", options.calibration,
         "OpenCV YAML, a ZED's SN*.conf or intrinsics.txt. Default: what lies beside the "
         "images, or what palpable calibrate has kept of the camera");
   }
-  command.add_option(
-      "--size", options.size,
-      "Of a camera: WIDTHxHEIGHT of its picture, both eyes' together if side by side");
-  command.add_option("--fps", options.frames_per_second, "Of a camera: pictures a second")
+  command
+      .add_option(
+          "--size", options.size,
+          "For a camera: size of its picture, of both eyes together if they are side by side")
+      .type_name("WIDTHxHEIGHT");
+  command.add_option("--fps", options.frames_per_second, "For a camera: pictures a second")
       .in_range(0.1, 1000.0);
-  command.add_option("--exposure", options.exposure_ms, "Of a camera: fixed exposure, ms")
+  command.add_option("--exposure", options.exposure_ms, "For a camera: a fixed exposure, ms")
       .in_range(0.01, 10000.0);
-  command.add_option("--gain", options.gain, "Of a camera: fixed gain, in its own unit")
+  command.add_option("--gain", options.gain, "For a camera: a fixed gain, in its own unit")
       .in_range(0.0, 1e6);
   command.add_flag(
       "--lock-exposure", options.lock_exposure,
-      "Of a camera: after a second, keep exposure, gain and white balance as they are");
+      "For a camera: after a second, keep exposure, gain and white balance as they are");
 }
 
 CameraRequest request_of(const SourceOptions& options) {

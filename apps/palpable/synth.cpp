@@ -76,18 +76,19 @@ void add_synth(Command app) {
   auto options = std::make_shared<SynthOptions>();
   Command command = app.add_subcommand(
       "synth", "Film a sequence of the synthetic desk: stereo images, calibration, truth");
-  command.add_option("name", options->name, "Which sequence (below)").required();
+  command.add_option("name", options->name, "One of the sequences listed below").required();
   command.add_option("--body", options->body,
                      "Body file: what is pressed, and where. Default: "
                      "build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable");
   command
       .add_option("--frames", options->frames,
-                  "Length at 30 fps; the first 60 have no hand. Default: see below")
+                  "How many, at 30 a second; the first 60 have no hand. Default: as listed below")
       .in_range(1, 100000);
-  command.add_option("--seed", options->seed, "Textures, noise, places, depths, motions")
+  command.add_option("--seed", options->seed, "Decides textures, noise, places, depths and motions")
       .in_range(std::uint64_t{0}, kLargestSeed)
       .show_default();
-  command.add_option("-o,--out", options->out, "Folder for frames/ and truth/").required();
+  command.add_option("-o,--out", options->out, "Folder to write frames/ and truth/ into")
+      .required();
   command.footer(list_of_kinds() +
                  "docs/benchmark.md says what each promises and what is written.\n"
                  "Example: palpable synth press --body bunny.palpable --seed 1 -o clip");

@@ -61,6 +61,7 @@ void write_picture(const fs::path& folder, const std::string& name, const ColorI
   const fs::path file = folder / (name + ".png");
   write_png(file, picture);
   fmt::print("{}\n", file.string());
+  std::fflush(stdout);  // a window is open for long: who reads a pipe wants to know now
 }
 
 void write_pictures(const ReducedBody& body, const ViewOptions& options, PictureSize size,
@@ -83,19 +84,31 @@ void write_modes(const ReducedBody& body, const ViewOptions& options, PictureSiz
   context.errors().throw_if_any();
 }
 
+// Writes a picture that the user asked for with the key P under a name that is not taken yet. One
+// that cannot be written is no reason to close the window.
+// @return what became of it
+std::string keep_picture(const fs::path& body, const ColorImage& picture) {
+  try {
+    const auto name = [&](int n) { return fmt::format("{}_view_{}", body.stem().string(), n); };
+    int n = 1;
+    std::error_code ignored;
+    while (fs::exists(name(n) + ".png", ignored)) ++n;
+    write_picture({}, name(n), picture);
+    return name(n) + ".png";
+  } catch (const Error& error) {
+    print_error(error.what());
+    return error.what();
+  }
+}
+
 void show_window(Window& window, const ReducedBody& body, const ViewOptions& options,
                  PictureSize size) {
-  int pictures = 0;
   show_body(window, body,
             {.size = size,
              .site = options.site,
              .level = options.level,
              .close_after = options.close_after},
-            [&](const ColorImage& picture) {
-              const fs::path file = fmt::format("{}_view_{}.png", body.name, ++pictures);
-              write_png(file, picture);
-              fmt::print("{}\n", file.string());
-            });
+            [&](const ColorImage& picture) { return keep_picture(options.body, picture); });
 }
 
 // --load as --site and --level.
@@ -147,12 +160,12 @@ void run_view(ViewOptions options) {
 void add_view(Command app) {
   auto options = std::make_shared<ViewOptions>();
   Command view = app.add_subcommand("view", "Turn a body and press it with the mouse");
-  view.add_option("BODY", options->body, "A body file (.palpable)").required();
+  view.add_option("body", options->body, "Body file (.palpable)").required();
   view.add_option("--out", options->out,
                   "Write pictures into this folder instead of opening a window");
   const Option site = view.add_option("--site", options->site, "Press this site").not_negative();
   const Option level =
-      view.add_option("--level", options->level, "How hard, 0 to 1 of the site's full load")
+      view.add_option("--level", options->level, "How hard, as a share of the site's full load")
           .in_range(0.0, 1.0)
           .show_default();
   const Option load =
@@ -163,22 +176,27 @@ void add_view(Command app) {
           .excludes(site)
           .excludes(level);
   view.add_option("--modes", options->modes,
-                  "Instead: the first so many modes of displacement, and their functions of where "
-                  "the load is, as modes.png in the folder of --out")
+                  "Instead of presses: this many modes of displacement, the first ones, and their "
+                  "functions of where the load is, as modes.png in the folder of --out")
       .in_range(1, 16)
       .excludes(site)
       .excludes(level)
       .excludes(load);
   add_set_option(view, options->set);
-  view.add_option("--size", options->size, "Pixels of window and pictures, WIDTHxHEIGHT")
+  view.add_option("--size", options->size, "Pixels of window and pictures")
+      .type_name("WIDTHxHEIGHT")
       .show_default();
-  view.add_option("--close-after", options->close_after, "Close the window after so many seconds")
+  view.add_option("--close-after", options->close_after, "Close the window after this many seconds")
       .positive();
   view.footer(
-      "Without a display, pictures are written into NAME_view.\n"
+      "In the window: hold or drag the left button on the body to press it, drag beside it to turn "
+      "it, zoom with the wheel. S shows the sites, L the legend, H the help; R goes back to the "
+      "start, P writes the picture to NAME_view_1.png (2, 3, ...) in this folder, Escape or Q "
+      "ends.\n"
+      "Without a display, pictures are written into the folder NAME_view.\n"
       "Example: palpable view bunny.palpable\n"
-      "         palpable view bunny.palpable --out pictures --site 4 --level 0.8\n"
-      "         palpable view beam.palpable --out pictures --modes 4");
+      "Example: palpable view bunny.palpable --out pictures --site 4 --level 0.8\n"
+      "Example: palpable view beam.palpable --out pictures --modes 4");
   view.callback([options] { run_view(*options); });
 }
 

@@ -28,7 +28,7 @@ void print_figures(Json figures, bool json) {
 void add_bench(Command app) {
   Command bench = app.add_subcommand("bench", "Time the parts of a bake");
   bench.require_subcommand();
-  bench.footer("Example: palpable-bake bench bake --json");
+  bench.footer("Example: palpable bench bake --json");
   add_bench_bake(bench);
   add_bench_beam(bench);
   add_bench_campaign(bench);

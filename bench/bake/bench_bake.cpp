@@ -1,4 +1,4 @@
-// palpable-bake bench bake: how long the stages of a bake take.
+// palpable bench bake: how long the stages of a bake take.
 
 #include "apps/common/command_line.h"
 #include "apps/common/json.h"

@@ -1,4 +1,4 @@
-// palpable-bake bench beam: the beam by intrusive PGD, against the SVD of its own fields, positions
+// palpable bench beam: the beam by intrusive PGD, against the SVD of its own fields, positions
 // left out, fresh Newton solves and the linear model.
 
 #include "apps/common/command_line.h"
@@ -214,7 +214,8 @@ void add_bench_beam(Command bench) {
   command.add_option("-o,--out", options->output, "Body file to write")
       .type_name("FILE")
       .show_default();
-  command.add_option("--seed", options->seed, "Of the positions and loads solved afresh")
+  command
+      .add_option("--seed", options->seed, "Decides the positions and loads that are solved afresh")
       .show_default();
   command.add_option("--checks", options->checks, "How many are solved afresh")
       .in_range(1, 1000)

@@ -1,4 +1,4 @@
-// palpable-bake bench campaign: from a description to all snapshots on disk, into an empty folder.
+// palpable bench campaign: from a description to all snapshots on disk, into an empty folder.
 
 #include "apps/common/command_line.h"
 #include "apps/common/json.h"

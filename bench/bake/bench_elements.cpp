@@ -215,11 +215,11 @@ void add_bench_elements(Command bench) {
   command.add_option("--poisson", options->poisson, "Poisson's ratios; the first for the presses")
       .in_range(0.0, 0.499)
       .show_default();
-  command.add_option("--edge", options->edge, "m: another edge than the description's").positive();
+  command.add_option("--edge", options->edge, "Another edge than the description's, m").positive();
   command.add_flag("--json", options->json, "One JSON object on stdout");
   command.footer(
       "Solves on eight times the nodes for comparison: 10 GB of memory and half an hour for a "
-      "body\n"
+      "body "
       "of 17,000 nodes.\n"
       "Example: palpable bench elements bodies/bunny.toml --json");
   command.callback([options] { bench_elements(*options); });

@@ -1,4 +1,4 @@
-// palpable-bake bench reduce: all methods on the bunny, the default body against states solved
+// palpable bench reduce: all methods on the bunny, the default body against states solved
 // afresh, and sparse PGD on a part of the beam's samples.
 
 #include "apps/common/command_line.h"

@@ -493,14 +493,15 @@ void add_bench_solid(Command bench) {
   command.add_option("--levels", options->levels, "Load levels of a path")
       .in_range(1, 1000)
       .show_default();
-  command.add_option("--repeats", options->repeats, "Our path is timed so often; the median")
+  command
+      .add_option("--repeats", options->repeats, "How often our path is timed; the median counts")
       .in_range(1, 100)
       .show_default();
   command.add_option("--ccx", options->program, "CalculiX' program").show_default();
   command.add_flag("--verify", options->verify,
                    "A beam and 10-node tetrahedra, too; exit code 1 if displacements differ by "
                    "more than 1e-6 of the largest or stresses by more than 1e-5");
-  command.add_flag("--ours-only", options->ours_only, "Leave CalculiX out: a minute");
+  command.add_flag("--ours-only", options->ours_only, "Leave CalculiX out: takes a minute");
   command.add_flag("--json", options->json, "One JSON object on stdout");
   command.footer(
       "CalculiX takes about 5 minutes for each site of the paper's bunny.\n"

@@ -18,6 +18,7 @@
 #include "palpable/render/scene_renderer.h"
 #include "palpable/score/penetration.h"
 #include "palpable/view/scene_picture.h"
+#include "palpable/view/stress_scale.h"
 
 #include <fmt/core.h>
 
@@ -275,10 +276,10 @@ void bench_live(LiveBenchOptions options) {
 }  // namespace
 
 void add_bench(Command app) {
-  Command bench = app.add_subcommand("bench", "Time the stages of the live half (or of a bake)");
+  Command bench = app.add_subcommand("bench", "Time the stages of the live half, or of a bake");
   bench.require_subcommand();
   bench.footer(
-      "Of the program palpable-bake, asked for in the same way:\n"
+      "Also, in the program palpable-bake, which palpable starts:\n"
       "  bench bake      the parts of a bake\n"
       "  bench beam      the beam by intrusive PGD\n"
       "  bench campaign  all sites and levels of a body, into an empty folder\n"
@@ -290,8 +291,9 @@ void add_bench(Command app) {
                                   void (*run)(const BodyOptions&)) {
     auto options = std::make_shared<BodyOptions>();
     Command command = bench.add_subcommand(name, what);
-    command.add_option("body", options->body,
-                       "Body file; else build/bodies/bunny.palpable or out/demo/bunny.palpable");
+    command.add_option(
+        "body", options->body,
+        "Body file. Default: build/bodies/bunny.palpable, else out/demo/bunny.palpable");
     command.add_option("--repeats", options->repeats, "Frames")
         .in_range(1, 10'000'000)
         .show_default();
@@ -308,7 +310,8 @@ void add_bench(Command app) {
   };
   add_body_bench("evaluate", "Evaluation of the reduced body, and what copying as many bytes takes",
                  bench_evaluate);
-  add_body_bench("contact", "A finger at 640 x 360 on the first site", bench_contact);
+  add_body_bench("contact", "Contact: a finger on the body's first site, seen with 640 x 360 px",
+                 bench_contact);
 
   add_bench_depth(bench);
   add_bench_sgbm(bench);

@@ -150,7 +150,7 @@ void add_bench_sgbm(Command bench) {
   command.add_option("--body", options->body,
                      "Body file. Default: build/bodies/bunny-dense.palpable, else "
                      "out/demo/bunny.palpable");
-  command.add_option("--seed", options->seed, "Of the sequence")
+  command.add_option("--seed", options->seed, "Seed of the sequence")
       .in_range(std::uint64_t{0}, kLargestSeed)
       .show_default();
   command.add_option("--frames", options->frames, "Near frames to match, evenly spread")

@@ -282,28 +282,28 @@ void add_bench_track(Command bench) {
   command.add_option("--body", options->body,
                      "Body file. Default: build/bodies/bunny-dense.palpable, else "
                      "out/demo/bunny.palpable");
-  command.add_option("--seed", options->seed, "Of the sequence walk")
+  command.add_option("--seed", options->seed, "Seed of the sequence walk")
       .in_range(std::uint64_t{0}, kLargestSeed)
       .show_default();
-  command.add_option("--frames", options->frames, "Of the walk, before the darkness")
+  command.add_option("--frames", options->frames, "Frames of the walk, before the darkness")
       .in_range(2 * kSkipped, kWalkFrames - kDarkFrames - 1)
       .show_default();
-  command.add_option("--hand-frames", options->hand_frames, "Of the walk with a hand")
+  command.add_option("--hand-frames", options->hand_frames, "Frames of the walk with a hand")
       .in_range(kFewestHandFrames, kWalkFrames)
       .show_default();
   command
-      .add_option("--data", options->data,
-                  "Folder that holds rgbd_pose_7scenes and stereo_video_kitti1; what is absent is "
-                  "null")
+      .add_option(
+          "--data", options->data,
+          "Folder that holds rgbd_pose_7scenes and stereo_video_kitti1; what is missing is null")
       .show_default();
   command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
   command.footer(
       "The walk is filmed for the bench, at 1280 x 720; from frame 10 on its CPU time counts, mean "
-      "over\n"
+      "over "
       "frames, all threads. Then 1 s of darkness. fixed_cpu_ms is the same of a camera on a "
-      "tripod,\n"
+      "tripod, "
       "fixed_share the share of its frames in which nothing but its patches was looked for. A "
-      "third\n"
+      "third "
       "film, of the walk with a hand, is mapped.\n"
       "Example: palpable bench track --json");
   command.callback([options] { bench_track(*options); });

@@ -21,6 +21,8 @@ import zlib
 from math import cos, sin
 from pathlib import Path
 
+from screen import ESCAPE, Screen, wait_for
+
 CASES = {}
 LONG = set()
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -238,6 +240,33 @@ def _(programs, folder):
         assert command in result.stdout, f"{command} is not in --help"
         text = programs.succeeds(command, "--help").stdout
         assert "xample" in text and f"palpable {command}" in text, f"no example: {command} --help\n{text}"
+
+
+def commands_of(help_text):
+    """The words in the first column below "Commands:"."""
+    return re.findall(r"^  (\S+)", help_text.partition("\nCommands:\n")[2].split("\n\n")[0], re.MULTILINE)
+
+
+@case("no line of any --help is wider than 100 columns, and every command says what it does")
+def _(programs, folder):
+    seen, todo = [], [()]
+    while todo:
+        words = todo.pop()
+        text = programs.succeeds(*words, "--help").stdout
+        seen.append(words)
+        for line in text.splitlines():
+            assert len(line) <= 100, f"{len(line)} columns: palpable {' '.join(words)} --help\n{line}"
+            assert line == line.rstrip(), f"spaces at the end: palpable {' '.join(words)} --help\n{line}|"
+        todo += [(*words, command) for command in commands_of(text)]
+        # bench lists in its own words those that palpable-bake has.
+        if words == ("bench",):
+            todo += [("bench", name) for name in re.findall(r"^  bench (\S+)", text, re.MULTILINE)]
+    bake = subprocess.run([str(Path(programs.palpable).with_name("palpable-bake")), "--help"], capture_output=True,
+                          text=True, check=True).stdout
+    assert max(map(len, bake.splitlines())) <= 100, bake
+    names = {words[0] for words in seen if words}
+    assert names == {*COMMANDS, "merge", "import-snapshots"}, names
+    assert len([words for words in seen if words[:1] == ("bench",)]) >= 13, seen
 
 
 @case("the version is printed")
@@ -1522,6 +1551,46 @@ def _(programs, folder):
     result = on_screen(programs, "view", programs.small_body(), "--close-after", "1", cwd=folder)
     assert result is None or result.returncode == 0, result.stderr
     assert not list(folder.rglob("*.png")), "pictures instead of a window"
+
+
+@case("the window of view is drawn again when it is resized, and the key P never ends it")
+def _(programs, folder):
+    body = programs.small_body()
+    with Screen() as screen:
+        if screen.missing:
+            print("SKIPPED: " + screen.missing)
+            return
+        here = folder / "here"
+        here.mkdir(parents=True)
+        (here / "ball_view_1.png").write_text("of an earlier day")
+        with open(folder / "err", "w") as err, open(folder / "out", "w") as out:
+            program = screen.start(programs.palpable, "view", body, cwd=here, stderr=err, stdout=out)
+        try:
+            window = screen.window()
+            wait_for("a picture", lambda: screen.lit_share(window) > 0.9)
+            for width, height in ((640, 360), (900, 700), (300, 600)):
+                screen.resize(window, width, height)
+                # The picture is 16 : 9, the rest of the window black.
+                lit = min(width / height / (16 / 9), height / width * (16 / 9))
+                wait_for(f"a picture in {width} x {height}", lambda: abs(screen.lit_share(window) - lit) < 0.1 * lit)
+            screen.type(window, "p")
+            wait_for("a second picture", (folder / "out").read_text)
+            assert (folder / "out").read_text() == "ball_view_2.png\n"
+            assert (here / "ball_view_1.png").read_text() == "of an earlier day"
+            assert (here / "ball_view_2.png").read_bytes().startswith(b"\x89PNG")
+            shutil.rmtree(here)
+            screen.type(window, "p")
+            wait_for("a refusal", (folder / "err").read_text)
+            refusal = (folder / "err").read_text()
+            assert refusal.startswith("palpable: cannot write ball_view_1.png") and refusal.count("\n") == 1, refusal
+            screen.resize(window, 640, 360)
+            wait_for("a picture after it", lambda: screen.lit_share(window) > 0.9)
+            assert program.poll() is None, "the window is closed"
+            screen.type(window, ESCAPE)
+            assert program.wait(timeout=60) == 0
+        finally:
+            program.kill()
+            program.wait()
 
 
 @case("the live loop shows itself in a window with the same result")

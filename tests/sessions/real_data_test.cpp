@@ -5,17 +5,18 @@
 #include "palpable/base/error.h"
 #include "palpable/reduced/scaled_body.h"
 #include "palpable/render/gl_context.h"
-#include "palpable/render/picture_file.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/score/occlusion.h"
 #include "palpable/session/frame_loop.h"
 #include "palpable/sources/folder_source.h"
+#include "palpable/sources/image_file.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
@@ -195,11 +196,14 @@ std::unique_ptr<Motorcycle> motorcycle() {
   auto source = value_or_throw(open_folder(images));
   m->format = source->format();
   if (source->next(m->frame) != FrameStatus::kFrame) throw Error("no frame in " + images.string());
-  m->true_depth = value_or_throw(read_depth_png(images / "truth/disparity.png", 1.0 / 256));
-  for (float& d : m->true_depth) {
-    if (!std::isnan(d)) {
-      d = static_cast<float>(m->format.rectified.depth(static_cast<double>(d)));
-    }
+  Image<std::uint16_t> disparity;  // 1/256 px; 0 where it is unknown
+  static_cast<void>(
+      value_or_throw(ImageFileReader().read_16bit(images / "truth/disparity.png", disparity)));
+  m->true_depth.resize(disparity.width(), disparity.height());
+  for (std::size_t i = 0; i < disparity.size(); ++i) {
+    const std::uint16_t d = disparity.data()[i];
+    m->true_depth.data()[i] =
+        d == 0 ? kNone : static_cast<float>(m->format.rectified.depth(d * (1.0 / 256)));
   }
   return m;
 }

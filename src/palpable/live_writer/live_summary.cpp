@@ -1,7 +1,7 @@
 #include "palpable/live_writer/live_summary.h"
 
 #include "palpable/base/order_statistics.h"
-#include "palpable/view/scene_picture.h"
+#include "palpable/view/stress_scale.h"
 
 namespace palpable {
 

@@ -5,10 +5,9 @@
 #include <fmt/core.h>
 
 #include <cerrno>
-#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <limits>
 #include <memory>
 #include <png.h>
 #include <string>
@@ -22,6 +21,7 @@ struct CloseFile {
 };
 using File = std::unique_ptr<std::FILE, CloseFile>;
 
+constexpr std::size_t kPixelBytes = 3;
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 27;
 
 /// libpng's error, as its handler leaves it here. libpng leaves a call with longjmp, so between
@@ -43,7 +43,7 @@ void append_bytes(png_structp png, png_bytep bytes, png_size_t count) {
 void flush_nothing(png_structp /*png*/) {}
 
 /// The bytes of a PNG of rows as they lie in memory. @return false after an error of libpng
-bool encode_rows(std::string& file, png_uint_32 width, png_uint_32 height, int bits, int color,
+bool encode_rows(std::string& file, png_uint_32 width, png_uint_32 height, int color,
                  const std::vector<png_bytep>& rows, Complaint& complaint) {
   png_structp png =
       png_create_write_struct(PNG_LIBPNG_VER_STRING, &complaint, on_error, on_warning);
@@ -60,10 +60,9 @@ bool encode_rows(std::string& file, png_uint_32 width, png_uint_32 height, int b
   png_set_write_fn(png, &file, append_bytes, flush_nothing);
   // Compared with the default, level 3 takes a third of the time and makes files a tenth larger.
   png_set_compression_level(png, 3);
-  png_set_IHDR(png, info, width, height, bits, color, PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_IHDR(png, info, width, height, 8, color, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
   png_write_info(png, info);
-  if (bits == 16) png_set_swap(png);  // PNG is big-endian, this machine little-endian
   png_write_image(png, const_cast<png_bytepp>(rows.data()));
   png_write_end(png, info);
   png_destroy_write_struct(&png, &info);
@@ -71,7 +70,7 @@ bool encode_rows(std::string& file, png_uint_32 width, png_uint_32 height, int b
 }
 
 template <class T>
-void write_image(const std::filesystem::path& path, const Image<T>& image, int bits, int color) {
+void write_image(const std::filesystem::path& path, const Image<T>& image, int color) {
   PALPABLE_EXPECT(!image.empty(), "a picture has pixels");
   std::vector<png_bytep> rows;
   for (int y = 0; y < image.height(); ++y) {
@@ -81,23 +80,20 @@ void write_image(const std::filesystem::path& path, const Image<T>& image, int b
   Complaint complaint;
   std::string bytes;
   if (!encode_rows(bytes, static_cast<png_uint_32>(image.width()),
-                   static_cast<png_uint_32>(image.height()), bits, color, rows, complaint)) {
+                   static_cast<png_uint_32>(image.height()), color, rows, complaint)) {
     throw Error(fmt::format("{}: cannot be encoded: {}", path.string(), complaint.message));
   }
   write_whole_file(path, bytes);
 }
 
-/// A PNG while it is read.
-enum class As { kRgb8, kGray16 };
-
+/// A PNG as 8-bit RGB.
 struct Raw {
   png_uint_32 width = 0;
   png_uint_32 height = 0;
   std::vector<png_byte> bytes;  // rows packed
 };
 
-bool read_rows(std::FILE* file, As as, Raw& raw, std::vector<png_bytep>& rows,
-               Complaint& complaint) {
+bool read_rows(std::FILE* file, Raw& raw, std::vector<png_bytep>& rows, Complaint& complaint) {
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &complaint, on_error, on_warning);
   png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
   if (info == nullptr) {
@@ -117,26 +113,17 @@ bool read_rows(std::FILE* file, As as, Raw& raw, std::vector<png_bytep>& rows,
   if (std::uint64_t{raw.width} * raw.height > kMostPixels) {
     png_error(png, "more than 134 million pixels");
   }
-  std::size_t pixel_bytes = 3;
-  if (as == As::kGray16) {
-    if (color != PNG_COLOR_TYPE_GRAY || png_get_bit_depth(png, info) != 16) {
-      png_error(png, "not a 16-bit grey image");
-    }
-    png_set_swap(png);
-    pixel_bytes = 2;
-  } else {
-    png_set_expand(png);
-    png_set_scale_16(png);
-    png_set_strip_alpha(png);
-    if ((color & PNG_COLOR_MASK_COLOR) == 0) png_set_gray_to_rgb(png);
-  }
+  png_set_expand(png);
+  png_set_scale_16(png);
+  png_set_strip_alpha(png);
+  if ((color & PNG_COLOR_MASK_COLOR) == 0) png_set_gray_to_rgb(png);
   png_set_interlace_handling(png);
   png_read_update_info(png, info);
-  if (png_get_rowbytes(png, info) != pixel_bytes * raw.width) png_error(png, "odd pixel format");
-  raw.bytes.resize(pixel_bytes * raw.width * raw.height);
+  if (png_get_rowbytes(png, info) != kPixelBytes * raw.width) png_error(png, "odd pixel format");
+  raw.bytes.resize(kPixelBytes * raw.width * raw.height);
   rows.resize(raw.height);
   for (std::size_t y = 0; y < rows.size(); ++y) {
-    rows[y] = raw.bytes.data() + y * pixel_bytes * raw.width;
+    rows[y] = raw.bytes.data() + y * kPixelBytes * raw.width;
   }
   png_read_image(png, rows.data());
   png_read_end(png, nullptr);
@@ -144,13 +131,13 @@ bool read_rows(std::FILE* file, As as, Raw& raw, std::vector<png_bytep>& rows,
   return true;
 }
 
-Result<Raw> read_image(const std::filesystem::path& path, As as) {
+Result<Raw> read_image(const std::filesystem::path& path) {
   const File file(std::fopen(path.c_str(), "rb"));
   if (!file) return Problem{fmt::format("cannot read {}: {}", path.string(), std::strerror(errno))};
   Raw raw;
   std::vector<png_bytep> rows;
   Complaint complaint;
-  if (!read_rows(file.get(), as, raw, rows, complaint)) {
+  if (!read_rows(file.get(), raw, rows, complaint)) {
     return Problem{fmt::format("{} is not a readable PNG: {}", path.string(), complaint.message)};
   }
   return raw;
@@ -160,42 +147,19 @@ Result<Raw> read_image(const std::filesystem::path& path, As as) {
 
 void write_png(const std::filesystem::path& path, const ColorImage& picture) {
   static_assert(sizeof(Rgb) == 3);
-  write_image(path, picture, 8, PNG_COLOR_TYPE_RGB);
+  write_image(path, picture, PNG_COLOR_TYPE_RGB);
 }
 
 void write_png(const std::filesystem::path& path, const GrayImage& picture) {
-  write_image(path, picture, 8, PNG_COLOR_TYPE_GRAY);
-}
-
-void write_depth_png(const std::filesystem::path& path, const DepthImage& depth, double unit) {
-  PALPABLE_EXPECT(unit > 0.0, "the unit is a length");
-  Image<std::uint16_t> counts(depth.width(), depth.height());
-  for (std::size_t i = 0; i < depth.size(); ++i) {
-    const double count = std::round(static_cast<double>(depth.data()[i]) / unit);
-    if (count >= 1.0 && count <= 65535.0) counts.data()[i] = static_cast<std::uint16_t>(count);
-  }
-  write_image(path, counts, 16, PNG_COLOR_TYPE_GRAY);
+  write_image(path, picture, PNG_COLOR_TYPE_GRAY);
 }
 
 Result<ColorImage> read_png(const std::filesystem::path& path) {
-  const Result<Raw> raw = read_image(path, As::kRgb8);
+  const Result<Raw> raw = read_image(path);
   if (!raw.ok()) return raw.problem();
   ColorImage picture(static_cast<int>(raw.value().width), static_cast<int>(raw.value().height));
   std::memcpy(picture.data(), raw.value().bytes.data(), raw.value().bytes.size());
   return picture;
-}
-
-Result<DepthImage> read_depth_png(const std::filesystem::path& path, double unit) {
-  const Result<Raw> raw = read_image(path, As::kGray16);
-  if (!raw.ok()) return raw.problem();
-  DepthImage depth(static_cast<int>(raw.value().width), static_cast<int>(raw.value().height));
-  for (std::size_t i = 0; i < depth.size(); ++i) {
-    std::uint16_t count = 0;
-    std::memcpy(&count, raw.value().bytes.data() + 2 * i, sizeof count);
-    depth.data()[i] =
-        count == 0 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(count * unit);
-  }
-  return depth;
 }
 
 }  // namespace palpable

@@ -2,11 +2,9 @@
 
 #include "tests/support/test.h"
 
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <random>
 #include <string>
 #include <unistd.h>
@@ -61,22 +59,6 @@ TEST_CASE("a grey PNG reads as three equal channels", "[render]") {
   CHECK(back.value()(1, 0) == Rgb{17, 17, 17});
 }
 
-TEST_CASE("depth comes back to half its unit and unknown stays unknown", "[render]") {
-  const Folder folder("depth");
-  DepthImage depth(7, 4, std::numeric_limits<float>::quiet_NaN());
-  for (int i = 0; i < 20; ++i) depth.data()[i] = 0.1234f + 0.03127f * static_cast<float>(i);
-  depth(6, 3) = 9.0f;  // beyond 65535 * 0.1 mm
-  write_depth_png(folder / "d.png", depth, 1e-4);
-  const Result<DepthImage> back = read_depth_png(folder / "d.png", 1e-4);
-  REQUIRE(back.ok());
-  for (int i = 0; i < 20; ++i) {
-    CHECK(std::abs(back.value().data()[i] - depth.data()[i]) <=
-          test::tolerance(5.1e-5, "half a unit, and rounding"));
-  }
-  CHECK(std::isnan(back.value()(0, 3)));
-  CHECK(std::isnan(back.value()(6, 3)));
-}
-
 TEST_CASE("what is not a PNG, or not all of one, is refused by name", "[render]") {
   const Folder folder("bad");
   const auto refused = [&](const std::filesystem::path& path) {
@@ -95,7 +77,6 @@ TEST_CASE("what is not a PNG, or not all of one, is refused by name", "[render]"
     std::ofstream(folder / "part.png", std::ios::binary) << bytes.substr(0, kept);
     refused(folder / "part.png");
   }
-  CHECK_FALSE(read_depth_png(folder / "whole.png", 1e-4).ok());
 }
 
 TEST_CASE("a picture that cannot be written says where and why", "[render]") {

@@ -8,11 +8,10 @@
 #include <GLFW/glfw3.h>
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
+#include <cctype>
+#include <cstring>
 #include <utility>
-#include <vector>
 
 namespace palpable {
 namespace {
@@ -23,20 +22,13 @@ std::string glfw_reason() {
   return text != nullptr ? text : "no reason given";
 }
 
-/// The picture's rectangle in the window's framebuffer, px from its lower left corner.
-struct Placement {
-  int x = 0, y = 0, width = 1, height = 1;
-};
-
-Placement fit(int picture_width, int picture_height, int width, int height) {
-  const double scale = std::min(static_cast<double>(width) / picture_width,
-                                static_cast<double>(height) / picture_height);
-  Placement at;
-  at.width = std::max(static_cast<int>(std::lround(picture_width * scale)), 1);
-  at.height = std::max(static_cast<int>(std::lround(picture_height * scale)), 1);
-  at.x = (width - at.width) / 2;
-  at.y = (height - at.height) / 2;
-  return at;
+// What a key is called on the user's keyboard: GLFW's own numbers are places on a US one, where
+// another layout has another letter.
+int layout_key(int key, int scancode) {
+  const char* name = glfwGetKeyName(key, scancode);
+  if (name == nullptr || std::strlen(name) != 1) return key;  // no letter, or none of Latin
+  const auto letter = static_cast<unsigned char>(name[0]);
+  return std::isalnum(letter) != 0 ? std::toupper(letter) : key;
 }
 
 }  // namespace
@@ -44,9 +36,9 @@ Placement fit(int picture_width, int picture_height, int width, int height) {
 struct Window::State {
   GLFWwindow* window = nullptr;
   GlErrorLog errors;
-  std::vector<WindowEvent> gathered, handed_out;
-  // The picture last shown, and its rectangle in the window.
-  int picture_width = 1, picture_height = 1;
+  WindowEventLog log;
+  bool damaged = false;  // something of the window has to be painted again
+  // The picture last shown; null before the first.
   struct Surface {
     GlTexture texture;
     GlFramebuffer framebuffer;
@@ -70,17 +62,9 @@ struct Window::State {
     return *static_cast<State*>(glfwGetWindowUserPointer(window));
   }
 
-  void gather(WindowEvent event) {
-    double x = 0, y = 0;
-    int window_width = 1, window_height = 1;
-    glfwGetCursorPos(window, &x, &y);
-    glfwGetWindowSize(window, &window_width, &window_height);
-    const Placement at =
-        fit(picture_width, picture_height, std::max(window_width, 1), std::max(window_height, 1));
-    event.x_px = (x - at.x) * picture_width / at.width - 0.5;
-    event.y_px = (y - at.y) * picture_height / at.height - 0.5;
-    gathered.push_back(event);
-  }
+  // Shows the picture last shown again.
+  void paint();
+  void listen();
 };
 
 int Window::State::open_windows = 0;
@@ -103,37 +87,63 @@ Result<Window> Window::open(const std::string& title, int width, int height) {
   }
   ++State::open_windows;
   state->window = window;
-  state->picture_width = width;
-  state->picture_height = height;
   glfwSetWindowUserPointer(window, state.get());
   glfwMakeContextCurrent(window);
   glfwSwapInterval(1);
   state->errors.attach();
 
+  int window_width = 0, window_height = 0;  // a window manager may have changed them
+  glfwGetWindowSize(window, &window_width, &window_height);
+  state->log.shows(width, height);
+  state->log.resized(window_width, window_height);
+  state->listen();
+  return Window(std::move(state));
+}
+
+void Window::State::listen() {
+  glfwSetWindowSizeCallback(
+      window, [](GLFWwindow* w, int width, int height) { of(w).log.resized(width, height); });
+  glfwSetFramebufferSizeCallback(
+      window, [](GLFWwindow* w, int /*width*/, int /*height*/) { of(w).damaged = true; });
+  glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { of(w).damaged = true; });
+  glfwSetCursorPosCallback(window,
+                           [](GLFWwindow* w, double x, double y) { of(w).log.moved(x, y); });
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int /*mods*/) {
-    WindowEvent event;
-    event.kind = action == GLFW_PRESS ? WindowEvent::Kind::kPress : WindowEvent::Kind::kRelease;
-    event.button = button;
-    State::of(w).gather(event);
-  });
-  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double /*x*/, double /*y*/) {
-    State::of(w).gather({.kind = WindowEvent::Kind::kMove});
+    of(w).log.button(button, action == GLFW_PRESS);
   });
   glfwSetScrollCallback(window, [](GLFWwindow* w, double /*x*/, double y) {
-    WindowEvent event;
-    event.kind = WindowEvent::Kind::kWheel;
-    event.wheel = y;
-    State::of(w).gather(event);
+    if (y != 0) of(w).log.wheel(y);
   });
-  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int /*scan*/, int action, int /*mods*/) {
+  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int scancode, int action, int mods) {
     if (action != GLFW_PRESS) return;
-    WindowEvent event;
-    event.kind = WindowEvent::Kind::kKey;
-    event.key = key;
-    State::of(w).gather(event);
+    if ((mods & (GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER)) != 0) return;
+    of(w).log.key(layout_key(key, scancode));
   });
   static_assert(WindowEvent::kEscape == GLFW_KEY_ESCAPE);
-  return Window(std::move(state));
+  // Without this a press before the first motion would be at 0, 0.
+  double x = 0, y = 0;
+  glfwGetCursorPos(window, &x, &y);
+  log.moved(x, y);
+}
+
+void Window::State::paint() {
+  damaged = false;
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window, &width, &height);
+  const GlTexture& picture = surface->texture;
+  const auto at = place_picture(picture.width(), picture.height(), width, height);
+  if (!at) return;  // minimised: painted when it comes back
+  glDisable(GL_SCISSOR_TEST);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+  if (at->width != width || at->height != height) {
+    glClearColor(0, 0, 0, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+  }
+  // Row 0 of the picture is at the top, row 0 of the window at the bottom.
+  glBlitNamedFramebuffer(surface->framebuffer.get(), 0, 0, 0, picture.width(), picture.height(),
+                         at->x, at->y + at->height, at->x + at->width, at->y, GL_COLOR_BUFFER_BIT,
+                         at->width == picture.width() ? GL_NEAREST : GL_LINEAR);
+  glfwSwapBuffers(window);
 }
 
 Window::Window(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -144,8 +154,7 @@ Window::~Window() = default;
 void Window::show(const ColorImage& picture) {
   PALPABLE_EXPECT(!picture.empty(), "a picture has pixels");
   State& s = *state_;
-  s.picture_width = picture.width();
-  s.picture_height = picture.height();
+  s.log.shows(picture.width(), picture.height());
   if (!s.surface || s.surface->texture.width() != picture.width() ||
       s.surface->texture.height() != picture.height()) {
     s.surface = std::make_unique<State::Surface>();
@@ -155,34 +164,19 @@ void Window::show(const ColorImage& picture) {
   }
   s.surface->texture.upload(0, 0, picture.width(), picture.height(), GL_RGB, GL_UNSIGNED_BYTE,
                             picture.data());
-  int width = 1, height = 1;
-  glfwGetFramebufferSize(s.window, &width, &height);
-  if (width > 0 && height > 0) {  // 0 while it is minimised
-    const Placement at = fit(picture.width(), picture.height(), width, height);
-    glDisable(GL_SCISSOR_TEST);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-    if (at.width != width || at.height != height) {
-      glClearColor(0, 0, 0, 1);
-      glClear(GL_COLOR_BUFFER_BIT);
-    }
-    // Row 0 of the picture is at the top, row 0 of the window at the bottom.
-    glBlitNamedFramebuffer(s.surface->framebuffer.get(), 0, 0, 0, picture.width(), picture.height(),
-                           at.x, at.y + at.height, at.x + at.width, at.y, GL_COLOR_BUFFER_BIT,
-                           at.width == picture.width() ? GL_NEAREST : GL_LINEAR);
-  }
-  glfwSwapBuffers(s.window);
+  s.paint();
 }
 
 std::span<const WindowEvent> Window::events(double wait) {
   State& s = *state_;
-  if (wait > 0 && s.gathered.empty()) {
+  if (wait > 0 && s.log.empty()) {
     glfwWaitEventsTimeout(wait);
   } else {
     glfwPollEvents();
   }
-  std::swap(s.gathered, s.handed_out);
-  s.gathered.clear();
-  return s.handed_out;
+  // Once for all reports of a resize by mouse, which come faster than pictures are painted.
+  if (s.damaged && s.surface) s.paint();
+  return s.log.take();
 }
 
 bool Window::closed() const { return glfwWindowShouldClose(state_->window) == GLFW_TRUE; }

@@ -5,25 +5,13 @@
 #include "palpable/base/error.h"
 #include "palpable/geometry/image.h"
 #include "palpable/render/gl_context.h"
+#include "palpable/render/window_events.h"
 
 #include <memory>
 #include <span>
 #include <string>
 
 namespace palpable {
-
-/// One event of mouse or keyboard. Positions are px of the picture last shown ((0, 0) is the centre
-/// of its first pixel), whatever the size of the window.
-struct WindowEvent {
-  enum class Kind { kPress, kRelease, kMove, kWheel, kKey };
-  Kind kind = Kind::kMove;
-  double x_px = 0;
-  double y_px = 0;
-  int button = 0;    ///< kPress, kRelease: 0 left, 1 right, 2 middle
-  double wheel = 0;  ///< kWheel: notches, positive away from the user
-  int key = 0;       ///< kKey: 'A' .. 'Z', '0' .. '9', ' ' or a value below
-  static constexpr int kEscape = 256;
-};
 
 /// A window with an OpenGL 4.5 core context. Move-only; use it on the main thread only.
 class Window {
@@ -37,10 +25,13 @@ class Window {
   ~Window();
 
   /// Shows a picture as large as the window allows with its proportions kept. Waits for the
-  /// screen's next refresh.
+  /// screen's next refresh. The picture stays: events() paints it again where the window was
+  /// resized or uncovered.
   void show(const ColorImage& picture);
   /// The events since the last call; valid until the next call. Without any it waits up to `wait`
-  /// seconds for one.
+  /// seconds for one. Keys are named by the user's layout; repeats of a key that is held, and keys
+  /// together with Ctrl, Alt or Super, are left out. A window that loses the keyboard reports its
+  /// buttons as released.
   [[nodiscard]] std::span<const WindowEvent> events(double wait = 0);
   /// True once the user has asked to close the window.
   [[nodiscard]] bool closed() const;

@@ -14,6 +14,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <string>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -66,96 +67,279 @@ class VirtualScreen {
   std::string name_;
 };
 
-}  // namespace
-
-TEST_CASE("a window shows a picture upright and hands on what the mouse and the keys do",
-          "[render][window]") {
-  const VirtualScreen screen;
-  if (!screen.ready()) PALPABLE_SKIP("no Xvfb (Debian package xvfb)");
-  const test::IgnoreForeignLeaks ignore;
-  Result<palpable::Window> opened = palpable::Window::open("test", 320, 200);
-  if (!opened.ok()) PALPABLE_SKIP(opened.problem().message);
-  palpable::Window& window = opened.value();
-  CHECK_FALSE(window.closed());
-
-  ColorImage picture(320, 200, {10, 20, 30});
-  for (int y = 0; y < 50; ++y) std::fill_n(picture.row(y), 80, Rgb{200, 100, 50});
-  window.show(picture);
-  window.show(picture);
-
-  // What the X server itself has on its screen.
-  Display* x = XOpenDisplay(screen.name().c_str());
-  REQUIRE(x != nullptr);
-  ::Window root = DefaultRootWindow(x), parent = 0, *children = nullptr;
-  unsigned count = 0;
-  REQUIRE(XQueryTree(x, root, &root, &parent, &children, &count) != 0);
-  ::Window ours = 0;
-  for (unsigned i = 0; i < count; ++i) {
-    XWindowAttributes is{};
-    XGetWindowAttributes(x, children[i], &is);
-    if (is.width == 320 && is.height == 200) ours = children[i];
+/// A user at that screen: looks at the pixels of a window and sends it what a mouse and a keyboard
+/// would.
+class User {
+ public:
+  /// @param width, height  of the window that is meant
+  User(const VirtualScreen& screen, int width, int height)
+      : x_(XOpenDisplay(screen.name().c_str())) {
+    REQUIRE(x_ != nullptr);
+    root_ = DefaultRootWindow(x_);
+    ::Window parent = 0, *children = nullptr;
+    unsigned count = 0;
+    REQUIRE(XQueryTree(x_, root_, &root_, &parent, &children, &count) != 0);
+    for (unsigned i = 0; i < count; ++i) {
+      XWindowAttributes is{};
+      XGetWindowAttributes(x_, children[i], &is);
+      if (is.width == width && is.height == height) window_ = children[i];
+    }
+    XFree(children);
+    REQUIRE(window_ != 0);
   }
-  REQUIRE(ours != 0);
-  XFree(children);
-  XImage* seen = XGetImage(x, ours, 0, 0, 320, 200, AllPlanes, ZPixmap);
-  REQUIRE(seen != nullptr);
-  CHECK((XGetPixel(seen, 10, 10) & 0xffffff) == 0xc86432);
-  CHECK((XGetPixel(seen, 79, 49) & 0xffffff) == 0xc86432);
-  CHECK((XGetPixel(seen, 80, 50) & 0xffffff) == 0x0a141e);
-  CHECK((XGetPixel(seen, 10, 190) & 0xffffff) == 0x0a141e);
-  XDestroyImage(seen);
+  ~User() { XCloseDisplay(x_); }
+  User(const User&) = delete;
+  User& operator=(const User&) = delete;
 
-  // What a user would do, sent as an X server sends it.
-  const auto send = [&](int type, unsigned button, int px, int py) {
+  /// 0xrrggbb of each of the places.
+  std::vector<unsigned long> pixels(const std::vector<std::array<int, 2>>& places) {
+    XWindowAttributes is{};
+    XGetWindowAttributes(x_, window_, &is);
+    XImage* seen = XGetImage(x_, window_, 0, 0, static_cast<unsigned>(is.width),
+                             static_cast<unsigned>(is.height), AllPlanes, ZPixmap);
+    REQUIRE(seen != nullptr);
+    std::vector<unsigned long> colors;
+    for (const auto [px, py] : places) colors.push_back(XGetPixel(seen, px, py) & 0xffffff);
+    XDestroyImage(seen);
+    return colors;
+  }
+
+  void point_at(int px, int py) {
+    XWarpPointer(x_, None, window_, 0, 0, 0, 0, px, py);
+    XSync(x_, False);
+  }
+  /// A button of X: 1 left, 3 right, 4 the wheel away from the user.
+  void button(bool down, unsigned button, int px, int py) {
     XEvent event{};
-    event.xbutton.type = type;
-    event.xbutton.display = x;
-    event.xbutton.window = ours;
-    event.xbutton.root = root;
+    event.xbutton.type = down ? ButtonPress : ButtonRelease;
+    event.xbutton.root = root_;
     event.xbutton.x = px;
     event.xbutton.y = py;
     event.xbutton.button = button;
     event.xbutton.same_screen = True;
-    XSendEvent(x, ours, True, NoEventMask, &event);
-  };
-  XWarpPointer(x, None, ours, 0, 0, 0, 0, 40, 30);
-  XSync(x, False);
-  send(ButtonPress, 1, 40, 30);
-  send(ButtonRelease, 1, 40, 30);
-  send(ButtonPress, 4, 40, 30);  // the wheel, away from the user
-  XEvent key{};
-  key.xkey.type = KeyPress;
-  key.xkey.display = x;
-  key.xkey.window = ours;
-  key.xkey.root = root;
-  key.xkey.keycode = XKeysymToKeycode(x, XK_Escape);
-  key.xkey.same_screen = True;
-  XSendEvent(x, ours, True, NoEventMask, &key);
-  XSync(x, False);
+    send(event);
+  }
+  void move(int px, int py) {
+    XEvent event{};
+    event.xmotion.type = MotionNotify;
+    event.xmotion.root = root_;
+    event.xmotion.x = px;
+    event.xmotion.y = py;
+    event.xmotion.same_screen = True;
+    send(event);
+  }
+  void type(KeySym key, unsigned modifiers = 0) { type_at(XKeysymToKeycode(x_, key), modifiers); }
+  /// @param place  the number of a key on its keyboard, whatever it is called
+  void type_at(KeyCode place, unsigned modifiers = 0) {
+    XEvent event{};
+    event.xkey.type = KeyPress;
+    event.xkey.root = root_;
+    event.xkey.keycode = place;
+    event.xkey.state = modifiers;
+    event.xkey.same_screen = True;
+    send(event);
+  }
+  /// Makes the key that has typed `from` until now type `to`. @return its place
+  KeyCode rename_key(KeySym from, KeySym to) {
+    const KeyCode place = XKeysymToKeycode(x_, from);
+    XChangeKeyboardMapping(x_, place, 1, &to, 1);
+    XSync(x_, False);
+    return place;
+  }
+  void resize(int width, int height) {
+    XResizeWindow(x_, window_, static_cast<unsigned>(width), static_cast<unsigned>(height));
+    XSync(x_, False);
+  }
+  void unmap() {
+    XUnmapWindow(x_, window_);
+    XSync(x_, False);
+  }
+  void map() {
+    XMapWindow(x_, window_);
+    XSync(x_, False);
+  }
+  void focus(bool here) {
+    XSetInputFocus(x_, here ? window_ : root_, RevertToNone, CurrentTime);
+    XSync(x_, False);
+  }
+  /// What a window manager sends when the user closes a window.
+  void ask_to_close() {
+    XEvent event{};
+    event.xclient.type = ClientMessage;
+    event.xclient.message_type = XInternAtom(x_, "WM_PROTOCOLS", False);
+    event.xclient.format = 32;
+    event.xclient.data.l[0] = static_cast<long>(XInternAtom(x_, "WM_DELETE_WINDOW", False));
+    send(event);
+  }
 
+ private:
+  void send(XEvent& event) {
+    event.xany.display = x_;
+    event.xany.window = window_;
+    XSendEvent(x_, window_, True, NoEventMask, &event);
+    XSync(x_, False);
+  }
+
+  Display* x_;
+  ::Window root_ = 0, window_ = 0;
+};
+
+// Nothing but its upper left corner, a quarter of its width and height, is of the color 0xc86432.
+ColorImage marked_picture() {
+  ColorImage picture(320, 200, {10, 20, 30});
+  for (int y = 0; y < 50; ++y) std::fill_n(picture.row(y), 80, Rgb{200, 100, 50});
+  return picture;
+}
+constexpr unsigned long kMark = 0xc86432, kRest = 0x0a141e, kBorder = 0;
+
+// What the window reports until an event of that kind has come; 10 s at the most.
+std::vector<WindowEvent> events_until(palpable::Window& window, WindowEvent::Kind kind) {
   std::vector<WindowEvent> all;
-  const auto has = [&](WindowEvent::Kind kind) {
-    return std::find_if(all.begin(), all.end(),
-                        [&](const WindowEvent& event) { return event.kind == kind; });
-  };
-  for (int i = 0; i < 200 && has(WindowEvent::Kind::kKey) == all.end(); ++i) {
+  const auto there = [&](const WindowEvent& event) { return event.kind == kind; };
+  for (int i = 0; i < 200 && std::none_of(all.begin(), all.end(), there); ++i) {
     const auto events = window.events(0.05);
     all.insert(all.end(), events.begin(), events.end());
   }
-  const auto press = has(WindowEvent::Kind::kPress), release = has(WindowEvent::Kind::kRelease);
-  const auto wheel = has(WindowEvent::Kind::kWheel), typed = has(WindowEvent::Kind::kKey);
-  REQUIRE(press != all.end());
-  CHECK(press->button == 0);
-  CHECK(press->x_px == Approx(39.5));
-  CHECK(press->y_px == Approx(29.5));
-  CHECK(release != all.end());
-  REQUIRE(wheel != all.end());
-  CHECK(wheel->wheel == 1.0);
-  REQUIRE(typed != all.end());
-  CHECK(typed->key == WindowEvent::kEscape);
-  XCloseDisplay(x);
+  return all;
+}
+
+// Those of one kind.
+std::vector<WindowEvent> only(WindowEvent::Kind kind, const std::vector<WindowEvent>& all) {
+  std::vector<WindowEvent> some;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(some),
+               [&](const WindowEvent& event) { return event.kind == kind; });
+  return some;
+}
+
+// The pixels that the user sees once they are `expected`, or after 10 s; shows nothing anew.
+std::vector<unsigned long> pixels_after_events(palpable::Window& window, User& user,
+                                               const std::vector<std::array<int, 2>>& places,
+                                               const std::vector<unsigned long>& expected) {
+  std::vector<unsigned long> seen;
+  for (int i = 0; i < 200 && seen != expected; ++i) {
+    static_cast<void>(window.events(0.05));
+    seen = user.pixels(places);
+  }
+  return seen;
+}
+
+using Kind = WindowEvent::Kind;
+
+}  // namespace
+
+// Opens `window` with the marked picture in it, before `user`, or skips the case.
+#define WINDOW_WITH_PICTURE(window, user)                                     \
+  const VirtualScreen screen;                                                 \
+  if (!screen.ready()) PALPABLE_SKIP("no Xvfb (Debian package xvfb)");        \
+  const test::IgnoreForeignLeaks ignore;                                      \
+  Result<palpable::Window> opened = palpable::Window::open("test", 320, 200); \
+  if (!opened.ok()) PALPABLE_SKIP(opened.problem().message);                  \
+  palpable::Window& window = opened.value();                                  \
+  window.show(marked_picture());                                              \
+  window.show(marked_picture());                                              \
+  User user(screen, 320, 200)
+
+TEST_CASE("a window shows a picture upright and hands on what the mouse and the keys do",
+          "[render][window]") {
+  WINDOW_WITH_PICTURE(window, user);
+  CHECK_FALSE(window.closed());
+  CHECK(user.pixels({{10, 10}, {79, 49}, {80, 50}, {10, 190}}) ==
+        std::vector{kMark, kMark, kRest, kRest});
+
+  user.point_at(40, 30);
+  user.button(true, 1, 40, 30);
+  user.button(false, 1, 40, 30);
+  user.button(true, 4, 40, 30);
+  user.type(XK_Escape);
+  const std::vector<WindowEvent> all = events_until(window, Kind::kKey);
+  const auto press = only(Kind::kPress, all), release = only(Kind::kRelease, all);
+  const auto wheel = only(Kind::kWheel, all), typed = only(Kind::kKey, all);
+  REQUIRE(press.size() == 1);
+  CHECK(press[0].button == 0);
+  CHECK(press[0].x_px == Approx(39.5));
+  CHECK(press[0].y_px == Approx(29.5));
+  CHECK(release.size() == 1);
+  REQUIRE(wheel.size() == 1);
+  CHECK(wheel[0].wheel == 1.0);
+  REQUIRE(typed.size() == 1);
+  CHECK(typed[0].key == WindowEvent::kEscape);
+  user.ask_to_close();
+  for (int i = 0; i < 200 && !window.closed(); ++i) static_cast<void>(window.events(0.05));
+  CHECK(window.closed());
   INFO(window.gl_errors().first());
   CHECK(window.gl_errors().count() == 0);
+}
+
+TEST_CASE("a window that is resized or uncovered shows its picture again by itself",
+          "[render][window]") {
+  WINDOW_WITH_PICTURE(window, user);
+  user.resize(640, 500);  // the picture from 0, 50 to 640, 450
+  const std::vector<std::array<int, 2>> larger{{20, 60},   {150, 140}, {170, 160},
+                                               {600, 440}, {20, 20},   {600, 480}};
+  const std::vector<unsigned long> expected{kMark, kMark, kRest, kRest, kBorder, kBorder};
+  CHECK(pixels_after_events(window, user, larger, expected) == expected);
+  user.unmap();  // as a window manager does when it minimises one
+  static_cast<void>(window.events(0.05));
+  user.map();
+  CHECK(pixels_after_events(window, user, larger, expected) == expected);
+  user.resize(160, 100);
+  const std::vector<std::array<int, 2>> smaller{{5, 5}, {35, 20}, {45, 30}, {150, 95}};
+  const std::vector<unsigned long> all{kMark, kMark, kRest, kRest};
+  CHECK(pixels_after_events(window, user, smaller, all) == all);
+  user.point_at(80, 50);  // positions are the picture's still
+  user.button(true, 1, 80, 50);
+  const auto press = only(Kind::kPress, events_until(window, Kind::kPress));
+  REQUIRE(press.size() == 1);
+  CHECK(press[0].x_px == Approx(159.5));
+  CHECK(press[0].y_px == Approx(99.5));
+  INFO(window.gl_errors().first());
+  CHECK(window.gl_errors().count() == 0);
+}
+
+TEST_CASE("a press and a drag that are over before the next frame are where they happened",
+          "[render][window]") {
+  WINDOW_WITH_PICTURE(window, user);
+  user.point_at(300, 190);  // where the pointer is when the events are read
+  user.move(40, 30);
+  user.button(true, 1, 40, 30);
+  user.move(240, 130);
+  user.button(false, 1, 240, 130);
+  const std::vector<WindowEvent> all = events_until(window, Kind::kRelease);
+  const auto press = only(Kind::kPress, all), release = only(Kind::kRelease, all);
+  REQUIRE(press.size() == 1);
+  CHECK(press[0].x_px == Approx(39.5));
+  CHECK(press[0].y_px == Approx(29.5));
+  REQUIRE(release.size() == 1);
+  CHECK(release[0].x_px == Approx(239.5));
+  CHECK(release[0].y_px == Approx(129.5));
+}
+
+TEST_CASE("a window that loses the keyboard during a press reports the button as released",
+          "[render][window]") {
+  WINDOW_WITH_PICTURE(window, user);
+  user.focus(true);
+  user.point_at(40, 30);
+  user.button(true, 1, 40, 30);
+  REQUIRE(only(Kind::kPress, events_until(window, Kind::kPress)).size() == 1);
+  user.focus(false);
+  CHECK(only(Kind::kRelease, events_until(window, Kind::kRelease)).size() == 1);
+}
+
+TEST_CASE("a key counts once, by the name that the user's keyboard gives it, and not with Ctrl",
+          "[render][window]") {
+  WINDOW_WITH_PICTURE(window, user);
+  const KeyCode place = user.rename_key(XK_h, XK_p);
+  user.type(XK_s, ControlMask);
+  user.type_at(place);
+  user.type_at(place);  // held down: the keyboard repeats it
+  user.type(XK_Escape);
+  std::vector<int> keys;
+  for (int i = 0; i < 200 && (keys.empty() || keys.back() != WindowEvent::kEscape); ++i) {
+    for (const WindowEvent& event : window.events(0.05)) {
+      if (event.kind == Kind::kKey) keys.push_back(event.key);
+    }
+  }
+  CHECK(keys == std::vector<int>{'P', WindowEvent::kEscape});
 }
 
 TEST_CASE("without a display there is no window but a reason", "[render][window]") {

@@ -1,6 +1,7 @@
 #include "palpable/score/depth_score.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/base/order_statistics.h"
 #include "palpable/score/share.h"
 
 #include <algorithm>
@@ -103,9 +104,7 @@ void DepthScorer::add_hand(const DepthCounts& truth, const LabelImage& labels,
   }
   if (static_cast<double>(hand_.size()) < kHandShare * static_cast<double>(truth.size())) return;
   if (hand_.empty()) return;
-  const auto middle = hand_.begin() + static_cast<std::ptrdiff_t>(hand_.size() / 2);
-  std::nth_element(hand_.begin(), middle, hand_.end());
-  const double depth = *middle * unit_;
+  const double depth = upper_median(hand_) * unit_;
   if (depth < kHandNearest || depth > kHandFarthest) return;
   ++near_frames_;
   hand_pixels_ += seen;

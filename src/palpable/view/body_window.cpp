@@ -13,6 +13,7 @@ void write_caption(const ViewControls& controls, double level, StudioScene& scen
   scene.sites_shown = controls.sites_shown;
   scene.legend_shown = controls.legend_shown && level > 0;
   scene.caption = {level > 0 ? scene.reading() : scene.title()};
+  if (!controls.note.empty()) scene.caption.push_back(controls.note);
   if (!controls.help_shown) return;
   scene.caption.insert(scene.caption.end(), ViewControls::help().begin(),
                        ViewControls::help().end());
@@ -21,7 +22,7 @@ void write_caption(const ViewControls& controls, double level, StudioScene& scen
 }  // namespace
 
 void show_body(Window& window, const ReducedBody& body, const BodyWindowSettings& settings,
-               const std::function<void(const ColorImage&)>& keep_picture) {
+               const std::function<std::string(const ColorImage&)>& keep_picture) {
   StudioScene scene(body, settings.size);
   ViewControls controls(usual_camera(body, settings.size.aspect()));
   if (settings.site >= 0) {
@@ -54,7 +55,8 @@ void show_body(Window& window, const ReducedBody& body, const BodyWindowSettings
     changed = false;
     if (controls.picture_wanted) {
       controls.picture_wanted = false;
-      keep_picture(picture);
+      controls.note = keep_picture(picture);
+      changed = true;
     }
   }
   window.gl_errors().throw_if_any();

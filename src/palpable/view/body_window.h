@@ -7,6 +7,7 @@
 #include "palpable/view/studio_scene.h"
 
 #include <functional>
+#include <string>
 
 namespace palpable {
 
@@ -19,9 +20,11 @@ struct BodyWindowSettings {
 
 /// Shows the body until the user closes the window (view_controls.h says what the user can do).
 /// Draws only when something changes; waits for events otherwise.
-/// @param keep_picture  called with the picture that is shown when the user asks to keep it
+/// @param keep_picture  called with the picture that is shown when the user asks to keep it;
+/// returns
+///                      what became of it, in a line that the window then shows
 /// @throws Error when OpenGL reported errors
 void show_body(Window& window, const ReducedBody& body, const BodyWindowSettings& settings,
-               const std::function<void(const ColorImage&)>& keep_picture);
+               const std::function<std::string(const ColorImage&)>& keep_picture);
 
 }  // namespace palpable

@@ -34,13 +34,13 @@ bool FollowCamera::handle(const WindowEvent& event) {
   bool changed = false;
   switch (event.kind) {
     case WindowEvent::Kind::kPress:
-      turning_ = true;
+      if (!button_) button_ = event.button;
       break;
     case WindowEvent::Kind::kRelease:
-      turning_ = false;
+      if (event.button == button_) button_.reset();
       break;
     case WindowEvent::Kind::kMove:
-      if (turning_) {
+      if (button_) {
         orbit_.azimuth = turned_;
         orbit_.turn(event.x_px - x_before_, event.y_px - y_before_);
         turned_ = orbit_.azimuth;

@@ -5,7 +5,7 @@
 
 #include "palpable/geometry/rigid.h"
 #include "palpable/render/orbit_camera.h"
-#include "palpable/render/window.h"
+#include "palpable/render/window_events.h"
 
 #include <Eigen/Core>
 
@@ -25,7 +25,8 @@ class FollowCamera {
   /// there in every 0.4 s.
   void follow(const Rigid3& world_from_camera, double time);
 
-  /// Any button turns, the wheel zooms, R takes both back. Returns whether the view has changed.
+  /// Any button turns (of several the first one, until it is released), the wheel zooms, R takes
+  /// both back. Returns whether the view has changed.
   bool handle(const WindowEvent& event);
 
   [[nodiscard]] Rigid3 camera_from_world() const;
@@ -38,7 +39,7 @@ class FollowCamera {
   double heading_ = 0;  // rad, the azimuth that looks where the camera looks
   double turned_ = 0;   // rad, by the mouse
   std::optional<double> time_;
-  bool turning_ = false;
+  std::optional<int> button_;  // that is held and turns
   double x_before_ = 0, y_before_ = 0;
 };
 

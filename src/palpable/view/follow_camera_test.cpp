@@ -98,5 +98,18 @@ TEST_CASE("the mouse turns the view, the wheel comes nearer, R takes both back",
   CHECK((eye_beside(view, camera) - usual).norm() < tolerance(1e-12, "rounding"));
 }
 
+TEST_CASE("another button's release does not end turning", "[view][follow_camera]") {
+  const Rigid3 camera = pose({0, 0, 0}, 0);
+  FollowCamera view(kUp, 0.5);
+  view.follow(camera, 0);
+  using Kind = WindowEvent::Kind;
+  view.handle({.kind = Kind::kPress, .x_px = 500, .y_px = 100});
+  view.handle({.kind = Kind::kPress, .x_px = 500, .y_px = 100, .button = 1});
+  view.handle({.kind = Kind::kRelease, .x_px = 500, .y_px = 100, .button = 1});
+  CHECK(view.handle({.kind = Kind::kMove, .x_px = 400, .y_px = 100}));
+  view.handle({.kind = Kind::kRelease, .x_px = 400, .y_px = 100});
+  CHECK_FALSE(view.handle({.kind = Kind::kMove, .x_px = 300, .y_px = 100}));
+}
+
 }  // namespace
 }  // namespace palpable

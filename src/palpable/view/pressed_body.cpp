@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/reduced/pressed_surface.h"
+#include "palpable/view/stress_scale.h"
 
 #include <algorithm>
 #include <array>
@@ -27,7 +28,7 @@ void PressedBody::press(int site, double level) {
   level_ = std::clamp(level, 0.0, 1.0);
   if (site != site_) {
     site_ = site;
-    scale_ = stress_scale();
+    scale_ = stress_scale_of_site(body_, site_);
   }
   const std::array<double, 2> mu{static_cast<double>(site), level_};
   press_surface(body_, at_rest_, mu, vertices_, normals_, von_mises_);
@@ -71,19 +72,6 @@ void PressedBody::load_dots(float radius, std::vector<Dot>& dots) const {
     dot.radius = radius * (0.55f + 0.09f * static_cast<float>(i));
     dots.push_back(dot);
   }
-}
-
-double PressedBody::stress_scale() const {
-  // The largest of all is a few vertices at the rim of the support or of the patch; a scale up to
-  // there leaves the rest of the body in its lowest colours.
-  constexpr double kShare = 0.99;
-  std::vector<float> stress(6 * von_mises_.size()), at_full_load(von_mises_.size());
-  body_.stress.evaluate(std::array<double, 2>{static_cast<double>(site_), 1.0}, stress);
-  von_mises(stress, at_full_load);
-  const auto at = at_full_load.begin() + static_cast<std::ptrdiff_t>(
-                                             kShare * static_cast<double>(at_full_load.size() - 1));
-  std::nth_element(at_full_load.begin(), at, at_full_load.end());
-  return std::max(static_cast<double>(*at), 1.0);
 }
 
 int PressedBody::nearest_site(const Eigen::Vector3d& at_in_body) const {

@@ -28,10 +28,8 @@ class PressedBody {
   [[nodiscard]] double largest_von_mises() const;  ///< Pa
 
   /// Arrays of this object and of the body; nothing is marked. The colour scale ends at
-  /// stress_scale() of the site.
+  /// stress_scale_of_site().
   [[nodiscard]] BodyLook look() const;
-  /// The stress (Pa) that 99 % of the vertices stay below when the site bears its full load.
-  [[nodiscard]] double stress_scale() const;
   /// Appends an orange dot on each site as it lies now. @param radius  m
   void site_dots(float radius, std::vector<Dot>& dots) const;
   /// Appends a row of dots that comes to the pressed site along its load. @param radius  m

@@ -3,6 +3,7 @@
 #include "palpable/base/error.h"
 #include "palpable/base/stage_clock.h"
 #include "palpable/view/scene_picture.h"
+#include "palpable/view/stress_scale.h"
 
 #include <fmt/core.h>
 
@@ -46,11 +47,12 @@ void ScenePainter::show(const ColorImage& picture) {
 
 void ScenePainter::handle_events() {
   if (!window_) return;
-  ended_ |= window_->closed();
   for (const WindowEvent& event : window_->events()) {
-    ended_ |= event.kind == WindowEvent::Kind::kKey && event.key == WindowEvent::kEscape;
+    ended_ |= event.kind == WindowEvent::Kind::kKey &&
+              (event.key == WindowEvent::kEscape || event.key == 'Q');
     if (map_) map_->handle(event);
   }
+  ended_ |= window_->closed();
 }
 
 void ScenePainter::throw_gl_errors() const {

@@ -36,7 +36,7 @@ class ScenePainter {
   /// Turns the map as the mouse says, and notes whether the user wants to end.
   void handle_events();
 
-  /// Whether the user has closed the window or pressed Escape.
+  /// Whether the user has closed the window or pressed Escape or Q.
   [[nodiscard]] bool ended() const { return ended_; }
 
   /// @throws Error when OpenGL reported errors

@@ -1,26 +1,8 @@
 #include "palpable/view/scene_picture.h"
 
-#include "palpable/base/order_statistics.h"
-
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
-#include <vector>
-
 namespace palpable {
-double stress_scale(const ReducedBody& body) {
-  const Eigen::Index V = body.surface.vertices.cols();
-  std::vector<float> stress(6 * V);
-  std::vector<float> mises(V);
-  std::vector<double> per_site;
-  for (std::size_t s = 0; s < body.sites.size(); ++s) {
-    body.stress.evaluate(std::array{static_cast<double>(s), 1.0}, stress);
-    von_mises(stress, mises);
-    per_site.push_back(percentile(std::vector<double>(mises.begin(), mises.end()), 0.99));
-  }
-  return std::max(percentile(per_site, 0.75), 1.0);
-}
 
 BodyLook look_of_body(const Scene& scene, const ReducedBody& body, double scale) {
   BodyLook look;

@@ -10,11 +10,6 @@
 
 namespace palpable {
 
-/// Pa at the top of the colour scale: what one vertex in a hundred exceeds under a full press, at a
-/// site that is stiffer than three quarters of the others. The very largest stress stands at single
-/// vertices and would leave everything else in the lowest colours.
-[[nodiscard]] double stress_scale(const ReducedBody& body);
-
 /// The pressed body of a scene where the camera sees it; pointers into both arguments.
 /// @param body   of the session that made the scene
 /// @param scale  Pa, top of the colours

@@ -20,12 +20,7 @@ void ViewControls::handle(const WindowEvent& event, double time, const SiteAt& s
       press(event, time, site_at);
       break;
     case WindowEvent::Kind::kRelease:
-      turning_ = false;
-      if (press_ == Press::kHeld) {
-        from_ = level(time);
-        since_ = time;
-        press_ = Press::kReleased;
-      }
+      release(event.button, time);
       break;
     case WindowEvent::Kind::kMove:
       if (turning_) camera.turn(event.x_px - x_before_, event.y_px - y_before_);
@@ -45,7 +40,9 @@ void ViewControls::handle(const WindowEvent& event, double time, const SiteAt& s
 }
 
 void ViewControls::press(const WindowEvent& event, double time, const SiteAt& site_at) {
-  if (press_ == Press::kHeld) return;  // a second button changes nothing
+  note.clear();
+  if (button_) return;
+  button_ = event.button;
   const std::optional<int> site =
       event.button == kLeft ? site_at(event.x_px, event.y_px) : std::nullopt;
   if (!site) {
@@ -60,7 +57,18 @@ void ViewControls::press(const WindowEvent& event, double time, const SiteAt& si
   y_begin_ = event.y_px;
 }
 
+void ViewControls::release(int button, double time) {
+  if (button != button_) return;
+  button_.reset();
+  turning_ = false;
+  if (press_ != Press::kHeld) return;
+  from_ = level(time);
+  since_ = time;
+  press_ = Press::kReleased;
+}
+
 void ViewControls::key(int key) {
+  note.clear();
   switch (key) {
     case 'S':
       sites_shown = !sites_shown;
@@ -111,7 +119,8 @@ double ViewControls::level(double time) const {
 }
 
 bool ViewControls::moving(double time) const {
-  return press_ == Press::kHeld || (press_ == Press::kReleased && level(time) > 0);
+  return (press_ == Press::kHeld && level(time) < 1) ||
+         (press_ == Press::kReleased && level(time) > 0);
 }
 
 const std::array<std::string, 2>& ViewControls::help() {

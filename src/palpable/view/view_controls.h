@@ -4,7 +4,7 @@
 #pragma once
 
 #include "palpable/render/orbit_camera.h"
-#include "palpable/render/window.h"
+#include "palpable/render/window_events.h"
 
 #include <array>
 #include <functional>
@@ -15,6 +15,7 @@ namespace palpable {
 
 /// Left button on the body presses the nearest site, deeper while it is held or dragged, and lets
 /// it spring back when released. Any button beside the body turns, the wheel zooms, keys switch.
+/// Of several buttons the first one counts until it is released.
 class ViewControls {
  public:
   /// The site at a pixel of the picture, or nothing where the body is not.
@@ -32,7 +33,7 @@ class ViewControls {
   [[nodiscard]] int site() const { return site_; }
   /// 0..1 at a time (s).
   [[nodiscard]] double level(double time) const;
-  /// Whether the level changes without any event.
+  /// Whether the level is still changing without any event.
   [[nodiscard]] bool moving(double time) const;
 
   [[nodiscard]] static const std::array<std::string, 2>& help();
@@ -42,12 +43,14 @@ class ViewControls {
   bool legend_shown = true;
   bool help_shown = true;
   bool picture_wanted = false;  ///< P was hit; the reader resets it
+  std::string note;             ///< for the user to read, until the next press of button or key
   bool quit = false;
 
  private:
   enum class Press { kNone, kHeld, kReleased, kKept };
 
   void press(const WindowEvent& event, double time, const SiteAt& site_at);
+  void release(int button, double time);
   void key(int key);
 
   OrbitCamera usual_;
@@ -58,6 +61,7 @@ class ViewControls {
   double drag_px_ = 0;  // from where the press began
   double x_begin_ = 0, y_begin_ = 0;
   double x_before_ = 0, y_before_ = 0;
+  std::optional<int> button_;  // that is held, whether it presses or turns
   bool turning_ = false;
 };
 

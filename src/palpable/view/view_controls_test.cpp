@@ -45,8 +45,9 @@ TEST_CASE("holding the button on the body presses deeper and deeper, to the full
     before = controls.level(t);
   }
   CHECK(controls.level(1.0) == 0);
+  CHECK(controls.moving(2.1));
   CHECK(controls.level(5.0) == 1);
-  CHECK(controls.moving(5.0));
+  CHECK_FALSE(controls.moving(5.0));  // nothing to draw until the user does something
 }
 
 TEST_CASE("dragging presses too, and the camera stays where it is", "[view][view_controls]") {
@@ -80,16 +81,74 @@ TEST_CASE("dragging beside the body, or with another button, turns", "[view][vie
   for (const bool beside : {true, false}) {
     ViewControls controls(kUsual);
     const double x = beside ? 200 : 50;
-    controls.handle(mouse(Kind::kPress, x, 5, beside ? 0 : 1), 1.0, site_at);
+    const int button = beside ? 0 : 1;
+    controls.handle(mouse(Kind::kPress, x, 5, button), 1.0, site_at);
     controls.handle(mouse(Kind::kMove, x + 20, 5), 1.1, site_at);
     CHECK(controls.camera.azimuth < kUsual.azimuth);
     CHECK(controls.level(2.0) == 0);
     const OrbitCamera turned = controls.camera;
-    controls.handle(mouse(Kind::kRelease, x + 20, 5), 1.2, site_at);
+    controls.handle(mouse(Kind::kRelease, x + 20, 5, button), 1.2, site_at);
     controls.handle(mouse(Kind::kMove, x + 90, 80), 1.3, site_at);
     CHECK(controls.camera.azimuth == turned.azimuth);
     controls.handle(typed('R'), 1.4, site_at);
     CHECK(controls.camera.azimuth == kUsual.azimuth);
+  }
+}
+
+TEST_CASE("a press, a drag and a release within one frame press the body where they began",
+          "[view][view_controls]") {
+  ViewControls controls(kUsual);
+  controls.handle(mouse(Kind::kPress, 42, 10), 1.0, site_at);
+  controls.handle(mouse(Kind::kMove, 42, 150), 1.0, site_at);
+  controls.handle(mouse(Kind::kRelease, 182, 10), 1.0, site_at);
+  CHECK(controls.site() == 4);
+  CHECK(controls.level(1.0) == Approx(0.5));  // and springs back from there
+  CHECK(controls.moving(1.0));
+}
+
+TEST_CASE("a second button neither ends the first one's press nor turns", "[view][view_controls]") {
+  ViewControls controls(kUsual);
+  controls.handle(mouse(Kind::kPress, 42, 10), 1.0, site_at);
+  controls.handle(mouse(Kind::kPress, 42, 10, 1), 1.1, site_at);
+  controls.handle(mouse(Kind::kMove, 42, 80), 1.2, site_at);
+  controls.handle(mouse(Kind::kRelease, 42, 80, 1), 1.3, site_at);
+  CHECK(controls.camera.elevation == kUsual.elevation);
+  CHECK(controls.moving(1.4));
+  CHECK(controls.level(1.5) > controls.level(1.4));
+  CHECK(controls.level(5.0) == 1);
+  controls.handle(mouse(Kind::kRelease, 42, 80), 5.0, site_at);
+  CHECK(controls.level(6.0) == 0);
+}
+
+TEST_CASE("while one button turns, another one does not press", "[view][view_controls]") {
+  ViewControls controls(kUsual);
+  controls.handle(mouse(Kind::kPress, 200, 10, 1), 1.0, site_at);
+  controls.handle(mouse(Kind::kPress, 42, 10, 0), 1.1, site_at);
+  CHECK(controls.level(3.0) == 0);
+  controls.handle(mouse(Kind::kRelease, 42, 10, 0), 1.2, site_at);
+  controls.handle(mouse(Kind::kMove, 62, 10), 1.3, site_at);
+  CHECK(controls.camera.azimuth < kUsual.azimuth);  // still turning
+}
+
+TEST_CASE("a release that no press came before, as after a lost focus, changes nothing",
+          "[view][view_controls]") {
+  ViewControls controls(kUsual);
+  controls.handle(mouse(Kind::kPress, 42, 10), 1.0, site_at);
+  controls.handle(mouse(Kind::kRelease, 42, 10), 1.6, site_at);  // the window's, for the focus
+  const double level = controls.level(1.65);
+  controls.handle(mouse(Kind::kRelease, 42, 10), 1.64, site_at);  // the user's
+  CHECK(controls.level(1.65) == level);
+}
+
+TEST_CASE("a note stays until a button or a key is pressed", "[view][view_controls]") {
+  ViewControls controls(kUsual);
+  for (const WindowEvent& next : {mouse(Kind::kPress, 200, 5), typed('S')}) {
+    controls.note = "bunny_view_1.png";
+    controls.handle(mouse(Kind::kMove, 200, 5), 1.0, site_at);
+    controls.handle(mouse(Kind::kRelease, 200, 5), 1.0, site_at);
+    CHECK(controls.note == "bunny_view_1.png");
+    controls.handle(next, 1.0, site_at);
+    CHECK(controls.note.empty());
   }
 }
 

@@ -1,0 +1,18 @@
+/// @file
+/// Where the colours of stress end.
+#pragma once
+
+#include "palpable/reduced/reduced_body.h"
+
+namespace palpable {
+
+/// Pa at the top of the colour scale when one site is pressed: what 99 % of the vertices stay below
+/// under its full load, at least 1. The largest of all stands at a few vertices at the rim of the
+/// support or of the patch; a scale up to there leaves the rest of the body in its lowest colours.
+[[nodiscard]] double stress_scale_of_site(const ReducedBody& body, int site);
+
+/// The same for a body that is pressed anywhere: that of a site that is stiffer than three quarters
+/// of the others.
+[[nodiscard]] double stress_scale(const ReducedBody& body);
+
+}  // namespace palpable

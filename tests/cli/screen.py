@@ -1,0 +1,138 @@
+"""A screen of a test's own (Xvfb) and a user before it, who looks at a program's window, resizes it and types.
+
+Xlib is called through ctypes; its structures below are those of X11/Xlib.h, on machines with 64 bits.
+"""
+import ctypes
+import os
+import shutil
+import subprocess
+import time
+from ctypes import POINTER, Structure, byref, c_char_p, c_int, c_long, c_uint, c_ulong, c_void_p
+
+KEY_PRESS, KEY_RELEASE = 2, 3
+Z_PIXMAP = 2
+SECONDS = 60  # that anything may take
+
+
+class Attributes(Structure):
+    _fields_ = [(name, c_int) for name in ("x", "y", "width", "height", "border", "depth")] + [
+        ("visual", c_void_p), ("root", c_ulong), ("kind", c_int), ("bit_gravity", c_int), ("win_gravity", c_int),
+        ("backing_store", c_int), ("planes", c_ulong), ("pixel", c_ulong), ("save_under", c_int),
+        ("colormap", c_ulong), ("installed", c_int), ("map_state", c_int), ("rest", c_long * 8)]
+
+
+class Picture(Structure):
+    _fields_ = [("width", c_int), ("height", c_int), ("offset", c_int), ("format", c_int), ("data", c_void_p),
+                ("byte_order", c_int), ("unit", c_int), ("bit_order", c_int), ("pad", c_int), ("depth", c_int),
+                ("bytes_per_line", c_int), ("bits_per_pixel", c_int)]
+
+
+class Key(Structure):
+    _fields_ = [("type", c_int), ("serial", c_ulong), ("sent", c_int), ("display", c_void_p), ("window", c_ulong),
+                ("root", c_ulong), ("below", c_ulong), ("time", c_ulong), ("x", c_int), ("y", c_int),
+                ("x_root", c_int), ("y_root", c_int), ("state", c_uint), ("keycode", c_uint), ("same", c_int),
+                ("rest", c_long * 12)]
+
+
+def wait_for(what, seen):
+    """Calls `seen` until it says something that is true, and returns that."""
+    end = time.monotonic() + SECONDS
+    while time.monotonic() < end:
+        result = seen()
+        if result:
+            return result
+        time.sleep(0.02)
+    raise AssertionError(f"{what}: not within {SECONDS} s")
+
+
+class Screen:
+    """with Screen() as screen: ...; `screen.missing` says what is not installed, or nothing."""
+
+    def __init__(self):
+        self.missing = "" if shutil.which("Xvfb") else "no Xvfb (Debian package xvfb)"
+        try:
+            self.x = ctypes.CDLL("libX11.so.6")
+        except OSError:
+            self.missing = "no libX11.so.6 (Debian package libx11-6)"
+
+    def __enter__(self):
+        if self.missing:
+            return self
+        read, write = os.pipe()
+        self.server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x1024x24", "-nolisten",
+                                        "tcp"], pass_fds=[write], stderr=subprocess.DEVNULL)
+        os.close(write)
+        with os.fdopen(read) as ready:
+            self.name = ":" + ready.readline().strip()
+        x = self.x
+        x.XOpenDisplay.restype = x.XGetImage.restype = c_void_p
+        x.XOpenDisplay.argtypes = [c_char_p]
+        x.XDefaultRootWindow.restype = c_ulong
+        x.XDefaultRootWindow.argtypes = x.XCloseDisplay.argtypes = [c_void_p]
+        x.XSync.argtypes = [c_void_p, c_int]
+        x.XQueryTree.argtypes = [c_void_p, c_ulong, c_void_p, c_void_p, c_void_p, c_void_p]
+        x.XGetWindowAttributes.argtypes = [c_void_p, c_ulong, c_void_p]
+        x.XGetImage.argtypes = [c_void_p, c_ulong, c_int, c_int, c_uint, c_uint, c_ulong, c_int]
+        x.XFree.argtypes = [c_void_p]
+        x.XResizeWindow.argtypes = [c_void_p, c_ulong, c_uint, c_uint]
+        x.XKeysymToKeycode.argtypes = [c_void_p, c_ulong]
+        x.XSendEvent.argtypes = [c_void_p, c_ulong, c_int, c_long, c_void_p]
+        self.display = x.XOpenDisplay(self.name.encode())
+        assert self.display, f"cannot open the display {self.name}"
+        self.root = x.XDefaultRootWindow(self.display)
+        return self
+
+    def __exit__(self, *failure):
+        if not self.missing:
+            self.x.XCloseDisplay(self.display)
+            self.server.terminate()
+            self.server.wait()
+
+    def start(self, *command, **options):
+        """A program on this screen."""
+        return subprocess.Popen([str(word) for word in command], env={**os.environ, "DISPLAY": self.name},
+                                stdin=subprocess.DEVNULL, **options)
+
+    def windows(self):
+        root, parent, children, count = c_ulong(), c_ulong(), POINTER(c_ulong)(), c_uint()
+        self.x.XQueryTree(self.display, self.root, byref(root), byref(parent), byref(children), byref(count))
+        found = [children[i] for i in range(count.value)]
+        if count.value:
+            self.x.XFree(children)
+        return [window for window in found if self.attributes(window).map_state == 2]
+
+    def window(self):
+        """The one that is shown, once there is one."""
+        return wait_for("a window", self.windows)[0]
+
+    def attributes(self, window):
+        attributes = Attributes()
+        self.x.XGetWindowAttributes(self.display, window, byref(attributes))
+        return attributes
+
+    def resize(self, window, width, height):
+        self.x.XResizeWindow(self.display, window, width, height)
+        self.x.XSync(self.display, 0)
+
+    def lit_share(self, window):
+        """Share of the window's pixels that are not black."""
+        size = self.attributes(window)
+        image = self.x.XGetImage(self.display, window, 0, 0, size.width, size.height, 0xFFFFFF, Z_PIXMAP)
+        picture = Picture.from_address(image)
+        assert picture.bits_per_pixel == 32, picture.bits_per_pixel
+        data = ctypes.string_at(picture.data, picture.bytes_per_line * picture.height)
+        self.x.XFree(picture.data)
+        self.x.XFree(image)
+        lit = sum(1 for at in range(0, len(data), 4 * 97) if any(data[at:at + 3]))  # every 97th
+        return lit / (len(data) / (4 * 97))
+
+    def type(self, window, key):
+        """A letter, or an X keysym by its number."""
+        event = Key(display=self.display, window=window, root=self.root, same=1)
+        event.keycode = self.x.XKeysymToKeycode(self.display, ord(key) if isinstance(key, str) else key)
+        for event.type in (KEY_PRESS, KEY_RELEASE):
+            self.x.XSendEvent(self.display, window, 1, 0, byref(event))
+        self.x.XSync(self.display, 0)
+
+
+ESCAPE = 0xFF1B
