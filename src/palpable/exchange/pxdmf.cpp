@@ -1,10 +1,12 @@
+#include "palpable/base/bounded_text.h"
 #include "palpable/base/error.h"
-#include "palpable/exchange/markup_text.h"
+#include "palpable/base/markup_text.h"
 #include "palpable/exchange/modes_files.h"
 #include "palpable/reduced/hdf5_tools.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -380,9 +382,13 @@ void write_pxdmf(const fs::path& path, const ForeignModes& modes) {
 
 ForeignModes read_pxdmf(const fs::path& path) {
   Reader reader(path);
+  const std::string text = value_or_throw(read_bounded_text(path, Notation::kXml));
   pugi::xml_document document;
-  const pugi::xml_parse_result parsed = document.load_file(path.c_str());
-  if (!parsed) throw reader.refuse(fmt::format("is no XML: {}", parsed.description()));
+  const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
+  if (!parsed) {
+    const auto line = std::count(text.begin(), text.begin() + parsed.offset, '\n') + 1;
+    throw reader.refuse(fmt::format("line {}: is no XML: {}", line, parsed.description()));
+  }
   const Grids grids = grids_of(reader, document);
   SurfaceMesh surface = surface_of(reader, grids.space);
   std::vector<ParameterAxis> axes;

@@ -1,5 +1,6 @@
 #include "palpable/live/place.h"
 
+#include "palpable/base/bounded_text.h"
 #include "palpable/base/error.h"
 
 #include <fmt/core.h>
@@ -88,8 +89,9 @@ Rigid3 pose_of(const std::vector<double>& n, const std::string& where) {
 }
 
 toml::table parse_toml(const fs::path& path) {
+  const std::string text = value_or_throw(read_bounded_text(path, Notation::kToml));
   try {
-    return toml::parse_file(path.string());
+    return toml::parse(text, path.string());
   } catch (const toml::parse_error& error) {
     throw Error(fmt::format("{}: line {}: {}", path.string(), error.source().begin.line,
                             std::string_view(error.description())));
