@@ -133,6 +133,10 @@ TEST_CASE("a calibration that cannot be right is refused with its reason",
       {replaced(good, "T: !!opencv-matrix\n   rows: 3", "T: !!opencv-matrix\n   rows: 2"), ""},
       {replaced(good, "R: !!opencv-matrix", "Q: !!opencv-matrix"), "no matrix 'R'"},
       {replaced(good, "K2: !!opencv-matrix", "K2: 7\nL2: !!opencv-matrix"), "'K2', which is no"},
+      {replaced(good, "fps: 29.97", "fps: " + repeated("[", 60'000)), "line 4: nested more than"},
+      {good + repeated("a: ", 60'000) + "1\n", "nested more than 64 deep"},
+      {good + repeated("- ", 60'000) + "1\n", "nested more than 64 deep"},
+      {good + std::string(1'000'000, '\n'), "1 MB, where 1 are read at most"},
   };
   for (const auto& [text, reason] : cases) {
     write_bytes(folder / "bad.yml", text);

@@ -1,4 +1,5 @@
 #include "palpable/base/bounded_text.h"
+#include "palpable/base/text_numbers.h"
 #include "palpable/mesh/field_files.h"
 #include "palpable/mesh/field_text.h"
 
@@ -160,7 +161,7 @@ class VtuReader {
     if (format == "ascii") {
       std::istringstream words(node.child_value());
       for (std::string word; words >> word;) {
-        const std::optional<double> value = number_of(word);
+        const std::optional<double> value = to_any_number(word);
         if (!value) bad(name_, fmt::format("'{}' in '{}' is not a number", word, title));
         values.push_back(*value);
       }
