@@ -4,6 +4,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
+#include "apps/palpable-bake/description_argument.h"
 #include "palpable/bake/bake_body.h"
 #include "palpable/bake/held_out_checks.h"
 #include "palpable/base/error.h"
@@ -142,7 +143,7 @@ BakedBody reduce_and_write(const Options& options, const ReduceSettings& reducti
 void bake(const Options& options, const std::string& command_line, Crew& crew) {
   expect_folder_of(options.output);
   const auto begin = std::chrono::steady_clock::now();
-  const BodyDescription description = read_body_description(options.description);
+  const BodyDescription description = read_description(options.description);
   if (options.method == "intrusive-pgd") {
     if (crew.leads()) bake_without_campaign(options, description, command_line);
     return;

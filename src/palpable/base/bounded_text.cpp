@@ -154,7 +154,7 @@ void measure_xml(std::string_view text, Depth& depth) {
   std::size_t open = 0;
   for (std::size_t at = 0; at < text.size() && !depth.passed();) {
     if (text[at] != '<') {
-      at = std::min(text.find('<', at), text.size());
+      if (text[at++] == '\n') depth.next_line();
       continue;
     }
     const std::string_view rest = text.substr(at);

@@ -1,7 +1,7 @@
 #include "palpable/sources/folder_layouts.h"
 
 #include "palpable/base/text_numbers.h"
-#include "palpable/calibrate/calibration_file.h"
+#include "palpable/calibrate/rectification.h"
 #include "palpable/sources/name_pattern.h"
 #include "palpable/sources/natural_order.h"
 #include "palpable/sources/video_file_source.h"
@@ -247,6 +247,12 @@ Result<Recording> euroc(const fs::path& folder) {
   calibration.format.rig = {
       left.value().lens, right.value().lens,
       right.value().body_from_camera.inverse() * left.value().body_from_camera};
+  const Result<RectifiedGeometry> geometry = rectify_rig(calibration.format.rig);
+  if (!geometry.ok()) {
+    return Problem{fmt::format("{} and {}: {}", (folder / "cam0/sensor.yaml").string(),
+                               (folder / "cam1/sensor.yaml").string(),
+                               geometry.problem().message)};
+  }
   calibration.format.width = left.value().lens.pinhole.width;
   calibration.format.height = left.value().lens.pinhole.height;
   calibration.frames_per_second = left.value().rate;
