@@ -16,6 +16,7 @@
 namespace palpable {
 namespace {
 
+using test::repeated;
 using test::replaced;
 using test::ScratchFolder;
 using test::write_bytes;

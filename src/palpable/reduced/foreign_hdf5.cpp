@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstring>
 #include <exception>
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -99,6 +100,9 @@ std::vector<double> numbers_of(hid_t set, const std::string& dataset, Header& he
 // In the process of its own; never returns.
 [[noreturn]] void read_and_send(const std::filesystem::path& path, const std::string& dataset,
                                 int pipe) {
+  // What HDF5 or the C library cry when they die is for nobody.
+  const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nowhere >= 0) ::dup2(nowhere, STDERR_FILENO);
   const rlimit seconds{kMostSeconds, kMostSeconds}, none{0, 0};
   ::setrlimit(RLIMIT_CPU, &seconds);
   ::setrlimit(RLIMIT_CORE, &none);

@@ -225,8 +225,15 @@ void write_file(const std::filesystem::path& path, const std::function<void(hid_
                 const std::function<void()>& before_rename) {
   std::filesystem::path aside = path;
   aside += ".part";
+  errno = 0;
   const hid_t file = H5Fcreate(aside.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  if (file < 0) throw Trouble{"cannot be written; does the folder exist and may you write there?"};
+  if (file < 0) {
+    const std::string room = room_on_disk();
+    ::unlink(aside.c_str());
+    throw Trouble{"cannot be written" + (room.empty() ? std::string("; does the folder exist and "
+                                                                    "may you write there?")
+                                                      : room)};
+  }
   errno = 0;
   try {
     fill(file);
