@@ -68,9 +68,9 @@ Result<RectifiedGeometry> rectify_rig(const StereoRig& rig) {
       zoom < 1 / kLargestZoom) {
     const double angle = Eigen::AngleAxisd(rig.right_from_left.linear()).angle();
     return Problem{fmt::format(
-        "rectified, no picture without blank pixels is left of the rig's {} x {}: its distortion "
-        "or the rotation between the eyes ({:.1f} degrees) is too large; calibrate again, with "
-        "boards in all corners of both pictures (palpable calibrate)",
+        "rectified, the pictures of {} x {} px have no common part without blank pixels: the "
+        "distortion or the rotation between the eyes ({:.1f} degrees) is too large; calibrate "
+        "again, with boards in all corners of both pictures (palpable calibrate)",
         size.width, size.height, angle * 180 / std::numbers::pi)};
   }
   return geometry;
