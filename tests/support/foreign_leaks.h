@@ -1,5 +1,5 @@
 /// @file
-/// Memory that a driver or a library takes and does not give back is not our leak.
+/// Memory that a driver takes and does not give back is not our leak.
 #pragma once
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -10,7 +10,7 @@ namespace palpable::test {
 
 /// While one lives, what is allocated is not looked at for leaks. For windows: the window library
 /// unloads the GL driver when it ends, with a few hundred bytes still allocated, and LeakSanitizer
-/// cannot name (and so not suppress) a library that is gone. For HDF5 that meets a full disk.
+/// cannot name (and so not suppress) a library that is gone.
 class IgnoreForeignLeaks {
  public:
 #if defined(__SANITIZE_ADDRESS__)

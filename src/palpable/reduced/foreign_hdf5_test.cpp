@@ -1,15 +1,10 @@
 #include "palpable/reduced/foreign_hdf5.h"
 
+#include "tests/support/full_disk.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
-#include <csignal>
-#include <cstdlib>
-#include <functional>
 #include <string>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 namespace palpable {
 namespace {
@@ -99,21 +94,6 @@ TEST_CASE("no damage to another program's HDF5 file ends this program", "[reduce
   CHECK(hdf5::read_foreign(folder / "theirs.h5", "table").values[5] == 6);
 }
 
-// Runs `work` in a process of its own whose files may not grow beyond `bytes`, and whose end is
-// that of a whole program. The exit code, or minus the signal.
-int run_with_full_disk(rlim_t bytes, const std::function<int()>& work) {
-  const pid_t process = ::fork();
-  if (process == 0) {
-    const rlimit limit{bytes, bytes};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-    ::signal(SIGXFSZ, SIG_IGN);
-    std::exit(work());  // with the handlers at exit
-  }
-  int status = 0;
-  REQUIRE(::waitpid(process, &status, 0) == process);
-  return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
-}
-
 TEST_CASE("a full disk leaves the old HDF5 file, and lets the program end", "[reduced][files]") {
   const test::ScratchFolder folder("full_disk");
   const fs::path path = folder / "a.h5";
@@ -126,7 +106,7 @@ TEST_CASE("a full disk leaves the old HDF5 file, and lets the program end", "[re
   };
   for (const rlim_t bytes : {0, 100, 3'000, 500'000, 1'000'000, 2'400'000, 2'401'000}) {
     INFO("room for " << bytes << " bytes");
-    CHECK(run_with_full_disk(bytes, [&] {
+    CHECK(test::run_with_full_disk(bytes, [&] {
             const hdf5::Quiet quiet;
             try {
               hdf5::write_file(path, fill, [] {});
