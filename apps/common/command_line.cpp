@@ -3,13 +3,13 @@
 #include "apps/common/help_format.h"
 #include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
+#include "palpable/base/text_numbers.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <utility>
 
@@ -57,6 +57,12 @@ std::string unexpected_argument(const CLI::App& app) {
                                      : "unexpected argument",
                      word, guess.empty() ? "" : fmt::format(": did you mean '{}'?", guess),
                      full_name(*inner));
+}
+
+// NaN lies in every range that CLI11 checks, since it is neither below nor above a number.
+std::string why_no_number(const std::string& text) {
+  if (to_number(text)) return {};
+  return fmt::format("{} is no number that is finite", text);
 }
 
 }  // namespace
@@ -121,6 +127,10 @@ template <OptionValue T>
 Option Command::add_option(const std::string& names, T& value, const std::string& what) {
   CLI::Option* option = app_->add_option(names, value, what);
   if constexpr (std::same_as<T, std::filesystem::path>) option->type_name("PATH");
+  if constexpr (std::same_as<T, double> || std::same_as<T, std::optional<double>> ||
+                std::same_as<T, std::vector<double>>) {
+    option->check([](const std::string& text) { return why_no_number(text); }, "");
+  }
   return Option(option);
 }
 
@@ -208,15 +218,27 @@ std::map<std::string, double> parse_settings(const std::vector<std::string>& tex
   std::map<std::string, double> values;
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
-    char* end = nullptr;
-    const double value =
-        equals == std::string::npos ? 0.0 : std::strtod(text.c_str() + equals + 1, &end);
-    if (end == nullptr || end == text.c_str() + equals + 1 || *end != '\0' || equals == 0) {
+    const std::optional<double> value =
+        equals == std::string::npos ? std::nullopt : to_number(text.substr(equals + 1));
+    if (!value || equals == 0) {
       throw Error(fmt::format("{} {}: must be a parameter and {}", option, text, what));
     }
-    values[text.substr(0, equals)] = value;
+    values[text.substr(0, equals)] = *value;
   }
   return values;
+}
+
+std::optional<std::array<int, 2>> parse_extent(std::string_view text) {
+  const std::size_t times = text.find('x');
+  if (times == std::string_view::npos) return std::nullopt;
+  std::array<int, 2> sides{};
+  const std::array words{text.substr(0, times), text.substr(times + 1)};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::optional<long long> side = to_whole_number(words[i]);
+    if (!side || *side < 1 || *side > kLongestSide) return std::nullopt;
+    sides[i] = static_cast<int>(*side);
+  }
+  return sides;
 }
 
 void add_set_option(Command command, std::vector<std::string>& texts) {

@@ -5,6 +5,7 @@
 /// On top of CLI11: one line per error, exit code 1, a guess for a mistyped word.
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
@@ -72,6 +73,8 @@ class Command {
   void require_subcommand();
 
   /// @param names  "-o,--out" for an option, a bare word for an argument known by its position
+  /// A floating-point number has to be finite: "nan" and "inf" are refused before any range is
+  /// looked at.
   /// @param value  filled when the command line is parsed, before the callback; has to live until
   ///               then
   template <OptionValue T>
@@ -118,12 +121,16 @@ class CommandLine : public Command {
 /// Prints "palpable: <message>" on stderr, line breaks replaced by "; ".
 void print_error(std::string_view message);
 
-/// "ears=0.5" each. @throws Error for another form, which says that it must be a parameter and
+/// "ears=0.5" each, a finite number. @throws Error for another form, which says that it must be a parameter and
 /// `what`
 /// @param option  after which they stood
 [[nodiscard]] std::map<std::string, double> parse_settings(
     const std::vector<std::string>& texts, std::string_view option = "--set",
     std::string_view what = "its value, such as stiffness=2");
+
+/// The two of "1280x720": whole numbers from 1 to kLongestSide; nothing for another text.
+inline constexpr int kLongestSide = 1'000'000;
+[[nodiscard]] std::optional<std::array<int, 2>> parse_extent(std::string_view text);
 
 /// --set NAME=VALUE, as often as there are parameters beyond site and level.
 void add_set_option(Command command, std::vector<std::string>& texts);

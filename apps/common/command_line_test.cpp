@@ -3,8 +3,10 @@
 #include "palpable/base/nearest_word.h"
 #include "tests/support/test.h"
 
+#include <array>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -81,6 +83,56 @@ TEST_CASE("help is at most 100 columns wide and says in words what an option may
   CHECK(says("\n  --some N ...                Numbers [0 or more; not with --how, --share]\n"));
   CHECK(says("\n  -o,--out PATH               Where to [required]\n"));
   CHECK(says("yyy \\\n           zzz"));
+}
+
+// How a program with one option of each kind of number ends; what it read goes to `read`.
+int run_numbers(std::vector<const char*> words, std::vector<double>& read) {
+  CommandLine app("A program", "prog", "prog 1");
+  app.require_subcommand();
+  Command command = app.add_subcommand("take", "Take numbers");
+  double one = -1;
+  std::optional<double> maybe;
+  std::vector<double> many;
+  std::vector<std::string> settings;
+  command.add_option("--one", one, "One").in_range(0.0, 1.0);
+  command.add_option("--any", one, "One");
+  command.add_option("--maybe", maybe, "One or none").positive();
+  command.add_option("--many", many, "Several").not_negative();
+  add_set_option(command, settings);
+  command.callback([&] {
+    read = {one, maybe.value_or(-1)};
+    read.insert(read.end(), many.begin(), many.end());
+    for (const auto& [name, value] : parse_settings(settings)) read.push_back(value);
+  });
+  words.insert(words.begin(), {"prog", "take"});
+  return app.run(static_cast<int>(words.size()), words.data());
+}
+
+TEST_CASE("numbers of options are finite, whatever their range", "[apps][errors]") {
+  std::vector<double> read;
+  CHECK(run_numbers({"--one", "0.5", "--maybe", "+2", "--many", "1e3", "4", "--set", "a=-7"},
+                    read) == 0);
+  CHECK(read == std::vector<double>{0.5, 2, 1e3, 4, -7});
+  for (const char* option : {"--one", "--any", "--maybe", "--many"}) {
+    for (const char* value : {"nan", "NaN", "-nan", "inf", "-inf", "infinity", "1e999", "one"}) {
+      INFO(option << " " << value);
+      CHECK(run_numbers({option, value}, read) == 1);
+    }
+  }
+  for (const char* value : {"a=nan", "a=inf", "a=1e999", "a=", "=1", "a"}) {
+    INFO(value);
+    CHECK(run_numbers({"--set", value}, read) == 1);
+  }
+  CHECK(run_numbers({"--many", "1", "nan"}, read) == 1);
+}
+
+TEST_CASE("two sides are whole numbers that fit", "[apps]") {
+  CHECK(parse_extent("1280x720") == std::array{1280, 720});
+  for (const char* text : {"", "x", "1x", "x1", "1x0", "-1x1", "1.5x2", "1x2x3", "1x2 ", "nanx1",
+                           "4294968576x720", "99999999999999999999x1"}) {
+    INFO(text);
+    CHECK_FALSE(parse_extent(text));
+  }
 }
 
 TEST_CASE("the nearest word is suggested when it is near enough to have been meant", "[apps]") {

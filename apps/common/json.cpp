@@ -137,6 +137,10 @@ const Json::Object& Json::items() const {
   return members != nullptr ? *members : kNone;
 }
 
-std::string Json::dump(int indent) const { return JsonWriter::of(*this).dump(indent); }
+std::string Json::dump(int indent) const {
+  // Names of files need not be UTF-8, which JSON is.
+  return JsonWriter::of(*this).dump(indent, ' ', false,
+                                    nlohmann::ordered_json::error_handler_t::replace);
+}
 
 }  // namespace palpable::app

@@ -20,7 +20,7 @@
 namespace palpable::app {
 
 /// null, a boolean, a number, a text, an array or an object. A number that is not finite is written
-/// as null.
+/// as null, a byte that is no UTF-8 as U+FFFD.
 class Json {
  public:
   using Array = std::vector<Json>;

@@ -4,21 +4,24 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
+#include "apps/palpable-bake/description_argument.h"
 #include "palpable/bake/bake_body.h"
 #include "palpable/bake/held_out_checks.h"
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
+#include "palpable/base/text_numbers.h"
 #include "palpable/campaign/crew.h"
 #include "palpable/campaign/store_rows.h"
 #include "palpable/intrusive/intrusive_bake.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -40,13 +43,17 @@ struct Options {
 
 // "2/4" is the second of four.
 void read_shard(const std::string& text, FillSettings& settings) {
-  int number = 0, count = 0, read = 0;
-  if (std::sscanf(text.c_str(), "%d/%d%n", &number, &count, &read) != 2 ||
-      read != static_cast<int>(text.size()) || number < 1 || count < number) {
-    throw Error(fmt::format("--shard {}: must be I/N, such as 1/4, 2/4, 3/4 and 4/4", text));
+  constexpr long long kMostShards = 100'000;  // as many as a body may have sites
+  const std::size_t slash = std::min(text.find('/'), text.size());
+  const auto number = to_whole_number(std::string_view(text).substr(0, slash));
+  const auto count = to_whole_number(std::string_view(text).substr(slash + (slash < text.size())));
+  if (!number || !count || *number < 1 || *count < *number || *count > kMostShards) {
+    throw Error(fmt::format("--shard {}: must be I/N, such as 1/4, 2/4, 3/4 and 4/4, with {} parts "
+                            "at most",
+                            text, kMostShards));
   }
-  settings.shard = number - 1;
-  settings.shards = count;
+  settings.shard = static_cast<int>(*number - 1);
+  settings.shards = static_cast<int>(*count);
 }
 
 std::filesystem::path store_of(const Options& options) {
@@ -140,7 +147,7 @@ BakedBody reduce_and_write(const Options& options, const ReduceSettings& reducti
 
 void bake(const Options& options, const std::string& command_line, Crew& crew) {
   const auto begin = std::chrono::steady_clock::now();
-  const BodyDescription description = read_body_description(options.description);
+  const BodyDescription description = read_description(options.description);
   const std::vector<std::filesystem::path> inputs{options.description, description.shape.file};
   guard_output_file(options.output, inputs);
   if (crew.leads()) print_size(description);

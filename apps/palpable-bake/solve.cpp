@@ -4,6 +4,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
+#include "apps/palpable-bake/description_argument.h"
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
 #include "palpable/campaign/press_solver.h"
@@ -62,8 +63,8 @@ BodyProblem posed(const Options& options, BodyDescription& description) {
   }
   BodyProblem problem = pose_body(description);
   if (options.site >= static_cast<int>(problem.sites.size())) {
-    throw Error(fmt::format("there is no site {}; the body has 0 to {}", options.site,
-                            problem.sites.size() - 1));
+    throw Error(fmt::format("{}: there is no site {}; the body has 0 to {}", options.description,
+                            options.site, problem.sites.size() - 1));
   }
   return problem;
 }
@@ -95,36 +96,44 @@ void print_problem(const BodyDescription& description, const BodyProblem& proble
 }
 
 // N; the description's force, or what presses as deep as it asks.
-double find_full_load(const BodyProblem& problem, const PressSolver& presses,
-                      const Eigen::Matrix3Xd& unit) {
+double find_full_load(const Options& options, const BodyProblem& problem,
+                      const PressSolver& presses, const Eigen::Matrix3Xd& unit) {
   if (problem.force > 0.0) {
     fmt::print("level 1 is {:.4g} N\n\n", problem.force);
     return problem.force;
   }
   const LoadSearch search = presses.find_load(unit, problem.press);
-  if (!(search.load > 0.0)) throw Error("the site cannot be pressed: " + search.why_stopped);
+  if (!(search.load > 0.0)) {
+    throw Error(fmt::format("{}: {}, cannot be pressed: {}", options.description,
+                            site_text(problem, options.site), search.why_stopped));
+  }
   fmt::print("level 1 is {:.4g} N, which press it in by {:.3f} mm{}{}\n\n", search.load,
              1e3 * search.press, search.reached ? "" : ": ", search.why_stopped);
   return search.load;
 }
 
-void print_path(const PathResult& path, const Eigen::Matrix3Xd& unit, const PressSolver& presses) {
+void print_path(const Options& options, const BodyProblem& problem, const PathResult& path,
+                const Eigen::Matrix3Xd& unit, const PressSolver& presses) {
   fmt::print("{:>8} {:>6} {:>10} {:>6} {:>6} {:>11} {:>11}\n", "level", "Newton", "residual", "CG",
              "share", "press / mm", "smallest J");
   for (const Equilibrium& state : path.steps) {
     print_convergence(state, unit.cwiseProduct(state.displacement - presses.rest()).sum());
   }
   fmt::print("\n");
-  if (path.steps.empty()) throw Error(path.why_stopped);
+  if (path.steps.empty()) {
+    throw Error(fmt::format("{}: {}: {}", options.description, site_text(problem, options.site),
+                            path.why_stopped));
+  }
   if (!path.complete) fmt::print("{}\n", path.why_stopped);
 }
 
 void solve(const Options& options) {
   const auto begin = std::chrono::steady_clock::now();
-  BodyDescription description = read_body_description(options.description);
+  BodyDescription description = read_description(options.description);
   guard_output_file(options.output, {options.description, description.shape.file});
   print_size(description);
   const BodyProblem problem = posed(options, description);
+  refuse_press_through(description, problem);
   const EquilibriumSolver solver(problem.model);
   const PressSolver presses = [&] {
     try {
@@ -137,10 +146,10 @@ void solve(const Options& options) {
   const TetMesh& mesh = solver.model().mesh;
   const Eigen::Matrix3Xd unit =
       unit_load(problem.sites[options.site], problem.mesh.boundary, mesh.node_count());
-  const double full_load = find_full_load(problem, presses, unit);
+  const double full_load = find_full_load(options, problem, presses, unit);
   const PathResult path =
       presses.solve_path(full_load * unit, levels_to(options.level, description.press.levels));
-  print_path(path, unit, presses);
+  print_path(options, problem, path, unit, presses);
 
   const Equilibrium& last = path.steps.back();
   const StressField stress = nodal_cauchy_stress(solver.model(), last.displacement);

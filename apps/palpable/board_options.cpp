@@ -6,7 +6,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <sstream>
+#include <array>
 
 namespace palpable::app {
 
@@ -20,15 +20,15 @@ void add_board_options(Command command, BoardOptions& options) {
 }
 
 BoardPattern pattern_of(const BoardOptions& options) {
-  BoardPattern pattern;
-  std::istringstream text(options.corners);
-  char times = 0;
-  if (!(text >> pattern.columns >> times >> pattern.rows) || times != 'x' || !text.eof() ||
-      std::min(pattern.columns, pattern.rows) < 3 ||
-      std::max(pattern.columns, pattern.rows) > 100) {
+  const auto sides = parse_extent(options.corners).value_or(std::array{0, 0});
+  if (*std::min_element(sides.begin(), sides.end()) < 3 ||
+      *std::max_element(sides.begin(), sides.end()) > 100) {
     throw Error(
         fmt::format("--board {}: should be like 9x6, the board's inner corners", options.corners));
   }
+  BoardPattern pattern;
+  pattern.columns = sides[0];
+  pattern.rows = sides[1];
   pattern.square = 1e-3 * options.square_mm;
   return pattern;
 }

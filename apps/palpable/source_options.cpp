@@ -6,7 +6,6 @@
 #include <fmt/core.h>
 
 #include <cstdlib>
-#include <sstream>
 
 namespace palpable::app {
 
@@ -47,12 +46,10 @@ CameraRequest request_of(const SourceOptions& options) {
   request.calibration = options.calibration;
   request.folders = calibration_folders();
   if (!options.size.empty()) {
-    std::istringstream text(options.size);
-    char times = 0;
-    if (!(text >> request.width >> times >> request.height) || times != 'x' || !text.eof() ||
-        request.width < 1 || request.height < 1) {
-      throw Error(fmt::format("--size {}: should be like 2560x720", options.size));
-    }
+    const auto sides = parse_extent(options.size);
+    if (!sides) throw Error(fmt::format("--size {}: should be like 2560x720", options.size));
+    request.width = (*sides)[0];
+    request.height = (*sides)[1];
   }
   request.frames_per_second = options.frames_per_second;
   if (options.exposure_ms > 0) request.exposure_ms = options.exposure_ms;

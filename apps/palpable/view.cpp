@@ -16,7 +16,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -41,13 +41,15 @@ struct ViewOptions {
 };
 
 PictureSize read_size(const std::string& text) {
-  PictureSize size;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2 ||
-      std::min(size.width, size.height) < 64 || std::max(size.width, size.height) > 8192) {
+  const auto sides = parse_extent(text).value_or(std::array{0, 0});
+  if (*std::min_element(sides.begin(), sides.end()) < 64 ||
+      *std::max_element(sides.begin(), sides.end()) > 8192) {
     throw Error(
         fmt::format("--size {}: wants WIDTHxHEIGHT from 64 to 8192, for example 1280x720", text));
   }
+  PictureSize size;
+  size.width = sides[0];
+  size.height = sides[1];
   return size;
 }
 

@@ -1,5 +1,5 @@
 /// @file
-/// Texts with one thing wrong, for the tests of readers.
+/// Texts with one thing wrong or too often, for the tests of readers.
 #pragma once
 
 #include "tests/support/test.h"
@@ -14,6 +14,13 @@ inline std::string replaced(std::string text, const std::string& what, const std
   REQUIRE(at != std::string::npos);
   REQUIRE(what != with);
   return text.replace(at, what.size(), with);
+}
+
+/// `text`, `count` times.
+inline std::string repeated(const std::string& text, int count) {
+  std::string all;
+  for (int i = 0; i < count; ++i) all += text;
+  return all;
 }
 
 }  // namespace palpable::test

@@ -13,22 +13,29 @@ namespace {
 constexpr std::uintmax_t kLargestFile = 64u << 20;  // bytes; ground truth of an hour has 40 MB
 constexpr std::string_view kSeparators = " \t\r\n,;[]";
 
-}  // namespace
-
-std::optional<double> to_number(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0;
+template <class T>
+std::optional<T> whole_text(std::string_view text) {
+  if (text.starts_with('+')) {  // which from_chars does not know
+    text.remove_prefix(1);
+    if (text.starts_with('-')) return std::nullopt;
+  }
+  T value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  if (!std::isfinite(value)) return std::nullopt;
   return value;
 }
 
+}  // namespace
+
+std::optional<double> to_number(std::string_view text) {
+  const std::optional<double> value = to_any_number(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+std::optional<double> to_any_number(std::string_view text) { return whole_text<double>(text); }
+
 std::optional<long long> to_whole_number(std::string_view text) {
-  long long value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
+  return whole_text<long long>(text);
 }
 
 std::optional<std::vector<double>> to_numbers(std::string_view text) {

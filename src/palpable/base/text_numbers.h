@@ -13,7 +13,11 @@ namespace palpable {
 /// Nothing unless the whole text is one finite number; a leading + is allowed.
 [[nodiscard]] std::optional<double> to_number(std::string_view text);
 
-/// Nothing unless the whole text is one whole number that fits; a leading - is allowed.
+/// The same, but a number may also be nan or inf: in a column that nobody asks for, such as the
+/// normals of a scan.
+[[nodiscard]] std::optional<double> to_any_number(std::string_view text);
+
+/// Nothing unless the whole text is one whole number that fits; a leading + or - is allowed.
 [[nodiscard]] std::optional<long long> to_whole_number(std::string_view text);
 
 /// All numbers of a text, separated by white space, commas, semicolons or square brackets. Nothing

@@ -3,6 +3,8 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
+#include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,9 +15,19 @@ TEST_CASE("a text is one finite number or none", "[base][text]") {
   CHECK(to_number("1.5e-3") == 1.5e-3);
   CHECK(to_number("+7") == 7);
   CHECK(to_number("-0.25") == -0.25);
-  for (const char* text : {"", " 1", "1 ", "1,5", "nan", "inf", "1e999", "0x10", "one"}) {
+  for (const char* text : {"", " 1", "1 ", "1,5", "nan", "inf", "1e999", "0x10", "one", "+-1", "++1"}) {
     INFO(text);
     CHECK_FALSE(to_number(text));
+  }
+}
+
+TEST_CASE("a number may be one that is not finite where that is asked for", "[base][text]") {
+  CHECK(std::isnan(to_any_number("nan").value_or(0)));
+  CHECK(to_any_number("-inf") == -std::numeric_limits<double>::infinity());
+  CHECK(to_any_number("+2.5") == 2.5);
+  for (const char* text : {"", "nan1", "+-inf", "1 "}) {
+    INFO(text);
+    CHECK_FALSE(to_any_number(text));
   }
 }
 
@@ -23,7 +35,8 @@ TEST_CASE("a whole number has no point, no room around it and fits 64 bits", "[b
   CHECK(to_whole_number("1403636579763555584") == 1403636579763555584LL);  // EuRoC's nanoseconds
   CHECK(to_whole_number("-12") == -12);
   CHECK(to_whole_number("007") == 7);
-  for (const char* text : {"", "1.0", " 1", "1 ", "+1", "9223372036854775808", "x"}) {
+  CHECK(to_whole_number("+1") == 1);
+  for (const char* text : {"", "1.0", " 1", "1 ", "+-1", "+", "9223372036854775808", "x"}) {
     INFO(text);
     CHECK_FALSE(to_whole_number(text));
   }

@@ -1,5 +1,6 @@
 #include "palpable/calibrate/calibration_file.h"
 
+#include "palpable/base/bounded_text.h"
 #include "palpable/base/contract.h"
 
 #include <Eigen/Geometry>
@@ -19,24 +20,11 @@ namespace palpable {
 namespace {
 
 constexpr int kLargestSide = 16384;            // px; beyond is a slip or an attack
-constexpr std::size_t kLargestFile = 1 << 20;  // bytes; a calibration has two thousand
 
 // Thrown and caught in this file only.
 struct Unusable {
   std::string why;
 };
-
-std::string text_of(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(path, error);
-  if (error) throw Unusable{"cannot be read (" + error.message() + ")"};
-  if (size > kLargestFile) throw Unusable{"is no calibration: more than 1 MB"};
-  std::string text(size, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!in) throw Unusable{"cannot be read"};
-  return text;
-}
 
 cv::FileStorage open_yaml(const std::string& text) {
   // OpenCV guesses the format by the first bytes and falls back on others; this is the only one.
@@ -162,9 +150,11 @@ RectifiedCalibration rectified_from(const cv::FileStorage& file) {
 
 template <class T>
 Result<T> read(const std::filesystem::path& path, T (*parse)(const cv::FileStorage&)) {
+  const Result<std::string> text = read_bounded_text(path, Notation::kYaml);
+  if (!text.ok()) return Problem{"calibration " + text.problem().message};
   std::string why;
   try {
-    return parse(open_yaml(text_of(path)));
+    return parse(open_yaml(text.value()));
   } catch (const Unusable& unusable) { why = unusable.why; } catch (const cv::Exception& e) {
     why = "is damaged: " + e.err;
   } catch (const std::exception& e) { why = std::string("is damaged: ") + e.what(); }

@@ -5,8 +5,10 @@
 #include "tests/support/test.h"
 
 #include <Eigen/Geometry>
+#include <fmt/core.h>
 #include <opencv2/core.hpp>
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <string>
@@ -16,6 +18,7 @@
 namespace palpable {
 namespace {
 
+using test::repeated;
 using test::replaced;
 using test::ScratchFolder;
 using test::write_bytes;
@@ -148,6 +151,26 @@ TEST_CASE("a calibration that cannot be right is refused with its reason",
   REQUIRE_FALSE(missing.ok());
   CHECK(missing.problem().message.find("nowhere.yml") != std::string::npos);
   CHECK_FALSE(read_stereo_calibration(folder.path()).ok());
+}
+
+TEST_CASE("a calibration that OpenCV's reader would not survive is refused with file and line",
+          "[calibrate][calibration][refusal]") {
+  const ScratchFolder folder("calibration_deep");
+  const std::string good = text_of_some_calibration(folder);
+  const auto refused = [&](const std::string& text) {
+    write_bytes(folder / "deep.yml", text);
+    const std::string message =
+        read_stereo_calibration(folder / "deep.yml").problem().message;
+    CHECK_THAT(message, Catch::Contains("deep.yml: "));
+    return message;
+  };
+  const std::string line =
+      fmt::format("line {}: nested more than 64 deep", 1 + std::count(good.begin(), good.end(), '\n'));
+  CHECK_THAT(refused(good + "fps: " + repeated("[", 60'000)), Catch::Contains(line));
+  CHECK_THAT(refused(good + repeated("a: ", 60'000) + "1\n"), Catch::Contains(line));
+  CHECK_THAT(refused(good + repeated("- ", 60'000) + "1\n"), Catch::Contains(line));
+  CHECK_THAT(refused(good + std::string(2'500'000, '\n')),
+             Catch::Contains("2 MB, where 1 are read at most"));
 }
 
 TEST_CASE("lens models beyond k3 are refused unless they are zero",

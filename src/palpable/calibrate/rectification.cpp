@@ -4,10 +4,13 @@
 #include "palpable/calibrate/calibration_file.h"
 #include "palpable/calibrate/opencv_views.h"
 
+#include <Eigen/Geometry>
+#include <fmt/core.h>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <cmath>
+#include <numbers>
 #include <string>
 
 namespace palpable {
@@ -63,9 +66,12 @@ Result<RectifiedGeometry> rectify_rig(const StereoRig& rig) {
   const double zoom = geometry.stereo.camera.fx_px / rig.left.pinhole.fx_px;
   if (!what_is_wrong_with(geometry.stereo).empty() || zoom > kLargestZoom ||
       zoom < 1 / kLargestZoom) {
-    return Problem{
-        "the rig has no rectified picture without blank pixels: its distortion or the rotation "
-        "between the eyes is too large; calibrate again"};
+    const double angle = Eigen::AngleAxisd(rig.right_from_left.linear()).angle();
+    return Problem{fmt::format(
+        "rectified, the pictures of {} x {} px have no common part without blank pixels: the "
+        "distortion or the rotation between the eyes ({:.1f} degrees) is too large; calibrate "
+        "again, with boards in all corners of both pictures (palpable calibrate)",
+        size.width, size.height, angle * 180 / std::numbers::pi)};
   }
   return geometry;
 }

@@ -11,12 +11,14 @@
 #include <algorithm>
 #include <map>
 #include <mutex>
+#include <pugixml.hpp>
 
 namespace palpable {
 namespace {
 
 namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
+using Catch::Matchers::EndsWith;
 using test::file_bytes;
 
 // A block of rubber that stands on the ground, at two stiffnesses of its upper half.
@@ -101,6 +103,23 @@ TEST_CASE("what is valid is used again, what is damaged, foreign or gone is solv
   CHECK(again.solved == 3);
   CHECK(again.solved + again.reused == 6);
   CHECK(all_files(folder / "store") == files);
+}
+
+TEST_CASE("a store's list for ParaView is XML, whatever parameters and fields are called",
+          "[campaign]") {
+  const test::ScratchFolder folder("campaign_names");
+  StoreContent content = Block("neo-hookean", 0.004, 2).content;
+  content.parameters[0].name = "a & b <c> \"d\"";
+  content.fields.push_back({"T < \"0\" & more", 1});
+  SnapshotStore::create(folder / "store", content).finish();
+  pugi::xml_document document;
+  REQUIRE(document.load_file((folder / "store/campaign.xdmf").c_str()));
+  const pugi::xml_node grid = document.select_node("//Grid/Grid").node();
+  CHECK_THAT(grid.attribute("Name").value(), Contains("site 0, a & b <c> \"d\" 1, level"));
+  const pugi::xml_node field = grid.last_child();
+  CHECK(field.attribute("Name").value() == content.fields.back().name);
+  CHECK_THAT(field.select_node("DataItem/DataItem[@Format='HDF']").node().child_value(),
+             EndsWith(":/" + content.fields.back().name));
 }
 
 TEST_CASE("a snapshot is of its mesh, material, load and levels, and of no other", "[campaign]") {

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -16,23 +15,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-
-// Loads point to the centre of mass: a site pressed beyond it would come out on the other side, and
-// the solver, which knows no contact of a body with itself, would let it.
-void refuse_press_through(const BodyDescription& description, const SurfaceMesh& skin,
-                          const std::vector<Site>& sites, double press, double height) {
-  const Eigen::Vector3d centre = enclosed_centroid(skin);
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Site& site : sites) {
-    nearest = std::min(nearest, (centre - skin.vertices.col(site.vertex)).norm());
-  }
-  if (press < nearest) return;
-  throw Error(fmt::format(
-      "{}: a press of {:.3g} m ({:.3g} of the height) would push a site past the centre of "
-      "mass, {:.3g} "
-      "m away: no load reaches that; ask for a depth below {:.2g}",
-      description.source.string(), press, press / height, nearest, nearest / height));
-}
 
 std::string materials_line(const BodyDescription& description) {
   std::string line = material_line(description.material);
@@ -178,10 +160,7 @@ BodyProblem mesh_and_pose(const BodyDescription& description, StageTimes& wall,
   report(progress,
          {"meshing", 1.0, 1.0,
           fmt::format("{} nodes, {} tetrahedra", mesh.mesh.node_count(), mesh.mesh.tet_count())});
-  if (std::holds_alternative<BodyDescription::Sites::ToCentre>(description.sites.direction)) {
-    refuse_press_through(description, mesh.boundary.surface, problem.sites, problem.press,
-                         mesh.height);
-  }
+  refuse_press_through(description, problem);
   return problem;
 }
 

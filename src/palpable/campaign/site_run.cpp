@@ -114,7 +114,9 @@ void solve_sites(const SiteSolver& solver, std::span<const Site> sites,
                                           [&](double part) { stream.tick(s, 0.95 * part); })
             : path_through(solver.presses(), unit, settings.full_loads[s], settings.at, lane);
     if (path.steps.empty()) {
-      throw Error(fmt::format("site {}: cannot be pressed: {}", s, path.why_stopped));
+      const Eigen::Vector3d X = solver.boundary().surface.vertices.col(site.vertex);
+      throw Error(fmt::format("site {} at ({:.4g}, {:.4g}, {:.4g}) m cannot be pressed: {}", s,
+                              X[0], X[1], X[2], path.why_stopped));
     }
     if (!settings.at.empty() && !path.reached) {
       throw Error(fmt::format("site {}: a load that was borne before is not borne again: {}", s,

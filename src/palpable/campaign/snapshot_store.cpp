@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 #include "palpable/base/fnv1a.h"
+#include "palpable/base/markup_text.h"
 #include "palpable/campaign/store_content_file.h"
 #include "palpable/reduced/hdf5_tools.h"
 
@@ -387,7 +388,7 @@ std::string SnapshotStore::xdmf() const {
     std::string where = fmt::format("site {}", u % content_.site_count());
     const std::vector<double> values = content_.values_at(u / content_.site_count());
     for (std::size_t k = 0; k < values.size(); ++k) {
-      where += fmt::format(", {} {:.6g}", content_.parameters[k].name, values[k]);
+      where += fmt::format(", {} {:.6g}", markup_text(content_.parameters[k].name), values[k]);
     }
     for (int l = 0; l < L; ++l) {
       text += fmt::format("<Grid Name=\"{}, level {:.6g}\">\n<Time Value=\"{}\"/>\n{}", where,
@@ -400,7 +401,7 @@ std::string SnapshotStore::xdmf() const {
             "<DataItem Dimensions=\"3 3\" Format=\"XML\">{4} 0 0 1 1 1 1 {2} {3}</DataItem>"
             "<DataItem Dimensions=\"{5} {2} {3}\" NumberType=\"Float\" Precision=\"4\" "
             "Format=\"HDF\">{6}:/{0}</DataItem></DataItem></Attribute>\n",
-            field.name,
+            markup_text(field.name),
             c == 1   ? "Scalar"
             : c == 3 ? "Vector"
                      : "Matrix",

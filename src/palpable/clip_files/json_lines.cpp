@@ -1,11 +1,13 @@
 #include "palpable/clip_files/json_lines.h"
 
+#include "palpable/base/bounded_text.h"
 #include "palpable/base/error.h"
 #include "palpable/clip_files/text_file.h"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cstdint>
 
 namespace palpable {
@@ -104,6 +106,9 @@ Rigid3 JsonObject::rigid(const char* key) const {
 void for_each_object(const std::filesystem::path& path,
                      const std::function<void(const JsonObject&)>& read_object) {
   for_each_line(path, [&](const std::string& line) {
+    if (const auto unparsable = why_not_parsed(line, Notation::kJson)) {
+      throw Error(unparsable->what);
+    }
     try {
       const json object = json::parse(line);
       read_object(JsonObject(object));
@@ -116,7 +121,7 @@ void for_each_object(const std::filesystem::path& path,
 int frame_number(const json& value) {
   // get<int>() would cut off what is not whole.
   if (!value.is_number_integer()) {
-    throw Error(fmt::format("{} is no frame's number", value.dump()));
+    throw Error(fmt::format("{} is no frame's number", value.dump(-1, ' ', false, json::error_handler_t::replace)));
   }
   const auto frame = value.get<std::int64_t>();
   if (frame < 0 || frame >= kMostFrames) throw Error(fmt::format("frame {} is no frame", frame));
@@ -126,6 +131,12 @@ int frame_number(const json& value) {
 std::string without_brackets(const std::string& message) {
   const auto end = message.find("] ");
   return end == std::string::npos ? message : message.substr(end + 2);
+}
+
+std::string quoted_text(const std::string& text) {
+  std::string quoted = json(text).dump(-1, ' ', false, json::error_handler_t::replace);
+  std::replace(quoted.begin(), quoted.end(), '\x7f', '?');  // JSON may have it, TOML not
+  return quoted;
 }
 
 std::string rows_text(const Rigid3& transform, int digits) {

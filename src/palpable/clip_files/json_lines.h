@@ -62,6 +62,9 @@ void for_each_object(const std::filesystem::path& path,
 /// programmers.
 [[nodiscard]] std::string without_brackets(const std::string& message);
 
+/// A text in quotes, as JSON and TOML have it; what is no UTF-8 becomes U+FFFD.
+[[nodiscard]] std::string quoted_text(const std::string& text);
+
 /// The 16 numbers of a transform, row by row, as JSON without blanks: [1,0,0,...].
 /// @param digits  significant ones of each number
 [[nodiscard]] std::string rows_text(const Rigid3& transform, int digits);

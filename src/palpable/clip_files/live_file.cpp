@@ -1,5 +1,6 @@
 #include "palpable/clip_files/live_file.h"
 
+#include "palpable/base/bounded_text.h"
 #include "palpable/base/error.h"
 #include "palpable/clip_files/json_lines.h"
 #include "palpable/clip_files/text_file.h"
@@ -7,7 +8,6 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include <fstream>
 
 namespace palpable {
 namespace {
@@ -94,14 +94,15 @@ void write_live_summary(const std::filesystem::path& path, const LiveSummary& su
   for (const auto& [stage, ms] : summary.median_ms) live["median_ms"][stage] = ms;
   live["processed"] = summary.processed;
   TextFile file(path);
-  file.write(live.dump(2) + "\n");
+  // Names of files need not be UTF-8, which JSON is.
+  file.write(live.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
   file.close();
 }
 
 LiveFile read_live_file(const std::filesystem::path& path) {
-  std::ifstream in(path);
+  const std::string text = value_or_throw(read_bounded_text(path, Notation::kJson));
   try {
-    return live_file_of(json::parse(in));
+    return live_file_of(json::parse(text));
   } catch (const json::parse_error& error) {
     throw Error(fmt::format("{}: no JSON at character {}", path.string(), error.byte));
   } catch (const json::exception& error) {

@@ -37,20 +37,38 @@ void TextFile::close() {
   file_.close();
 }
 
+namespace {
+
+constexpr std::size_t kLongestLine = 16'000'000;  // bytes; a hand's frame has two thousand
+
+// The next line, without its end; false behind the last.
+bool next_line(std::streambuf& in, std::string& line) {
+  line.clear();
+  constexpr int kEnd = std::char_traits<char>::eof();
+  for (int c = in.sbumpc(); c != kEnd; c = in.sbumpc()) {
+    if (c == '\n') return true;
+    if (line.size() == kLongestLine) throw Error("is longer than 16 MB");
+    line += static_cast<char>(c);
+  }
+  return !line.empty();
+}
+
+}  // namespace
+
 void for_each_line(const std::filesystem::path& path,
                    const std::function<void(const std::string& line)>& read_line) {
   std::ifstream in(path);
   if (!in) throw Error(fmt::format("{}: cannot be read", path.string()));
-  int number = 0;
-  for (std::string line; std::getline(in, line);) {
-    ++number;
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line.empty()) continue;
-    try {
-      read_line(line);
-    } catch (const Error& error) {
-      throw Error(fmt::format("{}: line {}: {}", path.string(), number, error.what()));
+  int number = 1;
+  try {
+    for (std::string line; next_line(*in.rdbuf(), line); ++number) {
+      if (!line.empty() && line.back() == '\r') line.pop_back();
+      if (!line.empty()) read_line(line);
     }
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: line {}: {}", path.string(), number, error.what()));
+  } catch (const std::ios_base::failure&) {  // a folder
+    throw Error(fmt::format("{}: cannot be read", path.string()));
   }
 }
 

@@ -14,6 +14,7 @@
 #include "palpable/clip_files/trajectory_file.h"
 #include "palpable/clip_files/truth_camera_file.h"
 #include "tests/support/full_disk.h"
+#include "tests/support/replaced.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
@@ -124,6 +125,54 @@ TEST_CASE("touches that make no sense are refused with file and line", "[clip_fi
   CHECK(has(refusal("{\"frame\":0,\"level\":\"x\"}\n", read), "level is no number"));
   CHECK(has(refusal("{\"frame\":0,\"level\":-3}\n", read), "level is negative"));
   CHECK(has(refusal("{\"frame\":0,\n", read), "line 1: no JSON at character"));
+}
+
+TEST_CASE("lines that a parser had better not see are refused with file and line",
+          "[clip_files][errors]") {
+  const auto read = [](const fs::path& path) { (void)read_touches(path); };
+  const std::string deep(1'000'000, '[');
+  CHECK(has(refusal("{\"frame\":0}\n{\"frame\":" + deep + "}\n", read),
+            "file: line 2: nested more than 64 deep"));
+  CHECK(has(refusal("{\"frame\":0}\n" + std::string(17'000'000, ' '), read),
+            "file: line 2: is longer than 16 MB"));
+  const auto again = [](const fs::path& file) { (void)read_live_file(file); };
+  CHECK(has(refusal("{\"processed\":\n" + deep, again), "file: line 2: nested more than 64 deep"));
+  const auto truth = [](const fs::path& file) { (void)read_truth_camera(file); };
+  CHECK(has(refusal("fps = 30\nbody" + test::repeated(".a", 60'000) + " = 1\n", truth),
+            "file: line 2: nested more than 64 deep"));
+  CHECK(has(refusal("fps = " + deep, truth), "file: line 1: nested more than 64 deep"));
+  const ScratchFolder folder("clip_files");
+  CHECK_THROWS_WITH(read_touches(folder.path()), Catch::EndsWith("cannot be read"));
+}
+
+TEST_CASE("names that are no UTF-8, or hold quotes, leave files that can be read",
+          "[clip_files][errors]") {
+  const ScratchFolder folder("clip_files");
+  LiveSummary summary;
+  summary.body = "caf\xe9.palpable";  // Latin-1
+  summary.source = "a \"clip\"\n";
+  summary.processed = {0, 1};
+  write_live_summary(folder / "live.json", summary);
+  CHECK(read_live_file(folder / "live.json").processed == std::vector<int>{0, 1});
+  CHECK_THAT(test::file_bytes(folder / "live.json"),
+             Catch::Contains("\"caf\xef\xbf\xbd.palpable\""));
+  TruthCamera camera;
+  camera.frames_per_second = 30.0;
+  camera.depth_unit = 0.001;
+  camera.camera = PinholeCamera{64, 36, 50, 50, 32, 18};
+  camera.baseline = 0.06;
+  camera.seed = 1;
+  for (const std::string name : {"a'''b\"c\\d.palpable", "'", "caf\xc3\xa9", "a\nb\x01"}) {
+    INFO(name);
+    camera.body = name;
+    camera.sequence = name;
+    write_truth_camera(folder / "camera.toml", camera);
+    CHECK(read_truth_camera(folder / "camera.toml").body == name);
+    CHECK(read_truth_camera(folder / "camera.toml").sequence == name);
+  }
+  camera.body = "caf\xe9";
+  write_truth_camera(folder / "camera.toml", camera);
+  CHECK(read_truth_camera(folder / "camera.toml").body == "caf\xef\xbf\xbd");
 }
 
 TEST_CASE("a body's pose is the line it always was, and comes back", "[clip_files]") {

@@ -1,7 +1,9 @@
 #include "palpable/clip_files/truth_camera_file.h"
 
+#include "palpable/base/bounded_text.h"
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/clip_files/json_lines.h"
 #include "palpable/clip_files/text_file.h"
 
 #include <fmt/core.h>
@@ -38,6 +40,13 @@ std::optional<PinholeCamera> camera_of(const toml::table& table) {
   return camera;
 }
 
+// In ''', as files always had it, unless that is not possible.
+std::string file_name_text(const std::string& name) {
+  const std::string quoted = quoted_text(name);
+  const bool plain = quoted == '"' + name + '"' && name.find('\'') == std::string::npos;
+  return plain ? "'''" + name + "'''" : quoted;
+}
+
 }  // namespace
 
 void write_truth_camera(const std::filesystem::path& path, const TruthCamera& camera) {
@@ -47,17 +56,19 @@ void write_truth_camera(const std::filesystem::path& path, const TruthCamera& ca
   file.write(fmt::format(
       "# The rectified left camera at half size: px; baseline in m.\n"
       "width = {}\nheight = {}\nfx = {:.12g}\nfy = {:.12g}\ncx = {:.12g}\ncy = {:.12g}\n"
-      "baseline_m = {:.12g}\nfps = {}\ndepth_unit_m = {}\nsequence = \"{}\"\nseed = {}\n"
-      "body = '''{}'''\n",
+      "baseline_m = {:.12g}\nfps = {}\ndepth_unit_m = {}\nsequence = {}\nseed = {}\n"
+      "body = {}\n",
       view.width, view.height, view.fx_px, view.fy_px, view.cx_px, view.cy_px, *camera.baseline,
-      camera.frames_per_second, camera.depth_unit, camera.sequence, *camera.seed, camera.body));
+      camera.frames_per_second, camera.depth_unit, quoted_text(camera.sequence), *camera.seed,
+      file_name_text(camera.body)));
   file.close();
 }
 
 TruthCamera read_truth_camera(const std::filesystem::path& file) {
   const std::string path = file.string();
+  const std::string text = value_or_throw(read_bounded_text(file, Notation::kToml));
   try {
-    const toml::table table = toml::parse_file(path);
+    const toml::table table = toml::parse(text, path);
     TruthCamera camera;
     camera.depth_unit = positive_number(table, "depth_unit_m", path);
     camera.frames_per_second = positive_number(table, "fps", path);

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <numeric>
 #include <utility>
 #include <variant>
@@ -94,7 +95,11 @@ std::vector<Site> place_sites(const BodyDescription& description, const BodyMesh
   const SurfaceMesh& skin = body.boundary.surface;
   if (wanted.at.empty()) {
     // A patch that slides on a support would carry less than its load: none of those is chosen.
-    return choose_sites(skin, supported_vertices(body), settings);
+    try {
+      return choose_sites(skin, supported_vertices(body), settings);
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}: {}", description.source.string(), error.what()));
+    }
   }
 
   std::vector<int> vertex_of_node(body.mesh.node_count(), -1);
@@ -215,6 +220,35 @@ std::string material_line(const BodyDescription::MaterialLaw& law) {
   }
   return fmt::format("{}, {}Young's modulus {:.4g} Pa, Poisson's ratio {:.3g}", law.law, constants,
                      young, poisson);
+}
+
+std::string site_text(const BodyProblem& problem, int number) {
+  const Site& site = problem.sites[number];
+  const Eigen::Vector3d X = problem.mesh.boundary.surface.vertices.col(site.vertex);
+  return fmt::format("site {} at ({:.4g}, {:.4g}, {:.4g}) m, pressed along ({:.3f}, {:.3f}, {:.3f})",
+                     number, X[0], X[1], X[2], site.direction[0], site.direction[1],
+                     site.direction[2]);
+}
+
+void refuse_press_through(const BodyDescription& description, const BodyProblem& problem) {
+  if (!std::holds_alternative<BodyDescription::Sites::ToCentre>(description.sites.direction)) return;
+  const SurfaceMesh& skin = problem.mesh.boundary.surface;
+  const Eigen::Vector3d centre = enclosed_centroid(skin);
+  double nearest = std::numeric_limits<double>::infinity();
+  int which = 0;
+  for (std::size_t s = 0; s < problem.sites.size(); ++s) {
+    const double distance = (centre - skin.vertices.col(problem.sites[s].vertex)).norm();
+    if (distance >= nearest) continue;
+    nearest = distance;
+    which = static_cast<int>(s);
+  }
+  if (problem.press < nearest) return;
+  const double height = problem.mesh.height;
+  throw Error(fmt::format(
+      "{}: a press of {:.3g} m ({:.3g} of the height, 'depth' in [press]) would push {} past the "
+      "centre of mass, {:.3g} m away: no load reaches that; ask for a depth below {:.2g}",
+      description.source.string(), problem.press, problem.press / height,
+      site_text(problem, which), nearest, nearest / height));
 }
 
 BodyProblem pose_body(const BodyDescription& description) {

@@ -38,6 +38,14 @@ struct BodyProblem {
 ///         turn; sites that the support holds, or fewer places for sites than are asked for
 [[nodiscard]] BodyProblem pose_body(const BodyDescription& description);
 
+/// A site for messages: its number, place and direction.
+[[nodiscard]] std::string site_text(const BodyProblem& problem, int number);
+
+/// Loads that point to the centre of mass cannot press a site beyond it: it would come out on the
+/// other side, and the solver, which knows no contact of a body with itself, would let it.
+/// @throws Error naming the site and the deepest press
+void refuse_press_through(const BodyDescription& description, const BodyProblem& problem);
+
 /// The material that a description states. @throws Error as material_from_young()
 [[nodiscard]] Material material_of(const BodyDescription::MaterialLaw& law);
 

@@ -191,23 +191,54 @@ Eigen::VectorXd salience(const SurfaceMesh& skin, int patch_distance) {
   return result;
 }
 
+namespace {
+
+// Why so few vertices may be sites, setting by setting.
+std::string why_few_sites(int candidates, int low, int near_support, int count,
+                          const SiteSettings& settings) {
+  std::string why = fmt::format(
+      "only {} of {} surface vertices may be contact sites where 'count' in [sites] is {}",
+      candidates, count, settings.count);
+  if (low > 0) {
+    why += fmt::format("; {} lie lower than 'above' in [sites] allows ({:.4g} m)", low,
+                       settings.lowest);
+  }
+  if (near_support > 0) {
+    why += fmt::format(
+        "; of {} the patch ('patch' in [sites]: {} edges around) reaches what [support] holds",
+        near_support, settings.patch_distance);
+  }
+  why += ": ask for fewer";
+  if (low > 0) why += ", lower 'above'";
+  if (near_support > 0) {
+    why += settings.patch_distance > 0 ? ", make 'patch' smaller, hold less" : ", hold less";
+  }
+  return why + ", or mesh finer";
+}
+
+}  // namespace
+
 std::vector<Site> choose_sites(const SurfaceMesh& skin, const std::vector<std::uint8_t>& fixed,
                                const SiteSettings& settings) {
   PALPABLE_EXPECT(settings.count >= 1, "at least one site");
   const SiteMaker maker(skin, fixed, settings);
   std::vector<int> candidates;
+  int low = 0, near_support = 0;
   for (int v = 0; v < skin.vertex_count(); ++v) {
-    if (skin.vertices(2, v) < settings.lowest) continue;
+    if (skin.vertices(2, v) < settings.lowest) {
+      ++low;
+      continue;
+    }
     const std::vector<int> patch = maker.patch_of(v);
     if (std::none_of(patch.begin(), patch.end(), [&](int p) { return maker.is_fixed(p); })) {
       candidates.push_back(v);
+    } else {
+      ++near_support;
     }
   }
   if (candidates.size() < static_cast<std::size_t>(settings.count)) {
-    throw Error(fmt::format(
-        "only {} of {} surface vertices may be contact sites (at or above {:.4g} m, patch clear of "
-        "the support), {} are asked for: ask for fewer, or mesh finer",
-        candidates.size(), skin.vertex_count(), settings.lowest, settings.count));
+    throw Error(why_few_sites(static_cast<int>(candidates.size()), low, near_support,
+                              skin.vertex_count(), settings));
   }
 
   std::vector<Site> sites;

@@ -11,6 +11,7 @@
 namespace palpable {
 namespace {
 
+using Catch::Contains;
 using test::tolerance;
 
 struct Ball {
@@ -161,7 +162,17 @@ TEST_CASE("more sites than vertices that may be one are refused", "[describe][si
   const Ball ball;
   SiteSettings settings = kSettings;
   settings.lowest = 0.0995;
-  CHECK_THROWS_AS(choose_sites(ball.skin, ball.fixed, settings), Error);
+  CHECK_THROWS_WITH(choose_sites(ball.skin, ball.fixed, settings),
+                    Contains("lie lower than 'above' in [sites] allows (0.0995 m)") &&
+                        Contains("lower 'above'") && !Contains("[support]"));
+  SiteSettings near = kSettings;
+  near.lowest = -1.0;
+  near.patch_distance = 20;
+  CHECK_THROWS_WITH(choose_sites(ball.skin, ball.fixed, near),
+                    Contains("'count' in [sites] is") &&
+                        Contains("the patch ('patch' in [sites]: 20 edges around) reaches what "
+                                 "[support] holds") &&
+                        Contains("make 'patch' smaller") && !Contains("'above'"));
   settings.lowest = 1.0;
   settings.count = 1;
   CHECK_THROWS_AS(choose_sites(ball.skin, ball.fixed, settings), Error);

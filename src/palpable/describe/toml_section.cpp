@@ -1,5 +1,6 @@
 #include "palpable/describe/toml_section.h"
 
+#include "palpable/base/bounded_text.h"
 #include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
 
@@ -54,6 +55,9 @@ Units units_of(Quantity what) {
 }  // namespace
 
 toml::table parse_toml(std::string_view text, const std::string& file) {
+  if (const auto unparsable = why_not_parsed(text, Notation::kToml)) {
+    throw Error(fmt::format("{}:{}: {}", file, unparsable->line, unparsable->what));
+  }
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& error) {

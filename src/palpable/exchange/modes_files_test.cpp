@@ -4,12 +4,18 @@
 #include "palpable/base/npy_file.h"
 #include "palpable/exchange/press_series.h"
 #include "palpable/reduced/body_file.h"
+#include "palpable/reduced/foreign_hdf5.h"
 #include "tests/support/bodies.h"
+#include "tests/support/full_disk.h"
+#include "tests/support/replaced.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <map>
+#include <pugixml.hpp>
 #include <string>
 
 namespace palpable {
@@ -134,6 +140,80 @@ TEST_CASE("modes that cannot be pressed say why", "[exchange][errors]") {
   CHECK_THROWS_WITH(body_of_modes(bad, {}), Catch::Contains("3 or 6 values"));
 }
 
+TEST_CASE("names of files and parameters that XML has to spell otherwise come back",
+          "[exchange]") {
+  const ScratchFolder folder("modes_names");
+  const std::string strange = "a & b <c> \"d\" 'e'";
+  ForeignModes modes = modes_of_body(test::with_further(test::pressed_ball(0.05, 0.01, 1)));
+  {
+    std::vector<ParameterAxis> axes = modes.displacement.axes();
+    axes.back().name = strange;
+    modes.displacement = SeparatedField(modes.displacement.modes(), axes);
+  }
+  const fs::path file = folder / (strange + ".pxdmf");
+  write_pxdmf(file, modes);
+  const ForeignModes again = read_pxdmf(file);
+  CHECK(again.displacement.axes().back().name == strange);
+  CHECK(again.displacement.modes() == modes.displacement.modes());
+
+  write_xdmf_series(folder / (strange + ".xdmf"), test::pressed_ball(0.05, 0.01, 1), 3);
+  pugi::xml_document document;
+  REQUIRE(document.load_file((folder / (strange + ".xdmf")).c_str()));
+  const std::string item =
+      document.select_node("//Attribute[@Name='displacement']/DataItem").node().child_value();
+  const std::string heavy = strange + ".xdmf.h5";
+  REQUIRE(item.substr(0, item.find(':')) == heavy);
+  CHECK(hdf5::read_foreign(folder / heavy, item.substr(item.find(':') + 1)).size ==
+        std::vector<std::size_t>{42, 3});
+}
+
+// What `work` throws; empty when it throws nothing.
+std::string error_of(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) { return error.what(); }
+  return {};
+}
+
+TEST_CASE("a full disk leaves XDMF and PXDMF as they were", "[exchange][errors]") {
+  const ReducedBody ball = test::pressed_ball(0.05, 0.01, 1);
+  const ForeignModes modes = modes_of_body(ball);
+  const ScratchFolder folder("full_disk");
+  const fs::path xdmf = folder / "a.xdmf", pxdmf = folder / "a.pxdmf";
+  for (const bool there_before : {false, true}) {
+    INFO("with files of an earlier run: " << there_before);
+    if (there_before) {
+      write_xdmf_series(xdmf, ball, 0);
+      write_pxdmf(pxdmf, modes);
+    }
+    const auto contents = [&] {
+      std::map<fs::path, std::string> files;
+      for (const auto& entry : fs::directory_iterator(folder.path())) {
+        files[entry.path()] = test::file_bytes(entry.path());
+      }
+      return files;
+    };
+    const auto before = contents();
+    REQUIRE(before.size() == (there_before ? 4 : 0));
+    for (const rlim_t bytes : {0, 1'000, 20'000}) {
+      INFO(bytes << " bytes");
+      CHECK(test::run_with_full_disk(bytes, [&] {
+              const std::string first = error_of([&] { write_xdmf_series(xdmf, ball); });
+              const std::string second = error_of([&] { write_pxdmf(pxdmf, modes); });
+              const auto says = [](const std::string& error, const char* what) {
+                return error.find(what) != std::string::npos;
+              };
+              return says(first, "a.xdmf") && says(first, "cannot be written: File too large") &&
+                             says(second, "a.pxdmf") &&
+                             says(second, "cannot be written: File too large")
+                         ? 42
+                         : 43;
+            }) == 42);
+    }
+    CHECK((contents() == before));
+  }
+}
+
 TEST_CASE("a damaged PXDMF file says what is wrong with it", "[exchange][errors]") {
   const ForeignModes modes = modes_of_body(test::pressed_ball(0.05, 0.01, 1));
   const std::vector<std::array<std::string, 3>> faults{
@@ -145,6 +225,7 @@ TEST_CASE("a damaged PXDMF file says what is wrong with it", "[exchange][errors]
       {"Dimensions=\"42 3\"", "Dimensions=\"43 3\"", "126 numbers where its Dimensions say 129"},
       {"Dimensions=\"42 3\"", "Dimensions=\"999999999 999999999\"", "claims the size"},
       {"Format=\"HDF\"", "Format=\"Binary\"", "the format 'Binary'"},
+      {"<Domain", test::repeated("<a>", 60'000) + "<Domain", "line 3: nested more than 64 deep"},
   };
   for (const auto& [what, by, says] : faults) {
     INFO(what << " -> " << by);

@@ -2,7 +2,9 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/base/markup_text.h"
 #include "palpable/base/output_file.h"
+#include "palpable/exchange/heavy_file.h"
 #include "palpable/exchange/vtu_file.h"
 #include "palpable/reduced/hdf5_tools.h"
 
@@ -104,69 +106,87 @@ void write_vtu_series(const fs::path& folder, const ReducedBody& body, std::opti
   }
 }
 
-void write_xdmf_series(const fs::path& path, const ReducedBody& body, std::optional<int> site) {
-  const std::vector<int> sites = sites_of(body, site);
-  fs::path heavy = path;
-  heavy += ".h5";
-  const std::string file_name = heavy.filename().string();
+namespace {
+
+// The parts of XDMF that several grids share.
+struct XdmfNames {
+  std::string heavy;  // the file of the numbers, as it stands in XML
+
+  [[nodiscard]] std::string item(const std::string& name, Index rows, Index columns,
+                                 const char* kind, int bytes) const {
+    return fmt::format(
+        "<DataItem Dimensions=\"{} {}\" NumberType=\"{}\" Precision=\"{}\" "
+        "Format=\"HDF\">{}:/{}</DataItem>",
+        rows, columns, kind, bytes, heavy, name);
+  }
+};
+
+// Topology and geometry of all grids; their numbers go into `file`.
+std::string write_xdmf_mesh(hid_t file, const ReducedBody& body, const XdmfNames& names) {
   const Eigen::Matrix3Xd& nodes = body.volume ? body.volume->nodes : body.surface.vertices;
   const Eigen::MatrixXi cells =
       body.volume ? body.volume->tets : Eigen::MatrixXi(body.surface.triangles);
   const char* type = cells.rows() == 3 ? "Triangle" : cells.rows() == 4 ? "Tetrahedron" : "Tet_10";
-  const auto item = [&](const std::string& name, Index rows, Index columns, const char* kind,
-                        int bytes) {
-    return fmt::format(
-        "<DataItem Dimensions=\"{} {}\" NumberType=\"{}\" Precision=\"{}\" "
-        "Format=\"HDF\">{}:/{}</DataItem>",
-        rows, columns, kind, bytes, file_name, name);
+  hdf5::write_table(file, "nodes", nodes.data(), static_cast<hsize_t>(nodes.cols()), 3);
+  hdf5::write_table(file, "cells", cells.data(), static_cast<hsize_t>(cells.cols()),
+                    static_cast<hsize_t>(cells.rows()));
+  return fmt::format(
+      "<Topology TopologyType=\"{}\" NumberOfElements=\"{}\">{}</Topology>\n"
+      "<Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
+      type, cells.cols(), names.item("cells", cells.cols(), cells.rows(), "Int", 4),
+      names.item("nodes", nodes.cols(), 3, "Float", 8));
+}
+
+// The attributes of one grid.
+std::string write_xdmf_fields(hid_t file, const Shown& shown, const std::string& which,
+                              const XdmfNames& names) {
+  std::string xml;
+  const auto attribute = [&](const char* name, const char* rank, Index columns,
+                             const float* values) {
+    const std::string dataset = fmt::format("{}_{}", name, which);
+    hdf5::write_table(file, dataset.c_str(), values,
+                      static_cast<hsize_t>(shown.displacement.cols()),
+                      static_cast<hsize_t>(columns));
+    xml += fmt::format(
+        "<Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">{}</Attribute>\n", name,
+        rank, names.item(dataset, shown.displacement.cols(), columns, "Float", 4));
   };
+  attribute("displacement", "Vector", 3, shown.displacement.data());
+  if (!shown.von_mises.empty()) {
+    const std::array order{0, 3, 5, 1, 4, 2};  // XDMF's: xx xy xz yy yz zz
+    const Eigen::MatrixXf theirs = shown.stress(order, Eigen::all);
+    attribute("stress", "Tensor6", 6, theirs.data());
+    attribute("von_mises", "Scalar", 1, shown.von_mises.data());
+  }
+  return xml;
+}
+
+}  // namespace
+
+void write_xdmf_series(const fs::path& path, const ReducedBody& body, std::optional<int> site) {
+  const std::vector<int> sites = sites_of(body, site);
+  fs::path heavy = path;
+  heavy += ".h5";
+  const XdmfNames names{markup_text(heavy.filename().string())};
   std::string xml = "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n";
-  const hdf5::Quiet quiet;
-  try {
-    const hdf5::Handle file(H5Fcreate(heavy.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
-                            H5Fclose, "cannot be written");
-    const auto count = static_cast<hsize_t>(nodes.cols());
-    hdf5::write_table(file, "nodes", nodes.data(), count, 3);
-    hdf5::write_table(file, "cells", cells.data(), static_cast<hsize_t>(cells.cols()),
-                      static_cast<hsize_t>(cells.rows()));
-    const std::string mesh = fmt::format(
-        "<Topology TopologyType=\"{}\" NumberOfElements=\"{}\">{}</Topology>\n"
-        "<Geometry GeometryType=\"XYZ\">{}</Geometry>\n",
-        type, cells.cols(), item("cells", cells.cols(), cells.rows(), "Int", 4),
-        item("nodes", nodes.cols(), 3, "Float", 8));
+  const auto fill = [&](hid_t file) {
+    const std::string mesh = write_xdmf_mesh(file, body, names);
     Shown shown;
     for (const int s : sites) {
       xml += fmt::format(
           "<Grid Name=\"site {}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n", s);
       for (Index l = 0; l < body.levels().size(); ++l) {
         evaluate(body, s, body.levels()[l], shown);
-        xml +=
-            fmt::format("<Grid Name=\"level {}\" GridType=\"Uniform\">\n<Time Value=\"{}\"/>\n{}",
-                        l, body.levels()[l], mesh);
-        const auto attribute = [&](const char* name, const char* rank, Index columns,
-                                   const float* values) {
-          const std::string dataset = fmt::format("{}_{}_{}", name, s, l);
-          hdf5::write_table(file, dataset.c_str(), values, count, static_cast<hsize_t>(columns));
-          xml += fmt::format(
-              "<Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">{}</Attribute>\n", name,
-              rank, item(dataset, nodes.cols(), columns, "Float", 4));
-        };
-        attribute("displacement", "Vector", 3, shown.displacement.data());
-        if (!shown.von_mises.empty()) {
-          const std::array order{0, 3, 5, 1, 4, 2};  // XDMF's: xx xy xz yy yz zz
-          const Eigen::MatrixXf theirs = shown.stress(order, Eigen::all);
-          attribute("stress", "Tensor6", 6, theirs.data());
-          attribute("von_mises", "Scalar", 1, shown.von_mises.data());
-        }
-        xml += "</Grid>\n";
+        xml += fmt::format(
+            "<Grid Name=\"level {}\" GridType=\"Uniform\">\n<Time Value=\"{}\"/>\n{}{}</Grid>\n",
+            l, body.levels()[l], mesh,
+            write_xdmf_fields(file, shown, fmt::format("{}_{}", s, l), names));
       }
       xml += "</Grid>\n";
     }
-    hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), "cannot be written");
-  } catch (const hdf5::Trouble& trouble) {
-    throw Error(fmt::format("{}: {}", heavy.string(), trouble.what));
-  }
-  write_text(path, xml + "</Domain>\n</Xdmf>\n");
+    xml += "</Domain>\n</Xdmf>\n";
+  };
+  write_heavy_and_light(heavy, fill, path, xml);
 }
 
 }  // namespace palpable

@@ -1,10 +1,13 @@
+#include "palpable/base/bounded_text.h"
 #include "palpable/base/error.h"
-#include "palpable/exchange/markup_text.h"
+#include "palpable/base/markup_text.h"
+#include "palpable/exchange/heavy_file.h"
 #include "palpable/exchange/modes_files.h"
-#include "palpable/reduced/hdf5_tools.h"
+#include "palpable/reduced/foreign_hdf5.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -21,7 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Index;
 using Eigen::MatrixXd;
-using hdf5::Handle;
 
 // XDMF's symmetric tensors are xx xy xz yy yz zz: the place of each component in ours.
 constexpr std::array<int, 6> kOursOfTheirs{0, 3, 5, 1, 4, 2};
@@ -31,6 +33,7 @@ constexpr std::array<int, 6> kOursOfTheirs{0, 3, 5, 1, 4, 2};
 // Writes the XML and the HDF5 file to which it refers, together.
 class Writer {
  public:
+  /// @param heavy  the name of that file, as it stands in XML
   Writer(hid_t file, std::string heavy) : file_(file), heavy_(std::move(heavy)) {}
 
   void line(int depth, const std::string& text) {
@@ -189,30 +192,11 @@ class Reader {
     const std::string name = text.substr(begin, colon - begin);
     const std::string dataset = text.substr(colon + 1, end - colon);
     const fs::path file = path_.parent_path() / name;
-    const hdf5::Quiet quiet;
     try {
-      const Handle opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
-                          "cannot be opened");
-      return read_dataset(opened, dataset);
+      return hdf5::read_foreign(file, dataset).values;
     } catch (const hdf5::Trouble& trouble) {
       throw Error(fmt::format("{}: {}", file.string(), trouble.what));
     }
-  }
-
-  static std::vector<double> read_dataset(hid_t file, const std::string& name) {
-    const Handle set(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose,
-                     fmt::format("dataset '{}' is missing", name));
-    const Handle space(H5Dget_space(set), H5Sclose, name);
-    const hssize_t count = H5Sget_simple_extent_npoints(space);
-    if (count < 0 || count > 400'000'000) {
-      throw hdf5::Trouble{fmt::format("dataset '{}' claims an absurd size", name)};
-    }
-    std::vector<double> values(static_cast<std::size_t>(count));
-    if (count > 0 &&
-        H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
-      throw hdf5::Trouble{fmt::format("dataset '{}' does not hold numbers", name)};
-    }
-    return values;
   }
 
  private:
@@ -347,12 +331,9 @@ void read_sites(Reader& reader, const std::string& heavy, ForeignModes& modes) {
 void write_pxdmf(const fs::path& path, const ForeignModes& modes) {
   fs::path heavy = path;
   heavy += ".h5";
-  const hdf5::Quiet quiet;
   std::string xml;
-  try {
-    const Handle file(H5Fcreate(heavy.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose,
-                      "cannot be written");
-    Writer out(file, heavy.filename().string());
+  const auto fill = [&](hid_t file) {
+    Writer out(file, markup_text(heavy.filename().string()));
     out.line(0, "<?xml version=\"1.0\"?>");
     out.line(0, "<Xdmf Version=\"2.0\">");
     out.line(1, fmt::format("<Domain Name=\"{}\">", markup_text(path.filename().string())));
@@ -368,21 +349,19 @@ void write_pxdmf(const fs::path& path, const ForeignModes& modes) {
       hdf5::write_table(file, "site_loads", modes.site_loads.data(),
                         static_cast<hsize_t>(modes.site_loads.cols()), 3);
     }
-    hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), "cannot be written");
-  } catch (const hdf5::Trouble& trouble) {
-    throw Error(fmt::format("{}: {}", heavy.string(), trouble.what));
-  }
-  std::ofstream file(path);
-  file << xml;
-  file.close();
-  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
+  };
+  write_heavy_and_light(heavy, fill, path, xml);
 }
 
 ForeignModes read_pxdmf(const fs::path& path) {
   Reader reader(path);
+  const std::string text = value_or_throw(read_bounded_text(path, Notation::kXml));
   pugi::xml_document document;
-  const pugi::xml_parse_result parsed = document.load_file(path.c_str());
-  if (!parsed) throw reader.refuse(fmt::format("is no XML: {}", parsed.description()));
+  const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
+  if (!parsed) {
+    const auto line = std::count(text.begin(), text.begin() + parsed.offset, '\n') + 1;
+    throw reader.refuse(fmt::format("line {}: is no XML: {}", line, parsed.description()));
+  }
   const Grids grids = grids_of(reader, document);
   SurfaceMesh surface = surface_of(reader, grids.space);
   std::vector<ParameterAxis> axes;

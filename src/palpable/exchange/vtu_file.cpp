@@ -2,7 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
-#include "palpable/exchange/markup_text.h"
+#include "palpable/base/markup_text.h"
 
 #include <fmt/format.h>
 

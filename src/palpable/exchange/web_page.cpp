@@ -1,7 +1,7 @@
 #include "palpable/exchange/web_page.h"
 
 #include "palpable/base/contract.h"
-#include "palpable/exchange/markup_text.h"
+#include "palpable/base/markup_text.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,3 +1,4 @@
+#include "palpable/base/text_numbers.h"
 #include "palpable/geometry/surface_files.h"
 
 namespace palpable::surface_files {
@@ -29,7 +30,7 @@ Soup parse_off(std::string_view text) {
   for (std::size_t i = 0; i < face_count; ++i) {
     if (!lines.next_content(line, '#')) lines.bad("the file ends before its last face");
     Words w(line);
-    const auto corners = as_number<int>(w.next());
+    const auto corners = to_whole_number(w.next());
     if (!corners || *corners < 3 || static_cast<std::size_t>(*corners) > line.size()) {
       lines.bad("a face needs at least three corners");
     }
@@ -54,7 +55,7 @@ Soup parse_obj(std::string_view text) {
       polygon.clear();
       for (std::string_view w = words.next(); !w.empty(); w = words.next()) {
         const std::string_view number = w.substr(0, w.find('/'));  // v/vt/vn: only v is wanted
-        const auto value = as_number<long long>(number);
+        const auto value = to_whole_number(number);
         const auto count = static_cast<long long>(soup.vertices.size());
         // Counted from 1, or backwards from the last vertex if negative.
         const long long index = value ? (*value > 0 ? *value - 1 : count + *value) : -1;

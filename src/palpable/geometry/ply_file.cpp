@@ -1,3 +1,4 @@
+#include "palpable/base/text_numbers.h"
 #include "palpable/geometry/surface_files.h"
 
 #include <cmath>
@@ -113,7 +114,7 @@ class PlyValues {
   double get(PlyType type) {
     if (coding_ == PlyCoding::kText) {
       const std::string_view word = words_.next();
-      const auto value = as_number<double>(word);
+      const auto value = to_any_number(word);
       if (!value) lines_.bad(fmt::format("'{}' is not a number", word.substr(0, 40)));
       return *value;
     }

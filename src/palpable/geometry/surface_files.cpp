@@ -1,12 +1,14 @@
 #include "palpable/geometry/surface_files.h"
 
+#include "palpable/base/text_numbers.h"
+
 #include <cmath>
 
 namespace palpable::surface_files {
 
 double coordinate(Lines& lines, std::string_view word) {
-  const auto value = as_number<double>(word);
-  if (!value || !std::isfinite(*value)) {
+  const auto value = to_number(word);
+  if (!value) {
     lines.bad(fmt::format("'{}' is not a coordinate", word.substr(0, 40)));
   }
   return *value;
@@ -19,16 +21,16 @@ Eigen::Vector3d point(Lines& lines, Words& words) {
 }
 
 std::size_t count_of(Lines& lines, std::string_view word, const char* what) {
-  const auto value = as_number<std::size_t>(word);
+  const auto value = to_whole_number(word);
   // A line holds at least two bytes, so a file cannot hold more things than bytes left.
-  if (!value || *value > lines.rest().size()) {
+  if (!value || *value < 0 || static_cast<std::size_t>(*value) > lines.rest().size()) {
     lines.bad(fmt::format("'{}' is not a possible number of {}", word.substr(0, 40), what));
   }
-  return *value;
+  return static_cast<std::size_t>(*value);
 }
 
 int index_in(Lines& lines, std::string_view word, std::size_t count) {
-  const auto value = as_number<long long>(word);
+  const auto value = to_whole_number(word);
   if (!value || *value < 0 || static_cast<std::size_t>(*value) >= count) {
     lines.bad(fmt::format("'{}' is not one of the {} vertices", word.substr(0, 40), count));
   }

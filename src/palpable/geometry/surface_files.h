@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cstddef>
 #include <cstring>
 #include <optional>
@@ -90,16 +89,6 @@ class Lines {
   std::string_view rest_;
   std::size_t number_ = 0;
 };
-
-/// The whole word as a number, or nothing.
-template <class T>
-std::optional<T> as_number(std::string_view word) {
-  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-  T value{};
-  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (code != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
-}
 
 /// @throws Bad naming the line when the word is no finite number, count or index
 double coordinate(Lines& lines, std::string_view word);

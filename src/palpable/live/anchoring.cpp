@@ -71,7 +71,9 @@ auto find_in_first_frames(FrameSource& source, const std::string& name,
                           const std::string& missing) {
   using Found =
       typename std::invoke_result_t<FindIn, const SeenFrame&, const DepthCamera&>::value_type;
-  DepthCamera camera = value_or_throw(DepthCamera::make(source.format(), settings));
+  Result<DepthCamera> made = DepthCamera::make(source.format(), settings);
+  if (!made.ok()) throw Error(fmt::format("{}: {}", name, made.problem().message));
+  DepthCamera camera = std::move(made).value();
   Slam slam(camera, source.format(), {.map = false});
   const bool live = source.is_live();
   std::vector<Sighting<Found>> sightings;  // until the end with world_from_camera

@@ -57,9 +57,10 @@ LiveRun open_live(ReducedBody body, const LiveSettings& settings) {
     session.ignore_static = true;
     session.static_frames = static_frames;
   }
-  FrameLoop loop =
-      value_or_throw(FrameLoop::make(std::move(body), world_from_body, source->format(), session));
-  return {std::move(source), std::move(loop), images};
+  Result<FrameLoop> loop =
+      FrameLoop::make(std::move(body), world_from_body, source->format(), session);
+  if (!loop.ok()) throw Error(fmt::format("{}: {}", images.string(), loop.problem().message));
+  return {std::move(source), std::move(loop).value(), images};
 }
 
 }  // namespace palpable

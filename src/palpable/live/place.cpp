@@ -1,15 +1,16 @@
 #include "palpable/live/place.h"
 
+#include "palpable/base/bounded_text.h"
 #include "palpable/base/error.h"
+#include "palpable/base/text_numbers.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <toml++/toml.h>
 
 #include <cmath>
-#include <fstream>
 #include <numbers>
-#include <sstream>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace palpable {
@@ -18,33 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kFarthest = 100;  // m; a larger number is more likely in mm
-
-// The numbers of a text, separated by blanks, commas, semicolons or brackets. Nothing when a word
-// is no number.
-std::optional<std::vector<double>> numbers_in(std::string text) {
-  for (char& c : text) {
-    if (c == ',' || c == '[' || c == ']' || c == ';') c = ' ';
-  }
-  std::istringstream words(text);
-  std::vector<double> numbers;
-  std::string word;
-  while (words >> word) {
-    std::size_t used = 0;
-    double value = 0;
-    try {
-      value = std::stod(word, &used);
-    } catch (const std::exception&) { return std::nullopt; }
-    if (used != word.size()) return std::nullopt;
-    numbers.push_back(value);
-  }
-  return numbers;
-}
-
-std::string without_comments(std::istream& in) {
-  std::string text;
-  for (std::string line; std::getline(in, line);) text += line.substr(0, line.find('#')) + "\n";
-  return text;
-}
 
 Rigid3 pose_of(const std::vector<double>& n, const std::string& where) {
   for (const double value : n) {
@@ -88,8 +62,9 @@ Rigid3 pose_of(const std::vector<double>& n, const std::string& where) {
 }
 
 toml::table parse_toml(const fs::path& path) {
+  const std::string text = value_or_throw(read_bounded_text(path, Notation::kToml));
   try {
-    return toml::parse_file(path.string());
+    return toml::parse(text, path.string());
   } catch (const toml::parse_error& error) {
     throw Error(fmt::format("{}: line {}: {}", path.string(), error.source().begin.line,
                             std::string_view(error.description())));
@@ -129,20 +104,23 @@ Rigid3 upright_pose(double x, double y, double z, double roll, double pitch, dou
 }
 
 Rigid3 read_pose(const std::string& text, const std::string& option) {
-  if (const auto numbers = numbers_in(text); numbers && !numbers->empty()) {
+  if (const auto numbers = to_numbers(text); numbers && !numbers->empty()) {
     return pose_of(*numbers, option);
   }
-  std::ifstream file(text);
-  if (!file || !fs::is_regular_file(text)) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(text, ignored)) {
     throw Error(
-        fmt::format("{} '{}': neither 6 or 16 numbers nor a file that can be read", option, text));
+        fmt::format("{} '{}': neither 6 or 16 finite numbers nor a file that can be read", option,
+                    text));
   }
   if (fs::path(text).extension() == ".toml") {
     if (const auto pose = pose_in(parse_toml(text), text)) return *pose;
     throw Error(fmt::format("{}: has no camera_from_body", text));
   }
-  const auto numbers = numbers_in(without_comments(file));
-  if (!numbers) throw Error(fmt::format("{}: holds what is no number", text));
+  const auto lines = read_lines(text);
+  if (!lines) throw Error(fmt::format("{}: cannot be read", text));
+  const auto numbers = to_numbers(fmt::format("{}", fmt::join(*lines, " ")));
+  if (!numbers) throw Error(fmt::format("{}: holds what is no finite number", text));
   return pose_of(*numbers, text);
 }
 

@@ -1,6 +1,7 @@
 #include "palpable/live/place.h"
 
 #include "palpable/base/error.h"
+#include "tests/support/replaced.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
@@ -59,6 +60,12 @@ TEST_CASE("what is no place is refused", "[live][errors]") {
   const test::ScratchFolder folder("place");
   std::ofstream(folder.path() / "bad.toml") << "camera_from_body = [1, \n";
   CHECK_THROWS_AS(read_scene_file(folder.path() / "bad.toml"), Error);
+  std::ofstream(folder.path() / "deep.toml") << "a" + test::repeated(".a", 60'000) + " = 1\n";
+  CHECK_THROWS_WITH(read_scene_file(folder.path() / "deep.toml"),
+                    Catch::EndsWith("deep.toml: line 1: nested more than 64 deep, which is not read"));
+  std::ofstream(folder.path() / "nan.txt") << "0 0 0.5 # m\n0 0 nan\n";
+  CHECK_THROWS_WITH(read_pose((folder.path() / "nan.txt").string()),
+                    Catch::EndsWith("nan.txt: holds what is no finite number"));
   std::ofstream(folder.path() / "far.toml") << "ignore_static_frames = 1000\n";
   CHECK_THROWS_AS(read_scene_file(folder.path() / "far.toml"), Error);
 }

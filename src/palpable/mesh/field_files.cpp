@@ -1,8 +1,9 @@
 #include "palpable/mesh/field_files.h"
 
 #include "palpable/base/npy_file.h"
+#include "palpable/base/text_numbers.h"
 #include "palpable/mesh/field_text.h"
-#include "palpable/reduced/hdf5_tools.h"
+#include "palpable/reduced/foreign_hdf5.h"
 
 #include <fmt/format.h>
 
@@ -53,7 +54,7 @@ NodalFile parse_table(const std::string& bytes, const std::string& name) {
     if (words.empty()) continue;
     std::vector<double> row;
     for (const std::string_view word : words) {
-      const std::optional<double> value = number_of(word);
+      const std::optional<double> value = to_any_number(word);
       if (!value) break;
       row.push_back(*value);
     }
@@ -97,13 +98,15 @@ namespace {
 
 NodalFile read_hdf5(const std::filesystem::path& path, const std::string& dataset) {
   const std::string name = fmt::format("{}:{}", path.string(), dataset);
-  const hdf5::Quiet quiet;
   try {
-    const hdf5::Handle h5(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
-                          "not an HDF5 file");
-    const hdf5::Table<double> table = hdf5::read_table<double>(h5, dataset.c_str());
+    const hdf5::ForeignNumbers table = hdf5::read_foreign(path, dataset);
+    const std::size_t dimensions = table.size.size();
+    if (dimensions == 0 || dimensions > 2 || table.values.empty()) {
+      bad(name, "must be a table of nodes x components");
+    }
+    const Index components = dimensions == 2 ? static_cast<Index>(table.size[1]) : 1;
     NodalFile file;
-    file.fields.push_back({"", as_columns(table.data, static_cast<Index>(table.columns))});
+    file.fields.push_back({"", as_columns(table.values, components)});
     return file;
   } catch (const hdf5::Trouble& trouble) { bad(name, trouble.what); }
 }

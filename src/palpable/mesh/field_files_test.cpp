@@ -1,6 +1,7 @@
 #include "palpable/mesh/field_files.h"
 
 #include "palpable/base/error.h"
+#include "tests/support/replaced.h"
 #include "tests/support/test.h"
 
 #include <cstring>
@@ -102,6 +103,8 @@ TEST_CASE("a bad .vtu says what is wrong", "[mesh][import]") {
   CHECK_THROWS_WITH(parse_vtu("<VTKFile type=\"PolyData\"/>", "a.vtu"),
                     Contains("not an UnstructuredGrid"));
   CHECK_THROWS_WITH(parse_vtu(vtu("ascii", "1 2 three"), "a.vtu"), Contains("'three' in 'u'"));
+  CHECK_THROWS_WITH(parse_vtu("<VTKFile>\n" + test::repeated("<a>", 1'000'000), "a.vtu"),
+                    Contains("a.vtu: line 2: nested more than 64 deep"));
   CHECK_THROWS_WITH(parse_vtu(vtu("ascii", "1 2 3"), "a.vtu"), Contains("each of its 4 points"));
   CHECK_THROWS_WITH(parse_vtu(vtu("appended", ""), "a.vtu"), Contains("cut short"));
   std::string hexahedron = vtu("ascii", "1 2 3 4 5 6 7 8 9 10 11 12");

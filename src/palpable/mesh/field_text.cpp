@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cstring>
 #include <map>
 #include <system_error>
@@ -49,14 +48,6 @@ std::optional<NumberType> number_type(std::string_view name) {
       {"Int8", {1, converted<std::int8_t>}},     {"UInt8", {1, converted<std::uint8_t>}}};
   const auto at = types.find(name);
   return at == types.end() ? std::nullopt : std::optional(at->second);
-}
-
-std::optional<double> number_of(std::string_view word) {
-  double value = 0;
-  if (word.starts_with('+')) word.remove_prefix(1);
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
 }
 
 MatrixXd as_columns(const std::vector<double>& values, Index components) {

@@ -29,10 +29,6 @@ struct NumberType {
 /// By the names of VTK's XML files: "Float64", "UInt8", ...
 [[nodiscard]] std::optional<NumberType> number_type(std::string_view name);
 
-/// The whole word as a number; unlike to_number() of base/text_numbers.h also one that is not
-/// finite: a field that nobody asks for may hold such.
-[[nodiscard]] std::optional<double> number_of(std::string_view word);
-
 /// (components x count) from values that follow each other.
 [[nodiscard]] Eigen::MatrixXd as_columns(const std::vector<double>& values,
                                          Eigen::Index components);

@@ -1,3 +1,4 @@
+#include "palpable/base/text_numbers.h"
 #include "palpable/mesh/field_files.h"
 #include "palpable/mesh/field_text.h"
 
@@ -71,7 +72,7 @@ class FrdReader {
     };
     std::int64_t node = 0;
     if (begins) {
-      const std::optional<double> label = number_of(field(3, 10));
+      const std::optional<double> label = to_any_number(field(3, 10));
       if (!label || *label < 1) complain("a node without its number (only ASCII .frd is read)");
       node = static_cast<std::int64_t>(*label);
     }
@@ -79,7 +80,7 @@ class FrdReader {
     for (std::size_t at = 13; at < line.text.size(); at += 12) {
       const std::string_view word = field(at, 12);
       if (word.empty()) continue;
-      const std::optional<double> value = number_of(word);
+      const std::optional<double> value = to_any_number(word);
       if (!value) complain(fmt::format("'{}' is not a number", word));
       values.push_back(*value);
     }

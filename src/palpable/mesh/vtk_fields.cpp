@@ -1,3 +1,4 @@
+#include "palpable/base/text_numbers.h"
 #include "palpable/mesh/field_files.h"
 #include "palpable/mesh/field_text.h"
 
@@ -159,7 +160,7 @@ class VtkReader {
   }
   std::int64_t whole() {
     const std::string text = word();
-    const std::optional<double> value = number_of(text);
+    const std::optional<double> value = to_any_number(text);
     if (!value || *value < 0 || *value > static_cast<double>(kMostNumbers)) {
       complain(fmt::format("'{}' where a count is needed", text));
     }
@@ -171,7 +172,7 @@ class VtkReader {
       std::vector<double> values;
       for (std::int64_t i = 0; i < count; ++i) {
         const std::string text = word();
-        const std::optional<double> value = number_of(text);
+        const std::optional<double> value = to_any_number(text);
         if (!value) complain(fmt::format("'{}' where a number is needed", text));
         values.push_back(*value);
       }

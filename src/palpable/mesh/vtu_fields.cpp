@@ -1,3 +1,5 @@
+#include "palpable/base/bounded_text.h"
+#include "palpable/base/text_numbers.h"
 #include "palpable/mesh/field_files.h"
 #include "palpable/mesh/field_text.h"
 
@@ -63,6 +65,9 @@ class VtuReader {
       appended_ = std::string_view(bytes).substr(mark + 1, close - mark - 1);
       appended_is_base64_ = bytes.substr(tag, open - tag).find("base64") != std::string::npos;
       xml = bytes.substr(0, open + 1) + bytes.substr(close);
+    }
+    if (const auto unparsable = why_not_parsed(xml, Notation::kXml)) {
+      bad(name, fmt::format("line {}: {}", unparsable->line, unparsable->what));
     }
     const pugi::xml_parse_result parsed = document_.load_buffer(xml.data(), xml.size());
     if (!parsed) {
@@ -156,7 +161,7 @@ class VtuReader {
     if (format == "ascii") {
       std::istringstream words(node.child_value());
       for (std::string word; words >> word;) {
-        const std::optional<double> value = number_of(word);
+        const std::optional<double> value = to_any_number(word);
         if (!value) bad(name_, fmt::format("'{}' in '{}' is not a number", word, title));
         values.push_back(*value);
       }

@@ -43,6 +43,18 @@ void check_user_block(const std::string& bytes, std::string_view kind, int layou
   }
 }
 
+// A file that could not be closed, because the disk was full, stays open within HDF5, whose handler
+// at the program's end would try again and read what is freed by then. We close what we open.
+const bool kNoHandlerAtExit = H5dont_atexit() >= 0;
+
+// What the system said to the last call that failed, if it is about room on the disk.
+std::string room_on_disk() {
+  const int problem = errno;
+  const bool is_room =
+      problem == ENOSPC || problem == EFBIG || problem == EDQUOT || problem == EIO;
+  return is_room ? fmt::format(": {}", std::strerror(problem)) : std::string();
+}
+
 Handle in_memory() { return Handle(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "no memory"); }
 
 Handle open_image(const std::string& bytes, std::string_view kind, int layout,
@@ -62,6 +74,16 @@ void sync_to_disk(const std::filesystem::path& path) {
   if (descriptor < 0) return;  // a file system without it: nothing more can be done
   ::fsync(descriptor);
   ::close(descriptor);
+}
+
+// Renames a whole file, so that it survives the machine's end; it is removed where that fails.
+void put_into_place(const std::filesystem::path& aside, const std::filesystem::path& path) {
+  if (::rename(aside.c_str(), path.c_str()) != 0) {
+    const int problem = errno;
+    ::unlink(aside.c_str());
+    throw Trouble{std::strerror(problem)};
+  }
+  sync_to_disk(path.parent_path().empty() ? "." : path.parent_path());
 }
 
 }  // namespace
@@ -200,6 +222,46 @@ std::string image_of(std::string_view kind, int layout, const std::function<void
   return bytes;
 }
 
+void write_file(const std::filesystem::path& path, const std::function<void(hid_t)>& fill,
+                const std::function<void()>& before_rename) {
+  std::filesystem::path aside = path;
+  aside += ".part";
+  errno = 0;
+  const hid_t file = H5Fcreate(aside.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  if (file < 0) {
+    const std::string room = room_on_disk();
+    ::unlink(aside.c_str());
+    throw Trouble{"cannot be written" + (room.empty() ? std::string("; does the folder exist and "
+                                                                    "may you write there?")
+                                                      : room)};
+  }
+  errno = 0;
+  try {
+    fill(file);
+    check(H5Fflush(file, H5F_SCOPE_GLOBAL), "cannot be written");
+  } catch (const Trouble& trouble) {
+    const std::string why = trouble.what + room_on_disk();
+    H5Fclose(file);
+    ::unlink(aside.c_str());
+    throw Trouble{why};
+  } catch (...) {
+    H5Fclose(file);
+    ::unlink(aside.c_str());
+    throw;
+  }
+  const bool closed = H5Fclose(file) >= 0;
+  const std::string why = "cannot be written" + room_on_disk();
+  try {
+    require(closed, why);
+    sync_to_disk(aside);
+    before_rename();
+    put_into_place(aside, path);
+  } catch (...) {
+    ::unlink(aside.c_str());
+    throw;
+  }
+}
+
 Image::Image(const std::string& bytes, std::string_view kind, int layout, std::string_view what,
              std::string_view remedy)
     : file_(open_image(bytes, kind, layout, what, remedy)) {}
@@ -236,12 +298,7 @@ void write_durably(const std::filesystem::path& output, std::string_view bytes,
   // EINVAL, ENOTSUP: a file system that cannot sync; nothing more can be done there.
   if (::fsync(file) != 0 && errno != EINVAL && errno != ENOTSUP) give_up(errno);
   ::close(file);
-  if (::rename(aside.c_str(), path.c_str()) != 0) {
-    const int problem = errno;
-    ::unlink(aside.c_str());
-    throw Trouble{std::strerror(problem)};
-  }
-  sync_to_disk(path.parent_path().empty() ? "." : path.parent_path());
+  put_into_place(aside, path);
 }
 
 }  // namespace palpable::hdf5

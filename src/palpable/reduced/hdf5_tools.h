@@ -148,6 +148,14 @@ Table<T> read_table(hid_t file, const char* name, hsize_t rows, hsize_t columns)
 [[nodiscard]] std::string image_of(std::string_view kind, int layout,
                                    const std::function<void(hid_t)>& fill);
 
+/// Writes an HDF5 file piece by piece, as large as it becomes: aside, then renamed into place, so
+/// that a reader sees the old file or the whole new one. Aside is `path` with ".part"; it is gone
+/// after any end but a killed process.
+/// @param before_rename  what has to succeed before the new file is in place, too
+/// @throws Trouble when it cannot be written, such as on a full disk; what the functions throw
+void write_file(const std::filesystem::path& path, const std::function<void(hid_t)>& fill,
+                const std::function<void()>& before_rename);
+
 /// An HDF5 file in memory, opened from such bytes after they have been checked.
 class Image {
  public:

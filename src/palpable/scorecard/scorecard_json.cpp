@@ -65,7 +65,7 @@ std::string json_of(const Scorecard& scores) {
     json["reduction_error"] = *scores.reduction_error;
     json["reduction_error_worst"] = or_null(scores.reduction_error_worst);
   }
-  return json.dump(2);
+  return json.dump(2, ' ', false, decltype(json)::error_handler_t::replace);
 }
 
 }  // namespace palpable

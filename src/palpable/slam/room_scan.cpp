@@ -20,7 +20,9 @@ using PoseOf = std::function<std::optional<Rigid3>(int index, const SeenFrame& s
 RoomScan play(FrameSource& source, const std::string& name, const SlamSettings& settings, int most,
               const PoseOf& pose_of, bool again,
               const std::function<bool(const RoomScanStep&)>& go_on) {
-  DepthCamera camera = value_or_throw(DepthCamera::make(source.format()));
+  Result<DepthCamera> made = DepthCamera::make(source.format());
+  if (!made.ok()) throw Error(name + ": " + made.problem().message);
+  DepthCamera camera = std::move(made).value();
   RoomScan scan;
   scan.slam = std::make_unique<Slam>(camera, source.format(), settings);
   scan.camera = camera.camera();

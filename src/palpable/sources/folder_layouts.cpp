@@ -1,7 +1,8 @@
 #include "palpable/sources/folder_layouts.h"
 
 #include "palpable/base/text_numbers.h"
-#include "palpable/calibrate/calibration_file.h"
+#include "palpable/calibrate/rectification.h"
+#include "palpable/sources/name_pattern.h"
 #include "palpable/sources/natural_order.h"
 #include "palpable/sources/video_file_source.h"
 
@@ -34,16 +35,6 @@ bool is_image(const fs::path& path) {
   return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
 }
 
-// '*' stands for any characters, '?' for one.
-bool matches(std::string_view name, std::string_view pattern) {
-  if (pattern.empty()) return name.empty();
-  if (pattern.front() == '*') {
-    return matches(name, pattern.substr(1)) || (!name.empty() && matches(name.substr(1), pattern));
-  }
-  return !name.empty() && (pattern.front() == '?' || pattern.front() == name.front()) &&
-         matches(name.substr(1), pattern.substr(1));
-}
-
 // The images directly in `folder` whose names match, in natural order.
 std::vector<fs::path> images_in(const fs::path& folder, std::string_view pattern = "*") {
   std::vector<fs::path> images;
@@ -51,7 +42,7 @@ std::vector<fs::path> images_in(const fs::path& folder, std::string_view pattern
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     std::error_code ignored;
     const std::string name = it->path().filename().string();
-    if (name.front() != '.' && matches(name, pattern) && is_image(it->path()) &&
+    if (name.front() != '.' && matches_pattern(name, pattern) && is_image(it->path()) &&
         it->is_regular_file(ignored)) {
       images.push_back(it->path());
     }
@@ -256,6 +247,12 @@ Result<Recording> euroc(const fs::path& folder) {
   calibration.format.rig = {
       left.value().lens, right.value().lens,
       right.value().body_from_camera.inverse() * left.value().body_from_camera};
+  const Result<RectifiedGeometry> geometry = rectify_rig(calibration.format.rig);
+  if (!geometry.ok()) {
+    return Problem{fmt::format("{} and {}: {}", (folder / "cam0/sensor.yaml").string(),
+                               (folder / "cam1/sensor.yaml").string(),
+                               geometry.problem().message)};
+  }
   calibration.format.width = left.value().lens.pinhole.width;
   calibration.format.height = left.value().lens.pinhole.height;
   calibration.frames_per_second = left.value().rate;
@@ -523,7 +520,7 @@ void find_calibration_files(const fs::path& folder, Recording& recording) {
   if (recording.pair == ImagePair::kColorDepth || !recording.calibration_files.empty()) return;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (matches(it->path().filename().string(), "SN*.conf")) {
+    if (matches_pattern(it->path().filename().string(), "SN*.conf")) {
       recording.calibration_files.push_back(it->path());
     }
   }

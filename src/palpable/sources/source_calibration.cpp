@@ -3,6 +3,7 @@
 #include "palpable/base/text_numbers.h"
 #include "palpable/calibrate/calibration_file.h"
 #include "palpable/calibrate/factory_calibration.h"
+#include "palpable/calibrate/rectification.h"
 
 #include <Eigen/LU>
 #include <fmt/core.h>
@@ -19,7 +20,14 @@
 namespace palpable {
 namespace {
 
-SourceCalibration from_rig(const StereoCalibration& stereo) {
+// A rig that cannot be rectified is of no use to anybody: said here, where the file is known.
+Result<SourceCalibration> from_rig(const StereoCalibration& stereo,
+                                   const std::filesystem::path& path) {
+  const Result<RectifiedGeometry> geometry = rectify_rig(stereo.rig);
+  if (!geometry.ok()) {
+    return Problem{
+        fmt::format("calibration {} cannot be used: {}", path.string(), geometry.problem().message)};
+  }
   SourceCalibration calibration;
   calibration.format.rig = stereo.rig;
   calibration.format.width = stereo.rig.left.pinhole.width;
@@ -142,7 +150,7 @@ Result<SourceCalibration> read_source_calibration(const std::filesystem::path& p
   if (path.extension() == ".conf") {
     const Result<StereoCalibration> factory = read_factory_calibration(path, width, height);
     if (!factory.ok()) return factory.problem();
-    return from_rig(factory.value());
+    return from_rig(factory.value(), path);
   }
   std::ifstream in(path, std::ios::binary);
   if (!in) {
@@ -161,7 +169,7 @@ Result<SourceCalibration> read_source_calibration(const std::filesystem::path& p
   if (is_raw) {
     const Result<StereoCalibration> stereo = read_stereo_calibration(path);
     if (!stereo.ok()) return stereo.problem();
-    return from_rig(stereo.value());
+    return from_rig(stereo.value(), path);
   }
   const Result<RectifiedCalibration> rectified = read_rectified_calibration(path);
   if (!rectified.ok()) return rectified.problem();

@@ -1,6 +1,7 @@
 #include "palpable/sources/source_calibration.h"
 
 #include "palpable/calibrate/calibration_file.h"
+#include "tests/support/replaced.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
@@ -69,6 +70,21 @@ TEST_CASE("one reader tells every kind of calibration apart", "[sources][calibra
   const auto none = read_source_calibration(folder / "none.yml", 0, 0);
   REQUIRE_FALSE(none.ok());
   CHECK(contains(none.problem().message, "does not exist"));
+}
+
+TEST_CASE("a rig that cannot be rectified is refused with its file and what to do",
+          "[sources][calibration]") {
+  const ScratchFolder folder("source_calibration");
+  std::string conf = kConf;
+  for (const auto& [good, bad] : {std::pair{"fx=1050", "fx=500"}, {"fy=1051", "fy=500"},
+                                  {"k1=-0.17", "k1=0"}, {"k2=0.027", "k2=0.2"}}) {
+    conf = test::replaced(conf, good, bad);
+  }
+  write_bytes(folder / "SN1.conf", conf);
+  const auto refused = read_source_calibration(folder / "SN1.conf", 1920, 1080);
+  REQUIRE_FALSE(refused.ok());
+  CHECK(contains(refused.problem().message, "SN1.conf cannot be used: rectified, the pictures"));
+  CHECK(contains(refused.problem().message, "calibrate again"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "palpable/exchange/markup_text.h"
+#include "palpable/base/markup_text.h"
 
 namespace palpable {
 

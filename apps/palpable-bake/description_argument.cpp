@@ -1,0 +1,23 @@
+#include "apps/palpable-bake/description_argument.h"
+
+#include "palpable/base/error.h"
+#include "palpable/describe/first_description.h"
+
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <filesystem>
+
+namespace palpable::app {
+
+BodyDescription read_description(const std::string& file) {
+  if (!is_shape_file(file)) return read_body_description(file);
+  fmt::print(stderr, "{}", first_description(file));
+  const std::filesystem::path toml = std::filesystem::path(file).replace_extension(".toml");
+  throw Error(
+      fmt::format("{}: is a shape, and this wants a description of a body that has it: save the "
+                  "lines above as {}, look through them, and name that file (docs/body.md)",
+                  file, toml.string()));
+}
+
+}  // namespace palpable::app
