@@ -7,6 +7,7 @@
 #include "apps/palpable/commands.h"
 #include "apps/palpable/source_options.h"
 #include "palpable/base/error.h"
+#include "palpable/base/output_file.h"
 #include "palpable/sources/calibrate_source.h"
 
 #include <fmt/core.h>
@@ -120,6 +121,7 @@ void calibrate(const Options& options) {
     check(options, order);
     return;
   }
+  if (!options.output.empty()) guard_output_file(options.output, inputs_of(options.source));
   ProgressBar bar;
   const CalibratedSource made =
       calibrate_source(order, options.output, linux_video(), shown_by(bar));

@@ -122,10 +122,8 @@ void live(const Options& options) {
   }
   if (options.out.empty()) throw Error("--out: names no folder");
   const FolderLock lock(options.out);
-  const SourceOptions& input = wanted.input;
   const std::vector<fs::path> earlier =
-      earlier_run(options.out, options.overwrite,
-                  {wanted.body, input.source, input.right, input.depth, input.calibration});
+      earlier_run(options.out, options.overwrite, inputs_of(wanted));
   wanted.clip = options.out / "clip";
   LiveRun run = set_up_live(wanted);
   ScenePainter painter({.window = options.window, .map = options.view == "map"}, run.loop);

@@ -17,6 +17,8 @@
 namespace palpable::app {
 namespace {
 
+constexpr const char* kSynthetic = "synthetic";  // a source that is filmed here
+
 // Reads what follows --anchor. Returns why it is refused, else nothing.
 std::string read_anchor(const std::vector<std::string>& words, LiveOptions& options) {
   const std::string& how = words.front();
@@ -127,6 +129,15 @@ void add_live_options(Command command, LiveOptions& options) {
   add_loop_options(command, options);
 }
 
+std::vector<std::filesystem::path> inputs_of(const LiveOptions& options) {
+  SourceOptions input = options.input;
+  if (input.source == kSynthetic) input.source.clear();  // no path
+  std::vector<std::filesystem::path> inputs = inputs_of(input);
+  inputs.push_back(options.body);
+  if (options.place.size() == 1) inputs.emplace_back(options.place.front());  // a file, or numbers
+  return inputs;
+}
+
 LiveRun set_up_live(const LiveOptions& options) {
   ReducedBody body = value_or_throw(read_pressable_body(options.body, parse_settings(options.set)));
   LiveSettings settings;
@@ -136,7 +147,7 @@ LiveRun set_up_live(const LiveOptions& options) {
   if (settings.anchor == Anchor::kBoard) settings.board = pattern_of(options.board);
   settings.paced = options.paced;
   settings.session = session_settings(options);
-  if (settings.images.device == "synthetic") {
+  if (settings.images.device == kSynthetic) {
     ProgressBar bar;
     settings.images.device =
         kept_clip(body,

@@ -36,6 +36,9 @@ struct LiveOptions {
 /// Adds the options to a command; "body" is positional.
 void add_live_options(Command command, LiveOptions& options);
 
+/// The files and folders that the options name.
+[[nodiscard]] std::vector<std::filesystem::path> inputs_of(const LiveOptions& options);
+
 /// Reads the body, films the synthetic clip if it is wanted and not there yet, opens the images,
 /// finds the place. @throws Error for everything that is not as hoped
 [[nodiscard]] LiveRun set_up_live(const LiveOptions& options);

@@ -48,8 +48,10 @@ void write_picture(const fs::path& file, const RoomScan& scanned) {
 }
 
 // Not after an hour's scan. @throws Error when it could not be written
-void expect_output(const fs::path& file) {
-  guard_output_file(file, {});
+void expect_output(const fs::path& file, const ScanOptions& options) {
+  std::vector<fs::path> inputs = inputs_of(options.input);
+  inputs.push_back(options.trajectory);
+  guard_output_file(file, inputs);
   expect_writable(file);
 }
 
@@ -61,7 +63,7 @@ void check(const ScanOptions& options) {
     throw Error(fmt::format("--picture {}: should end in .png", options.picture.string()));
   }
   for (const fs::path& file : {options.out, options.picture}) {
-    if (!file.empty()) expect_output(file);
+    if (!file.empty()) expect_output(file, options);
   }
 }
 

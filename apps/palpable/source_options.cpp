@@ -2,6 +2,7 @@
 
 #include "apps/common/command_line.h"
 #include "palpable/base/error.h"
+#include "palpable/sources/folder_layouts.h"
 
 #include <fmt/core.h>
 
@@ -56,6 +57,17 @@ CameraRequest request_of(const SourceOptions& options) {
   if (options.gain >= 0) request.gain = options.gain;
   request.lock = options.lock_exposure;
   return request;
+}
+
+std::vector<std::filesystem::path> inputs_of(const SourceOptions& options) {
+  std::vector<std::filesystem::path> inputs;
+  for (const std::filesystem::path& input :
+       {std::filesystem::path(options.source), std::filesystem::path(options.right),
+        std::filesystem::path(options.depth), options.calibration}) {
+    if (input.empty()) continue;
+    inputs.push_back(is_pattern(input) ? std::filesystem::absolute(input).parent_path() : input);
+  }
+  return inputs;
 }
 
 std::vector<std::filesystem::path> calibration_folders() {

@@ -38,6 +38,10 @@ void add_source_options(Command command, SourceOptions& options,
 /// The options as the library reads them. @throws Error when --size is no size
 [[nodiscard]] CameraRequest request_of(const SourceOptions& options);
 
+/// The files and folders that the options name, for guards of outputs; images by name as the folder
+/// that holds them.
+[[nodiscard]] std::vector<std::filesystem::path> inputs_of(const SourceOptions& options);
+
 /// Where calibrations of cameras are kept: ~/.config/palpable (or XDG's), then where a ZED's own
 /// software puts its files.
 [[nodiscard]] std::vector<std::filesystem::path> calibration_folders();

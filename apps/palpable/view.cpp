@@ -5,6 +5,7 @@
 #include "apps/palpable/commands.h"
 #include "apps/palpable/named_loads.h"
 #include "palpable/base/error.h"
+#include "palpable/base/output_file.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/picture_file.h"
@@ -20,7 +21,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <vector>
 
 namespace palpable::app {
@@ -53,14 +53,10 @@ PictureSize read_size(const std::string& text) {
   return size;
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed) throw Error(fmt::format("cannot make {}: {}", folder.string(), failed.message()));
-}
-
-void write_picture(const fs::path& folder, const std::string& name, const ColorImage& picture) {
+void write_picture(const fs::path& body, const fs::path& folder, const std::string& name,
+                   const ColorImage& picture) {
   const fs::path file = folder / (name + ".png");
+  guard_output_file(file, {body});
   write_png(file, picture);
   fmt::print("{}\n", file.string());
   std::fflush(stdout);  // a window is open for long: who reads a pipe wants to know now
@@ -72,7 +68,7 @@ void write_pictures(const ReducedBody& body, const ViewOptions& options, Picture
   const GlContext context = value_or_throw(GlContext::offscreen());
   draw_presses(body, options.site, options.level, size,
                [&](const std::string& name, const ColorImage& picture) {
-                 write_picture(folder, name, picture);
+                 write_picture(options.body, folder, name, picture);
                });
   context.errors().throw_if_any();
 }
@@ -82,7 +78,7 @@ void write_modes(const ReducedBody& body, const ViewOptions& options, PictureSiz
   const std::vector<ModeShape> shapes = value_or_throw(first_modes(body, options.modes));
   make_folder(folder);
   const GlContext context = value_or_throw(GlContext::offscreen());
-  write_picture(folder, "modes", draw_modes(body, shapes, size));
+  write_picture(options.body, folder, "modes", draw_modes(body, shapes, size));
   context.errors().throw_if_any();
 }
 
@@ -95,7 +91,7 @@ std::string keep_picture(const fs::path& body, const ColorImage& picture) {
     int n = 1;
     std::error_code ignored;
     while (fs::exists(name(n) + ".png", ignored)) ++n;
-    write_picture({}, name(n), picture);
+    write_picture(body, {}, name(n), picture);
     return name(n) + ".png";
   } catch (const Error& error) {
     print_error(error.what());

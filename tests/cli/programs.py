@@ -1333,7 +1333,7 @@ def _(programs, folder):
     before = kept()
     right = live(programs, folder, "--overwrite")
     for at, wrong, says in ((1, folder / "none.palpable", "none.palpable"), (3, folder / "clop", "clop"),
-                            (5, "0 0 nowhere", "nowhere"), (3, out, "--overwrite would remove it"),
+                            (5, "0 0 nowhere", "nowhere"), (3, out, "is read by this run"), (5, out / "live.json", "--overwrite would remove it"),
                             (3, folder / "out/visible/*.png", "--overwrite would remove it")):
         programs.refuses(*right[:at], wrong, *right[at + 1:], says=[says])
         assert kept() == before, wrong
@@ -1346,6 +1346,33 @@ def _(programs, folder):
     programs.refuses(*live(programs, folder, "--overwrite", source="crooked"), says=["crooked", "14 px apart"])
     assert kept() == before
     programs.succeeds(*right)
+
+
+@case("scan, calibrate, view and live write over nothing that they read, and over no device")
+def _(programs, folder):
+    write_stereo(folder / "clip", frames=2)
+    body = shutil.copy(programs.small_body(), folder / "rest.png")
+    (folder / "clip/left/room.ply").write_text("somebody's")
+    (folder / "poses.ply").write_text("0 0 0 0 0 0 0 1\n")
+    (folder / "null.ply").symlink_to("/dev/null")
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    room = folder / "room.ply"
+    scan = ("scan", folder / "clip")
+    for words in ((*scan, "-o", folder / "clip/left/room.ply"),
+                  (*scan, "-o", room, "--picture", folder / "clip/left/000000.png"),
+                  (*scan, "-o", room, "--picture", folder / "rest.png", "--calibration", folder / "rest.png"),
+                  (*scan, "-o", folder / "poses.ply", "--trajectory", folder / "poses.ply"),
+                  ("scan", folder / "clip/left/*.png", "--right", folder / "clip/right/*.png", "-o", room,
+                   "--picture", folder / "clip/right/000001.png"),
+                  ("calibrate", "--source", folder / "clip", "--board", "9x6", "--square", "25",
+                   "-o", folder / "clip/rectified.yml"),
+                  ("view", body, "--out", folder)):
+        programs.refuses(*words, says=["is read as input"])
+    programs.refuses(*scan, "-o", folder / "null.ply", says=["no ordinary file"])
+    programs.refuses("calibrate", "--source", folder / "clip", "--board", "9x6", "--square", "25", "-o", "/dev/null",
+                     says=["/dev/null", "no ordinary file"])
+    programs.refuses(*live(programs, folder)[:-1], folder / "clip", says=["clip", "is read by this run"])
+    assert before == {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 @case("a wall that live measures is scored as a wall, and its camera as one that stands still")

@@ -63,6 +63,12 @@ fs::path kept_clip(const ReducedBody& body, const KeptClipOrder& order, const Pr
   const fs::path label_file = order.folder / "made_for.txt";
   const std::string found = bytes_of(label_file);
   if (found != label) {
+    if (lies_in(order.body_file, order.folder)) {
+      throw Error(
+          fmt::format("{}: lies where the synthetic clip is kept; move it, or give another "
+                      "--out",
+                      order.body_file.string()));
+    }
     clear(order.folder, label_file, found);
     write_sequence(body, {"demo", order.frames, kSeed, order.body_file.filename().string()},
                    order.folder, progress);

@@ -34,6 +34,14 @@ TEST_CASE("the clip of a live run is filmed once for a body, and anew for anothe
   (void)kept_clip(body, order, {});
   CHECK(fs::exists(picture));
 
+  // A body in the folder would go with the clip.
+  fs::copy_file(file, order.folder / "ball.palpable");
+  KeptClipOrder inside = order;
+  inside.body_file = order.folder / "ball.palpable";
+  inside.version = "1.1";
+  CHECK_THROWS_WITH(kept_clip(body, inside, {}), Catch::Contains("ball.palpable: lies where"));
+  CHECK(fs::exists(picture));
+
   // What has no label of a clip is in the way.
   fs::remove(order.folder / "made_for.txt");
   CHECK_THROWS_WITH(kept_clip(body, order, {}), Catch::Contains("in the way"));

@@ -45,6 +45,11 @@ std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
     std::error_code ignored;  // a link that leads nowhere is something, too
     if (fs::exists(fs::symlink_status(folder / name, ignored))) there.push_back(folder / name);
   }
+  // Files of a run among a recording's would be taken for its own next time.
+  for (const fs::path& input : needed) {
+    if (input.empty() || !lies_in(input, folder) || !lies_in(folder, input)) continue;
+    throw Error(fmt::format("{}: is read by this run; give another --out", folder.string()));
+  }
   if (there.empty()) return there;
   // A folder depth/ alone is somebody's data.
   if (there.front() != folder / kOutputs[0]) {
@@ -58,9 +63,8 @@ std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
   }
   for (const fs::path& input : needed) {
     if (input.empty()) continue;
-    const bool is_out = lies_in(input, folder) && lies_in(folder, input);
     const auto holds = [&](const fs::path& path) { return lies_in(input, path); };
-    if (!is_out && std::none_of(there.begin(), there.end(), holds)) continue;
+    if (std::none_of(there.begin(), there.end(), holds)) continue;
     throw Error(
         fmt::format("{}: is needed by this run and --overwrite would remove it with {}; "
                     "give another --out",

@@ -183,7 +183,12 @@ TEST_CASE("an earlier run is replaced only when that is asked for, and only what
   const fs::path out = folder / "out";
   CHECK(earlier_run(out, false, {}).empty());
   test::write_bytes(out / "notes.txt", "mine");
-  CHECK(earlier_run(out, false, {}).empty());
+  CHECK(earlier_run(out, false, {folder / "notes.txt"}).empty());
+  CHECK_THROWS_WITH(earlier_run(out, false, {out}), Catch::Contains("is read by this run"));
+  // A link that leads nowhere would be written through.
+  fs::create_symlink(folder / "nowhere", out / "touch.mp4");
+  CHECK_THROWS_WITH(earlier_run(out, true, {}), Catch::Contains("touch.mp4: is in the way"));
+  fs::remove(out / "touch.mp4");
   // A folder called depth alone is somebody's data.
   fs::create_directories(out / "depth");
   CHECK_THROWS_WITH(earlier_run(out, true, {}), Catch::Contains("not of an earlier run"));
@@ -194,9 +199,11 @@ TEST_CASE("an earlier run is replaced only when that is asked for, and only what
   CHECK(there == std::vector<fs::path>{out / "timing.csv", out / "depth"});
   CHECK(fs::exists(out / "timing.csv"));  // nothing is removed yet
   // What this run reads may not go: not a file among them, not the folder itself, by no name.
-  for (const fs::path& needed : {out / "depth" / "000000.png", out, out / "depth" / ".."}) {
+  CHECK_THROWS_WITH(earlier_run(out, true, {out / "depth" / "000000.png"}),
+                    Catch::Contains("is needed by this run"));
+  for (const fs::path& needed : {out, out / "depth" / ".."}) {
     INFO(needed);
-    CHECK_THROWS_WITH(earlier_run(out, true, {needed}), Catch::Contains("is needed by this run"));
+    CHECK_THROWS_WITH(earlier_run(out, true, {needed}), Catch::Contains("is read by this run"));
   }
   CHECK_NOTHROW(earlier_run(out, true, {out / "notes.txt", {}}));
 

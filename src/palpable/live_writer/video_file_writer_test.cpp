@@ -120,7 +120,8 @@ TEST_CASE("a film whose program was killed plays up to its last flush", "[live_w
   for (const std::size_t more : {std::size_t{1}, std::size_t{60}, (left.size() - last) / 2}) {
     INFO(more);
     test::write_bytes(folder / "cut.mp4", left.substr(0, last + more));
-    CHECK(played(folder / "cut.mp4").size() >= whole);
+    // What is cut off may be referred to by pictures before it: x264 has up to 3 in a row.
+    CHECK(played(folder / "cut.mp4").size() + 3 >= whole);
   }
 }
 
