@@ -120,6 +120,9 @@ void calibrate(const Options& options) {
     check(options, order);
     return;
   }
+  if (options.output.empty() && !options.source.source.starts_with("/dev/")) {
+    throw Error("-o is needed: the calibration file to write, e.g. -o calibration.yml");
+  }
   ProgressBar bar;
   const CalibratedSource made =
       calibrate_source(order, options.output, linux_video(), shown_by(bar));
