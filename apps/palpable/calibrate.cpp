@@ -121,6 +121,9 @@ void calibrate(const Options& options) {
     check(options, order);
     return;
   }
+  if (options.output.empty() && !options.source.source.starts_with("/dev/")) {
+    throw Error("-o is needed: the calibration file to write, e.g. -o calibration.yml");
+  }
   if (!options.output.empty()) guard_output_file(options.output, inputs_of(options.source));
   ProgressBar bar;
   const CalibratedSource made =

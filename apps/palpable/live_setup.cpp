@@ -11,6 +11,7 @@
 #include <fmt/core.h>
 
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -45,6 +46,20 @@ std::optional<Rigid3> given_place(const LiveOptions& options) {
 Anchor anchor_of(const LiveOptions& options) {
   if (options.anchor == "plane") return Anchor::kPlane;
   return options.anchor == "board" ? Anchor::kBoard : Anchor::kPlace;
+}
+
+// What else to type where nothing says where the body stands.
+std::string_view other_places(Anchor anchor) {
+  switch (anchor) {
+    case Anchor::kPlane:
+      return "or give --place";
+    case Anchor::kBoard:
+      return "--board says how many corners it has; or give --place";
+    case Anchor::kPlace:
+      break;
+  }
+  return "give --anchor plane (it stands on the desk that is seen), or --place \"x y z roll pitch "
+         "yaw\"";
 }
 
 SessionSettings session_settings(const LiveOptions& options) {
@@ -157,7 +172,11 @@ LiveRun set_up_live(const LiveOptions& options) {
     bar.finish();
   }
   if (options.scale != 1) body = scaled(body, options.scale);
-  return open_live(std::move(body), settings);
+  try {
+    return open_live(std::move(body), settings);
+  } catch (const NoPlaceError& error) {
+    throw Error(fmt::format("{}; {}", error.what(), other_places(settings.anchor)));
+  }
 }
 
 }  // namespace palpable::app

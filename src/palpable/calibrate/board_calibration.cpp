@@ -152,7 +152,7 @@ std::string no_rig(const std::string& wrong) {
     return "the eyes are swapped: the images given as left are the right eye's; exchange them";
   }
   if (wrong.find("m apart") != std::string::npos) {
-    return wrong + "; is --square the side of a square in mm?";
+    return wrong + "; are the board's squares as large as was said?";
   }
   return wrong;
 }

@@ -143,7 +143,7 @@ TEST_CASE("a bad calibration is refused with its reason", "[calibrate][refusal]"
 
   BoardPattern metres = kBoard;
   metres.square = 30;
-  CHECK(contains(refusal(good, metres), "--square"));
+  CHECK(contains(refusal(good, metres), "squares as large as was said"));
 
   BoardLimits strict;
   strict.largest_row_error_px = 0.01;

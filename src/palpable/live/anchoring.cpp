@@ -3,6 +3,7 @@
 #include "palpable/base/error.h"
 #include "palpable/base/stage_clock.h"
 #include "palpable/geometry/median_pose.h"
+#include "palpable/live/place.h"
 #include "palpable/map/plane_fit.h"
 #include "palpable/slam/slam.h"
 #include "palpable/sources/source_guard.h"
@@ -89,8 +90,7 @@ auto find_in_first_frames(FrameSource& source, const std::string& name,
     }
   });
   if (sightings.empty()) {
-    throw Error(
-        fmt::format("{}: its first {} frames show no {}, or give --place", name, looked, missing));
+    throw NoPlaceError(fmt::format("{}: its first {} frames show no {}", name, looked, missing));
   }
   for (auto& sighting : sightings) {
     sighting.start_from_camera = world_from_start.inverse() * sighting.start_from_camera;
@@ -129,7 +129,7 @@ Rigid3 pose_on_board(FrameSource& source, const std::string& name, const DepthSe
   };
   const auto sightings = find_in_first_frames(
       source, name, settings, board_in,
-      fmt::format("chessboard of {}x{} inner corners (--board); show it whole, flat and sharp",
+      fmt::format("chessboard of {}x{} inner corners; show it whole, flat and sharp",
                   pattern.columns, pattern.rows));
   std::vector<Rigid3> poses;
   for (const auto& [start_from_camera, found] : sightings) {

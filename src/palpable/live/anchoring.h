@@ -23,8 +23,8 @@ namespace palpable {
 /// @param source  reads up to 30 frames of it
 /// @param name    of the source, for messages
 /// @return world_from_body; the world is the camera of the frame named above
-/// @throws Error when no frame can be used, when a pair does not fit its calibration, or when no
-///         frame shows such a plane
+/// @throws NoPlaceError (place.h) when no frame shows such a plane; Error when none can be used, or
+///         when a pair does not fit its calibration
 [[nodiscard]] Rigid3 pose_on_plane(FrameSource& source, const std::string& name,
                                    const DepthSettings& settings);
 

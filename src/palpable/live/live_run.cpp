@@ -29,10 +29,8 @@ std::optional<Rigid3> anchored_pose(const LiveSettings& settings) {
 Rigid3 place_of(const LiveSettings& settings, const SceneFile& scene) {
   if (settings.place) return *settings.place;
   if (scene.camera_from_body) return *scene.camera_from_body;
-  throw Error(fmt::format(
-      "{}: has no scene.toml beside it that says where the body stands; give --anchor plane "
-      "(it stands on the desk that is seen), or --place \"x y z roll pitch yaw\"",
-      settings.images.device));
+  throw NoPlaceError(fmt::format("{}: has no scene.toml beside it that says where the body stands",
+                                 settings.images.device));
 }
 
 SceneFile scene_file_beside(const fs::path& images) {

@@ -50,7 +50,9 @@ struct LiveRun {
 
 /// Finds the place, opens the images, and makes the loop. For kPlane and kBoard the images are
 /// opened, played for a second, closed and opened again.
-/// @throws Error for everything that is not as hoped
+/// @throws NoPlaceError (place.h) when nothing says where the body stands, Error for everything
+/// else
+///         that is not as hoped
 [[nodiscard]] LiveRun open_live(ReducedBody body, const LiveSettings& settings);
 
 }  // namespace palpable

@@ -3,6 +3,7 @@
 /// numbers, or in the scene.toml beside a recording.
 #pragma once
 
+#include "palpable/base/error.h"
 #include "palpable/geometry/rigid.h"
 
 #include <filesystem>
@@ -25,10 +26,17 @@ namespace palpable {
 /// row (m). They are given as they are or are in the file that the text names: a text file of
 /// numbers ('#' begins a comment), or a .toml with the array camera_from_body.
 ///
-/// @param option  with which it was given, for messages
+/// @param option  what it was given as, for messages
 /// @throws Error naming what was given: not a file and no numbers, another count, not finite, a
 ///         matrix that is no rotation (by more than 1e-3), a body behind the camera
-[[nodiscard]] Rigid3 read_pose(const std::string& text, const std::string& option = "--place");
+[[nodiscard]] Rigid3 read_pose(const std::string& text, const std::string& option = "pose");
+
+/// Nobody says where the body stands, and nothing that is seen does. The message says what was
+/// looked for; how else to say it is the caller's to add.
+class NoPlaceError : public Error {
+ public:
+  using Error::Error;
+};
 
 /// What a recorded scene says of itself (scene.toml beside the images).
 struct SceneFile {

@@ -31,7 +31,9 @@ std::unique_ptr<FrameSource> open_raw_pairs(CameraRequest request, VideoSystem& 
 // Where live will look for this camera's calibration.
 fs::path kept_file(const CameraRequest& request, const FrameFormat& format, VideoSystem& system) {
   if (!request.device.starts_with("/dev/")) {
-    throw Error("-o is needed: the calibration file to write, e.g. -o calibration.yml");
+    throw Error(fmt::format(
+        "{}: only a camera's calibration has a place of its own; name the file to write",
+        request.device));
   }
   const CameraInfo info = value_or_throw(ask_camera(system, request.device));
   const fs::path folder = request.folders.front();
@@ -84,8 +86,9 @@ CheckedCalibration check_calibration(const BoardOrder& order, const fs::path& fi
   result.seen = find_boards(*source, order.pattern, order.views, on_step);
   const Result<double> error = row_error_px(result.seen.views, rig);
   if (!error.ok()) {
-    throw Error(fmt::format("{}: {}; --board counts the inner corners", order.source.device,
-                            error.problem().message));
+    throw Error(fmt::format("{}: {}; one of {}x{} inner corners was looked for",
+                            order.source.device, error.problem().message, order.pattern.columns,
+                            order.pattern.rows));
   }
   result.row_error_px = error.value();
   return result;
