@@ -112,8 +112,10 @@ void add_body_readers(std::vector<FuzzReader>& readers) {
                            return {"body.toml"};
                          },
                      .read = read_description});
-  const auto body_of = [](const ForeignModes& modes) {
-    press(body_of_modes(modes, {}));
+  const auto body_of = [](const ForeignModes& modes, const fs::path& source) {
+    const ReducedBody body = body_of_modes(modes, {.source = source.string()});
+    press(body);
+    write_body_file(source.string() + ".palpable", body);
     return std::string();
   };
   readers.push_back({.name = "modes.pxdmf",
@@ -125,7 +127,7 @@ void add_body_readers(std::vector<FuzzReader>& readers) {
                          },
                      .read =
                          [body_of](const fs::path& folder, const fs::path& /*file*/) {
-                           return body_of(read_pxdmf(folder / "a.pxdmf"));
+                           return body_of(read_pxdmf(folder / "a.pxdmf"), folder / "a.pxdmf");
                          },
                      .names_folder = true});
   readers.push_back({.name = "modes.numpy",
@@ -141,7 +143,7 @@ void add_body_readers(std::vector<FuzzReader>& readers) {
                          },
                      .read =
                          [body_of](const fs::path& folder, const fs::path& /*file*/) {
-                           return body_of(read_numpy_modes(folder));
+                           return body_of(read_numpy_modes(folder), folder);
                          },
                      .names_folder = true});
   readers.push_back({.name = "field.npy",
