@@ -25,6 +25,7 @@ void import(Options options, const std::string& command_line) {
   guard_output_file(options.output, {options.input});
   const bool folder = std::filesystem::is_directory(options.input);
   const ForeignModes modes = folder ? read_numpy_modes(options.input) : read_pxdmf(options.input);
+  options.settings.source = options.input;
   options.settings.name = std::filesystem::path(options.output).stem().string();
   options.settings.provenance = {
       {"modes", fmt::format("{} ({})", options.input, folder ? "NumPy" : "PXDMF")},

@@ -245,7 +245,7 @@ void refuse_press_through(const BodyDescription& description, const BodyProblem&
   if (problem.press < nearest) return;
   const double height = problem.mesh.height;
   throw Error(fmt::format(
-      "{}: a press of {:.3g} m ({:.3g} of the height, 'depth' in [press]) would push {} past the "
+      "{}: a press of {:.3g} m ({:.3g} of the height, 'depth' in [press]) would push {}, past the "
       "centre of mass, {:.3g} m away: no load reaches that; ask for a depth below {:.2g}",
       description.source.string(), problem.press, problem.press / height,
       site_text(problem, which), nearest, nearest / height));

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <string_view>
 
 namespace palpable {
@@ -38,6 +39,12 @@ bool is_surface_ending(std::string_view ending) {
 
 Eigen::Vector3d size_of(const Eigen::Matrix3Xd& points) {
   return points.rowwise().maxCoeff() - points.rowwise().minCoeff();
+}
+
+// To two digits, without an exponent.
+double rounded(double x) {
+  const double digit = std::pow(10.0, std::floor(std::log10(x)) - 1.0);
+  return std::round(x / digit) * digit;
 }
 
 // A text in quotes: file names hold anything.
@@ -75,7 +82,7 @@ std::string first_description(const std::filesystem::path& shape) {
   const std::string name = shape.filename().string();
   // Twenty edges along the longest side: some thousand nodes, a bake of a minute.
   const std::string edge =
-      surface ? fmt::format(", edge = \"{:.2g} mm\"", mm.maxCoeff() / 20) : std::string();
+      surface ? fmt::format(", edge = \"{:.6g} mm\"", rounded(mm.maxCoeff() / 20)) : std::string();
   return fmt::format(
       "name = {}\n"
       "shape = {{ {} = {}, unit = \"{}\"{} }}  # then it is {:.3g} x {:.3g} x {:.3g} mm\n"

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace palpable {
@@ -116,7 +117,12 @@ Site loaded_vertex(const ForeignModes& modes, const SeparatedField& u, Index s,
   const Index S = u.axes()[0].samples.size();
   const int V = modes.surface.vertex_count();
   Site site;
-  if (std::ssize(modes.site_vertices) == S && modes.site_loads.cols() == S) {
+  if (!modes.site_vertices.empty()) {
+    if (std::ssize(modes.site_vertices) != S || modes.site_loads.cols() != S) {
+      throw Error(fmt::format("has {} vertices and {} loads of sites, where '{}' has {} samples",
+                              modes.site_vertices.size(), modes.site_loads.cols(),
+                              u.axes()[0].name, S));
+    }
     site.vertex = modes.site_vertices[s];
     if (site.vertex < 0 || site.vertex >= V) {
       throw Error(
@@ -130,7 +136,7 @@ Site loaded_vertex(const ForeignModes& modes, const SeparatedField& u, Index s,
     site.direction = moved.col(site.vertex).cast<double>().normalized();
   }
   site.full_load = site.direction.norm();
-  if (!(site.full_load > 0)) throw Error(fmt::format("at site {} nothing moves", s));
+  if (!(site.full_load > 0 && std::isfinite(site.full_load))) throw Error(fmt::format("at site {} nothing moves", s));
   site.direction /= site.full_load;
   return site;
 }
@@ -181,9 +187,7 @@ ReducedBody body_without_sites(const ForeignModes& modes, const ImportSettings& 
   return body;
 }
 
-}  // namespace
-
-ReducedBody body_of_modes(const ForeignModes& modes, const ImportSettings& settings) {
+ReducedBody made_of_modes(const ForeignModes& modes, const ImportSettings& settings) {
   const WatertightReport report = check_watertight(modes.surface);
   if (!report.watertight()) throw Error("the surface is " + report.describe());
   const int V = modes.surface.vertex_count();
@@ -226,6 +230,32 @@ ReducedBody body_of_modes(const ForeignModes& modes, const ImportSettings& setti
   }
   tabulate_press(body);
   return body;
+}
+
+}  // namespace
+
+bool is_single_precision(const Eigen::MatrixXd& modes) {
+  return modes.size() == 0 || modes.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 1e30;
+}
+
+std::vector<int> vertex_numbers(const std::vector<double>& values, const std::string& name) {
+  std::vector<int> numbers;
+  for (const double v : values) {
+    if (!(v >= 0 && v <= std::numeric_limits<int>::max()) || v != std::floor(v)) {
+      throw Error(fmt::format("{}: {} is no number of a vertex", name, v));
+    }
+    numbers.push_back(static_cast<int>(v));
+  }
+  return numbers;
+}
+
+ReducedBody body_of_modes(const ForeignModes& modes, const ImportSettings& settings) {
+  try {
+    return made_of_modes(modes, settings);
+  } catch (const Error& error) {
+    if (settings.source.empty()) throw;
+    throw Error(fmt::format("{}: {}", settings.source, error.what()));
+  }
 }
 
 ForeignModes modes_of_body(const ReducedBody& body) {

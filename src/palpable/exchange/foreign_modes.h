@@ -31,8 +31,16 @@ struct ImportSettings {
   std::string name = "imported";
   std::string site = "site";    ///< name of the parameter that is the place of the touch
   std::string level = "level";  ///< name of the one that is the load, none or little at its start
+  std::string source = {};      ///< file or folder of the modes: how messages begin
   std::vector<std::pair<std::string, std::string>> provenance = {};
 };
+
+/// Whether numbers can be modes, which are stored in single precision: finite, up to 1e30.
+[[nodiscard]] bool is_single_precision(const Eigen::MatrixXd& modes);
+
+/// Numbers of a file as numbers of vertices. @throws Error beginning with `name` where one is none
+[[nodiscard]] std::vector<int> vertex_numbers(const std::vector<double>& values,
+                                              const std::string& name);
 
 /// A body made of foreign modes. What the file does not say is derived from the field:
 ///

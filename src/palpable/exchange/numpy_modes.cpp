@@ -61,7 +61,9 @@ SeparatedField read_field(const fs::path& folder, const char* name,
       throw Error(fmt::format("{}: is not a number somewhere", functions.string()));
     }
   }
-  if (!modes.allFinite()) throw Error(fmt::format("{}: is not a number somewhere", file.string()));
+  if (!is_single_precision(modes)) {
+    throw Error(fmt::format("{}: is not a number somewhere, or above 1e30", file.string()));
+  }
   return {modes.cast<float>(), std::move(axes)};
 }
 
@@ -138,11 +140,15 @@ ForeignModes read_numpy_modes(const fs::path& folder) {
   ForeignModes modes{{vertices, triangles.cast<int>()}, read_field(folder, "displacement", axes)};
   if (fs::exists(folder / "stress_modes.npy")) modes.stress = read_field(folder, "stress", axes);
   if (fs::exists(folder / "site_vertices.npy") && fs::exists(folder / "site_loads.npy")) {
-    for (const double v : read_npy(folder / "site_vertices.npy").values) {
-      modes.site_vertices.push_back(static_cast<int>(v));
-    }
+    modes.site_vertices = vertex_numbers(read_npy(folder / "site_vertices.npy").values,
+                                         (folder / "site_vertices.npy").string());
     const Eigen::MatrixXd loads = read_columns(folder / "site_loads.npy");
     wants("site_loads.npy", loads);
+    if (loads.cols() != std::ssize(modes.site_vertices)) {
+      throw Error(fmt::format("{}: {} loads, where site_vertices.npy has {}",
+                              (folder / "site_loads.npy").string(), loads.cols(),
+                              modes.site_vertices.size()));
+    }
     modes.site_loads = loads;
   }
   return modes;

@@ -301,6 +301,7 @@ std::optional<SeparatedField> field_of(Reader& reader, const Grids& grids,
                                        std::vector<ParameterAxis> axes, const char* name) {
   const MatrixXd F = modes_of(reader, grids.space, name);
   if (F.cols() == 0) return std::nullopt;
+  if (!is_single_precision(F)) throw reader.refuse(fmt::format("{} is above 1e30", name));
   for (std::size_t j = 0; j < axes.size(); ++j) {
     MatrixXd& functions = axes[j].functions;
     functions = modes_of(reader, grids.parameters[j], name);
@@ -315,15 +316,26 @@ std::optional<SeparatedField> field_of(Reader& reader, const Grids& grids,
 
 // Vertices and loads of the sites, if the file has them: write_pxdmf() writes them, other programs
 // do not.
-void read_sites(Reader& reader, const std::string& heavy, ForeignModes& modes) {
+void read_sites(const fs::path& path, ForeignModes& modes) {
+  fs::path heavy = path;
+  heavy += ".h5";
+  if (!fs::exists(heavy)) return;  // all numbers are in the XML, or in files of other names
   try {
-    for (const double v : reader.heavy(heavy + ":/site_vertices", "sites")) {
-      modes.site_vertices.push_back(static_cast<int>(v));
+    std::vector<int> vertices =
+        vertex_numbers(hdf5::read_foreign(heavy, "/site_vertices").values, heavy.string());
+    const std::vector<double> loads = hdf5::read_foreign(heavy, "/site_loads").values;
+    if (loads.size() != 3 * vertices.size()) {
+      throw hdf5::Trouble{fmt::format("has {} numbers in site_loads, where {} sites need {}",
+                                      loads.size(), vertices.size(), 3 * vertices.size())};
     }
-    const std::vector<double> loads = reader.heavy(heavy + ":/site_loads", "sites");
+    modes.site_vertices = std::move(vertices);
     modes.site_loads =
         Eigen::Map<const Eigen::Matrix3Xd>(loads.data(), 3, static_cast<Index>(loads.size() / 3));
-  } catch (const Error&) { modes.site_vertices.clear(); }
+  } catch (const hdf5::MissingDataset&) {
+    return;
+  } catch (const hdf5::Trouble& trouble) {
+    throw Error(fmt::format("{}: {}", heavy.string(), trouble.what));
+  }
 }
 
 }  // namespace
@@ -370,7 +382,7 @@ ForeignModes read_pxdmf(const fs::path& path) {
   if (!displacement) throw reader.refuse("has no modes displacement_0, displacement_1, ...");
   ForeignModes modes{std::move(surface), std::move(*displacement),
                      field_of(reader, grids, axes, "stress")};
-  read_sites(reader, path.filename().string() + ".h5", modes);
+  read_sites(path, modes);
   return modes;
 }
 

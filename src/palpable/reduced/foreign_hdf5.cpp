@@ -22,7 +22,7 @@ constexpr rlim_t kMostSeconds = 60;
 
 // What goes through the pipe: this, then the numbers, or the text that says what is wrong.
 struct Header {
-  bool ok = false;
+  bool ok = false, missing = false;
   int dimensions = 0;
   std::array<hsize_t, kMostDimensions> size{};
   std::size_t count = 0;  // of numbers, or of letters
@@ -116,8 +116,10 @@ std::vector<double> numbers_of(hid_t set, const std::string& dataset, Header& he
   try {
     const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
                       "not an HDF5 file");
+    header.missing = true;
     const Handle set(H5Dopen2(file, dataset.c_str(), H5P_DEFAULT), H5Dclose,
                      fmt::format("dataset '{}' is missing", dataset));
+    header.missing = false;
     values = numbers_of(set, dataset, header);
   } catch (const Trouble& trouble) {
     wrong = trouble.what;
@@ -168,6 +170,7 @@ ForeignNumbers read_foreign(const std::filesystem::path& path, const std::string
     require(header.count <= kLongestText, died);
     std::string wrong(header.count, '\0');
     require(receive(from.number(), wrong.data(), wrong.size()), died);
+    if (header.missing) throw MissingDataset{wrong};
     throw Trouble{wrong};
   }
   require(header.dimensions >= 0 && header.dimensions <= kMostDimensions &&

@@ -12,6 +12,9 @@
 
 namespace palpable::hdf5 {
 
+/// What read_foreign() throws when the file can be read, and has no such dataset.
+struct MissingDataset : Trouble {};
+
 /// The numbers of a dataset, the last index fastest.
 struct ForeignNumbers {
   std::vector<std::size_t> size;  ///< along each of 0 to 8 dimensions; their product is the count
@@ -20,7 +23,7 @@ struct ForeignNumbers {
 
 /// Integers and floating-point numbers of any size, in one piece or in chunks, packed or not.
 /// Costs a millisecond for the process beside the reading; a minute of computing at most.
-/// @throws Trouble which does not name the file: no HDF5 file, no such dataset, not numbers,
+/// @throws MissingDataset, or Trouble which does not name the file: no HDF5 file, no such dataset, not numbers,
 ///         damaged
 [[nodiscard]] ForeignNumbers read_foreign(const std::filesystem::path& path,
                                           const std::string& dataset);

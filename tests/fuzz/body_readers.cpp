@@ -1,0 +1,164 @@
+#include "palpable/base/fnv1a.h"
+#include "palpable/base/npy_file.h"
+#include "palpable/describe/body_description.h"
+#include "palpable/exchange/modes_files.h"
+#include "palpable/mesh/field_files.h"
+#include "palpable/reduced/body_file.h"
+#include "palpable/reduced/hdf5_tools.h"
+#include "palpable/reduced/loaded_body.h"
+#include "tests/fuzz/checked_hdf5.h"
+#include "tests/fuzz/fuzz_reader.h"
+#include "tests/support/bodies.h"
+#include "tests/support/scratch_folder.h"
+
+namespace palpable::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Presses it a little, as every program does that has read a body.
+void press(const ReducedBody& whole) {
+  const Result<ReducedBody> settled_body = settled(whole, {});
+  if (!settled_body.ok()) return;
+  const ReducedBody& body = settled_body.value();
+  const double mu[2] = {0.0, 0.6};
+  std::vector<float> u(static_cast<std::size_t>(body.displacement.value_count()));
+  body.displacement.evaluate(mu, u);
+  std::vector<float> stress(static_cast<std::size_t>(body.stress.value_count()));
+  body.stress.evaluate(mu, stress);
+  (void)load_at(body, body.surface.vertices.col(0), 0.1);
+}
+
+std::string read_body(const fs::path& /*folder*/, const fs::path& file) {
+  return said(read_body_file(file), press);
+}
+
+std::vector<std::string> write_bodies(const fs::path& folder) {
+  const ReducedBody ball = test::pressed_ball(0.05, 0.01, 0);
+  write_body_file(folder / "plain.palpable", ball);
+  write_body_file(folder / "further.palpable", test::with_further(ball), ModeStorage::kFloat16);
+  write_body_file(folder / "several.palpable", test::with_several(ball));
+  return {"plain.palpable", "further.palpable", "several.palpable"};
+}
+
+const std::string kDescription = R"(name = "cube" # a comment
+[shape]
+surface = "cube.stl"
+up = "y"
+height = "150 mm"
+edge = "7.5 mm"
+wrap = "2 mm"
+[material]
+law = "neo-hookean"
+young = "60 kPa"
+poisson = 0.4
+[[material.group]]
+name = "ears"
+box = { low = ["0 mm", "0 mm", "0 mm"], high = ["1 mm", "2 mm", "3 mm"] }
+young = "1.5 MPa"
+poisson = 0.3
+[[parameter]]
+name = "ears"
+of = "ears"
+stiffness = [0.5, 1, 2]
+[[support]]
+plane = { point = ["0 m", "0 m", "0 m"], normal = [0, 0, 1], distance = "1 mm" }
+hold = "xz"
+displacement = ["1 mm", "0 m", "0 m"]
+[[support]]
+below = 0.03
+[gravity]
+density = "1000 kg/m^3"
+acceleration = ["0 m/s^2", "0 m/s^2", "-9.81 m/s^2"]
+[[pressure]]
+pressure = "1 kPa"
+above = 0.9
+[sites]
+count = 24
+above = 0.10
+choose = "salient"
+patch = 2
+direction = [0, 0, -1]
+[press]
+depth = "5 mm"
+levels = 10
+[reduction]
+method = "pgd"
+tolerance = 1e-3
+norm = "own"
+max_modes = 50
+[intrusive]
+positions = ["TOP"]
+force = "2 N"
+)";
+
+std::string read_description(const fs::path& /*folder*/, const fs::path& file) {
+  (void)read_body_description(file);
+  return {};
+}
+
+}  // namespace
+
+void add_body_readers(std::vector<FuzzReader>& readers) {
+  readers.push_back({.name = "body.file", .write = write_bodies, .read = read_body});
+  readers.push_back({.name = "body.values",
+                     .write = write_bodies,
+                     .read = read_body,
+                     .mutate = with_spoilt_values});
+  readers.push_back({.name = "body.description",
+                     .write =
+                         [](const fs::path& folder) -> std::vector<std::string> {
+                           test::write_bytes(folder / "body.toml", kDescription);
+                           return {"body.toml"};
+                         },
+                     .read = read_description});
+  const auto body_of = [](const ForeignModes& modes, const fs::path& source) {
+    const ReducedBody body = body_of_modes(modes, {.source = source.string()});
+    press(body);
+    write_body_file(source.string() + ".palpable", body);
+    return std::string();
+  };
+  readers.push_back({.name = "modes.pxdmf",
+                     .write =
+                         [](const fs::path& folder) -> std::vector<std::string> {
+                           const ReducedBody ball = test::pressed_ball(0.05, 0.01, 0, 3);
+                           write_pxdmf(folder / "a.pxdmf", modes_of_body(ball));
+                           return {"a.pxdmf", "a.pxdmf.h5"};
+                         },
+                     .read =
+                         [body_of](const fs::path& folder, const fs::path& /*file*/) {
+                           return body_of(read_pxdmf(folder / "a.pxdmf"), folder / "a.pxdmf");
+                         },
+                     .names_folder = true});
+  readers.push_back({.name = "modes.numpy",
+                     .write =
+                         [](const fs::path& folder) {
+                           const ReducedBody ball = test::pressed_ball(0.05, 0.01, 0);
+                           write_numpy_modes(folder, modes_of_body(ball));
+                           std::vector<std::string> names;
+                           for (const auto& entry : fs::directory_iterator(folder)) {
+                             names.push_back(entry.path().filename().string());
+                           }
+                           return names;
+                         },
+                     .read =
+                         [body_of](const fs::path& folder, const fs::path& /*file*/) {
+                           return body_of(read_numpy_modes(folder), folder);
+                         },
+                     .names_folder = true});
+  readers.push_back({.name = "field.npy",
+                     .write =
+                         [](const fs::path& folder) -> std::vector<std::string> {
+                           const std::vector<double> values(24, 0.5);
+                           write_npy(folder / "a.npy", {8, 3}, std::span<const double>(values));
+                           return {"a.npy"};
+                         },
+                     .read =
+                         [](const fs::path& /*folder*/, const fs::path& file) {
+                           (void)read_npy(file);
+                           (void)read_nodal_file(file);
+                           return std::string();
+                         }});
+}
+
+}  // namespace palpable::fuzz

@@ -1,0 +1,178 @@
+#include "palpable/calibrate/calibration_file.h"
+#include "palpable/sources/open_source.h"
+#include "palpable/sources/source_calibration.h"
+#include "tests/fuzz/fuzz_reader.h"
+#include "tests/support/scratch_folder.h"
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
+
+#include <array>
+
+namespace palpable::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWidth = 64, kHeight = 48;
+constexpr int kMostFrames = 50;
+
+StereoCalibration some_calibration() {
+  StereoCalibration calibration;
+  calibration.rig.left = {{kWidth, kHeight, 50, 50.5, 32, 24}, {-0.05, 0.01, 1e-4, -2e-4, 0}};
+  calibration.rig.right = {{kWidth, kHeight, 50.2, 50.1, 31.5, 24.5}, {-0.04, 0.01, 0, 0, 0}};
+  calibration.rig.right_from_left.translation() << -0.06, 1e-4, -1e-4;
+  return calibration;
+}
+
+void write_image(const fs::path& path, int type = CV_8UC3) {
+  cv::Mat image(kHeight, kWidth, type);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      if (type == CV_16UC1) image.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(500 + 7 * x);
+      if (type == CV_8UC3) image.at<cv::Vec3b>(y, x) = cv::Vec3b::all((x * y) % 256);
+    }
+  }
+  fs::create_directories(path.parent_path());
+  cv::imwrite(path.string(), image);
+}
+
+// Opens what is in a folder and plays it. What is told of the source or of one of its frames.
+std::string play(const std::string& source) {
+  CameraRequest request;
+  request.device = source;
+  return said(open_source(request), [](const std::unique_ptr<FrameSource>& frames) {
+    Frame frame;
+    for (int i = 0; i < kMostFrames; ++i) {
+      if (frames->next(frame) == FrameStatus::kEnd) break;
+      (void)frames->last_trouble();
+    }
+  });
+}
+
+std::string play_folder(const fs::path& folder, const fs::path& /*file*/) {
+  return play(folder.string());
+}
+
+std::vector<std::string> write_pairs(const fs::path& folder) {
+  for (const char* name : {"0.png", "1.jpg", "2.ppm", "3.bmp", "4.tiff"}) {
+    write_image(folder / "left" / name);
+    write_image(folder / "right" / name);
+  }
+  write_stereo_calibration(folder / "calibration.yml", some_calibration());
+  return {"left/0.png",  "left/1.jpg",  "left/2.ppm", "right/3.bmp",
+          "left/4.tiff", "right/1.jpg", "calibration.yml"};
+}
+
+const std::string kSensor =
+    "%YAML:1.0\nsensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [1.0, 0.0, 0.0, {},\n"
+    "         0.0, 1.0, 0.0, 0.0,\n         0.0, 0.0, 1.0, 0.0,\n         0.0, 0.0, 0.0, 1.0]\n"
+    "rate_hz: 20\nresolution: [64, 48]\ncamera_model: pinhole\n"
+    "intrinsics: [50.5, 50.2, 32.0, 24.0]\ndistortion_model: radial-tangential\n"
+    "distortion_coefficients: [-0.05, 0.01, 0.0001, 0.0]\n";
+
+std::vector<std::string> write_euroc(const fs::path& folder) {
+  for (const char* name : {"1403636579763555584.png", "1403636579813555456.png"}) {
+    write_image(folder / "mav0/cam0/data" / name);
+    write_image(folder / "mav0/cam1/data" / name);
+  }
+  test::write_bytes(folder / "mav0/cam0/sensor.yaml", fmt::format(fmt::runtime(kSensor), 0.0));
+  test::write_bytes(folder / "mav0/cam1/sensor.yaml", fmt::format(fmt::runtime(kSensor), 0.06));
+  test::write_bytes(folder / "mav0/state_groundtruth_estimate0/data.csv",
+                    "#timestamp, p_RS_R_x [m]\n1403636579758555392,1,2,3,1,0,0,0,0,0,0\n"
+                    "1403636579863555500,4,5,6,0.70710678,0,0,0.70710678,0,0,0\n");
+  return {"mav0/cam0/sensor.yaml", "mav0/cam1/sensor.yaml",
+          "mav0/state_groundtruth_estimate0/data.csv"};
+}
+
+std::vector<std::string> write_kitti(const fs::path& folder) {
+  for (const char* name : {"000000.png", "000001.png"}) {
+    write_image(folder / "image_2" / name);
+    write_image(folder / "image_3" / name);
+  }
+  test::write_bytes(folder / "calib.txt",
+                    "P0: 50 0 32 0 0 50 24 0 0 0 1 0\nP1: 50 0 32 -16.2 0 50 24 0 0 0 1 0\n"
+                    "P2: 50 0 32 1.8 0 50 24 0 0 0 1 0\nP3: 50 0 32.5 -14.1 0 50 24 0 0 0 1 0\n");
+  test::write_bytes(folder / "times.txt", "0.5\n0.6e0\n");
+  test::write_bytes(folder / "poses.txt",
+                    "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 7 0 1 0 0 0 0 1 2\n");
+  return {"calib.txt", "times.txt", "poses.txt"};
+}
+
+std::vector<std::string> write_tum(const fs::path& folder) {
+  for (const char* name : {"a.png", "b.png"}) {
+    write_image(folder / "rgb" / name);
+    write_image(folder / "depth" / name, CV_16UC1);
+  }
+  test::write_bytes(folder / "rgb.txt",
+                    "# color images\n1311868164.36 rgb/a.png\n1311868164.40 rgb/b.png\n");
+  test::write_bytes(folder / "depth.txt",
+                    "1311868164.37 depth/a.png\n1311868164.41 depth/b.png\n");
+  test::write_bytes(folder / "groundtruth.txt", "1311868164.36 1 2 3 0 0 0 1\n");
+  test::write_bytes(folder / "intrinsics.txt",
+                    "50 51 32 24 64 48 0.0002\ncolor 52 52 32 24 1 0 0 0.02 0 1 0 0 0 0 1 0\n");
+  return {"rgb.txt", "depth.txt", "groundtruth.txt", "intrinsics.txt", "depth/a.png"};
+}
+
+std::vector<std::string> write_scenes(const fs::path& folder) {
+  for (const char* frame : {"frame-000000", "frame-000001"}) {
+    write_image(folder / fmt::format("{}.color.png", frame));
+    write_image(folder / fmt::format("{}.depth.png", frame), CV_16UC1);
+    test::write_bytes(folder / fmt::format("{}.pose.txt", frame),
+                      "1 0 0 0.5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  }
+  test::write_bytes(folder / "intrinsics.txt", "50 0 32\n0 50 24\n0 0 1\n");
+  return {"frame-000000.pose.txt", "intrinsics.txt"};
+}
+
+const std::string kFactory =
+    "[LEFT_CAM_HD]\nfx=700\nfy=701\ncx=640\ncy=360\nk1=-0.17\nk2=0.027\n"
+    "[RIGHT_CAM_HD]\nfx=699\nfy=700\ncx=641\ncy=361\nk1=-0.17\nk2=0.027\np1=0.0001\n"
+    "[STEREO]\nBaseline=63.5\nTY=0.1\nCV_HD=0.02\nRX_HD=0\nRZ_HD=0\n";
+
+std::vector<std::string> write_calibrations(const fs::path& folder) {
+  write_stereo_calibration(folder / "stereo.yml", some_calibration());
+  write_rectified_calibration(folder / "rectified.yml",
+                              {{{kWidth, kHeight, 50, 50, 32, 24}, 0.1, 2}, 25});
+  test::write_bytes(folder / "SN1.conf", kFactory);
+  test::write_bytes(folder / "intrinsics.txt",
+                    "475 476 320 240 640 480 0.001\ncolor 600 601 322 243\n");
+  return {"stereo.yml", "rectified.yml", "SN1.conf", "intrinsics.txt"};
+}
+
+std::string read_calibration(const fs::path& /*folder*/, const fs::path& file) {
+  return said(read_source_calibration(file, 0, 0), [](const SourceCalibration&) {});
+}
+
+std::vector<std::string> write_video(const fs::path& folder) {
+  for (const auto& [name, codec] : {std::pair{"clip.avi", cv::VideoWriter::fourcc('M', 'J', 'P', 'G')},
+                                    {"film.mp4", cv::VideoWriter::fourcc('m', 'p', '4', 'v')}}) {
+    cv::VideoWriter out((folder / name).string(), codec, 10, cv::Size(2 * kWidth, kHeight));
+    for (int f = 0; f < 5; ++f) out.write(cv::Mat(kHeight, 2 * kWidth, CV_8UC3, cv::Scalar::all(40 * f)));
+  }
+  write_stereo_calibration(folder / "calibration.yml", some_calibration());
+  return {"clip.avi", "film.mp4"};
+}
+
+std::string play_video(const fs::path& /*folder*/, const fs::path& file) {
+  return play(file.string());
+}
+
+}  // namespace
+
+void add_source_readers(std::vector<FuzzReader>& readers) {
+  readers.push_back(
+      {.name = "source.calibration", .write = write_calibrations, .read = read_calibration});
+  const auto add = [&](const char* name, auto write) {
+    readers.push_back({.name = name, .write = write, .read = play_folder, .names_folder = true});
+  };
+  add("source.pairs", write_pairs);
+  add("source.euroc", write_euroc);
+  add("source.kitti", write_kitti);
+  add("source.tum", write_tum);
+  add("source.scenes", write_scenes);
+  readers.push_back({.name = "source.video", .write = write_video, .read = play_video});
+}
+
+}  // namespace palpable::fuzz
