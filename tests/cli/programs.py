@@ -1351,7 +1351,7 @@ def _(programs, folder):
 @case("scan, calibrate, view and live write over nothing that they read, and over no device")
 def _(programs, folder):
     write_stereo(folder / "clip", frames=2)
-    body = shutil.copy(programs.small_body(), folder / "rest.png")
+    body = shutil.copy(programs.small_body(), folder / "contact_sheet.png")
     (folder / "clip/left/room.ply").write_text("somebody's")
     (folder / "poses.ply").write_text("0 0 0 0 0 0 0 1\n")
     (folder / "null.ply").symlink_to("/dev/null")
@@ -1360,7 +1360,7 @@ def _(programs, folder):
     scan = ("scan", folder / "clip")
     for words in ((*scan, "-o", folder / "clip/left/room.ply"),
                   (*scan, "-o", room, "--picture", folder / "clip/left/000000.png"),
-                  (*scan, "-o", room, "--picture", folder / "rest.png", "--calibration", folder / "rest.png"),
+                  (*scan, "-o", room, "--picture", body, "--calibration", body),
                   (*scan, "-o", folder / "poses.ply", "--trajectory", folder / "poses.ply"),
                   ("scan", folder / "clip/left/*.png", "--right", folder / "clip/right/*.png", "-o", room,
                    "--picture", folder / "clip/right/000001.png"),
@@ -1372,7 +1372,8 @@ def _(programs, folder):
     programs.refuses("calibrate", "--source", folder / "clip", "--board", "9x6", "--square", "25", "-o", "/dev/null",
                      says=["/dev/null", "no ordinary file"])
     programs.refuses(*live(programs, folder)[:-1], folder / "clip", says=["clip", "is read by this run"])
-    assert before == {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    assert before == {path: path.read_bytes() for path in before}
+    assert not room.exists() and not (folder / "clip/timing.csv").exists()
 
 
 @case("a wall that live measures is scored as a wall, and its camera as one that stands still")

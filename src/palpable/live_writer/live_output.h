@@ -45,8 +45,8 @@ struct LiveOutputSettings {
 /// nothing else); empty when there is none. Removes nothing yet.
 /// @param needed  paths that this run reads; empty ones are skipped
 /// @throws Error when there is such a run and `overwrite` is false, when one of these names is
-/// there without timing.csv, and so of somebody else, when a needed path would go with them, or when
-/// `folder` itself is one
+/// there without timing.csv, and so of somebody else, when a needed path would go with them, or
+/// when `folder` itself is one
 [[nodiscard]] std::vector<std::filesystem::path> earlier_run(
     const std::filesystem::path& folder, bool overwrite,
     const std::vector<std::filesystem::path>& needed);
