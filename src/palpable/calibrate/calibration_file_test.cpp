@@ -134,6 +134,8 @@ TEST_CASE("a calibration that cannot be right is refused with its reason",
       {replaced(good, "-0.0630226", "0.0630226"), "swap"},
       {replaced(good, "-0.0630226, 3.02386e-06", "3.02386e-06, -0.0630226"), "side by side"},
       {replaced(good, "T: !!opencv-matrix\n   rows: 3", "T: !!opencv-matrix\n   rows: 2"), ""},
+      {replaced(good, "R: !!opencv-matrix\n   rows: 3", "R: !!opencv-matrix\n   rows: 99999"),
+       "'R', which is no matrix of 1 to 100 rows"},
       {replaced(good, "R: !!opencv-matrix", "Q: !!opencv-matrix"), "no matrix 'R'"},
       {replaced(good, "K2: !!opencv-matrix", "K2: 7\nL2: !!opencv-matrix"), "'K2', which is no"},
   };
