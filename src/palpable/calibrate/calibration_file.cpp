@@ -20,7 +20,7 @@ namespace palpable {
 namespace {
 
 constexpr int kMostRows = 100;       // of a matrix; cameras have 3, lenses up to 14 numbers
-constexpr int kLargestSide = 16384;            // px; beyond is a slip or an attack
+constexpr int kLargestSide = 16384;  // px; beyond is a slip or an attack
 
 // Thrown and caught in this file only.
 struct Unusable {
@@ -62,7 +62,8 @@ std::vector<double> matrix(const cv::FileStorage& file, const char* name) {
   for (const char* side : {"rows", "cols"}) {
     const cv::FileNode count = node[side];
     if (!count.isInt() || static_cast<int>(count) < 1 || static_cast<int>(count) > kMostRows) {
-      throw Unusable{fmt::format("has '{}', which is no matrix of 1 to {} {}", name, kMostRows, side)};
+      throw Unusable{
+          fmt::format("has '{}', which is no matrix of 1 to {} {}", name, kMostRows, side)};
     }
   }
   cv::Mat m;

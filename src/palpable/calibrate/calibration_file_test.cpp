@@ -161,13 +161,12 @@ TEST_CASE("a calibration that OpenCV's reader would not survive is refused with 
   const std::string good = text_of_some_calibration(folder);
   const auto refused = [&](const std::string& text) {
     write_bytes(folder / "deep.yml", text);
-    const std::string message =
-        read_stereo_calibration(folder / "deep.yml").problem().message;
+    const std::string message = read_stereo_calibration(folder / "deep.yml").problem().message;
     CHECK_THAT(message, Catch::Contains("deep.yml: "));
     return message;
   };
-  const std::string line =
-      fmt::format("line {}: nested more than 64 deep", 1 + std::count(good.begin(), good.end(), '\n'));
+  const std::string line = fmt::format("line {}: nested more than 64 deep",
+                                       1 + std::count(good.begin(), good.end(), '\n'));
   CHECK_THAT(refused(good + "fps: " + repeated("[", 60'000)), Catch::Contains(line));
   CHECK_THAT(refused(good + repeated("a: ", 60'000) + "1\n"), Catch::Contains(line));
   CHECK_THAT(refused(good + repeated("- ", 60'000) + "1\n"), Catch::Contains(line));
