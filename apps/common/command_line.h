@@ -121,8 +121,8 @@ class CommandLine : public Command {
 /// Prints "palpable: <message>" on stderr, line breaks replaced by "; ".
 void print_error(std::string_view message);
 
-/// "ears=0.5" each, a finite number. @throws Error for another form, which says that it must be a parameter and
-/// `what`
+/// "ears=0.5" each, a finite number. @throws Error for another form, which says that it must be a
+/// parameter and `what`
 /// @param option  after which they stood
 [[nodiscard]] std::map<std::string, double> parse_settings(
     const std::vector<std::string>& texts, std::string_view option = "--set",

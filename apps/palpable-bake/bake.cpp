@@ -48,9 +48,10 @@ void read_shard(const std::string& text, FillSettings& settings) {
   const auto number = to_whole_number(std::string_view(text).substr(0, slash));
   const auto count = to_whole_number(std::string_view(text).substr(slash + (slash < text.size())));
   if (!number || !count || *number < 1 || *count < *number || *count > kMostShards) {
-    throw Error(fmt::format("--shard {}: must be I/N, such as 1/4, 2/4, 3/4 and 4/4, with {} parts "
-                            "at most",
-                            text, kMostShards));
+    throw Error(
+        fmt::format("--shard {}: must be I/N, such as 1/4, 2/4, 3/4 and 4/4, with {} parts "
+                    "at most",
+                    text, kMostShards));
   }
   settings.shard = static_cast<int>(*number - 1);
   settings.shards = static_cast<int>(*count);

@@ -106,11 +106,10 @@ void add_body_readers(std::vector<FuzzReader>& readers) {
                      .read = read_body,
                      .mutate = with_spoilt_values});
   readers.push_back({.name = "body.description",
-                     .write =
-                         [](const fs::path& folder) -> std::vector<std::string> {
-                           test::write_bytes(folder / "body.toml", kDescription);
-                           return {"body.toml"};
-                         },
+                     .write = [](const fs::path& folder) -> std::vector<std::string> {
+                       test::write_bytes(folder / "body.toml", kDescription);
+                       return {"body.toml"};
+                     },
                      .read = read_description});
   const auto body_of = [](const ForeignModes& modes, const fs::path& source) {
     const ReducedBody body = body_of_modes(modes, {.source = source.string()});
@@ -119,12 +118,11 @@ void add_body_readers(std::vector<FuzzReader>& readers) {
     return std::string();
   };
   readers.push_back({.name = "modes.pxdmf",
-                     .write =
-                         [](const fs::path& folder) -> std::vector<std::string> {
-                           const ReducedBody ball = test::pressed_ball(0.05, 0.01, 0, 3);
-                           write_pxdmf(folder / "a.pxdmf", modes_of_body(ball));
-                           return {"a.pxdmf", "a.pxdmf.h5"};
-                         },
+                     .write = [](const fs::path& folder) -> std::vector<std::string> {
+                       const ReducedBody ball = test::pressed_ball(0.05, 0.01, 0, 3);
+                       write_pxdmf(folder / "a.pxdmf", modes_of_body(ball));
+                       return {"a.pxdmf", "a.pxdmf.h5"};
+                     },
                      .read =
                          [body_of](const fs::path& folder, const fs::path& /*file*/) {
                            return body_of(read_pxdmf(folder / "a.pxdmf"), folder / "a.pxdmf");
@@ -147,12 +145,11 @@ void add_body_readers(std::vector<FuzzReader>& readers) {
                          },
                      .names_folder = true});
   readers.push_back({.name = "field.npy",
-                     .write =
-                         [](const fs::path& folder) -> std::vector<std::string> {
-                           const std::vector<double> values(24, 0.5);
-                           write_npy(folder / "a.npy", {8, 3}, std::span<const double>(values));
-                           return {"a.npy"};
-                         },
+                     .write = [](const fs::path& folder) -> std::vector<std::string> {
+                       const std::vector<double> values(24, 0.5);
+                       write_npy(folder / "a.npy", {8, 3}, std::span<const double>(values));
+                       return {"a.npy"};
+                     },
                      .read =
                          [](const fs::path& /*folder*/, const fs::path& file) {
                            (void)read_npy(file);

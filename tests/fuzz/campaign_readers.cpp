@@ -52,9 +52,7 @@ std::string read_store(const fs::path& folder, const fs::path& /*file*/) {
     const std::string why = store.why_not(unit);
     if (!why.empty()) return store.unit_file(unit).string() + ": " + why;
     (void)store.unit(unit);
-    for (const StoredField& field : store.content().fields) {
-      (void)store.rows(unit, field, 0, 3);
-    }
+    for (const StoredField& field : store.content().fields) { (void)store.rows(unit, field, 0, 3); }
   }
   for (int k = 0; k < store.content().linear_file_count(); ++k) {
     if (store.has_linear(k)) (void)store.linear(k);
@@ -133,11 +131,10 @@ void add_campaign_readers(std::vector<FuzzReader>& readers) {
                      .names_folder = true,
                      .mutate = with_spoilt_values});
   readers.push_back({.name = "calculix.dat",
-                     .write =
-                         [](const fs::path& folder) -> std::vector<std::string> {
-                           test::write_bytes(folder / "a.dat", dat_text());
-                           return {"a.dat"};
-                         },
+                     .write = [](const fs::path& folder) -> std::vector<std::string> {
+                       test::write_bytes(folder / "a.dat", dat_text());
+                       return {"a.dat"};
+                     },
                      .read = read_dat});
   readers.push_back(
       {.name = "import.files", .write = write_import, .read = read_import, .names_folder = true});

@@ -90,21 +90,27 @@ void add_clip_readers(std::vector<FuzzReader>& readers) {
          return hand_line({f, {{{0, 0, 0.1}, {0, 0, 0.2}, 0.01, 0.02}, {}}});
        }),
        read_hands);
-  text("clip.poses", "pose.jsonl", three([](int f) { return pose_line({f, pose_of(f)}); }),
+  text("clip.poses", "pose.jsonl", three([](int f) {
+         return pose_line({f, pose_of(f)});
+       }),
        read_poses);
-  text("clip.rectification", "rectification.jsonl",
-       three([](int f) { return correction_line({f, 0.25, 0.1 * f}); }), read_corrections);
-  text("clip.rig", "rig.jsonl", three([](int f) { return rig_line({f, 0.5 * f, f == 1}); }),
+  text("clip.rectification", "rectification.jsonl", three([](int f) {
+         return correction_line({f, 0.25, 0.1 * f});
+       }),
+       read_corrections);
+  text("clip.rig", "rig.jsonl", three([](int f) {
+         return rig_line({f, 0.5 * f, f == 1});
+       }),
        read_rig);
   const std::vector<std::string> stages{"read", "depth"};
   text("clip.timing", "timing.csv", timing_header(stages) + three([](int f) {
-         const std::vector<double> ms{1.5, 2.25};
-         return timing_line(f, ms);
-       }),
+                                      const std::vector<double> ms{1.5, 2.25};
+                                      return timing_line(f, ms);
+                                    }),
        read_timing);
-  text("clip.trajectory", "trajectory.txt",
-       std::string(kTrajectoryRemark) +
-           three([](int f) { return trajectory_line({f / 30.0, pose_of(f)}); }),
+  text("clip.trajectory", "trajectory.txt", std::string(kTrajectoryRemark) + three([](int f) {
+                                              return trajectory_line({f / 30.0, pose_of(f)});
+                                            }),
        read_trajectory);
   text("place.toml", "scene.toml",
        "camera_from_body = [1, 0, 0, 0.1, 0, 0, -1, 0, 0, 1, 0, 0.5, 0, 0, 0, 1]\n"
@@ -113,48 +119,44 @@ void add_clip_readers(std::vector<FuzzReader>& readers) {
   text("place.txt", "place.txt", "# x y z\n0 0 0.5\n10 20 30 # degrees\n",
        [](const fs::path& path) { return read_pose(path.string()); });
   readers.push_back({.name = "clip.live",
-                     .write =
-                         [](const fs::path& folder) -> std::vector<std::string> {
-                           write_live_summary(folder / "live.json", some_summary());
-                           return {"live.json"};
-                         },
+                     .write = [](const fs::path& folder) -> std::vector<std::string> {
+                       write_live_summary(folder / "live.json", some_summary());
+                       return {"live.json"};
+                     },
                      .read =
                          [](const fs::path& /*folder*/, const fs::path& file) {
                            (void)read_live_file(file);
                            return std::string();
                          }});
   readers.push_back({.name = "clip.camera",
-                     .write =
-                         [](const fs::path& folder) -> std::vector<std::string> {
-                           write_truth_camera(folder / "camera.toml", some_camera());
-                           return {"camera.toml"};
-                         },
+                     .write = [](const fs::path& folder) -> std::vector<std::string> {
+                       write_truth_camera(folder / "camera.toml", some_camera());
+                       return {"camera.toml"};
+                     },
                      .read =
                          [](const fs::path& /*folder*/, const fs::path& file) {
                            (void)read_truth_camera(file);
                            return std::string();
                          }});
   readers.push_back({.name = "clip.depth",
-                     .write =
-                         [](const fs::path& folder) -> std::vector<std::string> {
-                           write_measured_depth(folder / "measured.png", some_depth(), {});
-                           write_true_depth(folder / "true.png", some_depth());
-                           return {"measured.png", "true.png"};
-                         },
+                     .write = [](const fs::path& folder) -> std::vector<std::string> {
+                       write_measured_depth(folder / "measured.png", some_depth(), {});
+                       write_true_depth(folder / "true.png", some_depth());
+                       return {"measured.png", "true.png"};
+                     },
                      .read =
                          [](const fs::path& /*folder*/, const fs::path& file) {
                            (void)read_depth_counts(file);
                            return std::string();
                          }});
   readers.push_back({.name = "clip.masks",
-                     .write =
-                         [](const fs::path& folder) -> std::vector<std::string> {
-                           MaskImage mask(32, 18);
-                           for (int x = 5; x < 20; ++x) mask.row(9)[x] = 255;
-                           write_mask(folder / "mask.png", mask);
-                           write_labels(folder / "labels.png", mask);
-                           return {"mask.png", "labels.png"};
-                         },
+                     .write = [](const fs::path& folder) -> std::vector<std::string> {
+                       MaskImage mask(32, 18);
+                       for (int x = 5; x < 20; ++x) mask.row(9)[x] = 255;
+                       write_mask(folder / "mask.png", mask);
+                       write_labels(folder / "labels.png", mask);
+                       return {"mask.png", "labels.png"};
+                     },
                      .read =
                          [](const fs::path& /*folder*/, const fs::path& file) {
                            (void)read_mask(file);

@@ -60,7 +60,9 @@ struct End {
   int status = 0;
   std::string message;
 
-  [[nodiscard]] bool died() const { return !hung && !(WIFEXITED(status) && WEXITSTATUS(status) == 0); }
+  [[nodiscard]] bool died() const {
+    return !hung && !(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  }
 };
 
 // Runs `work` in a process of its own; what it prints goes to the file `printed`.
@@ -147,8 +149,8 @@ std::map<std::string, std::string> valid_files(const FuzzReader& reader, const f
       },
       printed);
   if (end.died() || end.hung) {
-    throw Error(fmt::format("{}: its valid files cannot be made: {}", reader.name,
-                            bytes_of(printed)));
+    throw Error(
+        fmt::format("{}: its valid files cannot be made: {}", reader.name, bytes_of(printed)));
   }
   std::map<std::string, std::string> files;
   std::string rest = end.message;

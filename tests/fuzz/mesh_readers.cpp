@@ -7,10 +7,9 @@
 #include "tests/fuzz/fuzz_reader.h"
 #include "tests/support/scratch_folder.h"
 
-#include <zlib.h>
-
 #include <array>
 #include <cstring>
+#include <zlib.h>
 
 namespace palpable::fuzz {
 namespace {
@@ -154,26 +153,23 @@ FuzzReader of_texts(const char* name, std::vector<std::pair<std::string, std::st
 }  // namespace
 
 void add_mesh_readers(std::vector<FuzzReader>& readers) {
-  readers.push_back(
-      {.name = "volume.msh",
-       .write =
-           [](const fs::path& folder) -> std::vector<std::string> {
-             const TetMesh mesh = box_tets({0, 0, 0}, {0.1, 0.1, 0.1}, 1, 1, 1);
-             write_msh_file(folder / "linear.msh", mesh);
-             write_msh_file(folder / "quadratic.msh", with_edge_nodes(mesh));
-             test::write_bytes(folder / "version4.msh", kMsh4);
-             return {"linear.msh", "quadratic.msh", "version4.msh"};
-           },
-       .read = read_volume});
+  readers.push_back({.name = "volume.msh",
+                     .write = [](const fs::path& folder) -> std::vector<std::string> {
+                       const TetMesh mesh = box_tets({0, 0, 0}, {0.1, 0.1, 0.1}, 1, 1, 1);
+                       write_msh_file(folder / "linear.msh", mesh);
+                       write_msh_file(folder / "quadratic.msh", with_edge_nodes(mesh));
+                       test::write_bytes(folder / "version4.msh", kMsh4);
+                       return {"linear.msh", "quadratic.msh", "version4.msh"};
+                     },
+                     .read = read_volume});
   readers.push_back(of_texts("volume.inp", {{"a.inp", kInp}}, read_volume));
   readers.push_back({.name = "field.vtu",
-                     .write =
-                         [](const fs::path& folder) -> std::vector<std::string> {
-                           write_vtu(folder / "linear.vtu", false);
-                           write_vtu(folder / "quadratic.vtu", true);
-                           test::write_bytes(folder / "packed.vtu", packed_vtu());
-                           return {"linear.vtu", "quadratic.vtu", "packed.vtu"};
-                         },
+                     .write = [](const fs::path& folder) -> std::vector<std::string> {
+                       write_vtu(folder / "linear.vtu", false);
+                       write_vtu(folder / "quadratic.vtu", true);
+                       test::write_bytes(folder / "packed.vtu", packed_vtu());
+                       return {"linear.vtu", "quadratic.vtu", "packed.vtu"};
+                     },
                      .read = read_fields});
   readers.push_back(
       of_texts("field.vtk", {{"text.vtk", kVtk}, {"binary.vtk", binary_vtk()}}, read_fields));
@@ -188,11 +184,10 @@ void add_mesh_readers(std::vector<FuzzReader>& readers) {
        {"a.txt", "1 5 7\n2 6 8\n"}},
       read_fields));
   readers.push_back({.name = "field.h5",
-                     .write =
-                         [](const fs::path& folder) -> std::vector<std::string> {
-                           write_hdf5(folder / "a.h5");
-                           return {"a.h5"};
-                         },
+                     .write = [](const fs::path& folder) -> std::vector<std::string> {
+                       write_hdf5(folder / "a.h5");
+                       return {"a.h5"};
+                     },
                      .read =
                          [](const fs::path& folder, const fs::path& file) {
                            const std::string first = read_fields(folder, file.string() + ":/u");

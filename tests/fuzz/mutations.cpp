@@ -57,8 +57,8 @@ std::pair<std::size_t, std::size_t> number_in(Random& random, std::string_view t
   std::size_t begin = text.find_first_of(digits, from);
   if (begin == std::string_view::npos) begin = text.find_first_of(digits);
   if (begin == std::string_view::npos) return {0, 0};
-  while (begin > 0 && std::string_view("0123456789.+-").find(text[begin - 1]) !=
-                          std::string_view::npos) {
+  while (begin > 0 &&
+         std::string_view("0123456789.+-").find(text[begin - 1]) != std::string_view::npos) {
     --begin;
   }
   const std::size_t end = text.find_first_not_of("0123456789.+-eE", begin);
@@ -173,9 +173,19 @@ void change_binary_number(std::string& bytes, Random& random) {
 }
 
 void put_in(std::string& bytes, Random& random) {
-  constexpr std::array<std::string_view, 13> kParts{"[",  "{",    "{\"a\":", "a.",  "- ",
-                                                    "a: ", "<a>", "\"",      "(",   "a",
-                                                    " ",  "\xff", std::string_view("\0", 1)};
+  constexpr std::array<std::string_view, 13> kParts{"[",
+                                                    "{",
+                                                    "{\"a\":",
+                                                    "a.",
+                                                    "- ",
+                                                    "a: ",
+                                                    "<a>",
+                                                    "\"",
+                                                    "(",
+                                                    "a",
+                                                    " ",
+                                                    "\xff",
+                                                    std::string_view("\0", 1)};
   const std::string_view part = kParts[below(random, kParts.size())];
   std::string many;
   for (std::size_t k = 1 + below(random, 1u << below(random, 17)); k > 0; --k) many += part;
@@ -196,8 +206,9 @@ void spoil_number(std::span<char> bytes, std::size_t size, bool floating, Random
   const std::span<char> number = bytes.subspan(below(random, count) * size, size);
   if (floating && size >= 4) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    constexpr std::array kValues{0.0,   -1.0,  1e30,      -1e30,      1e-40,
-                                 0.5,   1e300, kInfinity, -kInfinity, std::numeric_limits<double>::quiet_NaN()};
+    constexpr std::array kValues{
+        0.0, -1.0,  1e30,      -1e30,      1e-40,
+        0.5, 1e300, kInfinity, -kInfinity, std::numeric_limits<double>::quiet_NaN()};
     const double value = kValues[below(random, kValues.size())];
     if (size == 8) put_number(number, value);
     if (size == 4) put_number(number, static_cast<float>(value));

@@ -61,7 +61,7 @@ std::vector<std::string> write_pairs(const fs::path& folder) {
     write_image(folder / "right" / name);
   }
   write_stereo_calibration(folder / "calibration.yml", some_calibration());
-  return {"left/0.png",  "left/1.jpg",  "left/2.ppm", "right/3.bmp",
+  return {"left/0.png",  "left/1.jpg",  "left/2.ppm",     "right/3.bmp",
           "left/4.tiff", "right/1.jpg", "calibration.yml"};
 }
 
@@ -95,8 +95,7 @@ std::vector<std::string> write_kitti(const fs::path& folder) {
                     "P0: 50 0 32 0 0 50 24 0 0 0 1 0\nP1: 50 0 32 -16.2 0 50 24 0 0 0 1 0\n"
                     "P2: 50 0 32 1.8 0 50 24 0 0 0 1 0\nP3: 50 0 32.5 -14.1 0 50 24 0 0 0 1 0\n");
   test::write_bytes(folder / "times.txt", "0.5\n0.6e0\n");
-  test::write_bytes(folder / "poses.txt",
-                    "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 7 0 1 0 0 0 0 1 2\n");
+  test::write_bytes(folder / "poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 7 0 1 0 0 0 0 1 2\n");
   return {"calib.txt", "times.txt", "poses.txt"};
 }
 
@@ -107,8 +106,7 @@ std::vector<std::string> write_tum(const fs::path& folder) {
   }
   test::write_bytes(folder / "rgb.txt",
                     "# color images\n1311868164.36 rgb/a.png\n1311868164.40 rgb/b.png\n");
-  test::write_bytes(folder / "depth.txt",
-                    "1311868164.37 depth/a.png\n1311868164.41 depth/b.png\n");
+  test::write_bytes(folder / "depth.txt", "1311868164.37 depth/a.png\n1311868164.41 depth/b.png\n");
   test::write_bytes(folder / "groundtruth.txt", "1311868164.36 1 2 3 0 0 0 1\n");
   test::write_bytes(folder / "intrinsics.txt",
                     "50 51 32 24 64 48 0.0002\ncolor 52 52 32 24 1 0 0 0.02 0 1 0 0 0 0 1 0\n");
@@ -146,10 +144,12 @@ std::string read_calibration(const fs::path& /*folder*/, const fs::path& file) {
 }
 
 std::vector<std::string> write_video(const fs::path& folder) {
-  for (const auto& [name, codec] : {std::pair{"clip.avi", cv::VideoWriter::fourcc('M', 'J', 'P', 'G')},
-                                    {"film.mp4", cv::VideoWriter::fourcc('m', 'p', '4', 'v')}}) {
+  for (const auto& [name, codec] :
+       {std::pair{"clip.avi", cv::VideoWriter::fourcc('M', 'J', 'P', 'G')},
+        {"film.mp4", cv::VideoWriter::fourcc('m', 'p', '4', 'v')}}) {
     cv::VideoWriter out((folder / name).string(), codec, 10, cv::Size(2 * kWidth, kHeight));
-    for (int f = 0; f < 5; ++f) out.write(cv::Mat(kHeight, 2 * kWidth, CV_8UC3, cv::Scalar::all(40 * f)));
+    for (int f = 0; f < 5; ++f)
+      out.write(cv::Mat(kHeight, 2 * kWidth, CV_8UC3, cv::Scalar::all(40 * f)));
   }
   write_stereo_calibration(folder / "calibration.yml", some_calibration());
   return {"clip.avi", "film.mp4"};

@@ -35,16 +35,14 @@ void add_surface_readers(std::vector<FuzzReader>& readers) {
   add("surface.obj", {{"a.obj", test::kObj}});
   add("surface.3ds", {{"a.3ds", test::studio_3ds()}});
   add("surface.off", {{"a.off", test::kOff}});
-  readers.push_back(
-      {.name = "surface.ply",
-       .write =
-           [](const fs::path& folder) -> std::vector<std::string> {
-             test::write_bytes(folder / "text.ply", test::kPly);
-             test::write_bytes(folder / "big.ply", test::big_endian_ply());
-             write_ply(folder / "little.ply", sphere_surface({0, 0, 0}, 0.1, 1));
-             return {"text.ply", "big.ply", "little.ply"};
-           },
-       .read = read});
+  readers.push_back({.name = "surface.ply",
+                     .write = [](const fs::path& folder) -> std::vector<std::string> {
+                       test::write_bytes(folder / "text.ply", test::kPly);
+                       test::write_bytes(folder / "big.ply", test::big_endian_ply());
+                       write_ply(folder / "little.ply", sphere_surface({0, 0, 0}, 0.1, 1));
+                       return {"text.ply", "big.ply", "little.ply"};
+                     },
+                     .read = read});
 }
 
 }  // namespace palpable::fuzz

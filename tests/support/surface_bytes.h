@@ -95,7 +95,8 @@ inline std::string studio_3ds() {
     put(faces, std::uint16_t{7});
   }
   const std::string mesh = chunk(0x4100, chunk(0x4110, vertices) + chunk(0x4120, faces));
-  return chunk(0x4D4D, chunk(0x0002, "1234") + chunk(0x3D3D, chunk(0x4000, std::string("Box\0", 4) + mesh)));
+  return chunk(
+      0x4D4D, chunk(0x0002, "1234") + chunk(0x3D3D, chunk(0x4000, std::string("Box\0", 4) + mesh)));
 }
 
 }  // namespace palpable::test

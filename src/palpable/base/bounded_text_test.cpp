@@ -22,7 +22,8 @@ TEST_CASE("real texts may be parsed", "[base][bounded_text]") {
   may(repeated("s = \"[[[[{{{{ a.b.c.d.e\\\" [[[[\" # [[[[[[[ ]]]]\n", 100), Notation::kToml);
   may("s = '''" + repeated("[\n", 100) + "'''\n", Notation::kToml);
   may(R"({"a": [)" + repeated(R"({"b": [1, "[[[[{{{{\"[["]},)", 100) + "0]}", Notation::kJson);
-  may("%YAML:1.0\n---\n# " + std::string(70, '-') + "\ncalibration_time: \"Tue 10 Feb 12:20:01 [CET]\"\n" +
+  may("%YAML:1.0\n---\n# " + std::string(70, '-') +
+          "\ncalibration_time: \"Tue 10 Feb 12:20:01 [CET]\"\n" +
           repeated("K1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
                    "   data: [ 1.5e-05, -2.,\n       0., 1. ]\n",
                    200),

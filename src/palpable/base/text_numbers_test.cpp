@@ -15,7 +15,8 @@ TEST_CASE("a text is one finite number or none", "[base][text]") {
   CHECK(to_number("1.5e-3") == 1.5e-3);
   CHECK(to_number("+7") == 7);
   CHECK(to_number("-0.25") == -0.25);
-  for (const char* text : {"", " 1", "1 ", "1,5", "nan", "inf", "1e999", "0x10", "one", "+-1", "++1"}) {
+  for (const char* text :
+       {"", " 1", "1 ", "1,5", "nan", "inf", "1e999", "0x10", "one", "+-1", "++1"}) {
     INFO(text);
     CHECK_FALSE(to_number(text));
   }

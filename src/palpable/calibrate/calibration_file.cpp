@@ -19,7 +19,8 @@
 namespace palpable {
 namespace {
 
-constexpr int kLargestSide = 16384;            // px; beyond is a slip or an attack
+constexpr int kMostRows = 100;       // of a matrix; cameras have 3, lenses up to 14 numbers
+constexpr int kLargestSide = 16384;  // px; beyond is a slip or an attack
 
 // Thrown and caught in this file only.
 struct Unusable {
@@ -57,6 +58,14 @@ std::vector<double> matrix(const cv::FileStorage& file, const char* name) {
   const cv::FileNode node = file[name];
   if (node.empty()) throw Unusable{fmt::format("has no matrix '{}'", name)};
   if (!node.isMap()) throw Unusable{fmt::format("has '{}', which is no matrix", name)};
+  // Before OpenCV makes room for them: a damaged file may claim any number.
+  for (const char* side : {"rows", "cols"}) {
+    const cv::FileNode count = node[side];
+    if (!count.isInt() || static_cast<int>(count) < 1 || static_cast<int>(count) > kMostRows) {
+      throw Unusable{
+          fmt::format("has '{}', which is no matrix of 1 to {} {}", name, kMostRows, side)};
+    }
+  }
   cv::Mat m;
   cv::read(node, m, cv::Mat());
   if (m.empty() || m.channels() != 1 || m.dims != 2) {

@@ -134,6 +134,8 @@ TEST_CASE("a calibration that cannot be right is refused with its reason",
       {replaced(good, "-0.0630226", "0.0630226"), "swap"},
       {replaced(good, "-0.0630226, 3.02386e-06", "3.02386e-06, -0.0630226"), "side by side"},
       {replaced(good, "T: !!opencv-matrix\n   rows: 3", "T: !!opencv-matrix\n   rows: 2"), ""},
+      {replaced(good, "R: !!opencv-matrix\n   rows: 3", "R: !!opencv-matrix\n   rows: 99999"),
+       "'R', which is no matrix of 1 to 100 rows"},
       {replaced(good, "R: !!opencv-matrix", "Q: !!opencv-matrix"), "no matrix 'R'"},
       {replaced(good, "K2: !!opencv-matrix", "K2: 7\nL2: !!opencv-matrix"), "'K2', which is no"},
   };
@@ -159,13 +161,12 @@ TEST_CASE("a calibration that OpenCV's reader would not survive is refused with 
   const std::string good = text_of_some_calibration(folder);
   const auto refused = [&](const std::string& text) {
     write_bytes(folder / "deep.yml", text);
-    const std::string message =
-        read_stereo_calibration(folder / "deep.yml").problem().message;
+    const std::string message = read_stereo_calibration(folder / "deep.yml").problem().message;
     CHECK_THAT(message, Catch::Contains("deep.yml: "));
     return message;
   };
-  const std::string line =
-      fmt::format("line {}: nested more than 64 deep", 1 + std::count(good.begin(), good.end(), '\n'));
+  const std::string line = fmt::format("line {}: nested more than 64 deep",
+                                       1 + std::count(good.begin(), good.end(), '\n'));
   CHECK_THAT(refused(good + "fps: " + repeated("[", 60'000)), Catch::Contains(line));
   CHECK_THAT(refused(good + repeated("a: ", 60'000) + "1\n"), Catch::Contains(line));
   CHECK_THAT(refused(good + repeated("- ", 60'000) + "1\n"), Catch::Contains(line));

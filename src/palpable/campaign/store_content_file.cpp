@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <optional>
+#include <system_error>
 #include <vector>
 
 namespace palpable {
@@ -100,6 +102,14 @@ std::vector<Site> read_sites(hid_t file) {
   return sites;
 }
 
+// What key_text() has made.
+std::uint64_t key_in(const std::string& text) {
+  std::uint64_t key = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), key, 16);
+  hdf5::require(error == std::errc() && end == text.data() + text.size(), "a key is damaged");
+  return key;
+}
+
 int read_count(hid_t group) {
   const double count = hdf5::read_number(group, "count");
   hdf5::require(count >= 0 && count < 1000, "a list is damaged");
@@ -187,12 +197,12 @@ StoreContent read_content(hid_t file) {
   for (std::size_t u = 0; u < keys.rows; ++u) {
     const std::string text(keys.data.begin() + static_cast<std::ptrdiff_t>(16 * u),
                            keys.data.begin() + static_cast<std::ptrdiff_t>(16 * u + 16));
-    content.keys.push_back(std::stoull(text, nullptr, 16));
+    content.keys.push_back(key_in(text));
   }
   if (H5Lexists(file, "linear", H5P_DEFAULT) > 0) {
     const Handle g = hdf5::open_group(file, "linear");
     content.linear = hdf5::read_table<int>(g, "vertex").data;
-    content.linear_key = std::stoull(hdf5::read_text(g, "key"), nullptr, 16);
+    content.linear_key = key_in(hdf5::read_text(g, "key"));
   }
   {
     const Handle g = hdf5::open_group(file, "parameters");

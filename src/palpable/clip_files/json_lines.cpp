@@ -121,7 +121,8 @@ void for_each_object(const std::filesystem::path& path,
 int frame_number(const json& value) {
   // get<int>() would cut off what is not whole.
   if (!value.is_number_integer()) {
-    throw Error(fmt::format("{} is no frame's number", value.dump(-1, ' ', false, json::error_handler_t::replace)));
+    throw Error(fmt::format("{} is no frame's number",
+                            value.dump(-1, ' ', false, json::error_handler_t::replace)));
   }
   const auto frame = value.get<std::int64_t>();
   if (frame < 0 || frame >= kMostFrames) throw Error(fmt::format("frame {} is no frame", frame));

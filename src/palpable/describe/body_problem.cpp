@@ -225,13 +225,14 @@ std::string material_line(const BodyDescription::MaterialLaw& law) {
 std::string site_text(const BodyProblem& problem, int number) {
   const Site& site = problem.sites[number];
   const Eigen::Vector3d X = problem.mesh.boundary.surface.vertices.col(site.vertex);
-  return fmt::format("site {} at ({:.4g}, {:.4g}, {:.4g}) m, pressed along ({:.3f}, {:.3f}, {:.3f})",
-                     number, X[0], X[1], X[2], site.direction[0], site.direction[1],
-                     site.direction[2]);
+  return fmt::format(
+      "site {} at ({:.4g}, {:.4g}, {:.4g}) m, pressed along ({:.3f}, {:.3f}, {:.3f})", number, X[0],
+      X[1], X[2], site.direction[0], site.direction[1], site.direction[2]);
 }
 
 void refuse_press_through(const BodyDescription& description, const BodyProblem& problem) {
-  if (!std::holds_alternative<BodyDescription::Sites::ToCentre>(description.sites.direction)) return;
+  if (!std::holds_alternative<BodyDescription::Sites::ToCentre>(description.sites.direction))
+    return;
   const SurfaceMesh& skin = problem.mesh.boundary.surface;
   const Eigen::Vector3d centre = enclosed_centroid(skin);
   double nearest = std::numeric_limits<double>::infinity();
@@ -247,8 +248,8 @@ void refuse_press_through(const BodyDescription& description, const BodyProblem&
   throw Error(fmt::format(
       "{}: a press of {:.3g} m ({:.3g} of the height, 'depth' in [press]) would push {}, past the "
       "centre of mass, {:.3g} m away: no load reaches that; ask for a depth below {:.2g}",
-      description.source.string(), problem.press, problem.press / height,
-      site_text(problem, which), nearest, nearest / height));
+      description.source.string(), problem.press, problem.press / height, site_text(problem, which),
+      nearest, nearest / height));
 }
 
 BodyProblem pose_body(const BodyDescription& description) {

@@ -71,9 +71,9 @@ bool is_shape_file(const std::filesystem::path& path) {
 std::string first_description(const std::filesystem::path& shape) {
   PALPABLE_EXPECT(is_shape_file(shape), "a file of a surface or of tetrahedra");
   const bool surface = is_surface_ending(lower_ending(shape));
-  const Eigen::Vector3d size =
-      surface ? size_of(value_or_throw(read_surface_file(shape)).vertices)
-              : size_of(value_or_throw(read_volume_file(shape)).mesh.nodes);
+  const Eigen::Vector3d size = surface
+                                   ? size_of(value_or_throw(read_surface_file(shape)).vertices)
+                                   : size_of(value_or_throw(read_volume_file(shape)).mesh.nodes);
   const double longest = size.maxCoeff();
   const Unit& unit = *std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) {
     return longest <= u.largest || u.largest == 0.0;

@@ -120,8 +120,8 @@ Site loaded_vertex(const ForeignModes& modes, const SeparatedField& u, Index s,
   if (!modes.site_vertices.empty()) {
     if (std::ssize(modes.site_vertices) != S || modes.site_loads.cols() != S) {
       throw Error(fmt::format("has {} vertices and {} loads of sites, where '{}' has {} samples",
-                              modes.site_vertices.size(), modes.site_loads.cols(),
-                              u.axes()[0].name, S));
+                              modes.site_vertices.size(), modes.site_loads.cols(), u.axes()[0].name,
+                              S));
     }
     site.vertex = modes.site_vertices[s];
     if (site.vertex < 0 || site.vertex >= V) {
@@ -136,7 +136,8 @@ Site loaded_vertex(const ForeignModes& modes, const SeparatedField& u, Index s,
     site.direction = moved.col(site.vertex).cast<double>().normalized();
   }
   site.full_load = site.direction.norm();
-  if (!(site.full_load > 0 && std::isfinite(site.full_load))) throw Error(fmt::format("at site {} nothing moves", s));
+  if (!(site.full_load > 0 && std::isfinite(site.full_load)))
+    throw Error(fmt::format("at site {} nothing moves", s));
   site.direction /= site.full_load;
   return site;
 }

@@ -140,8 +140,7 @@ TEST_CASE("modes that cannot be pressed say why", "[exchange][errors]") {
   CHECK_THROWS_WITH(body_of_modes(bad, {}), Catch::Contains("3 or 6 values"));
 }
 
-TEST_CASE("names of files and parameters that XML has to spell otherwise come back",
-          "[exchange]") {
+TEST_CASE("names of files and parameters that XML has to spell otherwise come back", "[exchange]") {
   const ScratchFolder folder("modes_names");
   const std::string strange = "a & b <c> \"d\" 'e'";
   ForeignModes modes = modes_of_body(test::with_further(test::pressed_ball(0.05, 0.01, 1)));

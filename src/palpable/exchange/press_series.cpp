@@ -148,8 +148,8 @@ std::string write_xdmf_fields(hid_t file, const Shown& shown, const std::string&
                       static_cast<hsize_t>(shown.displacement.cols()),
                       static_cast<hsize_t>(columns));
     xml += fmt::format(
-        "<Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">{}</Attribute>\n", name,
-        rank, names.item(dataset, shown.displacement.cols(), columns, "Float", 4));
+        "<Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">{}</Attribute>\n", name, rank,
+        names.item(dataset, shown.displacement.cols(), columns, "Float", 4));
   };
   attribute("displacement", "Vector", 3, shown.displacement.data());
   if (!shown.von_mises.empty()) {
@@ -178,8 +178,8 @@ void write_xdmf_series(const fs::path& path, const ReducedBody& body, std::optio
       for (Index l = 0; l < body.levels().size(); ++l) {
         evaluate(body, s, body.levels()[l], shown);
         xml += fmt::format(
-            "<Grid Name=\"level {}\" GridType=\"Uniform\">\n<Time Value=\"{}\"/>\n{}{}</Grid>\n",
-            l, body.levels()[l], mesh,
+            "<Grid Name=\"level {}\" GridType=\"Uniform\">\n<Time Value=\"{}\"/>\n{}{}</Grid>\n", l,
+            body.levels()[l], mesh,
             write_xdmf_fields(file, shown, fmt::format("{}_{}", s, l), names));
       }
       xml += "</Grid>\n";

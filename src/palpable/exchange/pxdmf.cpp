@@ -331,9 +331,7 @@ void read_sites(const fs::path& path, ForeignModes& modes) {
     modes.site_vertices = std::move(vertices);
     modes.site_loads =
         Eigen::Map<const Eigen::Matrix3Xd>(loads.data(), 3, static_cast<Index>(loads.size() / 3));
-  } catch (const hdf5::MissingDataset&) {
-    return;
-  } catch (const hdf5::Trouble& trouble) {
+  } catch (const hdf5::MissingDataset&) { return; } catch (const hdf5::Trouble& trouble) {
     throw Error(fmt::format("{}: {}", heavy.string(), trouble.what));
   }
 }

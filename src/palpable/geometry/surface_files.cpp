@@ -8,9 +8,7 @@ namespace palpable::surface_files {
 
 double coordinate(Lines& lines, std::string_view word) {
   const auto value = to_number(word);
-  if (!value) {
-    lines.bad(fmt::format("'{}' is not a coordinate", word.substr(0, 40)));
-  }
+  if (!value) { lines.bad(fmt::format("'{}' is not a coordinate", word.substr(0, 40))); }
   return *value;
 }
 

@@ -109,9 +109,8 @@ Rigid3 read_pose(const std::string& text, const std::string& option) {
   }
   std::error_code ignored;
   if (!fs::is_regular_file(text, ignored)) {
-    throw Error(
-        fmt::format("{} '{}': neither 6 or 16 finite numbers nor a file that can be read", option,
-                    text));
+    throw Error(fmt::format("{} '{}': neither 6 or 16 finite numbers nor a file that can be read",
+                            option, text));
   }
   if (fs::path(text).extension() == ".toml") {
     if (const auto pose = pose_in(parse_toml(text), text)) return *pose;

@@ -61,8 +61,9 @@ TEST_CASE("what is no place is refused", "[live][errors]") {
   std::ofstream(folder.path() / "bad.toml") << "camera_from_body = [1, \n";
   CHECK_THROWS_AS(read_scene_file(folder.path() / "bad.toml"), Error);
   std::ofstream(folder.path() / "deep.toml") << "a" + test::repeated(".a", 60'000) + " = 1\n";
-  CHECK_THROWS_WITH(read_scene_file(folder.path() / "deep.toml"),
-                    Catch::EndsWith("deep.toml: line 1: nested more than 64 deep, which is not read"));
+  CHECK_THROWS_WITH(
+      read_scene_file(folder.path() / "deep.toml"),
+      Catch::EndsWith("deep.toml: line 1: nested more than 64 deep, which is not read"));
   std::ofstream(folder.path() / "nan.txt") << "0 0 0.5 # m\n0 0 nan\n";
   CHECK_THROWS_WITH(read_pose((folder.path() / "nan.txt").string()),
                     Catch::EndsWith("nan.txt: holds what is no finite number"));

@@ -73,8 +73,7 @@ std::vector<double> numbers_of(hid_t set, const std::string& dataset, Header& he
   const H5T_class_t kind = H5Tget_class(type);
   require(kind == H5T_INTEGER || kind == H5T_FLOAT,
           fmt::format("dataset '{}' does not hold numbers", dataset));
-  const Handle space(H5Dget_space(set), H5Sclose,
-                     fmt::format("dataset '{}' has no size", dataset));
+  const Handle space(H5Dget_space(set), H5Sclose, fmt::format("dataset '{}' has no size", dataset));
   header.dimensions = H5Sget_simple_extent_ndims(space);
   require(header.dimensions >= 0 && header.dimensions <= kMostDimensions,
           fmt::format("dataset '{}' has more than {} dimensions", dataset, kMostDimensions));
@@ -121,9 +120,7 @@ std::vector<double> numbers_of(hid_t set, const std::string& dataset, Header& he
                      fmt::format("dataset '{}' is missing", dataset));
     header.missing = false;
     values = numbers_of(set, dataset, header);
-  } catch (const Trouble& trouble) {
-    wrong = trouble.what;
-  } catch (const std::exception&) {
+  } catch (const Trouble& trouble) { wrong = trouble.what; } catch (const std::exception&) {
     wrong = fmt::format("dataset '{}' needs more memory than there is", dataset);
   }
   header.ok = wrong.empty();

@@ -26,9 +26,9 @@ void write_theirs(const fs::path& path) {
   const hdf5::Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "creation");
   H5Pset_chunk(creation, 3, chunk);
   H5Pset_deflate(creation, 9);
-  const hdf5::Handle set(H5Dcreate2(group, "packed", H5T_NATIVE_FLOAT, space, H5P_DEFAULT, creation,
-                                    H5P_DEFAULT),
-                         H5Dclose, "set");
+  const hdf5::Handle set(
+      H5Dcreate2(group, "packed", H5T_NATIVE_FLOAT, space, H5P_DEFAULT, creation, H5P_DEFAULT),
+      H5Dclose, "set");
   H5Dwrite(set, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
   const hdf5::Handle scalar(H5Screate(H5S_SCALAR), H5Sclose, "scalar");
   const double one = 7.25;
@@ -132,7 +132,9 @@ TEST_CASE("an HDF5 file is not in place when what belongs to it fails", "[reduce
   const auto fill = [](hid_t file) { hdf5::write_number(file, "n", 1); };
   const auto fails = [] { throw hdf5::Trouble{"the other one"}; };
   CHECK_THROWS_AS(hdf5::write_file(folder / "a.h5", fill, fails), hdf5::Trouble);
-  CHECK_THROWS_AS(hdf5::write_file(folder / "b.h5", [&](hid_t) { fails(); }, [] {}), hdf5::Trouble);
+  CHECK_THROWS_AS(hdf5::write_file(
+                      folder / "b.h5", [&](hid_t) { fails(); }, [] {}),
+                  hdf5::Trouble);
   CHECK_THROWS_AS(hdf5::write_file(folder / "none" / "a.h5", fill, [] {}), hdf5::Trouble);
   CHECK(fs::is_empty(folder.path()));
 }

@@ -50,8 +50,7 @@ const bool kNoHandlerAtExit = H5dont_atexit() >= 0;
 // What the system said to the last call that failed, if it is about room on the disk.
 std::string room_on_disk() {
   const int problem = errno;
-  const bool is_room =
-      problem == ENOSPC || problem == EFBIG || problem == EDQUOT || problem == EIO;
+  const bool is_room = problem == ENOSPC || problem == EFBIG || problem == EDQUOT || problem == EIO;
   return is_room ? fmt::format(": {}", std::strerror(problem)) : std::string();
 }
 

@@ -250,8 +250,7 @@ Result<Recording> euroc(const fs::path& folder) {
   const Result<RectifiedGeometry> geometry = rectify_rig(calibration.format.rig);
   if (!geometry.ok()) {
     return Problem{fmt::format("{} and {}: {}", (folder / "cam0/sensor.yaml").string(),
-                               (folder / "cam1/sensor.yaml").string(),
-                               geometry.problem().message)};
+                               (folder / "cam1/sensor.yaml").string(), geometry.problem().message)};
   }
   calibration.format.width = left.value().lens.pinhole.width;
   calibration.format.height = left.value().lens.pinhole.height;

@@ -25,8 +25,8 @@ Result<SourceCalibration> from_rig(const StereoCalibration& stereo,
                                    const std::filesystem::path& path) {
   const Result<RectifiedGeometry> geometry = rectify_rig(stereo.rig);
   if (!geometry.ok()) {
-    return Problem{
-        fmt::format("calibration {} cannot be used: {}", path.string(), geometry.problem().message)};
+    return Problem{fmt::format("calibration {} cannot be used: {}", path.string(),
+                               geometry.problem().message)};
   }
   SourceCalibration calibration;
   calibration.format.rig = stereo.rig;

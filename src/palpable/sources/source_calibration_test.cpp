@@ -76,8 +76,10 @@ TEST_CASE("a rig that cannot be rectified is refused with its file and what to d
           "[sources][calibration]") {
   const ScratchFolder folder("source_calibration");
   std::string conf = kConf;
-  for (const auto& [good, bad] : {std::pair{"fx=1050", "fx=500"}, {"fy=1051", "fy=500"},
-                                  {"k1=-0.17", "k1=0"}, {"k2=0.027", "k2=0.2"}}) {
+  for (const auto& [good, bad] : {std::pair{"fx=1050", "fx=500"},
+                                  {"fy=1051", "fy=500"},
+                                  {"k1=-0.17", "k1=0"},
+                                  {"k2=0.027", "k2=0.2"}}) {
     conf = test::replaced(conf, good, bad);
   }
   write_bytes(folder / "SN1.conf", conf);
