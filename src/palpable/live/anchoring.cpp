@@ -73,7 +73,7 @@ auto find_in_first_frames(FrameSource& source, const std::string& name,
   using Found =
       typename std::invoke_result_t<FindIn, const SeenFrame&, const DepthCamera&>::value_type;
   DepthCamera camera = value_or_throw(DepthCamera::make(source.format(), settings));
-  Slam slam(camera, source.format(), {.map = false});
+  Slam slam(camera, {.map = false});
   const bool live = source.is_live();
   std::vector<Sighting<Found>> sightings;  // until the end with world_from_camera
   Rigid3 world_from_start = Rigid3::Identity();

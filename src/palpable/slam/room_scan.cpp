@@ -22,7 +22,7 @@ RoomScan play(FrameSource& source, const std::string& name, const SlamSettings& 
               const std::function<bool(const RoomScanStep&)>& go_on) {
   DepthCamera camera = value_or_throw(DepthCamera::make(source.format()));
   RoomScan scan;
-  scan.slam = std::make_unique<Slam>(camera, source.format(), settings);
+  scan.slam = std::make_unique<Slam>(camera, settings);
   scan.camera = camera.camera();
   RoomScanStep step;
   step.again = again;
