@@ -67,8 +67,8 @@ int ghosts(const SurfaceMap& map, const Sequence& sequence, int last, const Dept
         box.extend(Eigen::Vector3d(end + round));
       }
     }
-    renderer.draw_truth(moment_of(alone, frame), camera.depth_camera(), camera.rectified().baseline,
-                        truth);
+    renderer.draw_truth(moment_of(alone, frame), camera.depth_camera(),
+                        camera.rectified()->baseline, truth);
     const Rigid3 camera_from_desk = sequence.camera_from_desk(frame);
     for (Eigen::Index i = 0; i < in_desk.cols(); ++i) {
       const Eigen::Vector3d point = in_desk.col(i);
@@ -95,7 +95,7 @@ void bench_map(const ReducedBody& body, std::uint64_t seed, int frames, Progress
   Film film = film_of(sequence);
   const FrameFormat format = format_of(film.rig);
   DepthCamera camera = value_or_throw(DepthCamera::make(format));
-  Slam slam(camera, format);
+  Slam slam(camera);
   SurfaceMap of_all(camera.noise());
 
   RawPair pair;

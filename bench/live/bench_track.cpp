@@ -62,7 +62,7 @@ void bench_walk(const ReducedBody& body, const TrackBenchOptions& options, Progr
   Film film = film_of(sequence);
   const FrameFormat format = format_of(film.rig);
   DepthCamera camera = value_or_throw(DepthCamera::make(format));
-  Tracker tracker(tracker_settings(camera, format));
+  Tracker tracker(tracker_settings(camera));
 
   const int dark_end = options.frames + kDarkFrames;
   const int last = std::min(dark_end + kAfterDark, kWalkFrames);
@@ -116,7 +116,7 @@ void bench_fixed(const ReducedBody& body, const TrackBenchOptions& options, Prog
   Film film = film_of(sequence);
   const FrameFormat format = format_of(film.rig);
   DepthCamera camera = value_or_throw(DepthCamera::make(format));
-  Tracker tracker(tracker_settings(camera, format));
+  Tracker tracker(tracker_settings(camera));
   RawPair pair;
   Frame frame;
   SeenFrame seen;
@@ -156,7 +156,7 @@ Followed follow(const fs::path& folder, double farthest, bool keep_depths, const
   DepthSettings depth;
   depth.farthest = farthest;
   DepthCamera camera = value_or_throw(DepthCamera::make(source->format(), depth));
-  Tracker tracker(tracker_settings(camera, source->format()));
+  Tracker tracker(tracker_settings(camera));
   Followed followed;
   followed.depth_camera = source->format().depth_camera;
   const auto& color = source->format().color_sensor;

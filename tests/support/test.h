@@ -25,14 +25,14 @@ inline double tolerance(double value, const char* /*reason*/) {
 /// A generator for case number `seed`; print the seed (INFO) so that one case can be run alone.
 inline std::mt19937_64 random_case(unsigned seed) { return std::mt19937_64(seed); }
 
-/// How many cases of this run could not run; main() reads it.
+/// How often it was said in this run that a case could not run; main() reads it.
 inline int skipped_cases = 0;
 inline constexpr int kSkippedExitCode = 77;
 
 }  // namespace palpable::test
 
-/// Ends a test case that cannot run here. The program then ends with kSkippedExitCode unless a case
-/// failed, and ctest reports it as Skipped, with the reason in the log.
+/// Ends a test case that cannot run here. A program of which no other case ran ends with
+/// kSkippedExitCode, and ctest reports it as Skipped; the reason is in the log.
 #define PALPABLE_SKIP(reason)                          \
   do {                                                 \
     ++palpable::test::skipped_cases;                   \

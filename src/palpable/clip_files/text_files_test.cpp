@@ -64,7 +64,7 @@ TEST_CASE("a pose in TUM's format is the line it always was, and comes back", "[
   CHECK(line ==
         "0.033333 0.1000000 -0.2000000 0.5000000 0.000000000 0.000000000 0.707106781 "
         "0.707106781\n");
-  const TextIn file(std::string(kTrajectoryRemark) + line + "1,2 3 4 0 0 0 1\r\n");
+  const TextIn file(std::string(kTrajectoryRemark) + line + "1,2, 3\t4 0 0 0 1\r\n");
   const std::vector<StampedPose> read = read_trajectory(file.path);
   REQUIRE(read.size() == 2);
   CHECK(read[0].time == 0.033333);
@@ -80,6 +80,8 @@ TEST_CASE("lines that are no poses are refused with file and line", "[clip_files
   CHECK(has(refusal(first + "0.1 0 0 0 0 0 0 1 5\n", read), "line 2: 8 numbers"));
   CHECK(has(refusal(first + "0.1 0 0 x 0 0 0 1\n", read), "line 2: 8 numbers"));
   CHECK(has(refusal(first + "0.1 0 0 nan 0 0 0 1\n", read), "line 2: 8 numbers"));
+  CHECK(has(refusal(first + "0.1 [0 0 0] 0 0 0 1\n", read), "line 2: 8 numbers"));
+  CHECK(has(refusal(first + "0.1;0;0;0;0;0;0;1\n", read), "line 2: 8 numbers"));
   CHECK(has(refusal("0 0 0 0 0 0 0 2\n", read), "line 1: the quaternion has length 2, not 1"));
   CHECK(has(refusal("# a\n" + first + first, read), "line 3: times must rise: 0 s comes after 0"));
   CHECK_THROWS_WITH(read_trajectory("nowhere.txt"), "nowhere.txt: cannot be read");

@@ -14,7 +14,10 @@ namespace {
 
 StampedPose pose_of(const std::string& line) {
   const std::optional<std::vector<double>> n = to_numbers(line);
-  if (!n || n->size() != 8) throw Error("8 numbers are wanted: time tx ty tz qx qy qz qw");
+  // to_numbers() would read numbers in brackets, too.
+  if (!n || n->size() != 8 || line.find_first_of("[];") != std::string::npos) {
+    throw Error("8 numbers are wanted: time tx ty tz qx qy qz qw");
+  }
   const Eigen::Quaterniond q((*n)[7], (*n)[4], (*n)[5], (*n)[6]);
   if (!(std::abs(q.norm() - 1) < 0.01)) {
     throw Error(fmt::format("the quaternion has length {:.4g}, not 1", q.norm()));

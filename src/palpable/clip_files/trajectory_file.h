@@ -4,7 +4,8 @@
 ///
 ///     time tx ty tz qx qy qz qw        seconds, metres, a unit quaternion: world_from_camera
 ///
-/// and remarks that begin with #.
+/// and remarks that begin with #. The numbers are separated by spaces, tabs or commas, as TUM's own
+/// tools read them.
 #pragma once
 
 #include "palpable/geometry/stamped_pose.h"

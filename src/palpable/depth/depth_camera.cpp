@@ -105,13 +105,12 @@ const DepthNoise& DepthCamera::noise() const {
 }
 const StageTimes& DepthCamera::last_times() const { return parts_->times; }
 
-const RectifiedStereo& DepthCamera::rectified() const {
-  static const RectifiedStereo kNone{};
-  const auto of = [](const auto& any) -> const RectifiedStereo& {
+const RectifiedStereo* DepthCamera::rectified() const {
+  const auto of = [](const auto& any) -> const RectifiedStereo* {
     if constexpr (std::is_same_v<std::decay_t<decltype(any)>, DepthSensorCamera>) {
-      return kNone;
+      return nullptr;
     } else {
-      return any.rectified();
+      return &any.rectified();
     }
   };
   return std::visit(of, parts_->any);

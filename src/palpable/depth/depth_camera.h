@@ -40,8 +40,9 @@ class DepthCamera {
   /// Of `color` and of `depth` in every SeenFrame.
   [[nodiscard]] const PinholeCamera& camera() const;
   [[nodiscard]] const PinholeCamera& depth_camera() const;
-  /// Of a stereo format: the rig, rectified, at the size of `color`. All 0 for colour + depth.
-  [[nodiscard]] const RectifiedStereo& rectified() const;
+  /// The rig of a stereo format, rectified, at the size of `color`; null for colour + depth, which
+  /// has none.
+  [[nodiscard]] const RectifiedStereo* rectified() const;
   /// How far measured depths scatter around the true ones.
   [[nodiscard]] const DepthNoise& noise() const;
   /// Wall time of the last frame: "rectify" (luma and colour), "disparity", "depth" (filters, Z).

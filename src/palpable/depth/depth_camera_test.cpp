@@ -201,7 +201,8 @@ TEST_CASE(
     INFO("doffs " << doffs << ": known " << quality.known << ", median " << quality.median);
     CHECK(quality.known >= 0.75);
     CHECK(quality.median <= test::tolerance(0.01, "a quarter of a pixel of 28"));
-    CHECK(camera.rectified().disparity_at_infinity_px == -doffs);
+    REQUIRE(camera.rectified() != nullptr);
+    CHECK(camera.rectified()->disparity_at_infinity_px == -doffs);
     CHECK((seen.too_close.empty() && seen.confidence.empty()));
     CHECK(std::isnan(seen.row_error_px));
     Frame bad = frame;
@@ -338,6 +339,7 @@ TEST_CASE("colour and depth pass through, what is not a depth as unknown", "[dep
   CHECK(seen.depth(0, 0) == 0.7F);
   for (int x = 1; x < 5; ++x) CHECK(std::isnan(seen.depth(x, 0)));
   CHECK(seen.depth(4, 2) == 0.7F);
+  CHECK(camera.rectified() == nullptr);  // there is no second eye
 }
 
 TEST_CASE("depth of a sensor beside the colour's comes out in the colour's view",

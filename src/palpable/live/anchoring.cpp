@@ -75,7 +75,7 @@ auto find_in_first_frames(FrameSource& source, const std::string& name,
   Result<DepthCamera> made = DepthCamera::make(source.format(), settings);
   if (!made.ok()) throw Error(fmt::format("{}: {}", name, made.problem().message));
   DepthCamera camera = std::move(made).value();
-  Slam slam(camera, source.format(), {.map = false});
+  Slam slam(camera, {.map = false});
   const bool live = source.is_live();
   std::vector<Sighting<Found>> sightings;  // until the end with world_from_camera
   Rigid3 world_from_start = Rigid3::Identity();

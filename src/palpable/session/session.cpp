@@ -104,7 +104,7 @@ struct Session::Parts {
         world_from_body(pose),
         settings(s),
         noise(camera.noise()),
-        slam(camera, format, {.track = s.track, .map = s.map}),
+        slam(camera, {.track = s.track, .map = s.map}),
         rest(body.surface.vertices.cast<float>()),
         region(box_of(body.surface)),
         surface(fitted(settings.surface, camera, format, settings.depth.matcher, pose)),

@@ -24,7 +24,7 @@ RoomScan play(FrameSource& source, const std::string& name, const SlamSettings& 
   if (!made.ok()) throw Error(name + ": " + made.problem().message);
   DepthCamera camera = std::move(made).value();
   RoomScan scan;
-  scan.slam = std::make_unique<Slam>(camera, source.format(), settings);
+  scan.slam = std::make_unique<Slam>(camera, settings);
   scan.camera = camera.camera();
   RoomScanStep step;
   step.again = again;

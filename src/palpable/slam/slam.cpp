@@ -25,11 +25,11 @@ bool is_placed(const TrackedPose& camera) {
 }
 }  // namespace
 
-Slam::Slam(const DepthCamera& camera, const FrameFormat& format, const SlamSettings& settings)
+Slam::Slam(const DepthCamera& camera, const SlamSettings& settings)
     : settings_(settings), noise_(camera.noise()) {
   PALPABLE_EXPECT(settings.fuse_every >= 0, "a time between depth images is not negative");
   PALPABLE_EXPECT(settings.most_moving >= 0 && settings.most_moving <= 1, "a share of the picture");
-  if (settings.track) tracker_.emplace(tracker_settings(camera, format));
+  if (settings.track) tracker_.emplace(tracker_settings(camera));
   if (settings.map) begin_map();
 }
 

@@ -70,9 +70,8 @@ struct SlamCounts {
 class Slam {
  public:
   /// @param camera  makes the frames that advance() gets
-  /// @param format  of the source that `camera` reads
   /// @throws ContractViolation for settings out of their range
-  Slam(const DepthCamera& camera, const FrameFormat& format, const SlamSettings& settings = {});
+  explicit Slam(const DepthCamera& camera, const SlamSettings& settings = {});
 
   /// Processes the next frame. The pose from which the mask is found is predicted from the last
   /// motion, by the source's time: after a gap up to three times as far. While the camera is lost,

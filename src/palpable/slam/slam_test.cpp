@@ -15,8 +15,7 @@ using test::frame_of_wall;
 // Before a camera that stands, a wall; sometimes something covers a share of the picture.
 struct Room {
   explicit Room(const SlamSettings& settings = {})
-      : camera(std::move(DepthCamera::make(test::wall_format()).value())),
-        slam(camera, test::wall_format(), settings) {}
+      : camera(std::move(DepthCamera::make(test::wall_format()).value())), slam(camera, settings) {}
 
   // What `covers` of the picture, from its left, shows is at `Z` m.
   const SeenFrame& see(Frame frame, double covers = 0, float Z = 0.4F) {
@@ -237,7 +236,7 @@ TEST_CASE("when a loop is closed the map begins anew, and it says by what all ha
   DepthCamera camera = std::move(DepthCamera::make(test::creeping_format()).value());
   SlamSettings settings;
   settings.fuse_every = 2;  // the first frame after the loop would not be due yet
-  Slam slam(camera, test::creeping_format(), settings);
+  Slam slam(camera, settings);
   SeenFrame seen;
   StageTimes times;
   int closed = 0;

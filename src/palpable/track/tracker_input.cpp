@@ -2,13 +2,13 @@
 
 namespace palpable {
 
-TrackerSettings tracker_settings(const DepthCamera& camera, const FrameFormat& format) {
+TrackerSettings tracker_settings(const DepthCamera& camera) {
   TrackerSettings settings;
   settings.camera = {camera.camera(), kDepthCameraBaseline};
   settings.noise = camera.noise();
-  if (format.kind == FrameFormat::Kind::kStereo) {
-    settings.camera.baseline = camera.rectified().baseline;
-    settings.disparity_at_infinity_px = camera.rectified().disparity_at_infinity_px;
+  if (const RectifiedStereo* rig = camera.rectified()) {
+    settings.camera.baseline = rig->baseline;
+    settings.disparity_at_infinity_px = rig->disparity_at_infinity_px;
   }
   return settings;
 }

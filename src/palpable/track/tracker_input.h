@@ -3,15 +3,12 @@
 #pragma once
 
 #include "palpable/depth/depth_camera.h"
-#include "palpable/geometry/frame.h"
 #include "palpable/track/tracker.h"
 
 namespace palpable {
 
-/// Settings for the frames that `camera` makes of a source of this `format`. A colour + depth
-/// camera gets kDepthCameraBaseline.
-[[nodiscard]] TrackerSettings tracker_settings(const DepthCamera& camera,
-                                               const FrameFormat& format);
+/// Settings for the frames that `camera` makes. A colour + depth camera gets kDepthCameraBaseline.
+[[nodiscard]] TrackerSettings tracker_settings(const DepthCamera& camera);
 
 /// The frame for Tracker::track(). It points into `seen`, which must outlive that call.
 /// @param moving  255 where something moves, of the depth's size; or null

@@ -1,0 +1,31 @@
+// What a test program says when some of its cases cannot run: it starts itself on the hidden ones
+// below.
+#include "tests/support/test.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <sys/wait.h>
+
+namespace palpable {
+namespace {
+
+TEST_CASE("one that cannot run", "[.][example]") { PALPABLE_SKIP("nothing is here"); }
+TEST_CASE("one that passes", "[.][example]") { CHECK(true); }
+TEST_CASE("one that fails", "[.][example]") { CHECK(false); }
+
+int exit_code_of(const std::string& cases) {
+  const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
+  const int status = std::system(("'" + self + "' '" + cases + "' > /dev/null 2>&1").c_str());
+  return WEXITSTATUS(status);
+}
+
+TEST_CASE("a program was skipped when none of its cases ran, and not otherwise", "[support]") {
+  CHECK(exit_code_of("one that cannot run") == test::kSkippedExitCode);
+  CHECK(exit_code_of("one that cannot run,one that passes") == 0);
+  CHECK(exit_code_of("one that cannot run,one that fails") == 1);
+  CHECK(exit_code_of("one that passes") == 0);
+}
+
+}  // namespace
+}  // namespace palpable
