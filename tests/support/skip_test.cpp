@@ -10,13 +10,19 @@
 namespace palpable {
 namespace {
 
-TEST_CASE("one that cannot run", "[.][example]") { PALPABLE_SKIP("nothing is here"); }
+// ctest runs hidden cases, too: what these do, they do only for the case below.
+bool is_example() { return std::getenv("PALPABLE_EXAMPLE") != nullptr; }
+
+TEST_CASE("one that cannot run", "[.][example]") {
+  if (is_example()) PALPABLE_SKIP("nothing is here");
+}
 TEST_CASE("one that passes", "[.][example]") { CHECK(true); }
-TEST_CASE("one that fails", "[.][example]") { CHECK(false); }
+TEST_CASE("one that fails", "[.][example]") { CHECK_FALSE(is_example()); }
 
 int exit_code_of(const std::string& cases) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
-  const int status = std::system(("'" + self + "' '" + cases + "' > /dev/null 2>&1").c_str());
+  const int status =
+      std::system(("PALPABLE_EXAMPLE=1 '" + self + "' '" + cases + "' > /dev/null 2>&1").c_str());
   return WEXITSTATUS(status);
 }
 
