@@ -27,8 +27,8 @@ struct FileOptions {
 /// @param options  outlives `command`
 void add_file_options(Command command, FileOptions& options);
 
-/// The first line of what takes minutes: name and size. A size that nobody touches is remarked on, on
-/// stderr, with the unit that is likely.
+/// The first line of what takes minutes: name and size. A size that nobody touches is remarked on,
+/// on stderr, with the unit that is likely.
 void print_size(const BodyDescription& description);
 
 /// Errors against the number of modes, sites that fall short, sizes, and the file.

@@ -660,7 +660,7 @@ def _(programs, folder):
 def _(programs, folder):
     bytes_ = programs.small_body().read_bytes()
     (folder / "cut.palpable").write_bytes(bytes_[: len(bytes_) * 2 // 3])
-    for words in (("inspect",), ("view", "--out", folder), ("live", "--source", folder, "--out", folder)):
+    for words in (("inspect",), ("view", "--out", folder), ("live", "--source", folder, "--out", folder / "out")):
         programs.refuses(words[0], folder / "cut.palpable", *words[1:], says=["cut.palpable", "truncated"])
 
 
@@ -834,7 +834,7 @@ def _(programs, folder):
                                "--edge", "0.02")
     assert re.search(r"\d+ nodes", result.stdout + result.stderr)
     assert (folder / "ball.msh").read_text().startswith("$MeshFormat")
-    programs.succeeds("mesh", folder / "ball.off", "-o", folder / "ten.msh", "--edge", "0.5", "--order", "2")
+    programs.succeeds("mesh", folder / "ball.off", "-o", folder / "ten.msh", "--edge", "0.1", "--order", "2")
     assert re.search(r"^\d+ 11 2 1 1( \d+){10}$", (folder / "ten.msh").read_text(), re.M)
 
 
@@ -1610,7 +1610,7 @@ def _(programs, folder):
             screen.type(window, "p")
             wait_for("a refusal", (folder / "err").read_text)
             refusal = (folder / "err").read_text()
-            assert refusal.startswith("palpable: cannot write ball_view_1.png") and refusal.count("\n") == 1, refusal
+            assert refusal.startswith("palpable: ball_view_1.png: its folder does not exist") and refusal.count("\n") == 1, refusal
             screen.resize(window, 640, 360)
             wait_for("a picture after it", lambda: screen.lit_share(window) > 0.9)
             assert program.poll() is None, "the window is closed"
@@ -1743,7 +1743,14 @@ def _(programs, folder):
                             source="boards"))
 
     programs.refuses(*words, says=["-o is needed"])
-    programs.refuses(*words, "-o", folder / "none/x.yml", says=["none/x.yml", "cannot be written"])
+    # Beside its pictures it may be made again; a picture is not replaced.
+    for _ in range(2):
+        programs.succeeds(*words, "-o", folder / "boards/own.yml")
+    picture = sorted((folder / "boards/left").iterdir())[0]
+    before = picture.read_bytes()
+    programs.refuses(*words, "-o", picture, says=[picture.name, "would be destroyed"])
+    assert picture.read_bytes() == before
+    programs.refuses(*words, "-o", folder / "none/x.yml", says=["none/x.yml", "does not exist"])
     programs.refuses(*words, "-o", folder / "x.yml", "--check", folder / "found.yml", says=["--check", "--output"])
     os.mkfifo(folder / "pipe.yml")
     programs.refuses(*words, "--check", folder / "pipe.yml", says=["pipe.yml is no calibration file"])

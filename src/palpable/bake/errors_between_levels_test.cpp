@@ -1,6 +1,5 @@
-#include "palpable/campaign/held_out.h"
-
 #include "palpable/bake/bake_body.h"
+#include "palpable/campaign/held_out.h"
 #include "tests/support/egg_body.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"

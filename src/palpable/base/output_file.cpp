@@ -19,8 +19,10 @@ constexpr int kMostLinks = 40;
 
 // @param output  as it was given, for the message
 void expect_folder_above(const fs::path& output, const fs::path& at) {
-  const fs::path folder = fs::absolute(at).parent_path();
   std::error_code error;
+  // Fails where the working folder itself is gone.
+  const fs::path folder = fs::absolute(at, error).parent_path();
+  if (error) throw Error(fmt::format("{}: its folder does not exist", output.string()));
   if (!fs::is_directory(folder, error)) {
     throw Error(fmt::format("{}: the folder {} does not exist", output.string(), folder.string()));
   }
@@ -38,8 +40,9 @@ void expect_writable(const fs::path& file) {
 
 bool lies_in(const fs::path& path, const fs::path& folder) {
   std::error_code error;
-  const fs::path inner = fs::weakly_canonical(fs::absolute(path), error);
-  const fs::path outer = fs::weakly_canonical(fs::absolute(folder), error);
+  const fs::path inner = fs::weakly_canonical(fs::absolute(path, error), error);
+  const fs::path outer = fs::weakly_canonical(fs::absolute(folder, error), error);
+  if (inner.empty() || outer.empty()) return false;  // the working folder is gone
   const fs::path relative = inner.lexically_relative(outer);
   return !relative.empty() && *relative.begin() != "..";
 }

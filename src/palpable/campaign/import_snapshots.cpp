@@ -1,9 +1,9 @@
 #include "palpable/campaign/import_snapshots.h"
 
 #include "palpable/base/error.h"
-#include "palpable/campaign/set_aside.h"
 #include "palpable/base/nearest_word.h"
 #include "palpable/campaign/fill_store.h"
+#include "palpable/campaign/set_aside.h"
 #include "palpable/describe/body_problem.h"
 #include "palpable/describe/toml_section.h"
 #include "palpable/mesh/field_files.h"

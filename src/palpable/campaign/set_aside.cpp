@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 std::uint64_t hash_of(const StoreContent& content) {
   Digest digest;
   for (const std::uint64_t key : content.keys) digest.add(&key, sizeof key);
+  digest.add(&content.linear_key, sizeof content.linear_key);
   return digest.value();
 }
 
@@ -29,17 +30,39 @@ fs::path aside_of(const fs::path& folder, const StoreContent& content) {
   return aside;
 }
 
-// By the names of their files, keys of the units that are there.
-std::map<std::string, std::uint64_t> units_there(const SnapshotStore& store) {
-  std::map<std::string, std::uint64_t> units;
+// By the names of files: what each was, or would be, computed from.
+using Keys = std::map<std::string, std::uint64_t>;
+
+Keys keys_of_units(const SnapshotStore& store) {
+  Keys keys;
   for (int u = 0; u < store.content().unit_count(); ++u) {
-    const fs::path file = store.unit_file(u);
-    std::error_code error;
-    if (fs::is_regular_file(file, error)) {
-      units.emplace(file.filename().string(), store.content().keys[u]);
-    }
+    keys.emplace(store.unit_file(u).filename().string(), store.content().keys[u]);
   }
-  return units;
+  return keys;
+}
+
+Keys keys_of_linear_responses(const SnapshotStore& store) {
+  Keys keys;
+  for (int k = 0; k < store.content().linear_file_count(); ++k) {
+    keys.emplace(store.linear_file(k).filename().string(), store.content().linear_key);
+  }
+  return keys;
+}
+
+Keys those_in(const fs::path& folder, Keys keys) {
+  std::erase_if(keys, [&](const auto& file) {
+    std::error_code error;
+    return !fs::is_regular_file(folder / file.first, error);
+  });
+  return keys;
+}
+
+Keys those_valid(Keys keys, const Keys& wanted) {
+  std::erase_if(keys, [&](const auto& file) {
+    const auto same = wanted.find(file.first);
+    return same == wanted.end() || same->second != file.second;
+  });
+  return keys;
 }
 
 void move_folder(const fs::path& from, const fs::path& to) {
@@ -68,17 +91,15 @@ std::optional<SetAside> set_aside_other_campaign(const fs::path& folder,
   if (!fs::exists(folder / "campaign.h5", error)) return std::nullopt;
   const SnapshotStore old = SnapshotStore::open(folder);
   const SnapshotStore now = SnapshotStore::attach(folder, content);
-  const std::map<std::string, std::uint64_t> there = units_there(old);
-  std::map<std::string, std::uint64_t> valid;
-  for (int u = 0; u < content.unit_count(); ++u) {
-    const auto unit = there.find(now.unit_file(u).filename().string());
-    if (unit != there.end() && unit->second == content.keys[u]) valid.insert(*unit);
-  }
-  if (valid.size() == there.size()) return std::nullopt;
+  const Keys units = those_in(folder, keys_of_units(old));
+  const Keys linear = those_in(folder, keys_of_linear_responses(old));
+  const Keys valid_units = those_valid(units, keys_of_units(now));
+  const Keys valid_linear = those_valid(linear, keys_of_linear_responses(now));
+  if (valid_units == units && valid_linear == linear) return std::nullopt;
 
   SetAside result{.folder = aside_of(folder, old.content()),
-                  .units = static_cast<int>(there.size()),
-                  .still_valid = static_cast<int>(valid.size())};
+                  .units = static_cast<int>(units.size()),
+                  .still_valid = static_cast<int>(valid_units.size())};
   move_folder(folder, result.folder);
   const fs::path own = aside_of(folder, content);
   if (fs::is_directory(own, error)) {
@@ -88,8 +109,10 @@ std::optional<SetAside> set_aside_other_campaign(const fs::path& folder,
     make_folder(folder);
     fs::copy_file(result.folder / "campaign.h5", folder / "campaign.h5", error);
   }
-  for (const auto& [name, key] : valid) {
-    if (!fs::exists(folder / name, error)) link_or_copy(result.folder / name, folder / name);
+  for (const Keys& valid : {valid_units, valid_linear}) {
+    for (const auto& [name, key] : valid) {
+      if (!fs::exists(folder / name, error)) link_or_copy(result.folder / name, folder / name);
+    }
   }
   return result;
 }

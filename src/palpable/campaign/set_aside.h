@@ -19,7 +19,8 @@ struct SetAside {
 
 /// Makes room for a campaign: where `folder` holds units that are none of its own, the folder is
 /// renamed by the hash of the campaign that they belong to. What was set aside for this very
-/// campaign earlier comes back; otherwise units that hold for both are linked into a new folder.
+/// campaign earlier comes back; otherwise units and linear responses that hold for both are linked
+/// into a new folder.
 /// @returns nothing where nothing had to move
 /// @throws Error when a folder cannot be renamed or a file cannot be linked
 std::optional<SetAside> set_aside_other_campaign(const std::filesystem::path& folder,

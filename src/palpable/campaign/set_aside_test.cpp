@@ -80,6 +80,37 @@ TEST_CASE("snapshots of an edited description are set aside and come back", "[ca
   CHECK(folders_in(folder.path()) == 2);
 }
 
+TEST_CASE("linear responses that hold for both descriptions stand in both folders",
+          "[campaign][aside]") {
+  const test::ScratchFolder folder("linear_aside");
+  const fs::path store = folder / "block.snapshots";
+  const auto with_linear = [](const std::vector<std::uint64_t>& keys, std::uint64_t linear_key) {
+    StoreContent content = campaign_of(keys);
+    content.linear = {0, 1};
+    content.linear_key = linear_key;
+    return content;
+  };
+  const SnapshotStore first = SnapshotStore::create(store, with_linear({1}, 10));
+  write_units(first);
+  const int vertices = static_cast<int>(first.content().fixed.size());
+  first.write_linear(0, Eigen::MatrixXf::Constant(3 * vertices, 2, 1e-6f));
+
+  REQUIRE(set_aside_other_campaign(store, with_linear({2}, 10)));
+  const SnapshotStore pressed = SnapshotStore::create(store, with_linear({2}, 10));
+  CHECK(pressed.why_not(0) == "missing");
+  CHECK(pressed.has_linear(0));
+
+  // The units are the same, but the linear responses are of other vertices.
+  write_units(pressed);
+  const auto moved = set_aside_other_campaign(store, with_linear({2}, 11));
+  REQUIRE(moved);
+  CHECK(moved->still_valid == 1);
+  const SnapshotStore other = SnapshotStore::create(store, with_linear({2}, 11));
+  CHECK(other.has(0));
+  CHECK_FALSE(other.has_linear(0));
+  CHECK(SnapshotStore::open(moved->folder).has_linear(0));
+}
+
 TEST_CASE("a campaign without a unit leaves nothing to set aside", "[campaign][aside]") {
   const test::ScratchFolder folder("nothing_aside");
   const fs::path store = folder / "block.snapshots";

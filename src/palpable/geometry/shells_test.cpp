@@ -36,9 +36,9 @@ TEST_CASE("a surface winds once round what it encloses", "[geometry][shells]") {
     INFO(point.transpose());
     CHECK(std::abs(winding_number(surface, point) - wanted) <= tolerance(1e-12, "rounding"));
   };
-  is({0.1, 0.2, 0.5}, 1.0);                // in the material
-  is({0.5, 0.5, 0.5}, 0.0);                // in the cavity
-  is({1.5, 0.5, 0.5}, 0.0);                // outside
+  is({0.1, 0.2, 0.5}, 1.0);  // in the material
+  is({0.5, 0.5, 0.5}, 0.0);  // in the cavity
+  is({1.5, 0.5, 0.5}, 0.0);  // outside
   CHECK(std::abs(winding_number(surface, {0.5, 0.5, 0.75 - 1e-9})) <=
         tolerance(1e-7, "a wall 1e-9 away, whose corners are rounded to 1e-16"));
   CHECK(std::abs(winding_number(flipped(box(0, 1)), {0.5, 0.5, 0.5}) + 1.0) <=
