@@ -114,18 +114,6 @@ void check(const Options& options, const BoardOrder& order) {
   }
 }
 
-// What may not be replaced. A .yml in the folder of the pictures is an earlier calibration, which
-// is made again here; all else in it is the source's.
-std::vector<fs::path> inputs_beside(const fs::path& output, const SourceOptions& source) {
-  std::vector<fs::path> inputs = inputs_of(source);
-  if (output.extension() != ".yml" && output.extension() != ".yaml") return inputs;
-  std::erase_if(inputs, [](const fs::path& input) {
-    std::error_code error;
-    return fs::is_directory(input, error);
-  });
-  return inputs;
-}
-
 void calibrate(const Options& options) {
   const BoardOrder order{request_of(options.source), pattern_of(options.board), options.views,
                          options.limits};
@@ -136,9 +124,7 @@ void calibrate(const Options& options) {
   if (options.output.empty() && !options.source.source.starts_with("/dev/")) {
     throw Error("-o is needed: the calibration file to write, e.g. -o calibration.yml");
   }
-  if (!options.output.empty()) {
-    guard_output_file(options.output, inputs_beside(options.output, options.source));
-  }
+  if (!options.output.empty()) guard_output_file(options.output, inputs_of(options.source));
   ProgressBar bar;
   const CalibratedSource made =
       calibrate_source(order, options.output, linux_video(), shown_by(bar));
