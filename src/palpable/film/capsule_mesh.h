@@ -2,7 +2,7 @@
 /// A capsule as triangles, to be drawn. Metres; the frame is the capsule's.
 #pragma once
 
-#include "palpable/script/capsule.h"
+#include "palpable/geometry/capsule.h"
 
 #include <Eigen/Core>
 

@@ -4,7 +4,7 @@
 
 #include "palpable/film/painted_mesh.h"
 #include "palpable/film/pixel_box.h"
-#include "palpable/script/capsule.h"
+#include "palpable/geometry/capsule.h"
 
 #include <Eigen/Core>
 

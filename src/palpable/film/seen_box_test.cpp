@@ -1,6 +1,6 @@
 #include "palpable/film/seen_box.h"
 
-#include "palpable/script/capsule.h"
+#include "palpable/geometry/capsule.h"
 #include "palpable/script/random.h"
 #include "tests/support/test.h"
 

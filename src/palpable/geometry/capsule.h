@@ -1,10 +1,13 @@
 /// @file
-/// Capsules. Synthetic scenes build hands, pencils and cups of them.
+/// Capsules: synthetic scenes build hands, pencils and cups of them, and the truth of touching is
+/// measured against them.
 ///
 /// Metres; the frame is the caller's.
 #pragma once
 
 #include <Eigen/Core>
+
+#include <span>
 
 namespace palpable {
 
@@ -17,5 +20,53 @@ struct Capsule {
   double ra = 0;  ///< >= 0
   double rb = 0;  ///< >= 0
 };
+
+/// The distance field of one capsule whose radii are > 0; made once, asked for many points.
+///
+/// In the half plane through the axis a point has the coordinates (axial, radial), measured from a.
+/// There the cone is a line that touches the circles round a and b:
+///
+///     its normal     (sine, cosine), with sine = (ra - rb) / length
+///     along the line along = cosine * axial - sine * radial: 0 where the line touches the circle
+///                    round a, along_end_ where it touches that round b
+///
+/// A point with along <= 0 is nearest to the sphere at a, one with along >= along_end_ to that at
+/// b, any other to the cone.
+class CapsuleField {
+ public:
+  explicit CapsuleField(const Capsule& capsule);
+
+  /// Distance of x to the capsule's surface, negative inside. Exact, in closed form.
+  [[nodiscard]] double distance(const Eigen::Vector3d& x) const;
+  /// Gradient of the distance at x: a unit vector that points outwards. On the axis, where the
+  /// field has a crease, one of the possible directions.
+  [[nodiscard]] Eigen::Vector3d normal(const Eigen::Vector3d& x) const;
+  /// Second derivative of the distance at x, 1/m: symmetric, positive semidefinite; 0 on the axis.
+  [[nodiscard]] Eigen::Matrix3d curvature(const Eigen::Vector3d& x) const;
+
+ private:
+  /// A point in the half plane through the axis.
+  struct Profile {
+    double axial, radial, along;
+  };
+  [[nodiscard]] Profile profile_of(const Eigen::Vector3d& x) const;
+
+  Capsule capsule_;
+  Eigen::Vector3d axis_ = Eigen::Vector3d::Zero();
+  double sine_ = 0, cosine_ = 1, along_end_ = 0;
+  bool is_sphere_ = false;
+};
+
+/// CapsuleField(capsule).distance(x).
+[[nodiscard]] double signed_distance(const Capsule& capsule, const Eigen::Vector3d& x);
+
+/// Signed distance to the union of the capsules, as the smallest of theirs. Exact outside; inside
+/// the true depth may be larger. Infinite without capsules.
+[[nodiscard]] double signed_distance(std::span<const Capsule> capsules, const Eigen::Vector3d& x);
+
+/// The t at which the ray origin + t * direction (unit) meets the union, by sphere tracing: to
+/// within 1e-6 m. Infinite when it meets nothing before t = reach.
+[[nodiscard]] double ray_distance(std::span<const Capsule> capsules, const Eigen::Vector3d& origin,
+                                  const Eigen::Vector3d& direction, double reach);
 
 }  // namespace palpable

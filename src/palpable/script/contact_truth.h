@@ -2,7 +2,7 @@
 /// The truth of touching: the surface of a hand or a thing against the undeformed body.
 #pragma once
 
-#include "palpable/script/capsule.h"
+#include "palpable/geometry/capsule.h"
 #include "palpable/script/desk_body.h"
 
 #include <Eigen/Core>

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "palpable/geometry/rigid.h"
-#include "palpable/script/capsule.h"
+#include "palpable/geometry/capsule.h"
 
 #include <array>
 #include <vector>

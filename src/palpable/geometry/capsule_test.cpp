@@ -1,4 +1,4 @@
-#include "palpable/script/capsule.h"
+#include "palpable/geometry/capsule.h"
 
 #include "tests/support/test.h"
 
@@ -44,7 +44,8 @@ double sampled_distance(const Capsule& c, const Eigen::Vector3d& x) {
 
 }  // namespace
 
-TEST_CASE("the distance to a capsule is the distance to the nearest sphere it sweeps", "[script]") {
+TEST_CASE("the distance to a capsule is the distance to the nearest sphere it sweeps",
+          "[geometry]") {
   for (unsigned seed = 0; seed < 30; ++seed) {
     INFO("seed " << seed);
     const Capsule c = some_capsule(seed);
@@ -62,7 +63,7 @@ TEST_CASE("the distance to a capsule is the distance to the nearest sphere it sw
   }
 }
 
-TEST_CASE("a straight capsule has the closed form of segment and radius", "[script]") {
+TEST_CASE("a straight capsule has the closed form of segment and radius", "[geometry]") {
   const Capsule c{{0, 0, 0}, {2, 0, 0}, 0.5, 0.5};
   CHECK(signed_distance(c, {1, 0, 3}) == 2.5);
   CHECK(signed_distance(c, {-4, 0, 0}) == 3.5);
@@ -70,13 +71,13 @@ TEST_CASE("a straight capsule has the closed form of segment and radius", "[scri
   CHECK(signed_distance(c, {5, 4, 0}) == 4.5);
 }
 
-TEST_CASE("a sphere within a sphere is the larger sphere", "[script]") {
+TEST_CASE("a sphere within a sphere is the larger sphere", "[geometry]") {
   const Capsule c{{0, 0, 0}, {0.1, 0, 0}, 1.0, 0.2};
   CHECK(signed_distance(c, {3, 0, 0}) == 2.0);
   CHECK(CapsuleField(c).normal({3, 0, 0}) == Eigen::Vector3d::UnitX());
 }
 
-TEST_CASE("nothing is infinitely far, and a union is as near as its nearest part", "[script]") {
+TEST_CASE("nothing is infinitely far, and a union is as near as its nearest part", "[geometry]") {
   CHECK(signed_distance(std::vector<Capsule>{}, {0, 0, 0}) ==
         std::numeric_limits<double>::infinity());
   const std::vector<Capsule> two = {some_capsule(1), some_capsule(2)};
@@ -85,7 +86,7 @@ TEST_CASE("nothing is infinitely far, and a union is as near as its nearest part
         std::min(signed_distance(two[0], x), signed_distance(two[1], x)));
 }
 
-TEST_CASE("the normal is the gradient of the distance", "[script]") {
+TEST_CASE("the normal is the gradient of the distance", "[geometry]") {
   for (unsigned seed = 0; seed < 20; ++seed) {
     INFO("seed " << seed);
     const Capsule c = some_capsule(seed);
@@ -102,10 +103,33 @@ TEST_CASE("the normal is the gradient of the distance", "[script]") {
   }
 }
 
-TEST_CASE("a ray meets a capsule where its surface is, and misses what is beside it", "[script]") {
+TEST_CASE("a ray meets a capsule where its surface is, and misses what is beside it",
+          "[geometry]") {
   const std::vector<Capsule> hand = {{{0, 0, 5}, {2, 0, 5}, 0.5, 0.5}};
   CHECK(std::abs(ray_distance(hand, {1, 0, 0}, {0, 0, 1}, 100) - 4.5) <=
         tolerance(1e-6, "where sphere tracing stops"));
   CHECK(std::isinf(ray_distance(hand, {1, 2, 0}, {0, 0, 1}, 100)));
   CHECK(std::isinf(ray_distance(hand, {1, 0, 0}, {0, 0, 1}, 4.0)));
+}
+
+TEST_CASE("normal and curvature of a capsule's distance are its derivatives", "[geometry]") {
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    INFO("seed " << seed);
+    const Capsule c = some_capsule(seed);
+    const CapsuleField field(c);
+    auto random = random_case(seed + 2000);
+    for (int i = 0; i < 5; ++i) {
+      const Eigen::Vector3d x = c.a + some_point(random, 1.5);
+      const Eigen::Matrix3d curvature = field.curvature(x);
+      for (int axis = 0; axis < 3; ++axis) {
+        const Eigen::Vector3d step = 1e-6 * Eigen::Vector3d::Unit(axis);
+        const Eigen::Vector3d slope = (field.normal(x + step) - field.normal(x - step)) / 2e-6;
+        const double change = (field.distance(x + step) - field.distance(x - step)) / 2e-6;
+        CHECK(std::abs(change - field.normal(x)[axis]) <=
+              tolerance(1e-7, "central differences of 1e-6"));
+        CHECK((slope - curvature.col(axis)).norm() <=
+              tolerance(1e-5, "central differences of 1e-6, points near the axis"));
+      }
+    }
+  }
 }

@@ -1,4 +1,4 @@
-#include "palpable/script/capsule.h"
+#include "palpable/geometry/capsule.h"
 
 #include <Eigen/Geometry>
 
@@ -55,6 +55,26 @@ Eigen::Vector3d CapsuleField::normal(const Eigen::Vector3d& x) const {
   if (p.along >= along_end_) return unit_or(x - b, any);
   const Eigen::Vector3d outwards = unit_or(x - a - p.axial * axis_, axis_.unitOrthogonal());
   return cosine_ * outwards + sine_ * axis_;
+}
+
+Eigen::Matrix3d CapsuleField::curvature(const Eigen::Vector3d& x) const {
+  const auto& [a, b, ra, rb] = capsule_;
+  // Of |x - c|.
+  const auto of_sphere = [&](const Eigen::Vector3d& c) -> Eigen::Matrix3d {
+    const double radius = (x - c).norm();
+    if (radius < 1e-12) return Eigen::Matrix3d::Zero();
+    const Eigen::Vector3d n = (x - c) / radius;
+    return (Eigen::Matrix3d::Identity() - n * n.transpose()) / radius;
+  };
+  if (is_sphere_) return of_sphere(ra >= rb ? a : b);
+  const Profile p = profile_of(x);
+  if (p.along <= 0.0) return of_sphere(a);
+  if (p.along >= along_end_) return of_sphere(b);
+  if (p.radial < 1e-12) return Eigen::Matrix3d::Zero();
+  // A cone bends round its axis only.
+  const Eigen::Vector3d outwards = (x - a - p.axial * axis_) / p.radial;
+  const Eigen::Vector3d around = axis_.cross(outwards);
+  return cosine_ / p.radial * around * around.transpose();
 }
 
 double signed_distance(const Capsule& capsule, const Eigen::Vector3d& x) {
