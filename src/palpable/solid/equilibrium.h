@@ -242,6 +242,7 @@ class EquilibriumSolver {
                                                const Eigen::Matrix3Xd& du) const;
 
   struct Core;  ///< what all calls share (solver_core.h); internal to this module
+  [[nodiscard]] const Core& core() const { return *core_; }
 
  private:
   std::unique_ptr<const Core> core_;

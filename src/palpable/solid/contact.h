@@ -1,0 +1,102 @@
+/// @file
+/// The full answer of a hyperelastic body to rigid obstacles: unilateral, frictionless contact at
+/// the contact points of its skin (contact_points.h), by an augmented Lagrangian (contact_pairs.h).
+///
+///     internal_force(u) = preload + sum f_i n_i N(x_i)        at the free nodes
+///     g_i(u) >= 0,   f_i >= 0,   g_i f_i = 0                  at every contact point
+///
+///   N  nodes      u  displacement, (3 x N) m      t  time along the obstacle's way
+///
+/// Newton's method with a line search on the Lagrangian, conjugate gradients for its steps; the
+/// factor that preconditions them is one of the tangent with the contact's stiffness in it.
+#pragma once
+
+#include "palpable/solid/contact_points.h"
+#include "palpable/solid/equilibrium.h"
+#include "palpable/solid/obstacle.h"
+
+#include <Eigen/Core>
+
+#include <limits>
+#include <memory>
+#include <string>
+
+namespace palpable {
+
+struct ContactSettings {
+  /// Of the residual at the free nodes, relative to the contact's forces (or those that hold the
+  /// body, if larger).
+  double tolerance = 1e-7;
+  /// Of the body's size, the diagonal of its box: how far a contact point may be inside.
+  double largest_entry = 1e-6;
+  /// m between contact points; 0: half the smallest radius of the obstacle, but no more than a
+  /// third of the skin's mean edge. A tip that is smaller than the spacing passes between them.
+  double spacing = 0;
+  /// Of the nodes' own stiffness: the penalty of a contact point. More means fewer updates of the
+  /// multipliers, and worse conditioned steps.
+  double penalty = 200;
+  int max_newton_steps = 40;    ///< of one update
+  int max_updates = 30;         ///< of the multipliers
+  int max_halvings = 7;         ///< of a step in t, in succession
+  int refresh_iterations = 30;  ///< a Newton step that takes more gets a new factor after it
+  int max_cg_iterations = 400;  ///< of one Newton step
+};
+
+/// A state of the body against the obstacle.
+struct ContactState {
+  Eigen::Matrix3Xd displacement;  ///< (3 x N) m
+  double t = 0;
+  double energy = 0;  ///< stored, J
+  /// N, of the obstacle on the body, and the place where it acts: the mean of the contact points by
+  /// their forces, m; NaN without force.
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d centre = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  int touching = 0;         ///< pairs of contact points and obstacle parts with force
+  double smallest_gap = 0;  ///< m, of all contact points; not below -largest_entry * size
+  /// m, >= 0: how deep the obstacle is at worst between the contact points, on a grid four times as
+  /// fine.
+  double entry_between = 0;
+  double smallest_force = 0;   ///< N, of all contact points: >= 0
+  double complementarity = 0;  ///< largest |g f| over (size * the sum of all f)
+  double residual = 0;         ///< relative, as ContactSettings::tolerance
+  double smallest_volume_ratio = 1;
+  int steps = 0;          ///< in t, since the state before
+  int updates = 0;        ///< of multipliers, likewise
+  int newton_steps = 0;   ///< likewise
+  int cg_iterations = 0;  ///< likewise
+  int factors = 0;        ///< made, likewise
+};
+
+/// Follows an obstacle on its way. Several may share one solver, each in a thread of its own.
+class ContactWalk {
+ public:
+  /// Begins at `begin`, where the obstacle should not touch yet; if it does, the body is pressed
+  /// out of it at once, as far as Newton's method can.
+  /// @param solver     outlives this
+  /// @param preloaded  see PathOptions; nullptr: the undeformed body. Outlives this
+  ContactWalk(const EquilibriumSolver& solver, ObstacleMotion motion, double begin,
+              const ContactSettings& settings = {}, const Preloaded* preloaded = nullptr);
+  ~ContactWalk();
+  ContactWalk(ContactWalk&&) noexcept;
+  ContactWalk& operator=(ContactWalk&&) noexcept;
+
+  /// The state at time t, by one step, or by halves of it where that fails. False: now() is the
+  /// last state that was reached, why_stopped() says why there is no further one.
+  bool advance(double t);
+
+  [[nodiscard]] const ContactState& now() const;
+  [[nodiscard]] Stop stop() const;
+  [[nodiscard]] const std::string& why_stopped() const;  ///< empty where nothing failed
+
+  /// (3 x N) N of the obstacle at the nodes, at now().
+  [[nodiscard]] Eigen::Matrix3Xd nodal_forces() const;
+
+  [[nodiscard]] double spacing() const;    ///< m, of the contact points
+  [[nodiscard]] double body_size() const;  ///< m
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace palpable

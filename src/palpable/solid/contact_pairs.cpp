@@ -1,0 +1,157 @@
+#include "palpable/solid/contact_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace palpable {
+
+using Eigen::Matrix3d;
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+namespace {
+
+auto key(const ContactPair& pair) { return std::tuple(pair.point, pair.part); }
+
+std::vector<int> parts_near(const ObstacleGaps& gaps, const Matrix3Xd& positions, double margin) {
+  const Eigen::AlignedBox3d box(positions.rowwise().minCoeff() - Vector3d::Constant(margin),
+                                positions.rowwise().maxCoeff() + Vector3d::Constant(margin));
+  std::vector<int> parts;
+  for (int part = 0; part < gaps.part_count(); ++part) {
+    if (gaps.may_reach(part, box)) parts.push_back(part);
+  }
+  return parts;
+}
+
+bool comes_before(const ContactPair& a, const ContactPair& b) { return key(a) < key(b); }
+
+}  // namespace
+
+ContactPairs::ContactPairs(const TetAssembly& assembly, const Boundary& boundary,
+                           const ContactPoints& points, const VectorXd& penalties)
+    : boundary_(boundary),
+      points_(points),
+      penalties_(penalties),
+      free_of_node_(assembly.node_count(), -1) {
+  const std::vector<int>& free = assembly.free_nodes();
+  for (std::size_t m = 0; m < free.size(); ++m) free_of_node_[free[m]] = static_cast<int>(m);
+  assembly.gather(Matrix3Xd::Ones(3, assembly.node_count()), mask_);
+}
+
+bool ContactPairs::has(int point, int part) const {
+  return std::binary_search(pairs_.begin(), pairs_.end(),
+                            ContactPair{.point = point, .part = part, .gap = {}}, comes_before);
+}
+
+int ContactPairs::find(const ObstacleGaps& gaps, const Matrix3Xd& positions, double margin) {
+  std::vector<ContactPair> fresh;
+  const SurfaceMesh& skin = boundary_.surface;
+  const std::vector<int> parts = parts_near(gaps, positions, margin);
+  for (int t = 0; t < skin.triangle_count(); ++t) {
+    const auto corner = [&](int k) -> Vector3d {
+      return positions.col(boundary_.node_of_vertex[skin.triangles(k, t)]);
+    };
+    const Vector3d centre = (corner(0) + corner(1) + corner(2)) / 3.0;
+    double radius = 0.0;
+    for (int k = 0; k < 3; ++k) radius = std::max(radius, (corner(k) - centre).norm());
+    for (const int part : parts) {
+      if (gaps.distance(part, centre) > radius + margin) continue;
+      for (int i = points_.first[t]; i < points_.first[t + 1]; ++i) {
+        const int point = points_.of_triangle[i];
+        const Vector3d x = place(points_.points[point], positions);
+        const double distance = gaps.distance(part, x);
+        if (distance > margin || has(point, part)) continue;
+        fresh.push_back({.point = point, .part = part, .penalty = penalties_[point], .gap = {}});
+        fresh.back().gap.distance = distance;
+      }
+    }
+  }
+  // A point on an edge belongs to several triangles.
+  std::sort(fresh.begin(), fresh.end(), comes_before);
+  const auto same = [](const ContactPair& a, const ContactPair& b) { return key(a) == key(b); };
+  fresh.erase(std::unique(fresh.begin(), fresh.end(), same), fresh.end());
+  const auto touches = [](const ContactPair& pair) { return pair.gap.distance < 0.0; };
+  const auto touching = std::count_if(fresh.begin(), fresh.end(), touches);
+
+  std::erase_if(pairs_, [&](const ContactPair& pair) {
+    const Vector3d x = place(points_.points[pair.point], positions);
+    return pair.multiplier == 0.0 && gaps.distance(pair.part, x) > 2.0 * margin;
+  });
+  pairs_.insert(pairs_.end(), fresh.begin(), fresh.end());
+  std::sort(pairs_.begin(), pairs_.end(), comes_before);
+  return static_cast<int>(touching);
+}
+
+double ContactPairs::evaluate(const ObstacleGaps& gaps, const Matrix3Xd& positions, bool glued) {
+  double energy = 0.0;
+  for (ContactPair& pair : pairs_) {
+    pair.gap = gaps.gap(pair.part, place(points_.points[pair.point], positions));
+    pair.force = pair.multiplier - pair.penalty * pair.gap.distance;
+    if (!(glued && pair.multiplier > 0.0)) pair.force = std::max(0.0, pair.force);
+    energy += 0.5 / pair.penalty * (pair.force + pair.multiplier) * (pair.force - pair.multiplier);
+  }
+  return energy;
+}
+
+void ContactPairs::add_forces(Matrix3Xd& force) const {
+  for (const ContactPair& pair : pairs_) {
+    if (pair.force == 0.0) continue;
+    const ContactPoint& point = points_.points[pair.point];
+    for (int k = 0; k < point.count; ++k) {
+      force.col(point.nodes[k]) += point.shape[k] * pair.force * pair.gap.normal;
+    }
+  }
+}
+
+void ContactPairs::add_product(const VectorXd& x, bool bent, VectorXd& y) const {
+  for (const ContactPair& pair : pairs_) {
+    if (pair.force == 0.0) continue;
+    const ContactPoint& point = points_.points[pair.point];
+    Vector3d moves = Vector3d::Zero();
+    for (int k = 0; k < point.count; ++k) {
+      const int free = free_of_node_[point.nodes[k]];
+      if (free >= 0) moves += point.shape[k] * x.segment<3>(3 * free);
+    }
+    Vector3d pull = pair.penalty * pair.gap.normal.dot(moves) * pair.gap.normal;
+    if (bent) pull -= pair.force * (pair.gap.curvature * moves);
+    for (int k = 0; k < point.count; ++k) {
+      const int free = free_of_node_[point.nodes[k]];
+      if (free < 0) continue;
+      y.segment<3>(3 * free) += point.shape[k] * pull.cwiseProduct(mask_.segment<3>(3 * free));
+    }
+  }
+}
+
+void ContactPairs::add_tangent(BlockMatrix& K) const {
+  for (const ContactPair& pair : pairs_) {
+    if (pair.force == 0.0) continue;
+    const ContactPoint& point = points_.points[pair.point];
+    const Vector3d n = pair.gap.normal;
+    for (int i = 0; i < point.count; ++i) {
+      const int row = free_of_node_[point.nodes[i]];
+      if (row < 0) continue;
+      for (int j = 0; j < point.count; ++j) {
+        const int column = free_of_node_[point.nodes[j]];
+        if (column < 0) continue;
+        const Vector3d left = n.cwiseProduct(mask_.segment<3>(3 * row));
+        const Vector3d right = n.cwiseProduct(mask_.segment<3>(3 * column));
+        // Nodes of one face share a tetrahedron, so the block is there.
+        K.block(K.pattern().find(row, column)) +=
+            point.shape[i] * point.shape[j] * pair.penalty * left * right.transpose();
+      }
+    }
+  }
+}
+
+double ContactPairs::update_multipliers() {
+  double largest = 0.0;
+  for (ContactPair& pair : pairs_) {
+    largest = std::max(largest, std::abs(pair.force - pair.multiplier) / pair.penalty);
+    pair.multiplier = pair.force;
+  }
+  return largest;
+}
+
+}  // namespace palpable

@@ -1,0 +1,83 @@
+/// @file
+/// Augmented Lagrangian of unilateral, frictionless contact: what each contact point and each part
+/// of the obstacle add to energy, forces and tangent.
+/// Internal to this module; contact.h is what others use.
+///
+///     g >= 0, p >= 0, g p = 0      g  gap of a point x to a part, m      p  its force, N
+///
+///     L(u, p) = Psi(u) + sum 1/(2 k) ( max(0, p - k g(u))^2 - p^2 ),    k  penalty, N/m
+///
+/// At a minimum over u the force f = max(0, p - k g) balances the body; p <- f then brings both
+/// closer, by a factor of about 1 / (1 + k * compliance) each time (Alart and Curnier, Comput.
+/// Methods Appl. Mech. Eng. 92, 1991). At the end g f = 0 to rounding, whatever k is.
+#pragma once
+
+#include "palpable/solid/block_matrix.h"
+#include "palpable/solid/contact_points.h"
+#include "palpable/solid/obstacle.h"
+#include "palpable/solid/tet_assembly.h"
+
+#include <Eigen/Core>
+
+#include <utility>
+#include <vector>
+
+namespace palpable {
+
+/// One contact point against one part of the obstacle.
+struct ContactPair {
+  int point = 0, part = 0;
+  double penalty = 0;     ///< N/m
+  double multiplier = 0;  ///< N, >= 0
+  Gap gap;                ///< at the last evaluation
+  double force = 0;       ///< N, along the gap's normal, on the body
+};
+
+/// The pairs that are near enough to matter, and their sums.
+class ContactPairs {
+ public:
+  /// All arguments outlive this.
+  /// @param penalties  (C) N/m of each point
+  ContactPairs(const TetAssembly& assembly, const Boundary& boundary, const ContactPoints& points,
+               const Eigen::VectorXd& penalties);
+
+  [[nodiscard]] const std::vector<ContactPair>& pairs() const { return pairs_; }
+
+  /// Sees to it that all pairs nearer than `margin` are there, and forgets those without force that
+  /// are farther. @returns how many that touch (gap below 0) are new
+  int find(const ObstacleGaps& gaps, const Eigen::Matrix3Xd& positions, double margin);
+
+  /// Gaps and forces at `positions`. @returns sum of 1/(2 k) (f^2 - p^2), J
+  /// @param glued  points that were pressed stay on the obstacle: f = p - k g may pull, too
+  double evaluate(const ObstacleGaps& gaps, const Eigen::Matrix3Xd& positions, bool glued = false);
+
+  /// Adds the forces of the last evaluation to those of the nodes, (3 x N) N.
+  void add_forces(Eigen::Matrix3Xd& force) const;
+
+  /// y += tangent x, both (3M) in the free directions, after evaluate().
+  /// @param bent  with the curvature of the obstacle: the whole derivative, which may lack
+  ///              positive definiteness; else without it
+  void add_product(const Eigen::VectorXd& x, bool bent, Eigen::VectorXd& y) const;
+
+  /// K += tangent without the curvature.
+  void add_tangent(BlockMatrix& K) const;
+
+  /// p <- f. @returns the largest |f - p| / k, m: how far points are inside, or forces at points
+  /// that are outside still have to fall
+  double update_multipliers();
+
+  /// Puts pairs back as they were, after a step that failed.
+  void restore(std::vector<ContactPair> pairs) { pairs_ = std::move(pairs); }
+
+ private:
+  [[nodiscard]] bool has(int point, int part) const;
+
+  const Boundary& boundary_;
+  const ContactPoints& points_;
+  const Eigen::VectorXd& penalties_;
+  std::vector<int> free_of_node_;
+  Eigen::VectorXd mask_;            // (3M) 1, and 0 in held directions
+  std::vector<ContactPair> pairs_;  // ordered by point, then part
+};
+
+}  // namespace palpable

@@ -1,0 +1,75 @@
+#include "palpable/solid/obstacle.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace palpable {
+
+using Eigen::Vector3d;
+
+Capsule ball(const Vector3d& centre, double radius) { return {centre, centre, radius, radius}; }
+
+Obstacle moved(Obstacle obstacle, const Rigid3& target_from_source) {
+  for (Capsule& capsule : obstacle.capsules) {
+    capsule.a = target_from_source * capsule.a;
+    capsule.b = target_from_source * capsule.b;
+  }
+  for (HalfSpace& half : obstacle.half_spaces) {
+    half.point = target_from_source * half.point;
+    half.normal = target_from_source.linear() * half.normal;
+  }
+  for (PlacedSurface& surface : obstacle.surfaces) {
+    surface.body_from_shape = target_from_source * surface.body_from_shape;
+  }
+  return obstacle;
+}
+
+double smallest_radius(const Obstacle& obstacle) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Capsule& capsule : obstacle.capsules) {
+    smallest = std::min({smallest, capsule.ra, capsule.rb});
+  }
+  return smallest;
+}
+
+ObstacleGaps::ObstacleGaps(Obstacle obstacle) : obstacle_(std::move(obstacle)) {
+  capsules_.reserve(obstacle_.capsules.size());
+  for (const Capsule& capsule : obstacle_.capsules) capsules_.emplace_back(capsule);
+}
+
+double ObstacleGaps::distance(int part, const Vector3d& x) const {
+  if (part < static_cast<int>(capsules_.size())) return capsules_[part].distance(x);
+  return gap(part, x).distance;
+}
+
+bool ObstacleGaps::may_reach(int part, const Eigen::AlignedBox3d& box) const {
+  if (part >= static_cast<int>(capsules_.size())) return true;
+  const Capsule& capsule = obstacle_.capsules[part];
+  const double radius = std::max(capsule.ra, capsule.rb);
+  Eigen::AlignedBox3d own(capsule.a);
+  own.extend(capsule.b);
+  own.min().array() -= radius;
+  own.max().array() += radius;
+  return own.intersects(box);
+}
+
+Gap ObstacleGaps::gap(int part, const Vector3d& x) const {
+  const int capsules = static_cast<int>(capsules_.size());
+  if (part < capsules) {
+    const CapsuleField& field = capsules_[part];
+    return {field.distance(x), field.normal(x), field.curvature(x)};
+  }
+  const int halves = static_cast<int>(obstacle_.half_spaces.size());
+  if (part < capsules + halves) {
+    const HalfSpace& half = obstacle_.half_spaces[part - capsules];
+    return {half.normal.dot(x - half.point), half.normal, Eigen::Matrix3d::Zero()};
+  }
+  const PlacedSurface& surface = obstacle_.surfaces[part - capsules - halves];
+  const NearestOnSurface nearest =
+      surface.shape->nearest(surface.body_from_shape.inverse(Eigen::Isometry) * x);
+  return {nearest.distance, surface.body_from_shape.linear() * nearest.normal,
+          Eigen::Matrix3d::Zero()};
+}
+
+}  // namespace palpable
