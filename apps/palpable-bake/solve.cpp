@@ -5,6 +5,7 @@
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
+#include "apps/palpable-bake/solve_obstacle.h"
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
 #include "palpable/campaign/press_solver.h"
@@ -29,6 +30,7 @@ struct Options {
   int site = 0;
   double level = 1.0;
   int order = 0;  // as the description says
+  ObstacleOptions obstacle;
 };
 
 // The description's levels below the one that is asked for, and that one.
@@ -127,21 +129,32 @@ void print_path(const Options& options, const BodyProblem& problem, const PathRe
   if (!path.complete) fmt::print("{}\n", path.why_stopped);
 }
 
+// The body under what acts before anybody presses it.
+PressSolver preloaded(const Options& options, const EquilibriumSolver& solver,
+                      const BodyProblem& problem) {
+  try {
+    return PressSolver(solver, problem.preload);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", options.description, error.what()));
+  }
+}
+
 void solve(const Options& options) {
   const auto begin = std::chrono::steady_clock::now();
   BodyDescription description = read_description(options.description);
   guard_output_file(options.output, {options.description, description.shape.file});
   print_size(description);
   const BodyProblem problem = posed(options, description);
-  refuse_press_through(description, problem);
   const EquilibriumSolver solver(problem.model);
-  const PressSolver presses = [&] {
-    try {
-      return PressSolver(solver, problem.preload);
-    } catch (const Error& error) {
-      throw Error(fmt::format("{}: {}", options.description, error.what()));
-    }
-  }();
+  const PressSolver presses = preloaded(options, solver, problem);
+  if (options.obstacle.obstacles.empty() && !options.obstacle.pose_file.empty()) {
+    throw Error("--pose: says where an --obstacle goes; there is none");
+  }
+  if (!options.obstacle.obstacles.empty()) {
+    solve_obstacle(options.obstacle, options.output, problem, presses);
+    return;
+  }
+  refuse_press_through(description, problem);
   print_problem(description, problem, presses, options.site);
   const TetMesh& mesh = solver.model().mesh;
   const Eigen::Matrix3Xd unit =
@@ -195,7 +208,29 @@ void add_solve(Command app) {
                   "1: 4-node tetrahedra; 2: 10-node ones, far more accurate (default: what 'order' "
                   "in the description says)")
       .in_range(1, 2);
-  command.footer("Example: palpable solve bodies/bunny-demo.toml --site 5 --level 0.7 -o x.vtu");
+  command.add_option("--obstacle", options->obstacle.obstacles,
+                     "Instead of a site: a rigid thing that presses the body on its way from 'at' "
+                     "to 'to', \"sphere 8mm at 0,0,0.16 to 0,0,0.14\", \"capsule R,R at X,Y,Z and "
+                     "X,Y,Z to X,Y,Z\", \"plane NORMAL at X,Y,Z to X,Y,Z\" (m, body frame), or a "
+                     "closed surface's file; may be given several times");
+  command
+      .add_option("--pose", options->obstacle.pose_file,
+                  "Where surfaces among the obstacles go: lines \"time tx ty tz qx qy qz qw\", "
+                  "body_from_surface")
+      .type_name("FILE");
+  command.add_option("--steps", options->obstacle.steps, "Steps in which obstacles go their way")
+      .in_range(1, 10000)
+      .show_default();
+  command
+      .add_option("--spacing", options->obstacle.spacing_mm,
+                  "Between contact points, mm (0: a third of the skin's edges, at most half the "
+                  "smallest radius)")
+      .in_range(0.0, 1e3)
+      .show_default();
+  command.footer(
+      "Example: palpable solve bodies/bunny-demo.toml --obstacle \"sphere 8mm at "
+      "0.02,0,0.105 to 0.02,0,0.085\" -o x.vtu\n"
+      "Example: palpable solve bodies/bunny-demo.toml --site 5 --level 0.7 -o x.vtu");
   command.callback([options] { solve(*options); });
 }
 

@@ -107,8 +107,10 @@ class TrueSkins {
     std::error_code error;
     if (fs::exists(file, error)) {
       const ValuedSurface there = value_or_throw(read_valued_ply(file, kVonMisesProperty));
-      const bool same =
-          there.surface.vertices == rest.vertices && there.surface.triangles == rest.triangles;
+      const bool same = there.surface.vertices.cols() == rest.vertices.cols() &&
+                        there.surface.triangles.cols() == rest.triangles.cols() &&
+                        there.surface.vertices == rest.vertices &&
+                        there.surface.triangles == rest.triangles;
       if (same) return;
       throw Error(fmt::format("{}: is the truth of another body or mesh; remove {} to solve anew",
                               file.string(), folder_.string()));

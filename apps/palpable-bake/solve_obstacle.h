@@ -1,0 +1,25 @@
+/// @file
+/// palpable solve BODY.toml --obstacle "sphere 8mm at ... to ...": contact instead of a load.
+#pragma once
+
+#include "palpable/campaign/press_solver.h"
+#include "palpable/describe/body_problem.h"
+
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+
+struct ObstacleOptions {
+  std::vector<std::string> obstacles;
+  std::string pose_file;
+  int steps = 10;
+  double spacing_mm = 0;  // 0: as ContactSettings has it
+};
+
+/// Follows the obstacles on their way, prints a table of the steps and writes the last state.
+/// @throws Error when not even the first step can be made
+void solve_obstacle(const ObstacleOptions& options, const std::string& output,
+                    const BodyProblem& problem, const PressSolver& presses);
+
+}  // namespace palpable::app
