@@ -34,6 +34,7 @@ void add_bench(Command app) {
   add_bench_campaign(bench);
   add_bench_solid(bench);
   add_bench_elements(bench);
+  add_bench_obstacle(bench);
   add_bench_reduce(bench);
 }
 

@@ -15,6 +15,7 @@ void add_bench_bake(Command bench);
 void add_bench_beam(Command bench);
 void add_bench_campaign(Command bench);
 void add_bench_elements(Command bench);
+void add_bench_obstacle(Command bench);
 void add_bench_reduce(Command bench);
 void add_bench_solid(Command bench);
 

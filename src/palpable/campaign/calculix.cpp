@@ -295,7 +295,8 @@ std::optional<fs::path> find_calculix(std::string_view program) {
 CalculixRun solve_with_calculix(const SolidModel& model, const Matrix3Xd& full_load,
                                 std::span<const double> levels, const CalculixSettings& settings,
                                 const Progress& progress) {
-  const std::string deck = calculix_deck(model, full_load, levels, settings.tolerance);
+  const std::string deck = calculix_deck(model, full_load, levels, settings.tolerance,
+                                         settings.lid ? &*settings.lid : nullptr);
   const std::optional<fs::path> program = find_calculix(settings.program);
   if (!program) {
     throw Error(fmt::format(

@@ -32,6 +32,7 @@ struct CalculixSettings {
   /// Where deck and results go; made if absent, overwritten, kept. Empty: a temporary folder, which
   /// is removed, also when something fails.
   std::filesystem::path folder;
+  std::optional<CalculixLid> lid = {};  ///< presses the body's skin
 };
 
 struct CalculixRun {

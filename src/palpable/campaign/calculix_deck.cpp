@@ -29,7 +29,8 @@ std::string number(double value) {
   return text;
 }
 
-void check_input(const SolidModel& model, const Matrix3Xd& load, std::span<const double> levels) {
+void check_input(const SolidModel& model, const Matrix3Xd& load, std::span<const double> levels,
+                 bool pressed) {
   check_model(model);
   if (load.cols() != model.mesh.node_count()) {
     throw Error(fmt::format("the load has {} nodal forces and the body {} nodes", load.cols(),
@@ -39,7 +40,7 @@ void check_input(const SolidModel& model, const Matrix3Xd& load, std::span<const
   const std::vector<HeldComponent> held = held_components(model);
   const bool moved = std::any_of(held.begin(), held.end(),
                                  [](const HeldComponent& h) { return h.displacement != 0.0; });
-  if (load.isZero(0) && !moved) { throw Error("the load is zero; give a force"); }
+  if (load.isZero(0) && !moved && !pressed) { throw Error("the load is zero; give a force"); }
   double before = 0.0;
   for (const double level : levels) {
     PALPABLE_EXPECT(level > before && std::isfinite(level), "levels are above 0 and increase");
@@ -102,6 +103,49 @@ void write_materials(const SolidModel& model, const CalculixUnits& units, std::s
   }
 }
 
+// A box of one element behind the skin's nodes, numbered after the body's.
+void write_lid(const SolidModel& model, const CalculixLid& lid, const CalculixUnits& units,
+               std::string& deck) {
+  const auto out = std::back_inserter(deck);
+  const int N = model.mesh.node_count(), E = model.mesh.tet_count();
+  const Eigen::Vector3d back = -lid.normal, u = back.unitOrthogonal(), v = back.cross(u);
+  deck += "*NODE, NSET=NLID\n";
+  for (int k = 0; k < 8; ++k) {
+    // The pressing face first, anticlockwise seen from inside the box.
+    const double along_u = k % 4 == 1 || k % 4 == 2 ? 0.5 : -0.5, along_v = k % 4 >= 2 ? 0.5 : -0.5;
+    const Eigen::Vector3d x =
+        (lid.middle + lid.side * (along_u * u + along_v * v + (k >= 4 ? 1.0 : 0.0) * back)) /
+        units.length;
+    fmt::format_to(out, "{},{},{},{}\n", N + 1 + k, number(x[0]), number(x[1]), number(x[2]));
+  }
+  fmt::format_to(out, "*ELEMENT, TYPE=C3D8, ELSET=LID\n{}", E + 1);
+  for (int k = 0; k < 8; ++k) fmt::format_to(out, ",{}", N + 1 + k);
+  // All its nodes are moved, so its law means nothing.
+  deck += "\n*MATERIAL, NAME=LID\n*ELASTIC\n1000., 0.\n*SOLID SECTION, ELSET=LID, MATERIAL=LID\n";
+  deck += "*SURFACE, NAME=SKIN, TYPE=NODE\n";
+  for (const int node : boundary_of(model.mesh).node_of_vertex) {
+    fmt::format_to(out, "{}\n", node + 1);
+  }
+  fmt::format_to(out, "*SURFACE, NAME=FACE, TYPE=ELEMENT\n{},S1\n", E + 1);
+  // Below the overclosure 0 the pressure tends to -s, here a millionth of the shear modulus.
+  fmt::format_to(out,
+                 "*SURFACE INTERACTION, NAME=TOUCH\n"
+                 "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{},{}\n"
+                 "*CONTACT PAIR, INTERACTION=TOUCH, TYPE=NODE TO SURFACE\nSKIN,FACE\n",
+                 number(lid.stiffness * units.length / units.stress), number(1e-3));
+}
+
+void move_lid(const CalculixLid& lid, int first_node, double last, const CalculixUnits& units,
+              std::string& deck) {
+  deck += "*BOUNDARY\n";
+  for (int k = 0; k < 8; ++k) {
+    for (int axis = 0; axis < 3; ++axis) {
+      fmt::format_to(std::back_inserter(deck), "{0},{1},{1},{2}\n", first_node + k, axis + 1,
+                     number(last * lid.way[axis] / units.length));
+    }
+  }
+}
+
 // The beginning of the step: when results are wanted, and what ends an iteration or an increment.
 void write_step(std::span<const double> levels, double tolerance, std::string& deck) {
   const auto out = std::back_inserter(deck);
@@ -158,8 +202,9 @@ CalculixUnits calculix_units(const SolidModel& model) {
 }
 
 std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
-                          std::span<const double> levels, double tolerance) {
-  check_input(model, full_load, levels);
+                          std::span<const double> levels, double tolerance,
+                          const CalculixLid* lid) {
+  check_input(model, full_load, levels, lid != nullptr);
   PALPABLE_EXPECT(tolerance > 0.0 && tolerance < 1.0, "the tolerance is between 0 and 1");
   const CalculixUnits units = calculix_units(model);
   std::string deck;
@@ -169,6 +214,7 @@ std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
   deck += "** Time is the load level.\n";
   write_mesh(model.mesh, units, deck);
   write_materials(model, units, deck);
+  if (lid != nullptr) write_lid(model, *lid, units, deck);
   const std::vector<HeldComponent> held = held_components(model);
   deck += "*BOUNDARY\n";
   for (const HeldComponent& h : held) {
@@ -176,6 +222,7 @@ std::string calculix_deck(const SolidModel& model, const Matrix3Xd& full_load,
   }
   write_step(levels, tolerance, deck);
   write_loads(full_load, held, levels.back(), units, deck);
+  if (lid != nullptr) move_lid(*lid, model.mesh.node_count() + 1, levels.back(), units, deck);
   // .dat has seven digits, .frd would have six.
   deck += "*NODE PRINT, NSET=NALL, TIME POINTS=LEVELS\nU\n";
   deck += "*EL PRINT, ELSET=EALL, TIME POINTS=LEVELS\nS\n";

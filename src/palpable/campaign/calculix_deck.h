@@ -32,12 +32,24 @@ struct CalculixUnits {
 };
 [[nodiscard]] CalculixUnits calculix_units(const SolidModel& model);
 
+/// A rigid box that presses the body with one of its faces: CalculiX' own contact (node to surface,
+/// linear pressure over overclosure, no friction), to compare ours with.
+struct CalculixLid {
+  Eigen::Vector3d middle;  ///< m, of the pressing face at level 0
+  Eigen::Vector3d normal;  ///< unit, out of the box at that face
+  double side = 0;         ///< m, of the box; the face is larger than what it presses
+  Eigen::Vector3d way;     ///< m, where the box is at level 1 from there
+  double stiffness = 0;    ///< Pa/m, pressure over overclosure
+};
+
 /// The deck. Numbers have as many digits as CalculiX reads, which is 20 characters, so at least 13
 /// significant digits. Nodes and elements are numbered from 1 in the model's order.
 /// @param full_load  (3 x N) N at level 1; may be zero if there are fixed displacements
 /// @param levels     > 0, increasing, at least one
+/// @param lid        presses the body's skin too; nullptr: nothing does
 /// @throws Error as check_model(); for a law that CalculiX does not have; a load of the wrong size
 [[nodiscard]] std::string calculix_deck(const SolidModel& model, const Eigen::Matrix3Xd& full_load,
-                                        std::span<const double> levels, double tolerance = 1e-8);
+                                        std::span<const double> levels, double tolerance = 1e-8,
+                                        const CalculixLid* lid = nullptr);
 
 }  // namespace palpable
