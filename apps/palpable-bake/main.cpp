@@ -44,6 +44,7 @@ int run(int argc, char** argv) {
   add_report(app);
   add_compare(app, command_line);
   add_solve(app);
+  add_truth(app);
   add_export(app);
   add_import_modes(app, command_line);
   add_bench(app);

@@ -34,6 +34,7 @@ constexpr std::array kBakeCommands{
     BakeCommand{"report", "Write errors, costs and modes of a body file as a page"},
     BakeCommand{"compare", "Put all methods of reduction on one chart of errors"},
     BakeCommand{"solve", "Press a body at one site and write it for ParaView"},
+    BakeCommand{"truth", "The full finite-element answer to the true hand of a filmed clip"},
     BakeCommand{"export", "Write a body or its snapshots for other programs"},
     BakeCommand{"import-modes", "Make a body file from another program's modes"},
 };

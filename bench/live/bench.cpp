@@ -10,7 +10,7 @@
 #include "palpable/contact/press_law.h"
 #include "palpable/contact/seen_surface.h"
 #include "palpable/live/live_loop.h"
-#include "palpable/live/place.h"
+#include "palpable/clip_files/place.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/mode_kernels.h"
 #include "palpable/reduced/pressed_surface.h"

@@ -10,7 +10,7 @@
 #include "palpable/clip_files/touches_file.h"
 #include "palpable/clip_files/trajectory_file.h"
 #include "palpable/clip_files/truth_camera_file.h"
-#include "palpable/live/place.h"
+#include "palpable/clip_files/place.h"
 #include "tests/fuzz/fuzz_reader.h"
 #include "tests/support/scratch_folder.h"
 

@@ -35,6 +35,8 @@ class PressSolver {
 
   [[nodiscard]] const EquilibriumSolver& solver() const { return solver_; }
   [[nodiscard]] bool is_preloaded() const { return is_preloaded_; }
+  /// What acts before anything presses; nullptr without.
+  [[nodiscard]] const Preloaded* preloaded() const { return is_preloaded_ ? &preloaded_ : nullptr; }
   /// (3 x N) u under the preload alone; zero without one.
   [[nodiscard]] const Eigen::Matrix3Xd& rest() const { return preloaded_.rest; }
 

@@ -45,6 +45,8 @@ bool JsonObject::flag_or(const char* key, bool fallback) const {
   return object_.value(key, fallback);
 }
 
+std::string JsonObject::text(const char* key) const { return object_.at(key).get<std::string>(); }
+
 int JsonObject::whole(const char* key) const {
   const json& value = object_.at(key);
   if (!value.is_number_integer()) throw Error(fmt::format("{} is no whole number", key));

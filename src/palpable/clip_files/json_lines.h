@@ -29,6 +29,7 @@ class JsonObject {
   [[nodiscard]] int frame_after(int last) const;
   [[nodiscard]] bool flag(const char* key) const;
   [[nodiscard]] bool flag_or(const char* key, bool fallback) const;
+  [[nodiscard]] std::string text(const char* key) const;
   [[nodiscard]] int whole(const char* key) const;
   /// As it was written, cut to whole.
   [[nodiscard]] int whole_or(const char* key, int fallback) const;

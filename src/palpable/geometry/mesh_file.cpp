@@ -1,6 +1,7 @@
 #include "palpable/geometry/mesh_file.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/base/growing_file.h"
 #include "palpable/geometry/surface_files.h"
 
 #include <fmt/format.h>
@@ -11,8 +12,42 @@
 #include <iterator>
 #include <new>
 #include <string>
+#include <utility>
 
 namespace palpable {
+
+namespace {
+
+Result<SurfaceMesh> surface_of(const surface_files::Soup& soup, std::string_view name) {
+  if (soup.triangles.empty()) return Problem{fmt::format("{}: holds no triangles", name)};
+  SurfaceMesh surface;
+  surface.vertices.resize(3, static_cast<Eigen::Index>(soup.vertices.size()));
+  for (std::size_t i = 0; i < soup.vertices.size(); ++i) {
+    surface.vertices.col(static_cast<Eigen::Index>(i)) = soup.vertices[i];
+  }
+  surface.triangles.resize(3, static_cast<Eigen::Index>(soup.triangles.size()));
+  for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
+    // A face list that comes before its vertices (PLY allows it) is checked only here.
+    if (soup.triangles[t].maxCoeff() >= surface.vertex_count()) {
+      return Problem{fmt::format("{}: triangle {} has a corner that is not a vertex", name, t)};
+    }
+    surface.triangles.col(static_cast<Eigen::Index>(t)) = soup.triangles[t];
+  }
+  return surface;
+}
+
+Result<std::string> bytes_of(const std::filesystem::path& path) {
+  std::error_code code;
+  if (!std::filesystem::is_regular_file(path, code)) {
+    return Problem{fmt::format("{}: no such file", path.string())};
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  if (!file) return Problem{fmt::format("{}: cannot be read", path.string())};
+  return bytes;
+}
+
+}  // namespace
 
 Result<SurfaceMesh> parse_surface(std::string_view bytes, std::string_view extension,
                                   std::string_view name) {
@@ -35,21 +70,9 @@ Result<SurfaceMesh> parse_surface(std::string_view bytes, std::string_view exten
       return Problem{fmt::format(
           "{}: surfaces are read from .stl, .ply, .obj, .3ds or .off, not '{}'", name, extension)};
     }
-    if (soup.triangles.empty()) return Problem{fmt::format("{}: holds no triangles", name)};
-    SurfaceMesh surface;
-    surface.vertices.resize(3, static_cast<Eigen::Index>(soup.vertices.size()));
-    for (std::size_t i = 0; i < soup.vertices.size(); ++i) {
-      surface.vertices.col(static_cast<Eigen::Index>(i)) = soup.vertices[i];
-    }
-    surface.triangles.resize(3, static_cast<Eigen::Index>(soup.triangles.size()));
-    for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
-      // A face list that comes before its vertices (PLY allows it) is checked only here.
-      if (soup.triangles[t].maxCoeff() >= surface.vertex_count()) {
-        return Problem{fmt::format("{}: triangle {} has a corner that is not a vertex", name, t)};
-      }
-      surface.triangles.col(static_cast<Eigen::Index>(t)) = soup.triangles[t];
-    }
-    return merge_equal_vertices(surface);
+    const Result<SurfaceMesh> surface = surface_of(soup, name);
+    if (!surface) return surface;
+    return merge_equal_vertices(surface.value());
   } catch (const surface_files::Bad& bad) {
     return Problem{fmt::format("{}: {}: {}", name, bad.where, bad.what)};
   } catch (const std::bad_alloc&) {
@@ -58,14 +81,33 @@ Result<SurfaceMesh> parse_surface(std::string_view bytes, std::string_view exten
 }
 
 Result<SurfaceMesh> read_surface_file(const std::filesystem::path& path) {
-  std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code)) {
-    return Problem{fmt::format("{}: no such file", path.string())};
+  const Result<std::string> bytes = bytes_of(path);
+  if (!bytes) return Problem{bytes.problem()};
+  return parse_surface(bytes.value(), path.extension().string(), path.string());
+}
+
+Result<ValuedSurface> read_valued_ply(const std::filesystem::path& path,
+                                      std::string_view property) {
+  const Result<std::string> bytes = bytes_of(path);
+  if (!bytes) return Problem{bytes.problem()};
+  const std::string name = path.string();
+  try {
+    const surface_files::Soup soup = surface_files::parse_ply(bytes.value(), property);
+    Result<SurfaceMesh> surface = surface_of(soup, name);
+    if (!surface) return Problem{surface.problem()};
+    ValuedSurface valued{std::move(surface).value(), {}};
+    if (!soup.values.empty() && soup.values.size() != soup.vertices.size()) {
+      return Problem{fmt::format("{}: {} vertices and {} of '{}'", name, soup.vertices.size(),
+                                 soup.values.size(), property)};
+    }
+    valued.values = Eigen::Map<const Eigen::VectorXd>(
+        soup.values.data(), static_cast<Eigen::Index>(soup.values.size()));
+    return valued;
+  } catch (const surface_files::Bad& bad) {
+    return Problem{fmt::format("{}: {}: {}", name, bad.where, bad.what)};
+  } catch (const std::bad_alloc&) {
+    return Problem{fmt::format("{}: needs more memory than there is", name)};
   }
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file) return Problem{fmt::format("{}: cannot be read", path.string())};
-  return parse_surface(bytes, path.extension().string(), path.string());
 }
 
 void write_ply(const std::filesystem::path& path, const SurfaceMesh& surface) {
@@ -81,6 +123,30 @@ void write_ply(const std::filesystem::path& path, const SurfaceMesh& surface) {
   }
   file.close();
   if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
+}
+
+void write_valued_ply(const std::filesystem::path& path, const ValuedSurface& surface,
+                      std::string_view property) {
+  const SurfaceMesh& mesh = surface.surface;
+  PALPABLE_EXPECT(surface.values.size() == mesh.vertex_count(), "a value for each vertex");
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\n"
+      "property double y\nproperty double z\nproperty float {}\nelement face {}\n"
+      "property list uchar int vertex_indices\nend_header\n",
+      mesh.vertex_count(), property, mesh.triangle_count());
+  const auto add = [&](const void* data, std::size_t size) {
+    bytes.append(static_cast<const char*>(data), size);
+  };
+  for (int v = 0; v < mesh.vertex_count(); ++v) {
+    add(mesh.vertices.col(v).data(), 3 * sizeof(double));
+    const auto value = static_cast<float>(surface.values[v]);
+    add(&value, sizeof value);
+  }
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    bytes += '\3';
+    add(mesh.triangles.col(t).data(), 3 * sizeof(int));
+  }
+  write_whole_file(path, bytes);
 }
 
 void write_colored_ply(const std::filesystem::path& path, const SurfaceMesh& surface,

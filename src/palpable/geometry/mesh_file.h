@@ -32,6 +32,23 @@ namespace palpable {
 /// @throws Error when the file cannot be written
 void write_ply(const std::filesystem::path& path, const SurfaceMesh& surface);
 
+/// A surface with a number at each vertex.
+struct ValuedSurface {
+  SurfaceMesh surface;
+  Eigen::VectorXd values;  ///< (N); empty where a file has none
+};
+
+/// The same as write_ply() with a property of the vertices (float).
+/// @param property  its name, one word
+/// @throws Error when the file cannot be written
+void write_valued_ply(const std::filesystem::path& path, const ValuedSurface& surface,
+                      std::string_view property);
+
+/// A PLY as it stands: vertices keep their order, none are joined or dropped.
+/// @return a problem as read_surface_file()'s, also when a value is not finite
+[[nodiscard]] Result<ValuedSurface> read_valued_ply(const std::filesystem::path& path,
+                                                    std::string_view property);
+
 /// The same with a colour per vertex, vertices as float.
 /// @param colors   one for each vertex
 /// @param comment  one line of the header

@@ -162,7 +162,7 @@ class PlyValues {
 
 }  // namespace
 
-Soup parse_ply(std::string_view text) {
+Soup parse_ply(std::string_view text, std::string_view property_wanted) {
   Lines lines(text);
   const PlyHeader header = parse_ply_header(lines);
   PlyValues values(header.coding, lines);
@@ -198,6 +198,11 @@ Soup parse_ply(std::string_view text) {
           if (property.name == "x") x[0] = value;
           if (property.name == "y") x[1] = value;
           if (property.name == "z") x[2] = value;
+          const bool wanted = !property_wanted.empty() && property.name == property_wanted;
+          if (wanted && element.name == "vertex") {
+            if (!std::isfinite(value)) values.bad(property.name + " is not finite");
+            soup.values.push_back(value);
+          }
         }
       }
       if (element.name == "vertex") {

@@ -30,6 +30,7 @@ struct Bad {
 struct Soup {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Eigen::Vector3i> triangles;
+  std::vector<double> values;  // of the vertices, where somebody asks for a property
 
   void add_fan(const std::vector<int>& polygon) {
     for (std::size_t k = 2; k < polygon.size(); ++k) {
@@ -138,7 +139,8 @@ Eigen::Vector3d finite_point(Bytes& bytes, double x, double y, double z);
 Soup parse_off(std::string_view text);
 Soup parse_obj(std::string_view text);
 Soup parse_stl(std::string_view data);  ///< text or binary
-Soup parse_ply(std::string_view text);  ///< text or binary, either endianness
+/// Text or binary, either endianness. @param property  of the vertices; goes to Soup::values
+Soup parse_ply(std::string_view text, std::string_view property = {});
 Soup parse_3ds(std::string_view data);
 
 }  // namespace palpable::surface_files

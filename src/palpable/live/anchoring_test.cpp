@@ -1,7 +1,7 @@
 #include "palpable/live/anchoring.h"
 
 #include "palpable/base/error.h"
-#include "palpable/live/place.h"
+#include "palpable/clip_files/place.h"
 #include "tests/support/board_picture.h"
 #include "tests/support/noise_room.h"
 #include "tests/support/seen_wall.h"

@@ -2,7 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/live/anchoring.h"
-#include "palpable/live/place.h"
+#include "palpable/clip_files/place.h"
 #include "palpable/sources/open_source.h"
 #include "palpable/sources/paced_source.h"
 

@@ -1,4 +1,4 @@
-#include "palpable/live/place.h"
+#include "palpable/clip_files/place.h"
 
 #include "palpable/base/error.h"
 #include "tests/support/replaced.h"

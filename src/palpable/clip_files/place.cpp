@@ -1,4 +1,4 @@
-#include "palpable/live/place.h"
+#include "palpable/clip_files/place.h"
 
 #include "palpable/base/bounded_text.h"
 #include "palpable/base/error.h"

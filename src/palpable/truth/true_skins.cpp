@@ -1,0 +1,278 @@
+#include "palpable/truth/true_skins.h"
+
+#include "palpable/base/error.h"
+#include "palpable/base/growing_file.h"
+#include "palpable/base/output_file.h"
+#include "palpable/campaign/press_solver.h"
+#include "palpable/describe/body_problem.h"
+#include "palpable/solid/contact.h"
+#include "palpable/solid/stress.h"
+#include "palpable/truth/clip_hands.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <exception>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Matrix3Xd;
+
+constexpr double kDeepest = 0.1;       // of the height; deeper, a hand passes through
+constexpr double kPathMatters = 0.01;  // of the skin's displacement, if half the step changes it
+// A touch this deep that does not reach the body's skin is one of another body, m.
+constexpr double kSurelyTouches = 2e-3;
+
+// What one walk found at one frame; nothing where it did not get there.
+struct Answer {
+  Matrix3Xd displacement;  // (3 x N)
+  Eigen::Vector3d force = Eigen::Vector3d::Zero(), centre = Eigen::Vector3d::Zero();
+  double entry = 0;
+};
+struct Walked {
+  std::map<int, Answer> answers;
+  std::string why_stopped;
+};
+
+class TrueSkins {
+ public:
+  TrueSkins(fs::path clip, const BodyDescription& description, const TrueSkinSettings& settings,
+            const Progress& progress)
+      : folder_(std::move(clip) / "truth" / "deformed"),
+        settings_(settings),
+        progress_(progress),
+        problem_(pose_body(description)),
+        solver_(problem_.model),
+        presses_(solver_, problem_.preload) {
+    for (const int node : problem_.mesh.boundary.node_of_vertex) skin_.push_back(node);
+  }
+
+  std::vector<TrueFrame> write(const fs::path& clip) {
+    hands_ = read_clip_hands(clip);
+    episodes_ = episodes_of(hands_.contacts, settings_.frames, kDeepest * problem_.mesh.height);
+    if (episodes_.empty()) {
+      throw Error(fmt::format("{}: nothing touches the body in this clip",
+                              (clip / "truth" / "contact.jsonl").string()));
+    }
+    check_body(clip);
+    make_folder(folder_);
+    write_rest();
+    leave_out_known();
+    walk_all();
+    std::vector<TrueFrame> frames;
+    for (auto& [frame, found] : found_) frames.push_back(std::move(found));
+    return frames;
+  }
+
+ private:
+  // The deepest touch that the clip knows must reach this body's skin.
+  void check_body(const fs::path& clip) const {
+    int frame = episodes_.front().wanted.front();
+    for (const Episode& episode : episodes_) {
+      for (const int n : episode.wanted) {
+        if (hands_.contacts[n].depth > hands_.contacts[frame].depth) frame = n;
+      }
+    }
+    if (hands_.contacts[frame].depth < kSurelyTouches) return;
+    const ObstacleGaps gaps(Obstacle{.capsules = hands_.capsules[frame]});
+    const Matrix3Xd skin = rest_skin();
+    double nearest = std::numeric_limits<double>::infinity();
+    for (int part = 0; part < gaps.part_count(); ++part) {
+      for (const auto& x : skin.colwise()) nearest = std::min(nearest, gaps.distance(part, x));
+    }
+    if (nearest > 0.5 * problem_.mesh.height * kDeepest) {
+      throw Error(fmt::format(
+          "{}: frame {} touches {:.1f} mm deep, but stays {:.1f} mm off this body: the clip was "
+          "filmed with another one; give the description of that",
+          (clip / "truth" / "contact.jsonl").string(), frame, 1e3 * hands_.contacts[frame].depth,
+          1e3 * nearest));
+    }
+  }
+
+  [[nodiscard]] Matrix3Xd rest_skin() const {
+    return problem_.model.mesh.nodes(Eigen::all, skin_) + presses_.rest()(Eigen::all, skin_);
+  }
+
+  void write_rest() const {
+    const fs::path file = folder_ / "rest.ply";
+    const SurfaceMesh rest{rest_skin(), problem_.mesh.boundary.surface.triangles};
+    std::error_code error;
+    if (fs::exists(file, error)) {
+      const ValuedSurface there = value_or_throw(read_valued_ply(file, kVonMisesProperty));
+      const bool same =
+          there.surface.vertices == rest.vertices && there.surface.triangles == rest.triangles;
+      if (same) return;
+      throw Error(fmt::format("{}: is the truth of another body or mesh; remove {} to solve anew",
+                              file.string(), folder_.string()));
+    }
+    write_valued_ply(file, {rest, Eigen::VectorXd::Zero(rest.vertex_count())}, kVonMisesProperty);
+  }
+
+  void leave_out_known() {
+    std::error_code error;
+    for (const DeformedLine& line : read_deformed_lines(folder_)) {
+      lines_[line.frame] = line;
+      const bool has_skin = fs::exists(deformed_skin_file(folder_, line.frame), error);
+      if (has_skin || !line.scored) known_.push_back(line.frame);
+    }
+    for (Episode& episode : episodes_) {
+      for (const int frame : episode.wanted) {
+        if (is_known(frame)) found_[frame] = {.line = lines_.at(frame), .was_there = true};
+      }
+      std::erase_if(episode.wanted, [&](int frame) { return is_known(frame); });
+    }
+    std::erase_if(episodes_, [](const Episode& episode) { return episode.wanted.empty(); });
+  }
+
+  [[nodiscard]] bool is_known(int frame) const {
+    return std::find(known_.begin(), known_.end(), frame) != known_.end();
+  }
+
+  // From the frame before the first touch to the last wanted one, in 1 or 2 steps a frame.
+  Walked walk(const Episode& episode, int steps_per_frame) {
+    const auto way = [&](double t) { return Obstacle{.capsules = capsules_at(hands_, t)}; };
+    ContactWalk walk(solver_, way, std::max(0, episode.first - 1), {}, presses_.preloaded());
+    Walked walked;
+    for (int frame = episode.first; frame <= episode.wanted.back(); ++frame) {
+      for (int step = 1; step <= steps_per_frame; ++step) {
+        const double t = frame - 1 + static_cast<double>(step) / steps_per_frame;
+        if (walk.advance(t)) continue;
+        walked.why_stopped = walk.why_stopped();
+        return walked;
+      }
+      one_more_frame();
+      if (std::find(episode.wanted.begin(), episode.wanted.end(), frame) == episode.wanted.end()) {
+        continue;
+      }
+      const ContactState& now = walk.now();
+      walked.answers[frame] = {now.displacement, now.force, now.centre, now.entry_between};
+    }
+    return walked;
+  }
+
+  void one_more_frame() {
+    const std::lock_guard lock(mutex_);
+    report(progress_, {"following the hand", ++frames_done_, std::max(1.0, frames_to_do_), ""});
+  }
+
+  // Two walks an episode, handed out one by one.
+  void walk_all() {
+    for (const Episode& episode : episodes_) {
+      frames_to_do_ += 2.0 * (episode.wanted.back() - episode.first + 1);
+    }
+    std::vector<std::optional<Walked>> results(2 * episodes_.size());
+    std::size_t next = 0;
+    std::exception_ptr failure;
+    const auto work = [&] {
+      for (;;) {
+        std::size_t job = 0;
+        {
+          const std::lock_guard lock(mutex_);
+          if (next == results.size() || failure) return;
+          job = next++;
+        }
+        try {
+          Walked walked = walk(episodes_[job / 2], job % 2 == 0 ? 2 : 1);
+          const std::lock_guard lock(mutex_);
+          results[job] = std::move(walked);
+          const std::size_t first = job / 2 * 2;
+          if (!results[first] || !results[first + 1]) continue;
+          keep(episodes_[job / 2], *results[first], *results[first + 1]);
+          results[first] = results[first + 1] = Walked{};  // written
+        } catch (...) {
+          const std::lock_guard lock(mutex_);
+          failure = std::current_exception();
+        }
+      }
+    };
+    std::vector<std::thread> threads;
+    for (int i = 1; i < settings_.threads; ++i) threads.emplace_back(work);
+    work();
+    for (std::thread& thread : threads) thread.join();
+    if (failure) std::rethrow_exception(failure);
+  }
+
+  // Writes an episode's frames; with the mutex held.
+  void keep(const Episode& episode, const Walked& fine, const Walked& coarse) {
+    for (const int frame : episode.wanted) {
+      TrueFrame found;
+      found.line.frame = frame;
+      found.line.depth = hands_.contacts[frame].depth;
+      const auto answer = fine.answers.find(frame);
+      if (answer == fine.answers.end()) {
+        found.line.scored = false;
+        found.line.why = "no solution: " + fine.why_stopped;
+      } else {
+        const auto other = coarse.answers.find(frame);
+        found.path_change =
+            other == coarse.answers.end() ? 1.0 : change(answer->second, other->second);
+        write_frame(answer->second, found);
+      }
+      lines_[frame] = found.line;
+      found_[frame] = std::move(found);
+    }
+    std::string text;
+    for (const auto& [frame, line] : lines_) text += deformed_line(line);
+    write_whole_file(folder_ / "deformed.jsonl", text);
+  }
+
+  [[nodiscard]] double change(const Answer& a, const Answer& b) const {
+    const Matrix3Xd& rest = presses_.rest();
+    const Matrix3Xd difference = (a.displacement - b.displacement)(Eigen::all, skin_);
+    const Matrix3Xd whole = (a.displacement - rest)(Eigen::all, skin_);
+    return whole.norm() > 0.0 ? difference.norm() / whole.norm() : 0.0;
+  }
+
+  void write_frame(const Answer& answer, TrueFrame& found) const {
+    const Eigen::VectorXd mises =
+        von_mises(nodal_cauchy_stress(solver_.model(), answer.displacement));
+    const ValuedSurface skin{{(problem_.model.mesh.nodes + answer.displacement)(Eigen::all, skin_),
+                              problem_.mesh.boundary.surface.triangles},
+                             mises(skin_)};
+    write_valued_ply(deformed_skin_file(folder_, found.line.frame), skin, kVonMisesProperty);
+    found.line.force = answer.force;
+    if (answer.force.norm() > 0.0) found.line.point = answer.centre;
+    found.entry = answer.entry;
+    found.largest_displacement =
+        (answer.displacement - presses_.rest()).colwise().norm().maxCoeff();
+    found.largest_von_mises = skin.values.maxCoeff();
+    if (found.path_change > kPathMatters) {
+      found.line.scored = false;
+      found.line.why = fmt::format("depends on the way: half the step changes it by {:.1f} %",
+                                   100.0 * found.path_change);
+    }
+  }
+
+  fs::path folder_;
+  TrueSkinSettings settings_;
+  const Progress& progress_;
+  BodyProblem problem_;
+  EquilibriumSolver solver_;
+  PressSolver presses_;
+  std::vector<int> skin_;  // nodes
+  ClipHands hands_;
+  std::vector<Episode> episodes_;
+  std::vector<int> known_;
+  std::map<int, DeformedLine> lines_;
+  std::map<int, TrueFrame> found_;
+  std::mutex mutex_;
+  double frames_done_ = 0, frames_to_do_ = 0;
+};
+
+}  // namespace
+
+std::vector<TrueFrame> write_true_skins(const fs::path& clip, const BodyDescription& description,
+                                        const TrueSkinSettings& settings,
+                                        const Progress& progress) {
+  return TrueSkins(clip, description, settings, progress).write(clip);
+}
+
+}  // namespace palpable
