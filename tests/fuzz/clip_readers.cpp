@@ -3,6 +3,7 @@
 #include "palpable/clip_files/hand_file.h"
 #include "palpable/clip_files/live_file.h"
 #include "palpable/clip_files/mask_image_file.h"
+#include "palpable/clip_files/place.h"
 #include "palpable/clip_files/pose_file.h"
 #include "palpable/clip_files/rectification_file.h"
 #include "palpable/clip_files/rig_file.h"
@@ -10,7 +11,6 @@
 #include "palpable/clip_files/touches_file.h"
 #include "palpable/clip_files/trajectory_file.h"
 #include "palpable/clip_files/truth_camera_file.h"
-#include "palpable/clip_files/place.h"
 #include "tests/fuzz/fuzz_reader.h"
 #include "tests/support/scratch_folder.h"
 
@@ -79,7 +79,8 @@ void add_clip_readers(std::vector<FuzzReader>& readers) {
                            }});
   };
   text("clip.touches", "touches.jsonl", three([](int f) {
-         return touch_line({f, f / 30.0, 2, 0.5, 1.25, 0.004, Eigen::Vector3d(0.01, 0.02, 0.03)});
+         const Eigen::Vector3d point(0.01, 0.02, 0.03);
+         return touches_line({f, {{2, 0.5, 0.004, -20 * point, point, f / 30.0}, {.site = 1}}});
        }),
        read_touches);
   text("clip.contact", "contact.jsonl", three([](int f) {

@@ -89,6 +89,16 @@ std::vector<std::vector<double>> JsonObject::rows(const char* key, std::size_t c
   return rows;
 }
 
+void JsonObject::for_each_in(const char* key,
+                             const std::function<void(const JsonObject&)>& read_entry) const {
+  const json& list = object_.at(key);
+  if (!list.is_array()) throw Error(fmt::format("{} is no list", key));
+  for (const json& entry : list) {
+    if (!entry.is_object()) throw Error(fmt::format("an entry of {} is no object", key));
+    read_entry(JsonObject(entry));
+  }
+}
+
 Rigid3 JsonObject::rigid(const char* key) const {
   const std::vector<double> n = numbers(key, 16);
   const Eigen::Matrix4d matrix =

@@ -43,6 +43,9 @@ class JsonObject {
                                                                   std::size_t count) const;
   /// A list of lists; of each the first `count` numbers.
   [[nodiscard]] std::vector<std::vector<double>> rows(const char* key, std::size_t count) const;
+  /// Hands over the objects of a list, one by one. @throws Error when it is none, or holds
+  /// something else
+  void for_each_in(const char* key, const std::function<void(const JsonObject&)>& read_entry) const;
   /// A transform as 16 numbers, row by row. The rotation may be off by 1e-3, as one that was
   /// written with few digits is; it is made one.
   [[nodiscard]] Rigid3 rigid(const char* key) const;

@@ -87,34 +87,54 @@ TEST_CASE("lines that are no poses are refused with file and line", "[clip_files
   CHECK_THROWS_WITH(read_trajectory("nowhere.txt"), "nowhere.txt: cannot be read");
 }
 
-TEST_CASE("a touch is the line it always was, and comes back", "[clip_files]") {
-  TouchLine touch{.frame = 7,
-                  .time = 0.2333333333,
-                  .site = 3,
-                  .level = 0.5,
-                  .force = 1.25,
-                  .press_depth = 0.00412345,
-                  .point = Eigen::Vector3d(0.01, -0.02, 0.03)};
-  const std::string line = touch_line(touch);
+TEST_CASE("the touches of a frame are one line, and come back", "[clip_files]") {
+  const FeltTouch finger{.site = 3,
+                         .level = 0.5,
+                         .press_depth = 0.00412345,
+                         .force = Eigen::Vector3d(0, 0.5, -1.25),
+                         .point = Eigen::Vector3d(0.01, -0.02, 0.03),
+                         .time = 0.2333333333};
+  const std::string line = touches_line({7, {finger, {.site = 4}}});
   CHECK(line ==
-        "{\"frame\":7,\"time\":0.233333,\"site\":3,\"level\":0.500000,\"force\":1.250000,"
-        "\"press_depth\":0.0041234,\"point\":[0.010000,-0.020000,0.030000]}\n");
-  CHECK(touch_line({.frame = 8}) == "{\"frame\":8}\n");
-  const TextIn file(line + touch_line({.frame = 8}) + "{\"frame\":8,\"force\":\"weak\"}\n");
-  const std::vector<TouchLine> read = read_touches(file.path);
-  REQUIRE(read.size() == 3);
+        "{\"frame\":7,\"touches\":[{\"site\":3,\"level\":0.500000,\"press_depth\":0.0041234,"
+        "\"force\":[0.000000,0.500000,-1.250000],\"point\":[0.010000,-0.020000,0.030000],"
+        "\"time\":0.233333},{\"site\":4}]}\n");
+  CHECK(touches_line({8, {{}}}) == "{\"frame\":8,\"touches\":[{}]}\n");
+  const TextIn file(touches_line({9, {}}) + line);
+  const std::vector<TouchesLine> read = read_touches(file.path);
+  REQUIRE(read.size() == 2);  // frames rise
   CHECK(read[0].frame == 7);
-  CHECK(read[0].time == 0.233333);
-  CHECK(read[0].site == 3);
-  CHECK(read[0].level == 0.5);
-  CHECK(read[0].force == 1.25);
-  CHECK(read[0].press_depth == 0.0041234);
-  CHECK(read[0].point == Eigen::Vector3d(0.01, -0.02, 0.03));
-  CHECK(read[1].frame == 8);
-  CHECK(read[1].site == -1);
-  CHECK_FALSE(read[1].level.has_value());
-  CHECK_FALSE(read[1].point.has_value());
-  CHECK_FALSE(read[2].force.has_value());
+  REQUIRE(read[0].touches.size() == 2);
+  const FeltTouch& first = read[0].touches[0];
+  CHECK(first.site == 3);
+  CHECK(first.level == 0.5);
+  CHECK(first.press_depth == 0.0041234);
+  CHECK(first.force == Eigen::Vector3d(0, 0.5, -1.25));
+  CHECK(first.point == Eigen::Vector3d(0.01, -0.02, 0.03));
+  CHECK(first.time == 0.233333);
+  CHECK(read[0].touches[1].site == 4);
+  CHECK_FALSE(read[0].touches[1].force.has_value());
+  CHECK(read[1].frame == 9);
+  CHECK(read[1].touches.empty());  // feels nothing
+}
+
+TEST_CASE("a line of one touch, as before there were lists, is still read", "[clip_files]") {
+  const TextIn file(
+      "{\"frame\":8,\"time\":0.25,\"site\":3,\"level\":0.5,\"force\":1.25,"
+      "\"press_depth\":0.004,\"point\":[0.01,-0.02,0.03]}\n"
+      "{\"frame\":7}\n{\"frame\":8,\"site\":5,\"force\":\"weak\"}\n");
+  const std::vector<TouchesLine> read = read_touches(file.path);
+  REQUIRE(read.size() == 2);
+  CHECK(read[0].frame == 7);
+  REQUIRE(read[0].touches.size() == 1);
+  CHECK(read[0].touches[0].site == -1);
+  CHECK_FALSE(read[0].touches[0].level.has_value());
+  REQUIRE(read[1].touches.size() == 2);  // two lines of one frame
+  CHECK(read[1].touches[0].site == 3);
+  CHECK(read[1].touches[0].level == 0.5);
+  CHECK(read[1].touches[0].point == Eigen::Vector3d(0.01, -0.02, 0.03));
+  CHECK_FALSE(read[1].touches[0].force.has_value());  // its size alone says no direction
+  CHECK(read[1].touches[1].site == 5);
 }
 
 TEST_CASE("touches that make no sense are refused with file and line", "[clip_files][errors]") {
@@ -127,6 +147,14 @@ TEST_CASE("touches that make no sense are refused with file and line", "[clip_fi
   CHECK(has(refusal("{\"frame\":0,\"level\":\"x\"}\n", read), "level is no number"));
   CHECK(has(refusal("{\"frame\":0,\"level\":-3}\n", read), "level is negative"));
   CHECK(has(refusal("{\"frame\":0,\n", read), "line 1: no JSON at character"));
+  const auto listed = [](const std::string& touches) {
+    return "{\"frame\":0}\n{\"frame\":1,\"touches\":" + touches + "}\n";
+  };
+  CHECK(has(refusal(listed("3"), read), "line 2: touches is no list"));
+  CHECK(has(refusal(listed("{}"), read), "line 2: touches is no list"));
+  CHECK(has(refusal(listed("[{},3]"), read), "line 2: an entry of touches is no object"));
+  CHECK(has(refusal(listed("[{\"site\":-2}]"), read), "line 2: site -2 is no site"));
+  CHECK(has(refusal(listed("[{\"force\":2.5}]"), read), "line 2: force is no list of 3 numbers"));
 }
 
 TEST_CASE("lines that a parser had better not see are refused with file and line",

@@ -5,43 +5,75 @@
 
 #include <fmt/core.h>
 
-namespace palpable {
+#include <map>
+#include <utility>
 
-std::string touch_line(const TouchLine& touch) {
-  std::string text = fmt::format("{{\"frame\":{}", touch.frame);
-  if (touch.time) text += fmt::format(",\"time\":{:.6f}", *touch.time);
-  if (touch.site >= 0) text += fmt::format(",\"site\":{}", touch.site);
-  if (touch.level) text += fmt::format(",\"level\":{:.6f}", *touch.level);
-  if (touch.force) text += fmt::format(",\"force\":{:.6f}", *touch.force);
-  if (touch.press_depth) text += fmt::format(",\"press_depth\":{:.7f}", *touch.press_depth);
-  if (touch.point) {
-    text += fmt::format(",\"point\":[{:.6f},{:.6f},{:.6f}]", touch.point->x(), touch.point->y(),
-                        touch.point->z());
-  }
-  return text + "}\n";
+namespace palpable {
+namespace {
+
+Eigen::Vector3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+std::string text_of(const Eigen::Vector3d& v) {
+  return fmt::format("[{:.6f},{:.6f},{:.6f}]", v.x(), v.y(), v.z());
 }
 
-std::vector<TouchLine> read_touches(const std::filesystem::path& path) {
-  std::vector<TouchLine> touches;
+// An object with what is known.
+std::string touch_text(const FeltTouch& touch) {
+  std::string text;
+  const auto add = [&](const char* key, const std::string& value) {
+    text += fmt::format("{}\"{}\":{}", text.empty() ? "" : ",", key, value);
+  };
+  if (touch.site >= 0) add("site", fmt::format("{}", touch.site));
+  if (touch.level) add("level", fmt::format("{:.6f}", *touch.level));
+  if (touch.press_depth) add("press_depth", fmt::format("{:.7f}", *touch.press_depth));
+  if (touch.force) add("force", text_of(*touch.force));
+  if (touch.point) add("point", text_of(*touch.point));
+  if (touch.time) add("time", fmt::format("{:.6f}", *touch.time));
+  return "{" + text + "}";
+}
+
+// What a line of one touch and an entry of a list have in common.
+FeltTouch touch_of(const JsonObject& object) {
+  FeltTouch touch;
+  if (object.has("site")) touch.site = object.whole("site");
+  if (touch.site < -1) throw Error(fmt::format("site {} is no site", touch.site));
+  if (object.has("level")) {
+    touch.level = object.number_if_any("level");
+    if (!touch.level) throw Error("level is no number");
+    if (*touch.level < 0) throw Error("level is negative: it is a share of the site's full load");
+  }
+  touch.press_depth = object.number_if_any("press_depth");
+  if (const auto p = object.numbers_if_any("point", 3)) touch.point = vector_of(*p);
+  touch.time = object.number_if_any("time");
+  return touch;
+}
+
+}  // namespace
+
+std::string touches_line(const TouchesLine& line) {
+  std::string list;
+  for (const FeltTouch& touch : line.touches) {
+    list += (list.empty() ? "" : ",") + touch_text(touch);
+  }
+  return fmt::format("{{\"frame\":{},\"touches\":[{}]}}\n", line.frame, list);
+}
+
+std::vector<TouchesLine> read_touches(const std::filesystem::path& path) {
+  std::map<int, std::vector<FeltTouch>> by_frame;
   for_each_object(path, [&](const JsonObject& line) {
-    TouchLine touch;
-    if (line.has("site")) touch.site = line.whole("site");
-    if (touch.site < -1) throw Error(fmt::format("site {} is no site", touch.site));
-    if (line.has("level")) {
-      touch.level = line.number_if_any("level");
-      if (!touch.level) throw Error("level is no number");
-      if (*touch.level < 0) throw Error("level is negative: it is a share of the site's full load");
+    std::vector<FeltTouch>& touches = by_frame[line.frame()];
+    if (!line.has("touches")) {
+      touches.push_back(touch_of(line));
+      return;
     }
-    touch.frame = line.frame();
-    touch.time = line.number_if_any("time");
-    touch.force = line.number_if_any("force");
-    touch.press_depth = line.number_if_any("press_depth");
-    if (const auto p = line.numbers_if_any("point", 3)) {
-      touch.point = Eigen::Vector3d((*p)[0], (*p)[1], (*p)[2]);
-    }
-    touches.push_back(touch);
+    line.for_each_in("touches", [&](const JsonObject& entry) {
+      touches.push_back(touch_of(entry));
+      if (entry.has("force")) touches.back().force = vector_of(entry.numbers("force", 3));
+    });
   });
-  return touches;
+  std::vector<TouchesLine> lines;
+  for (auto& [frame, touches] : by_frame) lines.push_back({frame, std::move(touches)});
+  return lines;
 }
 
 }  // namespace palpable

@@ -1,10 +1,13 @@
 /// @file
-/// touches.jsonl of a result: where and how hard the body is pressed, a line for each touch,
+/// touches.jsonl of a result: where and how hard the body is pressed, a line for each frame that
+/// feels something,
 ///
-///     {"frame":7,"time":0.233333,"site":3,"level":0.500000,"force":1.200000,
-///      "press_depth":0.0040000,"point":[0.010000,0.020000,0.030000]}        (one line)
+///     {"frame":7,"touches":[{"site":3,"level":0.500000,"press_depth":0.0040000,
+///      "force":[0.1,0.2,-1.3],"point":[0.010000,0.020000,0.030000],"time":0.233333}]}  (one line)
 ///
-/// Only "frame" must be there. Several lines may be of one frame.
+/// Only "frame" must be there; a list without an entry feels nothing. Until issue 24 a line held
+/// one touch, {"frame":7,"site":3,"level":0.5,...}, with the size of its force: such lines are
+/// still read, without the force.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,21 +19,26 @@
 
 namespace palpable {
 
-struct TouchLine {
-  int frame = 0;
-  std::optional<double> time = {};            ///< s
+struct FeltTouch {
   int site = -1;                              ///< index in the body file; -1: not said
   std::optional<double> level = {};           ///< >= 0, share of the site's full load
-  std::optional<double> force = {};           ///< N
   std::optional<double> press_depth = {};     ///< m
+  std::optional<Eigen::Vector3d> force = {};  ///< N, on the body, body frame
   std::optional<Eigen::Vector3d> point = {};  ///< m, body frame
+  std::optional<double> time = {};            ///< s
+};
+
+struct TouchesLine {
+  int frame = 0;
+  std::vector<FeltTouch> touches;
 };
 
 /// One line, its end included; what is not known is left out.
-[[nodiscard]] std::string touch_line(const TouchLine& touch);
+[[nodiscard]] std::string touches_line(const TouchesLine& line);
 
-/// @throws Error naming file and line when frame, site or level make no sense. The other values are
-/// read by nothing that is scored: one that makes no sense counts as not known
-[[nodiscard]] std::vector<TouchLine> read_touches(const std::filesystem::path& path);
+/// By frame, rising; what several lines say of one frame is one list.
+/// @throws Error naming file and line when frame, site, level or the force of a list make no sense.
+/// The other values are read by nothing that is scored: one that makes no sense counts as not known
+[[nodiscard]] std::vector<TouchesLine> read_touches(const std::filesystem::path& path);
 
 }  // namespace palpable

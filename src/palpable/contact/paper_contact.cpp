@@ -50,8 +50,13 @@ PaperState advance_as_printed(const PaperState& previous, const std::optional<Ne
 std::optional<Touch> touch_of(const PaperState& state, const ReducedBody& body) {
   if (state.step == 0) return std::nullopt;
   const double level = body.levels()[state.step];
-  return Touch{state.site, level, level * body.sites[state.site].full_load,
-               body.press_depth(state.step, state.site), state.point_in_body};
+  const Site& site = body.sites[state.site];
+  return Touch{state.site,
+               level,
+               level * site.full_load,
+               body.press_depth(state.step, state.site),
+               state.point_in_body,
+               site.direction};
 }
 
 void deformed_nodes(const PaperState& state, const ReducedBody& body, Eigen::Matrix3Xf& nodes) {

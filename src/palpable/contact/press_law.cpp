@@ -163,8 +163,13 @@ PressLaw::Need PressLaw::need_of(int site, const SeenSurface& seen,
 }
 
 Touch PressLaw::touch_with(int site, double level, const Need& need) const {
-  return Touch{site, level, level * body_->sites[site].full_load,
-               press_depth_of_level(*body_, site, level), need.point.cast<double>()};
+  const Site& at = body_->sites[site];
+  return Touch{site,
+               level,
+               level * at.full_load,
+               press_depth_of_level(*body_, site, level),
+               need.point.cast<double>(),
+               at.direction};
 }
 
 double PressLaw::followed_level(const Touch& before, const Need& need) const {

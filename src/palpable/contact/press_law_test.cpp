@@ -103,6 +103,7 @@ TEST_CASE("the level puts the touched skin on the measured surface", "[contact][
           depth + tolerance(0.0035, "neighbours, 6 mm aside, give way less than the middle"));
     CHECK(deepest_left(loop) < tolerance(2e-4, "bisection to 1/128 of a level step"));
     CHECK(touch->force == Approx(3.0 * touch->level));
+    CHECK(touch->direction == loop.body.sites[1].direction);
     CHECK(touch->press_depth == Approx(press_depth_of_level(loop.body, 1, touch->level)));
   }
 }

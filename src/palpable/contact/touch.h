@@ -15,6 +15,7 @@ struct Touch {
   double force = 0;        ///< N, level * full_load
   double press_depth = 0;  ///< m, how far the site's patch is moved along its load
   Eigen::Vector3d point_in_body = Eigen::Vector3d::Zero();  ///< m, measured: where the surface is
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();      ///< unit, of the force; body frame
 };
 
 }  // namespace palpable

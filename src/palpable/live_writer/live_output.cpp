@@ -29,6 +29,20 @@ constexpr double kDefaultRate = 30;  // of a clip of one frame
 constexpr std::array kStages{"read",       "rectify", "disparity", "depth", "map",  "track",
                              "background", "contact", "evaluate",  "draw",  "write"};
 constexpr std::chrono::seconds kFlushEvery(1);
+// What a scene's touches are in touches.jsonl.
+TouchesLine felt_in(const Scene& scene) {
+  TouchesLine felt{.frame = scene.number, .touches = {}};
+  for (const Touch& touch : scene.touches) {
+    felt.touches.push_back({.site = touch.site,
+                            .level = touch.level,
+                            .press_depth = touch.press_depth,
+                            .force = touch.force * touch.direction,
+                            .point = touch.point_in_body,
+                            .time = scene.time});
+  }
+  return felt;
+}
+
 constexpr std::array kFigureNames{"hand_nearer.png", "body_nearer.png", "touch.png"};
 // All that a run may leave in its folder, timing.csv first: every run begins with it.
 constexpr std::array kOutputs{
@@ -191,15 +205,7 @@ void LiveOutput::write_frame(DrawnFrame& frame) {
 
 void LiveOutput::write_lines(const DrawnFrame& frame) {
   const Scene& scene = frame.scene;
-  for (const Touch& touch : scene.touches) {
-    texts_->touches.write(touch_line({.frame = scene.number,
-                                      .time = scene.time,
-                                      .site = touch.site,
-                                      .level = touch.level,
-                                      .force = touch.force,
-                                      .press_depth = touch.press_depth,
-                                      .point = touch.point_in_body}));
-  }
+  if (!scene.touches.empty()) texts_->touches.write(touches_line(felt_in(scene)));
   if (scene.camera.state != TrackState::kLost) {  // a fixed camera's pose stays as it is
     texts_->trajectory.write(trajectory_line({scene.time, scene.camera.world_from_camera}));
   }

@@ -55,7 +55,7 @@ TEST_CASE("every file of a run can be read by its reader", "[live_writer]") {
     std::unique_ptr<DrawnFrame> drawn = output.blank();
     fill(*drawn, number);
     if (number == 1) {
-      drawn->scene.touches.push_back({4, 0.5, 1.25, 0.003, {0.01, 0.02, 0.03}});
+      drawn->scene.touches.push_back({4, 0.5, 1.25, 0.003, {0.01, 0.02, 0.03}, {0, -1, 0}});
       drawn->scores.touch = 10;
     }
     if (number == 2) drawn->scene.camera.state = TrackState::kLost;
@@ -76,11 +76,14 @@ TEST_CASE("every file of a run can be read by its reader", "[live_writer]") {
   REQUIRE(output.times().size() == times.stages.size());
   CHECK(output.times().front().second == std::vector<double>{2, 2, 2});
 
-  const std::vector<TouchLine> touches = read_touches(out / "touches.jsonl");
-  REQUIRE(touches.size() == 1);
-  CHECK(touches[0].frame == 1);
-  CHECK(touches[0].site == 4);
-  CHECK(touches[0].press_depth == 0.003);
+  const std::vector<TouchesLine> felt = read_touches(out / "touches.jsonl");
+  REQUIRE(felt.size() == 1);
+  CHECK(felt[0].frame == 1);
+  REQUIRE(felt[0].touches.size() == 1);
+  CHECK(felt[0].touches[0].site == 4);
+  CHECK(felt[0].touches[0].press_depth == 0.003);
+  CHECK(felt[0].touches[0].force == Eigen::Vector3d(0, -1.25, 0));
+  CHECK(felt[0].touches[0].time == 0.05);
   const std::vector<PoseLine> poses = read_poses(out / "pose.jsonl");
   REQUIRE(poses.size() == 3);
   CHECK(poses[2].camera_from_body.translation().x() == Approx(0.2));

@@ -145,6 +145,30 @@ BorderError border_error(const SightImage& truth, const SightImage& drawn) {
   return error;
 }
 
+bool crosses_outline(const SightImage& truth, const MaskImage& moving) {
+  const bool everywhere = moving.empty();
+  PALPABLE_EXPECT(
+      everywhere || (moving.width() == truth.width() && moving.height() == truth.height()),
+      "what moves has the size of the truth");
+  const auto moves = [&](int x, int y) { return everywhere || moving(x, y) != 0; };
+  bool leaves_body = false;
+  bool leaves_sight = false;
+  for (int y = 0; y < truth.height(); ++y) {
+    for (int x = 0; x < truth.width(); ++x) {
+      if (truth(x, y) != Sight::kHidden || !moves(x, y)) continue;
+      for (const auto& [dx, dy] : kNeighbours) {
+        const int u = x + dx;
+        const int v = y + dy;
+        if (u < 0 || v < 0 || u >= truth.width() || v >= truth.height()) continue;
+        leaves_body = leaves_body || (truth(u, v) == Sight::kNoBody && moves(u, v));
+        leaves_sight = leaves_sight || truth(u, v) == Sight::kVisible;
+      }
+      if (leaves_body && leaves_sight) return true;
+    }
+  }
+  return false;
+}
+
 Flicker flicker_between(const SightImage& truth_before, const SightImage& drawn_before,
                         const SightImage& truth, const SightImage& drawn) {
   expect_one_size(truth, truth_before);

@@ -70,6 +70,18 @@ inline constexpr int kLargestBorderError = 25;
 /// @throws ContractViolation for unequal sizes
 [[nodiscard]] BorderError border_error(const SightImage& truth, const SightImage& drawn);
 
+/// Whether the hand truly crosses the body's outline and leaves a part of the body to be seen:
+///
+///     some pixel of the hand that hides the body has a 4-neighbour of the hand beside the body,
+///     and some pixel of the hand that hides the body has a 4-neighbour in which the body is
+///     visible
+///
+/// A hand before the middle of the body alone, or one
+/// that passes behind it, does not cross.
+/// @param moving  not 0 where the real scene shows what moves; empty: everywhere
+/// @throws ContractViolation for unequal sizes
+[[nodiscard]] bool crosses_outline(const SightImage& truth, const MaskImage& moving);
+
 /// Pixels that hold the body in two frames that follow each other, and whose true sight is the same
 /// in both.
 struct Flicker {

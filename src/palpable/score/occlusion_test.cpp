@@ -125,6 +125,37 @@ TEST_CASE("a border that was not drawn at all counts the largest error", "[score
   CHECK(*border_error(truth, drawn).mean_px() == kLargestBorderError);
 }
 
+// '1' where something moves.
+MaskImage moving(const std::vector<std::string>& rows) {
+  MaskImage image(static_cast<int>(rows[0].size()), static_cast<int>(rows.size()));
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      image(x, y) = rows[static_cast<std::size_t>(y)][static_cast<std::size_t>(x)] == '1' ? 255 : 0;
+    }
+  }
+  return image;
+}
+
+TEST_CASE("a hand crosses the outline where it goes on beside the body", "[score]") {
+  const SightImage truth = drawing({".####.", ".oo##.", ".####."});
+  CHECK(crosses_outline(truth, moving({"000000", "111000", "000000"})));
+  // Before the middle of the body, and seen from its front alone.
+  CHECK_FALSE(crosses_outline(truth, moving({"000000", "011000", "000000"})));
+  // Something that stands hides the body; a hand is beside it.
+  CHECK_FALSE(crosses_outline(truth, moving({"000000", "100000", "000000"})));
+  CHECK_FALSE(crosses_outline(truth, moving({"000000", "000000", "000000"})));
+  // Without a mask all that hides counts.
+  CHECK(crosses_outline(truth, {}));
+}
+
+TEST_CASE("a hand that hides all of the body, or passes behind it, does not cross", "[score]") {
+  const MaskImage hand = moving({"1111", "1111"});
+  CHECK_FALSE(crosses_outline(drawing({".oo.", ".oo."}), hand));
+  CHECK_FALSE(crosses_outline(drawing({".##.", ".##."}), hand));
+  CHECK(crosses_outline(drawing({".o#.", ".oo."}), hand));
+  CHECK_THROWS_AS(crosses_outline(SightImage(2, 3), MaskImage(3, 2)), ContractViolation);
+}
+
 TEST_CASE("flicker counts what changes in the picture and not in the truth", "[score]") {
   const SightImage truth_before = drawing({"###ooo...#"});
   const SightImage drawn_before = drawing({"###ooo...#"});

@@ -70,6 +70,7 @@ void PopScorer::add(PopFrame frame) {
     const double jump = (frame.surface - last_->surface).colwise().norm().maxCoeff();
     const double size = std::max(0.0, jump - explained);
     if (!largest_ || size > largest_->size) largest_ = Pop{size, frame.number};
+    counted_ += size > kCountedPop;
     moved_.push_front(*moved);
     if (moved_.size() > kLateSteps) moved_.pop_back();
   }

@@ -30,7 +30,11 @@ struct Pop {
   int frame = -1;   ///< the later of the two frames
 };
 
-/// Finds the largest pop of a run. Between two frames n-1 and n that follow each other,
+/// m: a pop that is larger than this is counted.
+inline constexpr double kCountedPop = 0.004;
+
+/// Finds the largest pop of a run, and counts the large ones. Between two frames n-1 and n that
+/// follow each other,
 ///
 ///     pop(n) = max over vertices |x_n - x_{n-1}|  -  max(m_n, m_{n-1}, m_{n-2}),   at least 0,
 ///
@@ -48,11 +52,17 @@ class PopScorer {
 
   /// The largest so far; nothing when no two frames could be compared.
   [[nodiscard]] const std::optional<Pop>& largest() const { return largest_; }
+  /// How many were larger than kCountedPop; nothing when no two frames could be compared.
+  [[nodiscard]] std::optional<int> counted() const {
+    if (!largest_) return std::nullopt;
+    return counted_;
+  }
 
  private:
   std::optional<PopFrame> last_;
   std::deque<double> moved_;  ///< m_{n-1}, m_{n-2}: the later first
   std::optional<Pop> largest_;
+  int counted_ = 0;
 };
 
 }  // namespace palpable

@@ -34,6 +34,16 @@ TEST_CASE("a jump of 5 mm while the hand moves 2 mm is a pop of 3 mm", "[score]"
   CHECK(scorer.largest()->frame == 8);
 }
 
+TEST_CASE("pops of more than 4 mm are counted, one by one", "[score]") {
+  PopScorer scorer;
+  CHECK_FALSE(scorer.counted().has_value());
+  int n = 0;
+  for (const double lifted : {0.0, 0.005, 0.0, 0.0039, 0.0085, 0.0085}) {
+    scorer.add(frame(n++, lifted, kFar));  // 5, 5, 3.9, 4.6 and 0 mm
+  }
+  CHECK(scorer.counted() == 3);
+}
+
 TEST_CASE("a surface that moves with the hand does not pop", "[score]") {
   PopScorer scorer;
   for (int n = 0; n < 10; ++n) scorer.add(frame(n, 0.003 * n, 0.003 * n));

@@ -65,8 +65,9 @@ void read_live(const fs::path& path, ResultFolder& result) {
 
 std::map<int, FoundTouch> touches_in(const fs::path& path) {
   std::map<int, FoundTouch> touches;
-  for (const TouchLine& line : read_touches(path)) {
-    touches.emplace(line.frame, FoundTouch{line.site, line.level});
+  for (const TouchesLine& line : read_touches(path)) {
+    if (line.touches.empty()) continue;
+    touches.emplace(line.frame, FoundTouch{line.touches[0].site, line.touches[0].level});
   }
   return touches;
 }

@@ -34,7 +34,7 @@ class Surfaces {
                       std::all_of(result.touches->begin(), result.touches->end(), known);
   }
 
-  [[nodiscard]] std::optional<Eigen::Matrix3Xd> at(int frame) const {
+  [[nodiscard]] std::optional<SurfaceMesh> at(int frame) const {
     if (meshes_) return from_file(frame);
     if (!touches_say_it_) return std::nullopt;
     return from_touch(frame);
@@ -45,15 +45,15 @@ class Surfaces {
   }
 
  private:
-  [[nodiscard]] std::optional<Eigen::Matrix3Xd> from_file(int frame) const {
+  [[nodiscard]] std::optional<SurfaceMesh> from_file(int frame) const {
     const fs::path path = file_of(frame);
     if (!fs::exists(path)) return std::nullopt;
-    return value_or_throw(read_surface_file(path)).vertices;
+    return value_or_throw(read_surface_file(path));
   }
 
-  [[nodiscard]] Eigen::Matrix3Xd from_touch(int frame) const {
+  [[nodiscard]] SurfaceMesh from_touch(int frame) const {
     const auto touch = result_.touches->find(frame);
-    if (touch == result_.touches->end()) return body_->surface.vertices;
+    if (touch == result_.touches->end()) return body_->surface;
     const auto [site, level] = touch->second;
     const fs::path path = result_.folder / "touches.jsonl";
     if (site >= std::ssize(body_->sites)) {
@@ -63,7 +63,7 @@ class Surfaces {
     Eigen::Matrix3Xf u = Eigen::Matrix3Xf::Zero(3, body_->surface.vertices.cols());
     body_->displacement.evaluate(std::array{static_cast<double>(site), *level},
                                  std::span<float>(u.data(), static_cast<std::size_t>(u.size())));
-    return body_->surface.vertices + u.cast<double>();
+    return {body_->surface.vertices + u.cast<double>(), body_->surface.triangles};
   }
 
   const ResultFolder& result_;
@@ -81,18 +81,18 @@ SurfaceScores score_surface(const TruthFolder& truth, const ResultFolder& result
   const Surfaces surfaces(result, body);
   std::vector<double> deepest;
   PopScorer pops;
-  Eigen::Index vertices = 0;
+  int vertices = 0;
   for (int frame = 0; frame < truth.frames; ++frame) {
     if (result.processed[frame] == 0) continue;
     const Rigid3 pose = *result.pose_at(frame);
-    std::optional<Eigen::Matrix3Xd> surface = surfaces.at(frame);
+    std::optional<SurfaceMesh> surface = surfaces.at(frame);
     if (!surface) return {};
-    if (vertices != 0 && surface->cols() != vertices) {
+    if (vertices != 0 && surface->vertex_count() != vertices) {
       throw Error(
           fmt::format("{}: {} vertices, but frames before it {}; every frame shows one body",
-                      surfaces.file_of(frame).string(), surface->cols(), vertices));
+                      surfaces.file_of(frame).string(), surface->vertex_count(), vertices));
     }
-    vertices = surface->cols();
+    vertices = surface->vertex_count();
     PopFrame drawn;
     drawn.number = frame;
     drawn.camera_from_body = pose;
@@ -102,10 +102,11 @@ SurfaceScores score_surface(const TruthFolder& truth, const ResultFolder& result
       drawn.hand = hand->second;
     }
     if (!truth.contacts.empty() && truth.contacts[frame].touching && !drawn.hand.empty()) {
-      const Eigen::Matrix3Xd in_camera = (pose.linear() * *surface).colwise() + pose.translation();
+      SurfaceMesh in_camera = *surface;
+      in_camera.vertices = (pose.linear() * surface->vertices).colwise() + pose.translation();
       deepest.push_back(deepest_penetration(in_camera, drawn.hand));
     }
-    drawn.surface = std::move(*surface);
+    drawn.surface = std::move(surface->vertices);
     pops.add(std::move(drawn));
   }
   SurfaceScores scores;

@@ -1,0 +1,29 @@
+#include "palpable/score/overpress.h"
+
+#include "palpable/base/contract.h"
+
+#include <algorithm>
+
+namespace palpable {
+
+double overpress(const Eigen::Matrix3Xd& rest, const Eigen::Matrix3Xd& truth,
+                 const Eigen::Matrix3Xd& found, const Eigen::Vector3d& touched) {
+  PALPABLE_EXPECT(rest.cols() == truth.cols() && rest.cols() == found.cols() && rest.cols() > 0,
+                  "both displacements are of one skin");
+  const Eigen::RowVectorXd away = (rest.colwise() - touched).colwise().norm();
+  const double reach = std::max(kTouchedPlace, away.minCoeff());
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (Eigen::Index v = 0; v < rest.cols(); ++v) {
+    if (away[v] <= reach) sum += truth.col(v);
+  }
+  double most = 0;
+  for (Eigen::Index v = 0; v < rest.cols(); ++v) {
+    if (away[v] > reach) continue;
+    const Eigen::Vector3d off = found.col(v) - truth.col(v);
+    // Where the true skin does not move, every way is too far.
+    most = std::max(most, sum.norm() > 0 ? off.dot(sum.normalized()) : off.norm());
+  }
+  return most;
+}
+
+}  // namespace palpable
