@@ -3,8 +3,8 @@
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/base/error.h"
-#include "palpable/clip_writer/kept_clip.h"
 #include "palpable/clip_files/place.h"
+#include "palpable/clip_writer/kept_clip.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/scaled_body.h"
 

@@ -2,8 +2,8 @@
 
 #include "palpable/base/error.h"
 #include "palpable/base/stage_clock.h"
-#include "palpable/geometry/median_pose.h"
 #include "palpable/clip_files/place.h"
+#include "palpable/geometry/median_pose.h"
 #include "palpable/map/plane_fit.h"
 #include "palpable/slam/slam.h"
 #include "palpable/sources/source_guard.h"

@@ -1,8 +1,8 @@
 #include "palpable/live/live_run.h"
 
 #include "palpable/base/error.h"
-#include "palpable/live/anchoring.h"
 #include "palpable/clip_files/place.h"
+#include "palpable/live/anchoring.h"
 #include "palpable/sources/open_source.h"
 #include "palpable/sources/paced_source.h"
 

@@ -5,8 +5,8 @@
 /// of the hand. Metres and radians.
 #pragma once
 
-#include "palpable/geometry/rigid.h"
 #include "palpable/geometry/capsule.h"
+#include "palpable/geometry/rigid.h"
 
 #include <array>
 #include <vector>
