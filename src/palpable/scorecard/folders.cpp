@@ -15,6 +15,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -28,9 +29,35 @@ std::vector<TrueContact> contacts_in(const fs::path& path) {
   std::vector<TrueContact> contacts;
   for (const ContactLine& line : read_contacts(path)) {
     contacts.resize(line.frame + 1);
-    contacts.back() = {line.touching, line.site};
+    TrueContact& contact = contacts.back();
+    contact = {line.touching, line.site, line.depth, line.gap, 1, line.point};
+    if (line.touching) contact.gap = 0;
+    if (line.seen_share) contact.seen_share = *line.seen_share;
   }
   return contacts;
+}
+
+// Where no hand is, none is near.
+void fill_gaps(TruthFolder& truth) {
+  for (std::size_t f = 0; f < truth.contacts.size(); ++f) {
+    TrueContact& contact = truth.contacts[f];
+    if (contact.gap || truth.hands.contains(static_cast<int>(f))) continue;
+    contact.gap = std::numeric_limits<double>::infinity();
+  }
+}
+
+std::optional<TrueSkins> skins_in(const fs::path& folder, int frames) {
+  TrueSkins skins;
+  skins.lines = read_deformed_lines(folder);
+  std::erase_if(skins.lines, [](const DeformedLine& line) { return line.body != 0; });
+  if (skins.lines.empty()) return std::nullopt;
+  if (skins.lines.back().frame >= frames) {
+    throw Error(fmt::format("{}: frame {}, but the truth has {} frames (from 0 on)",
+                            (folder / "deformed.jsonl").string(), skins.lines.back().frame,
+                            frames));
+  }
+  skins.rest = value_or_throw(read_valued_ply(folder / "rest.ply", kVonMisesProperty)).surface;
+  return skins;
 }
 
 std::map<int, std::vector<Capsule>> hands_in(const fs::path& path) {
@@ -63,11 +90,12 @@ void read_live(const fs::path& path, ResultFolder& result) {
   result.processed = std::move(processed);
 }
 
-std::map<int, FoundTouch> touches_in(const fs::path& path) {
-  std::map<int, FoundTouch> touches;
+std::map<int, std::vector<FoundTouch>> touches_in(const fs::path& path) {
+  std::map<int, std::vector<FoundTouch>> touches;
   for (const TouchesLine& line : read_touches(path)) {
-    if (line.touches.empty()) continue;
-    touches.emplace(line.frame, FoundTouch{line.touches[0].site, line.touches[0].level});
+    for (const FeltTouch& touch : line.touches) {
+      touches[line.frame].push_back({touch.site, touch.level, touch.force});
+    }
   }
   return touches;
 }
@@ -139,6 +167,8 @@ TruthFolder read_truth_folder(const fs::path& folder) {
   }
   expect_complete(truth, "contact.jsonl", truth.contacts.size());
   expect_complete(truth, "trajectory.txt", truth.trajectory.size());
+  if (there("hand.jsonl")) fill_gaps(truth);
+  truth.deformed = skins_in(path_of("deformed"), truth.frames);
   return truth;
 }
 

@@ -3,9 +3,11 @@
 /// they are text. Images are read frame by frame (image_scores.h).
 #pragma once
 
+#include "palpable/clip_files/deformed_file.h"
 #include "palpable/geometry/capsule.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/geometry/stamped_pose.h"
+#include "palpable/geometry/surface_mesh.h"
 #include "palpable/score/row_error.h"
 
 #include <cstdint>
@@ -18,7 +20,19 @@ namespace palpable {
 
 struct TrueContact {
   bool touching = false;
-  int site = -1;  ///< -1 between sites, or not touching
+  int site = -1;     ///< -1 between sites, or not touching
+  double depth = 0;  ///< m; 0: nothing touches, or it is not said
+  /// m, from what moves to the undeformed body: 0 in a touch, infinite where nothing is there.
+  std::optional<double> gap = {};
+  double seen_share = 1;                      ///< of what touches; 1 where it is not said
+  std::optional<Eigen::Vector3d> point = {};  ///< m, body frame: where it is deepest
+};
+
+/// truth/deformed: the full answer, of some frames. Their skins are read one by one
+/// (deformed_file.h).
+struct TrueSkins {
+  SurfaceMesh rest;
+  std::vector<DeformedLine> lines;  ///< at least one, by frame
 };
 
 /// What is known of a film. Only camera.toml must be there; lists of files that are not are empty.
@@ -31,11 +45,13 @@ struct TruthFolder {
   std::vector<StampedPose> trajectory;        ///< one per frame
   std::map<int, std::vector<Capsule>> hands;  ///< per frame, camera frame; no entry: no hand
   std::vector<TrueRowOffset> rows;
+  std::optional<TrueSkins> deformed;
 };
 
 struct FoundTouch {
-  int site = -1;                ///< -1: not said
-  std::optional<double> level;  ///< of the site's full load
+  int site = -1;                              ///< -1: not said
+  std::optional<double> level;                ///< of the site's full load
+  std::optional<Eigen::Vector3d> force = {};  ///< N, on the body, body frame
 };
 
 /// What a system left that was shown the film. Nothing is there that the folder does not hold.
@@ -43,9 +59,9 @@ struct ResultFolder {
   std::filesystem::path folder;
   /// (frames of the truth) 1 where live.json counts the frame as processed; all 1 without it.
   std::vector<std::uint8_t> processed;
-  std::optional<Rigid3> camera_from_body;            ///< live.json
-  std::optional<std::map<int, FoundTouch>> touches;  ///< by frame; of several the first
-  std::optional<std::map<int, Rigid3>> poses;        ///< camera_from_body by frame
+  std::optional<Rigid3> camera_from_body;                         ///< live.json
+  std::optional<std::map<int, std::vector<FoundTouch>>> touches;  ///< by frame; none is empty
+  std::optional<std::map<int, Rigid3>> poses;                     ///< camera_from_body by frame
   std::optional<std::vector<StampedPose>> trajectory;
   std::optional<std::vector<RowCorrection>> corrections;
 

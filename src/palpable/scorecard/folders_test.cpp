@@ -94,9 +94,9 @@ TEST_CASE("a result is read as far as it goes", "[scorecard]") {
   write(folder / "touches.jsonl", "{\"frame\":1}\n{\"frame\":2,\"site\":4,\"level\":0.5}\n");
   ResultFolder result = read_result_folder(folder.path(), 3);
   CHECK(result.processed == std::vector<std::uint8_t>{1, 1, 1});
-  CHECK(result.touches->at(1).site == -1);
-  CHECK_FALSE(result.touches->at(1).level.has_value());
-  CHECK(result.touches->at(2).site == 4);
+  CHECK(result.touches->at(1).front().site == -1);
+  CHECK_FALSE(result.touches->at(1).front().level.has_value());
+  CHECK(result.touches->at(2).front().site == 4);
   CHECK_FALSE(result.poses.has_value());
   CHECK_FALSE(result.trajectory.has_value());
   CHECK_FALSE(result.corrections.has_value());
@@ -209,6 +209,8 @@ TEST_CASE("what has no score is null for programs and a dash for people", "[scor
   "occlusion_iou_where_hidden": null,
   "occlusion_iou_worst_frame": null,
   "edge_error_px": null,
+  "crossing_frames": 0,
+  "edge_error_crossing_px": null,
   "flicker": null,
   "ate_mm": null,
   "rpe_mm": null,
@@ -219,10 +221,22 @@ TEST_CASE("what has no score is null for programs and a dash for people", "[scor
   "touch_recall": null,
   "touch_site": null,
   "first_touch_delay_frames": null,
+  "touch_recall_3mm": null,
+  "touch_false_5mm": null,
+  "frames_too_deep": null,
   "penetration_median_mm": null,
   "penetration_p99_mm": null,
   "largest_pop_mm": null,
   "largest_pop_frame": null,
+  "pops_4mm": null,
+  "deformed_frames": null,
+  "deformed_frames_shallow": null,
+  "displacement_error": null,
+  "displacement_error_mm": null,
+  "displacement_error_mm_shallow": null,
+  "von_mises_error": null,
+  "force_error": null,
+  "overpress_mm": null,
   "jitter_mm": null,
   "row_error_px": null
 })");

@@ -50,9 +50,18 @@ MaskImage to_half(const MaskImage& mask, int width) {
   return half;
 }
 
+MaskImage moving_in(const GrayImage& labels) {
+  MaskImage moving(labels.width(), labels.height());
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    moving.data()[i] = labels.data()[i] & kMovingLabel;
+  return moving;
+}
+
 class OcclusionSum {
  public:
-  void add(int frame, const MaskImage& visible, const DepthImage& body, const DepthImage& real) {
+  // @param moving  where the real scene moves; empty: not known
+  void add(int frame, const MaskImage& visible, const DepthImage& body, const DepthImage& real,
+           const MaskImage& moving) {
     SightImage truth = true_sight(body, real);
     SightImage drawn = drawn_sight(visible, body);
     const MaskOverlap overlap = overlap_of(truth, drawn);
@@ -67,6 +76,11 @@ class OcclusionSum {
     const BorderError border = border_error(truth, drawn);
     border_.sum_px += border.sum_px;
     border_.pixels += border.pixels;
+    if (crosses_outline(truth, moving)) {
+      ++crossing_frames_;
+      crossing_.sum_px += border.sum_px;
+      crossing_.pixels += border.pixels;
+    }
     if (last_frame_ == frame - 1 && truth_.width() == truth.width() &&
         truth_.height() == truth.height()) {
       const Flicker flicker = flicker_between(truth_, drawn_, truth, drawn);
@@ -93,6 +107,10 @@ class OcclusionSum {
     scores.occlusion_iou_where_hidden = mean(hidden_sum_, hidden_frames_);
     if (frames_ > 0) scores.occlusion_iou_worst_frame = worst_;
     if (const auto border = border_.mean_px()) scores.edge_error_px = kPictureScale * *border;
+    scores.crossing_frames = crossing_frames_;
+    if (const auto border = crossing_.mean_px()) {
+      scores.edge_error_crossing_px = kPictureScale * *border;
+    }
     scores.flicker = flicker_.share();
   }
 
@@ -103,6 +121,8 @@ class OcclusionSum {
   int hidden_frames_ = 0;
   double hidden_sum_ = 0;
   BorderError border_;
+  int crossing_frames_ = 0;
+  BorderError crossing_;
   Flicker flicker_;
   int last_frame_ = -2;
   SightImage truth_;
@@ -131,7 +151,7 @@ class ImageScorer {
                   false);
     }
     if (any_depth_) add_depth(frame, *true_depth, labels.value_or(GrayImage{}));
-    if (any_visible_) add_occlusion(frame, *true_depth);
+    if (any_visible_) add_occlusion(frame, *true_depth, labels.value_or(GrayImage{}));
   }
 
   [[nodiscard]] ImageScores scores() const {
@@ -172,7 +192,7 @@ class ImageScorer {
     ++depth_frames_;
   }
 
-  void add_occlusion(int frame, const DepthCounts& true_depth) {
+  void add_occlusion(int frame, const DepthCounts& true_depth, const GrayImage& labels) {
     const fs::path body_path = image_of(result_.folder, "body_depth", frame);
     const auto body = read_depth_counts(body_path);
     if (!body) {
@@ -186,7 +206,7 @@ class ImageScorer {
     expect_size(*visible, path, true_depth, truth_path, true);
     expect_size(*body, body_path, true_depth, truth_path, false);
     occlusion_.add(frame, *visible, depth_of(*body, kBodyDepthUnit),
-                   depth_of(true_depth, truth_.depth_unit));
+                   depth_of(true_depth, truth_.depth_unit), moving_in(labels));
   }
 
   const TruthFolder& truth_;

@@ -22,6 +22,8 @@ struct ImageScores {
   std::optional<double> occlusion_iou_where_hidden;
   std::optional<double> occlusion_iou_worst_frame;
   std::optional<double> edge_error_px;  ///< of the full-size picture
+  int crossing_frames = 0;              ///< of these, the hand crosses the body's outline
+  std::optional<double> edge_error_crossing_px;
   std::optional<double> flicker;
 };
 

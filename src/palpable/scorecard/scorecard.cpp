@@ -2,6 +2,8 @@
 
 #include "palpable/base/error.h"
 #include "palpable/score/anchor_score.h"
+#include "palpable/score/touch_false.h"
+#include "palpable/score/touch_recall.h"
 #include "palpable/score/touch_score.h"
 #include "palpable/score/trajectory_score.h"
 
@@ -35,14 +37,14 @@ Touching true_touching(const TruthFolder& truth) {
 Touching found_touching(const TruthFolder& truth, const ResultFolder& result) {
   Touching touching(truth.frames);
   if (!result.touches) return touching;
-  for (const auto& [frame, touch] : *result.touches) {
+  for (const auto& [frame, touches] : *result.touches) {
     if (frame >= truth.frames) {
       throw Error(fmt::format("{}: frame {} is touched, but the truth has {} frames (from 0 on)",
                               (result.folder / "touches.jsonl").string(), frame, truth.frames));
     }
     if (result.processed[frame] == 0) continue;
     touching.any[frame] = 1;
-    touching.site[frame] = touch.site;
+    touching.site[frame] = touches.front().site;
   }
   return touching;
 }
@@ -82,6 +84,14 @@ PressScores score_presses(const TruthFolder& truth, const ResultFolder& result) 
   scores.touch_recall = score.recall;
   scores.touch_site = score_sites(is.site, felt.site);
   scores.first_touch_delay_frames = score.first_touch_delay_frames;
+  std::vector<TrueReach> reach;
+  std::vector<std::optional<double>> gaps;
+  for (const TrueContact& contact : truth.contacts) {
+    reach.push_back({contact.depth, contact.seen_share});
+    gaps.push_back(contact.gap);
+  }
+  scores.touch_recall_3mm = touch_recall(reach, felt.any);
+  scores.touch_false_5mm = touch_false(gaps, felt.any);
   return scores;
 }
 
@@ -117,6 +127,7 @@ Scorecard score_folders(const std::filesystem::path& truth_path,
   scores.path = score_path(truth, result);
   scores.press = score_presses(truth, result);
   scores.surface = score_surface(truth, result, body);
+  scores.deformed = score_deformed(truth, result, body);
   scores.jitter_mm = score_anchor(truth, result);
   scores.row_error_px = score_rows(truth, result);
   if (body != nullptr) {

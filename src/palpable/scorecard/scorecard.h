@@ -5,6 +5,7 @@
 
 #include "palpable/base/progress.h"
 #include "palpable/reduced/reduced_body.h"
+#include "palpable/scorecard/deformed_scores.h"
 #include "palpable/scorecard/folders.h"
 #include "palpable/scorecard/image_scores.h"
 #include "palpable/scorecard/surface_scores.h"
@@ -30,6 +31,8 @@ struct PressScores {
   std::optional<double> touch_recall;
   std::optional<double> touch_site;
   std::optional<int> first_touch_delay_frames;
+  std::optional<double> touch_recall_3mm;
+  std::optional<double> touch_false_5mm;
 };
 
 /// By the names of docs/benchmark.md. What a result does not hold has no score.
@@ -39,6 +42,7 @@ struct Scorecard {
   PathScores path;
   PressScores press;
   SurfaceScores surface;
+  DeformedScores deformed;
   std::optional<double> jitter_mm;
   std::optional<double> row_error_px;
   /// Of the body itself; nothing without it.

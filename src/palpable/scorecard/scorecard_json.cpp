@@ -13,6 +13,45 @@ ordered_json or_null(const std::optional<T>& value) {
   return value ? ordered_json(*value) : ordered_json(nullptr);
 }
 
+ordered_json both(const char* first, double one, const char* second, double other) {
+  return {{first, one}, {second, other}};
+}
+
+ordered_json or_null(const std::optional<MedianAndP90>& value) {
+  return value ? both("median", value->median, "p90", value->p90) : ordered_json(nullptr);
+}
+
+ordered_json or_null(const std::optional<P50AndP99>& value) {
+  return value ? both("p50", value->p50, "p99", value->p99) : ordered_json(nullptr);
+}
+
+void add_press(const Scorecard& scores, ordered_json& json) {
+  const PressScores& press = scores.press;
+  json["frames_touching"] = or_null(press.frames_touching);
+  json["touch_precision"] = or_null(press.touch_precision);
+  json["touch_recall"] = or_null(press.touch_recall);
+  json["touch_site"] = or_null(press.touch_site);
+  json["first_touch_delay_frames"] = or_null(press.first_touch_delay_frames);
+  json["touch_recall_3mm"] = or_null(press.touch_recall_3mm);
+  json["touch_false_5mm"] = or_null(press.touch_false_5mm);
+  const SurfaceScores& surface = scores.surface;
+  json["frames_too_deep"] = or_null(surface.frames_too_deep);
+  json["penetration_median_mm"] = or_null(surface.penetration_median_mm);
+  json["penetration_p99_mm"] = or_null(surface.penetration_p99_mm);
+  json["largest_pop_mm"] = or_null(surface.largest_pop_mm);
+  json["largest_pop_frame"] = or_null(surface.largest_pop_frame);
+  json["pops_4mm"] = or_null(surface.pops_4mm);
+  const DeformedScores& deformed = scores.deformed;
+  json["deformed_frames"] = or_null(deformed.deformed_frames);
+  json["deformed_frames_shallow"] = or_null(deformed.deformed_frames_shallow);
+  json["displacement_error"] = or_null(deformed.displacement_error);
+  json["displacement_error_mm"] = or_null(deformed.displacement_error_mm);
+  json["displacement_error_mm_shallow"] = or_null(deformed.displacement_error_mm_shallow);
+  json["von_mises_error"] = or_null(deformed.von_mises_error);
+  json["force_error"] = or_null(deformed.force_error);
+  json["overpress_mm"] = or_null(deformed.overpress_mm);
+}
+
 void add_depth(const ImageScores& images, ordered_json& json) {
   const bool any = images.depth_frames > 0;
   const DepthScore& depth = images.depth;
@@ -45,20 +84,14 @@ std::string json_of(const Scorecard& scores) {
   json["occlusion_iou_where_hidden"] = or_null(scores.images.occlusion_iou_where_hidden);
   json["occlusion_iou_worst_frame"] = or_null(scores.images.occlusion_iou_worst_frame);
   json["edge_error_px"] = or_null(scores.images.edge_error_px);
+  json["crossing_frames"] = scores.images.crossing_frames;
+  json["edge_error_crossing_px"] = or_null(scores.images.edge_error_crossing_px);
   json["flicker"] = or_null(scores.images.flicker);
   json["ate_mm"] = or_null(scores.path.ate_mm);
   json["rpe_mm"] = or_null(scores.path.rpe_mm);
   json["rpe_deg"] = or_null(scores.path.rpe_deg);
   json["trajectory_share"] = or_null(scores.path.trajectory_share);
-  json["frames_touching"] = or_null(scores.press.frames_touching);
-  json["touch_precision"] = or_null(scores.press.touch_precision);
-  json["touch_recall"] = or_null(scores.press.touch_recall);
-  json["touch_site"] = or_null(scores.press.touch_site);
-  json["first_touch_delay_frames"] = or_null(scores.press.first_touch_delay_frames);
-  json["penetration_median_mm"] = or_null(scores.surface.penetration_median_mm);
-  json["penetration_p99_mm"] = or_null(scores.surface.penetration_p99_mm);
-  json["largest_pop_mm"] = or_null(scores.surface.largest_pop_mm);
-  json["largest_pop_frame"] = or_null(scores.surface.largest_pop_frame);
+  add_press(scores, json);
   json["jitter_mm"] = or_null(scores.jitter_mm);
   json["row_error_px"] = or_null(scores.row_error_px);
   if (scores.reduction_error) {

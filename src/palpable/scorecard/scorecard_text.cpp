@@ -17,6 +17,34 @@ std::string count(const char* what, const std::optional<int>& score, const char*
   return fmt::format("{:<44}{}{}\n", what, *score, unit);
 }
 
+/// The median, and what nine frames of ten have less than.
+std::string spread(const char* what, const std::optional<MedianAndP90>& score, const char* unit,
+                   int digits) {
+  if (!score) return fmt::format("{:<44}-\n", what);
+  return fmt::format("{:<44}{:.{}f}{} ({:.{}f}{} in 9 of 10)\n", what, score->median, digits, unit,
+                     score->p90, digits, unit);
+}
+
+std::string deformed_lines(const DeformedScores& deformed) {
+  if (!deformed.deformed_frames) return {};
+  std::string text = count("frames with a full answer, deep", deformed.deformed_frames);
+  text += count("  and shallow", deformed.deformed_frames_shallow);
+  text += spread("displacement, relative error", deformed.displacement_error, "", 3);
+  text += spread("  at the worst vertex", deformed.displacement_error_mm, " mm", 2);
+  text += spread("  in shallow touches", deformed.displacement_error_mm_shallow, " mm", 2);
+  text += spread("stress, error of the maximum", deformed.von_mises_error, "", 3);
+  text += spread("force, relative error", deformed.force_error, "", 3);
+  std::optional<double> p50;
+  std::optional<double> p99;
+  if (deformed.overpress_mm) {
+    p50 = deformed.overpress_mm->p50;
+    p99 = deformed.overpress_mm->p99;
+  }
+  text += line("pressed too far, median", p50, " mm", 2);
+  text += line("pressed too far, 99 of 100", p99, " mm", 2);
+  return text;
+}
+
 std::string depth_table(const ImageScores& images) {
   if (images.depth_frames == 0) return {};
   std::string text = "depth at (m)    median error   within 1 %   (the paper's camera: 1 to 9 %)\n";
@@ -50,9 +78,14 @@ std::string text_of(const Scorecard& scores) {
   text += line("felt touches that are true", scores.press.touch_precision, "", 3);
   text += line("true touches that are felt", scores.press.touch_recall, "", 3);
   text += line("  at the right site", scores.press.touch_site, "", 3);
+  text += line("true touches of 3 mm and seen that are felt", scores.press.touch_recall_3mm, "", 3);
+  text += line("felt touches with nothing within 5 mm", scores.press.touch_false_5mm, "", 3);
+  text += count("frames too deep to be scored", scores.surface.frames_too_deep);
   text += line("penetration left, median", scores.surface.penetration_median_mm, " mm", 2);
   text += line("penetration left, 99 of 100", scores.surface.penetration_p99_mm, " mm", 2);
   text += line("largest unexplained jump of the surface", scores.surface.largest_pop_mm, " mm", 2);
+  text += count("  jumps of more than 4 mm", scores.surface.pops_4mm);
+  text += deformed_lines(scores.deformed);
   if (scores.reduction_error) {
     text += fmt::format("{:<44}{:.2e}\n", "error of the reduced model, pooled",
                         *scores.reduction_error);
@@ -62,6 +95,7 @@ std::string text_of(const Scorecard& scores) {
   text += line("  where a hand hides part of it", images.occlusion_iou_where_hidden, "", 3);
   text += line("  in the worst frame", images.occlusion_iou_worst_frame, "", 3);
   text += line("border between body and hand is off by", images.edge_error_px, " px", 1);
+  text += line("  where a hand crosses the outline", images.edge_error_crossing_px, " px", 1);
   text += line("flicker", images.flicker, "", 4);
   text += line("jitter of the body in the world", scores.jitter_mm, " mm", 2);
   text += line("rows out of line, at worst", scores.row_error_px, " px", 2);

@@ -1,0 +1,354 @@
+// A made-up press whose truth is known in closed form: a perfect answer scores perfectly, and each
+// score is bad for the wrong answer that it is there for.
+
+#include "palpable/base/error.h"
+#include "palpable/clip_files/contact_file.h"
+#include "palpable/clip_files/frame_names.h"
+#include "palpable/clip_files/hand_file.h"
+#include "palpable/clip_files/touches_file.h"
+#include "palpable/clip_files/trajectory_file.h"
+#include "palpable/reduced/body_file.h"
+#include "palpable/scorecard/scorecard.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <string>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector3d;
+using test::tolerance;
+
+constexpr double kRadius = 0.015;  // m, of the ball that presses
+const Vector3d kForcePerMetre(50, 0, -500);
+
+// What the ball does. The body is 100 mm high: at more than 10 mm the ball passes through.
+struct Moment {
+  double depth;  // m, below the top; negative above it
+  double seen_share;
+  bool has_full_answer;
+};
+constexpr std::array<Moment, 8> kMoments{{{-0.050, 1, false},
+                                          {-0.007, 1, false},
+                                          {0.002, 1, true},  // shallow
+                                          {0.006, 1, true},
+                                          {0.008, 1, true},
+                                          {0.012, 1, false},    // passes through
+                                          {0.006, 0.2, false},  // seen by no camera
+                                          {-0.050, 1, false}}};
+
+// A block 100 mm high whose top, at Z = 0, has vertices 2.5 mm apart.
+SurfaceMesh block() {
+  constexpr int kParts = 40;
+  SurfaceMesh surface;
+  surface.vertices.resize(3, (kParts + 1) * (kParts + 1) + 1);
+  surface.triangles.resize(3, 2 * kParts * kParts + 4 * kParts);
+  const auto at = [](int i, int j) { return j * (kParts + 1) + i; };
+  for (int j = 0; j <= kParts; ++j) {
+    for (int i = 0; i <= kParts; ++i) {
+      surface.vertices.col(at(i, j)) << 0.0025 * i - 0.05, 0.0025 * j - 0.05, 0;
+    }
+  }
+  const int bottom = static_cast<int>(surface.vertices.cols()) - 1;
+  surface.vertices.col(bottom) << 0, 0, -0.1;
+  int t = 0;
+  for (int j = 0; j < kParts; ++j) {
+    for (int i = 0; i < kParts; ++i) {
+      surface.triangles.col(t++) << at(i, j), at(i + 1, j), at(i + 1, j + 1);
+      surface.triangles.col(t++) << at(i, j), at(i + 1, j + 1), at(i, j + 1);
+    }
+  }
+  for (int i = 0; i < kParts; ++i) {  // an upside-down pyramid closes it
+    surface.triangles.col(t++) << at(i + 1, 0), at(i, 0), bottom;
+    surface.triangles.col(t++) << at(i, kParts), at(i + 1, kParts), bottom;
+    surface.triangles.col(t++) << at(0, i), at(0, i + 1), bottom;
+    surface.triangles.col(t++) << at(kParts, i + 1), at(kParts, i), bottom;
+  }
+  return surface;
+}
+
+// The top gives way to the ball and nowhere else; stress as the way of each vertex.
+ValuedSurface pressed(double depth, double times = 1) {
+  ValuedSurface skin{block(), {}};
+  skin.values = Eigen::VectorXd::Zero(skin.surface.vertex_count());
+  for (int v = 0; v + 1 < skin.surface.vertex_count(); ++v) {
+    const double r = skin.surface.vertices.col(v).head<2>().norm();
+    if (r >= kRadius || depth <= 0) continue;
+    const double down = depth - kRadius + std::sqrt(kRadius * kRadius - r * r);
+    if (down <= 0) continue;
+    skin.surface.vertices(2, v) = -times * down;
+    skin.values[v] = times * 1e6 * down;
+  }
+  return skin;
+}
+
+void write_text(const fs::path& path, const std::string& text) { test::write_bytes(path, text); }
+
+// The camera's frame is the body's.
+void write_truth(const fs::path& folder) {
+  std::string contacts, hands, path, deformed;
+  fs::create_directories(folder / "deformed");
+  write_valued_ply(folder / "deformed" / "rest.ply", pressed(0), kVonMisesProperty);
+  for (int n = 0; n < std::ssize(kMoments); ++n) {
+    const Moment& now = kMoments[static_cast<std::size_t>(n)];
+    const Vector3d middle(0, 0, kRadius - now.depth);
+    hands += hand_line({n, {{middle, middle, kRadius, kRadius}}});
+    path += trajectory_line({n / 30.0, Rigid3::Identity()});
+    ContactLine contact{.frame = n, .touching = now.depth > 0, .site = -1};
+    if (contact.touching) {
+      contact.depth = now.depth;
+      contact.point = Vector3d::Zero();
+      contact.seen_share = now.seen_share;
+    } else {
+      contact.gap = -now.depth;
+    }
+    contacts += contact_line(contact);
+    if (!now.has_full_answer) continue;
+    write_valued_ply(deformed_skin_file(folder / "deformed", n), pressed(now.depth),
+                     kVonMisesProperty);
+    deformed +=
+        deformed_line({.frame = n, .depth = now.depth, .force = now.depth * kForcePerMetre});
+  }
+  write_text(folder / "camera.toml", "fps = 30\ndepth_unit_m = 0.00025\n");
+  write_text(folder / "contact.jsonl", contacts);
+  write_text(folder / "hand.jsonl", hands);
+  write_text(folder / "trajectory.txt", path);
+  write_text(folder / "deformed" / "deformed.jsonl", deformed);
+}
+
+// What an answer does in a frame.
+struct Answer {
+  ValuedSurface skin;
+  bool felt = false;
+  Vector3d force = Vector3d::Zero();
+};
+using Answers = std::function<Answer(const Moment&)>;
+
+Answer perfect(const Moment& now) {
+  return {pressed(now.depth), now.depth > 0, now.depth * kForcePerMetre};
+}
+
+void write_result(const fs::path& folder, const Answers& answers) {
+  fs::create_directories(folder / "meshes");
+  write_valued_ply(folder / "meshes" / "rest.ply", pressed(0), kVonMisesProperty);
+  std::string touches;
+  for (int n = 0; n < std::ssize(kMoments); ++n) {
+    const Answer answer = answers(kMoments[static_cast<std::size_t>(n)]);
+    write_valued_ply(folder / "meshes" / frame_name(n, ".ply"), answer.skin, kVonMisesProperty);
+    if (answer.felt) touches += touches_line({n, {{.force = answer.force}}});
+  }
+  write_text(folder / "touches.jsonl", touches);
+  write_text(folder / "live.json", "{\"camera_from_body\":[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}");
+}
+
+Scorecard scores_of(const Answers& answers) {
+  const test::ScratchFolder scratch("contact_scores");
+  write_truth(scratch / "truth");
+  write_result(scratch / "result", answers);
+  return score_folders(scratch / "truth", scratch / "result", nullptr, {});
+}
+
+TEST_CASE("the truth handed in scores perfectly", "[scorecard]") {
+  const Scorecard scores = scores_of(perfect);
+  const PressScores& press = scores.press;
+  CHECK(press.touch_precision == 1.0);
+  CHECK(press.touch_recall == 1.0);
+  CHECK(press.touch_recall_3mm == 1.0);
+  CHECK(press.touch_false_5mm == 0.0);
+  const SurfaceScores& surface = scores.surface;
+  CHECK(surface.frames_too_deep == 1);
+  const double chord =
+      tolerance(0.25, "mm; a chord of 5 mm (the dent is steep) in a ball of 15 mm");
+  CHECK(*surface.penetration_p99_mm <= chord);
+  CHECK(*surface.largest_pop_mm <= tolerance(1e-9, "rounding"));
+  CHECK(surface.pops_4mm == 0);
+  const DeformedScores& deformed = scores.deformed;
+  CHECK(deformed.deformed_frames == 2);
+  CHECK(deformed.deformed_frames_shallow == 1);
+  const double rounding = tolerance(1e-9, "weights of a corner");
+  for (const auto& error : {deformed.displacement_error, deformed.displacement_error_mm,
+                            deformed.displacement_error_mm_shallow, deformed.von_mises_error}) {
+    REQUIRE(error.has_value());
+    CHECK(error->p90 <= rounding);
+  }
+  CHECK(deformed.force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
+  CHECK(deformed.overpress_mm->p99 <= rounding);
+}
+
+TEST_CASE("a body that stays at rest misses the touch and is penetrated", "[scorecard]") {
+  const Scorecard scores = scores_of([](const Moment&) { return Answer{pressed(0)}; });
+  CHECK(scores.press.touch_recall_3mm == 0.0);
+  CHECK_FALSE(scores.press.touch_false_5mm.has_value());
+  CHECK(scores.deformed.displacement_error->median == Approx(1));
+  CHECK(scores.deformed.displacement_error_mm->median == Approx(7));  // of 6 and 8 mm
+  CHECK(scores.deformed.displacement_error_mm_shallow->median == Approx(2));
+  CHECK(scores.deformed.von_mises_error->median == Approx(1));
+  CHECK(scores.deformed.force_error->median == Approx(1));
+  CHECK(scores.deformed.overpress_mm->p99 == 0);
+  // 2, 6, 8 and 6 mm; not the 12 mm of a ball that passes through.
+  CHECK(*scores.surface.penetration_median_mm == Approx(6));
+  CHECK(*scores.surface.penetration_p99_mm == Approx(8 - 0.03 * 2));
+}
+
+TEST_CASE("a body that flees twice too far is overpressed, though nothing is left in it",
+          "[scorecard]") {
+  const Scorecard scores = scores_of([](const Moment& now) {
+    return Answer{pressed(now.depth, 2), now.depth > 0, 2 * now.depth * kForcePerMetre};
+  });
+  CHECK(*scores.surface.penetration_p99_mm <=
+        tolerance(0.25, "mm; a chord of 5 mm (the dent is steep) in a ball of 15 mm"));
+  CHECK(scores.press.touch_recall_3mm == 1.0);
+  CHECK(scores.deformed.displacement_error->median == Approx(1));
+  CHECK(scores.deformed.von_mises_error->median == Approx(1));
+  CHECK(scores.deformed.force_error->median == Approx(1));
+  CHECK(scores.deformed.overpress_mm->p50 == Approx(6));  // of 2, 6 and 8 mm
+  CHECK(scores.deformed.overpress_mm->p99 == Approx(8 - 0.02 * 2));
+}
+
+TEST_CASE("what is felt where nothing is near is false, what no camera sees is not missed",
+          "[scorecard]") {
+  const Scorecard early = scores_of([](const Moment& now) {
+    return Answer{pressed(0), now.depth > -0.04, {0, 0, -1}};  // 7 mm away, too
+  });
+  CHECK(*early.press.touch_false_5mm == Approx(1.0 / 6));
+  const Scorecard blind = scores_of([](const Moment& now) {
+    Answer answer = perfect(now);
+    if (now.seen_share < 0.5) answer.felt = false;
+    return answer;
+  });
+  CHECK(blind.press.touch_recall_3mm == 1.0);
+  CHECK(*blind.press.touch_recall == Approx(4.0 / 5));
+  // Pressed far beside the true place: the force may be right, the skin is not.
+  const Scorecard beside = scores_of([](const Moment& now) {
+    Answer answer = perfect(now);
+    answer.skin.surface.vertices = block().vertices;
+    if (now.depth > 0) answer.skin.surface.vertices(2, 0) = -now.depth;
+    return answer;
+  });
+  CHECK(beside.deformed.force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
+  CHECK(beside.deformed.displacement_error->median > 1);
+  CHECK(*beside.surface.penetration_median_mm == Approx(6));
+}
+
+TEST_CASE("a skin that jumps by more than 4 mm without a hand is a pop", "[scorecard]") {
+  int frame = 0;
+  const Scorecard scores = scores_of([&](const Moment& now) {
+    ++frame;
+    Answer answer = perfect(now);
+    if (frame == 8) answer.skin = pressed(0.006);  // the hand has gone, 44 mm in one frame
+    return answer;
+  });
+  CHECK(scores.surface.pops_4mm == 0);  // which explains every way of the skin
+  const Scorecard twitching = scores_of([&](const Moment& now) {
+    Answer answer = perfect(now);
+    if (now.depth == 0.008) answer.skin = pressed(0.001);
+    return answer;
+  });
+  CHECK(twitching.surface.pops_4mm == 1);
+}
+
+TEST_CASE("what is not known of one frame has no score", "[scorecard]") {
+  const test::ScratchFolder scratch("contact_scores_unknown");
+  const fs::path result = scratch / "result";
+  write_truth(scratch / "truth");
+  const auto deformed = [&] {
+    return score_folders(scratch / "truth", result, nullptr, {}).deformed;
+  };
+  write_result(result, perfect);
+  write_ply(result / "meshes/000003.ply", pressed(0.006).surface);  // without its stress
+  CHECK_FALSE(deformed().von_mises_error.has_value());
+  CHECK(deformed().displacement_error.has_value());
+  write_text(result / "touches.jsonl", "{\"frame\":3}\n");  // without its force
+  CHECK_FALSE(deformed().force_error.has_value());
+  CHECK(deformed().displacement_error.has_value());
+  write_text(result / "touches.jsonl", "{\"frame\":5}\n");  // not of a frame with a full answer
+  CHECK(deformed().force_error->median == Approx(1));
+  // Without rest.ply the first mesh is taken, in which nothing touches.
+  fs::remove(result / "meshes/rest.ply");
+  CHECK(deformed().displacement_error->p90 <= tolerance(1e-9, "weights of a corner"));
+  fs::remove(result / "meshes/000003.ply");
+  CHECK_FALSE(deformed().displacement_error.has_value());
+  CHECK_FALSE(deformed().overpress_mm.has_value());
+  CHECK(deformed().deformed_frames == 2);
+  // A frame that was not looked at is left out of the skins, and feels nothing.
+  write_text(result / "live.json", "{\"processed\":[0,1,2,4,5,6,7]}");
+  write_text(result / "touches.jsonl",
+             touches_line({3, {{.force = Vector3d(0.006 * kForcePerMetre)}}}) +
+                 touches_line({4, {{.force = Vector3d(0.008 * kForcePerMetre)}}}));
+  CHECK(deformed().displacement_error->p90 <= tolerance(1e-9, "weights of a corner"));
+  CHECK(deformed().force_error->median == Approx(0.5));
+}
+
+TEST_CASE("frames that depend on the way are not scored", "[scorecard]") {
+  const test::ScratchFolder scratch("contact_scores_way");
+  write_truth(scratch / "truth");
+  write_result(scratch / "result", perfect);
+  write_text(scratch / "truth/deformed/deformed.jsonl",
+             deformed_line({.frame = 3, .depth = 0.006, .force = {0, 0, -1}, .scored = false}) +
+                 deformed_line({.frame = 4, .depth = 0.008, .force = {0, 0, -1}}));
+  const Scorecard scores = score_folders(scratch / "truth", scratch / "result", nullptr, {});
+  CHECK(scores.deformed.deformed_frames == 1);
+  write_text(scratch / "truth/deformed/deformed.jsonl",
+             deformed_line({.frame = 99, .depth = 0.006, .force = {0, 0, -1}}));
+  CHECK_THROWS_WITH(score_folders(scratch / "truth", scratch / "result", nullptr, {}),
+                    Catch::Contains("deformed.jsonl: frame 99"));
+}
+
+TEST_CASE("with a reduced body its touches say skin, stress and force", "[scorecard]") {
+  const ReducedBody body = value_or_throw(read_pressable_body("tests/data/ball_v1.palpable"));
+  const test::ScratchFolder scratch("contact_scores_body");
+  const fs::path truth = scratch / "truth";
+  const fs::path deformed_folder = truth / "deformed";
+  fs::create_directories(deformed_folder);
+  // The truth is the body itself, pressed at a site.
+  const auto skin = [&](int site, double level) {
+    const auto V = static_cast<std::size_t>(body.surface.vertex_count());
+    std::vector<float> u(3 * V), stress(6 * V), mises(V);
+    const std::array mu{static_cast<double>(site), level};
+    body.displacement.evaluate(mu, u);
+    body.stress.evaluate(mu, stress);
+    von_mises(stress, mises);
+    ValuedSurface pressed{
+        body.surface, Eigen::Map<Eigen::VectorXf>(mises.data(), std::ssize(mises)).cast<double>()};
+    pressed.surface.vertices +=
+        Eigen::Map<Eigen::Matrix3Xf>(u.data(), 3, std::ssize(mises)).cast<double>();
+    return pressed;
+  };
+  ValuedSurface rest{body.surface, Eigen::VectorXd::Zero(body.surface.vertex_count())};
+  write_valued_ply(deformed_folder / "rest.ply", rest, kVonMisesProperty);
+  write_valued_ply(deformed_skin_file(deformed_folder, 1), skin(1, 0.5), kVonMisesProperty);
+  write_text(deformed_folder / "deformed.jsonl",
+             deformed_line({.frame = 1,
+                            .depth = 0.005,
+                            .force = 0.5 * body.sites[1].full_load * body.sites[1].direction}));
+  write_text(truth / "camera.toml", "fps = 30\ndepth_unit_m = 0.00025\n");
+  write_text(
+      truth / "contact.jsonl",
+      "{\"frame\":0,\"touching\":false}\n{\"frame\":1,\"touching\":true,\"depth_m\":0.005}\n");
+  const auto scores = [&](const std::string& touches) {
+    write_text(scratch / "result/touches.jsonl", touches);
+    return score_folders(truth, scratch / "result", &body, {}).deformed;
+  };
+  // A line of before there were lists: force and stress follow from site and level.
+  const DeformedScores right = scores("{\"frame\":1,\"site\":1,\"level\":0.5}\n");
+  CHECK(right.displacement_error->median <= tolerance(1e-5, "weights of a corner, in floats"));
+  CHECK(right.von_mises_error->median <= tolerance(1e-5, "weights of a corner, in floats"));
+  CHECK(right.force_error->median <= tolerance(1e-6, "nine decimals"));
+  const DeformedScores other = scores("{\"frame\":1,\"touches\":[{\"site\":0,\"level\":0.5}]}\n");
+  CHECK(other.displacement_error->median > 0.5);
+  CHECK(other.von_mises_error->median > 0.2);
+  CHECK(other.force_error->median > 0.2);
+  const DeformedScores none = scores("");
+  CHECK(none.displacement_error->median == Approx(1));
+  CHECK(none.von_mises_error->median == Approx(1));
+  CHECK(none.force_error->median == Approx(1));
+  CHECK_FALSE(scores("{\"frame\":1,\"site\":1}\n").displacement_error.has_value());
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,171 @@
+#include "palpable/scorecard/deformed_scores.h"
+
+#include "palpable/base/error.h"
+#include "palpable/score/displacement_error.h"
+#include "palpable/score/force_error.h"
+#include "palpable/score/overpress.h"
+#include "palpable/score/skin_projection.h"
+#include "palpable/score/von_mises_error.h"
+#include "palpable/scorecard/drawn_skins.h"
+
+#include <fmt/core.h>
+
+#include <vector>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+// m: in shallower touches a relative error is the camera's noise.
+constexpr double kDeep = 0.004;
+
+bool is_deep(const DeformedLine& line) { return line.depth >= kDeep; }
+
+// The frames of the truth that count.
+std::vector<DeformedLine> scored_lines(const TruthFolder& truth, const DrawnSkins& skins) {
+  std::vector<DeformedLine> lines;
+  for (const DeformedLine& line : truth.deformed->lines) {
+    if (line.scored && line.depth <= *skins.deepest_scored()) lines.push_back(line);
+  }
+  return lines;
+}
+
+ValuedSurface true_skin(const TruthFolder& truth, int frame) {
+  const fs::path path = deformed_skin_file(truth.folder / "deformed", frame);
+  ValuedSurface skin = value_or_throw(read_valued_ply(path, kVonMisesProperty));
+  const int count = truth.deformed->rest.vertex_count();
+  if (skin.surface.vertex_count() != count) {
+    throw Error(fmt::format("{}: {} vertices, but rest.ply has {}", path.string(),
+                            skin.surface.vertex_count(), count));
+  }
+  return skin;
+}
+
+// Where it is touched, on the skin at rest.
+Eigen::Vector3d touched_point(const TruthFolder& truth, const DeformedLine& line,
+                              const Eigen::Matrix3Xd& displacement) {
+  if (!truth.contacts.empty() && truth.contacts[line.frame].point) {
+    return *truth.contacts[line.frame].point;
+  }
+  if (line.point) return *line.point;
+  Eigen::Index farthest = 0;
+  displacement.colwise().squaredNorm().maxCoeff(&farthest);
+  return truth.deformed->rest.vertices.col(farthest);
+}
+
+// The errors of all frames; each list stays empty, and `known` false, where one is not known.
+class SkinErrors {
+ public:
+  SkinErrors(const TruthFolder& truth, DrawnSkins& skins)
+      : truth_(truth),
+        skins_(skins),
+        areas_(vertex_areas(truth.deformed->rest)),
+        onto_true_skin_(*skins.rest(), truth.deformed->rest.vertices) {}
+
+  // False when the frame's drawn skin is not known.
+  bool add(const DeformedLine& line) {
+    const std::optional<ValuedSurface> drawn = skins_.at(line.frame, Stress::kWanted);
+    if (!drawn) return false;
+    const ValuedSurface skin = true_skin(truth_, line.frame);
+    const SurfaceMesh& rest = truth_.deformed->rest;
+    const Eigen::Matrix3Xd u = skin.surface.vertices - rest.vertices;
+    const Eigen::Matrix3Xd found =
+        onto_true_skin_.vectors(drawn->surface.vertices - skins_.rest()->vertices);
+    const DisplacementError error = displacement_error(u, found, areas_);
+    overpress_mm_.push_back(1e3 *
+                            overpress(rest.vertices, u, found, touched_point(truth_, line, u)));
+    if (!is_deep(line)) {
+      shallow_mm_.push_back(1e3 * error.worst);
+      return true;
+    }
+    relative_.push_back(error.relative);
+    worst_mm_.push_back(1e3 * error.worst);
+    if (drawn->values.size() == 0 || skin.values.size() == 0) {
+      stress_known_ = false;
+    } else {
+      stress_.push_back(von_mises_error(skin.values, onto_true_skin_.numbers(drawn->values)));
+    }
+    return true;
+  }
+
+  void write(DeformedScores& scores) const {
+    scores.displacement_error = median_and_p90(relative_);
+    scores.displacement_error_mm = median_and_p90(worst_mm_);
+    scores.displacement_error_mm_shallow = median_and_p90(shallow_mm_);
+    scores.overpress_mm = p50_and_p99(overpress_mm_);
+    if (stress_known_) scores.von_mises_error = median_and_p90(stress_);
+  }
+
+ private:
+  const TruthFolder& truth_;
+  DrawnSkins& skins_;
+  Eigen::VectorXd areas_;
+  SkinProjection onto_true_skin_;
+  std::vector<double> relative_, worst_mm_, shallow_mm_, stress_, overpress_mm_;
+  bool stress_known_ = true;
+};
+
+void add_skin_scores(const TruthFolder& truth, const ResultFolder& result,
+                     const std::vector<DeformedLine>& lines, DrawnSkins& skins,
+                     DeformedScores& scores) {
+  if (!skins.rest()) return;
+  SkinErrors errors(truth, skins);
+  for (const DeformedLine& line : lines) {
+    if (result.processed[line.frame] != 0 && !errors.add(line)) return;
+  }
+  errors.write(scores);
+}
+
+// What presses the body in a touch, N, body frame: as the result says it, else by the load of its
+// site.
+std::optional<Eigen::Vector3d> force_of(const FoundTouch& touch, const ReducedBody* body) {
+  if (touch.force) return touch.force;
+  if (body == nullptr || touch.site < 0 || touch.site >= std::ssize(body->sites) || !touch.level) {
+    return std::nullopt;
+  }
+  const Site& site = body->sites[touch.site];
+  return *touch.level * site.full_load * site.direction;
+}
+
+// As in the other scores of touches, a frame that was not processed feels nothing.
+std::optional<MedianAndP90> score_forces(const ResultFolder& result,
+                                         const std::vector<DeformedLine>& lines,
+                                         const ReducedBody* body) {
+  if (!result.touches) return std::nullopt;
+  std::vector<double> errors;
+  for (const DeformedLine& line : lines) {
+    if (!is_deep(line)) continue;
+    std::vector<Eigen::Vector3d> felt;
+    const auto touches = result.touches->find(line.frame);
+    if (touches != result.touches->end() && result.processed[line.frame] != 0) {
+      for (const FoundTouch& touch : touches->second) {
+        const std::optional<Eigen::Vector3d> force = force_of(touch, body);
+        if (!force) return std::nullopt;
+        felt.push_back(*force);
+      }
+    }
+    errors.push_back(force_error(line.force, felt));
+  }
+  return median_and_p90(errors);
+}
+
+}  // namespace
+
+DeformedScores score_deformed(const TruthFolder& truth, const ResultFolder& result,
+                              const ReducedBody* body) {
+  DeformedScores scores;
+  if (!truth.deformed) return scores;
+  DrawnSkins skins(truth, result, body);
+  const std::vector<DeformedLine> lines = scored_lines(truth, skins);
+  scores.deformed_frames = 0;
+  scores.deformed_frames_shallow = 0;
+  for (const DeformedLine& line : lines) {
+    ++*(is_deep(line) ? scores.deformed_frames : scores.deformed_frames_shallow);
+  }
+  add_skin_scores(truth, result, lines, skins, scores);
+  scores.force_error = score_forces(result, lines, body);
+  return scores;
+}
+
+}  // namespace palpable

@@ -1,0 +1,122 @@
+#include "palpable/scorecard/drawn_skins.h"
+
+#include "palpable/base/error.h"
+#include "palpable/clip_files/frame_names.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kPassesThrough = 0.1;  // of the height
+
+double height_of(const SurfaceMesh& skin) {
+  return skin.vertices.row(2).maxCoeff() - skin.vertices.row(2).minCoeff();
+}
+
+template <class Matrix>
+std::span<float> numbers_of(Matrix& matrix) {
+  return {matrix.data(), static_cast<std::size_t>(matrix.size())};
+}
+
+}  // namespace
+
+DrawnSkins::DrawnSkins(const TruthFolder& truth, const ResultFolder& result,
+                       const ReducedBody* body)
+    : truth_(truth),
+      result_(result),
+      body_(body),
+      meshes_(fs::is_directory(result.folder / "meshes")) {
+  if (meshes_) {
+    find_rest_among_meshes();
+    return;
+  }
+  if (body == nullptr) return;
+  rest_ = body->surface;
+  height_ = height_of(*rest_);
+  const auto known = [](const auto& touches) {
+    const FoundTouch& first = touches.second.front();
+    return first.site >= 0 && first.level.has_value();
+  };
+  touches_say_it_ =
+      result.touches && std::all_of(result.touches->begin(), result.touches->end(), known);
+}
+
+std::optional<ValuedSurface> DrawnSkins::at(int frame, Stress stress) {
+  if (meshes_) return from_file(mesh_file(frame));
+  if (!touches_say_it_) return std::nullopt;
+  return from_touch(frame, stress);
+}
+
+std::optional<double> DrawnSkins::deepest_scored() const {
+  if (truth_.deformed) return kPassesThrough * height_of(truth_.deformed->rest);
+  if (height_) return kPassesThrough * *height_;
+  return std::nullopt;
+}
+
+fs::path DrawnSkins::mesh_file(int frame) const {
+  return result_.folder / "meshes" / frame_name(frame, ".ply");
+}
+
+std::optional<ValuedSurface> DrawnSkins::from_file(const fs::path& path) {
+  if (!fs::exists(path)) return std::nullopt;
+  ValuedSurface skin = value_or_throw(read_valued_ply(path, kVonMisesProperty));
+  const int count = skin.surface.vertex_count();
+  if (vertices_ != 0 && count != vertices_) {
+    throw Error(fmt::format("{}: {} vertices, but frames before it {}; every frame shows one body",
+                            path.string(), count, vertices_));
+  }
+  vertices_ = count;
+  return skin;
+}
+
+ValuedSurface DrawnSkins::from_touch(int frame, Stress stress) const {
+  ValuedSurface skin{body_->surface, {}};
+  const Eigen::Index V = skin.surface.vertices.cols();
+  const auto touches = result_.touches->find(frame);
+  if (touches == result_.touches->end()) {
+    if (stress == Stress::kWanted) skin.values = Eigen::VectorXd::Zero(V);
+    return skin;
+  }
+  const FoundTouch& touch = touches->second.front();
+  if (touch.site >= std::ssize(body_->sites)) {
+    throw Error(fmt::format("{}: frame {} presses site {}, but {} has {} sites",
+                            (result_.folder / "touches.jsonl").string(), frame, touch.site,
+                            body_->name, body_->sites.size()));
+  }
+  const std::array mu{static_cast<double>(touch.site), *touch.level};
+  Eigen::Matrix3Xf u = Eigen::Matrix3Xf::Zero(3, V);
+  body_->displacement.evaluate(mu, numbers_of(u));
+  skin.surface.vertices += u.cast<double>();
+  if (stress == Stress::kNotWanted) return skin;
+  Eigen::VectorXf cauchy(6 * V);
+  Eigen::VectorXf mises(V);
+  body_->stress.evaluate(mu, numbers_of(cauchy));
+  von_mises(numbers_of(cauchy), numbers_of(mises));
+  skin.values = mises.cast<double>();
+  return skin;
+}
+
+void DrawnSkins::find_rest_among_meshes() {
+  if (const auto rest = from_file(result_.folder / "meshes" / "rest.ply")) {
+    rest_ = rest->surface;
+    height_ = height_of(*rest_);
+    return;
+  }
+  const auto first = std::find(result_.processed.begin(), result_.processed.end(), 1);
+  const auto frame = first - result_.processed.begin();
+  const auto skin = from_file(mesh_file(static_cast<int>(frame)));
+  if (!skin) return;
+  height_ = height_of(skin->surface);
+  if (truth_.contacts.empty() || truth_.contacts[frame].touching) return;
+  rest_ = skin->surface;
+}
+
+}  // namespace palpable

@@ -1,0 +1,59 @@
+/// @file
+/// The body as a result drew it, frame by frame: from meshes/ or, with the body of the run, from
+/// its touches.
+#pragma once
+
+#include "palpable/geometry/mesh_file.h"
+#include "palpable/reduced/reduced_body.h"
+#include "palpable/scorecard/folders.h"
+
+#include <filesystem>
+#include <optional>
+
+namespace palpable {
+
+/// Whether the stress is asked for, which takes its time.
+enum class Stress { kNotWanted, kWanted };
+
+/// The skin of a frame is RESULT/meshes/%06d.ply where there is such a folder, else the body
+/// deformed by the frame's first touch (site and level; of several touches at once no answer is
+/// known). All of it in the body frame.
+class DrawnSkins {
+ public:
+  /// All arguments must live as long as this. @param body  of the run; may be null
+  /// @throws Error naming the file that cannot be read
+  DrawnSkins(const TruthFolder& truth, const ResultFolder& result, const ReducedBody* body);
+
+  /// The skin, and von Mises stress at its vertices where it is wanted and known. Nothing when the
+  /// frame's skin is not known: there is no such mesh, or some touch of the result does not say
+  /// site and level (a frame of an unknown shape leaves none: it might be the worst one).
+  /// @throws Error naming the mesh that cannot be read or is of another body, or the site that the
+  ///         body does not have
+  [[nodiscard]] std::optional<ValuedSurface> at(int frame, Stress stress);
+
+  /// The skin at rest: that of the body; with meshes/ its rest.ply, else the mesh of the first
+  /// processed frame if nothing truly touches in it. Nothing when it is not known.
+  [[nodiscard]] const std::optional<SurfaceMesh>& rest() const { return rest_; }
+
+  /// How deep an object may be to be scored, m: beyond a tenth of the body's height (of the true
+  /// skin at rest, else of the one that was drawn) a hand passes through it. Nothing when no skin
+  /// is known.
+  [[nodiscard]] std::optional<double> deepest_scored() const;
+
+ private:
+  [[nodiscard]] std::filesystem::path mesh_file(int frame) const;
+  [[nodiscard]] std::optional<ValuedSurface> from_file(const std::filesystem::path& path);
+  [[nodiscard]] ValuedSurface from_touch(int frame, Stress stress) const;
+  void find_rest_among_meshes();
+
+  const TruthFolder& truth_;
+  const ResultFolder& result_;
+  const ReducedBody* body_;
+  bool meshes_;
+  bool touches_say_it_ = false;
+  int vertices_ = 0;  // of every mesh; 0 until the first was read
+  std::optional<SurfaceMesh> rest_;
+  std::optional<double> height_;  // m, of what was drawn
+};
+
+}  // namespace palpable
