@@ -3,10 +3,12 @@
 #include "palpable/base/error.h"
 #include "palpable/clip_files/json_lines.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -29,7 +31,7 @@ std::string touch_text(const FeltTouch& touch) {
   if (touch.force) add("force", text_of(*touch.force));
   if (touch.point) add("point", text_of(*touch.point));
   if (touch.time) add("time", fmt::format("{:.6f}", *touch.time));
-  return "{" + text + "}";
+  return fmt::format("{{{}}}", text);
 }
 
 // What a line of one touch and an entry of a list have in common.
@@ -51,11 +53,9 @@ FeltTouch touch_of(const JsonObject& object) {
 }  // namespace
 
 std::string touches_line(const TouchesLine& line) {
-  std::string list;
-  for (const FeltTouch& touch : line.touches) {
-    list += (list.empty() ? "" : ",") + touch_text(touch);
-  }
-  return fmt::format("{{\"frame\":{},\"touches\":[{}]}}\n", line.frame, list);
+  std::vector<std::string> list;
+  for (const FeltTouch& touch : line.touches) list.push_back(touch_text(touch));
+  return fmt::format("{{\"frame\":{},\"touches\":[{}]}}\n", line.frame, fmt::join(list, ","));
 }
 
 std::vector<TouchesLine> read_touches(const std::filesystem::path& path) {
