@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -2,6 +2,8 @@
 
 #include "palpable/base/contract.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
