@@ -3,6 +3,7 @@
 /// them: for tests of readers.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 
@@ -48,7 +49,10 @@ inline std::string text_stl() {
     text += "facet normal 0 0 0\n outer loop\n";
     for (const int v : face) {
       text += "  vertex";
-      for (const double x : kCorners[v]) text += " " + std::to_string(x);
+      for (const double x : kCorners[v]) {
+        text += " ";
+        text += std::to_string(x);
+      }
       text += "\n";
     }
     text += " endloop\nendfacet\n";
@@ -64,7 +68,8 @@ inline std::string big_endian_ply() {
   const auto put_swapped = [&](auto value) {
     std::string raw;
     put(raw, value);
-    bytes.append(raw.rbegin(), raw.rend());
+    std::ranges::reverse(raw);
+    bytes += raw;
   };
   for (const auto& corner : kCorners) {
     for (const double x : corner) put_swapped(x);

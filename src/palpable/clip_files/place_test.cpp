@@ -60,7 +60,7 @@ TEST_CASE("what is no place is refused", "[live][errors]") {
   const test::ScratchFolder folder("place");
   std::ofstream(folder.path() / "bad.toml") << "camera_from_body = [1, \n";
   CHECK_THROWS_AS(read_scene_file(folder.path() / "bad.toml"), Error);
-  std::ofstream(folder.path() / "deep.toml") << "a" + test::repeated(".a", 60'000) + " = 1\n";
+  std::ofstream(folder.path() / "deep.toml") << "a" << test::repeated(".a", 60'000) << " = 1\n";
   CHECK_THROWS_WITH(
       read_scene_file(folder.path() / "deep.toml"),
       Catch::EndsWith("deep.toml: line 1: nested more than 64 deep, which is not read"));

@@ -4,6 +4,8 @@
 #include "tests/support/replaced.h"
 #include "tests/support/test.h"
 
+#include <fmt/format.h>
+
 #include <string>
 #include <variant>
 #include <vector>
@@ -359,9 +361,9 @@ TEST_CASE("elements are of order 1 or 2, lengths of a mesh in a unit", "[describ
 TEST_CASE("text that is not TOML is refused with its line", "[describe][description]") {
   CHECK_THAT(complaint("name = \"a\"\nshape = [\n"), StartsWith("dir/cube.toml:"));
   CHECK_THAT(complaint(std::string("\xff\xfe\0\1", 4)), StartsWith("dir/cube.toml:1: "));
-  CHECK_THAT(complaint("name = \"a\"\nx = " + test::repeated("[", 60'000)),
+  CHECK_THAT(complaint(fmt::format("name = \"a\"\nx = {}", test::repeated("[", 60'000))),
              StartsWith("dir/cube.toml:2: nested more than 64 deep"));
-  CHECK_THAT(complaint("a" + test::repeated(".a", 60'000) + " = 1"),
+  CHECK_THAT(complaint(fmt::format("a{} = 1", test::repeated(".a", 60'000))),
              StartsWith("dir/cube.toml:1: nested more than 64 deep"));
   CHECK_THROWS_WITH(read_body_description("no/such.toml"), Contains("no/such.toml: no such file"));
 }

@@ -54,7 +54,8 @@ std::string boxes_of(const std::string& bytes) {
     std::size_t size = 0;
     for (std::size_t i = 0; i < 4; ++i)
       size = 256 * size + static_cast<unsigned char>(bytes[at + i]);
-    names += (names.empty() ? "" : " ") + bytes.substr(at + 4, 4);
+    if (!names.empty()) names += " ";
+    names += bytes.substr(at + 4, 4);
     if (size < 8 || at + size > bytes.size()) return names + "!";
     at += size;
   }
