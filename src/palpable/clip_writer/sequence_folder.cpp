@@ -14,7 +14,9 @@
 #include "palpable/clip_files/trajectory_file.h"
 #include "palpable/clip_files/truth_camera_file.h"
 #include "palpable/clip_writer/desk_film.h"
+#include "palpable/geometry/surface_distance.h"
 #include "palpable/script/contact_truth.h"
+#include "palpable/script/seen_share.h"
 
 #include <fmt/core.h>
 
@@ -32,7 +34,8 @@ namespace fs = std::filesystem;
 
 constexpr int kFramesForTwo = 30;        // of a film for which a second renderer is worth its start
 constexpr int kIgnoreStaticFrames = 15;  // what these show does not press
-constexpr double kTruthSpacing = 0.0015;  // m between points of the body that are looked at
+constexpr double kTruthSpacing = 0.0015;  // m between points of a surface that are looked at
+constexpr int kMostSeen = 500;            // points of the touching part that are asked about
 constexpr double kAtSite = 0.010;         // m: farther from every site a touch lies between them
 
 HandLine hand_in_camera(int frame, const Movers& movers, const Rigid3& camera_from_desk) {
@@ -45,21 +48,54 @@ HandLine hand_in_camera(int frame, const Movers& movers, const Rigid3& camera_fr
   return hand;
 }
 
-ContactLine contact_of(int frame, const Movers& movers, const SurfacePoints& in_desk,
-                       const DeskBody& body, const Rigid3& desk_from_body) {
+std::vector<Capsule> in_frame(std::vector<Capsule> capsules, const Rigid3& target_from_source) {
+  for (Capsule& capsule : capsules) {
+    capsule.a = target_from_source * capsule.a;
+    capsule.b = target_from_source * capsule.b;
+  }
+  return capsules;
+}
+
+/// What does not change from frame to frame and decides whether and where something touches.
+struct TruthBody {
+  const DeskBody& body;
+  SurfaceDistance distance;  ///< body frame
+  SurfacePoints in_desk;
+  Rigid3 desk_from_body;
+  RectifiedStereo eyes;
+};
+
+double seen_share_of(const std::vector<Capsule>& movers_in_desk, const TruthBody& truth,
+                     const Rigid3& camera_from_desk) {
+  const Rigid3 body_from_desk = truth.desk_from_body.inverse();
+  Eigen::Matrix3Xd part = touching_part(in_frame(movers_in_desk, body_from_desk), truth.distance,
+                                        kTruthSpacing, kMostSeen);
+  part = camera_from_desk * truth.desk_from_body * part;
+  return seen_share(part, in_frame(movers_in_desk, camera_from_desk), truth.eyes);
+}
+
+ContactLine contact_of(int frame, const Movers& movers, const Rigid3& camera_from_desk,
+                       const TruthBody& truth) {
   ContactLine contact;
   contact.frame = frame;
-  const PressTruth truth = press_truth(shapes_of(movers.capsules), in_desk);
-  if (!truth.touching) return contact;
-  const Eigen::Vector3d point = desk_from_body.inverse() * in_desk.points.col(truth.point);
+  const std::vector<Capsule> capsules = shapes_of(movers.capsules);
+  const DeskBody& body = truth.body;
+  const PressTruth press = press_truth(capsules, truth.in_desk);
+  if (!press.touching) {
+    if (!capsules.empty()) contact.gap = contact_truth(capsules, truth.in_desk.points).clearance;
+    return contact;
+  }
+  const Eigen::Vector3d point =
+      truth.desk_from_body.inverse() * truth.in_desk.points.col(press.point);
   contact.touching = true;
-  contact.depth = truth.depth;
+  contact.depth = press.depth;
   contact.site = nearest_site(body, point);
   if (contact.site >= 0) {
     const int vertex = body.site_vertices[contact.site];
     if ((body.surface.vertices.col(vertex) - point).norm() > kAtSite) contact.site = -1;
   }
   contact.point = point;
+  contact.seen_share = seen_share_of(capsules, truth, camera_from_desk);
   return contact;
 }
 
@@ -138,10 +174,7 @@ struct FrameLines {
 struct FrameWriter {
   const fs::path& folder;
   const Sequence& sequence;
-  const DeskBody& body;
-  PinholeCamera view;  ///< of the truth
-  double baseline;
-  SurfacePoints body_in_desk;
+  const TruthBody& truth_body;
 
   /// Writes the frame's images.
   [[nodiscard]] FrameLines write(DeskRenderer& renderer, int frame) const {
@@ -149,17 +182,17 @@ struct FrameWriter {
     RawPair pair;
     DeskTruth truth;
     renderer.draw(moment, pair);
-    renderer.draw_truth(moment, view, baseline, truth);
+    renderer.draw_truth(moment, truth_body.eyes.camera, truth_body.eyes.baseline, truth);
     write_jpeg(folder / "frames" / "left" / frame_name(frame, ".jpg"), pair.left);
     write_jpeg(folder / "frames" / "right" / frame_name(frame, ".jpg"), pair.right);
     write_true_depth(folder / "truth" / "depth" / frame_name(frame, ".png"), truth.depth);
     write_labels(folder / "truth" / "labels" / frame_name(frame, ".png"), truth.labels);
 
     const Movers movers = moment.movers(frame);
+    const Rigid3 camera_from_desk = moment.camera_from_desk(frame);
     FrameLines lines;
-    lines.hand = hand_line(hand_in_camera(frame, movers, moment.camera_from_desk(frame)));
-    lines.contact =
-        contact_line(contact_of(frame, movers, body_in_desk, body, sequence.desk_from_body));
+    lines.hand = hand_line(hand_in_camera(frame, movers, camera_from_desk));
+    lines.contact = contact_line(contact_of(frame, movers, camera_from_desk, truth_body));
     lines.trajectory =
         trajectory_line({frame / kFramesPerSecond, world_from_camera(sequence, frame)});
     lines.rig = rig_line(
@@ -222,13 +255,11 @@ void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, cons
   const StereoRig rig = zed_mini_rig();
   const RectifiedGeometry geometry = rectified_geometry(rig);
   const PinholeCamera view = geometry.stereo.camera.scaled_down(2);
-  const FrameWriter writer{
-      folder,
-      sequence,
-      body,
-      view,
-      geometry.stereo.baseline,
-      transformed(sample_surface(body.surface, kTruthSpacing), sequence.desk_from_body)};
+  const TruthBody truth_body{
+      body, SurfaceDistance(body.surface),
+      transformed(sample_surface(body.surface, kTruthSpacing), sequence.desk_from_body),
+      sequence.desk_from_body, RectifiedStereo{view, geometry.stereo.baseline}};
+  const FrameWriter writer{folder, sequence, truth_body};
   const int threads = order.threads > 0 ? order.threads : sequence.frames < kFramesForTwo ? 1 : 2;
   const auto begin = [&] {
     make_folders(folder);
