@@ -126,6 +126,7 @@ void live(const Options& options) {
       earlier_run(options.out, options.overwrite, inputs_of(wanted));
   wanted.clip = options.out / "clip";
   LiveRun run = set_up_live(wanted);
+  const auto touch_frames = options.pictures ? truly_touching_frames(run.images) : std::nullopt;
   ScenePainter painter({.window = options.window, .map = options.view == "map"}, run.loop);
 
   const auto begin = std::chrono::steady_clock::now();
@@ -135,7 +136,8 @@ void live(const Options& options) {
     return std::make_unique<LiveOutput>(LiveOutputSettings{.folder = options.out,
                                                            .depth = !options.no_depth,
                                                            .masks = !options.no_masks,
-                                                           .figures = options.pictures});
+                                                           .figures = options.pictures,
+                                                           .touch_frames = touch_frames});
   });
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   if (!output) {
@@ -173,7 +175,8 @@ void add_live(Command app) {
                    "turns the map, the wheel comes nearer, R takes both back");
   command.add_flag("--pictures", options->pictures,
                    "Also write the three pictures that best show the hand before the body, the "
-                   "body before the hand, and a touch");
+                   "body before the hand, and a touch (of a clip with a truth: at least 4 mm "
+                   "deep in truth)");
   command.add_flag("--no-masks", options->no_masks,
                    "Leave out visible/, body_depth/ and moving/, which palpable score compares");
   command.add_flag("--no-depth", options->no_depth, "Leave out depth/, the measured depth");

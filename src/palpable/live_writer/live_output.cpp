@@ -2,6 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
+#include "palpable/clip_files/contact_file.h"
 #include "palpable/clip_files/depth_image_file.h"
 #include "palpable/clip_files/frame_names.h"
 #include "palpable/clip_files/mask_image_file.h"
@@ -29,6 +30,7 @@ constexpr double kDefaultRate = 30;  // of a clip of one frame
 constexpr std::array kStages{"read",       "rectify", "disparity", "depth", "map",  "track",
                              "background", "contact", "evaluate",  "draw",  "write"};
 constexpr std::chrono::seconds kFlushEvery(1);
+constexpr double kDeepEnough = 0.004;  // m
 // What a scene's touches are in touches.jsonl.
 TouchesLine felt_in(const Scene& scene) {
   TouchesLine felt{.frame = scene.number, .touches = {}};
@@ -51,6 +53,16 @@ constexpr std::array kOutputs{
     "rectification.jsonl", kFigureNames[0], kFigureNames[1],  kFigureNames[2], "touch.mp4.part"};
 
 }  // namespace
+
+std::optional<std::vector<int>> truly_touching_frames(const fs::path& images) {
+  const fs::path truth = fs::absolute(images).lexically_normal() / ".." / "truth" / "contact.jsonl";
+  if (!fs::is_regular_file(truth.lexically_normal())) return std::nullopt;
+  std::vector<int> frames;
+  for (const ContactLine& contact : read_contacts(truth.lexically_normal())) {
+    if (contact.touching && contact.depth >= kDeepEnough) frames.push_back(contact.frame);
+  }
+  return frames;
+}
 
 std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
                                   const std::vector<fs::path>& needed) {
@@ -262,7 +274,11 @@ void LiveOutput::write_video(const DrawnFrame& frame) {
 
 void LiveOutput::keep_if_best(const DrawnFrame& frame) {
   if (!settings_.figures) return;
-  const std::array scores{frame.scores.hand_nearer, frame.scores.body_nearer, frame.scores.touch};
+  const std::optional<std::vector<int>>& touching = settings_.touch_frames;
+  const bool may_touch =
+      !touching || std::binary_search(touching->begin(), touching->end(), frame.scene.number);
+  const std::array scores{frame.scores.hand_nearer, frame.scores.body_nearer,
+                          may_touch ? frame.scores.touch : 0.0};
   for (std::size_t i = 0; i < scores.size(); ++i) {
     if (scores[i] > best_score_[i]) {
       best_score_[i] = scores[i];

@@ -39,7 +39,17 @@ struct LiveOutputSettings {
   bool depth = true;
   bool masks = true;
   bool figures = false;
+  /// Frames that touch.png is chosen from, rising; without them, any frame that feels a touch.
+  std::optional<std::vector<int>> touch_frames = {};
 };
+
+/// The frames of a filmed clip in which the object truly is at least 4 mm inside the undeformed
+/// body (what a camera's depth is wrong by matters little there). Without a truth beside the
+/// pictures, nothing.
+/// @param images  the clip's frames/
+/// @throws Error when the truth cannot be read
+[[nodiscard]] std::optional<std::vector<int>> truly_touching_frames(
+    const std::filesystem::path& images);
 
 /// Keeps runs apart: what an earlier run left in `folder` (the files listed above and live.json,
 /// nothing else); empty when there is none. Removes nothing yet.

@@ -1,6 +1,7 @@
 #include "palpable/live_writer/live_output.h"
 
 #include "palpable/base/error.h"
+#include "palpable/clip_files/contact_file.h"
 #include "palpable/clip_files/depth_image_file.h"
 #include "palpable/clip_files/mask_image_file.h"
 #include "palpable/clip_files/pose_file.h"
@@ -8,6 +9,7 @@
 #include "palpable/clip_files/timing_file.h"
 #include "palpable/clip_files/touches_file.h"
 #include "palpable/clip_files/trajectory_file.h"
+#include "palpable/render/picture_file.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
@@ -15,6 +17,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -97,6 +100,36 @@ TEST_CASE("every file of a run can be read by its reader", "[live_writer]") {
   CHECK(read_depth_counts(out / "body_depth/000002.png").value()(3, 3) == 5000);
   CHECK(read_mask(out / "visible/000000.png").value().width() == kWidth);
   CHECK(read_mask(out / "moving/000000.png").value().width() == kWidth / 2);
+}
+
+TEST_CASE("the picture of a touch is one of a frame that truly touches", "[live_writer]") {
+  const test::ScratchFolder folder("live_output_touch");
+  const fs::path clip = folder / "clip";
+  fs::create_directories(clip / "truth");
+  fs::create_directories(clip / "frames");
+  CHECK_FALSE(truly_touching_frames(clip / "frames").has_value());
+  std::ofstream(clip / "truth" / "contact.jsonl")
+      << contact_line({.frame = 0, .touching = true, .depth = 0.0039})
+      << contact_line({.frame = 1, .touching = false})
+      << contact_line({.frame = 2, .touching = true, .depth = 0.004})
+      << contact_line({.frame = 3, .touching = true, .depth = 0.004});
+  const auto frames = truly_touching_frames(clip / "frames/");
+  REQUIRE(frames.has_value());
+  CHECK(*frames == std::vector<int>{2, 3});
+
+  // Frame 1 presses the most, but nothing is there.
+  LiveOutput output({.folder = folder / "out", .figures = true, .touch_frames = frames});
+  for (int number = 0; number < 4; ++number) {
+    std::unique_ptr<DrawnFrame> drawn = output.blank();
+    fill(*drawn, number);
+    drawn->picture = ColorImage(kWidth, kHeight, Rgb{static_cast<std::uint8_t>(50 * number), 0, 0});
+    drawn->scores.touch = std::array{5.0, 9.0, 4.0, 1.0}[static_cast<std::size_t>(number)];
+    output.write(std::move(drawn));
+  }
+  output.finish();
+  write_png(folder / "expected.png", ColorImage(kWidth, kHeight, Rgb{100, 0, 0}));
+  CHECK(test::file_bytes(folder / "out" / "touch.png") ==
+        test::file_bytes(folder / "expected.png"));
 }
 
 TEST_CASE("a run of one frame has a video, one without depth and masks no folders of them",

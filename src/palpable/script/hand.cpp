@@ -100,6 +100,23 @@ HandGesture flat_gesture() {
   return g;
 }
 
+HandGesture pinching_gesture() {
+  HandGesture g;
+  g.fingers[0] = {0.11, 0.53, 1.07, 0.53};
+  g.fingers[1] = {0.00, 0.12, 0.20, 0.12};
+  g.fingers[2] = {-0.08, 0.10, 0.18, 0.12};
+  g.fingers[3] = {-0.18, 0.10, 0.18, 0.12};
+  g.thumb = {0.43, 0.50, 0.18, 0.14};
+  return g;
+}
+
+HandGesture wide_pinch_gesture() {
+  HandGesture g = pinching_gesture();
+  g.fingers[0] = {-0.10, 0.33, 0.60, 0.35};
+  g.thumb = {1.04, 0.40, 0.04, 0.24};
+  return g;
+}
+
 HandGesture blend(const HandGesture& first, const HandGesture& second, double share) {
   const auto mix = [share](double a, double b) { return a + share * (b - a); };
   HandGesture g;
@@ -187,5 +204,11 @@ Vector3d index_direction_in_wrist(const HandGesture& gesture) {
 }
 
 double index_tip_radius() { return kFingers[0].radii[4]; }
+
+Vector3d thumb_tip_in_wrist(const HandGesture& gesture) {
+  return thumb_chain(gesture.thumb).joints[3];
+}
+
+double thumb_tip_radius() { return kThumbRadii[3]; }
 
 }  // namespace palpable

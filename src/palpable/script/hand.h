@@ -38,6 +38,10 @@ struct HandGesture {
 [[nodiscard]] HandGesture pointing_gesture();  ///< index straight, the others closed
 [[nodiscard]] HandGesture open_gesture();      ///< all nearly straight and spread
 [[nodiscard]] HandGesture flat_gesture();      ///< all straight and side by side
+/// Thumb and index finger against each other, their tips' middles 24 mm apart, or 112 mm; the
+/// others straight. Blended, the tips keep their directions to each other within 10 degrees.
+[[nodiscard]] HandGesture pinching_gesture();
+[[nodiscard]] HandGesture wide_pinch_gesture();
 /// Each angle between those of two gestures: `share` 0 gives the first, 1 the second.
 [[nodiscard]] HandGesture blend(const HandGesture& first, const HandGesture& second, double share);
 
@@ -75,6 +79,7 @@ struct HandCapsule {
 /// that capsule is the middle of the finger tip's sphere.
 inline constexpr int kHandCapsuleCount = 30;
 inline constexpr int kIndexTip = 2;
+inline constexpr int kThumbTip = 14;  ///< likewise of the thumb
 
 /// The capsules of a hand in the desk frame; always kHandCapsuleCount, in the same order.
 [[nodiscard]] std::vector<HandCapsule> hand_capsules(const HandPose& pose);
@@ -85,10 +90,14 @@ inline constexpr int kIndexTip = 2;
 /// Middle of the index finger tip's sphere in the wrist frame.
 [[nodiscard]] Eigen::Vector3d index_tip_in_wrist(const HandGesture& gesture);
 
+/// Middle of the thumb tip's sphere in the wrist frame.
+[[nodiscard]] Eigen::Vector3d thumb_tip_in_wrist(const HandGesture& gesture);
+
 /// Direction of the index finger's last bone in the wrist frame, unit.
 [[nodiscard]] Eigen::Vector3d index_direction_in_wrist(const HandGesture& gesture);
 
 /// Radius of the index finger's tip, m.
 [[nodiscard]] double index_tip_radius();
+[[nodiscard]] double thumb_tip_radius();  ///< m
 
 }  // namespace palpable

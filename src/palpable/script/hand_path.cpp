@@ -21,6 +21,16 @@ HandTool index_finger() {
   return tool;
 }
 
+HandTool pinching_hand() {
+  HandTool tool;
+  tool.working = pinching_gesture();
+  tool.passing = wide_pinch_gesture();
+  tool.tip = HandTool::Tip::kPinch;
+  tool.pointing = index_direction_in_wrist(tool.working);
+  tool.radius = index_tip_radius();
+  return tool;
+}
+
 HandTool flat_hand() {
   HandTool tool;
   tool.working = flat_gesture();
@@ -33,7 +43,15 @@ HandTool flat_hand() {
 }
 
 Vector3d tip_in_wrist(const HandTool& tool, const HandGesture& gesture) {
-  return tool.tip == HandTool::Tip::kIndexFinger ? index_tip_in_wrist(gesture) : tool.fixed_tip;
+  switch (tool.tip) {
+    case HandTool::Tip::kIndexFinger:
+      return index_tip_in_wrist(gesture);
+    case HandTool::Tip::kPinch:
+      return 0.5 * (index_tip_in_wrist(gesture) + thumb_tip_in_wrist(gesture));
+    case HandTool::Tip::kFixed:
+      break;
+  }
+  return tool.fixed_tip;
 }
 
 HandPose pose_at_tip(const HandTool& tool, const Vector3d& tip, const Quaterniond& turn,

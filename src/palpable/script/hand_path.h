@@ -16,7 +16,7 @@ namespace palpable {
 struct HandTool {
   HandGesture working;  ///< of a hand that touches
   HandGesture passing;  ///< of a hand on its way
-  enum class Tip { kIndexFinger, kFixed } tip = Tip::kIndexFinger;
+  enum class Tip { kIndexFinger, kFixed, kPinch } tip = Tip::kIndexFinger;
   Eigen::Vector3d fixed_tip = Eigen::Vector3d::Zero();  ///< of Tip::kFixed: middle of what touches
   Eigen::Vector3d pointing = Eigen::Vector3d::UnitX();  ///< unit: where tool or finger points
   double radius = 0;                                    ///< m, of the touching tip's sphere
@@ -25,6 +25,8 @@ struct HandTool {
 
 /// The index finger of a pointing hand; on its way the hand is open.
 [[nodiscard]] HandTool index_finger();
+/// Thumb and index finger of a hand that pinches; the tip is the middle between their tips.
+[[nodiscard]] HandTool pinching_hand();
 /// A flat hand that presses with the pads between the first joints of index and middle finger.
 [[nodiscard]] HandTool flat_hand();
 

@@ -8,6 +8,7 @@
 #include "palpable/script/press_targets.h"
 #include "palpable/script/presses.h"
 #include "palpable/script/random.h"
+#include "palpable/script/squeezes.h"
 #include "palpable/script/working_hand.h"
 
 #include <algorithm>
@@ -33,6 +34,8 @@ constexpr std::array kKinds = {
     SequenceKind{"slide", 600, "a finger slides along the body"},
     SequenceKind{"palm", 600, "a flat hand presses the body"},
     SequenceKind{"two-hands", 600, "two hands press the body"},
+    SequenceKind{"squeeze", 600, "finger and thumb press the body from two sides at once"},
+    SequenceKind{"rest", 750, "a finger is laid on the body and rests there for 20 s"},
     SequenceKind{"press-axial", 600, "presses along the line of sight: the finger hides them"},
     SequenceKind{"press-behind", 600, "presses from behind the body"},
     SequenceKind{"dark", 600, "press with little light and much noise"},
@@ -94,6 +97,8 @@ Sequence plan_sequence(std::string_view name, const DeskBody& body, int frames,
     sequence = plan_demo(body, frames, seed);
   } else if (name == "cup") {
     sequence = plan_cup(body, frames, seed);
+  } else if (name == "squeeze") {
+    sequence = plan_squeezes(body, frames, seed);
   } else if (is_disturbance(name)) {
     sequence = plan_presses("press", body, frames, seed);
   } else {

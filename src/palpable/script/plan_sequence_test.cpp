@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 #include "palpable/base/fnv1a.h"
 #include "palpable/script/contact_truth.h"
+#include "palpable/script/seen_share.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Geometry>
@@ -24,12 +25,13 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// An egg on the desk, 0.13 m high, with sites all over it that are pressed towards its middle.
-DeskBody egg() {
+/// @param half_width  m
+DeskBody egg(double half_width = 0.045) {
   DeskBody body;
   body.surface = sphere_surface({0, 0, 0}, 1.0, 4);
   const Eigen::Vector3d middle(0.0, 0.0, 0.065);
   body.surface.vertices =
-      (Eigen::Vector3d(0.045, 0.055, 0.065).asDiagonal() * body.surface.vertices).colwise() +
+      (Eigen::Vector3d(half_width, 0.055, 0.065).asDiagonal() * body.surface.vertices).colwise() +
       middle;
   for (int v = 0; v < body.surface.vertex_count(); v += 41) body.site_vertices.push_back(v);
   body.directions.resize(3, static_cast<Eigen::Index>(body.site_vertices.size()));
@@ -38,6 +40,9 @@ DeskBody egg() {
         (middle - body.surface.vertices.col(body.site_vertices[s])).normalized();
   return body;
 }
+
+/// What finger and thumb can come round.
+DeskBody slim_egg() { return egg(0.024); }
 
 int length_of(std::string_view name) {
   for (const SequenceKind& kind : sequence_kinds())
@@ -125,7 +130,7 @@ TEST_CASE("the list of sequences has what the benchmark promises, with its lengt
        {"still",     "still-tripod", "walk",        "shake",        "blur", "still-hand",
         "walk-hand", "blur-hand",    "press",       "pencil",       "cup",  "slide",
         "palm",      "two-hands",    "press-axial", "press-behind", "dark", "textureless",
-        "exposure",  "rolling",      "drift"})
+        "exposure",  "rolling",      "drift",       "squeeze",      "rest"})
     CHECK(length_of(name) >= 600);
   CHECK(length_of("walk") == 900);
   CHECK(length_of("walk-hand") == 900);
@@ -135,9 +140,9 @@ TEST_CASE("the list of sequences has what the benchmark promises, with its lengt
 
 TEST_CASE("every sequence begins without a hand, the body 0.35 to 0.5 m before the camera",
           "[script]") {
-  const DeskBody body = egg();
   for (const SequenceKind& kind : sequence_kinds()) {
     INFO(kind.name);
+    const DeskBody body = kind.name == "squeeze" ? slim_egg() : egg();
     // 61 frames plan no press: that is quick.
     const Sequence s = plan_sequence(kind.name, body, 61, 1);
     CHECK(s.name == kind.name);
@@ -387,6 +392,68 @@ TEST_CASE("a cup is put against the body and left there, its touching side in vi
                       [](const HandCapsule& c) { return c.part == HandPart::kCup; }));
     for (const HandCapsule& c : capsules) CHECK(c.shape.a.z() - c.shape.ra > 0.0);
   }
+}
+
+TEST_CASE("finger and thumb squeeze the body at the same time, and the eye sees it", "[script]") {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    INFO("seed " << seed);
+    const Sequence s = plan_sequence("squeeze", slim_egg(), 260, seed);
+    const SurfaceMesh surface = slim_egg().surface;
+    const SurfacePoints body = transformed(sample_surface(surface, 0.0015), s.desk_from_body);
+    REQUIRE(s.touches.size() >= 2);
+    REQUIRE(s.touches.size() % 2 == 0);
+    for (std::size_t i = 0; i + 1 < s.touches.size(); i += 2) {
+      const PlannedTouch& finger = s.touches[i];
+      const PlannedTouch& thumb = s.touches[i + 1];
+      if (finger.frames.last >= s.frames) continue;  // cut by the end
+      CHECK(finger.what == "finger");
+      CHECK(thumb.what == "thumb");
+      CHECK(finger.direction.dot(thumb.direction) < -0.9);
+      double finger_depth = 0.0, thumb_depth = 0.0, seen = 0.0;
+      for (int frame = finger.frames.first; frame <= finger.frames.last; ++frame) {
+        const std::vector<Capsule> hand = shapes_of(s.movers(frame).capsules);
+        const double one = press_truth({&hand[kIndexTip], 1}, body).depth;
+        const double other = press_truth({&hand[kThumbTip], 1}, body).depth;
+        if (std::min(one, other) <= std::min(finger_depth, thumb_depth)) continue;
+        finger_depth = one;
+        thumb_depth = other;
+        std::vector<Capsule> in_body = hand;
+        for (Capsule& c : in_body) {
+          c.a = s.desk_from_body.inverse() * c.a;
+          c.b = s.desk_from_body.inverse() * c.b;
+        }
+        const Eigen::Matrix3Xd part = touching_part(in_body, SurfaceDistance(surface), 0.0015, 500);
+        seen = seen_share(s.camera_from_desk(frame) * s.desk_from_body * part, in_camera(s, frame),
+                          RectifiedStereo{kView, 0.063});
+      }
+      INFO("finger " << 1e3 * finger_depth << " mm, thumb " << 1e3 * thumb_depth);
+      CHECK(finger_depth == Approx(finger.depth).margin(tolerance(0.001, "tremor and samples")));
+      CHECK(thumb_depth == Approx(thumb.depth).margin(tolerance(0.001, "tremor and samples")));
+      CHECK(seen > 0.5);
+    }
+    for (int frame = 0; frame < s.frames; ++frame) {
+      const bool planned = std::any_of(
+          s.touches.begin(), s.touches.end(),
+          [&](const PlannedTouch& t) { return frame >= t.frames.first && frame <= t.frames.last; });
+      if (!planned) CHECK_FALSE(touching_at(s, body, frame).touching);
+    }
+  }
+  // Round the thick one no hand comes.
+  CHECK_THROWS_WITH(plan_sequence("squeeze", egg(), 260, 1), Catch::Contains("20 to 70 mm"));
+}
+
+TEST_CASE("a finger is laid on the body and rests there for 20 s", "[script]") {
+  const Sequence s = plan_sequence("rest", egg(), length_of("rest"), 1);
+  const SurfacePoints body = transformed(sample_surface(egg().surface, 0.0015), s.desk_from_body);
+  REQUIRE(s.touches.size() == 1);
+  int resting = 0;
+  for (int frame = 0; frame < s.frames; ++frame) {
+    const Touching now = touching_at(s, body, frame);
+    if (now.touching && now.depth > s.touches[0].depth - tolerance(0.001, "tremor and samples"))
+      ++resting;
+  }
+  CHECK(resting >= 600);
+  CHECK_FALSE(touching_at(s, body, s.frames - 1).touching);  // the finger has left it
 }
 
 TEST_CASE("two hands press from both sides", "[script][long]") {

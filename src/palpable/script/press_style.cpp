@@ -34,6 +34,8 @@ PressStyle press_style(std::string_view name) {
   } else if (name == "slide") {
     style.what = "slide";
     style.slides = true;
+    style.least_hold = 20;
+    style.most_hold = 45;
     style.least_depth = 0.003;
     style.most_depth = 0.006;
   } else if (name == "palm") {
@@ -46,6 +48,11 @@ PressStyle press_style(std::string_view name) {
     style.rules.seen = false;
     style.rules.near = 0.11;
     style.rules.clearance = 0.0;
+  } else if (name == "rest") {
+    style.least_depth = 0.003;
+    style.most_depth = 0.006;
+    style.least_hold = 600;  // 20 s
+    style.most_hold = 602;
   } else if (name == "two-hands") {
     style.two_hands = true;
   } else if (name == "press-axial") {

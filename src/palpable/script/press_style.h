@@ -17,8 +17,10 @@ struct PressStyle {
   PressRules rules;
   double least_depth = 0.003;  ///< m
   double most_depth = 0.014;   ///< m
-  bool slides = false;         ///< along the surface, from one target to another
-  bool comes_near = false;     ///< now and then the hand passes close to the camera
+  double least_hold = 4;       ///< frames at the full depth
+  double most_hold = 14;
+  bool slides = false;      ///< along the surface, from one target to another
+  bool comes_near = false;  ///< now and then the hand passes close to the camera
   bool two_hands = false;
 };
 
@@ -26,7 +28,8 @@ struct PressStyle {
 /// (docs/benchmark.md promises 70) and the press is at least 30 degrees off the line of sight.
 [[nodiscard]] PressRules rules_where_seen();
 
-/// @param name  "press", "press-axial", "press-behind", "pencil", "slide", "palm" or "two-hands"
+/// @param name  "press", "press-axial", "press-behind", "pencil", "slide", "palm", "rest" or
+/// "two-hands"
 /// @throws ContractViolation for another name
 [[nodiscard]] PressStyle press_style(std::string_view name);
 

@@ -95,7 +95,7 @@ class PressChoice {
   HandScript::Pace next_pace(int press) {
     constexpr std::array<double, 5> kIn = {14, 7, 20, 10, 30};
     const double in = kIn[press % kIn.size()] + random_.between(-1, 1);
-    const double hold = style_.slides ? random_.between(20, 45) : random_.between(4, 14);
+    const double hold = random_.between(style_.least_hold, style_.most_hold);
     return {in, hold, std::max(7.0, 0.75 * in)};
   }
 

@@ -12,8 +12,8 @@
 
 namespace palpable {
 
-/// One of "press", "press-axial", "press-behind", "pencil", "slide", "palm", "two-hands". The
-/// camera stands on its tripod; rig, faults and look (but for left_free) have their defaults.
+/// One of "press", "press-axial", "press-behind", "pencil", "slide", "palm", "rest", "two-hands".
+/// The camera stands on its tripod; rig, faults and look (but for left_free) have their defaults.
 /// @throws Error when the body cannot be pressed as the sequence demands
 [[nodiscard]] Sequence plan_presses(std::string_view name, const DeskBody& body, int frames,
                                     std::uint64_t seed);
