@@ -229,8 +229,8 @@ def live(programs, folder, *more, source="clip"):
 
 # ---- cases -------------------------------------------------------------------------------------
 
-COMMANDS = ("mesh", "bake", "reduce", "report", "compare", "solve", "export", "import-modes", "inspect", "press", "view", "synth", "live", "scan", "score", "bench", "cameras",
-            "calibrate")
+COMMANDS = ("mesh", "bake", "reduce", "report", "compare", "solve", "truth", "export", "import-modes",
+            "inspect", "press", "view", "synth", "live", "scan", "score", "bench", "cameras", "calibrate")
 
 
 @case("help of the program and of each command has an example, on stdout, exit code 0")
@@ -295,7 +295,7 @@ def _(programs, folder):
                   ("synth", "press", "--body", "none.palpable", "-o", "x"),
                   ("live", "none.palpable", "--source", "y", "--out", "x"),
                   ("scan", "none", "-o", "x.ply"),
-                  ("score", "none", "neither")):
+                  ("truth", "none", "--body", "none.toml"), ("score", "none", "neither")):
         programs.refuses(*words, cwd=folder, says=["none"])
 
 
