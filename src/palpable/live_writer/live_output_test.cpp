@@ -108,11 +108,12 @@ TEST_CASE("the picture of a touch is one of a frame that truly touches", "[live_
   fs::create_directories(clip / "truth");
   fs::create_directories(clip / "frames");
   CHECK_FALSE(truly_touching_frames(clip / "frames").has_value());
+  const Eigen::Vector3d place(0.01, 0.02, 0.03);
   std::ofstream(clip / "truth" / "contact.jsonl")
-      << contact_line({.frame = 0, .touching = true, .depth = 0.0039})
+      << contact_line({.frame = 0, .touching = true, .depth = 0.0039, .point = place})
       << contact_line({.frame = 1, .touching = false})
-      << contact_line({.frame = 2, .touching = true, .depth = 0.004})
-      << contact_line({.frame = 3, .touching = true, .depth = 0.004});
+      << contact_line({.frame = 2, .touching = true, .depth = 0.004, .point = place})
+      << contact_line({.frame = 3, .touching = true, .depth = 0.004, .point = place});
   const auto frames = truly_touching_frames(clip / "frames/");
   REQUIRE(frames.has_value());
   CHECK(*frames == std::vector<int>{2, 3});
