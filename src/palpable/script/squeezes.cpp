@@ -38,6 +38,7 @@ constexpr double kLeastSeen = 0.55;     // of what touches; docs/benchmark.md pr
 constexpr std::size_t kDifferent = 4;   // squeezes; then they are done again
 constexpr double kLeastDepth = 0.002;   // m on each side
 constexpr double kMostDepth = 0.005;
+constexpr double kDeeper = 0.002;  // m beyond it: there a tip reaches round a thin part
 
 /// Two places of the surface that face away from each other. Desk frame.
 struct TwoSides {
@@ -231,7 +232,7 @@ class SqueezeScript {
 
   /// The frames outside of which nothing touches; none, and nothing is added, when the hand would
   /// meet the desk, touch elsewhere, or not touch with both.
-  std::optional<FrameSpan> squeeze(const Hold& hold, double in, double hold_frames) {
+  std::optional<FrameSpan> squeeze(const Hold& hold, double depth, double in, double hold_frames) {
     const std::size_t keys_before = path_.keys.size();
     const double start = now(), first = start + 28;
     const Vector3d before = hold.middle + kBack * hold.back;
@@ -244,7 +245,7 @@ class SqueezeScript {
     key(last + 12, before, hold.turn, hold.opened);
     key(last + 28, rest_, rest_turn_, 0.7);
     const FrameSpan frames{static_cast<int>(std::floor(first)), static_cast<int>(std::ceil(last))};
-    if (squeezes_only(hold, frames, start, first + in + 0.5 * hold_frames)) return frames;
+    if (squeezes_only(hold, depth, frames, start, first + in + 0.5 * hold_frames)) return frames;
     path_.keys.resize(keys_before);
     return std::nullopt;
   }
@@ -254,7 +255,7 @@ class SqueezeScript {
     path_.keys.push_back({at, middle, turn, open});
   }
 
-  [[nodiscard]] bool squeezes_only(const Hold& hold, FrameSpan frames, double start,
+  [[nodiscard]] bool squeezes_only(const Hold& hold, double depth, FrameSpan frames, double start,
                                    double deepest) const {
     const SurfacePoints& surface = search_.surface();
     for (int frame = static_cast<int>(std::ceil(start)); frame <= std::floor(now()); ++frame) {
@@ -263,7 +264,7 @@ class SqueezeScript {
       const PressTruth truth = press_truth(hand, surface);
       if (!truth.touching) continue;
       const Vector3d x = surface.points.col(truth.point);
-      if (frame < frames.first || frame > frames.last ||
+      if (frame < frames.first || frame > frames.last || truth.depth > depth + kDeeper ||
           std::min((x - hold.sides.finger).norm(), (x - hold.sides.thumb).norm()) > kNear)
         return false;
     }
@@ -324,7 +325,7 @@ std::optional<Sequence> attempt(const DeskBody& body, const SurfaceDistance& dis
     const std::optional<Hold> hold = search.hold(sides, depth);
     if (!hold) return false;
     const double in = random.between(10, 24), stay = random.between(10, 24);
-    const std::optional<FrameSpan> span = script.squeeze(*hold, in, stay);
+    const std::optional<FrameSpan> span = script.squeeze(*hold, depth, in, stay);
     if (!span) return false;
     done.push_back({*hold, depth});
     for (PlannedTouch& touch : touches_of(*hold, depth, *span, in, body, sequence.desk_from_body))
