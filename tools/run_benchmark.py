@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Films, plays and scores the sequences of the synthetic desk, one after another: docs/results/chain.json.
 
-    tools/run_benchmark.py [--programs DIR] [--body FILE] [--frames N] [--seed N] [--only NAME ...]
-                           [--data DIR] [--work DIR] [--films DIR] [--keep] [-o FILE]
+    tools/run_benchmark.py [--programs DIR] [--body FILE] [--describes TOML] [--frames N] [--seed N | --fresh]
+                           [--only NAME ...] [--data DIR] [--work DIR] [--films DIR] [--keep] [-o FILE]
 
-Each sequence is filmed (palpable synth), played (palpable live, as a user would) and scored (palpable
-score --body); its folders are removed before the next unless --keep. With --films a sequence that was
+Each sequence is filmed (palpable synth), played (palpable live, as a user would), given the full answer to the
+true hand (palpable truth, by the description that the body was baked from) and scored (palpable score --body);
+its folders are removed before the next unless --keep. With --films a sequence that was
 written there before (DIR/NAME, of the same seed and body; anything else is refused) is played as it is and
 stays. What filming took stands beside the film, in NAME/film.json: {"user_s", "wall_s", "commit", "date",
 "machine"}, each may be missing; it is written where this tool films, and read wherever a film is played.
@@ -15,6 +16,9 @@ that are not run again keep their figures, so it can be stopped and gone on with
 hand is kept too. --only without a name runs nothing and writes the tables anew. Recorded real sets below
 --data (default ../shared/data) are played by the same commands; those with a true camera path are scored for
 it. Then: tools/write_results.py.
+
+Seeds from 1000 on are held out: nobody tunes to them. --fresh draws one for each sequence, prints them, and
+writes its figures into chain-fresh.json beside the others.
 """
 import argparse
 import datetime
@@ -22,6 +26,7 @@ import json
 import math
 import os
 import platform
+import random
 import re
 import resource
 import shutil
@@ -32,6 +37,7 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+HELD_OUT = range(1000, 1_000_000)  # seeds
 
 # Places are where a person might put the body; nobody has measured them. {data} and {work} are folders;
 # "intrinsics" is written to {work}/intrinsics.txt; "path" says how the set states its true camera path.
@@ -106,7 +112,7 @@ def refuse_other_films(options):
         if film is None:
             continue
         camera = tomllib.loads((film / "truth/camera.toml").read_text())
-        wanted = {"sequence": name, "seed": options.seed, "body": options.body.name}
+        wanted = {"sequence": name, "seed": options.seeds[name], "body": options.body.name}
         if options.frames:
             camera["frames"], wanted["frames"] = film_frames(film), options.frames
         for key, value in wanted.items():
@@ -116,7 +122,8 @@ def refuse_other_films(options):
 
 def write_film(options, name, folder):
     """Films into the folder, and writes film.json. Returns the process."""
-    words = [options.programs / "palpable", "synth", name, "--body", options.body, "--seed", options.seed, "-o", folder]
+    words = [options.programs / "palpable", "synth", name, "--body", options.body, "--seed", options.seeds[name],
+             "-o", folder]
     if options.frames:
         words += ["--frames", options.frames]
     begin, used = time.time(), resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
@@ -126,6 +133,19 @@ def write_film(options, name, folder):
     if written.returncode == 0:
         (folder / "film.json").write_text(json.dumps(took) + "\n")
     return written
+
+
+def touches_truly(film):
+    lines = (film / "truth/contact.jsonl").read_text().splitlines()
+    return any(json.loads(line)["touching"] for line in lines)
+
+
+def solve_truth(options, film):
+    """Adds truth/deformed to a film in which something touches. Returns a complaint, or None."""
+    if not touches_truly(film):
+        return None
+    solved = run([options.programs / "palpable", "truth", film, "--body", options.describes])
+    return complaint(solved) if solved.returncode != 0 else None
 
 
 def timings(result):
@@ -148,14 +168,20 @@ def play(options, name, folder):
     if live.returncode != 0:
         return {"refused": f"live: {complaint(live)}"}
     played = time.time()
+    solved = solve_truth(options, film)
+    if solved:
+        return {"refused": f"truth: {solved}"}
+    answered = time.time()
     score = run([program, "score", film / "truth", folder / "result", "--body", options.body, "--json"])
     if score.returncode != 0:
         return {"refused": f"score: {complaint(score)}"}
     full = options.lengths[name]
     took = film / "film.json"
-    return {"seed": options.seed, "body": options.body.name, "cut_from": full if film_frames(film) < full else None,
+    return {"seed": options.seeds[name], "body": options.body.name,
+            "cut_from": full if film_frames(film) < full else None,
             **timings(folder / "result"), "film": json.loads(took.read_text()) if took.is_file() else None,
-            "play_s": round(played - begin, 1), "score_s": round(time.time() - played, 1),
+            "play_s": round(played - begin, 1), "truth_s": round(answered - played, 1),
+            "score_s": round(time.time() - answered, 1),
             "scores": json.loads(score.stdout)}
 
 
@@ -243,6 +269,22 @@ def tables(entries, real):
                 yield [name] + [100 * value if key in percent and value is not None else value
                                 for key, value in zip(keys, cells)]
 
+    def pair(value, factor=1):
+        """median, p90 (or p99) as one cell."""
+        if value is None:
+            return None
+        median, high = [value[key] for key in value][:2]
+        return None if median is None else f"{factor * median:.3g}, {factor * high:.3g}"
+
+    def full_answer():
+        for name, entry in scored.items():
+            s = entry["scores"]
+            if not s.get("deformed_frames") and not s.get("deformed_frames_shallow"):
+                continue
+            yield [name, s["deformed_frames"], pair(s["displacement_error"], 100), pair(s["displacement_error_mm"]),
+                   pair(s["displacement_error_mm_shallow"]), pair(s["von_mises_error"], 100),
+                   pair(s["force_error"], 100), pair(s["overpress_mm"])]
+
     def by_distance(key):
         for name, entry in scored.items():
             values = entry["scores"].get(key) or {}
@@ -252,7 +294,7 @@ def tables(entries, real):
     touch = ("frames_touching", "touch_precision", "touch_recall", "touch_site", "first_touch_delay_frames",
              "penetration_median_mm", "penetration_p99_mm", "largest_pop_mm")
     camera = ("ate_mm", "rpe_mm", "jitter_mm", "moving_iou", "moving_recall", "moving_false", "row_error_px")
-    sight = ("occlusion_iou", "occlusion_iou_where_hidden", "edge_error_px", "flicker")
+    sight = ("occlusion_iou", "occlusion_iou_where_hidden", "edge_error_px", "edge_error_crossing_px", "flicker")
     hand = ("hand_near_frames", "hand_within_1pct", "too_close_called_far")
     yield {"heading": "Share of pixels within 1 % of their true depth, in %",
            "columns": ["sequence", *metres], "rows": list(by_distance("depth_within_1pct"))}
@@ -263,7 +305,18 @@ def tables(entries, real):
     yield {"heading": "Touch", "columns": ["sequence", "true frames", "precision", "recall", "site", "delay (frames)",
                                            "penetration median (mm)", "99 of 100 (mm)", "largest pop (mm)"],
            "rows": list(rows(touch))}
-    yield {"heading": "Occlusion", "columns": ["sequence", "IoU", "where hidden", "edge error (px)", "flicker"],
+    yield {"heading": "Touch, of what a camera can see",
+           "columns": ["sequence", "recall beyond 3 mm", "false beyond 5 mm", "frames too deep", "pops of 4 mm"],
+           "rows": list(rows(("touch_recall_3mm", "touch_false_5mm", "frames_too_deep", "pops_4mm")))}
+    yield {"heading": "Against the full answer to the true hand (median, 90 of 100)",
+           "text": "Frames in which the object is 4 mm or deeper; displacement and stress in % of the true field's "
+                   "size, force in % of the true one; overpress: how much too far the drawn skin went (median, 99 of "
+                   "100).",
+           "columns": ["sequence", "frames", "displacement (%)", "worst vertex (mm)", "the same, shallower (mm)",
+                       "von Mises (%)", "force (%)", "overpress (mm)"],
+           "rows": list(full_answer())}
+    yield {"heading": "Occlusion", "columns": ["sequence", "IoU", "where hidden", "edge error (px)",
+                                               "where a hand crosses the outline (px)", "flicker"],
            "rows": list(rows(sight))}
     yield {"heading": "Camera, anchor, what moves, rectification",
            "columns": ["sequence", "ATE (mm)", "RPE 1 s (mm)", "jitter (mm)", "moving IoU", "recall",
@@ -271,10 +324,11 @@ def tables(entries, real):
            "rows": list(rows(camera, {"moving_false"}))}
     yield {"heading": "Time",
            "columns": ["sequence", "frames", "film, CPU (s)", "film, wall (s)", "play, wall (s)", "ms a frame",
-                       "score, wall (s)"],
+                       "full answer, wall (s)", "score, wall (s)"],
            "text": "On the machines named under Measured at, which other work shared; of filming the user CPU time, too.",
            "rows": [[name, entry["frames"], (entry.get("film") or {}).get("user_s"),
-                     (entry.get("film") or {}).get("wall_s"), entry["play_s"], entry["frame_ms"], entry["score_s"]]
+                     (entry.get("film") or {}).get("wall_s"), entry["play_s"], entry["frame_ms"],
+                     entry.get("truth_s"), entry["score_s"]]
                     for name, entry in scored.items()]}
     refused = [[name, entry["refused"]] for name, entry in entries.items() if "refused" in entry]
     if refused:
@@ -288,7 +342,7 @@ def tables(entries, real):
                          entry.get("refused") or entry.get("remark") or ""] for name, entry in real.items()]}
 
 
-def page(entries, real, lengths, note):
+def page(entries, real, lengths, note, fresh):
     """What stands in the file."""
     text = TEXT
     if seeds := sorted({entry["seed"] for entry in entries.values() if "seed" in entry}):
@@ -300,8 +354,11 @@ def page(entries, real, lengths, note):
     missing = [name for name in lengths if name not in entries]
     if missing:
         text += f" Not run yet: {', '.join(missing)}."
-    return {"title": "Today's chain on the test ground", "order": 20, "text": text,
-            "command": ["tools/run_benchmark.py    # all, at full length", "tools/write_results.py"],
+    title, order, command = "Today's chain on the test ground", 20, "tools/run_benchmark.py"
+    if fresh:
+        title, order, command = f"{title}, held-out seeds", 21, f"{command} --fresh"
+    return {"title": title, "order": order, "text": text,
+            "command": [f"{command}    # all, at full length", "tools/write_results.py"],
             **({"note": note} if note else {}),
             "tables": [one for one in tables(entries, real) if one["rows"]], "entries": entries, "real": real}
 
@@ -311,15 +368,22 @@ def main():
     parser.add_argument("--programs", type=Path, default=ROOT / "build/release/bin")
     parser.add_argument("--body", type=Path)
     parser.add_argument("--frames", type=int, help="of each sequence; default: its full length")
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--describes", type=Path, metavar="TOML", help="what --body was baked from")
+    seeds = parser.add_mutually_exclusive_group()
+    seeds.add_argument("--seed", type=int, default=1)
+    seeds.add_argument("--fresh", action="store_true", help="draw held-out seeds, and print them")
     parser.add_argument("--only", nargs="*", metavar="NAME")
     parser.add_argument("--data", type=Path, default=ROOT / "../shared/data")
     parser.add_argument("--work", type=Path, default=ROOT / "build/benchmark")
     parser.add_argument("--films", type=Path, help="sequences that were written before")
     parser.add_argument("--keep", action="store_true")
-    parser.add_argument("-o", "--out", type=Path, default=ROOT / "docs/results/chain.json")
+    parser.add_argument("-o", "--out", type=Path)
     options = parser.parse_args()
+    if options.out is None:
+        options.out = ROOT / "docs/results" / ("chain-fresh.json" if options.fresh else "chain.json")
     options.lengths = full_lengths(options.programs)
+    drawn = random.SystemRandom()
+    options.seeds = {name: drawn.choice(HELD_OUT) if options.fresh else options.seed for name in options.lengths}
     known = [*options.lengths, *REAL]
     if options.only is None:
         options.only = known
@@ -333,14 +397,23 @@ def main():
         sys.exit(f"run_benchmark: no body {options.body or 'in build/bodies or out/demo'}; ./demo bakes one")
     if options.films and options.films.resolve() == options.work.resolve():
         sys.exit("run_benchmark: --films is --work, whose folders are removed")
+    if options.describes is None and options.body is not None:
+        # The demo's body is called bunny, its description bunny-demo.
+        names = {"bunny": "bunny-demo"}
+        options.describes = ROOT / "bodies" / f"{names.get(options.body.stem, options.body.stem)}.toml"
+    if options.only and not options.describes.is_file():
+        sys.exit(f"run_benchmark: no description {options.describes}; --describes names what the body was baked from")
     refuse_other_films(options)
+    if options.fresh:
+        print("seeds:", ", ".join(f"{name} {options.seeds[name]}" for name in options.only if name in options.seeds))
 
     file = json.loads(options.out.read_text()) if options.out.is_file() else {}
     entries, real = file.get("entries", {}), file.get("real", {})
 
     def write():
         content = page({key: entries[key] for key in options.lengths if key in entries},
-                       {key: real[key] for key in REAL if key in real}, options.lengths, file.get("note"))
+                       {key: real[key] for key in REAL if key in real}, options.lengths,
+                       file.get("note"), options.fresh)
         options.out.parent.mkdir(parents=True, exist_ok=True)
         options.out.write_text(json.dumps(content, indent=1) + "\n")
 

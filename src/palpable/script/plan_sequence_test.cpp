@@ -439,7 +439,7 @@ TEST_CASE("finger and thumb squeeze the body at the same time, and the eye sees 
     }
   }
   // Round the thick one no hand comes.
-  CHECK_THROWS_WITH(plan_sequence("squeeze", egg(), 260, 1), Catch::Contains("20 to 70 mm"));
+  CHECK_THROWS_WITH(plan_sequence("squeeze", egg(), 260, 1), Catch::Contains("30 to 70 mm"));
 }
 
 TEST_CASE("a finger is laid on the body and rests there for 20 s", "[script]") {

@@ -25,7 +25,7 @@ using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kSpacing = 0.002;      // m between points of the body's surface
-constexpr double kLeastWidth = 0.020;   // m of what is squeezed
+constexpr double kLeastWidth = 0.030;   // m of what is squeezed
 constexpr double kMostWidth = 0.070;    // m: the hand opens to 112 mm between the tips' middles
 constexpr double kLowest = 0.030;       // m above the desk
 constexpr double kNear = 0.024;         // m round the two points in which the hand may touch
@@ -36,8 +36,8 @@ constexpr double kBack = 0.090;         // m that the open hand goes back
 constexpr double kApart = 0.015;        // m between two squeezes
 constexpr double kLeastSeen = 0.55;     // of what touches; docs/benchmark.md promises half
 constexpr std::size_t kDifferent = 4;   // squeezes; then they are done again
-constexpr double kLeastDepth = 0.002;   // m on each side
-constexpr double kMostDepth = 0.005;
+constexpr double kLeastDepth = 0.004;   // m on each side
+constexpr double kMostDepth = 0.006;
 constexpr double kDeeper = 0.002;  // m beyond it: there a tip reaches round a thin part
 
 /// Two places of the surface that face away from each other. Desk frame.
@@ -371,7 +371,7 @@ Sequence plan_squeezes(const DeskBody& body, int frames, std::uint64_t seed) {
       return *std::move(sequence);
   }
   throw Error(
-      "the sequence 'squeeze' cannot be planned for this body: nowhere are two of its sides 20 to "
+      "the sequence 'squeeze' cannot be planned for this body: nowhere are two of its sides 30 to "
       "70 mm apart so that finger and thumb can come round them");
 }
 

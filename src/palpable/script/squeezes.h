@@ -12,7 +12,7 @@ namespace palpable {
 /// Each squeeze is checked against the body's surface: finger and thumb touch it at the same time,
 /// the hand touches it nowhere else, and the camera sees at least half of what touches
 /// (seen_share.h). The camera stands on its tripod; rig, faults and look have their defaults.
-/// @throws Error when the body has no two sides 20 to 70 mm apart that a hand can come round
+/// @throws Error when the body has no two sides 30 to 70 mm apart that a hand can come round
 [[nodiscard]] Sequence plan_squeezes(const DeskBody& body, int frames, std::uint64_t seed);
 
 }  // namespace palpable
