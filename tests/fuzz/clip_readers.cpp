@@ -1,4 +1,5 @@
 #include "palpable/clip_files/contact_file.h"
+#include "palpable/clip_files/deformed_file.h"
 #include "palpable/clip_files/depth_image_file.h"
 #include "palpable/clip_files/hand_file.h"
 #include "palpable/clip_files/live_file.h"
@@ -15,6 +16,7 @@
 #include "tests/support/scratch_folder.h"
 
 #include <fmt/format.h>
+#include <filesystem>
 
 namespace palpable::fuzz {
 namespace {
@@ -84,9 +86,17 @@ void add_clip_readers(std::vector<FuzzReader>& readers) {
        }),
        read_touches);
   text("clip.contact", "contact.jsonl", three([](int f) {
-         return contact_line({f, f > 0, 0.002, 1, Eigen::Vector3d(0.01, 0.02, 0.03)});
+         ContactLine line{f, f > 0, 0.002, 1, Eigen::Vector3d(0.01, 0.02, 0.03)};
+         if (f == 0) line.gap = 0.01;
+         if (f == 1) line.seen_share = 0.5;
+         return contact_line(line);
        }),
        read_contacts);
+  text("clip.deformed", "deformed.jsonl", three([](int f) {
+         const Eigen::Vector3d point(0.01, 0.02, 0.03);
+         return deformed_line({f, 0, 0.004, -20 * point, point, f != 1, f == 1 ? "slips" : ""});
+       }),
+       [](const fs::path& path) { return read_deformed_lines(path.parent_path()); });
   text("clip.hand", "hand.jsonl", three([](int f) {
          return hand_line({f, {{{0, 0, 0.1}, {0, 0, 0.2}, 0.01, 0.02}, {}}});
        }),

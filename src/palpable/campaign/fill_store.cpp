@@ -173,6 +173,12 @@ StoreContent content_of(const BodyDescription& description, const BodyProblem& p
   content.material = materials_line(description);
   content.mesh = mesh.mesh;
   content.fixed = fixed_vertices(mesh);
+  content.materials = {problem.model.material};
+  for (const MaterialGroup& group : problem.model.groups) {
+    content.materials.push_back(group.material);
+  }
+  content.material_of_element = material_groups(problem.model);
+  for (int& material : content.material_of_element) ++material;  // -1 is the first
   content.sites = problem.sites;
   for (const BodyDescription::Parameter& parameter : description.parameters) {
     content.parameters.push_back(

@@ -12,6 +12,7 @@
 #include "palpable/geometry/tet_mesh.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/separate/reduction.h"
+#include "palpable/solid/material.h"
 
 #include <Eigen/Core>
 
@@ -45,8 +46,11 @@ struct StoreContent {
   std::string name, material;       ///< for people, as in ReducedBody
   TetMesh mesh;                     ///< body frame, m
   std::vector<std::uint8_t> fixed;  ///< (V)
-  std::vector<Site> sites;          ///< (S) full loads are in the units
-  Eigen::VectorXd levels;           ///< (L + 1) 0 .. 1
+  /// Where parameters stretch a material, that without them. None: an older store, not known.
+  std::vector<Material> materials = {};
+  std::vector<int> material_of_element = {};  ///< (E) index into materials
+  std::vector<Site> sites;                    ///< (S) full loads are in the units
+  Eigen::VectorXd levels;                     ///< (L + 1) 0 .. 1
   std::vector<StoredParameter> parameters;
   std::vector<StoredField> fields = {{"displacement", 3}, {"stress", 6}};
   std::vector<std::uint64_t> keys;  ///< (P S) what each unit was computed from

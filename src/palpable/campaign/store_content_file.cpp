@@ -1,15 +1,20 @@
 #include "palpable/campaign/store_content_file.h"
 
+#include "palpable/base/error.h"
+
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
+#include <span>
 #include <system_error>
 #include <vector>
 
 namespace palpable {
 
 using Eigen::Index;
+using Eigen::VectorXd;
 using hdf5::Handle;
 
 namespace {
@@ -32,6 +37,25 @@ void write_mesh(hid_t file, const TetMesh& mesh, const std::vector<std::uint8_t>
     hdf5::write_table(g, "cells", both.data(), static_cast<hsize_t>(both.cols()), 10);
   }
   write_column(g, "fixed", fixed);
+}
+
+// The laws and their constants as numbers, so that another solver can pose the same problem.
+void write_materials(hid_t file, const StoreContent& content) {
+  if (content.materials.empty()) return;
+  const Handle g = hdf5::make_group(file, "materials");
+  hdf5::write_number(g, "count", static_cast<double>(content.materials.size()));
+  for (std::size_t k = 0; k < content.materials.size(); ++k) {
+    const std::string law = law_name(content.materials[k]);
+    std::string names;
+    for (const LawConstant& constant : law_constants(law)) {
+      if (!names.empty()) names += ' ';
+      names += constant.name;
+    }
+    hdf5::write_text(g, fmt::format("{}_law", k).c_str(), law);
+    hdf5::write_text(g, fmt::format("{}_names", k).c_str(), names);
+    write_column(g, fmt::format("{}_constants", k).c_str(), constants_of(content.materials[k]));
+  }
+  write_column(g, "of_element", content.material_of_element);
 }
 
 void write_sites(hid_t file, const std::vector<Site>& sites) {
@@ -116,6 +140,28 @@ int read_count(hid_t group) {
   return static_cast<int>(count);
 }
 
+Material read_material(hid_t group, int k) {
+  const std::string law = hdf5::read_text(group, fmt::format("{}_law", k).c_str());
+  const VectorXd values = read_column(group, fmt::format("{}_constants", k).c_str());
+  try {
+    hdf5::require(static_cast<std::size_t>(values.size()) == law_constants(law).size(),
+                  fmt::format("law {} has another number of constants", law));
+    return material_from_constants(
+        law, std::span<const double>(values.data(), std::size_t(values.size())));
+  } catch (const Error& error) { throw hdf5::Trouble{error.what()}; }
+}
+
+void read_materials(hid_t file, StoreContent& content) {
+  const Handle g = hdf5::open_group(file, "materials");
+  const int count = read_count(g);
+  for (int k = 0; k < count; ++k) content.materials.push_back(read_material(g, k));
+  content.material_of_element =
+      hdf5::read_table<int>(g, "of_element", content.mesh.tet_count(), 1).data;
+  hdf5::require(std::all_of(content.material_of_element.begin(), content.material_of_element.end(),
+                            [&](int k) { return 0 <= k && k < count; }),
+                "an element has a material that does not exist");
+}
+
 }  // namespace
 
 std::string key_text(std::uint64_t key) { return fmt::format("{:016x}", key); }
@@ -134,6 +180,7 @@ void write_content(hid_t file, const StoreContent& content) {
   hdf5::write_number(file, "max_modes", content.reduction.max_modes);
   hdf5::write_number(file, "own_norms", content.reduction.weight_snapshots ? 1 : 0);
   write_mesh(file, content.mesh, content.fixed);
+  write_materials(file, content);
   write_sites(file, content.sites);
   hdf5::write_table(file, "levels", content.levels.data(),
                     static_cast<hsize_t>(content.levels.size()), 1);
@@ -189,6 +236,7 @@ StoreContent read_content(hid_t file) {
     content.reduction.weight_snapshots = false;
   }
   content.mesh = read_mesh(file, content.fixed);
+  if (H5Lexists(file, "materials", H5P_DEFAULT) > 0) read_materials(file, content);
   content.sites = read_sites(file);
   content.levels = read_column(file, "levels");
   const auto keys = hdf5::read_table<std::uint8_t>(file, "keys");

@@ -1,6 +1,7 @@
 #include "palpable/clip_writer/sequence_folder.h"
 
 #include "palpable/base/error.h"
+#include "palpable/clip_files/contact_file.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/render/gl_context.h"
 #include "tests/support/scratch_folder.h"
@@ -8,6 +9,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 
 using namespace palpable;
@@ -40,6 +42,30 @@ TEST_CASE("what was interrupted is no truth that could be scored", "[clip_writer
                   Error);
   CHECK(fs::exists(scratch.path() / "frames" / "left" / "000001.jpg"));
   CHECK_FALSE(fs::exists(camera));
+}
+
+TEST_CASE("a film says how much of a touch is seen, and how far from a touch the hand is",
+          "[clip_writer][gl]") {
+  if (!GlContext::offscreen().ok()) PALPABLE_SKIP("no OpenGL 4.5 context here");
+  const ReducedBody body = value_or_throw(read_pressable_body("tests/data/ball_v1.palpable"));
+  const test::ScratchFolder scratch("film_contact");
+  write_sequence(body, {"press", 60, 5, "ball", 2}, scratch.path(), {});
+  int touching = 0, near = 0;
+  std::optional<double> gap_before;
+  for (const ContactLine& line : read_contacts(scratch.path() / "truth" / "contact.jsonl")) {
+    touching += line.touching;
+    CHECK(line.seen_share.has_value() == line.touching);
+    if (line.seen_share) CHECK((0.0 <= *line.seen_share && *line.seen_share <= 1.0));
+    if (line.touching) {
+      CHECK_FALSE(line.gap);
+      // Of the frame before the first touch: a hand comes at less than half a metre per second.
+      if (gap_before) CHECK(*gap_before < test::tolerance(0.5 / 30, "one frame of its way"));
+    }
+    near += line.gap && *line.gap > 0.0;
+    gap_before = line.gap;
+  }
+  CHECK(touching > 0);
+  CHECK(near > 0);
 }
 
 TEST_CASE("two threads film what one films, byte for byte", "[clip_writer][gl]") {

@@ -83,6 +83,15 @@ Material material_from_young(std::string_view law, double E, double nu) {
 
 std::span<const LawConstant> law_constants(std::string_view law) { return law_of(law).constants; }
 
+std::vector<double> constants_of(const Material& material) {
+  return std::visit(
+      [](const auto& law) {
+        const auto values = values_of(law);
+        return std::vector<double>(values.begin(), values.end());
+      },
+      material);
+}
+
 Material material_from_constants(std::string_view law, std::span<const double> values) {
   const Law& known = law_of(law);
   PALPABLE_EXPECT(values.size() == known.constants.size(), "one value for each constant");

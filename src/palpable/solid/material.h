@@ -39,6 +39,9 @@ using Material = std::variant<NeoHookean, SaintVenantKirchhoff, NeoHookeanAbaqus
 /// @throws Error for an unknown law
 [[nodiscard]] std::span<const LawConstant> law_constants(std::string_view law);
 
+/// Their values, SI.
+[[nodiscard]] std::vector<double> constants_of(const Material& material);
+
 /// @param values  SI, one for each of law_constants(law)
 /// @throws Error for an unknown law, and as check_material()
 [[nodiscard]] Material material_from_constants(std::string_view law,

@@ -6,7 +6,11 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <random>
+#include <string>
 #include <vector>
 
 namespace palpable {
@@ -64,6 +68,37 @@ TEST_CASE("what is no obstacle is refused with what one looks like", "[truth]") 
     CHECK_THROWS_WITH(read({text}), Contains("--obstacle '" + std::string(text)) &&
                                         Contains("sphere 8mm at 0,0,0.16 to 0,0,0.14"));
   }
+}
+
+TEST_CASE("any words are an obstacle or are refused", "[truth]") {
+  // Words that fit and words that nearly do, in an order that nobody planned.
+  const std::vector<std::string> words{
+      "sphere",  "capsule", "plane",   "at",   "and",     "to",        "8mm",
+      "1e-3",    "0,0,1",   "0,0",     "-1mm", "1mm,2cm", ",",         "0,,1",
+      "1e400",   "1e308m",  "nan,0,0", "inf",  "mm",      "0,0,0,0",   "\xff",
+      "+1,-1,1", "m,m,m",   "1 , 2",   "\t",   "0x1p3",   "1e308,0,0", "-0,-0,-0"};
+  std::mt19937 random(7);
+  int read_well = 0;
+  for (int n = 0; n < 20000; ++n) {
+    std::string text;
+    if (n % 4 == 0) text = "sphere 8mm at 0,0,1";  // half of them begin well
+    if (n % 4 == 2) text = "capsule 1mm,2mm at 0,0,1 and 0,0,2";
+    for (unsigned k = random() % 7; k > 0; --k) {
+      text += ' ';
+      text += words[random() % words.size()];
+    }
+    INFO(text);
+    try {
+      const Obstacle there = read({text})(1.0);
+      ++read_well;
+      CHECK(there.capsules.size() + there.half_spaces.size() == 1);
+      for (const Capsule& capsule : there.capsules) {
+        CHECK((capsule.a.allFinite() && capsule.b.allFinite()));
+        CHECK((std::min(capsule.ra, capsule.rb) > 0.0 && std::isfinite(capsule.ra + capsule.rb)));
+      }
+    } catch (const Error& error) { CHECK(std::string(error.what()).starts_with("--obstacle '")); }
+  }
+  CHECK(read_well > 1000);
 }
 
 }  // namespace
