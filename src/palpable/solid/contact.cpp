@@ -253,6 +253,7 @@ struct ContactWalk::Work {
   // Equilibrium against the obstacle at time t; on success it becomes now.
   Stop solve(double t) {
     const ObstacleGaps gaps(motion(t));
+    pairs.take_up(gaps, core.model.mesh.nodes + now.displacement);
     Matrix3Xd u = start(gaps, t);
     positions = core.model.mesh.nodes + u;
     pairs.find(gaps, positions, edge);
@@ -380,7 +381,7 @@ struct ContactWalk::Work {
     while (now.t != t) {
       const double left = t - now.t;
       const double next = std::abs(step) >= std::abs(left) ? t : now.t + step;
-      const std::vector<ContactPair> multipliers = pairs.pairs();
+      const ContactPairs::Saved multipliers = pairs.save();
       stop = solve(next);
       if (stop == Stop::kNone) {
         ++now.steps;

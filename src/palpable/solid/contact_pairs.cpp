@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
+#include <utility>
 
 namespace palpable {
 
@@ -82,6 +84,27 @@ int ContactPairs::find(const ObstacleGaps& gaps, const Matrix3Xd& positions, dou
   pairs_.insert(pairs_.end(), fresh.begin(), fresh.end());
   std::sort(pairs_.begin(), pairs_.end(), comes_before);
   return static_cast<int>(touching);
+}
+
+void ContactPairs::take_up(const ObstacleGaps& gaps, const Matrix3Xd& positions) {
+  const int parts = gaps.part_count();
+  if (parts == std::exchange(parts_, parts)) return;
+  std::erase_if(pairs_,
+                [&](const ContactPair& pair) { return pair.multiplier == 0.0 || parts == 0; });
+  for (ContactPair& pair : pairs_) {
+    const Vector3d x = place(points_.points[pair.point], positions);
+    double least = std::numeric_limits<double>::infinity();
+    for (int part = 0; part < parts; ++part) {
+      const double distance = gaps.distance(part, x);
+      if (distance >= least) continue;
+      least = distance;
+      pair.part = part;
+    }
+  }
+  std::sort(pairs_.begin(), pairs_.end(), comes_before);
+  // Two parts that pressed one point may have become the same.
+  const auto same = [](const ContactPair& a, const ContactPair& b) { return key(a) == key(b); };
+  pairs_.erase(std::unique(pairs_.begin(), pairs_.end(), same), pairs_.end());
 }
 
 double ContactPairs::evaluate(const ObstacleGaps& gaps, const Matrix3Xd& positions, bool glued) {

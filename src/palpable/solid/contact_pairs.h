@@ -66,8 +66,21 @@ class ContactPairs {
   /// that are outside still have to fall
   double update_multipliers();
 
-  /// Puts pairs back as they were, after a step that failed.
-  void restore(std::vector<ContactPair> pairs) { pairs_ = std::move(pairs); }
+  /// An obstacle may have another number of parts than the one before: a cup comes, a hand leaves.
+  /// Then the numbers of its parts mean others, and each pair that pressed goes on against the part
+  /// that is nearest to its point now; the rest is forgotten. Does nothing for as many parts.
+  void take_up(const ObstacleGaps& gaps, const Eigen::Matrix3Xd& positions);
+
+  /// To put pairs back as they were, after a step that failed.
+  struct Saved {
+    std::vector<ContactPair> pairs;
+    int parts = 0;
+  };
+  [[nodiscard]] Saved save() const { return {pairs_, parts_}; }
+  void restore(Saved saved) {
+    pairs_ = std::move(saved.pairs);
+    parts_ = saved.parts;
+  }
 
  private:
   [[nodiscard]] bool has(int point, int part) const;
@@ -78,6 +91,7 @@ class ContactPairs {
   std::vector<int> free_of_node_;
   Eigen::VectorXd mask_;            // (3M) 1, and 0 in held directions
   std::vector<ContactPair> pairs_;  // ordered by point, then part
+  int parts_ = 0;                   // of the obstacle that they press against
 };
 
 }  // namespace palpable

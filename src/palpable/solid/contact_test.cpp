@@ -136,6 +136,29 @@ TEST_CASE("a closed surface presses as the half space or the ball that it stands
   CHECK(a.now().force[2] == Approx(b.now().force[2]).epsilon(1e-5));
 }
 
+TEST_CASE("things that come and go elsewhere change nothing", "[solid][contact]") {
+  const EquilibriumSolver solver(block(4));
+  const Capsule far = ball({0.05, 0.05, 0.5}, 0.01);
+  // The ball is the third of three, then alone, then the first of two.
+  const auto with_others = [&](double t) {
+    Obstacle obstacle = ball_at(t);
+    std::vector<Capsule>& all = obstacle.capsules;
+    if (t < 0.004) all.insert(all.begin(), 2, far);
+    if (t > 0.007) all.push_back(far);
+    return obstacle;
+  };
+  ContactWalk alone(solver, ball_at, -0.001), among(solver, with_others, -0.001);
+  for (const double t : {0.003, 0.005, 0.006, 0.008, 0.003, 0.006}) {
+    INFO(t);
+    REQUIRE(alone.advance(t));
+    REQUIRE(among.advance(t));
+    check_conditions(among);
+    const double size = alone.now().displacement.norm();
+    CHECK((alone.now().displacement - among.now().displacement).norm() <=
+          tolerance(1e-4, "of the norm; both are solved to 1e-6 of the size") * size);
+  }
+}
+
 TEST_CASE("a tip smaller than a triangle touches inside it, and spacing bounds what enters between",
           "[solid][contact]") {
   const EquilibriumSolver solver(block(4));  // edges of 25 mm
