@@ -51,6 +51,8 @@ void write_state(const std::string& output, const ContactWalk& walk, const Press
   if (walk.now().touching > 0) {
     const Eigen::Vector3d at = 1e3 * walk.now().centre;
     fmt::print(", at ({:.1f}, {:.1f}, {:.1f}) mm", at.x(), at.y(), at.z());
+  } else {
+    fmt::print(": it does not touch the body");
   }
   fmt::print("\n");
 }

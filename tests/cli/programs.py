@@ -1067,17 +1067,18 @@ def _(programs, folder):
 def _(programs, folder):
     write_ball(folder)
     body, grid = folder / "ball.toml", folder / "x.vtu"
-    # The ball stands on z = 0 and is 100 mm high: a finger's tip comes from above, 4 mm deep in the end.
-    finger = "capsule 8mm,8mm at 0,0,0.112 and 0,0,0.2 to 0,0,0.104"
+    # An octahedron on z = 0, 100 mm high; remeshing rounds its corners by some millimetres. A finger's tip comes
+    # straight down onto the upper one.
+    finger = "capsule 8mm,8mm at 0,0,0.11 and 0,0,0.2 to 0,0,0.094"
     output = programs.succeeds("solve", body, "--obstacle", finger, "--steps", "4", "-o", grid).stdout
     rows = [line.split() for line in output.splitlines()]
     header = next(i for i, row in enumerate(rows) if row[:2] == ["way", "Fx/N"])
     states = [dict(zip(rows[header], row)) for row in rows[header + 1:header + 5]]
     assert [float(state["way"]) for state in states] == [0.25, 0.5, 0.75, 1], states
     forces = [float(state["Fz/N"]) for state in states]
-    assert forces[0] == 0 and 0 > forces[2] > forces[3], forces  # it touches half way, and presses down
-    # Beside the symmetry axis of a coarse mesh: nearly straight down.
-    assert abs(float(states[3]["Fx/N"])) < 0.2 * -forces[3], states[3]
+    assert forces[1] == 0 and 0 > forces[2] > forces[3], forces  # it touches after half the way, and presses down
+    # At first nearly straight down; later the tip of a coarse mesh bends aside.
+    assert abs(float(states[2]["Fx/N"])) < 0.1 * -forces[2], states[2]
     for field in (b"displacement", b"von_mises", b"contact_force"):
         assert b'Name="' + field + b'"' in grid.read_bytes(), field
 
@@ -1086,7 +1087,7 @@ def _(programs, folder):
     faces = "0 2 3 1,4 5 7 6,0 1 5 4,2 6 7 3,0 4 6 2,1 3 7 5".split(",")
     (folder / "box.off").write_text("OFF\n8 6 0\n" + "".join(f"{x} {y} {z}\n" for x, y, z in corners)
                                     + "".join(f"4 {face}\n" for face in faces))
-    (folder / "way.txt").write_text("0 0 0 0.101 0 0 0 1\n1 0 0 0.097 0 0 0 1\n")
+    (folder / "way.txt").write_text("0 0 0 0.101 0 0 0 1\n1 0 0 0.09 0 0 0 1\n")
     output = programs.succeeds("solve", body, "--obstacle", folder / "box.off", "--pose", folder / "way.txt",
                                "--steps", "2", "-o", grid).stdout
     assert "the obstacle's force is" in output, output
@@ -1096,12 +1097,12 @@ def _(programs, folder):
                         (("cube 3",), ["--obstacle 'cube 3'", "no form and no file"]),
                         ((folder / "box.off",), ["box.off", "--pose FILE"]),
                         ((finger, "--pose", folder / "way.txt"), ["way.txt", "no --obstacle is a surface"]),
-                        ((folder / "box.off", "--pose", folder / "none.txt"), ["none.txt"]),
-                        # It is deep inside from the start: nobody pushed it there.
-                        (("sphere 8mm at 0,0,0.05",), ["obstacle"])):
+                        ((folder / "box.off", "--pose", folder / "none.txt"), ["none.txt"])):
         programs.refuses("solve", body, "--obstacle", *words, "-o", grid, says=says)
     programs.refuses("solve", body, "--pose", folder / "way.txt", "-o", grid, says=["--pose", "--obstacle"])
     assert not grid.exists()
+    output = programs.succeeds("solve", body, "--obstacle", "sphere 8mm at 0,0,0.2", "-o", grid).stdout
+    assert "it does not touch the body" in output, output
 
 
 @case("the full answer to a filmed hand is solved once, kept, and is what a score compares with")
@@ -1123,7 +1124,7 @@ def _(programs, folder):
     for line in told:
         if line["scored"]:
             skin = (deformed / f"{line['frame']:06d}.ply").read_bytes()
-            assert b"von_mises" in skin and len(skin) > len(rest), line
+            assert b"von_mises" in skin and len(skin) == len(rest) and skin != rest, line
             before[line["frame"]] = skin
     assert before, told
 
