@@ -49,7 +49,7 @@ TEST_CASE("a film says how much of a touch is seen, and how far from a touch the
   if (!GlContext::offscreen().ok()) PALPABLE_SKIP("no OpenGL 4.5 context here");
   const ReducedBody body = value_or_throw(read_pressable_body("tests/data/ball_v1.palpable"));
   const test::ScratchFolder scratch("film_contact");
-  write_sequence(body, {"press", 60, 5, "ball", 2}, scratch.path(), {});
+  write_sequence(body, {"press", 130, 5, "ball", 2}, scratch.path(), {});
   int touching = 0, near = 0;
   std::optional<double> gap_before;
   for (const ContactLine& line : read_contacts(scratch.path() / "truth" / "contact.jsonl")) {

@@ -138,7 +138,8 @@ TEST_CASE("a closed surface presses as the half space or the ball that it stands
 
 TEST_CASE("things that come and go elsewhere change nothing", "[solid][contact]") {
   const EquilibriumSolver solver(block(4));
-  const Capsule far = ball({0.05, 0.05, 0.5}, 0.01);
+  // No smaller than the ball: the smallest radius sets the distance between contact points.
+  const Capsule far = ball({0.05, 0.05, 0.5}, 0.05);
   // The ball is the third of three, then alone, then the first of two.
   const auto with_others = [&](double t) {
     Obstacle obstacle = ball_at(t);
