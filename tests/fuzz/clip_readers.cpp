@@ -16,6 +16,7 @@
 #include "tests/support/scratch_folder.h"
 
 #include <fmt/format.h>
+
 #include <filesystem>
 
 namespace palpable::fuzz {

@@ -31,7 +31,8 @@ void write_image(const fs::path& path, int type = CV_8UC3) {
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       if (type == CV_16UC1) image.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(500 + 7 * x);
-      if (type == CV_8UC3) image.at<cv::Vec3b>(y, x) = cv::Vec3b::all(static_cast<unsigned char>((x * y) % 256));
+      if (type == CV_8UC3)
+        image.at<cv::Vec3b>(y, x) = cv::Vec3b::all(static_cast<unsigned char>((x * y) % 256));
     }
   }
   fs::create_directories(path.parent_path());
