@@ -28,8 +28,8 @@ void print_state(const ContactState& state) {
       "{:>7.3f}\n",
       state.t, state.force.x(), state.force.y(), state.force.z(), state.touching,
       std::isfinite(state.smallest_gap) ? fmt::format("{:.1e}", 1e3 * state.smallest_gap) : "-",
-      1e3 * state.entry_between, state.complementarity, state.residual, state.newton_steps,
-      state.cg_iterations, state.smallest_volume_ratio);
+      1e3 * state.entry_between, state.complementarity, state.touching > 0 ? state.residual : 0.0,
+      state.newton_steps, state.cg_iterations, state.smallest_volume_ratio);
 }
 
 void write_state(const std::string& output, const ContactWalk& walk, const PressSolver& presses) {

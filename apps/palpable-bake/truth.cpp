@@ -76,7 +76,8 @@ void add_truth(Command app) {
       .in_range(1, 256)
       .show_default();
   command.footer(
-      "Writes CLIP/truth/deformed (docs/benchmark.md). An interrupted run goes on where it was.\n"
+      "Writes CLIP/truth/deformed (docs/benchmark.md). An interrupted run goes on with the\n"
+      "touch in which it was.\n"
       "Example: palpable truth clip --body bodies/bunny-demo.toml");
   command.callback([options] { find_truth(*options); });
 }

@@ -31,7 +31,10 @@ Json hertz_figures(const Options& options, ProgressBar& bar) {
   std::vector<HertzResult> results;
   Json list = Json::array();
   const auto total = static_cast<double>(options.hertz.size());
-  for (const int cells : options.hertz) {
+  std::vector<int> sizes = options.hertz;
+  std::sort(sizes.begin(), sizes.end());
+  sizes.erase(std::unique(sizes.begin(), sizes.end()), sizes.end());
+  for (const int cells : sizes) {
     bar.show({"Hertz's block", static_cast<double>(results.size()), total, ""});
     results.push_back(press_hertz_block(cells));
     const HertzResult& r = results.back();
@@ -45,7 +48,7 @@ Json hertz_figures(const Options& options, ProgressBar& bar) {
   Json figures = {{"hertz", list}, {"hertz_force_error", last.force_error}};
   if (results.size() > 1) {
     figures["hertz_order"] =
-        std::log(first.force_error / last.force_error) / std::log(first.cell / last.cell);
+        std::log(std::abs(first.force_error / last.force_error)) / std::log(first.cell / last.cell);
   }
   return figures;
 }

@@ -161,6 +161,7 @@ DeformedScores score_deformed(const TruthFolder& truth, const ResultFolder& resu
   scores.deformed_frames = 0;
   scores.deformed_frames_shallow = 0;
   for (const DeformedLine& line : lines) {
+    if (result.processed[line.frame] == 0) continue;
     ++*(is_deep(line) ? scores.deformed_frames : scores.deformed_frames_shallow);
   }
   add_skin_scores(truth, result, lines, skins, scores);

@@ -1,5 +1,7 @@
 #include "palpable/solid/contact.h"
 
+#include "palpable/base/error.h"
+#include "palpable/geometry/surface_distance.h"
 #include "palpable/solid/conjugate_gradients.h"
 #include "palpable/solid/contact_pairs.h"
 #include "palpable/solid/quasi_newton.h"
@@ -28,6 +30,7 @@ constexpr double kFirstTolerance = 1e-2;
 constexpr double kTighter = 0.05;  // from one update of the multipliers to the next
 // A grid so much finer finds what enters between the contact points.
 constexpr double kFinerGrid = 0.25;
+constexpr double kMostPoints = 2e6;  // of contact: some 1 GB
 
 double mean_edge(const SurfaceMesh& skin) {
   double sum = 0.0;
@@ -44,6 +47,25 @@ double mean_edge(const SurfaceMesh& skin) {
 double chosen_spacing(const ContactSettings& settings, double edge, const Obstacle& obstacle) {
   if (settings.spacing > 0.0) return settings.spacing;
   return std::min(0.5 * smallest_radius(obstacle), edge / 3.0);
+}
+
+// Refuses a grid that no memory holds. @returns the spacing
+double refuse_too_many(const SurfaceMesh& skin, double spacing) {
+  double area = 0.0;
+  for (int t = 0; t < skin.triangle_count(); ++t) {
+    const Vector3d a = skin.vertices.col(skin.triangles(0, t));
+    const Vector3d b = skin.vertices.col(skin.triangles(1, t));
+    const Vector3d c = skin.vertices.col(skin.triangles(2, t));
+    area += 0.5 * (b - a).cross(c - a).norm();
+  }
+  const double count = area / (spacing * spacing);
+  if (count > kMostPoints) {
+    throw Error(fmt::format(
+        "contact points every {:.3g} mm would be {:.2g} million on this skin; at most {:.0f} "
+        "million are possible: ask for a larger spacing, {:.2g} mm or more",
+        1e3 * spacing, 1e-6 * count, 1e-6 * kMostPoints, 1e3 * std::sqrt(area / kMostPoints)));
+  }
+  return spacing;
 }
 
 // (C) N/m: `share` times the stiffness of the nodes round each contact point.
@@ -82,7 +104,7 @@ struct ContactWalk::Work {
   const Preloaded* preloaded;
   ObstacleMotion motion;
   Boundary boundary;
-  double edge, size, spacing;
+  double edge, size, spacing, checked_spacing;
   ContactPoints points;
   VectorXd penalties;
   ContactPairs pairs;
@@ -100,6 +122,7 @@ struct ContactWalk::Work {
   double scale = 0.0;
   double held_norm = 0.0;
 
+  bool checked_begin = false;
   ContactState now, before;  // before: one step earlier, for the extrapolation
   Stop stop = Stop::kNone;
   std::string why;
@@ -118,7 +141,8 @@ struct ContactWalk::Work {
               core.model.mesh.nodes.rowwise().minCoeff())
                  .norm()),
         spacing(chosen_spacing(settings, edge, motion(begin))),
-        points(contact_points(core.model.mesh, boundary, spacing)),
+        checked_spacing(refuse_too_many(boundary.surface, spacing)),
+        points(contact_points(core.model.mesh, boundary, checked_spacing)),
         penalties(penalties_of(assembly, points, settings.penalty)),
         pairs(assembly, boundary, points, penalties),
         factor(&core.at_rest.factor),
@@ -253,6 +277,11 @@ struct ContactWalk::Work {
   // Equilibrium against the obstacle at time t; on success it becomes now.
   Stop solve(double t) {
     const ObstacleGaps gaps(motion(t));
+    if (!checked_begin) {
+      positions = core.model.mesh.nodes + now.displacement;
+      if (swallows(ObstacleGaps(motion(now.t)))) return Stop::kSwallowed;
+      checked_begin = true;
+    }
     pairs.take_up(gaps, core.model.mesh.nodes + now.displacement);
     Matrix3Xd u = start(gaps, t);
     positions = core.model.mesh.nodes + u;
@@ -267,12 +296,37 @@ struct ContactWalk::Work {
       positions = core.model.mesh.nodes + u;
       const bool all_there = pairs.find(gaps, positions, edge) == 0;
       if (all_there && change <= settings.largest_entry * size && tolerance <= settings.tolerance) {
+        if (swallows(gaps)) return Stop::kSwallowed;
         keep(gaps, t, std::move(u), state);
         return Stop::kNone;
       }
       tolerance = std::max(kTighter * tolerance, settings.tolerance);
     }
     return Stop::kNoConvergence;
+  }
+
+  // Whether the body at `positions` holds a part of the obstacle. Contact pushes the skin out of an
+  // obstacle, not an obstacle out of the body: inside, all of the skin is off it and all forces are
+  // 0. So a long step could end there.
+  [[nodiscard]] bool swallows(const ObstacleGaps& gaps) const {
+    const SurfaceMesh skin{positions(Eigen::all, boundary.node_of_vertex),
+                           boundary.surface.triangles};
+    const Eigen::AlignedBox3d box(skin.vertices.rowwise().minCoeff(),
+                                  skin.vertices.rowwise().maxCoeff());
+    std::optional<SurfaceDistance> distance;
+    for (int part = 0; part < gaps.part_count(); ++part) {
+      if (!gaps.may_reach(part, box)) continue;
+      for (const Vector3d& x : gaps.core(part)) {
+        if (!box.contains(x)) continue;
+        if (!distance) distance.emplace(skin);
+        const double inside = -distance->nearest(x).distance;
+        // The middle of a capsule is never inside; a surface's corner enters between contact
+        // points.
+        const double allowed = gaps.distance(part, x) < -1e-9 ? 0.0 : spacing;
+        if (inside > allowed) return true;
+      }
+    }
+    return false;
   }
 
   // The start with the smallest residual: the last state, the line through the last two, and each
@@ -416,6 +470,10 @@ struct ContactWalk::Work {
         break;
       case Stop::kLinearSolver:
         reason = "conjugate gradients did not converge";
+        break;
+      case Stop::kSwallowed:
+        if (!checked_begin) return "the obstacle lies inside the body where its way begins";
+        reason = "it would get inside the body through its skin; go in smaller steps";
         break;
       case Stop::kNone:
         break;

@@ -71,9 +71,11 @@ struct ContactState {
 class ContactWalk {
  public:
   /// Begins at `begin`, where the obstacle should not touch yet; if it does, the body is pressed
-  /// out of it at once, as far as Newton's method can.
+  /// out of it at once, as far as Newton's method can. An obstacle that lies inside the body there
+  /// is refused by the first advance().
   /// @param solver     outlives this
   /// @param preloaded  see PathOptions; nullptr: the undeformed body. Outlives this
+  /// @throws Error when the spacing asks for more contact points than memory holds
   ContactWalk(const EquilibriumSolver& solver, ObstacleMotion motion, double begin,
               const ContactSettings& settings = {}, const Preloaded* preloaded = nullptr);
   ~ContactWalk();

@@ -195,6 +195,36 @@ TEST_CASE("what presses from two sides presses with opposite forces", "[solid][c
   CHECK(walk.now().touching >= 2);
 }
 
+TEST_CASE("a ball never gets through the skin, however long its steps", "[solid][contact]") {
+  // On a slab much wider than the ball; at the end its middle would lie below the slab's top, so
+  // that one long step could leave it inside, where no skin is near.
+  const EquilibriumSolver solver(block(5));
+  const auto down = [](double t) {
+    return Obstacle{.capsules = {ball({0.05, 0.05, 0.11 - t}, 0.008)}};
+  };
+  ContactWalk one(solver, down, 0.0), many(solver, down, 0.0);
+  REQUIRE(one.advance(0.018));
+  for (int i = 1; i <= 9; ++i) REQUIRE(many.advance(0.002 * i));
+  check_conditions(one);
+  CHECK(one.now().touching > 0);
+  CHECK(one.now().force.z() < 0.0);
+  CHECK(one.now().force.z() == Approx(many.now().force.z()).epsilon(1e-4));
+
+  const auto inside = [](double) {
+    return Obstacle{.capsules = {ball({0.05, 0.05, 0.05}, 0.008)}};
+  };
+  ContactWalk lost(solver, inside, 0.0);
+  CHECK_FALSE(lost.advance(1.0));
+  CHECK(lost.stop() == Stop::kSwallowed);
+  CHECK(lost.why_stopped() == "the obstacle lies inside the body where its way begins");
+}
+
+TEST_CASE("a grid that no memory holds is refused", "[solid][contact][errors]") {
+  const EquilibriumSolver solver(block(2));
+  CHECK_THROWS_WITH(ContactWalk(solver, ball_at, 0.0, {.spacing = 1e-6}),
+                    Catch::Matchers::Contains("ask for a larger spacing"));
+}
+
 TEST_CASE("an obstacle that would crush the body ends the way with the reason",
           "[solid][contact]") {
   const EquilibriumSolver solver(block(4));

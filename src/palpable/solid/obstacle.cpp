@@ -1,12 +1,19 @@
 #include "palpable/solid/obstacle.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
 namespace palpable {
 
 using Eigen::Vector3d;
+
+namespace {
+
+constexpr double kMostPieces = 100;  // of a capsule's axis
+
+}  // namespace
 
 Capsule ball(const Vector3d& centre, double radius) { return {centre, centre, radius, radius}; }
 
@@ -41,6 +48,28 @@ ObstacleGaps::ObstacleGaps(Obstacle obstacle) : obstacle_(std::move(obstacle)) {
 double ObstacleGaps::distance(int part, const Vector3d& x) const {
   if (part < static_cast<int>(capsules_.size())) return capsules_[part].distance(x);
   return gap(part, x).distance;
+}
+
+std::vector<Vector3d> ObstacleGaps::core(int part) const {
+  std::vector<Vector3d> points;
+  const int capsules = static_cast<int>(capsules_.size());
+  if (part < capsules) {
+    const Capsule& capsule = obstacle_.capsules[part];
+    const double length = (capsule.b - capsule.a).norm();
+    const double smallest = std::min(capsule.ra, capsule.rb);
+    const int pieces = static_cast<int>(std::min(kMostPieces, std::ceil(length / smallest)));
+    for (int k = 0; k <= pieces; ++k) {
+      const double t = pieces > 0 ? static_cast<double>(k) / pieces : 0.0;
+      points.emplace_back(capsule.a + t * (capsule.b - capsule.a));
+    }
+    return points;
+  }
+  const int halves = static_cast<int>(obstacle_.half_spaces.size());
+  if (part < capsules + halves) return points;
+  const PlacedSurface& surface = obstacle_.surfaces[part - capsules - halves];
+  const Eigen::Matrix3Xd& vertices = surface.shape->surface().vertices;
+  for (const auto& x : vertices.colwise()) points.emplace_back(surface.body_from_shape * x);
+  return points;
 }
 
 bool ObstacleGaps::may_reach(int part, const Eigen::AlignedBox3d& box) const {

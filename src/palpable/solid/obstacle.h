@@ -49,8 +49,8 @@ struct Obstacle {
 /// Smallest radius of curvature of all capsules, m; infinite without any.
 [[nodiscard]] double smallest_radius(const Obstacle& obstacle);
 
-/// The way of an obstacle: where it is at time t. Continuous; the number of its parts and their
-/// order stay.
+/// The way of an obstacle: where it is at time t. Continuous where it presses; parts that do not
+/// may come and go.
 using ObstacleMotion = std::function<Obstacle(double t)>;
 
 /// Distance of a point to one part, and its derivatives there.
@@ -70,6 +70,9 @@ class ObstacleGaps {
   [[nodiscard]] int part_count() const { return obstacle_.part_count(); }
   [[nodiscard]] double distance(int part, const Eigen::Vector3d& x) const;
   [[nodiscard]] Gap gap(int part, const Eigen::Vector3d& x) const;
+  /// Points in the middle of a part, or on a surface: a body that the part presses from outside
+  /// holds none of them, but for what enters between its contact points. Of a half space none.
+  [[nodiscard]] std::vector<Eigen::Vector3d> core(int part) const;
   /// Whether the part may reach into the box.
   [[nodiscard]] bool may_reach(int part, const Eigen::AlignedBox3d& box) const;
 

@@ -121,6 +121,7 @@ std::string Walk::describe_failure() const {
           "conjugate gradients did not converge in {} iterations (relative residual {:.2g}): the "
           "body is too slender, too nearly incompressible or of too unlike materials for them",
           settings_.max_cg_iterations, failure_.residual);
+    case Stop::kSwallowed:  // nothing but an obstacle can be
     case Stop::kNone:
       break;
   }

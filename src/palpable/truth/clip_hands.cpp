@@ -41,6 +41,11 @@ ClipHands read_clip_hands(const fs::path& clip) {
     }
     const Rigid3 body_from_camera = body_from_world * poses[n].world_from_camera;
     std::vector<Capsule> capsules = lines[n].capsules;
+    for (const Capsule& capsule : capsules) {
+      if (capsule.ra > 0.0 && capsule.rb > 0.0) continue;
+      throw Error(fmt::format("{}: frame {} has a capsule without a radius",
+                              (truth / "hand.jsonl").string(), n));
+    }
     for (Capsule& capsule : capsules) {
       capsule.a = body_from_camera * capsule.a;
       capsule.b = body_from_camera * capsule.b;

@@ -1,6 +1,8 @@
 #include "palpable/truth/true_skins.h"
 
 #include "palpable/base/error.h"
+#include "palpable/base/fnv1a.h"
+#include "palpable/base/folder_lock.h"
 #include "palpable/base/growing_file.h"
 #include "palpable/base/output_file.h"
 #include "palpable/campaign/press_solver.h"
@@ -13,6 +15,8 @@
 
 #include <algorithm>
 #include <exception>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -42,6 +46,11 @@ struct Walked {
   std::string why_stopped;
 };
 
+std::string content_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
 class TrueSkins {
  public:
   TrueSkins(fs::path clip, const BodyDescription& description, const TrueSkinSettings& settings,
@@ -64,7 +73,9 @@ class TrueSkins {
     }
     check_body(clip);
     make_folder(folder_);
+    const FolderLock lock(folder_);
     write_rest();
+    check_same(clip);
     leave_out_known();
     walk_all();
     std::vector<TrueFrame> frames;
@@ -118,12 +129,56 @@ class TrueSkins {
     write_valued_ply(file, {rest, Eigen::VectorXd::Zero(rest.vertex_count())}, kVonMisesProperty);
   }
 
-  void leave_out_known() {
+  // What an earlier run left must be of the same hand and the same problem, not of the same skin
+  // alone: law, constants, supports and loads change every answer.
+  void check_same(const fs::path& clip) const {
+    std::uint64_t hash = kFnvStart;
+    const auto add = [&](const void* data, std::size_t bytes) {
+      hash = fnv1a({static_cast<const char*>(data), bytes}, hash);
+    };
+    const auto add_numbers = [&](const auto& numbers) {
+      add(numbers.data(), sizeof(*numbers.data()) * static_cast<std::size_t>(numbers.size()));
+    };
+    const SolidModel& model = problem_.model;
+    add_numbers(model.mesh.nodes);
+    add_numbers(model.mesh.tets);
+    add_numbers(model.fixed_nodes);
+    add_numbers(problem_.preload);
+    std::string laws = law_name(model.material);
+    add_numbers(constants_of(model.material));
+    add_numbers(material_groups(model));
+    for (const MaterialGroup& group : model.groups) {
+      laws += ' ';
+      laws += law_name(group.material);
+      add_numbers(constants_of(group.material));
+    }
+    for (const char* file :
+         {"truth/hand.jsonl", "truth/contact.jsonl", "truth/trajectory.txt", "frames/scene.toml"}) {
+      const std::string text = content_of(clip / file);
+      add(text.data(), text.size());
+    }
+    const fs::path note = folder_ / "problem.txt";
+    const std::string here = fmt::format("{} {:016x}\n", laws, hash);
     std::error_code error;
+    const bool has_answers = fs::exists(folder_ / "deformed.jsonl", error);
+    if (has_answers && (!fs::exists(note, error) || content_of(note) != here)) {
+      throw Error(fmt::format(
+          "{}: holds answers of another material, support, load or hand; remove it to solve anew",
+          folder_.string()));
+    }
+    write_whole_file(note, here);
+  }
+
+  [[nodiscard]] bool is_whole(int frame) const {
+    const auto skin = read_valued_ply(deformed_skin_file(folder_, frame), kVonMisesProperty);
+    return skin.ok() &&
+           skin.value().surface.vertex_count() == problem_.mesh.boundary.surface.vertex_count();
+  }
+
+  void leave_out_known() {
     for (const DeformedLine& line : read_deformed_lines(folder_)) {
       lines_[line.frame] = line;
-      const bool has_skin = fs::exists(deformed_skin_file(folder_, line.frame), error);
-      if (has_skin || !line.scored) known_.push_back(line.frame);
+      if (!line.scored || is_whole(line.frame)) known_.push_back(line.frame);
     }
     for (Episode& episode : episodes_) {
       for (const int frame : episode.wanted) {
@@ -230,7 +285,8 @@ class TrueSkins {
     const Matrix3Xd& rest = presses_.rest();
     const Matrix3Xd difference = (a.displacement - b.displacement)(Eigen::all, skin_);
     const Matrix3Xd whole = (a.displacement - rest)(Eigen::all, skin_);
-    return whole.norm() > 0.0 ? difference.norm() / whole.norm() : 0.0;
+    const double larger = std::max(whole.norm(), (b.displacement - rest)(Eigen::all, skin_).norm());
+    return larger > 0.0 ? difference.norm() / larger : 0.0;
   }
 
   void write_frame(const Answer& answer, TrueFrame& found) const {
