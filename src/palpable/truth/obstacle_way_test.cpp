@@ -83,7 +83,7 @@ TEST_CASE("any words are an obstacle or are refused", "[truth]") {
     std::string text;
     if (n % 4 == 0) text = "sphere 8mm at 0,0,1";  // half of them begin well
     if (n % 4 == 2) text = "capsule 1mm,2mm at 0,0,1 and 0,0,2";
-    for (unsigned k = random() % 7; k > 0; --k) {
+    for (auto k = random() % 7; k > 0; --k) {
       text += ' ';
       text += words[random() % words.size()];
     }
