@@ -1,0 +1,83 @@
+#include "bench/live/unseen_points.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+using Eigen::Vector3d;
+
+// m: a ray that meets a thing this much before a point does not see the point.
+constexpr double kHidden = 5e-4;
+
+// Points all over one capsule, before the others are asked.
+void add_points(const Capsule& capsule, double spacing, std::vector<Vector3d>& points) {
+  const CapsuleField field(capsule);
+  const double length = (capsule.b - capsule.a).norm();
+  const Vector3d axis =
+      length > 1e-9 ? Vector3d((capsule.b - capsule.a) / length) : Vector3d(Vector3d::UnitZ());
+  const Vector3d across = axis.unitOrthogonal(), other = axis.cross(across);
+  const double widest = std::max(capsule.ra, capsule.rb);
+  const int around = std::max(8, static_cast<int>(2 * std::numbers::pi * widest / spacing));
+  const int along = std::max(1, static_cast<int>(length / spacing));
+  const int round = std::max(3, static_cast<int>(std::numbers::pi / 2 * widest / spacing));
+  const auto add = [&](const Vector3d& x) {
+    // Of a cone the nearest surface point lies a little beside; one step along the normal meets it.
+    const Vector3d on = x - field.distance(x) * field.normal(x);
+    if (on.allFinite()) points.push_back(on);
+  };
+  for (int k = 0; k < around; ++k) {
+    const double angle = 2 * std::numbers::pi * k / around;
+    const Vector3d out = std::cos(angle) * across + std::sin(angle) * other;
+    for (int i = 0; i <= along; ++i) {
+      const double t = static_cast<double>(i) / along;
+      add(capsule.a + t * (capsule.b - capsule.a) +
+          (capsule.ra + t * (capsule.rb - capsule.ra)) * out);
+    }
+    for (int i = 1; i <= round; ++i) {
+      const double up = std::numbers::pi / 2 * i / round;
+      add(capsule.a + capsule.ra * (std::cos(up) * out - std::sin(up) * axis));
+      add(capsule.b + capsule.rb * (std::cos(up) * out + std::sin(up) * axis));
+    }
+  }
+}
+
+}  // namespace
+
+Eigen::Matrix3Xd unseen_points(std::span<const Capsule> things, const PinholeCamera& camera,
+                               const Rigid3& body_from_camera, const SurfaceDistance& body,
+                               double reach, double spacing) {
+  const Eigen::AlignedBox3d bounds(
+      body.surface().vertices.rowwise().minCoeff() - Vector3d::Constant(reach),
+      body.surface().vertices.rowwise().maxCoeff() + Vector3d::Constant(reach));
+  std::vector<Vector3d> candidates, kept;
+  for (const Capsule& thing : things) {
+    const Vector3d a = body_from_camera * thing.a, b = body_from_camera * thing.b;
+    Eigen::AlignedBox3d box(a.cwiseMin(b), a.cwiseMax(b));
+    const Vector3d radius = Vector3d::Constant(std::max(thing.ra, thing.rb));
+    if (!bounds.intersects(Eigen::AlignedBox3d(box.min() - radius, box.max() + radius))) continue;
+    add_points(thing, spacing, candidates);
+  }
+  for (const Vector3d& x : candidates) {
+    if (signed_distance(things, x) < -1e-6) continue;  // inside another
+    const Vector3d in_body = body_from_camera * x;
+    if (!bounds.contains(in_body)) continue;
+    const double u = camera.cx_px + camera.fx_px * x.x() / x.z();
+    const double v = camera.cy_px + camera.fy_px * x.y() / x.z();
+    if (!(x.z() > 0) || u < 0 || v < 0 || u > camera.width - 1 || v > camera.height - 1) continue;
+    const double range = x.norm();
+    if (ray_distance(things, Vector3d::Zero(), x / range, range) > range - kHidden) continue;
+    if (body.nearest(in_body).distance > reach) continue;
+    kept.push_back(x);
+  }
+  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(kept.size()));
+  for (std::size_t k = 0; k < kept.size(); ++k) points.col(static_cast<Eigen::Index>(k)) = kept[k];
+  return points;
+}
+
+}  // namespace palpable::app

@@ -1,0 +1,28 @@
+/// @file
+/// The side of true things that a camera does not see, as points: what a guess of it is judged by.
+#pragma once
+
+#include "palpable/geometry/camera.h"
+#include "palpable/geometry/capsule.h"
+#include "palpable/geometry/rigid.h"
+#include "palpable/geometry/surface_distance.h"
+
+#include <Eigen/Core>
+
+#include <span>
+
+namespace palpable::app {
+
+/// Points of the capsules' outer surface that the camera does not see: they face away from it, or
+/// lie behind other parts of the same things. Only those near a body and inside the picture.
+/// @param things   camera frame, m
+/// @param reach    m: from the body's surface, outside
+/// @param spacing  m, between neighbouring points
+/// @return (3 x P) camera frame
+[[nodiscard]] Eigen::Matrix3Xd unseen_points(std::span<const Capsule> things,
+                                             const PinholeCamera& camera,
+                                             const Rigid3& body_from_camera,
+                                             const SurfaceDistance& body, double reach,
+                                             double spacing);
+
+}  // namespace palpable::app

@@ -1,0 +1,183 @@
+#include "palpable/contact/medial_balls.h"
+
+#include "palpable/base/contract.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace palpable {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+// A step towards the middle of a thing makes its disc grow by nearly its length. A neighbour whose
+// disc is larger by this share of the step holds the pixel's own.
+constexpr float kGrowth = 0.7f;
+
+// Pixels at the outline are the steepest and the worst matched. They are left out of a fit unless
+// nothing else is there.
+constexpr float kOutlineShare = 0.4f;
+constexpr float kOutlinePx = 1.5f;
+
+constexpr float kThinnest = 1.0f / 3;  // px, a disc
+
+// The direction of a front must be known to about a tenth: a window that is one pixel wide says
+// nothing across.
+constexpr double kLeastSpread = 0.4;  // px^2, variance of the pixels in the window
+constexpr int kLeastPixels = 5;
+
+// A front that is seen flatter than this says little about how deep its thing is.
+constexpr double kLeastFacing = 0.4;
+
+struct Finder {
+  const DepthImage& depth;
+  const PinholeCamera& camera;
+  const Silhouette& silhouette;
+  const MedialBallSettings& settings;
+
+  [[nodiscard]] bool inside(int x, int y) const {
+    const PixelBox& box = silhouette.box();
+    return x >= box.x && y >= box.y && x < box.x + box.width && y < box.y + box.height;
+  }
+
+  [[nodiscard]] float most_px(float z) const {
+    const auto r = static_cast<float>(settings.most_radius);
+    return static_cast<float>(camera.fx_px) * r / (z + r);
+  }
+
+  [[nodiscard]] bool is_medial(int x, int y) const {
+    const float here = silhouette.distance(x, y);
+    const float z = depth(x, y);
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        if ((dx == 0 && dy == 0) || !inside(x + dx, y + dy)) continue;
+        const float step = dx != 0 && dy != 0 ? 1.41421356f : 1.0f;
+        if (silhouette.distance(x + dx, y + dy) >= here + kGrowth * step &&
+            silhouette.joined(z, depth(x + dx, y + dy))) {
+          return false;
+        }
+      }
+    }
+    return true;
+  }
+
+  // px, of the disc round a medial pixel. The true middle lies between pixels; there the outlines
+  // on both sides are equally far.
+  [[nodiscard]] float disc_of(int x, int y) const {
+    const float here = silhouette.distance(x, y);
+    const ToOutline mine = silhouette.to_outline(x, y);
+    float widest = here;
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        if ((dx == 0 && dy == 0) || !inside(x + dx, y + dy)) continue;
+        const float other = silhouette.distance(x + dx, y + dy);
+        if (!(other > 0) || !std::isfinite(other)) continue;
+        const ToOutline theirs = silhouette.to_outline(x + dx, y + dy);
+        const auto across = static_cast<float>(theirs.dx * mine.dx + theirs.dy * mine.dy);
+        const float lengths = (here + 0.5f) * (other + 0.5f);
+        if (across > -0.8f * lengths) continue;  // not on the other side
+        const auto wx = static_cast<float>(dx + theirs.dx - mine.dx);
+        const auto wy = static_cast<float>(dy + theirs.dy - mine.dy);
+        widest = std::max(widest, std::sqrt(wx * wx + wy * wy) / 2 - 0.5f);
+      }
+    }
+    return std::min(widest, here + 0.75f);
+  }
+
+  // The front of a round thing of radius `radius` at its middle: each pixel of the window says how
+  // deep that is, if the thing falls off to its outline like a circle. A plane through them, found
+  // as 1/Z = a + b du + c dv: under perspective a plane is linear for the inverse depth.
+  [[nodiscard]] std::optional<MedialBall> ball_at(int x, int y, float disc, float radius) const {
+    const float z0 = depth(x, y);
+    const float m_per_px = (z0 + radius) / static_cast<float>(camera.fx_px);
+    const auto fattening = static_cast<float>(settings.fattening);
+    const float outline = std::min(kOutlinePx, kOutlineShare * disc);
+    double s = 0, su = 0, sv = 0, sw = 0, suu = 0, suv = 0, svv = 0, suw = 0, svw = 0;
+    for (int v = y - settings.reach; v <= y + settings.reach; ++v) {
+      for (int u = x - settings.reach; u <= x + settings.reach; ++u) {
+        if (!inside(u, v)) continue;
+        const float distance = silhouette.distance(u, v) - fattening;
+        if (!(distance >= outline)) continue;
+        const float z = depth(u, v);
+        if (!silhouette.joined(z0, z)) continue;
+        const float from_middle = std::max(0.0f, radius - distance * m_per_px);
+        const float falls =
+            radius - std::sqrt(std::max(0.0f, radius * radius - from_middle * from_middle));
+        const double w = 1.0 / static_cast<double>(z - falls);
+        const double du = u - x, dv = v - y;
+        s += 1, su += du, sv += dv, sw += w;
+        suu += du * du, suv += du * dv, svv += dv * dv;
+        suw += du * w, svw += dv * w;
+      }
+    }
+    if (s < kLeastPixels) return std::nullopt;
+    const double mu = su / s, mv = sv / s, mw = sw / s;
+    const double cuu = suu / s - mu * mu, cuv = suv / s - mu * mv, cvv = svv / s - mv * mv;
+    const double cuw = suw / s - mu * mw, cvw = svw / s - mv * mw;
+    const double determinant = cuu * cvv - cuv * cuv;
+    double b = 0, c = 0;
+    if (determinant >= kLeastSpread * std::max(cuu, cvv)) {
+      b = (cvv * cuw - cuv * cvw) / determinant;
+      c = (cuu * cvw - cuv * cuw) / determinant;
+    } else {  // a line of pixels: the slope along it alone
+      const double trace = cuu + cvv;
+      if (!(trace > kLeastSpread)) return std::nullopt;
+      const double along = (cuw * cuu + cvw * cuv) / (trace * trace);
+      const double other = (cuw * cuv + cvw * cvv) / (trace * trace);
+      b = along, c = other;
+    }
+    const double w = mw - b * mu - c * mv;  // at the pixel itself
+    if (!(w > 0)) return std::nullopt;
+    const Vector3d ray((x - camera.cx_px) / camera.fx_px, (y - camera.cy_px) / camera.fy_px, 1);
+    // The plane n.X = k is 1/Z = n.ray / k: n is proportional to the gradient of 1/Z with respect
+    // to the ray, completed so that the plane passes through the point itself.
+    const double bx = b * camera.fx_px, by = c * camera.fy_px;
+    const Vector3d normal = -Vector3d(bx, by, w - bx * ray.x() - by * ray.y()).normalized();
+    // On the ray, as deep as the front's slope has it: of a finger that points away from the camera
+    // the last disc shows its tip, while the normal of the front there leads back into its shaft.
+    const double facing = std::max(kLeastFacing, -normal.dot(ray.normalized()));
+    const Vector3d centre = ray / w + static_cast<double>(radius) / facing * ray.normalized();
+    return MedialBall{(ray / w).cast<float>(), normal.cast<float>(), centre.cast<float>(), radius,
+                      static_cast<int>(s)};
+  }
+};
+
+}  // namespace
+
+void find_medial_balls(const DepthImage& depth, const PinholeCamera& camera,
+                       const Silhouette& silhouette, const MedialBallSettings& settings,
+                       std::vector<MedialBall>& balls) {
+  PALPABLE_EXPECT(depth.width() == camera.width && depth.height() == camera.height,
+                  "the camera is the depth image's own");
+  PALPABLE_EXPECT(settings.most_radius > 0 && settings.reach >= 1 && settings.spacing > 0,
+                  "radius, reach and spacing are above 0");
+  balls.clear();
+  const Finder find{depth, camera, silhouette, settings};
+  const auto fattening = static_cast<float>(settings.fattening);
+  const PixelBox& box = silhouette.box();
+  for (int y = box.y; y < box.y + box.height; ++y) {
+    for (int x = box.x; x < box.x + box.width; ++x) {
+      const float distance = silhouette.distance(x, y);
+      if (!(distance > 0)) continue;
+      const float z = depth(x, y);
+      const float most = find.most_px(z);
+      if (distance - fattening >= most) {
+        const int stride =
+            std::max(1, static_cast<int>(static_cast<float>(settings.spacing) * most));
+        if (x % stride != 0 || y % stride != 0) continue;
+        if (auto ball = find.ball_at(x, y, most, static_cast<float>(settings.most_radius))) {
+          balls.push_back(*ball);
+        }
+        continue;
+      }
+      if (!find.is_medial(x, y)) continue;
+      const float disc = std::clamp(find.disc_of(x, y) - fattening, kThinnest, most);
+      const float radius = z * disc / (static_cast<float>(camera.fx_px) - disc);
+      if (auto ball = find.ball_at(x, y, disc, radius)) balls.push_back(*ball);
+    }
+  }
+}
+
+}  // namespace palpable

@@ -1,0 +1,278 @@
+#include "palpable/contact/object_surface.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/base/order_statistics.h"
+#include "tests/support/allocations.h"
+#include "tests/support/seen_capsules.h"
+#include "tests/support/test.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using test::Capsule;
+using test::tolerance;
+
+// As the stereo chain gives it: f = 350 px at half resolution. 161 x 121 keeps the debug build
+// quick.
+constexpr PinholeCamera kCamera{161, 121, 350, 350, 80, 60};
+
+// A body frame that agrees with no axis of the camera, so that a swapped transform shows.
+Rigid3 some_pose() {
+  Rigid3 body_from_camera = Rigid3::Identity();
+  body_from_camera.linear() =
+      (Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized())).toRotationMatrix();
+  body_from_camera.translation() = Vector3d(0.1, -0.2, 0.05);
+  return body_from_camera;
+}
+
+Eigen::AlignedBox3d box_around(const Vector3d& centre, double half_side) {
+  return {centre - Vector3d::Constant(half_side), centre + Vector3d::Constant(half_side)};
+}
+
+TEST_CASE("the front of a wide thing lies where it is seen, and its normals face the camera",
+          "[contact][object surface]") {
+  // A plane through (0, 0, 0.4) tilted by 45 degrees: z = 0.4 + x + 0.3 y.
+  DepthImage depth(kCamera.width, kCamera.height);
+  for (int v = 0; v < kCamera.height; ++v) {
+    for (int u = 0; u < kCamera.width; ++u) {
+      const Vector3d ray = kCamera.unproject(u, v, 1.0);
+      depth(u, v) = static_cast<float>(0.4 / (1 - ray.x() - 0.3 * ray.y()));
+    }
+  }
+  const Rigid3 body_from_camera = some_pose();
+  const Vector3d normal = body_from_camera.linear() * Vector3d(1, 0.3, -1).normalized();
+  const Vector3d on_plane = body_from_camera * Vector3d(0, 0, 0.4);
+  ObjectSurface seen;
+  seen.build(depth, {}, kCamera, body_from_camera, box_around(on_plane, 0.03));
+  REQUIRE(seen.balls().size() > 100);
+  for (const ObjectBall& ball : seen.balls()) {
+    CHECK(std::abs((ball.point.cast<double>() - on_plane).dot(normal)) <
+          tolerance(1e-6, "floats of half a metre"));
+    CHECK((ball.normal.cast<double>() - normal).norm() <
+          tolerance(1e-4, "float depth (3e-8 m) over a window of 11 px of 1 mm"));
+    // The ball touches the plane from behind.
+    CHECK((ball.centre.cast<double>() - on_plane).dot(normal) ==
+          Approx(-static_cast<double>(ball.radius)).margin(1e-5));
+  }
+  CHECK(seen.cloud().size() > 1000);
+}
+
+// How far the guess of a finger is off, m, all round it and at its tip.
+struct FingerErrors {
+  double median = 0, worst = 0, tip_median = 0;
+  double covered = 0;
+};
+
+FingerErrors errors_of(const ObjectSurface& seen, const Capsule& finger,
+                       const Rigid3& body_from_camera) {
+  const Vector3d axis = (finger.b - finger.a).normalized();
+  const Vector3d across = axis.unitOrthogonal(), other = axis.cross(across);
+  std::vector<double> side, tip;
+  int asked = 0;
+  const auto ask = [&](const Vector3d& x, std::vector<double>& errors) {
+    ++asked;
+    const auto found = seen.nearest((body_from_camera * x).cast<float>());
+    if (found) errors.push_back(std::abs(static_cast<double>(found->distance)));
+  };
+  for (int k = 0; k < 48; ++k) {
+    const double angle = k * std::numbers::pi / 24;
+    const Vector3d out = std::cos(angle) * across + std::sin(angle) * other;
+    for (int i = 0; i <= 20; ++i) {
+      ask(finger.a + 0.04 * i / 20 * axis + finger.radius * out, side);
+    }
+    for (int i = 1; i < 12; ++i) {
+      const double up = i * std::numbers::pi / 24;
+      ask(finger.a + finger.radius * (std::cos(up) * out - std::sin(up) * axis), tip);
+    }
+  }
+  FingerErrors errors;
+  errors.covered = static_cast<double>(side.size() + tip.size()) / asked;
+  errors.worst = *std::max_element(side.begin(), side.end());
+  errors.median = upper_median(side);
+  errors.tip_median = upper_median(tip);
+  return errors;
+}
+
+TEST_CASE("balls stand for the whole finger, on all sides", "[contact][object surface]") {
+  // A pencil, a finger and a thumb, across the view and pointing at the camera or away from it; the
+  // far end lies outside the region.
+  for (const double radius : {0.0035, 0.008, 0.012}) {
+    for (const double tilt : {0.0, 0.5, 0.9, -0.5}) {
+      INFO("radius " << radius << " tilt " << tilt);
+      const Vector3d axis(std::cos(tilt) * std::cos(0.4), std::cos(tilt) * std::sin(0.4),
+                          -std::sin(tilt));
+      const Vector3d tip(-0.03, -0.01, 0.40);
+      const Capsule finger{tip, tip + 0.12 * axis, radius};
+      const DepthImage depth = test::depth_of({finger}, kCamera);
+      const Rigid3 body_from_camera = some_pose();
+      ObjectSurface seen;
+      seen.build(depth, {}, kCamera, body_from_camera, box_around(body_from_camera * tip, 0.05));
+      const FingerErrors errors = errors_of(seen, finger, body_from_camera);
+      CHECK(errors.covered == 1.0);
+      // A pixel is 1.1 mm; the outline is known to half of one.
+      CHECK(errors.median < tolerance(0.0004, "a third of a pixel"));
+      CHECK(errors.worst < tolerance(0.0018, "one and a half pixels"));
+      CHECK(errors.tip_median < tolerance(0.0020, "two pixels: a tip has one disc, not many"));
+    }
+  }
+}
+
+TEST_CASE("what the camera sees is measured, the other side assumed", "[contact][object surface]") {
+  const Capsule finger{{-0.05, 0, 0.4}, {0.05, 0, 0.4}, 0.008};
+  ObjectSurface seen;
+  seen.build(test::depth_of({finger}, kCamera), {}, kCamera, Rigid3::Identity(),
+             box_around({0, 0, 0.4}, 0.05));
+  CHECK(seen.nearest(Vector3f(0, 0, 0.391f))->is_measured);
+  CHECK_FALSE(seen.nearest(Vector3f(0, 0, 0.409f))->is_measured);
+}
+
+TEST_CASE("a finger partly behind another keeps its thickness, and a hand on a desk is no desk",
+          "[contact][object surface]") {
+  // The nearer one hides the lower half of the other's front; that edge is no outline.
+  const Capsule hidden{{-0.06, 0, 0.42}, {0.06, 0, 0.42}, 0.010};
+  const Capsule nearer{{-0.06, 0.012, 0.36}, {0.06, 0.012, 0.36}, 0.008};
+  ObjectSurface seen;
+  seen.build(test::depth_of({hidden, nearer}, kCamera), {}, kCamera, Rigid3::Identity(),
+             box_around({0, 0, 0.42}, 0.03));
+  double largest = 0;
+  for (const ObjectBall& ball : seen.balls()) {
+    if (ball.point.z() > 0.39f) largest = std::max(largest, static_cast<double>(ball.radius));
+  }
+  CHECK(largest > 0.0085);
+
+  // What may not press ends a thing, wherever it lies.
+  DepthImage depth(kCamera.width, kCamera.height, 0.4f);
+  MaskImage presses(kCamera.width, kCamera.height, 0);
+  for (int v = 50; v < 61; ++v) {
+    for (int u = 10; u < 150; ++u) presses(u, v) = 255;
+  }
+  seen.build(depth, presses, kCamera, Rigid3::Identity(), box_around({0, 0, 0.4}, 0.05));
+  REQUIRE(!seen.balls().empty());
+  for (const ObjectBall& ball : seen.balls()) {
+    CHECK(ball.radius < 0.0075);
+    CHECK(std::abs(ball.point.y() + 0.0057f) < 0.004f);
+  }
+}
+
+TEST_CASE("things look wider to a matcher, and are made as thin as they are",
+          "[contact][object surface]") {
+  const Capsule thin{{-0.06, 0, 0.4}, {0.06, 0, 0.4}, 0.008};
+  Capsule wide = thin;
+  wide.radius += 1.0 * 0.4 / kCamera.fx_px;  // by one pixel
+  ObjectSurfaceSettings settings;
+  settings.balls.fattening = 1.0;
+  ObjectSurface seen(settings);
+  seen.build(test::depth_of({wide}, kCamera), {}, kCamera, Rigid3::Identity(),
+             box_around({0, 0, 0.4}, 0.03));
+  std::vector<double> radii;
+  for (const ObjectBall& ball : seen.balls()) radii.push_back(static_cast<double>(ball.radius));
+  REQUIRE(!radii.empty());
+  CHECK(upper_median(radii) ==
+        Approx(thin.radius).margin(tolerance(6e-4, "half a pixel: it lies along the rows")));
+}
+
+TEST_CASE("the tree finds what looking at every ball finds", "[contact][object surface][law]") {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    INFO("seed " << seed);
+    auto random = test::random_case(seed);
+    std::uniform_real_distribution<float> where(-0.08f, 0.08f), wide(-0.14f, 0.14f),
+        radius(0.001f, 0.02f);
+    std::vector<ObjectBall> balls;
+    for (unsigned i = 0; i < 40 + 60 * seed; ++i) {
+      const Vector3f y(where(random), where(random) * 0.5f, where(random) * 0.3f);
+      const Vector3f n = Vector3f(where(random), where(random), where(random)).normalized();
+      const float r = radius(random);
+      balls.push_back({y, n, y - r * n, 0.4f, r});
+    }
+    ObjectSurface seen;
+    seen.build(balls,
+               Eigen::AlignedBox3d(Vector3d(-0.05, -0.03, -0.02), Vector3d(0.06, 0.02, 0.03)));
+    int found = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const Vector3f x(wide(random), wide(random), wide(random));
+      const auto fast = seen.nearest(x);
+      const auto slow = seen.nearest_by_brute_force(x);
+      REQUIRE(fast.has_value() == slow.has_value());
+      if (!fast) continue;
+      ++found;
+      CHECK(fast->distance == slow->distance);
+    }
+    CHECK(found > 50);
+    CHECK(found < 2000);
+  }
+}
+
+TEST_CASE("a thing that is far from the region makes no balls", "[contact][object surface]") {
+  const Capsule near{{0, 0, 0.4}, {0, 0, 0.4}, 0.02}, far{{0.1, 0, 0.6}, {0.1, 0, 0.6}, 0.02};
+  const DepthImage depth = test::depth_of({near, far}, kCamera);
+  ObjectSurface seen;
+  seen.build(depth, {}, kCamera, Rigid3::Identity(), box_around({0, 0, 0.4}, 0.01));
+  REQUIRE(!seen.balls().empty());
+  for (const ObjectBall& ball : seen.balls()) CHECK(ball.point.z() < 0.45f);
+  for (const Vector3f& point : seen.cloud()) CHECK(point.z() < 0.45f);
+}
+
+TEST_CASE("pixels without depth, and single flickering ones, make no balls",
+          "[contact][object surface]") {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  DepthImage depth(kCamera.width, kCamera.height, kNone);
+  depth(20, 20) = kFar;
+  depth(30, 30) = 0.0f;
+  depth(41, 41) = -0.4f;
+  depth(61, 61) = 0.4f;  // alone
+  ObjectSurface seen;
+  const auto everywhere = box_around({0, 0, 0.4}, 0.5);
+  seen.build(depth, {}, kCamera, Rigid3::Identity(), everywhere);
+  CHECK(seen.balls().empty());
+  CHECK_FALSE(seen.nearest(kCamera.unproject(61, 61, 0.4).cast<float>()).has_value());
+
+  for (float& z : depth) z = 0.6f;
+  depth(61, 61) = 0.4f;  // alone in front of a wall
+  seen.build(depth, {}, kCamera, Rigid3::Identity(), everywhere);
+  REQUIRE(seen.balls().size() > 100);
+  for (const ObjectBall& ball : seen.balls()) CHECK(ball.depth == Approx(0.6f).epsilon(1e-5));
+}
+
+TEST_CASE("building a surface again from a frame like the first allocates nothing",
+          "[contact][frame loop]") {
+  const DepthImage depth = test::depth_of({{{-0.05, 0, 0.4}, {0.05, 0, 0.4}, 0.01}}, kCamera);
+  ObjectSurface seen;
+  const auto region = box_around({0, 0, 0.4}, 0.05);
+  seen.build(depth, {}, kCamera, Rigid3::Identity(), region);
+  seen.build(depth, {}, kCamera, Rigid3::Identity(), region);
+  float distance = 0;
+  CHECK(test::allocations_during([&] {
+          seen.build(depth, {}, kCamera, Rigid3::Identity(), region);
+          distance = seen.nearest(Vector3f(0, 0, 0.395f))->distance;
+        }) == 0);
+  CHECK(distance < 0);
+}
+
+TEST_CASE("a surface refuses a camera of another size and impossible settings",
+          "[contact][errors]") {
+  ObjectSurface seen;
+  CHECK_THROWS_AS(
+      seen.build(DepthImage(10, 10), {}, kCamera, Rigid3::Identity(), box_around({0, 0, 0}, 1)),
+      ContractViolation);
+  CHECK_THROWS_AS(seen.build(std::vector<ObjectBall>{}, Eigen::AlignedBox3d()), ContractViolation);
+  CHECK_THROWS_AS(ObjectSurface({.step = 0}), ContractViolation);
+  CHECK_THROWS_AS(ObjectSurface({.band = 0}), ContractViolation);
+  CHECK_THROWS_AS(ObjectSurface({.balls = {.most_radius = 0}}), ContractViolation);
+  CHECK_THROWS_AS(ObjectSurface({.balls = {.reach = 0}}), ContractViolation);
+  CHECK_THROWS_AS(ObjectSurface({.silhouette = {.largest_jump_at_1m = 0}}), ContractViolation);
+  CHECK_THROWS_AS(seen.build(DepthImage(kCamera.width, kCamera.height), MaskImage(3, 3), kCamera,
+                             Rigid3::Identity(), box_around({0, 0, 0}, 1)),
+                  ContractViolation);
+}
+
+}  // namespace
+}  // namespace palpable

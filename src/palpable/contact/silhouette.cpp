@@ -1,0 +1,114 @@
+#include "palpable/contact/silhouette.h"
+
+#include "palpable/base/contract.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+namespace palpable {
+namespace {
+
+constexpr float kInfinite = std::numeric_limits<float>::infinity();
+
+bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
+
+// The outline runs before the middle of the first pixel beyond it: half a pixel, where it runs
+// along rows or columns. A slanted one passes nearer to the nearest of the many pixels beside it;
+// 0.28 px is the mean over all slopes.
+float length_of(ToOutline d) {
+  const bool slanted = d.dx != 0 && d.dy != 0;
+  return std::sqrt(static_cast<float>(d.dx * d.dx + d.dy * d.dy)) - (slanted ? 0.28f : 0.5f);
+}
+
+}  // namespace
+
+float Silhouette::jump(float z) const {
+  return std::max(static_cast<float>(settings_.least_jump),
+                  static_cast<float>(settings_.largest_jump_at_1m) * z * z);
+}
+
+bool Silhouette::joined(float z, float other) const {
+  return std::abs(z - other) <= jump(std::min(z, other));
+}
+
+// Whether the thing that pixel (x, y) shows ends there, seen in direction (dx, dy).
+bool Silhouette::ends_towards(int x, int y, int dx, int dy) const {
+  const DepthImage& depth = *depth_;
+  const float z = depth(x, y);
+  for (int k = 1; k <= settings_.longest_hole; ++k) {
+    const int u = x + k * dx, v = y + k * dy;
+    if (u < 0 || v < 0 || u >= depth.width() || v >= depth.height()) return k > 1;
+    const float other = depth(u, v);
+    if (!is_depth(other)) continue;
+    if (other < z - jump(other)) return false;  // something nearer hides the rest
+    if (other > z + jump(z)) return true;
+    // As near: the thing goes on, unless that is the desk on which a hand lies.
+    return !presses_->empty() && (*presses_)(u, v) == 0;
+  }
+  return true;  // a wide hole: nothing was measured beside the thing
+}
+
+// Offers pixel (x, y) the outline that is nearest to its neighbour (x + dx, y + dy).
+void Silhouette::take_over(int x, int y, int dx, int dy) {
+  const int u = x + dx, v = y + dy;
+  if (u < box_.x || v < box_.y || u >= box_.x + box_.width || v >= box_.y + box_.height) return;
+  const float theirs = distance_[at(u, v)];
+  if (!(theirs > 0) || theirs == kInfinite) return;
+  if (!joined((*depth_)(x, y), (*depth_)(u, v))) return;
+  const ToOutline there = nearest_[at(u, v)];
+  const ToOutline offer{static_cast<std::int16_t>(there.dx + dx),
+                        static_cast<std::int16_t>(there.dy + dy)};
+  const float length = length_of(offer);
+  if (length < distance_[at(x, y)]) {
+    distance_[at(x, y)] = length;
+    nearest_[at(x, y)] = offer;
+  }
+}
+
+void Silhouette::find(const DepthImage& depth, const MaskImage& presses, const PixelBox& box) {
+  PALPABLE_EXPECT(box.x >= 0 && box.y >= 0 && box.x + box.width <= depth.width() &&
+                      box.y + box.height <= depth.height(),
+                  "the box lies inside the image");
+  PALPABLE_EXPECT(
+      presses.empty() || (presses.width() == depth.width() && presses.height() == depth.height()),
+      "the mask is of the depth's size");
+  box_ = box;
+  depth_ = &depth;
+  presses_ = &presses;
+  const std::size_t count =
+      static_cast<std::size_t>(box.width) * static_cast<std::size_t>(box.height);
+  distance_.assign(count, 0.0f);
+  nearest_.resize(count);
+  const int right = box.x + box.width, bottom = box.y + box.height;
+
+  for (int y = box.y; y < bottom; ++y) {
+    for (int x = box.x; x < right; ++x) {
+      if (!is_depth(depth(x, y)) || (!presses.empty() && presses(x, y) == 0)) continue;
+      distance_[at(x, y)] = kInfinite;
+      for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+        if (!ends_towards(x, y, dx, dy)) continue;
+        distance_[at(x, y)] = 0.5f;
+        nearest_[at(x, y)] = {static_cast<std::int16_t>(dx), static_cast<std::int16_t>(dy)};
+        break;
+      }
+    }
+  }
+  const auto sweep = [&](int y, int dy) {
+    for (int x = box.x; x < right; ++x) {
+      if (!(distance_[at(x, y)] > 0)) continue;
+      for (int dx = -1; dx <= 1; ++dx) take_over(x, y, dx, dy);
+      take_over(x, y, -1, 0);
+    }
+    for (int x = right - 1; x >= box.x; --x) {
+      if (distance_[at(x, y)] > 0) take_over(x, y, 1, 0);
+    }
+  };
+  for (int y = box.y; y < bottom; ++y) sweep(y, -1);
+  for (int y = bottom - 1; y >= box.y; --y) sweep(y, 1);
+  depth_ = nullptr;
+  presses_ = nullptr;
+}
+
+}  // namespace palpable

@@ -1,0 +1,79 @@
+/// @file
+/// How far the pixels of seen things lie from the things' outlines.
+///
+/// What a camera sees of a round thing ends where its surface turns away: at its outline. The
+/// distance from there says how thick the thing is behind a pixel (medial_balls.h). An outline is
+/// only where the depth falls off backwards. Where something nearer hides the rest, where the
+/// picture ends, and where a few pixels lack their depth, the thing goes on.
+#pragma once
+
+#include "palpable/geometry/image.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace palpable {
+
+/// Part of an image: columns x .. x + width - 1, rows y .. y + height - 1.
+struct PixelBox {
+  int x = 0;
+  int y = 0;
+  int width = 0;
+  int height = 0;
+};
+
+struct SilhouetteSettings {
+  /// m at 1 m; grows as Z^2 (disparity has constant error). Neighbours whose depths differ by more
+  /// belong to different things.
+  double largest_jump_at_1m = 0.040;
+  /// m: never less, or near the camera a finger's own slope would count as a jump.
+  double least_jump = 0.008;
+  /// Pixels without depth are looked across, at most so many, to know what lies behind an edge.
+  int longest_hole = 12;
+};
+
+/// From a pixel to the nearest pixel beyond the outline.
+struct ToOutline {
+  std::int16_t dx = 0;
+  std::int16_t dy = 0;
+};
+
+/// Distances of a part of an image. Keeps its memory.
+class Silhouette {
+ public:
+  explicit Silhouette(const SilhouetteSettings& settings = {}) : settings_(settings) {}
+
+  /// @param depth    Z in m, NaN where unknown
+  /// @param presses  255 where a pixel may belong to a thing that presses; empty: all of them
+  /// @param box      inside the image; a thing that leaves the box goes on beyond it
+  void find(const DepthImage& depth, const MaskImage& presses, const PixelBox& box);
+
+  /// px, > 0, of pixel (x, y) of the image, from its middle to the outline: two sweeps over the box
+  /// that hand on the nearest outline (Danielsson 1980), at most 0.3 px too far. Infinite where
+  /// there is no outline; 0 outside of things.
+  [[nodiscard]] float distance(int x, int y) const { return distance_[at(x, y)]; }
+  /// Meaningful where the distance is finite and above 0.
+  [[nodiscard]] ToOutline to_outline(int x, int y) const { return nearest_[at(x, y)]; }
+  /// Whether two neighbouring depths belong to one surface.
+  [[nodiscard]] bool joined(float z, float other) const;
+  /// m: what they may differ by.
+  [[nodiscard]] float jump(float z) const;
+  [[nodiscard]] const PixelBox& box() const { return box_; }
+
+ private:
+  [[nodiscard]] std::size_t at(int x, int y) const {
+    return static_cast<std::size_t>(y - box_.y) * static_cast<std::size_t>(box_.width) +
+           static_cast<std::size_t>(x - box_.x);
+  }
+  [[nodiscard]] bool ends_towards(int x, int y, int dx, int dy) const;
+  void take_over(int x, int y, int dx, int dy);
+
+  SilhouetteSettings settings_;
+  PixelBox box_;
+  const DepthImage* depth_ = nullptr;  // while find() runs, as presses_
+  const MaskImage* presses_ = nullptr;
+  std::vector<float> distance_;     // by pixel of the box
+  std::vector<ToOutline> nearest_;  // by pixel of the box
+};
+
+}  // namespace palpable
