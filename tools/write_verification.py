@@ -29,7 +29,8 @@ How far the equilibrium solver (`solid`) is from what is known without it. All f
 the tests of `tests/verification`, which `./check` runs and which hold them to the bars named here,
 or by a bench where that is said; `tools/write_verification.py` writes this page from their output.
 Patch tests, derivative tests, objectivity and balance of forces are unit tests of
-`src/palpable/solid`.
+`src/palpable/solid`. Contact with rigid obstacles, against Hertz and CalculiX (`palpable bench
+obstacle`): [the decision's record](decisions/full-order-contact.md).
 """
 
 # table of the tests' output -> heading and text of its section
