@@ -1158,6 +1158,8 @@ def _(programs, folder):
     other = folder / "other"
     write_ball(other, BALL.replace('"100 mm"', '"90 mm"'))
     programs.refuses("truth", clip, "--body", other / "ball.toml", says=["deformed"])
+    write_ball(other, BALL.replace("60 kPa", "600 kPa"))
+    programs.refuses("truth", clip, "--body", other / "ball.toml", says=["deformed", "another material"])
     programs.refuses("truth", folder / "none", "--body", describes, says=["none"])
     programs.refuses("truth", folder / "result", "--body", describes, says=["truth"])
 
