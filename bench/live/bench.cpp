@@ -16,7 +16,7 @@
 #include "palpable/reduced/pressed_surface.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/scene_renderer.h"
-#include "palpable/score/penetration.h"
+#include "palpable/score/deepest_sample.h"
 #include "palpable/view/scene_picture.h"
 #include "palpable/view/stress_scale.h"
 

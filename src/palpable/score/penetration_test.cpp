@@ -1,4 +1,5 @@
 #include "palpable/score/penetration.h"
+#include "palpable/score/deepest_sample.h"
 
 #include "tests/support/test.h"
 
