@@ -30,7 +30,7 @@ class DeepestSample {
   /// @return whether the triangle holds a deeper sample than all before it
   bool look_at(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
-  [[nodiscard]] double depth() const { return depth_; }            ///< m; `from` until one is found
+  [[nodiscard]] double depth() const { return depth_; }  ///< m; `from` until one is found
   [[nodiscard]] const Eigen::Vector3d& point() const { return point_; }  ///< m; once one is found
 
  private:

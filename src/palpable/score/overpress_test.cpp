@@ -18,9 +18,7 @@ struct Dent {
     rest.row(0) << 0, 0.005, 0.030;
     truth.row(2) << -0.004, -0.002, 0;
   }
-  [[nodiscard]] double of(const Eigen::Matrix3Xd& found) const {
-    return at(found, {0.001, 0, 0});
-  }
+  [[nodiscard]] double of(const Eigen::Matrix3Xd& found) const { return at(found, {0.001, 0, 0}); }
   [[nodiscard]] double at(const Eigen::Matrix3Xd& found, const Vector3d& touched) const {
     return overpress(rest, truth, found, std::array{touched});
   }
@@ -73,7 +71,8 @@ TEST_CASE("of several touched places each has its own way, and the worst one cou
   CHECK(overpress(rest, truth, truth, places) == 0);
 }
 
-TEST_CASE("displacements of another skin, and a touch that is nowhere, are refused", "[score][errors]") {
+TEST_CASE("displacements of another skin, and a touch that is nowhere, are refused",
+          "[score][errors]") {
   const Dent dent;
   CHECK_THROWS_AS(dent.of(dent.truth.leftCols(2)), ContractViolation);
   CHECK_THROWS_AS(overpress(dent.rest, dent.truth, dent.truth, {}), ContractViolation);

@@ -1,6 +1,6 @@
 #include "palpable/score/penetration.h"
-#include "palpable/score/deepest_sample.h"
 
+#include "palpable/score/deepest_sample.h"
 #include "tests/support/test.h"
 
 #include <algorithm>

@@ -4,8 +4,8 @@
 ///   V  vertices of the drawn body
 #pragma once
 
-#include "palpable/geometry/rigid.h"
 #include "palpable/geometry/capsule.h"
+#include "palpable/geometry/rigid.h"
 
 #include <Eigen/Core>
 

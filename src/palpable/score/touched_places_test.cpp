@@ -37,7 +37,8 @@ TEST_CASE("places are those of the skin at rest, and the one that moves farthest
           "[score]") {
   SurfaceMesh pressed = kBlock;
   for (int v = 0; v < pressed.vertex_count(); ++v) {
-    if (pressed.vertices(2, v) > 0.05) pressed.vertices(2, v) -= 0.01 + 0.1 * pressed.vertices(0, v);
+    if (pressed.vertices(2, v) > 0.05)
+      pressed.vertices(2, v) -= 0.01 + 0.1 * pressed.vertices(0, v);
   }
   // The top sinks by 10 mm in the middle and is inclined by a tenth.
   const auto lies_on = [](double x) {
@@ -48,7 +49,7 @@ TEST_CASE("places are those of the skin at rest, and the one that moves farthest
       touched_places(kBlock, pressed, std::vector{lies_on(-0.02), lies_on(0.02)});
   REQUIRE(places.size() == 2);
   const double near = tolerance(0.0015, "m; samples 2 mm apart in a triangle");
-  CHECK((places[0] - Vector3d(0.02, 0, 0.06)).norm() <= near);  // 12 mm
+  CHECK((places[0] - Vector3d(0.02, 0, 0.06)).norm() <= near);   // 12 mm
   CHECK((places[1] - Vector3d(-0.02, 0, 0.06)).norm() <= near);  // 8 mm
 }
 

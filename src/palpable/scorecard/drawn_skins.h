@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 namespace palpable {
 
@@ -24,9 +25,10 @@ class DrawnSkins {
   /// @throws Error naming the file that cannot be read
   DrawnSkins(const TruthFolder& truth, const ResultFolder& result, const ReducedBody* body);
 
-  /// The skin, and von Mises stress at its vertices where it is wanted and known. Nothing when the
-  /// frame's skin is not known: there is no such mesh, or some touch of the result does not say
-  /// site and level (a frame of an unknown shape leaves none: it might be the worst one).
+  /// The skin of a processed frame, and von Mises stress at its vertices where it is wanted and
+  /// known. Nothing when the frame's skin is not known: there is no such mesh, or some touch of the
+  /// result does not say site and level (a frame of an unknown shape leaves none: it might be the
+  /// worst one).
   /// @throws Error naming the mesh that cannot be read or is of another body, or the site that the
   ///         body does not have
   [[nodiscard]] std::optional<ValuedSurface> at(int frame, Stress stress);
@@ -36,7 +38,7 @@ class DrawnSkins {
   [[nodiscard]] const std::optional<SurfaceMesh>& rest() const { return rest_; }
 
   /// How deep an object may be to be scored, m: beyond a tenth of the body's height (of the true
-  /// skin at rest, else of the one that was drawn) a hand passes through it. Nothing when no skin
+  /// body at rest, else of the one that was drawn) a hand passes through it. Nothing when no skin
   /// is known.
   [[nodiscard]] std::optional<double> deepest_scored() const;
 
@@ -45,6 +47,7 @@ class DrawnSkins {
   [[nodiscard]] std::optional<ValuedSurface> from_file(const std::filesystem::path& path);
   [[nodiscard]] ValuedSurface from_touch(int frame, Stress stress) const;
   void find_rest_among_meshes();
+  void expect_true_body(const SurfaceMesh& rest, const std::string& what) const;
 
   const TruthFolder& truth_;
   const ResultFolder& result_;

@@ -36,17 +36,21 @@ void add_press(const Scorecard& scores, ordered_json& json) {
   json["touch_false_5mm"] = or_null(press.touch_false_5mm);
   const SurfaceScores& surface = scores.surface;
   json["frames_too_deep"] = or_null(surface.frames_too_deep);
+  json["frames_unseen"] = or_null(surface.frames_unseen);
   json["penetration_median_mm"] = or_null(surface.penetration_median_mm);
   json["penetration_p99_mm"] = or_null(surface.penetration_p99_mm);
+  json["penetration_median_mm_unseen"] = or_null(surface.penetration_median_mm_unseen);
   json["largest_pop_mm"] = or_null(surface.largest_pop_mm);
   json["largest_pop_frame"] = or_null(surface.largest_pop_frame);
   json["pops_4mm"] = or_null(surface.pops_4mm);
   const DeformedScores& deformed = scores.deformed;
   json["deformed_frames"] = or_null(deformed.deformed_frames);
   json["deformed_frames_shallow"] = or_null(deformed.deformed_frames_shallow);
+  json["deformed_frames_unseen"] = or_null(deformed.deformed_frames_unseen);
   json["displacement_error"] = or_null(deformed.displacement_error);
   json["displacement_error_mm"] = or_null(deformed.displacement_error_mm);
   json["displacement_error_mm_shallow"] = or_null(deformed.displacement_error_mm_shallow);
+  json["displacement_error_mm_unseen"] = or_null(deformed.displacement_error_mm_unseen);
   json["von_mises_error"] = or_null(deformed.von_mises_error);
   json["force_error"] = or_null(deformed.force_error);
   json["overpress_mm"] = or_null(deformed.overpress_mm);
@@ -75,6 +79,7 @@ void add_depth(const ImageScores& images, ordered_json& json) {
 std::string json_of(const Scorecard& scores) {
   ordered_json json;
   json["frames"] = scores.frames;
+  json["frames_processed"] = scores.frames_processed;
   add_depth(scores.images, json);
   json["moving_iou"] = or_null(scores.images.moving_iou);
   json["moving_recall"] = or_null(scores.images.moving_recall);
@@ -92,6 +97,7 @@ std::string json_of(const Scorecard& scores) {
   json["rpe_deg"] = or_null(scores.path.rpe_deg);
   json["trajectory_share"] = or_null(scores.path.trajectory_share);
   add_press(scores, json);
+  json["placement_error_mm"] = or_null(scores.surface.placement_error_mm);
   json["jitter_mm"] = or_null(scores.jitter_mm);
   json["row_error_px"] = or_null(scores.row_error_px);
   if (scores.reduction_error) {
