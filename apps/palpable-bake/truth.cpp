@@ -68,6 +68,11 @@ void add_truth(Command app) {
       .required()
       .type_name("BODY.toml");
   command
+      .add_option("--baked", options->settings.baked,
+                  "The body file that was baked from it: refuses another mesh, law or constants "
+                  "than those kept beside it (NAME.snapshots, NAME.solid.h5)")
+      .type_name("FILE");
+  command
       .add_option("--frames", options->settings.frames,
                   "How many frames at most, spread over those that touch")
       .in_range(1, 100000)
@@ -78,7 +83,7 @@ void add_truth(Command app) {
   command.footer(
       "Writes CLIP/truth/deformed (docs/benchmark.md). An interrupted run goes on with the\n"
       "touch in which it was.\n"
-      "Example: palpable truth clip --body bodies/bunny-demo.toml");
+      "Example: palpable truth clip --body bodies/bunny-demo.toml --baked out/demo/bunny.palpable");
   command.callback([options] { find_truth(*options); });
 }
 

@@ -4,6 +4,7 @@
 #include "palpable/base/output_file.h"
 #include "palpable/calibrate/calibration_file.h"
 #include "palpable/clip_files/contact_file.h"
+#include "palpable/clip_files/deformed_file.h"
 #include "palpable/clip_files/depth_image_file.h"
 #include "palpable/clip_files/frame_names.h"
 #include "palpable/clip_files/hand_file.h"
@@ -109,13 +110,17 @@ std::string matrix_text(const Rigid3& transform) {
 }
 
 void write_texts(const fs::path& out, const Sequence& sequence) {
-  TextFile scene(out / "frames" / "scene.toml");
-  scene.write(fmt::format(
+  const std::string place = fmt::format(
       "# Where the body stands: camera_from_body, row by row, in the first frame's rectified left\n"
       "# camera (m).\ncamera_from_body = {}\nfps = {}\n"
       "# What the first frames show does not press.\nignore_static_frames = {}\n",
-      matrix_text(sequence.camera_from_body()), kFramesPerSecond, kIgnoreStaticFrames));
-  scene.close();
+      matrix_text(sequence.camera_from_body()), kFramesPerSecond, kIgnoreStaticFrames);
+  // In the truth once more, so that it is whole by itself.
+  for (const char* folder : {"frames", "truth"}) {
+    TextFile scene(out / folder / "scene.toml");
+    scene.write(place);
+    scene.close();
+  }
 
   TextFile script(out / "truth" / "script.toml");
   script.write(fmt::format("frames = {}\nframes_without_hand = {}\n", sequence.frames,
@@ -265,6 +270,7 @@ void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, cons
     make_folders(folder);
     write_stereo_calibration(folder / "frames" / "calibration.yml", {rig, kFramesPerSecond});
     write_texts(folder, sequence);
+    write_ply(folder / "truth" / kBodySkinFile, body.surface);
   };
   const std::vector<FrameLines> lines = film_frames(writer, threads, begin, progress);
   const fs::path truth = folder / "truth";

@@ -2,6 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/clip_files/contact_file.h"
+#include "palpable/clip_files/deformed_file.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/render/gl_context.h"
 #include "tests/support/scratch_folder.h"
@@ -80,5 +81,11 @@ TEST_CASE("two threads film what one films, byte for byte", "[clip_writer][gl]")
   CHECK(one == contents_of(scratch.path() / "2"));
   // Two pictures, depth and labels a frame.
   CHECK(one.size() > 4 * kFrames);
+  // The truth says which body was filmed, and where it stands.
+  CHECK(one.at("truth/scene.toml") == one.at("frames/scene.toml"));
+  const SurfaceMesh skin =
+      value_or_throw(read_valued_ply(scratch.path() / "1/truth" / kBodySkinFile, "")).surface;
+  CHECK(skin.vertices == body.surface.vertices);
+  CHECK(skin.triangles == body.surface.triangles);
   CHECK(one.at("frames/left/000001.jpg") != one.at("frames/left/000002.jpg"));
 }

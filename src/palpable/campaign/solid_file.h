@@ -1,0 +1,32 @@
+/// @file
+/// What a body was baked from, as numbers beside its body file: so that another solver, or the same
+/// one later, can answer for the very same solid.
+#pragma once
+
+#include "palpable/campaign/snapshot_store.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace palpable {
+
+/// NAME.solid.h5 beside NAME.palpable: mesh, laws and constants of a body that was baked without a
+/// campaign. A campaign holds the same in its campaign.h5 (docs/snapshots.md).
+[[nodiscard]] std::filesystem::path solid_file_of(const std::filesystem::path& body_file);
+
+/// Writes it aside, syncs it, and renames it into place.
+/// @throws Error when it cannot be written
+void write_solid_file(const std::filesystem::path& file, const StoreContent& content);
+
+/// What was kept of a body file's solid: mesh, fixed, materials and material_of_element; of the
+/// campaign in NAME.snapshots, else of NAME.solid.h5. Nothing where neither is there.
+/// @throws Error when it cannot be read
+[[nodiscard]] std::optional<StoreContent> solid_beside(const std::filesystem::path& body_file);
+
+/// In what two solids differ: "another mesh: ...", "another support: ..." or "another material:
+/// ...", for people. Empty: in nothing, to the last bit. Materials are compared where both know
+/// theirs; supports that hold a node in some directions only are not kept and not compared.
+[[nodiscard]] std::string solids_differ(const StoreContent& a, const StoreContent& b);
+
+}  // namespace palpable
