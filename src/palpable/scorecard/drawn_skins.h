@@ -19,10 +19,16 @@ enum class Stress { kNotWanted, kWanted };
 /// The skin of a frame is RESULT/meshes/%06d.ply where there is such a folder, else the body
 /// deformed by the frame's first touch (site and level; of several touches at once no answer is
 /// known). All of it in the body frame.
+///
+/// A skin whose rest does not lie on that of the body that was filmed is refused: another body,
+/// another scale or another frame.
 class DrawnSkins {
  public:
+  /// Of the body's height: how far a skin at rest may lie off the true one (skin_fit.h).
+  static constexpr double kSameBody = 0.01;
+
   /// All arguments must live as long as this. @param body  of the run; may be null
-  /// @throws Error naming the file that cannot be read
+  /// @throws Error naming the file that cannot be read, or what is not the body of the truth
   DrawnSkins(const TruthFolder& truth, const ResultFolder& result, const ReducedBody* body);
 
   /// The skin of a processed frame, and von Mises stress at its vertices where it is wanted and
