@@ -42,10 +42,13 @@ void write_solid_file(const fs::path& file, const StoreContent& content) {
   }
 }
 
-std::optional<StoreContent> solid_beside(const fs::path& body_file) {
+std::optional<StoreContent> solid_beside(const fs::path& body_file, std::string_view method) {
   std::error_code error;
-  const fs::path snapshots = fs::path(body_file).replace_extension(".snapshots");
-  if (fs::is_directory(snapshots, error)) return SnapshotStore::open(snapshots).content();
+  if (method != kWithoutCampaign) {
+    const fs::path snapshots = fs::path(body_file).replace_extension(".snapshots");
+    if (!fs::is_directory(snapshots, error)) return std::nullopt;
+    return SnapshotStore::open(snapshots).content();
+  }
   const fs::path file = solid_file_of(body_file);
   if (!fs::exists(file, error)) return std::nullopt;
   try {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace palpable {
 
@@ -19,10 +20,16 @@ namespace palpable {
 /// @throws Error when it cannot be written
 void write_solid_file(const std::filesystem::path& file, const StoreContent& content);
 
-/// What was kept of a body file's solid: mesh, fixed, materials and material_of_element; of the
-/// campaign in NAME.snapshots, else of NAME.solid.h5. Nothing where neither is there.
+/// How a body file says that it was baked without a campaign (ReducedBody::method).
+inline constexpr std::string_view kWithoutCampaign = "intrusive";
+
+/// What was kept beside a body file of its solid: mesh, fixed, materials and material_of_element;
+/// of NAME.solid.h5 where it was baked without a campaign, else of the campaign in NAME.snapshots.
+/// Nothing where that is not there.
+/// @param method  of the body
 /// @throws Error when it cannot be read
-[[nodiscard]] std::optional<StoreContent> solid_beside(const std::filesystem::path& body_file);
+[[nodiscard]] std::optional<StoreContent> solid_beside(const std::filesystem::path& body_file,
+                                                       std::string_view method);
 
 /// In what two solids differ: "another mesh: ...", "another support: ..." or "another material:
 /// ...", for people. Empty: in nothing, to the last bit. Materials are compared where both know

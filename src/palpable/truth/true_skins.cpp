@@ -126,8 +126,9 @@ class TrueSkins {
   }
 
   void check_baked(const fs::path& baked, const BodyDescription& description) const {
-    expect_same_skin(value_or_throw(read_body_file(baked)).surface, baked.string());
-    const std::optional<StoreContent> kept = solid_beside(baked);
+    const ReducedBody body = value_or_throw(read_body_file(baked));
+    expect_same_skin(body.surface, baked.string());
+    const std::optional<StoreContent> kept = solid_beside(baked, body.method);
     if (!kept) return;
     const std::string how = solids_differ(*kept, content_of(description, problem_));
     if (how.empty()) return;
