@@ -18,7 +18,8 @@ TEST_CASE("a ball of another size lies off by the difference of the radii", "[sc
 
 TEST_CASE("the same ball in coarse triangles lies off by their chords alone", "[score]") {
   // Edges of 28 mm: their middles lie 28^2 / (8 * 50) = 2 mm inside.
-  const double coarse = skin_offset(sphere_surface({}, 0.05, 1), sphere_surface({}, 0.05, 4));
+  const double coarse = skin_offset(sphere_surface(Vector3d::Zero(), 0.05, 1),
+                                    sphere_surface(Vector3d::Zero(), 0.05, 4));
   CHECK(coarse > 0.0005);
   CHECK(coarse < 0.0040);
 }

@@ -40,9 +40,10 @@ std::vector<TouchedSample> samples_of(const SurfaceMesh& rest, const SurfaceMesh
 
 std::vector<Vector3d> touched_places(const SurfaceMesh& rest, const SurfaceMesh& deformed,
                                      std::span<const Capsule> hand) {
-  PALPABLE_EXPECT(
-      rest.vertex_count() == deformed.vertex_count() && rest.triangles == deformed.triangles,
-      "one skin, at rest and pressed");
+  PALPABLE_EXPECT(rest.vertex_count() == deformed.vertex_count() &&
+                      rest.triangle_count() == deformed.triangle_count() &&
+                      rest.triangles == deformed.triangles,
+                  "one skin, at rest and pressed");
   std::vector<TouchedSample> touched = samples_of(rest, deformed, hand);
   std::vector<Vector3d> places;
   while (!touched.empty()) {

@@ -133,7 +133,7 @@ void DrawnSkins::expect_true_body(const SurfaceMesh& rest, const std::string& wh
   const double height = height_of(truth_.body->rest);
   if (offset <= kSameBody * height) return;
   throw Error(fmt::format(
-      "{}: at rest it lies {:.2g} mm off {} on average (allowed: {:.2g} mm, {:g} % of "
+      "{}: at rest it lies {:.3g} mm off {} on average (allowed: {:.3g} mm, {:g} % of "
       "the height): another body, scale or frame than the one that was filmed",
       what, 1e3 * offset, truth_.body->file.string(), 1e3 * kSameBody * height, 100 * kSameBody));
 }
