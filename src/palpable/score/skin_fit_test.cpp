@@ -16,6 +16,13 @@ TEST_CASE("a ball of another size lies off by the difference of the radii", "[sc
   CHECK(skin_offset(larger, fine) == skin_offset(fine, larger));
 }
 
+TEST_CASE("a ball beside its place lies off, half of it outside and half inside", "[score]") {
+  // |cos| of a direction is 1/2 on average over a sphere.
+  const SurfaceMesh ball = sphere_surface({0, 0, 0.05}, 0.05, 4);
+  const SurfaceMesh beside = sphere_surface({0.004, 0, 0.05}, 0.05, 4);
+  CHECK(skin_offset(ball, beside) == Approx(0.002).epsilon(tolerance(0.02, "chords of 4 mm")));
+}
+
 TEST_CASE("the same ball in coarse triangles lies off by their chords alone", "[score]") {
   // Edges of 28 mm: their middles lie 28^2 / (8 * 50) = 2 mm inside.
   const double coarse = skin_offset(sphere_surface(Vector3d::Zero(), 0.05, 1),
