@@ -365,6 +365,11 @@ TEST_CASE("a body drawn beside its place is off by as much, though its shape is 
   const auto scores = [&] { return score_folders(truth, result, nullptr, {}); };
   CHECK(scores().surface.placement_error_mm->median == Approx(5));  // 3 and 4 mm aside
   CHECK(scores().deformed.displacement_error->p90 <= tolerance(1e-9, "weights of a corner"));
+  // Of one frame it is not known: that might be the worst one.
+  write_text(result / "pose.jsonl",
+             fmt::format("{{\"frame\":0,\"camera_from_body\":{}}}\n", kPoseText));
+  CHECK_FALSE(scores().surface.placement_error_mm.has_value());
+  fs::remove(result / "pose.jsonl");
   // A film of before has its place beside the pictures alone.
   fs::create_directories(scratch / "clip/frames");
   fs::rename(truth / "scene.toml", scratch / "clip/frames/scene.toml");

@@ -24,7 +24,10 @@ enum class Stress { kNotWanted, kWanted };
 /// another scale or another frame.
 class DrawnSkins {
  public:
-  /// Of the body's height: how far a skin at rest may lie off the true one (skin_fit.h).
+  /// Of the body's height: how far a skin at rest may lie off the true one (skin_fit.h). The
+  /// Stanford bunny, 150 mm high and remeshed to edges of 4.27, 7.5, 10 and 15 mm (3,892 to 310
+  /// vertices), lies 0.14 to 0.58 % off itself; 3 % larger 1.0 to 1.1 %, and 3 mm beside itself 1.1
+  /// %.
   static constexpr double kSameBody = 0.01;
 
   /// All arguments must live as long as this. @param body  of the run; may be null
