@@ -1341,8 +1341,11 @@ def _(programs, folder):
     poses = (result / "pose.jsonl").read_text()
     (result / "pose.jsonl").write_text("".join(poses.splitlines(keepends=True)[:2]))
     assert nulls() == {*surface, "jitter_mm"}
-    # A frame that was not looked at needs neither.
+    # Of a frame that was not looked at, the body is at rest where it truly stands; that must be known.
     (result / "live.json").write_text(json.dumps({"processed": [0, 1]}))
+    (result / "meshes/000002.ply").unlink()
+    assert nulls() == set(surface[:2])
+    (truth / "scene.toml").write_text(f"camera_from_body = {IDENTITY}\n")
     assert nulls() == set()
 
 

@@ -351,6 +351,7 @@ TEST_CASE("leaving out hard frames is answering with the body at rest", "[scorec
   CHECK(same(*scores().surface.penetration_p99_mm, *left_out.surface.penetration_p99_mm));
   fs::remove(scratch / "truth/scene.toml");
   CHECK_FALSE(scores().surface.penetration_p99_mm.has_value());
+  CHECK(scores().surface.largest_pop_mm == left_out.surface.largest_pop_mm);  // asks the others
 }
 
 TEST_CASE("a body drawn beside its place is off by as much, though its shape is right",

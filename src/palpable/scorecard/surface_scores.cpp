@@ -60,14 +60,20 @@ std::optional<DrawnFrame> drawn_in(int frame, const TruthFolder& truth, const Re
 // How deep the hand is left in the skin, m, frame by frame.
 class Penetrations {
  public:
-  void add(const DrawnFrame& drawn, const std::vector<Capsule>& hand, bool seen) {
-    SurfaceMesh in_camera = drawn.skin;
-    in_camera.vertices = (drawn.camera_from_body.linear() * in_camera.vertices).colwise() +
-                         drawn.camera_from_body.translation();
+  // @param drawn  nothing: not known, and it might be the worst one, so there is no score
+  void add(const std::optional<DrawnFrame>& drawn, const std::vector<Capsule>& hand, bool seen) {
+    if (!drawn) {
+      known_ = false;
+      return;
+    }
+    SurfaceMesh in_camera = drawn->skin;
+    in_camera.vertices = (drawn->camera_from_body.linear() * in_camera.vertices).colwise() +
+                         drawn->camera_from_body.translation();
     (seen ? seen_ : unseen_).push_back(deepest_penetration(in_camera, hand));
   }
 
   void write(SurfaceScores& scores) const {
+    if (!known_) return;
     if (!seen_.empty()) {
       scores.penetration_median_mm = 1e3 * percentile(seen_, 0.5);
       scores.penetration_p99_mm = 1e3 * percentile(seen_, 0.99);
@@ -77,6 +83,7 @@ class Penetrations {
 
  private:
   std::vector<double> seen_, unseen_;
+  bool known_ = true;
 };
 
 void write_pops(const PopScorer& pops, SurfaceScores& scores) {
@@ -122,8 +129,8 @@ SurfaceScores score_surface(const TruthFolder& truth, const ResultFolder& result
     if (!processed && !pressed) continue;
     std::optional<DrawnFrame> drawn = drawn_in(frame, truth, result, skins);
     // A frame that is left out might be the worst one: then there is no score.
-    if (!drawn) return scores;
-    if (pressed) penetrations.add(*drawn, hand->second, truth.is_seen(frame));
+    if (processed && !drawn) return scores;
+    if (pressed) penetrations.add(drawn, hand->second, truth.is_seen(frame));
     if (!processed) continue;
     PopFrame shown;
     shown.number = frame;

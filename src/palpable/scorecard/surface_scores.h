@@ -24,10 +24,11 @@ struct SurfaceScores {
   std::optional<MedianAndP90> placement_error_mm;
 };
 
-/// Penetration and pops are nothing when some frame's skin (drawn_skins.h) or pose is not known;
-/// the placement when a pose is not known, of the truth or of the result. In a frame that was not
-/// processed the hand reaches into the body at rest, where the body was drawn or, if no pose says
-/// so, where it truly stands.
+/// Penetration and pops are nothing when some processed frame's skin (drawn_skins.h) or pose is not
+/// known; the placement when a pose is not known, of the truth or of the result. In a frame that
+/// was not processed the hand reaches into the body at rest, where the body was drawn or, if no
+/// pose says so, where it truly stands; where neither is known there is no penetration, but pops
+/// are.
 /// @param body  of the run; may be null
 /// @throws Error as DrawnSkins
 [[nodiscard]] SurfaceScores score_surface(const TruthFolder& truth, const ResultFolder& result,
