@@ -1345,7 +1345,8 @@ def _(programs, folder):
     (result / "live.json").write_text(json.dumps({"processed": [0, 1]}))
     (result / "meshes/000002.ply").unlink()
     assert nulls() == set(surface[:2])
-    (truth / "scene.toml").write_text(f"camera_from_body = {IDENTITY}\n")
+    place = [*IDENTITY[:11], 0.01, *IDENTITY[12:]]  # before the camera, or it would be refused
+    (truth / "scene.toml").write_text(f"camera_from_body = {place}\n")
     assert nulls() == set()
 
 
