@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/base/output_file.h"
 
 #include <fmt/format.h>
 
@@ -92,13 +93,12 @@ void write_npy(const std::filesystem::path& path, const std::vector<std::size_t>
   // Magic, version 1.0 and the header's length are 10 bytes; values begin at a multiple of 64.
   header.append((64 - (10 + header.size() + 1) % 64) % 64, ' ');
   header += '\n';
-  std::ofstream file(path, std::ios::binary);
-  file << kMagic << '\x01' << '\0' << static_cast<char>(header.size() % 256)
-       << static_cast<char>(header.size() / 256) << header;
-  file.write(reinterpret_cast<const char*>(values.data()),
-             static_cast<std::streamsize>(values.size_bytes()));
-  file.close();
-  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
+  const char first[] = {'\x01', '\0', static_cast<char>(header.size() % 256),
+                        static_cast<char>(header.size() / 256)};
+  write_whole_file(path, {kMagic,
+                          std::string_view(first, sizeof first),
+                          header,
+                          {reinterpret_cast<const char*>(values.data()), values.size_bytes()}});
 }
 
 template void write_npy(const std::filesystem::path&, const std::vector<std::size_t>&,

@@ -73,19 +73,17 @@ void write_numpy_modes(const fs::path& folder, const ForeignModes& modes) {
   make_folder(folder);
   write_matrix(folder / "vertices.npy", modes.surface.vertices);
   write_matrix(folder / "triangles.npy", modes.surface.triangles);
-  std::ofstream names(folder / "parameters.txt");
+  std::string names;
   const std::vector<ParameterAxis>& axes = modes.displacement.axes();
   for (std::size_t j = 0; j < axes.size(); ++j) {
-    names << axes[j].name << (axes[j].between == Between::kNothing ? " choice" : " quantity")
-          << '\n';
+    names += axes[j].name;
+    names += axes[j].between == Between::kNothing ? " choice\n" : " quantity\n";
     write_npy(folder / fmt::format("samples_{}.npy", j),
               {static_cast<std::size_t>(axes[j].samples.size())},
               std::span<const double>(axes[j].samples.data(),
                                       static_cast<std::size_t>(axes[j].samples.size())));
   }
-  names.close();
-  if (!names)
-    throw Error(fmt::format("{}: cannot be written", (folder / "parameters.txt").string()));
+  write_whole_file(folder / "parameters.txt", names);
   write_field(folder, "displacement", modes.displacement, 3);
   if (modes.stress) write_field(folder, "stress", *modes.stress, 6);
   if (modes.site_vertices.empty()) return;

@@ -3,7 +3,6 @@
 #include "palpable/base/error.h"
 #include "palpable/base/fnv1a.h"
 #include "palpable/base/folder_lock.h"
-#include "palpable/base/growing_file.h"
 #include "palpable/base/output_file.h"
 #include "palpable/campaign/press_solver.h"
 #include "palpable/describe/body_problem.h"
