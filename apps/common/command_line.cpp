@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <utility>
@@ -181,6 +182,9 @@ CommandLine::CommandLine(std::unique_ptr<CLI::App> app)
 CommandLine::~CommandLine() = default;
 
 int CommandLine::run(int argc, const char* const* argv) {
+  // A file beyond the limit of the shell (ulimit -f) is a full disk, and said as one: the signal
+  // would end the program in the middle of a file.
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App& app = this->app();
   // A word that is no command is looked at first: CLI11 would complain that a command is missing.
   if (argc > 1 && argv[1][0] != '-') {

@@ -6,6 +6,7 @@
 #include "palpable/base/this_machine.h"
 #include "palpable/describe/body_mesh.h"
 #include "palpable/describe/body_size.h"
+#include "palpable/geometry/size_text.h"
 
 #include <fmt/format.h>
 

@@ -58,6 +58,7 @@ Eigen::Vector3d extent_of(const Eigen::Matrix3Xd& points) {
 VolumeMesh read_volume(const BodyDescription::Shape& shape) {
   require_made(shape.file);
   VolumeMesh volume = value_or_throw(read_volume_file(shape.file));
+  require_no_stray(volume.mesh.nodes, shape.file.string());
   volume.mesh.nodes *= shape.unit;
   place_in_body_frame(volume.mesh.nodes, shape.up, shape.height);
   return volume;
@@ -67,6 +68,7 @@ VolumeMesh read_volume(const BodyDescription::Shape& shape) {
 SurfaceMesh read_surface(const BodyDescription::Shape& shape, bool solid) {
   require_made(shape.file);
   SurfaceMesh surface = value_or_throw(read_surface_file(shape.file));
+  require_no_stray(surface.vertices, shape.file.string());
   if (solid) require_solid_surface(surface, shape.file.string());
   if (surface.vertex_count() == 0) {
     throw Error(fmt::format("{}: there are no triangles in it", shape.file.string()));
@@ -81,7 +83,7 @@ TetMesh mesh_of_surface(SurfaceMesh surface, const BodyDescription::Shape& shape
                         std::string& made) {
   const std::string name = shape.file.string();
   made = "TetGen 1.5";
-  if (shape.wrap) surface = wrap_surface(surface, *shape.wrap);
+  if (shape.wrap) surface = wrap_surface(surface, *shape.wrap, name);
   if (shape.edge) {
     require_meshable(surface, *shape.edge, shape.inner_edge.value_or(*shape.edge), name);
     surface = remesh_surface(surface, *shape.edge, name, !shape.wrap);

@@ -29,11 +29,6 @@ BodyDescription described(const test::ScratchFolder& folder, const std::string& 
                                 folder.path() / "p.toml");
 }
 
-TEST_CASE("a size is said in metres or millimetres", "[describe][size]") {
-  CHECK(size_text({0.08, 0.0761, 0.06812}) == "80 x 76.1 x 68.1 mm");
-  CHECK(size_text({80, 76.1, 68.12}) == "80 x 76.1 x 68.1 m");
-}
-
 TEST_CASE("a body that nobody touches is warned of, with the unit that is likely",
           "[describe][size]") {
   const std::string write = "--unit {}";

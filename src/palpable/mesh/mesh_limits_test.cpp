@@ -30,6 +30,22 @@ TEST_CASE("the number of nodes is known well enough before meshing", "[mesh][lim
   }
 }
 
+TEST_CASE("one vertex far off all others is named", "[mesh][limits]") {
+  SurfaceMesh ball = sphere_surface({5, 5, 5}, 40, 2);
+  CHECK_NOTHROW(require_no_stray(ball.vertices, "ball"));
+  ball.vertices.col(7) = Vector3d(5, 5, 30000);  // a long needle
+  CHECK_NOTHROW(require_no_stray(ball.vertices, "ball"));
+  for (const Vector3d& stray : {Vector3d(1e7, 5, 5), Vector3d(5, -1e7, 0), Vector3d(0, 0, 1e6)}) {
+    ball.vertices.col(7) = stray;
+    CHECK_THROWS_WITH(
+        require_no_stray(ball.vertices, "ball.stl"),
+        Contains("ball.stl: the vertex at (") && Contains("1e+0") && Contains("which span 80 x "));
+  }
+  ball.vertices.col(8) = ball.vertices.col(7) * 1.1;  // two are a part of the shape
+  CHECK_NOTHROW(require_no_stray(ball.vertices, "ball"));
+  CHECK_NOTHROW(require_no_stray(Eigen::Matrix3Xd(3, 0), "nothing"));
+}
+
 TEST_CASE("a mesh beyond memory is refused with the edge that would do", "[mesh][limits]") {
   const SurfaceMesh ball = sphere_surface({0, 0, 0}, 0.04, 3);
   CHECK_NOTHROW(require_meshable(ball, 0.002, 0.002, "ball"));
@@ -73,6 +89,21 @@ TEST_CASE("shells that nearly touch are refused with the place", "[mesh][limits]
   CHECK_THROWS_WITH(
       require_gaps(near, "boxes.stl"),
       Contains("boxes.stl: two closed shells come within 1e-09 m of each other at (1"));
+}
+
+TEST_CASE("a wrap beyond memory is refused with the size that would do", "[mesh][limits]") {
+  const SurfaceMesh ball = sphere_surface({0, 0, 0}, 0.04, 3);
+  CHECK_NOTHROW(require_wrappable(ball, 1e-4, "ball"));
+  std::string said;
+  try {
+    require_wrappable(ball, 1e-6, "ball.stl");
+  } catch (const Error& error) { said = error.what(); }
+  CHECK_THAT(said, Contains("ball.stl: a wrap of 1e-06 m around 0.02"));
+  const std::size_t at = said.find("bearable; ");
+  REQUIRE(at != std::string::npos);
+  const double would_do = std::stod(said.substr(at + 10));
+  CHECK_NOTHROW(require_wrappable(ball, would_do, "ball"));
+  CHECK_THROWS_AS(require_wrappable(ball, 0.9 * would_do, "ball"), Error);
 }
 
 }  // namespace

@@ -106,9 +106,14 @@ TEST_CASE("a surface that is no solid is refused with what and where", "[mesh]")
   CHECK_THROWS_WITH(tetrahedralise(inside_out, "a"), Contains("flip"));
 
   const SurfaceMesh crossing = joined(some_box(), box_surface({0.2, -0.1, 0.05}, {0.6, 0.3, 0.21}));
+  CHECK_THROWS_WITH(tetrahedralise(crossing, "crossing.obj"),
+                    Contains("crossing.obj: of 2 closed shells two overlap: ") &&
+                        Contains("the first near (") && Contains("join them"));
+  SurfaceMesh pierced = sphere_surface({0, 0, 0}, 0.05, 2);
+  pierced.vertices.col(0) *= -1.2;  // through the other side
   CHECK_THROWS_WITH(
-      tetrahedralise(crossing, "crossing.obj"),
-      Contains("crossing.obj: the surface passes through itself") && Contains("the first near ("));
+      tetrahedralise(pierced, "pierced.obj"),
+      Contains("pierced.obj: the surface passes through itself: ") && Contains("the first near ("));
 
   // Two boxes that share a corner vertex and nothing else.
   SurfaceMesh bow_tie =
@@ -188,7 +193,7 @@ TEST_CASE("a heap of triangles with holes is wrapped into a solid", "[mesh]") {
   heap.triangles = heap.triangles.leftCols(heap.triangle_count() - 3).eval();
   CHECK_THROWS_AS(require_solid_surface(heap, "heap"), Error);
   const double size = 0.03;
-  const SurfaceMesh wrap = wrap_surface(heap, size);
+  const SurfaceMesh wrap = wrap_surface(heap, size, "heap");
   CHECK_NOTHROW(require_solid_surface(wrap, "wrap"));
   const Vector3d low = wrap.vertices.rowwise().minCoeff(),
                  high = wrap.vertices.rowwise().maxCoeff();
@@ -198,7 +203,9 @@ TEST_CASE("a heap of triangles with holes is wrapped into a solid", "[mesh]") {
     CHECK(over < 2.0 * size / 7.0);
   }
   CHECK(tetrahedralise(remesh_surface(wrap, 0.01, "wrap"), "wrap").tet_count() > 1000);
-  CHECK_THROWS_AS(wrap_surface(SurfaceMesh{}, size), Error);
+  CHECK_THROWS_WITH(wrap_surface(SurfaceMesh{}, size, "none.stl"), Contains("none.stl: there are"));
+  CHECK_THROWS_WITH(wrap_surface(heap, 1e-6, "heap.stl"),
+                    Contains("heap.stl: a wrap of 1e-06 m") && Contains("would do"));
 }
 
 }  // namespace
