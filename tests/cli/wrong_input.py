@@ -4,7 +4,7 @@ import json
 import os
 import re
 import resource
-import signal
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -124,12 +124,89 @@ def _(programs, folder):
                      timeout=60)  # every way to divide 200 letters among 40 stars would take for ever
 
 
-def on_small_disk(programs, limit, *words):
+def on_small_disk(programs, limit, *words, cwd=None):
+    """No file may grow beyond the limit, as behind ulimit -f."""
     def prepare():
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
     return subprocess.run([programs.palpable, *map(str, words)], capture_output=True, text=True, preexec_fn=prepare,
-                          stdin=subprocess.DEVNULL, timeout=120)
+                          stdin=subprocess.DEVNULL, timeout=120, cwd=cwd)
+
+
+def bytes_of(path):
+    """Of a file, or of all files in a folder by their names; nothing where there is none."""
+    if path.is_dir():
+        return {inner.name: inner.read_bytes() for inner in path.iterdir()}
+    return path.read_bytes() if path.exists() else None
+
+
+@case("a full disk ends every command with one line, and what was there stays as it was")
+def _(programs, folder):
+    base.write_ball(folder)
+    body = programs.small_body()
+    shutil.copy(body, folder / "b.palpable")
+    programs.succeeds("export", body, "--to", "numpy", "-o", folder / "modes")
+    for name, *words in (("a.msh", "mesh", "ball.off"), ("a.vtu", "solve", "ball.toml"),
+                         ("a.palpable", "reduce", programs.work / "ball.snapshots", "--method", "pod"),
+                         ("m.palpable", "import-modes", "modes"),
+                         ("a.html", "report", "b.palpable"), ("c.html", "compare", "b.palpable"),
+                         ("vtu", "export", "b.palpable", "--to", "vtu", "--site", "1"),
+                         ("numpy", "export", "b.palpable", "--to", "numpy")):
+        output = folder / name
+        for before in (False, True):
+            if before:
+                programs.succeeds(*words, "-o", name, cwd=folder)
+            there = bytes_of(output)
+            result = on_small_disk(programs, 100, *words, "-o", name, cwd=folder)
+            said = [line for line in result.stderr.splitlines() if line.startswith("palpable: ")]
+            assert result.returncode == 1 and len(said) == 1, (words, result.returncode, result.stderr)
+            assert name in said[0] and "cannot be written: File too large" in said[0], said
+            # Of a folder, files that fit may be there.
+            assert before or not output.is_dir() or all(len(data) <= 100 for data in bytes_of(output).values())
+            assert bytes_of(output) == there or (output.is_dir() and not before), (words, before)
+            assert not list(folder.rglob("*.part")), list(folder.rglob("*.part"))
+
+
+@case("what a command reads is not what it writes over, whichever command it is")
+def _(programs, folder):
+    base.write_ball(folder)
+    shutil.copy(programs.small_body(), folder / "b.palpable")
+    shutil.copytree(programs.work / "ball.snapshots", folder / "b.snapshots")
+    programs.succeeds("export", "b.palpable", "--to", "pxdmf", "-o", "b.pxdmf", cwd=folder)
+    (folder / "pose.txt").write_text("0 0 0 0.2 0 0 0 1\n")
+    (folder / "link").symlink_to("ball.off")
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    solve = ("solve", "ball.toml", "--obstacle", "ball.off", "--pose", "pose.txt")
+    for words, output in ((solve, "ball.off"), (solve, "pose.txt"), (solve, "link"), (solve, "ball.toml"),
+                          (("reduce", "b.snapshots"), "b.snapshots/campaign.h5"),
+                          (("import-modes", "b.pxdmf"), "b.pxdmf"), (("compare", "b.palpable"), "b.palpable"),
+                          (("export", "b.palpable", "--to", "pxdmf"), "b.palpable"),
+                          (("mesh", "ball.off"), "./link"), (("report", "b.palpable"), "b.palpable")):
+        programs.refuses(*words, "-o", output, cwd=folder, says=[output, "is read as input"])
+    for words in (("export", "b.palpable", "--to", "numpy"), ("export", "b.snapshots", "--to", "vtu"),
+                  ("import-snapshots", ".", "--manifest", "ball.toml")):
+        programs.refuses(*words, "-o", ".", cwd=folder, says=["could be destroyed"])
+    assert {path: path.read_bytes() for path in before} == before
+    assert not list(folder.rglob("*.part"))
+
+
+@case("a folder that nobody may write into is named before the work")
+def _(programs, folder):
+    base.write_ball(folder)
+    for command in ("bake", "solve"):  # /proc takes no files, from root neither
+        programs.refuses(command, folder / "ball.toml", "-o", "/proc/x", says=["/proc/x: cannot be written: "])
+    programs.refuses("mesh", folder / "ball.off", "-o", "/proc/x", says=["/proc/x: cannot be written: "])
+    programs.refuses("scan", folder, "-o", "/proc/x.ply", says=["/proc/x.ply: cannot be written: "])
+
+
+@case("a body that is larger than what the camera sees is said before the run")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=2)
+    words = base.live(programs, folder)
+    result = programs.succeeds(*words)
+    assert "larger than" not in result.stderr, result.stderr
+    result = programs.succeeds(*words[:-1], folder / "large", "--scale", "1000")
+    warning = result.stderr.splitlines()[0]
+    assert warning.startswith("warning: the body is ") and "larger than what the camera sees" in warning, result.stderr
 
 
 @case("an export to a full disk says so, leaves what was there and ends in order")
