@@ -19,7 +19,7 @@ TEST_CASE("lines of deformed.jsonl are read as they were written, the last of a 
   DeformedLine earlier = touch;
   earlier.depth = 1;
   write_whole_file(folder.path() / "deformed.jsonl",
-                  deformed_line(earlier) + deformed_line(touch) + deformed_line(doubtful));
+                   deformed_line(earlier) + deformed_line(touch) + deformed_line(doubtful));
   const std::vector<DeformedLine> lines = read_deformed_lines(folder.path());
   REQUIRE(lines.size() == 2);
   CHECK(lines[0].frame == 3);
@@ -51,10 +51,10 @@ TEST_CASE("a PLY with values keeps every vertex and its number", "[clip_files]")
   CHECK(value_or_throw(read_valued_ply(file, "other")).values.size() == 0);
 
   write_whole_file(file,
-                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-                  "property float z\nproperty float von_mises\nelement face 1\n"
-                  "property list uchar int vertex_indices\nend_header\n0 0 0 1\n1 0 0 nan\n"
-                  "0 1 0 2\n3 0 1 2\n");
+                   "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                   "property float z\nproperty float von_mises\nelement face 1\n"
+                   "property list uchar int vertex_indices\nend_header\n0 0 0 1\n1 0 0 nan\n"
+                   "0 1 0 2\n3 0 1 2\n");
   CHECK_THROWS_WITH(value_or_throw(read_valued_ply(file, kVonMisesProperty)),
                     Contains("skin.ply") && Contains("von_mises is not finite"));
 }

@@ -50,7 +50,7 @@ void write_clip(const std::filesystem::path& clip) {
   make_folder(clip / "frames");
   make_folder(clip / "truth");
   write_whole_file(clip / "frames" / "scene.toml",
-                  "camera_from_body = [1,0,0,0, 0,0,-1,0, 0,1,0,0.4, 0,0,0,1]\n");
+                   "camera_from_body = [1,0,0,0, 0,0,-1,0, 0,1,0,0.4, 0,0,0,1]\n");
   std::string hands, contacts, poses;
   for (int n = 0; n < 3; ++n) {
     StampedPose pose;

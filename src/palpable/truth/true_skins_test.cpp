@@ -33,7 +33,7 @@ void write_clip(const fs::path& clip, double aside = 0.0) {
   make_folder(clip / "frames");
   make_folder(clip / "truth");
   write_whole_file(clip / "frames" / "scene.toml",
-                  "camera_from_body = [1,0,0,0, 0,0,-1,0, 0,1,0,0.4, 0,0,0,1]\n");
+                   "camera_from_body = [1,0,0,0, 0,0,-1,0, 0,1,0,0.4, 0,0,0,1]\n");
   std::string hands, contacts, poses;
   for (int n = 0; n < kFrames; ++n) {
     const double depth = depth_at(n);
@@ -60,10 +60,10 @@ void write_clip(const fs::path& clip, double aside = 0.0) {
 BodyDescription block(const fs::path& folder) {
   write_ply(folder / "block.ply", box_surface({-0.03, -0.03, 0}, {0.03, 0.03, kHeight}));
   write_whole_file(folder / "block.toml",
-                  "name = \"block\"\n[shape]\nsurface = \"block.ply\"\nup = \"z\"\nunit = \"m\"\n"
-                  "edge = \"12 mm\"\n[material]\nlaw = \"neo-hookean\"\nyoung = \"60 kPa\"\n"
-                  "poisson = 0.3\n[support]\nbelow = 0.03\n[sites]\ncount = 1\nabove = 0.5\n"
-                  "patch = 1\n[press]\ndepth = 0.1\nlevels = 2\n");
+                   "name = \"block\"\n[shape]\nsurface = \"block.ply\"\nup = \"z\"\nunit = \"m\"\n"
+                   "edge = \"12 mm\"\n[material]\nlaw = \"neo-hookean\"\nyoung = \"60 kPa\"\n"
+                   "poisson = 0.3\n[support]\nbelow = 0.03\n[sites]\ncount = 1\nabove = 0.5\n"
+                   "patch = 1\n[press]\ndepth = 0.1\nlevels = 2\n");
   return read_body_description(folder / "block.toml");
 }
 
