@@ -12,6 +12,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <utility>
 
 namespace palpable::app {
@@ -213,6 +214,8 @@ int CommandLine::run(int argc, const char* const* argv) {
     print_error(unknown
                     ? unexpected_argument(app)
                     : fmt::format("{}, see {} --help", error.what(), full_name(*innermost(app))));
+  } catch (const std::bad_alloc&) {
+    print_error("there is not enough memory for this");
   } catch (const std::exception& error) { print_error(error.what()); }
   return 1;
 }

@@ -60,6 +60,13 @@ def _(programs, folder):
         assert refusal.startswith(f"palpable: {folder}/ball.off: is a shape") and "ball.toml" in refusal, refusal
         found = tomllib.loads("\n".join(description))
         assert found["name"] == "ball" and found["shape"] == {"surface": "ball.off", "unit": "m", "edge": "100 mm"}, found
+    body = programs.small_body()
+    for command, result in (("bake", "x.palpable"), ("solve", "x.vtu")):
+        programs.refuses(command, body, "-o", folder / result, says=[f"{body}: is a baked body", "BODY.toml"])
+        programs.refuses(command, folder, "-o", folder / result, says=[f"{folder}: is a folder", "BODY.toml"])
+    with open(folder / "large.toml", "wb") as file:
+        file.truncate(5_000_000_000)  # takes no room
+    programs.refuses("bake", folder / "large.toml", "-o", folder / "x.palpable", says=["large.toml: 5000 MB, where 16 are read at most"])
     programs.refuses("bake", folder / "none.stl", "-o", folder / "x.palpable", says=["none.stl: no such file"])
     (folder / "bad.stl").write_text("solid\nnothing\n")
     programs.refuses("bake", folder / "bad.stl", "-o", folder / "x.palpable", says=["bad.stl: "])

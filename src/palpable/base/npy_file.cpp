@@ -3,14 +3,14 @@
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
+#include "palpable/base/whole_file.h"
 
 #include <fmt/format.h>
 
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
+#include <new>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -163,10 +163,13 @@ NpyArray npy_array(const NpyHeader& header, const std::string& bytes, const std:
 }
 
 NpyArray read_npy(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw refusal(path.string(), "no such file");
-  const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  return npy_array(npy_header(bytes, path.string()), bytes, path.string());
+  const Result<std::string> bytes = read_whole_file(path);
+  if (!bytes) throw refusal(path.string(), bytes.problem().message);
+  try {
+    return npy_array(npy_header(bytes.value(), path.string()), bytes.value(), path.string());
+  } catch (const std::bad_alloc&) {
+    throw refusal(path.string(), "needs more memory than there is");
+  }
 }
 
 }  // namespace palpable

@@ -99,10 +99,12 @@ fs::path behind_links(const fs::path& file) {
 }
 
 void guard_output_file(const fs::path& output, const std::vector<fs::path>& inputs) {
-  const fs::path file = behind_links(output);
-  expect_folder_above(output, file);
+  if (output.empty()) throw Error("the name of the output is empty");
   std::error_code error;
-  const fs::file_status status = fs::status(file, error);
+  // Not of what behind_links() finds: the pipe behind /dev/stdout has no name.
+  const fs::file_status status = fs::status(output, error);
+  const fs::path file = behind_links(output);
+  if (!fs::exists(status)) expect_folder_above(output, file);
   if (fs::is_directory(status) || !file.has_filename()) {
     throw Error(fmt::format("{}: is a folder, and the output is a file; name the file in it",
                             output.string()));
@@ -123,6 +125,7 @@ void guard_output_file(const fs::path& output, const std::vector<fs::path>& inpu
 }
 
 void guard_output_folder(const fs::path& output, const std::vector<fs::path>& inputs) {
+  if (output.empty()) throw Error("the name of the output is empty");
   // "out/" is "out", and stands in the folder above.
   const fs::path folder = behind_links(output.has_filename() ? output : output.parent_path());
   expect_folder_above(output, folder);
@@ -150,15 +153,15 @@ void make_folder(const fs::path& folder) {
 }
 
 void write_whole_file(const fs::path& file, std::initializer_list<std::string_view> pieces) {
-  const fs::path at = behind_links(file);
   std::error_code error;
-  const fs::file_status status = fs::status(at, error);
+  const fs::file_status status = fs::status(file, error);
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     if (fs::is_directory(status)) give_up(file, EISDIR);
     GrowingFile device(file);
     append_all(device, pieces);
     return;
   }
+  const fs::path at = behind_links(file);
   if (fs::is_symlink(at, error)) give_up(file, ELOOP);  // in a circle
   if (fs::exists(status) && ::access(at.c_str(), W_OK) != 0) give_up(file, errno);
   const fs::path aside = aside_of(at);

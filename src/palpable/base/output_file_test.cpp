@@ -85,6 +85,16 @@ TEST_CASE("an output file is a file and an output folder a folder", "[base][outp
   CHECK_THROWS_WITH(guard_output_file(folder.path() / "new/", {}),
                     Catch::Contains("does not exist") || Catch::Contains("is a folder"));
   CHECK_THROWS_WITH(guard_output_file("/dev/null", {}), Catch::Contains("is no ordinary file"));
+  CHECK_THROWS_WITH(guard_output_file("", {file}), "the name of the output is empty");
+  CHECK_THROWS_WITH(guard_output_folder("", {file}), "the name of the output is empty");
+  int ends[2];
+  REQUIRE(::pipe(ends) == 0);
+  const std::string pipe = "/proc/self/fd/" + std::to_string(ends[1]);
+  CHECK_THROWS_WITH(guard_output_file(pipe, {}), Catch::Contains("is no ordinary file"));
+  write_whole_file(pipe, "through it");
+  char read[20];
+  CHECK(::read(ends[0], read, sizeof read) == 10);
+  for (const int end : ends) ::close(end);
   CHECK_THROWS_WITH(guard_output_folder(file, {}), Catch::Contains("is a file"));
   CHECK_NOTHROW(guard_output_folder(store, {file}));
   CHECK_THROWS_WITH(guard_output_folder(store, {store}), Catch::Contains("read as input"));

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <new>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -46,6 +47,8 @@ auto about(const fs::path& file, Work&& work) {
     throw Error(fmt::format("{}: {}", file.string(), trouble.what));
   } catch (const fs::filesystem_error& error) {
     throw Error(fmt::format("{}: {}", file.string(), error.code().message()));
+  } catch (const std::bad_alloc&) {
+    throw Error(fmt::format("{}: needs more memory than there is", file.string()));
   }
 }
 

@@ -1,12 +1,12 @@
 #include "palpable/base/error.h"
 #include "palpable/base/npy_file.h"
 #include "palpable/base/output_file.h"
+#include "palpable/base/whole_file.h"
 #include "palpable/exchange/modes_files.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
 namespace palpable {
@@ -14,6 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Index;
+
+constexpr std::uintmax_t kLongestNames = 1'000'000;  // bytes of parameters.txt
 
 // The file's values as a matrix; each of its columns is one row of the file.
 template <class Matrix>
@@ -106,8 +108,12 @@ ForeignModes read_numpy_modes(const fs::path& folder) {
     throw Error(
         fmt::format("{}: names a vertex that is not there", (folder / "triangles.npy").string()));
   }
-  std::ifstream names(folder / "parameters.txt");
-  if (!names) throw Error(fmt::format("{}: no such file", (folder / "parameters.txt").string()));
+  const Result<std::string> text = read_whole_file(folder / "parameters.txt", kLongestNames);
+  if (!text) {
+    throw Error(
+        fmt::format("{}: {}", (folder / "parameters.txt").string(), text.problem().message));
+  }
+  std::istringstream names(text.value());
   std::vector<ParameterAxis> axes;
   for (std::string line; std::getline(names, line);) {
     std::istringstream words(line);

@@ -2,13 +2,13 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/output_file.h"
+#include "palpable/base/whole_file.h"
 #include "palpable/geometry/surface_files.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <iterator>
 #include <new>
 #include <string>
@@ -49,13 +49,8 @@ void add_triangles(std::string& bytes, const SurfaceMesh& surface) {
 }
 
 Result<std::string> bytes_of(const std::filesystem::path& path) {
-  std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code)) {
-    return Problem{fmt::format("{}: no such file", path.string())};
-  }
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file) return Problem{fmt::format("{}: cannot be read", path.string())};
+  Result<std::string> bytes = read_whole_file(path);
+  if (!bytes) return Problem{fmt::format("{}: {}", path.string(), bytes.problem().message)};
   return bytes;
 }
 

@@ -2,13 +2,12 @@
 
 #include "palpable/base/fnv1a.h"
 #include "palpable/base/output_file.h"
+#include "palpable/base/whole_file.h"
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 #include <unistd.h>
 
@@ -266,10 +265,9 @@ Image::Image(const std::string& bytes, std::string_view kind, int layout, std::s
     : file_(open_image(bytes, kind, layout, what, remedy)) {}
 
 std::string all_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file) throw Trouble{"cannot be read"};
-  return bytes;
+  Result<std::string> bytes = read_whole_file(path);
+  if (!bytes) throw Trouble{bytes.problem().message};
+  return std::move(bytes).value();
 }
 
 void write_durably(const std::filesystem::path& output, std::string_view bytes,
