@@ -15,8 +15,8 @@ BodyDescription read_description(const std::string& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) {
     throw Error(fmt::format(
-        "{}: is a folder, and this wants a body's description, BODY.toml (docs/body.md); a body of "
-        "a folder of snapshots makes palpable reduce",
+        "{}: is a folder, and this wants a body's description, BODY.toml (docs/body.md); of a folder of "
+        "snapshots palpable reduce makes a body",
         file));
   }
   if (file.ends_with(".palpable")) {

@@ -196,6 +196,28 @@ def _(programs, folder):
     assert not list(folder.rglob("*.part"))
 
 
+@case("a file larger than memory is named before it is read, whatever it claims to be")
+def _(programs, folder):
+    base.write_ball(folder)
+    shutil.copytree(programs.work / "ball.snapshots", folder / "b.snapshots")
+    programs.succeeds("export", programs.small_body(), "--to", "numpy", "-o", folder / "modes")
+    for kind in ("stl", "ply", "obj", "off", "3ds", "msh", "inp", "vtu", "vtk", "palpable"):
+        with open(folder / f"large.{kind}", "wb") as file:
+            file.truncate(1 << 43)  # of holes: takes no room
+    for damaged in ("modes/vertices.npy", "b.snapshots/site_0001.h5"):
+        with open(folder / damaged, "r+b") as file:
+            file.truncate(1 << 43)
+    says = "8796093 MB are more than there is memory for"
+    for kind in ("stl", "ply", "obj", "off", "3ds"):
+        programs.refuses("mesh", f"large.{kind}", "-o", "x.msh", cwd=folder, says=[f"large.{kind}: {says}"])
+    for kind in ("msh", "inp", "vtu", "vtk"):
+        (folder / "large.toml").write_text(base.BAR.replace("bar.inp", f"large.{kind}"))
+        programs.refuses("bake", "large.toml", "-o", "x.palpable", cwd=folder, says=[f"large.{kind}: {says}"])
+    programs.refuses("inspect", "large.palpable", cwd=folder, says=[f"large.palpable: {says}"])
+    programs.refuses("import-modes", "modes", "-o", "x.palpable", cwd=folder, says=[f"vertices.npy: {says}"])
+    programs.refuses("reduce", "b.snapshots", "-o", "x.palpable", cwd=folder, says=["site_0001.h5", says])
+
+
 @case("a folder that nobody may write into is named before the work")
 def _(programs, folder):
     base.write_ball(folder)
