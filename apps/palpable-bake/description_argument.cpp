@@ -14,10 +14,11 @@ namespace palpable::app {
 BodyDescription read_description(const std::string& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) {
-    throw Error(fmt::format(
-        "{}: is a folder, and this wants a body's description, BODY.toml (docs/body.md); of a folder of "
-        "snapshots palpable reduce makes a body",
-        file));
+    throw Error(
+        fmt::format("{}: is a folder, and this wants a body's description, BODY.toml "
+                    "(docs/body.md); of a folder of "
+                    "snapshots palpable reduce makes a body",
+                    file));
   }
   if (file.ends_with(".palpable")) {
     throw Error(

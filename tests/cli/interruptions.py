@@ -249,8 +249,10 @@ def _(programs, folder):
                 print("SKIPPED: no OpenGL here: " + str(error))
                 return
             raise
+        process.send_signal(signal.SIGSTOP)  # it would be done before the other has begun
         programs.refuses(*words, says=["clip", "another run"])
         process.send_signal(number)
+        process.send_signal(signal.SIGCONT)
         process.communicate()
         assert process.returncode == -number, process.returncode
         (clip / "frames/leftover").write_text("goes when it is filmed again")
