@@ -287,6 +287,12 @@ def _(programs, folder):
         items = [item.text for item in tree.iter("DataItem")]
         assert items and all(text.startswith(f"{name}.{kind}.h5:/") for text in items), items[:3]
     programs.succeeds("import-modes", folder / f"{name}.pxdmf", "-o", folder / "again.palpable")
+    for kind in ("xdmf", "pxdmf"):  # in UTF-8 there is no such name
+        output = os.fsencode(folder) + b"/caf\xe9." + kind.encode()
+        result = subprocess.run([programs.palpable, "export", programs.small_body(), "--to", kind, "-o", output],
+                                capture_output=True, timeout=60)
+        assert result.returncode == 1 and b"XML cannot hold this name" in result.stderr, result
+        assert not os.path.exists(output) and not os.path.exists(output + b".h5")
 
 
 if __name__ == "__main__":
