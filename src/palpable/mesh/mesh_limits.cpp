@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -89,18 +90,24 @@ void require_meshable(const SurfaceMesh& surface, double edge, double inner_edge
                       const std::string& name) {
   const double nodes = estimated_nodes(surface, edge, inner_edge);
   if (nodes <= kMostNodes) return;
-  // Longer edges by one factor, both; the count falls with it.
+  // Longer edges by one factor, both, or those inside alone where the skin's are no trouble.
+  const double of_skin = estimated_nodes(surface, edge, std::numeric_limits<double>::infinity());
+  const bool inside = inner_edge < edge && of_skin < 0.5 * kMostNodes;
+  const auto fits = [&](double factor) {
+    return estimated_nodes(surface, inside ? edge : factor * edge, factor * inner_edge) <=
+           kMostNodes;
+  };
   double low = 1.0, high = 2.0;
-  while (estimated_nodes(surface, high * edge, high * inner_edge) > kMostNodes) high *= 2.0;
+  while (!fits(high)) high *= 2.0;
   while (high - low > 1e-3 * low) {
     const double factor = 0.5 * (low + high);
-    const bool fits = estimated_nodes(surface, factor * edge, factor * inner_edge) <= kMostNodes;
-    (fits ? high : low) = factor;
+    (fits(factor) ? high : low) = factor;
   }
   throw Error(fmt::format(
-      "{}: edges of {:.3g} m make some {:.2g} nodes, more than the {:.0f} million that are "
-      "bearable; an edge of {:.2g} m would do (is the body as large as you think, {:.3g} m^3?)",
-      name, edge, nodes, 1e-6 * kMostNodes, 1.05 * high * edge, enclosed_volume(surface)));
+      "{0}: {1}edges of {2:.3g} m make some {3:.2g} nodes, more than the {4:.0f} million that are "
+      "bearable; {1}edges of {5:.2g} m would do (is the body as large as you think, {6:.3g} m^3?)",
+      name, inside ? "inner " : "", inside ? inner_edge : edge, nodes, 1e-6 * kMostNodes,
+      1.05 * high * (inside ? inner_edge : edge), enclosed_volume(surface)));
 }
 
 void require_wrappable(const SurfaceMesh& surface, double size, const std::string& name) {

@@ -56,12 +56,22 @@ TEST_CASE("a mesh beyond memory is refused with the edge that would do", "[mesh]
   CHECK_THAT(said, Contains("ball.stl: edges of 1e-05 m make some 3.8e+11 nodes") ||
                        Contains("ball.stl: edges of 1e-05 m make some 3.5e+11 nodes") ||
                        Contains("ball.stl: edges of 1e-05 m make some 3.6e+11 nodes"));
-  const std::size_t at = said.find("an edge of ");
+  const std::size_t at = said.find("bearable; edges of ");
   REQUIRE(at != std::string::npos);
-  const double would_do = std::stod(said.substr(at + 11));
+  const double would_do = std::stod(said.substr(at + 19));
   CHECK_NOTHROW(require_meshable(ball, would_do, would_do, "ball"));
   CHECK_THROWS_AS(require_meshable(ball, 0.9 * would_do, 0.9 * would_do, "ball"), Error);
   CHECK_THROWS_WITH(remesh_surface(ball, 1e-5, "ball.stl"), Contains("would do"));
+  // Where the trouble is inside, the skin's edges are left as they are.
+  try {
+    require_meshable(ball, 0.002, 1e-5, "ball.stl");
+  } catch (const Error& error) { said = error.what(); }
+  CHECK_THAT(said, Contains("ball.stl: inner edges of 1e-05 m make some "));
+  const std::size_t inner = said.find("bearable; inner edges of ");
+  REQUIRE(inner != std::string::npos);
+  const double inner_edge = std::stod(said.substr(inner + 25));
+  CHECK_NOTHROW(require_meshable(ball, 0.002, inner_edge, "ball"));
+  CHECK_THROWS_AS(require_meshable(ball, 0.002, 0.9 * inner_edge, "ball"), Error);
 }
 
 TEST_CASE("a solid that loses more than its facets explain is refused", "[mesh][limits]") {
