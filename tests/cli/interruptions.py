@@ -238,7 +238,7 @@ def _(programs, folder):
 
 @case("Ctrl-C while a sequence is filmed is no reason not to film it again")
 def _(programs, folder):
-    words = ("synth", "press", "--body", programs.small_body(), "--frames", "40", "-o", folder / "clip")
+    words = ("synth", "press", "--body", programs.small_body(), "--frames", "25", "-o", folder / "clip")
     clip = folder / "clip"
     for number in (signal.SIGINT, signal.SIGKILL):
         process = programs.start(*words)
@@ -259,7 +259,7 @@ def _(programs, folder):
     (clip / "notes.txt").write_text("mine")
     programs.succeeds(*words)
     assert sorted(path.name for path in clip.iterdir()) == ["frames", "notes.txt", "truth"]
-    assert len(list((clip / "frames/left").iterdir())) == 40 and (clip / "truth/camera.toml").exists()
+    assert len(list((clip / "frames/left").iterdir())) == 25 and (clip / "truth/camera.toml").exists()
     assert not (clip / "frames/leftover").exists()
     programs.refuses(*words, says=["frames: exists"])  # a whole one is kept
     (folder / "other/frames").mkdir(parents=True)

@@ -189,6 +189,15 @@ def _(programs, folder):
                           (("export", "b.palpable", "--to", "pxdmf"), "b.palpable"),
                           (("mesh", "ball.off"), "./link"), (("report", "b.palpable"), "b.palpable")):
         programs.refuses(*words, "-o", output, cwd=folder, says=[output, "is read as input"])
+    programs.refuses("bench", "beam", "ball.toml", "-o", "ball.off", cwd=folder, says=["is read as input"])
+    # The table beside a page has a name that nobody gave.
+    (folder / "b.csv").write_text("time,force\n0,1\n")
+    for words in (("report", "b.palpable"), ("compare", "b.palpable", "-o", "b.html")):
+        programs.refuses(*words, cwd=folder, says=["b.csv: is somebody's", "-o"])
+    assert (folder / "b.csv").read_text() == "time,force\n0,1\n" and not (folder / "b.html").exists()
+    (folder / "b.csv").unlink()
+    for words in (("report", "b.palpable"), ("compare", "b.palpable", "-o", "b.html"), ("report", "b.palpable")):
+        programs.succeeds(*words, cwd=folder)  # its own are replaced
     for words in (("export", "b.palpable", "--to", "numpy"), ("export", "b.snapshots", "--to", "vtu"),
                   ("import-snapshots", ".", "--manifest", "ball.toml")):
         programs.refuses(*words, "-o", ".", cwd=folder, says=["could be destroyed"])
