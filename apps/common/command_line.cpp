@@ -61,6 +61,16 @@ std::string unexpected_argument(const CLI::App& app) {
                      full_name(*inner));
 }
 
+// CLI11's own messages quote the largest number that there is, in full.
+std::string why_negative(const std::string& text) {
+  const std::optional<double> number = to_number(text);
+  return number && *number >= 0.0 ? "" : fmt::format("must be 0 or more, not '{}'", text);
+}
+std::string why_not_positive(const std::string& text) {
+  const std::optional<double> number = to_number(text);
+  return number && *number > 0.0 ? "" : fmt::format("must be above 0, not '{}'", text);
+}
+
 // NaN lies in every range that CLI11 checks, since it is neither below nor above a number.
 std::string why_no_number(const std::string& text) {
   if (to_number(text)) return {};
@@ -101,9 +111,13 @@ Option Option::in_range(std::uint64_t least, std::uint64_t most) {
   return Option(option_->check(CLI::Range(least, most)));
 }
 
-Option Option::positive() { return Option(option_->check(CLI::PositiveNumber)); }
+Option Option::positive() {
+  return Option(option_->check(CLI::Validator(why_not_positive, "POSITIVE")));
+}
 
-Option Option::not_negative() { return Option(option_->check(CLI::NonNegativeNumber)); }
+Option Option::not_negative() {
+  return Option(option_->check(CLI::Validator(why_negative, "NONNEGATIVE")));
+}
 
 Option Option::one_of(const std::vector<std::string>& words) {
   return Option(option_->check(CLI::IsMember(words)));

@@ -65,6 +65,9 @@ void print_size(const BodyDescription& description) {
   if (const auto warning = size_warning(description.shape, size)) {
     fmt::print(stderr, "warning: {}\n", *warning);
   }
+  if (const auto warning = wrap_warning(description.shape)) {
+    fmt::print(stderr, "warning: {}\n", *warning);
+  }
 }
 
 void print_body_report(const BakedBody& baked, const std::string& output, double seconds) {

@@ -35,6 +35,10 @@ def _(programs, folder):
         programs.refuses("view", body, "--out", folder / "x", f"--set=heat={value}", says=["--set", "heat"])
         programs.refuses("press", body, "--load", f"0,0,{value}=1", says=["--load", "finite"])
         programs.refuses("press", body, "--load", f"0,0,0={value}", says=["--load", "finite"])
+    for value in ("abc", "-1", "1,5"):  # and not the largest number that there is, in 308 digits
+        programs.refuses("view", body, f"--site={value}", says=[f"--site: must be 0 or more, not '{value}', see"])
+        programs.refuses("view", body, f"--close-after={value}", says=["--close-after: "])
+    programs.refuses("view", body, "--close-after=0", says=["--close-after: must be above 0, not '0'"])
     assert not (folder / "x").exists()
 
 
@@ -170,7 +174,7 @@ def _(programs, folder):
             # Of a folder, files that fit may be there.
             assert before or not output.is_dir() or all(len(data) <= 100 for data in bytes_of(output).values())
             assert bytes_of(output) == there or (output.is_dir() and not before), (words, before)
-            assert not list(folder.rglob("*.part")), list(folder.rglob("*.part"))
+            assert not list(folder.rglob("*.part*")), list(folder.rglob("*.part*"))
 
 
 @case("what a command reads is not what it writes over, whichever command it is")
@@ -181,9 +185,10 @@ def _(programs, folder):
     programs.succeeds("export", "b.palpable", "--to", "pxdmf", "-o", "b.pxdmf", cwd=folder)
     (folder / "pose.txt").write_text("0 0 0 0.2 0 0 0 1\n")
     (folder / "link").symlink_to("ball.off")
+    shutil.copy(folder / "ball.off", folder / "cup.off")
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-    solve = ("solve", "ball.toml", "--obstacle", "ball.off", "--pose", "pose.txt")
-    for words, output in ((solve, "ball.off"), (solve, "pose.txt"), (solve, "link"), (solve, "ball.toml"),
+    solve = ("solve", "ball.toml", "--obstacle", "cup.off", "--pose", "pose.txt")
+    for words, output in ((solve, "ball.off"), (solve, "cup.off"), (solve, "pose.txt"), (solve, "link"), (solve, "ball.toml"),
                           (("reduce", "b.snapshots"), "b.snapshots/campaign.h5"),
                           (("import-modes", "b.pxdmf"), "b.pxdmf"), (("compare", "b.palpable"), "b.palpable"),
                           (("export", "b.palpable", "--to", "pxdmf"), "b.palpable"),
@@ -202,7 +207,7 @@ def _(programs, folder):
                   ("import-snapshots", ".", "--manifest", "ball.toml")):
         programs.refuses(*words, "-o", ".", cwd=folder, says=["could be destroyed"])
     assert {path: path.read_bytes() for path in before} == before
-    assert not list(folder.rglob("*.part"))
+    assert not list(folder.rglob("*.part*"))
 
 
 @case("a file larger than memory is named before it is read, whatever it claims to be")

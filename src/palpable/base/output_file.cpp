@@ -26,12 +26,6 @@ constexpr mode_t kAllMayReadAndWrite = 0666;  // less the user's umask
   throw Error(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(reason)));
 }
 
-// Where a file grows until it is whole.
-fs::path aside_of(const fs::path& file) {
-  fs::path aside = file;
-  return aside += ".part";
-}
-
 void append_all(GrowingFile& file, std::initializer_list<std::string_view> pieces) {
   for (const std::string_view piece : pieces) file.append(piece);
   file.close();
@@ -70,12 +64,17 @@ void expect_writable(const fs::path& file) {
     if (fs::is_directory(at, error)) give_up(file, EISDIR);
     if (::access(at.c_str(), W_OK) != 0) give_up(file, errno);
   }
-  const fs::path aside = aside_of(at);
+  const fs::path aside = part_of(at);
   const bool was_there = fs::exists(aside, error);
   const int descriptor = ::open(aside.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, kAllMayReadAndWrite);
   if (descriptor < 0) give_up(file, errno);
   ::close(descriptor);
   if (!was_there) ::unlink(aside.c_str());
+}
+
+fs::path part_of(const fs::path& file) {
+  fs::path part = file;
+  return part += fmt::format(".part-{}", ::getpid());
 }
 
 bool lies_in(const fs::path& path, const fs::path& folder) {
@@ -164,7 +163,7 @@ void write_whole_file(const fs::path& file, std::initializer_list<std::string_vi
   const fs::path at = behind_links(file);
   if (fs::is_symlink(at, error)) give_up(file, ELOOP);  // in a circle
   if (fs::exists(status) && ::access(at.c_str(), W_OK) != 0) give_up(file, errno);
-  const fs::path aside = aside_of(at);
+  const fs::path aside = part_of(at);
   int reason = 0;
   try {
     GrowingFile growing(aside, file);

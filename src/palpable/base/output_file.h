@@ -35,14 +35,18 @@ void guard_output_file(const std::filesystem::path& output,
 void guard_output_folder(const std::filesystem::path& output,
                          const std::vector<std::filesystem::path>& inputs);
 
+/// FILE.part-1234: where this process lets FILE grow until it is whole. Another one that writes the
+/// same FILE has its own.
+[[nodiscard]] std::filesystem::path part_of(const std::filesystem::path& file);
+
 /// Makes a folder and those above it where they are missing.
 /// @throws Error "FOLDER: cannot be made", with the reason
 void make_folder(const std::filesystem::path& folder);
 
-/// Replaces a file by these pieces, one behind the other. They go to FILE.part first, which then
-/// takes the place and the permissions of what was there: who looks finds the former file or the
-/// whole new one, and where it fails, the former one. A link stays a link. What is no ordinary file
-/// (a pipe, a device) is written as it is.
+/// Replaces a file by these pieces, one behind the other. They go to part_of(file) first, which
+/// then takes the place and the permissions of what was there: who looks finds the former file or
+/// the whole new one, and where it fails, the former one. A link stays a link. What is no ordinary
+/// file (a pipe, a device) is written as it is.
 /// @throws Error "FILE: cannot be written: REASON"
 void write_whole_file(const std::filesystem::path& file,
                       std::initializer_list<std::string_view> pieces);

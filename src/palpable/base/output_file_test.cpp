@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <sys/wait.h>
 #include <unistd.h>
 
 namespace palpable {
@@ -30,9 +31,9 @@ TEST_CASE("asking whether a file can be written changes nothing", "[base][output
   fs::create_symlink("fresh.txt", folder / "link");
   expect_writable(folder / "link");
   CHECK(fs::is_symlink(folder / "link"));
-  std::ofstream(folder / "there.txt.part") << "somebody's";
+  std::ofstream(part_of(there)) << "somebody's";
   expect_writable(there);
-  CHECK(test::file_bytes(folder / "there.txt.part") == "somebody's");
+  CHECK(test::file_bytes(part_of(there)) == "somebody's");
   CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 3);
 }
 
@@ -158,6 +159,30 @@ TEST_CASE("a file is replaced as a whole, or stays as it was", "[base][output_fi
   CHECK(test::file_bytes(file) == bytes);
   write_whole_file(file, {"one", std::string_view("a\0b", 3), "", "two"});
   CHECK(test::file_bytes(file) == std::string("onea\0btwo", 9));
+  CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 1);
+}
+
+TEST_CASE("two programs that replace a file at once leave one of theirs, whole",
+          "[base][output_file]") {
+  const test::ScratchFolder folder("replaced_by_two");
+  const fs::path file = folder / "file";
+  const std::string long_one(1'000'000, 'a'), short_one(300'000, 'b');
+  const auto write = [&](const std::string& bytes) {
+    for (int k = 0; k < 100; ++k) write_whole_file(file, bytes);
+  };
+  const pid_t child = ::fork();
+  if (child == 0) {
+    try {
+      write(long_one);
+      ::_exit(0);
+    } catch (const Error&) { ::_exit(1); }
+  }
+  CHECK_NOTHROW(write(short_one));
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  CHECK(status == 0);
+  const std::string left = test::file_bytes(file);
+  CHECK((left == long_one || left == short_one));
   CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 1);
 }
 

@@ -55,7 +55,7 @@ struct Block {
     }
     content.keys = unit_keys(plan);
   }
-  CampaignReport run(const fs::path& folder, CampaignSettings settings = {},
+  CampaignReport run(const fs::path& folder, const CampaignSettings& settings = {},
                      const Progress& progress = {}) const {
     LocalCrew crew;
     return run_campaign(plan, SnapshotStore::create(folder, content), crew, settings, progress);

@@ -5,11 +5,13 @@
 #include "palpable/describe/body_size.h"
 #include "palpable/describe/places.h"
 #include "palpable/geometry/mesh_file.h"
+#include "palpable/geometry/shells.h"
 #include "palpable/mesh/mesh_limits.h"
 #include "palpable/mesh/remesh.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <system_error>
@@ -158,6 +160,24 @@ void hold_nodes(const VolumeMesh& volume, const BodyDescription& description, Bo
 }
 
 }  // namespace
+
+std::optional<std::string> wrap_warning(const BodyDescription::Shape& shape) {
+  if (!shape.wrap) return std::nullopt;
+  const SurfaceMesh surface = read_surface(shape, false);
+  if (!check_watertight(surface).watertight() || !misplaced_shell(surface).empty()) {
+    return std::nullopt;
+  }
+  const std::vector<std::vector<int>> shells = shells_of(surface);
+  const auto cavities = std::count_if(shells.begin(), shells.end(), [&](const auto& shell) {
+    return enclosed_volume(surface_of(surface, shell)) < 0.0;
+  });
+  if (cavities == 0) return std::nullopt;
+  return fmt::format(
+      "{}: the surface has {} {}, which a wrap fills, since it goes around the outside; without "
+      "'wrap' {} empty",
+      shape.place, cavities, cavities == 1 ? "cavity" : "cavities",
+      cavities == 1 ? "it stays" : "they stay");
+}
 
 Eigen::Vector3d size_of_body(const BodyDescription& description) {
   const BodyDescription::Shape& shape = description.shape;

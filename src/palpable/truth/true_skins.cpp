@@ -52,9 +52,9 @@ std::string content_of(const fs::path& path) {
 
 class TrueSkins {
  public:
-  TrueSkins(fs::path clip, const BodyDescription& description, const TrueSkinSettings& settings,
-            const Progress& progress)
-      : folder_(std::move(clip) / "truth" / "deformed"),
+  TrueSkins(const fs::path& clip, const BodyDescription& description,
+            const TrueSkinSettings& settings, const Progress& progress)
+      : folder_(clip / "truth" / "deformed"),
         settings_(settings),
         progress_(progress),
         problem_(pose_body(description)),
