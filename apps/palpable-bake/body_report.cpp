@@ -6,6 +6,7 @@
 #include "palpable/base/this_machine.h"
 #include "palpable/describe/body_mesh.h"
 #include "palpable/describe/body_size.h"
+#include "palpable/geometry/size_text.h"
 
 #include <fmt/format.h>
 
@@ -62,6 +63,9 @@ void print_size(const BodyDescription& description) {
   fmt::print("{}: {}\n", description.name, size_text(size));
   std::fflush(stdout);  // before the progress bar
   if (const auto warning = size_warning(description.shape, size)) {
+    fmt::print(stderr, "warning: {}\n", *warning);
+  }
+  if (const auto warning = wrap_warning(description.shape)) {
     fmt::print(stderr, "warning: {}\n", *warning);
   }
 }

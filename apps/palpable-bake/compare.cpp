@@ -83,8 +83,8 @@ void compare(const Options& options, const std::string& command_line) {
                                fmt::format("{}, {}", processor_name(), date_today()));
   page.footer = fmt::format("Written by palpable {} on {}; the same numbers are in {}.",
                             PALPABLE_VERSION, date_today(), table.filename().string());
-  write_text_file(options.output, method_page(page));
-  write_text_file(table, method_table(page));
+  write_whole_file(options.output, method_page(page));
+  write_whole_file(table, method_table(page));
   print_lines("displacement", page.displacement);
   print_lines("stress", page.stress);
   fmt::print("{}: opens in any browser, loads nothing; the same numbers: {}\n", options.output,

@@ -44,8 +44,8 @@ void report(const Options& options) {
   facts.stress_us = times.stress_us;
   facts.all_us = times.all_us;
   facts.repeats = times.repeats;
-  write_text_file(page, body_page(body, facts, table.filename().string()));
-  write_text_file(table, body_table(body, facts));
+  write_whole_file(page, body_page(body, facts, table.filename().string()));
+  write_whole_file(table, body_table(body, facts));
   fmt::print("{}: {:.1f} MB, opens in any browser, loads nothing; the same numbers: {}\n",
              page.string(), static_cast<double>(fs::file_size(page)) / 1e6, table.string());
   if (!body.error.displacement_course) {

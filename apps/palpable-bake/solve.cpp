@@ -17,6 +17,7 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -139,10 +140,19 @@ PressSolver preloaded(const Options& options, const EquilibriumSolver& solver,
   }
 }
 
+// What a solve reads. Obstacles that are forms are no files, and destroyed by nothing.
+std::vector<std::filesystem::path> inputs_of(const Options& options,
+                                             const BodyDescription& description) {
+  std::vector<std::filesystem::path> inputs{options.description, description.shape.file,
+                                            options.obstacle.pose_file};
+  inputs.insert(inputs.end(), options.obstacle.obstacles.begin(), options.obstacle.obstacles.end());
+  return inputs;
+}
+
 void solve(const Options& options) {
   const auto begin = std::chrono::steady_clock::now();
   BodyDescription description = read_description(options.description);
-  guard_output_file(options.output, {options.description, description.shape.file});
+  guard_output_file(options.output, inputs_of(options, description));
   print_size(description);
   const BodyProblem problem = posed(options, description);
   const EquilibriumSolver solver(problem.model);

@@ -8,6 +8,7 @@
 #include "apps/palpable/live_setup.h"
 #include "palpable/base/error.h"
 #include "palpable/base/folder_lock.h"
+#include "palpable/live/body_in_view.h"
 #include "palpable/live/live_loop.h"
 #include "palpable/live_writer/live_output.h"
 #include "palpable/live_writer/live_summary.h"
@@ -79,6 +80,14 @@ ProgressReport progress_of(const Scene& scene, int done, int total) {
                                               scene.touches.front().press_depth * 1e3)};
 }
 
+// A run on a house around the desk goes well and touches nothing.
+void warn_of_size(const LiveRun& run) {
+  const Session& session = run.loop.session;
+  const auto warning =
+      larger_than_view(session.body().surface, session.world_from_body(), run.loop.camera.camera());
+  if (warning) fmt::print(stderr, "warning: {}\n", *warning);
+}
+
 // Plays the run to its end, or to the user's.
 // @param begin_output  makes the output; called when the first frame was answered, so that nothing
 //                      is replaced by a run that cannot begin
@@ -126,6 +135,7 @@ void live(const Options& options) {
       earlier_run(options.out, options.overwrite, inputs_of(wanted));
   wanted.clip = options.out / "clip";
   LiveRun run = set_up_live(wanted);
+  warn_of_size(run);
   const auto touch_frames = options.pictures ? truly_touching_frames(run.images) : std::nullopt;
   ScenePainter painter({.window = options.window, .map = options.view == "map"}, run.loop);
 

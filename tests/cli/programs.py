@@ -17,11 +17,12 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 import zlib
 from math import cos, sin
 from pathlib import Path
 
-from screen import ESCAPE, Screen, wait_for
+from screen import BUTTON_PRESS, BUTTON_RELEASE, ESCAPE, LEFT, MOTION, RIGHT, Screen, wait_for
 
 CASES = {}
 LONG = set()
@@ -1741,6 +1742,49 @@ def _(programs, folder):
             screen.resize(window, 640, 360)
             wait_for("a picture after it", lambda: screen.lit_share(window) > 0.9)
             assert program.poll() is None, "the window is closed"
+            screen.type(window, ESCAPE)
+            assert program.wait(timeout=60) == 0
+        finally:
+            program.kill()
+            program.wait()
+
+
+@case("the window of view is drawn again when it was covered, and each button ends what it began")
+def _(programs, folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    with Screen() as screen:
+        if screen.missing:
+            print("SKIPPED: " + screen.missing)
+            return
+        program = screen.start(programs.palpable, "view", programs.small_body(), cwd=folder)
+        try:
+            window = screen.window()
+            wait_for("a picture", lambda: screen.lit_share(window) > 0.9)
+            rest = screen.pixels(window)
+            screen.cover_for_a_moment(window)
+            wait_for("the picture again", lambda: screen.pixels(window) == rest)
+
+            # On the body: pressed until the button that began it is released.
+            body, beside = (640, 360), (1200, 600)
+            screen.mouse(window, (MOTION, *body), (BUTTON_PRESS, *body, LEFT), (MOTION, body[0] + 300, body[1]))
+            wait_for("a press", lambda: screen.pixels(window) != rest)
+            time.sleep(0.3)  # a few pictures
+            pressed = screen.pixels(window)
+            screen.mouse(window, (BUTTON_PRESS, *beside, RIGHT), (BUTTON_RELEASE, *beside, RIGHT))
+            time.sleep(0.5)  # what springs back takes a fifth of a second
+            assert screen.pixels(window) == pressed, "the right button ended the press of the left one"
+            screen.mouse(window, (BUTTON_RELEASE, *beside, LEFT))
+            wait_for("the body at rest", lambda: screen.pixels(window) == rest)
+
+            # Beside it: a turn, of which all happens between two pictures.
+            screen.mouse(window, (MOTION, *beside), (BUTTON_PRESS, *beside, LEFT), (MOTION, beside[0] - 200, beside[1]),
+                         (BUTTON_RELEASE, beside[0] - 200, beside[1], LEFT))
+            wait_for("a turn", lambda: screen.pixels(window) != rest)
+            time.sleep(0.3)
+            assert screen.pixels(window) != rest
+            assert program.poll() is None, "the window is closed"
+            screen.type(window, "r")
+            wait_for("the first view", lambda: screen.pixels(window) == rest)
             screen.type(window, ESCAPE)
             assert program.wait(timeout=60) == 0
         finally:

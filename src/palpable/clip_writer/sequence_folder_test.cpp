@@ -9,6 +9,7 @@
 #include "tests/support/test.h"
 
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -43,6 +44,14 @@ TEST_CASE("what was interrupted is no truth that could be scored", "[clip_writer
                   Error);
   CHECK(fs::exists(scratch.path() / "frames" / "left" / "000001.jpg"));
   CHECK_FALSE(fs::exists(camera));
+  // It is in nobody's way.
+  write_sequence(body, {"press", 2, 5, "ball", 1}, scratch.path(), {});
+  CHECK(fs::exists(camera));
+  CHECK_FALSE(fs::exists(scratch.path() / "frames" / "left" / "000002.jpg"));
+  CHECK(std::distance(fs::directory_iterator(scratch.path()), {}) == 2);
+  // A whole one is.
+  CHECK_THROWS_WITH(write_sequence(body, {"press", 2, 5, "ball", 1}, scratch.path(), {}),
+                    Catch::Contains("frames: exists"));
 }
 
 TEST_CASE("a film says how much of a touch is seen, and how far from a touch the hand is",

@@ -20,7 +20,7 @@ std::optional<NearestNode> seen(int site, double distance) {
   return NearestNode{site, distance, Vector3d(0.1, 0.2, 0.3)};
 }
 
-PaperState after(PaperState state, const std::optional<NearestNode>& nearest) {
+PaperState after(const PaperState& state, const std::optional<NearestNode>& nearest) {
   return advance_as_printed(state, nearest, kLast, kSettings);
 }
 

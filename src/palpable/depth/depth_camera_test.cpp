@@ -45,7 +45,8 @@ class Texture {
 
  private:
   [[nodiscard]] double at(int i, int j) const {
-    return lattice_[static_cast<std::size_t>((i & 127) + 128 * (j & 127))];
+    const int cell = (i & 127) + 128 * (j & 127);
+    return lattice_[static_cast<std::size_t>(cell)];
   }
   [[nodiscard]] double noise(double u, double v) const {
     const int i = static_cast<int>(std::floor(u));

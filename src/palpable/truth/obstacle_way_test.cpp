@@ -43,7 +43,7 @@ TEST_CASE("a surface goes from pose to pose", "[truth]") {
   const test::ScratchFolder folder("obstacle_way");
   const auto file = folder.path() / "box.ply", poses = folder.path() / "way.txt";
   write_ply(file, box_surface({-1, -1, -1}, {1, 1, 1}));
-  write_text_file(poses, "0 0 0 2 0 0 0 1\n1 0 0 1 0 0 0 1\n3 0 0 1 0 0 0.70710678 0.70710678\n");
+  write_whole_file(poses, "0 0 0 2 0 0 0 1\n1 0 0 1 0 0 0 1\n3 0 0 1 0 0 0.70710678 0.70710678\n");
   const ObstacleMotion way = read({file.string()}, poses);
   CHECK(way(0.0).surfaces[0].body_from_shape.translation().z() == 2.0);
   CHECK(way(1.0 / 6.0).surfaces[0].body_from_shape.translation().z() == Approx(1.5));

@@ -3,7 +3,6 @@
 #include "palpable/base/error.h"
 #include "palpable/base/fnv1a.h"
 #include "palpable/base/folder_lock.h"
-#include "palpable/base/growing_file.h"
 #include "palpable/base/output_file.h"
 #include "palpable/campaign/fill_store.h"
 #include "palpable/campaign/press_solver.h"
@@ -62,9 +61,9 @@ std::string content_of(const fs::path& path) {
 
 class TrueSkins {
  public:
-  TrueSkins(fs::path clip, const BodyDescription& description, const TrueSkinSettings& settings,
-            const Progress& progress)
-      : folder_(std::move(clip) / "truth" / "deformed"),
+  TrueSkins(const fs::path& clip, const BodyDescription& description,
+            const TrueSkinSettings& settings, const Progress& progress)
+      : folder_(clip / "truth" / "deformed"),
         settings_(settings),
         progress_(progress),
         problem_(pose_body(description)),

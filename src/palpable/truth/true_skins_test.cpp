@@ -36,8 +36,8 @@ constexpr int kFrames = 12;
 void write_clip(const fs::path& clip, double aside = 0.0) {
   make_folder(clip / "frames");
   make_folder(clip / "truth");
-  write_text_file(clip / "frames" / "scene.toml",
-                  "camera_from_body = [1,0,0,0, 0,0,-1,0, 0,1,0,0.4, 0,0,0,1]\n");
+  write_whole_file(clip / "frames" / "scene.toml",
+                   "camera_from_body = [1,0,0,0, 0,0,-1,0, 0,1,0,0.4, 0,0,0,1]\n");
   std::string hands, contacts, poses;
   for (int n = 0; n < kFrames; ++n) {
     const double depth = depth_at(n);
@@ -56,18 +56,18 @@ void write_clip(const fs::path& clip, double aside = 0.0) {
     pose.time = n / 30.0;
     poses += trajectory_line(pose);
   }
-  write_text_file(clip / "truth" / "hand.jsonl", hands);
-  write_text_file(clip / "truth" / "contact.jsonl", contacts);
-  write_text_file(clip / "truth" / "trajectory.txt", poses);
+  write_whole_file(clip / "truth" / "hand.jsonl", hands);
+  write_whole_file(clip / "truth" / "contact.jsonl", contacts);
+  write_whole_file(clip / "truth" / "trajectory.txt", poses);
 }
 
 BodyDescription block(const fs::path& folder) {
   write_ply(folder / "block.ply", box_surface({-0.03, -0.03, 0}, {0.03, 0.03, kHeight}));
-  write_text_file(folder / "block.toml",
-                  "name = \"block\"\n[shape]\nsurface = \"block.ply\"\nup = \"z\"\nunit = \"m\"\n"
-                  "edge = \"12 mm\"\n[material]\nlaw = \"neo-hookean\"\nyoung = \"60 kPa\"\n"
-                  "poisson = 0.3\n[support]\nbelow = 0.03\n[sites]\ncount = 1\nabove = 0.5\n"
-                  "patch = 1\n[press]\ndepth = 0.1\nlevels = 2\n");
+  write_whole_file(folder / "block.toml",
+                   "name = \"block\"\n[shape]\nsurface = \"block.ply\"\nup = \"z\"\nunit = \"m\"\n"
+                   "edge = \"12 mm\"\n[material]\nlaw = \"neo-hookean\"\nyoung = \"60 kPa\"\n"
+                   "poisson = 0.3\n[support]\nbelow = 0.03\n[sites]\ncount = 1\nabove = 0.5\n"
+                   "patch = 1\n[press]\ndepth = 0.1\nlevels = 2\n");
   return read_body_description(folder / "block.toml");
 }
 
@@ -195,7 +195,7 @@ TEST_CASE("a clip of another body, and one without a touch, are refused", "[trut
                     Contains("the clip was filmed with another one"));
   std::string contacts;
   for (int n = 0; n < kFrames; ++n) contacts += contact_line({.frame = n});
-  write_text_file(clip / "truth" / "contact.jsonl", contacts);
+  write_whole_file(clip / "truth" / "contact.jsonl", contacts);
   CHECK_THROWS_WITH(write_true_skins(clip, description, {}, {}),
                     Contains("nothing touches the body"));
 }
