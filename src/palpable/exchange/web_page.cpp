@@ -1,7 +1,10 @@
 #include "palpable/exchange/web_page.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/base/error.h"
 #include "palpable/base/markup_text.h"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -73,6 +76,16 @@ std::string web_page(const WebPage& page) {
                                     {"content", filled(part(page.content), texts)},
                                     {"data", inside_script(page.data)},
                                     {"script", script}});
+}
+
+std::filesystem::path table_beside(const std::filesystem::path& page) {
+  std::filesystem::path table = page;
+  table.replace_extension(".csv");
+  if (table == page) {
+    throw Error(fmt::format("{}: is where the table goes; call the page {}.html", page.string(),
+                            page.stem().string()));
+  }
+  return table;
 }
 
 std::string base64(std::string_view bytes) {

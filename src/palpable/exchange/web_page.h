@@ -3,6 +3,7 @@
 /// an archive. The chart library (uPlot, MIT), styles and scripts are compiled into the program.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,6 +30,10 @@ struct WebPage {
 /// The whole file as text. @throws ContractViolation if a part, or the text for a {{key}}, is
 /// missing
 [[nodiscard]] std::string web_page(const WebPage& page);
+
+/// Where the table of a page's numbers goes: "report.html" has "report.csv" beside it.
+/// @throws Error if the page is called .csv itself
+[[nodiscard]] std::filesystem::path table_beside(const std::filesystem::path& page);
 
 /// Base64 of RFC 4648, with padding.
 [[nodiscard]] std::string base64(std::string_view bytes);

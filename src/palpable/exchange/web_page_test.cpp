@@ -19,6 +19,13 @@ TEST_CASE("base64 is that of RFC 4648", "[exchange][pages]") {
   CHECK(base64(std::string("\xff\x00\xfe", 3)) == "/wD+");
 }
 
+TEST_CASE("the table of a page lies beside it, and never in its place", "[exchange][pages]") {
+  CHECK(table_beside("out/report.html") == "out/report.csv");
+  CHECK(table_beside("out.d/report") == "out.d/report.csv");
+  CHECK_THROWS_WITH(table_beside("out/report.csv"),
+                    "out/report.csv: is where the table goes; call the page report.html");
+}
+
 TEST_CASE("a cell of a CSV file is quoted where it must be", "[exchange][pages]") {
   CHECK(csv_cell("plain text") == "plain text");
   CHECK(csv_cell("a, b") == "\"a, b\"");
