@@ -2,14 +2,13 @@
 // table.
 
 #include "apps/common/command_line.h"
-#include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
-#include "apps/palpable-bake/table_beside.h"
 #include "palpable/bake/evaluation_times.h"
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
 #include "palpable/base/this_machine.h"
 #include "palpable/exchange/body_page.h"
+#include "palpable/exchange/web_page.h"
 #include "palpable/reduced/body_file.h"
 
 #include <fmt/format.h>

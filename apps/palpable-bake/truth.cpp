@@ -4,6 +4,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
+#include "palpable/base/progress_text.h"
 #include "palpable/truth/true_skins.h"
 
 #include <fmt/core.h>

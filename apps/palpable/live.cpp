@@ -1,7 +1,6 @@
 // palpable live: images in, the pressed body in them out.
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/ctrl_c.h"
@@ -10,6 +9,7 @@
 #include "palpable/base/folder_lock.h"
 #include "palpable/live/body_in_view.h"
 #include "palpable/live/live_loop.h"
+#include "palpable/live/live_text.h"
 #include "palpable/live_writer/live_output.h"
 #include "palpable/live_writer/live_summary.h"
 #include "palpable/view/figure_scores.h"
@@ -49,28 +49,6 @@ LiveSummary summary(const Options& options, const LiveRun& run, const LiveCounts
   result.scale = options.live.scale;
   result.wall = wall;
   return result;
-}
-
-void print_counts(const LiveCounts& counts, const Session& session, double wall) {
-  fmt::print("{} frames in {:.1f} s ({:.0f} ms each), {} unreadable\n", counts.processed.size(),
-             wall, 1e3 * wall / static_cast<double>(counts.processed.size()),
-             counts.troubles.unreadable);
-  if (counts.troubles.unreadable > 0) fmt::print("last unreadable: {}\n", counts.last_trouble);
-  if (!counts.lost.empty()) {
-    fmt::print("the camera was lost in {} frames, first in frame {}\n", counts.lost.size(),
-               counts.lost.front());
-  }
-  if (const SurfaceMap* room = session.map();
-      room != nullptr && (room->refused() > 0 || session.free_space()->blocked() > 0)) {
-    fmt::print("the map was full ({} blocks): in ground seen later what moves is told less well\n",
-               room->blocks());
-  }
-  if (counts.first_touch) {
-    fmt::print("touched in {} frames, first in frame {}, at most {:.1f} mm deep\n", counts.touching,
-               *counts.first_touch, counts.deepest * 1e3);
-  } else {
-    fmt::print("never touched\n");
-  }
 }
 
 ProgressReport progress_of(const Scene& scene, int done, int total) {
@@ -159,7 +137,7 @@ void live(const Options& options) {
                      summary(options, run, counts, *output, wall.count()));
   painter.throw_gl_errors();
 
-  print_counts(counts, run.loop.session, wall.count());
+  fmt::print("{}", text_of(counts, run.loop.session, wall.count()));
   fmt::print("{}\n", (options.out / "touch.mp4").string());
   for (const std::string& name : output->figures()) {
     fmt::print("{}\n", (options.out / name).string());

@@ -2,9 +2,9 @@
 // left out, fresh Newton solves and the linear model.
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/base/cpu_time.h"
+#include "palpable/base/json.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/base/output_file.h"
 #include "palpable/intrusive/intrusive_bake.h"

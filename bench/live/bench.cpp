@@ -1,11 +1,11 @@
 // palpable bench: ms per stage of the live half, median and 99th percentile.
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/live_setup.h"
 #include "palpable/base/error.h"
+#include "palpable/base/json.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/clip_files/place.h"
 #include "palpable/contact/press_law.h"

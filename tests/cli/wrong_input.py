@@ -198,7 +198,7 @@ def _(programs, folder):
     # The table beside a page has a name that nobody gave.
     (folder / "b.csv").write_text("time,force\n0,1\n")
     for words in (("report", "b.palpable"), ("compare", "b.palpable", "-o", "b.html")):
-        programs.refuses(*words, cwd=folder, says=["b.csv: is somebody's", "-o"])
+        programs.refuses(*words, cwd=folder, says=["b.csv: is somebody's", "another name"])
     assert (folder / "b.csv").read_text() == "time,force\n0,1\n" and not (folder / "b.html").exists()
     (folder / "b.csv").unlink()
     for words in (("report", "b.palpable"), ("compare", "b.palpable", "-o", "b.html"), ("report", "b.palpable")):

@@ -1,10 +1,10 @@
 #include "palpable/exchange/body_page.h"
 
+#include "palpable/base/json.h"
 #include "palpable/exchange/web_page.h"
 #include "palpable/reduced/spline.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXf;
 using Eigen::VectorXd;
-using Json = nlohmann::ordered_json;
 
 constexpr int kModesShown = 6;
 
@@ -256,7 +255,7 @@ Json functions_json(const ReducedBody& body, const SeparatedField& field) {
       if (largest_weight(field, mode.column) == 0.0) continue;
       curves.push_back(curve_json(axis, mode.column, mode.title, at));
     }
-    if (curves.empty()) continue;
+    if (curves.size() == 0) continue;
     const bool level = axis.name == "level";
     result.push_back({{"name", axis.name},
                       {"title", fmt::format("Functions of the {}", axis.name)},
@@ -525,8 +524,7 @@ std::string body_page(const ReducedBody& body, const BodyPageFacts& facts,
                  {"stress_modes", modes_text(body.stress, "stress (Cauchy)")},
                  {"footer", fmt::format("Written by {} on {} from {}; the same numbers are in {}.",
                                         facts.program, facts.date, facts.file, csv_name)}},
-       // Names and provenance may hold bytes that are not UTF-8.
-       .data = data.dump(-1, ' ', false, Json::error_handler_t::replace)});
+       .data = data.dump()});
 }
 
 std::string body_table(const ReducedBody& body, const BodyPageFacts& facts) {

@@ -1,31 +1,29 @@
+#include "palpable/base/json.h"
 #include "palpable/scorecard/scorecard.h"
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 namespace palpable {
 namespace {
 
-using nlohmann::ordered_json;
-
 template <class T>
-ordered_json or_null(const std::optional<T>& value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
+Json or_null(const std::optional<T>& value) {
+  return value;
 }
 
-ordered_json both(const char* first, double one, const char* second, double other) {
+Json both(const char* first, double one, const char* second, double other) {
   return {{first, one}, {second, other}};
 }
 
-ordered_json or_null(const std::optional<MedianAndP90>& value) {
-  return value ? both("median", value->median, "p90", value->p90) : ordered_json(nullptr);
+Json or_null(const std::optional<MedianAndP90>& value) {
+  return value ? both("median", value->median, "p90", value->p90) : Json(nullptr);
 }
 
-ordered_json or_null(const std::optional<P50AndP99>& value) {
-  return value ? both("p50", value->p50, "p99", value->p99) : ordered_json(nullptr);
+Json or_null(const std::optional<P50AndP99>& value) {
+  return value ? both("p50", value->p50, "p99", value->p99) : Json(nullptr);
 }
 
-void add_press(const Scorecard& scores, ordered_json& json) {
+void add_press(const Scorecard& scores, Json& json) {
   const PressScores& press = scores.press;
   json["frames_touching"] = or_null(press.frames_touching);
   json["touch_precision"] = or_null(press.touch_precision);
@@ -56,7 +54,7 @@ void add_press(const Scorecard& scores, ordered_json& json) {
   json["overpress_mm"] = or_null(deformed.overpress_mm);
 }
 
-void add_depth(const ImageScores& images, ordered_json& json) {
+void add_depth(const ImageScores& images, Json& json) {
   const bool any = images.depth_frames > 0;
   const DepthScore& depth = images.depth;
   json["depth_frames"] = images.depth_frames;
@@ -70,14 +68,14 @@ void add_depth(const ImageScores& images, ordered_json& json) {
     json["depth_density"][distance] = or_null(depth.at[k].density);
   }
   json["hand_within_1pct"] = or_null(depth.hand_within_1pct);
-  json["hand_near_frames"] = any ? ordered_json(depth.near_frames) : ordered_json(nullptr);
+  json["hand_near_frames"] = any ? Json(depth.near_frames) : Json(nullptr);
   json["too_close_called_far"] = or_null(depth.too_close_called_far);
 }
 
 }  // namespace
 
 std::string json_of(const Scorecard& scores) {
-  ordered_json json;
+  Json json;
   json["frames"] = scores.frames;
   json["frames_processed"] = scores.frames_processed;
   add_depth(scores.images, json);
@@ -104,7 +102,7 @@ std::string json_of(const Scorecard& scores) {
     json["reduction_error"] = *scores.reduction_error;
     json["reduction_error_worst"] = or_null(scores.reduction_error_worst);
   }
-  return json.dump(2, ' ', false, decltype(json)::error_handler_t::replace);
+  return json.dump(2);
 }
 
 }  // namespace palpable

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 namespace palpable {
@@ -372,6 +373,19 @@ Result<std::unique_ptr<FrameSource>> open_camera(const CameraRequest& request,
   return std::unique_ptr<FrameSource>(std::make_unique<CameraSource>(
       system, calibration.value().format, calibration.value().depth_unit.value_or(kMillimetre),
       request.lock, std::move(first).value(), std::move(second)));
+}
+
+std::vector<fs::path> calibration_folders() {
+  std::vector<fs::path> folders;
+  const char* config = std::getenv("XDG_CONFIG_HOME");
+  const char* home = std::getenv("HOME");
+  if (config != nullptr && *config != '\0') {
+    folders.push_back(fs::path(config) / "palpable");
+  } else if (home != nullptr && *home != '\0') {
+    folders.push_back(fs::path(home) / ".config/palpable");
+  }
+  folders.emplace_back("/usr/local/zed/settings");
+  return folders;
 }
 
 }  // namespace palpable
