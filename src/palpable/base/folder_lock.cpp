@@ -52,8 +52,8 @@ FolderLock::FolderLock(const fs::path& folder) {
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       ::close(descriptor_);
       throw Error(
-          fmt::format("{}: another run is writing into it; wait for its end, or give "
-                      "another --out",
+          fmt::format("{}: another run is writing into it; wait for its end, or write "
+                      "into another folder",
                       folder.string()));
     }
     if (is_still(descriptor_, folder)) {
