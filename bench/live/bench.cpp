@@ -217,8 +217,7 @@ void bench_contact(const BodyOptions& options) {
     StageTimes times;
     {
       const StageTimer timer(times, "surface");
-      surface.build(frames[static_cast<std::size_t>(i % kPoses)], camera,
-                    camera_from_body.inverse(), region);
+      surface.build(frames[i % kPoses], camera, camera_from_body.inverse(), region);
     }
     {
       const StageTimer timer(times, "touch");

@@ -1096,10 +1096,10 @@ def _(programs, folder):
     assert "the obstacle's force is" in output, output
 
     grid.unlink()
-    for words, says in (((finger.replace("8mm,8mm", "-8mm"),), ["--obstacle", "-8mm", "sphere 8mm at"]),
-                        (("cube 3",), ["--obstacle 'cube 3'", "no form and no file"]),
-                        ((folder / "box.off",), ["box.off", "--pose FILE"]),
-                        ((finger, "--pose", folder / "way.txt"), ["way.txt", "no --obstacle is a surface"]),
+    for words, says in (((finger.replace("8mm,8mm", "-8mm"),), ["obstacle '", "-8mm", "sphere 8mm at"]),
+                        (("cube 3",), ["obstacle 'cube 3'", "no form and no file"]),
+                        ((folder / "box.off",), ["box.off", "a file of poses is needed"]),
+                        ((finger, "--pose", folder / "way.txt"), ["way.txt", "no obstacle is a surface"]),
                         ((folder / "box.off", "--pose", folder / "none.txt"), ["none.txt"])):
         programs.refuses("solve", body, "--obstacle", *words, "-o", grid, says=says)
     programs.refuses("solve", body, "--pose", folder / "way.txt", "-o", grid, says=["--pose", "--obstacle"])
@@ -1461,11 +1461,11 @@ def _(programs, folder):
     before = kept()
     right = live(programs, folder, "--overwrite")
     for at, wrong, says in ((1, folder / "none.palpable", "none.palpable"), (3, folder / "clop", "clop"),
-                            (5, "0 0 nowhere", "nowhere"), (3, out, "is read by this run"), (5, out / "live.json", "--overwrite would remove it"),
-                            (3, folder / "out/visible/*.png", "--overwrite would remove it")):
+                            (5, "0 0 nowhere", "nowhere"), (3, out, "is read by this run"), (5, out / "live.json", "would be overwritten"),
+                            (3, folder / "out/visible/*.png", "would be overwritten")):
         programs.refuses(*right[:at], wrong, *right[at + 1:], says=[says])
         assert kept() == before, wrong
-    programs.refuses(*right, "--calibration", out / "live.json", says=["live.json", "--overwrite would remove it"])
+    programs.refuses(*right, "--calibration", out / "live.json", says=["live.json", "would be overwritten"])
     assert kept() == before
     # What is wrong with a source is known when its first frame has been looked at.
     shutil.copytree(folder / "clip", folder / "crooked")
@@ -1983,7 +1983,7 @@ def _(programs, folder):
         print(f"SKIPPED: no folder {data}")
         return
     programs.refuses("live", programs.small_body(), "--source", data / "raw", "--place", "0 0 1 0 0 0",
-                     "--out", folder / "out", says=["raw", "--calibration"])
+                     "--out", folder / "out", says=["raw", "or name another file"])
     programs.succeeds("live", programs.small_body(), "--source", data / "raw", "--calibration",
                       data / "SN10027514.conf", "--place", "0 0 1 0 0 0", "--out", folder / "out")
     assert json.loads((folder / "out/live.json").read_text())["frames"] == 2

@@ -53,8 +53,8 @@ FolderLock::FolderLock(const fs::path& folder, Holding holding) {
     if (::flock(descriptor_, operation) != 0 && errno == EWOULDBLOCK) {
       ::close(descriptor_);
       throw Error(
-          fmt::format("{}: another run is writing into it; wait for its end, or give "
-                      "another --out",
+          fmt::format("{}: another run is writing into it; wait for its end, or write "
+                      "into another folder",
                       folder.string()));
     }
     if (is_still(descriptor_, folder)) {

@@ -65,8 +65,8 @@ fs::path kept_clip(const ReducedBody& body, const KeptClipOrder& order, const Pr
   if (found != label) {
     if (lies_in(order.body_file, order.folder)) {
       throw Error(
-          fmt::format("{}: lies where the synthetic clip is kept; move it, or give another "
-                      "--out",
+          fmt::format("{}: lies where the synthetic clip is kept; move it, or write "
+                      "into another folder",
                       order.body_file.string()));
     }
     clear(order.folder, label_file, found);

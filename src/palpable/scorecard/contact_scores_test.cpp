@@ -111,7 +111,7 @@ void write_truth(const fs::path& folder) {
   fs::create_directories(folder / "deformed");
   write_valued_ply(folder / "deformed" / "rest.ply", pressed(0), kVonMisesProperty);
   for (int n = 0; n < std::ssize(kMoments); ++n) {
-    const Moment& now = kMoments[static_cast<std::size_t>(n)];
+    const Moment& now = kMoments[n];
     const Vector3d middle(0, 0, kRadius - now.depth);
     hands += hand_line({n, {{kPlace + middle, kPlace + middle, kRadius, kRadius}}});
     path += trajectory_line({n / 30.0, Rigid3::Identity()});
@@ -155,7 +155,7 @@ void write_result(const fs::path& folder, const Answers& answers) {
   write_valued_ply(folder / "meshes" / "rest.ply", pressed(0), kVonMisesProperty);
   std::string touches;
   for (int n = 0; n < std::ssize(kMoments); ++n) {
-    const Answer answer = answers(kMoments[static_cast<std::size_t>(n)]);
+    const Answer answer = answers(kMoments[n]);
     write_valued_ply(folder / "meshes" / frame_name(n, ".ply"), answer.skin, kVonMisesProperty);
     if (answer.felt) touches += touches_line({n, {{.force = answer.force}}});
   }

@@ -88,7 +88,7 @@ TEST_CASE("a recording in which a loop is closed is played once more along the c
     for (int n = test::kCreepingCircle; n < test::kCreepingFrames; ++n) {
       INFO("frame " << n);
       // A frame is 29 mm from the next: none is taken for another.
-      CHECK(off(scanned.frames[static_cast<std::size_t>(n)], n) <
+      CHECK(off(scanned.frames[n], n) <
             tolerance(0.025, "12 px of 2.3 mm by the loop (20 mm as measured), nothing beyond"));
     }
     CHECK(back < -2);
