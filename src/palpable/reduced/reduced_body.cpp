@@ -49,7 +49,7 @@ Result<ReducedBody> settled(const ReducedBody& body, const std::map<std::string,
   ReducedBody result = body;
   for (const auto& [name, value] : values) {
     const auto found = std::find_if(result.further.begin(), result.further.end(),
-                                    [&](const FurtherParameter& p) { return p.name == name; });
+                                    [&name = name](const FurtherParameter& p) { return p.name == name; });
     if (found == result.further.end() || body.is_settled()) {
       std::string known;
       if (!body.is_settled()) {
