@@ -1,5 +1,9 @@
 // What the sanitizers ask a test program for.
+#include "tests/support/sanitizer_names.h"
+
 #include "tests/support/full_disk.h"
+
+bool palpable::test::sanitizer_names_are_here() { return true; }
 
 #if defined(__SANITIZE_ADDRESS__)
 // LeakSanitizer asks for this name before it looks.

@@ -231,7 +231,7 @@ TEST_CASE("an earlier run is replaced only when that is asked for, and only what
   CHECK_THROWS_WITH(earlier_run(out, true, {}), Catch::Contains("not of an earlier run"));
 
   test::write_bytes(out / "timing.csv", "frame,total_ms\n");
-  CHECK_THROWS_WITH(earlier_run(out, false, {}), Catch::Contains("--overwrite"));
+  CHECK_THROWS_AS(earlier_run(out, false, {}), EarlierRunError);
   const std::vector<fs::path> there = earlier_run(out, true, {folder / "body.palpable"});
   CHECK(there == std::vector<fs::path>{out / "timing.csv", out / "depth"});
   CHECK(fs::exists(out / "timing.csv"));  // nothing is removed yet
