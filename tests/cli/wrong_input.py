@@ -76,6 +76,19 @@ def _(programs, folder):
     programs.refuses("bake", folder / "bad.stl", "-o", folder / "x.palpable", says=["bad.stl: "])
 
 
+@case("what goes wrong is said with the file or the option that it is about")
+def _(programs, folder):
+    base.write_ball(folder, base.BALL.replace('up = "z"', 'up = "z"\nwrap = "10 mm"'))
+    (folder / "ball.off").write_text(re.sub("^0 0 -?1$", "0 0 0", base.octahedron(), flags=re.M))
+    programs.refuses("bake", folder / "ball.toml", "-o", folder / "x.palpable", says=["ball.off: ", "no height"])
+    base.write_ball(folder)
+    inside = "sphere 8mm at 0,0,0.05 to 0,0,0.04"
+    programs.refuses("solve", folder / "ball.toml", "--obstacle", inside, "-o", folder / "x.vtu",
+                     says=[f"--obstacle '{inside}': the obstacle lies inside the body"])
+    for option in ("--largest-reprojection", "--largest-row-error"):
+        programs.refuses("calibrate", "--source", folder, f"{option}=-1", says=[option, "above 0"])
+
+
 @case("a press past the centre of mass is refused with the site, by bake and by solve")
 def _(programs, folder):
     base.write_ball(folder, base.BALL.replace("depth = 0.08", "depth = 0.95"))
@@ -203,6 +216,14 @@ def _(programs, folder):
     (folder / "b.csv").unlink()
     for words in (("report", "b.palpable"), ("compare", "b.palpable", "-o", "b.html"), ("report", "b.palpable")):
         programs.succeeds(*words, cwd=folder)  # its own are replaced
+    # Neither has the file of an export's arrays.
+    (folder / "mine.h5").write_text("of somebody")
+    for kind in ("xdmf", "pxdmf"):
+        programs.refuses("export", "b.palpable", "--to", kind, "-o", "mine", cwd=folder,
+                         says=["mine.h5: is there without mine", "another name"])
+        for _ in range(2):
+            programs.succeeds("export", "b.palpable", "--to", kind, "-o", f"own.{kind}", cwd=folder)
+    assert (folder / "mine.h5").read_text() == "of somebody" and not (folder / "mine").exists()
     for words in (("export", "b.palpable", "--to", "numpy"), ("export", "b.snapshots", "--to", "vtu"),
                   ("import-snapshots", ".", "--manifest", "ball.toml")):
         programs.refuses(*words, "-o", ".", cwd=folder, says=["could be destroyed"])
