@@ -190,6 +190,29 @@ def _(programs, folder):
             assert not list(folder.rglob("*.part*")), list(folder.rglob("*.part*"))
 
 
+@case("what cannot be printed is an error, and what is printed goes into no file")
+def _(programs, folder):
+    base.write_ball(folder)
+    body = programs.small_body()
+    for words in (("inspect", body), ("inspect", "--json", body), ("--help",), ("solve", folder / "ball.toml", "-o", folder / "x.vtu")):
+        with open("/dev/full", "w") as full:
+            result = subprocess.run([programs.palpable, *map(str, words)], stdout=full, stderr=subprocess.PIPE, text=True,
+                                    stdin=subprocess.DEVNULL, timeout=120)
+        assert result.returncode == 1, (words, result)
+        assert result.stderr.splitlines()[-1] == "palpable: what is printed cannot be written: No space left on device", result
+    # The next file that a program opens gets the number of a stream that is closed.
+    base.write_stereo(folder / "clip", frames=3)
+    closed = {"stdin": None, "timeout": 120, "preexec_fn": lambda: [os.close(stream) for stream in (0, 1, 2)]}
+    mesh = (programs.palpable, "mesh", folder / "ball.off", "-o")
+    for name, options in (("open.msh", {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}), ("closed.msh", closed)):
+        assert subprocess.run([*mesh, folder / name], **options).returncode == 0, name
+    assert (folder / "open.msh").read_bytes() == (folder / "closed.msh").read_bytes()
+    assert subprocess.run([programs.palpable, *map(str, base.live(programs, folder))], **closed).returncode == 0
+    header, *rows = (folder / "out/timing.csv").read_text().splitlines()
+    assert len(rows) == 3 and all(len(row.split(",")) == len(header.split(",")) for row in rows), rows
+    assert json.loads((folder / "out/live.json").read_text())["frames"] == 3
+
+
 @case("what a command reads is not what it writes over, whichever command it is")
 def _(programs, folder):
     base.write_ball(folder)
