@@ -1971,7 +1971,7 @@ def _(programs, folder):
     assert len(processed) + counts["source_troubles"]["dropped"] == processed[-1] + 1, counts
     shutil.rmtree(folder / "out")
 
-    programs.refuses(*live(programs, folder, source="eye.mp4"), says=["eye.mp4", "--right"])
+    programs.refuses(*live(programs, folder, source="eye.mp4"), says=["eye.mp4", "the right eye's file"])
     programs.refuses(*live(programs, folder, "--right", video, source="eye.mp4"),
                      says=["eye.mp4", "no calibration"])
     programs.succeeds(*live(programs, folder, "--right", video, "--calibration", folder / "clip/rectified.yml",

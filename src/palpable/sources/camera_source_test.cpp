@@ -433,7 +433,7 @@ TEST_CASE("a camera that cannot be used says why and what to do", "[sources][cam
 
   camera.modes = {{kGrey, 16, kHeight, {30}}};
   CHECK(
-      contains(refusal(video, request()), "one eye's pictures only: name the other eye's camera"));
+      contains(refusal(video, request()), "one eye's pictures only: name the right eye's camera"));
   wanted = request();
   wanted.right = "/dev/video0";
   camera.modes = {{kDepth, kWidth, kHeight, {30}}};
