@@ -9,10 +9,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <fcntl.h>
+#include <iostream>
 #include <new>
+#include <unistd.h>
 #include <utility>
 
 namespace palpable::app {
@@ -75,6 +80,27 @@ std::string why_not_positive(const std::string& text) {
 std::string why_no_number(const std::string& text) {
   if (to_number(text)) return {};
   return fmt::format("{} is no number that is finite", text);
+}
+
+// Where the user has closed one of them (">&-"), the next file that is opened would get its number,
+// and what is printed would go into that file.
+void open_missing_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
+    // Gets the lowest number that is free: this one.
+    if (::open("/dev/null", O_RDWR) != stream) return;
+  }
+}
+
+// A table on its way into a file on a full disk is lost otherwise, without a word.
+// @return the exit code
+int success_if_printed() {
+  errno = 0;
+  std::cout.flush();  // CLI11's help
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return 0;
+  const std::string reason = errno == 0 ? "" : fmt::format(": {}", std::strerror(errno));
+  print_error("what is printed cannot be written" + reason);
+  return 1;
 }
 
 }  // namespace
@@ -200,6 +226,7 @@ int CommandLine::run(int argc, const char* const* argv) {
   // A file beyond the limit of the shell (ulimit -f) is a full disk, and said as one: the signal
   // would end the program in the middle of a file.
   std::signal(SIGXFSZ, SIG_IGN);
+  open_missing_streams();
   CLI::App& app = this->app();
   // A word that is no command is looked at first: CLI11 would complain that a command is missing.
   if (argc > 1 && argv[1][0] != '-') {
@@ -214,10 +241,10 @@ int CommandLine::run(int argc, const char* const* argv) {
   }
   try {
     app.parse(argc, argv);
-    return 0;
+    return success_if_printed();
   } catch (const CLI::Success& asked) {  // --help, --version: printed by CLI11 on stdout
     app.exit(asked);
-    return 0;
+    return success_if_printed();
   } catch (const CLI::ExtrasError&) {
     print_error(unexpected_argument(app));
   } catch (const CLI::ParseError& error) {

@@ -62,11 +62,17 @@ void read_shard(const std::string& text, FillSettings& settings) {
 std::filesystem::path store_of(const Options& options) {
   std::filesystem::path store = options.store;
   if (store.empty()) store = std::filesystem::path(options.output).replace_extension(".snapshots");
-  if (store == options.output) {
+  if (lies_in(options.output, store)) {
+    if (lies_in(store, options.output)) {
+      throw Error(
+          fmt::format("{}: the body file cannot have the name of its snapshots; call it "
+                      "{}.palpable",
+                      options.output, store.stem().string()));
+    }
     throw Error(
-        fmt::format("{}: the body file cannot have the name of its snapshots; call it "
-                    "{}.palpable",
-                    options.output, store.stem().string()));
+        fmt::format("{}: lies in the folder of the snapshots, {}, and could replace one of them; "
+                    "name a file outside of it",
+                    options.output, store.string()));
   }
   return store;
 }
@@ -112,11 +118,7 @@ void print_campaign(const FilledStore& filled) {
       "snapshots: {}, {} sites solved, {} were there; look at them with ParaView: "
       "{}/campaign.xdmf\n",
       folder, filled.campaign.solved, filled.campaign.reused, folder);
-  if (const auto& aside = filled.set_aside) {
-    fmt::print("{} held {} sites of another description: kept in {}{}\n", folder, aside->units,
-               aside->folder.string(),
-               aside->brought_back ? "; this description's own were brought back" : "");
-  }
+  if (const auto& aside = filled.set_aside) { fmt::print("{}\n", set_aside_text(folder, *aside)); }
   if (content.linear.empty()) return;
   fmt::print("linear responses of {} vertices: {} of {} files made now\n", content.linear.size(),
              filled.campaign.linear_solved, content.linear_file_count());
@@ -156,8 +158,10 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
   const BodyDescription description = read_description(options.description);
   const std::vector<std::filesystem::path> inputs{options.description, description.shape.file};
   guard_output_file(options.output, inputs);
+  const bool has_campaign = options.method != "intrusive-pgd";
+  if (!has_campaign) guard_output_file(solid_file_of(options.output), inputs);
   if (crew.leads()) print_size(description);
-  if (options.method == "intrusive-pgd") {
+  if (!has_campaign) {
     if (crew.leads()) bake_without_campaign(options, description, command_line);
     return;
   }

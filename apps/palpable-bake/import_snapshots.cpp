@@ -25,7 +25,7 @@ void import(const Options& options) {
   guard_output_folder(options.output, {options.folder, options.manifest});
   const ImportManifest manifest = read_import_manifest(options.manifest);
   ProgressBar bar;
-  const SnapshotStore store =
+  const auto [store, aside] =
       import_snapshots(options.folder, manifest, options.output, bar.progress());
   bar.finish();
   std::string fields;
@@ -33,6 +33,7 @@ void import(const Options& options) {
   fmt::print("{}: {} sites x {} levels,{}; make a body of them with: palpable reduce {} -o FILE\n",
              options.output, store.content().unit_count(), store.content().level_count(), fields,
              options.output);
+  if (aside) fmt::print("{}\n", set_aside_text(options.output, *aside));
 }
 
 }  // namespace

@@ -24,12 +24,13 @@ struct Options {
 void merge(const Options& options) {
   guard_output_folder(options.output, {});  // it may be one of the parts
   ProgressBar bar;
-  const SnapshotStore merged =
+  const auto [merged, aside] =
       merge_stores({options.parts.begin(), options.parts.end()}, options.output, bar.progress());
   bar.finish();
   fmt::print("{}: {} sites x {} levels; make a body of them with: palpable reduce {} -o FILE\n",
              options.output, merged.content().unit_count(), merged.content().level_count(),
              options.output);
+  if (aside) fmt::print("{}\n", set_aside_text(options.output, *aside));
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include "palpable/solid/solve_tables.h"
 #include "palpable/truth/obstacle_way.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 namespace palpable::app {
 namespace {
@@ -48,7 +48,10 @@ void solve_obstacle(const ObstacleOptions& options, const std::string& output,
     fmt::print("{}", contact_row(walk.now()));
   }
   fmt::print("\n");
-  if (step == 1) throw Error(walk.why_stopped());
+  if (step == 1) {
+    throw Error(fmt::format("--obstacle '{}': {}", fmt::join(options.obstacles, "' and '"),
+                            walk.why_stopped()));
+  }
   if (!walk.why_stopped().empty()) fmt::print("{}\n", walk.why_stopped());
   write_state(output, walk, presses);
 }

@@ -106,10 +106,12 @@ void add_calibrate(Command app) {
   command
       .add_option("--largest-reprojection", options->limits.largest_reprojection_px,
                   "Refuse a calibration whose reprojection error is larger, px rms")
+      .positive()
       .show_default();
   command
       .add_option("--largest-row-error", options->limits.largest_row_error_px,
                   "Refuse one whose two eyes' rows are farther apart, px rms")
+      .positive()
       .show_default();
   command.add_option("--check", options->check,
                      "Instead of calibrating: say how far this calibration leaves the two eyes' "

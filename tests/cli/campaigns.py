@@ -157,6 +157,13 @@ def _(programs, folder):
     programs.succeeds("merge", *parts, "-o", folder / "bar.snapshots")
     assert files_of(folder / "bar.snapshots") == files_of(folder / "whole/bar.snapshots")
     programs.succeeds("reduce", folder / "bar.snapshots", "-o", folder / "bar.palpable")
+    # Another campaign in the output makes room, and that is said.
+    base.write_bar(folder / "other", BLOCK.replace("60 kPa", "70 kPa"))
+    programs.succeeds("bake", "bar.toml", "-o", "bar.palpable", "--shard", "1/3", cwd=folder / "other")
+    there = files_of(folder / "other/bar.snapshots")
+    said = programs.succeeds("merge", *parts, "-o", folder / "other/bar.snapshots").stdout
+    kept = re.search(r"bar.snapshots held 2 sites of another description: kept in (\S+)", said)
+    assert kept and files_of(kept[1]) == there, said
 
 
 @case("a campaign by CalculiX makes the same body, and says what ccx says")
@@ -392,6 +399,16 @@ def _(programs, folder):
     (folder / "other").mkdir()
     (folder / "other/letter.txt").write_text("of somebody")
     programs.refuses("bake", toml, *out, "--snapshots", folder / "other", says=["holds something else"])
+    # A body file among the snapshots would replace one of them, or be in the way of the next site's.
+    programs.succeeds("bake", toml, *out, "--shard", "1/6")
+    before = files_of(folder / "bar.snapshots")
+    for name in ("campaign.h5", "site_0000.h5", "site_0005.h5", "../bar.snapshots/x"):
+        programs.refuses("bake", toml, "-o", folder / "bar.snapshots" / name, "--snapshots", folder / "bar.snapshots",
+                         says=[name, "lies in the folder of the snapshots"])
+    assert files_of(folder / "bar.snapshots") == before
+    for output in ("./x", "x", "../" + folder.name + "/x"):
+        programs.refuses("bake", "bar.toml", "-o", output, "--snapshots", "x", cwd=folder, says=["name of its snapshots"])
+    assert not (folder / "x").exists()
     (folder / "bad.snapshots").mkdir()
     (folder / "bad.snapshots/campaign.h5").write_bytes(b"palpable campaign, layout 9\n")
     programs.refuses("reduce", folder / "bad.snapshots", *out, says=["campaign.h5", "layout version '9'"])

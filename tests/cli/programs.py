@@ -888,6 +888,9 @@ def _(programs, folder):
     programs.refuses(*bake, "--solver", "calculix", says=["--solver", "campaign"])
     programs.refuses(*bake, "--volume", says=["--volume", "campaign"])
     programs.refuses(*bake[:3], "greedy", *bake[4:], says=["intrusive-pgd"])
+    (folder / "other.solid.h5").mkdir()  # where mesh and law would go
+    said = programs.refuses(*bake[:-1], folder / "other.palpable", says=["other.solid.h5: is a folder"])
+    assert not (folder / "other.palpable").exists(), said
     for what, says in ((text, ["[intrusive]"]), (travels.replace("0.05 N", "5 N"), ["beyond the range", "5 N"]),
                        (travels.replace('"TIP"\nforce', '"BASE"\nforce'), ["positions", "[support]"]),
                        (travels.replace("saint-venant-kirchhoff", "neo-hookean"), ["saint-venant-kirchhoff"])):

@@ -76,6 +76,19 @@ def _(programs, folder):
     programs.refuses("bake", folder / "bad.stl", "-o", folder / "x.palpable", says=["bad.stl: "])
 
 
+@case("what goes wrong is said with the file or the option that it is about")
+def _(programs, folder):
+    base.write_ball(folder, base.BALL.replace('up = "z"', 'up = "z"\nwrap = "10 mm"'))
+    (folder / "ball.off").write_text(re.sub("^0 0 -?1$", "0 0 0", base.octahedron(), flags=re.M))
+    programs.refuses("bake", folder / "ball.toml", "-o", folder / "x.palpable", says=["ball.off: ", "no height"])
+    base.write_ball(folder)
+    inside = "sphere 8mm at 0,0,0.05 to 0,0,0.04"
+    programs.refuses("solve", folder / "ball.toml", "--obstacle", inside, "-o", folder / "x.vtu",
+                     says=[f"--obstacle '{inside}': the obstacle lies inside the body"])
+    for option in ("--largest-reprojection", "--largest-row-error"):
+        programs.refuses("calibrate", "--source", folder, f"{option}=-1", says=[option, "above 0"])
+
+
 @case("a press past the centre of mass is refused with the site, by bake and by solve")
 def _(programs, folder):
     base.write_ball(folder, base.BALL.replace("depth = 0.08", "depth = 0.95"))
@@ -177,6 +190,29 @@ def _(programs, folder):
             assert not list(folder.rglob("*.part*")), list(folder.rglob("*.part*"))
 
 
+@case("what cannot be printed is an error, and what is printed goes into no file")
+def _(programs, folder):
+    base.write_ball(folder)
+    body = programs.small_body()
+    for words in (("inspect", body), ("inspect", "--json", body), ("--help",), ("solve", folder / "ball.toml", "-o", folder / "x.vtu")):
+        with open("/dev/full", "w") as full:
+            result = subprocess.run([programs.palpable, *map(str, words)], stdout=full, stderr=subprocess.PIPE, text=True,
+                                    stdin=subprocess.DEVNULL, timeout=120)
+        assert result.returncode == 1, (words, result)
+        assert result.stderr.splitlines()[-1] == "palpable: what is printed cannot be written: No space left on device", result
+    # The next file that a program opens gets the number of a stream that is closed.
+    base.write_stereo(folder / "clip", frames=3)
+    closed = {"stdin": None, "timeout": 120, "preexec_fn": lambda: [os.close(stream) for stream in (0, 1, 2)]}
+    mesh = (programs.palpable, "mesh", folder / "ball.off", "-o")
+    for name, options in (("open.msh", {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}), ("closed.msh", closed)):
+        assert subprocess.run([*mesh, folder / name], **options).returncode == 0, name
+    assert (folder / "open.msh").read_bytes() == (folder / "closed.msh").read_bytes()
+    assert subprocess.run([programs.palpable, *map(str, base.live(programs, folder))], **closed).returncode == 0
+    header, *rows = (folder / "out/timing.csv").read_text().splitlines()
+    assert len(rows) == 3 and all(len(row.split(",")) == len(header.split(",")) for row in rows), rows
+    assert json.loads((folder / "out/live.json").read_text())["frames"] == 3
+
+
 @case("what a command reads is not what it writes over, whichever command it is")
 def _(programs, folder):
     base.write_ball(folder)
@@ -203,6 +239,14 @@ def _(programs, folder):
     (folder / "b.csv").unlink()
     for words in (("report", "b.palpable"), ("compare", "b.palpable", "-o", "b.html"), ("report", "b.palpable")):
         programs.succeeds(*words, cwd=folder)  # its own are replaced
+    # Neither has the file of an export's arrays.
+    (folder / "mine.h5").write_text("of somebody")
+    for kind in ("xdmf", "pxdmf"):
+        programs.refuses("export", "b.palpable", "--to", kind, "-o", "mine", cwd=folder,
+                         says=["mine.h5: is there without mine", "another name"])
+        for _ in range(2):
+            programs.succeeds("export", "b.palpable", "--to", kind, "-o", f"own.{kind}", cwd=folder)
+    assert (folder / "mine.h5").read_text() == "of somebody" and not (folder / "mine").exists()
     for words in (("export", "b.palpable", "--to", "numpy"), ("export", "b.snapshots", "--to", "vtu"),
                   ("import-snapshots", ".", "--manifest", "ball.toml")):
         programs.refuses(*words, "-o", ".", cwd=folder, says=["could be destroyed"])

@@ -123,10 +123,17 @@ TEST_CASE("what killed processes left goes, and what one beside this is writing 
   const fs::path other = part("elsewhere", 7), killed = part(host, ended),
                  running = part(host, ::getppid());
   for (const fs::path& file : {other, killed, running}) test::write_bytes(file, "half");
+  const std::vector<std::string> of_the_user{"site_notes.txt", "linear_study.csv", "point_7.png",
+                                             "site_0099.h5", "thesis.part-1.txt"};
+  for (const std::string& name : of_the_user) test::write_bytes(folder / "store" / name, "mine");
   store.finish();
   CHECK_FALSE(fs::exists(other));
   CHECK_FALSE(fs::exists(killed));
   CHECK(fs::exists(running));
+  for (const std::string& name : of_the_user) {
+    INFO(name);
+    CHECK(fs::exists(folder / "store" / name));
+  }
 }
 
 TEST_CASE("a store's list for ParaView is XML, whatever parameters and fields are called",

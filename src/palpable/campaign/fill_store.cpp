@@ -228,7 +228,10 @@ FilledStore fill_store(const BodyDescription& description, const FillSettings& s
   SnapshotStore store = crew.leads() ? SnapshotStore::create(settings.store, std::move(content))
                                      : SnapshotStore::attach(settings.store, std::move(content));
   std::unique_ptr<FolderLock> held;
-  if (crew.leads()) held = std::make_unique<FolderLock>(settings.store, Holding::kWithOthers);
+  if (crew.leads()) {
+    held = std::make_unique<FolderLock>(settings.store, Holding::kWithOthers);
+    require_own_campaign(settings.store, store.content());
+  }
   try {
     CampaignReport campaign = run_campaign(
         plan, store, crew,

@@ -5,7 +5,6 @@
 #include "palpable/base/nearest_word.h"
 #include "palpable/base/whole_file.h"
 #include "palpable/campaign/fill_store.h"
-#include "palpable/campaign/set_aside.h"
 #include "palpable/describe/body_problem.h"
 #include "palpable/describe/toml_section.h"
 #include "palpable/mesh/field_files.h"
@@ -486,8 +485,8 @@ ImportManifest read_import_manifest(const fs::path& path) {
   return manifest;
 }
 
-SnapshotStore import_snapshots(const fs::path& folder, const ImportManifest& manifest,
-                               const fs::path& output, const Progress& progress) {
+CollectedStore import_snapshots(const fs::path& folder, const ImportManifest& manifest,
+                                const fs::path& output, const Progress& progress) {
   const BodyDescription description = read_body_description(manifest.body);
   if (!description.shape.is_volume()) {
     throw Error(
@@ -503,7 +502,8 @@ SnapshotStore import_snapshots(const fs::path& folder, const ImportManifest& man
   }
   StoreContent content = content_of(description, problem);
   content.levels = levels_of(manifest);
-  if (content.level_count() < 1) throw Error("there are no levels");
+  if (content.level_count() < 1)
+    throw Error(fmt::format("{}: there are no levels", manifest.source.string()));
   const std::vector<std::vector<int>> order = arrange(manifest, content);
 
   const NodeMatch match(volume);
@@ -528,8 +528,8 @@ SnapshotStore import_snapshots(const fs::path& folder, const ImportManifest& man
     show(u);
     keyed.keys.push_back(key_of(content.mesh, units.read(u), static_cast<int>(u)));
   }
-  set_aside_other_campaign(output, keyed);
-  const SnapshotStore store = SnapshotStore::create(output, std::move(keyed));
+  std::optional<SetAside> set_aside = set_aside_other_campaign(output, keyed);
+  SnapshotStore store = SnapshotStore::create(output, std::move(keyed));
   for (std::size_t u = 0; u < order.size(); ++u) {
     show(order.size() + u);
     if (store.has(static_cast<int>(u))) continue;
@@ -538,7 +538,7 @@ SnapshotStore import_snapshots(const fs::path& folder, const ImportManifest& man
   }
   report(progress, {"reading snapshots", 1.0, 1.0, ""});
   store.finish();
-  return store;
+  return {std::move(store), std::move(set_aside)};
 }
 
 }  // namespace palpable

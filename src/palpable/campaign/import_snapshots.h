@@ -3,7 +3,7 @@
 #pragma once
 
 #include "palpable/base/progress.h"
-#include "palpable/campaign/snapshot_store.h"
+#include "palpable/campaign/set_aside.h"
 #include "palpable/describe/body_description.h"
 
 #include <filesystem>
@@ -48,7 +48,7 @@ struct ImportManifest {
 /// @param output  the store
 /// @throws Error when a file cannot be read, lacks a field or nodes, a snapshot is missing or
 ///         there twice, or the body gives way less at a higher level
-SnapshotStore import_snapshots(const std::filesystem::path& folder, const ImportManifest& manifest,
-                               const std::filesystem::path& output, const Progress& progress = {});
+CollectedStore import_snapshots(const std::filesystem::path& folder, const ImportManifest& manifest,
+                                const std::filesystem::path& output, const Progress& progress = {});
 
 }  // namespace palpable

@@ -2,17 +2,17 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
-#include "palpable/campaign/set_aside.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace palpable {
 
-SnapshotStore merge_stores(const std::vector<std::filesystem::path>& parts,
-                           const std::filesystem::path& output, const Progress& progress) {
+CollectedStore merge_stores(const std::vector<std::filesystem::path>& parts,
+                            const std::filesystem::path& output, const Progress& progress) {
   PALPABLE_EXPECT(!parts.empty(), "there is something to merge");
   std::vector<SnapshotStore> stores;
   for (const std::filesystem::path& part : parts) {
@@ -26,7 +26,7 @@ SnapshotStore merge_stores(const std::vector<std::filesystem::path>& parts,
     }
     stores.push_back(std::move(store));
   }
-  set_aside_other_campaign(output, stores[0].content());
+  std::optional<SetAside> set_aside = set_aside_other_campaign(output, stores[0].content());
   SnapshotStore merged = SnapshotStore::create(output, stores[0].content());
   const int units = merged.content().unit_count();
   int missing = 0, first_missing = -1;
@@ -73,7 +73,7 @@ SnapshotStore merge_stores(const std::vector<std::filesystem::path>& parts,
   }
   report(progress, {"merging", static_cast<double>(units), static_cast<double>(units), ""});
   merged.finish();
-  return merged;
+  return {std::move(merged), std::move(set_aside)};
 }
 
 }  // namespace palpable

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "palpable/base/progress.h"
-#include "palpable/campaign/snapshot_store.h"
+#include "palpable/campaign/set_aside.h"
 
 #include <filesystem>
 #include <vector>
@@ -14,7 +14,7 @@ namespace palpable {
 /// be one of the parts. The result is what one bake of everything would have left, byte for byte.
 /// @throws Error when a part is no store or of another campaign, units are in none of them (how
 ///         many, and which is the first), or the disk is full
-SnapshotStore merge_stores(const std::vector<std::filesystem::path>& parts,
-                           const std::filesystem::path& output, const Progress& progress = {});
+CollectedStore merge_stores(const std::vector<std::filesystem::path>& parts,
+                            const std::filesystem::path& output, const Progress& progress = {});
 
 }  // namespace palpable

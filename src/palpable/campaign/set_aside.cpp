@@ -86,6 +86,20 @@ void link_or_copy(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
+std::string set_aside_text(const fs::path& folder, const SetAside& aside) {
+  return fmt::format("{} held {} sites of another description: kept in {}{}", folder.string(),
+                     aside.units, aside.folder.string(),
+                     aside.brought_back ? "; this description's own were brought back" : "");
+}
+
+void require_own_campaign(const fs::path& folder, const StoreContent& content) {
+  if (hash_of(SnapshotStore::open(folder).content()) == hash_of(content)) return;
+  throw Error(
+      fmt::format("{}: another run began to fill it with another description at the same moment; "
+                  "wait for its end, or give each its own --snapshots",
+                  folder.string()));
+}
+
 std::optional<SetAside> set_aside_other_campaign(const fs::path& folder,
                                                  const StoreContent& content) {
   std::error_code error;

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 namespace palpable {
 
@@ -17,6 +18,16 @@ struct SetAside {
   bool brought_back = false;     ///< the new campaign's own snapshots had been set aside earlier
 };
 
+/// It in a sentence, for people. @param folder  the store that made room
+[[nodiscard]] std::string set_aside_text(const std::filesystem::path& folder,
+                                         const SetAside& aside);
+
+/// A store that was filled from elsewhere, and what made room for it.
+struct CollectedStore {
+  SnapshotStore store;
+  std::optional<SetAside> set_aside = {};
+};
+
 /// Makes room for a campaign: where `folder` holds units that are none of its own, the folder is
 /// renamed by the hash of the campaign that they belong to. What was set aside for this very
 /// campaign earlier comes back; otherwise units and linear responses that hold for both are linked
@@ -26,5 +37,10 @@ struct SetAside {
 ///         that holds the folder fills it with another campaign
 std::optional<SetAside> set_aside_other_campaign(const std::filesystem::path& folder,
                                                  const StoreContent& content);
+
+/// To be asked by a run once it holds the folder: before that, one with another description may
+/// have made the folder its own.
+/// @throws Error when the folder holds another campaign than `content`
+void require_own_campaign(const std::filesystem::path& folder, const StoreContent& content);
 
 }  // namespace palpable

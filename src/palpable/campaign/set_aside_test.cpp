@@ -61,6 +61,21 @@ TEST_CASE("a campaign that is being solved keeps others out of its folder",
   CHECK_FALSE(set_aside_other_campaign(store, campaign_of({1, 2, 3})));  // the same, as shards do
 }
 
+TEST_CASE("a run whose folder became another one's before it held it is refused",
+          "[campaign][aside][refusal]") {
+  const test::ScratchFolder folder("taken_store");
+  const fs::path store = folder / "block.snapshots";
+  const StoreContent own = campaign_of({1, 2, 3});
+  write_units(SnapshotStore::create(store, own));
+  CHECK_NOTHROW(require_own_campaign(store, own));
+  const StoreContent other = campaign_of({1, 5, 6});
+  REQUIRE(set_aside_other_campaign(store, other));
+  const SnapshotStore taken = SnapshotStore::create(store, other);
+  CHECK_THROWS_WITH(require_own_campaign(store, own),
+                    Catch::Contains("block.snapshots: another run began to fill it"));
+  CHECK_NOTHROW(require_own_campaign(store, other));
+}
+
 TEST_CASE("snapshots of an edited description are set aside and come back", "[campaign][aside]") {
   const test::ScratchFolder folder("set_aside");
   const fs::path store = folder / "block.snapshots";

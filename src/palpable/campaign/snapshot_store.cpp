@@ -376,13 +376,11 @@ void SnapshotStore::finish() const {
     }
     for (int u = 0; u < content_.unit_count(); ++u) ours.insert(unit_file(u).filename());
     for (const auto& entry : fs::directory_iterator(folder_)) {
+      // Nothing but unfinished files of ours: a user's notes may lie here, too.
       const std::string name = entry.path().filename().string();
-      const bool made_here = name.starts_with("site_") || name.starts_with("point_") ||
-                             name.starts_with("linear_") ||
-                             name.find(".part-") != std::string::npos;
-      if (made_here && !ours.contains(name) && !is_of_running_process(name)) {
-        fs::remove(entry.path());
-      }
+      const std::size_t part = name.find(".part-");
+      if (part == std::string::npos || !ours.contains(name.substr(0, part))) continue;
+      if (!is_of_running_process(name)) fs::remove(entry.path());
     }
   });
 }

@@ -154,8 +154,8 @@ class SnapshotStore {
   [[nodiscard]] Eigen::MatrixXf linear(int k) const;
   void copy_linear_from(const SnapshotStore& other, int k) const;
 
-  /// When all units are there: writes campaign.xdmf, which ParaView opens, and removes what earlier
-  /// campaigns and killed processes left behind.
+  /// When all units are there: writes campaign.xdmf, which ParaView opens, and removes the
+  /// unfinished files that killed processes left behind. Whatever else lies in the folder stays.
   void finish() const;
 
  private:

@@ -57,12 +57,21 @@ Eigen::Vector3d extent_of(const Eigen::Matrix3Xd& points) {
   return points.rowwise().maxCoeff() - points.rowwise().minCoeff();
 }
 
+// @param points  as the file has them, m
+void place(Eigen::Matrix3Xd& points, const BodyDescription::Shape& shape) {
+  try {
+    place_in_body_frame(points, shape.up, shape.height);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", shape.file.string(), error.what()));
+  }
+}
+
 VolumeMesh read_volume(const BodyDescription::Shape& shape) {
   require_made(shape.file);
   VolumeMesh volume = value_or_throw(read_volume_file(shape.file));
   require_no_stray(volume.mesh.nodes, shape.file.string());
   volume.mesh.nodes *= shape.unit;
-  place_in_body_frame(volume.mesh.nodes, shape.up, shape.height);
+  place(volume.mesh.nodes, shape);
   return volume;
 }
 
@@ -76,7 +85,7 @@ SurfaceMesh read_surface(const BodyDescription::Shape& shape, bool solid) {
     throw Error(fmt::format("{}: there are no triangles in it", shape.file.string()));
   }
   surface.vertices *= shape.unit;
-  place_in_body_frame(surface.vertices, shape.up, shape.height);
+  place(surface.vertices, shape);
   return surface;
 }
 

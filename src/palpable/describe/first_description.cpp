@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 #include "palpable/geometry/mesh_file.h"
+#include "palpable/geometry/size_text.h"
 #include "palpable/mesh/volume_mesh.h"
 
 #include <Eigen/Core>
@@ -78,19 +79,20 @@ std::string first_description(const std::filesystem::path& shape) {
   const Unit& unit = *std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) {
     return longest <= u.largest || u.largest == 0.0;
   });
-  const Eigen::Vector3d mm = 1e3 * unit.size * size;
+  const Eigen::Vector3d in_metres = unit.size * size;
   const std::string name = shape.filename().string();
   // Twenty edges along the longest side: some thousand nodes, a bake of a minute.
   const std::string edge =
-      surface ? fmt::format(", edge = \"{:.6g} mm\"", rounded(mm.maxCoeff() / 20)) : std::string();
+      surface ? fmt::format(", edge = \"{:.6g} mm\"", rounded(1e3 * in_metres.maxCoeff() / 20))
+              : std::string();
   return fmt::format(
       "name = {}\n"
-      "shape = {{ {} = {}, unit = \"{}\"{} }}  # then it is {:.3g} x {:.3g} x {:.3g} mm\n"
+      "shape = {{ {} = {}, unit = \"{}\"{} }}  # then it is {}\n"
       "material = {{ young = \"60 kPa\", poisson = 0.4 }}  # a soft rubber\n"
       "support = {{ below = 0.03 }}  # the lowest 3 % of the height stand on the ground\n"
       "sites = {{ count = 24 }}  # places that can be pressed\n",
       quoted(shape.stem().string()), surface ? "surface" : "mesh", quoted(name), unit.name, edge,
-      mm[0], mm[1], mm[2]);
+      size_text(in_metres));
 }
 
 }  // namespace palpable

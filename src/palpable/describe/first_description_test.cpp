@@ -36,6 +36,9 @@ TEST_CASE("a shape's first description is one that can be read, in its likely un
   CHECK(millimetres.sites.count == 24);
   CHECK(described(0.12, "metres.ply").shape.unit == 1.0);
   CHECK(described(12, "cm.ply").shape.unit == 1e-2);
+  CHECK(described(2, "large.ply").shape.unit == 1.0);
+  CHECK_THAT(first_description(folder / "large.ply"),
+             Catch::Contains("# then it is 1 x 2 x 0.5 m\n"));
   CHECK(described(12, "a \"b\" \\c.ply").name == "a \"b\" \\c");
 
   write_msh_file(folder / "box.msh", box_tets({0, 0, 0}, {0.2, 0.1, 0.1}, 2, 1, 1));

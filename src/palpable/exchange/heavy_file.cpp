@@ -6,7 +6,22 @@
 
 #include <fmt/core.h>
 
+#include <system_error>
+
 namespace palpable {
+
+std::filesystem::path heavy_beside(const std::filesystem::path& light) {
+  std::filesystem::path heavy = light;
+  heavy += ".h5";
+  std::error_code error;
+  if (std::filesystem::exists(heavy, error) && !std::filesystem::exists(light, error)) {
+    throw Error(fmt::format(
+        "{}: is there without {}, so it is somebody's, and it is where the numbers go; choose "
+        "another name",
+        heavy.string(), light.filename().string()));
+  }
+  return heavy;
+}
 
 void write_heavy_and_light(const std::filesystem::path& heavy,
                            const std::function<void(hid_t file)>& fill,

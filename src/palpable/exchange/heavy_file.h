@@ -10,6 +10,11 @@
 
 namespace palpable {
 
+/// Where the heavy one of a light one goes: "a.xdmf" has "a.xdmf.h5" beside it. Nobody names that
+/// file, so one that is there is replaced only beside the light one that refers to it.
+/// @throws Error for one of somebody's
+[[nodiscard]] std::filesystem::path heavy_beside(const std::filesystem::path& light);
+
 /// Writes both; where one cannot be written, both stay what they were.
 /// @param fill   fills the heavy one
 /// @param light  the text of the light one; read when `fill` has returned

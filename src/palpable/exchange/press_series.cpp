@@ -158,8 +158,7 @@ std::string write_xdmf_fields(hid_t file, const Shown& shown, const std::string&
 
 void write_xdmf_series(const fs::path& path, const ReducedBody& body, std::optional<int> site) {
   const std::vector<int> sites = sites_of(body, site);
-  fs::path heavy = path;
-  heavy += ".h5";
+  const fs::path heavy = heavy_beside(path);
   const XdmfNames names{markup_text(heavy.filename().string())};
   std::string xml = "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n";
   const auto fill = [&](hid_t file) {

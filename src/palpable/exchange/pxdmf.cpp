@@ -339,8 +339,7 @@ void read_sites(const fs::path& path, ForeignModes& modes) {
 }  // namespace
 
 void write_pxdmf(const fs::path& path, const ForeignModes& modes) {
-  fs::path heavy = path;
-  heavy += ".h5";
+  const fs::path heavy = heavy_beside(path);
   std::string xml;
   const auto fill = [&](hid_t file) {
     Writer out(file, markup_text(heavy.filename().string()));

@@ -17,7 +17,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 namespace palpable {
@@ -46,11 +48,22 @@ TouchesLine felt_in(const Scene& scene) {
 }
 
 constexpr std::array kFigureNames{"hand_nearer.png", "body_nearer.png", "touch.png"};
+constexpr std::string_view kTimingBegin = "frame,";  // of a run's timing.csv
 // All that a run may leave in its folder, timing.csv first: every run begins with it.
 constexpr std::array kOutputs{
     "timing.csv",          "touches.jsonl", "trajectory.txt", "pose.jsonl",    "live.json",
     "touch.mp4",           "depth",         "visible",        "body_depth",    "moving",
     "rectification.jsonl", kFigureNames[0], kFigureNames[1],  kFigureNames[2], "touch.mp4.part"};
+
+// Whether a run has written it; one that was killed at once has left it empty.
+bool is_timing_of_run(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return false;
+  std::ifstream in(file, std::ios::binary);
+  std::string begin(kTimingBegin.size(), '\0');
+  in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return in.gcount() == 0 || begin == kTimingBegin;
+}
 
 }  // namespace
 
@@ -77,8 +90,8 @@ std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
     throw Error(fmt::format("{}: is read by this run; write into another folder", folder.string()));
   }
   if (there.empty()) return there;
-  // A folder depth/ alone is somebody's data.
-  if (there.front() != folder / kOutputs[0]) {
+  // A folder depth/ alone is somebody's data, and so is one beside somebody's own timing.csv.
+  if (there.front() != folder / kOutputs[0] || !is_timing_of_run(there.front())) {
     throw Error(
         fmt::format("{}: is in the way and not of an earlier run; write into another folder",
                     there.front().string()));

@@ -230,6 +230,10 @@ TEST_CASE("an earlier run is replaced only when that is asked for, and only what
   fs::create_directories(out / "depth");
   CHECK_THROWS_WITH(earlier_run(out, true, {}), Catch::Contains("not of an earlier run"));
 
+  test::write_bytes(out / "timing.csv", "lap,seconds\n");  // nor is it a run's beside such a file
+  CHECK_THROWS_WITH(earlier_run(out, true, {}), Catch::Contains("timing.csv: is in the way"));
+  test::write_bytes(out / "timing.csv", "");  // killed before its first line
+  CHECK(earlier_run(out, true, {}).size() == 2);
   test::write_bytes(out / "timing.csv", "frame,total_ms\n");
   CHECK_THROWS_AS(earlier_run(out, false, {}), EarlierRunError);
   const std::vector<fs::path> there = earlier_run(out, true, {folder / "body.palpable"});
