@@ -60,21 +60,23 @@ void read_shard(const std::string& text, FillSettings& settings) {
 }
 
 std::filesystem::path store_of(const Options& options) {
-  std::filesystem::path store = options.store;
-  if (store.empty()) store = std::filesystem::path(options.output).replace_extension(".snapshots");
-  if (lies_in(options.output, store)) {
-    if (lies_in(store, options.output)) {
-      throw Error(
-          fmt::format("{}: the body file cannot have the name of its snapshots; call it "
-                      "{}.palpable",
-                      options.output, store.stem().string()));
-    }
+  if (!options.store.empty()) return options.store;
+  return std::filesystem::path(options.output).replace_extension(".snapshots");
+}
+
+// A body file among the snapshots would replace one of them.
+void expect_apart(const std::string& output, const std::filesystem::path& store) {
+  if (!lies_in(output, store)) return;
+  if (lies_in(store, output)) {
     throw Error(
-        fmt::format("{}: lies in the folder of the snapshots, {}, and could replace one of them; "
-                    "name a file outside of it",
-                    options.output, store.string()));
+        fmt::format("{}: the body file cannot have the name of its snapshots; call it "
+                    "{}.palpable",
+                    output, store.stem().string()));
   }
-  return store;
+  throw Error(
+      fmt::format("{}: lies in the folder of the snapshots, {}, and could replace one of them; "
+                  "name a file outside of it",
+                  output, store.string()));
 }
 
 // No campaign: the PGD solves.
@@ -170,6 +172,7 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
       .store = store_of(options),
       .solver = options.solver == "calculix" ? FeSolver::kCalculix : FeSolver::kOwn};
   guard_output_folder(settings.store, inputs);
+  expect_apart(options.output, settings.store);
   if (!options.shard.empty()) read_shard(options.shard, settings);
   const ReduceSettings reduction{.at = parse_values(options.at),
                                  .volume = options.file.volume,

@@ -16,7 +16,6 @@
 #include <limits>
 #include <mutex>
 #include <new>
-#include <set>
 #include <string_view>
 #include <system_error>
 #include <unistd.h>
@@ -72,6 +71,16 @@ bool is_of_running_process(std::string_view name) {
   const auto process = to_whole_number(name.substr(at + suffix.size())).value_or(0);
   if (process <= 0 || process > std::numeric_limits<pid_t>::max()) return false;
   return ::kill(static_cast<pid_t>(process), 0) == 0 || errno == EPERM;
+}
+
+// A file of a campaign, of this one or one before, that is not whole. Other files are a user's.
+bool is_unfinished(std::string_view name) {
+  const std::size_t part = name.find(".part-");
+  if (part == std::string_view::npos) return false;
+  const std::string_view whole = name.substr(0, part);
+  if (whole == kCampaignFile || whole == kXdmfFile) return true;
+  return whole.ends_with(".h5") && (whole.starts_with("site_") || whole.starts_with("point_") ||
+                                    whole.starts_with("linear_"));
 }
 
 // Another process may just be writing its first file there, under its own name.
@@ -370,16 +379,9 @@ void SnapshotStore::finish() const {
     if (!fs::exists(file) || hdf5::all_bytes(file) != text) {
       hdf5::write_durably(file, text, own_suffix());
     }
-    std::set<fs::path> ours{kCampaignFile, kXdmfFile};
-    for (int k = 0; k < content_.linear_file_count(); ++k) {
-      ours.insert(linear_file(k).filename());
-    }
-    for (int u = 0; u < content_.unit_count(); ++u) ours.insert(unit_file(u).filename());
     for (const auto& entry : fs::directory_iterator(folder_)) {
-      // Nothing but unfinished files of ours: a user's notes may lie here, too.
       const std::string name = entry.path().filename().string();
-      const std::size_t part = name.find(".part-");
-      if (part == std::string::npos || !ours.contains(name.substr(0, part))) continue;
+      if (!is_unfinished(name)) continue;
       if (!is_of_running_process(name)) fs::remove(entry.path());
     }
   });
