@@ -1986,7 +1986,7 @@ def _(programs, folder):
         print(f"SKIPPED: no folder {data}")
         return
     programs.refuses("live", programs.small_body(), "--source", data / "raw", "--place", "0 0 1 0 0 0",
-                     "--out", folder / "out", says=["raw", "or name another file"])
+                     "--out", folder / "out", says=["raw", "or name one with --calibration"])
     programs.succeeds("live", programs.small_body(), "--source", data / "raw", "--calibration",
                       data / "SN10027514.conf", "--place", "0 0 1 0 0 0", "--out", folder / "out")
     assert json.loads((folder / "out/live.json").read_text())["frames"] == 2
