@@ -124,15 +124,6 @@ double least_phi(const ObjectSurface& surface, const Eigen::Matrix3Xf& points) {
   return least;
 }
 
-// As a frame's depth is measured: our matcher's windows reach over the outlines of near things by
-// two pixels of the picture, one of the depth. With 0, 0.5, 0.8 and 1.1 px the unseen side of a
-// finger was off by 1.9, 1.1, 0.6 and 0.46 mm (median of `press`, seed 1).
-ObjectSurfaceSettings measured_settings() {
-  ObjectSurfaceSettings settings;
-  settings.balls.fattening = 1.0;
-  return settings;
-}
-
 Eigen::Matrix3Xd moved(const Rigid3& to, const Eigen::Matrix3Xd& points) { return to * points; }
 
 // One film, as far as one thing may be asked of one frame after the other.
@@ -174,12 +165,12 @@ void look_at_unseen_side(const Judge& judge, const Film& film, int frame,
   counts.true_depth.add(surface, points);
 }
 
-void time_surface(const Judge& judge, const Scene& scene, const MaskImage& presses,
+void time_surface(const Judge& judge, const Scene& scene, const Session& session,
                   ObjectSurface& surface, Counts& counts) {
   const auto once = [&](const Eigen::Matrix3Xf& points, double& sum) {
     const CpuTimer timer(sum);
-    surface.build(scene.seen.depth, presses, scene.seen.depth_camera,
-                  scene.camera_from_body.inverse(), judge.region);
+    surface.build(scene.seen.depth, session.shows(), scene.seen.depth_camera,
+                  scene.camera_from_body.inverse(), judge.region, scene.time);
     (void)least_phi(surface, points);
   };
   once(judge.some, counts.cpu_s);
@@ -214,8 +205,8 @@ Counts play(const SurfaceBenchOptions& options, const std::string& name, const F
   LiveSettings settings;
   settings.images.device = (film.folder / "frames").string();
   LiveRun run = open_live(judge.body, settings);
-  ObjectSurface surface(measured_settings());
-  MaskImage presses;
+  const ObjectSurface& surface = run.loop.session.surface();
+  ObjectSurface timed(surface.settings());
   Frame frame;
   std::optional<Vector3d> held;
   for (FrameStatus status = run.source->next(frame); status != FrameStatus::kEnd;
@@ -224,15 +215,6 @@ Counts play(const SurfaceBenchOptions& options, const std::string& name, const F
     const int n = frame.number;
     const Scene& scene = run.loop.process(frame);
     const Rigid3 body_from_camera = scene.camera_from_body.inverse();
-    // A camera that is lost says nothing of what moves.
-    presses.resize(scene.seen.depth.width(), scene.seen.depth.height());
-    if (scene.moving.empty()) {
-      std::fill(presses.begin(), presses.end(), std::uint8_t{0});
-    } else {
-      std::copy(scene.moving.begin(), scene.moving.end(), presses.begin());
-    }
-    surface.build(scene.seen.depth, presses, scene.seen.depth_camera, body_from_camera,
-                  judge.region);
     const ContactLine& contact = film.contacts[n];
     ++counts.frames;
     const double least = least_phi(surface, judge.skin);
@@ -245,7 +227,7 @@ Counts play(const SurfaceBenchOptions& options, const std::string& name, const F
     if (name == "rest") look_at_held_touch(film, n, surface, body_from_camera, held, counts);
     if (is_near(contact) && n % options.every == 0) {
       look_at_unseen_side(judge, film, n, surface, body_from_camera, counts);
-      time_surface(judge, scene, presses, surface, counts);
+      time_surface(judge, scene, run.loop.session, timed, counts);
     }
     bar.show(
         {name, static_cast<double>(counts.frames), static_cast<double>(film.hands.size()), ""});

@@ -44,6 +44,7 @@ struct MedialBall {
   Eigen::Vector3f normal;  ///< unit, of the front, towards the camera
   Eigen::Vector3f centre;  ///< m, on the ray of the pixel
   float radius = 0;        ///< m
+  int x = 0, y = 0;        ///< px, where it was found
   int pixels = 0;          ///< how many were averaged: the front scatters the less, the more
 };
 

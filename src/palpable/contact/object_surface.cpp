@@ -14,36 +14,25 @@ using Eigen::Vector3f;
 
 bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
 
-// The part of the image in which a box of space may be seen; empty when it is not.
-PixelBox box_in_image(const AlignedBox3d& in_body, const Rigid3& camera_from_body,
-                      const PinholeCamera& camera) {
-  Eigen::AlignedBox2d seen;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vector3d x =
-        camera_from_body * in_body.corner(static_cast<AlignedBox3d::CornerType>(corner));
-    // The camera stands beside or in the box: anything may be seen.
-    if (x.z() < 1e-3) return {0, 0, camera.width, camera.height};
-    seen.extend(Eigen::Vector2d(camera.cx_px + camera.fx_px * x.x() / x.z(),
-                                camera.cy_px + camera.fy_px * x.y() / x.z()));
-  }
-  const auto pixel = [](double p, int count) {
-    return static_cast<int>(std::clamp(std::floor(p), 0.0, static_cast<double>(count)));
-  };
-  const int left = pixel(seen.min().x(), camera.width), top = pixel(seen.min().y(), camera.height);
-  const int right = pixel(seen.max().x() + 1, camera.width);
-  const int bottom = pixel(seen.max().y() + 1, camera.height);
-  return {left, top, right - left, bottom - top};
-}
-
 }  // namespace
 
 ObjectSurface::ObjectSurface(const ObjectSurfaceSettings& settings)
-    : settings_(settings), silhouette_(settings.silhouette) {
+    : settings_(settings), silhouette_(settings.silhouette), memory_(settings.memory) {
   PALPABLE_EXPECT(settings.step >= 1, "every pixel is the finest decimation");
   PALPABLE_EXPECT(settings.balls.reach >= 1, "a normal needs neighbours");
   PALPABLE_EXPECT(settings.balls.most_radius > 0 && settings.band > 0 &&
                       settings.silhouette.largest_jump_at_1m > 0,
                   "radius, band and jump are lengths above 0");
+  PALPABLE_EXPECT(settings.noise_constant >= 0 && settings.noise_linear >= 0 &&
+                      settings.noise_quadratic >= 0 && settings.pixels_alike > 0,
+                  "noise is not negative");
+}
+
+float ObjectSurface::sigma_of(float depth, int pixels) const {
+  const auto Z = static_cast<double>(depth);
+  const double one =
+      settings_.noise_constant + Z * (settings_.noise_linear + Z * settings_.noise_quadratic);
+  return static_cast<float>(one / std::sqrt(std::max(1.0, pixels / settings_.pixels_alike)));
 }
 
 void ObjectSurface::start(const AlignedBox3d& region_in_body, const Vector3f& camera_in_body) {
@@ -65,31 +54,48 @@ void ObjectSurface::keep(const ObjectBall& ball) {
 
 void ObjectSurface::finish() {
   bare_.clear();
-  for (const ObjectBall& ball : balls_) bare_.push_back({ball.centre, ball.radius});
+  bounds_.setEmpty();
+  for (const ObjectBall& ball : balls_) {
+    bare_.push_back({ball.centre, ball.radius});
+    const Vector3f radius = Vector3f::Constant(ball.radius);
+    bounds_.extend(Eigen::AlignedBox3f(ball.centre - radius, ball.centre + radius));
+  }
   tree_.build(bare_);
 }
 
-void ObjectSurface::build(const DepthImage& depth, const MaskImage& presses,
+// The front of a ball that matters is not farther away than its diameter.
+AlignedBox3d ObjectSurface::fronts_near(const AlignedBox3d& region) const {
+  const Vector3d margin = Vector3d::Constant(settings_.band + 2 * settings_.balls.most_radius);
+  return {region.min() - margin, region.max() + margin};
+}
+
+PixelBox ObjectSurface::box_of_interest(const AlignedBox3d& region_in_body,
+                                        const Rigid3& camera_from_body,
+                                        const PinholeCamera& camera) const {
+  return box_in_image(fronts_near(region_in_body), camera_from_body, camera);
+}
+
+void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
                           const PinholeCamera& camera, const Rigid3& body_from_camera,
-                          const AlignedBox3d& region_in_body) {
+                          const AlignedBox3d& region_in_body, double time) {
   PALPABLE_EXPECT(depth.width() == camera.width && depth.height() == camera.height,
                   "the camera is the depth image's own");
   start(region_in_body, body_from_camera.translation().cast<float>());
-  // The front of a ball that matters is not farther away than its diameter.
-  const double margin = settings_.band + 2 * settings_.balls.most_radius;
-  const AlignedBox3d fronts(region_in_body.min() - Vector3d::Constant(margin),
-                            region_in_body.max() + Vector3d::Constant(margin));
-  const PixelBox box = box_in_image(fronts, body_from_camera.inverse(), camera);
-  silhouette_.find(depth, presses, box);
+  const Rigid3 camera_from_body = body_from_camera.inverse();
+  const PixelBox box = box_of_interest(region_in_body, camera_from_body, camera);
+  silhouette_.find(depth, shows, box);
   find_medial_balls(depth, camera, silhouette_, settings_.balls, found_);
 
   const Eigen::Matrix3f R = body_from_camera.linear().cast<float>();
   const Vector3f t = body_from_camera.translation().cast<float>();
+  parts_.find(depth, silhouette_);
   for (const MedialBall& ball : found_) {
     const Vector3f front = R * ball.front + t, normal = R * ball.normal;
-    keep({front, normal, R * ball.centre + t, ball.front.z(), ball.radius});
+    keep({front, normal, R * ball.centre + t, ball.radius, sigma_of(ball.front.z(), ball.pixels),
+          parts_.at(ball.x, ball.y)});
   }
-  const Eigen::AlignedBox3f near = fronts.cast<float>();
+  memory_.merge({depth, shows, camera, camera_from_body}, silhouette_, parts_, time, balls_);
+  const Eigen::AlignedBox3f near = fronts_near(region_in_body).cast<float>();
   for (int v = box.y; v < box.y + box.height; v += settings_.step) {
     for (int u = box.x; u < box.x + box.width; u += settings_.step) {
       if (!(silhouette_.distance(u, v) > 0)) continue;
@@ -113,11 +119,12 @@ void ObjectSurface::build(std::span<const ObjectBall> balls, const AlignedBox3d&
 
 NearestOnObject ObjectSurface::answer(const Vector3f& x, float distance, int ball) const {
   const Vector3f& centre = balls_[ball].centre;
-  return {distance, ball, (x - centre).dot(camera_ - centre) > 0.0f};
+  return {distance, ball,
+          balls_[ball].unseen_for == 0 && (x - centre).dot(camera_ - centre) > 0.0f};
 }
 
-std::optional<NearestOnObject> ObjectSurface::nearest(const Vector3f& x) const {
-  const auto found = tree_.nearest(x, static_cast<float>(settings_.band));
+std::optional<NearestOnObject> ObjectSurface::nearest(const Vector3f& x, float reach) const {
+  const auto found = tree_.nearest(x, reach);
   if (!found) return std::nullopt;
   return answer(x, found->distance, found->ball);
 }

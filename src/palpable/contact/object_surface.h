@@ -11,16 +11,18 @@
 ///
 /// Body frame, metres. The distance is exact in a band around the surface and unknown outside.
 ///
-/// `palpable bench surface` judges it against true things. The session still asks SeenSurface
-/// (seen_surface.h), a ball as thick as a finger behind every pixel; the issue "What presses" lets
-/// it ask here.
+/// `palpable bench surface` judges it against true things.
 #pragma once
 
 #include "palpable/contact/ball_tree.h"
 #include "palpable/contact/medial_balls.h"
+#include "palpable/contact/object_ball.h"
+#include "palpable/contact/object_memory.h"
+#include "palpable/contact/part_labels.h"
 #include "palpable/contact/silhouette.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
+#include "palpable/geometry/pixel_box.h"
 #include "palpable/geometry/rigid.h"
 
 #include <Eigen/Core>
@@ -38,15 +40,15 @@ struct ObjectSurfaceSettings {
   double band = 0.010;  ///< m, phi is exact up to here outside, and everywhere inside
   SilhouetteSettings silhouette{};
   MedialBallSettings balls{};
-};
-
-/// A ball of the union, with the place where its thing is seen.
-struct ObjectBall {
-  Eigen::Vector3f point;   ///< m, body frame, on the seen front
-  Eigen::Vector3f normal;  ///< unit, outwards: to the camera's side
-  Eigen::Vector3f centre;  ///< m
-  float depth = 0;         ///< Z of the point in the camera, m: what its noise depends on
-  float radius = 0.008f;   ///< m
+  ObjectMemorySettings memory{};
+  /// How far one pixel's depth scatters round the true one,
+  ///     sigma(Z) = noise_constant + noise_linear Z + noise_quadratic Z^2    (m, 1, 1/m).
+  /// Disparity has a constant error, so stereo has the square alone.
+  double noise_constant = 0;
+  double noise_linear = 0;
+  double noise_quadratic = 0.006;
+  /// So many neighbouring pixels have one error: a matcher's windows overlap, and it smooths.
+  double pixels_alike = 25;
 };
 
 /// What is nearest to a query point.
@@ -67,10 +69,19 @@ class ObjectSurface {
   ///
   /// @param depth    Z in m, NaN where unknown: no depth, no thing. Zero, negative and infinite
   ///                 values count as unknown.
-  /// @param presses  255 where a pixel may belong to a thing that presses; empty: all of them
+  /// @param shows    of each pixel kShowsRoom, kShowsPresser or kShowsUnknown (geometry/image.h);
+  ///                 empty: what is measured presses, what is not is unknown
   /// @param camera   of the depth image: same width and height
-  void build(const DepthImage& depth, const MaskImage& presses, const PinholeCamera& camera,
-             const Rigid3& body_from_camera, const Eigen::AlignedBox3d& region_in_body);
+  /// @param time     s, of the frame: what it hides or says nothing of is remembered
+  ///                 (object_memory.h)
+  void build(const DepthImage& depth, const MaskImage& shows, const PinholeCamera& camera,
+             const Rigid3& body_from_camera, const Eigen::AlignedBox3d& region_in_body,
+             double time = 0);
+
+  /// The part of the image in which things that matter to `region_in_body` may be seen.
+  [[nodiscard]] PixelBox box_of_interest(const Eigen::AlignedBox3d& region_in_body,
+                                         const Rigid3& camera_from_body,
+                                         const PinholeCamera& camera) const;
 
   /// Uses these balls as they are (tests, other sensors), seen from `camera_in_body`. Balls that
   /// cannot reach into the region's band are left out.
@@ -81,22 +92,32 @@ class ObjectSurface {
   /// Seen points near the region, thinned out by settings.step: the cloud of Algorithm 1.
   [[nodiscard]] std::span<const Eigen::Vector3f> cloud() const { return cloud_; }
   [[nodiscard]] const ObjectSurfaceSettings& settings() const { return settings_; }
+  /// What the balls fill; empty without any.
+  [[nodiscard]] const Eigen::AlignedBox3f& bounds() const { return bounds_; }
 
   /// phi at x; nothing when x is farther than the band from all balls. Allocates nothing.
-  [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x) const;
+  [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x) const {
+    return nearest(x, static_cast<float>(settings_.band));
+  }
+  /// The same where phi is below `reach`, which is at most the band.
+  [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x, float reach) const;
 
   /// The same by looking at every ball: what nearest() is tested against.
   [[nodiscard]] std::optional<NearestOnObject> nearest_by_brute_force(
       const Eigen::Vector3f& x) const;
 
  private:
+  [[nodiscard]] Eigen::AlignedBox3d fronts_near(const Eigen::AlignedBox3d& region) const;
   void start(const Eigen::AlignedBox3d& region_in_body, const Eigen::Vector3f& camera_in_body);
   void keep(const ObjectBall& ball);
   void finish();
   [[nodiscard]] NearestOnObject answer(const Eigen::Vector3f& x, float distance, int ball) const;
 
+  [[nodiscard]] float sigma_of(float depth, int pixels) const;
+
   ObjectSurfaceSettings settings_;
   Eigen::AlignedBox3f region_;  // grown by the band
+  Eigen::AlignedBox3f bounds_;
   Eigen::Vector3f camera_ = Eigen::Vector3f::Zero();
   Silhouette silhouette_;
   std::vector<MedialBall> found_;  // camera frame
@@ -104,6 +125,8 @@ class ObjectSurface {
   std::vector<Eigen::Vector3f> cloud_;
   std::vector<Ball> bare_;
   BallTree tree_;
+  PartLabels parts_;
+  ObjectMemory memory_;
 };
 
 }  // namespace palpable

@@ -190,7 +190,7 @@ TEST_CASE("the tree finds what looking at every ball finds", "[contact][object s
       const Vector3f y(where(random), where(random) * 0.5f, where(random) * 0.3f);
       const Vector3f n = Vector3f(where(random), where(random), where(random)).normalized();
       const float r = radius(random);
-      balls.push_back({y, n, y - r * n, 0.4f, r});
+      balls.push_back({y, n, y - r * n, r});
     }
     ObjectSurface seen;
     seen.build(balls,
@@ -239,7 +239,7 @@ TEST_CASE("pixels without depth, and single flickering ones, make no balls",
   depth(61, 61) = 0.4f;  // alone in front of a wall
   seen.build(depth, {}, kCamera, Rigid3::Identity(), everywhere);
   REQUIRE(seen.balls().size() > 100);
-  for (const ObjectBall& ball : seen.balls()) CHECK(ball.depth == Approx(0.6f).epsilon(1e-5));
+  for (const ObjectBall& ball : seen.balls()) CHECK(ball.point.z() == Approx(0.6f).epsilon(1e-5));
 }
 
 TEST_CASE("building a surface again from a frame like the first allocates nothing",

@@ -45,7 +45,7 @@ bool Silhouette::ends_towards(int x, int y, int dx, int dy) const {
     if (other < z - jump(other)) return false;  // something nearer hides the rest
     if (other > z + jump(z)) return true;
     // As near: the thing goes on, unless that is the desk on which a hand lies.
-    return !presses_->empty() && (*presses_)(u, v) == 0;
+    return !shows_->empty() && (*shows_)(u, v) == kShowsRoom;
   }
   return true;  // a wide hole: nothing was measured beside the thing
 }
@@ -67,16 +67,16 @@ void Silhouette::take_over(int x, int y, int dx, int dy) {
   }
 }
 
-void Silhouette::find(const DepthImage& depth, const MaskImage& presses, const PixelBox& box) {
+void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const PixelBox& box) {
   PALPABLE_EXPECT(box.x >= 0 && box.y >= 0 && box.x + box.width <= depth.width() &&
                       box.y + box.height <= depth.height(),
                   "the box lies inside the image");
   PALPABLE_EXPECT(
-      presses.empty() || (presses.width() == depth.width() && presses.height() == depth.height()),
+      shows.empty() || (shows.width() == depth.width() && shows.height() == depth.height()),
       "the mask is of the depth's size");
   box_ = box;
   depth_ = &depth;
-  presses_ = &presses;
+  shows_ = &shows;
   const std::size_t count =
       static_cast<std::size_t>(box.width) * static_cast<std::size_t>(box.height);
   distance_.assign(count, 0.0f);
@@ -85,7 +85,9 @@ void Silhouette::find(const DepthImage& depth, const MaskImage& presses, const P
 
   for (int y = box.y; y < bottom; ++y) {
     for (int x = box.x; x < right; ++x) {
-      if (!is_depth(depth(x, y)) || (!presses.empty() && presses(x, y) == 0)) continue;
+      if (!is_depth(depth(x, y)) || (!shows.empty() && shows(x, y) != kShowsPresser)) {
+        continue;
+      }
       distance_[at(x, y)] = kInfinite;
       for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
         if (!ends_towards(x, y, dx, dy)) continue;
@@ -108,7 +110,7 @@ void Silhouette::find(const DepthImage& depth, const MaskImage& presses, const P
   for (int y = box.y; y < bottom; ++y) sweep(y, -1);
   for (int y = bottom - 1; y >= box.y; --y) sweep(y, 1);
   depth_ = nullptr;
-  presses_ = nullptr;
+  shows_ = nullptr;
 }
 
 }  // namespace palpable

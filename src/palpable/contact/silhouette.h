@@ -8,19 +8,12 @@
 #pragma once
 
 #include "palpable/geometry/image.h"
+#include "palpable/geometry/pixel_box.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace palpable {
-
-/// Part of an image: columns x .. x + width - 1, rows y .. y + height - 1.
-struct PixelBox {
-  int x = 0;
-  int y = 0;
-  int width = 0;
-  int height = 0;
-};
 
 struct SilhouetteSettings {
   /// m at 1 m; grows as Z^2 (disparity has constant error). Neighbours whose depths differ by more
@@ -44,9 +37,9 @@ class Silhouette {
   explicit Silhouette(const SilhouetteSettings& settings = {}) : settings_(settings) {}
 
   /// @param depth    Z in m, NaN where unknown
-  /// @param presses  255 where a pixel may belong to a thing that presses; empty: all of them
+  /// @param shows    as ObjectSurface::build (object_surface.h)
   /// @param box      inside the image; a thing that leaves the box goes on beyond it
-  void find(const DepthImage& depth, const MaskImage& presses, const PixelBox& box);
+  void find(const DepthImage& depth, const MaskImage& shows, const PixelBox& box);
 
   /// px, > 0, of pixel (x, y) of the image, from its middle to the outline: two sweeps over the box
   /// that hand on the nearest outline (Danielsson 1980), at most 0.3 px too far. Infinite where
@@ -70,8 +63,8 @@ class Silhouette {
 
   SilhouetteSettings settings_;
   PixelBox box_;
-  const DepthImage* depth_ = nullptr;  // while find() runs, as presses_
-  const MaskImage* presses_ = nullptr;
+  const DepthImage* depth_ = nullptr;  // while find() runs, as shows_
+  const MaskImage* shows_ = nullptr;
   std::vector<float> distance_;     // by pixel of the box
   std::vector<ToOutline> nearest_;  // by pixel of the box
 };

@@ -77,6 +77,10 @@ class MovingMask {
   /// looks. Do not call it for a frame whose pose is not known.
   void learn(const Rigid3& world_from_camera);
 
+  /// Whether the last frame was compared with how the scene looks, as of a camera that stands or
+  /// sways. Then the scene is seen wherever nothing moves, also without a depth.
+  [[nodiscard]] bool looked() const { return compared_ != nullptr; }
+
   [[nodiscard]] const FreeSpace& space() const { return space_; }
   [[nodiscard]] const MovingMaskSettings& settings() const { return settings_; }
 

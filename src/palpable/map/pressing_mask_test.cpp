@@ -1,0 +1,191 @@
+#include "palpable/map/pressing_mask.h"
+
+#include "palpable/base/contract.h"
+#include "tests/support/allocations.h"
+#include "tests/support/test.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <random>
+
+namespace palpable {
+namespace {
+
+const PinholeCamera kCamera{160, 96, 150, 150, 80.2, 47.1};
+const DepthNoise kNoise{0, 0, 0.006};
+constexpr float kWall = 1.0f;
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+const PixelBox kAll{0, 0, kCamera.width, kCamera.height};
+
+// A wall, and what stands before it. The camera stands.
+struct Room {
+  Room() { scene.emplace(map); }
+
+  // Frames in which nothing moves: what is there comes into the map.
+  void show(int frames) {
+    for (int i = 0; i < frames; ++i) {
+      space.add(kCamera.scaled_down(8), Rigid3::Identity(), depth_of(kCamera.scaled_down(8)));
+      if (frame++ % 3 != 0) continue;
+      map.fuse(depth_of(kCamera), kCamera, Rigid3::Identity());
+      scene->update(map, space);
+    }
+  }
+  DepthImage depth_of(const PinholeCamera& camera) {
+    std::normal_distribution<double> normal;
+    DepthImage depth(camera.width, camera.height);
+    const double scale = static_cast<double>(kCamera.width) / camera.width;
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < camera.width; ++x) {
+        float z = kWall;
+        if (things.contains(static_cast<int>(scale * x), static_cast<int>(scale * y))) z = thing_z;
+        depth(x, y) = z + static_cast<float>(0.3 * kNoise.sigma(static_cast<double>(z)) *
+                                             normal(random));
+      }
+    }
+    return depth;
+  }
+  SeenFrame seen() {
+    SeenFrame frame;
+    frame.depth = depth_of(kCamera);
+    frame.depth_camera = kCamera;
+    return frame;
+  }
+  const MaskImage& ask(const SeenFrame& frame, const MaskImage* moving, bool looked = true,
+                       const PixelBox& box = kAll) {
+    return mask.find(frame, Rigid3::Identity(), moving, looked, *scene, space, box);
+  }
+
+  std::mt19937_64 random = test::random_case(3);
+  FreeSpace space{kNoise};
+  SurfaceMap map{kNoise};
+  std::optional<AnchoredScene> scene;
+  PressingMask mask{kNoise};
+  PixelBox things;  // px of the picture
+  float thing_z = 0.6f;
+  int frame = 0;
+};
+
+const MaskImage kNothingMoves(kCamera.width, kCamera.height, 0);
+
+long count(const MaskImage& shows, std::uint8_t what) {
+  return std::count(shows.begin(), shows.end(), what);
+}
+
+TEST_CASE("the room in which the body was anchored does not press", "[map][presses]") {
+  Room room;
+  room.things = {60, 30, 40, 40};  // it was there from the beginning
+  room.show(60);
+  CHECK(count(room.ask(room.seen(), &kNothingMoves), kShowsPresser) == 0);
+  CHECK(count(room.ask(room.seen(), &kNothingMoves), kShowsRoom) == kCamera.width * kCamera.height);
+}
+
+TEST_CASE("what moves presses where it is measured, and is unknown where it is not",
+          "[map][presses]") {
+  Room room;
+  room.show(20);
+  SeenFrame frame = room.seen();
+  MaskImage moving(kCamera.width, kCamera.height, 0);
+  for (int y = 10; y < 20; ++y) {
+    for (int x = 10; x < 30; ++x) moving(x, y) = 255;
+  }
+  frame.depth(12, 12) = kNone;
+  frame.depth(80, 80) = kNone;
+  const MaskImage& shows = room.ask(frame, &moving);
+  CHECK(shows(20, 15) == kShowsPresser);
+  CHECK(shows(12, 12) == kShowsUnknown);
+  CHECK(shows(80, 80) == kShowsRoom);  // it looks as the room did
+  CHECK(count(shows, kShowsPresser) == 199);
+  CHECK(room.ask(frame, &moving, false)(80, 80) == kShowsUnknown);
+}
+
+TEST_CASE("what was put before the room presses, also when it has become part of the map",
+          "[map][presses]") {
+  Room room;
+  room.show(40);
+  room.things = {60, 30, 40, 40};
+  room.show(1);
+  for (const int frames : {0, 60, 700}) {
+    room.show(frames);
+    INFO("rests for " << frames << " frames");
+    const MaskImage& shows = room.ask(room.seen(), &kNothingMoves);
+    CHECK(count(shows, kShowsPresser) > 1500);
+    CHECK(count(shows, kShowsPresser) <= 1600);
+    CHECK(shows(80, 50) == kShowsPresser);
+    CHECK(shows(30, 50) == kShowsRoom);
+  }
+  room.things = {};
+  room.show(30);
+  CHECK(count(room.ask(room.seen(), &kNothingMoves), kShowsPresser) == 0);
+}
+
+TEST_CASE("a strip of the room with a near thing's depth, and doubtful pixels, do not press",
+          "[map][presses]") {
+  Room room;
+  room.show(40);
+  room.things = {60, 30, 2, 60};
+  CHECK(count(room.ask(room.seen(), &kNothingMoves), kShowsPresser) == 0);
+  room.things = {60, 30, 40, 40};
+  SeenFrame filled = room.seen();
+  filled.confidence = GrayImage(kCamera.width, kCamera.height, 32);
+  CHECK(count(room.ask(filled, &kNothingMoves), kShowsPresser) == 0);
+  std::fill(filled.confidence.begin(), filled.confidence.end(), std::uint8_t{200});
+  CHECK(count(room.ask(filled, &kNothingMoves), kShowsPresser) > 1500);
+}
+
+TEST_CASE("the resting part of a hand that moves presses with it", "[map][presses]") {
+  Room room;
+  room.show(40);
+  room.things = {60, 30, 6, 40};  // too narrow to be a thing of its own
+  MaskImage moving(kCamera.width, kCamera.height, 0);
+  CHECK(count(room.ask(room.seen(), &moving), kShowsPresser) == 0);
+  for (int y = 30; y < 50; ++y) {
+    for (int x = 60; x < 66; ++x) moving(x, y) = 255;
+  }
+  CHECK(room.ask(room.seen(), &moving)(62, 60) == kShowsPresser);
+}
+
+TEST_CASE("what is too close is in front of everything and presses nothing", "[map][presses]") {
+  Room room;
+  room.show(20);
+  SeenFrame frame = room.seen();
+  frame.too_close = MaskImage(kCamera.width, kCamera.height, 0);
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      frame.too_close(x, y) = 255;
+      frame.depth(x, y) = kNone;
+    }
+  }
+  const MaskImage& shows = room.ask(frame, &kNothingMoves);
+  CHECK(shows(20, 20) == kShowsUnknown);
+  CHECK(count(shows, kShowsUnknown) == 1600);
+}
+
+TEST_CASE("without a mask nothing is known, and outside of the box nothing is asked",
+          "[map][presses]") {
+  Room room;
+  room.show(20);
+  CHECK(count(room.ask(room.seen(), nullptr), kShowsUnknown) == kCamera.width * kCamera.height);
+  const MaskImage& shows = room.ask(room.seen(), &kNothingMoves, true, {10, 20, 30, 40});
+  CHECK(count(shows, kShowsRoom) == 1200);
+  CHECK(shows(10, 20) == kShowsRoom);
+  CHECK(shows(39, 59) == kShowsRoom);
+  CHECK(count(room.mask.find_all(room.seen(), {10, 20, 30, 40}), kShowsPresser) == 1200);
+}
+
+TEST_CASE("finding what presses allocates nothing after the first frame, and refuses odd settings",
+          "[map][presses][frame loop]") {
+  Room room;
+  room.show(40);
+  room.things = {60, 30, 40, 40};
+  const SeenFrame frame = room.seen();
+  (void)room.ask(frame, &kNothingMoves);
+  CHECK(test::allocations_during([&] { (void)room.ask(frame, &kNothingMoves); }) == 0);
+  CHECK_THROWS_AS(PressingMask(kNoise, {.step = 0}), ContractViolation);
+  CHECK_THROWS_AS(PressingMask(kNoise, {.sigmas = -1}), ContractViolation);
+  const MaskImage small(3, 3, 0);
+  CHECK_THROWS_AS(room.ask(frame, &small), ContractViolation);
+}
+
+}  // namespace
+}  // namespace palpable
