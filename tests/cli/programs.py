@@ -1742,7 +1742,7 @@ def _(programs, folder):
         print(f"SKIPPED: no folder {recording}")
         return
     programs.succeeds("live", programs.small_body(), "--source", recording, "--place",
-                      "-0.125 0.063 0.667 0 29 0", "--ignore-static", "--out", folder / "out")
+                      "-0.125 0.063 0.667 0 29 0", "--out", folder / "out")
     counts = json.loads((folder / "out/live.json").read_text())
     # The recording shows the hand over this place from frame 43 on, its finger on it by frame 60
     # (tests/sessions measures that in the depth itself).
@@ -1759,7 +1759,7 @@ def _(programs, folder):
     press = {}
     for name, place in (("among", "0.446 0.156 2.35 0 0 0"), ("before", "0.346 0.156 1.2 0 0 0")):
         programs.succeeds("live", programs.small_body(), "--source", folder / "clip", "--scale", "3",
-                          "--place", place, "--out", folder / name)
+                          "--place", place, "--press-static", "--out", folder / name)
         press[name] = json.loads((folder / name / "live.json").read_text())["frames_touching"]
     assert press == {"among": 1, "before": 0}, press
 

@@ -36,6 +36,10 @@ struct MedialBallSettings {
   /// px by which things look wider than they are, on each side: the windows of a matcher reach over
   /// the outlines of near things. Discs are made as much smaller, but no less than a third of one.
   double fattening = 0;
+  /// Wide parts that bend more than a ball of most_radius (fingers side by side) are as thick as
+  /// they bend, but no thinner than least_relief, m.
+  bool relief = true;
+  double least_relief = 0.006;
 };
 
 /// One ball, in the camera's frame.

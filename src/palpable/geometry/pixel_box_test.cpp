@@ -15,6 +15,7 @@ using Eigen::Vector3d;
 const PinholeCamera kCamera{160, 120, 200, 210, 79.5, 60.5};
 
 TEST_CASE("every point of a box of space is seen in its part of the image", "[geometry]") {
+  int inside = 0;
   for (unsigned seed = 0; seed < 20; ++seed) {
     INFO("seed " << seed);
     auto random = test::random_case(seed);
@@ -24,7 +25,6 @@ TEST_CASE("every point of a box of space is seen in its part of the image", "[ge
     const Vector3d corner(where(random), where(random), where(random));
     const AlignedBox3d space(corner, corner + Vector3d(0.1, 0.05, 0.2));
     const PixelBox box = box_in_image(space, camera_from_space, kCamera);
-    int inside = 0;
     for (int i = 0; i < 500; ++i) {
       const Vector3d x =
           camera_from_space *
@@ -36,8 +36,8 @@ TEST_CASE("every point of a box of space is seen in its part of the image", "[ge
       ++inside;
       CHECK(box.contains(static_cast<int>(u), static_cast<int>(v)));
     }
-    CHECK((inside > 0 || box.width * box.height == 0 || seed > 0));
   }
+  CHECK(inside > 1000);
 }
 
 TEST_CASE("a box behind the camera is not seen, one around it may be anywhere", "[geometry]") {

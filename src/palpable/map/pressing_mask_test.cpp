@@ -46,14 +46,14 @@ struct Room {
     return depth;
   }
   SeenFrame seen() {
-    SeenFrame frame;
-    frame.depth = depth_of(kCamera);
-    frame.depth_camera = kCamera;
-    return frame;
+    SeenFrame result;
+    result.depth = depth_of(kCamera);
+    result.depth_camera = kCamera;
+    return result;
   }
-  const MaskImage& ask(const SeenFrame& frame, const MaskImage* moving, bool looked = true,
+  const MaskImage& ask(const SeenFrame& asked, const MaskImage* moving, bool looked = true,
                        const PixelBox& box = kAll) {
-    return mask.find(frame, Rigid3::Identity(), moving, looked, *scene, space, box);
+    return mask.find(asked, Rigid3::Identity(), moving, looked, *scene, space, box);
   }
 
   std::mt19937_64 random = test::random_case(3);
