@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 
 namespace palpable {
 namespace {
@@ -13,6 +14,8 @@ constexpr int kTile = 4;
 
 // Pixels of a tile that are asked; most of those that have a depth must have come.
 constexpr std::array<std::array<int, 2>, 5> kSampled{{{2, 2}, {1, 1}, {3, 3}, {0, 3}, {3, 0}}};
+
+constexpr int kBeside = 2;  // tiles
 
 enum State : std::uint8_t { kRests, kMoves, kHasCome, kGrouped };
 
@@ -135,26 +138,35 @@ void PressingMask::find_come_tiles(const SeenFrame& seen, const MaskImage& movin
   }
 }
 
-// A group that touches what moves belongs to it: the part of a hand that rests.
+// Beside what moves a matcher gives the room that thing's depth, and the moving mask knows better.
+// So only tiles away from there make a group; those beside follow.
 void PressingMask::keep_large_groups() {
   for (int j = 0; j < tiles_.height(); ++j) {
     for (int i = 0; i < tiles_.width(); ++i) {
       if (tiles_(i, j) != kHasCome) continue;
       group_.assign(1, {i, j});
       tiles_(i, j) = kGrouped;
+      int away = 0;
       bool beside_moving = false;
       for (std::size_t k = 0; k < group_.size(); ++k) {
         const auto [a, b] = group_[k];
-        for (int v = std::max(b - 1, 0); v <= std::min(b + 1, tiles_.height() - 1); ++v) {
-          for (int u = std::max(a - 1, 0); u <= std::min(a + 1, tiles_.width() - 1); ++u) {
-            beside_moving |= tiles_(u, v) == kMoves;
-            if (tiles_(u, v) != kHasCome) continue;
+        bool here_moves = false;
+        for (int v = std::max(b - kBeside, 0); v <= std::min(b + kBeside, tiles_.height() - 1);
+             ++v) {
+          for (int u = std::max(a - kBeside, 0); u <= std::min(a + kBeside, tiles_.width() - 1);
+               ++u) {
+            here_moves |= tiles_(u, v) == kMoves;
+            if (tiles_(u, v) != kHasCome || std::abs(u - a) > 1 || std::abs(v - b) > 1) continue;
             tiles_(u, v) = kGrouped;
             group_.emplace_back(u, v);
           }
         }
+        away += here_moves ? 0 : 1;
+        beside_moving |= here_moves;
       }
-      if (beside_moving || std::ssize(group_) >= settings_.fewest_tiles) continue;
+      if (away >= (beside_moving ? settings_.fewest_tiles_beside : settings_.fewest_tiles)) {
+        continue;
+      }
       for (const auto& [a, b] : group_) tiles_(a, b) = kRests;
     }
   }

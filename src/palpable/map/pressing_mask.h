@@ -32,6 +32,7 @@ struct PressingMaskSettings {
   /// Things that have come and rest now are groups of at least so many tiles: along outlines of the
   /// room a matcher gives the pixels beside a near thing that thing's depth.
   int fewest_tiles = 20;
+  int fewest_tiles_beside = 6;  ///< of the resting part of a thing that moves
 };
 
 /// Keeps its memory.
