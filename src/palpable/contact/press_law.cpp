@@ -12,8 +12,11 @@ namespace {
 
 using Eigen::Vector3f;
 
-// m around the deepest point: a touched one farther away belongs to another finger.
+// m around the deepest place: a touched one farther away belongs to another finger.
 constexpr float kRegionRadius = 0.025f;
+
+// Of a ball's radius: a point as deep inside is inside.
+constexpr double kMostTolerance = 0.5;
 
 // s: a longer gap between two frames counts as this one, so that the press does not jump after it.
 constexpr double kLongestFrame = 0.1;
@@ -49,7 +52,7 @@ PressLaw::PressLaw(const ReducedBody& body, const PressSettings& settings)
     : body_(&body),
       settings_(settings),
       skin_(skin_points(body.surface, body.fixed, settings.spacing)),
-      rest_(3, std::ssize(skin_)),
+      field_(body),
       paths_(press_paths(body, skin_, settings.least_share)) {
   PALPABLE_EXPECT(settings.tolerance >= 0, "a tolerance is not negative");
   PALPABLE_EXPECT(0 <= settings.hysteresis && settings.hysteresis <= 1, "hysteresis is a share");
@@ -58,8 +61,6 @@ PressLaw::PressLaw(const ReducedBody& body, const PressSettings& settings)
   PALPABLE_EXPECT(0 < settings.least_follow && settings.least_follow <= 1,
                   "a press follows by a share in (0, 1]");
   PALPABLE_EXPECT(settings.fastest > 0, "a press must end some day");
-  const Eigen::Matrix3Xf X = body.surface.vertices.cast<float>();
-  for (Eigen::Index k = 0; k < rest_.cols(); ++k) rest_.col(k) = skin_[k].at(X);
 }
 
 std::optional<PressLaw::Inside> PressLaw::inside(const Vector3f& x, const ObjectSurface& seen,
@@ -67,35 +68,42 @@ std::optional<PressLaw::Inside> PressLaw::inside(const Vector3f& x, const Object
   if (!seen.bounds().contains(x)) return std::nullopt;
   const std::optional<NearestOnObject> found = seen.nearest(x, 0);
   if (!found) return std::nullopt;
-  const auto sigma = static_cast<double>(seen.balls()[found->ball].sigma);
-  const double depth =
-      -static_cast<double>(found->distance) - tolerance_share * settings_.tolerance * sigma;
+  const ObjectBall& ball = seen.balls()[found->ball];
+  const double tolerance =
+      std::min(settings_.tolerance * static_cast<double>(ball.sigma),
+               kMostTolerance * static_cast<double>(ball.radius));
+  const double depth = -static_cast<double>(found->distance) - tolerance_share * tolerance;
   if (depth <= 0) return std::nullopt;
   return Inside{depth, found->ball};
 }
 
 std::optional<TouchedRegion> PressLaw::touched_region(const ObjectSurface& seen,
                                                       double tolerance_share) const {
+  const auto depth_of = [&](const ObjectBall& ball) -> std::optional<BodyField::Overlap> {
+    auto found = field_.overlap(ball.centre, ball.radius);
+    if (!found) return std::nullopt;
+    found->depth -= tolerance_share * settings_.tolerance * static_cast<double>(ball.sigma);
+    return found->depth > 0 ? found : std::nullopt;
+  };
   TouchedRegion region;
-  Eigen::Index deepest = -1;
-  for (Eigen::Index k = 0; k < rest_.cols(); ++k) {
-    const auto found = inside(rest_.col(k), seen, tolerance_share);
+  Vector3f deepest = Vector3f::Zero();
+  for (const ObjectBall& ball : seen.balls()) {
+    const auto found = depth_of(ball);
     if (!found || found->depth <= region.depth) continue;
     region.depth = found->depth;
-    region.place = place_of(seen.balls()[found->ball]);
-    deepest = k;
+    region.place = place_of(ball);
+    deepest = found->place;
   }
-  if (deepest < 0) return std::nullopt;
+  if (!(region.depth > 0)) return std::nullopt;
   Vector3f sum = Vector3f::Zero();
   float weight = 0;
-  for (Eigen::Index k = 0; k < rest_.cols(); ++k) {
-    if ((rest_.col(k) - rest_.col(deepest)).norm() > kRegionRadius) continue;
-    const auto found = inside(rest_.col(k), seen, tolerance_share);
-    if (!found) continue;
+  for (const ObjectBall& ball : seen.balls()) {
+    const auto found = depth_of(ball);
+    if (!found || (found->place - deepest).norm() > kRegionRadius) continue;
     const auto w = static_cast<float>(found->depth);
-    sum += w * rest_.col(k);
+    sum += w * found->place;
     weight += w;
-    ++region.point_count;
+    ++region.ball_count;
   }
   region.middle = sum / weight;
   return region;

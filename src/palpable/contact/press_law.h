@@ -16,6 +16,7 @@
 /// level down and bisecting. All lengths in metres, body frame.
 #pragma once
 
+#include "palpable/contact/body_field.h"
 #include "palpable/contact/object_surface.h"
 #include "palpable/contact/press_paths.h"
 #include "palpable/contact/skin_points.h"
@@ -32,8 +33,9 @@ namespace palpable {
 
 struct PressSettings {
   double spacing = 0.002;  ///< m, between the points of the skin that are asked, at most
-  /// A point must be so many sigma of the object's surface inside to be touched. Smaller: the noise
-  /// of a hand that hovers presses; larger: touches begin late.
+  /// The object must be so many sigma of its surface inside to touch. Smaller: the noise of a hand
+  /// that hovers presses; larger: touches begin late. A point need not be deeper inside a thing than
+  /// half its radius, however uncertain the thing is.
   double tolerance = 1.0;
   /// Share of that in which the press stays as it is when the measurement trembles (and by which a
   /// touch that has begun needs less depth to go on).
@@ -65,13 +67,14 @@ struct TouchedPlace {
   float sigma = 0;                                  ///< m, of the surface there
 };
 
-/// Where the body at rest is inside the object: the deepest point and the touched ones near it.
-/// Chooses the site.
+/// Where the object reaches into the body at rest: the ball that reaches deepest, and those that do
+/// so near it. Chooses the site. (Balls are asked, not points of the skin: inside a pencil's lead no
+/// point is deeper than the lead is thick, however far it has been pushed in.)
 struct TouchedRegion {
-  double depth = 0;  ///< m, of the deepest point, beyond the tolerance
-  Eigen::Vector3f middle = Eigen::Vector3f::Zero();  ///< m, mean of its points weighted by depth
-  TouchedPlace place;                                ///< nearest to the deepest point
-  int point_count = 0;
+  double depth = 0;  ///< m, of the deepest ball, beyond the tolerance
+  Eigen::Vector3f middle = Eigen::Vector3f::Zero();  ///< m, mean of the touched skin by depth
+  TouchedPlace place;                                ///< of the deepest ball
+  int ball_count = 0;
 };
 
 /// The law with the tables that it looks up; makes them once, then allocates nothing.
@@ -92,8 +95,8 @@ class PressLaw {
   [[nodiscard]] PressState advance(const PressState& previous, const ObjectSurface& seen,
                                    double time) const;
 
-  /// Where the undeformed body (fixed vertices left out) is inside what is seen: the deepest point
-  /// and those near it. Nothing if it is nowhere.
+  /// Where what is seen reaches into the undeformed body (but for the skin that the support holds).
+  /// Nothing if it does nowhere.
   [[nodiscard]] std::optional<TouchedRegion> touched_region(const ObjectSurface& seen,
                                                             double tolerance_share = 1.0) const;
 
@@ -138,7 +141,7 @@ class PressLaw {
   const ReducedBody* body_;
   PressSettings settings_;
   std::vector<SkinPoint> skin_;  // (P)
-  Eigen::Matrix3Xf rest_;        // (3 x P)
+  BodyField field_;
   std::vector<SitePath> paths_;
 };
 

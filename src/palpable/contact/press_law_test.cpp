@@ -307,7 +307,7 @@ TEST_CASE("a touch between the sites is answered by the nearest one", "[contact]
   CHECK(touch->site == 0);
   const auto region = loop.law.touched_region(loop.seen);
   REQUIRE(region.has_value());
-  CHECK(region->point_count >= 2);
+  CHECK(region->ball_count >= 2);
   CHECK(region->depth > 0.001);
   CHECK(region->depth < 0.006);
   CHECK(touch->press_depth >=
