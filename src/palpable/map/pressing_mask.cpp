@@ -12,19 +12,28 @@ namespace {
 
 constexpr int kTile = 4;
 
-// Pixels of a tile that are asked; most of those that have a depth must have come.
+// Pixels of a tile that are asked; most of those that have a depth must say the same.
 constexpr std::array<std::array<int, 2>, 5> kSampled{{{2, 2}, {1, 1}, {3, 3}, {0, 3}, {3, 0}}};
+constexpr int kMost = 3;
 
-constexpr int kBeside = 2;  // tiles
+// Neighbouring tiles whose depths differ by more belong to different surfaces.
+constexpr float kSameShare = 0.06F;
 
-enum State : std::uint8_t { kRests, kMoves, kHasCome, kGrouped };
+// A sensor that measures depth by itself mixes near and far where they meet.
+constexpr float kJumpShare = 0.04F;
 
-// A filled pixel says what its neighbours say, not more (disparity_filters.h).
-constexpr std::uint8_t kLeastConfidence = 64;
+// Tiles: so near to something that moves, a resting tile is beside it.
+constexpr int kBeside = 2;
 
-bool is_sure(const SeenFrame& seen, int x, int y) {
-  return seen.confidence.empty() || seen.confidence(x, y) >= kLeastConfidence;
-}
+// What became of the group that a tile belongs to.
+enum Group : std::uint8_t {
+  kNotGathered,
+  kDropped,
+  kMovesAlone,  // what rests beside it is the room
+  kRestsToo     // a thing that rests, or the resting part of one that moves
+};
+
+bool is_same_surface(float a, float b) { return std::abs(a - b) < kSameShare * std::min(a, b); }
 
 }  // namespace
 
@@ -38,6 +47,8 @@ class PressingMask::Asker {
         noise_(mask.noise_),
         step_(static_cast<float>(mask.settings_.step)),
         sigmas_(static_cast<float>(mask.settings_.sigmas)),
+        walking_step_(static_cast<float>(mask.settings_.walking_step)),
+        walking_share_(static_cast<float>(mask.settings_.walking_share)),
         farthest_(static_cast<float>(space.settings().farthest)),
         origin_(world_from_camera.translation().cast<float>()) {
     const PinholeCamera& camera = seen.depth_camera;
@@ -49,25 +60,35 @@ class PressingMask::Asker {
   }
 
   // Of a pixel with a depth.
-  [[nodiscard]] bool has_come(int x, int y) {
+  [[nodiscard]] bool has_come(int x, int y) { return is_before_room(x, y, step_, 0); }
+  // The same with the larger tolerance of a camera that walks.
+  [[nodiscard]] bool has_come_for_sure(int x, int y) {
+    return is_before_room(x, y, walking_step_, walking_share_);
+  }
+
+ private:
+  bool is_before_room(int x, int y, float step, float share) {
     const float Z = seen_.depth(x, y);
     if (!(Z > 0) || Z > farthest_) return false;
     const Eigen::Vector3f p =
         origin_ + Z * (first_ + static_cast<float>(x) * across_ + static_cast<float>(y) * down_);
-    return !reader_.was_there(p, std::max(step_, sigmas_ * noise_.sigma_in_float(Z)));
+    return !reader_.was_there(p, std::max({step, share * Z, sigmas_ * noise_.sigma_in_float(Z)}));
   }
 
- private:
   const SeenFrame& seen_;
   AnchoredScene::Reader reader_;
   DepthNoise noise_;
-  float step_, sigmas_, farthest_;
+  float step_, sigmas_, walking_step_, walking_share_, farthest_;
   Eigen::Vector3f origin_, across_, down_, first_;  // the ray of (x, y): first + x across + y down
 };
 
 PressingMask::PressingMask(const DepthNoise& noise, const PressingMaskSettings& settings)
     : noise_(noise), settings_(settings) {
-  PALPABLE_EXPECT(settings.step > 0 && settings.sigmas >= 0, "a tolerance is not negative");
+  PALPABLE_EXPECT(settings.step > 0 && settings.sigmas >= 0 && settings.walking_step >= 0 &&
+                      settings.walking_share >= 0,
+                  "a tolerance is not negative");
+  PALPABLE_EXPECT(settings.fewest_frames >= 1 && settings.fewest_frames < 255,
+                  "a group has been there for 1 to 254 frames");
 }
 
 const MaskImage& PressingMask::find_all(const SeenFrame& seen, const PixelBox& box) {
@@ -82,115 +103,216 @@ const MaskImage& PressingMask::find_all(const SeenFrame& seen, const PixelBox& b
 }
 
 const MaskImage& PressingMask::find(const SeenFrame& seen, const Rigid3& world_from_camera,
-                                    const MaskImage* moving, bool looked,
+                                    const MaskImage* moving, LookedAt looked_at,
                                     const AnchoredScene& scene, const FreeSpace& space,
                                     const PixelBox& box) {
   const DepthImage& depth = seen.depth;
-  shows_.resize(depth.width(), depth.height());
-  std::fill(shows_.begin(), shows_.end(), kShowsUnknown);
+  resize(depth, box);
   if (moving == nullptr || !world_from_camera.matrix().allFinite()) return shows_;
   PALPABLE_EXPECT(moving->width() == depth.width() && moving->height() == depth.height(),
                   "the mask is of the depth's size");
-  mark_moving(seen, *moving, looked, box);
+  mark_moving(seen, *moving, looked_at != LookedAt::kNothing);
+  const bool stands = looked_at == LookedAt::kPicture;
   Asker asker(*this, seen, world_from_camera, scene, space);
-  find_come_tiles(seen, *moving, box, asker);
-  keep_large_groups();
-  mark_come_pixels(seen, box, asker);
+  for (int j = j0_; j < j0_ + down_; ++j) {
+    for (int i = i0_; i < i0_ + across_; ++i) find_tile(seen, *moving, stands, i, j, asker);
+  }
+  keep_groups();
+  mark_pixels(seen, *moving, asker);
   return shows_;
 }
 
-void PressingMask::mark_moving(const SeenFrame& seen, const MaskImage& moving, bool looked,
-                               const PixelBox& box) {
+void PressingMask::resize(const DepthImage& depth, const PixelBox& box) {
+  shows_.resize(depth.width(), depth.height());
+  std::fill(shows_.begin(), shows_.end(), kShowsUnknown);
+  box_ = box;
+  i0_ = box.x / kTile, j0_ = box.y / kTile;
+  across_ = box.width > 0 ? (box.x + box.width - 1) / kTile - i0_ + 1 : 0;
+  down_ = box.height > 0 ? (box.y + box.height - 1) / kTile - j0_ + 1 : 0;
+  tiles_.assign(static_cast<std::size_t>(across_) * static_cast<std::size_t>(down_), {});
+  const int width = (depth.width() + kTile - 1) / kTile;
+  const int height = (depth.height() + kTile - 1) / kTile;
+  if (frames_.width() != width || frames_.height() != height) {
+    frames_ = frames_before_ = Image<std::uint8_t>(width, height);
+  }
+  std::swap(frames_, frames_before_);
+  std::fill(frames_.begin(), frames_.end(), std::uint8_t{0});
+}
+
+// What each pixel shows as far as the moving mask knows.
+void PressingMask::mark_moving(const SeenFrame& seen, const MaskImage& moving, bool looked) {
   const std::uint8_t without = looked ? kShowsRoom : kShowsUnknown;
-  for (int y = box.y; y < box.y + box.height; ++y) {
-    for (int x = box.x; x < box.x + box.width; ++x) {
-      const bool moves = moving(x, y) != 0;
+  for (int y = box_.y; y < box_.y + box_.height; ++y) {
+    for (int x = box_.x; x < box_.x + box_.width; ++x) {
       const bool close = !seen.too_close.empty() && seen.too_close(x, y) != 0;
-      if (seen.depth(x, y) > 0) {
-        shows_(x, y) = moves ? kShowsPresser : kShowsRoom;
-      } else {
-        shows_(x, y) = moves || close ? kShowsUnknown : without;
+      shows_(x, y) = seen.depth(x, y) > 0            ? kShowsRoom
+                     : moving(x, y) != 0 || close ? kShowsUnknown
+                                                  : without;
+    }
+  }
+}
+
+bool PressingMask::is_sure(const SeenFrame& seen, int x, int y) const {
+  if (!seen.confidence.empty()) return seen.confidence(x, y) >= settings_.least_confidence;
+  const float z = seen.depth(x, y);
+  const auto jumps = [&](int u, int v) {
+    if (u < 0 || v < 0 || u >= seen.depth.width() || v >= seen.depth.height()) return false;
+    return std::abs(seen.depth(u, v) - z) > kJumpShare * z;  // false for NaN
+  };
+  return !jumps(x - 1, y) && !jumps(x + 1, y) && !jumps(x, y - 1) && !jumps(x, y + 1);
+}
+
+void PressingMask::find_tile(const SeenFrame& seen, const MaskImage& moving, bool stands, int i,
+                             int j, Asker& asker) {
+  int known = 0, moves = 0, come = 0, sure = 0;
+  float moving_depth = 0, come_depth = 0;
+  int x_sure = 0, y_sure = 0;
+  for (const auto& [dx, dy] : kSampled) {
+    const int x = kTile * i + dx, y = kTile * j + dy;
+    if (!box_.contains(x, y) || !(seen.depth(x, y) > 0)) continue;
+    ++known;
+    const bool certain = is_sure(seen, x, y);
+    if (moving(x, y) != 0) {
+      ++moves;
+      if (moving_depth == 0) moving_depth = seen.depth(x, y);
+    } else if (certain && asker.has_come(x, y)) {
+      ++come;
+      if (come_depth == 0) come_depth = seen.depth(x, y);
+    } else {
+      if (known == 2 && moves + come == 0) return;  // most tiles
+      continue;
+    }
+    if (certain) ++sure, x_sure = x, y_sure = y;
+  }
+  Tile& found = tile(i, j);
+  if (moves >= come && moves > 0) {
+    found.depth = moving_depth;
+    found.moves = moves >= kMost;
+    found.is_sign = found.moves && sure >= kMost &&
+                    (stands || asker.has_come_for_sure(x_sure, y_sure));
+  } else if (2 * come > known && come >= 2) {
+    found.depth = come_depth;
+    found.is_sign = stands || asker.has_come_for_sure(x_sure, y_sure);
+  }
+}
+
+bool PressingMask::beside_moving(int i, int j) const {
+  for (int b = std::max(j - kBeside, j0_); b <= std::min(j + kBeside, j0_ + down_ - 1); ++b) {
+    for (int a = std::max(i - kBeside, i0_); a <= std::min(i + kBeside, i0_ + across_ - 1); ++a) {
+      if (tile(a, b).moves) return true;
+    }
+  }
+  return false;
+}
+
+// The most frames of a group of the last frame in or near a tile.
+int PressingMask::frames_near(int i, int j) const {
+  const int reach = settings_.near_px / kTile;
+  int most = 0;
+  for (int b = std::max(j - reach, 0); b <= std::min(j + reach, frames_before_.height() - 1); ++b) {
+    for (int a = std::max(i - reach, 0); a <= std::min(i + reach, frames_before_.width() - 1);
+         ++a) {
+      most = std::max<int>(most, frames_before_(a, b));
+    }
+  }
+  return most;
+}
+
+// Fills group_ with the tiles that hang together with tile (i, j) in one surface.
+void PressingMask::gather(int i, int j) {
+  group_.assign(1, {static_cast<std::int16_t>(i), static_cast<std::int16_t>(j)});
+  tile(i, j).group = kDropped;
+  for (std::size_t k = 0; k < group_.size(); ++k) {
+    const Place at = group_[k];
+    for (int b = std::max(at.j - 1, j0_); b <= std::min(at.j + 1, j0_ + down_ - 1); ++b) {
+      for (int a = std::max(at.i - 1, i0_); a <= std::min(at.i + 1, i0_ + across_ - 1); ++a) {
+        Tile& other = tile(a, b);
+        if (other.group != kNotGathered || other.depth == 0) continue;
+        if (!is_same_surface(other.depth, tile(at.i, at.j).depth)) continue;
+        other.group = kDropped;
+        group_.push_back({static_cast<std::int16_t>(a), static_cast<std::int16_t>(b)});
       }
     }
   }
 }
 
-void PressingMask::find_come_tiles(const SeenFrame& seen, const MaskImage& moving,
-                                   const PixelBox& box, Asker& asker) {
-  const DepthImage& depth = seen.depth;
-  tiles_.resize((box.width + kTile - 1) / kTile, (box.height + kTile - 1) / kTile);
-  for (int j = 0; j < tiles_.height(); ++j) {
-    for (int i = 0; i < tiles_.width(); ++i) {
-      int known = 0, moves = 0, come = 0;
-      for (const auto& [dx, dy] : kSampled) {
-        const int x = box.x + kTile * i + dx, y = box.y + kTile * j + dy;
-        if (!box.contains(x, y)) continue;
-        if (moving(x, y) != 0) {
-          ++moves;
-        } else if (depth(x, y) > 0 && is_sure(seen, x, y)) {
-          ++known;
-          come += asker.has_come(x, y) ? 1 : 0;
-          if (known == 2 && come == 0) break;  // most tiles
+// Whether the group's signs are enough. Resting tiles beside what moves are none.
+std::uint8_t PressingMask::verdict(int frames) const {
+  if (frames < settings_.fewest_frames) return kDropped;
+  int moving = 0, resting = 0;
+  bool any_beside = false;
+  for (const Place& at : group_) {
+    const Tile& here = tile(at.i, at.j);
+    if (here.moves) {
+      moving += here.is_sign ? 1 : 0;
+      any_beside = true;
+    } else if (beside_moving(at.i, at.j)) {
+      any_beside = true;
+    } else {
+      resting += here.is_sign ? 1 : 0;
+    }
+  }
+  if (resting >= (any_beside ? settings_.fewest_tiles_beside : settings_.fewest_tiles)) {
+    return kRestsToo;
+  }
+  return moving >= settings_.fewest_tiles ? kMovesAlone : kDropped;
+}
+
+void PressingMask::keep_groups() {
+  for (int j = j0_; j < j0_ + down_; ++j) {
+    for (int i = i0_; i < i0_ + across_; ++i) {
+      if (tile(i, j).depth == 0 || tile(i, j).group != kNotGathered) continue;
+      gather(i, j);
+      int before = 0;
+      if (std::ssize(group_) >= settings_.fewest_tiles_beside) {
+        // As a rule the first tiles tell; of a large group not all are asked.
+        const std::size_t stride = 1 + group_.size() / 16;
+        for (std::size_t k = 0; k < group_.size(); k += stride) {
+          before = std::max(before, frames_near(group_[k].i, group_[k].j));
+          if (before >= settings_.fewest_frames) break;
         }
       }
-      tiles_(i, j) = moves > 2 ? kMoves : known >= 2 && 2 * come > known ? kHasCome : kRests;
+      const int frames = std::min(before + 1, 254);
+      const std::uint8_t result = verdict(frames);
+      for (const Place& at : group_) {
+        frames_(at.i, at.j) = static_cast<std::uint8_t>(frames);
+        tile(at.i, at.j).group = result;
+      }
     }
   }
 }
 
-// Beside what moves a matcher gives the room that thing's depth, and the moving mask knows better.
-// So only tiles away from there make a group; those beside follow.
-void PressingMask::keep_large_groups() {
-  for (int j = 0; j < tiles_.height(); ++j) {
-    for (int i = 0; i < tiles_.width(); ++i) {
-      if (tiles_(i, j) != kHasCome) continue;
-      group_.assign(1, {i, j});
-      tiles_(i, j) = kGrouped;
-      int away = 0;
-      bool beside_moving = false;
-      for (std::size_t k = 0; k < group_.size(); ++k) {
-        const auto [a, b] = group_[k];
-        bool here_moves = false;
-        for (int v = std::max(b - kBeside, 0); v <= std::min(b + kBeside, tiles_.height() - 1);
-             ++v) {
-          for (int u = std::max(a - kBeside, 0); u <= std::min(a + kBeside, tiles_.width() - 1);
-               ++u) {
-            here_moves |= tiles_(u, v) == kMoves;
-            if (tiles_(u, v) != kHasCome || std::abs(u - a) > 1 || std::abs(v - b) > 1) continue;
-            tiles_(u, v) = kGrouped;
-            group_.emplace_back(u, v);
-          }
-        }
-        away += here_moves ? 0 : 1;
-        beside_moving |= here_moves;
-      }
-      if (away >= (beside_moving ? settings_.fewest_tiles_beside : settings_.fewest_tiles)) {
-        continue;
-      }
-      for (const auto& [a, b] : group_) tiles_(a, b) = kRests;
-    }
-  }
-}
-
-// A tile amid its group is marked whole; at the border each pixel is asked.
-void PressingMask::mark_come_pixels(const SeenFrame& seen, const PixelBox& box, Asker& asker) {
-  for (int j = 0; j < tiles_.height(); ++j) {
-    for (int i = 0; i < tiles_.width(); ++i) {
-      int beside = 0, there = 0;
-      for (int v = std::max(j - 1, 0); v <= std::min(j + 1, tiles_.height() - 1); ++v) {
-        for (int u = std::max(i - 1, 0); u <= std::min(i + 1, tiles_.width() - 1); ++u) {
+// A pixel that moves belongs to a group that counts if one of the nine tiles around it does and is
+// of its depth: along the border of what moves some pixels of a near thing before it seem to move,
+// too. In resting tiles each pixel is asked, but amid their group.
+void PressingMask::mark_pixels(const SeenFrame& seen, const MaskImage& moving, Asker& asker) {
+  for (int j = j0_; j < j0_ + down_; ++j) {
+    for (int i = i0_; i < i0_ + across_; ++i) {
+      int there = 0, kept = 0, resting = 0;
+      std::array<float, 9> depths{};
+      for (int b = std::max(j - 1, j0_); b <= std::min(j + 1, j0_ + down_ - 1); ++b) {
+        for (int a = std::max(i - 1, i0_); a <= std::min(i + 1, i0_ + across_ - 1); ++a) {
           ++there;
-          beside += tiles_(u, v) == kGrouped ? 1 : 0;
+          if (tile(a, b).group < kMovesAlone) continue;
+          depths[static_cast<std::size_t>(kept++)] = tile(a, b).depth;
+          resting += tile(a, b).group == kRestsToo && !tile(a, b).moves ? 1 : 0;
         }
       }
-      if (beside == 0) continue;
-      const bool whole = beside == there;
-      for (int y = box.y + kTile * j; y < box.y + kTile * (j + 1); ++y) {
-        for (int x = box.x + kTile * i; x < box.x + kTile * (i + 1); ++x) {
-          if (!box.contains(x, y) || shows_(x, y) != kShowsRoom || !(seen.depth(x, y) > 0)) {
+      if (kept == 0) continue;
+      for (int y = std::max(kTile * j, box_.y);
+           y < std::min(kTile * (j + 1), box_.y + box_.height); ++y) {
+        for (int x = std::max(kTile * i, box_.x);
+             x < std::min(kTile * (i + 1), box_.x + box_.width); ++x) {
+          const float z = seen.depth(x, y);
+          if (!(z > 0)) continue;
+          if (std::none_of(depths.begin(), depths.begin() + kept,
+                           [z](float other) { return is_same_surface(z, other); })) {
             continue;
           }
-          if (whole || asker.has_come(x, y)) shows_(x, y) = kShowsPresser;
+          if (moving(x, y) != 0 ||
+              (resting > 0 && (resting == there || asker.has_come(x, y)))) {
+            shows_(x, y) = kShowsPresser;
+          }
         }
       }
     }

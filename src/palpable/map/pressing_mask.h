@@ -8,6 +8,11 @@
 /// So the desk on which a body stands does not press it, a hand does, and so does a cup that was
 /// put against it and left there.
 ///
+/// Each sign of something that has come may be wrong in single pixels and single frames: along
+/// outlines a sensor mixes near and far, a bare desk gets any depth, and a camera that walks knows
+/// its own place to a centimetre. So signs are gathered over groups of neighbouring tiles that
+/// belong to one surface, and over frames.
+///
 ///   tile  a square of 4 x 4 pixels of the depth image
 #pragma once
 
@@ -18,9 +23,9 @@
 #include "palpable/geometry/rigid.h"
 #include "palpable/map/anchored_scene.h"
 #include "palpable/map/free_space.h"
+#include "palpable/map/moving_mask.h"
 
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 namespace palpable {
@@ -29,13 +34,23 @@ struct PressingMaskSettings {
   /// A measured point of the room lies at most max(step, sigmas * sigma_Z) before its surface.
   double step = 0.015;  ///< m
   double sigmas = 4;
-  /// Things that have come and rest now are groups of at least so many tiles: along outlines of the
-  /// room a matcher gives the pixels beside a near thing that thing's depth.
+  /// Before a camera that does not stand a sign is only what stands before the room's surface by
+  /// more than max(walking_step, walking_share * Z): its pose is known to a centimetre.
+  double walking_step = 0.038;  ///< m; the map's distances reach to 0.040
+  double walking_share = 0.03;
+  int least_confidence = 128;  ///< of a depth (disparity_filters.h)
+  /// Tiles of a group that say so with confidence; fewer are a mismatch.
   int fewest_tiles = 20;
-  int fewest_tiles_beside = 6;  ///< of the resting part of a thing that moves
+  /// Of things that rest: only tiles that are not beside something that moves count, where a
+  /// matcher gives the room that thing's depth. Of the resting part of a thing that moves so many
+  /// are enough.
+  int fewest_tiles_beside = 6;
+  /// Frames in a row in which a group must have been there, in or near the same tiles.
+  int fewest_frames = 3;
+  int near_px = 24;  ///< that a group may have gone in a frame: 0.8 m/s at 0.4 m
 };
 
-/// Keeps its memory.
+/// Keeps its memory, and remembers where the last frame had such groups.
 class PressingMask {
  public:
   /// @throws ContractViolation for settings out of their range
@@ -43,19 +58,18 @@ class PressingMask {
 
   /// What each pixel shows: kShowsRoom, kShowsPresser or kShowsUnknown (geometry/image.h).
   ///
-  ///     measured  it moves, or its group of tiles has come since   kShowsPresser
-  ///               else                                             kShowsRoom
-  ///     not       it does not move, and looks as the room did      kShowsRoom
-  ///               else                                             kShowsUnknown
+  ///     measured  it belongs to a group that has come or moves   kShowsPresser
+  ///               else                                           kShowsRoom
+  ///     not       it does not move, and looks as the room did    kShowsRoom
+  ///               else                                           kShowsUnknown
   ///
-  /// @param moving  255 where something moves, of the depth's size; null: not known, and then
-  ///                nothing is known of any pixel
-  /// @param looked  the mask compared looks: where nothing moves and no depth is known, the room is
-  ///                seen (SlamFrame::looked)
-  /// @param box     the pixels that are asked; all others are kShowsUnknown
+  /// @param moving     255 where something moves, of the depth's size; null: not known, and then
+  ///                   nothing is known of any pixel
+  /// @param looked_at  with what the mask was compared (SlamFrame::looked_at)
+  /// @param box        the pixels that are asked; all others are kShowsUnknown
   /// @return of the depth's size; valid until the next call
   const MaskImage& find(const SeenFrame& seen, const Rigid3& world_from_camera,
-                        const MaskImage* moving, bool looked, const AnchoredScene& scene,
+                        const MaskImage* moving, LookedAt looked_at, const AnchoredScene& scene,
                         const FreeSpace& space, const PixelBox& box);
 
   /// The same where everything that is measured presses, the room too.
@@ -63,18 +77,43 @@ class PressingMask {
 
  private:
   class Asker;
-  void mark_moving(const SeenFrame& seen, const MaskImage& moving, bool looked,
-                   const PixelBox& box);
-  void find_come_tiles(const SeenFrame& seen, const MaskImage& moving, const PixelBox& box,
-                       Asker& asker);
-  void keep_large_groups();
-  void mark_come_pixels(const SeenFrame& seen, const PixelBox& box, Asker& asker);
+  struct Tile {
+    float depth = 0;         // m, of one of its pixels that moves or has come; 0: none
+    bool moves = false;      // most of it does
+    bool is_sign = false;    // it says with confidence that its group has come
+    std::uint8_t group = 0;  // Group, of the .cpp
+  };
+  struct Place {
+    std::int16_t i, j;
+  };
+
+  void resize(const DepthImage& depth, const PixelBox& box);
+  void mark_moving(const SeenFrame& seen, const MaskImage& moving, bool looked);
+  void find_tile(const SeenFrame& seen, const MaskImage& moving, bool stands, int i, int j,
+                 Asker& asker);
+  void keep_groups();
+  void gather(int i, int j);
+  [[nodiscard]] std::uint8_t verdict(int frames) const;
+  [[nodiscard]] bool beside_moving(int i, int j) const;
+  [[nodiscard]] int frames_near(int i, int j) const;
+  void mark_pixels(const SeenFrame& seen, const MaskImage& moving, Asker& asker);
+  [[nodiscard]] bool is_sure(const SeenFrame& seen, int x, int y) const;
+  [[nodiscard]] Tile& tile(int i, int j) { return tiles_[index(i, j)]; }
+  [[nodiscard]] const Tile& tile(int i, int j) const { return tiles_[index(i, j)]; }
+  [[nodiscard]] std::size_t index(int i, int j) const {
+    return static_cast<std::size_t>(j - j0_) * static_cast<std::size_t>(across_) +
+           static_cast<std::size_t>(i - i0_);
+  }
 
   DepthNoise noise_;
   PressingMaskSettings settings_;
   MaskImage shows_;
-  Image<std::uint8_t> tiles_;  // of the box (State in the .cpp)
-  std::vector<std::pair<int, int>> group_;
+  PixelBox box_;
+  int i0_ = 0, j0_ = 0, across_ = 0, down_ = 0;  // tiles of the box, counted over the image
+  std::vector<Tile> tiles_;
+  std::vector<Place> group_;
+  // Per tile of the image: frames in a row in which a group was there, in this and the last frame.
+  Image<std::uint8_t> frames_, frames_before_;
 };
 
 }  // namespace palpable

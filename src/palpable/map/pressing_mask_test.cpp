@@ -51,9 +51,9 @@ struct Room {
     result.depth_camera = kCamera;
     return result;
   }
-  const MaskImage& ask(const SeenFrame& asked, const MaskImage* moving, bool looked = true,
+  const MaskImage& ask(const SeenFrame& asked, const MaskImage* moving, LookedAt looked_at = LookedAt::kPicture,
                        const PixelBox& box = kAll) {
-    return mask.find(asked, Rigid3::Identity(), moving, looked, *scene, space, box);
+    return mask.find(asked, Rigid3::Identity(), moving, looked_at, *scene, space, box);
   }
 
   std::mt19937_64 random = test::random_case(3);
@@ -96,7 +96,7 @@ TEST_CASE("what moves presses where it is measured, and is unknown where it is n
   CHECK(shows(12, 12) == kShowsUnknown);
   CHECK(shows(80, 80) == kShowsRoom);  // it looks as the room did
   CHECK(count(shows, kShowsPresser) == 199);
-  CHECK(room.ask(frame, &moving, false)(80, 80) == kShowsUnknown);
+  CHECK(room.ask(frame, &moving, LookedAt::kNothing)(80, 80) == kShowsUnknown);
 }
 
 TEST_CASE("what was put before the room presses, also when it has become part of the map",
@@ -166,7 +166,7 @@ TEST_CASE("without a mask nothing is known, and outside of the box nothing is as
   Room room;
   room.show(20);
   CHECK(count(room.ask(room.seen(), nullptr), kShowsUnknown) == kCamera.width * kCamera.height);
-  const MaskImage& shows = room.ask(room.seen(), &kNothingMoves, true, {10, 20, 30, 40});
+  const MaskImage& shows = room.ask(room.seen(), &kNothingMoves, LookedAt::kPicture, {10, 20, 30, 40});
   CHECK(count(shows, kShowsRoom) == 1200);
   CHECK(shows(10, 20) == kShowsRoom);
   CHECK(shows(39, 59) == kShowsRoom);

@@ -24,8 +24,9 @@ namespace {
 // 1.9, 1.1, 0.6 and 0.46 mm (`palpable bench surface --only press --seed 1`, median).
 constexpr double kCensusFattening = 1.0;
 
-// px around the part of the image in which things may press: their outlines, and what lies beside.
-constexpr int kBeside = 16;
+// px around the part of the image in which things may press: a thing is known some frames before it
+// arrives, and its outlines need what lies beside.
+constexpr int kBeside = 48;
 
 Eigen::AlignedBox3d box_of(const SurfaceMesh& surface) {
   return {surface.vertices.rowwise().minCoeff(), surface.vertices.rowwise().maxCoeff()};
@@ -94,7 +95,7 @@ struct Session::Parts {
   Eigen::AlignedBox3d region;
 
   std::optional<AnchoredScene> anchored;
-  bool looked = false;  // the mask of this frame compared looks
+  LookedAt looked_at = LookedAt::kNothing;  // with what the mask of this frame was compared
   PressingMask pressing;
   const MaskImage* shows = nullptr;  // of the pressing mask
   ObjectSurface surface;
@@ -114,7 +115,7 @@ void Session::Parts::forget_room() {
 void Session::Parts::follow_camera(Scene& scene) {
   const SlamFrame& found = slam.advance(scene.seen, scene.times);
   scene.camera = found.camera;
-  looked = found.looked;
+  looked_at = found.looked_at;
   if (found.moving != nullptr) {
     scene.moving = *found.moving;
   } else {
@@ -148,7 +149,7 @@ void Session::Parts::find_what_presses(const Scene& scene) {
     return;
   }
   const MaskImage* moving = lost || scene.moving.empty() ? nullptr : &scene.moving;
-  shows = &pressing.find(seen, scene.camera.world_from_camera, moving, looked, *anchored,
+  shows = &pressing.find(seen, scene.camera.world_from_camera, moving, looked_at, *anchored,
                          *slam.space(), box);
 }
 

@@ -49,7 +49,7 @@ struct SlamFrame {
   /// covers too much, and while the camera is lost or was in the frame before. Valid until the next
   /// frame.
   const MaskImage* moving = nullptr;
-  bool looked = false;  ///< the mask's frame was compared with how the scene looks (moving_mask.h)
+  LookedAt looked_at = LookedAt::kNothing;  ///< with what the mask's frame was compared
   bool fused = false;  ///< its depth image was fused into the map
   /// Not empty: a loop was closed with this frame, and map and free space began anew. What others
   /// have placed in the world can be moved by these. Valid until the next frame.
