@@ -13,10 +13,7 @@ struct ObjectBall {
   Eigen::Vector3f centre;  ///< m
   float radius = 0.008f;   ///< m
   float sigma = 0;         ///< m, of its surface where it was measured
-  int part = 0;            ///< number of the thing that it belongs to, in this frame
-  float frames = 1;        ///< that were averaged
   float unseen_for = 0;    ///< s since it was measured; 0: in this frame
-  float unknown_for = 0;   ///< s for which it was neither seen nor could be where it is
 };
 
 }  // namespace palpable

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace palpable {
 namespace {
@@ -14,10 +15,26 @@ using Eigen::Vector3f;
 
 bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
 
+// The smallest part of a box in which something presses.
+PixelBox box_of_pressers(const MaskImage& shows, const PixelBox& box) {
+  int left = box.x + box.width, right = box.x - 1, top = -1, bottom = -1;
+  for (int y = box.y; y < box.y + box.height; ++y) {
+    const std::uint8_t* row = shows.row(y);
+    int first = box.x, last = box.x + box.width - 1;
+    while (first <= last && row[first] != kShowsPresser) ++first;
+    if (first > last) continue;
+    while (row[last] != kShowsPresser) --last;
+    left = std::min(left, first), right = std::max(right, last);
+    if (top < 0) top = y;
+    bottom = y;
+  }
+  return top < 0 ? PixelBox{} : PixelBox{left, top, right - left + 1, bottom - top + 1};
+}
+
 }  // namespace
 
 ObjectSurface::ObjectSurface(const ObjectSurfaceSettings& settings)
-    : settings_(settings), silhouette_(settings.silhouette), memory_(settings.memory) {
+    : settings_(settings), silhouette_(settings.silhouette), rest_(settings.rest), held_(settings.hold) {
   PALPABLE_EXPECT(settings.step >= 1, "every pixel is the finest decimation");
   PALPABLE_EXPECT(settings.balls.reach >= 1, "a normal needs neighbours");
   PALPABLE_EXPECT(settings.balls.most_radius > 0 && settings.band > 0 &&
@@ -28,11 +45,12 @@ ObjectSurface::ObjectSurface(const ObjectSurfaceSettings& settings)
                   "noise is not negative");
 }
 
+double ObjectSurface::noise_at(double Z) const {
+  return settings_.noise_constant + Z * (settings_.noise_linear + Z * settings_.noise_quadratic);
+}
+
 float ObjectSurface::sigma_of(float depth, int pixels) const {
-  const auto Z = static_cast<double>(depth);
-  const double one =
-      settings_.noise_constant + Z * (settings_.noise_linear + Z * settings_.noise_quadratic);
-  return static_cast<float>(one / std::sqrt(std::max(1.0, pixels / settings_.pixels_alike)));
+  return static_cast<float>(noise_at(static_cast<double>(depth)) / std::sqrt(std::max(1.0, pixels / settings_.pixels_alike)));
 }
 
 void ObjectSurface::start(const AlignedBox3d& region_in_body, const Vector3f& camera_in_body) {
@@ -80,31 +98,53 @@ void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
                           const AlignedBox3d& region_in_body, double time) {
   PALPABLE_EXPECT(depth.width() == camera.width && depth.height() == camera.height,
                   "the camera is the depth image's own");
+  PALPABLE_EXPECT(
+      shows.empty() || (shows.width() == depth.width() && shows.height() == depth.height()),
+      "what is shown is of the depth's size");
   start(region_in_body, body_from_camera.translation().cast<float>());
   const Rigid3 camera_from_body = body_from_camera.inverse();
-  const PixelBox box = box_of_interest(region_in_body, camera_from_body, camera);
-  silhouette_.find(depth, shows, box);
-  find_medial_balls(depth, camera, silhouette_, settings_.balls, found_);
+  const PixelBox interest = box_of_interest(region_in_body, camera_from_body, camera);
+  const MaskImage& given = shows.empty() ? everything_measured(depth) : shows;
+  const PixelBox box = box_of_pressers(given, interest);
+  parts_.find(depth, given, box, settings_.silhouette);
+  rest_.add(depth, given, parts_, camera, camera_from_body, noise_at(1));
+  silhouette_.find(rest_.depth(), rest_.shows(), rest_.box());
+  find_medial_balls(rest_.depth(), camera, silhouette_, settings_.balls, found_);
 
   const Eigen::Matrix3f R = body_from_camera.linear().cast<float>();
   const Vector3f t = body_from_camera.translation().cast<float>();
-  parts_.find(depth, silhouette_);
   for (const MedialBall& ball : found_) {
-    const Vector3f front = R * ball.front + t, normal = R * ball.normal;
-    keep({front, normal, R * ball.centre + t, ball.radius, sigma_of(ball.front.z(), ball.pixels),
-          parts_.at(ball.x, ball.y)});
+    const float frames = rest_.frames_at(ball.x, ball.y);
+    keep({R * ball.front + t, R * ball.normal, R * ball.centre + t, ball.radius,
+          sigma_of(ball.front.z(), ball.pixels) / std::sqrt(frames)});
   }
-  memory_.merge({depth, shows, camera, camera_from_body}, silhouette_, parts_, time, balls_);
-  const Eigen::AlignedBox3f near = fronts_near(region_in_body).cast<float>();
-  for (int v = box.y; v < box.y + box.height; v += settings_.step) {
-    for (int u = box.x; u < box.x + box.width; u += settings_.step) {
+  held_.recall(depth, given, camera, camera_from_body, time, balls_);
+  fill_cloud(camera, R, t, fronts_near(region_in_body).cast<float>());
+  finish();
+}
+
+void ObjectSurface::fill_cloud(const PinholeCamera& camera, const Eigen::Matrix3f& R,
+                               const Vector3f& t, const Eigen::AlignedBox3f& near) {
+  const PixelBox& box = silhouette_.box();
+  const auto first = [&](int from) {
+    return (from + settings_.step - 1) / settings_.step * settings_.step;
+  };
+  for (int v = first(box.y); v < box.y + box.height; v += settings_.step) {
+    for (int u = first(box.x); u < box.x + box.width; u += settings_.step) {
       if (!(silhouette_.distance(u, v) > 0)) continue;
-      const float z = depth(u, v);
-      const Vector3f x = R * camera.unproject(u, v, static_cast<double>(z)).cast<float>() + t;
-      if (is_depth(z) && near.contains(x)) cloud_.push_back(x);
+      const auto z = static_cast<double>(rest_.depth()(u, v));
+      const Vector3f x = R * camera.unproject(u, v, z).cast<float>() + t;
+      if (near.contains(x)) cloud_.push_back(x);
     }
   }
-  finish();
+}
+
+const MaskImage& ObjectSurface::everything_measured(const DepthImage& depth) {
+  all_.resize(depth.width(), depth.height());
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    all_.data()[i] = is_depth(depth.data()[i]) ? kShowsPresser : kShowsUnknown;
+  }
+  return all_;
 }
 
 void ObjectSurface::build(std::span<const ObjectBall> balls, const AlignedBox3d& region_in_body,

@@ -15,10 +15,11 @@
 #pragma once
 
 #include "palpable/contact/ball_tree.h"
+#include "palpable/contact/held_balls.h"
 #include "palpable/contact/medial_balls.h"
 #include "palpable/contact/object_ball.h"
-#include "palpable/contact/object_memory.h"
 #include "palpable/contact/part_labels.h"
+#include "palpable/contact/rest_filter.h"
 #include "palpable/contact/silhouette.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
@@ -40,7 +41,8 @@ struct ObjectSurfaceSettings {
   double band = 0.010;  ///< m, phi is exact up to here outside, and everywhere inside
   SilhouetteSettings silhouette{};
   MedialBallSettings balls{};
-  ObjectMemorySettings memory{};
+  RestFilterSettings rest{};
+  HoldSettings hold{};
   /// How far one pixel's depth scatters round the true one,
   ///     sigma(Z) = noise_constant + noise_linear Z + noise_quadratic Z^2    (m, 1, 1/m).
   /// Disparity has a constant error, so stereo has the square alone.
@@ -48,7 +50,7 @@ struct ObjectSurfaceSettings {
   double noise_linear = 0;
   double noise_quadratic = 0.006;
   /// So many neighbouring pixels have one error: a matcher's windows overlap, and it smooths.
-  double pixels_alike = 25;
+  double pixels_alike = 6;
 };
 
 /// What is nearest to a query point.
@@ -72,8 +74,7 @@ class ObjectSurface {
   /// @param shows    of each pixel kShowsRoom, kShowsPresser or kShowsUnknown (geometry/image.h);
   ///                 empty: what is measured presses, what is not is unknown
   /// @param camera   of the depth image: same width and height
-  /// @param time     s, of the frame: what it hides or says nothing of is remembered
-  ///                 (object_memory.h)
+  /// @param time     s, of the frame: what it neither sees nor sees through is held (held_balls.h)
   void build(const DepthImage& depth, const MaskImage& shows, const PinholeCamera& camera,
              const Rigid3& body_from_camera, const Eigen::AlignedBox3d& region_in_body,
              double time = 0);
@@ -113,7 +114,11 @@ class ObjectSurface {
   void finish();
   [[nodiscard]] NearestOnObject answer(const Eigen::Vector3f& x, float distance, int ball) const;
 
+  [[nodiscard]] const MaskImage& everything_measured(const DepthImage& depth);
+  void fill_cloud(const PinholeCamera& camera, const Eigen::Matrix3f& R, const Eigen::Vector3f& t,
+                  const Eigen::AlignedBox3f& near);
   [[nodiscard]] float sigma_of(float depth, int pixels) const;
+  [[nodiscard]] double noise_at(double Z) const;
 
   ObjectSurfaceSettings settings_;
   Eigen::AlignedBox3f region_;  // grown by the band
@@ -126,7 +131,9 @@ class ObjectSurface {
   std::vector<Ball> bare_;
   BallTree tree_;
   PartLabels parts_;
-  ObjectMemory memory_;
+  RestFilter rest_;
+  HeldBalls held_;
+  MaskImage all_;  // what is shown where nobody says so
 };
 
 }  // namespace palpable

@@ -1,6 +1,7 @@
 #include "palpable/contact/part_labels.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace palpable {
 
@@ -12,19 +13,21 @@ int PartLabels::root(int label) {
   return label;
 }
 
-void PartLabels::find(const DepthImage& depth, const Silhouette& silhouette) {
-  box_ = silhouette.box();
+void PartLabels::find(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
+                      const SilhouetteSettings& settings) {
+  box_ = box;
   label_.assign(static_cast<std::size_t>(box_.width) * static_cast<std::size_t>(box_.height),
                 kNone);
   parent_.clear();
   std::size_t k = 0;
   for (int y = box_.y; y < box_.y + box_.height; ++y) {
     for (int x = box_.x; x < box_.x + box_.width; ++x, ++k) {
-      if (!(silhouette.distance(x, y) > 0)) continue;
       const float z = depth(x, y);
+      if (!(z > 0) || (!shows.empty() && shows(x, y) != kShowsPresser)) continue;
+      const float jump = depth_jump(settings, z);
       int mine = kNone;
       const auto join = [&](int u, int v, std::size_t other) {
-        if (label_[other] == kNone || !silhouette.joined(z, depth(u, v))) return;
+        if (label_[other] == kNone || !(std::abs(z - depth(u, v)) <= jump)) return;
         const int theirs = root(label_[other]);
         if (mine == kNone) {
           mine = theirs;

@@ -14,10 +14,12 @@ class PartLabels {
  public:
   static constexpr int kNone = -1;
 
-  /// Pixels of things that are neighbours, with depths that belong to one surface, are one part.
-  void find(const DepthImage& depth, const Silhouette& silhouette);
+  /// Pixels that press and are neighbours, with depths that belong to one surface, are one part.
+  /// @param shows  as ObjectSurface::build
+  void find(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
+            const SilhouetteSettings& settings);
 
-  /// 0 .. count() - 1, or kNone where there is no thing; of a pixel of the silhouette's box.
+  /// 0 .. count() - 1, or kNone where there is no thing; of a pixel of the box.
   [[nodiscard]] int at(int x, int y) const {
     return label_[static_cast<std::size_t>(y - box_.y) * static_cast<std::size_t>(box_.width) +
                   static_cast<std::size_t>(x - box_.x)];

@@ -21,11 +21,9 @@ struct Drawn {
         if (c != '.') depth(x, y) = c == 'F' ? 0.5f : 0.4f;
       }
     }
-    silhouette.find(depth, {}, {0, 0, depth.width(), depth.height()});
-    labels.find(depth, silhouette);
+    labels.find(depth, {}, {0, 0, depth.width(), depth.height()}, {});
   }
   DepthImage depth;
-  Silhouette silhouette;
   PartLabels labels;
 };
 

@@ -24,9 +24,9 @@ float length_of(ToOutline d) {
 
 }  // namespace
 
-float Silhouette::jump(float z) const {
-  return std::max(static_cast<float>(settings_.least_jump),
-                  static_cast<float>(settings_.largest_jump_at_1m) * z * z);
+float depth_jump(const SilhouetteSettings& settings, float z) {
+  return std::max(static_cast<float>(settings.least_jump),
+                  static_cast<float>(settings.largest_jump_at_1m) * z * z);
 }
 
 bool Silhouette::joined(float z, float other) const {

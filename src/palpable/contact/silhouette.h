@@ -25,6 +25,9 @@ struct SilhouetteSettings {
   int longest_hole = 12;
 };
 
+/// m: what the depths of two neighbouring pixels of one surface differ by at most, at depth z.
+[[nodiscard]] float depth_jump(const SilhouetteSettings& settings, float z);
+
 /// From a pixel to the nearest pixel beyond the outline.
 struct ToOutline {
   std::int16_t dx = 0;
@@ -50,7 +53,7 @@ class Silhouette {
   /// Whether two neighbouring depths belong to one surface.
   [[nodiscard]] bool joined(float z, float other) const;
   /// m: what they may differ by.
-  [[nodiscard]] float jump(float z) const;
+  [[nodiscard]] float jump(float z) const { return depth_jump(settings_, z); }
   [[nodiscard]] const PixelBox& box() const { return box_; }
 
  private:

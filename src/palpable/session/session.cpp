@@ -40,7 +40,7 @@ ObjectSurfaceSettings fitted(ObjectSurfaceSettings surface, const DepthCamera& c
   surface.noise_linear = noise.linear;
   surface.noise_quadratic = noise.quadratic;
   if (format.kind == FrameFormat::Kind::kStereo && matcher == DepthSettings::Matcher::kCensus) {
-    surface.balls.fattening = surface.memory.fattening = kCensusFattening;
+    surface.balls.fattening = kCensusFattening;
   }
   return surface;
 }

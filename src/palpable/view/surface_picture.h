@@ -5,7 +5,7 @@
 ///     points in their own colours   what is seen near the body, the room too
 ///     green                         the things that press: the side that is seen
 ///     orange                        their other side, which is assumed
-///     grey                          not seen at present: remembered (object_memory.h)
+///     grey                          not seen at present: held for a moment (held_balls.h)
 #pragma once
 
 #include "palpable/contact/object_surface.h"
