@@ -14,7 +14,7 @@ using Eigen::Vector3f;
 
 // A step towards the middle of a thing makes its disc grow by nearly its length. A neighbour whose
 // disc is larger by this share of the step holds the pixel's own.
-constexpr float kGrowth = 0.7f;
+constexpr float kGrowth = 0.95f;
 
 // Pixels at the outline are the steepest and the worst matched. They are left out of a fit unless
 // nothing else is there.

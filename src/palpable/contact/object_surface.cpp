@@ -106,9 +106,8 @@ void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
   const PixelBox interest = box_of_interest(region_in_body, camera_from_body, camera);
   const MaskImage& given = shows.empty() ? everything_measured(depth) : shows;
   const PixelBox box = box_of_pressers(given, interest);
-  parts_.find(depth, given, box, settings_.silhouette);
-  rest_.add(depth, given, parts_, camera, camera_from_body, noise_at(1));
-  silhouette_.find(rest_.depth(), rest_.shows(), rest_.box());
+  rest_.add(depth, given, box, camera, camera_from_body, noise_at(1));
+  silhouette_.find(rest_.depth(), rest_.shows(), rest_.box(), &rest_.presence());
   find_medial_balls(rest_.depth(), camera, silhouette_, settings_.balls, found_);
 
   const Eigen::Matrix3f R = body_from_camera.linear().cast<float>();

@@ -18,7 +18,6 @@
 #include "palpable/contact/held_balls.h"
 #include "palpable/contact/medial_balls.h"
 #include "palpable/contact/object_ball.h"
-#include "palpable/contact/part_labels.h"
 #include "palpable/contact/rest_filter.h"
 #include "palpable/contact/silhouette.h"
 #include "palpable/geometry/camera.h"
@@ -130,7 +129,6 @@ class ObjectSurface {
   std::vector<Eigen::Vector3f> cloud_;
   std::vector<Ball> bare_;
   BallTree tree_;
-  PartLabels parts_;
   RestFilter rest_;
   HeldBalls held_;
   MaskImage all_;  // what is shown where nobody says so

@@ -1,5 +1,7 @@
 #include "palpable/contact/rest_filter.h"
 
+#include "palpable/base/contract.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -12,8 +14,8 @@ constexpr float kPresent = 0.5f;
 // px: whoever looks for an outline looks so far beyond the box at most.
 constexpr int kBeside = 16;
 
-// Parts beyond are specks: they are passed on as they are.
-constexpr int kMostParts = 64;
+// A cell of fewer pixels does as the cells around it.
+constexpr float kFewest = 12;
 
 }  // namespace
 
@@ -25,26 +27,31 @@ PixelBox united(const PixelBox& a, const PixelBox& b) {
           std::max(a.y + a.height, b.y + b.height) - y};
 }
 
-void RestFilter::start(const DepthImage& depth, const MaskImage& shows, const PartLabels& parts,
+RestFilter::RestFilter(const RestFilterSettings& settings) : settings_(settings) {
+  PALPABLE_EXPECT(settings.rests >= 0 && settings.moves > settings.rests && settings.sigmas > 0,
+                  "what moves shifts by more than what rests");
+  PALPABLE_EXPECT(settings.most_frames >= 1 && settings.cell_px >= 1,
+                  "one frame and one pixel at least");
+}
+
+void RestFilter::start(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
                        const Rigid3& camera_from_body) {
   const bool stands = camera_from_body.matrix() == camera_from_body_.matrix() &&
                       presence_.width() == depth.width() && presence_.height() == depth.height();
   if (!stands) {
     average_.resize(depth.width(), depth.height());
     presence_.resize(depth.width(), depth.height());
-    part_.resize(depth.width(), depth.height());
     std::fill(presence_.begin(), presence_.end(), 0.0f);
+    cells_across_ = static_cast<std::size_t>(depth.width() / settings_.cell_px + 1);
+    cells_.assign(cells_across_ * static_cast<std::size_t>(depth.height() / settings_.cell_px + 1),
+                  {});
+    moved_.resize(cells_.size());
     box_ = {};
-    parts_.clear();
     camera_from_body_ = camera_from_body;
   }
   depth_.resize(depth.width(), depth.height());
   shows_.resize(depth.width(), depth.height());
-  before_.clear();
-  for (const Part& part : parts_) before_.push_back({.frames = part.frames});
-  parts_.assign(static_cast<std::size_t>(std::min(parts.count(), kMostParts)), {});
-  overlaps_.assign(parts_.size() * before_.size(), 0);
-  box_ = united(box_, parts.box());
+  box_ = united(box_, box);
   const int first = std::max(box_.y - kBeside, 0);
   const int last = std::min(box_.y + box_.height + kBeside, depth.height());
   for (int y = first; y < last; ++y) {
@@ -53,106 +60,101 @@ void RestFilter::start(const DepthImage& depth, const MaskImage& shows, const Pa
   }
 }
 
-void RestFilter::sum_up(const DepthImage& depth, const PartLabels& parts) {
+void RestFilter::sum_up(const DepthImage& depth, const MaskImage& shows) {
+  for (Cell& cell : cells_) cell = {.frames = cell.frames};
   for (int y = box_.y; y < box_.y + box_.height; ++y) {
     for (int x = box_.x; x < box_.x + box_.width; ++x) {
-      const bool was = presence_(x, y) > kPresent;
-      const int before = was ? part_(x, y) : PartLabels::kNone;
-      if (before >= 0) {
-        FormerPart& part = before_[static_cast<std::size_t>(before)];
-        part.pixels += 1, part.x += x, part.y += y;
-      }
-      const int label = parts.box().contains(x, y) ? parts.at(x, y) : PartLabels::kNone;
-      if (label < 0 || label >= std::ssize(parts_)) continue;
-      Part& part = parts_[static_cast<std::size_t>(label)];
-      const auto z = static_cast<double>(depth(x, y));
-      part.pixels += 1, part.x += x, part.y += y, part.z += z;
-      if (before < 0) continue;
-      part.both += 1;
-      part.apart += z - static_cast<double>(average_(x, y));
-      ++overlaps_[static_cast<std::size_t>(label) * before_.size() +
-                  static_cast<std::size_t>(before)];
+      const bool now = shows(x, y) == kShowsPresser, was = presence_(x, y) > kPresent;
+      if (!now && !was) continue;
+      Cell& cell = cell_at(x, y);
+      // A hole in a thing is no sign that it has gone.
+      if (now != was && shows(x, y) != kShowsUnknown) cell.changed += 1;
+      if (!now) continue;
+      cell.now += 1;
+      cell.depth += depth(x, y);
+      const bool inner = x > 0 && y > 0 && x + 1 < depth.width() && y + 1 < depth.height() &&
+                         shows(x - 1, y) == kShowsPresser && shows(x + 1, y) == kShowsPresser &&
+                         shows(x, y - 1) == kShowsPresser && shows(x, y + 1) == kShowsPresser;
+      if (!inner) cell.edge += 1;
+      if (!was) continue;
+      cell.both += 1;
+      cell.apart += depth(x, y) - average_(x, y);
     }
   }
 }
 
 void RestFilter::find_shares(const PinholeCamera& camera) {
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    Part& part = parts_[i];
-    const auto first = overlaps_.begin() + static_cast<std::ptrdiff_t>(i * before_.size());
-    const auto most = std::max_element(first, first + std::ssize(before_));
-    if (before_.empty() || *most == 0 || part.both < 0.5 * part.pixels) continue;
-    part.was = static_cast<int>(most - first);
-    FormerPart& was = before_[static_cast<std::size_t>(part.was)];
-    const double m_per_px = part.z / part.pixels / camera.fx_px;
-    const double dx = m_per_px * (part.x / part.pixels - was.x / was.pixels);
-    const double dy = m_per_px * (part.y / part.pixels - was.y / was.pixels);
-    const double dz = part.apart / part.both;
-    const double shift = std::sqrt(dx * dx + dy * dy + dz * dz);
-    const double moved =
-        std::clamp((shift - settings_.rests) / (settings_.moves - settings_.rests), 0.0, 1.0);
-    const float frames =
-        std::min(was.frames + 1, static_cast<float>(std::max(settings_.most_frames, 1)));
-    part.share = std::max(1 / frames, static_cast<float>(moved));
-    part.frames = 1 / part.share;
-    was.share = std::min(was.share, part.share);
+  const auto rests = static_cast<float>(settings_.rests), moves = static_cast<float>(settings_.moves);
+  for (std::size_t k = 0; k < cells_.size(); ++k) {
+    Cell& cell = cells_[k];
+    moved_[k] = 0;
+    if (cell.now + cell.changed < kFewest) continue;
+    const float m_per_px = cell.now > 0 ? cell.depth / cell.now / static_cast<float>(camera.fx_px)
+                                        : moves;  // all of it went
+    const float along =
+        m_per_px * cell.changed / std::max(cell.edge, static_cast<float>(settings_.cell_px));
+    const float away = cell.both > 0 ? std::abs(cell.apart / cell.both) : moves;
+    const float shift = std::max(along, cell.both > kFewest ? away : 0);
+    moved_[k] = std::clamp((shift - rests) / (moves - rests), 0.0f, 1.0f);
+    if (cell.frames == 0) moved_[k] = 1;
+  }
+  const auto across = static_cast<std::ptrdiff_t>(cells_across_);
+  const auto down = static_cast<std::ptrdiff_t>(cells_.size()) / across;
+  for (std::ptrdiff_t j = 0; j < down; ++j) {
+    for (std::ptrdiff_t i = 0; i < across; ++i) {
+      Cell& cell = cells_[static_cast<std::size_t>(j * across + i)];
+      if (cell.now + cell.changed == 0) {
+        cell.frames = 0;
+        continue;
+      }
+      float moved = 0;
+      for (std::ptrdiff_t b = std::max<std::ptrdiff_t>(j - 1, 0); b <= std::min(j + 1, down - 1); ++b) {
+        for (std::ptrdiff_t a = std::max<std::ptrdiff_t>(i - 1, 0); a <= std::min(i + 1, across - 1); ++a) {
+          moved = std::max(moved, moved_[static_cast<std::size_t>(b * across + a)]);
+        }
+      }
+      const float frames =
+          std::min(cell.frames + 1, static_cast<float>(settings_.most_frames));
+      cell.share = std::max(1 / frames, moved);
+      cell.frames = 1 / cell.share;
+    }
   }
 }
 
-void RestFilter::average(const DepthImage& depth, const MaskImage& shows, const PartLabels& parts,
-                         float gate_at_1m) {
+void RestFilter::average(const DepthImage& depth, const MaskImage& shows, float gate_at_1m) {
   for (int y = box_.y; y < box_.y + box_.height; ++y) {
     for (int x = box_.x; x < box_.x + box_.width; ++x) {
-      const int label = parts.box().contains(x, y) ? parts.at(x, y) : PartLabels::kNone;
       float& presence = presence_(x, y);
-      float& mean = average_(x, y);
-      if (label >= 0 && label < std::ssize(parts_)) {
-        const float share = parts_[static_cast<std::size_t>(label)].share;
+      const bool now = shows(x, y) == kShowsPresser;
+      if (!now && presence == 0) continue;
+      const float share = cell_at(x, y).share;
+      if (now) {
+        float& mean = average_(x, y);
         const float z = depth(x, y);
         const bool same = presence > 0 && std::abs(z - mean) < gate_at_1m * z * z;
         mean = same ? mean + share * (z - mean) : z;
         presence += share * (1 - presence);
-        part_(x, y) = static_cast<std::int16_t>(label);
-      } else if (presence > 0) {
-        const float share = before_[static_cast<std::size_t>(part_(x, y))].share;
+      } else {
         // A hole in a thing that rests is no sign that it has gone.
         if (share >= 1 || shows(x, y) != kShowsUnknown) presence -= share * presence;
         if (presence < 1e-3f) presence = 0;
-      } else {
-        continue;
       }
       if (presence > kPresent) {
-        depth_(x, y) = mean;
+        depth_(x, y) = average_(x, y);
         shows_(x, y) = kShowsPresser;
-      } else if (shows_(x, y) == kShowsPresser) {
+      } else if (now) {
         shows_(x, y) = kShowsRoom;
-      }
-    }
-  }
-  // The parts' numbers of this frame, also where a part flickers just now.
-  for (int y = box_.y; y < box_.y + box_.height; ++y) {
-    for (int x = box_.x; x < box_.x + box_.width; ++x) {
-      const int label = parts.box().contains(x, y) ? parts.at(x, y) : PartLabels::kNone;
-      if (label >= 0 || presence_(x, y) == 0) continue;
-      int now = PartLabels::kNone;
-      for (std::size_t i = 0; i < parts_.size(); ++i) {
-        if (parts_[i].was == part_(x, y)) now = static_cast<int>(i);
-      }
-      if (now >= 0) {
-        part_(x, y) = static_cast<std::int16_t>(now);
-      } else {
-        presence_(x, y) = 0;
       }
     }
   }
 }
 
-void RestFilter::add(const DepthImage& depth, const MaskImage& shows, const PartLabels& parts,
+void RestFilter::add(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
                      const PinholeCamera& camera, const Rigid3& camera_from_body, double noise) {
-  start(depth, shows, parts, camera_from_body);
-  sum_up(depth, parts);
+  start(depth, shows, box, camera_from_body);
+  sum_up(depth, shows);
   find_shares(camera);
-  average(depth, shows, parts, static_cast<float>(settings_.sigmas * noise));
+  average(depth, shows, static_cast<float>(settings_.sigmas * noise));
 }
 
 }  // namespace palpable

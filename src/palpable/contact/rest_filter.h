@@ -1,33 +1,32 @@
 /// @file
-/// A hand that rests gives a surface that rests: depth and outline of each thing are averaged over
-/// the frames in which it has not moved.
+/// A hand that rests gives a surface that rests: depth and outline are averaged over the frames in
+/// which a place of the picture has not changed.
 ///
-/// Whether a thing moves is asked of all its pixels together. One pixel's depth scatters by a
-/// millimetre or two, and its outline flickers by a pixel; the mean of some thousand pixels and the
-/// middle of the outline stay within a tenth of that. So a motion of a fraction of a millimetre is
-/// seen at once, and then the present frame counts alone:
+/// Whether it has is asked of all pixels of a small cell together. One pixel's depth scatters by a
+/// millimetre or two, and its outline flickers by a pixel; the mean over a cell scatters by a third
+/// of that:
 ///
-///     shift = mean depth and middle of the thing, now against the average
+///     shift = max( |mean depth now - average|,  width of what changed along the outline )
 ///     share of this frame = 1 / frames at rest ... 1        from settings.rests to settings.moves
 ///
-/// The average lags behind a thing that moves by less than settings.moves.
+/// so that of what moves the present frame alone counts, and the average lags by less than
+/// settings.moves. A cell also takes the share of its neighbours that move.
 #pragma once
 
-#include "palpable/contact/part_labels.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/pixel_box.h"
 #include "palpable/geometry/rigid.h"
 
-#include <cstdint>
 #include <vector>
 
 namespace palpable {
 
 struct RestFilterSettings {
-  double rests = 0.0003;  ///< m: a thing that has shifted by less has not moved
-  double moves = 0.0010;  ///< m: one that has shifted by more is where it is seen now
-  int most_frames = 16;   ///< that are averaged; 1: none
+  double rests = 0.0010;  ///< m: what has shifted by less has not moved
+  double moves = 0.0020;  ///< m: what has shifted by more is where it is seen now
+  int most_frames = 32;   ///< that are averaged; 1: none
+  int cell_px = 12;       ///< side of a cell
   /// A pixel whose depth differs by more sigmas from its average shows something else now.
   double sigmas = 4;
 };
@@ -36,47 +35,47 @@ struct RestFilterSettings {
 /// is passed on as it is.
 class RestFilter {
  public:
-  explicit RestFilter(const RestFilterSettings& settings = {}) : settings_(settings) {}
+  /// @throws ContractViolation for settings out of their range
+  explicit RestFilter(const RestFilterSettings& settings = {});
 
   /// @param depth, shows  of this frame (ObjectSurface::build); `shows` of the depth's size
-  /// @param parts         of this frame; what presses lies in their box
+  /// @param box           holds all that presses and is looked at
   /// @param noise         sigma of one pixel's depth at 1 m, m; it grows as Z^2
-  void add(const DepthImage& depth, const MaskImage& shows, const PartLabels& parts,
+  void add(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
            const PinholeCamera& camera, const Rigid3& camera_from_body, double noise);
 
   /// The frame, averaged, in and up to 16 px around the box; elsewhere anything. Valid until the
   /// next add().
   [[nodiscard]] const DepthImage& depth() const { return depth_; }
   [[nodiscard]] const MaskImage& shows() const { return shows_; }
+  /// 1 where a thing is, 0 beside it, between them where its outline flickers; of the depth's size.
+  [[nodiscard]] const Image<float>& presence() const { return presence_; }
   /// All that is shown as a thing lies in here.
   [[nodiscard]] const PixelBox& box() const { return box_; }
-  /// Frames that count in the thing that is shown at a pixel of the box, 1 .. most_frames.
-  [[nodiscard]] float frames_at(int x, int y) const {
-    const int part = part_(x, y);
-    return part >= 0 && part < static_cast<int>(parts_.size())
-               ? parts_[static_cast<std::size_t>(part)].frames
-               : 1;
-  }
+  /// Frames that count at a pixel of the box, 1 .. most_frames.
+  [[nodiscard]] float frames_at(int x, int y) const { return cell_at(x, y).frames; }
 
  private:
-  struct Part {
-    double pixels = 0, x = 0, y = 0, z = 0;  // sums over its pixels in this frame
-    double both = 0, apart = 0;  // pixels that were there before, and the sum of now - average
-    int was = PartLabels::kNone;  // of the frame before
-    float frames = 1, share = 1;
+  struct Cell {
+    float frames = 0;  // that count; 0: nothing is known
+    float share = 1;   // of this frame
+    // Of this frame: pixels of a thing, those that were one before, the sum of their depths less
+    // the average, of their depths, pixels that came or went, pixels at an outline.
+    float now = 0, both = 0, apart = 0, depth = 0, changed = 0, edge = 0;
   };
-  // A part as it was, of the average's pixels.
-  struct FormerPart {
-    double pixels = 0, x = 0, y = 0;
-    float frames = 1, share = 1;  // share: of the frame, for its pixels that are not there now
-  };
-
-  void start(const DepthImage& depth, const MaskImage& shows, const PartLabels& parts,
+  [[nodiscard]] Cell& cell_at(int x, int y) {
+    return cells_[static_cast<std::size_t>(y / settings_.cell_px) * cells_across_ +
+                  static_cast<std::size_t>(x / settings_.cell_px)];
+  }
+  [[nodiscard]] const Cell& cell_at(int x, int y) const {
+    return cells_[static_cast<std::size_t>(y / settings_.cell_px) * cells_across_ +
+                  static_cast<std::size_t>(x / settings_.cell_px)];
+  }
+  void start(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
              const Rigid3& camera_from_body);
-  void sum_up(const DepthImage& depth, const PartLabels& parts);
+  void sum_up(const DepthImage& depth, const MaskImage& shows);
   void find_shares(const PinholeCamera& camera);
-  void average(const DepthImage& depth, const MaskImage& shows, const PartLabels& parts,
-               float gate_at_1m);
+  void average(const DepthImage& depth, const MaskImage& shows, float gate_at_1m);
 
   RestFilterSettings settings_;
   Rigid3 camera_from_body_ = Rigid3::Identity();
@@ -84,10 +83,9 @@ class RestFilter {
   DepthImage depth_;
   MaskImage shows_;
   Image<float> average_, presence_;  // m; 1 where a thing is, 0 beside it
-  Image<std::int16_t> part_;         // the part of the frame before that was there
-  std::vector<Part> parts_;
-  std::vector<FormerPart> before_;
-  std::vector<int> overlaps_;  // pixels of part i that were of part k, at i * former parts + k
+  std::size_t cells_across_ = 0;
+  std::vector<Cell> cells_;  // of the whole picture
+  std::vector<float> moved_;  // per cell: 0 rests .. 1 moves
 };
 
 /// The smallest box that holds both.

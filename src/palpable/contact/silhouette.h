@@ -39,10 +39,13 @@ class Silhouette {
  public:
   explicit Silhouette(const SilhouetteSettings& settings = {}) : settings_(settings) {}
 
-  /// @param depth    Z in m, NaN where unknown
-  /// @param shows    as ObjectSurface::build (object_surface.h)
-  /// @param box      inside the image; a thing that leaves the box goes on beyond it
-  void find(const DepthImage& depth, const MaskImage& shows, const PixelBox& box);
+  /// @param depth     Z in m, NaN where unknown
+  /// @param shows     as ObjectSurface::build (object_surface.h)
+  /// @param box       inside the image; a thing that leaves the box goes on beyond it
+  /// @param presence  of the image's size, or null: the share of the last frames in which a thing
+  ///                  was there. Where it lies between 0 and 1 the outline runs through the pixel
+  void find(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
+            const Image<float>* presence = nullptr);
 
   /// px, > 0, of pixel (x, y) of the image, from its middle to the outline: two sweeps over the box
   /// that hand on the nearest outline (Danielsson 1980), at most 0.3 px too far. Infinite where
@@ -63,13 +66,16 @@ class Silhouette {
   }
   [[nodiscard]] bool ends_towards(int x, int y, int dx, int dy) const;
   void take_over(int x, int y, int dx, int dy);
+  void begin_at(int x, int y);
 
   SilhouetteSettings settings_;
   PixelBox box_;
   const DepthImage* depth_ = nullptr;  // while find() runs, as shows_
   const MaskImage* shows_ = nullptr;
+  const Image<float>* presence_ = nullptr;
   std::vector<float> distance_;     // by pixel of the box
   std::vector<ToOutline> nearest_;  // by pixel of the box
+  std::vector<float> beyond_;       // px by which that outline lies farther out than between pixels
 };
 
 }  // namespace palpable

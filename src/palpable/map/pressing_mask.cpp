@@ -22,6 +22,10 @@ constexpr float kSameShare = 0.06F;
 // A sensor that measures depth by itself mixes near and far where they meet.
 constexpr float kJumpShare = 0.04F;
 
+// m, and m at 1 m (it grows as Z^2): what the depths of neighbours of one surface differ by at most.
+constexpr float kLeastJump = 0.008F;
+constexpr float kJumpAt1m = 0.04F;
+
 // Tiles: so near to something that moves, a resting tile is beside it.
 constexpr int kBeside = 2;
 
@@ -119,6 +123,8 @@ const MaskImage& PressingMask::find(const SeenFrame& seen, const Rigid3& world_f
   }
   keep_groups();
   mark_pixels(seen, *moving, asker);
+  go_on(seen);
+  remember(seen, *moving);
   return shows_;
 }
 
@@ -134,6 +140,7 @@ void PressingMask::resize(const DepthImage& depth, const PixelBox& box) {
   const int height = (depth.height() + kTile - 1) / kTile;
   if (frames_.width() != width || frames_.height() != height) {
     frames_ = frames_before_ = Image<std::uint8_t>(width, height);
+    pressed_ = hidden_ = DepthImage(width, height);
   }
   std::swap(frames_, frames_before_);
   std::fill(frames_.begin(), frames_.end(), std::uint8_t{0});
@@ -191,9 +198,14 @@ void PressingMask::find_tile(const SeenFrame& seen, const MaskImage& moving, boo
     found.is_sign = found.moves && sure >= kMost &&
                     (stands || asker.has_come_for_sure(x_sure, y_sure));
   } else if (2 * come > known && come >= 2) {
-    found.depth = come_depth;
-    found.is_sign = stands || asker.has_come_for_sure(x_sure, y_sure);
+    found.is_sign = stands ? was_there_before(i, j, come_depth)
+                           : asker.has_come_for_sure(x_sure, y_sure);
+    if (found.is_sign) found.depth = come_depth;
   }
+}
+
+bool PressingMask::was_there_before(int i, int j, float depth) const {
+  return is_same_surface(depth, pressed_(i, j)) || is_same_surface(depth, hidden_(i, j));
 }
 
 bool PressingMask::beside_moving(int i, int j) const {
@@ -315,6 +327,81 @@ void PressingMask::mark_pixels(const SeenFrame& seen, const MaskImage& moving, A
           }
         }
       }
+    }
+  }
+}
+
+// Whether a pixel and the eight around it are one surface.
+bool PressingMask::is_amid_surface(const DepthImage& depth, int x, int y) {
+  const float z = depth(x, y);
+  if (!(z > 0) || x == 0 || y == 0 || x + 1 == depth.width() || y + 1 == depth.height()) {
+    return false;
+  }
+  const float jump = std::max(kLeastJump, kJumpAt1m * z * z);
+  for (int v = y - 1; v <= y + 1; ++v) {
+    for (int u = x - 1; u <= x + 1; ++u) {
+      if (!(std::abs(depth(u, v) - z) < jump)) return false;
+    }
+  }
+  return true;
+}
+
+// Follows the surfaces of what presses beyond the pixels that were marked.
+void PressingMask::go_on(const SeenFrame& seen) {
+  edge_.clear();
+  const int right = box_.x + box_.width, bottom = box_.y + box_.height;
+  constexpr std::array<std::array<int, 2>, 4> kBesides{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
+  for (int y = box_.y + 1; y + 1 < bottom; ++y) {
+    const std::uint8_t *row = shows_.row(y), *above = shows_.row(y - 1), *below = shows_.row(y + 1);
+    for (int x = box_.x + 1; x + 1 < right; ++x) {
+      if (row[x] != kShowsPresser) continue;
+      const int beside = row[x - 1] & row[x + 1] & above[x] & below[x];
+      if (beside != kShowsPresser) {
+        edge_.push_back({static_cast<std::int16_t>(x), static_cast<std::int16_t>(y)});
+      }
+    }
+  }
+  for (int step = 0; step < settings_.go_on_px; ++step) {
+    next_edge_.clear();
+    for (const Place& from : edge_) {
+      for (const auto& [dx, dy] : kBesides) {
+        const int x = from.i + dx, y = from.j + dy;
+        if (!box_.contains(x, y) || shows_(x, y) != kShowsRoom) continue;
+        if (!seen.confidence.empty() && seen.confidence(x, y) < settings_.least_confidence) {
+          continue;
+        }
+        if (!is_amid_surface(seen.depth, x, y)) continue;  // holds of (from.i, from.j), too
+        shows_(x, y) = kShowsPresser;
+        next_edge_.push_back({static_cast<std::int16_t>(x), static_cast<std::int16_t>(y)});
+      }
+    }
+    std::swap(edge_, next_edge_);
+  }
+}
+
+// What pressed is remembered as long as it may be there: until something farther is seen.
+void PressingMask::remember(const SeenFrame& seen, const MaskImage& moving) {
+  for (int j = j0_; j < j0_ + down_; ++j) {
+    for (int i = i0_; i < i0_ + across_; ++i) {
+      float &pressed = pressed_(i, j), &hidden = hidden_(i, j);
+      const Tile& now = tile(i, j);
+      if (now.group >= kMovesAlone) {
+        if (pressed > 0 && now.depth < pressed && !is_same_surface(now.depth, pressed)) {
+          hidden = pressed;
+        } else if (hidden > 0 && now.depth > hidden * (1 - kSameShare)) {
+          hidden = 0;
+        }
+        pressed = now.depth;
+        continue;
+      }
+      if (pressed == 0 && hidden == 0) continue;
+      // The nearest of a room's pixels; unknown ones say nothing.
+      const int x = std::min(kTile * i + 2, seen.depth.width() - 1);
+      const int y = std::min(kTile * j + 2, seen.depth.height() - 1);
+      const float z = seen.depth(x, y);
+      if (!(z > 0) || moving(x, y) != 0) continue;
+      if (z > pressed * (1 + kSameShare)) pressed = 0;
+      if (z > hidden * (1 + kSameShare)) hidden = 0;
     }
   }
 }

@@ -51,6 +51,17 @@ struct Room {
     result.depth_camera = kCamera;
     return result;
   }
+  // The thing is seen moving for some frames.
+  void come() {
+    MaskImage moving(kCamera.width, kCamera.height, 0);
+    for (int y = things.y; y < things.y + things.height; ++y) {
+      for (int x = things.x; x < things.x + things.width; ++x) moving(x, y) = 255;
+    }
+    for (int i = 0; i < 4; ++i) {
+      show(1);
+      (void)ask(seen(), &moving);
+    }
+  }
   const MaskImage& ask(const SeenFrame& asked, const MaskImage* moving, LookedAt looked_at = LookedAt::kPicture,
                        const PixelBox& box = kAll) {
     return mask.find(asked, Rigid3::Identity(), moving, looked_at, *scene, space, box);
@@ -104,7 +115,7 @@ TEST_CASE("what was put before the room presses, also when it has become part of
   Room room;
   room.show(40);
   room.things = {60, 30, 40, 40};
-  room.show(1);
+  room.come();
   for (const int frames : {0, 60, 700}) {
     room.show(frames);
     INFO("rests for " << frames << " frames");
