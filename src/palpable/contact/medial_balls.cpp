@@ -192,11 +192,30 @@ std::optional<double> Finder::bends(int x, int y) const {
   return half + std::sqrt(std::max(0.0, half * half - S.determinant()));
 }
 
+// Points of pixels in another frame than the camera's.
+class RayToRegion {
+ public:
+  RayToRegion(const PinholeCamera& camera, const Rigid3& region_from_camera)
+      : origin_(region_from_camera.translation().cast<float>()) {
+    const Eigen::Matrix3f R = region_from_camera.linear().cast<float>();
+    across_ = R.col(0) / static_cast<float>(camera.fx_px);
+    down_ = R.col(1) / static_cast<float>(camera.fy_px);
+    first_ = R.col(2) - static_cast<float>(camera.cx_px) * across_ -
+             static_cast<float>(camera.cy_px) * down_;
+  }
+  [[nodiscard]] Vector3f point(int x, int y, float z) const {
+    return origin_ + z * (first_ + static_cast<float>(x) * across_ + static_cast<float>(y) * down_);
+  }
+
+ private:
+  Vector3f origin_, across_, down_, first_;
+};
+
 }  // namespace
 
 void find_medial_balls(const DepthImage& depth, const PinholeCamera& camera,
                        const Silhouette& silhouette, const MedialBallSettings& settings,
-                       std::vector<MedialBall>& balls) {
+                       const BallRegion& region, std::vector<MedialBall>& balls) {
   PALPABLE_EXPECT(depth.width() == camera.width && depth.height() == camera.height,
                   "the camera is the depth image's own");
   PALPABLE_EXPECT(settings.most_radius > 0 && settings.reach >= 1 && settings.spacing > 0,
@@ -205,11 +224,13 @@ void find_medial_balls(const DepthImage& depth, const PinholeCamera& camera,
   const Finder find{depth, camera, silhouette, settings};
   const auto fattening = static_cast<float>(settings.fattening);
   const PixelBox& box = silhouette.box();
+  const RayToRegion to_region(camera, region.region_from_camera);
   for (int y = box.y; y < box.y + box.height; ++y) {
     for (int x = box.x; x < box.x + box.width; ++x) {
       const float distance = silhouette.distance(x, y);
       if (!(distance > 0)) continue;
       const float z = depth(x, y);
+      if (!region.box.contains(to_region.point(x, y, z))) continue;
       const float most = find.most_px(z);
       if (distance - fattening >= most) {
         const int stride =

@@ -19,8 +19,10 @@
 #include "palpable/contact/silhouette.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
+#include "palpable/geometry/rigid.h"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <vector>
 
@@ -52,10 +54,17 @@ struct MedialBall {
   int pixels = 0;          ///< how many were averaged: the front scatters the less, the more
 };
 
+/// Where balls are wanted.
+struct BallRegion {
+  Rigid3 region_from_camera = Rigid3::Identity();
+  Eigen::AlignedBox3f box{Eigen::Vector3f::Constant(-1e6f), Eigen::Vector3f::Constant(1e6f)};
+};
+
 /// @param silhouette  of the same depth and mask; says which part of the image is looked at
+/// @param region      a ball is left out when its front lies outside; m
 /// @param balls       overwritten; allocates nothing when it has the capacity
 void find_medial_balls(const DepthImage& depth, const PinholeCamera& camera,
                        const Silhouette& silhouette, const MedialBallSettings& settings,
-                       std::vector<MedialBall>& balls);
+                       const BallRegion& region, std::vector<MedialBall>& balls);
 
 }  // namespace palpable

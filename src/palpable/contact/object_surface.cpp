@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace palpable {
 namespace {
@@ -14,22 +15,6 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
-
-// The smallest part of a box in which something presses.
-PixelBox box_of_pressers(const MaskImage& shows, const PixelBox& box) {
-  int left = box.x + box.width, right = box.x - 1, top = -1, bottom = -1;
-  for (int y = box.y; y < box.y + box.height; ++y) {
-    const std::uint8_t* row = shows.row(y);
-    int first = box.x, last = box.x + box.width - 1;
-    while (first <= last && row[first] != kShowsPresser) ++first;
-    if (first > last) continue;
-    while (row[last] != kShowsPresser) --last;
-    left = std::min(left, first), right = std::max(right, last);
-    if (top < 0) top = y;
-    bottom = y;
-  }
-  return top < 0 ? PixelBox{} : PixelBox{left, top, right - left + 1, bottom - top + 1};
-}
 
 }  // namespace
 
@@ -105,21 +90,54 @@ void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
   const Rigid3 camera_from_body = body_from_camera.inverse();
   const PixelBox interest = box_of_interest(region_in_body, camera_from_body, camera);
   const MaskImage& given = shows.empty() ? everything_measured(depth) : shows;
-  const PixelBox box = box_of_pressers(given, interest);
-  rest_.add(depth, given, box, camera, camera_from_body, noise_at(1));
-  silhouette_.find(rest_.depth(), rest_.shows(), rest_.box(), &rest_.presence());
-  find_medial_balls(rest_.depth(), camera, silhouette_, settings_.balls, found_);
-
   const Eigen::Matrix3f R = body_from_camera.linear().cast<float>();
   const Vector3f t = body_from_camera.translation().cast<float>();
+  const Eigen::AlignedBox3f near = fronts_near(region_in_body).cast<float>();
+  const PixelBox box = box_of_things(depth, given, camera, interest, R, t, near);
+  rest_.add(depth, given, box, camera, camera_from_body, noise_at(1));
+  silhouette_.find(rest_.depth(), rest_.shows(), rest_.box(), &rest_.presence());
+  find_medial_balls(rest_.depth(), camera, silhouette_, settings_.balls, {body_from_camera, near},
+                    found_);
   for (const MedialBall& ball : found_) {
     const float frames = rest_.frames_at(ball.x, ball.y);
     keep({R * ball.front + t, R * ball.normal, R * ball.centre + t, ball.radius,
           sigma_of(ball.front.z(), ball.pixels) / std::sqrt(frames)});
   }
   held_.recall(depth, given, camera, camera_from_body, time, balls_);
-  fill_cloud(camera, R, t, fronts_near(region_in_body).cast<float>());
+  fill_cloud(camera, R, t, near);
   finish();
+}
+
+// The part of the image in which things near the region are seen, and as much beside them as their
+// balls are large: there their outlines matter.
+PixelBox ObjectSurface::box_of_things(const DepthImage& depth, const MaskImage& shows,
+                                      const PinholeCamera& camera, const PixelBox& interest,
+                                      const Eigen::Matrix3f& R, const Vector3f& t,
+                                      const Eigen::AlignedBox3f& near) const {
+  int left = interest.x + interest.width, right = -1, top = interest.y + interest.height,
+      bottom = -1;
+  float nearest = std::numeric_limits<float>::infinity();
+  for (int y = interest.y; y < interest.y + interest.height; ++y) {
+    const std::uint8_t* row = shows.row(y);
+    for (int x = interest.x; x < interest.x + interest.width; ++x) {
+      if (row[x] != kShowsPresser) continue;
+      const float z = depth(x, y);
+      const Vector3f point = camera.unproject(x, y, static_cast<double>(z)).cast<float>();
+      if (!near.contains(R * point + t)) continue;
+      left = std::min(left, x), right = std::max(right, x);
+      top = std::min(top, y), bottom = y;
+      nearest = std::min(nearest, z);
+    }
+  }
+  if (right < 0) return {};
+  const double beside =
+      camera.fx_px * settings_.balls.most_radius / static_cast<double>(nearest) +
+      settings_.balls.fattening + 2;
+  const PixelBox box = grown({left, top, right - left + 1, bottom - top + 1},
+                             static_cast<int>(std::min(beside, 64.0)), camera);
+  const int x = std::max(box.x, interest.x), y = std::max(box.y, interest.y);
+  return {x, y, std::min(box.x + box.width, interest.x + interest.width) - x,
+          std::min(box.y + box.height, interest.y + interest.height) - y};
 }
 
 void ObjectSurface::fill_cloud(const PinholeCamera& camera, const Eigen::Matrix3f& R,

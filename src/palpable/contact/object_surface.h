@@ -114,6 +114,10 @@ class ObjectSurface {
   [[nodiscard]] NearestOnObject answer(const Eigen::Vector3f& x, float distance, int ball) const;
 
   [[nodiscard]] const MaskImage& everything_measured(const DepthImage& depth);
+  [[nodiscard]] PixelBox box_of_things(const DepthImage& depth, const MaskImage& shows,
+                                       const PinholeCamera& camera, const PixelBox& interest,
+                                       const Eigen::Matrix3f& R, const Eigen::Vector3f& t,
+                                       const Eigen::AlignedBox3f& near) const;
   void fill_cloud(const PinholeCamera& camera, const Eigen::Matrix3f& R, const Eigen::Vector3f& t,
                   const Eigen::AlignedBox3f& near);
   [[nodiscard]] float sigma_of(float depth, int pixels) const;

@@ -46,12 +46,12 @@ void RestFilter::start(const DepthImage& depth, const MaskImage& shows, const Pi
     cells_.assign(cells_across_ * static_cast<std::size_t>(depth.height() / settings_.cell_px + 1),
                   {});
     moved_.resize(cells_.size());
-    box_ = {};
+    remembered_ = {};
     camera_from_body_ = camera_from_body;
   }
   depth_.resize(depth.width(), depth.height());
   shows_.resize(depth.width(), depth.height());
-  box_ = united(box_, box);
+  box_ = united(remembered_, box);
   const int first = std::max(box_.y - kBeside, 0);
   const int last = std::min(box_.y + box_.height + kBeside, depth.height());
   for (int y = first; y < last; ++y) {
@@ -122,6 +122,7 @@ void RestFilter::find_shares(const PinholeCamera& camera) {
 }
 
 void RestFilter::average(const DepthImage& depth, const MaskImage& shows, float gate_at_1m) {
+  int left = box_.x + box_.width, right = -1, top = box_.y + box_.height, bottom = -1;
   for (int y = box_.y; y < box_.y + box_.height; ++y) {
     for (int x = box_.x; x < box_.x + box_.width; ++x) {
       float& presence = presence_(x, y);
@@ -139,6 +140,10 @@ void RestFilter::average(const DepthImage& depth, const MaskImage& shows, float 
         if (share >= 1 || shows(x, y) != kShowsUnknown) presence -= share * presence;
         if (presence < 1e-3f) presence = 0;
       }
+      if (presence > 0) {
+        left = std::min(left, x), right = std::max(right, x);
+        top = std::min(top, y), bottom = y;
+      }
       if (presence > kPresent) {
         depth_(x, y) = average_(x, y);
         shows_(x, y) = kShowsPresser;
@@ -147,6 +152,7 @@ void RestFilter::average(const DepthImage& depth, const MaskImage& shows, float 
       }
     }
   }
+  remembered_ = right < 0 ? PixelBox{} : PixelBox{left, top, right - left + 1, bottom - top + 1};
 }
 
 void RestFilter::add(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,

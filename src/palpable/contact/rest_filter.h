@@ -80,6 +80,7 @@ class RestFilter {
   RestFilterSettings settings_;
   Rigid3 camera_from_body_ = Rigid3::Identity();
   PixelBox box_;
+  PixelBox remembered_;  // holds all pixels at which presence_ is not 0
   DepthImage depth_;
   MaskImage shows_;
   Image<float> average_, presence_;  // m; 1 where a thing is, 0 beside it

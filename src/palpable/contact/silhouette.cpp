@@ -75,10 +75,16 @@ void Silhouette::take_over(int x, int y, int dx, int dy) {
 void Silhouette::begin_at(int x, int y) {
   float& distance = distance_[at(x, y)];
   distance = kInfinite;
+  const float z = (*depth_)(x, y), least = static_cast<float>(settings_.least_jump);
   for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
-    if (!ends_towards(x, y, dx, dy)) continue;
     const int u = x + dx, v = y + dy;
     const bool inside = u >= 0 && v >= 0 && u < depth_->width() && v < depth_->height();
+    // Most pixels lie amid a thing.
+    if (inside && std::abs((*depth_)(u, v) - z) < least &&
+        (shows_->empty() || (*shows_)(u, v) == kShowsPresser)) {
+      continue;
+    }
+    if (!ends_towards(x, y, dx, dy)) continue;
     const float beyond =
         presence_ == nullptr || !inside ? 0 : (*presence_)(u, v) + (*presence_)(x, y) - 1;
     if (0.5f + beyond >= distance) continue;
