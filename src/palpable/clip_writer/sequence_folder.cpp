@@ -32,7 +32,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFramesForTwo = 30;        // of a film for which a second renderer is worth its start
+constexpr int kFramesForTwo = 30;  // of a film for which a second renderer is worth its start
 constexpr double kTruthSpacing = 0.0015;  // m between points of a surface that are looked at
 constexpr int kMostSeen = 500;            // points of the touching part that are asked about
 constexpr double kAtSite = 0.010;         // m: farther from every site a touch lies between them

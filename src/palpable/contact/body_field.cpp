@@ -36,9 +36,8 @@ std::optional<BodyField::Overlap> BodyField::overlap(const Vector3f& centre, flo
   const bool in_grid = (node.array() >= 0).all() && (node.array() < nodes_.array()).all();
   if (!in_grid && radius < kMargin) return std::nullopt;
   if (in_grid) {
-    const float there =
-        at_node_[static_cast<std::size_t>((node.z() * nodes_.y() + node.y()) * nodes_.x() +
-                                          node.x())];
+    const float there = at_node_[static_cast<std::size_t>(
+        (node.z() * nodes_.y() + node.y()) * nodes_.x() + node.x())];
     if (there - kToNode > radius) return std::nullopt;
   }
   const NearestOnSurface found = distance_.nearest(centre.cast<double>());

@@ -53,13 +53,14 @@ HeldBalls::HeldBalls(const HoldSettings& settings) : settings_(settings) {
   PALPABLE_EXPECT(settings.hold >= 0 && settings.fade > 0, "what is unknown fades some day");
 }
 
-void HeldBalls::recall(const DepthImage& depth, const MaskImage& shows,
-                       const PinholeCamera& camera, const Rigid3& camera_from_body, double time,
+void HeldBalls::recall(const DepthImage& depth, const MaskImage& shows, const PinholeCamera& camera,
+                       const Rigid3& camera_from_body, double time,
                        std::vector<ObjectBall>& balls) {
   const auto passed = static_cast<float>(std::max(0.0, time - time_));
   time_ = time;
   const std::size_t measured = balls.size();
-  const bool vanished = static_cast<double>(measured) < kStillSeen * static_cast<double>(measured_before_);
+  const bool vanished =
+      static_cast<double>(measured) < kStillSeen * static_cast<double>(measured_before_);
   const auto hold = static_cast<float>(settings_.hold), fade = static_cast<float>(settings_.fade);
   for (ObjectBall ball : before_) {
     ball.unseen_for += passed;

@@ -143,8 +143,9 @@ struct Finder {
     // the last disc shows its tip, while the normal of the front there leads back into its shaft.
     const double facing = std::max(kLeastFacing, -normal.dot(ray.normalized()));
     const Vector3d centre = ray / w + static_cast<double>(radius) / facing * ray.normalized();
-    return MedialBall{(ray / w).cast<float>(), normal.cast<float>(), centre.cast<float>(), radius, x, y,
-                      static_cast<int>(s)};
+    return MedialBall{
+        (ray / w).cast<float>(), normal.cast<float>(), centre.cast<float>(), radius, x, y,
+        static_cast<int>(s)};
   }
 };
 

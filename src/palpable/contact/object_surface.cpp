@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -14,12 +15,21 @@ using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
+// Of a ball's radius: over so much of the surface its shape is averaged.
+constexpr float kShapeStep = 0.5f;
+
+constexpr float kAmid = 1e-6f;  // m: nearer to a ball's middle no direction leads out
+constexpr float kHalfRoot = 0.70710678f;
+
 bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
 
 }  // namespace
 
 ObjectSurface::ObjectSurface(const ObjectSurfaceSettings& settings)
-    : settings_(settings), silhouette_(settings.silhouette), rest_(settings.rest), held_(settings.hold) {
+    : settings_(settings),
+      silhouette_(settings.silhouette),
+      rest_(settings.rest),
+      held_(settings.hold) {
   PALPABLE_EXPECT(settings.step >= 1, "every pixel is the finest decimation");
   PALPABLE_EXPECT(settings.balls.reach >= 1, "a normal needs neighbours");
   PALPABLE_EXPECT(settings.balls.most_radius > 0 && settings.band > 0 &&
@@ -35,7 +45,8 @@ double ObjectSurface::noise_at(double Z) const {
 }
 
 float ObjectSurface::sigma_of(float depth, int pixels) const {
-  return static_cast<float>(noise_at(static_cast<double>(depth)) / std::sqrt(std::max(1.0, pixels / settings_.pixels_alike)));
+  return static_cast<float>(noise_at(static_cast<double>(depth)) /
+                            std::sqrt(std::max(1.0, pixels / settings_.pixels_alike)));
 }
 
 void ObjectSurface::start(const AlignedBox3d& region_in_body, const Vector3f& camera_in_body) {
@@ -130,9 +141,8 @@ PixelBox ObjectSurface::box_of_things(const DepthImage& depth, const MaskImage& 
     }
   }
   if (right < 0) return {};
-  const double beside =
-      camera.fx_px * settings_.balls.most_radius / static_cast<double>(nearest) +
-      settings_.balls.fattening + 2;
+  const double beside = camera.fx_px * settings_.balls.most_radius / static_cast<double>(nearest) +
+                        settings_.balls.fattening + 2;
   const PixelBox box = grown({left, top, right - left + 1, bottom - top + 1},
                              static_cast<int>(std::min(beside, 64.0)), camera);
   const int x = std::max(box.x, interest.x), y = std::max(box.y, interest.y);
@@ -174,16 +184,54 @@ void ObjectSurface::build(std::span<const ObjectBall> balls, const AlignedBox3d&
   finish();
 }
 
-NearestOnObject ObjectSurface::answer(const Vector3f& x, float distance, int ball) const {
-  const Vector3f& centre = balls_[ball].centre;
-  return {distance, ball,
-          balls_[ball].unseen_for == 0 && (x - centre).dot(camera_ - centre) > 0.0f};
+NearestOnObject ObjectSurface::answer(const Vector3f& x, float distance, int index) const {
+  const ObjectBall& ball = balls_[index];
+  const bool faces_camera = (x - ball.centre).dot(camera_ - ball.centre) > 0.0f;
+  return {distance, index,
+          ball.unseen_for > 0 ? Known::kUnknown
+          : faces_camera      ? Known::kMeasured
+                              : Known::kAssumed};
 }
 
 std::optional<NearestOnObject> ObjectSurface::nearest(const Vector3f& x, float reach) const {
   const auto found = tree_.nearest(x, reach);
   if (!found) return std::nullopt;
   return answer(x, found->distance, found->ball);
+}
+
+std::optional<SurfaceShape> ObjectSurface::shape_at(const Vector3f& x) const {
+  const auto found = nearest(x);
+  if (!found) return std::nullopt;
+  const ObjectBall& ball = balls_[found->ball];
+  const Vector3f out = x - ball.centre;
+  const Vector3f n = out.norm() > kAmid ? Vector3f(out.normalized()) : ball.normal;
+  const float h = kShapeStep * ball.radius;
+  const float reach = static_cast<float>(settings_.band) + 2 * h;  // the same ball is as near
+  const Vector3f t = n.unitOrthogonal(), s = n.cross(t);
+  // Along four directions of the tangent plane, 45 degrees apart: slope, and the curvature of the
+  // circle through the three values. On a sphere of radius R the mean of phi at +-h is higher than
+  // in the middle by d with (R + d)^2 = R^2 + h^2, so that 1/R = 2 d / (h^2 - d^2).
+  const std::array<Vector3f, 4> directions{t, ((t + s) * kHalfRoot).eval(), s,
+                                           ((s - t) * kHalfRoot).eval()};
+  Vector3f slope = Vector3f::Zero();
+  std::array<float, 4> bend{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto ahead = tree_.nearest(x + h * directions[k], reach);
+    const auto behind = tree_.nearest(x - h * directions[k], reach);
+    if (!ahead || !behind) return std::nullopt;  // cannot happen
+    slope += (ahead->distance - behind->distance) / (4 * h) * directions[k];
+    const float d = (ahead->distance + behind->distance) / 2 - found->distance;
+    bend[k] = 2 * d / (h * h - d * d);
+  }
+  // A symmetric tensor (a b; b c) bends by a, (a + c)/2 + b, c, (a + c)/2 - b along the four.
+  const float mean = (bend[0] + bend[1] + bend[2] + bend[3]) / 4;
+  const float a = mean + (bend[0] - bend[2]) / 2, c = mean - (bend[0] - bend[2]) / 2;
+  const float b = (bend[1] - bend[3]) / 2;
+  const Eigen::Matrix3f K =
+      a * t * t.transpose() + b * (t * s.transpose() + s * t.transpose()) + c * s * s.transpose();
+  const Vector3f normal = (n + slope).normalized();
+  const Eigen::Matrix3f across = Eigen::Matrix3f::Identity() - normal * normal.transpose();
+  return SurfaceShape{found->distance, normal, across * K * across, ball.sigma, found->known};
 }
 
 std::optional<NearestOnObject> ObjectSurface::nearest_by_brute_force(const Vector3f& x) const {

@@ -52,11 +52,33 @@ struct ObjectSurfaceSettings {
   double pixels_alike = 6;
 };
 
+/// How a place of the surface is known.
+enum class Known {
+  kMeasured,  ///< the camera sees it
+  kAssumed,   ///< it is the other side of what the camera sees
+  kUnknown    ///< it was there a moment ago, and nobody knows whether it still is (held_balls.h)
+};
+
 /// What is nearest to a query point.
 struct NearestOnObject {
-  float distance = 0;       ///< phi, m; negative inside
-  int ball = 0;             ///< index into balls()
-  bool is_measured = true;  ///< the camera sees that side of it; else it is assumed
+  float distance = 0;  ///< phi, m; negative inside
+  int ball = 0;        ///< index into balls()
+  Known known = Known::kMeasured;
+};
+
+/// The surface that is nearest to a query point as a smooth one: what contact with it needs.
+///
+/// A union of balls has bumps between neighbouring ones. Normal and curvature are therefore
+/// differences of phi over half a ball's radius, which averages a few bumps.
+struct SurfaceShape {
+  float distance = 0;      ///< phi, m; negative inside
+  Eigen::Vector3f normal;  ///< unit, in which phi grows fastest: out of the object
+  /// 1/m, of the level set of phi through the query point: how fast the normal turns,
+  /// dn = curvature dx. Symmetric, curvature * normal = 0; (I - n n^T) / R round a ball whose
+  /// middle is R away, negative where the object is hollow.
+  Eigen::Matrix3f curvature;
+  float sigma = 0;  ///< m, how far the place scatters along the normal
+  Known known = Known::kMeasured;
 };
 
 /// Built anew for each frame; keeps its memory, so that building allocates nothing once a frame
@@ -102,7 +124,11 @@ class ObjectSurface {
   /// The same where phi is below `reach`, which is at most the band.
   [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x, float reach) const;
 
-  /// The same by looking at every ball: what nearest() is tested against.
+  /// The surface's shape where it is nearest to x; nothing when x is farther than the band. Costs
+  /// nine times what nearest() does; allocates nothing.
+  [[nodiscard]] std::optional<SurfaceShape> shape_at(const Eigen::Vector3f& x) const;
+
+  /// The same as nearest() by looking at every ball: what it is tested against.
   [[nodiscard]] std::optional<NearestOnObject> nearest_by_brute_force(
       const Eigen::Vector3f& x) const;
 

@@ -69,9 +69,8 @@ std::optional<PressLaw::Inside> PressLaw::inside(const Vector3f& x, const Object
   const std::optional<NearestOnObject> found = seen.nearest(x, 0);
   if (!found) return std::nullopt;
   const ObjectBall& ball = seen.balls()[found->ball];
-  const double tolerance =
-      std::min(settings_.tolerance * static_cast<double>(ball.sigma),
-               kMostTolerance * static_cast<double>(ball.radius));
+  const double tolerance = std::min(settings_.tolerance * static_cast<double>(ball.sigma),
+                                    kMostTolerance * static_cast<double>(ball.radius));
   const double depth = -static_cast<double>(found->distance) - tolerance_share * tolerance;
   if (depth <= 0) return std::nullopt;
   return Inside{depth, found->ball};
@@ -166,9 +165,7 @@ PressLaw::Need PressLaw::need_of(int site, const ObjectSurface& seen,
                                  double tolerance_share) const {
   const Demand demand = demanded_level(site, seen, tolerance_share);
   Need need;
-  if (demand.level > 0) {
-    need = {press_depth_of_level(*body_, site, demand.level), demand.place};
-  }
+  if (demand.level > 0) { need = {press_depth_of_level(*body_, site, demand.level), demand.place}; }
   if (region_of_site && region_of_site->depth > need.depth) {
     need = {region_of_site->depth, region_of_site->place};
   }

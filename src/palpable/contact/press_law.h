@@ -34,8 +34,8 @@ namespace palpable {
 struct PressSettings {
   double spacing = 0.002;  ///< m, between the points of the skin that are asked, at most
   /// The object must be so many sigma of its surface inside to touch. Smaller: the noise of a hand
-  /// that hovers presses; larger: touches begin late. A point need not be deeper inside a thing than
-  /// half its radius, however uncertain the thing is.
+  /// that hovers presses; larger: touches begin late. A point need not be deeper inside a thing
+  /// than half its radius, however uncertain the thing is.
   double tolerance = 1.0;
   /// Share of that in which the press stays as it is when the measurement trembles (and by which a
   /// touch that has begun needs less depth to go on).
@@ -68,8 +68,8 @@ struct TouchedPlace {
 };
 
 /// Where the object reaches into the body at rest: the ball that reaches deepest, and those that do
-/// so near it. Chooses the site. (Balls are asked, not points of the skin: inside a pencil's lead no
-/// point is deeper than the lead is thick, however far it has been pushed in.)
+/// so near it. Chooses the site. (Balls are asked, not points of the skin: inside a pencil's lead
+/// no point is deeper than the lead is thick, however far it has been pushed in.)
 struct TouchedRegion {
   double depth = 0;  ///< m, of the deepest ball, beyond the tolerance
   Eigen::Vector3f middle = Eigen::Vector3f::Zero();  ///< m, mean of the touched skin by depth

@@ -86,8 +86,7 @@ TEST_CASE("the level puts the touched skin on the measured surface", "[contact][
     REQUIRE(touch.has_value());
     CHECK(touch->site == 1);
     // The vertex under the tip moves by depth(level) exactly.
-    CHECK(loop.sphere.depth(touch->level) >=
-          depth - tolerance(2e-4, "vertex 0.1 mm off"));
+    CHECK(loop.sphere.depth(touch->level) >= depth - tolerance(2e-4, "vertex 0.1 mm off"));
     CHECK(loop.sphere.depth(touch->level) <=
           depth + tolerance(0.0035, "neighbours, 6 mm aside, give way less than the middle"));
     CHECK(deepest_left(loop) < tolerance(2e-4, "bisection to 1/128 of a level step"));

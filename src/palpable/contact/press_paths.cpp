@@ -11,8 +11,8 @@ namespace {
 
 // Whether a point is a vertex of the site's patch.
 bool is_in_patch(const SkinPoint& point, const Site& site) {
-  return point.weights[0] == 1 && std::find(site.patch.begin(), site.patch.end(),
-                                            point.corners[0]) != site.patch.end();
+  return point.weights[0] == 1 &&
+         std::find(site.patch.begin(), site.patch.end(), point.corners[0]) != site.patch.end();
 }
 
 }  // namespace

@@ -84,7 +84,8 @@ void RestFilter::sum_up(const DepthImage& depth, const MaskImage& shows) {
 }
 
 void RestFilter::find_shares(const PinholeCamera& camera) {
-  const auto rests = static_cast<float>(settings_.rests), moves = static_cast<float>(settings_.moves);
+  const auto rests = static_cast<float>(settings_.rests),
+             moves = static_cast<float>(settings_.moves);
   for (std::size_t k = 0; k < cells_.size(); ++k) {
     Cell& cell = cells_[k];
     moved_[k] = 0;
@@ -108,13 +109,14 @@ void RestFilter::find_shares(const PinholeCamera& camera) {
         continue;
       }
       float moved = 0;
-      for (std::ptrdiff_t b = std::max<std::ptrdiff_t>(j - 1, 0); b <= std::min(j + 1, down - 1); ++b) {
-        for (std::ptrdiff_t a = std::max<std::ptrdiff_t>(i - 1, 0); a <= std::min(i + 1, across - 1); ++a) {
+      for (std::ptrdiff_t b = std::max<std::ptrdiff_t>(j - 1, 0); b <= std::min(j + 1, down - 1);
+           ++b) {
+        for (std::ptrdiff_t a = std::max<std::ptrdiff_t>(i - 1, 0);
+             a <= std::min(i + 1, across - 1); ++a) {
           moved = std::max(moved, moved_[static_cast<std::size_t>(b * across + a)]);
         }
       }
-      const float frames =
-          std::min(cell.frames + 1, static_cast<float>(settings_.most_frames));
+      const float frames = std::min(cell.frames + 1, static_cast<float>(settings_.most_frames));
       cell.share = std::max(1 / frames, moved);
       cell.frames = 1 / cell.share;
     }

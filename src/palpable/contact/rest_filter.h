@@ -31,8 +31,8 @@ struct RestFilterSettings {
   double sigmas = 4;
 };
 
-/// For a camera that stands: what another one sees of a resting thing moves through its picture, and
-/// is passed on as it is.
+/// For a camera that stands: what another one sees of a resting thing moves through its picture,
+/// and is passed on as it is.
 class RestFilter {
  public:
   /// @throws ContractViolation for settings out of their range
@@ -85,7 +85,7 @@ class RestFilter {
   MaskImage shows_;
   Image<float> average_, presence_;  // m; 1 where a thing is, 0 beside it
   std::size_t cells_across_ = 0;
-  std::vector<Cell> cells_;  // of the whole picture
+  std::vector<Cell> cells_;   // of the whole picture
   std::vector<float> moved_;  // per cell: 0 rests .. 1 moves
 };
 

@@ -115,9 +115,7 @@ void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const Pix
 
   for (int y = box.y; y < bottom; ++y) {
     for (int x = box.x; x < right; ++x) {
-      if (!is_depth(depth(x, y)) || (!shows.empty() && shows(x, y) != kShowsPresser)) {
-        continue;
-      }
+      if (!is_depth(depth(x, y)) || (!shows.empty() && shows(x, y) != kShowsPresser)) { continue; }
       begin_at(x, y);
     }
   }

@@ -15,8 +15,7 @@ PixelBox box_in_image(const Eigen::AlignedBox3d& space, const Rigid3& camera_fro
   int behind = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3d x =
-        camera_from_space *
-        space.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+        camera_from_space * space.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
     if (x.z() < kNearest) {
       ++behind;
       continue;

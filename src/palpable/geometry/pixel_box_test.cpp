@@ -20,7 +20,8 @@ TEST_CASE("every point of a box of space is seen in its part of the image", "[ge
     INFO("seed " << seed);
     auto random = test::random_case(seed);
     std::uniform_real_distribution<double> where(-0.2, 0.2), share(0, 1);
-    Rigid3 camera_from_space(Eigen::AngleAxisd(10 * where(random), Vector3d(1, 2, -1).normalized()));
+    Rigid3 camera_from_space(
+        Eigen::AngleAxisd(10 * where(random), Vector3d(1, 2, -1).normalized()));
     camera_from_space.translation() = Vector3d(where(random), where(random), 0.7);
     const Vector3d corner(where(random), where(random), where(random));
     const AlignedBox3d space(corner, corner + Vector3d(0.1, 0.05, 0.2));

@@ -22,7 +22,8 @@ constexpr float kSameShare = 0.06F;
 // A sensor that measures depth by itself mixes near and far where they meet.
 constexpr float kJumpShare = 0.04F;
 
-// m, and m at 1 m (it grows as Z^2): what the depths of neighbours of one surface differ by at most.
+// m, and m at 1 m (it grows as Z^2): what the depths of neighbours of one surface differ by at
+// most.
 constexpr float kLeastJump = 0.008F;
 constexpr float kJumpAt1m = 0.04F;
 
@@ -152,7 +153,7 @@ void PressingMask::mark_moving(const SeenFrame& seen, const MaskImage& moving, b
   for (int y = box_.y; y < box_.y + box_.height; ++y) {
     for (int x = box_.x; x < box_.x + box_.width; ++x) {
       const bool close = !seen.too_close.empty() && seen.too_close(x, y) != 0;
-      shows_(x, y) = seen.depth(x, y) > 0            ? kShowsRoom
+      shows_(x, y) = seen.depth(x, y) > 0         ? kShowsRoom
                      : moving(x, y) != 0 || close ? kShowsUnknown
                                                   : without;
     }
@@ -195,11 +196,11 @@ void PressingMask::find_tile(const SeenFrame& seen, const MaskImage& moving, boo
   if (moves >= come && moves > 0) {
     found.depth = moving_depth;
     found.moves = moves >= kMost;
-    found.is_sign = found.moves && sure >= kMost &&
-                    (stands || asker.has_come_for_sure(x_sure, y_sure));
+    found.is_sign =
+        found.moves && sure >= kMost && (stands || asker.has_come_for_sure(x_sure, y_sure));
   } else if (2 * come > known && come >= 2) {
-    found.is_sign = stands ? was_there_before(i, j, come_depth)
-                           : asker.has_come_for_sure(x_sure, y_sure);
+    found.is_sign =
+        stands ? was_there_before(i, j, come_depth) : asker.has_come_for_sure(x_sure, y_sure);
     if (found.is_sign) found.depth = come_depth;
   }
 }
@@ -311,8 +312,8 @@ void PressingMask::mark_pixels(const SeenFrame& seen, const MaskImage& moving, A
         }
       }
       if (kept == 0) continue;
-      for (int y = std::max(kTile * j, box_.y);
-           y < std::min(kTile * (j + 1), box_.y + box_.height); ++y) {
+      for (int y = std::max(kTile * j, box_.y); y < std::min(kTile * (j + 1), box_.y + box_.height);
+           ++y) {
         for (int x = std::max(kTile * i, box_.x);
              x < std::min(kTile * (i + 1), box_.x + box_.width); ++x) {
           const float z = seen.depth(x, y);
@@ -321,8 +322,7 @@ void PressingMask::mark_pixels(const SeenFrame& seen, const MaskImage& moving, A
                            [z](float other) { return is_same_surface(z, other); })) {
             continue;
           }
-          if (moving(x, y) != 0 ||
-              (resting > 0 && (resting == there || asker.has_come(x, y)))) {
+          if (moving(x, y) != 0 || (resting > 0 && (resting == there || asker.has_come(x, y)))) {
             shows_(x, y) = kShowsPresser;
           }
         }

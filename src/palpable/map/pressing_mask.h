@@ -50,9 +50,9 @@ struct PressingMaskSettings {
   int fewest_frames = 3;
   int near_px = 24;  ///< that a group may have gone in a frame: 0.8 m/s at 0.4 m
   /// The moving mask leaves out what looks as the scene did, such as a fingertip before wood. So
-  /// many px of what goes on with the same depth, and is no outline of it, belong to the thing, too.
-  /// With 0 the unseen side of a finger that rests on the body was off by 2.9 mm (90 of 100) and its
-  /// touch flickered, with 3 by 1.3 (`palpable bench surface --only rest --seed 1`).
+  /// many px of what goes on with the same depth, and is no outline of it, belong to the thing,
+  /// too. With 0 the unseen side of a finger that rests on the body was off by 2.9 mm (90 of 100)
+  /// and its touch flickered, with 3 by 1.3 (`palpable bench surface --only rest --seed 1`).
   int go_on_px = 3;
 };
 

@@ -39,8 +39,8 @@ struct Room {
       for (int x = 0; x < camera.width; ++x) {
         float z = kWall;
         if (things.contains(static_cast<int>(scale * x), static_cast<int>(scale * y))) z = thing_z;
-        depth(x, y) = z + static_cast<float>(0.3 * kNoise.sigma(static_cast<double>(z)) *
-                                             normal(random));
+        depth(x, y) =
+            z + static_cast<float>(0.3 * kNoise.sigma(static_cast<double>(z)) * normal(random));
       }
     }
     return depth;
@@ -62,8 +62,8 @@ struct Room {
       (void)ask(seen(), &moving);
     }
   }
-  const MaskImage& ask(const SeenFrame& asked, const MaskImage* moving, LookedAt looked_at = LookedAt::kPicture,
-                       const PixelBox& box = kAll) {
+  const MaskImage& ask(const SeenFrame& asked, const MaskImage* moving,
+                       LookedAt looked_at = LookedAt::kPicture, const PixelBox& box = kAll) {
     return mask.find(asked, Rigid3::Identity(), moving, looked_at, *scene, space, box);
   }
 
@@ -177,7 +177,8 @@ TEST_CASE("without a mask nothing is known, and outside of the box nothing is as
   Room room;
   room.show(20);
   CHECK(count(room.ask(room.seen(), nullptr), kShowsUnknown) == kCamera.width * kCamera.height);
-  const MaskImage& shows = room.ask(room.seen(), &kNothingMoves, LookedAt::kPicture, {10, 20, 30, 40});
+  const MaskImage& shows =
+      room.ask(room.seen(), &kNothingMoves, LookedAt::kPicture, {10, 20, 30, 40});
   CHECK(count(shows, kShowsRoom) == 1200);
   CHECK(shows(10, 20) == kShowsRoom);
   CHECK(shows(39, 59) == kShowsRoom);

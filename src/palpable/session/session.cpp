@@ -47,15 +47,16 @@ ObjectSurfaceSettings fitted(ObjectSurfaceSettings surface, const DepthCamera& c
 
 std::optional<Problem> wrong_setting(const SessionSettings& s) {
   if (!s.map && !s.press_static) {
-    return Problem{"without a map nobody knows what was there when the body was anchored: all of it "
-                   "has to press (press_static)"};
+    return Problem{
+        "without a map nobody knows what was there when the body was anchored: all of it "
+        "has to press (press_static)"};
   }
   if (!(s.surface.balls.most_radius > 0) || !(s.surface.band > 0) || s.surface.step < 1 ||
       s.surface.balls.reach < 1) {
-    return Problem{fmt::format("radius {} m, band {} m, step {} px and reach {} px must all be "
-                               "above 0",
-                               s.surface.balls.most_radius, s.surface.band, s.surface.step,
-                               s.surface.balls.reach)};
+    return Problem{fmt::format(
+        "radius {} m, band {} m, step {} px and reach {} px must all be "
+        "above 0",
+        s.surface.balls.most_radius, s.surface.band, s.surface.step, s.surface.balls.reach)};
   }
   if (!(s.paper.press_distance > 0) || !(s.paper.press_distance < s.paper.release_distance)) {
     return Problem{fmt::format("delta_Incr {} m must be above 0 and below delta_Decr {} m",
@@ -140,9 +141,9 @@ void Session::Parts::follow_camera(Scene& scene) {
 // in the world is not known.
 void Session::Parts::find_what_presses(const Scene& scene) {
   const SeenFrame& seen = scene.seen;
-  const PixelBox box = grown(surface.box_of_interest(region, scene.camera_from_body,
-                                                     seen.depth_camera),
-                             kBeside, seen.depth_camera);
+  const PixelBox box =
+      grown(surface.box_of_interest(region, scene.camera_from_body, seen.depth_camera), kBeside,
+            seen.depth_camera);
   const bool lost = scene.camera.state == TrackState::kLost;
   if (settings.press_static && !lost) {
     shows = &pressing.find_all(seen, box);

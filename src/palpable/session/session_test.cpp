@@ -171,9 +171,7 @@ TEST_CASE("what was there when the body was anchored does not press it, unless t
   FrameLoop everything = make_loop({.press_static = true});
   CHECK(everything.process(frame_with_finger(0, 0.010)).touches.size() == 1);
   FrameLoop loop = make_loop({});
-  for (int n = 0; n < 60; ++n) {
-    CHECK(loop.process(frame_with_finger(n, 0.010)).touches.empty());
-  }
+  for (int n = 0; n < 60; ++n) { CHECK(loop.process(frame_with_finger(n, 0.010)).touches.empty()); }
 }
 
 TEST_CASE("what comes after the body was anchored presses it, and leaves it at once",

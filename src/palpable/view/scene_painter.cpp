@@ -23,8 +23,8 @@ ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop
     map_ = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
                                         loop.session.world_from_body());
   } else if (settings.view == View::kSurface) {
-    surface_ = std::make_unique<SurfacePicture>(value_or_throw(MapRenderer::make()),
-                                                loop.session.body());
+    surface_ =
+        std::make_unique<SurfacePicture>(value_or_throw(MapRenderer::make()), loop.session.body());
   }
 }
 

@@ -56,7 +56,7 @@ class ScenePainter {
   std::unique_ptr<MapPicture> map_;          // if it is to be shown
   std::unique_ptr<SurfacePicture> surface_;  // likewise
   ColorImage inside_;                        // what the camera sees, where the picture is another
-  double scale_;                     // Pa, top of the colours
+  double scale_;                             // Pa, top of the colours
   bool ended_ = false;
 };
 

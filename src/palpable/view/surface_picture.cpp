@@ -44,10 +44,10 @@ void mesh_balls(std::span<const ObjectBall> balls, const Eigen::Vector3f& camera
         (sphere.triangles.array() + static_cast<int>(k * N)).matrix();
     const Eigen::Vector3f to_camera = camera_in_body - ball.centre;
     for (Eigen::Index i = 0; i < N; ++i) {
-      mesh.colors[static_cast<std::size_t>(k * N + i)] =
-          ball.unseen_for > 0                  ? kHeld
-          : unit.col(i).dot(to_camera) > ball.radius ? kMeasured
-                                                     : kAssumed;
+      mesh.colors[static_cast<std::size_t>(k * N + i)] = ball.unseen_for > 0 ? kHeld
+                                                         : unit.col(i).dot(to_camera) > ball.radius
+                                                             ? kMeasured
+                                                             : kAssumed;
     }
   }
 }
@@ -98,15 +98,14 @@ void SurfacePicture::add_points(const Scene& scene) {
       const Eigen::Vector3d at = body_from_camera * scene.seen.depth_camera.unproject(x, y, Z);
       if (!near_.contains(at)) continue;
       const double radius = 0.35 * kPointStep * Z / scene.seen.depth_camera.fx_px;
-      points_.push_back({at.cast<float>(), static_cast<float>(radius),
-                         scene.seen.color(factor * x, factor * y)});
+      points_.push_back(
+          {at.cast<float>(), static_cast<float>(radius), scene.seen.color(factor * x, factor * y)});
     }
   }
 }
 
-void SurfacePicture::draw(const Scene& scene, const ReducedBody& body,
-                          const ObjectSurface& surface, double scale, const ColorImage& inside,
-                          ColorImage& picture) {
+void SurfacePicture::draw(const Scene& scene, const ReducedBody& body, const ObjectSurface& surface,
+                          double scale, const ColorImage& inside, ColorImage& picture) {
   const Rigid3 body_from_camera = scene.camera_from_body.inverse();
   if (!placed_) {
     usual_.azimuth = heading_of(body_from_camera) + 2 * kOverTheShoulder;
@@ -128,8 +127,8 @@ void SurfacePicture::draw(const Scene& scene, const ReducedBody& body,
   draw_inset(inside, picture);
   const float text_scale = legend_scale(picture.height());
   const std::array<std::string, 2> caption{
-      caption_of(scene), fmt::format("{} balls: green seen, orange assumed, grey held",
-                                     surface.balls().size())};
+      caption_of(scene),
+      fmt::format("{} balls: green seen, orange assumed, grey held", surface.balls().size())};
   draw_caption(picture, caption, text_scale);
   if (const std::string warning = warning_of(scene); !warning.empty()) {
     draw_warning(picture, warning, text_scale);

@@ -58,9 +58,9 @@ TEST_CASE("the surface's picture shows what presses, and turns with the mouse", 
   Rigid3 camera_from_body = Rigid3::Identity();
   camera_from_body.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;  // Z up in the picture
   camera_from_body.translation() = Eigen::Vector3d(0, 0.05, 0.4);
-  FrameLoop loop = value_or_throw(FrameLoop::make(test::DentedSphere{}.body(), camera_from_body,
-                                                  test::wall_format(),
-                                                  {.press_static = true, .map = false}));
+  FrameLoop loop =
+      value_or_throw(FrameLoop::make(test::DentedSphere{}.body(), camera_from_body,
+                                     test::wall_format(), {.press_static = true, .map = false}));
   Frame frame = test::frame_of_wall(0, 0);
   const auto show = [&] {
     // A finger from the left, on which the sphere is not drawn.
