@@ -6,6 +6,7 @@
 #include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/default_body.h"
+#include "palpable/base/allocation_count.h"
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
@@ -26,9 +27,11 @@
 
 #include "bench/live/unseen_points.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <random>
@@ -50,6 +53,10 @@ constexpr double kMissed = 0.002;        // m: so deep, and not felt
 constexpr double kSeen = 0.5;            // the share of a touch that must be seen to be missed
 constexpr int kDenseQueries = 22982;     // vertices of the paper's dragon
 constexpr int kBunnyQueries = 7000;
+
+// Whose unseen side is judged, and the sequence in which it is seen.
+constexpr std::array<std::array<const char*, 2>, 3> kThings{
+    {{"finger", "press"}, {"palm", "palm"}, {"pencil", "pencil"}}};
 
 struct SurfaceBenchOptions {
   fs::path body;
@@ -95,8 +102,17 @@ struct Counts {
   SideErrors measured, true_depth;
   std::vector<double> plane;  // m, of a held touch: error of phi at the touched point
   double cpu_s = 0, dense_cpu_s = 0;
-  int timed = 0;
+  int timed = 0, allocations = 0;
   double max_difference = 0;
+
+  // Of another film: all but the unseen side, which is judged thing by thing.
+  void add(const Counts& other) {
+    frames += other.frames, ghosts += other.ghosts;
+    deep += other.deep, missed += other.missed;
+    cpu_s += other.cpu_s, dense_cpu_s += other.dense_cpu_s, timed += other.timed;
+    allocations = std::max(allocations, other.allocations);
+    max_difference = std::max(max_difference, other.max_difference);
+  }
 };
 
 // What does not change from frame to frame.
@@ -174,7 +190,9 @@ void time_surface(const Judge& judge, const Scene& scene, const Session& session
     (void)least_phi(surface, points);
   };
   once(judge.some, counts.cpu_s);
-  once(judge.many, counts.dense_cpu_s);
+  // The second time there was as much to see before.
+  counts.allocations = std::max(counts.allocations,
+                                allocations_during([&] { once(judge.many, counts.dense_cpu_s); }));
   ++counts.timed;
   for (Eigen::Index k = 0; k < judge.some.cols(); k += 97) {
     const auto a = surface.nearest(judge.some.col(k));
@@ -263,13 +281,28 @@ Json share(int part, int whole) {
   return whole == 0 ? Json(nullptr) : Json(static_cast<double>(part) / whole);
 }
 
+Json ms(double cpu_s, int times) { return times == 0 ? Json(nullptr) : Json(1e3 * cpu_s / times); }
+
+Json sigma_mm(const std::vector<double>& plane) {
+  return plane.empty() ? Json(nullptr) : Json(1e3 * deviation(plane));
+}
+
+// What is pooled over films as well as said of each.
+void add_pooled(const Counts& c, Json& entry) {
+  entry["ghost_share"] = share(c.ghosts, c.frames);
+  entry["missed_share"] = share(c.missed, c.deep);
+  entry["ms_bunny"] = ms(c.cpu_s, c.timed);
+  entry["ms_22982"] = ms(c.dense_cpu_s, c.timed);
+  entry["max_difference_m"] = c.max_difference;
+  entry["hot_allocations"] = c.allocations;
+}
+
 Json entry_of(const Counts& c, std::uint64_t seed) {
   Json entry;
   entry["seed"] = seed;
   entry["frames"] = c.frames;
-  entry["ghost_share"] = share(c.ghosts, c.frames);
   entry["frames_deep"] = c.deep;
-  entry["missed_share"] = share(c.missed, c.deep);
+  add_pooled(c, entry);
   entry["unseen_side_median_mm"] = c.measured.quantile_mm(0.5);
   entry["unseen_side_p90_mm"] = c.measured.quantile_mm(0.9);
   entry["unseen_side_bias_mm"] = c.measured.bias_mm();
@@ -278,12 +311,29 @@ Json entry_of(const Counts& c, std::uint64_t seed) {
   entry["unseen_side_true_depth_median_mm"] = c.true_depth.quantile_mm(0.5);
   entry["unseen_side_true_depth_p90_mm"] = c.true_depth.quantile_mm(0.9);
   entry["unseen_side_true_depth_coverage"] = c.true_depth.coverage();
-  entry["contact_plane_sigma_mm"] =
-      c.plane.empty() ? Json(nullptr) : Json(1e3 * deviation(c.plane));
-  entry["ms_bunny"] = c.timed == 0 ? Json(nullptr) : Json(1e3 * c.cpu_s / c.timed);
-  entry["ms_22982"] = c.timed == 0 ? Json(nullptr) : Json(1e3 * c.dense_cpu_s / c.timed);
-  entry["max_difference_m"] = c.max_difference;
+  entry["contact_plane_sigma_mm"] = sigma_mm(c.plane);
   return entry;
+}
+
+// The figures of the issue: of each thing its unseen side, the rest pooled over all films.
+void summarize(const std::map<std::string, Counts>& counts, Json& result) {
+  for (const auto& [thing, sequence] : kThings) {
+    const auto found = counts.find(sequence);
+    const Counts c = found == counts.end() ? Counts{} : found->second;
+    result["unseen_side_median_mm"][thing] = c.measured.quantile_mm(0.5);
+    result["unseen_side_p90_mm"][thing] = c.measured.quantile_mm(0.9);
+    result["unseen_side_coverage"][thing] = c.measured.coverage();
+    result["unseen_side_true_depth_median_mm"][thing] = c.true_depth.quantile_mm(0.5);
+    result["unseen_side_true_depth_p90_mm"][thing] = c.true_depth.quantile_mm(0.9);
+  }
+  Counts all;
+  for (const auto& [name, c] : counts) {
+    if (name != "dark") all.add(c);
+  }
+  add_pooled(all, result);
+  const auto rest = counts.find("rest");
+  result["contact_plane_sigma_mm"] =
+      rest == counts.end() ? Json(nullptr) : sigma_mm(rest->second.plane);
 }
 
 void print_table(const Json& sequences) {
@@ -324,15 +374,18 @@ void bench_surface(SurfaceBenchOptions options) {
   std::random_device random;
   ProgressBar bar;
   Json result, sequences;
+  std::map<std::string, Counts> counts;
   for (const std::string& name : options.only) {
     // Seeds from 1000 on are held out: nobody tunes to them.
     const std::uint64_t seed = options.seed > 0 ? options.seed : 1000 + random() % 999'000;
     const Film film(filmed(options, name, seed, body, body_file.stem().string(), bar));
-    sequences[name] = entry_of(play(options, name, film, judge, bar), seed);
+    counts[name] = play(options, name, film, judge, bar);
+    sequences[name] = entry_of(counts[name], seed);
   }
   bar.finish();
   result["bench"] = "surface";
   result["body"] = body_file.string();
+  summarize(counts, result);
   result["sequences"] = sequences;
   if (options.json) {
     fmt::print("{}\n", result.dump(2));

@@ -166,8 +166,11 @@ PressLaw::Need PressLaw::need_of(int site, const ObjectSurface& seen,
   const Demand demand = demanded_level(site, seen, tolerance_share);
   Need need;
   if (demand.level > 0) { need = {press_depth_of_level(*body_, site, demand.level), demand.place}; }
-  if (region_of_site && region_of_site->depth > need.depth) {
-    need = {region_of_site->depth, region_of_site->place};
+  if (region_of_site) {
+    const double level = level_that_moves(paths_[site], body_->levels(), region_of_site->depth);
+    if (level > demand.level) {
+      need = {press_depth_of_level(*body_, site, level), region_of_site->place};
+    }
   }
   return need;
 }

@@ -90,8 +90,8 @@ class PressLaw {
   /// - The site is the one nearest to the touched region when a touch begins; it is kept while it
   ///   is pressed. When another has become clearly nearer the present one is let go and then the
   ///   other pressed, not faster than settings.fastest.
-  /// - Where the region touches beside all points that follow the site, the press is at least as
-  ///   deep as the region is inside at rest.
+  /// - Where the region touches beside all points that follow the site, the site's most moved
+  ///   vertex is moved at least as far as the region is inside at rest.
   [[nodiscard]] PressState advance(const PressState& previous, const ObjectSurface& seen,
                                    double time) const;
 

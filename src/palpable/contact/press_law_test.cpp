@@ -106,7 +106,14 @@ TEST_CASE("a press deeper than the finger is thick is still a press", "[contact]
   std::vector<ObjectBall> sunk(tip.begin(), tip.begin() + 1);
   sunk[0].centre.z() -= 0.007f;
   loop.seen.build(sunk, loop.region);
-  CHECK_FALSE(loop.law.touched_region(loop.seen).has_value());  // of the body at rest
+  // No point of the body at rest is inside any more, but the ball is inside the body.
+  for (const SkinPoint& point : loop.law.skin()) {
+    const auto found = loop.seen.nearest(point.at(loop.body.surface.vertices.cast<float>()));
+    CHECK_FALSE((found && found->distance < 0));
+  }
+  const auto region = loop.law.touched_region(loop.seen);
+  REQUIRE(region.has_value());
+  CHECK(region->depth == Approx(0.020).margin(tolerance(5e-4, "sigma is 1 mm; facets 0.4 mm")));
   loop.see(sunk);
   REQUIRE(loop.state.touch);
   CHECK(loop.state.touch->level >= before - 1e-9);
@@ -117,14 +124,13 @@ TEST_CASE("what the skin would meet from behind does not press it", "[contact][l
   // fully. It pushes up, not down.
   Loop loop;
   auto balls = finger(loop.sphere, {0, 0, 1}, 0.004);
-  loop.see(balls, 6);
-  REQUIRE(loop.state.touch);
-  const double alone = loop.state.touch->level;
+  loop.seen.build(balls, loop.region);
+  const double alone = loop.law.demanded_level(0, loop.seen).level;
+  CHECK(alone > 0.05);
   const Vector3f below(0, 0, 0.1f - 0.015f - 0.006f);
   balls.push_back({below, {0, -1, 0}, below, 0.008f, kSigma});
-  loop.see(balls, 6);
-  REQUIRE(loop.state.touch);
-  CHECK(loop.state.touch->level == Approx(alone));
+  loop.seen.build(balls, loop.region);
+  CHECK(loop.law.demanded_level(0, loop.seen).level == Approx(alone));
 }
 
 TEST_CASE("the tip of a pencil between three vertices is felt", "[contact][law]") {
@@ -380,6 +386,17 @@ TEST_CASE("a site's path holds its patch and what moves with it, and no fixed ve
                                          3 * first.corners[0], std::span<float>(u.data(), 3));
     CHECK((paths[s].positions.col(10) - paths[s].positions.col(0) - u).norm() < 1e-8f);
   }
+}
+
+TEST_CASE("the level that moves a site's vertex so far moves it so far", "[contact]") {
+  const Loop loop;
+  const auto paths = press_paths(loop.body, loop.law.skin(), 0.5);
+  for (double level = 0; level <= 1.0; level += 0.037) {
+    CHECK(level_that_moves(paths[1], loop.body.levels(), loop.sphere.depth(level)) ==
+          Approx(level).margin(tolerance(0.004, "linear within a tenth of a parabola")));
+  }
+  CHECK(level_that_moves(paths[1], loop.body.levels(), -1) == 0);
+  CHECK(level_that_moves(paths[1], loop.body.levels(), 1) == 1);
 }
 
 TEST_CASE("settings out of range are refused", "[contact][errors]") {

@@ -17,6 +17,17 @@ bool is_in_patch(const SkinPoint& point, const Site& site) {
 
 }  // namespace
 
+double level_that_moves(const SitePath& path, const Eigen::VectorXd& levels, double depth) {
+  const Eigen::VectorXd& moved = path.farthest;
+  if (!(depth > moved[0])) return levels[0];
+  for (Eigen::Index l = 1; l < levels.size(); ++l) {
+    if (moved[l] < depth) continue;
+    const double t = (depth - moved[l - 1]) / (moved[l] - moved[l - 1]);
+    return levels[l - 1] + t * (levels[l] - levels[l - 1]);
+  }
+  return levels[levels.size() - 1];
+}
+
 std::vector<SitePath> press_paths(const ReducedBody& body, std::span<const SkinPoint> skin,
                                   double least_share) {
   PALPABLE_EXPECT(0 < least_share && least_share <= 1, "a share is in (0, 1]");
@@ -40,8 +51,13 @@ std::vector<SitePath> press_paths(const ReducedBody& body, std::span<const SkinP
       }
     }
     path.positions.resize(3, std::ssize(path.points) * L);
+    path.farthest.setZero(L);
     for (Eigen::Index l = 0; l < L; ++l) {
       body.displacement.evaluate(std::array{static_cast<double>(s), levels[l]}, values);
+      for (const int k : site.patch) {
+        path.farthest[l] = std::max(path.farthest[l], static_cast<double>(u.col(k).norm()));
+      }
+      if (l > 0) path.farthest[l] = std::max(path.farthest[l], path.farthest[l - 1]);
       const Eigen::Matrix3Xf x = X + u;
       for (Eigen::Index j = 0; j < std::ssize(path.points); ++j) {
         path.positions.col(j * L + l) = skin[path.points[j]].at(x);

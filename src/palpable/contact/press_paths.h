@@ -25,7 +25,15 @@ struct SitePath {
   /// (3 x n_s L) m, body frame; point j at level l is column j L + l.
   Eigen::Matrix3Xf positions;
   Eigen::AlignedBox3f box;  ///< of all of them
+  /// (L) m, rising: how far the patch's most moved vertex has moved at each level. (The press depth
+  /// is the patch's mean, which is less.)
+  Eigen::VectorXd farthest;
 };
+
+/// The level at which the site's most moved vertex has moved by `depth` (m): 0 .. the last level;
+/// linear between samples.
+[[nodiscard]] double level_that_moves(const SitePath& path, const Eigen::VectorXd& levels,
+                                      double depth);
 
 /// Evaluates the reduced model at every sample of the level axis, for all sites.
 /// @param skin         of this body (skin_points.h), without its fixed points
