@@ -124,12 +124,14 @@ TEST_CASE("a few tiles that seem to move, and any in a single frame, do not pres
   }
   for (int i = 0; i < 6; ++i) CHECK(count(room.ask(room.seen(), &moving), kShowsPresser) == 0);
   // At the picture's other end each time: never twice near each other.
+  Room other;
+  other.show(20);
   for (int i = 0; i < 6; ++i) {
     MaskImage elsewhere(kCamera.width, kCamera.height, 0);
     for (int y = 8; y < 40; ++y) {
       for (int x = 0; x < 40; ++x) elsewhere(i % 2 == 0 ? x : x + 110, y) = 255;
     }
-    CHECK(count(room.ask(room.seen(), &elsewhere), kShowsPresser) == 0);
+    CHECK(count(other.ask(other.seen(), &elsewhere), kShowsPresser) == 0);
   }
 }
 
