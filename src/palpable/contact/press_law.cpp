@@ -44,7 +44,9 @@ int nearest_site(const ReducedBody& body, const Vector3f& x) {
   return nearest;
 }
 
-TouchedPlace place_of(const ObjectBall& ball) { return {ball.point, ball.sigma}; }
+TouchedPlace place_of(const ObjectBall& ball) {
+  return {ball.point, ball.sigma, ball.unseen_for};
+}
 
 }  // namespace
 
@@ -182,7 +184,8 @@ Touch PressLaw::touch_with(int site, double level, const Need& need) const {
                level * at.full_load,
                press_depth_of_level(*body_, site, level),
                need.place.point.cast<double>(),
-               at.direction};
+               at.direction,
+               static_cast<double>(need.place.unseen_for)};
 }
 
 double PressLaw::followed_level(const Touch& before, const Need& need) const {

@@ -65,6 +65,7 @@ struct PressState {
 struct TouchedPlace {
   Eigen::Vector3f point = Eigen::Vector3f::Zero();  ///< m, on the seen front
   float sigma = 0;                                  ///< m, of the surface there
+  float unseen_for = 0;                             ///< s since it was measured
 };
 
 /// Where the object reaches into the body at rest: the ball that reaches deepest, and those that do

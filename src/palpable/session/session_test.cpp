@@ -231,6 +231,7 @@ TEST_CASE("a frame without any depth holds the press; after a while it fades",
   for (; n < 30; ++n) loop.process(frame_with_finger(n, 0.010));
   REQUIRE(loop.scene.touches.size() == 1);
   const double before = loop.scene.touches[0].press_depth;
+  CHECK(loop.scene.touches[0].unseen_for == 0);
   const auto show_nothing = [&] {
     Frame blind = frame_with_finger(n++, 0.010);
     for (float& z : blind.depth) z = std::numeric_limits<float>::quiet_NaN();
@@ -240,6 +241,7 @@ TEST_CASE("a frame without any depth holds the press; after a while it fades",
     const auto touches = show_nothing();
     REQUIRE(touches.size() == 1);
     CHECK(touches[0].press_depth == Approx(before).epsilon(1e-6));
+    CHECK(touches[0].unseen_for == Approx((k + 1) / 30.0).epsilon(1e-5));
   }
   for (int k = 0; k < 12; ++k) show_nothing();  // 0.67 s in all
   CHECK(loop.scene.touches.empty());
