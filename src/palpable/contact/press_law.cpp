@@ -44,9 +44,7 @@ int nearest_site(const ReducedBody& body, const Vector3f& x) {
   return nearest;
 }
 
-TouchedPlace place_of(const ObjectBall& ball) {
-  return {ball.point, ball.sigma, ball.unseen_for};
-}
+TouchedPlace place_of(const ObjectBall& ball) { return {ball.point, ball.sigma, ball.unseen_for}; }
 
 }  // namespace
 

@@ -377,7 +377,7 @@ TEST_CASE("a site's path holds its patch and what moves with it, and no fixed ve
     CHECK(points.size() > 3 * loop.body.sites[s].patch.size());  // those in the triangles
     CHECK(paths[s].positions.cols() == static_cast<Eigen::Index>(points.size()) * 11);
     // Column j L + l: the first point, a vertex, at rest and at the last level.
-    const SkinPoint& first = skin[static_cast<std::size_t>(points.front())];
+    const SkinPoint& first = skin[points.front()];
     REQUIRE(first.weights[0] == 1);
     CHECK(paths[s].positions.col(0) == X.col(first.corners[0]));
     Vector3f u;
