@@ -37,13 +37,16 @@ Rigid3 pose() {
   return camera_from_body;
 }
 
-// A finger from above onto the sphere's top, `depth` inside, before a wall.
+// A finger from above onto the sphere's top, `depth` inside, with the hand that it belongs to, before
+// a wall. (The finger alone is too small in this picture to be believed: PressingMaskSettings.)
 Frame frame_with_finger(int number, double depth) {
   const test::DentedSphere sphere;
   const Rigid3 camera_from_body = pose();
   const double tip = 2 * sphere.radius - depth + 0.008;
   const std::vector<Capsule> hand{{camera_from_body * Vector3d(0, 0, tip),
-                                   camera_from_body * Vector3d(0.01, 0, tip + 0.1), 0.008}};
+                                   camera_from_body * Vector3d(0.01, 0, tip + 0.1), 0.008},
+                                  {camera_from_body * Vector3d(-0.04, 0, tip + 0.02),
+                                   camera_from_body * Vector3d(0.04, 0, tip + 0.02), 0.012}};
   Frame frame = test::frame_of_wall(number, 0);
   const DepthImage finger = test::depth_of(hand, depth_format().depth_camera);
   for (std::size_t i = 0; i < finger.size(); ++i) {
@@ -228,7 +231,7 @@ TEST_CASE("a frame without any depth holds the press; after a while it fades",
           "[session][presses]") {
   FrameLoop loop = make_loop();
   int n = 0;
-  for (; n < 30; ++n) loop.process(frame_with_finger(n, 0.010));
+  for (; n < 60; ++n) loop.process(frame_with_finger(n, 0.010));  // until the filter is at rest
   REQUIRE(loop.scene.touches.size() == 1);
   const double before = loop.scene.touches[0].press_depth;
   CHECK(loop.scene.touches[0].unseen_for == 0);
