@@ -37,8 +37,9 @@ Rigid3 pose() {
   return camera_from_body;
 }
 
-// A finger from above onto the sphere's top, `depth` inside, with the hand that it belongs to, before
-// a wall. (The finger alone is too small in this picture to be believed: PressingMaskSettings.)
+// A finger from above onto the sphere's top, `depth` inside, with the hand that it belongs to,
+// before a wall. (The finger alone is too small in this picture to be believed:
+// PressingMaskSettings.)
 Frame frame_with_finger(int number, double depth) {
   const test::DentedSphere sphere;
   const Rigid3 camera_from_body = pose();
