@@ -119,7 +119,7 @@ std::vector<fs::path> earlier_files(const Options& options) {
 void live(const Options& options) {
   LiveOptions wanted = options.live;
   if (options.pictures && options.view != "camera") {
-    throw Error("--pictures are what the camera sees: leave out --view");
+    throw Error("--pictures are what the camera sees: leave out --view " + options.view);
   }
   if (options.out.empty()) throw Error("--out: names no folder");
   const FolderLock lock(options.out);

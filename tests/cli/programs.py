@@ -1688,16 +1688,17 @@ def on_screen(programs, *words, cwd=None):
                           cwd=cwd)
 
 
-@case("live shows the map instead of what the camera sees when it is asked to")
+@case("live shows the map, or what presses, instead of what the camera sees when it is asked to")
 def _(programs, folder):
     write_stereo(folder / "clip", frames=24)
     programs.succeeds(*live(programs, folder))
     seen = (folder / "out/touch.mp4").stat().st_size
-    programs.succeeds(*live(programs, folder, "--view", "map", "--overwrite"))
-    assert (folder / "out/touch.mp4").stat().st_size != seen
-    assert json.loads((folder / "out/live.json").read_text())["view"] == "map"
-    # All else is the same.
-    assert len(list((folder / "out/visible").iterdir())) == 24
+    for view in ("map", "surface"):
+        programs.succeeds(*live(programs, folder, "--view", view, "--overwrite"))
+        assert (folder / "out/touch.mp4").stat().st_size != seen
+        assert json.loads((folder / "out/live.json").read_text())["view"] == view
+        # All else is the same.
+        assert len(list((folder / "out/visible").iterdir())) == 24
     programs.refuses(*live(programs, folder, "--view", "below"), says=["--view", "below"])
     programs.refuses(*live(programs, folder, "--view", "map", "--pictures", "--overwrite"), says=["--pictures", "--view map"])
 

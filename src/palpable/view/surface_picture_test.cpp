@@ -63,8 +63,8 @@ TEST_CASE("the surface's picture shows what presses, and turns with the mouse", 
                                      test::wall_format(), {.press_static = true, .map = false}));
   Frame frame = test::frame_of_wall(0, 0);
   const auto show = [&] {
-    // A finger from the left, on which the sphere is not drawn.
-    const std::vector<test::Capsule> finger{{{-0.12, 0.0, 0.4}, {-0.06, 0.0, 0.4}, 0.01}};
+    // A finger across, 2 mm above the sphere.
+    const std::vector<test::Capsule> finger{{{-0.04, -0.062, 0.4}, {0.04, -0.062, 0.4}, 0.01}};
     const DepthImage depth = test::depth_of(finger, test::wall_format().depth_camera);
     for (std::size_t i = 0; i < depth.size(); ++i) {
       if (!std::isnan(depth.data()[i])) frame.depth.data()[i] = depth.data()[i];
