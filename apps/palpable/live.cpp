@@ -58,6 +58,11 @@ ProgressReport progress_of(const Scene& scene, int done, int total) {
                                               scene.touches.front().press_depth * 1e3)};
 }
 
+ScenePainterSettings::View view_of(const std::string& name) {
+  using View = ScenePainterSettings::View;
+  return name == "map" ? View::kMap : name == "surface" ? View::kSurface : View::kCamera;
+}
+
 // A run on a house around the desk goes well and touches nothing.
 void warn_of_size(const LiveRun& run) {
   const Session& session = run.loop.session;
@@ -90,7 +95,7 @@ std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, 
     painter.draw(*drawn, session);
     if (options.pictures) {
       drawn->scores = figure_scores(drawn->scene, session.body(), drawn->visible, drawn->body_depth,
-                                    session.pressing_depth());
+                                    session.shows());
     }
     painter.show(drawn->picture);
     const int done = static_cast<int>(loop.counts().processed.size());
@@ -114,7 +119,7 @@ std::vector<fs::path> earlier_files(const Options& options) {
 void live(const Options& options) {
   LiveOptions wanted = options.live;
   if (options.pictures && options.view != "camera") {
-    throw Error("--pictures are what the camera sees: leave out --view map");
+    throw Error("--pictures are what the camera sees: leave out --view " + options.view);
   }
   if (options.out.empty()) throw Error("--out: names no folder");
   const FolderLock lock(options.out);
@@ -123,7 +128,7 @@ void live(const Options& options) {
   LiveRun run = set_up_live(wanted);
   warn_of_size(run);
   const auto touch_frames = options.pictures ? truly_touching_frames(run.images) : std::nullopt;
-  ScenePainter painter({.window = options.window, .map = options.view == "map"}, run.loop);
+  ScenePainter painter({.window = options.window, .view = view_of(options.view)}, run.loop);
 
   const auto begin = std::chrono::steady_clock::now();
   listen_for_ctrl_c();
@@ -163,12 +168,14 @@ void add_live(Command app) {
   command
       .add_option("--view", options->view,
                   "What the pictures show. camera: what the camera sees, with the body in it; map: "
-                  "the room from outside as it has been seen so far, the way through it, the body")
-      .one_of({"camera", "map"})
+                  "the room from outside as it has been seen so far, the way through it, the body; "
+                  "surface: what touches the body, with the other side that is assumed, and the "
+                  "pressed skin, from outside")
+      .one_of({"camera", "map", "surface"})
       .show_default();
   command.add_flag("--window", options->window,
-                   "Show it in a window too; Escape or Q ends the run. With --view map, dragging "
-                   "turns the map, the wheel comes nearer, R takes both back");
+                   "Show it in a window too; Escape or Q ends the run. With --view map or surface, "
+                   "dragging turns it, the wheel comes nearer, R takes both back");
   command.add_flag("--pictures", options->pictures,
                    "Also write the three pictures that best show the hand before the body, the "
                    "body before the hand, and a touch (of a clip with a truth: at least 4 mm "
@@ -185,7 +192,7 @@ void add_live(Command app) {
       "end the run: the last state is held until pictures come again; Ctrl-C ends it.\n"
       "Example: palpable live bunny.palpable --source synthetic --out out\n"
       "Example: palpable live bunny.palpable --source desk --place \"0 0.1 0.6 0 40 0\" "
-      "--ignore-static --out out\n"
+      "--out out\n"
       "Example: palpable live bunny.palpable --source /dev/video0 --calibration SN10027514.conf "
       "--place \"0 0.1 0.6 0 40 0\" --window --out out");
   command.callback([options] { live(*options); });

@@ -68,7 +68,7 @@ SessionSettings session_settings(const LiveOptions& options) {
   settings.contact = options.contact == "paper" ? ContactKind::kPaper : ContactKind::kPress;
   settings.track = !options.fixed_camera;
   settings.map = true;
-  settings.ignore_static = options.ignore_static;
+  settings.press_static = options.press_static;
   return settings;
 }
 
@@ -113,8 +113,9 @@ void add_place_options(Command command, LiveOptions& options) {
 
 // What the loop makes of them.
 void add_loop_options(Command command, LiveOptions& options) {
-  command.add_flag("--ignore-static", options.ignore_static,
-                   "What the first 15 frames show does not press (scene.toml may ask for it too)");
+  command.add_flag("--press-static", options.press_static,
+                   "What is there when the body is anchored, its desk too, presses it (scene.toml "
+                   "may ask for it, too); otherwise only what comes later does");
   command.add_flag("--fixed-camera", options.fixed_camera,
                    "Do not follow the camera: it stands where it stood in the first frame");
   command

@@ -26,7 +26,7 @@ struct LiveOptions {
   BoardOptions board;  ///< which one
   double scale = 1;
   std::vector<std::string> set;  ///< NAME=VALUE of further parameters
-  bool ignore_static = false;
+  bool press_static = false;
   bool fixed_camera = false;
   std::string contact = "press";
   std::string matcher = "census";

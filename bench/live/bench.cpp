@@ -8,8 +8,8 @@
 #include "palpable/base/json.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/clip_files/place.h"
+#include "palpable/contact/object_surface.h"
 #include "palpable/contact/press_law.h"
-#include "palpable/contact/seen_surface.h"
 #include "palpable/live/live_loop.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/mode_kernels.h"
@@ -198,7 +198,7 @@ void bench_contact(const BodyOptions& options) {
   const Rigid3 camera_from_body = upright_pose(0, region.sizes().z() / 2, distance, 0, 30, 0);
   const PinholeCamera camera{640, 360, 350, 350, 319.5, 179.5};
   PressLaw law(body);
-  SeenSurface surface;
+  ObjectSurface surface;
   PressState state;
   Series series;
   constexpr int kPoses = 8;
@@ -217,7 +217,7 @@ void bench_contact(const BodyOptions& options) {
     StageTimes times;
     {
       const StageTimer timer(times, "surface");
-      surface.build(frames[i % kPoses], camera, camera_from_body.inverse(), region);
+      surface.build(frames[i % kPoses], {}, camera, camera_from_body.inverse(), region, i / 30.0);
     }
     {
       const StageTimer timer(times, "touch");
@@ -227,7 +227,7 @@ void bench_contact(const BodyOptions& options) {
     add(series, times);
   }
   Json result = about("contact", body);
-  result["points"] = surface.points().size();
+  result["balls"] = surface.balls().size();
   result["frames_touching"] = touched;
   print(result, series, options.json);
 }

@@ -5,6 +5,7 @@
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/default_body.h"
+#include "palpable/base/allocation_count.h"
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
 #include "palpable/base/json.h"
@@ -26,9 +27,11 @@
 
 #include "bench/live/unseen_points.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <random>
@@ -50,6 +53,10 @@ constexpr double kMissed = 0.002;        // m: so deep, and not felt
 constexpr double kSeen = 0.5;            // the share of a touch that must be seen to be missed
 constexpr int kDenseQueries = 22982;     // vertices of the paper's dragon
 constexpr int kBunnyQueries = 7000;
+
+// Whose unseen side is judged, and the sequence in which it is seen.
+constexpr std::array<std::array<const char*, 2>, 3> kThings{
+    {{"finger", "press"}, {"palm", "palm"}, {"pencil", "pencil"}}};
 
 struct SurfaceBenchOptions {
   fs::path body;
@@ -95,8 +102,17 @@ struct Counts {
   SideErrors measured, true_depth;
   std::vector<double> plane;  // m, of a held touch: error of phi at the touched point
   double cpu_s = 0, dense_cpu_s = 0;
-  int timed = 0;
+  int timed = 0, allocations = 0;
   double max_difference = 0;
+
+  // Of another film: all but the unseen side, which is judged thing by thing.
+  void add(const Counts& other) {
+    frames += other.frames, ghosts += other.ghosts;
+    deep += other.deep, missed += other.missed;
+    cpu_s += other.cpu_s, dense_cpu_s += other.dense_cpu_s, timed += other.timed;
+    allocations = std::max(allocations, other.allocations);
+    max_difference = std::max(max_difference, other.max_difference);
+  }
 };
 
 // What does not change from frame to frame.
@@ -122,15 +138,6 @@ double least_phi(const ObjectSurface& surface, const Eigen::Matrix3Xf& points) {
     if (found) least = std::min(least, static_cast<double>(found->distance));
   }
   return least;
-}
-
-// As a frame's depth is measured: our matcher's windows reach over the outlines of near things by
-// two pixels of the picture, one of the depth. With 0, 0.5, 0.8 and 1.1 px the unseen side of a
-// finger was off by 1.9, 1.1, 0.6 and 0.46 mm (median of `press`, seed 1).
-ObjectSurfaceSettings measured_settings() {
-  ObjectSurfaceSettings settings;
-  settings.balls.fattening = 1.0;
-  return settings;
 }
 
 Eigen::Matrix3Xd moved(const Rigid3& to, const Eigen::Matrix3Xd& points) { return to * points; }
@@ -174,16 +181,18 @@ void look_at_unseen_side(const Judge& judge, const Film& film, int frame,
   counts.true_depth.add(surface, points);
 }
 
-void time_surface(const Judge& judge, const Scene& scene, const MaskImage& presses,
+void time_surface(const Judge& judge, const Scene& scene, const Session& session,
                   ObjectSurface& surface, Counts& counts) {
   const auto once = [&](const Eigen::Matrix3Xf& points, double& sum) {
     const CpuTimer timer(sum);
-    surface.build(scene.seen.depth, presses, scene.seen.depth_camera,
-                  scene.camera_from_body.inverse(), judge.region);
+    surface.build(scene.seen.depth, session.shows(), scene.seen.depth_camera,
+                  scene.camera_from_body.inverse(), judge.region, scene.time);
     (void)least_phi(surface, points);
   };
   once(judge.some, counts.cpu_s);
-  once(judge.many, counts.dense_cpu_s);
+  // The second time there was as much to see before.
+  counts.allocations = std::max(counts.allocations,
+                                allocations_during([&] { once(judge.many, counts.dense_cpu_s); }));
   ++counts.timed;
   for (Eigen::Index k = 0; k < judge.some.cols(); k += 97) {
     const auto a = surface.nearest(judge.some.col(k));
@@ -214,8 +223,8 @@ Counts play(const SurfaceBenchOptions& options, const std::string& name, const F
   LiveSettings settings;
   settings.images.device = (film.folder / "frames").string();
   LiveRun run = open_live(judge.body, settings);
-  ObjectSurface surface(measured_settings());
-  MaskImage presses;
+  const ObjectSurface& surface = run.loop.session.surface();
+  ObjectSurface timed(surface.settings());
   Frame frame;
   std::optional<Vector3d> held;
   for (FrameStatus status = run.source->next(frame); status != FrameStatus::kEnd;
@@ -224,15 +233,6 @@ Counts play(const SurfaceBenchOptions& options, const std::string& name, const F
     const int n = frame.number;
     const Scene& scene = run.loop.process(frame);
     const Rigid3 body_from_camera = scene.camera_from_body.inverse();
-    // A camera that is lost says nothing of what moves.
-    presses.resize(scene.seen.depth.width(), scene.seen.depth.height());
-    if (scene.moving.empty()) {
-      std::fill(presses.begin(), presses.end(), std::uint8_t{0});
-    } else {
-      std::copy(scene.moving.begin(), scene.moving.end(), presses.begin());
-    }
-    surface.build(scene.seen.depth, presses, scene.seen.depth_camera, body_from_camera,
-                  judge.region);
     const ContactLine& contact = film.contacts[n];
     ++counts.frames;
     const double least = least_phi(surface, judge.skin);
@@ -245,7 +245,7 @@ Counts play(const SurfaceBenchOptions& options, const std::string& name, const F
     if (name == "rest") look_at_held_touch(film, n, surface, body_from_camera, held, counts);
     if (is_near(contact) && n % options.every == 0) {
       look_at_unseen_side(judge, film, n, surface, body_from_camera, counts);
-      time_surface(judge, scene, presses, surface, counts);
+      time_surface(judge, scene, run.loop.session, timed, counts);
     }
     bar.show(
         {name, static_cast<double>(counts.frames), static_cast<double>(film.hands.size()), ""});
@@ -281,13 +281,28 @@ Json share(int part, int whole) {
   return whole == 0 ? Json(nullptr) : Json(static_cast<double>(part) / whole);
 }
 
+Json ms(double cpu_s, int times) { return times == 0 ? Json(nullptr) : Json(1e3 * cpu_s / times); }
+
+Json sigma_mm(const std::vector<double>& plane) {
+  return plane.empty() ? Json(nullptr) : Json(1e3 * deviation(plane));
+}
+
+// What is pooled over films as well as said of each.
+void add_pooled(const Counts& c, Json& entry) {
+  entry["ghost_share"] = share(c.ghosts, c.frames);
+  entry["missed_share"] = share(c.missed, c.deep);
+  entry["ms_bunny"] = ms(c.cpu_s, c.timed);
+  entry["ms_22982"] = ms(c.dense_cpu_s, c.timed);
+  entry["max_difference_m"] = c.max_difference;
+  entry["hot_allocations"] = c.allocations;
+}
+
 Json entry_of(const Counts& c, std::uint64_t seed) {
   Json entry;
   entry["seed"] = seed;
   entry["frames"] = c.frames;
-  entry["ghost_share"] = share(c.ghosts, c.frames);
   entry["frames_deep"] = c.deep;
-  entry["missed_share"] = share(c.missed, c.deep);
+  add_pooled(c, entry);
   entry["unseen_side_median_mm"] = c.measured.quantile_mm(0.5);
   entry["unseen_side_p90_mm"] = c.measured.quantile_mm(0.9);
   entry["unseen_side_bias_mm"] = c.measured.bias_mm();
@@ -296,12 +311,29 @@ Json entry_of(const Counts& c, std::uint64_t seed) {
   entry["unseen_side_true_depth_median_mm"] = c.true_depth.quantile_mm(0.5);
   entry["unseen_side_true_depth_p90_mm"] = c.true_depth.quantile_mm(0.9);
   entry["unseen_side_true_depth_coverage"] = c.true_depth.coverage();
-  entry["contact_plane_sigma_mm"] =
-      c.plane.empty() ? Json(nullptr) : Json(1e3 * deviation(c.plane));
-  entry["ms_bunny"] = c.timed == 0 ? Json(nullptr) : Json(1e3 * c.cpu_s / c.timed);
-  entry["ms_22982"] = c.timed == 0 ? Json(nullptr) : Json(1e3 * c.dense_cpu_s / c.timed);
-  entry["max_difference_m"] = c.max_difference;
+  entry["contact_plane_sigma_mm"] = sigma_mm(c.plane);
   return entry;
+}
+
+// The figures of the issue: of each thing its unseen side, the rest pooled over all films.
+void summarize(const std::map<std::string, Counts>& counts, Json& result) {
+  for (const auto& [thing, sequence] : kThings) {
+    const auto found = counts.find(sequence);
+    const Counts c = found == counts.end() ? Counts{} : found->second;
+    result["unseen_side_median_mm"][thing] = c.measured.quantile_mm(0.5);
+    result["unseen_side_p90_mm"][thing] = c.measured.quantile_mm(0.9);
+    result["unseen_side_coverage"][thing] = c.measured.coverage();
+    result["unseen_side_true_depth_median_mm"][thing] = c.true_depth.quantile_mm(0.5);
+    result["unseen_side_true_depth_p90_mm"][thing] = c.true_depth.quantile_mm(0.9);
+  }
+  Counts all;
+  for (const auto& [name, c] : counts) {
+    if (name != "dark") all.add(c);
+  }
+  add_pooled(all, result);
+  const auto rest = counts.find("rest");
+  result["contact_plane_sigma_mm"] =
+      rest == counts.end() ? Json(nullptr) : sigma_mm(rest->second.plane);
 }
 
 void print_table(const Json& sequences) {
@@ -342,15 +374,18 @@ void bench_surface(SurfaceBenchOptions options) {
   std::random_device random;
   ProgressBar bar;
   Json result, sequences;
+  std::map<std::string, Counts> counts;
   for (const std::string& name : options.only) {
     // Seeds from 1000 on are held out: nobody tunes to them.
     const std::uint64_t seed = options.seed > 0 ? options.seed : 1000 + random() % 999'000;
     const Film film(filmed(options, name, seed, body, body_file.stem().string(), bar));
-    sequences[name] = entry_of(play(options, name, film, judge, bar), seed);
+    counts[name] = play(options, name, film, judge, bar);
+    sequences[name] = entry_of(counts[name], seed);
   }
   bar.finish();
   result["bench"] = "surface";
   result["body"] = body_file.string();
+  summarize(counts, result);
   result["sequences"] = sequences;
   if (options.json) {
     fmt::print("{}\n", result.dump(2));

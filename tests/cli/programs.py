@@ -1691,16 +1691,17 @@ def on_screen(programs, *words, cwd=None):
                           cwd=cwd)
 
 
-@case("live shows the map instead of what the camera sees when it is asked to")
+@case("live shows the map, or what presses, instead of what the camera sees when it is asked to")
 def _(programs, folder):
     write_stereo(folder / "clip", frames=24)
     programs.succeeds(*live(programs, folder))
     seen = (folder / "out/touch.mp4").stat().st_size
-    programs.succeeds(*live(programs, folder, "--view", "map", "--overwrite"))
-    assert (folder / "out/touch.mp4").stat().st_size != seen
-    assert json.loads((folder / "out/live.json").read_text())["view"] == "map"
-    # All else is the same.
-    assert len(list((folder / "out/visible").iterdir())) == 24
+    for view in ("map", "surface"):
+        programs.succeeds(*live(programs, folder, "--view", view, "--overwrite"))
+        assert (folder / "out/touch.mp4").stat().st_size != seen
+        assert json.loads((folder / "out/live.json").read_text())["view"] == view
+        # All else is the same.
+        assert len(list((folder / "out/visible").iterdir())) == 24
     programs.refuses(*live(programs, folder, "--view", "below"), says=["--view", "below"])
     programs.refuses(*live(programs, folder, "--view", "map", "--pictures", "--overwrite"), says=["--pictures", "--view map"])
 
@@ -1815,7 +1816,7 @@ def _(programs, folder):
         print(f"SKIPPED: no folder {recording}")
         return
     programs.succeeds("live", programs.small_body(), "--source", recording, "--place",
-                      "-0.125 0.063 0.667 0 29 0", "--ignore-static", "--out", folder / "out")
+                      "-0.125 0.063 0.667 0 29 0", "--out", folder / "out")
     counts = json.loads((folder / "out/live.json").read_text())
     # The recording shows the hand over this place from frame 43 on, its finger on it by frame 60
     # (tests/sessions measures that in the depth itself).
@@ -1832,7 +1833,7 @@ def _(programs, folder):
     press = {}
     for name, place in (("among", "0.446 0.156 2.35 0 0 0"), ("before", "0.346 0.156 1.2 0 0 0")):
         programs.succeeds("live", programs.small_body(), "--source", folder / "clip", "--scale", "3",
-                          "--place", place, "--out", folder / name)
+                          "--place", place, "--press-static", "--out", folder / name)
         press[name] = json.loads((folder / name / "live.json").read_text())["frames_touching"]
     assert press == {"among": 1, "before": 0}, press
 

@@ -126,7 +126,7 @@ void add_clip_readers(std::vector<FuzzReader>& readers) {
        read_trajectory);
   text("place.toml", "scene.toml",
        "camera_from_body = [1, 0, 0, 0.1, 0, 0, -1, 0, 0, 1, 0, 0.5, 0, 0, 0, 1]\n"
-       "ignore_static_frames = 15\n",
+       "press_static = true\n",
        [](const fs::path& path) { return read_scene_file(path); });
   text("place.txt", "place.txt", "# x y z\n0 0 0.5\n10 20 30 # degrees\n",
        [](const fs::path& path) { return read_pose(path.string()); });

@@ -114,9 +114,7 @@ TEST_CASE("a body on the squirrel's desk is touched when the hand reaches it and
 
   const Rigid3 pose = upright(kFootOfTheBall, kLookingDown);
   const Vector3d centre = pose * Vector3d(0, 0, kOverTheBall.radius);
-  SessionSettings settings;
-  settings.ignore_static = true;
-  FrameLoop loop = value_or_throw(FrameLoop::make(kOverTheBall.body(), pose, format, settings));
+  FrameLoop loop = value_or_throw(FrameLoop::make(kOverTheBall.body(), pose, format, {}));
   std::vector<bool> touched;
   double highest = 0;
   for (const Frame& frame : frames) {
@@ -160,12 +158,10 @@ TEST_CASE("a body on the squirrel's desk is touched when the hand reaches it and
 TEST_CASE("a body beside the squirrel's hand is never touched", "[sessions][real]") {
   if (!fs::exists(kSquirrel)) PALPABLE_SKIP("no folder " + kSquirrel.string());
   auto source = value_or_throw(open_folder(kSquirrel));
-  SessionSettings settings;
-  settings.ignore_static = true;
   // On the desk, 12 cm nearer to the camera and to its left.
   FrameLoop loop = value_or_throw(FrameLoop::make(
       kOverTheBall.body(), upright(kFootOfTheBall + Vector3d(-0.03, 0.06, -0.11), kLookingDown),
-      source->format(), settings));
+      source->format(), {}));
   for (Frame frame; source->next(frame) == FrameStatus::kFrame;) {
     INFO("frame " << frame.number);
     CHECK(loop.process(frame).touches.empty());
@@ -208,6 +204,9 @@ std::unique_ptr<Motorcycle> motorcycle() {
   return m;
 }
 
+// Of one picture nobody knows what was there before.
+const SessionSettings kOnePicture{.press_static = true, .map = false};
+
 ReducedBody ball_of_12_cm() { return scaled(test::DentedSphere{}.body(), 0.12 / 0.05); }
 
 TEST_CASE("a body among the motorcycle's parts is pressed where true points are inside it",
@@ -220,7 +219,7 @@ TEST_CASE("a body among the motorcycle's parts is pressed where true points are 
       points_in_ball(m->true_depth, m->format.rectified.camera, pose * Vector3d(0, 0, 0.12), 0.10);
   REQUIRE(inside.size() > 300);  // 2 cm deep
 
-  FrameLoop loop = value_or_throw(FrameLoop::make(ball_of_12_cm(), pose, m->format));
+  FrameLoop loop = value_or_throw(FrameLoop::make(ball_of_12_cm(), pose, m->format, kOnePicture));
   const Scene& scene = loop.process(m->frame);
   REQUIRE(scene.touches.size() == 1);
   const Touch& touch = scene.touches.front();
@@ -241,7 +240,7 @@ TEST_CASE("a body in the free space before the motorcycle is not pressed", "[ses
   REQUIRE(
       points_in_ball(m->true_depth, m->format.rectified.camera, pose * Vector3d(0, 0, 0.12), 0.20)
           .empty());
-  FrameLoop loop = value_or_throw(FrameLoop::make(ball_of_12_cm(), pose, m->format));
+  FrameLoop loop = value_or_throw(FrameLoop::make(ball_of_12_cm(), pose, m->format, kOnePicture));
   CHECK(loop.process(m->frame).touches.empty());
 }
 
@@ -254,7 +253,7 @@ TEST_CASE("a body behind the motorcycle's seat is hidden as the true depth impli
   SceneRenderer renderer = value_or_throw(SceneRenderer::make());
   const auto m = motorcycle();
   const Rigid3 pose = upright(kBehindTheSeat, 0);
-  FrameLoop loop = value_or_throw(FrameLoop::make(ball_of_12_cm(), pose, m->format));
+  FrameLoop loop = value_or_throw(FrameLoop::make(ball_of_12_cm(), pose, m->format, kOnePicture));
   const Scene& scene = loop.process(m->frame);
 
   SceneView view;

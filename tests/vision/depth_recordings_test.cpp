@@ -6,7 +6,6 @@
 #include "palpable/calibrate/opencv_views.h"
 #include "palpable/calibrate/rectification.h"
 #include "palpable/depth/depth_camera.h"
-#include "palpable/depth/static_background.h"
 #include "palpable/sources/folder_source.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
@@ -47,36 +46,13 @@ double median(std::vector<double> values) {
 
 const fs::path kSquirrel = kData / "hands_squirrel";
 
-struct SquirrelFrame {
-  SeenFrame seen;
-  DepthImage fresh;  // what the background does not explain
-};
-
-std::vector<SquirrelFrame> squirrel_frames() {
+std::vector<SeenFrame> squirrel_frames() {
   auto source = value_or_throw(open_folder(kSquirrel));
   auto camera = value_or_throw(DepthCamera::make(source->format()));
-  StaticBackground background(camera.noise());
-  std::vector<SquirrelFrame> frames;
+  std::vector<SeenFrame> frames;
   Frame frame;
-  while (source->next(frame) == FrameStatus::kFrame) {
-    SquirrelFrame& out = frames.emplace_back();
-    camera.see(frame, out.seen);
-    out.fresh = out.seen.depth;
-    if (background.ready()) {
-      background.remove_static(out.fresh);
-    } else {
-      background.learn(out.fresh);
-    }
-  }
+  while (source->next(frame) == FrameStatus::kFrame) camera.see(frame, frames.emplace_back());
   return frames;
-}
-
-int fresh_in(const DepthImage& depth, int x0, int y0, int x1, int y1) {
-  int count = 0;
-  for (int y = y0; y < y1; ++y) {
-    for (int x = x0; x < x1; ++x) count += std::isnan(depth(x, y)) ? 0 : 1;
-  }
-  return count;
 }
 
 TEST_CASE("the squirrel recording opens as 90 frames of colour and depth in metres",
@@ -88,37 +64,15 @@ TEST_CASE("the squirrel recording opens as 90 frames of colour and depth in metr
   CHECK(source->format().depth_camera == PinholeCamera{320, 240, 275, 275, 160, 120});
   const auto frames = squirrel_frames();
   REQUIRE(frames.size() == 90);
-  for (const SquirrelFrame& f : frames) {
-    CHECK(known_share(f.seen.depth) > 0.7);
+  for (const SeenFrame& seen : frames) {
+    CHECK(known_share(seen.depth) > 0.7);
     // The desk in front of the ball, and the ball's top (data README: a desk at 0.45 to 1.0 m).
-    CHECK((f.seen.depth(110, 180) > 0.45F && f.seen.depth(110, 180) < 0.7F));
+    CHECK((seen.depth(110, 180) > 0.45F && seen.depth(110, 180) < 0.7F));
   }
   // A desk is a plane: of three points on a line of the image, 1 / Z is linear.
-  const DepthImage& Z = frames[0].seen.depth;
+  const DepthImage& Z = frames[0].depth;
   const double bend = 2 / Z(110, 190) - 1 / Z(90, 190) - 1 / Z(130, 190);
   CHECK(std::abs(bend) * Z(110, 190) <= test::tolerance(0.03, "1 % of noise in each of the three"));
-}
-
-TEST_CASE("before the hand comes, the squirrel's desk is all background; then the hand is seen",
-          "[vision][real]") {
-  if (!fs::exists(kSquirrel)) PALPABLE_SKIP("no folder " + kSquirrel.string());
-  const auto frames = squirrel_frames();
-  REQUIRE(frames.size() == 90);
-  const double pixels = 320 * 240;
-  for (int i = 15; i < 30; ++i) {
-    INFO("frame " << i);
-    const DepthImage& fresh = frames[i].fresh;
-    const int man = fresh_in(fresh, 190, 0, 320, 110);
-    CHECK((fresh_in(fresh, 0, 0, 320, 240) - man) / pixels <=
-          test::tolerance(0.005, "half a percent of the picture: what flickers"));
-    // The ball and the desk around it.
-    CHECK(fresh_in(fresh, 60, 85, 150, 200) <=
-          test::tolerance(20, "0.2 % of 10,350 pixels, singly, at the ball's rim"));
-  }
-  for (int i = 45; i < 90; ++i) {
-    INFO("frame " << i);
-    CHECK(fresh_in(frames[i].fresh, 60, 85, 150, 200) > 150);
-  }
 }
 
 TEST_CASE("the time-of-flight camera's resting desk scatters no more than the model says",
@@ -133,7 +87,7 @@ TEST_CASE("the time-of-flight camera's resting desk scatters no more than the mo
       double squares = 0;
       int count = 0;
       for (std::size_t i = 0; i < 15; ++i) {
-        const double Z = frames[i].seen.depth(x, y);
+        const double Z = frames[i].depth(x, y);
         if (std::isnan(Z)) continue;
         sum += Z;
         squares += Z * Z;

@@ -72,7 +72,7 @@ void write_live_summary(const std::filesystem::path& path, const LiveSummary& su
   live["source"] = summary.source;
   live["contact"] = summary.contact;
   live["view"] = summary.view;
-  live["ignore_static_frames"] = summary.ignore_static_frames;
+  live["press_static"] = summary.press_static;
   live["scale"] = summary.scale;
   live["camera_from_body"] = rows_of(summary.camera_from_body);
   live["color_from_depth"] =

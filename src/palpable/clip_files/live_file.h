@@ -40,7 +40,7 @@ struct LiveSummary {
   std::string source;
   std::string contact;
   std::string view;
-  int ignore_static_frames = 0;
+  bool press_static = false;  ///< what was there when the body was anchored pressed it, too
   double scale = 1;
   Rigid3 camera_from_body = Rigid3::Identity();  ///< in the first frame
   /// For paths that are published of the depth camera: trajectory.txt is the colour camera's.

@@ -129,13 +129,12 @@ SceneFile read_scene_file(const fs::path& path) {
   if (!fs::exists(path, ignored)) return scene;
   const toml::table table = parse_toml(path);
   scene.camera_from_body = pose_in(table, path.string());
-  if (const toml::node* node = table.get("ignore_static_frames")) {
-    const auto frames = node->value<int>();
-    if (!frames || *frames < 0 || *frames > 255) {
-      throw Error(
-          fmt::format("{}: ignore_static_frames is to be a number from 0 to 255", path.string()));
+  if (const toml::node* node = table.get("press_static")) {
+    const auto press_static = node->value_exact<bool>();
+    if (!press_static) {
+      throw Error(fmt::format("{}: press_static is to be true or false", path.string()));
     }
-    scene.ignore_static_frames = *frames;
+    scene.press_static = *press_static;
   }
   return scene;
 }

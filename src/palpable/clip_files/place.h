@@ -41,7 +41,7 @@ class NoPlaceError : public Error {
 /// What a recorded scene says of itself (scene.toml beside the images).
 struct SceneFile {
   std::optional<Rigid3> camera_from_body;
-  std::optional<int> ignore_static_frames;
+  bool press_static = false;  ///< what is there when the body is anchored presses it, too
 };
 
 /// Without such a file nothing is known. @throws Error when it cannot be read or is wrong

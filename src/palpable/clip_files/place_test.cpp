@@ -40,12 +40,12 @@ TEST_CASE("sixteen numbers are the matrix, given in words or in a file", "[live]
   CHECK(read_pose((folder.path() / "pose.txt").string()).isApprox(pose));
   std::ofstream(folder.path() / "scene.toml")
       << "camera_from_body = [0, -1, 0, 0.1, 1, 0, 0, 0.2, 0, 0, 1, 0.7, 0, 0, 0, 1]\n"
-         "ignore_static_frames = 12\n";
+         "press_static = true\n";
   CHECK(read_pose((folder.path() / "scene.toml").string()).isApprox(pose));
   const SceneFile scene = read_scene_file(folder.path() / "scene.toml");
   REQUIRE(scene.camera_from_body.has_value());
   CHECK(scene.camera_from_body->isApprox(pose));
-  CHECK(scene.ignore_static_frames == 12);
+  CHECK(scene.press_static);
   CHECK_FALSE(read_scene_file(folder.path() / "none.toml").camera_from_body.has_value());
 }
 
@@ -67,7 +67,7 @@ TEST_CASE("what is no place is refused", "[live][errors]") {
   std::ofstream(folder.path() / "nan.txt") << "0 0 0.5 # m\n0 0 nan\n";
   CHECK_THROWS_WITH(read_pose((folder.path() / "nan.txt").string()),
                     Catch::EndsWith("nan.txt: holds what is no finite number"));
-  std::ofstream(folder.path() / "far.toml") << "ignore_static_frames = 1000\n";
+  std::ofstream(folder.path() / "far.toml") << "press_static = 1000\n";
   CHECK_THROWS_AS(read_scene_file(folder.path() / "far.toml"), Error);
 }
 

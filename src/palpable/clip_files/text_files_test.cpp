@@ -367,7 +367,7 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   summary.source = "clip";
   summary.contact = "press";
   summary.view = "camera";
-  summary.ignore_static_frames = 15;
+  summary.press_static = true;
   summary.camera_from_body = some_pose();
   summary.tracking = {3, {1}, 1, 0, 7, 500};
   summary.map = {12, 0, 2};
@@ -387,7 +387,7 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   "source": "clip",
   "contact": "press",
   "view": "camera",
-  "ignore_static_frames": 15,
+  "press_static": true,
   "scale": 1.0,
   "camera_from_body": [
     0.0,

@@ -40,8 +40,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFramesForTwo = 30;        // of a film for which a second renderer is worth its start
-constexpr int kIgnoreStaticFrames = 15;  // what these show does not press
+constexpr int kFramesForTwo = 30;  // of a film for which a second renderer is worth its start
 constexpr double kTruthSpacing = 0.0015;  // m between points of a surface that are looked at
 constexpr int kMostSeen = 500;            // points of the touching part that are asked about
 constexpr double kAtSite = 0.010;         // m: farther from every site a touch lies between them
@@ -119,9 +118,8 @@ std::string matrix_text(const Rigid3& transform) {
 void write_texts(const fs::path& out, const Sequence& sequence) {
   const std::string place = fmt::format(
       "# Where the body stands: camera_from_body, row by row, in the first frame's rectified left\n"
-      "# camera (m).\ncamera_from_body = {}\nfps = {}\n"
-      "# What the first frames show does not press.\nignore_static_frames = {}\n",
-      matrix_text(sequence.camera_from_body()), kFramesPerSecond, kIgnoreStaticFrames);
+      "# camera (m).\ncamera_from_body = {}\nfps = {}\n",
+      matrix_text(sequence.camera_from_body()), kFramesPerSecond);
   // In the truth once more, so that it is whole by itself.
   for (const char* folder : {"frames", "truth"}) {
     TextFile scene(out / folder / "scene.toml");

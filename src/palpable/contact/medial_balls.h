@@ -19,8 +19,10 @@
 #include "palpable/contact/silhouette.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
+#include "palpable/geometry/rigid.h"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <vector>
 
@@ -36,6 +38,10 @@ struct MedialBallSettings {
   /// px by which things look wider than they are, on each side: the windows of a matcher reach over
   /// the outlines of near things. Discs are made as much smaller, but no less than a third of one.
   double fattening = 0;
+  /// Wide parts that bend more than a ball of most_radius (fingers side by side) are as thick as
+  /// they bend, but no thinner than least_relief, m.
+  bool relief = true;
+  double least_relief = 0.006;
 };
 
 /// One ball, in the camera's frame.
@@ -44,13 +50,21 @@ struct MedialBall {
   Eigen::Vector3f normal;  ///< unit, of the front, towards the camera
   Eigen::Vector3f centre;  ///< m, on the ray of the pixel
   float radius = 0;        ///< m
+  int x = 0, y = 0;        ///< px, where it was found
   int pixels = 0;          ///< how many were averaged: the front scatters the less, the more
 };
 
+/// Where balls are wanted.
+struct BallRegion {
+  Rigid3 region_from_camera = Rigid3::Identity();
+  Eigen::AlignedBox3f box{Eigen::Vector3f::Constant(-1e6f), Eigen::Vector3f::Constant(1e6f)};
+};
+
 /// @param silhouette  of the same depth and mask; says which part of the image is looked at
+/// @param region      a ball is left out when its front lies outside; m
 /// @param balls       overwritten; allocates nothing when it has the capacity
 void find_medial_balls(const DepthImage& depth, const PinholeCamera& camera,
                        const Silhouette& silhouette, const MedialBallSettings& settings,
-                       std::vector<MedialBall>& balls);
+                       const BallRegion& region, std::vector<MedialBall>& balls);
 
 }  // namespace palpable

@@ -3,7 +3,10 @@
 #include "palpable/base/contract.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace palpable {
 namespace {
@@ -12,38 +15,38 @@ using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
+// Of a ball's radius: over so much of the surface its shape is averaged.
+constexpr float kShapeStep = 0.5f;
 
-// The part of the image in which a box of space may be seen; empty when it is not.
-PixelBox box_in_image(const AlignedBox3d& in_body, const Rigid3& camera_from_body,
-                      const PinholeCamera& camera) {
-  Eigen::AlignedBox2d seen;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vector3d x =
-        camera_from_body * in_body.corner(static_cast<AlignedBox3d::CornerType>(corner));
-    // The camera stands beside or in the box: anything may be seen.
-    if (x.z() < 1e-3) return {0, 0, camera.width, camera.height};
-    seen.extend(Eigen::Vector2d(camera.cx_px + camera.fx_px * x.x() / x.z(),
-                                camera.cy_px + camera.fy_px * x.y() / x.z()));
-  }
-  const auto pixel = [](double p, int count) {
-    return static_cast<int>(std::clamp(std::floor(p), 0.0, static_cast<double>(count)));
-  };
-  const int left = pixel(seen.min().x(), camera.width), top = pixel(seen.min().y(), camera.height);
-  const int right = pixel(seen.max().x() + 1, camera.width);
-  const int bottom = pixel(seen.max().y() + 1, camera.height);
-  return {left, top, right - left, bottom - top};
-}
+constexpr float kAmid = 1e-6f;  // m: nearer to a ball's middle no direction leads out
+constexpr float kHalfRoot = 0.70710678f;
+
+bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
 
 }  // namespace
 
 ObjectSurface::ObjectSurface(const ObjectSurfaceSettings& settings)
-    : settings_(settings), silhouette_(settings.silhouette) {
+    : settings_(settings),
+      silhouette_(settings.silhouette),
+      rest_(settings.rest),
+      held_(settings.hold) {
   PALPABLE_EXPECT(settings.step >= 1, "every pixel is the finest decimation");
   PALPABLE_EXPECT(settings.balls.reach >= 1, "a normal needs neighbours");
   PALPABLE_EXPECT(settings.balls.most_radius > 0 && settings.band > 0 &&
                       settings.silhouette.largest_jump_at_1m > 0,
                   "radius, band and jump are lengths above 0");
+  PALPABLE_EXPECT(settings.noise_constant >= 0 && settings.noise_linear >= 0 &&
+                      settings.noise_quadratic >= 0 && settings.pixels_alike > 0,
+                  "noise is not negative");
+}
+
+double ObjectSurface::noise_at(double Z) const {
+  return settings_.noise_constant + Z * (settings_.noise_linear + Z * settings_.noise_quadratic);
+}
+
+float ObjectSurface::sigma_of(float depth, int pixels) const {
+  return static_cast<float>(noise_at(static_cast<double>(depth)) /
+                            std::sqrt(std::max(1.0, pixels / settings_.pixels_alike)));
 }
 
 void ObjectSurface::start(const AlignedBox3d& region_in_body, const Vector3f& camera_in_body) {
@@ -65,40 +68,110 @@ void ObjectSurface::keep(const ObjectBall& ball) {
 
 void ObjectSurface::finish() {
   bare_.clear();
-  for (const ObjectBall& ball : balls_) bare_.push_back({ball.centre, ball.radius});
+  bounds_.setEmpty();
+  for (const ObjectBall& ball : balls_) {
+    bare_.push_back({ball.centre, ball.radius});
+    const Vector3f radius = Vector3f::Constant(ball.radius);
+    bounds_.extend(Eigen::AlignedBox3f(ball.centre - radius, ball.centre + radius));
+  }
   tree_.build(bare_);
 }
 
-void ObjectSurface::build(const DepthImage& depth, const MaskImage& presses,
+// The front of a ball that matters is not farther away than its diameter.
+AlignedBox3d ObjectSurface::fronts_near(const AlignedBox3d& region) const {
+  const Vector3d margin = Vector3d::Constant(settings_.band + 2 * settings_.balls.most_radius);
+  return {region.min() - margin, region.max() + margin};
+}
+
+PixelBox ObjectSurface::box_of_interest(const AlignedBox3d& region_in_body,
+                                        const Rigid3& camera_from_body,
+                                        const PinholeCamera& camera) const {
+  return box_in_image(fronts_near(region_in_body), camera_from_body, camera);
+}
+
+void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
                           const PinholeCamera& camera, const Rigid3& body_from_camera,
-                          const AlignedBox3d& region_in_body) {
+                          const AlignedBox3d& region_in_body, double time) {
   PALPABLE_EXPECT(depth.width() == camera.width && depth.height() == camera.height,
                   "the camera is the depth image's own");
+  PALPABLE_EXPECT(
+      shows.empty() || (shows.width() == depth.width() && shows.height() == depth.height()),
+      "what is shown is of the depth's size");
   start(region_in_body, body_from_camera.translation().cast<float>());
-  // The front of a ball that matters is not farther away than its diameter.
-  const double margin = settings_.band + 2 * settings_.balls.most_radius;
-  const AlignedBox3d fronts(region_in_body.min() - Vector3d::Constant(margin),
-                            region_in_body.max() + Vector3d::Constant(margin));
-  const PixelBox box = box_in_image(fronts, body_from_camera.inverse(), camera);
-  silhouette_.find(depth, presses, box);
-  find_medial_balls(depth, camera, silhouette_, settings_.balls, found_);
-
+  const Rigid3 camera_from_body = body_from_camera.inverse();
+  const PixelBox interest = box_of_interest(region_in_body, camera_from_body, camera);
+  const MaskImage& given = shows.empty() ? everything_measured(depth) : shows;
   const Eigen::Matrix3f R = body_from_camera.linear().cast<float>();
   const Vector3f t = body_from_camera.translation().cast<float>();
+  const Eigen::AlignedBox3f near = fronts_near(region_in_body).cast<float>();
+  const PixelBox box = box_of_things(depth, given, camera, interest, R, t, near);
+  rest_.add(depth, given, box, camera, camera_from_body, noise_at(1));
+  silhouette_.find(rest_.depth(), rest_.shows(), rest_.box(), &rest_.presence());
+  find_medial_balls(rest_.depth(), camera, silhouette_, settings_.balls, {body_from_camera, near},
+                    found_);
   for (const MedialBall& ball : found_) {
-    const Vector3f front = R * ball.front + t, normal = R * ball.normal;
-    keep({front, normal, R * ball.centre + t, ball.front.z(), ball.radius});
+    const float frames = rest_.frames_at(ball.x, ball.y);
+    keep({R * ball.front + t, R * ball.normal, R * ball.centre + t, ball.radius,
+          sigma_of(ball.front.z(), ball.pixels) / std::sqrt(frames)});
   }
-  const Eigen::AlignedBox3f near = fronts.cast<float>();
-  for (int v = box.y; v < box.y + box.height; v += settings_.step) {
-    for (int u = box.x; u < box.x + box.width; u += settings_.step) {
-      if (!(silhouette_.distance(u, v) > 0)) continue;
-      const float z = depth(u, v);
-      const Vector3f x = R * camera.unproject(u, v, static_cast<double>(z)).cast<float>() + t;
-      if (is_depth(z) && near.contains(x)) cloud_.push_back(x);
+  held_.recall(depth, given, camera, camera_from_body, time, balls_);
+  fill_cloud(camera, R, t, near);
+  finish();
+}
+
+// The part of the image in which things near the region are seen, and as much beside them as their
+// balls are large: there their outlines matter.
+PixelBox ObjectSurface::box_of_things(const DepthImage& depth, const MaskImage& shows,
+                                      const PinholeCamera& camera, const PixelBox& interest,
+                                      const Eigen::Matrix3f& R, const Vector3f& t,
+                                      const Eigen::AlignedBox3f& near) const {
+  int left = interest.x + interest.width, right = -1, top = interest.y + interest.height,
+      bottom = -1;
+  float nearest = std::numeric_limits<float>::infinity();
+  for (int y = interest.y; y < interest.y + interest.height; ++y) {
+    const std::uint8_t* row = shows.row(y);
+    for (int x = interest.x; x < interest.x + interest.width; ++x) {
+      if (row[x] != kShowsPresser) continue;
+      const float z = depth(x, y);
+      const Vector3f point = camera.unproject(x, y, static_cast<double>(z)).cast<float>();
+      if (!near.contains(R * point + t)) continue;
+      left = std::min(left, x), right = std::max(right, x);
+      top = std::min(top, y), bottom = y;
+      nearest = std::min(nearest, z);
     }
   }
-  finish();
+  if (right < 0) return {};
+  const double beside = camera.fx_px * settings_.balls.most_radius / static_cast<double>(nearest) +
+                        settings_.balls.fattening + 2;
+  const PixelBox box = grown({left, top, right - left + 1, bottom - top + 1},
+                             static_cast<int>(std::min(beside, 64.0)), camera);
+  const int x = std::max(box.x, interest.x), y = std::max(box.y, interest.y);
+  return {x, y, std::min(box.x + box.width, interest.x + interest.width) - x,
+          std::min(box.y + box.height, interest.y + interest.height) - y};
+}
+
+void ObjectSurface::fill_cloud(const PinholeCamera& camera, const Eigen::Matrix3f& R,
+                               const Vector3f& t, const Eigen::AlignedBox3f& near) {
+  const PixelBox& box = silhouette_.box();
+  const auto first = [&](int from) {
+    return (from + settings_.step - 1) / settings_.step * settings_.step;
+  };
+  for (int v = first(box.y); v < box.y + box.height; v += settings_.step) {
+    for (int u = first(box.x); u < box.x + box.width; u += settings_.step) {
+      if (!(silhouette_.distance(u, v) > 0)) continue;
+      const auto z = static_cast<double>(rest_.depth()(u, v));
+      const Vector3f x = R * camera.unproject(u, v, z).cast<float>() + t;
+      if (near.contains(x)) cloud_.push_back(x);
+    }
+  }
+}
+
+const MaskImage& ObjectSurface::everything_measured(const DepthImage& depth) {
+  all_.resize(depth.width(), depth.height());
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    all_.data()[i] = is_depth(depth.data()[i]) ? kShowsPresser : kShowsUnknown;
+  }
+  return all_;
 }
 
 void ObjectSurface::build(std::span<const ObjectBall> balls, const AlignedBox3d& region_in_body,
@@ -111,15 +184,54 @@ void ObjectSurface::build(std::span<const ObjectBall> balls, const AlignedBox3d&
   finish();
 }
 
-NearestOnObject ObjectSurface::answer(const Vector3f& x, float distance, int ball) const {
-  const Vector3f& centre = balls_[ball].centre;
-  return {distance, ball, (x - centre).dot(camera_ - centre) > 0.0f};
+NearestOnObject ObjectSurface::answer(const Vector3f& x, float distance, int index) const {
+  const ObjectBall& ball = balls_[index];
+  const bool faces_camera = (x - ball.centre).dot(camera_ - ball.centre) > 0.0f;
+  return {distance, index,
+          ball.unseen_for > 0 ? Known::kUnknown
+          : faces_camera      ? Known::kMeasured
+                              : Known::kAssumed};
 }
 
-std::optional<NearestOnObject> ObjectSurface::nearest(const Vector3f& x) const {
-  const auto found = tree_.nearest(x, static_cast<float>(settings_.band));
+std::optional<NearestOnObject> ObjectSurface::nearest(const Vector3f& x, float reach) const {
+  const auto found = tree_.nearest(x, reach);
   if (!found) return std::nullopt;
   return answer(x, found->distance, found->ball);
+}
+
+std::optional<SurfaceShape> ObjectSurface::shape_at(const Vector3f& x) const {
+  const auto found = nearest(x);
+  if (!found) return std::nullopt;
+  const ObjectBall& ball = balls_[found->ball];
+  const Vector3f out = x - ball.centre;
+  const Vector3f n = out.norm() > kAmid ? Vector3f(out.normalized()) : ball.normal;
+  const float h = kShapeStep * ball.radius;
+  const float reach = static_cast<float>(settings_.band) + 2 * h;  // the same ball is as near
+  const Vector3f t = n.unitOrthogonal(), s = n.cross(t);
+  // Along four directions of the tangent plane, 45 degrees apart: slope, and the curvature of the
+  // circle through the three values. On a sphere of radius R the mean of phi at +-h is higher than
+  // in the middle by d with (R + d)^2 = R^2 + h^2, so that 1/R = 2 d / (h^2 - d^2).
+  const std::array<Vector3f, 4> directions{t, ((t + s) * kHalfRoot).eval(), s,
+                                           ((s - t) * kHalfRoot).eval()};
+  Vector3f slope = Vector3f::Zero();
+  std::array<float, 4> bend{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto ahead = tree_.nearest(x + h * directions[k], reach);
+    const auto behind = tree_.nearest(x - h * directions[k], reach);
+    if (!ahead || !behind) return std::nullopt;  // cannot happen
+    slope += (ahead->distance - behind->distance) / (4 * h) * directions[k];
+    const float d = (ahead->distance + behind->distance) / 2 - found->distance;
+    bend[k] = 2 * d / (h * h - d * d);
+  }
+  // A symmetric tensor (a b; b c) bends by a, (a + c)/2 + b, c, (a + c)/2 - b along the four.
+  const float mean = (bend[0] + bend[1] + bend[2] + bend[3]) / 4;
+  const float a = mean + (bend[0] - bend[2]) / 2, c = mean - (bend[0] - bend[2]) / 2;
+  const float b = (bend[1] - bend[3]) / 2;
+  const Eigen::Matrix3f K =
+      a * t * t.transpose() + b * (t * s.transpose() + s * t.transpose()) + c * s * s.transpose();
+  const Vector3f normal = (n + slope).normalized();
+  const Eigen::Matrix3f across = Eigen::Matrix3f::Identity() - normal * normal.transpose();
+  return SurfaceShape{found->distance, normal, across * K * across, ball.sigma, found->known};
 }
 
 std::optional<NearestOnObject> ObjectSurface::nearest_by_brute_force(const Vector3f& x) const {

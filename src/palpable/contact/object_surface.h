@@ -11,16 +11,18 @@
 ///
 /// Body frame, metres. The distance is exact in a band around the surface and unknown outside.
 ///
-/// `palpable bench surface` judges it against true things. The session still asks SeenSurface
-/// (seen_surface.h), a ball as thick as a finger behind every pixel; the issue "What presses" lets
-/// it ask here.
+/// `palpable bench surface` judges it against true things.
 #pragma once
 
 #include "palpable/contact/ball_tree.h"
+#include "palpable/contact/held_balls.h"
 #include "palpable/contact/medial_balls.h"
+#include "palpable/contact/object_ball.h"
+#include "palpable/contact/rest_filter.h"
 #include "palpable/contact/silhouette.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
+#include "palpable/geometry/pixel_box.h"
 #include "palpable/geometry/rigid.h"
 
 #include <Eigen/Core>
@@ -38,22 +40,45 @@ struct ObjectSurfaceSettings {
   double band = 0.010;  ///< m, phi is exact up to here outside, and everywhere inside
   SilhouetteSettings silhouette{};
   MedialBallSettings balls{};
+  RestFilterSettings rest{};
+  HoldSettings hold{};
+  /// How far one pixel's depth scatters round the true one,
+  ///     sigma(Z) = noise_constant + noise_linear Z + noise_quadratic Z^2    (m, 1, 1/m).
+  /// Disparity has a constant error, so stereo has the square alone.
+  double noise_constant = 0;
+  double noise_linear = 0;
+  double noise_quadratic = 0.006;
+  /// So many neighbouring pixels have one error: a matcher's windows overlap, and it smooths.
+  double pixels_alike = 6;
 };
 
-/// A ball of the union, with the place where its thing is seen.
-struct ObjectBall {
-  Eigen::Vector3f point;   ///< m, body frame, on the seen front
-  Eigen::Vector3f normal;  ///< unit, outwards: to the camera's side
-  Eigen::Vector3f centre;  ///< m
-  float depth = 0;         ///< Z of the point in the camera, m: what its noise depends on
-  float radius = 0.008f;   ///< m
+/// How a place of the surface is known.
+enum class Known {
+  kMeasured,  ///< the camera sees it
+  kAssumed,   ///< it is the other side of what the camera sees
+  kUnknown    ///< it was there a moment ago, and nobody knows whether it still is (held_balls.h)
 };
 
 /// What is nearest to a query point.
 struct NearestOnObject {
-  float distance = 0;       ///< phi, m; negative inside
-  int ball = 0;             ///< index into balls()
-  bool is_measured = true;  ///< the camera sees that side of it; else it is assumed
+  float distance = 0;  ///< phi, m; negative inside
+  int ball = 0;        ///< index into balls()
+  Known known = Known::kMeasured;
+};
+
+/// The surface that is nearest to a query point as a smooth one: what contact with it needs.
+///
+/// A union of balls has bumps between neighbouring ones. Normal and curvature are therefore
+/// differences of phi over half a ball's radius, which averages a few bumps.
+struct SurfaceShape {
+  float distance = 0;      ///< phi, m; negative inside
+  Eigen::Vector3f normal;  ///< unit, in which phi grows fastest: out of the object
+  /// 1/m, of the level set of phi through the query point: how fast the normal turns,
+  /// dn = curvature dx. Symmetric, curvature * normal = 0; (I - n n^T) / R round a ball whose
+  /// middle is R away, negative where the object is hollow.
+  Eigen::Matrix3f curvature;
+  float sigma = 0;  ///< m, how far the place scatters along the normal
+  Known known = Known::kMeasured;
 };
 
 /// Built anew for each frame; keeps its memory, so that building allocates nothing once a frame
@@ -67,10 +92,18 @@ class ObjectSurface {
   ///
   /// @param depth    Z in m, NaN where unknown: no depth, no thing. Zero, negative and infinite
   ///                 values count as unknown.
-  /// @param presses  255 where a pixel may belong to a thing that presses; empty: all of them
+  /// @param shows    of each pixel kShowsRoom, kShowsPresser or kShowsUnknown (geometry/image.h);
+  ///                 empty: what is measured presses, what is not is unknown
   /// @param camera   of the depth image: same width and height
-  void build(const DepthImage& depth, const MaskImage& presses, const PinholeCamera& camera,
-             const Rigid3& body_from_camera, const Eigen::AlignedBox3d& region_in_body);
+  /// @param time     s, of the frame: what it neither sees nor sees through is held (held_balls.h)
+  void build(const DepthImage& depth, const MaskImage& shows, const PinholeCamera& camera,
+             const Rigid3& body_from_camera, const Eigen::AlignedBox3d& region_in_body,
+             double time = 0);
+
+  /// The part of the image in which things that matter to `region_in_body` may be seen.
+  [[nodiscard]] PixelBox box_of_interest(const Eigen::AlignedBox3d& region_in_body,
+                                         const Rigid3& camera_from_body,
+                                         const PinholeCamera& camera) const;
 
   /// Uses these balls as they are (tests, other sensors), seen from `camera_in_body`. Balls that
   /// cannot reach into the region's band are left out.
@@ -81,22 +114,44 @@ class ObjectSurface {
   /// Seen points near the region, thinned out by settings.step: the cloud of Algorithm 1.
   [[nodiscard]] std::span<const Eigen::Vector3f> cloud() const { return cloud_; }
   [[nodiscard]] const ObjectSurfaceSettings& settings() const { return settings_; }
+  /// What the balls fill; empty without any.
+  [[nodiscard]] const Eigen::AlignedBox3f& bounds() const { return bounds_; }
 
   /// phi at x; nothing when x is farther than the band from all balls. Allocates nothing.
-  [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x) const;
+  [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x) const {
+    return nearest(x, static_cast<float>(settings_.band));
+  }
+  /// The same where phi is below `reach`, which is at most the band.
+  [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x, float reach) const;
 
-  /// The same by looking at every ball: what nearest() is tested against.
+  /// The surface's shape where it is nearest to x; nothing when x is farther than the band. Costs
+  /// nine times what nearest() does; allocates nothing.
+  [[nodiscard]] std::optional<SurfaceShape> shape_at(const Eigen::Vector3f& x) const;
+
+  /// The same as nearest() by looking at every ball: what it is tested against.
   [[nodiscard]] std::optional<NearestOnObject> nearest_by_brute_force(
       const Eigen::Vector3f& x) const;
 
  private:
+  [[nodiscard]] Eigen::AlignedBox3d fronts_near(const Eigen::AlignedBox3d& region) const;
   void start(const Eigen::AlignedBox3d& region_in_body, const Eigen::Vector3f& camera_in_body);
   void keep(const ObjectBall& ball);
   void finish();
   [[nodiscard]] NearestOnObject answer(const Eigen::Vector3f& x, float distance, int ball) const;
 
+  [[nodiscard]] const MaskImage& everything_measured(const DepthImage& depth);
+  [[nodiscard]] PixelBox box_of_things(const DepthImage& depth, const MaskImage& shows,
+                                       const PinholeCamera& camera, const PixelBox& interest,
+                                       const Eigen::Matrix3f& R, const Eigen::Vector3f& t,
+                                       const Eigen::AlignedBox3f& near) const;
+  void fill_cloud(const PinholeCamera& camera, const Eigen::Matrix3f& R, const Eigen::Vector3f& t,
+                  const Eigen::AlignedBox3f& near);
+  [[nodiscard]] float sigma_of(float depth, int pixels) const;
+  [[nodiscard]] double noise_at(double Z) const;
+
   ObjectSurfaceSettings settings_;
   Eigen::AlignedBox3f region_;  // grown by the band
+  Eigen::AlignedBox3f bounds_;
   Eigen::Vector3f camera_ = Eigen::Vector3f::Zero();
   Silhouette silhouette_;
   std::vector<MedialBall> found_;  // camera frame
@@ -104,6 +159,9 @@ class ObjectSurface {
   std::vector<Eigen::Vector3f> cloud_;
   std::vector<Ball> bare_;
   BallTree tree_;
+  RestFilter rest_;
+  HeldBalls held_;
+  MaskImage all_;  // what is shown where nobody says so
 };
 
 }  // namespace palpable

@@ -6,10 +6,14 @@
 #include "tests/support/seen_capsules.h"
 #include "tests/support/test.h"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
+#include <utility>
 #include <vector>
 
 namespace palpable {
@@ -130,8 +134,77 @@ TEST_CASE("what the camera sees is measured, the other side assumed", "[contact]
   ObjectSurface seen;
   seen.build(test::depth_of({finger}, kCamera), {}, kCamera, Rigid3::Identity(),
              box_around({0, 0, 0.4}, 0.05));
-  CHECK(seen.nearest(Vector3f(0, 0, 0.391f))->is_measured);
-  CHECK_FALSE(seen.nearest(Vector3f(0, 0, 0.409f))->is_measured);
+  CHECK(seen.nearest(Vector3f(0, 0, 0.391f))->known == Known::kMeasured);
+  CHECK(seen.nearest(Vector3f(0, 0, 0.409f))->known == Known::kAssumed);
+  // A frame later nobody knows anything.
+  const DepthImage nothing(kCamera.width, kCamera.height, std::numeric_limits<float>::quiet_NaN());
+  seen.build(nothing, {}, kCamera, Rigid3::Identity(), box_around({0, 0, 0.4}, 0.05), 1.0 / 30);
+  CHECK(seen.nearest(Vector3f(0, 0, 0.391f))->known == Known::kUnknown);
+  CHECK(seen.nearest(Vector3f(0, 0, 0.409f))->known == Known::kUnknown);
+}
+
+// Largest and least eigenvalue of a surface's curvature beside that along its normal, which is 0.
+std::pair<double, double> principal(const SurfaceShape& shape) {
+  Eigen::Vector3f v = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>(shape.curvature).eigenvalues();
+  std::sort(v.begin(), v.end(), [](float a, float b) { return std::abs(a) > std::abs(b); });
+  return {static_cast<double>(v[0]), static_cast<double>(v[1])};
+}
+
+TEST_CASE("the shape of the surface is that of the thing: normal and curvature",
+          "[contact][object surface][shape]") {
+  // A row of balls as dense as pixels is a finger: curved across, straight along.
+  std::vector<ObjectBall> finger;
+  for (int i = -40; i <= 40; ++i) {
+    const Vector3f centre(0.001f * static_cast<float>(i), 0, 0);
+    finger.push_back({centre, {0, 0, -1}, centre, 0.008f, 0.0005f});
+  }
+  ObjectSurface seen;
+  seen.build(finger, box_around({0, 0, 0}, 0.1), {0, 0, -0.4f});
+  for (const float outside : {0.0f, 0.002f, -0.003f}) {
+    INFO("outside by " << outside);
+    const float R = 0.008f + outside;
+    const auto side = seen.shape_at({0.0053f, 0.6f * R, -0.8f * R});
+    REQUIRE(side.has_value());
+    CHECK(side->distance == Approx(outside).margin(tolerance(2e-5, "bumps of 0.5^2 / 16 mm")));
+    CHECK((side->normal - Vector3f(0, 0.6f, -0.8f)).norm() <
+          tolerance(0.01f, "bumps of 0.02 mm over 8 mm"));
+    CHECK(side->sigma == 0.0005f);
+    CHECK(side->known == Known::kMeasured);
+    CHECK((side->curvature * side->normal).norm() < 1e-2f);
+    const auto [most, least] = principal(*side);
+    CHECK(most == Approx(1 / static_cast<double>(R)).epsilon(tolerance(0.06, "4 mm of the round")));
+    CHECK(std::abs(least) < 0.05 * most);
+    // Along the finger the normal does not turn.
+    CHECK((side->curvature * Vector3f::UnitX()).norm() < 0.05 * most);
+  }
+  // At its tip it is a ball.
+  const auto tip = seen.shape_at({-0.048f, 0, 0.0001f});
+  REQUIRE(tip.has_value());
+  CHECK((tip->normal + Vector3f::UnitX()).norm() < 0.02f);
+  const auto [most, least] = principal(*tip);
+  CHECK(most == Approx(125).epsilon(0.03));
+  CHECK(least == Approx(125).epsilon(0.03));
+  CHECK_FALSE(seen.shape_at({0, 0.02f, 0}).has_value());
+  // In the middle of a ball no direction leads out; the camera's side does.
+  CHECK(seen.shape_at({0, 0, 0})->normal.allFinite());
+}
+
+TEST_CASE("a flat thing is flat, though it is made of balls", "[contact][object surface][shape]") {
+  const DepthImage depth(kCamera.width, kCamera.height, 0.4f);
+  ObjectSurface seen;
+  seen.build(depth, {}, kCamera, Rigid3::Identity(), box_around({0, 0, 0.4}, 0.04));
+  auto random = test::random_case(4);
+  std::uniform_real_distribution<float> where(-0.02f, 0.02f);
+  for (int i = 0; i < 200; ++i) {
+    // Its other side, 25 mm deeper.
+    const auto found = seen.shape_at({where(random), where(random), 0.4255f});
+    REQUIRE(found.has_value());
+    CHECK(found->known == Known::kAssumed);
+    CHECK(found->distance > 0.0004f);
+    CHECK(found->distance < tolerance(0.0008f, "dents of 0.2 mm between balls 3 mm apart"));
+    CHECK(found->normal.z() > std::cos(0.09f));
+    CHECK(principal(*found).first < tolerance(25, "a ball's own is 80 / m"));
+  }
 }
 
 TEST_CASE("a finger partly behind another keeps its thickness, and a hand on a desk is no desk",
@@ -190,7 +263,7 @@ TEST_CASE("the tree finds what looking at every ball finds", "[contact][object s
       const Vector3f y(where(random), where(random) * 0.5f, where(random) * 0.3f);
       const Vector3f n = Vector3f(where(random), where(random), where(random)).normalized();
       const float r = radius(random);
-      balls.push_back({y, n, y - r * n, 0.4f, r});
+      balls.push_back({y, n, y - r * n, r});
     }
     ObjectSurface seen;
     seen.build(balls,
@@ -239,7 +312,7 @@ TEST_CASE("pixels without depth, and single flickering ones, make no balls",
   depth(61, 61) = 0.4f;  // alone in front of a wall
   seen.build(depth, {}, kCamera, Rigid3::Identity(), everywhere);
   REQUIRE(seen.balls().size() > 100);
-  for (const ObjectBall& ball : seen.balls()) CHECK(ball.depth == Approx(0.6f).epsilon(1e-5));
+  for (const ObjectBall& ball : seen.balls()) CHECK(ball.point.z() == Approx(0.6f).epsilon(1e-5));
 }
 
 TEST_CASE("building a surface again from a frame like the first allocates nothing",

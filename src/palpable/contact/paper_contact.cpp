@@ -10,16 +10,16 @@
 namespace palpable {
 
 std::optional<NearestNode> nearest_node(const Eigen::Matrix3Xf& nodes,
-                                        std::span<const SeenPoint> cloud) {
+                                        std::span<const Eigen::Vector3f> cloud) {
   float least = std::numeric_limits<float>::infinity();
   NearestNode nearest;
   for (Eigen::Index s = 0; s < nodes.cols(); ++s) {
-    for (const SeenPoint& seen : cloud) {
-      const float d2 = (nodes.col(s) - seen.point).squaredNorm();
+    for (const Eigen::Vector3f& seen : cloud) {
+      const float d2 = (nodes.col(s) - seen).squaredNorm();
       if (d2 < least) {
         least = d2;
         nearest.site = static_cast<int>(s);
-        nearest.point = seen.point.cast<double>();
+        nearest.point = seen.cast<double>();
       }
     }
   }

@@ -18,7 +18,6 @@
 /// sites ("the most salient features", Sec. 3.4) of the deformed body.
 #pragma once
 
-#include "palpable/contact/seen_surface.h"
 #include "palpable/contact/touch.h"
 #include "palpable/reduced/reduced_body.h"
 
@@ -54,8 +53,9 @@ struct NearestNode {
 
 /// parallelizedDistance: all pairs, O(S n). Nothing when nothing is seen.
 /// @param nodes  (3 x S) m, body frame, deformed
+/// @param cloud  m, body frame: ObjectSurface::cloud()
 [[nodiscard]] std::optional<NearestNode> nearest_node(const Eigen::Matrix3Xf& nodes,
-                                                      std::span<const SeenPoint> cloud);
+                                                      std::span<const Eigen::Vector3f> cloud);
 
 /// One frame. Pure. A distance of exactly delta_Incr or delta_Decr does nothing, as printed.
 /// @throws ContractViolation unless 0 < press_distance < release_distance and last_step >= 1

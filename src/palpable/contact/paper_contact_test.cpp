@@ -68,8 +68,7 @@ TEST_CASE("the nearest node is the one with the smallest distance from point to 
           "[contact][Alg1]") {
   Eigen::Matrix3Xf nodes(3, 2);
   nodes << 0, 1, 0, 0, 0, 0;
-  const std::vector<SeenPoint> cloud{{{5, 5, 5}, {0, 0, 1}, {5, 5, 5}, 1},
-                                     {{0.9f, 0, 0.2f}, {0, 0, 1}, {0, 0, 0}, 1}};
+  const std::vector<Eigen::Vector3f> cloud{{5, 5, 5}, {0.9f, 0, 0.2f}};
   const auto nearest = nearest_node(nodes, cloud);
   REQUIRE(nearest.has_value());
   CHECK(nearest->site == 1);

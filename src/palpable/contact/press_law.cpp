@@ -12,8 +12,11 @@ namespace {
 
 using Eigen::Vector3f;
 
-// m around the deepest vertex: a touched vertex farther away belongs to another finger.
+// m around the deepest place: a touched one farther away belongs to another finger.
 constexpr float kRegionRadius = 0.025f;
+
+// Of a ball's radius: a point as deep inside is inside.
+constexpr double kMostTolerance = 0.5;
 
 // s: a longer gap between two frames counts as this one, so that the press does not jump after it.
 constexpr double kLongestFrame = 0.1;
@@ -41,16 +44,17 @@ int nearest_site(const ReducedBody& body, const Vector3f& x) {
   return nearest;
 }
 
+TouchedPlace place_of(const ObjectBall& ball) { return {ball.point, ball.sigma, ball.unseen_for}; }
+
 }  // namespace
 
 PressLaw::PressLaw(const ReducedBody& body, const PressSettings& settings)
     : body_(&body),
       settings_(settings),
-      rest_(body.surface.vertices.cast<float>()),
-      paths_(press_paths(body, settings.least_share)) {
-  PALPABLE_EXPECT(
-      settings.noise_constant >= 0 && settings.noise_linear >= 0 && settings.noise_quadratic >= 0,
-      "noise is not negative");
+      skin_(skin_points(body.surface, body.fixed, settings.spacing)),
+      field_(body),
+      paths_(press_paths(body, skin_, settings.least_share)) {
+  PALPABLE_EXPECT(settings.tolerance >= 0, "a tolerance is not negative");
   PALPABLE_EXPECT(0 <= settings.hysteresis && settings.hysteresis <= 1, "hysteresis is a share");
   PALPABLE_EXPECT(0 <= settings.site_keeping && settings.site_keeping <= 1,
                   "site_keeping is a share");
@@ -59,105 +63,114 @@ PressLaw::PressLaw(const ReducedBody& body, const PressSettings& settings)
   PALPABLE_EXPECT(settings.fastest > 0, "a press must end some day");
 }
 
-double PressLaw::noise(float depth) const {
-  const auto Z = static_cast<double>(depth);
-  return settings_.noise_constant + Z * (settings_.noise_linear + Z * settings_.noise_quadratic);
+std::optional<PressLaw::Inside> PressLaw::inside(const Vector3f& x, const ObjectSurface& seen,
+                                                 double tolerance_share) const {
+  if (!seen.bounds().contains(x)) return std::nullopt;
+  const std::optional<NearestOnObject> found = seen.nearest(x, 0);
+  if (!found) return std::nullopt;
+  const ObjectBall& ball = seen.balls()[found->ball];
+  const double tolerance = std::min(settings_.tolerance * static_cast<double>(ball.sigma),
+                                    kMostTolerance * static_cast<double>(ball.radius));
+  const double depth = -static_cast<double>(found->distance) - tolerance_share * tolerance;
+  if (depth <= 0) return std::nullopt;
+  return Inside{depth, found->ball};
 }
 
-bool PressLaw::inside(const Vector3f& x, const SeenSurface& seen, double tolerance_share,
-                      NearestSeen& nearest) const {
-  const std::optional<NearestSeen> found = seen.nearest(x);
-  if (!found || found->support < settings_.least_support) return false;
-  nearest = *found;
-  const float Z = seen.points()[found->point].depth;
-  return static_cast<double>(found->distance) < -tolerance_share * noise(Z);
-}
-
-std::optional<TouchedRegion> PressLaw::touched_region(const SeenSurface& seen,
+std::optional<TouchedRegion> PressLaw::touched_region(const ObjectSurface& seen,
                                                       double tolerance_share) const {
-  const auto depth_beyond = [&](const NearestSeen& n) {
-    const float Z = seen.points()[n.point].depth;
-    return -static_cast<double>(n.distance) - tolerance_share * noise(Z);
+  const auto depth_of = [&](const ObjectBall& ball) -> std::optional<BodyField::Overlap> {
+    auto found = field_.overlap(ball.centre, ball.radius);
+    if (!found) return std::nullopt;
+    found->depth -= tolerance_share * settings_.tolerance * static_cast<double>(ball.sigma);
+    return found->depth > 0 ? found : std::nullopt;
   };
   TouchedRegion region;
-  Eigen::Index deepest = -1;
-  NearestSeen nearest;
-  for (Eigen::Index k = 0; k < rest_.cols(); ++k) {
-    if (body_->fixed[k] != 0) continue;
-    if (!inside(rest_.col(k), seen, tolerance_share, nearest)) continue;
-    const double depth = depth_beyond(nearest);
-    if (depth > region.depth) {
-      const SeenPoint& point = seen.points()[nearest.point];
-      region.depth = depth;
-      region.point = point.point;
-      region.seen_at = point.depth;
-      deepest = k;
-    }
+  Vector3f deepest = Vector3f::Zero();
+  for (const ObjectBall& ball : seen.balls()) {
+    const auto found = depth_of(ball);
+    if (!found || found->depth <= region.depth) continue;
+    region.depth = found->depth;
+    region.place = place_of(ball);
+    deepest = found->place;
   }
-  if (deepest < 0) return std::nullopt;
+  if (!(region.depth > 0)) return std::nullopt;
   Vector3f sum = Vector3f::Zero();
   float weight = 0;
-  for (Eigen::Index k = 0; k < rest_.cols(); ++k) {
-    if (body_->fixed[k] != 0) continue;
-    if ((rest_.col(k) - rest_.col(deepest)).norm() > kRegionRadius) continue;
-    if (!inside(rest_.col(k), seen, tolerance_share, nearest)) continue;
-    const auto w = static_cast<float>(depth_beyond(nearest));
-    sum += w * rest_.col(k);
+  for (const ObjectBall& ball : seen.balls()) {
+    const auto found = depth_of(ball);
+    if (!found || (found->place - deepest).norm() > kRegionRadius) continue;
+    const auto w = static_cast<float>(found->depth);
+    sum += w * found->place;
     weight += w;
-    ++region.vertex_count;
+    ++region.ball_count;
   }
   region.middle = sum / weight;
   return region;
 }
 
-PressLaw::Demand PressLaw::demanded_level(int site, const SeenSurface& seen,
-                                          double tolerance_share) const {
-  const SitePath& path = paths_[site];
+// From the deepest level down: an object that has gone right through the point at rest still
+// presses. One that the path enters from behind (a thumb on the other side of a thin ear) pushes
+// the point back, not on, and does not count.
+PressLaw::Demand PressLaw::last_inside(const Eigen::Ref<const Eigen::Matrix3Xf>& path,
+                                       const ObjectSurface& seen, double tolerance_share,
+                                       double least) const {
   const Eigen::VectorXd& levels = body_->levels();
   const Eigen::Index L = levels.size();
-  Demand demand;
-  NearestSeen nearest;
-  for (std::size_t j = 0; j < path.vertices.size(); ++j) {
-    const auto x = path.positions.middleCols(static_cast<Eigen::Index>(j) * L, L);
-    // From the deepest level down: an object that has gone right through the vertex at rest still
-    // presses. A level that another vertex already demands need not be looked at.
-    for (Eigen::Index l = L - 1; l >= 0; --l) {
-      if (l + 1 < L && levels[l + 1] <= demand.level) break;
-      if (!inside(x.col(l), seen, tolerance_share, nearest)) continue;
-      double in = 0;  // where between levels l and l + 1 the vertex leaves the object
-      double out = l + 1 < L ? 1 : 0;
-      for (int i = 0; i < kBisections && out > in; ++i) {
-        const double t = (in + out) / 2;
-        const auto s = static_cast<float>(t);
-        NearestSeen there;
-        if (inside((1 - s) * x.col(l) + s * x.col(l + 1), seen, tolerance_share, there)) {
-          in = t;
-          nearest = there;
-        } else {
-          out = t;
-        }
+  const auto pushed_on = [&](const Vector3f& x, Eigen::Index l) -> std::optional<Inside> {
+    const auto found = inside(x, seen, tolerance_share);
+    const Eigen::Index from = std::max<Eigen::Index>(l - 1, 0);
+    const Vector3f way = path.col(from + 1) - path.col(from);
+    if (found && (x - seen.balls()[found->ball].centre).dot(way) > 0) return found;
+    return std::nullopt;
+  };
+  for (Eigen::Index l = L - 1; l >= 0; --l) {
+    if (l + 1 < L && levels[l + 1] <= least) break;
+    auto found = pushed_on(path.col(l), l);
+    if (!found) continue;
+    double in = 0;  // where between levels l and l + 1 the point leaves the object
+    double out = l + 1 < L ? 1 : 0;
+    for (int i = 0; i < kBisections && out > in; ++i) {
+      const double t = (in + out) / 2;
+      const auto s = static_cast<float>(t);
+      if (const auto there = pushed_on((1 - s) * path.col(l) + s * path.col(l + 1), l + 1)) {
+        in = t;
+        found = there;
+      } else {
+        out = t;
       }
-      const double level = l + 1 < L ? levels[l] + out * (levels[l + 1] - levels[l]) : levels[l];
-      if (level > demand.level) {
-        const SeenPoint& point = seen.points()[nearest.point];
-        demand = {level, point.point, point.depth};
-      }
-      break;
     }
+    const double level = l + 1 < L ? levels[l] + out * (levels[l + 1] - levels[l]) : levels[l];
+    return {level, place_of(seen.balls()[found->ball])};
+  }
+  return {};
+}
+
+PressLaw::Demand PressLaw::demanded_level(int site, const ObjectSurface& seen,
+                                          double tolerance_share) const {
+  const SitePath& path = paths_[site];
+  const Eigen::Index L = body_->levels().size();
+  Demand demand;
+  if (!path.box.intersects(seen.bounds())) return demand;
+  for (Eigen::Index j = 0; j < std::ssize(path.points); ++j) {
+    // A level that another point already demands need not be looked at.
+    const Demand other =
+        last_inside(path.positions.middleCols(j * L, L), seen, tolerance_share, demand.level);
+    if (other.level > demand.level) demand = other;
   }
   return demand;
 }
 
-PressLaw::Need PressLaw::need_of(int site, const SeenSurface& seen,
+PressLaw::Need PressLaw::need_of(int site, const ObjectSurface& seen,
                                  const std::optional<TouchedRegion>& region_of_site,
                                  double tolerance_share) const {
   const Demand demand = demanded_level(site, seen, tolerance_share);
   Need need;
-  if (demand.level > 0) {
-    need = {press_depth_of_level(*body_, site, demand.level), demand.point, demand.seen_at};
-  }
-  if (region_of_site && region_of_site->depth > need.depth) {
-    need = {region_of_site->depth, region_of_site->point, region_of_site->seen_at};
+  if (demand.level > 0) { need = {press_depth_of_level(*body_, site, demand.level), demand.place}; }
+  if (region_of_site) {
+    const double level = level_that_moves(paths_[site], body_->levels(), region_of_site->depth);
+    if (level > demand.level) {
+      need = {press_depth_of_level(*body_, site, level), region_of_site->place};
+    }
   }
   return need;
 }
@@ -168,13 +181,14 @@ Touch PressLaw::touch_with(int site, double level, const Need& need) const {
                level,
                level * at.full_load,
                press_depth_of_level(*body_, site, level),
-               need.point.cast<double>(),
-               at.direction};
+               need.place.point.cast<double>(),
+               at.direction,
+               static_cast<double>(need.place.unseen_for)};
 }
 
 double PressLaw::followed_level(const Touch& before, const Need& need) const {
-  const double sigma = noise(need.seen_at);
-  const double slack = settings_.hysteresis * sigma;
+  const auto sigma = static_cast<double>(need.place.sigma);
+  const double slack = settings_.hysteresis * settings_.tolerance * sigma;
   const double wanted = std::clamp(before.press_depth, need.depth - slack, need.depth + slack);
   // Small changes may be noise and are followed slowly; large ones cannot be and are followed at
   // once.
@@ -188,7 +202,7 @@ double PressLaw::followed_level(const Touch& before, const Need& need) const {
                                      : level_of_press_depth(*body_, before.site, depth);
 }
 
-PressState PressLaw::advance(const PressState& previous, const SeenSurface& seen,
+PressState PressLaw::advance(const PressState& previous, const ObjectSurface& seen,
                              double time) const {
   PressState next;
   next.time = time;

@@ -4,7 +4,6 @@
 #include "palpable/contact/paper_contact.h"
 #include "tests/support/allocations.h"
 #include "tests/support/dented_sphere.h"
-#include "tests/support/seen_capsules.h"
 #include "tests/support/test.h"
 
 #include <algorithm>
@@ -18,43 +17,33 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
-using test::Capsule;
 using test::tolerance;
 
-constexpr double kFinger = 0.008;  // m, radius: what SeenSurfaceSettings assumes
+constexpr double kFinger = 0.008;  // m, radius
+constexpr float kSigma = 0.001f;   // m, of a surface that is known to a millimetre
 
 /// A finger that comes along -`direction` and whose tip is `depth` inside the sphere of radius
-/// `radius` at (0, 0, radius): seen completely and without noise, as points on its skin.
-std::vector<SeenPoint> finger(const test::DentedSphere& sphere, const Vector3d& direction,
-                              double depth) {
+/// `radius` at (0, 0, radius): balls on its axis.
+std::vector<ObjectBall> finger(const test::DentedSphere& sphere, const Vector3d& direction,
+                               double depth, float sigma = kSigma) {
   const Vector3d d = direction.normalized();
   const Vector3d tip = Vector3d(0, 0, sphere.radius) + (sphere.radius - depth) * d;
-  const Vector3d across = d.unitOrthogonal(), other = d.cross(across);
-  std::vector<SeenPoint> points;
-  for (int ring = 0; ring <= 30; ++ring) {
-    // First the round tip (12 rings), then the shaft, 2 mm apart.
-    const double angle = std::min(ring, 12) * std::numbers::pi / 24;
-    const double shaft = std::max(ring - 12, 0) * 0.002;
-    for (int i = 0; i < (ring == 0 ? 1 : 24); ++i) {
-      const double a = i * 2 * std::numbers::pi / 24;
-      const Vector3d n =
-          -std::cos(angle) * d + std::sin(angle) * (std::cos(a) * across + std::sin(a) * other);
-      const Vector3d centre = tip + (kFinger + shaft) * d;
-      points.push_back(
-          {(centre + kFinger * n).cast<float>(), n.cast<float>(), centre.cast<float>(), 0.4f});
-    }
+  std::vector<ObjectBall> balls;
+  for (double along = kFinger; along < 0.045; along += 0.0005) {
+    const Vector3d centre = tip + along * d, side = d.unitOrthogonal();
+    balls.push_back({(centre + kFinger * side).cast<float>(), side.cast<float>(),
+                     centre.cast<float>(), static_cast<float>(kFinger), sigma});
   }
-  return points;
+  return balls;
 }
 
 struct Loop {
   explicit Loop(const PressSettings& settings = {}, double dent_width = 0.012)
       : sphere{.width = dent_width}, law(body, settings) {}
 
-  /// `frames` times the same points: a third of a full press per frame is the most that is
-  /// followed.
-  const std::optional<Touch>& see(const std::vector<SeenPoint>& points, int frames = 1) {
-    seen.build(points, region);
+  /// `frames` times the same balls: a third of a full press per frame is the most that is followed.
+  const std::optional<Touch>& see(const std::vector<ObjectBall>& balls, int frames = 1) {
+    seen.build(balls, region);
     for (int i = 0; i < frames; ++i) {
       state = law.advance(state, seen, time);
       time += 1.0 / 30;
@@ -66,7 +55,7 @@ struct Loop {
   ReducedBody body = sphere.body();
   Eigen::AlignedBox3d region{Vector3d(-0.05, -0.05, 0), Vector3d(0.05, 0.05, 0.1)};
   PressLaw law;
-  SeenSurface seen;
+  ObjectSurface seen;
   PressState state;
   double time = 0;
 };
@@ -90,15 +79,14 @@ double deepest_left(const Loop& loop) {
 
 TEST_CASE("the level puts the touched skin on the measured surface", "[contact][law]") {
   // Without noise there is no tolerance and no hysteresis: the press is exact.
-  Loop loop({.noise_quadratic = 0});
+  Loop loop;
   for (const double depth : {0.002, 0.005, 0.009, 0.013, 0.004}) {
     INFO("depth " << depth);
-    const auto& touch = loop.see(finger(loop.sphere, {0, -1, 0}, depth), 4);
+    const auto& touch = loop.see(finger(loop.sphere, {0, -1, 0}, depth, 0), 4);
     REQUIRE(touch.has_value());
     CHECK(touch->site == 1);
     // The vertex under the tip moves by depth(level) exactly.
-    CHECK(loop.sphere.depth(touch->level) >=
-          depth - tolerance(2e-4, "tip is 24 rings, vertex 0.1 mm off"));
+    CHECK(loop.sphere.depth(touch->level) >= depth - tolerance(2e-4, "vertex 0.1 mm off"));
     CHECK(loop.sphere.depth(touch->level) <=
           depth + tolerance(0.0035, "neighbours, 6 mm aside, give way less than the middle"));
     CHECK(deepest_left(loop) < tolerance(2e-4, "bisection to 1/128 of a level step"));
@@ -111,23 +99,59 @@ TEST_CASE("the level puts the touched skin on the measured surface", "[contact][
 TEST_CASE("a press deeper than the finger is thick is still a press", "[contact][law]") {
   Loop loop;
   // A short finger whose far end has passed the skin at rest: nothing of it is there any more.
-  std::vector<SeenPoint> tip = finger(loop.sphere, {0, 0, 1}, 0.014);
+  std::vector<ObjectBall> tip = finger(loop.sphere, {0, 0, 1}, 0.014);
   loop.see(tip, 4);
   REQUIRE(loop.state.touch);
   const double before = loop.state.touch->level;
-  std::vector<SeenPoint> sunk;
-  for (SeenPoint& point : tip) {
-    if (point.centre.z() < 0.0945f) sunk.push_back(point);
-  }
-  for (SeenPoint& point : sunk) {
-    point.centre.z() -= 0.007f;
-    point.point.z() -= 0.007f;
-  }
+  std::vector<ObjectBall> sunk(tip.begin(), tip.begin() + 1);
+  sunk[0].centre.z() -= 0.007f;
   loop.seen.build(sunk, loop.region);
-  CHECK_FALSE(loop.law.touched_region(loop.seen).has_value());  // of the body at rest
+  // No point of the body at rest is inside any more, but the ball is inside the body.
+  for (const SkinPoint& point : loop.law.skin()) {
+    const auto found = loop.seen.nearest(point.at(loop.body.surface.vertices.cast<float>()));
+    CHECK_FALSE((found && found->distance < 0));
+  }
+  const auto region = loop.law.touched_region(loop.seen);
+  REQUIRE(region.has_value());
+  CHECK(region->depth == Approx(0.020).margin(tolerance(5e-4, "sigma is 1 mm; facets 0.4 mm")));
   loop.see(sunk);
   REQUIRE(loop.state.touch);
   CHECK(loop.state.touch->level >= before - 1e-9);
+}
+
+TEST_CASE("what the skin would meet from behind does not press it", "[contact][law]") {
+  // A finger presses the top a little; another lies where the top would go if it were pressed
+  // fully. It pushes up, not down.
+  Loop loop;
+  auto balls = finger(loop.sphere, {0, 0, 1}, 0.004);
+  loop.seen.build(balls, loop.region);
+  const double alone = loop.law.demanded_level(0, loop.seen).level;
+  CHECK(alone > 0.05);
+  const Vector3f below(0, 0, 0.1f - 0.015f - 0.006f);
+  balls.push_back({below, {0, -1, 0}, below, 0.008f, kSigma});
+  loop.seen.build(balls, loop.region);
+  CHECK(loop.law.demanded_level(0, loop.seen).level == Approx(alone));
+}
+
+TEST_CASE("the tip of a pencil between three vertices is felt", "[contact][law]") {
+  Loop loop;
+  // The middle of the triangle at the top that is farthest from its corners.
+  const Eigen::Matrix3Xd& x = loop.body.surface.vertices;
+  const Eigen::Vector3i corner = loop.body.surface.triangles.col(0);
+  const Vector3d middle = (x.col(corner[0]) + x.col(corner[1]) + x.col(corner[2])) / 3;
+  const Vector3d out = (middle - Vector3d(0, 0, loop.sphere.radius)).normalized();
+  const float r = 0.0015f;
+  const auto pencil = [&](double depth) {
+    std::vector<ObjectBall> balls;
+    for (double along = 0; along < 0.03; along += 0.0005) {
+      const Vector3f c = (middle + (along - depth + 0.0015) * out).cast<float>();
+      balls.push_back({c, out.cast<float>(), c, r, 0.0002f});
+    }
+    return balls;
+  };
+  const double apart = (x.col(corner[0]) - middle).norm();
+  REQUIRE(apart > 2 * static_cast<double>(r));
+  CHECK(loop.see(pencil(0.002)).has_value());
 }
 
 TEST_CASE("a hand that leaves between two frames leaves the body at rest", "[contact][law]") {
@@ -142,7 +166,7 @@ TEST_CASE("a hand that leaves between two frames leaves the body at rest", "[con
   for (int frame = 0; frame < 20; ++frame) {
     loop.seen.build(finger(loop.sphere, {0, 0, 1}, frame < 5 ? 0.0 : -0.2), loop.region);
     deformed_nodes(paper, loop.body, nodes);
-    paper = advance_as_printed(paper, nearest_node(nodes, loop.seen.points()), 10, settings);
+    paper = advance_as_printed(paper, nearest_node(nodes, loop.seen.cloud()), 10, settings);
   }
   CHECK(paper.step > 0);
 }
@@ -168,7 +192,6 @@ TEST_CASE("nothing seen is nothing touched", "[contact][law]") {
 }
 
 TEST_CASE("a surface that hovers within its noise does not press", "[contact][law]") {
-  // At 0.4 m the noise is 0.006 * 0.16 = 0.96 mm.
   Loop loop;
   for (int frame = 0; frame < 60; ++frame) {
     const double depth = 0.0008 * std::sin(frame * 1.7);
@@ -199,7 +222,7 @@ TEST_CASE("one frame's small error moves the press by less than half of it", "[c
   Loop calm;
   Loop prompt({.hysteresis = 0, .least_follow = 1});
   const double before = press_of(calm, 0.004, 20);
-  // 1.5 mm more, and the noise at 0.4 m is 1 mm.
+  // 1.5 mm more, and sigma is 1 mm.
   const double demanded = press_of(prompt, 0.0055, 20);
   const double once = press_of(calm, 0.0055, 1);
   REQUIRE(demanded > before + 5e-4);
@@ -208,30 +231,21 @@ TEST_CASE("one frame's small error moves the press by less than half of it", "[c
   CHECK(press_of(calm, 0.0055, 20) > once);
 }
 
-TEST_CASE("the tolerance grows with the square of the depth", "[contact][law]") {
+TEST_CASE("the tolerance is the surface's own sigma", "[contact][law]") {
   Loop loop;
-  auto far = finger(loop.sphere, {0, 0, 1}, 0.004);
-  CHECK(loop.see(far).has_value());
+  CHECK(loop.see(finger(loop.sphere, {0, 0, 1}, 0.004)).has_value());
   loop.see({});
-  for (SeenPoint& point : far) point.depth = 1.0f;  // 6 mm of noise: 4 mm inside means nothing
-  CHECK_FALSE(loop.see(far).has_value());
-}
-
-TEST_CASE("a few stray points do not press", "[contact][law]") {
-  Loop loop;
-  auto points = finger(loop.sphere, {0, 0, 1}, 0.006);
-  points.resize(3);
-  CHECK_FALSE(loop.see(points).has_value());
+  CHECK_FALSE(loop.see(finger(loop.sphere, {0, 0, 1}, 0.004, 0.006f)).has_value());
 }
 
 TEST_CASE("the base that the support holds is not touched by the desk on which it stands",
           "[contact][law]") {
   Loop loop;
-  std::vector<SeenPoint> desk;
+  std::vector<ObjectBall> desk;
   for (int i = -40; i <= 40; ++i) {
     for (int j = -40; j <= 40; ++j) {
       const Vector3f y(0.002f * static_cast<float>(i), 0.002f * static_cast<float>(j), 0.001f);
-      desk.push_back({y, {0, 0, 1}, y - Vector3f(0, 0, 0.008f), 0.4f});
+      desk.push_back({y, {0, 0, 1}, y - Vector3f(0, 0, 0.008f), 0.008f, kSigma});
     }
   }
   CHECK_FALSE(loop.see(desk).has_value());
@@ -281,27 +295,27 @@ TEST_CASE("the site is kept while it is pressed and the hand only trembles betwe
   }
 }
 
-TEST_CASE("a vertex that is inside by less than the noise demands nothing", "[contact][law]") {
-  Loop loop({.noise_quadratic = 0.03});  // 4.8 mm at 0.4 m
-  loop.seen.build(finger(loop.sphere, {0, 0, 1}, 0.004), loop.region);
+TEST_CASE("a point that is inside by less than sigma demands nothing", "[contact][law]") {
+  Loop loop;
+  constexpr float kCoarse = 0.0048f;
+  loop.seen.build(finger(loop.sphere, {0, 0, 1}, 0.004, kCoarse), loop.region);
   CHECK(loop.law.demanded_level(0, loop.seen).level == 0);
   CHECK(loop.law.demanded_level(0, loop.seen, 0.5).level > 0);
-  loop.seen.build(finger(loop.sphere, {0, 0, 1}, 0.007), loop.region);
+  loop.seen.build(finger(loop.sphere, {0, 0, 1}, 0.007, kCoarse), loop.region);
   CHECK(loop.law.demanded_level(0, loop.seen).level > 0);
 }
 
 TEST_CASE("a touch between the sites is answered by the nearest one", "[contact][law]") {
   Loop loop;
-  const auto& touch = loop.see(finger(loop.sphere, {0, -0.62, 0.78}, 0.006), 3);
+  const auto& touch = loop.see(finger(loop.sphere, {0, -0.62, 0.78}, 0.006, 0), 3);
   REQUIRE(touch.has_value());
   CHECK(touch->site == 0);
   const auto region = loop.law.touched_region(loop.seen);
   REQUIRE(region.has_value());
-  CHECK(region->vertex_count >= 2);
-  CHECK(region->depth > 0.001);
-  CHECK(region->depth < 0.006);
-  CHECK(touch->press_depth >=
-        region->depth - tolerance(1e-6, "from depth to level and back; the press is 10 mm"));
+  CHECK(region->ball_count >= 2);
+  CHECK(region->depth == Approx(0.006).margin(tolerance(4e-4, "facets lie within the sphere")));
+  CHECK(loop.sphere.depth(touch->level) >=
+        region->depth - tolerance(1e-4, "from depth to level and back, in 10 samples"));
 }
 
 TEST_CASE("whatever is seen, the state stays admissible", "[contact][law]") {
@@ -313,8 +327,8 @@ TEST_CASE("whatever is seen, the state stays admissible", "[contact][law]") {
     Loop loop;
     for (int frame = 0; frame < 30; ++frame) {
       auto points = finger(loop.sphere, {some(random), some(random), some(random)}, depth(random));
-      for (SeenPoint& point : points)
-        point.centre += 0.002f * Vector3f(static_cast<float>(some(random)), 0, 0);
+      for (ObjectBall& ball : points)
+        ball.centre += 0.002f * Vector3f(static_cast<float>(some(random)), 0, 0);
       const auto& touch = loop.see(points);
       if (!touch) continue;
       CHECK((0 <= touch->site && touch->site < 5));
@@ -348,28 +362,46 @@ TEST_CASE("press depth and level are each other's inverse", "[contact]") {
 TEST_CASE("a site's path holds its patch and what moves with it, and no fixed vertex",
           "[contact]") {
   const Loop loop;
-  const auto paths = press_paths(loop.body, 0.5);
+  const auto skin = loop.law.skin();
+  const auto paths = press_paths(loop.body, skin, 0.5);
   REQUIRE(paths.size() == 5);
+  const Eigen::Matrix3Xf X = loop.body.surface.vertices.cast<float>();
   for (std::size_t s = 0; s < 5; ++s) {
-    const auto& vertices = paths[s].vertices;
+    const auto& points = paths[s].points;
     for (const int k : loop.body.sites[s].patch) {
-      CHECK(std::binary_search(vertices.begin(), vertices.end(), k));
+      CHECK(std::any_of(points.begin(), points.end(), [&](int p) {
+        const SkinPoint& point = skin[static_cast<std::size_t>(p)];
+        return point.weights[0] == 1 && point.corners[0] == k;
+      }));
     }
-    for (const int k : vertices) CHECK(loop.body.fixed[k] == 0);
-    CHECK(paths[s].positions.cols() == static_cast<Eigen::Index>(vertices.size()) * 11);
-    // Column j L + l: the first vertex at rest and at the last level.
-    const int k = vertices.front();
-    CHECK(paths[s].positions.col(0) == loop.body.surface.vertices.col(k).cast<float>());
+    CHECK(points.size() > 3 * loop.body.sites[s].patch.size());  // those in the triangles
+    CHECK(paths[s].positions.cols() == static_cast<Eigen::Index>(points.size()) * 11);
+    // Column j L + l: the first point, a vertex, at rest and at the last level.
+    const SkinPoint& first = skin[points.front()];
+    REQUIRE(first.weights[0] == 1);
+    CHECK(paths[s].positions.col(0) == X.col(first.corners[0]));
     Vector3f u;
-    loop.body.displacement.evaluate_part(std::array{static_cast<double>(s), 1.0}, 3 * k,
-                                         std::span<float>(u.data(), 3));
+    loop.body.displacement.evaluate_part(std::array{static_cast<double>(s), 1.0},
+                                         3 * first.corners[0], std::span<float>(u.data(), 3));
     CHECK((paths[s].positions.col(10) - paths[s].positions.col(0) - u).norm() < 1e-8f);
   }
 }
 
+TEST_CASE("the level that moves a site's vertex so far moves it so far", "[contact]") {
+  const Loop loop;
+  const auto paths = press_paths(loop.body, loop.law.skin(), 0.5);
+  for (double level = 0; level <= 1.0; level += 0.037) {
+    CHECK(level_that_moves(paths[1], loop.body.levels(), loop.sphere.depth(level)) ==
+          Approx(level).margin(tolerance(0.004, "linear within a tenth of a parabola")));
+  }
+  CHECK(level_that_moves(paths[1], loop.body.levels(), -1) == 0);
+  CHECK(level_that_moves(paths[1], loop.body.levels(), 1) == 1);
+}
+
 TEST_CASE("settings out of range are refused", "[contact][errors]") {
   const ReducedBody body = test::DentedSphere{}.body();
-  CHECK_THROWS_AS(PressLaw(body, {.noise_quadratic = -1}), ContractViolation);
+  CHECK_THROWS_AS(PressLaw(body, {.spacing = 0}), ContractViolation);
+  CHECK_THROWS_AS(PressLaw(body, {.tolerance = -1}), ContractViolation);
   CHECK_THROWS_AS(PressLaw(body, {.hysteresis = 1.5}), ContractViolation);
   CHECK_THROWS_AS(PressLaw(body, {.least_share = 0}), ContractViolation);
   CHECK_THROWS_AS(PressLaw(body, {.least_follow = 0}), ContractViolation);

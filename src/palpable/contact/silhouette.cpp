@@ -12,6 +12,8 @@ namespace {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
+constexpr float kLeast = 0.01f;  // px: 0 would say that there is no thing
+
 bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
 
 // The outline runs before the middle of the first pixel beyond it: half a pixel, where it runs
@@ -24,9 +26,9 @@ float length_of(ToOutline d) {
 
 }  // namespace
 
-float Silhouette::jump(float z) const {
-  return std::max(static_cast<float>(settings_.least_jump),
-                  static_cast<float>(settings_.largest_jump_at_1m) * z * z);
+float depth_jump(const SilhouetteSettings& settings, float z) {
+  return std::max(static_cast<float>(settings.least_jump),
+                  static_cast<float>(settings.largest_jump_at_1m) * z * z);
 }
 
 bool Silhouette::joined(float z, float other) const {
@@ -45,7 +47,7 @@ bool Silhouette::ends_towards(int x, int y, int dx, int dy) const {
     if (other < z - jump(other)) return false;  // something nearer hides the rest
     if (other > z + jump(z)) return true;
     // As near: the thing goes on, unless that is the desk on which a hand lies.
-    return !presses_->empty() && (*presses_)(u, v) == 0;
+    return !shows_->empty() && (*shows_)(u, v) == kShowsRoom;
   }
   return true;  // a wide hole: nothing was measured beside the thing
 }
@@ -60,39 +62,61 @@ void Silhouette::take_over(int x, int y, int dx, int dy) {
   const ToOutline there = nearest_[at(u, v)];
   const ToOutline offer{static_cast<std::int16_t>(there.dx + dx),
                         static_cast<std::int16_t>(there.dy + dy)};
-  const float length = length_of(offer);
+  const float beyond = beyond_[at(u, v)];
+  const float length = length_of(offer) + beyond;
   if (length < distance_[at(x, y)]) {
     distance_[at(x, y)] = length;
     nearest_[at(x, y)] = offer;
+    beyond_[at(x, y)] = beyond;
   }
 }
 
-void Silhouette::find(const DepthImage& depth, const MaskImage& presses, const PixelBox& box) {
+// The outlines that pass right beside a pixel of a thing.
+void Silhouette::begin_at(int x, int y) {
+  float& distance = distance_[at(x, y)];
+  distance = kInfinite;
+  const float z = (*depth_)(x, y), least = static_cast<float>(settings_.least_jump);
+  for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+    const int u = x + dx, v = y + dy;
+    const bool inside = u >= 0 && v >= 0 && u < depth_->width() && v < depth_->height();
+    // Most pixels lie amid a thing.
+    if (inside && std::abs((*depth_)(u, v) - z) < least &&
+        (shows_->empty() || (*shows_)(u, v) == kShowsPresser)) {
+      continue;
+    }
+    if (!ends_towards(x, y, dx, dy)) continue;
+    const float beyond =
+        presence_ == nullptr || !inside ? 0 : (*presence_)(u, v) + (*presence_)(x, y) - 1;
+    if (0.5f + beyond >= distance) continue;
+    distance = std::max(0.5f + beyond, kLeast);
+    nearest_[at(x, y)] = {static_cast<std::int16_t>(dx), static_cast<std::int16_t>(dy)};
+    beyond_[at(x, y)] = beyond;
+  }
+}
+
+void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
+                      const Image<float>* presence) {
   PALPABLE_EXPECT(box.x >= 0 && box.y >= 0 && box.x + box.width <= depth.width() &&
                       box.y + box.height <= depth.height(),
                   "the box lies inside the image");
   PALPABLE_EXPECT(
-      presses.empty() || (presses.width() == depth.width() && presses.height() == depth.height()),
+      shows.empty() || (shows.width() == depth.width() && shows.height() == depth.height()),
       "the mask is of the depth's size");
   box_ = box;
   depth_ = &depth;
-  presses_ = &presses;
+  shows_ = &shows;
+  presence_ = presence;
   const std::size_t count =
       static_cast<std::size_t>(box.width) * static_cast<std::size_t>(box.height);
   distance_.assign(count, 0.0f);
   nearest_.resize(count);
+  beyond_.resize(count);
   const int right = box.x + box.width, bottom = box.y + box.height;
 
   for (int y = box.y; y < bottom; ++y) {
     for (int x = box.x; x < right; ++x) {
-      if (!is_depth(depth(x, y)) || (!presses.empty() && presses(x, y) == 0)) continue;
-      distance_[at(x, y)] = kInfinite;
-      for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
-        if (!ends_towards(x, y, dx, dy)) continue;
-        distance_[at(x, y)] = 0.5f;
-        nearest_[at(x, y)] = {static_cast<std::int16_t>(dx), static_cast<std::int16_t>(dy)};
-        break;
-      }
+      if (!is_depth(depth(x, y)) || (!shows.empty() && shows(x, y) != kShowsPresser)) { continue; }
+      begin_at(x, y);
     }
   }
   const auto sweep = [&](int y, int dy) {
@@ -108,7 +132,8 @@ void Silhouette::find(const DepthImage& depth, const MaskImage& presses, const P
   for (int y = box.y; y < bottom; ++y) sweep(y, -1);
   for (int y = bottom - 1; y >= box.y; --y) sweep(y, 1);
   depth_ = nullptr;
-  presses_ = nullptr;
+  shows_ = nullptr;
+  presence_ = nullptr;
 }
 
 }  // namespace palpable

@@ -8,19 +8,12 @@
 #pragma once
 
 #include "palpable/geometry/image.h"
+#include "palpable/geometry/pixel_box.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace palpable {
-
-/// Part of an image: columns x .. x + width - 1, rows y .. y + height - 1.
-struct PixelBox {
-  int x = 0;
-  int y = 0;
-  int width = 0;
-  int height = 0;
-};
 
 struct SilhouetteSettings {
   /// m at 1 m; grows as Z^2 (disparity has constant error). Neighbours whose depths differ by more
@@ -31,6 +24,9 @@ struct SilhouetteSettings {
   /// Pixels without depth are looked across, at most so many, to know what lies behind an edge.
   int longest_hole = 12;
 };
+
+/// m: what the depths of two neighbouring pixels of one surface differ by at most, at depth z.
+[[nodiscard]] float depth_jump(const SilhouetteSettings& settings, float z);
 
 /// From a pixel to the nearest pixel beyond the outline.
 struct ToOutline {
@@ -43,10 +39,13 @@ class Silhouette {
  public:
   explicit Silhouette(const SilhouetteSettings& settings = {}) : settings_(settings) {}
 
-  /// @param depth    Z in m, NaN where unknown
-  /// @param presses  255 where a pixel may belong to a thing that presses; empty: all of them
-  /// @param box      inside the image; a thing that leaves the box goes on beyond it
-  void find(const DepthImage& depth, const MaskImage& presses, const PixelBox& box);
+  /// @param depth     Z in m, NaN where unknown
+  /// @param shows     as ObjectSurface::build (object_surface.h)
+  /// @param box       inside the image; a thing that leaves the box goes on beyond it
+  /// @param presence  of the image's size, or null: the share of the last frames in which a thing
+  ///                  was there. Where it lies between 0 and 1 the outline runs through the pixel
+  void find(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
+            const Image<float>* presence = nullptr);
 
   /// px, > 0, of pixel (x, y) of the image, from its middle to the outline: two sweeps over the box
   /// that hand on the nearest outline (Danielsson 1980), at most 0.3 px too far. Infinite where
@@ -57,7 +56,7 @@ class Silhouette {
   /// Whether two neighbouring depths belong to one surface.
   [[nodiscard]] bool joined(float z, float other) const;
   /// m: what they may differ by.
-  [[nodiscard]] float jump(float z) const;
+  [[nodiscard]] float jump(float z) const { return depth_jump(settings_, z); }
   [[nodiscard]] const PixelBox& box() const { return box_; }
 
  private:
@@ -67,13 +66,16 @@ class Silhouette {
   }
   [[nodiscard]] bool ends_towards(int x, int y, int dx, int dy) const;
   void take_over(int x, int y, int dx, int dy);
+  void begin_at(int x, int y);
 
   SilhouetteSettings settings_;
   PixelBox box_;
-  const DepthImage* depth_ = nullptr;  // while find() runs, as presses_
-  const MaskImage* presses_ = nullptr;
+  const DepthImage* depth_ = nullptr;  // while find() runs, as shows_
+  const MaskImage* shows_ = nullptr;
+  const Image<float>* presence_ = nullptr;
   std::vector<float> distance_;     // by pixel of the box
   std::vector<ToOutline> nearest_;  // by pixel of the box
+  std::vector<float> beyond_;       // px by which that outline lies farther out than between pixels
 };
 
 }  // namespace palpable

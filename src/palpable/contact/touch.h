@@ -16,6 +16,7 @@ struct Touch {
   double press_depth = 0;  ///< m, how far the site's patch is moved along its load
   Eigen::Vector3d point_in_body = Eigen::Vector3d::Zero();  ///< m, measured: where the surface is
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();      ///< unit, of the force; body frame
+  double unseen_for = 0;  ///< s since what presses was measured (held_balls.h); 0: it is now
 };
 
 }  // namespace palpable

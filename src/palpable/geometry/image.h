@@ -72,4 +72,10 @@ using GrayImage = Image<std::uint8_t>;
 using MaskImage = Image<std::uint8_t>;  ///< 0 or 255
 using DepthImage = Image<float>;        ///< Z in m; NaN where the depth is unknown
 
+/// What the pixels of a frame show, as far as pressing goes (map/pressing_mask.h finds it). An
+/// image of these is a mask of what presses.
+inline constexpr std::uint8_t kShowsRoom = 0;       ///< the room: what lies before it is free
+inline constexpr std::uint8_t kShowsUnknown = 128;  ///< nobody knows what, or how far away
+inline constexpr std::uint8_t kShowsPresser = 255;  ///< a thing that presses, measured
+
 }  // namespace palpable

@@ -22,8 +22,9 @@ LiveRun run_of(const std::vector<Act>& acts) {
   Rigid3 pose = Rigid3::Identity();
   pose.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   pose.translation() = Eigen::Vector3d(0, 0.05, 0.4);
-  FrameLoop loop =
-      std::move(FrameLoop::make(test::DentedSphere{}.body(), pose, camera->format()).value());
+  FrameLoop loop = std::move(FrameLoop::make(test::DentedSphere{}.body(), pose, camera->format(),
+                                             {.press_static = true, .map = false})
+                                 .value());
   return {std::move(camera), std::move(loop), "a camera"};
 }
 

@@ -50,11 +50,7 @@ LiveRun open_live(ReducedBody body, const LiveSettings& settings) {
   const Rigid3 world_from_body = anchored ? *anchored : place_of(settings, scene);
 
   SessionSettings session = settings.session;
-  const int static_frames = scene.ignore_static_frames.value_or(0);
-  if (static_frames > 0) {
-    session.ignore_static = true;
-    session.static_frames = static_frames;
-  }
+  session.press_static |= scene.press_static;
   Result<FrameLoop> loop =
       FrameLoop::make(std::move(body), world_from_body, source->format(), session);
   if (!loop.ok()) throw Error(fmt::format("{}: {}", images.string(), loop.problem().message));

@@ -37,7 +37,7 @@ struct LiveSettings {
   Anchor anchor = Anchor::kPlace;
   std::optional<Rigid3> place;  ///< of kPlace: world_from_body
   BoardPattern board;           ///< of kBoard
-  /// ignore_static and static_frames are set if scene.toml asks for it.
+  /// press_static is set if scene.toml asks for it.
   SessionSettings session{.track = true, .map = true};
 };
 

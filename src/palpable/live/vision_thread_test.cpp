@@ -51,7 +51,9 @@ FrameLoop loop_for(const FrameSource& source) {
   Rigid3 pose = Rigid3::Identity();
   pose.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   pose.translation() = Eigen::Vector3d(0, 0.05, 0.4);
-  return std::move(FrameLoop::make(test::DentedSphere{}.body(), pose, source.format()).value());
+  return std::move(FrameLoop::make(test::DentedSphere{}.body(), pose, source.format(),
+                                   {.press_static = true, .map = false})
+                       .value());
 }
 
 TEST_CASE("seeing the next frame on another thread changes no result", "[live][threads]") {

@@ -9,9 +9,7 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const LiveO
   const Session& session = run.loop.session;
   LiveSummary result;
   result.source = run.images.string();
-  if (session.settings().ignore_static) {
-    result.ignore_static_frames = session.settings().static_frames;
-  }
+  result.press_static = session.settings().press_static;
   result.camera_from_body = session.world_from_body();  // the first frame's camera is the world
   if (const auto& color = run.source->format().color_sensor) {
     result.color_from_depth = color->color_from_depth;

@@ -1,11 +1,9 @@
 /// @file
 /// Does a point belong to the room in which the body was anchored, or has it come since? This is
-/// the one object that answers that question (was_there()). docs/map.md compares it with the four
-/// that answer questions near it: FreeSpace, MovingMask's StaticPicture and SceneCanvas, and
-/// StaticBackground. Today only tests ask it; contact asks StaticBackground (a camera that stands)
-/// and the moving mask instead, and the issue "What presses" lets it ask here. Session brings it up
-/// to date after every fused depth image all the same, which costs 0.2 to 0.9 ms each
-/// (docs/map.md).
+/// the one object that answers that question (was_there()). docs/map.md compares it with the three
+/// that answer questions near it: FreeSpace, MovingMask's StaticPicture and SceneCanvas. Contact
+/// asks it through PressingMask. Session brings it up to date after every fused depth image, which
+/// costs 0.2 to 0.9 ms each (docs/map.md).
 ///
 /// World frame, m.
 ///

@@ -44,6 +44,13 @@ struct MovingMaskSettings {
   bool look = true;  ///< false: depth alone decides, to see what comparing looks is worth
 };
 
+/// With what a frame's look was compared.
+enum class LookedAt {
+  kNothing,    ///< a camera that walks
+  kDrawnView,  ///< one that sways: a view drawn from the canvas, which may be off by a pixel
+  kPicture     ///< one that stands
+};
+
 /// Finds the mask of each frame. Owns the free space, and the pictures of the scene for a camera
 /// that stands (static_picture.h) or sways (scene_canvas.h). Allocates in its constructor and at
 /// the first frame only.
@@ -76,6 +83,14 @@ class MovingMask {
   /// Learns from the frame of the last find(): through which cells it looked, and how the scene
   /// looks. Do not call it for a frame whose pose is not known.
   void learn(const Rigid3& world_from_camera);
+
+  /// With what the look of the last frame was compared. If with anything, the scene is seen
+  /// wherever nothing moves, also without a depth.
+  [[nodiscard]] LookedAt looked_at() const {
+    return compared_ == nullptr     ? LookedAt::kNothing
+           : compared_ == &picture_ ? LookedAt::kPicture
+                                    : LookedAt::kDrawnView;
+  }
 
   [[nodiscard]] const FreeSpace& space() const { return space_; }
   [[nodiscard]] const MovingMaskSettings& settings() const { return settings_; }

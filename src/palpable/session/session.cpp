@@ -1,8 +1,7 @@
 #include "palpable/session/session.h"
 
 #include "palpable/base/contract.h"
-#include "palpable/depth/depth_edges.h"
-#include "palpable/depth/static_background.h"
+#include "palpable/geometry/pixel_box.h"
 #include "palpable/reduced/pressed_surface.h"
 #include "palpable/slam/slam.h"
 
@@ -20,77 +19,48 @@
 namespace palpable {
 namespace {
 
-// Depths of neighbours that differ by more than this share belong to different things. A desk seen
-// at 80 degrees changes by 1.6 % per pixel (depth_edges.h).
-constexpr double kJumpShare = 0.06;
+// The windows of our matcher reach over the outlines of near things, by two pixels of the picture,
+// which are one of the depth. With 0, 0.5, 0.8 and 1.1 px the unseen side of a finger was off by
+// 1.9, 1.1, 0.6 and 0.46 mm (`palpable bench surface --only press --seed 1`, median).
+constexpr double kCensusFattening = 1.1;
 
-// The thickness behind a seen surface is at least so many sigma of its depth.
-constexpr double kThicknessInSigmas = 3;
-constexpr double kPointsPerThickness = 4;
-
-// Left of a hand there is a strip that the left eye alone sees. A stereo matcher gives part of it
-// the hand's depth, wrongly: points there would press. So points that near to a left outline are
-// dropped; this is the width in px at half resolution. Too narrow: thin air presses. Too wide:
-// nothing is left of a finger (with 12 px of a finger's 13 gone, two of three touches of the demo
-// were not felt).
-//
-// OpenCV's matcher: of 100 wrong pixels 96 lay within 5 px, with holes beside them.
-// Ours leaves most of the strip unknown. On two demo clips (medians):
-//
-//     margin   penetration left   of 100 touches felt were true
-//     3 px     1.3 and 0.8 mm     93 and 100
-//     4 px     1.7 and 0.9 mm     95 and 100; two touching frames fewer
-constexpr int kCensusLeftMargin = 3;
-constexpr int kOpenCvLeftMargin = 12;
+// px around the part of the image in which things may press: a thing is known some frames before it
+// arrives, and its outlines need what lies beside.
+constexpr int kBeside = 48;
 
 Eigen::AlignedBox3d box_of(const SurfaceMesh& surface) {
   return {surface.vertices.rowwise().minCoeff(), surface.vertices.rowwise().maxCoeff()};
 }
 
-PressSettings with_noise(PressSettings press, const DepthNoise& noise, double share) {
-  press.noise_constant = share * noise.constant;
-  press.noise_linear = share * noise.linear;
-  press.noise_quadratic = share * noise.quadratic;
-  return press;
-}
-
-// Fits the seen surface to the distance at which the body stands. Far away the depth is uncertain
-// by half a finger: in an object as thick as a finger nothing would be deep enough inside to count,
-// so the thickness grows. And pixels lie farther apart: with the same step too few points would say
-// that a vertex is inside.
-SeenSurfaceSettings fitted(SeenSurfaceSettings surface, const DepthCamera& camera,
-                           const FrameFormat& format, DepthSettings::Matcher matcher,
-                           const Rigid3& world_from_body) {
-  if (format.kind == FrameFormat::Kind::kStereo) {
-    surface.left_margin = std::max(surface.left_margin, matcher == DepthSettings::Matcher::kCensus
-                                                            ? kCensusLeftMargin
-                                                            : kOpenCvLeftMargin);
+// What the camera knows of its depths.
+ObjectSurfaceSettings fitted(ObjectSurfaceSettings surface, const DepthCamera& camera,
+                             const FrameFormat& format, DepthSettings::Matcher matcher) {
+  const DepthNoise& noise = camera.noise();
+  surface.noise_constant = noise.constant;
+  surface.noise_linear = noise.linear;
+  surface.noise_quadratic = noise.quadratic;
+  if (format.kind == FrameFormat::Kind::kStereo && matcher == DepthSettings::Matcher::kCensus) {
+    surface.balls.fattening = kCensusFattening;
   }
-  const double Z = std::max(world_from_body.translation().z(), 0.0);  // from the first camera
-  surface.thickness = std::max(surface.thickness, kThicknessInSigmas * camera.noise().sigma(Z));
-  const double spacing = Z / camera.depth_camera().fx_px;  // of neighbouring pixels
-  const double step = std::floor(surface.thickness / (kPointsPerThickness * spacing));
-  surface.step = static_cast<int>(std::clamp(step, 1.0, static_cast<double>(surface.step)));
   return surface;
 }
 
 std::optional<Problem> wrong_setting(const SessionSettings& s) {
-  if (s.ignore_static && (s.static_frames < 1 || s.static_frames > 255)) {
+  if (!s.map && !s.press_static) {
     return Problem{
-        fmt::format("{} frames to learn what is static: 1 to 255 are possible", s.static_frames)};
+        "without a map nobody knows what was there when the body was anchored: all of it "
+        "has to press (press_static)"};
   }
-  if (!(s.surface.thickness > 0) || !(s.surface.band > 0) || s.surface.step < 1 ||
-      s.surface.normal_reach < 1) {
-    return Problem{
-        fmt::format("thickness {} m, band {} m, step {} px and reach {} px must all be above 0",
-                    s.surface.thickness, s.surface.band, s.surface.step, s.surface.normal_reach)};
+  if (!(s.surface.balls.most_radius > 0) || !(s.surface.band > 0) || s.surface.step < 1 ||
+      s.surface.balls.reach < 1) {
+    return Problem{fmt::format(
+        "radius {} m, band {} m, step {} px and reach {} px must all be "
+        "above 0",
+        s.surface.balls.most_radius, s.surface.band, s.surface.step, s.surface.balls.reach)};
   }
   if (!(s.paper.press_distance > 0) || !(s.paper.press_distance < s.paper.release_distance)) {
     return Problem{fmt::format("delta_Incr {} m must be above 0 and below delta_Decr {} m",
                                s.paper.press_distance, s.paper.release_distance)};
-  }
-  if (!(s.noise_share >= 0)) {
-    return Problem{fmt::format("a noise share of {} is negative", s.noise_share)};
   }
   return std::nullopt;
 }
@@ -103,35 +73,33 @@ struct Session::Parts {
       : body(std::move(b)),
         world_from_body(pose),
         settings(s),
-        noise(camera.noise()),
         slam(camera, {.track = s.track, .map = s.map}),
         rest(body.surface.vertices.cast<float>()),
         region(box_of(body.surface)),
-        surface(fitted(settings.surface, camera, format, settings.depth.matcher, pose)),
-        law(body, with_noise(settings.press, noise, settings.noise_share)) {
+        pressing(camera.noise(), settings.pressing),
+        surface(fitted(settings.surface, camera, format, settings.depth.matcher)),
+        law(body, settings.press) {
     forget_room();
   }
 
   void forget_room();
   void follow_camera(Scene& scene);
-  bool find_contact_depth(const SeenFrame& seen, const TrackedPose& tracked);
+  void find_what_presses(const Scene& scene);
   std::optional<Touch> touch_of_frame(double time);
   void reconstruct(Scene& scene);
 
   ReducedBody body;
   Rigid3 world_from_body;
   SessionSettings settings;
-  DepthNoise noise;
   Slam slam;
   Eigen::Matrix3Xf rest;  // (3 x V) m
   Eigen::AlignedBox3d region;
 
   std::optional<AnchoredScene> anchored;
-  std::optional<StaticBackground> background;
-  Rigid3 learnt_from_world = Rigid3::Identity();  // the camera when the background was learnt
-  DepthImage contact_depth;  // what may press; the scene's depth keeps everything, for drawing
-  MaskImage scratch;
-  SeenSurface surface;
+  LookedAt looked_at = LookedAt::kNothing;  // with what the mask of this frame was compared
+  PressingMask pressing;
+  const MaskImage* shows = nullptr;  // of the pressing mask
+  ObjectSurface surface;
   PressLaw law;
   PressState press;
   PaperState paper;
@@ -142,15 +110,13 @@ struct Session::Parts {
 // stands.
 void Session::Parts::forget_room() {
   if (settings.map) anchored.emplace(*slam.map());
-  if (settings.ignore_static) {
-    background.emplace(noise, StaticBackgroundSettings{.frames = settings.static_frames});
-  }
 }
 
 // Finds out where the camera is, and with it the body, and what moves.
 void Session::Parts::follow_camera(Scene& scene) {
   const SlamFrame& found = slam.advance(scene.seen, scene.times);
   scene.camera = found.camera;
+  looked_at = found.looked_at;
   if (found.moving != nullptr) {
     scene.moving = *found.moving;
   } else {
@@ -171,30 +137,21 @@ void Session::Parts::follow_camera(Scene& scene) {
                                : scene.camera.world_from_camera.inverse() * world_from_body;
 }
 
-// What may press in this frame; false while the background is being learnt.
-bool Session::Parts::find_contact_depth(const SeenFrame& seen, const TrackedPose& tracked) {
-  contact_depth.resize(seen.depth.width(), seen.depth.height());
-  if (tracked.state == TrackState::kLost) {  // where the hand is in the world is not known
-    std::fill(contact_depth.begin(), contact_depth.end(), std::numeric_limits<float>::quiet_NaN());
-    return !background || background->ready();
+// What each pixel near the body shows. A camera that is lost knows nothing of it: where the hand is
+// in the world is not known.
+void Session::Parts::find_what_presses(const Scene& scene) {
+  const SeenFrame& seen = scene.seen;
+  const PixelBox box =
+      grown(surface.box_of_interest(region, scene.camera_from_body, seen.depth_camera), kBeside,
+            seen.depth_camera);
+  const bool lost = scene.camera.state == TrackState::kLost;
+  if (settings.press_static && !lost) {
+    shows = &pressing.find_all(seen, box);
+    return;
   }
-  const Rigid3 camera_from_world = tracked.world_from_camera.inverse();
-  std::copy(seen.depth.begin(), seen.depth.end(), contact_depth.begin());
-  if (background && !background->ready()) {
-    background->learn(contact_depth);
-    learnt_from_world = camera_from_world;
-    std::fill(contact_depth.begin(), contact_depth.end(), std::numeric_limits<float>::quiet_NaN());
-    return false;
-  }
-  forget_jumps(contact_depth, kJumpShare, scratch);
-  if (!background) return true;
-  const Rigid3 now_from_learnt = camera_from_world * learnt_from_world.inverse();
-  if (now_from_learnt.matrix().isIdentity(1e-12)) {
-    background->remove_static(contact_depth);
-  } else {
-    background->remove_static(contact_depth, seen.depth_camera, now_from_learnt);
-  }
-  return true;
+  const MaskImage* moving = lost || scene.moving.empty() ? nullptr : &scene.moving;
+  shows = &pressing.find(seen, scene.camera.world_from_camera, moving, looked_at, *anchored,
+                         *slam.space(), box);
 }
 
 std::optional<Touch> Session::Parts::touch_of_frame(double time) {
@@ -204,7 +161,7 @@ std::optional<Touch> Session::Parts::touch_of_frame(double time) {
   }
   deformed_nodes(paper, body, nodes);
   const int last = static_cast<int>(body.levels().size()) - 1;
-  paper = advance_as_printed(paper, nearest_node(nodes, surface.points()), last, settings.paper);
+  paper = advance_as_printed(paper, nearest_node(nodes, surface.cloud()), last, settings.paper);
   return touch_of(paper, body);
 }
 
@@ -245,21 +202,25 @@ void Session::respond(Scene& scene) {
   scene.touches.reserve(1);
 
   p.follow_camera(scene);
-  bool may_press = false;
   {
-    const StageTimer timer(scene.times, "background");
-    may_press = p.find_contact_depth(seen, scene.camera);
+    const StageTimer timer(scene.times, "presses");
+    p.find_what_presses(scene);
   }
-  if (may_press) {
+  {
     const StageTimer timer(scene.times, "contact");
-    p.surface.build(p.contact_depth, seen.depth_camera, scene.camera_from_body.inverse(), p.region);
+    p.surface.build(seen.depth, *p.shows, seen.depth_camera, scene.camera_from_body.inverse(),
+                    p.region, seen.time);
     if (const auto touch = p.touch_of_frame(seen.time)) scene.touches.push_back(*touch);
   }
   const StageTimer timer(scene.times, "evaluate");
   p.reconstruct(scene);
 }
 
-const DepthImage& Session::pressing_depth() const { return parts_->contact_depth; }
+const MaskImage& Session::shows() const {
+  PALPABLE_EXPECT(parts_->shows != nullptr, "a frame was answered");
+  return *parts_->shows;
+}
+const ObjectSurface& Session::surface() const { return parts_->surface; }
 const SurfaceMap* Session::map() const { return parts_->slam.map(); }
 const FreeSpace* Session::free_space() const { return parts_->slam.space(); }
 const AnchoredScene* Session::anchored_scene() const {

@@ -2,7 +2,7 @@
 /// The answering half of a live run: what was seen of a frame in, touches and the deformed body out
 /// (paper Sec. 4).
 ///
-///     colour + depth -> camera's pose -> what was not there before -> seen surface -> touches
+///     colour + depth -> camera's pose -> what presses -> the object's surface -> touches
 ///                    -> u, sigma
 ///
 /// Frames become colour + depth in the other half, DepthCamera (depth_camera.h). frame_loop.h runs
@@ -16,15 +16,16 @@
 #pragma once
 
 #include "palpable/base/error.h"
+#include "palpable/contact/object_surface.h"
 #include "palpable/contact/paper_contact.h"
 #include "palpable/contact/press_law.h"
-#include "palpable/contact/seen_surface.h"
 #include "palpable/depth/depth_camera.h"
 #include "palpable/geometry/frame.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/map/anchored_scene.h"
 #include "palpable/map/free_space.h"
+#include "palpable/map/pressing_mask.h"
 #include "palpable/map/surface_map.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/session/scene.h"
@@ -42,25 +43,21 @@ enum class ContactKind {
 
 struct SessionSettings {
   ContactKind contact = ContactKind::kPress;
-  /// Nothing that the first static_frames frames show presses; nothing at all presses while they
-  /// are learnt. The camera has to stand still while they are.
-  bool ignore_static = false;
+  /// What was there when the body was anchored presses it, too: its desk, a wall. Else only what
+  /// has come since presses (pressing_mask.h), and knowing that takes `map`.
+  bool press_static = false;
   /// Follow the camera (tracker.h); false: it stands where it stood in the first frame.
   bool track = false;
   /// Find what moves (moving_mask.h), leave it out of the tracking, and fuse the rest into a map
   /// (surface_map.h) ten times a second; in which order: slam.h.
-  bool map = false;
-  int static_frames = 15;
+  bool map = true;
   /// With which the depth camera is made whose frames are answered.
   DepthSettings depth{};
-  /// Two of them are fitted to the depth at which the body stands: the thickness is raised to some
-  /// sigma of it, the step lowered until enough points lie in a thickness. For stereo the left
-  /// margin is at least what the matcher needs. session.cpp has the figures.
-  SeenSurfaceSettings surface{};
-  /// Its noise is replaced by what the camera says of its depths, times the share below.
+  /// Its noise is replaced by what the camera says of its depths. For stereo the fattening is what
+  /// the matcher's windows add; session.cpp has the figures.
+  ObjectSurfaceSettings surface{};
+  PressingMaskSettings pressing{};
   PressSettings press{};
-  /// A touch is seen by many pixels, whose mean scatters less than each of them.
-  double noise_share = 0.5;
   PaperSettings paper{};
 };
 
@@ -80,9 +77,11 @@ class Session {
   /// of this half to scene.times. Call it in the order of the frames.
   void respond(Scene& scene);
 
-  /// What may press, of the frame answered last: its depth without what is static and without the
-  /// pixels at jumps; NaN elsewhere, and everywhere while the background is being learnt.
-  [[nodiscard]] const DepthImage& pressing_depth() const;
+  /// What each pixel of the frame answered last shows, near the body: kShowsPresser where something
+  /// may press it (geometry/image.h).
+  [[nodiscard]] const MaskImage& shows() const;
+  /// The things that may press, of the frame answered last.
+  [[nodiscard]] const ObjectSurface& surface() const;
 
   /// The room as it has been seen so far; null without SessionSettings::map.
   [[nodiscard]] const SurfaceMap* map() const;

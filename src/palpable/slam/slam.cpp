@@ -107,6 +107,7 @@ void Slam::find_moving(const SeenFrame& seen, const Rigid3& world_from_camera) {
   if (!mover_) return;
   const CpuTimer timer(counts_.mask_cpu_s);
   const MaskImage& mask = mover_->find(seen, world_from_camera, map());
+  frame_.looked_at = mover_->looked_at();
   int moving = 0;
   for (const std::uint8_t m : mask) moving += m & 1;  // 255 or 0
   ++counts_.masks;

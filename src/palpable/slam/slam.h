@@ -49,7 +49,8 @@ struct SlamFrame {
   /// covers too much, and while the camera is lost or was in the frame before. Valid until the next
   /// frame.
   const MaskImage* moving = nullptr;
-  bool fused = false;  ///< its depth image was fused into the map
+  LookedAt looked_at = LookedAt::kNothing;  ///< with what the mask's frame was compared
+  bool fused = false;                       ///< its depth image was fused into the map
   /// Not empty: a loop was closed with this frame, and map and free space began anew. What others
   /// have placed in the world can be moved by these. Valid until the next frame.
   std::span<const Correction> corrections;

@@ -30,7 +30,7 @@ double stress_towards_camera(const Scene& scene, const Site& site) {
 }  // namespace
 
 FigureScores figure_scores(const Scene& scene, const ReducedBody& body, const MaskImage& visible,
-                           const DepthImage& body_depth, const DepthImage& pressing) {
+                           const DepthImage& body_depth, const MaskImage& shows) {
   FigureScores scores;
   if (!scene.touches.empty()) {
     scores.touch = stress_towards_camera(scene, body.sites[scene.touches.front().site]);
@@ -39,8 +39,9 @@ FigureScores figure_scores(const Scene& scene, const ReducedBody& body, const Ma
   std::int64_t pixels = 0;
   std::int64_t hidden = 0;
   std::int64_t before_hand = 0;
+  const DepthImage& depth = scene.seen.depth;
   for (int y = 0; y < body_depth.height(); ++y) {
-    const int py = std::min(y * pressing.height() / body_depth.height(), pressing.height() - 1);
+    const int py = std::min(y * depth.height() / body_depth.height(), depth.height() - 1);
     for (int x = 0; x < body_depth.width(); ++x) {
       const float z = body_depth(x, y);
       if (std::isnan(z)) continue;
@@ -49,9 +50,9 @@ FigureScores figure_scores(const Scene& scene, const ReducedBody& body, const Ma
         ++hidden;
         continue;
       }
-      const int px = std::min(x * pressing.width() / body_depth.width(), pressing.width() - 1);
-      const float real = pressing(px, py);
-      before_hand += real > z && real < z + kJustBehind;  // false for NaN
+      const int px = std::min(x * depth.width() / body_depth.width(), depth.width() - 1);
+      const float real = shows(px, py) == kShowsPresser ? depth(px, py) : 0;
+      before_hand += real > z && real < z + kJustBehind;
     }
   }
   if (pixels == 0) return scores;

@@ -20,10 +20,10 @@ struct FigureScores {
 /// @param body        of the session that made the scene
 /// @param visible     where the body is seen, as SceneRenderer::draw() gives it
 /// @param body_depth  the body alone, of the same size, m, NaN beside it
-/// @param pressing    what may press in this frame (Session::pressing_depth), of any size with the
-///                    same field of view
+/// @param shows       kShowsPresser where something may press (Session::shows), of the size of
+///                    the scene's depth
 [[nodiscard]] FigureScores figure_scores(const Scene& scene, const ReducedBody& body,
                                          const MaskImage& visible, const DepthImage& body_depth,
-                                         const DepthImage& pressing);
+                                         const MaskImage& shows);
 
 }  // namespace palpable

@@ -1,7 +1,7 @@
 #include "palpable/view/map_picture.h"
 
 #include "palpable/render/legend.h"
-#include "palpable/render/text.h"
+#include "palpable/view/inset.h"
 #include "palpable/view/room_overview.h"
 #include "palpable/view/scene_picture.h"
 
@@ -19,7 +19,6 @@ constexpr double kFieldOfView = 0.9;  // rad, vertical
 constexpr int kKeyframesEvery = 30;   // frames: how often their adjusted poses are asked for
 constexpr int kDrawEvery = 3;         // frames: ten pictures a second, unless it is turned or lost
 constexpr int kMovingStep = 4;        // px of the depth between two points of what moves
-constexpr int kInset = 4;             // times smaller is the picture in the corner
 
 constexpr Rgb kKeyframe{92, 110, 140};
 constexpr Rgb kCamera{245, 140, 20};
@@ -35,33 +34,6 @@ void add_keyframes(std::vector<MapLine>& lines, const std::vector<KeyframePose>&
 
 MapSurface surface_of(const MapMesh& mesh) {
   return {&mesh.vertices, &mesh.normals, &mesh.triangles, mesh.colors};
-}
-
-// A smaller picture with a border in the upper left corner.
-void draw_inset(const ColorImage& inside, ColorImage& picture) {
-  const int width = inside.width() / kInset, height = inside.height() / kInset;
-  const int margin = picture.height() / 45, border = std::max(picture.height() / 360, 1);
-  fill_panel(picture, static_cast<float>(margin - border), static_cast<float>(margin - border),
-             static_cast<float>(width + 2 * border), static_cast<float>(height + 2 * border), 0,
-             {255, 255, 255});
-  for (int y = 0; y < height && margin + y < picture.height(); ++y) {
-    Rgb* to = picture.row(margin + y) + margin;
-    for (int x = 0; x < width && margin + x < picture.width(); ++x) {
-      std::array<int, 3> sum{};
-      for (int j = 0; j < kInset; ++j) {
-        const Rgb* from = inside.row(kInset * y + j) + kInset * x;
-        for (int i = 0; i < kInset; ++i) {
-          sum[0] += from[i].r;
-          sum[1] += from[i].g;
-          sum[2] += from[i].b;
-        }
-      }
-      constexpr int n = kInset * kInset;
-      to[x] = {static_cast<std::uint8_t>((sum[0] + n / 2) / n),
-               static_cast<std::uint8_t>((sum[1] + n / 2) / n),
-               static_cast<std::uint8_t>((sum[2] + n / 2) / n)};
-    }
-  }
 }
 
 }  // namespace

@@ -118,6 +118,16 @@ TEST_CASE("a lost camera is said to be lost, a found one is not", "[view][scene_
   CHECK(warning_of(scene).find("lost") != std::string::npos);
 }
 
+TEST_CASE("that a touch is held without being seen is said on the picture",
+          "[view][scene_picture]") {
+  Scene scene;
+  scene.camera.state = TrackState::kTracking;
+  scene.touches.resize(2);
+  CHECK(warning_of(scene).empty());
+  scene.touches[1].unseen_for = 0.1;
+  CHECK(warning_of(scene).find("not seen") != std::string::npos);
+}
+
 TEST_CASE("a scan has a picture without a way, too: before a bare wall nothing is followed",
           "[view][map_picture]") {
   const Result<GlContext> context = GlContext::offscreen();

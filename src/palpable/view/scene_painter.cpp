@@ -18,21 +18,29 @@ ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop
     offscreen_.emplace(value_or_throw(GlContext::offscreen()));
   }
   renderer_.emplace(value_or_throw(SceneRenderer::make()));
-  if (settings.map) {
+  using View = ScenePainterSettings::View;
+  if (settings.view == View::kMap) {
     map_ = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
                                         loop.session.world_from_body());
+  } else if (settings.view == View::kSurface) {
+    surface_ =
+        std::make_unique<SurfacePicture>(value_or_throw(MapRenderer::make()), loop.session.body());
   }
 }
 
 void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
   const StageTimer timer(drawn.scene.times, "draw");
   SceneView view = view_of(drawn.scene, session.body(), scale_);
-  if (map_) {  // its own caption says it
+  const bool outside = map_ || surface_;
+  if (outside) {  // its own caption says it
     view.legend_title.clear();
     view.caption.clear();
     view.warning.clear();
   }
-  renderer_->draw(view, map_ ? inside_ : drawn.picture, &drawn.visible, &drawn.body_depth);
+  renderer_->draw(view, outside ? inside_ : drawn.picture, &drawn.visible, &drawn.body_depth);
+  if (surface_) {
+    surface_->draw(drawn.scene, session.body(), session.surface(), scale_, inside_, drawn.picture);
+  }
   if (!map_) return;
   const MappedRoom room{session.body(), session.map(), session.world_from_body(),
                         [&] { return session.keyframes(); }};
@@ -51,6 +59,7 @@ void ScenePainter::handle_events() {
     ended_ |= event.kind == WindowEvent::Kind::kKey &&
               (event.key == WindowEvent::kEscape || event.key == 'Q');
     if (map_) map_->handle(event);
+    if (surface_) surface_->handle(event);
   }
   ended_ |= window_->closed();
 }

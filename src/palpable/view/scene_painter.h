@@ -1,5 +1,6 @@
 /// @file
-/// A session's scenes, drawn: what its camera sees with the body in it, or the room from outside.
+/// A session's scenes, drawn: what its camera sees with the body in it, the room from outside, or
+/// what contact knows near the body.
 #pragma once
 
 #include "palpable/geometry/image.h"
@@ -9,6 +10,7 @@
 #include "palpable/session/frame_loop.h"
 #include "palpable/view/drawn_frame.h"
 #include "palpable/view/map_picture.h"
+#include "palpable/view/surface_picture.h"
 
 #include <memory>
 #include <optional>
@@ -16,8 +18,13 @@
 namespace palpable {
 
 struct ScenePainterSettings {
+  enum class View {
+    kCamera,  ///< what the camera sees
+    kMap,     ///< the room from outside (map_picture.h)
+    kSurface  ///< what contact knows near the body, from outside (surface_picture.h)
+  };
   bool window = false;  ///< also show the pictures in a window; else draw off screen
-  bool map = false;     ///< the room from outside (map_picture.h) instead of the camera's picture
+  View view = View::kCamera;
 };
 
 /// Draws the scenes of one frame loop, in their order. Main thread only.
@@ -33,7 +40,7 @@ class ScenePainter {
   /// Shows a picture in the window, and handles what the user did there; nothing without one.
   void show(const ColorImage& picture);
 
-  /// Turns the map as the mouse says, and notes whether the user wants to end.
+  /// Turns what is seen from outside as the mouse says, and notes whether the user wants to end.
   void handle_events();
 
   /// Whether the user has closed the window or pressed Escape or Q.
@@ -46,9 +53,10 @@ class ScenePainter {
   std::optional<GlContext> offscreen_;
   std::optional<Window> window_;
   std::optional<SceneRenderer> renderer_;
-  std::unique_ptr<MapPicture> map_;  // the room from outside, if it is to be shown
-  ColorImage inside_;                // what the camera sees, where the picture is the map's
-  double scale_;                     // Pa, top of the colours
+  std::unique_ptr<MapPicture> map_;          // if it is to be shown
+  std::unique_ptr<SurfacePicture> surface_;  // likewise
+  ColorImage inside_;                        // what the camera sees, where the picture is another
+  double scale_;                             // Pa, top of the colours
   bool ended_ = false;
 };
 

@@ -23,10 +23,15 @@ std::string caption_of(const Scene& scene) {
 }
 
 std::string warning_of(const Scene& scene) {
-  if (scene.camera.state != TrackState::kLost) return {};
-  if (scene.camera.newest_keyframe < 0)
-    return "Camera not placed yet: show it a place with texture";
-  return "Camera lost: show it what it has seen before";
+  if (scene.camera.state == TrackState::kLost) {
+    if (scene.camera.newest_keyframe < 0)
+      return "Camera not placed yet: show it a place with texture";
+    return "Camera lost: show it what it has seen before";
+  }
+  for (const Touch& touch : scene.touches) {
+    if (touch.unseen_for > 0) return "What presses is not seen at present: its last place is held";
+  }
+  return {};
 }
 
 SceneView view_of(const Scene& scene, const ReducedBody& body, double scale) {

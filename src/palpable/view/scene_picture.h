@@ -17,7 +17,7 @@ namespace palpable {
 
 /// One line about a scene: its time, and site, depth and force of its touch.
 [[nodiscard]] std::string caption_of(const Scene& scene);
-/// That the camera is lost, and what to do; empty while it is not.
+/// That the camera is lost, and what to do; or that what presses is not seen. Else empty.
 [[nodiscard]] std::string warning_of(const Scene& scene);
 
 /// The picture of a scene: pointers into both arguments, valid while they are.

@@ -1,0 +1,168 @@
+#include "palpable/contact/rest_filter.h"
+
+#include "palpable/base/contract.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace palpable {
+namespace {
+
+constexpr float kPresent = 0.5f;
+
+// px: whoever looks for an outline looks so far beyond the box at most.
+constexpr int kBeside = 16;
+
+// A cell of fewer pixels does as the cells around it.
+constexpr float kFewest = 12;
+
+}  // namespace
+
+PixelBox united(const PixelBox& a, const PixelBox& b) {
+  if (a.width == 0 || a.height == 0) return b;
+  if (b.width == 0 || b.height == 0) return a;
+  const int x = std::min(a.x, b.x), y = std::min(a.y, b.y);
+  return {x, y, std::max(a.x + a.width, b.x + b.width) - x,
+          std::max(a.y + a.height, b.y + b.height) - y};
+}
+
+RestFilter::RestFilter(const RestFilterSettings& settings) : settings_(settings) {
+  PALPABLE_EXPECT(settings.rests >= 0 && settings.moves > settings.rests && settings.sigmas > 0,
+                  "what moves shifts by more than what rests");
+  PALPABLE_EXPECT(settings.most_frames >= 1 && settings.cell_px >= 1,
+                  "one frame and one pixel at least");
+}
+
+void RestFilter::start(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
+                       const Rigid3& camera_from_body) {
+  const bool stands = camera_from_body.matrix() == camera_from_body_.matrix() &&
+                      presence_.width() == depth.width() && presence_.height() == depth.height();
+  if (!stands) {
+    average_.resize(depth.width(), depth.height());
+    presence_.resize(depth.width(), depth.height());
+    std::fill(presence_.begin(), presence_.end(), 0.0f);
+    cells_across_ = static_cast<std::size_t>(depth.width() / settings_.cell_px + 1);
+    cells_.assign(cells_across_ * static_cast<std::size_t>(depth.height() / settings_.cell_px + 1),
+                  {});
+    moved_.resize(cells_.size());
+    remembered_ = {};
+    camera_from_body_ = camera_from_body;
+  }
+  depth_.resize(depth.width(), depth.height());
+  shows_.resize(depth.width(), depth.height());
+  box_ = united(remembered_, box);
+  const int first = std::max(box_.y - kBeside, 0);
+  const int last = std::min(box_.y + box_.height + kBeside, depth.height());
+  for (int y = first; y < last; ++y) {
+    std::copy_n(depth.row(y), depth.width(), depth_.row(y));
+    std::copy_n(shows.row(y), shows.width(), shows_.row(y));
+  }
+}
+
+void RestFilter::sum_up(const DepthImage& depth, const MaskImage& shows) {
+  for (Cell& cell : cells_) cell = {.frames = cell.frames};
+  for (int y = box_.y; y < box_.y + box_.height; ++y) {
+    for (int x = box_.x; x < box_.x + box_.width; ++x) {
+      const bool now = shows(x, y) == kShowsPresser, was = presence_(x, y) > kPresent;
+      if (!now && !was) continue;
+      Cell& cell = cell_at(x, y);
+      // A hole in a thing is no sign that it has gone.
+      if (now != was && shows(x, y) != kShowsUnknown) cell.changed += 1;
+      if (!now) continue;
+      cell.now += 1;
+      cell.depth += depth(x, y);
+      const bool inner = x > 0 && y > 0 && x + 1 < depth.width() && y + 1 < depth.height() &&
+                         shows(x - 1, y) == kShowsPresser && shows(x + 1, y) == kShowsPresser &&
+                         shows(x, y - 1) == kShowsPresser && shows(x, y + 1) == kShowsPresser;
+      if (!inner) cell.edge += 1;
+      if (!was) continue;
+      cell.both += 1;
+      cell.apart += depth(x, y) - average_(x, y);
+    }
+  }
+}
+
+void RestFilter::find_shares(const PinholeCamera& camera) {
+  const auto rests = static_cast<float>(settings_.rests),
+             moves = static_cast<float>(settings_.moves);
+  for (std::size_t k = 0; k < cells_.size(); ++k) {
+    Cell& cell = cells_[k];
+    moved_[k] = 0;
+    if (cell.now + cell.changed < kFewest) continue;
+    const float m_per_px = cell.now > 0 ? cell.depth / cell.now / static_cast<float>(camera.fx_px)
+                                        : moves;  // all of it went
+    const float along =
+        m_per_px * cell.changed / std::max(cell.edge, static_cast<float>(settings_.cell_px));
+    const float away = cell.both > 0 ? std::abs(cell.apart / cell.both) : moves;
+    const float shift = std::max(along, cell.both > kFewest ? away : 0);
+    moved_[k] = std::clamp((shift - rests) / (moves - rests), 0.0f, 1.0f);
+    if (cell.frames == 0) moved_[k] = 1;
+  }
+  const auto across = static_cast<std::ptrdiff_t>(cells_across_);
+  const auto down = static_cast<std::ptrdiff_t>(cells_.size()) / across;
+  for (std::ptrdiff_t j = 0; j < down; ++j) {
+    for (std::ptrdiff_t i = 0; i < across; ++i) {
+      Cell& cell = cells_[static_cast<std::size_t>(j * across + i)];
+      if (cell.now + cell.changed == 0) {
+        cell.frames = 0;
+        continue;
+      }
+      float moved = 0;
+      for (std::ptrdiff_t b = std::max<std::ptrdiff_t>(j - 1, 0); b <= std::min(j + 1, down - 1);
+           ++b) {
+        for (std::ptrdiff_t a = std::max<std::ptrdiff_t>(i - 1, 0);
+             a <= std::min(i + 1, across - 1); ++a) {
+          moved = std::max(moved, moved_[static_cast<std::size_t>(b * across + a)]);
+        }
+      }
+      const float frames = std::min(cell.frames + 1, static_cast<float>(settings_.most_frames));
+      cell.share = std::max(1 / frames, moved);
+      cell.frames = 1 / cell.share;
+    }
+  }
+}
+
+void RestFilter::average(const DepthImage& depth, const MaskImage& shows, float gate_at_1m) {
+  int left = box_.x + box_.width, right = -1, top = box_.y + box_.height, bottom = -1;
+  for (int y = box_.y; y < box_.y + box_.height; ++y) {
+    for (int x = box_.x; x < box_.x + box_.width; ++x) {
+      float& presence = presence_(x, y);
+      const bool now = shows(x, y) == kShowsPresser;
+      if (!now && presence == 0) continue;
+      const float share = cell_at(x, y).share;
+      if (now) {
+        float& mean = average_(x, y);
+        const float z = depth(x, y);
+        const bool same = presence > 0 && std::abs(z - mean) < gate_at_1m * z * z;
+        mean = same ? mean + share * (z - mean) : z;
+        presence += share * (1 - presence);
+      } else {
+        // A hole in a thing that rests is no sign that it has gone.
+        if (share >= 1 || shows(x, y) != kShowsUnknown) presence -= share * presence;
+        if (presence < 1e-3f) presence = 0;
+      }
+      if (presence > 0) {
+        left = std::min(left, x), right = std::max(right, x);
+        top = std::min(top, y), bottom = y;
+      }
+      if (presence > kPresent) {
+        depth_(x, y) = average_(x, y);
+        shows_(x, y) = kShowsPresser;
+      } else if (now) {
+        shows_(x, y) = kShowsRoom;
+      }
+    }
+  }
+  remembered_ = right < 0 ? PixelBox{} : PixelBox{left, top, right - left + 1, bottom - top + 1};
+}
+
+void RestFilter::add(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
+                     const PinholeCamera& camera, const Rigid3& camera_from_body, double noise) {
+  start(depth, shows, box, camera_from_body);
+  sum_up(depth, shows);
+  find_shares(camera);
+  average(depth, shows, static_cast<float>(settings_.sigmas * noise));
+}
+
+}  // namespace palpable

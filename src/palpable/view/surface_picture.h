@@ -1,0 +1,70 @@
+/// @file
+/// What contact knows of the real world near the body, from outside (`live --view surface`): the
+/// points that the camera sees, the balls behind them, and the pressed skin.
+///
+///     points in their own colours   what is seen near the body, the room too
+///     green                         the things that press: the side that is seen
+///     orange                        their other side, which is assumed
+///     grey                          not seen at present: held for a moment (held_balls.h)
+#pragma once
+
+#include "palpable/contact/object_surface.h"
+#include "palpable/geometry/surface_mesh.h"
+#include "palpable/reduced/reduced_body.h"
+#include "palpable/render/map_renderer.h"
+#include "palpable/render/orbit_camera.h"
+#include "palpable/render/window_events.h"
+#include "palpable/session/scene.h"
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// The balls as one mesh that is drawn: a sphere each; what lies inside others is hidden by them.
+struct BallMesh {
+  Eigen::Matrix3Xf vertices;   ///< (3 x N) m, body frame
+  Eigen::Matrix3Xf normals;    ///< (3 x N) unit, outwards
+  Eigen::Matrix3Xi triangles;  ///< (3 x M)
+  std::vector<Rgb> colors;     ///< (N)
+};
+
+/// @param camera_in_body  where the camera stands: what faces it is measured
+/// @param mesh            overwritten; keeps its memory
+void mesh_balls(std::span<const ObjectBall> balls, const Eigen::Vector3f& camera_in_body,
+                BallMesh& mesh);
+
+/// The picture of a running session, frame by frame.
+class SurfacePicture {
+ public:
+  /// @param body  what it looks at
+  SurfacePicture(MapRenderer renderer, const ReducedBody& body);
+
+  /// Any button turns (of several the first one), the wheel zooms, R takes both back.
+  void handle(const WindowEvent& event);
+
+  /// @param scene    of the frame answered last
+  /// @param surface  of the same frame (Session::surface)
+  /// @param scale    Pa, top of the body's colours
+  /// @param inside   what the camera sees, with the body: it becomes a small picture in a corner
+  /// @param picture  overwritten, as large as `inside`
+  void draw(const Scene& scene, const ReducedBody& body, const ObjectSurface& surface, double scale,
+            const ColorImage& inside, ColorImage& picture);
+
+ private:
+  void add_points(const Scene& scene);
+
+  MapRenderer renderer_;
+  Eigen::AlignedBox3d near_;  // body frame: what of the seen points is drawn
+  OrbitCamera usual_, orbit_;
+  bool placed_ = false;  // the first picture looks from beside the camera
+  std::optional<int> button_;
+  double x_before_ = 0, y_before_ = 0;
+  BallMesh mesh_;
+  std::vector<MapPoint> points_;
+};
+
+}  // namespace palpable
