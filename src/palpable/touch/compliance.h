@@ -4,8 +4,8 @@
 ///
 ///     G  =  sum over modes  phi_k phi_k^T   +   N          m/N
 ///
-/// a few hundred modes for what is smooth, and what they leave, N, exactly between vertices that lie
-/// near each other: under a fingertip the field is far too sharp for modes.
+/// a few hundred modes for what is smooth, and what they leave, N, exactly between vertices that
+/// lie near each other: under a fingertip the field is far too sharp for modes.
 ///
 ///   V  vertices of the skin     R  modes, a multiple of 16     n_v  neighbours of vertex v, padded
 ///
@@ -29,7 +29,8 @@ struct ComplianceTable {
   int rank = 0;                     ///< R
   std::vector<std::int16_t> modes;  ///< (3V x R) row by row; row 3 v + c belongs to x, y, z of v
   std::vector<float> mode_scale;    ///< (3V) sqrt(m/N) per unit of `modes`
-  /// (V + 1) neighbours of v, itself among them: neighbours[first[v]] .. [first[v + 1] - 1], rising.
+  /// (V + 1) neighbours of v, itself among them: neighbours[first[v]] .. [first[v + 1] - 1],
+  /// rising.
   std::vector<int> first;
   std::vector<int> neighbours;
   /// For vertex v nine rows of n_v numbers: row 3 d + c is N between force component d at v and
@@ -62,8 +63,8 @@ class Compliance {
 
   /// u(neighbours) += N force. @param u  (3 x V) m
   void add_near(int vertex, const Eigen::Vector3f& force, Eigen::Matrix3Xf& u) const;
-  /// N between force at `vertex` and displacement of its neighbour number `k`, m/N: column d belongs
-  /// to the force's component d.
+  /// N between force at `vertex` and displacement of its neighbour number `k`, m/N: column d
+  /// belongs to the force's component d.
   [[nodiscard]] Eigen::Matrix3f near_block(int vertex, std::size_t k) const;
 
  private:

@@ -1,0 +1,97 @@
+#include "palpable/touch/region.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/touch/row_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace palpable {
+namespace {
+
+constexpr float kLargest = 32767.0f;
+
+// The lower triangle from the upper one.
+void mirror(std::span<float> matrix, std::size_t n) {
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = i + 1; j < n; ++j) matrix[j * n + i] = matrix[i * n + j];
+  }
+}
+
+float squared(std::span<const float> x) {
+  float sum = 0;
+  for (const float value : x) sum += value * value;
+  return sum;
+}
+
+}  // namespace
+
+RoundedRows rounded(
+    const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& rows) {
+  RoundedRows result;
+  result.width = (static_cast<std::size_t>(rows.cols()) + kRowStep - 1) / kRowStep * kRowStep;
+  result.values.assign(result.width * static_cast<std::size_t>(rows.rows()), 0);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const float scale = (rows.cols() > 0 ? rows.row(i).cwiseAbs().maxCoeff() : 0.0f) / kLargest;
+    result.scale.push_back(scale);
+    if (!(scale > 0)) continue;
+    std::int16_t* to = result.values.data() + static_cast<std::size_t>(i) * result.width;
+    for (Eigen::Index k = 0; k < rows.cols(); ++k) {
+      to[k] = static_cast<std::int16_t>(std::lround(rows(i, k) / scale));
+    }
+  }
+  return result;
+}
+
+RegionAnswer::RegionAnswer(int most_modes, int most_leading) {
+  const auto r = static_cast<std::size_t>(most_modes), s = static_cast<std::size_t>(most_leading);
+  q_.resize(r);
+  matrix_.resize(r * r);
+  third_.resize(distinct_coefficients(most_leading, 3));
+  third_matrix_.resize(s * s);
+}
+
+void RegionAnswer::evaluate(const RegionTable& region, std::span<const float> a) {
+  const auto r = static_cast<std::size_t>(region.mode_count());
+  const auto s = static_cast<std::size_t>(region.leading());
+  PALPABLE_EXPECT(a.size() == r && r <= q_.size() && s * s <= third_matrix_.size(),
+                  "a code of the region, and room for it");
+  size_ = r;
+  const std::span<float> H(matrix_.data(), r * r);
+  std::fill(H.begin(), H.end(), 0.0f);
+  add_cubic_matrix(region.cubic, a, -1.0f, H);  // - A(a, .)
+  mirror(H, r);
+  // q_2 = 1/2 H a
+  row_kernels().front().dots_floats(H.data(), r, a, q_.data());
+  for (std::size_t k = 0; k < r; ++k) q_[k] *= 0.5f;
+  const float second = squared({q_.data(), r});
+
+  // - 1/2 E(a, a, ., .); a third of it times a is q_3
+  const std::size_t triples = distinct_coefficients(region.leading(), 3);
+  const std::span<float> third(third_.data(), triples), T(third_matrix_.data(), s * s);
+  std::fill(third.begin(), third.end(), 0.0f);
+  std::fill(T.begin(), T.end(), 0.0f);
+  const std::span<const float> leading = a.first(s);
+  add_quartic_contraction(region.quartic, leading, 1.0f, third);
+  add_cubic_matrix(region.leading(), third, leading, -0.5f, T);
+  mirror(T, s);
+  float last = 0;
+  for (std::size_t i = 0; i < s; ++i) {
+    float sum = 0;
+    for (std::size_t k = 0; k < s; ++k) {
+      sum += T[i * s + k] * leading[k];
+      H[i * r + k] += T[i * s + k];
+    }
+    q_[i] += sum / 3.0f;
+    last += sum * sum / 9.0f;
+  }
+  const float size = std::sqrt(squared(a)) + std::sqrt(second);
+  last_share_ = size > 0 ? std::sqrt(last) / size : 0.0f;
+}
+
+void RegionAnswer::times(std::span<const float> x, std::span<float> result) const {
+  row_kernels().front().dots_floats(matrix_.data(), size_, x, result.data());
+}
+
+}  // namespace palpable
