@@ -1,6 +1,7 @@
 #include "palpable/solid/modal_forms.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/solid/element_order.h"
 #include "palpable/solid/energy_tensors.h"
 #include "palpable/solid/quadrature.h"
 #include "palpable/solid/shape_gradients.h"
@@ -35,25 +36,25 @@ struct Point {
   int tensors = 0;    // which of the law's derivatives
 };
 
-// The law's derivatives at a point, in the shapes in which they are used.
+// The law's derivatives at a point, over pairs (ab), a <= b, of entries of F.
 struct Derivatives {
-  Eigen::Matrix<float, 81, 9> third;    // row 9 c + a, column b
-  Eigen::Matrix<float, 405, 9> fourth;  // row 9 (cd) + a, column b; c < d twice
+  Eigen::Matrix<float, kPairs, 9> third;        // D3 Psi (ab, c)
+  Eigen::Matrix<float, kPairs, kPairs> fourth;  // D4 Psi (ab, cd)
 };
 
 Derivatives derivatives_of(const Material& material, const Matrix3d& F) {
   const FullEnergyTensors full = unfolded(energy_tensors(material, F));
   Derivatives d;
+  int ab = 0;
   for (int a = 0; a < 9; ++a) {
-    for (int b = 0; b < 9; ++b) {
+    for (int b = a; b < 9; ++b, ++ab) {
       for (int c = 0; c < 9; ++c) {
-        d.third(9 * c + a, b) = static_cast<float>(full.third[81 * a + 9 * b + c]);
+        d.third(ab, c) = static_cast<float>(full.third[81 * a + 9 * b + c]);
       }
-      int pair = 0;
+      int cd = 0;
       for (int c = 0; c < 9; ++c) {
-        for (int e = c; e < 9; ++e, ++pair) {
-          d.fourth(9 * pair + a, b) =
-              static_cast<float>((c == e ? 1.0 : 2.0) * full.fourth[729 * a + 81 * b + 9 * c + e]);
+        for (int e = c; e < 9; ++e, ++cd) {
+          d.fourth(ab, cd) = static_cast<float>(full.fourth[729 * a + 81 * b + 9 * c + e]);
         }
       }
     }
@@ -64,29 +65,29 @@ Derivatives derivatives_of(const Material& material, const Matrix3d& F) {
 // Row of the pair (i, j), i <= j, of modes: 00 01 11 02 12 22 ...
 Index pair_of(Index i, Index j) { return j * (j + 1) / 2 + i; }
 
-// result(row, (i, j)) = sum_ab rows(9 row + a, b) G_i(a) G_j(b) for all pairs i <= j.
-// @param G  (9 x n)
-// @param result  (rows x pairs), written into columns of `stride` numbers
-template <int kRows>
-void contract_pairs(const Eigen::Matrix<float, 9 * kRows, 9>& rows, const MatrixXf& G, Index n,
-                    float* result, Index stride) {
-  Eigen::Matrix<float, 9 * kRows, 1> with_j;
-  for (Index j = 0; j < n; ++j) {
-    with_j.noalias() = rows * G.col(j);
-    const Eigen::Map<const Eigen::Matrix<float, 9, kRows>> per_row(with_j.data());
-    for (Index i = 0; i <= j; ++i) {
-      Eigen::Map<Eigen::Matrix<float, kRows, 1>>(result + pair_of(i, j) * stride).noalias() =
-          per_row.transpose() * G.col(i);
+// products((i, j), ab) = G_i(a) G_j(b) + G_i(b) G_j(a), or the first alone where a = b, for the
+// first n modes.
+// @param G  (r x 9)
+void find_products(const MatrixXf& G, Index n, Eigen::Ref<MatrixXf> products) {
+  Index ab = 0;
+  for (int a = 0; a < 9; ++a) {
+    for (int b = a; b < 9; ++b, ++ab) {
+      for (Index j = 0; j < n; ++j) {
+        auto to = products.col(ab).segment(pair_of(0, j), j + 1);
+        to = G(j, b) * G.col(a).head(j + 1);
+        if (a != b) to += G(j, a) * G.col(b).head(j + 1);
+      }
     }
   }
 }
 
-// C += A^T B in single precision.
-void add_product(const MatrixXf& A, const MatrixXf& B, MatrixXf& C) {
+// C += A B, or A B^T, in single precision.
+void add_product(const Eigen::Ref<const MatrixXf>& A, const Eigen::Ref<const MatrixXf>& B,
+                 bool transpose, Eigen::Ref<MatrixXf> C) {
   const auto size = [](Index n) { return static_cast<int>(n); };
-  cblas_sgemm(CblasColMajor, CblasTrans, CblasNoTrans, size(A.cols()), size(B.cols()),
-              size(A.rows()), 1.0F, A.data(), size(A.rows()), B.data(), size(B.rows()), 1.0F,
-              C.data(), size(C.rows()));
+  cblas_sgemm(CblasColMajor, CblasNoTrans, transpose ? CblasTrans : CblasNoTrans, size(C.rows()),
+              size(C.cols()), size(A.cols()), 1.0F, A.data(), size(A.outerStride()), B.data(),
+              size(B.outerStride()), 1.0F, C.data(), size(C.outerStride()));
 }
 
 // Distinct cubic coefficients from a table over (pair, k).
@@ -118,7 +119,7 @@ struct ModalFormMaker::Parts {
     const std::vector<int> group_of = material_groups(model);
     const bool undeformed = rest.isZero(0);
     std::map<int, int> of_group;  // undeformed, all points of a material have the same
-    for (int e = 0; e < model.mesh.tet_count(); ++e) {
+    for (const int e : order_along_curve(centres(model.mesh))) {
       for (Point& point : points_of(e)) {
         const int group = group_of[e];
         const auto [known, is_new] =
@@ -133,6 +134,14 @@ struct ModalFormMaker::Parts {
         points.push_back(std::move(point));
       }
     }
+  }
+
+  static Matrix3Xd centres(const TetMesh& mesh) {
+    Matrix3Xd middle = Matrix3Xd::Zero(3, mesh.tet_count());
+    for (Index e = 0; e < middle.cols(); ++e) {
+      for (int k = 0; k < 4; ++k) middle.col(e) += 0.25 * mesh.nodes.col(mesh.tets(k, e));
+    }
+    return middle;
   }
 
   [[nodiscard]] std::vector<Point> points_of(int e) const {
@@ -160,37 +169,67 @@ struct ModalFormMaker::Parts {
 
 namespace {
 
-// (9 x r) gradients of all modes at a point.
-MatrixXf gradients(const Point& point, const Eigen::MatrixXf& modes) {
-  MatrixXf G = MatrixXf::Zero(9, modes.cols());
+// (r x 9) gradients of all modes at a point.
+MatrixXf gradients(const Point& point, const MatrixXf& modes) {
+  MatrixXf G = MatrixXf::Zero(modes.cols(), 9);
   for (Index a = 0; a < point.nodes.size(); ++a) {
     const auto u = modes.middleRows(3 * Index{point.nodes[a]}, 3);
-    for (int J = 0; J < 3; ++J) G.middleRows(3 * J, 3) += static_cast<float>(point.g(J, a)) * u;
+    for (int J = 0; J < 3; ++J) {
+      G.middleCols(3 * J, 3) += static_cast<float>(point.g(J, a)) * u.transpose();
+    }
   }
   return G;
 }
 
-// The points that carry the forms: those with the largest weight |G|^3, until what is left is less
-// than `neglect` of the whole.
-std::vector<Index> carrying_points(const std::vector<Point>& points, const Eigen::MatrixXf& modes,
-                                   double neglect) {
+// Points that are summed, each with the weight of those for which it stands.
+struct Sample {
+  std::vector<Index> points;
+  std::vector<double> weights;  // m^3
+};
+
+// @param points  in the order of a curve through the body
+Sample sampled(const std::vector<Point>& points, const MatrixXf& modes,
+               const FormSampling& sampling) {
   std::vector<double> carries(points.size());
   for (std::size_t p = 0; p < points.size(); ++p) {
     carries[p] =
         points[p].weight * std::pow(static_cast<double>(gradients(points[p], modes).norm()), 3);
   }
-  std::vector<Index> order(points.size());
-  std::iota(order.begin(), order.end(), Index{0});
-  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return carries[a] != carries[b] ? carries[a] > carries[b] : a < b;
   });
-  double left = std::accumulate(carries.begin(), carries.end(), 0.0);
-  const double enough = neglect * left;
-  std::size_t count = 0;
-  while (count < order.size() && left > enough) left -= carries[order[count++]];
-  order.resize(count);
-  std::sort(order.begin(), order.end());  // neighbours in memory
-  return order;
+  const double whole = std::accumulate(carries.begin(), carries.end(), 0.0);
+  enum Rank : char { kLeftOut, kSampled, kExact };
+  std::vector<Rank> rank(points.size(), kLeftOut);
+  double before = 0;
+  for (const std::size_t p : order) {
+    if (before >= (1 - sampling.neglect) * whole) break;
+    rank[p] = before < sampling.exact * whole ? kExact : kSampled;
+    before += carries[p];
+  }
+  Sample sample;
+  std::vector<std::size_t> group;
+  const auto close_group = [&] {
+    if (group.empty()) return;
+    double weight = 0;
+    for (const std::size_t p : group) weight += points[p].weight;
+    sample.points.push_back(static_cast<Index>(group[group.size() / 2]));
+    sample.weights.push_back(weight);
+    group.clear();
+  };
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    if (rank[p] == kExact) {
+      sample.points.push_back(static_cast<Index>(p));
+      sample.weights.push_back(points[p].weight);
+    } else if (rank[p] == kSampled) {
+      group.push_back(p);
+      if (group.size() >= static_cast<std::size_t>(sampling.every)) close_group();
+    }
+  }
+  close_group();
+  return sample;
 }
 
 // E from B and A, over pairs of leading modes: (i, j) by row, (k, l) by column.
@@ -221,44 +260,41 @@ ModalFormMaker::ModalFormMaker(const SolidModel& model, const Matrix3Xd& rest)
 ModalFormMaker::~ModalFormMaker() = default;
 ModalFormMaker::ModalFormMaker(ModalFormMaker&&) noexcept = default;
 
-ModalForms ModalFormMaker::make(const Eigen::MatrixXd& modes, int leading, double neglect) const {
+ModalForms ModalFormMaker::make(const Eigen::MatrixXd& modes, int leading,
+                                const FormSampling& sampling) const {
   PALPABLE_EXPECT(modes.rows() == 3 * Index{parts_->model.mesh.node_count()} && leading >= 0 &&
                       leading <= modes.cols(),
                   "modes of the body's nodes, and no more leading ones than there are");
   const Index r = modes.cols(), s = leading, pairs = r * (r + 1) / 2, few = s * (s + 1) / 2;
   const Eigen::MatrixXf U = modes.cast<float>();
-  const std::vector<Index> order = carrying_points(parts_->points, U, neglect);
+  const Sample sample = sampled(parts_->points, U, sampling);
+  const std::vector<Index>& order = sample.points;
   MatrixXf cubic = MatrixXf::Zero(pairs, r), quartic = MatrixXf::Zero(few, few);
   Eigen::MatrixXd cubic_sum = Eigen::MatrixXd::Zero(pairs, r);
   Eigen::MatrixXd quartic_sum = Eigen::MatrixXd::Zero(few, few);
-  MatrixXf left3(9 * kTogether, pairs), right3(9 * kTogether, r);
-  MatrixXf left4(kPairs * kTogether, few), right4(kPairs * kTogether, few);
+  // Of each point: products of its gradients (pairs x 45), those with the law's derivatives.
+  MatrixXf products(pairs, kPairs), with_law(pairs, 9 * kTogether), rows(9 * kTogether, r);
+  MatrixXf left(few, kPairs * kTogether), right(few, kPairs * kTogether);
   for (std::size_t first = 0; first < order.size(); first += kTogether) {
     const Index count = std::min<Index>(kTogether, static_cast<Index>(order.size() - first));
-    if (count < kTogether) {
-      for (MatrixXf* block : {&left3, &right3, &left4, &right4}) block->setZero();
-    }
+    with_law.setZero();
+    left.setZero();
     for (Index p = 0; p < count; ++p) {
       const Point& point = parts_->points[order[first + static_cast<std::size_t>(p)]];
       const Derivatives& d = parts_->derivatives[static_cast<std::size_t>(point.tensors)];
       const MatrixXf G = gradients(point, U);
-      const auto weight = static_cast<float>(point.weight);
-      contract_pairs<9>(d.third, G, r, left3.data() + 9 * p, left3.rows());
-      right3.middleRows(9 * p, 9) = weight * G;
-      contract_pairs<kPairs>(d.fourth, G, s, left4.data() + kPairs * p, left4.rows());
-      for (Index j = 0; j < s; ++j) {
-        for (Index i = 0; i <= j; ++i) {
-          float* to = right4.data() + kPairs * p + pair_of(i, j) * right4.rows();
-          for (int a = 0; a < 9; ++a) {
-            for (int b = a; b < 9; ++b) {
-              *to++ = weight * 0.5f * (G(a, i) * G(b, j) + G(b, i) * G(a, j));
-            }
-          }
-        }
-      }
+      const auto weight = static_cast<float>(sample.weights[first + static_cast<std::size_t>(p)]);
+      find_products(G, r, products);
+      add_product(products, d.third, false, with_law.middleCols(9 * p, 9));
+      rows.middleRows(9 * p, 9) = weight * G.transpose();
+      if (s == 0) continue;
+      add_product(products.topRows(few), d.fourth, false, left.middleCols(kPairs * p, kPairs));
+      right.middleCols(kPairs * p, kPairs) = weight * products.topRows(few);
     }
-    add_product(left3, right3, cubic);
-    add_product(left4, right4, quartic);
+    add_product(with_law.leftCols(9 * count), rows.topRows(9 * count), false, cubic);
+    if (s > 0) {
+      add_product(left.leftCols(kPairs * count), right.leftCols(kPairs * count), true, quartic);
+    }
     // Sums of many blocks would lose digits in single precision.
     if (first / kTogether % 16 == 15 || first + kTogether >= order.size()) {
       cubic_sum += cubic.cast<double>();

@@ -20,6 +20,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using test::tolerance;
 
+constexpr FormSampling kAll{.exact = 1, .neglect = 0};
+
 // 40 x 30 x 20 mm of rubber, held below; half of it of another law.
 SolidModel block(const std::string& law) {
   SolidModel model;
@@ -70,7 +72,7 @@ void check_forms(const SolidModel& model, const Preloaded* preloaded) {
   const LoadResponse response(model, preloaded);
   const MatrixXd U = some_modes(model, 4);
   const int s = 3;
-  const ModalForms forms = ModalFormMaker(model, response.rest()).make(U, s, 0);
+  const ModalForms forms = ModalFormMaker(model, response.rest()).make(U, s, kAll);
   REQUIRE(forms.cubic.size() == 20);
   REQUIRE(forms.quartic.size() == 15);
   const auto A = [&](int i, int j, int k) { return forms.cubic[place(4, {i, j, k})]; };
@@ -131,16 +133,48 @@ TEST_CASE("the forms of a body's energy are what its forces say, for every law",
   }
 }
 
-TEST_CASE("elements that carry next to nothing may be left out", "[solid][forms]") {
+TEST_CASE("points that carry little are sampled, and the forms change by little",
+          "[solid][forms]") {
+  SolidModel model = block("neo-hookean");
+  model.groups.clear();
+  model.mesh = box_tets({0, 0, 0}, {0.04, 0.03, 0.02}, 16, 12, 8);
+  model.fixed_nodes.clear();
+  for (int n = 0; n < model.mesh.node_count(); ++n) {
+    if (model.mesh.nodes(2, n) < 0.001) model.fixed_nodes.push_back(n);
+  }
+  // What presses on its top do: steep under them, flat elsewhere.
+  const LoadResponse response(model);
+  MatrixXd f = MatrixXd::Zero(3 * Index{model.mesh.node_count()}, 2);
+  for (int n = 0; n < model.mesh.node_count(); ++n) {
+    const Eigen::Vector3d X = model.mesh.nodes.col(n);
+    if (X.z() < 0.019 || (X.head<2>() - Eigen::Vector2d(0.02, 0.015)).norm() > 0.004) continue;
+    f(3 * Index{n} + 2, 0) = -0.05;
+    f(3 * Index{n}, 1) = 0.02;
+  }
+  const MatrixXd U = response.linear(f);
+  const ModalFormMaker maker(model, response.rest());
+  const ModalForms all = maker.make(U, 2, kAll), some = maker.make(U, 2);
+  double largest = 0;
+  for (const double a : all.cubic) largest = std::max(largest, std::abs(a));
+  for (std::size_t k = 0; k < all.cubic.size(); ++k) {
+    CHECK(some.cubic[k] ==
+          Approx(all.cubic[k]).margin(tolerance(0.02, "a tenth is sampled") * largest));
+    CHECK(some.cubic[k] != all.cubic[k]);
+  }
+  double most = 0;
+  for (const double e : all.quartic) most = std::max(most, std::abs(e));
+  for (std::size_t k = 0; k < all.quartic.size(); ++k) {
+    CHECK(some.quartic[k] ==
+          Approx(all.quartic[k]).margin(tolerance(0.02, "a tenth is sampled") * most));
+  }
+}
+
+TEST_CASE("no leading modes have no quartic form, and more than there are are refused",
+          "[solid][forms]") {
   const SolidModel model = block("neo-hookean");
   const ModalFormMaker maker(model, Matrix3Xd::Zero(3, model.mesh.node_count()));
-  // A mode that lives at one corner.
-  MatrixXd U = MatrixXd::Zero(3 * Index{model.mesh.node_count()}, 1);
-  U(3 * Index{model.mesh.node_count()} - 1, 0) = -1e-3;
-  const double all = maker.make(U, 1, 0).cubic[0];
-  CHECK(maker.make(U, 1, 1e-3).cubic[0] == Approx(all).epsilon(tolerance(2e-3, "neglected")));
-  CHECK(maker.make(U, 1, 0.9).cubic[0] != Approx(all).epsilon(0.01));
-  CHECK(maker.make(MatrixXd::Zero(U.rows(), 2), 0, 1e-3).quartic.empty());
+  const MatrixXd U = some_modes(model, 1);
+  CHECK(maker.make(MatrixXd::Zero(U.rows(), 2), 0).quartic.empty());
   CHECK_THROWS_AS(maker.make(U, 2), ContractViolation);
 }
 

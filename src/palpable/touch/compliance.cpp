@@ -16,6 +16,15 @@ constexpr std::size_t kMostNeighbours = 4096;
 
 const RowKernels& kernels() { return row_kernels().front(); }
 
+// sum += the three rows of a vertex times a force.
+void add_rows(const std::vector<std::int16_t>& rows, const std::vector<float>& scale, int vertex,
+              const Eigen::Vector3f& force, std::span<float> sum) {
+  for (std::size_t d = 0; d < 3; ++d) {
+    const std::size_t row = 3 * static_cast<std::size_t>(vertex) + d;
+    kernels().add(rows.data() + row * sum.size(), force[static_cast<int>(d)] * scale[row], sum);
+  }
+}
+
 }  // namespace
 
 std::size_t padded(std::size_t n) { return (n + kRowStep - 1) / kRowStep * kRowStep; }
@@ -24,7 +33,10 @@ std::string_view trouble_of(const ComplianceTable& t) {
   const auto size = [](const auto& list) { return static_cast<std::int64_t>(list.size()); };
   const std::int64_t V = t.vertices, R = t.rank;
   if (V < 1 || R < 0 || R % static_cast<std::int64_t>(kRowStep) != 0) return "its size";
-  if (size(t.modes) != 3 * V * R || size(t.mode_scale) != 3 * V) return "the size of its modes";
+  if (size(t.modes) != 3 * V * R || size(t.mode_scale) != 3 * V || size(t.codes) != 3 * V * R ||
+      size(t.code_scale) != 3 * V) {
+    return "the size of its modes";
+  }
   if (size(t.first) != V + 1 || size(t.near_scale) != V || t.first.front() != 0 ||
       t.first.back() != size(t.neighbours)) {
     return "its lists of neighbours";
@@ -54,12 +66,11 @@ Compliance::Compliance(ComplianceTable table) : table_(std::move(table)) {
 }
 
 void Compliance::add_code(int vertex, const Eigen::Vector3f& force, std::span<float> code) const {
-  const auto R = static_cast<std::size_t>(table_.rank);
-  for (std::size_t d = 0; d < 3; ++d) {
-    const std::size_t row = 3 * static_cast<std::size_t>(vertex) + d;
-    kernels().add(table_.modes.data() + row * R,
-                  force[static_cast<int>(d)] * table_.mode_scale[row], code);
-  }
+  add_rows(table_.codes, table_.code_scale, vertex, force, code);
+}
+
+void Compliance::add_shape(int vertex, const Eigen::Vector3f& force, std::span<float> shape) const {
+  add_rows(table_.modes, table_.mode_scale, vertex, force, shape);
 }
 
 Eigen::Vector3f Compliance::modes_at(int vertex, std::span<const float> code) const {

@@ -27,8 +27,10 @@ namespace palpable {
 struct ComplianceTable {
   int vertices = 0;                 ///< V
   int rank = 0;                     ///< R
-  std::vector<std::int16_t> modes;  ///< (3V x R) row by row; row 3 v + c belongs to x, y, z of v
-  std::vector<float> mode_scale;    ///< (3V) sqrt(m/N) per unit of `modes`
+  std::vector<std::int16_t> modes;  ///< (3V x R) Phi, row by row; row 3 v + c is x, y or z of v
+  std::vector<float> mode_scale;    ///< (3V) per unit of `modes`, by row
+  std::vector<std::int16_t> codes;  ///< (3V x R) C, likewise
+  std::vector<float> code_scale;    ///< (3V) m/N per unit of `codes`
   /// (V + 1) neighbours of v, itself among them: neighbours[first[v]] .. [first[v + 1] - 1],
   /// rising.
   std::vector<int> first;
@@ -53,10 +55,12 @@ class Compliance {
             static_cast<std::size_t>(table_.first[vertex + 1] - table_.first[vertex])};
   }
 
-  /// code += sum_d force_d phi(vertex, d): the modes' share of the answer to a force.
+  /// code += C^T force: how much of each mode a force at a vertex brings.
   /// @param code  (R)
   void add_code(int vertex, const Eigen::Vector3f& force, std::span<float> code) const;
-  /// sum_k code_k phi_k at a vertex, m.
+  /// shape += Phi^T force: the work of a force along each mode. @param shape  (R)
+  void add_shape(int vertex, const Eigen::Vector3f& force, std::span<float> shape) const;
+  /// Phi code at a vertex, m.
   [[nodiscard]] Eigen::Vector3f modes_at(int vertex, std::span<const float> code) const;
   /// The same at all vertices. @param u  (3 x V) overwritten
   void modes_everywhere(std::span<const float> code, Eigen::Matrix3Xf& u) const;

@@ -16,9 +16,10 @@ ComplianceCache::ComplianceCache(const Compliance& compliance, int most)
       slot_of_vertex_(static_cast<std::size_t>(compliance.vertices()), -1),
       vertex_of_slot_(static_cast<std::size_t>(most), -1),
       wanted_(static_cast<std::size_t>(most), 0),
-      rows_(static_cast<std::size_t>(3 * most) * static_cast<std::size_t>(compliance.rank())),
+      modes_(static_cast<std::size_t>(3 * most) * static_cast<std::size_t>(compliance.rank())),
+      codes_(modes_.size()),
       blocks_(Eigen::MatrixXf::Zero(3 * most, 3 * most)),
-      products_(static_cast<std::size_t>(3 * most)) {}
+      products_(static_cast<std::size_t>(6 * most)) {}
 
 void ComplianceCache::bring(std::span<const int> vertices) {
   PALPABLE_EXPECT(static_cast<int>(vertices.size()) <= most_, "as many vertices as there is room");
@@ -44,19 +45,29 @@ void ComplianceCache::compute(int slot) {
   const auto R = static_cast<std::size_t>(compliance_.rank());
   const int vertex = vertex_of_slot_[slot];
   const ComplianceTable& table = compliance_.table();
-  float* mine = rows_.data() + 3 * static_cast<std::size_t>(slot) * R;
-  std::fill(mine, mine + 3 * R, 0.0f);
-  for (std::size_t d = 0; d < 3; ++d) {
-    const std::size_t row = 3 * static_cast<std::size_t>(vertex) + d;
-    kernels.add(table.modes.data() + row * R, table.mode_scale[row], {mine + d * R, R});
-  }
+  const std::size_t at = 3 * static_cast<std::size_t>(slot) * R;
+  const auto expand = [&](const std::vector<std::int16_t>& rows, const std::vector<float>& scale,
+                          std::vector<float>& to) {
+    std::fill_n(to.begin() + static_cast<std::ptrdiff_t>(at), 3 * R, 0.0f);
+    for (std::size_t d = 0; d < 3; ++d) {
+      const std::size_t row = 3 * static_cast<std::size_t>(vertex) + d;
+      kernels.add(rows.data() + row * R, scale[row], {to.data() + at + d * R, R});
+    }
+  };
+  expand(table.modes, table.mode_scale, modes_);
+  expand(table.codes, table.code_scale, codes_);
+  // G is symmetric, and Phi C^T nearly: the mean of both ways.
   for (int d = 0; d < 3; ++d) {
-    const std::span<const float> row(mine + static_cast<std::size_t>(d) * R, R);
+    const std::size_t row = at + static_cast<std::size_t>(d) * R;
     for (int other = 0; other < most_; ++other) {
       if (vertex_of_slot_[other] < 0) continue;
-      float* products = products_.data() + 3 * static_cast<std::size_t>(other);
-      kernels.dots_floats(rows_.data() + 3 * static_cast<std::size_t>(other) * R, 3, row, products);
-      for (int c = 0; c < 3; ++c) blocks_(3 * other + c, 3 * slot + d) = products[c];
+      const std::size_t theirs = 3 * static_cast<std::size_t>(other) * R;
+      float* products = products_.data();
+      kernels.dots_floats(modes_.data() + theirs, 3, {codes_.data() + row, R}, products);
+      kernels.dots_floats(codes_.data() + theirs, 3, {modes_.data() + row, R}, products + 3);
+      for (int c = 0; c < 3; ++c) {
+        blocks_(3 * other + c, 3 * slot + d) = 0.5f * (products[c] + products[3 + c]);
+      }
     }
   }
   // Of each pair the table of the lower vertex counts: the two differ by their rounding, and the

@@ -35,12 +35,12 @@ class ComplianceCache {
 
   const Compliance& compliance_;
   int most_;
-  std::vector<int> slot_of_vertex_;  // (V) -1: none
-  std::vector<int> vertex_of_slot_;  // (most) -1: free
-  std::vector<char> wanted_;         // (most)
-  std::vector<float> rows_;          // (3 most x R) of the modes
-  Eigen::MatrixXf blocks_;           // (3 most x 3 most)
-  std::vector<float> products_;      // (3 most)
+  std::vector<int> slot_of_vertex_;   // (V) -1: none
+  std::vector<int> vertex_of_slot_;   // (most) -1: free
+  std::vector<char> wanted_;          // (most)
+  std::vector<float> modes_, codes_;  // (3 most x R) rows
+  Eigen::MatrixXf blocks_;            // (3 most x 3 most)
+  std::vector<float> products_;       // (6 most)
 };
 
 }  // namespace palpable

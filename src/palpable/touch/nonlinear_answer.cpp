@@ -68,7 +68,7 @@ NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const R
   asked_.reserve(index(compliance.vertices()));
   answers_.assign(kMostBlobs, RegionAnswer(most_modes, most_leading));
   score_.resize(regions.size());
-  codes_.resize(kMostBlobs * R);
+  shapes_.resize(kMostBlobs * R);
   code_.resize(index(most_modes));
   far_code_.resize(R);
   region_code_.resize(kMostBlobs * R);
@@ -77,47 +77,46 @@ NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const R
   cross_q_.resize(x);
 }
 
-void NonlinearAnswer::choose_blobs(std::span<const VertexForce> loads,
+// The region that covers most of the weight that is left, -1 if none covers any.
+int NonlinearAnswer::next_region(std::span<const int> vertices, std::span<const float> weights,
+                                 std::span<const int> before) {
+  std::fill(score_.begin(), score_.end(), 0.0f);
+  const auto reach = static_cast<float>(map_.reach());
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (!(weights[i] > 0) || blob_of_vertex_[vertices[i]] >= 0) continue;
+    for (const RegionAtVertex& near : map_.at(vertices[i])) {
+      score_[index(near.region)] +=
+          weights[i] * (1 - kEdge * std::min(1.0f, near.distance / reach));
+    }
+  }
+  const auto best = std::max_element(score_.begin(), score_.end());
+  if (best == score_.end() || !(*best > 0)) return -1;
+  for (const int region : before) {
+    if (score_[index(region)] >= kKeep * *best) return region;
+  }
+  return static_cast<int>(best - score_.begin());
+}
+
+void NonlinearAnswer::choose_blobs(std::span<const int> vertices, std::span<const float> weights,
                                    std::span<const int> before) {
   for (const int v : asked_) blob_of_vertex_[v] = -1;
-  asked_.clear();
+  asked_.assign(vertices.begin(), vertices.end());
   chosen_.clear();
-  float all = 0;
-  for (const VertexForce& load : loads) all += load.force.norm();
-  // Vertices that do not press yet count a little, so that a first touch has its region, too.
-  const float least =
-      loads.empty() ? 0 : (all > 0 ? 0.01f * all : 1.0f) / static_cast<float>(loads.size());
-  const auto reach = static_cast<float>(map_.reach());
-  std::size_t left = loads.size();
-  while (left > 0 && chosen_.size() < kMostBlobs) {
-    std::fill(score_.begin(), score_.end(), 0.0f);
-    for (const VertexForce& load : loads) {
-      if (blob_of_vertex_[load.vertex] >= 0) continue;
-      const float weight = load.force.norm() + least;
-      for (const RegionAtVertex& near : map_.at(load.vertex)) {
-        score_[index(near.region)] += weight * (1 - kEdge * std::min(1.0f, near.distance / reach));
-      }
-    }
-    auto best = std::max_element(score_.begin(), score_.end());
-    if (best == score_.end() || !(*best > 0)) break;
-    for (const int region : before) {
-      if (score_[index(region)] >= kKeep * *best) {
-        best = score_.begin() + region;
-        break;
-      }
-    }
-    const int region = static_cast<int>(best - score_.begin());
+  while (chosen_.size() < kMostBlobs) {
+    const int region = next_region(vertices, weights, before);
+    if (region < 0) break;
     const int blob = static_cast<int>(chosen_.size());
     chosen_.push_back(region);
-    for (const VertexForce& load : loads) {
-      if (blob_of_vertex_[load.vertex] >= 0) continue;
-      for (const RegionAtVertex& near : map_.at(load.vertex)) {
-        if (near.region != region) continue;
-        blob_of_vertex_[load.vertex] = blob;
-        asked_.push_back(load.vertex);
-        --left;
-        break;
+    for (const int v : vertices) {
+      for (const RegionAtVertex& near : map_.at(v)) {
+        if (near.region == region && blob_of_vertex_[v] < 0) blob_of_vertex_[v] = blob;
       }
+    }
+  }
+  for (const int v : vertices) {
+    if (blob_of_vertex_[v] >= 0) continue;
+    for (std::size_t b = 0; b < chosen_.size() && blob_of_vertex_[v] < 0; ++b) {
+      if (row_of(chosen_[b], v) >= 0) blob_of_vertex_[v] = static_cast<int>(b);
     }
   }
 }
@@ -145,7 +144,8 @@ bool NonlinearAnswer::add_mode_row(int blob, int vertex, const Vector3f& directi
 void NonlinearAnswer::evaluate(std::span<const VertexForce> loads) {
   const std::size_t R = index(compliance_.rank());
   std::fill(far_code_.begin(), far_code_.end(), 0.0f);
-  std::fill(codes_.begin(), codes_.begin() + static_cast<std::ptrdiff_t>(chosen_.size() * R), 0.0f);
+  std::fill(shapes_.begin(), shapes_.begin() + static_cast<std::ptrdiff_t>(chosen_.size() * R),
+            0.0f);
   last_share_ = 0;
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const RegionTable& region = regions_[index(chosen_[b])];
@@ -156,7 +156,7 @@ void NonlinearAnswer::evaluate(std::span<const VertexForce> loads) {
       if (blob_of_vertex_[load.vertex] != static_cast<int>(b)) continue;
       add_mode_row(static_cast<int>(b), load.vertex, load.force, code);
       if (chosen_.size() > 1) {
-        compliance_.add_code(load.vertex, load.force, {codes_.data() + b * R, R});
+        compliance_.add_shape(load.vertex, load.force, {shapes_.data() + b * R, R});
       }
     }
     answers_[b].evaluate(region, code);
@@ -187,7 +187,7 @@ void NonlinearAnswer::evaluate_cross_terms() {
   };
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const std::span<float> c(cross_codes_.data() + b * x, x);
-    kernels().dots(modes.values.data(), x, {codes_.data() + b * R, R}, c.data());
+    kernels().dots(modes.values.data(), x, {shapes_.data() + b * R, R}, c.data());
     for (std::size_t i = 0; i < x; ++i) {
       c[i] *= modes.scale[i];
       sum[i] += c[i];

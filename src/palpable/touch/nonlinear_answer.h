@@ -73,12 +73,14 @@ class NonlinearAnswer {
   NonlinearAnswer(const Compliance& compliance, std::span<const RegionTable> regions,
                   const RegionMap& map, const CrossTable& cross);
 
-  /// Assigns vertices to blobs: as few as have every vertex within the map's reach of their
-  /// region's middle, the ones with most load first. Loads decide, and vertices without load
-  /// follow.
-  /// @param loads   vertices that press or may press soon; forces may be 0
-  /// @param before  regions that answered last: kept where they serve nearly as well
-  void choose_blobs(std::span<const VertexForce> loads, std::span<const int> before);
+  /// Assigns vertices to blobs: as few as have every vertex with weight within the map's reach of
+  /// their region's middle, the heaviest first. A vertex without weight joins the nearest blob
+  /// whose region knows it, or none.
+  /// @param vertices  of the skin, each once
+  /// @param weights   how much each presses or is about to; any unit
+  /// @param before    regions that answered last: kept where they serve nearly as well
+  void choose_blobs(std::span<const int> vertices, std::span<const float> weights,
+                    std::span<const int> before);
   /// The blobs' regions.
   [[nodiscard]] std::span<const int> regions() const { return {chosen_.data(), chosen_.size()}; }
 
@@ -111,6 +113,8 @@ class NonlinearAnswer {
  private:
   [[nodiscard]] int row_of(int region, int vertex) const;
   void evaluate_cross_terms();
+  int next_region(std::span<const int> vertices, std::span<const float> weights,
+                  std::span<const int> before);
 
   const Compliance& compliance_;
   std::span<const RegionTable> regions_;
@@ -121,7 +125,7 @@ class NonlinearAnswer {
   std::vector<int> asked_;           // vertices whose blob is set
   std::vector<RegionAnswer> answers_;
   std::vector<float> score_;                          // by region
-  std::vector<float> codes_;                          // (blobs x R) of the compliance's modes
+  std::vector<float> shapes_;                         // (blobs x R) Phi^T of the blobs' loads
   std::vector<float> code_, far_code_, region_code_;  // (r), (R), (blobs x R)
   std::vector<float> cross_codes_, pairs_, cross_q_;  // (blobs + 1 x x), (x x x), (x)
   float last_share_ = 0;

@@ -58,6 +58,7 @@ struct TouchSolver::Work {
   std::vector<int> vertices;                      // of the candidates
   std::vector<int> local_of_vertex;               // (V) -1: not among them
   std::vector<float> pressing_of_point, earlier;  // (C) N; scratch of the halvings
+  std::vector<float> weights;                     // of `vertices`, for choosing blobs
   std::vector<VertexForce> loads;                 // at `vertices`
   Matrix3Xf here, before;                         // (3 x vertices) displacement of `vertices`
   std::vector<Vector3f> forces_before;
@@ -80,6 +81,7 @@ struct TouchSolver::Work {
     candidates.reserve(points.size());
     vertices.reserve(static_cast<std::size_t>(skin.vertex_count()));
     loads.reserve(kMostVertices);
+    weights.reserve(kMostVertices);
     forces_before.resize(kMostPoints);
   }
 
@@ -91,6 +93,7 @@ struct TouchSolver::Work {
   void take_up(const TouchState& state);
   void set_compliance();
   void add_up_loads();
+  void choose_blobs(const TouchState& state, double shift);
   void find_displacements();
   void look_at_gaps(const GapQuery& gap);
   double iterate(const GapQuery& gap, double shift);
@@ -183,6 +186,22 @@ void TouchSolver::Work::add_up_loads() {
           candidate.weights[static_cast<int>(k)] * candidate.force;
     }
   }
+}
+
+// What presses decides; before the first touch what is deepest in the object.
+void TouchSolver::Work::choose_blobs(const TouchState& state, double shift) {
+  weights.assign(vertices.size(), 0.0f);
+  float pressing = 0;
+  for (const VertexForce& load : loads) pressing += load.force.norm();
+  const float per_m = pressing > 0 ? 0.1f * pressing / static_cast<float>(settings.band) : 1.0f;
+  for (const Candidate& c : candidates) {
+    const float entry = std::max(0.0f, -c.distance - static_cast<float>(shift));
+    for (std::size_t k = 0; k < 3; ++k) {
+      weights[static_cast<std::size_t>(c.local[k])] +=
+          c.weights[static_cast<int>(k)] * (c.force.norm() + per_m * entry);
+    }
+  }
+  nonlinear.choose_blobs(vertices, weights, state.regions);
 }
 
 void TouchSolver::Work::set_compliance() {
@@ -330,7 +349,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap) {
     if (step > 1 || shift > 0) w.find_candidates(state, gap, shift, report);
     w.take_up(state);
     w.set_compliance();
-    if (w.is_nonlinear()) w.nonlinear.choose_blobs(w.loads, state.regions);
+    if (w.is_nonlinear()) w.choose_blobs(state, shift);
     w.find_displacements();
     const bool last = step == steps;
     for (int i = 0; i < (last ? s.last_iterations : s.iterations); ++i) {
