@@ -74,7 +74,7 @@ def commands():
                 skip = False
             elif word == "-include" and "cmake_pch" in words[at + 1]:
                 skip = True
-            elif word not in SKIPPED_OPTIONS and not word.startswith(("-fsanitize", "-fno-sanitize")):
+            elif word not in SKIPPED_OPTIONS and not word.startswith(("-fsanitize", "-fno-sanitize", "--param=")):
                 kept.append(word)
         found[str(path.relative_to(ROOT))] = (entry["directory"], kept)
     return found

@@ -5,10 +5,10 @@
                            [--only NAME ...] [--data DIR] [--work DIR] [--films DIR] [--keep] [-o FILE]
 
 Each sequence is filmed (palpable synth), played (palpable live, as a user would), given the full answer to the
-true hand (palpable truth, by the description that the body was baked from) and scored (palpable score --body);
-its folders are removed before the next unless --keep. With --films a sequence that was
-written there before (DIR/NAME, of the same seed and body; anything else is refused) is played as it is and
-stays. What filming took stands beside the film, in NAME/film.json: {"user_s", "wall_s", "commit", "date",
+true hand (palpable truth, by the description that the body was baked from, which it checks) and scored
+(palpable score --body); its folders are removed before the next unless --keep. With --films a sequence that
+was written there before (DIR/NAME, of the same seed and body; anything else is refused) is played as it is
+and stays. What filming took stands beside the film, in NAME/film.json: {"user_s", "wall_s", "commit", "date",
 "machine"}, each may be missing; it is written where this tool films, and read wherever a film is played.
 
 Each figure keeps the commit, day and machine of its own run. The file is written after each, and sequences
@@ -144,7 +144,7 @@ def solve_truth(options, film):
     """Adds truth/deformed to a film in which something touches. Returns a complaint, or None."""
     if not touches_truly(film):
         return None
-    solved = run([options.programs / "palpable", "truth", film, "--body", options.describes])
+    solved = run([options.programs / "palpable", "truth", film, "--body", options.describes, "--baked", options.body])
     return complaint(solved) if solved.returncode != 0 else None
 
 
@@ -279,11 +279,12 @@ def tables(entries, real):
     def full_answer():
         for name, entry in scored.items():
             s = entry["scores"]
-            if not s.get("deformed_frames") and not s.get("deformed_frames_shallow"):
+            if not any(s.get(f"deformed_frames{kind}") for kind in ("", "_shallow", "_unseen")):
                 continue
             yield [name, s["deformed_frames"], pair(s["displacement_error"], 100), pair(s["displacement_error_mm"]),
                    pair(s["displacement_error_mm_shallow"]), pair(s["von_mises_error"], 100),
-                   pair(s["force_error"], 100), pair(s["overpress_mm"])]
+                   pair(s["force_error"], 100), pair(s["overpress_mm"]), s.get("deformed_frames_unseen"),
+                   pair(s.get("displacement_error_mm_unseen"))]
 
     def by_distance(key):
         for name, entry in scored.items():
@@ -293,7 +294,16 @@ def tables(entries, real):
     metres = [f"{d} m" for d in DISTANCES]
     touch = ("frames_touching", "touch_precision", "touch_recall", "touch_site", "first_touch_delay_frames",
              "penetration_median_mm", "penetration_p99_mm", "largest_pop_mm")
-    camera = ("ate_mm", "rpe_mm", "jitter_mm", "moving_iou", "moving_recall", "moving_false", "row_error_px")
+    seen = ("touch_recall_3mm", "touch_false_5mm", "frames_too_deep", "frames_unseen", "penetration_median_mm_unseen",
+            "pops_4mm")
+
+    def camera():
+        for name, entry in scored.items():
+            s = entry["scores"]
+            false = s["moving_false"]
+            yield [name, s["ate_mm"], s["rpe_mm"], pair(s.get("placement_error_mm")), s["jitter_mm"], s["moving_iou"],
+                   s["moving_recall"], None if false is None else 100 * false, s["row_error_px"]]
+
     sight = ("occlusion_iou", "occlusion_iou_where_hidden", "edge_error_px", "edge_error_crossing_px", "flicker")
     hand = ("hand_near_frames", "hand_within_1pct", "too_close_called_far")
     yield {"heading": "Share of pixels within 1 % of their true depth, in %",
@@ -306,22 +316,25 @@ def tables(entries, real):
                                            "penetration median (mm)", "99 of 100 (mm)", "largest pop (mm)"],
            "rows": list(rows(touch))}
     yield {"heading": "Touch, of what a camera can see",
-           "columns": ["sequence", "recall beyond 3 mm", "false beyond 5 mm", "frames too deep", "pops of 4 mm"],
-           "rows": list(rows(("touch_recall_3mm", "touch_false_5mm", "frames_too_deep", "pops_4mm")))}
+           "columns": ["sequence", "recall beyond 3 mm", "false beyond 5 mm", "frames too deep", "frames seen by no camera",
+                       "penetration in those, median (mm)", "pops of 4 mm"],
+           "rows": list(rows(seen))}
     yield {"heading": "Against the full answer to the true hand (median, 90 of 100)",
-           "text": "Frames in which the object is 4 mm or deeper; displacement and stress in % of the true field's "
-                   "size, force in % of the true one; overpress: how much too far the drawn skin went (median, 99 of "
-                   "100).",
+           "text": "Frames in which the object is 4 mm or deeper and half or more of what touches is seen; displacement "
+                   "and stress in % of the true field's size, force in % of the true one; overpress: how much too far "
+                   "the drawn skin went (median, 99 of 100). Frames whose touch no camera sees are counted and not "
+                   "judged.",
            "columns": ["sequence", "frames", "displacement (%)", "worst vertex (mm)", "the same, shallower (mm)",
-                       "von Mises (%)", "force (%)", "overpress (mm)"],
+                       "von Mises (%)", "force (%)", "overpress (mm)", "frames seen by no camera",
+                       "worst vertex in those (mm)"],
            "rows": list(full_answer())}
     yield {"heading": "Occlusion", "columns": ["sequence", "IoU", "where hidden", "edge error (px)",
                                                "where a hand crosses the outline (px)", "flicker"],
            "rows": list(rows(sight))}
     yield {"heading": "Camera, anchor, what moves, rectification",
-           "columns": ["sequence", "ATE (mm)", "RPE 1 s (mm)", "jitter (mm)", "moving IoU", "recall",
-                       "false, of all pixels (%)", "row error (px)"],
-           "rows": list(rows(camera, {"moving_false"}))}
+           "columns": ["sequence", "ATE (mm)", "RPE 1 s (mm)", "body off its place (mm; median, 90 of 100)", "jitter (mm)",
+                       "moving IoU", "recall", "false, of all pixels (%)", "row error (px)"],
+           "rows": list(camera())}
     yield {"heading": "Time",
            "columns": ["sequence", "frames", "film, CPU (s)", "film, wall (s)", "play, wall (s)", "ms a frame",
                        "full answer, wall (s)", "score, wall (s)"],

@@ -12,14 +12,16 @@ TEST_LINE = re.compile(r"^\s*\d+/\d+ Test\s+#\d+: (.*?) \.*\**\s*(?:Passed|Faile
 
 
 def skipped(folder):
-    """(test, reason) of every case that was skipped, as ctest's log has them."""
+    """(test, reason) of every case that was skipped, as ctest's log has them. A reason ends with (in 'case') where
+    the test has several cases."""
     log, test, found = Path(folder) / "Testing/Temporary/LastTest.log", "", []
     for line in log.read_text(errors="replace").splitlines() if log.exists() else []:
         title = re.match(r"\d+/\d+ Test: (.*)", line)
         if title:
             test = title[1]
         elif line.startswith("SKIPPED: "):
-            found.append((test, line.removeprefix("SKIPPED: ")))
+            reason = re.sub(r" \(in '(.*)'\)$", lambda case: "" if test.endswith(case[1]) else case[0], line)
+            found.append((test, reason.removeprefix("SKIPPED: ")))
     return sorted(found)
 
 

@@ -9,8 +9,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <utility>
 
 namespace palpable::app {
@@ -59,6 +61,16 @@ std::string unexpected_argument(const CLI::App& app) {
                      full_name(*inner));
 }
 
+// CLI11's own messages quote the largest number that there is, in full.
+std::string why_negative(const std::string& text) {
+  const std::optional<double> number = to_number(text);
+  return number && *number >= 0.0 ? "" : fmt::format("must be 0 or more, not '{}'", text);
+}
+std::string why_not_positive(const std::string& text) {
+  const std::optional<double> number = to_number(text);
+  return number && *number > 0.0 ? "" : fmt::format("must be above 0, not '{}'", text);
+}
+
 // NaN lies in every range that CLI11 checks, since it is neither below nor above a number.
 std::string why_no_number(const std::string& text) {
   if (to_number(text)) return {};
@@ -99,9 +111,13 @@ Option Option::in_range(std::uint64_t least, std::uint64_t most) {
   return Option(option_->check(CLI::Range(least, most)));
 }
 
-Option Option::positive() { return Option(option_->check(CLI::PositiveNumber)); }
+Option Option::positive() {
+  return Option(option_->check(CLI::Validator(why_not_positive, "POSITIVE")));
+}
 
-Option Option::not_negative() { return Option(option_->check(CLI::NonNegativeNumber)); }
+Option Option::not_negative() {
+  return Option(option_->check(CLI::Validator(why_negative, "NONNEGATIVE")));
+}
 
 Option Option::one_of(const std::vector<std::string>& words) {
   return Option(option_->check(CLI::IsMember(words)));
@@ -181,6 +197,9 @@ CommandLine::CommandLine(std::unique_ptr<CLI::App> app)
 CommandLine::~CommandLine() = default;
 
 int CommandLine::run(int argc, const char* const* argv) {
+  // A file beyond the limit of the shell (ulimit -f) is a full disk, and said as one: the signal
+  // would end the program in the middle of a file.
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App& app = this->app();
   // A word that is no command is looked at first: CLI11 would complain that a command is missing.
   if (argc > 1 && argv[1][0] != '-') {
@@ -209,6 +228,8 @@ int CommandLine::run(int argc, const char* const* argv) {
     print_error(unknown
                     ? unexpected_argument(app)
                     : fmt::format("{}, see {} --help", error.what(), full_name(*innermost(app))));
+  } catch (const std::bad_alloc&) {
+    print_error("there is not enough memory for this");
   } catch (const std::exception& error) { print_error(error.what()); }
   return 1;
 }

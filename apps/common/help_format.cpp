@@ -1,6 +1,6 @@
 #include "apps/common/help_format.h"
 
-#include "apps/common/wrapped_text.h"
+#include "palpable/base/wrapped_text.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -16,6 +16,7 @@ namespace palpable::app {
 namespace {
 
 constexpr std::size_t kTextColumn = 30;
+constexpr std::size_t kHelpWidth = 100;  // columns
 
 // A type as CLI11 names it ("TEXT:{a,b}", "FLOAT:FLOAT in [0 - 1]"), as people read it.
 struct TypeWords {
@@ -61,7 +62,7 @@ std::string row(const std::string& name, const std::string& text) {
   if (text.empty()) return line + "\n";
   line += line.size() + 2 > kTextColumn ? "\n" + std::string(kTextColumn, ' ')
                                         : std::string(kTextColumn - line.size(), ' ');
-  return line + wrapped(text, kTextColumn, kTextColumn) + "\n";
+  return line + wrapped(text, kTextColumn, kTextColumn, kHelpWidth) + "\n";
 }
 
 class HelpFormat : public CLI::Formatter {
@@ -72,18 +73,18 @@ class HelpFormat : public CLI::Formatter {
   }
 
   std::string make_description(const CLI::App* app) const override {
-    return wrapped(app->get_description(), 0, 0) + "\n";
+    return wrapped(app->get_description(), 0, 0, kHelpWidth) + "\n";
   }
   std::string make_usage(const CLI::App* app, std::string name) const override {
     std::string line = CLI::Formatter::make_usage(app, std::move(name));
     while (line.ends_with("\n")) line.pop_back();
-    return wrapped(line, 0, 4) + "\n";
+    return wrapped(line, 0, 4, kHelpWidth) + "\n";
   }
   std::string make_subcommand(const CLI::App* sub) const override {
     return row(sub->get_display_name(true), sub->get_description());
   }
   std::string make_footer(const CLI::App* app) const override {
-    return wrapped_footer(app->get_footer());
+    return wrapped_lines(app->get_footer(), kHelpWidth);
   }
   std::string make_option(const CLI::Option* option, bool is_positional) const override {
     std::string name = make_option_name(option, is_positional);

@@ -10,8 +10,8 @@ class FormatterBase;
 
 namespace palpable::app {
 
-/// For a CLI::App, and its subcommands of later. No line is wider than kHelpWidth
-/// (wrapped_text.h); what limits an option stands behind its text, in brackets.
+/// For a CLI::App, and its subcommands of later. No line is wider than 100 columns; what limits an
+/// option stands behind its text, in brackets.
 [[nodiscard]] std::shared_ptr<CLI::FormatterBase> help_format();
 
 }  // namespace palpable::app

@@ -11,6 +11,8 @@
 #include "palpable/base/output_file.h"
 #include "palpable/base/text_numbers.h"
 #include "palpable/campaign/crew.h"
+#include "palpable/campaign/fill_store.h"
+#include "palpable/campaign/solid_file.h"
 #include "palpable/campaign/store_rows.h"
 #include "palpable/intrusive/intrusive_bake.h"
 
@@ -89,15 +91,18 @@ void bake_without_campaign(const Options& options, const BodyDescription& descri
       bar.progress());
   bar.finish();
   write_body_file(options.output, made.body, options.file.storage());
+  const std::filesystem::path solid = solid_file_of(options.output);
+  write_solid_file(solid, content_of(description, made.travelling.problem));
   for (const auto& [key, value] : made.report.lines) fmt::print("{}: {}\n", key, value);
   std::string times;
   for (const StageTime& stage : made.report.cpu.stages()) {
     times += fmt::format("{}{} {:.1f} s", times.empty() ? "" : ", ", stage.name, 1e-3 * stage.ms);
   }
   const double references = made.report.cpu.ms("references");
-  fmt::print("CPU: {}; without references {:.1f} s\n{} written: {:.1f} MB\n", times,
-             1e-3 * (made.report.cpu.total_ms() - references), options.output,
-             1e-6 * static_cast<double>(std::filesystem::file_size(options.output)));
+  fmt::print("CPU: {}; without references {:.1f} s\n{} written: {:.1f} MB; its mesh and law: {}\n",
+             times, 1e-3 * (made.report.cpu.total_ms() - references), options.output,
+             1e-6 * static_cast<double>(std::filesystem::file_size(options.output)),
+             solid.string());
 }
 
 void print_campaign(const FilledStore& filled) {

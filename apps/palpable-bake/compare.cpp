@@ -4,10 +4,10 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
-#include "apps/palpable-bake/table_beside.h"
 #include "palpable/bake/compare_methods.h"
 #include "palpable/base/output_file.h"
 #include "palpable/base/this_machine.h"
+#include "palpable/exchange/web_page.h"
 #include "palpable/separate/reduction.h"
 
 #include <fmt/format.h>
@@ -28,17 +28,6 @@ struct Options {
   std::string output = "compare.html";
   CompareSettings settings;
 };
-
-void print_lines(const char* name, const std::vector<MethodLine>& lines) {
-  if (lines.empty()) return;
-  fmt::print("{}\n  {:<34} {:>6} {:>7} {:>10} {:>12} {:>9} {:>9}\n", name, "", "modes", "in all",
-             "MB", "all together", "median", "worst");
-  for (const MethodLine& line : lines) {
-    fmt::print("  {:<34} {:>6} {:>7} {:>10.2f} {:>12.2g} {:>9.2g} {:>9.2g}\n", line.name,
-               line.modes.back(), line.columns.back(), line.bytes.back() / 1e6, line.pooled.back(),
-               line.median.back(), line.worst.back());
-  }
-}
 
 // Bodies first, as the chart lists them.
 void add_inputs(const Options& options, MethodPage& page) {
@@ -83,10 +72,9 @@ void compare(const Options& options, const std::string& command_line) {
                                fmt::format("{}, {}", processor_name(), date_today()));
   page.footer = fmt::format("Written by palpable {} on {}; the same numbers are in {}.",
                             PALPABLE_VERSION, date_today(), table.filename().string());
-  write_text_file(options.output, method_page(page));
-  write_text_file(table, method_table(page));
-  print_lines("displacement", page.displacement);
-  print_lines("stress", page.stress);
+  write_whole_file(options.output, method_page(page));
+  write_whole_file(table, method_table(page));
+  fmt::print("{}", method_text(page));
   fmt::print("{}: opens in any browser, loads nothing; the same numbers: {}\n", options.output,
              table.string());
 }

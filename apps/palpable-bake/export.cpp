@@ -1,7 +1,6 @@
 // palpable export bunny.palpable --to pxdmf -o bunny.pxdmf
 
 #include "apps/common/command_line.h"
-#include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/export_store.h"
 #include "palpable/base/error.h"

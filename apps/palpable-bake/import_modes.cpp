@@ -1,7 +1,6 @@
 // palpable import-modes theirs.pxdmf -o theirs.palpable
 
 #include "apps/common/command_line.h"
-#include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/base/output_file.h"
 #include "palpable/exchange/modes_files.h"

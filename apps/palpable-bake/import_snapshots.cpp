@@ -4,7 +4,6 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
-#include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/base/output_file.h"
 

@@ -8,6 +8,7 @@
 #include "palpable/describe/body_mesh.h"
 #include "palpable/describe/body_size.h"
 #include "palpable/geometry/mesh_file.h"
+#include "palpable/geometry/size_text.h"
 #include "palpable/mesh/mesh_limits.h"
 #include "palpable/mesh/msh_file.h"
 #include "palpable/mesh/remesh.h"
@@ -47,6 +48,7 @@ void print_size(const Options& options, const SurfaceMesh& surface, double unit)
 // As the file has it, unless a wish about unit or placing moves it.
 SurfaceMesh placed_surface(const Options& options) {
   SurfaceMesh surface = value_or_throw(read_surface_file(options.surface));
+  require_no_stray(surface.vertices, options.surface);
   require_solid_surface(surface, options.surface);
   const double unit = options.unit == "mm" ? 1e-3 : options.unit == "cm" ? 1e-2 : 1.0;
   surface.vertices *= unit;

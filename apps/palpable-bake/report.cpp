@@ -2,14 +2,13 @@
 // table.
 
 #include "apps/common/command_line.h"
-#include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
-#include "apps/palpable-bake/table_beside.h"
 #include "palpable/bake/evaluation_times.h"
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
 #include "palpable/base/this_machine.h"
 #include "palpable/exchange/body_page.h"
+#include "palpable/exchange/web_page.h"
 #include "palpable/reduced/body_file.h"
 
 #include <fmt/format.h>
@@ -44,8 +43,8 @@ void report(const Options& options) {
   facts.stress_us = times.stress_us;
   facts.all_us = times.all_us;
   facts.repeats = times.repeats;
-  write_text_file(page, body_page(body, facts, table.filename().string()));
-  write_text_file(table, body_table(body, facts));
+  write_whole_file(page, body_page(body, facts, table.filename().string()));
+  write_whole_file(table, body_table(body, facts));
   fmt::print("{}: {:.1f} MB, opens in any browser, loads nothing; the same numbers: {}\n",
              page.string(), static_cast<double>(fs::file_size(page)) / 1e6, table.string());
   if (!body.error.displacement_course) {

@@ -1,22 +1,23 @@
 // palpable solve BODY.toml --site 5 --level 0.7 -o x.vtu
 
 #include "apps/common/command_line.h"
-#include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
 #include "apps/palpable-bake/solve_obstacle.h"
+#include "palpable/bake/state_file.h"
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
+#include "palpable/base/progress_text.h"
 #include "palpable/campaign/press_solver.h"
 #include "palpable/describe/body_problem.h"
-#include "palpable/exchange/vtu_file.h"
 #include "palpable/solid/equilibrium.h"
-#include "palpable/solid/stress.h"
+#include "palpable/solid/solve_tables.h"
 
 #include <fmt/core.h>
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,20 +45,6 @@ std::vector<double> levels_to(double level, int count) {
   return levels;
 }
 
-// A row for each Newton step with the residual before it, and one for the state that was found.
-void print_convergence(const Equilibrium& state, double press) {
-  int number = 0;
-  for (const NewtonStep& step : state.convergence) {
-    fmt::print("{:>8} {:>6} {:>10.1e} {:>6} {:>6.3g}\n",
-               number == 0 ? fmt::format("{:.4g}", state.level) : "", number, step.residual,
-               step.cg_iterations, step.share);
-    ++number;
-  }
-  fmt::print("{:>8} {:>6} {:>10.1e} {:>6} {:>6} {:>11.4f} {:>11.3f}\n",
-             number == 0 ? fmt::format("{:.4g}", state.level) : "", number, state.residual, "", "",
-             1e3 * press, state.smallest_volume_ratio);
-}
-
 BodyProblem posed(const Options& options, BodyDescription& description) {
   if (options.order > 0) {
     description.shape.order = options.order;
@@ -73,25 +60,15 @@ BodyProblem posed(const Options& options, BodyDescription& description) {
 
 void print_problem(const BodyDescription& description, const BodyProblem& problem,
                    const PressSolver& presses, int number) {
-  const TetMesh& mesh = problem.model.mesh;
-  const Site& site = problem.sites[number];
-  const Eigen::Vector3d at = problem.mesh.boundary.surface.vertices.col(site.vertex);
-  fmt::print("{}: {} nodes, {} tetrahedra of {} nodes; {}\n", description.name, mesh.node_count(),
-             mesh.tet_count(), mesh.is_quadratic() ? 10 : 4, material_line(description.material));
-  fmt::print("held: {} nodes in all directions", problem.model.fixed_nodes.size());
-  if (const std::size_t some = problem.model.supports.size(); some > 0) {
-    fmt::print(", {} in some or moved", some);
-  }
-  fmt::print("\n");
-  for (const BodyDescription::MaterialPart& part : description.groups) {
-    fmt::print("a part of it: {}\n", material_line(part.material));
-  }
+  fmt::print("{}", problem_text(description, problem));
   if (presses.is_preloaded()) {
     fmt::print(
         "gravity, pressures and moved supports come first: nodes move by up to {:.4g} mm, presses "
         "are counted from there\n",
         1e3 * presses.rest().colwise().norm().maxCoeff());
   }
+  const Site& site = problem.sites[number];
+  const Eigen::Vector3d at = problem.mesh.boundary.surface.vertices.col(site.vertex);
   fmt::print("site {} at ({:.1f}, {:.1f}, {:.1f}) mm, pressed along ({:.3f}, {:.3f}, {:.3f})\n",
              number, 1e3 * at[0], 1e3 * at[1], 1e3 * at[2], site.direction[0], site.direction[1],
              site.direction[2]);
@@ -114,14 +91,10 @@ double find_full_load(const Options& options, const BodyProblem& problem,
   return search.load;
 }
 
+// @throws Error when not even the first level was reached
 void print_path(const Options& options, const BodyProblem& problem, const PathResult& path,
                 const Eigen::Matrix3Xd& unit, const PressSolver& presses) {
-  fmt::print("{:>8} {:>6} {:>10} {:>6} {:>6} {:>11} {:>11}\n", "level", "Newton", "residual", "CG",
-             "share", "press / mm", "smallest J");
-  for (const Equilibrium& state : path.steps) {
-    print_convergence(state, unit.cwiseProduct(state.displacement - presses.rest()).sum());
-  }
-  fmt::print("\n");
+  fmt::print("{}\n", path_table(path, unit, presses.rest()));
   if (path.steps.empty()) {
     throw Error(fmt::format("{}: {}: {}", options.description, site_text(problem, options.site),
                             path.why_stopped));
@@ -139,10 +112,19 @@ PressSolver preloaded(const Options& options, const EquilibriumSolver& solver,
   }
 }
 
+// What a solve reads. Obstacles that are forms are no files, and destroyed by nothing.
+std::vector<std::filesystem::path> inputs_of(const Options& options,
+                                             const BodyDescription& description) {
+  std::vector<std::filesystem::path> inputs{options.description, description.shape.file,
+                                            options.obstacle.pose_file};
+  inputs.insert(inputs.end(), options.obstacle.obstacles.begin(), options.obstacle.obstacles.end());
+  return inputs;
+}
+
 void solve(const Options& options) {
   const auto begin = std::chrono::steady_clock::now();
   BodyDescription description = read_description(options.description);
-  guard_output_file(options.output, {options.description, description.shape.file});
+  guard_output_file(options.output, inputs_of(options, description));
   print_size(description);
   const BodyProblem problem = posed(options, description);
   const EquilibriumSolver solver(problem.model);
@@ -156,30 +138,23 @@ void solve(const Options& options) {
   }
   refuse_press_through(description, problem);
   print_problem(description, problem, presses, options.site);
-  const TetMesh& mesh = solver.model().mesh;
-  const Eigen::Matrix3Xd unit =
-      unit_load(problem.sites[options.site], problem.mesh.boundary, mesh.node_count());
+  const Eigen::Matrix3Xd unit = unit_load(problem.sites[options.site], problem.mesh.boundary,
+                                          problem.model.mesh.node_count());
   const double full_load = find_full_load(options, problem, presses, unit);
   const PathResult path =
       presses.solve_path(full_load * unit, levels_to(options.level, description.press.levels));
   print_path(options, problem, path, unit, presses);
 
   const Equilibrium& last = path.steps.back();
-  const StressField stress = nodal_cauchy_stress(solver.model(), last.displacement);
-  const Eigen::VectorXd mises = von_mises(stress);
   Eigen::Matrix3Xd load = last.level * full_load * unit;
   if (problem.preload.cols() > 0) load += problem.preload;
-  const std::vector<VtuField> fields{{"displacement", last.displacement},
-                                     {"cauchy_stress", stress},
-                                     {"von_mises", mises.transpose()},
-                                     {"principal_stresses", principal_stresses(stress)},
-                                     {"load", load}};
-  write_vtu_file(options.output, mesh, fields);
+  const double mises =
+      write_state_file(options.output, solver.model(), last.displacement, {"load", load});
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   fmt::print(
       "{}: level {:.4g}, displacement up to {:.3f} mm, von Mises stress up to {:.4g} kPa; {}\n",
-      options.output, last.level, 1e3 * last.displacement.colwise().norm().maxCoeff(),
-      1e-3 * mises.maxCoeff(), duration_text(taken.count()));
+      options.output, last.level, 1e3 * last.displacement.colwise().norm().maxCoeff(), 1e-3 * mises,
+      duration_text(taken.count()));
 }
 
 }  // namespace

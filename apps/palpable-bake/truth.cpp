@@ -4,6 +4,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
+#include "palpable/base/progress_text.h"
 #include "palpable/truth/true_skins.h"
 
 #include <fmt/core.h>
@@ -68,6 +69,11 @@ void add_truth(Command app) {
       .required()
       .type_name("BODY.toml");
   command
+      .add_option("--baked", options->settings.baked,
+                  "The body file that was baked from it: refuses another mesh, law or constants "
+                  "than those kept beside it (NAME.snapshots, NAME.solid.h5)")
+      .type_name("FILE");
+  command
       .add_option("--frames", options->settings.frames,
                   "How many frames at most, spread over those that touch")
       .in_range(1, 100000)
@@ -78,7 +84,7 @@ void add_truth(Command app) {
   command.footer(
       "Writes CLIP/truth/deformed (docs/benchmark.md). An interrupted run goes on with the\n"
       "touch in which it was.\n"
-      "Example: palpable truth clip --body bodies/bunny-demo.toml");
+      "Example: palpable truth clip --body bodies/bunny-demo.toml --baked out/demo/bunny.palpable");
   command.callback([options] { find_truth(*options); });
 }
 

@@ -1,15 +1,35 @@
-// palpable cameras: what is plugged in, and what it can do.
+// palpable cameras: what is plugged in, what it can do, and how it is used.
 
 #include "apps/common/command_line.h"
-#include "apps/palpable/camera_list.h"
+#include "apps/palpable/camera_use.h"
 #include "apps/palpable/commands.h"
-#include "apps/palpable/source_options.h"
+#include "palpable/sources/camera_list.h"
+#include "palpable/sources/camera_source.h"
 
 #include <fmt/core.h>
 
 #include <memory>
+#include <vector>
 
 namespace palpable::app {
+namespace {
+
+void print_cameras(bool json) {
+  const std::vector<ListedCamera> cameras = list_cameras(linux_video(), calibration_folders());
+  if (json) {
+    fmt::print("{}\n", json_of(cameras).dump(2));
+    return;
+  }
+  if (cameras.empty()) {
+    fmt::print(
+        "no camera: there is no /dev/video* (is it plugged in, and passed on to a container?)\n"
+        "What needs none: a folder of images, a video file, --source synthetic; see palpable "
+        "live --help\n");
+  }
+  for (const ListedCamera& camera : cameras) fmt::print("{}{}", text_of(camera), use_of(camera));
+}
+
+}  // namespace
 
 void add_cameras(Command app) {
   auto json = std::make_shared<bool>(false);
@@ -21,8 +41,7 @@ void add_cameras(Command app) {
       "side by "
       "side, whether exposure and gain can be fixed, and the calibration that is known of it.\n"
       "Example: palpable cameras");
-  command.callback(
-      [json] { fmt::print("{}", camera_list(linux_video(), calibration_folders(), *json)); });
+  command.callback([json] { print_cameras(*json); });
 }
 
 }  // namespace palpable::app

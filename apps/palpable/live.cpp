@@ -1,14 +1,15 @@
 // palpable live: images in, the pressed body in them out.
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/ctrl_c.h"
 #include "apps/palpable/live_setup.h"
 #include "palpable/base/error.h"
 #include "palpable/base/folder_lock.h"
+#include "palpable/live/body_in_view.h"
 #include "palpable/live/live_loop.h"
+#include "palpable/live/live_text.h"
 #include "palpable/live_writer/live_output.h"
 #include "palpable/live_writer/live_summary.h"
 #include "palpable/view/figure_scores.h"
@@ -50,33 +51,19 @@ LiveSummary summary(const Options& options, const LiveRun& run, const LiveCounts
   return result;
 }
 
-void print_counts(const LiveCounts& counts, const Session& session, double wall) {
-  fmt::print("{} frames in {:.1f} s ({:.0f} ms each), {} unreadable\n", counts.processed.size(),
-             wall, 1e3 * wall / static_cast<double>(counts.processed.size()),
-             counts.troubles.unreadable);
-  if (counts.troubles.unreadable > 0) fmt::print("last unreadable: {}\n", counts.last_trouble);
-  if (!counts.lost.empty()) {
-    fmt::print("the camera was lost in {} frames, first in frame {}\n", counts.lost.size(),
-               counts.lost.front());
-  }
-  if (const SurfaceMap* room = session.map();
-      room != nullptr && (room->refused() > 0 || session.free_space()->blocked() > 0)) {
-    fmt::print("the map was full ({} blocks): in ground seen later what moves is told less well\n",
-               room->blocks());
-  }
-  if (counts.first_touch) {
-    fmt::print("touched in {} frames, first in frame {}, at most {:.1f} mm deep\n", counts.touching,
-               *counts.first_touch, counts.deepest * 1e3);
-  } else {
-    fmt::print("never touched\n");
-  }
-}
-
 ProgressReport progress_of(const Scene& scene, int done, int total) {
   return {"live", static_cast<double>(done), static_cast<double>(total),
           scene.touches.empty() ? std::string("not touched")
                                 : fmt::format("site {}, {:.1f} mm", scene.touches.front().site,
                                               scene.touches.front().press_depth * 1e3)};
+}
+
+// A run on a house around the desk goes well and touches nothing.
+void warn_of_size(const LiveRun& run) {
+  const Session& session = run.loop.session;
+  const auto warning =
+      larger_than_view(session.body().surface, session.world_from_body(), run.loop.camera.camera());
+  if (warning) fmt::print(stderr, "warning: {}\n", *warning);
 }
 
 // Plays the run to its end, or to the user's.
@@ -115,6 +102,15 @@ std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, 
   return {loop.counts(), std::move(output)};
 }
 
+// What the run replaces.
+std::vector<fs::path> earlier_files(const Options& options) {
+  try {
+    return earlier_run(options.out, options.overwrite, inputs_of(options.live));
+  } catch (const EarlierRunError& error) {
+    throw Error(fmt::format("{}; give another --out, or --overwrite to replace it", error.what()));
+  }
+}
+
 void live(const Options& options) {
   LiveOptions wanted = options.live;
   if (options.pictures && options.view != "camera") {
@@ -122,10 +118,10 @@ void live(const Options& options) {
   }
   if (options.out.empty()) throw Error("--out: names no folder");
   const FolderLock lock(options.out);
-  const std::vector<fs::path> earlier =
-      earlier_run(options.out, options.overwrite, inputs_of(wanted));
+  const std::vector<fs::path> earlier = earlier_files(options);
   wanted.clip = options.out / "clip";
   LiveRun run = set_up_live(wanted);
+  warn_of_size(run);
   const auto touch_frames = options.pictures ? truly_touching_frames(run.images) : std::nullopt;
   ScenePainter painter({.window = options.window, .map = options.view == "map"}, run.loop);
 
@@ -149,7 +145,7 @@ void live(const Options& options) {
                      summary(options, run, counts, *output, wall.count()));
   painter.throw_gl_errors();
 
-  print_counts(counts, run.loop.session, wall.count());
+  fmt::print("{}", text_of(counts, run.loop.session, wall.count()));
   fmt::print("{}\n", (options.out / "touch.mp4").string());
   for (const std::string& name : output->figures()) {
     fmt::print("{}\n", (options.out / name).string());

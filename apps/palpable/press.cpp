@@ -1,10 +1,10 @@
 // palpable press: what a body does under one load, or under several at once, in numbers.
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/named_loads.h"
 #include "palpable/base/error.h"
+#include "palpable/base/json.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/press_answer.h"
 

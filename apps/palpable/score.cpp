@@ -2,10 +2,10 @@
 // docs/benchmark.md has the formats of both folders and the meaning of every score.
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "palpable/base/error.h"
+#include "palpable/base/json.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/scorecard/scorecard.h"
 

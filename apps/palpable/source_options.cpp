@@ -6,8 +6,6 @@
 
 #include <fmt/core.h>
 
-#include <cstdlib>
-
 namespace palpable::app {
 
 void add_source_options(Command command, SourceOptions& options, SourceKind kind) {
@@ -68,19 +66,6 @@ std::vector<std::filesystem::path> inputs_of(const SourceOptions& options) {
     inputs.push_back(is_pattern(input) ? std::filesystem::absolute(input).parent_path() : input);
   }
   return inputs;
-}
-
-std::vector<std::filesystem::path> calibration_folders() {
-  std::vector<std::filesystem::path> folders;
-  const char* config = std::getenv("XDG_CONFIG_HOME");
-  const char* home = std::getenv("HOME");
-  if (config != nullptr && *config != '\0') {
-    folders.push_back(std::filesystem::path(config) / "palpable");
-  } else if (home != nullptr && *home != '\0') {
-    folders.push_back(std::filesystem::path(home) / ".config/palpable");
-  }
-  folders.emplace_back("/usr/local/zed/settings");
-  return folders;
 }
 
 }  // namespace palpable::app

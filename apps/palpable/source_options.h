@@ -42,8 +42,4 @@ void add_source_options(Command command, SourceOptions& options,
 /// that holds them.
 [[nodiscard]] std::vector<std::filesystem::path> inputs_of(const SourceOptions& options);
 
-/// Where calibrations of cameras are kept: ~/.config/palpable (or XDG's), then where a ZED's own
-/// software puts its files.
-[[nodiscard]] std::vector<std::filesystem::path> calibration_folders();
-
 }  // namespace palpable::app

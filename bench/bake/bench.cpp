@@ -3,8 +3,8 @@
 #include "bench/bake/bench.h"
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/palpable-bake/commands.h"
+#include "palpable/base/json.h"
 #include "palpable/base/this_machine.h"
 
 #include <fmt/core.h>

@@ -2,7 +2,7 @@
 /// The benches of the offline half: one file each, named after the bench.
 #pragma once
 
-#include "apps/common/json.h"
+#include "palpable/base/json.h"
 
 namespace palpable::app {
 

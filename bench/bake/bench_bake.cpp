@@ -1,9 +1,9 @@
 // palpable bench bake: how long the stages of a bake take.
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/bake/bake_body.h"
+#include "palpable/base/json.h"
 #include "palpable/reduced/body_file.h"
 
 #include <fmt/core.h>

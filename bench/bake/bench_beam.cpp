@@ -2,10 +2,11 @@
 // left out, fresh Newton solves and the linear model.
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/base/cpu_time.h"
+#include "palpable/base/json.h"
 #include "palpable/base/order_statistics.h"
+#include "palpable/base/output_file.h"
 #include "palpable/intrusive/intrusive_bake.h"
 #include "palpable/intrusive/linear_pgd.h"
 #include "palpable/reduced/body_file.h"
@@ -159,11 +160,13 @@ Json difference_figures(const ReducedBody& body, const std::string& against) {
 }
 
 void bench_beam(const Options& options) {
+  const BodyDescription description = read_body_description(options.description);
+  guard_output_file(options.output, {options.description, description.shape.file, options.against});
   ProgressBar bar;
   const double begin = process_cpu_seconds();
   const IntrusiveBake made = bake_intrusive(
-      read_body_description(options.description),
-      {.checks = options.checks, .seed = options.seed, .all_residuals = true}, bar.progress());
+      description, {.checks = options.checks, .seed = options.seed, .all_residuals = true},
+      bar.progress());
   write_body_file(options.output, made.body);
   const double offline = process_cpu_seconds() - begin - 1e-3 * made.report.cpu.ms("references");
 

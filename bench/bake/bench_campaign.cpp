@@ -1,9 +1,9 @@
 // palpable bench campaign: from a description to all snapshots on disk, into an empty folder.
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/bake/bake_body.h"
+#include "palpable/base/json.h"
 #include "palpable/base/this_machine.h"
 #include "palpable/solid/sparse_cholesky.h"
 

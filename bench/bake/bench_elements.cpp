@@ -1,9 +1,9 @@
 // palpable-bake bench elements: how true 4-node and 10-node tetrahedra are on a body's presses.
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/base/error.h"
+#include "palpable/base/json.h"
 #include "palpable/base/this_machine.h"
 
 #include <fmt/core.h>

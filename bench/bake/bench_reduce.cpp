@@ -2,9 +2,9 @@
 // afresh, and sparse PGD on a part of the beam's samples.
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/bake/bake_body.h"
+#include "palpable/base/json.h"
 #include "palpable/campaign/between_sites.h"
 #include "palpable/campaign/held_out.h"
 #include "palpable/campaign/store_rows.h"

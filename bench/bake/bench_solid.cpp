@@ -2,10 +2,10 @@
 // CPU time and digit by digit.
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
+#include "palpable/base/json.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/base/this_machine.h"
 #include "palpable/describe/body_problem.h"

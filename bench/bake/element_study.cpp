@@ -50,7 +50,7 @@ class Rows {
   }
   Sparse finish() {
     matrix_.setFromTriplets(entries_.begin(), entries_.end());
-    return std::move(matrix_);
+    return matrix_;
   }
 
  private:

@@ -3,7 +3,7 @@
 /// that is a field of its own.
 #pragma once
 
-#include "apps/common/json.h"
+#include "palpable/base/json.h"
 #include "palpable/campaign/snapshot_store.h"
 #include "palpable/describe/body_description.h"
 #include "palpable/reduced/reduced_body.h"

@@ -1,11 +1,11 @@
 // palpable bench: ms per stage of the live half, median and 99th percentile.
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/live_setup.h"
 #include "palpable/base/error.h"
+#include "palpable/base/json.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/clip_files/place.h"
 #include "palpable/contact/press_law.h"
@@ -16,7 +16,7 @@
 #include "palpable/reduced/pressed_surface.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/scene_renderer.h"
-#include "palpable/score/penetration.h"
+#include "palpable/score/deepest_sample.h"
 #include "palpable/view/scene_picture.h"
 #include "palpable/view/stress_scale.h"
 
@@ -217,8 +217,7 @@ void bench_contact(const BodyOptions& options) {
     StageTimes times;
     {
       const StageTimer timer(times, "surface");
-      surface.build(frames[static_cast<std::size_t>(i % kPoses)], camera,
-                    camera_from_body.inverse(), region);
+      surface.build(frames[i % kPoses], camera, camera_from_body.inverse(), region);
     }
     {
       const StageTimer timer(times, "touch");

@@ -2,7 +2,7 @@
 /// The part of `bench track` that measures the map and the moving mask.
 #pragma once
 
-#include "apps/common/json.h"
+#include "palpable/base/json.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/script/plan_sequence.h"
 

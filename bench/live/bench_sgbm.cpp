@@ -5,10 +5,10 @@
 #include "bench/live/bench_sgbm.h"
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/default_body.h"
 #include "palpable/base/error.h"
+#include "palpable/base/json.h"
 #include "palpable/base/order_statistics.h"
 
 #include <fmt/core.h>

@@ -3,11 +3,11 @@
 #include "bench/live/bench_surface.h"
 
 #include "apps/common/command_line.h"
-#include "apps/common/json.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/default_body.h"
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
+#include "palpable/base/json.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/clip_files/contact_file.h"
 #include "palpable/clip_files/depth_image_file.h"

@@ -236,5 +236,39 @@ def _(programs, folder):
         (clip / "leftover").write_text("goes when the clip is filmed again")
 
 
+@case("Ctrl-C while a sequence is filmed is no reason not to film it again")
+def _(programs, folder):
+    words = ("synth", "press", "--body", programs.small_body(), "--frames", "25", "-o", folder / "clip")
+    clip = folder / "clip"
+    for number in (signal.SIGINT, signal.SIGKILL):
+        process = programs.start(*words)
+        try:
+            wait_for(process, lambda: any(clip.glob("frames/left/*.jpg")) and not (clip / "frames/leftover").exists())
+        except AssertionError as error:
+            if "EGL" in str(error):
+                print("SKIPPED: no OpenGL here: " + str(error))
+                return
+            raise
+        process.send_signal(signal.SIGSTOP)  # it would be done before the other has begun
+        programs.refuses(*words, says=["clip", "another run"])
+        process.send_signal(number)
+        process.send_signal(signal.SIGCONT)
+        process.communicate()
+        assert process.returncode == -number, process.returncode
+        (clip / "frames/leftover").write_text("goes when it is filmed again")
+    (clip / "notes.txt").write_text("mine")
+    programs.succeeds(*words)
+    assert sorted(path.name for path in clip.iterdir()) == ["frames", "notes.txt", "truth"]
+    assert len(list((clip / "frames/left").iterdir())) == 25 and (clip / "truth/camera.toml").exists()
+    assert not (clip / "frames/leftover").exists()
+    programs.refuses(*words, says=["frames: exists"])  # a whole one is kept
+    (folder / "other/frames").mkdir(parents=True)
+    programs.refuses(*words[:-1], folder / "other", says=["frames: exists"])
+    (folder / "mine").mkdir()
+    (folder / "mine/unfinished-film.txt").write_text("a text of somebody")
+    programs.refuses(*words[:-1], folder / "mine", says=["unfinished-film.txt: is in the way"])
+    assert (folder / "mine/unfinished-film.txt").read_text() == "a text of somebody"
+
+
 if __name__ == "__main__":
     sys.exit(base.main())

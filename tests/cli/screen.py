@@ -9,7 +9,8 @@ import subprocess
 import time
 from ctypes import POINTER, Structure, byref, c_char_p, c_int, c_long, c_uint, c_ulong, c_void_p
 
-KEY_PRESS, KEY_RELEASE = 2, 3
+KEY_PRESS, KEY_RELEASE, BUTTON_PRESS, BUTTON_RELEASE, MOTION = 2, 3, 4, 5, 6
+LEFT, RIGHT = 1, 3
 Z_PIXMAP = 2
 SECONDS = 60  # that anything may take
 
@@ -27,10 +28,11 @@ class Picture(Structure):
                 ("bytes_per_line", c_int), ("bits_per_pixel", c_int)]
 
 
-class Key(Structure):
+class Event(Structure):
+    """XKeyEvent and XButtonEvent; XMotionEvent has no detail there, but the same places before it."""
     _fields_ = [("type", c_int), ("serial", c_ulong), ("sent", c_int), ("display", c_void_p), ("window", c_ulong),
                 ("root", c_ulong), ("below", c_ulong), ("time", c_ulong), ("x", c_int), ("y", c_int),
-                ("x_root", c_int), ("y_root", c_int), ("state", c_uint), ("keycode", c_uint), ("same", c_int),
+                ("x_root", c_int), ("y_root", c_int), ("state", c_uint), ("detail", c_uint), ("same", c_int),
                 ("rest", c_long * 12)]
 
 
@@ -77,6 +79,9 @@ class Screen:
         x.XResizeWindow.argtypes = [c_void_p, c_ulong, c_uint, c_uint]
         x.XKeysymToKeycode.argtypes = [c_void_p, c_ulong]
         x.XSendEvent.argtypes = [c_void_p, c_ulong, c_int, c_long, c_void_p]
+        x.XCreateSimpleWindow.restype = c_ulong
+        x.XCreateSimpleWindow.argtypes = [c_void_p, c_ulong, c_int, c_int, c_uint, c_uint, c_uint, c_ulong, c_ulong]
+        x.XMapRaised.argtypes = x.XDestroyWindow.argtypes = [c_void_p, c_ulong]
         self.display = x.XOpenDisplay(self.name.encode())
         assert self.display, f"cannot open the display {self.name}"
         self.root = x.XDefaultRootWindow(self.display)
@@ -114,8 +119,18 @@ class Screen:
         self.x.XResizeWindow(self.display, window, width, height)
         self.x.XSync(self.display, 0)
 
-    def lit_share(self, window):
-        """Share of the window's pixels that are not black."""
+    def cover_for_a_moment(self, window):
+        """With a black window, which goes again. What the window below has lost it has to draw."""
+        size = self.attributes(window)
+        cover = self.x.XCreateSimpleWindow(self.display, self.root, size.x, size.y, size.width, size.height, 0, 0, 0)
+        self.x.XMapRaised(self.display, cover)
+        self.x.XSync(self.display, 0)
+        wait_for("a cover", lambda: self.attributes(cover).map_state == 2)
+        self.x.XDestroyWindow(self.display, cover)
+        self.x.XSync(self.display, 0)
+
+    def pixels(self, window):
+        """All of the window's, 4 bytes each."""
         size = self.attributes(window)
         image = self.x.XGetImage(self.display, window, 0, 0, size.width, size.height, 0xFFFFFF, Z_PIXMAP)
         picture = Picture.from_address(image)
@@ -123,14 +138,27 @@ class Screen:
         data = ctypes.string_at(picture.data, picture.bytes_per_line * picture.height)
         self.x.XFree(picture.data)
         self.x.XFree(image)
+        return data
+
+    def lit_share(self, window):
+        """Share of the window's pixels that are not black."""
+        data = self.pixels(window)
         lit = sum(1 for at in range(0, len(data), 4 * 97) if any(data[at:at + 3]))  # every 97th
         return lit / (len(data) / (4 * 97))
 
     def type(self, window, key):
         """A letter, or an X keysym by its number."""
-        event = Key(display=self.display, window=window, root=self.root, same=1)
-        event.keycode = self.x.XKeysymToKeycode(self.display, ord(key) if isinstance(key, str) else key)
+        event = Event(display=self.display, window=window, root=self.root, same=1)
+        event.detail = self.x.XKeysymToKeycode(self.display, ord(key) if isinstance(key, str) else key)
         for event.type in (KEY_PRESS, KEY_RELEASE):
+            self.x.XSendEvent(self.display, window, 1, 0, byref(event))
+        self.x.XSync(self.display, 0)
+
+    def mouse(self, window, *happened):
+        """(kind, x, y) or (kind, x, y, button) each, which reach the program together."""
+        for kind, x, y, *button in happened:
+            event = Event(type=kind, display=self.display, window=window, root=self.root, same=1, x=x, y=y)
+            event.detail = button[0] if button else 0
             self.x.XSendEvent(self.display, window, 1, 0, byref(event))
         self.x.XSync(self.display, 0)
 

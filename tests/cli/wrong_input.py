@@ -4,7 +4,7 @@ import json
 import os
 import re
 import resource
-import signal
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -35,6 +35,10 @@ def _(programs, folder):
         programs.refuses("view", body, "--out", folder / "x", f"--set=heat={value}", says=["--set", "heat"])
         programs.refuses("press", body, "--load", f"0,0,{value}=1", says=["--load", "finite"])
         programs.refuses("press", body, "--load", f"0,0,0={value}", says=["--load", "finite"])
+    for value in ("abc", "-1", "1,5"):  # and not the largest number that there is, in 308 digits
+        programs.refuses("view", body, f"--site={value}", says=[f"--site: must be 0 or more, not '{value}', see"])
+        programs.refuses("view", body, f"--close-after={value}", says=["--close-after: "])
+    programs.refuses("view", body, "--close-after=0", says=["--close-after: must be above 0, not '0'"])
     assert not (folder / "x").exists()
 
 
@@ -60,6 +64,13 @@ def _(programs, folder):
         assert refusal.startswith(f"palpable: {folder}/ball.off: is a shape") and "ball.toml" in refusal, refusal
         found = tomllib.loads("\n".join(description))
         assert found["name"] == "ball" and found["shape"] == {"surface": "ball.off", "unit": "m", "edge": "100 mm"}, found
+    body = programs.small_body()
+    for command, result in (("bake", "x.palpable"), ("solve", "x.vtu")):
+        programs.refuses(command, body, "-o", folder / result, says=[f"{body}: is a baked body", "BODY.toml"])
+        programs.refuses(command, folder, "-o", folder / result, says=[f"{folder}: is a folder", "BODY.toml"])
+    with open(folder / "large.toml", "wb") as file:
+        file.truncate(5_000_000_000)  # takes no room
+    programs.refuses("bake", folder / "large.toml", "-o", folder / "x.palpable", says=["large.toml: 5000 MB, where 16 are read at most"])
     programs.refuses("bake", folder / "none.stl", "-o", folder / "x.palpable", says=["none.stl: no such file"])
     (folder / "bad.stl").write_text("solid\nnothing\n")
     programs.refuses("bake", folder / "bad.stl", "-o", folder / "x.palpable", says=["bad.stl: "])
@@ -124,12 +135,121 @@ def _(programs, folder):
                      timeout=60)  # every way to divide 200 letters among 40 stars would take for ever
 
 
-def on_small_disk(programs, limit, *words):
+def on_small_disk(programs, limit, *words, cwd=None):
+    """No file may grow beyond the limit, as behind ulimit -f."""
     def prepare():
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
     return subprocess.run([programs.palpable, *map(str, words)], capture_output=True, text=True, preexec_fn=prepare,
-                          stdin=subprocess.DEVNULL, timeout=120)
+                          stdin=subprocess.DEVNULL, timeout=120, cwd=cwd)
+
+
+def bytes_of(path):
+    """Of a file, or of all files in a folder by their names; nothing where there is none."""
+    if path.is_dir():
+        return {inner.name: inner.read_bytes() for inner in path.iterdir()}
+    return path.read_bytes() if path.exists() else None
+
+
+@case("a full disk ends every command with one line, and what was there stays as it was")
+def _(programs, folder):
+    base.write_ball(folder)
+    body = programs.small_body()
+    shutil.copy(body, folder / "b.palpable")
+    programs.succeeds("export", body, "--to", "numpy", "-o", folder / "modes")
+    for name, *words in (("a.msh", "mesh", "ball.off"), ("a.vtu", "solve", "ball.toml"),
+                         ("a.palpable", "reduce", programs.work / "ball.snapshots", "--method", "pod"),
+                         ("m.palpable", "import-modes", "modes"),
+                         ("a.html", "report", "b.palpable"), ("c.html", "compare", "b.palpable"),
+                         ("vtu", "export", "b.palpable", "--to", "vtu", "--site", "1"),
+                         ("numpy", "export", "b.palpable", "--to", "numpy")):
+        output = folder / name
+        for before in (False, True):
+            if before:
+                programs.succeeds(*words, "-o", name, cwd=folder)
+            there = bytes_of(output)
+            result = on_small_disk(programs, 100, *words, "-o", name, cwd=folder)
+            said = [line for line in result.stderr.splitlines() if line.startswith("palpable: ")]
+            assert result.returncode == 1 and len(said) == 1, (words, result.returncode, result.stderr)
+            assert name in said[0] and "cannot be written: File too large" in said[0], said
+            # Of a folder, files that fit may be there.
+            assert before or not output.is_dir() or all(len(data) <= 100 for data in bytes_of(output).values())
+            assert bytes_of(output) == there or (output.is_dir() and not before), (words, before)
+            assert not list(folder.rglob("*.part*")), list(folder.rglob("*.part*"))
+
+
+@case("what a command reads is not what it writes over, whichever command it is")
+def _(programs, folder):
+    base.write_ball(folder)
+    shutil.copy(programs.small_body(), folder / "b.palpable")
+    shutil.copytree(programs.work / "ball.snapshots", folder / "b.snapshots")
+    programs.succeeds("export", "b.palpable", "--to", "pxdmf", "-o", "b.pxdmf", cwd=folder)
+    (folder / "pose.txt").write_text("0 0 0 0.2 0 0 0 1\n")
+    (folder / "link").symlink_to("ball.off")
+    shutil.copy(folder / "ball.off", folder / "cup.off")
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    solve = ("solve", "ball.toml", "--obstacle", "cup.off", "--pose", "pose.txt")
+    for words, output in ((solve, "ball.off"), (solve, "cup.off"), (solve, "pose.txt"), (solve, "link"), (solve, "ball.toml"),
+                          (("reduce", "b.snapshots"), "b.snapshots/campaign.h5"),
+                          (("import-modes", "b.pxdmf"), "b.pxdmf"), (("compare", "b.palpable"), "b.palpable"),
+                          (("export", "b.palpable", "--to", "pxdmf"), "b.palpable"),
+                          (("mesh", "ball.off"), "./link"), (("report", "b.palpable"), "b.palpable")):
+        programs.refuses(*words, "-o", output, cwd=folder, says=[output, "is read as input"])
+    programs.refuses("bench", "beam", "ball.toml", "-o", "ball.off", cwd=folder, says=["is read as input"])
+    # The table beside a page has a name that nobody gave.
+    (folder / "b.csv").write_text("time,force\n0,1\n")
+    for words in (("report", "b.palpable"), ("compare", "b.palpable", "-o", "b.html")):
+        programs.refuses(*words, cwd=folder, says=["b.csv: is somebody's", "another name"])
+    assert (folder / "b.csv").read_text() == "time,force\n0,1\n" and not (folder / "b.html").exists()
+    (folder / "b.csv").unlink()
+    for words in (("report", "b.palpable"), ("compare", "b.palpable", "-o", "b.html"), ("report", "b.palpable")):
+        programs.succeeds(*words, cwd=folder)  # its own are replaced
+    for words in (("export", "b.palpable", "--to", "numpy"), ("export", "b.snapshots", "--to", "vtu"),
+                  ("import-snapshots", ".", "--manifest", "ball.toml")):
+        programs.refuses(*words, "-o", ".", cwd=folder, says=["could be destroyed"])
+    assert {path: path.read_bytes() for path in before} == before
+    assert not list(folder.rglob("*.part*"))
+
+
+@case("a file larger than memory is named before it is read, whatever it claims to be")
+def _(programs, folder):
+    base.write_ball(folder)
+    shutil.copytree(programs.work / "ball.snapshots", folder / "b.snapshots")
+    programs.succeeds("export", programs.small_body(), "--to", "numpy", "-o", folder / "modes")
+    for kind in ("stl", "ply", "obj", "off", "3ds", "msh", "inp", "vtu", "vtk", "palpable"):
+        with open(folder / f"large.{kind}", "wb") as file:
+            file.truncate(1 << 43)  # of holes: takes no room
+    for damaged in ("modes/vertices.npy", "b.snapshots/site_0001.h5"):
+        with open(folder / damaged, "r+b") as file:
+            file.truncate(1 << 43)
+    says = "8796093 MB are more than there is memory for"
+    for kind in ("stl", "ply", "obj", "off", "3ds"):
+        programs.refuses("mesh", f"large.{kind}", "-o", "x.msh", cwd=folder, says=[f"large.{kind}: {says}"])
+    for kind in ("msh", "inp", "vtu", "vtk"):
+        (folder / "large.toml").write_text(base.BAR.replace("bar.inp", f"large.{kind}"))
+        programs.refuses("bake", "large.toml", "-o", "x.palpable", cwd=folder, says=[f"large.{kind}: {says}"])
+    programs.refuses("inspect", "large.palpable", cwd=folder, says=[f"large.palpable: {says}"])
+    programs.refuses("import-modes", "modes", "-o", "x.palpable", cwd=folder, says=[f"vertices.npy: {says}"])
+    programs.refuses("reduce", "b.snapshots", "-o", "x.palpable", cwd=folder, says=["site_0001.h5", says])
+
+
+@case("a folder that nobody may write into is named before the work")
+def _(programs, folder):
+    base.write_ball(folder)
+    for command in ("bake", "solve"):  # /proc takes no files, from root neither
+        programs.refuses(command, folder / "ball.toml", "-o", "/proc/x", says=["/proc/x: cannot be written: "])
+    programs.refuses("mesh", folder / "ball.off", "-o", "/proc/x", says=["/proc/x: cannot be written: "])
+    programs.refuses("scan", folder, "-o", "/proc/x.ply", says=["/proc/x.ply: cannot be written: "])
+
+
+@case("a body that is larger than what the camera sees is said before the run")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=2)
+    words = base.live(programs, folder)
+    result = programs.succeeds(*words)
+    assert "larger than" not in result.stderr, result.stderr
+    result = programs.succeeds(*words[:-1], folder / "large", "--scale", "1000")
+    warning = result.stderr.splitlines()[0]
+    assert warning.startswith("warning: the body is ") and "larger than what the camera sees" in warning, result.stderr
 
 
 @case("an export to a full disk says so, leaves what was there and ends in order")
@@ -181,6 +301,12 @@ def _(programs, folder):
         items = [item.text for item in tree.iter("DataItem")]
         assert items and all(text.startswith(f"{name}.{kind}.h5:/") for text in items), items[:3]
     programs.succeeds("import-modes", folder / f"{name}.pxdmf", "-o", folder / "again.palpable")
+    for kind in ("xdmf", "pxdmf"):  # in UTF-8 there is no such name
+        output = os.fsencode(folder) + b"/caf\xe9." + kind.encode()
+        result = subprocess.run([programs.palpable, "export", programs.small_body(), "--to", kind, "-o", output],
+                                capture_output=True, timeout=60)
+        assert result.returncode == 1 and b"XML cannot hold this name" in result.stderr, result
+        assert not os.path.exists(output) and not os.path.exists(output + b".h5")
 
 
 if __name__ == "__main__":

@@ -42,5 +42,6 @@ void add_body_readers(std::vector<FuzzReader>& readers);
 void add_campaign_readers(std::vector<FuzzReader>& readers);
 void add_clip_readers(std::vector<FuzzReader>& readers);
 void add_source_readers(std::vector<FuzzReader>& readers);
+void add_score_readers(std::vector<FuzzReader>& readers);
 
 }  // namespace palpable::fuzz

@@ -216,6 +216,7 @@ std::vector<FuzzReader> all_readers() {
   add_campaign_readers(readers);
   add_clip_readers(readers);
   add_source_readers(readers);
+  add_score_readers(readers);
   return readers;
 }
 

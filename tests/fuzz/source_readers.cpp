@@ -1,5 +1,6 @@
 #include "palpable/calibrate/calibration_file.h"
 #include "palpable/sources/open_source.h"
+#include "palpable/sources/raw_picture.h"
 #include "palpable/sources/source_calibration.h"
 #include "tests/fuzz/fuzz_reader.h"
 #include "tests/support/scratch_folder.h"
@@ -160,6 +161,20 @@ std::string play_video(const fs::path& /*folder*/, const fs::path& file) {
   return play(file.string());
 }
 
+// A picture as a camera sends it; the device has no file, which is named here.
+std::string convert_picture(const fs::path& /*folder*/, const fs::path& file) {
+  const std::string bytes = test::file_bytes(file);
+  RawPicture raw;
+  raw.format = four_letters("MJPG");
+  raw.width = kWidth;
+  raw.height = kHeight;
+  raw.data = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  raw.size = bytes.size();
+  ColorImage image;
+  const std::string why = to_color(raw, image);
+  return why.empty() ? why : fmt::format("{}: {}", file.string(), why);
+}
+
 }  // namespace
 
 void add_source_readers(std::vector<FuzzReader>& readers) {
@@ -173,6 +188,12 @@ void add_source_readers(std::vector<FuzzReader>& readers) {
   add("source.kitti", write_kitti);
   add("source.tum", write_tum);
   add("source.scenes", write_scenes);
+  readers.push_back({.name = "camera.jpeg",
+                     .write = [](const fs::path& folder) -> std::vector<std::string> {
+                       write_image(folder / "frame.jpg");
+                       return {"frame.jpg"};
+                     },
+                     .read = convert_picture});
   readers.push_back({.name = "source.video", .write = write_video, .read = play_video});
 }
 

@@ -133,7 +133,7 @@ TEST_CASE("a body on the squirrel's desk is touched when the hand reaches it and
   const std::vector<int> inner =
       hand_points_in_ball(frames, format.depth_camera, centre, kOverTheBall.radius - 0.008);
   int arrives = 0;  // the first frame in which the hand is certainly inside
-  while (arrives < 90 && inner[static_cast<std::size_t>(arrives)] < 20) ++arrives;
+  while (arrives < 90 && inner[arrives] < 20) ++arrives;
   REQUIRE(arrives > 30);
 
   REQUIRE(arrives < 60);

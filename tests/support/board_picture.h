@@ -40,8 +40,9 @@ inline ColorImage board_picture(const DistortedCamera& eye, const Rigid3& camera
       const Eigen::Vector3d dv = board_from_camera.linear() * straight(u, v + 0.5) - ray;
       int sum = 0;
       for (int i = 0; i < samples * samples; ++i) {
-        const double a = 2.0 * (i % samples + 0.5) / samples - 1;
-        const double b = 2.0 * (i / samples + 0.5) / samples - 1;
+        const int across = i % samples, down = i / samples;
+        const double a = 2.0 * (across + 0.5) / samples - 1;
+        const double b = 2.0 * (down + 0.5) / samples - 1;
         const Eigen::Vector3d through = ray + a * du + b * dv;
         const Eigen::Vector3d x = eye_on_board - eye_on_board.z() / through.z() * through;
         const int column = static_cast<int>(std::floor(x.x() / board.square)) + 1;

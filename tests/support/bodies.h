@@ -29,9 +29,7 @@ inline ReducedBody pressed_ball(double radius = 0.05, double full_depth = 0.01,
   const Eigen::VectorXd areas = vertex_areas(surface);
 
   std::vector<std::uint8_t> fixed(static_cast<std::size_t>(V));
-  for (int v = 0; v < V; ++v) {
-    fixed[static_cast<std::size_t>(v)] = surface.vertices(2, v) < 0.2 * radius;
-  }
+  for (int v = 0; v < V; ++v) { fixed[v] = surface.vertices(2, v) < 0.2 * radius; }
   std::vector<Site> sites;
   for (const Eigen::Vector3d& outwards :
        {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(0, 1, 0),
@@ -55,12 +53,11 @@ inline ReducedBody pressed_ball(double radius = 0.05, double full_depth = 0.01,
                   s_modes = Eigen::MatrixXf::Zero(6 * V, S);
   Eigen::MatrixXd press_depth(level_count, S);
   for (Eigen::Index s = 0; s < S; ++s) {
-    const Site& site = sites[static_cast<std::size_t>(s)];
+    const Site& site = sites[s];
     double mean = 0;
     for (int v = 0; v < V; ++v) {
       const double r = (surface.vertices.col(v) - surface.vertices.col(site.vertex)).norm();
-      const double w =
-          fixed[static_cast<std::size_t>(v)] ? 0.0 : std::exp(-r * r / (0.25 * radius * radius));
+      const double w = fixed[v] ? 0.0 : std::exp(-r * r / (0.25 * radius * radius));
       u_modes.col(s).segment<3>(3 * v) = (full_depth * w * site.direction).cast<float>();
       const float kPa = static_cast<float>(1e3 * w);
       s_modes.col(s).segment<6>(6 * v) << -kPa, -kPa, -kPa, kPa, 0, 0;
@@ -134,7 +131,7 @@ inline ReducedBody with_several(ReducedBody body) {
   several.modes = Eigen::MatrixXf::Zero(3 * V, n);
   Eigen::Index lowest = -1;
   for (Eigen::Index v = 0; v < V; ++v) {
-    if (body.fixed[static_cast<std::size_t>(v)] != 0) continue;
+    if (body.fixed[v] != 0) continue;
     const Eigen::Vector3d X = body.surface.vertices.col(v);
     const auto up = static_cast<float>(0.01 * X.z() / height);
     for (Eigen::Index i = 0; i < 3; ++i) several.modes(3 * v + i, i) = up;

@@ -46,7 +46,7 @@ struct DentedSphere {
     Eigen::MatrixXd press(samples, S);
     const auto neighbours = vertex_neighbours(surface);
     for (Eigen::Index s = 0; s < S; ++s) {
-      const Eigen::Vector3d d = directions[static_cast<std::size_t>(s)].normalized();
+      const Eigen::Vector3d d = directions[s].normalized();
       Site site;
       ((surface.vertices.colwise() - (centre + radius * d)).colwise().squaredNorm())
           .minCoeff(&site.vertex);
@@ -78,9 +78,7 @@ struct DentedSphere {
                                   Eigen::MatrixXd::Identity(S, S), Between::kNothing};
     const ParameterAxis level_axis{"level", levels, growth, Between::kSmooth};
     std::vector<std::uint8_t> fixed(static_cast<std::size_t>(V), 0);
-    for (Eigen::Index k = 0; k < V; ++k) {
-      fixed[static_cast<std::size_t>(k)] = surface.vertices(2, k) < 0.1 * radius;
-    }
+    for (Eigen::Index k = 0; k < V; ++k) { fixed[k] = surface.vertices(2, k) < 0.1 * radius; }
     ReducedBody result{.name = "dented sphere",
                        .surface = surface,
                        .fixed = fixed,

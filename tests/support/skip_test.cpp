@@ -2,6 +2,7 @@
 // below.
 #include "tests/support/test.h"
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -24,6 +25,17 @@ int exit_code_of(const std::string& cases) {
   const int status =
       std::system(("PALPABLE_EXAMPLE=1 '" + self + "' '" + cases + "' > /dev/null 2>&1").c_str());
   return WEXITSTATUS(status);
+}
+
+TEST_CASE("who reads the log learns which case was skipped, and why", "[support]") {
+  const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
+  FILE* const output = ::popen(
+      ("PALPABLE_EXAMPLE=1 '" + self + "' 'one that cannot run,one that passes'").c_str(), "r");
+  REQUIRE(output != nullptr);
+  std::string text;
+  for (int c = std::fgetc(output); c != EOF; c = std::fgetc(output)) text += static_cast<char>(c);
+  ::pclose(output);
+  CHECK_THAT(text, Catch::Contains("SKIPPED: nothing is here (in 'one that cannot run')\n"));
 }
 
 TEST_CASE("a program was skipped when none of its cases ran, and not otherwise", "[support]") {

@@ -43,9 +43,9 @@ inline SolvedSites solved_sites(const EquilibriumSolver& solver, const Boundary&
         all.displacement.middleCols(s * L, L) = site.displacement.cast<double>();
         all.stress.middleCols(s * L, L) = site.stress.cast<double>();
         all.press_depth.col(s) = site.press_depth;
-        all.outcomes[static_cast<std::size_t>(s)] = site.outcome;
+        all.outcomes[s] = site.outcome;
         all.largest_von_mises = std::max(all.largest_von_mises, site.largest_von_mises);
-        sites[static_cast<std::size_t>(s)].full_load = site.full_load;
+        sites[s].full_load = site.full_load;
       }};
   const std::vector<Site> as_given = sites;
   solve_sites(presses, as_given, settings, 1, stream);

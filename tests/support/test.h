@@ -29,13 +29,19 @@ inline std::mt19937_64 random_case(unsigned seed) { return std::mt19937_64(seed)
 inline int skipped_cases = 0;
 inline constexpr int kSkippedExitCode = 77;
 
+/// Says that the case that runs now cannot, and why: "SKIPPED: no display (in 'a window opens')".
+inline void skip(const std::string& reason) {
+  ++skipped_cases;
+  std::cout << "SKIPPED: " << reason << " (in '" << Catch::getResultCapture().getCurrentTestName()
+            << "')" << std::endl;
+}
+
 }  // namespace palpable::test
 
 /// Ends a test case that cannot run here. A program of which no other case ran ends with
 /// kSkippedExitCode, and ctest reports it as Skipped; the reason is in the log.
-#define PALPABLE_SKIP(reason)                          \
-  do {                                                 \
-    ++palpable::test::skipped_cases;                   \
-    std::cout << "SKIPPED: " << (reason) << std::endl; \
-    return;                                            \
+#define PALPABLE_SKIP(reason)     \
+  do {                            \
+    palpable::test::skip(reason); \
+    return;                       \
   } while (false)

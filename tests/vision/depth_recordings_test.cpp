@@ -107,7 +107,7 @@ TEST_CASE("before the hand comes, the squirrel's desk is all background; then th
   const double pixels = 320 * 240;
   for (int i = 15; i < 30; ++i) {
     INFO("frame " << i);
-    const DepthImage& fresh = frames[static_cast<std::size_t>(i)].fresh;
+    const DepthImage& fresh = frames[i].fresh;
     const int man = fresh_in(fresh, 190, 0, 320, 110);
     CHECK((fresh_in(fresh, 0, 0, 320, 240) - man) / pixels <=
           test::tolerance(0.005, "half a percent of the picture: what flickers"));
@@ -117,7 +117,7 @@ TEST_CASE("before the hand comes, the squirrel's desk is all background; then th
   }
   for (int i = 45; i < 90; ++i) {
     INFO("frame " << i);
-    CHECK(fresh_in(frames[static_cast<std::size_t>(i)].fresh, 60, 85, 150, 200) > 150);
+    CHECK(fresh_in(frames[i].fresh, 60, 85, 150, 200) > 150);
   }
 }
 

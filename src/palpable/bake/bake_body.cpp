@@ -266,7 +266,7 @@ void require_free_functions(const SnapshotStore& store, const Points& points,
   const std::string& parameter = store.content().parameters[0].name;
   throw Error(
       fmt::format("{}: '{}' has no functions of '{}' alone; take per-site, pgd or cp, or one "
-                  "value: --at {}=...",
+                  "value: at {}=...",
                   store.folder().string(), method_name(method), parameter, parameter));
 }
 

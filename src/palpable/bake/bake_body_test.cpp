@@ -338,6 +338,7 @@ TEST_CASE("a parameter that nobody settles stays free in the body", "[bake][body
   bake.threads = 1;
   bake.store = folder;
   const FilledStore filled = fill_store(description, bake, crew);
+  CHECK_THROWS_WITH(FolderLock(folder), Contains("another run"));  // nobody moves it meanwhile
   for (const ReductionMethod method : {ReductionMethod::kPerSite, ReductionMethod::kPgd}) {
     INFO(method_name(method));
     const ReducedBody body = reduce_store(filled.store, {.method = method, .tolerance = 1e-4}).body;

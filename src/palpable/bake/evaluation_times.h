@@ -16,6 +16,6 @@ struct EvaluationTimes {
 
 /// Evaluates as a hand goes: 20 levels up at one site, then at the next. Further parameters have
 /// their own values. Takes about a second.
-[[nodiscard]] EvaluationTimes evaluation_times(const ReducedBody& body);
+[[nodiscard]] EvaluationTimes evaluation_times(const ReducedBody& unsettled);
 
 }  // namespace palpable

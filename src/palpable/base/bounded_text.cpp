@@ -1,10 +1,10 @@
 #include "palpable/base/bounded_text.h"
 
+#include "palpable/base/whole_file.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <fstream>
-#include <system_error>
 #include <vector>
 
 namespace palpable {
@@ -217,20 +217,9 @@ std::optional<Unparsable> why_not_parsed(std::string_view text, Notation notatio
 }
 
 Result<std::string> read_bounded_text(const std::filesystem::path& path, Notation notation) {
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) {
-    return Problem{fmt::format("{}: cannot be read: {}", path.string(), error.message())};
-  }
-  if (size > longest_text(notation)) {
-    return Problem{fmt::format("{}: {} MB, where {} are read at most", path.string(),
-                               size / kMegabyte, longest_text(notation) / kMegabyte)};
-  }
-  std::string text(size, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(text.data(), static_cast<std::streamsize>(size));
-  if (!in) return Problem{fmt::format("{}: cannot be read", path.string())};
-  if (const auto unparsable = why_not_parsed(text, notation)) {
+  Result<std::string> text = read_whole_file(path, longest_text(notation));
+  if (!text) return Problem{fmt::format("{}: {}", path.string(), text.problem().message)};
+  if (const auto unparsable = why_not_parsed(text.value(), notation)) {
     return Problem{
         fmt::format("{}: line {}: {}", path.string(), unparsable->line, unparsable->what)};
   }

@@ -77,9 +77,8 @@ TEST_CASE("the text of a file is read whole, or the file is named", "[base][boun
   test::write_bytes(folder / "long.yml", std::string(2'500'000, ' '));
   CHECK_THAT(problem("long.yml", Notation::kYaml),
              Catch::EndsWith("long.yml: 2 MB, where 1 are read at most"));
-  CHECK_THAT(problem("none.yml", Notation::kYaml),
-             Catch::Contains("none.yml: cannot be read: No such file"));
-  CHECK_THAT(problem(".", Notation::kYaml), Catch::Contains("cannot be read"));
+  CHECK_THAT(problem("none.yml", Notation::kYaml), Catch::EndsWith("none.yml: no such file"));
+  CHECK_THAT(problem(".", Notation::kYaml), Catch::EndsWith(": no such file"));
 }
 
 }  // namespace

@@ -40,7 +40,8 @@ bool is_still(int descriptor, const fs::path& folder) {
 
 }  // namespace
 
-FolderLock::FolderLock(const fs::path& folder) {
+FolderLock::FolderLock(const fs::path& folder, Holding holding) {
+  const int operation = (holding == Holding::kAlone ? LOCK_EX : LOCK_SH) | LOCK_NB;
   while (true) {
     const std::vector<fs::path> missing = missing_folders(folder);
     make_folder(folder);
@@ -49,11 +50,11 @@ FolderLock::FolderLock(const fs::path& folder) {
       throw Error(fmt::format("{}: cannot be opened: {}", folder.string(), std::strerror(errno)));
     }
     if (descriptor_ < 0) continue;
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    if (::flock(descriptor_, operation) != 0 && errno == EWOULDBLOCK) {
       ::close(descriptor_);
       throw Error(
-          fmt::format("{}: another run is writing into it; wait for its end, or give "
-                      "another --out",
+          fmt::format("{}: another run is writing into it; wait for its end, or write "
+                      "into another folder",
                       folder.string()));
     }
     if (is_still(descriptor_, folder)) {

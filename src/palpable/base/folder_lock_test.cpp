@@ -25,6 +25,19 @@ TEST_CASE("a folder is held by one, until it lets go", "[base][folder_lock][refu
   CHECK(fs::is_empty(scratch.path()));
 }
 
+TEST_CASE("several that agree hold a folder together, and keep out who wants it alone",
+          "[base][folder_lock][refusal]") {
+  const test::ScratchFolder scratch("folder_lock_shared");
+  const auto refused = Catch::Contains("another run is writing into");
+  {
+    const FolderLock one(scratch.path(), Holding::kWithOthers);
+    const FolderLock other(scratch.path(), Holding::kWithOthers);
+    CHECK_THROWS_WITH(FolderLock(scratch.path()), refused);
+  }
+  const FolderLock alone(scratch.path());
+  CHECK_THROWS_WITH(FolderLock(scratch.path(), Holding::kWithOthers), refused);
+}
+
 TEST_CASE("a folder that was made to be held goes where nothing was written into it",
           "[base][folder_lock]") {
   const test::ScratchFolder scratch("folder_lock_made");
@@ -52,9 +65,8 @@ TEST_CASE("who is killed holds nothing any more", "[base][folder_lock]") {
   const pid_t child = ::fork();
   if (child == 0) {
     const FolderLock lock(scratch.path());
-    const bool told = ::write(held[1], "x", 1) == 1;
-    while (told) ::pause();
-    ::_exit(1);
+    if (::write(held[1], "x", 1) != 1) ::_exit(1);
+    for (;;) ::pause();
   }
   char word = 0;
   REQUIRE(::read(held[0], &word, 1) == 1);

@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
-#include <system_error>
 #include <unistd.h>
 #include <utility>
 
@@ -34,11 +33,11 @@ int write_all(int descriptor, std::string_view bytes) {
 
 }  // namespace
 
-GrowingFile::GrowingFile(std::filesystem::path path) : path_(std::move(path)) {
+GrowingFile::GrowingFile(const std::filesystem::path& path, std::filesystem::path called)
+    : called_(std::move(called)) {
   constexpr mode_t kAllMayReadAndWrite = 0666;  // less the user's umask
-  descriptor_ =
-      ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kAllMayReadAndWrite);
-  if (descriptor_ < 0) give_up(path_, errno);
+  descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kAllMayReadAndWrite);
+  if (descriptor_ < 0) give_up(called_, errno);
 }
 
 GrowingFile::~GrowingFile() {
@@ -56,25 +55,13 @@ void GrowingFile::append(std::string_view piece) {
   const bool cut =
       ::ftruncate(descriptor_, size_) == 0 && ::lseek(descriptor_, size_, SEEK_SET) == size_;
   static_cast<void>(cut);
-  give_up(path_, reason);
+  give_up(called_, reason);
 }
 
 void GrowingFile::close() {
   if (descriptor_ < 0) return;
   // Some file systems (NFS, quotas) say only now that there was no room.
-  if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) give_up(path_, errno);
-}
-
-void write_whole_file(const std::filesystem::path& path, std::string_view bytes) {
-  GrowingFile file(path);
-  try {
-    file.append(bytes);
-    file.close();
-  } catch (const Error&) {
-    std::error_code ignored;  // a device, or a link to one, is not ours to remove
-    if (std::filesystem::is_regular_file(path, ignored)) std::filesystem::remove(path, ignored);
-    throw;
-  }
+  if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) give_up(called_, errno);
 }
 
 }  // namespace palpable

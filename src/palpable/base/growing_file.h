@@ -15,7 +15,9 @@ namespace palpable {
 class GrowingFile {
  public:
   /// Begins the file anew. @throws Error "FILE: cannot be written: REASON", as the others do
-  explicit GrowingFile(std::filesystem::path path);
+  explicit GrowingFile(const std::filesystem::path& path) : GrowingFile(path, path) {}
+  /// @param called  what messages call it, for a file that is to become that one
+  GrowingFile(const std::filesystem::path& path, std::filesystem::path called);
   GrowingFile(const GrowingFile&) = delete;
   GrowingFile& operator=(const GrowingFile&) = delete;
   ~GrowingFile();
@@ -25,13 +27,9 @@ class GrowingFile {
   void close();
 
  private:
-  std::filesystem::path path_;
+  std::filesystem::path called_;
   int descriptor_ = -1;  // -1: closed
   std::int64_t size_ = 0;
 };
-
-/// Replaces a file by these bytes. Where that fails there is no half of them: the file is gone.
-/// @throws Error as above
-void write_whole_file(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace palpable

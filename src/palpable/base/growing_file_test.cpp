@@ -49,6 +49,8 @@ TEST_CASE("a file that cannot be begun is named with the reason", "[base][growin
   CHECK_THROWS_WITH(GrowingFile(folder / "none" / "file"),
                     Catch::EndsWith("none/file: cannot be written: No such file or directory"));
   CHECK_THROWS_WITH(GrowingFile(folder.path()), Catch::Contains("Is a directory"));
+  CHECK_THROWS_WITH(GrowingFile(folder.path(), "a.csv"),
+                    "a.csv: cannot be written: Is a directory");
 }
 
 TEST_CASE("a full disk is named as such", "[base][growing_file][refusal]") {
@@ -57,20 +59,6 @@ TEST_CASE("a full disk is named as such", "[base][growing_file][refusal]") {
   GrowingFile file(folder / "file");
   CHECK_THROWS_WITH(file.append("x"), Catch::EndsWith("file: cannot be written: "
                                                       "No space left on device"));
-  CHECK_THROWS_WITH(write_whole_file(folder / "file", "x"),
-                    Catch::EndsWith("No space left on device"));
-  CHECK(fs::is_character_file("/dev/full"));
-}
-
-TEST_CASE("a file is written as a whole or not at all", "[base][growing_file]") {
-  const test::ScratchFolder folder("whole_file");
-  const fs::path path = folder / "picture";
-  const std::string bytes(100, 'x');
-  write_whole_file(path, bytes);
-  CHECK(test::file_bytes(path) == bytes);
-  const test::FileSizeLimit limit(50);
-  CHECK_THROWS_WITH(write_whole_file(path, bytes), Catch::Contains("File too large"));
-  CHECK_FALSE(fs::exists(path));
 }
 
 }  // namespace

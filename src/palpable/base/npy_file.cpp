@@ -2,14 +2,15 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/base/output_file.h"
+#include "palpable/base/whole_file.h"
 
 #include <fmt/format.h>
 
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
+#include <new>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -92,13 +93,12 @@ void write_npy(const std::filesystem::path& path, const std::vector<std::size_t>
   // Magic, version 1.0 and the header's length are 10 bytes; values begin at a multiple of 64.
   header.append((64 - (10 + header.size() + 1) % 64) % 64, ' ');
   header += '\n';
-  std::ofstream file(path, std::ios::binary);
-  file << kMagic << '\x01' << '\0' << static_cast<char>(header.size() % 256)
-       << static_cast<char>(header.size() / 256) << header;
-  file.write(reinterpret_cast<const char*>(values.data()),
-             static_cast<std::streamsize>(values.size_bytes()));
-  file.close();
-  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
+  const char first[] = {'\x01', '\0', static_cast<char>(header.size() % 256),
+                        static_cast<char>(header.size() / 256)};
+  write_whole_file(path, {kMagic,
+                          std::string_view(first, sizeof first),
+                          header,
+                          {reinterpret_cast<const char*>(values.data()), values.size_bytes()}});
 }
 
 template void write_npy(const std::filesystem::path&, const std::vector<std::size_t>&,
@@ -163,10 +163,13 @@ NpyArray npy_array(const NpyHeader& header, const std::string& bytes, const std:
 }
 
 NpyArray read_npy(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw refusal(path.string(), "no such file");
-  const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  return npy_array(npy_header(bytes, path.string()), bytes, path.string());
+  const Result<std::string> bytes = read_whole_file(path);
+  if (!bytes) throw refusal(path.string(), bytes.problem().message);
+  try {
+    return npy_array(npy_header(bytes.value(), path.string()), bytes.value(), path.string());
+  } catch (const std::bad_alloc&) {
+    throw refusal(path.string(), "needs more memory than there is");
+  }
 }
 
 }  // namespace palpable

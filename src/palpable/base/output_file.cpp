@@ -1,13 +1,16 @@
 #include "palpable/base/output_file.h"
 
 #include "palpable/base/error.h"
+#include "palpable/base/growing_file.h"
 
 #include <fmt/core.h>
 
 #include <cerrno>
 #include <cstring>
-#include <fstream>
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <system_error>
+#include <unistd.h>
 
 namespace palpable {
 namespace {
@@ -16,6 +19,29 @@ namespace fs = std::filesystem;
 
 // As many links as Linux follows before it says that they run in a circle.
 constexpr int kMostLinks = 40;
+
+constexpr mode_t kAllMayReadAndWrite = 0666;  // less the user's umask
+
+[[noreturn]] void give_up(const fs::path& file, int reason) {
+  throw Error(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(reason)));
+}
+
+void append_all(GrowingFile& file, std::initializer_list<std::string_view> pieces) {
+  for (const std::string_view piece : pieces) file.append(piece);
+  file.close();
+}
+
+// Puts `aside` in the place of `file`, with its permissions if there is one.
+// @return 0, or errno
+int put_into_place(const fs::path& aside, const fs::path& file) {
+  struct stat before {};
+  if (::stat(file.c_str(), &before) == 0) {
+    constexpr mode_t kPermissions = 07777;
+    // Not everybody may; the file's own permissions are no reason to lose what was written.
+    static_cast<void>(::chmod(aside.c_str(), before.st_mode & kPermissions) == 0);
+  }
+  return ::rename(aside.c_str(), file.c_str()) == 0 ? 0 : errno;
+}
 
 // @param output  as it was given, for the message
 void expect_folder_above(const fs::path& output, const fs::path& at) {
@@ -31,11 +57,24 @@ void expect_folder_above(const fs::path& output, const fs::path& at) {
 }  // namespace
 
 void expect_writable(const fs::path& file) {
+  const fs::path at = behind_links(file);
   std::error_code error;
-  const bool was_there = fs::exists(file, error);
-  const bool can_be = std::ofstream(file, std::ios::app).good();
-  if (!was_there) fs::remove(file, error);
-  if (!can_be) throw Error(fmt::format("{}: cannot be written", file.string()));
+  if (fs::is_symlink(at, error)) give_up(file, ELOOP);  // in a circle
+  if (fs::exists(at, error)) {
+    if (fs::is_directory(at, error)) give_up(file, EISDIR);
+    if (::access(at.c_str(), W_OK) != 0) give_up(file, errno);
+  }
+  const fs::path aside = part_of(at);
+  const bool was_there = fs::exists(aside, error);
+  const int descriptor = ::open(aside.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, kAllMayReadAndWrite);
+  if (descriptor < 0) give_up(file, errno);
+  ::close(descriptor);
+  if (!was_there) ::unlink(aside.c_str());
+}
+
+fs::path part_of(const fs::path& file) {
+  fs::path part = file;
+  return part += fmt::format(".part-{}", ::getpid());
 }
 
 bool lies_in(const fs::path& path, const fs::path& folder) {
@@ -59,10 +98,12 @@ fs::path behind_links(const fs::path& file) {
 }
 
 void guard_output_file(const fs::path& output, const std::vector<fs::path>& inputs) {
-  const fs::path file = behind_links(output);
-  expect_folder_above(output, file);
+  if (output.empty()) throw Error("the name of the output is empty");
   std::error_code error;
-  const fs::file_status status = fs::status(file, error);
+  // Not of what behind_links() finds: the pipe behind /dev/stdout has no name.
+  const fs::file_status status = fs::status(output, error);
+  const fs::path file = behind_links(output);
+  if (!fs::exists(status)) expect_folder_above(output, file);
   if (fs::is_directory(status) || !file.has_filename()) {
     throw Error(fmt::format("{}: is a folder, and the output is a file; name the file in it",
                             output.string()));
@@ -79,9 +120,11 @@ void guard_output_file(const fs::path& output, const std::vector<fs::path>& inpu
                               output.string(), input.string()));
     }
   }
+  expect_writable(output);
 }
 
 void guard_output_folder(const fs::path& output, const std::vector<fs::path>& inputs) {
+  if (output.empty()) throw Error("the name of the output is empty");
   // "out/" is "out", and stands in the folder above.
   const fs::path folder = behind_links(output.has_filename() ? output : output.parent_path());
   expect_folder_above(output, folder);
@@ -108,15 +151,31 @@ void make_folder(const fs::path& folder) {
   if (error) throw Error(fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
 }
 
-void write_text_file(const fs::path& file, std::string_view text) {
-  errno = 0;
-  std::ofstream out(file, std::ios::binary);
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
-  out.close();
-  if (!out) {
-    throw Error(fmt::format("{}: cannot be written: {}", file.string(),
-                            errno != 0 ? std::strerror(errno) : "unknown reason"));
+void write_whole_file(const fs::path& file, std::initializer_list<std::string_view> pieces) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    if (fs::is_directory(status)) give_up(file, EISDIR);
+    GrowingFile device(file);
+    append_all(device, pieces);
+    return;
   }
+  const fs::path at = behind_links(file);
+  if (fs::is_symlink(at, error)) give_up(file, ELOOP);  // in a circle
+  if (fs::exists(status) && ::access(at.c_str(), W_OK) != 0) give_up(file, errno);
+  const fs::path aside = part_of(at);
+  int reason = 0;
+  try {
+    GrowingFile growing(aside, file);
+    append_all(growing, pieces);
+    reason = put_into_place(aside, at);
+  } catch (const Error&) {
+    ::unlink(aside.c_str());
+    throw;
+  }
+  if (reason == 0) return;
+  ::unlink(aside.c_str());
+  give_up(file, reason);
 }
 
 }  // namespace palpable

@@ -1,16 +1,23 @@
 #include "palpable/base/output_file.h"
 
 #include "palpable/base/error.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <string>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace palpable {
 namespace {
 
 namespace fs = std::filesystem;
+
+void write_one(const fs::path& file) { write_whole_file(file, "x"); }
 
 TEST_CASE("asking whether a file can be written changes nothing", "[base][output_file]") {
   const test::ScratchFolder folder("output_file");
@@ -21,6 +28,13 @@ TEST_CASE("asking whether a file can be written changes nothing", "[base][output
   const fs::path fresh = folder.path() / "fresh.txt";
   expect_writable(fresh);
   CHECK_FALSE(fs::exists(fresh));
+  fs::create_symlink("fresh.txt", folder / "link");
+  expect_writable(folder / "link");
+  CHECK(fs::is_symlink(folder / "link"));
+  std::ofstream(part_of(there)) << "somebody's";
+  expect_writable(there);
+  CHECK(test::file_bytes(part_of(there)) == "somebody's");
+  CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 3);
 }
 
 TEST_CASE("a file in a folder that is not there cannot be written, nor can a folder",
@@ -72,6 +86,16 @@ TEST_CASE("an output file is a file and an output folder a folder", "[base][outp
   CHECK_THROWS_WITH(guard_output_file(folder.path() / "new/", {}),
                     Catch::Contains("does not exist") || Catch::Contains("is a folder"));
   CHECK_THROWS_WITH(guard_output_file("/dev/null", {}), Catch::Contains("is no ordinary file"));
+  CHECK_THROWS_WITH(guard_output_file("", {file}), "the name of the output is empty");
+  CHECK_THROWS_WITH(guard_output_folder("", {file}), "the name of the output is empty");
+  int ends[2];
+  REQUIRE(::pipe(ends) == 0);
+  const std::string pipe = "/proc/self/fd/" + std::to_string(ends[1]);
+  CHECK_THROWS_WITH(guard_output_file(pipe, {}), Catch::Contains("is no ordinary file"));
+  write_whole_file(pipe, "through it");
+  char read[20];
+  CHECK(::read(ends[0], read, sizeof read) == 10);
+  for (const int end : ends) ::close(end);
   CHECK_THROWS_WITH(guard_output_folder(file, {}), Catch::Contains("is a file"));
   CHECK_NOTHROW(guard_output_folder(store, {file}));
   CHECK_THROWS_WITH(guard_output_folder(store, {store}), Catch::Contains("read as input"));
@@ -115,14 +139,101 @@ TEST_CASE("a folder is made with those above it, or the reason is said", "[base]
                     Catch::Contains("file/c: cannot be made: Not a directory"));
 }
 
-TEST_CASE("a text replaces the file that was there, or the reason is said", "[base][output_file]") {
-  const test::ScratchFolder folder("text_file");
-  const fs::path file = folder.path() / "a.html";
-  write_text_file(file, "a longer text");
-  write_text_file(file, std::string_view("a\0b", 3));
-  CHECK(test::file_bytes(file) == std::string("a\0b", 3));
-  CHECK_THROWS_WITH(write_text_file(folder.path(), "x"),
+TEST_CASE("a file is replaced as a whole, or stays as it was", "[base][output_file]") {
+  const test::ScratchFolder folder("whole_file");
+  const fs::path file = folder / "picture";
+  const std::string bytes(100, 'x');
+  {
+    const test::FileSizeLimit limit(50);
+    CHECK_THROWS_WITH(write_whole_file(file, bytes),
+                      Catch::EndsWith("picture: cannot be written: File too large"));
+  }
+  CHECK(fs::is_empty(folder.path()));  // nor half a file
+  write_whole_file(file, bytes);
+  CHECK(test::file_bytes(file) == bytes);
+  {
+    const test::FileSizeLimit limit(150);
+    CHECK_THROWS_WITH(write_whole_file(file, {"one", std::string(200, 'y')}),
+                      Catch::EndsWith("picture: cannot be written: File too large"));
+  }
+  CHECK(test::file_bytes(file) == bytes);
+  write_whole_file(file, {"one", std::string_view("a\0b", 3), "", "two"});
+  CHECK(test::file_bytes(file) == std::string("onea\0btwo", 9));
+  CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 1);
+}
+
+TEST_CASE("two programs that replace a file at once leave one of theirs, whole",
+          "[base][output_file]") {
+  const test::ScratchFolder folder("replaced_by_two");
+  const fs::path file = folder / "file";
+  const std::string long_one(1'000'000, 'a'), short_one(300'000, 'b');
+  const auto write = [&](const std::string& bytes) {
+    for (int k = 0; k < 100; ++k) write_whole_file(file, bytes);
+  };
+  const pid_t child = ::fork();
+  if (child == 0) {
+    try {
+      write(long_one);
+      ::_exit(0);
+    } catch (const Error&) { ::_exit(1); }
+  }
+  CHECK_NOTHROW(write(short_one));
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  CHECK(status == 0);
+  const std::string left = test::file_bytes(file);
+  CHECK((left == long_one || left == short_one));
+  CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 1);
+}
+
+TEST_CASE("a file that is replaced keeps its permissions, and a link stays a link",
+          "[base][output_file]") {
+  const test::ScratchFolder folder("replaced_file");
+  const fs::path file = folder / "file", link = folder / "link", dangling = folder / "dangling";
+  write_whole_file(file, "before");
+  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink("file", link);
+  fs::create_symlink("new", dangling);
+  write_whole_file(link, "after");
+  write_whole_file(dangling, "made");
+  CHECK(fs::is_symlink(link));
+  CHECK(fs::is_symlink(dangling));
+  CHECK(test::file_bytes(file) == "after");
+  CHECK(test::file_bytes(folder / "new") == "made");
+  CHECK(fs::status(file).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
+}
+
+TEST_CASE("what is no file is not replaced by one", "[base][output_file][refusal]") {
+  const test::ScratchFolder folder("no_file");
+  fs::create_symlink("/dev/full", folder / "full");
+  fs::create_symlink("circle", folder / "circle");
+  CHECK_THROWS_WITH(write_whole_file(folder / "full", "x"),
+                    Catch::EndsWith("full: cannot be written: No space left on device"));
+  CHECK(fs::is_character_file("/dev/full"));
+  CHECK_THROWS_WITH(write_whole_file(folder.path(), "x"),
                     Catch::Contains("cannot be written: Is a directory"));
+  for (const auto& writes : {expect_writable, write_one}) {
+    CHECK_THROWS_WITH(
+        writes(folder / "circle"),
+        Catch::EndsWith("circle: cannot be written: Too many levels of symbolic links"));
+    CHECK_THROWS_WITH(writes(folder / "none" / "file"),
+                      Catch::EndsWith("cannot be written: No such file or directory"));
+  }
+  CHECK(fs::is_symlink(folder / "circle"));
+}
+
+TEST_CASE("a file that nobody may write is kept", "[base][output_file][refusal]") {
+  const test::ScratchFolder folder("write_protected");
+  const fs::path file = folder / "file";
+  write_whole_file(file, "mine");
+  fs::permissions(file, fs::perms::owner_read);
+  if (::geteuid() == 0) {  // for whom there is no such file
+    write_whole_file(file, "yours");
+    return;
+  }
+  CHECK_THROWS_WITH(write_whole_file(file, "yours"), Catch::EndsWith("Permission denied"));
+  CHECK_THROWS_WITH(guard_output_file(file, {}), Catch::EndsWith("Permission denied"));
+  CHECK(test::file_bytes(file) == "mine");
 }
 
 }  // namespace

@@ -168,8 +168,8 @@ TEST_CASE("a board's corners are found where they are, in the same order by both
   double worst = 0;
   for (int k = 0; k < kBoard.columns * kBoard.rows; ++k) {
     const int at = upside_down ? kBoard.columns * kBoard.rows - 1 - k : k;
-    const Vector3d x = left_from_board * Vector3d((at % kBoard.columns) * kBoard.square,
-                                                  (at / kBoard.columns) * kBoard.square, 0);
+    const int row = at / kBoard.columns, column = at % kBoard.columns;
+    const Vector3d x = left_from_board * Vector3d(column * kBoard.square, row * kBoard.square, 0);
     const auto i = static_cast<std::size_t>(k);
     worst = std::max({worst, (found->left[i] - rig.left.project(x)).norm(),
                       (found->right[i] - rig.right.project(rig.right_from_left * x)).norm()});

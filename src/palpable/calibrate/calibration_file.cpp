@@ -2,6 +2,7 @@
 
 #include "palpable/base/bounded_text.h"
 #include "palpable/base/contract.h"
+#include "palpable/base/output_file.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -11,7 +12,6 @@
 #include <opencv2/core.hpp>
 
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -192,16 +192,6 @@ std::vector<double> camera_matrix(const PinholeCamera& c) {
   return {c.fx_px, 0, c.cx_px, 0, c.fy_px, c.cy_px, 0, 0, 1};
 }
 
-void write(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out << text;
-  out.close();
-  if (!out) {
-    throw Error(
-        fmt::format("cannot write {}: is its folder there, and room on the disk?", path.string()));
-  }
-}
-
 std::string wrong_with(const PinholeCamera& camera, std::string_view name) {
   if (camera.width < 1 || camera.height < 1 || camera.width > kLargestSide ||
       camera.height > kLargestSide) {
@@ -357,7 +347,7 @@ void write_stereo_calibration(const std::filesystem::path& path,
   text += yaml_matrix("D2", 1, 5, rig.right.distortion);
   text += yaml_matrix("R", 3, 3, std::vector<double>(R.data(), R.data() + 9));
   text += yaml_matrix("T", 3, 1, std::vector<double>(T.data(), T.data() + 3));
-  write(path, text);
+  write_whole_file(path, text);
 }
 
 void write_rectified_calibration(const std::filesystem::path& path,
@@ -366,11 +356,12 @@ void write_rectified_calibration(const std::filesystem::path& path,
   const std::string wrong = what_is_wrong_with(stereo);
   PALPABLE_EXPECT(wrong.empty(), wrong.c_str());
   const PinholeCamera& c = stereo.camera;
-  write(path, fmt::format("%YAML:1.0\n---\nwidth: {}\nheight: {}\nfps: {}\nfx: {}\nfy: {}\ncx: {}\n"
-                          "cy: {}\nbaseline_m: {}\ndoffs_px: {}\n",
-                          c.width, c.height, real(calibration.frames_per_second), real(c.fx_px),
-                          real(c.fy_px), real(c.cx_px), real(c.cy_px), real(stereo.baseline),
-                          real(-stereo.disparity_at_infinity_px)));
+  write_whole_file(
+      path, fmt::format("%YAML:1.0\n---\nwidth: {}\nheight: {}\nfps: {}\nfx: {}\nfy: {}\ncx: {}\n"
+                        "cy: {}\nbaseline_m: {}\ndoffs_px: {}\n",
+                        c.width, c.height, real(calibration.frames_per_second), real(c.fx_px),
+                        real(c.fy_px), real(c.cx_px), real(c.cy_px), real(stereo.baseline),
+                        real(-stereo.disparity_at_infinity_px)));
 }
 
 }  // namespace palpable

@@ -167,11 +167,7 @@ class JobFiles {
     for (const std::string_view ending : {"dat", "sta", "frd", "cvg", "log"}) {
       fs::remove(of(ending), ignored);
     }
-    std::ofstream inp(of("inp"), std::ios::binary);
-    inp << deck << std::flush;
-    if (!inp) {
-      throw Error(fmt::format("{}: cannot be written (is the disk full?)", of("inp").string()));
-    }
+    write_whole_file(of("inp"), deck);
   }
 
  private:

@@ -26,13 +26,13 @@ CalculixSites::CalculixSites(const SiteSolver& solver, std::string program)
     : solver_(solver), program_(std::move(program)) {
   if (!find_calculix(program_)) {
     throw Error(
-        fmt::format("'{}' is not installed: --solver calculix runs it (Debian: apt-get "
-                    "install calculix-ccx), or leave --solver out",
+        fmt::format("'{}' is not installed: the solver calculix runs it (Debian: apt-get install "
+                    "calculix-ccx); this project's own needs nothing",
                     program_));
   }
   if (solver.presses().is_preloaded()) {
     throw Error(
-        "--solver calculix presses bodies on which nothing else acts: leave out gravity, "
+        "CalculiX presses bodies on which nothing else acts: leave out gravity, "
         "pressures and supports that move");
   }
 }

@@ -256,7 +256,7 @@ class PointRun {
                               return i ? std::optional(sites_[*i]) : std::nullopt;
                             },
                             [&](int s, double part) { account.part(unit_of(s), part); },
-                            [&](int s, SiteSnapshots snapshots, StageTimes spent) {
+                            [&](int s, const SiteSnapshots& snapshots, StageTimes spent) {
                               {
                                 const StageTimer timer(spent, "write");
                                 store_.write(unit_of(s), snapshots, presses_.rest());

@@ -12,6 +12,8 @@
 #include <map>
 #include <mutex>
 #include <pugixml.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace palpable {
 namespace {
@@ -55,7 +57,7 @@ struct Block {
     }
     content.keys = unit_keys(plan);
   }
-  CampaignReport run(const fs::path& folder, CampaignSettings settings = {},
+  CampaignReport run(const fs::path& folder, const CampaignSettings& settings = {},
                      const Progress& progress = {}) const {
     LocalCrew crew;
     return run_campaign(plan, SnapshotStore::create(folder, content), crew, settings, progress);
@@ -103,6 +105,28 @@ TEST_CASE("what is valid is used again, what is damaged, foreign or gone is solv
   CHECK(again.solved == 3);
   CHECK(again.solved + again.reused == 6);
   CHECK(all_files(folder / "store") == files);
+}
+
+TEST_CASE("what killed processes left goes, and what one beside this is writing stays",
+          "[campaign]") {
+  const test::ScratchFolder folder("campaign_leftovers");
+  const pid_t ended = ::fork();
+  if (ended == 0) ::_exit(0);
+  ::waitpid(ended, nullptr, 0);
+  char host[256] = {};
+  ::gethostname(host, sizeof host - 1);
+  const auto part = [&](const std::string& machine, long process) {
+    return folder / "store" / ("site_0000.h5.part-" + machine + "-" + std::to_string(process));
+  };
+  const SnapshotStore store =
+      SnapshotStore::create(folder / "store", Block("neo-hookean", 0.004, 2).content);
+  const fs::path other = part("elsewhere", 7), killed = part(host, ended),
+                 running = part(host, ::getppid());
+  for (const fs::path& file : {other, killed, running}) test::write_bytes(file, "half");
+  store.finish();
+  CHECK_FALSE(fs::exists(other));
+  CHECK_FALSE(fs::exists(killed));
+  CHECK(fs::exists(running));
 }
 
 TEST_CASE("a store's list for ParaView is XML, whatever parameters and fields are called",

@@ -227,13 +227,15 @@ FilledStore fill_store(const BodyDescription& description, const FillSettings& s
   if (crew.leads()) set_aside = set_aside_other_campaign(settings.store, content);
   SnapshotStore store = crew.leads() ? SnapshotStore::create(settings.store, std::move(content))
                                      : SnapshotStore::attach(settings.store, std::move(content));
+  std::unique_ptr<FolderLock> held;
+  if (crew.leads()) held = std::make_unique<FolderLock>(settings.store, Holding::kWithOthers);
   try {
     CampaignReport campaign = run_campaign(
         plan, store, crew,
         {.threads = settings.threads, .shard = settings.shard, .shards = settings.shards},
         progress);
     timer.reset();
-    return {std::move(store), std::move(campaign), wall, std::move(set_aside)};
+    return {std::move(store), campaign, wall, std::move(set_aside), std::move(held)};
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", description.source.string(), error.what()));
   }

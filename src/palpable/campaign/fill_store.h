@@ -2,6 +2,7 @@
 /// From a body's description to a store full of its snapshots: mesh, plan, campaign.
 #pragma once
 
+#include "palpable/base/folder_lock.h"
 #include "palpable/base/progress.h"
 #include "palpable/base/stage_clock.h"
 #include "palpable/campaign/campaign.h"
@@ -12,6 +13,7 @@
 #include "palpable/describe/body_problem.h"
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 namespace palpable {
@@ -34,6 +36,8 @@ struct FilledStore {
   StageTimes wall;  ///< ms by the clock on the wall: mesh, campaign
   /// Snapshots of another description that were in the folder; on the leader of the crew.
   std::optional<SetAside> set_aside = {};
+  /// Keeps other campaigns out of the folder; on the leader of the crew.
+  std::unique_ptr<FolderLock> held = {};
 };
 
 /// What is known of a body before anything is solved. Levels, keys, and where the snapshots come

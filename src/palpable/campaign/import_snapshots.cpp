@@ -1,7 +1,9 @@
 #include "palpable/campaign/import_snapshots.h"
 
+#include "palpable/base/bounded_text.h"
 #include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
+#include "palpable/base/whole_file.h"
 #include "palpable/campaign/fill_store.h"
 #include "palpable/campaign/set_aside.h"
 #include "palpable/describe/body_problem.h"
@@ -16,8 +18,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -459,13 +459,10 @@ std::uint64_t key_of(const TetMesh& mesh, const ImportedUnit& unit, int number) 
 }  // namespace
 
 ImportManifest read_import_manifest(const fs::path& path) {
-  std::error_code code;
-  if (!fs::is_regular_file(path, code)) throw Error(fmt::format("{}: no such file", path.string()));
-  std::ifstream stream(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(stream)),
-                         std::istreambuf_iterator<char>());
   const std::string file = path.string();
-  const toml::table table = parse_toml(text, file);
+  const Result<std::string> text = read_whole_file(path, longest_text(Notation::kToml));
+  if (!text) throw Error(fmt::format("{}: {}", file, text.problem().message));
+  const toml::table table = parse_toml(text.value(), file);
   ImportManifest manifest;
   manifest.source = path;
   TomlSection root(file, "", table);

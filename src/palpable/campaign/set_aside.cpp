@@ -1,6 +1,7 @@
 #include "palpable/campaign/set_aside.h"
 
 #include "palpable/base/error.h"
+#include "palpable/base/folder_lock.h"
 #include "palpable/base/output_file.h"
 
 #include <fmt/format.h>
@@ -91,6 +92,9 @@ std::optional<SetAside> set_aside_other_campaign(const fs::path& folder,
   if (!fs::exists(folder / "campaign.h5", error)) return std::nullopt;
   const SnapshotStore old = SnapshotStore::open(folder);
   const SnapshotStore now = SnapshotStore::attach(folder, content);
+  // A run that is under way would go on in the folder of this one.
+  std::optional<FolderLock> lock;
+  if (hash_of(old.content()) != hash_of(content)) lock.emplace(folder);
   const Keys units = those_in(folder, keys_of_units(old));
   const Keys linear = those_in(folder, keys_of_linear_responses(old));
   const Keys valid_units = those_valid(units, keys_of_units(now));

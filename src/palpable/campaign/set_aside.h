@@ -22,7 +22,8 @@ struct SetAside {
 /// campaign earlier comes back; otherwise units and linear responses that hold for both are linked
 /// into a new folder.
 /// @returns nothing where nothing had to move
-/// @throws Error when a folder cannot be renamed or a file cannot be linked
+/// @throws Error when a folder cannot be renamed or a file cannot be linked, or while another run
+///         that holds the folder fills it with another campaign
 std::optional<SetAside> set_aside_other_campaign(const std::filesystem::path& folder,
                                                  const StoreContent& content);
 

@@ -1,6 +1,7 @@
 #include "palpable/campaign/set_aside.h"
 
 #include "palpable/base/error.h"
+#include "palpable/base/folder_lock.h"
 #include "tests/support/rubber_block.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
@@ -43,6 +44,21 @@ int folders_in(const fs::path& folder) {
   int count = 0;
   for (const auto& entry : fs::directory_iterator(folder)) count += entry.is_directory();
   return count;
+}
+
+TEST_CASE("a campaign that is being solved keeps others out of its folder",
+          "[campaign][aside][refusal]") {
+  const test::ScratchFolder folder("held_store");
+  const fs::path store = folder / "block.snapshots";
+  const SnapshotStore solving = SnapshotStore::create(store, campaign_of({1, 2, 3}));
+  const FolderLock run(store, Holding::kWithOthers);
+  const auto edit = [&] { (void)set_aside_other_campaign(store, campaign_of({1, 5, 6})); };
+  const auto refused = Catch::Contains("block.snapshots: another run is writing into it");
+  CHECK_THROWS_WITH(edit(), refused);  // before its first site is solved, too
+  write_units(solving);
+  CHECK_THROWS_WITH(edit(), refused);
+  CHECK(folders_in(folder.path()) == 1);
+  CHECK_FALSE(set_aside_other_campaign(store, campaign_of({1, 2, 3})));  // the same, as shards do
 }
 
 TEST_CASE("snapshots of an edited description are set aside and come back", "[campaign][aside]") {

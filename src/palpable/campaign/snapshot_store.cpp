@@ -4,13 +4,18 @@
 #include "palpable/base/error.h"
 #include "palpable/base/fnv1a.h"
 #include "palpable/base/markup_text.h"
+#include "palpable/base/text_numbers.h"
 #include "palpable/campaign/store_content_file.h"
 #include "palpable/reduced/hdf5_tools.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <limits>
 #include <mutex>
+#include <new>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -46,14 +51,27 @@ auto about(const fs::path& file, Work&& work) {
     throw Error(fmt::format("{}: {}", file.string(), trouble.what));
   } catch (const fs::filesystem_error& error) {
     throw Error(fmt::format("{}: {}", file.string(), error.code().message()));
+  } catch (const std::bad_alloc&) {
+    throw Error(fmt::format("{}: needs more memory than there is", file.string()));
   }
 }
 
 // Several processes, on several machines, may write the same file.
-std::string own_suffix() {
+std::string suffix_of_this_machine() {
   char host[256] = {};
   ::gethostname(host, sizeof host - 1);
-  return fmt::format(".part-{}-{}", host, ::getpid());
+  return fmt::format(".part-{}-", host);
+}
+std::string own_suffix() { return suffix_of_this_machine() + std::to_string(::getpid()); }
+
+// A run of the same campaign beside this one, which is not through yet.
+bool is_of_running_process(std::string_view name) {
+  const std::string suffix = suffix_of_this_machine();
+  const std::size_t at = name.find(suffix);
+  if (at == std::string_view::npos) return false;
+  const auto process = to_whole_number(name.substr(at + suffix.size())).value_or(0);
+  if (process <= 0 || process > std::numeric_limits<pid_t>::max()) return false;
+  return ::kill(static_cast<pid_t>(process), 0) == 0 || errno == EPERM;
 }
 
 // Another process may just be writing its first file there, under its own name.
@@ -362,7 +380,9 @@ void SnapshotStore::finish() const {
       const bool made_here = name.starts_with("site_") || name.starts_with("point_") ||
                              name.starts_with("linear_") ||
                              name.find(".part-") != std::string::npos;
-      if (made_here && !ours.contains(name)) fs::remove(entry.path());
+      if (made_here && !ours.contains(name) && !is_of_running_process(name)) {
+        fs::remove(entry.path());
+      }
     }
   });
 }

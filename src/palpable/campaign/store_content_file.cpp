@@ -179,8 +179,7 @@ void write_content(hid_t file, const StoreContent& content) {
   hdf5::write_number(file, "tolerance", content.reduction.tolerance);
   hdf5::write_number(file, "max_modes", content.reduction.max_modes);
   hdf5::write_number(file, "own_norms", content.reduction.weight_snapshots ? 1 : 0);
-  write_mesh(file, content.mesh, content.fixed);
-  write_materials(file, content);
+  write_solid(file, content);
   write_sites(file, content.sites);
   hdf5::write_table(file, "levels", content.levels.data(),
                     static_cast<hsize_t>(content.levels.size()), 1);
@@ -235,8 +234,7 @@ StoreContent read_content(hid_t file) {
     content.reduction.method = ReductionMethod::kPgd;
     content.reduction.weight_snapshots = false;
   }
-  content.mesh = read_mesh(file, content.fixed);
-  if (H5Lexists(file, "materials", H5P_DEFAULT) > 0) read_materials(file, content);
+  read_solid(file, content);
   content.sites = read_sites(file);
   content.levels = read_column(file, "levels");
   const auto keys = hdf5::read_table<std::uint8_t>(file, "keys");
@@ -274,6 +272,16 @@ StoreContent read_content(hid_t file) {
                                     hdf5::read_text(g, fmt::format("{:03}_value", k).c_str()));
   }
   return content;
+}
+
+void write_solid(hid_t file, const StoreContent& content) {
+  write_mesh(file, content.mesh, content.fixed);
+  write_materials(file, content);
+}
+
+void read_solid(hid_t file, StoreContent& content) {
+  content.mesh = read_mesh(file, content.fixed);
+  if (H5Lexists(file, "materials", H5P_DEFAULT) > 0) read_materials(file, content);
 }
 
 }  // namespace palpable

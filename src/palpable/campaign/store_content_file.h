@@ -20,6 +20,13 @@ void write_content(hid_t file, const StoreContent& content);
 
 [[nodiscard]] StoreContent read_content(hid_t file);
 
+/// Of that only what was solved, not how it was pressed: mesh, what is held, laws and constants.
+void write_solid(hid_t file, const StoreContent& content);
+
+/// @param content  its mesh, fixed, materials and material_of_element are set; without materials
+///                 where the file says none
+void read_solid(hid_t file, StoreContent& content);
+
 /// A dataset of one column.
 [[nodiscard]] Eigen::VectorXd read_column(hid_t file, const char* name);
 

@@ -67,7 +67,8 @@ VectorXd value_weights(const TetMesh& mesh, const StoredField& field) {
 }
 
 int point_of(const StoreContent& content, const std::map<std::string, double>& at) {
-  for (const auto& [name, value] : at) {
+  for (const auto& wanted : at) {
+    const std::string& name = wanted.first;
     const auto known = std::find_if(content.parameters.begin(), content.parameters.end(),
                                     [&](const StoredParameter& p) { return p.name == name; });
     if (known != content.parameters.end()) continue;

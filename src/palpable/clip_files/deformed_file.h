@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace palpable {
@@ -43,6 +44,9 @@ struct DeformedLine {
 /// truth/deformed/000148.ply
 [[nodiscard]] std::filesystem::path deformed_skin_file(const std::filesystem::path& folder,
                                                        int frame);
+
+/// truth/body.ply: the skin at rest of the body that was filmed, m, body frame.
+inline constexpr std::string_view kBodySkinFile = "body.ply";
 
 /// The property that carries the von Mises stress, Pa.
 inline constexpr std::string_view kVonMisesProperty = "von_mises";

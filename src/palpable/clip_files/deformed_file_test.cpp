@@ -18,8 +18,8 @@ TEST_CASE("lines of deformed.jsonl are read as they were written, the last of a 
   DeformedLine doubtful{.frame = 3, .scored = false, .why = "depends on the \"way\""};
   DeformedLine earlier = touch;
   earlier.depth = 1;
-  write_text_file(folder.path() / "deformed.jsonl",
-                  deformed_line(earlier) + deformed_line(touch) + deformed_line(doubtful));
+  write_whole_file(folder.path() / "deformed.jsonl",
+                   deformed_line(earlier) + deformed_line(touch) + deformed_line(doubtful));
   const std::vector<DeformedLine> lines = read_deformed_lines(folder.path());
   REQUIRE(lines.size() == 2);
   CHECK(lines[0].frame == 3);
@@ -30,7 +30,7 @@ TEST_CASE("lines of deformed.jsonl are read as they were written, the last of a 
   CHECK(lines[1].force == touch.force);
   CHECK(*lines[1].point == *touch.point);
 
-  write_text_file(folder.path() / "deformed.jsonl", deformed_line(touch) + "{\"frame\":8}\n");
+  write_whole_file(folder.path() / "deformed.jsonl", deformed_line(touch) + "{\"frame\":8}\n");
   CHECK_THROWS_WITH(read_deformed_lines(folder.path()), Contains("deformed.jsonl: line 2"));
 }
 
@@ -50,11 +50,11 @@ TEST_CASE("a PLY with values keeps every vertex and its number", "[clip_files]")
   CHECK(read.values == written.values);
   CHECK(value_or_throw(read_valued_ply(file, "other")).values.size() == 0);
 
-  write_text_file(file,
-                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-                  "property float z\nproperty float von_mises\nelement face 1\n"
-                  "property list uchar int vertex_indices\nend_header\n0 0 0 1\n1 0 0 nan\n"
-                  "0 1 0 2\n3 0 1 2\n");
+  write_whole_file(file,
+                   "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                   "property float z\nproperty float von_mises\nelement face 1\n"
+                   "property list uchar int vertex_indices\nend_header\n0 0 0 1\n1 0 0 nan\n"
+                   "0 1 0 2\n3 0 1 2\n");
   CHECK_THROWS_WITH(value_or_throw(read_valued_ply(file, kVonMisesProperty)),
                     Contains("skin.ply") && Contains("von_mises is not finite"));
 }

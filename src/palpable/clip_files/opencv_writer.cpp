@@ -1,7 +1,7 @@
 #include "palpable/clip_files/opencv_writer.h"
 
 #include "palpable/base/error.h"
-#include "palpable/base/growing_file.h"
+#include "palpable/base/output_file.h"
 
 #include <fmt/core.h>
 #include <opencv2/imgcodecs.hpp>
@@ -26,7 +26,8 @@ void write_image(const std::filesystem::path& path, const cv::Mat& image,
     throw Error(fmt::format("{}: {}", path.string(), error.err));
   }
   if (!encoded) throw Error(fmt::format("{}: cannot be encoded", path.string()));
-  write_whole_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  write_whole_file(path,
+                   std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace palpable

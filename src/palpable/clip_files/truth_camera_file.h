@@ -29,6 +29,6 @@ void write_truth_camera(const std::filesystem::path& path, const TruthCamera& ca
 /// Only fps and depth_unit_m must be there.
 /// @throws Error naming file and line when one of the two is missing or not above 0, or when it is
 /// no TOML
-[[nodiscard]] TruthCamera read_truth_camera(const std::filesystem::path& path);
+[[nodiscard]] TruthCamera read_truth_camera(const std::filesystem::path& file);
 
 }  // namespace palpable

@@ -48,7 +48,7 @@ void clear(const fs::path& folder, const fs::path& label_file, const std::string
                             folder.string()));
   }
   make_folder(folder);
-  write_text_file(label_file, fmt::format("{} is filming\n", kOurs));
+  write_whole_file(label_file, fmt::format("{} is filming\n", kOurs));
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     if (entry.path() != label_file) fs::remove_all(entry.path(), error);
   }
@@ -65,14 +65,14 @@ fs::path kept_clip(const ReducedBody& body, const KeptClipOrder& order, const Pr
   if (found != label) {
     if (lies_in(order.body_file, order.folder)) {
       throw Error(
-          fmt::format("{}: lies where the synthetic clip is kept; move it, or give another "
-                      "--out",
+          fmt::format("{}: lies where the synthetic clip is kept; move it, or write "
+                      "into another folder",
                       order.body_file.string()));
     }
     clear(order.folder, label_file, found);
     write_sequence(body, {"demo", order.frames, kSeed, order.body_file.filename().string()},
                    order.folder, progress);
-    write_text_file(label_file, label);
+    write_whole_file(label_file, label);
   }
   return order.folder / "frames";
 }

@@ -1,9 +1,11 @@
 #include "palpable/clip_writer/sequence_folder.h"
 
 #include "palpable/base/error.h"
+#include "palpable/base/folder_lock.h"
 #include "palpable/base/output_file.h"
 #include "palpable/calibrate/calibration_file.h"
 #include "palpable/clip_files/contact_file.h"
+#include "palpable/clip_files/deformed_file.h"
 #include "palpable/clip_files/depth_image_file.h"
 #include "palpable/clip_files/frame_names.h"
 #include "palpable/clip_files/hand_file.h"
@@ -22,9 +24,15 @@
 
 #include <algorithm>
 #include <atomic>
+#include <fstream>
 #include <functional>
 #include <future>
+#include <iterator>
 #include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace palpable {
@@ -109,13 +117,17 @@ std::string matrix_text(const Rigid3& transform) {
 }
 
 void write_texts(const fs::path& out, const Sequence& sequence) {
-  TextFile scene(out / "frames" / "scene.toml");
-  scene.write(fmt::format(
+  const std::string place = fmt::format(
       "# Where the body stands: camera_from_body, row by row, in the first frame's rectified left\n"
       "# camera (m).\ncamera_from_body = {}\nfps = {}\n"
       "# What the first frames show does not press.\nignore_static_frames = {}\n",
-      matrix_text(sequence.camera_from_body()), kFramesPerSecond, kIgnoreStaticFrames));
-  scene.close();
+      matrix_text(sequence.camera_from_body()), kFramesPerSecond, kIgnoreStaticFrames);
+  // In the truth once more, so that it is whole by itself.
+  for (const char* folder : {"frames", "truth"}) {
+    TextFile scene(out / folder / "scene.toml");
+    scene.write(place);
+    scene.close();
+  }
 
   TextFile script(out / "truth" / "script.toml");
   script.write(fmt::format("frames = {}\nframes_without_hand = {}\n", sequence.frames,
@@ -147,13 +159,33 @@ TruthCamera truth_camera(const Sequence& sequence, const SequenceOrder& order,
   return camera;
 }
 
+// In the folder while it is filmed, so that what an interrupted film leaves is known as such.
+constexpr const char* kUnfinished = "unfinished-film.txt";
+constexpr std::string_view kUnfinishedText =
+    "Palpable is filming here, or was interrupted; the same command films it again.\n";
+
+// @throws Error for a file of this name that is somebody's
+bool is_unfinished(const fs::path& out) {
+  const fs::path label = out / kUnfinished;
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(label, error))) return false;
+  std::ifstream in(label, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (text == kUnfinishedText) return true;
+  throw Error(fmt::format("{}: is in the way of the film", label.string()));
+}
+
 void make_folders(const fs::path& out) {
+  const bool unfinished = is_unfinished(out);
   for (const char* part : {"frames", "truth"}) {
+    std::error_code error;
+    if (unfinished) fs::remove_all(out / part, error);
     if (fs::exists(out / part)) {
       throw Error(fmt::format("{}: exists; give another folder, or remove it first",
                               (out / part).string()));
     }
   }
+  write_whole_file(out / kUnfinished, kUnfinishedText);
   for (const char* folder : {"frames/left", "frames/right", "truth/depth", "truth/labels"}) {
     make_folder(out / folder);
   }
@@ -261,10 +293,13 @@ void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, cons
       sequence.desk_from_body, RectifiedStereo{view, geometry.stereo.baseline}};
   const FrameWriter writer{folder, sequence, truth_body};
   const int threads = order.threads > 0 ? order.threads : sequence.frames < kFramesForTwo ? 1 : 2;
+  std::optional<FolderLock> lock;
   const auto begin = [&] {
+    lock.emplace(folder);
     make_folders(folder);
     write_stereo_calibration(folder / "frames" / "calibration.yml", {rig, kFramesPerSecond});
     write_texts(folder, sequence);
+    write_ply(folder / "truth" / kBodySkinFile, body.surface);
   };
   const std::vector<FrameLines> lines = film_frames(writer, threads, begin, progress);
   const fs::path truth = folder / "truth";
@@ -275,6 +310,7 @@ void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, cons
   // Without its camera a folder is no truth: written last, so that nobody scores half a film.
   write_truth_camera(truth / "camera.toml",
                      truth_camera(sequence, order, view, geometry.stereo.baseline));
+  fs::remove(folder / kUnfinished);
 }
 
 }  // namespace palpable

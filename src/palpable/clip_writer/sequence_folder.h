@@ -22,7 +22,8 @@ struct SequenceOrder {
 };
 
 /// Films `reduced` as ordered and writes frames/ and truth/ into `folder`, which must not exist or
-/// must hold neither. @throws Error when the sequence cannot be planned for the body, when OpenGL
+/// must hold neither; those of a film that was interrupted are filmed again. Nobody else may film
+/// into it meanwhile. @throws Error when the sequence cannot be planned for the body, when OpenGL
 /// is not to be had, or when the folder cannot be written
 void write_sequence(const ReducedBody& reduced, const SequenceOrder& order,
                     const std::filesystem::path& folder, const Progress& progress);

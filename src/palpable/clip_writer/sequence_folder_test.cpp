@@ -2,12 +2,14 @@
 
 #include "palpable/base/error.h"
 #include "palpable/clip_files/contact_file.h"
+#include "palpable/clip_files/deformed_file.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/render/gl_context.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -42,6 +44,14 @@ TEST_CASE("what was interrupted is no truth that could be scored", "[clip_writer
                   Error);
   CHECK(fs::exists(scratch.path() / "frames" / "left" / "000001.jpg"));
   CHECK_FALSE(fs::exists(camera));
+  // It is in nobody's way.
+  write_sequence(body, {"press", 2, 5, "ball", 1}, scratch.path(), {});
+  CHECK(fs::exists(camera));
+  CHECK_FALSE(fs::exists(scratch.path() / "frames" / "left" / "000002.jpg"));
+  CHECK(std::distance(fs::directory_iterator(scratch.path()), {}) == 2);
+  // A whole one is.
+  CHECK_THROWS_WITH(write_sequence(body, {"press", 2, 5, "ball", 1}, scratch.path(), {}),
+                    Catch::Contains("frames: exists"));
 }
 
 TEST_CASE("a film says how much of a touch is seen, and how far from a touch the hand is",
@@ -80,5 +90,11 @@ TEST_CASE("two threads film what one films, byte for byte", "[clip_writer][gl]")
   CHECK(one == contents_of(scratch.path() / "2"));
   // Two pictures, depth and labels a frame.
   CHECK(one.size() > 4 * kFrames);
+  // The truth says which body was filmed, and where it stands.
+  CHECK(one.at("truth/scene.toml") == one.at("frames/scene.toml"));
+  const SurfaceMesh skin =
+      value_or_throw(read_valued_ply(scratch.path() / "1/truth" / kBodySkinFile, "")).surface;
+  CHECK(skin.vertices == body.surface.vertices);
+  CHECK(skin.triangles == body.surface.triangles);
   CHECK(one.at("frames/left/000001.jpg") != one.at("frames/left/000002.jpg"));
 }

@@ -20,7 +20,7 @@ std::optional<NearestNode> seen(int site, double distance) {
   return NearestNode{site, distance, Vector3d(0.1, 0.2, 0.3)};
 }
 
-PaperState after(PaperState state, const std::optional<NearestNode>& nearest) {
+PaperState after(const PaperState& state, const std::optional<NearestNode>& nearest) {
   return advance_as_printed(state, nearest, kLast, kSettings);
 }
 
@@ -87,7 +87,7 @@ TEST_CASE("the nodes that are queried have the shape that the press gives them",
   deformed_nodes(state, body, nodes);
   REQUIRE(nodes.cols() == 5);
   for (int s = 0; s < 5; ++s) {
-    const Vector3d X = body.surface.vertices.col(body.sites[static_cast<std::size_t>(s)].vertex);
+    const Vector3d X = body.surface.vertices.col(body.sites[s].vertex);
     const double moved = (nodes.col(s).cast<double>() - X).norm();
     if (s == 1) {
       CHECK(moved == Approx(sphere.depth(0.7)).epsilon(test::tolerance(1e-5, "floats")));

@@ -355,7 +355,7 @@ TEST_CASE("a site's path holds its patch and what moves with it, and no fixed ve
     for (const int k : loop.body.sites[s].patch) {
       CHECK(std::binary_search(vertices.begin(), vertices.end(), k));
     }
-    for (const int k : vertices) CHECK(loop.body.fixed[static_cast<std::size_t>(k)] == 0);
+    for (const int k : vertices) CHECK(loop.body.fixed[k] == 0);
     CHECK(paths[s].positions.cols() == static_cast<Eigen::Index>(vertices.size()) * 11);
     // Column j L + l: the first vertex at rest and at the last level.
     const int k = vertices.front();

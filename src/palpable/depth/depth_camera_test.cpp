@@ -44,9 +44,7 @@ class Texture {
   }
 
  private:
-  [[nodiscard]] double at(int i, int j) const {
-    return lattice_[static_cast<std::size_t>((i & 127) + 128 * (j & 127))];
-  }
+  [[nodiscard]] double at(int i, int j) const { return lattice_[(i & 127) + 128 * (j & 127)]; }
   [[nodiscard]] double noise(double u, double v) const {
     const int i = static_cast<int>(std::floor(u));
     const int j = static_cast<int>(std::floor(v));

@@ -165,7 +165,7 @@ std::string PairMisfit::message() const {
   return fmt::format(
       "the rows of the two eyes are {:.0f} px apart with this calibration; it is of another "
       "camera, "
-      "or the camera was bent: give its own with --calibration, or make one with palpable "
+      "or the camera was bent: give its own calibration, or make one with palpable "
       "calibrate",
       std::abs(rows_px));
 }

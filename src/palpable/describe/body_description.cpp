@@ -1,6 +1,8 @@
 #include "palpable/describe/body_description.h"
 
+#include "palpable/base/bounded_text.h"
 #include "palpable/base/error.h"
+#include "palpable/base/whole_file.h"
 #include "palpable/describe/toml_section.h"
 #include "palpable/mesh/volume_mesh.h"
 #include "palpable/solid/material.h"
@@ -10,8 +12,6 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -415,14 +415,9 @@ BodyDescription parse_body_description(std::string_view text, const std::filesys
 }
 
 BodyDescription read_body_description(const std::filesystem::path& path) {
-  std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code)) {
-    throw Error(fmt::format("{}: no such file", path.string()));
-  }
-  std::ifstream file(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file) throw Error(fmt::format("{}: cannot be read", path.string()));
-  return parse_body_description(text, path);
+  const Result<std::string> text = read_whole_file(path, longest_text(Notation::kToml));
+  if (!text) throw Error(fmt::format("{}: {}", path.string(), text.problem().message));
+  return parse_body_description(text.value(), path);
 }
 
 }  // namespace palpable

@@ -5,11 +5,13 @@
 #include "palpable/describe/body_size.h"
 #include "palpable/describe/places.h"
 #include "palpable/geometry/mesh_file.h"
+#include "palpable/geometry/shells.h"
 #include "palpable/mesh/mesh_limits.h"
 #include "palpable/mesh/remesh.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <system_error>
@@ -58,6 +60,7 @@ Eigen::Vector3d extent_of(const Eigen::Matrix3Xd& points) {
 VolumeMesh read_volume(const BodyDescription::Shape& shape) {
   require_made(shape.file);
   VolumeMesh volume = value_or_throw(read_volume_file(shape.file));
+  require_no_stray(volume.mesh.nodes, shape.file.string());
   volume.mesh.nodes *= shape.unit;
   place_in_body_frame(volume.mesh.nodes, shape.up, shape.height);
   return volume;
@@ -67,6 +70,7 @@ VolumeMesh read_volume(const BodyDescription::Shape& shape) {
 SurfaceMesh read_surface(const BodyDescription::Shape& shape, bool solid) {
   require_made(shape.file);
   SurfaceMesh surface = value_or_throw(read_surface_file(shape.file));
+  require_no_stray(surface.vertices, shape.file.string());
   if (solid) require_solid_surface(surface, shape.file.string());
   if (surface.vertex_count() == 0) {
     throw Error(fmt::format("{}: there are no triangles in it", shape.file.string()));
@@ -81,7 +85,7 @@ TetMesh mesh_of_surface(SurfaceMesh surface, const BodyDescription::Shape& shape
                         std::string& made) {
   const std::string name = shape.file.string();
   made = "TetGen 1.5";
-  if (shape.wrap) surface = wrap_surface(surface, *shape.wrap);
+  if (shape.wrap) surface = wrap_surface(surface, *shape.wrap, name);
   if (shape.edge) {
     require_meshable(surface, *shape.edge, shape.inner_edge.value_or(*shape.edge), name);
     surface = remesh_surface(surface, *shape.edge, name, !shape.wrap);
@@ -156,6 +160,24 @@ void hold_nodes(const VolumeMesh& volume, const BodyDescription& description, Bo
 }
 
 }  // namespace
+
+std::optional<std::string> wrap_warning(const BodyDescription::Shape& shape) {
+  if (!shape.wrap) return std::nullopt;
+  const SurfaceMesh surface = read_surface(shape, false);
+  if (!check_watertight(surface).watertight() || !misplaced_shell(surface).empty()) {
+    return std::nullopt;
+  }
+  const std::vector<std::vector<int>> shells = shells_of(surface);
+  const auto cavities = std::count_if(shells.begin(), shells.end(), [&](const auto& shell) {
+    return enclosed_volume(surface_of(surface, shell)) < 0.0;
+  });
+  if (cavities == 0) return std::nullopt;
+  return fmt::format(
+      "{}: the surface has {} {}, which a wrap fills, since it goes around the outside; without "
+      "'wrap' {} empty",
+      shape.place, cavities, cavities == 1 ? "cavity" : "cavities",
+      cavities == 1 ? "it stays" : "they stay");
+}
 
 Eigen::Vector3d size_of_body(const BodyDescription& description) {
   const BodyDescription::Shape& shape = description.shape;

@@ -9,6 +9,7 @@
 #include "palpable/solid/solid_model.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,10 @@ void place_in_body_frame(Eigen::Matrix3Xd& points, UpAxis up, std::optional<doub
 /// Extents of the body before it is meshed, m, along the axes of the body frame. Reads the shape's
 /// file. @throws Error for what cannot be read or placed
 [[nodiscard]] Eigen::Vector3d size_of_body(const BodyDescription& description);
+
+/// What to say of a shape whose cavities a wrap would fill, beginning with file and line; nothing
+/// of others, nor of a surface that is not closed: it has no cavities to tell of. Reads the file.
+[[nodiscard]] std::optional<std::string> wrap_warning(const BodyDescription::Shape& shape);
 
 /// The skin of a volume with all nodes on it: where tetrahedra have ten nodes, each face is four
 /// triangles between its corners and the middles of its edges.

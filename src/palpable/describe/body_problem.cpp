@@ -222,6 +222,22 @@ std::string material_line(const BodyDescription::MaterialLaw& law) {
                      young, poisson);
 }
 
+std::string problem_text(const BodyDescription& description, const BodyProblem& problem) {
+  const TetMesh& mesh = problem.model.mesh;
+  std::string text = fmt::format("{}: {} nodes, {} tetrahedra of {} nodes; {}\n", description.name,
+                                 mesh.node_count(), mesh.tet_count(), mesh.is_quadratic() ? 10 : 4,
+                                 material_line(description.material));
+  text += fmt::format("held: {} nodes in all directions", problem.model.fixed_nodes.size());
+  if (const std::size_t some = problem.model.supports.size(); some > 0) {
+    text += fmt::format(", {} in some or moved", some);
+  }
+  text += "\n";
+  for (const BodyDescription::MaterialPart& part : description.groups) {
+    text += fmt::format("a part of it: {}\n", material_line(part.material));
+  }
+  return text;
+}
+
 std::string site_text(const BodyProblem& problem, int number) {
   const Site& site = problem.sites[number];
   const Eigen::Vector3d X = problem.mesh.boundary.surface.vertices.col(site.vertex);

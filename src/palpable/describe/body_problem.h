@@ -38,6 +38,10 @@ struct BodyProblem {
 ///         turn; sites that the support holds, or fewer places for sites than are asked for
 [[nodiscard]] BodyProblem pose_body(const BodyDescription& description);
 
+/// Lines for people: nodes and elements, material, what is held, parts of other materials.
+[[nodiscard]] std::string problem_text(const BodyDescription& description,
+                                       const BodyProblem& problem);
+
 /// A site for messages: its number, place and direction.
 [[nodiscard]] std::string site_text(const BodyProblem& problem, int number);
 

@@ -78,8 +78,9 @@ class BlockFile {
   }
 
   // `sections` without [sites] get one in the middle of the lid.
-  [[nodiscard]] BodyProblem pose(const std::string& sections, const std::string& shape = "",
-                                 const std::string& mesh = "block.msh") const {
+  [[nodiscard]] BodyDescription description(const std::string& sections,
+                                            const std::string& shape = "",
+                                            const std::string& mesh = "block.msh") const {
     std::string text = "name = 'block'\n[shape]\nmesh = '" + mesh + "'\n" + shape;
     if (sections.find("[material]") == std::string::npos) {
       text += "[material]\nyoung = '60 kPa'\npoisson = 0.4\n";
@@ -87,7 +88,11 @@ class BlockFile {
     if (sections.find("[sites]") == std::string::npos) {
       text += "[sites]\npoints = ['0 mm', '0 mm', '40 mm']\n";
     }
-    return pose_body(parse_body_description(text + sections, folder_.path() / "block.toml"));
+    return parse_body_description(text + sections, folder_.path() / "block.toml");
+  }
+  [[nodiscard]] BodyProblem pose(const std::string& sections, const std::string& shape = "",
+                                 const std::string& mesh = "block.msh") const {
+    return pose_body(description(sections, shape, mesh));
   }
   [[nodiscard]] std::string refused(const std::string& sections, const std::string& shape = "",
                                     const std::string& mesh = "block.msh") const {
@@ -121,6 +126,27 @@ TEST_CASE("groups of elements have materials of their own and may not overlap",
       Contains("block.toml:18: 'set' in [[material.group]]: 192 elements of this group are in "
                "another one already") &&
           Contains("block.toml:14: 'plane' in [[material.group]]"));
+}
+
+TEST_CASE("a problem is told in elements, materials and what is held", "[describe][problem]") {
+  const BlockFile file;
+  const BodyDescription plain = file.description("[support]\nbelow = 0.01\n");
+  CHECK(problem_text(plain, pose_body(plain)) == "block: 100 nodes, 288 tetrahedra of 4 nodes; " +
+                                                     material_line(plain.material) +
+                                                     "\nheld: 25 nodes in all directions\n");
+  const BodyDescription rich = file.description(
+      "[material]\nyoung = '60 kPa'\npoisson = 0.4\n"
+      "[[material.group]]\nbelow = 0.34\nC1 = '1 MPa'\nD1 = '2 MPa'\n"
+      "[[support]]\nbelow = 0.01\n"
+      "[[support]]\nabove = 0.99\nhold = 'x'\ndisplacement = ['1 mm', '0 mm', '0 mm']\n",
+      "", "block10.msh");
+  const BodyProblem problem = pose_body(rich);
+  REQUIRE(rich.groups.size() == 1);
+  CHECK_THAT(
+      problem_text(rich, problem),
+      Contains(" 288 tetrahedra of 10 nodes; ") &&
+          Contains("\nheld: 81 nodes in all directions, 81 in some or moved\na part of it: " +
+                   material_line(rich.groups[0].material) + "\n"));
 }
 
 TEST_CASE("supports hold nodes direction by direction and may not contradict each other",

@@ -1,6 +1,7 @@
 #include "palpable/describe/body_size.h"
 
 #include "palpable/base/error.h"
+#include "palpable/geometry/size_text.h"
 
 #include <fmt/format.h>
 
@@ -39,12 +40,6 @@ std::optional<double> unit_of(const BodyDescription::Shape& shape) {
 }
 
 }  // namespace
-
-std::string size_text(const Eigen::Vector3d& size) {
-  const bool metres = size.maxCoeff() >= 1.0;
-  const Eigen::Vector3d s = metres ? size : Eigen::Vector3d(1e3 * size);
-  return fmt::format("{:.3g} x {:.3g} x {:.3g} {}", s[0], s[1], s[2], metres ? "m" : "mm");
-}
 
 std::optional<std::string> size_warning(const Eigen::Vector3d& size, std::optional<double> unit,
                                         const std::string& write) {

@@ -17,10 +17,6 @@ inline constexpr double kSmallestBody = 1e-4, kLargestBody = 100.0;
 /// Bodies outside of these get a warning, m.
 inline constexpr double kSmallBody = 3e-3, kLargeBody = 3.0;
 
-/// "80 x 76.1 x 68.1 mm": in m from 1 m on, else in mm.
-/// @param size  m, extents of the bounding box
-[[nodiscard]] std::string size_text(const Eigen::Vector3d& size);
-
 /// What to say of a body that is larger or smaller than what one touches, with the unit that the
 /// file's lengths probably have and what to write; nothing for usual sizes.
 /// @param size   m

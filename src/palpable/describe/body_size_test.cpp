@@ -2,6 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/describe/body_mesh.h"
+#include "tests/support/meshes.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
@@ -27,11 +28,6 @@ BodyDescription described(const test::ScratchFolder& folder, const std::string& 
                                     "[material]\nyoung = '60 kPa'\npoisson = 0.4\n"
                                     "[sites]\ncount = 1\n",
                                 folder.path() / "p.toml");
-}
-
-TEST_CASE("a size is said in metres or millimetres", "[describe][size]") {
-  CHECK(size_text({0.08, 0.0761, 0.06812}) == "80 x 76.1 x 68.1 mm");
-  CHECK(size_text({80, 76.1, 68.12}) == "80 x 76.1 x 68.1 m");
 }
 
 TEST_CASE("a body that nobody touches is warned of, with the unit that is likely",
@@ -75,6 +71,33 @@ TEST_CASE("a body of a kilometre or of a micron is refused", "[describe][size]")
   std::ofstream(folder.path() / "p.off") << pyramid(0.01, 0.01);
   CHECK_THROWS_WITH(make_body_mesh(described(folder, "unit = 'mm'\n")),
                     Contains("0.01 x 0.01 x 0.01 mm") && Contains("write unit = \"m\""));
+}
+
+TEST_CASE("a wrap that would fill cavities says so", "[describe][size]") {
+  const test::ScratchFolder folder("wrapped_cavity");
+  const auto box = [](double low, double high) {
+    return box_surface(Vector3d::Constant(low), Vector3d::Constant(high));
+  };
+  const auto warning = [&](const SurfaceMesh& surface, const std::string& shape) {
+    std::ofstream file(folder / "p.off");
+    file << "OFF\n" << surface.vertex_count() << ' ' << surface.triangle_count() << " 0\n";
+    for (const auto& x : surface.vertices.colwise()) file << x.transpose() << '\n';
+    for (const auto& t : surface.triangles.colwise()) file << "3 " << t.transpose() << '\n';
+    file.close();
+    return wrap_warning(described(folder, shape).shape);
+  };
+  const std::string wrap = "wrap = '20 mm'\nedge = '50 mm'\n";
+  const SurfaceMesh hollow = test::joined(box(0, 1), test::flipped(box(0.2, 0.3)));
+  CHECK_THAT(warning(hollow, wrap).value(),
+             Contains("p.toml:2: [shape]: the surface has 1 cavity, which a wrap fills"));
+  CHECK_THAT(warning(test::joined(hollow, test::flipped(box(0.5, 0.7))), wrap).value(),
+             Contains("2 cavities"));
+  CHECK_FALSE(warning(hollow, "edge = '50 mm'\n"));
+  CHECK_FALSE(warning(test::joined(box(0, 1), box(2, 3)), wrap));
+  CHECK_FALSE(warning(test::joined(box(0, 1), box(0.2, 0.3)), wrap));  // no cavity: one too many
+  SurfaceMesh open = hollow;
+  open.triangles.conservativeResize(3, open.triangle_count() - 1);
+  CHECK_FALSE(warning(open, wrap));
 }
 
 }  // namespace

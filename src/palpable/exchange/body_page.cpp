@@ -1,10 +1,11 @@
 #include "palpable/exchange/body_page.h"
 
+#include "palpable/base/json.h"
+#include "palpable/base/order_statistics.h"
 #include "palpable/exchange/web_page.h"
 #include "palpable/reduced/spline.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXf;
 using Eigen::VectorXd;
-using Json = nlohmann::ordered_json;
 
 constexpr int kModesShown = 6;
 
@@ -31,14 +31,6 @@ Json list(const auto& values) {
   Json result = Json::array();
   for (const auto value : values) result.push_back(static_cast<double>(value));
   return result;
-}
-
-// The value below which a share q of all values lies. Changes their order.
-double quantile(std::vector<float>& values, double q) {
-  const auto n = static_cast<double>(values.size());
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::min(n - 1, std::floor(q * n)));
-  std::nth_element(values.begin(), at, values.end());
-  return static_cast<double>(*at);
 }
 
 std::vector<float> numbers_of(const auto& values) {
@@ -84,9 +76,9 @@ Json course_json(const std::optional<ErrorCourse>& course, const std::string& ax
   for (const char* key : {"p05", "median", "p95", "worst"}) result[key] = Json::array();
   for (Index q = 0; q < course->modes.size(); ++q) {
     std::vector<float> errors = numbers_of(course->snapshots.col(q));
-    result["p05"].push_back(quantile(errors, 0.05));
-    result["median"].push_back(quantile(errors, 0.5));
-    result["p95"].push_back(quantile(errors, 0.95));
+    result["p05"].push_back(percentile({errors.begin(), errors.end()}, 0.05));
+    result["median"].push_back(upper_median(errors));
+    result["p95"].push_back(percentile({errors.begin(), errors.end()}, 0.95));
     result["worst"].push_back(course->snapshots.col(q).maxCoeff());
   }
   return result;
@@ -122,8 +114,8 @@ Json held_out_json(const std::optional<HeldOutRecord>& held_out) {
     Json rows = Json::array();
     for (Index s = 0; s < errors->cols(); ++s) rows.push_back(list(errors->col(s)));
     result[name] = std::move(rows);
-    std::vector<float> sorted = numbers_of(*errors);
-    result[fmt::format("{}_median", name)] = quantile(sorted, 0.5);
+    std::vector<float> all = numbers_of(*errors);
+    result[fmt::format("{}_median", name)] = upper_median(all);
     result[fmt::format("{}_worst", name)] = static_cast<double>(errors->maxCoeff());
   }
   return result;
@@ -256,7 +248,7 @@ Json functions_json(const ReducedBody& body, const SeparatedField& field) {
       if (largest_weight(field, mode.column) == 0.0) continue;
       curves.push_back(curve_json(axis, mode.column, mode.title, at));
     }
-    if (curves.empty()) continue;
+    if (curves.size() == 0) continue;
     const bool level = axis.name == "level";
     result.push_back({{"name", axis.name},
                       {"title", fmt::format("Functions of the {}", axis.name)},
@@ -424,7 +416,8 @@ void add_courses(Table& table, const ReducedBody& body) {
       const std::string modes = fmt::to_string((*course)->modes[q]);
       std::vector<float> errors = numbers_of(snapshots.col(q));
       table.add("error_all_together", name, modes, "", "", "", (*course)->pooled[q], "1");
-      table.add("error_median", name, modes, "", "", "", quantile(errors, 0.5), "1");
+      table.add("error_median", name, modes, "", "", "", static_cast<double>(upper_median(errors)),
+                "1");
       table.add("error_worst", name, modes, "", "", "",
                 static_cast<double>(snapshots.col(q).maxCoeff()), "1");
       for (Index k = 0; k < snapshots.rows(); ++k) {
@@ -525,8 +518,7 @@ std::string body_page(const ReducedBody& body, const BodyPageFacts& facts,
                  {"stress_modes", modes_text(body.stress, "stress (Cauchy)")},
                  {"footer", fmt::format("Written by {} on {} from {}; the same numbers are in {}.",
                                         facts.program, facts.date, facts.file, csv_name)}},
-       // Names and provenance may hold bytes that are not UTF-8.
-       .data = data.dump(-1, ' ', false, Json::error_handler_t::replace)});
+       .data = data.dump()});
 }
 
 std::string body_table(const ReducedBody& body, const BodyPageFacts& facts) {

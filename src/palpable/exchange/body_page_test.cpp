@@ -90,6 +90,9 @@ TEST_CASE("the page of a body says what the body says", "[exchange][pages]") {
   CHECK(course["axis"] == "modes of each site");
   CHECK(course["worst"][1].get<double>() == Approx(0.024));
   CHECK(course["median"][1].get<double>() == Approx(0.013));
+  // Of 0.001, 0.002 .. 0.024: ranks 0.05 * 23 and 0.95 * 23, from 0 on.
+  CHECK(course["p05"][1].get<double>() == Approx(0.00215));
+  CHECK(course["p95"][1].get<double>() == Approx(0.02285));
   CHECK(data["courses"]["stress"].is_null());
   // Snapshot k is of site k / 4, level k % 4.
   CHECK(data["snapshots"]["displacement"]["values"][2][3].get<double>() == Approx(0.012));

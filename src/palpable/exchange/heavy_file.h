@@ -13,7 +13,7 @@ namespace palpable {
 /// Writes both; where one cannot be written, both stay what they were.
 /// @param fill   fills the heavy one
 /// @param light  the text of the light one; read when `fill` has returned
-/// @throws Error naming the file that cannot be written
+/// @throws Error naming the file that cannot be written, or whose name XML cannot hold
 void write_heavy_and_light(const std::filesystem::path& heavy,
                            const std::function<void(hid_t file)>& fill,
                            const std::filesystem::path& light_path, const std::string& light);

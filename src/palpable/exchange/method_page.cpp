@@ -1,16 +1,14 @@
 #include "palpable/exchange/method_page.h"
 
+#include "palpable/base/json.h"
 #include "palpable/exchange/web_page.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <cstddef>
 
 namespace palpable {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json line_json(const MethodLine& line) {
   Json result{{"name", line.name},     {"source", line.is_body ? "body" : "method"},
@@ -40,7 +38,7 @@ std::string method_page(const MethodPage& page) {
                    .content = "compare.html",
                    .scripts = {"compare.js"},
                    .texts = {{"lead", page.lead}, {"footer", page.footer}},
-                   .data = data.dump(-1, ' ', false, Json::error_handler_t::replace)});
+                   .data = data.dump()});
 }
 
 std::string method_table(const MethodPage& page) {
@@ -58,6 +56,22 @@ std::string method_table(const MethodPage& page) {
     }
   }
   return table;
+}
+
+std::string method_text(const MethodPage& page) {
+  std::string text;
+  for (const auto& [name, lines] :
+       {std::pair{"displacement", &page.displacement}, std::pair{"stress", &page.stress}}) {
+    if (lines->empty()) continue;
+    text += fmt::format("{}\n  {:<34} {:>6} {:>7} {:>10} {:>12} {:>9} {:>9}\n", name, "", "modes",
+                        "in all", "MB", "all together", "median", "worst");
+    for (const MethodLine& line : *lines) {
+      text += fmt::format("  {:<34} {:>6} {:>7} {:>10.2f} {:>12.2g} {:>9.2g} {:>9.2g}\n", line.name,
+                          line.modes.back(), line.columns.back(), line.bytes.back() / 1e6,
+                          line.pooled.back(), line.median.back(), line.worst.back());
+    }
+  }
+  return text;
 }
 
 }  // namespace palpable

@@ -37,4 +37,7 @@ struct MethodPage {
 /// The same numbers as CSV, one line for each method and number of modes.
 [[nodiscard]] std::string method_table(const MethodPage& page);
 
+/// Where each method ended, for a terminal: a table for displacement and one for stress.
+[[nodiscard]] std::string method_text(const MethodPage& page);
+
 }  // namespace palpable

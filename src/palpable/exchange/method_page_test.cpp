@@ -37,6 +37,15 @@ TEST_CASE("the chart of methods and its table say the same", "[exchange][pages]"
                        Contains(R"("pooled":[0.5,0.25])") &&
                        Contains(R"("source":"body","modes":[3],"columns":[18])"));
   CHECK_THAT(text, !Contains(R"("stress":)"));  // no line, no chart
+  CHECK(
+      method_text(page) ==
+      "displacement\n"
+      "                                      modes  in all         MB all together    median     "
+      "worst\n"
+      "  pgd, 3 factors                          2       2       0.00         0.25      0.12      "
+      "0.75\n"
+      "  ball.palpable (per-site)                3      18       0.01        0.062     0.031       "
+      "0.5\n");
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 #include "palpable/base/error.h"
 #include "palpable/base/npy_file.h"
 #include "palpable/base/output_file.h"
+#include "palpable/base/whole_file.h"
 #include "palpable/exchange/modes_files.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
 namespace palpable {
@@ -14,6 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Index;
+
+constexpr std::uintmax_t kLongestNames = 1'000'000;  // bytes of parameters.txt
 
 // The file's values as a matrix; each of its columns is one row of the file.
 template <class Matrix>
@@ -73,19 +75,17 @@ void write_numpy_modes(const fs::path& folder, const ForeignModes& modes) {
   make_folder(folder);
   write_matrix(folder / "vertices.npy", modes.surface.vertices);
   write_matrix(folder / "triangles.npy", modes.surface.triangles);
-  std::ofstream names(folder / "parameters.txt");
+  std::string names;
   const std::vector<ParameterAxis>& axes = modes.displacement.axes();
   for (std::size_t j = 0; j < axes.size(); ++j) {
-    names << axes[j].name << (axes[j].between == Between::kNothing ? " choice" : " quantity")
-          << '\n';
+    names += axes[j].name;
+    names += axes[j].between == Between::kNothing ? " choice\n" : " quantity\n";
     write_npy(folder / fmt::format("samples_{}.npy", j),
               {static_cast<std::size_t>(axes[j].samples.size())},
               std::span<const double>(axes[j].samples.data(),
                                       static_cast<std::size_t>(axes[j].samples.size())));
   }
-  names.close();
-  if (!names)
-    throw Error(fmt::format("{}: cannot be written", (folder / "parameters.txt").string()));
+  write_whole_file(folder / "parameters.txt", names);
   write_field(folder, "displacement", modes.displacement, 3);
   if (modes.stress) write_field(folder, "stress", *modes.stress, 6);
   if (modes.site_vertices.empty()) return;
@@ -108,8 +108,12 @@ ForeignModes read_numpy_modes(const fs::path& folder) {
     throw Error(
         fmt::format("{}: names a vertex that is not there", (folder / "triangles.npy").string()));
   }
-  std::ifstream names(folder / "parameters.txt");
-  if (!names) throw Error(fmt::format("{}: no such file", (folder / "parameters.txt").string()));
+  const Result<std::string> text = read_whole_file(folder / "parameters.txt", kLongestNames);
+  if (!text) {
+    throw Error(
+        fmt::format("{}: {}", (folder / "parameters.txt").string(), text.problem().message));
+  }
+  std::istringstream names(text.value());
   std::vector<ParameterAxis> axes;
   for (std::string line; std::getline(names, line);) {
     std::istringstream words(line);

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -63,13 +62,6 @@ std::vector<int> sites_of(const ReducedBody& body, std::optional<int> site) {
   return all;
 }
 
-void write_text(const fs::path& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
-}
-
 }  // namespace
 
 void write_vtu_series(const fs::path& folder, const ReducedBody& body, std::optional<int> site) {
@@ -102,7 +94,8 @@ void write_vtu_series(const fs::path& folder, const ReducedBody& body, std::opti
       }
       list += fmt::format("    <DataSet timestep=\"{}\" file=\"{}\"/>\n", body.levels()[l], name);
     }
-    write_text(folder / fmt::format("site_{:03}.pvd", s), list + "  </Collection>\n</VTKFile>\n");
+    write_whole_file(folder / fmt::format("site_{:03}.pvd", s),
+                     list + "  </Collection>\n</VTKFile>\n");
   }
 }
 

@@ -3,13 +3,13 @@
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 #include "palpable/base/markup_text.h"
+#include "palpable/base/output_file.h"
 
 #include <fmt/format.h>
 
 #include <bit>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <iterator>
 #include <vector>
 
@@ -86,12 +86,9 @@ void write_grid(const std::filesystem::path& path, const Eigen::Matrix3Xd& nodes
       "      </Cells>\n    </Piece>\n  </UnstructuredGrid>\n"
       "  <AppendedData encoding=\"raw\">\n_";
 
-  std::ofstream file(path, std::ios::binary);
-  file << xml;
-  file.write(arrays.bytes().data(), static_cast<std::streamsize>(arrays.bytes().size()));
-  file << "\n  </AppendedData>\n</VTKFile>\n";
-  file.close();
-  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
+  write_whole_file(
+      path,
+      {xml, {arrays.bytes().data(), arrays.bytes().size()}, "\n  </AppendedData>\n</VTKFile>\n"});
 }
 
 }  // namespace

@@ -67,8 +67,7 @@ TEST_CASE("a grid's points, cells and fields come back from the file as they wer
     REQUIRE(cells.size() == static_cast<std::size_t>(K * E));
     for (int e = 0; e < E; ++e) {
       for (int k = 0; k < K; ++k) {
-        CHECK(cells[static_cast<std::size_t>(K * e + k)] ==
-              (k < 4 ? mesh.tets(k, e) : mesh.edge_nodes(k - 4, e)));
+        CHECK(cells[K * e + k] == (k < 4 ? mesh.tets(k, e) : mesh.edge_nodes(k - 4, e)));
       }
     }
     const auto ends = array<std::int32_t>(file, "offsets");

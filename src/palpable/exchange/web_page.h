@@ -3,6 +3,7 @@
 /// an archive. The chart library (uPlot, MIT), styles and scripts are compiled into the program.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,6 +30,11 @@ struct WebPage {
 /// The whole file as text. @throws ContractViolation if a part, or the text for a {{key}}, is
 /// missing
 [[nodiscard]] std::string web_page(const WebPage& page);
+
+/// Where the table of a page's numbers goes: "report.html" has "report.csv" beside it. Nobody names
+/// that file, so one that is there is replaced only if it is such a table.
+/// @throws Error if the page is called .csv itself, and for a .csv of somebody's
+[[nodiscard]] std::filesystem::path table_beside(const std::filesystem::path& page);
 
 /// Base64 of RFC 4648, with padding.
 [[nodiscard]] std::string base64(std::string_view bytes);

@@ -1,8 +1,11 @@
 #include "palpable/exchange/web_page.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/base/output_file.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
+#include <filesystem>
 #include <string>
 
 namespace palpable {
@@ -17,6 +20,22 @@ TEST_CASE("base64 is that of RFC 4648", "[exchange][pages]") {
   CHECK(base64("foo") == "Zm9v");
   CHECK(base64("foobar") == "Zm9vYmFy");
   CHECK(base64(std::string("\xff\x00\xfe", 3)) == "/wD+");
+}
+
+TEST_CASE("the table of a page lies beside it, and never in its place", "[exchange][pages]") {
+  CHECK(table_beside("out/report.html") == "out/report.csv");
+  CHECK(table_beside("out.d/report") == "out.d/report.csv");
+  CHECK_THROWS_WITH(table_beside("out/report.csv"),
+                    "out/report.csv: is where the table goes; call the page report.html");
+}
+
+TEST_CASE("a table of somebody's beside a page is not replaced", "[exchange][pages]") {
+  const test::ScratchFolder folder("web_page");
+  const std::filesystem::path page = folder.path() / "b.html";
+  write_whole_file(folder.path() / "b.csv", "quantity,field,modes,unit\n");
+  CHECK(table_beside(page) == folder.path() / "b.csv");
+  write_whole_file(folder.path() / "b.csv", "my,own,measurements\n");
+  CHECK_THROWS_WITH(table_beside(page), Contains("b.csv: is somebody's"));
 }
 
 TEST_CASE("a cell of a CSV file is quoted where it must be", "[exchange][pages]") {

@@ -92,7 +92,7 @@ TEST_CASE("an exposure is the mean of its moments, camera and movers moving", "[
   renderer->draw(moving, smeared);
   // Light of 24 moments, each drawn as a frame of its own.
   constexpr int kMoments = 24;
-  const auto size = static_cast<std::size_t>(sharp.left.width() * sharp.left.height());
+  const std::size_t size = sharp.left.size();
   std::vector<double> left(size, 0.0), right(size, 0.0);
   const auto light = [](const Rgb& c) { return std::pow(luma(c) / 255.0, 2.0); };
   for (int i = 0; i < kMoments; ++i) {

@@ -48,7 +48,7 @@ TEST_CASE("of the ideal picture what a raw pixel reads may be painted, a margin 
         INFO("margin " << margin << ", pixel " << x << " " << y);
         // Bilinear filtering reads columns 9 and 10 of rows 6 and 7.
         const bool read = x >= 9 - margin && x <= 10 + margin && y >= 6 - margin && y <= 7 + margin;
-        CHECK(depth[static_cast<std::size_t>(24 * y + x)] == (read ? 1.0F : 0.0F));
+        CHECK(depth[24 * y + x] == (read ? 1.0F : 0.0F));
       }
   }
   // Most of the real lens's picture, but not its corners and not the middles of its sides.

@@ -85,7 +85,7 @@ TEST_CASE("marked tiles and the others make the whole picture, each pixel once",
     for (std::size_t t = 0; t < 20; ++t) tiles.marked[t] = (pattern >> t & 1U) != 0;
     for (int y = 0; y < all.height; ++y)
       for (int x = 0; x < all.width; ++x) {
-        const bool marked = tiles.marked[static_cast<std::size_t>(y / 5 * 5 + x / 5)];
+        const bool marked = tiles.marked[y / 5 * 5 + x / 5];
         for (const bool which : {false, true}) {
           int covered = 0;
           for (const Box& box : tiles.boxes(which)) covered += holds(box, x, y) ? 1 : 0;

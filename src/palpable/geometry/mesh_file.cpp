@@ -1,14 +1,14 @@
 #include "palpable/geometry/mesh_file.h"
 
 #include "palpable/base/contract.h"
-#include "palpable/base/growing_file.h"
+#include "palpable/base/output_file.h"
+#include "palpable/base/whole_file.h"
 #include "palpable/geometry/surface_files.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <iterator>
 #include <new>
 #include <string>
@@ -36,14 +36,21 @@ Result<SurfaceMesh> surface_of(const surface_files::Soup& soup, std::string_view
   return surface;
 }
 
-Result<std::string> bytes_of(const std::filesystem::path& path) {
-  std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code)) {
-    return Problem{fmt::format("{}: no such file", path.string())};
+void add_bytes(std::string& bytes, const void* data, std::size_t size) {
+  bytes.append(static_cast<const char*>(data), size);
+}
+
+// A count of corners and the corners, as a binary PLY has them.
+void add_triangles(std::string& bytes, const SurfaceMesh& surface) {
+  for (int t = 0; t < surface.triangle_count(); ++t) {
+    bytes += '\3';
+    add_bytes(bytes, surface.triangles.col(t).data(), 3 * sizeof(int));
   }
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file) return Problem{fmt::format("{}: cannot be read", path.string())};
+}
+
+Result<std::string> bytes_of(const std::filesystem::path& path) {
+  Result<std::string> bytes = read_whole_file(path);
+  if (!bytes) return Problem{fmt::format("{}: {}", path.string(), bytes.problem().message)};
   return bytes;
 }
 
@@ -111,18 +118,15 @@ Result<ValuedSurface> read_valued_ply(const std::filesystem::path& path,
 }
 
 void write_ply(const std::filesystem::path& path, const SurfaceMesh& surface) {
-  std::ofstream file(path, std::ios::binary);
-  file << "ply\nformat binary_little_endian 1.0\nelement vertex " << surface.vertex_count()
-       << "\nproperty double x\nproperty double y\nproperty double z\nelement face "
-       << surface.triangle_count() << "\nproperty list uchar int vertex_indices\nend_header\n";
-  file.write(reinterpret_cast<const char*>(surface.vertices.data()),
-             static_cast<std::streamsize>(sizeof(double)) * surface.vertices.size());
-  for (int t = 0; t < surface.triangle_count(); ++t) {
-    file.put(3);
-    file.write(reinterpret_cast<const char*>(surface.triangles.col(t).data()), 3 * sizeof(int));
-  }
-  file.close();
-  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\n"
+      "property double y\nproperty double z\nelement face {}\n"
+      "property list uchar int vertex_indices\nend_header\n",
+      surface.vertex_count(), surface.triangle_count());
+  add_bytes(bytes, surface.vertices.data(),
+            sizeof(double) * static_cast<std::size_t>(surface.vertices.size()));
+  add_triangles(bytes, surface);
+  write_whole_file(path, bytes);
 }
 
 void write_valued_ply(const std::filesystem::path& path, const ValuedSurface& surface,
@@ -134,26 +138,19 @@ void write_valued_ply(const std::filesystem::path& path, const ValuedSurface& su
       "property double y\nproperty double z\nproperty float {}\nelement face {}\n"
       "property list uchar int vertex_indices\nend_header\n",
       mesh.vertex_count(), property, mesh.triangle_count());
-  const auto add = [&](const void* data, std::size_t size) {
-    bytes.append(static_cast<const char*>(data), size);
-  };
   for (int v = 0; v < mesh.vertex_count(); ++v) {
-    add(mesh.vertices.col(v).data(), 3 * sizeof(double));
+    add_bytes(bytes, mesh.vertices.col(v).data(), 3 * sizeof(double));
     const auto value = static_cast<float>(surface.values[v]);
-    add(&value, sizeof value);
+    add_bytes(bytes, &value, sizeof value);
   }
-  for (int t = 0; t < mesh.triangle_count(); ++t) {
-    bytes += '\3';
-    add(mesh.triangles.col(t).data(), 3 * sizeof(int));
-  }
+  add_triangles(bytes, mesh);
   write_whole_file(path, bytes);
 }
 
 void write_colored_ply(const std::filesystem::path& path, const SurfaceMesh& surface,
                        std::span<const Rgb> colors, std::string_view comment) {
   PALPABLE_EXPECT(std::ssize(colors) == surface.vertex_count(), "a colour for each vertex");
-  std::ofstream file(path, std::ios::binary);
-  file << fmt::format(
+  std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment {}\n"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
       "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face {}\n"
@@ -161,18 +158,13 @@ void write_colored_ply(const std::filesystem::path& path, const SurfaceMesh& sur
       comment, surface.vertex_count(), surface.triangle_count());
   for (int i = 0; i < surface.vertex_count(); ++i) {
     const Eigen::Vector3f p = surface.vertices.col(i).cast<float>();
-    file.write(reinterpret_cast<const char*>(p.data()), 12);
+    add_bytes(bytes, p.data(), 3 * sizeof(float));
     const Rgb c = colors[i];
     const char rgb[3] = {static_cast<char>(c.r), static_cast<char>(c.g), static_cast<char>(c.b)};
-    file.write(rgb, 3);
+    add_bytes(bytes, rgb, sizeof rgb);
   }
-  for (int i = 0; i < surface.triangle_count(); ++i) {
-    const Eigen::Vector3i t = surface.triangles.col(i);
-    file.put(3);
-    file.write(reinterpret_cast<const char*>(t.data()), 12);
-  }
-  file.close();
-  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
+  add_triangles(bytes, surface);
+  write_whole_file(path, bytes);
 }
 
 }  // namespace palpable

@@ -2,9 +2,9 @@
 
 #include "palpable/base/contract.h"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -14,6 +14,7 @@
 namespace palpable {
 namespace {
 
+using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
 // The set of each vertex, with the paths halved on the way (union-find).
@@ -68,6 +69,10 @@ Vector3d point_before(const SurfaceMesh& surface, const std::vector<int>& shell)
 
 }  // namespace
 
+AlignedBox3d box_of(const SurfaceMesh& surface) {
+  return {surface.vertices.rowwise().minCoeff(), surface.vertices.rowwise().maxCoeff()};
+}
+
 std::vector<std::vector<int>> shells_of(const SurfaceMesh& surface) {
   std::vector<int> parents(surface.vertex_count());
   std::iota(parents.begin(), parents.end(), 0);
@@ -88,23 +93,20 @@ std::vector<std::vector<int>> shells_of(const SurfaceMesh& surface) {
 }
 
 SurfaceMesh surface_of(const SurfaceMesh& surface, const std::vector<int>& triangles) {
-  std::vector<int> number(surface.vertex_count(), -1);
+  std::vector<int> kept;  // not a table over all vertices: of thousands of shells each asks
   for (const int t : triangles) {
-    for (int k = 0; k < 3; ++k) number[surface.triangles(k, t)] = 0;
+    for (int k = 0; k < 3; ++k) kept.push_back(surface.triangles(k, t));
   }
-  int count = 0;
-  for (int& n : number) {
-    if (n == 0) n = count++;
-  }
+  std::sort(kept.begin(), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
   SurfaceMesh part;
-  part.vertices.resize(3, count);
-  for (int v = 0; v < surface.vertex_count(); ++v) {
-    if (number[v] >= 0) part.vertices.col(number[v]) = surface.vertices.col(v);
-  }
+  part.vertices = surface.vertices(Eigen::all, kept);
   part.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
   for (Eigen::Index t = 0; t < part.triangles.cols(); ++t) {
     for (int k = 0; k < 3; ++k) {
-      part.triangles(k, t) = number[surface.triangles(k, triangles[t])];
+      const int vertex = surface.triangles(k, triangles[t]);
+      part.triangles(k, t) =
+          static_cast<int>(std::lower_bound(kept.begin(), kept.end(), vertex) - kept.begin());
     }
   }
   return part;
@@ -123,12 +125,17 @@ std::string misplaced_shell(const SurfaceMesh& surface) {
   const std::vector<std::vector<int>> shells = shells_of(surface);
   if (shells.size() < 2) return {};
   std::vector<SurfaceMesh> parts;
-  for (const std::vector<int>& shell : shells) parts.push_back(surface_of(surface, shell));
+  std::vector<AlignedBox3d> boxes;
+  for (const std::vector<int>& shell : shells) {
+    parts.push_back(surface_of(surface, shell));
+    boxes.push_back(box_of(parts.back()));
+  }
   for (const SurfaceMesh& part : parts) {
     const Vector3d at = part.vertices.col(part.triangles(0, 0));
     double wound = 0.0;
-    for (const SurfaceMesh& other : parts) {
-      if (&other != &part) wound += winding_number(other, at);
+    for (std::size_t other = 0; other < parts.size(); ++other) {
+      if (&parts[other] == &part || !boxes[other].contains(at)) continue;  // winds not round it
+      wound += winding_number(parts[other], at);
     }
     const bool faces_outwards = enclosed_volume(part) > 0.0;
     const long around = std::lround(wound);

@@ -12,6 +12,7 @@
 #include "palpable/geometry/surface_mesh.h"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ namespace palpable {
 
 /// Some triangles of a surface as a surface; vertices keep their order.
 [[nodiscard]] SurfaceMesh surface_of(const SurfaceMesh& surface, const std::vector<int>& triangles);
+
+/// The smallest box around all vertices. @pre there are vertices
+[[nodiscard]] Eigen::AlignedBox3d box_of(const SurfaceMesh& surface);
 
 /// How often a closed surface winds round a point that is not on it, once for each shell outside of
 /// which all triangles face away from the point (van Oosterom and Strackee 1983: the sum of

@@ -28,7 +28,7 @@ TEST_CASE("the skin of a volume is watertight, faces outwards and encloses it", 
   CHECK(boundary.surface.triangle_count() == 2 * 2 * (2 * 3 + 3 * 4 + 4 * 2));
   CHECK(boundary.surface.vertex_count() == mesh.node_count() - 1 * 2 * 3);  // inner nodes left out
   for (int v = 0; v < boundary.surface.vertex_count(); ++v) {
-    const int node = boundary.node_of_vertex[static_cast<std::size_t>(v)];
+    const int node = boundary.node_of_vertex[v];
     CHECK(boundary.surface.vertices.col(v) == mesh.nodes.col(node));
   }
 }

@@ -74,26 +74,25 @@ std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
   // Files of a run among a recording's would be taken for its own next time.
   for (const fs::path& input : needed) {
     if (input.empty() || !lies_in(input, folder) || !lies_in(folder, input)) continue;
-    throw Error(fmt::format("{}: is read by this run; give another --out", folder.string()));
+    throw Error(fmt::format("{}: is read by this run; write into another folder", folder.string()));
   }
   if (there.empty()) return there;
   // A folder depth/ alone is somebody's data.
   if (there.front() != folder / kOutputs[0]) {
-    throw Error(fmt::format("{}: is in the way and not of an earlier run; give another --out",
-                            there.front().string()));
+    throw Error(
+        fmt::format("{}: is in the way and not of an earlier run; write into another folder",
+                    there.front().string()));
   }
   if (!overwrite) {
-    throw Error(
-        fmt::format("{}: holds an earlier run; give another --out, or --overwrite to replace it",
-                    folder.string()));
+    throw EarlierRunError(fmt::format("{}: holds an earlier run", folder.string()));
   }
   for (const fs::path& input : needed) {
     if (input.empty()) continue;
     const auto holds = [&](const fs::path& path) { return lies_in(input, path); };
     if (std::none_of(there.begin(), there.end(), holds)) continue;
     throw Error(
-        fmt::format("{}: is needed by this run and --overwrite would remove it with {}; "
-                    "give another --out",
+        fmt::format("{}: is needed by this run and would be overwritten with {}; write into "
+                    "another folder",
                     input.string(), folder.string()));
   }
   return there;

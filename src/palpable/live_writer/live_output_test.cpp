@@ -124,7 +124,7 @@ TEST_CASE("the picture of a touch is one of a frame that truly touches", "[live_
     std::unique_ptr<DrawnFrame> drawn = output.blank();
     fill(*drawn, number);
     drawn->picture = ColorImage(kWidth, kHeight, Rgb{static_cast<std::uint8_t>(50 * number), 0, 0});
-    drawn->scores.touch = std::array{5.0, 9.0, 4.0, 1.0}[static_cast<std::size_t>(number)];
+    drawn->scores.touch = std::array{5.0, 9.0, 4.0, 1.0}[number];
     output.write(std::move(drawn));
   }
   output.finish();

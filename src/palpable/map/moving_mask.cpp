@@ -402,11 +402,12 @@ void MovingMask::relabel_with_depth(const StaticPicture& picture, int i, int j) 
   const bool shows_scene = look == StaticPicture::kSame
                                ? count_around(picture, tile_label_, i, j, is_scene) >= kFewestAlike
                                : look == StaticPicture::kShadow && picture.is_plain(i, j);
+  const bool moves = label >= kChanged && label != kCarried;
   if (shows_scene) {
     // Its depth is one that the matcher took over from a neighbour.
     label = kUnknown;
     tile_depth_(i, j) = kNaN;
-  } else if (look == StaticPicture::kShadow && (label < kChanged || label == kCarried)) {
+  } else if (look == StaticPicture::kShadow && !moves) {
     label = kStatic;  // nothing speaks for a motion but a neighbour: it is the scene in the shade
   }
 }

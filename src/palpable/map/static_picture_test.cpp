@@ -30,7 +30,7 @@ struct Camera {
     color.resize(2 * kWidth, 2 * kHeight);
     for (int y = 0; y < 2 * kHeight; ++y) {
       for (int x = 0; x < 2 * kWidth; ++x) {
-        const double s = scene[static_cast<std::size_t>((y / 3) * 2 * kWidth + x)];
+        const double s = scene[(y / 3) * 2 * kWidth + x];
         std::array<double, 3> light{s, 0.8 * s, 0.6 * s};
         thing(x / 2, y / 2, light);
         const double n = normal(random);

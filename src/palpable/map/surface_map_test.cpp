@@ -198,7 +198,7 @@ TEST_CASE("every set of instructions fuses to the same bytes", "[map][fuse]") {
   std::array<std::vector<float>, 3> offset;
   for (int k = 0; k < 3; ++k) {
     for (std::size_t i = 0; i < kVoxelsOfBlock; ++i) {
-      offset[static_cast<std::size_t>(k)].push_back(0.01F * static_cast<float>(i >> (3 * k) & 7));
+      offset[k].push_back(0.01F * static_cast<float>(i >> (3 * k) & 7));
     }
   }
   constexpr VoxelUnits units = VoxelUnits::of(0.06, 3.0);

@@ -22,7 +22,8 @@ inline constexpr std::size_t kVoxelsOfBlock = 512;
 
 /// Index in its block of the voxel at (x, y, z), each in [0, 8), and back.
 [[nodiscard]] inline std::size_t voxel_index(int x, int y, int z) {
-  return static_cast<std::size_t>(x + kVoxelsAcross * (y + kVoxelsAcross * z));
+  const int index = x + kVoxelsAcross * (y + kVoxelsAcross * z);
+  return static_cast<std::size_t>(index);
 }
 [[nodiscard]] inline Eigen::Vector3i place_in_block(std::size_t voxel) {
   const auto i = static_cast<int>(voxel);

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <new>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -137,7 +138,9 @@ NodalFile read_nodal_file(const std::filesystem::path& path) {
   }
   try {
     return reader->second(hdf5::all_bytes(path), text);
-  } catch (const hdf5::Trouble& trouble) { bad(text, trouble.what); }
+  } catch (const hdf5::Trouble& trouble) {
+    bad(text, trouble.what);
+  } catch (const std::bad_alloc&) { bad(text, "needs more memory than there is"); }
 }
 
 }  // namespace palpable

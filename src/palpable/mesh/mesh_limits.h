@@ -5,6 +5,8 @@
 
 #include "palpable/geometry/surface_mesh.h"
 
+#include <Eigen/Core>
+
 #include <string>
 
 namespace palpable {
@@ -12,6 +14,12 @@ namespace palpable {
 /// Above this many nodes a body is refused: its factor would not fit into the memory of a
 /// workstation (some 10 kB a node), and the mesher's own needs come near that.
 inline constexpr double kMostNodes = 2e6;
+
+/// Refuses points of which one alone makes the whole a thousand times larger: a damaged file.
+/// @param points  (3 x N), of any unit
+/// @param name    what to call them in messages
+/// @throws Error that names the point
+void require_no_stray(const Eigen::Matrix3Xd& points, const std::string& name);
 
 /// About how many nodes tetrahedra of this edge have in a solid with this surface A and volume V:
 ///
@@ -27,6 +35,10 @@ inline constexpr double kMostNodes = 2e6;
 /// @param name  what to call the surface in messages
 void require_meshable(const SurfaceMesh& surface, double edge, double inner_edge,
                       const std::string& name);
+
+/// The same for wrap_surface(), of any heap of triangles. Those that others hide count, too.
+/// @throws Error that names the size that would do
+void require_wrappable(const SurfaceMesh& surface, double size, const std::string& name);
 
 /// Refuses a solid that lost or won volume on its way:  |V - V0| / V0 above
 ///

@@ -1,10 +1,10 @@
 #include "palpable/mesh/mesh_text.h"
 
+#include "palpable/base/whole_file.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <new>
 #include <utility>
 
@@ -140,14 +140,9 @@ Result<VolumeMesh> read_mesh_text(std::string_view text, std::string_view name,
 Result<VolumeMesh> read_mesh_bytes(
     const std::filesystem::path& path,
     const std::function<Result<VolumeMesh>(std::string_view, std::string_view)>& parse) {
-  std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code)) {
-    return Problem{fmt::format("{}: no such file", path.string())};
-  }
-  std::ifstream file(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file) return Problem{fmt::format("{}: cannot be read", path.string())};
-  return parse(text, path.string());
+  const Result<std::string> text = read_whole_file(path);
+  if (!text) return Problem{fmt::format("{}: {}", path.string(), text.problem().message)};
+  return parse(text.value(), path.string());
 }
 
 }  // namespace palpable

@@ -1,5 +1,6 @@
 #include "palpable/mesh/msh_file.h"
 
+#include "palpable/base/output_file.h"
 #include "palpable/mesh/mesh_text.h"
 
 #include <fmt/format.h>
@@ -8,7 +9,6 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
-#include <fstream>
 #include <map>
 #include <string>
 #include <unordered_map>
@@ -360,10 +360,7 @@ void write_msh_file(const std::filesystem::path& path, const TetMesh& mesh) {
     text += '\n';
   }
   text += "$EndElements\n";
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw Error(fmt::format("{}: cannot be written", path.string()));
+  write_whole_file(path, text);
 }
 
 }  // namespace palpable

@@ -74,26 +74,40 @@ SurfaceMesh from_cgal(Mesh& mesh) {
   return surface;
 }
 
-void refuse_self_intersection(const Mesh& mesh, const std::string& name) {
+// @param surface  of which `mesh` was made: the same triangles in the same order
+void refuse_self_intersection(const Mesh& mesh, const SurfaceMesh& surface,
+                              const std::string& name) {
   std::vector<std::pair<Face, Face>> pairs;
   PMP::self_intersections(mesh, std::back_inserter(pairs));
   if (pairs.empty()) return;
   std::sort(pairs.begin(), pairs.end());
-  Eigen::Vector3d where = Eigen::Vector3d::Zero();
-  for (const auto v : mesh.vertices_around_face(mesh.halfedge(pairs.front().first))) {
-    where += to_eigen(mesh.point(v)) / 3.0;
+  const auto [first, second] = pairs.front();
+  const auto triangle = surface.triangles.col(static_cast<Eigen::Index>(first.idx()));
+  const Eigen::Vector3d where = surface.vertices(Eigen::all, triangle).rowwise().mean();
+  const std::vector<std::vector<int>> shells = shells_of(surface);
+  const auto shell_of = [&](Face face) {
+    return std::find_if(shells.begin(), shells.end(), [&](const std::vector<int>& shell) {
+      return std::binary_search(shell.begin(), shell.end(), static_cast<int>(face.idx()));
+    });
+  };
+  const std::string place =
+      fmt::format("{} pair{} of triangles, the first near ({:.4g}, {:.4g}, {:.4g})", pairs.size(),
+                  pairs.size() == 1 ? "" : "s", where[0], where[1], where[2]);
+  if (shell_of(first) == shell_of(second)) {
+    throw Error(fmt::format("{}: the surface passes through itself: {}; repair it in a mesh editor",
+                            name, place));
   }
-  throw Error(
-      fmt::format("{}: the surface passes through itself: {} pair{} of triangles, the first near "
-                  "({:.4g}, {:.4g}, {:.4g}); repair it in a mesh editor",
-                  name, pairs.size(), pairs.size() == 1 ? "" : "s", where[0], where[1], where[2]));
+  throw Error(fmt::format(
+      "{}: of {} closed shells two overlap: {}; join them (\"union\") or move them apart in a mesh "
+      "editor, or let 'wrap' in a body's description join them",
+      name, shells.size(), place));
 }
 
 Mesh checked(const SurfaceMesh& surface, const std::string& name) {
   const WatertightReport report = check_watertight(surface);
   if (!report.watertight()) throw Error(fmt::format("{}: {}", name, report.describe()));
   Mesh mesh = to_cgal(surface, name);
-  refuse_self_intersection(mesh, name);
+  refuse_self_intersection(mesh, surface, name);
   const std::string misplaced = misplaced_shell(surface);
   if (!misplaced.empty()) throw Error(fmt::format("{}: {}", name, misplaced));
   return mesh;
@@ -126,9 +140,12 @@ SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length, const
   return remeshed;
 }
 
-SurfaceMesh wrap_surface(const SurfaceMesh& surface, double size) {
+SurfaceMesh wrap_surface(const SurfaceMesh& surface, double size, const std::string& name) {
   PALPABLE_EXPECT(size > 0.0, "a length is positive");
-  if (surface.triangle_count() == 0) throw Error("there are no triangles to wrap");
+  if (surface.triangle_count() == 0) {
+    throw Error(fmt::format("{}: there are no triangles to wrap", name));
+  }
+  require_wrappable(surface, size, name);
   std::vector<Point> points;
   for (const auto& x : surface.vertices.colwise()) points.emplace_back(x[0], x[1], x[2]);
   std::vector<std::array<std::size_t, 3>> triangles;

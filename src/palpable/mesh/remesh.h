@@ -11,9 +11,8 @@ namespace palpable {
 /// Refuses a surface that does not enclose a solid.
 /// @param name  what to call it in the message, e.g. the file
 /// @throws Error if the surface is not watertight, two sheets meet in a single vertex, triangles
-/// pass
-///         through each other, or a shell lies wrongly in others (misplaced_shell()): what, where,
-///         and what to do
+///         pass through each other (of one closed shell, or of two that overlap), or a shell lies
+///         wrongly in others (misplaced_shell()): what, where, and what to do
 void require_solid_surface(const SurfaceMesh& surface, const std::string& name);
 
 /// A surface over the same shape whose edges are about `edge_length` long. Vertices stay on the
@@ -31,8 +30,10 @@ void require_solid_surface(const SurfaceMesh& surface, const std::string& name);
 /// can reach. It lies `size` / 7 outside of what it wraps; hollows and holes narrower than `size`
 /// are bridged. Triangles are of all sizes: remesh_surface() comes next. Deterministic.
 /// @param size  m, > 0
-/// @throws Error for a surface without triangles
-[[nodiscard]] SurfaceMesh wrap_surface(const SurfaceMesh& surface, double size);
+/// @param name  for messages
+/// @throws Error for a surface without triangles, and as require_wrappable()
+[[nodiscard]] SurfaceMesh wrap_surface(const SurfaceMesh& surface, double size,
+                                       const std::string& name);
 
 /// Mean length of the edges, m. @throws ContractViolation for a surface without triangles
 [[nodiscard]] double mean_edge_length(const SurfaceMesh& surface);

@@ -106,9 +106,14 @@ TEST_CASE("a surface that is no solid is refused with what and where", "[mesh]")
   CHECK_THROWS_WITH(tetrahedralise(inside_out, "a"), Contains("flip"));
 
   const SurfaceMesh crossing = joined(some_box(), box_surface({0.2, -0.1, 0.05}, {0.6, 0.3, 0.21}));
+  CHECK_THROWS_WITH(tetrahedralise(crossing, "crossing.obj"),
+                    Contains("crossing.obj: of 2 closed shells two overlap: ") &&
+                        Contains("the first near (") && Contains("join them"));
+  SurfaceMesh pierced = sphere_surface({0, 0, 0}, 0.05, 2);
+  pierced.vertices.col(0) *= -1.2;  // through the other side
   CHECK_THROWS_WITH(
-      tetrahedralise(crossing, "crossing.obj"),
-      Contains("crossing.obj: the surface passes through itself") && Contains("the first near ("));
+      tetrahedralise(pierced, "pierced.obj"),
+      Contains("pierced.obj: the surface passes through itself: ") && Contains("the first near ("));
 
   // Two boxes that share a corner vertex and nothing else.
   SurfaceMesh bow_tie =
@@ -158,17 +163,34 @@ TEST_CASE("shells that lie wrongly in each other are named", "[mesh]") {
   CHECK_THROWS_WITH(tetrahedralise(film, "film.stl"), Contains("film.stl: two closed shells come"));
 }
 
-TEST_CASE("what TetGen gives up or crashes on is an error with a place", "[mesh][tetgen]") {
-  // A tetrahedron whose tip is a hundred million times its base away.
-  SurfaceMesh needle = box_surface({0, 0, 0}, {0.1, 0.1, 0.1});
-  needle.vertices.col(7) = Vector3d(1e7, 1e7, 1e7);
-  try {
-    const TetMesh mesh = tetrahedralise(needle, "needle.stl");
-    CHECK(tet_volumes(mesh).minCoeff() > 0.0);  // or it can
-  } catch (const Error& error) {
-    INFO(error.what());
-    CHECK_THAT(error.what(), Contains("needle.stl: "));
+// A prism on 150 points of a circle that crowd towards one of them: slivers down to 1e-23.
+SurfaceMesh crowded_prism() {
+  constexpr int n = 150;
+  SurfaceMesh prism;
+  prism.vertices.resize(3, 2 * n + 2);
+  prism.triangles.resize(3, 4 * n);
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2.0 * M_PI * std::pow((i + 0.5) / n, 12);
+    const Vector3d x(0.04 * std::cos(angle), 0.04 * std::sin(angle), 0.0);
+    prism.vertices.col(i) = x;
+    prism.vertices.col(n + i) = x + Vector3d(0, 0, 0.05);
+    const int j = (i + 1) % n;
+    prism.triangles.middleCols(4 * i, 4) << i, i, j, n + i,  //
+        j, n + j, i, n + j,                                  //
+        n + j, n + i, 2 * n, 2 * n + 1;
   }
+  prism.vertices.col(2 * n) = Vector3d::Zero();
+  prism.vertices.col(2 * n + 1) = Vector3d(0, 0, 0.05);
+  return merge_equal_vertices(prism);  // in the order in which a file's are read
+}
+
+TEST_CASE("what TetGen gives up or crashes on is an error with a place", "[mesh][tetgen]") {
+  const SurfaceMesh prism = crowded_prism();
+  CHECK_NOTHROW(require_solid_surface(prism, "prism"));
+  CHECK_THROWS_WITH(tetrahedralise(prism, "prism.stl"),
+                    Contains("prism.stl: TetGen cannot fill it with tetrahedra: it ") &&
+                        Contains("its thinnest triangle, ") && Contains("is at (0.04, "));
+  CHECK(tetrahedralise(some_box(), "a box").tet_count() > 0);
 }
 
 TEST_CASE("an inner edge makes tetrahedra larger inside and leaves the skin alone", "[mesh]") {
@@ -188,7 +210,7 @@ TEST_CASE("a heap of triangles with holes is wrapped into a solid", "[mesh]") {
   heap.triangles = heap.triangles.leftCols(heap.triangle_count() - 3).eval();
   CHECK_THROWS_AS(require_solid_surface(heap, "heap"), Error);
   const double size = 0.03;
-  const SurfaceMesh wrap = wrap_surface(heap, size);
+  const SurfaceMesh wrap = wrap_surface(heap, size, "heap");
   CHECK_NOTHROW(require_solid_surface(wrap, "wrap"));
   const Vector3d low = wrap.vertices.rowwise().minCoeff(),
                  high = wrap.vertices.rowwise().maxCoeff();
@@ -198,7 +220,9 @@ TEST_CASE("a heap of triangles with holes is wrapped into a solid", "[mesh]") {
     CHECK(over < 2.0 * size / 7.0);
   }
   CHECK(tetrahedralise(remesh_surface(wrap, 0.01, "wrap"), "wrap").tet_count() > 1000);
-  CHECK_THROWS_AS(wrap_surface(SurfaceMesh{}, size), Error);
+  CHECK_THROWS_WITH(wrap_surface(SurfaceMesh{}, size, "none.stl"), Contains("none.stl: there are"));
+  CHECK_THROWS_WITH(wrap_surface(heap, 1e-6, "heap.stl"),
+                    Contains("heap.stl: a wrap of 1e-06 m") && Contains("would do"));
 }
 
 }  // namespace

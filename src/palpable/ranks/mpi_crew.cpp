@@ -80,8 +80,8 @@ MpiCrew::MpiCrew(int* argc, char*** argv) {
   MPI_Init_thread(argc, argv, MPI_THREAD_SERIALIZED, &provided);
   if (provided < MPI_THREAD_SERIALIZED) {
     throw Error(
-        "this MPI cannot be used from several threads in turn; run without mpirun, with "
-        "--shard");
+        "this MPI cannot be used from several threads in turn; run without mpirun, in "
+        "shards");
   }
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
   MPI_Comm_size(MPI_COMM_WORLD, &size_);

@@ -1,5 +1,6 @@
 #include "palpable/reduced/body_file_content.h"
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 #include "palpable/reduced/body_file.h"
 
+#include "palpable/base/output_file.h"
 #include "palpable/reduced/hdf5_tools.h"
 #include "tests/support/bodies.h"
 #include "tests/support/test.h"
@@ -374,7 +375,7 @@ TEST_CASE("a body that breaks a rule of its own is not written over a good one",
     INFO(expected << " <- " << message);
     CHECK(message.find(expected) != std::string::npos);
     CHECK(bytes_of(path) == good);
-    CHECK_FALSE(fs::exists(folder / "ball.palpable.part"));
+    CHECK_FALSE(fs::exists(part_of(folder / "ball.palpable")));
   }
 }
 
@@ -424,7 +425,7 @@ TEST_CASE("a folder that does not exist is a clear error", "[reduced][errors]") 
 TEST_CASE("a full disk is a clear error and leaves the old file", "[reduced][errors]") {
   if (!fs::exists("/dev/full")) PALPABLE_SKIP("/dev/full is not there");
   const Folder folder;
-  fs::create_symlink("/dev/full", folder / "ball.palpable.part");
+  fs::create_symlink("/dev/full", part_of(folder / "ball.palpable"));
   CHECK_THROWS_AS(write_body_file(folder / "ball.palpable", small_ball()), Error);
   CHECK_FALSE(fs::exists(folder / "ball.palpable"));
 }

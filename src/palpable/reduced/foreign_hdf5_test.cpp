@@ -1,5 +1,6 @@
 #include "palpable/reduced/foreign_hdf5.h"
 
+#include "palpable/base/output_file.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
@@ -116,14 +117,14 @@ TEST_CASE("a full disk leaves the old HDF5 file, and lets the program end", "[re
             return 0;
           }) == 42);
     CHECK(test::file_bytes(path) == "old");
-    CHECK_FALSE(fs::exists(folder / "a.h5.part"));
+    CHECK_FALSE(fs::exists(part_of(folder / "a.h5")));
   }
   {
     const hdf5::Quiet quiet;
     hdf5::write_file(path, fill, [] {});
   }
   CHECK(hdf5::read_foreign(path, "c").values == numbers);
-  CHECK_FALSE(fs::exists(folder / "a.h5.part"));
+  CHECK_FALSE(fs::exists(part_of(folder / "a.h5")));
 }
 
 TEST_CASE("an HDF5 file is not in place when what belongs to it fails", "[reduced][files]") {

@@ -2,13 +2,12 @@
 
 #include "palpable/base/fnv1a.h"
 #include "palpable/base/output_file.h"
+#include "palpable/base/whole_file.h"
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 #include <unistd.h>
 
@@ -223,8 +222,7 @@ std::string image_of(std::string_view kind, int layout, const std::function<void
 
 void write_file(const std::filesystem::path& path, const std::function<void(hid_t)>& fill,
                 const std::function<void()>& before_rename) {
-  std::filesystem::path aside = path;
-  aside += ".part";
+  const std::filesystem::path aside = part_of(path);
   errno = 0;
   const hid_t file = H5Fcreate(aside.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   if (file < 0) {
@@ -266,16 +264,15 @@ Image::Image(const std::string& bytes, std::string_view kind, int layout, std::s
     : file_(open_image(bytes, kind, layout, what, remedy)) {}
 
 std::string all_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file) throw Trouble{"cannot be read"};
-  return bytes;
+  Result<std::string> bytes = read_whole_file(path);
+  if (!bytes) throw Trouble{bytes.problem().message};
+  return std::move(bytes).value();
 }
 
 void write_durably(const std::filesystem::path& output, std::string_view bytes,
                    const std::string& suffix) {
   const std::filesystem::path path = behind_links(output);
-  std::filesystem::path aside = path;
+  std::filesystem::path aside = suffix.empty() ? part_of(path) : path;
   aside += suffix;
   const int file = ::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file < 0) {

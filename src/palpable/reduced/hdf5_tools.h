@@ -149,7 +149,7 @@ Table<T> read_table(hid_t file, const char* name, hsize_t rows, hsize_t columns)
                                    const std::function<void(hid_t)>& fill);
 
 /// Writes an HDF5 file piece by piece, as large as it becomes: aside, then renamed into place, so
-/// that a reader sees the old file or the whole new one. Aside is `path` with ".part"; it is gone
+/// that a reader sees the old file or the whole new one. Aside is part_of(path); it is gone
 /// after any end but a killed process.
 /// @param before_rename  what has to succeed before the new file is in place, too
 /// @throws Trouble when it cannot be written, such as on a full disk; what the functions throw
@@ -172,9 +172,9 @@ class Image {
 [[nodiscard]] std::string all_bytes(const std::filesystem::path& path);
 
 /// Writes aside, syncs, and renames into place: a reader sees the old file or the whole new one.
-/// Aside is `output` with `suffix`; it is gone after any end but a killed process. A symbolic link
-/// stays one: what it stands for is replaced.
+/// Aside is `output` with `suffix`, or without one part_of(output); it is gone after any end but a
+/// killed process. A symbolic link stays one: what it stands for is replaced.
 void write_durably(const std::filesystem::path& output, std::string_view bytes,
-                   const std::string& suffix = ".part");
+                   const std::string& suffix = {});
 
 }  // namespace palpable::hdf5

@@ -192,7 +192,7 @@ Result<LoadedBody> LoadedBody::make(const ReducedBody& body) {
   if (!body.several) {
     return Problem{
         fmt::format("'{}' answers one load at a time: its file holds no energy of several loads "
-                    "(bake it with --method intrusive-pgd and [intrusive] reactions)",
+                    "(bake it by the method intrusive-pgd, with [intrusive] reactions)",
                     body.name)};
   }
   return LoadedBody(body);

@@ -48,8 +48,9 @@ MatrixXd at_value(const MatrixXd& table, const VectorXd& samples, double value) 
 Result<ReducedBody> settled(const ReducedBody& body, const std::map<std::string, double>& values) {
   ReducedBody result = body;
   for (const auto& [name, value] : values) {
-    const auto found = std::find_if(result.further.begin(), result.further.end(),
-                                    [&](const FurtherParameter& p) { return p.name == name; });
+    const auto found =
+        std::find_if(result.further.begin(), result.further.end(),
+                     [&name = name](const FurtherParameter& p) { return p.name == name; });
     if (found == result.further.end() || body.is_settled()) {
       std::string known;
       if (!body.is_settled()) {

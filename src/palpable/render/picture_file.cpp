@@ -1,6 +1,6 @@
 #include "palpable/render/picture_file.h"
 
-#include "palpable/base/growing_file.h"
+#include "palpable/base/output_file.h"
 
 #include <fmt/core.h>
 

@@ -89,7 +89,7 @@ SightImage drawing(const std::vector<std::string>& rows) {
   SightImage image(static_cast<int>(rows[0].size()), static_cast<int>(rows.size()));
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
-      const char c = rows[static_cast<std::size_t>(y)][static_cast<std::size_t>(x)];
+      const char c = rows[y][x];
       image(x, y) = c == '#' ? Sight::kVisible : c == 'o' ? Sight::kHidden : Sight::kNoBody;
     }
   }
@@ -129,9 +129,7 @@ TEST_CASE("a border that was not drawn at all counts the largest error", "[score
 MaskImage moving(const std::vector<std::string>& rows) {
   MaskImage image(static_cast<int>(rows[0].size()), static_cast<int>(rows.size()));
   for (int y = 0; y < image.height(); ++y) {
-    for (int x = 0; x < image.width(); ++x) {
-      image(x, y) = rows[static_cast<std::size_t>(y)][static_cast<std::size_t>(x)] == '1' ? 255 : 0;
-    }
+    for (int x = 0; x < image.width(); ++x) { image(x, y) = rows[y][x] == '1' ? 255 : 0; }
   }
   return image;
 }

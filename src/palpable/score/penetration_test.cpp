@@ -1,5 +1,6 @@
 #include "palpable/score/penetration.h"
 
+#include "palpable/score/deepest_sample.h"
 #include "tests/support/test.h"
 
 #include <algorithm>
@@ -55,7 +56,7 @@ SurfaceMesh points(const std::vector<Vector3d>& at) {
   surface.vertices.resize(3, static_cast<Eigen::Index>(at.size()));
   surface.triangles.resize(3, surface.vertices.cols());
   for (Eigen::Index i = 0; i < surface.vertices.cols(); ++i) {
-    surface.vertices.col(i) = at[static_cast<std::size_t>(i)];
+    surface.vertices.col(i) = at[i];
     surface.triangles.col(i).setConstant(static_cast<int>(i));
   }
   return surface;

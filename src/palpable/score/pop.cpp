@@ -1,6 +1,7 @@
 #include "palpable/score/pop.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/score/deepest_sample.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -57,11 +58,10 @@ std::optional<double> hand_motion(const PopFrame& before, const PopFrame& now) {
 }  // namespace
 
 void PopScorer::add(PopFrame frame) {
-  const bool follows = last_ && frame.number == last_->number + 1;
   PALPABLE_EXPECT(!last_ || frame.surface.cols() == last_->surface.cols(),
                   "the drawn surface keeps its vertices");
   std::optional<double> moved;
-  if (follows) moved = hand_motion(*last_, frame);
+  if (last_) moved = hand_motion(*last_, frame);
   if (!moved) {
     moved_.clear();
   } else {

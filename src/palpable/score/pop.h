@@ -4,8 +4,8 @@
 ///   V  vertices of the drawn body
 #pragma once
 
+#include "palpable/geometry/capsule.h"
 #include "palpable/geometry/rigid.h"
-#include "palpable/score/penetration.h"
 
 #include <Eigen/Core>
 
@@ -33,8 +33,8 @@ struct Pop {
 /// m: a pop that is larger than this is counted.
 inline constexpr double kCountedPop = 0.004;
 
-/// Finds the largest pop of a run, and counts the large ones. Between two frames n-1 and n that
-/// follow each other,
+/// Finds the largest pop of a run, and counts the large ones. Between two frames of the run, n and
+/// the one before it, n-1,
 ///
 ///     pop(n) = max over vertices |x_n - x_{n-1}|  -  max(m_n, m_{n-1}, m_{n-2}),   at least 0,
 ///
@@ -43,8 +43,9 @@ inline constexpr double kCountedPop = 0.004;
 /// moves no farther than what presses it; the two earlier steps allow an answer that comes up to
 /// two frames late. Body coordinates leave out where the body is drawn (anchor_score.h).
 ///
-/// Frames that do not follow each other, or in which a near hand has another number of capsules
-/// than before, are not compared.
+/// Where frames were left out between the two, what the run showed before stayed on the screen: the
+/// jump is seen all the same, and the hand's way is that from the one to the other. Frames in which
+/// a near hand has another number of capsules than before are not compared.
 class PopScorer {
  public:
   /// @throws ContractViolation when V changes

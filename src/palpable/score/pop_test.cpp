@@ -80,11 +80,16 @@ TEST_CASE("a hand that comes into view far away does not stop the comparison, ne
   }
 }
 
-TEST_CASE("frames between which one is missing are not compared", "[score]") {
+TEST_CASE("leaving out the frames between hides no jump", "[score]") {
   PopScorer scorer;
   scorer.add(frame(0, 0, kFar));
-  scorer.add(frame(2, 0.004, kFar));
-  CHECK_FALSE(scorer.largest().has_value());
+  scorer.add(frame(5, 0.0045, kFar));
+  CHECK(scorer.largest()->size == Approx(0.0045));
+  CHECK(scorer.largest()->frame == 5);
+  CHECK(scorer.counted() == 1);
+  scorer.add(frame(6, 0.0045, 0));
+  scorer.add(frame(9, 0.0065, 0.002));  // as far as the hand since the frame before
+  CHECK(scorer.largest()->frame == 5);
 }
 
 TEST_CASE("the hand's way is that in the world, whatever the camera does", "[score]") {

@@ -12,15 +12,19 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <cmath>
 #include <functional>
 #include <string>
+#include <utility>
 
 namespace palpable {
 namespace {
 
 namespace fs = std::filesystem;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 using test::tolerance;
 
@@ -38,8 +42,8 @@ constexpr std::array<Moment, 8> kMoments{{{-0.050, 1, false},
                                           {0.002, 1, true},  // shallow
                                           {0.006, 1, true},
                                           {0.008, 1, true},
-                                          {0.012, 1, false},    // passes through
-                                          {0.006, 0.2, false},  // seen by no camera
+                                          {0.012, 1, false},   // passes through
+                                          {0.006, 0.2, true},  // seen by no camera
                                           {-0.050, 1, false}}};
 
 // A block 100 mm high whose top, at Z = 0, has vertices 2.5 mm apart.
@@ -72,32 +76,44 @@ SurfaceMesh block() {
   return surface;
 }
 
-// The top gives way to the ball and nowhere else; stress as the way of each vertex.
-ValuedSurface pressed(double depth, double times = 1) {
-  ValuedSurface skin{block(), {}};
-  skin.values = Eigen::VectorXd::Zero(skin.surface.vertex_count());
+// The top gives way to a ball above `at` and nowhere else; stress as the way of each vertex.
+void press(ValuedSurface& skin, const Vector2d& at, double depth, double times) {
   for (int v = 0; v + 1 < skin.surface.vertex_count(); ++v) {
-    const double r = skin.surface.vertices.col(v).head<2>().norm();
+    const double r = (skin.surface.vertices.col(v).head<2>() - at).norm();
     if (r >= kRadius || depth <= 0) continue;
     const double down = depth - kRadius + std::sqrt(kRadius * kRadius - r * r);
     if (down <= 0) continue;
     skin.surface.vertices(2, v) = -times * down;
     skin.values[v] = times * 1e6 * down;
   }
+}
+
+ValuedSurface at_rest() {
+  ValuedSurface skin{block(), {}};
+  skin.values = Eigen::VectorXd::Zero(skin.surface.vertex_count());
+  return skin;
+}
+
+ValuedSurface pressed(double depth, double times = 1) {
+  ValuedSurface skin = at_rest();
+  press(skin, Vector2d::Zero(), depth, times);
   return skin;
 }
 
 void write_text(const fs::path& path, const std::string& text) { test::write_bytes(path, text); }
 
-// The camera's frame is the body's.
+// Where the body stands before the camera, m; it is not turned.
+const Vector3d kPlace(0.01, -0.02, 0.4);
+constexpr const char* kPoseText = "[1,0,0,0.01, 0,1,0,-0.02, 0,0,1,0.4, 0,0,0,1]";
+
 void write_truth(const fs::path& folder) {
   std::string contacts, hands, path, deformed;
   fs::create_directories(folder / "deformed");
   write_valued_ply(folder / "deformed" / "rest.ply", pressed(0), kVonMisesProperty);
   for (int n = 0; n < std::ssize(kMoments); ++n) {
-    const Moment& now = kMoments[static_cast<std::size_t>(n)];
+    const Moment& now = kMoments[n];
     const Vector3d middle(0, 0, kRadius - now.depth);
-    hands += hand_line({n, {{middle, middle, kRadius, kRadius}}});
+    hands += hand_line({n, {{kPlace + middle, kPlace + middle, kRadius, kRadius}}});
     path += trajectory_line({n / 30.0, Rigid3::Identity()});
     ContactLine contact{.frame = n, .touching = now.depth > 0, .site = -1};
     if (contact.touching) {
@@ -115,6 +131,7 @@ void write_truth(const fs::path& folder) {
         deformed_line({.frame = n, .depth = now.depth, .force = now.depth * kForcePerMetre});
   }
   write_text(folder / "camera.toml", "fps = 30\ndepth_unit_m = 0.00025\n");
+  write_text(folder / "scene.toml", fmt::format("camera_from_body = {}\n", kPoseText));
   write_text(folder / "contact.jsonl", contacts);
   write_text(folder / "hand.jsonl", hands);
   write_text(folder / "trajectory.txt", path);
@@ -138,12 +155,12 @@ void write_result(const fs::path& folder, const Answers& answers) {
   write_valued_ply(folder / "meshes" / "rest.ply", pressed(0), kVonMisesProperty);
   std::string touches;
   for (int n = 0; n < std::ssize(kMoments); ++n) {
-    const Answer answer = answers(kMoments[static_cast<std::size_t>(n)]);
+    const Answer answer = answers(kMoments[n]);
     write_valued_ply(folder / "meshes" / frame_name(n, ".ply"), answer.skin, kVonMisesProperty);
     if (answer.felt) touches += touches_line({n, {{.force = answer.force}}});
   }
   write_text(folder / "touches.jsonl", touches);
-  write_text(folder / "live.json", "{\"camera_from_body\":[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}");
+  write_text(folder / "live.json", fmt::format("{{\"camera_from_body\":{}}}", kPoseText));
 }
 
 Scorecard scores_of(const Answers& answers) {
@@ -178,6 +195,12 @@ TEST_CASE("the truth handed in scores perfectly", "[scorecard]") {
   }
   CHECK(deformed.force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
   CHECK(deformed.overpress_mm->p99 <= rounding);
+  CHECK(deformed.deformed_frames_unseen == 1);
+  CHECK(deformed.displacement_error_mm_unseen->p90 <= rounding);
+  CHECK(surface.frames_unseen == 1);
+  CHECK(*surface.penetration_median_mm_unseen <= chord);
+  CHECK(surface.placement_error_mm->p90 == 0);
+  CHECK(scores.frames_processed == 8);
 }
 
 TEST_CASE("a body that stays at rest misses the touch and is penetrated", "[scorecard]") {
@@ -190,9 +213,10 @@ TEST_CASE("a body that stays at rest misses the touch and is penetrated", "[scor
   CHECK(scores.deformed.von_mises_error->median == Approx(1));
   CHECK(scores.deformed.force_error->median == Approx(1));
   CHECK(scores.deformed.overpress_mm->p99 == 0);
-  // 2, 6, 8 and 6 mm; not the 12 mm of a ball that passes through.
+  // 2, 6 and 8 mm; not the 12 mm of a ball that passes through, nor the 6 that no camera sees.
   CHECK(*scores.surface.penetration_median_mm == Approx(6));
-  CHECK(*scores.surface.penetration_p99_mm == Approx(8 - 0.03 * 2));
+  CHECK(*scores.surface.penetration_p99_mm == Approx(8 - 0.02 * 2));
+  CHECK(*scores.surface.penetration_median_mm_unseen == Approx(6));
 }
 
 TEST_CASE("a body that flees twice too far is overpressed, though nothing is left in it",
@@ -235,6 +259,198 @@ TEST_CASE("what is felt where nothing is near is false, what no camera sees is n
   CHECK(*beside.surface.penetration_median_mm == Approx(6));
 }
 
+TEST_CASE("nobody is judged by a touch that no camera sees, but it is counted", "[scorecard]") {
+  const Scorecard scores = scores_of([](const Moment& now) {
+    return now.seen_share < 0.5 ? Answer{pressed(0.009)} : perfect(now);  // and not felt
+  });
+  const DeformedScores& deformed = scores.deformed;
+  const double rounding = tolerance(1e-9, "weights of a corner");
+  CHECK(deformed.displacement_error->p90 <= rounding);
+  CHECK(deformed.displacement_error_mm->p90 <= rounding);
+  CHECK(deformed.von_mises_error->p90 <= rounding);
+  CHECK(deformed.force_error->p90 <= tolerance(1e-5, "forces have six decimals"));
+  CHECK(deformed.overpress_mm->p99 <= rounding);
+  CHECK(deformed.deformed_frames == 2);
+  CHECK(deformed.deformed_frames_shallow == 1);
+  CHECK(deformed.deformed_frames_unseen == 1);
+  CHECK(deformed.displacement_error_mm_unseen->median == Approx(3));  // 9 instead of 6 mm
+}
+
+TEST_CASE("of two touches the second one is asked, too, how far it is pressed", "[scorecard]") {
+  const test::ScratchFolder scratch("contact_scores_two");
+  const fs::path truth = scratch / "truth";
+  write_truth(truth);
+  // In frame 3 a second ball presses 50 mm beside the first, 4 mm deep.
+  const Vector2d left(-0.025, 0), right(0.025, 0);
+  const auto both = [&](double times_right) {
+    ValuedSurface skin = at_rest();
+    press(skin, left, 0.006, 1);
+    press(skin, right, 0.004, times_right);
+    return skin;
+  };
+  std::string hands;
+  for (int n = 0; n < std::ssize(kMoments); ++n) {
+    HandLine line{n, {}};
+    for (const auto& [at, depth] : {std::pair(left, 0.006), std::pair(right, 0.004)}) {
+      const Vector3d middle = kPlace + Vector3d(at.x(), at.y(), kRadius - depth);
+      line.capsules.push_back({middle, middle, kRadius, kRadius});
+    }
+    hands += hand_line(line);
+  }
+  write_text(truth / "hand.jsonl", hands);
+  write_valued_ply(deformed_skin_file(truth / "deformed", 3), both(1), kVonMisesProperty);
+  write_text(truth / "deformed/deformed.jsonl",
+             deformed_line({.frame = 3, .depth = 0.006, .force = {0, 0, -1}}));
+  const auto overpress_of = [&](double times_right) {
+    write_result(scratch / "result", [&](const Moment&) { return Answer{both(times_right)}; });
+    return score_folders(truth, scratch / "result", nullptr, {}).deformed.overpress_mm->p99;
+  };
+  CHECK(overpress_of(1) <= tolerance(1e-9, "weights of a corner"));
+  CHECK(overpress_of(2) == Approx(4));
+  // Where nobody says where the body stands, the one place that contact.jsonl names is asked.
+  fs::remove(truth / "scene.toml");
+  CHECK(overpress_of(2) <= tolerance(1e-9, "weights of a corner"));
+}
+
+TEST_CASE("leaving out hard frames is answering with the body at rest", "[scorecard]") {
+  const test::ScratchFolder scratch("contact_scores_left_out");
+  const fs::path result = scratch / "result";
+  write_truth(scratch / "truth");
+  const auto scores = [&] { return score_folders(scratch / "truth", result, nullptr, {}); };
+  const auto hard = [](const Moment& now) { return now.depth == 0.008; };
+  write_result(result,
+               [&](const Moment& now) { return hard(now) ? Answer{pressed(0)} : perfect(now); });
+  const Scorecard resting = scores();
+  write_result(result, perfect);
+  write_text(result / "live.json", fmt::format("{{\"camera_from_body\":{},\"processed\":"
+                                               "[0,1,2,3,5,6,7]}}",
+                                               kPoseText));
+  const Scorecard left_out = scores();
+  CHECK(left_out.frames_processed == 7);
+  CHECK(left_out.deformed.deformed_frames == 2);
+  CHECK(left_out.deformed.displacement_error->median == Approx(0.5));  // of 0 and 1
+  CHECK(left_out.deformed.displacement_error_mm->median == Approx(4));
+  CHECK(left_out.deformed.von_mises_error->median == Approx(0.5));
+  CHECK(left_out.deformed.force_error->median == Approx(0.5));
+  CHECK(*left_out.press.touch_recall_3mm == Approx(2.0 / 3));  // of 6, 8 and 12 mm
+  CHECK(*left_out.surface.penetration_p99_mm == Approx(8).margin(0.2));
+  const double rounding = tolerance(1e-12, "the same sums");
+  const auto same = [&](double a, double b) { return std::abs(a - b) <= rounding; };
+  CHECK(same(left_out.deformed.displacement_error->p90, resting.deformed.displacement_error->p90));
+  CHECK(same(left_out.deformed.von_mises_error->p90, resting.deformed.von_mises_error->p90));
+  CHECK(same(left_out.deformed.force_error->p90, resting.deformed.force_error->p90));
+  CHECK(same(left_out.deformed.overpress_mm->p99, resting.deformed.overpress_mm->p99));
+  CHECK(same(*left_out.surface.penetration_p99_mm, *resting.surface.penetration_p99_mm));
+  CHECK(left_out.press.touch_recall_3mm == resting.press.touch_recall_3mm);
+  // Where the result does not say where the body was drawn then, it stood in its true place.
+  std::string poses;
+  for (const int n : {0, 1, 2, 3, 5, 6, 7}) {
+    poses += fmt::format("{{\"frame\":{},\"camera_from_body\":{}}}\n", n, kPoseText);
+  }
+  write_text(result / "pose.jsonl", poses);
+  CHECK(same(*scores().surface.penetration_p99_mm, *left_out.surface.penetration_p99_mm));
+  fs::remove(scratch / "truth/scene.toml");
+  CHECK_FALSE(scores().surface.penetration_p99_mm.has_value());
+  CHECK(scores().surface.largest_pop_mm == left_out.surface.largest_pop_mm);  // asks the others
+}
+
+TEST_CASE("a body drawn beside its place is off by as much, though its shape is right",
+          "[scorecard]") {
+  const test::ScratchFolder scratch("contact_scores_place");
+  const fs::path truth = scratch / "clip" / "truth";
+  const fs::path result = scratch / "result";
+  write_truth(truth);
+  write_result(result, perfect);
+  write_text(result / "live.json",
+             "{\"camera_from_body\":[1,0,0,0.013, 0,1,0,-0.024, 0,0,1,0.4, 0,0,0,1]}");
+  const auto scores = [&] { return score_folders(truth, result, nullptr, {}); };
+  CHECK(scores().surface.placement_error_mm->median == Approx(5));  // 3 and 4 mm aside
+  CHECK(scores().deformed.displacement_error->p90 <= tolerance(1e-9, "weights of a corner"));
+  // Of one frame it is not known: that might be the worst one.
+  write_text(result / "pose.jsonl",
+             fmt::format("{{\"frame\":0,\"camera_from_body\":{}}}\n", kPoseText));
+  CHECK_FALSE(scores().surface.placement_error_mm.has_value());
+  fs::remove(result / "pose.jsonl");
+  // A film of before has its place beside the pictures alone.
+  fs::create_directories(scratch / "clip/frames");
+  fs::rename(truth / "scene.toml", scratch / "clip/frames/scene.toml");
+  CHECK(scores().surface.placement_error_mm->p90 == Approx(5));
+  fs::remove(scratch / "clip/frames/scene.toml");
+  CHECK_FALSE(scores().surface.placement_error_mm.has_value());
+}
+
+TEST_CASE("a drawn skin that does not lie on the true one is refused", "[scorecard][errors]") {
+  const test::ScratchFolder scratch("contact_scores_other");
+  const fs::path result = scratch / "result";
+  write_truth(scratch / "truth");
+  write_result(result, perfect);
+  const auto scores = [&] { return score_folders(scratch / "truth", result, nullptr, {}); };
+  const auto draw_at_rest = [&](double scale, double lifted) {
+    ValuedSurface rest = at_rest();
+    rest.surface.vertices *= scale;
+    rest.surface.vertices.row(2).array() += lifted;
+    write_valued_ply(result / "meshes/rest.ply", rest, kVonMisesProperty);
+  };
+  draw_at_rest(1, 0.0009);  // 1 mm is a hundredth of the height
+  CHECK(scores().deformed.displacement_error.has_value());
+  for (const auto& [scale, lifted] : {std::pair(1.0, 0.0013), std::pair(1000.0, 0.0)}) {
+    draw_at_rest(scale, lifted);
+    CHECK_THROWS_WITH(scores(), Catch::Contains("meshes/rest.ply: at rest it lies ") &&
+                                    Catch::Contains("deformed/rest.ply on average") &&
+                                    Catch::Contains("another body, scale or frame") &&
+                                    !Catch::Contains("\n"));
+  }
+  // Of the body that was filmed, where there is no full answer.
+  draw_at_rest(1, 0.0013);
+  fs::rename(scratch / "truth/deformed/rest.ply", scratch / "truth/body.ply");
+  fs::remove_all(scratch / "truth/deformed");
+  CHECK_THROWS_WITH(scores(), Catch::Contains("truth/body.ply on average"));
+  // Without rest.ply, that of the first frame.
+  fs::rename(result / "meshes/rest.ply", result / "meshes/000000.ply");
+  CHECK_THROWS_WITH(scores(), Catch::Contains("000000.ply: at rest it lies"));
+  write_ply(result / "meshes/000000.ply", {block().vertices, Eigen::Matrix3Xi(3, 0)});
+  CHECK_THROWS_WITH(scores(), Catch::Contains("000000.ply"));
+}
+
+TEST_CASE("a true skin that is not the one at rest is refused", "[scorecard][errors]") {
+  const test::ScratchFolder scratch("contact_scores_triangles");
+  write_truth(scratch / "truth");
+  write_result(scratch / "result", perfect);
+  const auto refused = [&](const ValuedSurface& skin, const char* says) {
+    write_valued_ply(scratch / "truth/deformed/000003.ply", skin, kVonMisesProperty);
+    CHECK_THROWS_WITH(score_folders(scratch / "truth", scratch / "result", nullptr, {}),
+                      Catch::Contains("000003.ply") && Catch::Contains(says));
+  };
+  ValuedSurface other = pressed(0.006);
+  other.surface.triangles.conservativeResize(3, other.surface.triangles.cols() - 1);
+  refused(other, "other triangles than rest.ply");
+  other = pressed(0.006);
+  std::swap(other.surface.triangles(0, 0), other.surface.triangles(1, 0));
+  refused(other, "other triangles than rest.ply");
+  refused({box_surface({0, 0, 0}, {1, 1, 1}), Eigen::VectorXd::Zero(8)},
+          "8 vertices, but rest.ply");
+}
+
+TEST_CASE("a skin in other triangles is compared by projection", "[scorecard]") {
+  // The block in six triangles; its top does not move, so each figure is that of a body at rest.
+  SurfaceMesh coarse;
+  coarse.vertices.resize(3, 5);
+  coarse.vertices << -0.05, 0.05, 0.05, -0.05, 0, -0.05, -0.05, 0.05, 0.05, 0, 0, 0, 0, 0, -0.1;
+  coarse.triangles.resize(3, 6);
+  coarse.triangles << 0, 0, 1, 2, 3, 0, 1, 2, 0, 1, 2, 3, 2, 3, 4, 4, 4, 4;
+  const Scorecard scores = [&] {
+    const test::ScratchFolder scratch("contact_scores_coarse");
+    write_truth(scratch / "truth");
+    write_result(scratch / "result", [&](const Moment&) {
+      return Answer{{coarse, Eigen::VectorXd::Zero(5)}};
+    });
+    write_ply(scratch / "result/meshes/rest.ply", coarse);
+    return score_folders(scratch / "truth", scratch / "result", nullptr, {});
+  }();
+  CHECK(scores.deformed.displacement_error->p90 == Approx(1));
+  CHECK(scores.surface.placement_error_mm->p90 == 0);
+}
+
 TEST_CASE("a skin that jumps by more than 4 mm without a hand is a pop", "[scorecard]") {
   int frame = 0;
   const Scorecard scores = scores_of([&](const Moment& now) {
@@ -275,12 +491,12 @@ TEST_CASE("what is not known of one frame has no score", "[scorecard]") {
   CHECK_FALSE(deformed().displacement_error.has_value());
   CHECK_FALSE(deformed().overpress_mm.has_value());
   CHECK(deformed().deformed_frames == 2);
-  // A frame that was not looked at is left out of the skins, and feels nothing.
+  // A frame that was not looked at has the body at rest, and feels nothing.
   write_text(result / "live.json", "{\"processed\":[0,1,2,4,5,6,7]}");
   write_text(result / "touches.jsonl",
              touches_line({3, {{.force = Vector3d(0.006 * kForcePerMetre)}}}) +
                  touches_line({4, {{.force = Vector3d(0.008 * kForcePerMetre)}}}));
-  CHECK(deformed().displacement_error->p90 <= tolerance(1e-9, "weights of a corner"));
+  CHECK(deformed().displacement_error->median == Approx(0.5));
   CHECK(deformed().force_error->median == Approx(0.5));
 }
 
@@ -348,6 +564,10 @@ TEST_CASE("with a reduced body its touches say skin, stress and force", "[scorec
   CHECK(none.von_mises_error->median == Approx(1));
   CHECK(none.force_error->median == Approx(1));
   CHECK_FALSE(scores("{\"frame\":1,\"site\":1}\n").displacement_error.has_value());
+  rest.surface.vertices *= 1.1;
+  write_valued_ply(deformed_folder / "rest.ply", rest, kVonMisesProperty);
+  CHECK_THROWS_WITH(scores(""), Catch::StartsWith(body.name + ": at rest it lies") &&
+                                    Catch::Contains("another body, scale or frame"));
 }
 
 }  // namespace

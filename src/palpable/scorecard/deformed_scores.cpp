@@ -5,6 +5,7 @@
 #include "palpable/score/force_error.h"
 #include "palpable/score/overpress.h"
 #include "palpable/score/skin_projection.h"
+#include "palpable/score/touched_places.h"
 #include "palpable/score/von_mises_error.h"
 #include "palpable/scorecard/drawn_skins.h"
 
@@ -39,52 +40,63 @@ ValuedSurface true_skin(const TruthFolder& truth, int frame) {
     throw Error(fmt::format("{}: {} vertices, but rest.ply has {}", path.string(),
                             skin.surface.vertex_count(), count));
   }
+  const auto& triangles = truth.deformed->rest.triangles;
+  if (skin.surface.triangles.cols() != triangles.cols() || skin.surface.triangles != triangles) {
+    throw Error(fmt::format("{}: has other triangles than rest.ply", path.string()));
+  }
   return skin;
 }
 
-// Where it is touched, on the skin at rest.
-Eigen::Vector3d touched_point(const TruthFolder& truth, const DeformedLine& line,
-                              const Eigen::Matrix3Xd& displacement) {
+// Where it is touched, on the skin at rest: wherever the true skin lies on the hand; where the
+// truth does not say where hand or body are, the one place that it names.
+std::vector<Eigen::Vector3d> places_of(const TruthFolder& truth, const DeformedLine& line,
+                                       const SurfaceMesh& skin) {
+  const SurfaceMesh& rest = truth.deformed->rest;
+  std::vector<Eigen::Vector3d> places = touched_places(rest, skin, truth.hand_at_body(line.frame));
+  if (!places.empty()) return places;
   if (!truth.contacts.empty() && truth.contacts[line.frame].point) {
-    return *truth.contacts[line.frame].point;
+    return {*truth.contacts[line.frame].point};
   }
-  if (line.point) return *line.point;
+  if (line.point) return {*line.point};
   Eigen::Index farthest = 0;
-  displacement.colwise().squaredNorm().maxCoeff(&farthest);
-  return truth.deformed->rest.vertices.col(farthest);
+  (skin.vertices - rest.vertices).colwise().squaredNorm().maxCoeff(&farthest);
+  return {rest.vertices.col(farthest)};
 }
 
-// The errors of all frames; each list stays empty, and `known` false, where one is not known.
+// The errors of all frames.
 class SkinErrors {
  public:
-  SkinErrors(const TruthFolder& truth, DrawnSkins& skins)
+  SkinErrors(const TruthFolder& truth, const ResultFolder& result, DrawnSkins& skins)
       : truth_(truth),
+        result_(result),
         skins_(skins),
         areas_(vertex_areas(truth.deformed->rest)),
         onto_true_skin_(*skins.rest(), truth.deformed->rest.vertices) {}
 
   // False when the frame's drawn skin is not known.
   bool add(const DeformedLine& line) {
-    const std::optional<ValuedSurface> drawn = skins_.at(line.frame, Stress::kWanted);
-    if (!drawn) return false;
+    const std::optional<Found> found = found_in(line.frame);
+    if (!found) return false;
     const ValuedSurface skin = true_skin(truth_, line.frame);
     const SurfaceMesh& rest = truth_.deformed->rest;
     const Eigen::Matrix3Xd u = skin.surface.vertices - rest.vertices;
-    const Eigen::Matrix3Xd found =
-        onto_true_skin_.vectors(drawn->surface.vertices - skins_.rest()->vertices);
-    const DisplacementError error = displacement_error(u, found, areas_);
-    overpress_mm_.push_back(1e3 *
-                            overpress(rest.vertices, u, found, touched_point(truth_, line, u)));
+    const DisplacementError error = displacement_error(u, found->displacement, areas_);
+    if (!truth_.is_seen(line.frame)) {
+      unseen_mm_.push_back(1e3 * error.worst);
+      return true;
+    }
+    overpress_mm_.push_back(1e3 * overpress(rest.vertices, u, found->displacement,
+                                            places_of(truth_, line, skin.surface)));
     if (!is_deep(line)) {
       shallow_mm_.push_back(1e3 * error.worst);
       return true;
     }
     relative_.push_back(error.relative);
     worst_mm_.push_back(1e3 * error.worst);
-    if (drawn->values.size() == 0 || skin.values.size() == 0) {
+    if (found->stress.size() == 0 || skin.values.size() == 0) {
       stress_known_ = false;
     } else {
-      stress_.push_back(von_mises_error(skin.values, onto_true_skin_.numbers(drawn->values)));
+      stress_.push_back(von_mises_error(skin.values, found->stress));
     }
     return true;
   }
@@ -93,16 +105,36 @@ class SkinErrors {
     scores.displacement_error = median_and_p90(relative_);
     scores.displacement_error_mm = median_and_p90(worst_mm_);
     scores.displacement_error_mm_shallow = median_and_p90(shallow_mm_);
+    scores.displacement_error_mm_unseen = median_and_p90(unseen_mm_);
     scores.overpress_mm = p50_and_p99(overpress_mm_);
     if (stress_known_) scores.von_mises_error = median_and_p90(stress_);
   }
 
  private:
+  // What the result says at the vertices of the true skin.
+  struct Found {
+    Eigen::Matrix3Xd displacement;  // m
+    Eigen::VectorXd stress;         // Pa; empty: not known
+  };
+
+  [[nodiscard]] std::optional<Found> found_in(int frame) {
+    const Eigen::Index N = truth_.deformed->rest.vertices.cols();
+    if (result_.processed[frame] == 0) {
+      return Found{Eigen::Matrix3Xd::Zero(3, N), Eigen::VectorXd::Zero(N)};
+    }
+    const std::optional<ValuedSurface> drawn = skins_.at(frame, Stress::kWanted);
+    if (!drawn) return std::nullopt;
+    Found found{onto_true_skin_.vectors(drawn->surface.vertices - skins_.rest()->vertices), {}};
+    if (drawn->values.size() > 0) found.stress = onto_true_skin_.numbers(drawn->values);
+    return found;
+  }
+
   const TruthFolder& truth_;
+  const ResultFolder& result_;
   DrawnSkins& skins_;
   Eigen::VectorXd areas_;
   SkinProjection onto_true_skin_;
-  std::vector<double> relative_, worst_mm_, shallow_mm_, stress_, overpress_mm_;
+  std::vector<double> relative_, worst_mm_, shallow_mm_, unseen_mm_, stress_, overpress_mm_;
   bool stress_known_ = true;
 };
 
@@ -110,9 +142,9 @@ void add_skin_scores(const TruthFolder& truth, const ResultFolder& result,
                      const std::vector<DeformedLine>& lines, DrawnSkins& skins,
                      DeformedScores& scores) {
   if (!skins.rest()) return;
-  SkinErrors errors(truth, skins);
+  SkinErrors errors(truth, result, skins);
   for (const DeformedLine& line : lines) {
-    if (result.processed[line.frame] != 0 && !errors.add(line)) return;
+    if (!errors.add(line)) return;
   }
   errors.write(scores);
 }
@@ -129,13 +161,13 @@ std::optional<Eigen::Vector3d> force_of(const FoundTouch& touch, const ReducedBo
 }
 
 // As in the other scores of touches, a frame that was not processed feels nothing.
-std::optional<MedianAndP90> score_forces(const ResultFolder& result,
+std::optional<MedianAndP90> score_forces(const TruthFolder& truth, const ResultFolder& result,
                                          const std::vector<DeformedLine>& lines,
                                          const ReducedBody* body) {
   if (!result.touches) return std::nullopt;
   std::vector<double> errors;
   for (const DeformedLine& line : lines) {
-    if (!is_deep(line)) continue;
+    if (!is_deep(line) || !truth.is_seen(line.frame)) continue;
     std::vector<Eigen::Vector3d> felt;
     const auto touches = result.touches->find(line.frame);
     if (touches != result.touches->end() && result.processed[line.frame] != 0) {
@@ -160,12 +192,16 @@ DeformedScores score_deformed(const TruthFolder& truth, const ResultFolder& resu
   const std::vector<DeformedLine> lines = scored_lines(truth, skins);
   scores.deformed_frames = 0;
   scores.deformed_frames_shallow = 0;
+  scores.deformed_frames_unseen = 0;
   for (const DeformedLine& line : lines) {
-    if (result.processed[line.frame] == 0) continue;
-    ++*(is_deep(line) ? scores.deformed_frames : scores.deformed_frames_shallow);
+    if (!truth.is_seen(line.frame)) {
+      ++*scores.deformed_frames_unseen;
+    } else {
+      ++*(is_deep(line) ? scores.deformed_frames : scores.deformed_frames_shallow);
+    }
   }
   add_skin_scores(truth, result, lines, skins, scores);
-  scores.force_error = score_forces(result, lines, body);
+  scores.force_error = score_forces(truth, result, lines, body);
   return scores;
 }
 

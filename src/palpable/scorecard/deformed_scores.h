@@ -12,17 +12,21 @@ namespace palpable {
 
 /// By the names of docs/benchmark.md; nothing without a truth of that kind.
 struct DeformedScores {
-  std::optional<int> deformed_frames;          ///< with such a truth, 4 mm deep or more
-  std::optional<int> deformed_frames_shallow;  ///< less deep
+  std::optional<int> deformed_frames;          ///< with such a truth, 4 mm deep or more, and seen
+  std::optional<int> deformed_frames_shallow;  ///< less deep, and seen
+  std::optional<int> deformed_frames_unseen;   ///< whose touch no camera sees: not judged
   std::optional<MedianAndP90> displacement_error;
   std::optional<MedianAndP90> displacement_error_mm;
   std::optional<MedianAndP90> displacement_error_mm_shallow;
+  std::optional<MedianAndP90> displacement_error_mm_unseen;
   std::optional<MedianAndP90> von_mises_error;
   std::optional<MedianAndP90> force_error;
   std::optional<P50AndP99> overpress_mm;
 };
 
-/// A figure is nothing when it is not known of some frame, which might be the worst.
+/// A figure is nothing when it is not known of some frame, which might be the worst. A frame that
+/// was not processed has an answer: the body at rest, without a touch. So leaving out hard frames
+/// gains nothing.
 /// @param body  of the run; may be null
 /// @throws Error as DrawnSkins, and naming the true skin that cannot be read
 [[nodiscard]] DeformedScores score_deformed(const TruthFolder& truth, const ResultFolder& result,

@@ -2,6 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/clip_files/frame_names.h"
+#include "palpable/score/skin_fit.h"
 
 #include <fmt/core.h>
 
@@ -41,6 +42,7 @@ DrawnSkins::DrawnSkins(const TruthFolder& truth, const ResultFolder& result,
   if (body == nullptr) return;
   rest_ = body->surface;
   height_ = height_of(*rest_);
+  expect_true_body(*rest_, body->name);
   const auto known = [](const auto& touches) {
     const FoundTouch& first = touches.second.front();
     return first.site >= 0 && first.level.has_value();
@@ -56,7 +58,7 @@ std::optional<ValuedSurface> DrawnSkins::at(int frame, Stress stress) {
 }
 
 std::optional<double> DrawnSkins::deepest_scored() const {
-  if (truth_.deformed) return kPassesThrough * height_of(truth_.deformed->rest);
+  if (truth_.body) return kPassesThrough * height_of(truth_.body->rest);
   if (height_) return kPassesThrough * *height_;
   return std::nullopt;
 }
@@ -105,18 +107,35 @@ ValuedSurface DrawnSkins::from_touch(int frame, Stress stress) const {
 }
 
 void DrawnSkins::find_rest_among_meshes() {
-  if (const auto rest = from_file(result_.folder / "meshes" / "rest.ply")) {
+  const fs::path rest_file = result_.folder / "meshes" / "rest.ply";
+  if (const auto rest = from_file(rest_file)) {
     rest_ = rest->surface;
     height_ = height_of(*rest_);
+    expect_true_body(*rest_, rest_file.string());
     return;
   }
   const auto first = std::find(result_.processed.begin(), result_.processed.end(), 1);
-  const auto frame = first - result_.processed.begin();
-  const auto skin = from_file(mesh_file(static_cast<int>(frame)));
+  const auto frame = static_cast<int>(first - result_.processed.begin());
+  const auto skin = from_file(mesh_file(frame));
   if (!skin) return;
   height_ = height_of(skin->surface);
   if (truth_.contacts.empty() || truth_.contacts[frame].touching) return;
   rest_ = skin->surface;
+  expect_true_body(*rest_, mesh_file(frame).string());
+}
+
+void DrawnSkins::expect_true_body(const SurfaceMesh& rest, const std::string& what) const {
+  if (rest.triangle_count() == 0) {
+    throw Error(fmt::format("{}: has no triangles, so it is no skin", what));
+  }
+  if (!truth_.body) return;
+  const double offset = skin_offset(truth_.body->rest, rest);
+  const double height = height_of(truth_.body->rest);
+  if (offset <= kSameBody * height) return;
+  throw Error(fmt::format(
+      "{}: at rest it lies {:.3g} mm off {} on average (allowed: {:.3g} mm, {:g} % of "
+      "the height): another body, scale or frame than the one that was filmed",
+      what, 1e3 * offset, truth_.body->file.string(), 1e3 * kSameBody * height, 100 * kSameBody));
 }
 
 }  // namespace palpable

@@ -5,12 +5,14 @@
 #include "palpable/clip_files/frame_names.h"
 #include "palpable/clip_files/hand_file.h"
 #include "palpable/clip_files/live_file.h"
+#include "palpable/clip_files/place.h"
 #include "palpable/clip_files/pose_file.h"
 #include "palpable/clip_files/rectification_file.h"
 #include "palpable/clip_files/rig_file.h"
 #include "palpable/clip_files/touches_file.h"
 #include "palpable/clip_files/trajectory_file.h"
 #include "palpable/clip_files/truth_camera_file.h"
+#include "palpable/score/touch_recall.h"
 
 #include <fmt/core.h>
 
@@ -58,6 +60,25 @@ std::optional<TrueSkins> skins_in(const fs::path& folder, int frames) {
   }
   skins.rest = value_or_throw(read_valued_ply(folder / "rest.ply", kVonMisesProperty)).surface;
   return skins;
+}
+
+// The world is the camera of the first frame.
+std::optional<Rigid3> place_in(const fs::path& truth) {
+  for (const fs::path& file : {truth / "scene.toml", truth / ".." / "frames" / "scene.toml"}) {
+    if (const SceneFile scene = read_scene_file(file); scene.camera_from_body) {
+      return scene.camera_from_body;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<TrueBody> body_in(const TruthFolder& truth) {
+  const fs::path file = truth.folder / kBodySkinFile;
+  if (fs::exists(file)) {
+    return TrueBody{value_or_throw(read_valued_ply(file, kVonMisesProperty)).surface, file};
+  }
+  if (!truth.deformed) return std::nullopt;
+  return TrueBody{truth.deformed->rest, truth.folder / "deformed" / "rest.ply"};
 }
 
 std::map<int, std::vector<Capsule>> hands_in(const fs::path& path) {
@@ -123,6 +144,28 @@ void expect_complete(const TruthFolder& truth, const char* name, std::size_t lin
 
 }  // namespace
 
+std::optional<Rigid3> TruthFolder::pose_at(int frame) const {
+  if (!world_from_body || trajectory.empty()) return std::nullopt;
+  return trajectory[frame].world_from_camera.inverse() * *world_from_body;
+}
+
+std::vector<Capsule> TruthFolder::hand_at_body(int frame) const {
+  const auto hand = hands.find(frame);
+  const std::optional<Rigid3> camera_from_body = pose_at(frame);
+  if (hand == hands.end() || !camera_from_body) return {};
+  const Rigid3 body_from_camera = camera_from_body->inverse();
+  std::vector<Capsule> capsules = hand->second;
+  for (Capsule& capsule : capsules) {
+    capsule.a = body_from_camera * capsule.a;
+    capsule.b = body_from_camera * capsule.b;
+  }
+  return capsules;
+}
+
+bool TruthFolder::is_seen(int frame) const {
+  return contacts.empty() || contacts[frame].seen_share >= kSeenFrom;
+}
+
 std::optional<Rigid3> ResultFolder::pose_at(int frame) const {
   if (!poses) return camera_from_body;
   const auto at = poses->find(frame);
@@ -169,6 +212,8 @@ TruthFolder read_truth_folder(const fs::path& folder) {
   expect_complete(truth, "trajectory.txt", truth.trajectory.size());
   if (there("hand.jsonl")) fill_gaps(truth);
   truth.deformed = skins_in(path_of("deformed"), truth.frames);
+  truth.body = body_in(truth);
+  truth.world_from_body = place_in(truth.folder);
   return truth;
 }
 

@@ -35,6 +35,12 @@ struct TrueSkins {
   std::vector<DeformedLine> lines;  ///< at least one, by frame
 };
 
+/// The body that was filmed, at rest.
+struct TrueBody {
+  SurfaceMesh rest;            ///< m, body frame
+  std::filesystem::path file;  ///< where it stands
+};
+
 /// What is known of a film. Only camera.toml must be there; lists of files that are not are empty.
 struct TruthFolder {
   std::filesystem::path folder;
@@ -46,6 +52,16 @@ struct TruthFolder {
   std::map<int, std::vector<Capsule>> hands;  ///< per frame, camera frame; no entry: no hand
   std::vector<TrueRowOffset> rows;
   std::optional<TrueSkins> deformed;
+  std::optional<TrueBody> body;           ///< body.ply, else deformed/rest.ply
+  std::optional<Rigid3> world_from_body;  ///< scene.toml, here or in frames/ beside the truth
+
+  /// Where the body truly stands, camera_from_body; nothing where body or camera is not known.
+  [[nodiscard]] std::optional<Rigid3> pose_at(int frame) const;
+  /// The hand in the body's frame; none where there is none, or the body's place is not known.
+  [[nodiscard]] std::vector<Capsule> hand_at_body(int frame) const;
+  /// Whether half or more of what touches is seen by a camera (touch_recall.h); so it is where that
+  /// is not said. What no camera sees is true, but nobody is to blame.
+  [[nodiscard]] bool is_seen(int frame) const;
 };
 
 struct FoundTouch {

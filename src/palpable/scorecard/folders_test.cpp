@@ -192,8 +192,10 @@ TEST_CASE("folders that are none, or empty, are refused by name", "[scorecard][e
 TEST_CASE("what has no score is null for programs and a dash for people", "[scorecard]") {
   Scorecard scores;
   scores.frames = 3;
+  scores.frames_processed = 3;
   CHECK(json_of(scores) == R"({
   "frames": 3,
+  "frames_processed": 3,
   "depth_frames": 0,
   "depth_median": null,
   "depth_within_1pct": null,
@@ -224,19 +226,24 @@ TEST_CASE("what has no score is null for programs and a dash for people", "[scor
   "touch_recall_3mm": null,
   "touch_false_5mm": null,
   "frames_too_deep": null,
+  "frames_unseen": null,
   "penetration_median_mm": null,
   "penetration_p99_mm": null,
+  "penetration_median_mm_unseen": null,
   "largest_pop_mm": null,
   "largest_pop_frame": null,
   "pops_4mm": null,
   "deformed_frames": null,
   "deformed_frames_shallow": null,
+  "deformed_frames_unseen": null,
   "displacement_error": null,
   "displacement_error_mm": null,
   "displacement_error_mm_shallow": null,
+  "displacement_error_mm_unseen": null,
   "von_mises_error": null,
   "force_error": null,
   "overpress_mm": null,
+  "placement_error_mm": null,
   "jitter_mm": null,
   "row_error_px": null
 })");

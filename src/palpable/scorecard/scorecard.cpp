@@ -9,6 +9,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -123,6 +124,8 @@ Scorecard score_folders(const std::filesystem::path& truth_path,
   const ResultFolder result = read_result_folder(result_path, truth.frames);
   Scorecard scores;
   scores.frames = truth.frames;
+  scores.frames_processed =
+      static_cast<int>(std::count(result.processed.begin(), result.processed.end(), 1));
   scores.images = score_images(truth, result, progress);
   scores.path = score_path(truth, result);
   scores.press = score_presses(truth, result);

@@ -38,6 +38,7 @@ struct PressScores {
 /// By the names of docs/benchmark.md. What a result does not hold has no score.
 struct Scorecard {
   int frames = 0;
+  int frames_processed = 0;
   ImageScores images;
   PathScores path;
   PressScores press;

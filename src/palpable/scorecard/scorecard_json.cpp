@@ -1,31 +1,29 @@
+#include "palpable/base/json.h"
 #include "palpable/scorecard/scorecard.h"
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 namespace palpable {
 namespace {
 
-using nlohmann::ordered_json;
-
 template <class T>
-ordered_json or_null(const std::optional<T>& value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
+Json or_null(const std::optional<T>& value) {
+  return value;
 }
 
-ordered_json both(const char* first, double one, const char* second, double other) {
+Json both(const char* first, double one, const char* second, double other) {
   return {{first, one}, {second, other}};
 }
 
-ordered_json or_null(const std::optional<MedianAndP90>& value) {
-  return value ? both("median", value->median, "p90", value->p90) : ordered_json(nullptr);
+Json or_null(const std::optional<MedianAndP90>& value) {
+  return value ? both("median", value->median, "p90", value->p90) : Json(nullptr);
 }
 
-ordered_json or_null(const std::optional<P50AndP99>& value) {
-  return value ? both("p50", value->p50, "p99", value->p99) : ordered_json(nullptr);
+Json or_null(const std::optional<P50AndP99>& value) {
+  return value ? both("p50", value->p50, "p99", value->p99) : Json(nullptr);
 }
 
-void add_press(const Scorecard& scores, ordered_json& json) {
+void add_press(const Scorecard& scores, Json& json) {
   const PressScores& press = scores.press;
   json["frames_touching"] = or_null(press.frames_touching);
   json["touch_precision"] = or_null(press.touch_precision);
@@ -36,23 +34,27 @@ void add_press(const Scorecard& scores, ordered_json& json) {
   json["touch_false_5mm"] = or_null(press.touch_false_5mm);
   const SurfaceScores& surface = scores.surface;
   json["frames_too_deep"] = or_null(surface.frames_too_deep);
+  json["frames_unseen"] = or_null(surface.frames_unseen);
   json["penetration_median_mm"] = or_null(surface.penetration_median_mm);
   json["penetration_p99_mm"] = or_null(surface.penetration_p99_mm);
+  json["penetration_median_mm_unseen"] = or_null(surface.penetration_median_mm_unseen);
   json["largest_pop_mm"] = or_null(surface.largest_pop_mm);
   json["largest_pop_frame"] = or_null(surface.largest_pop_frame);
   json["pops_4mm"] = or_null(surface.pops_4mm);
   const DeformedScores& deformed = scores.deformed;
   json["deformed_frames"] = or_null(deformed.deformed_frames);
   json["deformed_frames_shallow"] = or_null(deformed.deformed_frames_shallow);
+  json["deformed_frames_unseen"] = or_null(deformed.deformed_frames_unseen);
   json["displacement_error"] = or_null(deformed.displacement_error);
   json["displacement_error_mm"] = or_null(deformed.displacement_error_mm);
   json["displacement_error_mm_shallow"] = or_null(deformed.displacement_error_mm_shallow);
+  json["displacement_error_mm_unseen"] = or_null(deformed.displacement_error_mm_unseen);
   json["von_mises_error"] = or_null(deformed.von_mises_error);
   json["force_error"] = or_null(deformed.force_error);
   json["overpress_mm"] = or_null(deformed.overpress_mm);
 }
 
-void add_depth(const ImageScores& images, ordered_json& json) {
+void add_depth(const ImageScores& images, Json& json) {
   const bool any = images.depth_frames > 0;
   const DepthScore& depth = images.depth;
   json["depth_frames"] = images.depth_frames;
@@ -66,15 +68,16 @@ void add_depth(const ImageScores& images, ordered_json& json) {
     json["depth_density"][distance] = or_null(depth.at[k].density);
   }
   json["hand_within_1pct"] = or_null(depth.hand_within_1pct);
-  json["hand_near_frames"] = any ? ordered_json(depth.near_frames) : ordered_json(nullptr);
+  json["hand_near_frames"] = any ? Json(depth.near_frames) : Json(nullptr);
   json["too_close_called_far"] = or_null(depth.too_close_called_far);
 }
 
 }  // namespace
 
 std::string json_of(const Scorecard& scores) {
-  ordered_json json;
+  Json json;
   json["frames"] = scores.frames;
+  json["frames_processed"] = scores.frames_processed;
   add_depth(scores.images, json);
   json["moving_iou"] = or_null(scores.images.moving_iou);
   json["moving_recall"] = or_null(scores.images.moving_recall);
@@ -92,13 +95,14 @@ std::string json_of(const Scorecard& scores) {
   json["rpe_deg"] = or_null(scores.path.rpe_deg);
   json["trajectory_share"] = or_null(scores.path.trajectory_share);
   add_press(scores, json);
+  json["placement_error_mm"] = or_null(scores.surface.placement_error_mm);
   json["jitter_mm"] = or_null(scores.jitter_mm);
   json["row_error_px"] = or_null(scores.row_error_px);
   if (scores.reduction_error) {
     json["reduction_error"] = *scores.reduction_error;
     json["reduction_error_worst"] = or_null(scores.reduction_error_worst);
   }
-  return json.dump(2, ' ', false, decltype(json)::error_handler_t::replace);
+  return json.dump(2);
 }
 
 }  // namespace palpable

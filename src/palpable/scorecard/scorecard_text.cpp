@@ -29,9 +29,12 @@ std::string deformed_lines(const DeformedScores& deformed) {
   if (!deformed.deformed_frames) return {};
   std::string text = count("frames with a full answer, deep", deformed.deformed_frames);
   text += count("  and shallow", deformed.deformed_frames_shallow);
+  text += count("  whose touch no camera sees: not judged", deformed.deformed_frames_unseen);
   text += spread("displacement, relative error", deformed.displacement_error, "", 3);
   text += spread("  at the worst vertex", deformed.displacement_error_mm, " mm", 2);
   text += spread("  in shallow touches", deformed.displacement_error_mm_shallow, " mm", 2);
+  text +=
+      spread("  where no camera sees the touch", deformed.displacement_error_mm_unseen, " mm", 2);
   text += spread("stress, error of the maximum", deformed.von_mises_error, "", 3);
   text += spread("force, relative error", deformed.force_error, "", 3);
   std::optional<double> p50;
@@ -62,6 +65,7 @@ std::string depth_table(const ImageScores& images) {
 std::string text_of(const Scorecard& scores) {
   const ImageScores& images = scores.images;
   std::string text = count("frames", scores.frames);
+  text += count("  that the result processed", scores.frames_processed);
   text += count("frames whose depth is scored", images.depth_frames);
   text += depth_table(images);
   text += line("near hand within 1 %", images.depth.hand_within_1pct, "", 3);
@@ -81,8 +85,11 @@ std::string text_of(const Scorecard& scores) {
   text += line("true touches of 3 mm and seen that are felt", scores.press.touch_recall_3mm, "", 3);
   text += line("felt touches with nothing within 5 mm", scores.press.touch_false_5mm, "", 3);
   text += count("frames too deep to be scored", scores.surface.frames_too_deep);
+  text += count("frames whose touch no camera sees", scores.surface.frames_unseen);
   text += line("penetration left, median", scores.surface.penetration_median_mm, " mm", 2);
   text += line("penetration left, 99 of 100", scores.surface.penetration_p99_mm, " mm", 2);
+  text += line("  median where no camera sees the touch",
+               scores.surface.penetration_median_mm_unseen, " mm", 2);
   text += line("largest unexplained jump of the surface", scores.surface.largest_pop_mm, " mm", 2);
   text += count("  jumps of more than 4 mm", scores.surface.pops_4mm);
   text += deformed_lines(scores.deformed);
@@ -97,6 +104,7 @@ std::string text_of(const Scorecard& scores) {
   text += line("border between body and hand is off by", images.edge_error_px, " px", 1);
   text += line("  where a hand crosses the outline", images.edge_error_crossing_px, " px", 1);
   text += line("flicker", images.flicker, "", 4);
+  text += spread("body drawn off its place by", scores.surface.placement_error_mm, " mm", 2);
   text += line("jitter of the body in the world", scores.jitter_mm, " mm", 2);
   text += line("rows out of line, at worst", scores.row_error_px, " px", 2);
   return text;

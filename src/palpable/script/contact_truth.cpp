@@ -6,7 +6,8 @@
 
 namespace palpable {
 
-ContactTruth contact_truth(std::span<const Capsule> hand, const Eigen::Matrix3Xd& vertices) {
+ContactTruth contact_truth(std::span<const Capsule> hand, const Eigen::Matrix3Xd& vertices,
+                           double farthest) {
   // The distance to a ball round the capsule is a lower bound of the distance to the capsule. Where
   // the bound is not below the nearest so far, the exact distance need not be computed.
   struct Ball {
@@ -18,7 +19,7 @@ ContactTruth contact_truth(std::span<const Capsule> hand, const Eigen::Matrix3Xd
     balls.push_back({0.5 * (c.a + c.b), 0.5 * (c.b - c.a).norm() + std::max(c.ra, c.rb)});
 
   ContactTruth truth;
-  double nearest = std::numeric_limits<double>::infinity();
+  double nearest = farthest;
   for (Eigen::Index v = 0; v < vertices.cols(); ++v) {
     const Eigen::Vector3d x = vertices.col(v);
     for (std::size_t i = 0; i < hand.size(); ++i) {
@@ -54,51 +55,73 @@ double way_out(std::span<const Capsule> hand, Eigen::Vector3d x, const Eigen::Ve
   return way;
 }
 
-/// A capsule with its bounding box: most points are outside of the box, which is quick to find out.
-struct Boxed {
-  Capsule capsule;
+struct Box {
   Eigen::Array3d low, high;
+
+  [[nodiscard]] bool holds(const Eigen::Vector3d& x) const {
+    return (x.array() >= low).all() && (x.array() <= high).all();
+  }
+  [[nodiscard]] bool overlaps(const Box& other) const {
+    return (low <= other.high).all() && (high >= other.low).all();
+  }
+};
+
+Box box_of(const Capsule& c) {
+  const double r = std::max(c.ra, c.rb);
+  return {c.a.cwiseMin(c.b).array() - r, c.a.cwiseMax(c.b).array() + r};
+}
+
+/// Capsules with their bounding boxes: most points lie outside of them, which is quick to find out.
+class BoxedHand {
+ public:
+  explicit BoxedHand(std::span<const Capsule> hand) : hand_(hand) {
+    for (const Capsule& c : hand) {
+      boxes_.push_back(box_of(c));
+      all_.low = all_.low.min(boxes_.back().low);
+      all_.high = all_.high.max(boxes_.back().high);
+    }
+  }
+
+  [[nodiscard]] bool holds(const Eigen::Vector3d& x) const {
+    if (!all_.holds(x)) return false;
+    for (std::size_t i = 0; i < boxes_.size(); ++i)
+      if (boxes_[i].holds(x) && signed_distance(hand_[i], x) < 0.0) return true;
+    return false;
+  }
+
+ private:
+  std::span<const Capsule> hand_;
+  std::vector<Box> boxes_;
+  Box all_{Eigen::Array3d::Constant(std::numeric_limits<double>::infinity()),
+           Eigen::Array3d::Constant(-std::numeric_limits<double>::infinity())};
 };
 
 /// The capsules whose boxes overlap the bounding box of the points.
-std::vector<Boxed> near_ones(std::span<const Capsule> hand, const Eigen::Matrix3Xd& points) {
-  std::vector<Boxed> near;
-  if (points.cols() == 0) return near;
-  const Eigen::Array3d low = points.rowwise().minCoeff();
-  const Eigen::Array3d high = points.rowwise().maxCoeff();
-  for (const Capsule& c : hand) {
-    const double r = std::max(c.ra, c.rb);
-    const Boxed boxed{c, c.a.cwiseMin(c.b).array() - r, c.a.cwiseMax(c.b).array() + r};
-    if ((boxed.low <= high).all() && (boxed.high >= low).all()) near.push_back(boxed);
-  }
+std::vector<Capsule> near_ones(std::span<const Capsule> hand, const Eigen::Matrix3Xd& points) {
+  const Box all{points.rowwise().minCoeff(), points.rowwise().maxCoeff()};
+  std::vector<Capsule> near;
+  for (const Capsule& c : hand)
+    if (box_of(c).overlaps(all)) near.push_back(c);
   return near;
-}
-
-bool is_inside(const std::vector<Boxed>& near, const Eigen::Vector3d& x) {
-  for (const Boxed& one : near) {
-    if ((x.array() < one.low).any() || (x.array() > one.high).any()) continue;
-    if (signed_distance(one.capsule, x) < 0.0) return true;
-  }
-  return false;
 }
 
 }  // namespace
 
 bool touches(std::span<const Capsule> hand, const Eigen::Matrix3Xd& points) {
-  const std::vector<Boxed> near = near_ones(hand, points);
-  for (Eigen::Index i = 0; !near.empty() && i < points.cols(); ++i)
-    if (is_inside(near, points.col(i))) return true;
+  const BoxedHand boxed(hand);
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+    if (boxed.holds(points.col(i))) return true;
   return false;
 }
 
 PressTruth press_truth(std::span<const Capsule> hand, const SurfacePoints& body) {
-  const std::vector<Boxed> near = near_ones(hand, body.points);
-  std::vector<Capsule> capsules;
-  for (const Boxed& one : near) capsules.push_back(one.capsule);
+  const BoxedHand boxed(hand);
+  std::vector<Capsule> near;  // asked for with the first point that is inside
   PressTruth truth;
-  for (Eigen::Index i = 0; !near.empty() && i < body.points.cols(); ++i) {
-    if (!is_inside(near, body.points.col(i))) continue;
-    const double depth = way_out(capsules, body.points.col(i), body.inwards.col(i));
+  for (Eigen::Index i = 0; i < body.points.cols(); ++i) {
+    if (!boxed.holds(body.points.col(i))) continue;
+    if (near.empty()) near = near_ones(hand, body.points);
+    const double depth = way_out(near, body.points.col(i), body.inwards.col(i));
     if (truth.point >= 0 && depth <= truth.depth) continue;
     truth = {true, depth, static_cast<int>(i)};
   }

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include <limits>
 #include <span>
 
 namespace palpable {
@@ -20,8 +21,10 @@ struct ContactTruth {
 };
 
 /// @param vertices  (3 x V) of the body, in the frame of the capsules
+/// @param farthest  m: a clearance beyond it is not looked for and given as this, which is quicker
 [[nodiscard]] ContactTruth contact_truth(std::span<const Capsule> hand,
-                                         const Eigen::Matrix3Xd& vertices);
+                                         const Eigen::Matrix3Xd& vertices,
+                                         double farthest = std::numeric_limits<double>::infinity());
 
 /// The same as contact_truth(hand, points).touching, but much faster.
 [[nodiscard]] bool touches(std::span<const Capsule> hand, const Eigen::Matrix3Xd& points);

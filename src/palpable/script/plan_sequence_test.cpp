@@ -394,7 +394,8 @@ TEST_CASE("a cup is put against the body and left there, its touching side in vi
   }
 }
 
-TEST_CASE("finger and thumb squeeze the body at the same time, and the eye sees it", "[script]") {
+TEST_CASE("finger and thumb squeeze the body at the same time, and the eye sees it",
+          "[script][long]") {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     INFO("seed " << seed);
     const Sequence s = plan_sequence("squeeze", slim_egg(), 260, seed);

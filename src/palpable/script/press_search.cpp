@@ -20,6 +20,8 @@ using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kDeskGap = 0.003;  // m between hand and desk
+constexpr double kFree = 0.012;     // m of clearance, beyond which more is not better
+constexpr double kFreeWeight = 60.0;
 
 Eigen::Matrix3Xd every_nth(const Eigen::Matrix3Xd& points, Eigen::Index wanted) {
   const Eigen::Index step = std::max<Eigen::Index>(1, points.cols() / wanted);
@@ -138,6 +140,7 @@ std::optional<PressPosture> PressSearch::posture(const PressTarget& target, doub
   std::optional<Quaterniond> best;
   double most = 0;
   for (const Hold& hold : palm ? holds_of_palm(d) : holds_of_finger(d)) {
+    if (best && kFreeWeight * kFree + hold.liking <= most) continue;  // whatever its clearance
     const Quaterniond turn = turn_for(tool, hold.pointing, hold.back);
     const auto hand_at = [&](const Vector3d& place) {
       return shapes_of(capsules_of(tool, pose_at_tip(tool, place, turn, tool.working, arm)));
@@ -148,10 +151,10 @@ std::optional<PressPosture> PressSearch::posture(const PressTarget& target, doub
     if (std::min(signed_distance(hand, eye_), signed_distance(before, eye_)) < rules.eye_clearance)
       continue;
     if (touches(before, some_)) continue;
-    const double clearance = contact_truth(hand, rest).clearance;
+    const double clearance = contact_truth(hand, rest, std::max(kFree, rules.clearance)).clearance;
     if (clearance < rules.clearance) continue;
     if (rules.seen && hides(hand, tip + tool.radius * d)) continue;
-    const double score = 60.0 * std::min(clearance, 0.012) + hold.liking;
+    const double score = kFreeWeight * std::min(clearance, kFree) + hold.liking;
     if (best && score <= most) continue;
     best = turn;
     most = score;

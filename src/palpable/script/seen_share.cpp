@@ -70,14 +70,21 @@ Eigen::Matrix3Xd touching_part(std::span<const Capsule> movers, const SurfaceDis
   for (const Capsule& capsule : movers) {
     const double reach = 0.5 * (capsule.b - capsule.a).norm() + std::max(capsule.ra, capsule.rb);
     if (body.nearest(0.5 * (capsule.a + capsule.b)).distance > reach) continue;
-    for (const Vector3d& x : points_on(capsule, spacing))
-      if (signed_distance(movers, x) > -kOnSurface && body.nearest(x).distance < 0.0)
-        inside.push_back(x);
+    // As far round a point as the body is away nothing lies in it: most of its neighbours need not
+    // be asked for.
+    Vector3d asked = Vector3d::Zero();
+    double away = 0.0;
+    for (const Vector3d& x : points_on(capsule, spacing)) {
+      if ((x - asked).norm() < away - kOnSurface || signed_distance(movers, x) <= -kOnSurface)
+        continue;
+      asked = x;
+      away = body.nearest(x).distance;
+      if (away < 0.0) inside.push_back(x);
+    }
   }
   const int found = static_cast<int>(inside.size()), kept = std::min(found, most);
   Eigen::Matrix3Xd points(3, kept);
-  for (int i = 0; i < kept; ++i)
-    points.col(i) = inside[static_cast<std::size_t>(static_cast<long long>(i) * found / kept)];
+  for (int i = 0; i < kept; ++i) points.col(i) = inside[static_cast<long long>(i) * found / kept];
   return points;
 }
 

@@ -30,6 +30,7 @@ constexpr double kMostWidth = 0.070;    // m: the hand opens to 112 mm between t
 constexpr double kLowest = 0.030;       // m above the desk
 constexpr double kNear = 0.024;         // m round the two points in which the hand may touch
 constexpr double kClearance = 0.003;    // m between the hand and the rest of the body, and the desk
+constexpr double kFree = 0.010;         // m of clearance, beyond which more is not better
 constexpr double kEyeClearance = 0.10;  // m between the hand and the camera
 constexpr double kOpening = 0.014;      // m by which each tip goes away from the body
 constexpr double kBack = 0.090;         // m that the open hand goes back
@@ -72,10 +73,11 @@ std::vector<TwoSides> two_sides(const SurfacePoints& body, const Vector3d& eye) 
     double best = 0.93;  // cosine between the line and both normals
     for (Eigen::Index j = 0; j < body.points.cols(); ++j) {
       const Vector3d way = body.points.col(j) - a;
+      const double along = std::min(way.dot(inwards), -way.dot(Vector3d(body.inwards.col(j))));
+      if (along <= 0.0 || body.points(2, j) < kLowest) continue;
       const double width = way.norm();
-      if (width < kLeastWidth || width > kMostWidth || body.points(2, j) < kLowest) continue;
-      const double straight =
-          std::min(way.dot(inwards), -way.dot(Vector3d(body.inwards.col(j)))) / width;
+      if (width < kLeastWidth || width > kMostWidth) continue;
+      const double straight = along / width;
       if (straight <= best) continue;
       best = straight;
       found = TwoSides{a, body.points.col(j), 0.0};
@@ -142,10 +144,14 @@ class SqueezeSearch {
                             Vector3d(sides.axis().unitOrthogonal());
       hold.back = back;
       hold.turn = Quaterniond(frame_of(sides.axis(), back) * in_wrist.transpose());
+      // A right hand comes from the right and from above, and not from behind the body.
+      const auto liking = [&](double clearance) {
+        return back.x() + 0.7 * back.z() - 0.3 * back.y() + 20.0 * clearance;
+      };
+      if (best && liking(kFree) <= best->liking) continue;
       const double clearance = clearance_of(hold, rest);
       if (clearance < kClearance) continue;
-      // A right hand comes from the right and from above, and not from behind the body.
-      hold.liking = back.x() + 0.7 * back.z() - 0.3 * back.y() + 20.0 * std::min(clearance, 0.01);
+      hold.liking = liking(clearance);
       if (best && hold.liking <= best->liking) continue;
       if (share_seen(hold) < kLeastSeen) continue;
       best = hold;
@@ -171,7 +177,8 @@ class SqueezeSearch {
     return rest.leftCols(count);
   }
 
-  /// m to the rest of the body when closed; negative when a rule is broken on the way.
+  /// m to the rest of the body when closed, kFree at most; negative when a rule is broken on the
+  /// way.
   [[nodiscard]] double clearance_of(const Hold& hold, const Eigen::Matrix3Xd& rest) const {
     const std::vector<Capsule> closed = hand_at(hold, hold.middle, hold.closed);
     if (lowest_point(closed) < kClearance || signed_distance(closed, first_eye()) < kEyeClearance)
@@ -183,7 +190,7 @@ class SqueezeSearch {
           touches(open, surface_.points))
         return -1.0;
     }
-    const ContactTruth truth = contact_truth(closed, rest);
+    const ContactTruth truth = contact_truth(closed, rest, kFree);
     return truth.touching ? -1.0 : truth.clearance;
   }
 

@@ -75,7 +75,7 @@ TEST_CASE("a finger that presses the top dents the top, and leaves it at rest af
   CHECK(dent < 0.010 + tolerance(0.004, "neighbours 6 mm aside move less than the middle"));
   const int top = loop.session.body().sites[0].vertex;
   CHECK(pressed.vertices(2, top) == Approx(2 * sphere.radius - dent).margin(1e-5));
-  CHECK(pressed.von_mises[static_cast<std::size_t>(top)] > 0);
+  CHECK(pressed.von_mises[top] > 0);
   CHECK((touch.point_in_body - Vector3d(0, 0, 0.1)).norm() < 0.02);
 
   const Scene& after = loop.process(frame_with_finger(9, -0.2));
@@ -92,7 +92,7 @@ TEST_CASE("the stress of a scene is that of its touch", "[session]") {
   // The dented sphere's stress at the middle is diag(-p, -p, -2p) with p = 1e4 depth / deepest.
   const test::DentedSphere sphere;
   const double p = 1e4 * sphere.depth(scene.touches[0].level) / sphere.deepest;
-  CHECK(scene.von_mises[static_cast<std::size_t>(loop.session.body().sites[0].vertex)] ==
+  CHECK(scene.von_mises[loop.session.body().sites[0].vertex] ==
         Approx(p).epsilon(tolerance(1e-3, "cubic between samples of a parabola, floats")));
 }
 

@@ -3,6 +3,8 @@
 #include "palpable/base/error.h"
 #include "palpable/depth/depth_camera.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -100,6 +102,22 @@ RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
   second.loops = first.loops;
   second.again = true;
   return second;
+}
+
+std::string text_of(const RoomScan& scan) {
+  const SlamCounts& counts = scan.slam->counts();
+  std::string text = fmt::format("{} frames, {} fused, {} without a pose\n", scan.frames.size(),
+                                 counts.fused, counts.lost);
+  if (scan.troubles.unreadable > 0) {
+    text +=
+        fmt::format("{} unreadable, the last: {}\n", scan.troubles.unreadable, scan.last_trouble);
+  }
+  if (scan.loops > 0) {
+    text += fmt::format("{} loop{} closed: {}\n", scan.loops, scan.loops == 1 ? "" : "s",
+                        scan.again ? "fused once more along the corrected way"
+                                   : "the surface holds what was seen since the last");
+  }
+  return text;
 }
 
 }  // namespace palpable

@@ -60,6 +60,9 @@ using OpenSource = std::function<std::unique_ptr<FrameSource>()>;
 [[nodiscard]] RoomScan scan_room(const OpenSource& open, const RoomScanSettings& settings,
                                  const std::function<bool(const RoomScanStep&)>& go_on);
 
+/// Lines for people: frames, what could not be read, loops.
+[[nodiscard]] std::string text_of(const RoomScan& scan);
+
 /// world_from_camera of each frame, as it follows from the final pose of its keyframe; nothing
 /// where the frame had no pose or its keyframe was forgotten.
 [[nodiscard]] std::vector<std::optional<Rigid3>> corrected_path(

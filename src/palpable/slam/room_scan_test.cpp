@@ -88,7 +88,7 @@ TEST_CASE("a recording in which a loop is closed is played once more along the c
     for (int n = test::kCreepingCircle; n < test::kCreepingFrames; ++n) {
       INFO("frame " << n);
       // A frame is 29 mm from the next: none is taken for another.
-      CHECK(off(scanned.frames[static_cast<std::size_t>(n)], n) <
+      CHECK(off(scanned.frames[n], n) <
             tolerance(0.025, "12 px of 2.3 mm by the loop (20 mm as measured), nothing beyond"));
     }
     CHECK(back < -2);
@@ -157,6 +157,28 @@ TEST_CASE("poses that are given are taken by the source's time, and nothing is f
   CHECK(scanned.slam->counts().lost == 2);
   CHECK(scanned.slam->tracker() == nullptr);
   CHECK(scanned.keyframes.empty());
+}
+
+TEST_CASE("a scan is told in frames, troubles and loops", "[slam][room_scan]") {
+  RoomScanSettings settings;
+  settings.slam.fuse_every = 0;
+  settings.pose_at = [](double time) -> std::optional<Rigid3> {
+    if (time > 2.5 / 30) return std::nullopt;
+    return Rigid3::Identity();
+  };
+  RoomScan scanned = scan_room(wall_of(4), settings, always);
+  CHECK(text_of(scanned) == "4 frames, 3 fused, 1 without a pose\n");
+  scanned.troubles.unreadable = 2;
+  scanned.last_trouble = "cut off";
+  scanned.loops = 1;
+  CHECK(text_of(scanned) ==
+        "4 frames, 3 fused, 1 without a pose\n"
+        "2 unreadable, the last: cut off\n"
+        "1 loop closed: the surface holds what was seen since the last\n");
+  scanned.loops = 2;
+  scanned.again = true;
+  CHECK_THAT(text_of(scanned), Catch::Matchers::EndsWith(
+                                   "2 loops closed: fused once more along the corrected way\n"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 namespace palpable {
@@ -232,8 +233,8 @@ Result<Size> eye_size(const CameraRequest& request, const CameraInfo& info, Vide
   const CameraMode* mode = side_by_side_mode(info);
   if (mode == nullptr) {
     return Problem{fmt::format(
-        "{} ({}) gives one eye's pictures only: name the other eye's camera with --right, or the "
-        "depth of the same view with --depth",
+        "{} ({}) gives one eye's pictures only: name the right eye's camera, too, or the "
+        "camera with the depth of the same view",
         request.device, info.name)};
   }
   return Size{mode->width / 2, mode->height};
@@ -254,10 +255,10 @@ Result<SourceCalibration> calibration_of(const CameraRequest& request, const std
     path = known_calibration(camera, eye.width, eye.height, request.folders).value_or(fs::path());
   }
   if (path.empty()) {
-    return Problem{fmt::format(
-        "no calibration is known of {} ({}) at {}x{} px an eye: name it with --calibration{}",
-        request.device, camera, eye.width, eye.height,
-        has_depth ? " (intrinsics.txt)" : ", or make it with palpable calibrate")};
+    return Problem{
+        fmt::format("no calibration is known of {} ({}) at {}x{} px an eye: name its file{}",
+                    request.device, camera, eye.width, eye.height,
+                    has_depth ? " (intrinsics.txt)" : ", or make it with palpable calibrate")};
   }
   Result<SourceCalibration> read = read_source_calibration(path, eye.width, eye.height);
   if (!read.ok()) return read;
@@ -372,6 +373,19 @@ Result<std::unique_ptr<FrameSource>> open_camera(const CameraRequest& request,
   return std::unique_ptr<FrameSource>(std::make_unique<CameraSource>(
       system, calibration.value().format, calibration.value().depth_unit.value_or(kMillimetre),
       request.lock, std::move(first).value(), std::move(second)));
+}
+
+std::vector<fs::path> calibration_folders() {
+  std::vector<fs::path> folders;
+  const char* config = std::getenv("XDG_CONFIG_HOME");
+  const char* home = std::getenv("HOME");
+  if (config != nullptr && *config != '\0') {
+    folders.push_back(fs::path(config) / "palpable");
+  } else if (home != nullptr && *home != '\0') {
+    folders.push_back(fs::path(home) / ".config/palpable");
+  }
+  folders.emplace_back("/usr/local/zed/settings");
+  return folders;
 }
 
 }  // namespace palpable

@@ -55,6 +55,10 @@ struct CameraRequest {
     const std::string& camera, int width, int height,
     const std::vector<std::filesystem::path>& folders);
 
+/// Where calibrations of cameras are kept: ~/.config/palpable (or XDG's), then where a ZED's own
+/// software puts its files.
+[[nodiscard]] std::vector<std::filesystem::path> calibration_folders();
+
 /// The mode with both eyes side by side that is used by default: 2560 x 720 (a ZED's HD), else the
 /// largest that is not wider; null when no mode looks like two eyes.
 [[nodiscard]] const CameraMode* side_by_side_mode(const CameraInfo& info);

@@ -276,7 +276,7 @@ TEST_CASE("colour and depth of one view come as frames with depth in metres", "[
   CameraRequest wanted;
   wanted.device = "/dev/video0";
   wanted.depth = "/dev/video1";
-  CHECK(contains(refusal(video, wanted), "--calibration (intrinsics.txt)"));
+  CHECK(contains(refusal(video, wanted), "name its file (intrinsics.txt)"));
   wanted.calibration = folder / "intrinsics.txt";
   const auto source = value_or_throw(open_camera(wanted, video));
   CHECK(source->format().kind == FrameFormat::Kind::kColorDepth);

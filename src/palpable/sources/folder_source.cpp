@@ -76,13 +76,13 @@ Result<SourceCalibration> calibration_of(const fs::path& folder, const Recording
                                folder.string())};
   }
   if (files.size() > 1) {
-    return Problem{fmt::format("{} has both {} and {}: keep one, or name it with --calibration",
+    return Problem{fmt::format("{} has both {} and {}: keep one, or name the one that counts",
                                folder.string(), files[0].filename().string(),
                                files[1].filename().string())};
   }
   return Problem{
       fmt::format("{} has no calibration: put calibration.yml (raw images) or "
-                  "rectified.yml (rectified ones) into it, or name one with --calibration; "
+                  "rectified.yml (rectified ones) into it, or name another file; "
                   "palpable calibrate makes one",
                   folder.string())};
 }

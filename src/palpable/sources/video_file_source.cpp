@@ -144,9 +144,8 @@ Result<SourceCalibration> calibration_of(const fs::path& video, const VideoSetti
     std::error_code ignored;
     if (fs::exists(path, ignored)) return read_source_calibration(path, width, height);
   }
-  return Problem{
-      fmt::format("{} has no calibration: name it with --calibration, or put {} beside it",
-                  video.string(), candidates.front().filename().string())};
+  return Problem{fmt::format("{} has no calibration: name its file, or put {} beside it",
+                             video.string(), candidates.front().filename().string())};
 }
 
 std::optional<Problem> unequal_sizes(const VideoFile& left, const VideoFile& right) {
@@ -159,8 +158,8 @@ std::optional<Problem> unequal_sizes(const VideoFile& left, const VideoFile& rig
 std::optional<Problem> not_side_by_side(const VideoFile& both) {
   if (looks_side_by_side(both.width, both.height)) return std::nullopt;
   return Problem{
-      fmt::format("{} is {} x {} px, which is no pair side by side; name the other eye's file "
-                  "with --right",
+      fmt::format("{} is {} x {} px, which is no pair side by side; name the right "
+                  "eye's file, too",
                   both.path.string(), both.width, both.height)};
 }
 

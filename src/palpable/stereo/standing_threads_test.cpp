@@ -17,8 +17,8 @@ TEST_CASE("a crew does each piece once, whatever its size", "[stereo][threads]")
     for (const int count : {0, 1, 2, 7, 64}) {
       for (int again = 0; again < 20; ++again) {
         std::array<std::atomic<int>, 64> done{};
-        crew.run(count, [&](int i) { ++done[static_cast<std::size_t>(i)]; });
-        for (int i = 0; i < 64; ++i) REQUIRE(done[static_cast<std::size_t>(i)] == (i < count));
+        crew.run(count, [&](int i) { ++done[i]; });
+        for (int i = 0; i < 64; ++i) REQUIRE(done[i] == (i < count));
       }
     }
   }

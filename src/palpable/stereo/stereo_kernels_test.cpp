@@ -146,9 +146,7 @@ TEST_CASE("where the picture has an edge disparities jump, where it has none the
       for (int& v : far_row) v = 100 + static_cast<int>(random() % 5);
       for (int x = 0; x < width; ++x) {
         const auto seen = [&](int near_u, int far_u) {
-          return static_cast<std::uint8_t>(near_u >= edge
-                                               ? near_row[static_cast<std::size_t>(near_u)]
-                                               : far_row[static_cast<std::size_t>(far_u)]);
+          return static_cast<std::uint8_t>(near_u >= edge ? near_row[near_u] : far_row[far_u]);
         };
         pair.left(x, y) = seen(x, x);
         pair.right(x, y) = seen(x + foreground, x + background);

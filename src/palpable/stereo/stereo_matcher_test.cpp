@@ -34,7 +34,7 @@ class Rows {
     return (1 - t) * value(i, row) + t * value(i + 1, row);
   }
   [[nodiscard]] double value(int i, int y) const {
-    return lattice_[static_cast<std::size_t>((i & (kPeriod - 1)) + kPeriod * y)];
+    return lattice_[(i & (kPeriod - 1)) + kPeriod * y];
   }
   std::vector<double> lattice_;
 };

@@ -42,9 +42,7 @@ Walk some_walk(unsigned seed, double noise_px, double outliers) {
       if ((i + j) % 5 == 0) continue;
       BundleSighting s{i, j, {}};
       const Eigen::Vector3d noise(normal(random), normal(random), normal(random));
-      s.seen.uvd =
-          t.camera.see(t.camera_from_world[static_cast<std::size_t>(i)] * t.x_in_world.back()) +
-          noise_px * noise;
+      s.seen.uvd = t.camera.see(t.camera_from_world[i] * t.x_in_world.back()) + noise_px * noise;
       if (uniform(random, 0, 1) < outliers) s.seen.uvd.head<2>().array() += 12;
       if ((i + j) % 3 == 0) s.seen.uvd.z() = std::numeric_limits<double>::quiet_NaN();
       s.seen.sigma = s.seen.sigma_d = 0.3;

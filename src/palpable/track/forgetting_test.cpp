@@ -58,7 +58,7 @@ struct Walk : LandmarkMap {
       CHECK(is_free == landmarks[i].sightings.empty());
       for (const KeyframeSighting& s : landmarks[i].sightings) {
         REQUIRE((s.keyframe >= 0 && s.keyframe < static_cast<int>(keyframes.size())));
-        const auto& seen = keyframes[static_cast<std::size_t>(s.keyframe)].landmarks;
+        const auto& seen = keyframes[s.keyframe].landmarks;
         CHECK(std::count(seen.begin(), seen.end(), static_cast<int>(i)) == 1);
       }
       if (!is_free) CHECK(landmarks[i].anchor < static_cast<int>(keyframes.size()));

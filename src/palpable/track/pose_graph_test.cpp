@@ -74,8 +74,8 @@ TEST_CASE("poses that were moved find back to where all ties agree", "[track]") 
   CHECK(result.first_cost > 0.01);
   CHECK(result.last_cost < tolerance(1e-12, "the square of what the last step left"));
   for (int k = 0; k < kCount; ++k) {
-    CHECK(graph.camera_from_world[static_cast<std::size_t>(k)].isApprox(
-        circle(k, kCount), tolerance(1e-6, "what the last step left")));
+    CHECK(graph.camera_from_world[k].isApprox(circle(k, kCount),
+                                              tolerance(1e-6, "what the last step left")));
   }
 }
 

@@ -49,8 +49,8 @@ TEST_CASE("wanted frames are spread over the touching ones and belong to their t
 void write_clip(const std::filesystem::path& clip) {
   make_folder(clip / "frames");
   make_folder(clip / "truth");
-  write_text_file(clip / "frames" / "scene.toml",
-                  "camera_from_body = [1,0,0,0, 0,0,-1,0, 0,1,0,0.4, 0,0,0,1]\n");
+  write_whole_file(clip / "frames" / "scene.toml",
+                   "camera_from_body = [1,0,0,0, 0,0,-1,0, 0,1,0,0.4, 0,0,0,1]\n");
   std::string hands, contacts, poses;
   for (int n = 0; n < 3; ++n) {
     StampedPose pose;
@@ -61,9 +61,9 @@ void write_clip(const std::filesystem::path& clip) {
     hands += hand_line({n, {{{-0.1 * n, -0.05, 0.4}, {-0.1 * n, -0.15, 0.4}, 0.01, 0.02}}});
     contacts += contact_line({.frame = n});
   }
-  write_text_file(clip / "truth" / "hand.jsonl", hands);
-  write_text_file(clip / "truth" / "contact.jsonl", contacts);
-  write_text_file(clip / "truth" / "trajectory.txt", poses);
+  write_whole_file(clip / "truth" / "hand.jsonl", hands);
+  write_whole_file(clip / "truth" / "contact.jsonl", contacts);
+  write_whole_file(clip / "truth" / "trajectory.txt", poses);
 }
 
 TEST_CASE("a hand that stands still in the world stands still before the body", "[truth]") {
@@ -76,10 +76,10 @@ TEST_CASE("a hand that stands still in the world stands still before the body", 
     CHECK((capsules[0].a - Vector3d(0, 0, 0.05)).norm() <= tolerance(1e-6, "six decimals"));
     CHECK((capsules[0].b - Vector3d(0, 0, 0.15)).norm() <= tolerance(1e-6, "six decimals"));
   }
-  write_text_file(folder.path() / "truth" / "hand.jsonl", hand_line({0, {}}));
+  write_whole_file(folder.path() / "truth" / "hand.jsonl", hand_line({0, {}}));
   CHECK_THROWS_WITH(read_clip_hands(folder.path()),
                     Contains("hand.jsonl: has 1 frames and contact.jsonl 3"));
-  write_text_file(folder.path() / "frames" / "scene.toml", "fps = 30\n");
+  write_whole_file(folder.path() / "frames" / "scene.toml", "fps = 30\n");
   CHECK_THROWS_WITH(read_clip_hands(folder.path()), Contains("scene.toml"));
 }
 

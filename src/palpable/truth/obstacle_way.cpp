@@ -62,7 +62,7 @@ class Reader {
   }
 
   [[noreturn]] void bad(const std::string& what) const {
-    throw Error(fmt::format("--obstacle '{}': {}; {}", text_, what, kForms));
+    throw Error(fmt::format("obstacle '{}': {}; {}", text_, what, kForms));
   }
 
  private:
@@ -131,7 +131,7 @@ std::optional<Moving> read_form(const std::string& text) {
 std::shared_ptr<const SurfaceDistance> read_shape(const std::string& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) {
-    throw Error(fmt::format("--obstacle '{}': is no form and no file; {}", file, kForms));
+    throw Error(fmt::format("obstacle '{}': is no form and no file; {}", file, kForms));
   }
   SurfaceMesh surface = value_or_throw(read_surface_file(file));
   const WatertightReport report = check_watertight(surface);
@@ -174,7 +174,7 @@ ObstacleMotion read_obstacle_way(std::span<const std::string> texts,
     if (pose_file.empty()) {
       (void)read_shape(text);
       throw Error(
-          fmt::format("--obstacle {}: --pose FILE is needed, a line "
+          fmt::format("obstacle {}: a file of poses is needed, a line "
                       "\"time tx ty tz qx qy qz qw\" (body_from_surface) for each place",
                       text));
     }
@@ -185,7 +185,7 @@ ObstacleMotion read_obstacle_way(std::span<const std::string> texts,
     poses = read_trajectory(pose_file);
     if (poses.empty()) throw Error(fmt::format("{}: holds no pose", pose_file.string()));
     if (shapes.empty()) {
-      throw Error(fmt::format("--pose {}: no --obstacle is a surface", pose_file.string()));
+      throw Error(fmt::format("poses {}: no obstacle is a surface", pose_file.string()));
     }
   }
   return

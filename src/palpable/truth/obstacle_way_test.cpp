@@ -43,7 +43,7 @@ TEST_CASE("a surface goes from pose to pose", "[truth]") {
   const test::ScratchFolder folder("obstacle_way");
   const auto file = folder.path() / "box.ply", poses = folder.path() / "way.txt";
   write_ply(file, box_surface({-1, -1, -1}, {1, 1, 1}));
-  write_text_file(poses, "0 0 0 2 0 0 0 1\n1 0 0 1 0 0 0 1\n3 0 0 1 0 0 0.70710678 0.70710678\n");
+  write_whole_file(poses, "0 0 0 2 0 0 0 1\n1 0 0 1 0 0 0 1\n3 0 0 1 0 0 0.70710678 0.70710678\n");
   const ObstacleMotion way = read({file.string()}, poses);
   CHECK(way(0.0).surfaces[0].body_from_shape.translation().z() == 2.0);
   CHECK(way(1.0 / 6.0).surfaces[0].body_from_shape.translation().z() == Approx(1.5));
@@ -51,8 +51,8 @@ TEST_CASE("a surface goes from pose to pose", "[truth]") {
   CHECK(turning.translation().z() == Approx(1.0));
   CHECK((turning.linear() * Vector3d::UnitX()).x() == Approx(std::cos(std::numbers::pi / 4)));
 
-  CHECK_THROWS_WITH(read({file.string()}), Contains("--pose FILE is needed"));
-  CHECK_THROWS_WITH(read({"sphere 1mm at 0,0,0"}, poses), Contains("no --obstacle is a surface"));
+  CHECK_THROWS_WITH(read({file.string()}), Contains("a file of poses is needed"));
+  CHECK_THROWS_WITH(read({"sphere 1mm at 0,0,0"}, poses), Contains("no obstacle is a surface"));
   SurfaceMesh open = box_surface({-1, -1, -1}, {1, 1, 1});
   open.triangles.conservativeResize(3, 11);
   write_ply(file, open);
@@ -65,7 +65,7 @@ TEST_CASE("what is no obstacle is refused with what one looks like", "[truth]") 
                            "sphere 8mm at 0,0,0 to 0,0,0 now", "sphere 8 furlongs at 0,0,0",
                            "capsule 1mm at 0,0,0", "plane 0,0,0 at 0,0,0", "", "none.stl"}) {
     INFO(text);
-    CHECK_THROWS_WITH(read({text}), Contains("--obstacle '" + std::string(text)) &&
+    CHECK_THROWS_WITH(read({text}), Contains("obstacle '" + std::string(text)) &&
                                         Contains("sphere 8mm at 0,0,0.16 to 0,0,0.14"));
   }
 }
@@ -96,7 +96,7 @@ TEST_CASE("any words are an obstacle or are refused", "[truth]") {
         CHECK((capsule.a.allFinite() && capsule.b.allFinite()));
         CHECK((std::min(capsule.ra, capsule.rb) > 0.0 && std::isfinite(capsule.ra + capsule.rb)));
       }
-    } catch (const Error& error) { CHECK(std::string(error.what()).starts_with("--obstacle '")); }
+    } catch (const Error& error) { CHECK(std::string(error.what()).starts_with("obstacle '")); }
   }
   CHECK(read_well > 1000);
 }

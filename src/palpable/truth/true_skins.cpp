@@ -3,10 +3,12 @@
 #include "palpable/base/error.h"
 #include "palpable/base/fnv1a.h"
 #include "palpable/base/folder_lock.h"
-#include "palpable/base/growing_file.h"
 #include "palpable/base/output_file.h"
+#include "palpable/campaign/fill_store.h"
 #include "palpable/campaign/press_solver.h"
+#include "palpable/campaign/solid_file.h"
 #include "palpable/describe/body_problem.h"
+#include "palpable/reduced/body_file.h"
 #include "palpable/solid/contact.h"
 #include "palpable/solid/stress.h"
 #include "palpable/truth/clip_hands.h"
@@ -14,9 +16,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -34,6 +38,10 @@ constexpr double kDeepest = 0.1;       // of the height; deeper, a hand passes t
 constexpr double kPathMatters = 0.01;  // of the skin's displacement, if half the step changes it
 // A touch this deep that does not reach the body's skin is one of another body, m.
 constexpr double kSurelyTouches = 2e-3;
+
+// Of the height: what a skin may be off by that is the same one. A preloaded skin at rest is solved
+// to that; all else is equal to the last bit.
+constexpr double kSameSkin = 1e-6;
 
 // What one walk found at one frame; nothing where it did not get there.
 struct Answer {
@@ -53,15 +61,16 @@ std::string content_of(const fs::path& path) {
 
 class TrueSkins {
  public:
-  TrueSkins(fs::path clip, const BodyDescription& description, const TrueSkinSettings& settings,
-            const Progress& progress)
-      : folder_(std::move(clip) / "truth" / "deformed"),
+  TrueSkins(const fs::path& clip, const BodyDescription& description,
+            const TrueSkinSettings& settings, const Progress& progress)
+      : folder_(clip / "truth" / "deformed"),
         settings_(settings),
         progress_(progress),
         problem_(pose_body(description)),
         solver_(problem_.model),
         presses_(solver_, problem_.preload) {
     for (const int node : problem_.mesh.boundary.node_of_vertex) skin_.push_back(node);
+    if (!settings.baked.empty()) check_baked(settings.baked, description);
   }
 
   std::vector<TrueFrame> write(const fs::path& clip) {
@@ -71,6 +80,7 @@ class TrueSkins {
       throw Error(fmt::format("{}: nothing touches the body in this clip",
                               (clip / "truth" / "contact.jsonl").string()));
     }
+    check_filmed(clip / "truth" / kBodySkinFile);
     check_body(clip);
     make_folder(folder_);
     const FolderLock lock(folder_);
@@ -84,6 +94,49 @@ class TrueSkins {
   }
 
  private:
+  // Refuses a skin that is not the one that is solved here. @param what  has that skin
+  void expect_same_skin(const SurfaceMesh& there, const std::string& what) const {
+    const Matrix3Xd here = rest_skin();
+    const auto& triangles = problem_.mesh.boundary.surface.triangles;
+    double off = std::numeric_limits<double>::infinity();
+    if (there.vertices.cols() == here.cols() && there.triangles.cols() == triangles.cols() &&
+        there.triangles == triangles) {
+      off = (there.vertices - here).colwise().norm().maxCoeff();
+    }
+    if (off <= kSameSkin * problem_.mesh.height) return;
+    const std::string how =
+        std::isfinite(off)
+            ? fmt::format("its vertices lie up to {:.3g} mm elsewhere", 1e3 * off)
+            : fmt::format("it has {} vertices and {} triangles, this one {} and {}, or others",
+                          there.vertices.cols(), there.triangles.cols(), here.cols(),
+                          triangles.cols());
+    throw Error(fmt::format(
+        "{}: the description makes another skin ({}); give the description that it was baked from, "
+        "or bake and film anew",
+        what, how));
+  }
+
+  // Of the body that was filmed; films of before say nothing of it.
+  void check_filmed(const fs::path& skin) const {
+    std::error_code error;
+    if (!fs::exists(skin, error)) return;
+    expect_same_skin(value_or_throw(read_valued_ply(skin, kVonMisesProperty)).surface,
+                     skin.string());
+  }
+
+  void check_baked(const fs::path& baked, const BodyDescription& description) const {
+    const ReducedBody body = value_or_throw(read_body_file(baked));
+    expect_same_skin(body.surface, baked.string());
+    const std::optional<StoreContent> kept = solid_beside(baked, body.method);
+    if (!kept) return;
+    const std::string how = solids_differ(*kept, content_of(description, problem_));
+    if (how.empty()) return;
+    throw Error(
+        fmt::format("{}: was baked from {}; give the description that it was baked from, "
+                    "or bake and film anew",
+                    baked.string(), how));
+  }
+
   // The deepest touch that the clip knows must reach this body's skin.
   void check_body(const fs::path& clip) const {
     int frame = episodes_.front().wanted.front();

@@ -3,9 +3,13 @@
 
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
+#include "palpable/campaign/fill_store.h"
+#include "palpable/campaign/solid_file.h"
 #include "palpable/clip_files/contact_file.h"
 #include "palpable/clip_files/hand_file.h"
 #include "palpable/clip_files/trajectory_file.h"
+#include "palpable/describe/body_problem.h"
+#include "palpable/reduced/body_file.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
 
@@ -32,8 +36,8 @@ constexpr int kFrames = 12;
 void write_clip(const fs::path& clip, double aside = 0.0) {
   make_folder(clip / "frames");
   make_folder(clip / "truth");
-  write_text_file(clip / "frames" / "scene.toml",
-                  "camera_from_body = [1,0,0,0, 0,0,-1,0, 0,1,0,0.4, 0,0,0,1]\n");
+  write_whole_file(clip / "frames" / "scene.toml",
+                   "camera_from_body = [1,0,0,0, 0,0,-1,0, 0,1,0,0.4, 0,0,0,1]\n");
   std::string hands, contacts, poses;
   for (int n = 0; n < kFrames; ++n) {
     const double depth = depth_at(n);
@@ -52,19 +56,48 @@ void write_clip(const fs::path& clip, double aside = 0.0) {
     pose.time = n / 30.0;
     poses += trajectory_line(pose);
   }
-  write_text_file(clip / "truth" / "hand.jsonl", hands);
-  write_text_file(clip / "truth" / "contact.jsonl", contacts);
-  write_text_file(clip / "truth" / "trajectory.txt", poses);
+  write_whole_file(clip / "truth" / "hand.jsonl", hands);
+  write_whole_file(clip / "truth" / "contact.jsonl", contacts);
+  write_whole_file(clip / "truth" / "trajectory.txt", poses);
 }
 
 BodyDescription block(const fs::path& folder) {
   write_ply(folder / "block.ply", box_surface({-0.03, -0.03, 0}, {0.03, 0.03, kHeight}));
-  write_text_file(folder / "block.toml",
-                  "name = \"block\"\n[shape]\nsurface = \"block.ply\"\nup = \"z\"\nunit = \"m\"\n"
-                  "edge = \"12 mm\"\n[material]\nlaw = \"neo-hookean\"\nyoung = \"60 kPa\"\n"
-                  "poisson = 0.3\n[support]\nbelow = 0.03\n[sites]\ncount = 1\nabove = 0.5\n"
-                  "patch = 1\n[press]\ndepth = 0.1\nlevels = 2\n");
+  write_whole_file(folder / "block.toml",
+                   "name = \"block\"\n[shape]\nsurface = \"block.ply\"\nup = \"z\"\nunit = \"m\"\n"
+                   "edge = \"12 mm\"\n[material]\nlaw = \"neo-hookean\"\nyoung = \"60 kPa\"\n"
+                   "poisson = 0.3\n[support]\nbelow = 0.03\n[sites]\ncount = 1\nabove = 0.5\n"
+                   "patch = 1\n[press]\ndepth = 0.1\nlevels = 2\n");
   return read_body_description(folder / "block.toml");
+}
+
+// A body file's worth of the block: its skin, and a press that does nothing but go down.
+ReducedBody reduced_block(const BodyProblem& problem) {
+  const SurfaceMesh& skin = problem.mesh.boundary.surface;
+  const Eigen::Vector2d levels(0, 1);
+  const auto field = [&](int components) {
+    const ParameterAxis site{"site", Eigen::VectorXd::Zero(1), Eigen::MatrixXd::Ones(1, 1),
+                             Between::kNothing};
+    const ParameterAxis level{"level", levels, levels, Between::kSmooth};
+    const Eigen::MatrixXf modes =
+        Eigen::MatrixXf::Constant(components * skin.vertex_count(), 1, 1e-3f);
+    return SeparatedField(modes, {site, level});
+  };
+  ReducedBody body{.name = "block",
+                   .surface = skin,
+                   .fixed = fixed_vertices(problem.mesh),
+                   .sites = problem.sites,
+                   .displacement = field(3),
+                   .stress = field(6),
+                   .press_depth = 1e-3 * levels,
+                   .largest_von_mises = 1,
+                   .error = {},
+                   .material = "a test's",
+                   .provenance = {},
+                   .method = std::string(kWithoutCampaign)};
+  body.sites.front().full_load = 1;
+  tabulate_press(body);
+  return body;
 }
 
 TEST_CASE("the true skin is pressed where the finger is and free where it is not", "[truth]") {
@@ -115,6 +148,44 @@ TEST_CASE("the true skin is pressed where the finger is and free where it is not
   }
 }
 
+TEST_CASE("another mesh than that of the body that was filmed, or baked, is refused", "[truth]") {
+  const test::ScratchFolder folder("true_skins_mesh");
+  const fs::path clip = folder.path() / "clip";
+  write_clip(clip);
+  const BodyDescription description = block(folder.path());
+  const auto solve = [&](const fs::path& baked) {
+    return write_true_skins(clip, description, {.frames = 1, .baked = baked}, {});
+  };
+  const BodyProblem problem = pose_body(description);
+  SurfaceMesh skin = problem.mesh.boundary.surface;
+  const fs::path filmed = clip / "truth" / "body.ply";
+  write_ply(filmed, skin);
+  CHECK(solve({}).size() == 1);
+  skin.vertices(2, 5) += 2e-6 * kHeight;
+  write_ply(filmed, skin);
+  CHECK_THROWS_WITH(solve({}), Contains("body.ply: the description makes another skin") &&
+                                   Contains("up to 0.00012 mm elsewhere"));
+  skin.triangles.conservativeResize(3, skin.triangles.cols() - 1);
+  write_ply(filmed, skin);
+  CHECK_THROWS_WITH(solve({}), Contains("makes another skin (it has"));
+  fs::remove(filmed);
+
+  // Of a body file: its skin, and what was kept beside it.
+  const fs::path baked = folder.path() / "block.palpable";
+  ReducedBody body = value_or_throw(read_body_file("tests/data/ball_v1.palpable"));
+  write_body_file(baked, body);
+  CHECK_THROWS_WITH(solve(baked), Contains("block.palpable: the description makes another skin"));
+  body = reduced_block(problem);
+  write_body_file(baked, body);
+  CHECK(solve(baked).size() == 1);  // nothing is kept beside it
+  StoreContent kept = content_of(description, problem);
+  write_solid_file(solid_file_of(baked), kept);
+  CHECK(solve(baked).size() == 1);
+  kept.materials = {material_from_young("neo-hookean", 61e3, 0.3)};
+  write_solid_file(solid_file_of(baked), kept);
+  CHECK_THROWS_WITH(solve(baked), Contains("block.palpable: was baked from another material"));
+}
+
 TEST_CASE("a clip of another body, and one without a touch, are refused", "[truth]") {
   const test::ScratchFolder folder("no_true_skins");
   const fs::path clip = folder.path() / "clip";
@@ -124,7 +195,7 @@ TEST_CASE("a clip of another body, and one without a touch, are refused", "[trut
                     Contains("the clip was filmed with another one"));
   std::string contacts;
   for (int n = 0; n < kFrames; ++n) contacts += contact_line({.frame = n});
-  write_text_file(clip / "truth" / "contact.jsonl", contacts);
+  write_whole_file(clip / "truth" / "contact.jsonl", contacts);
   CHECK_THROWS_WITH(write_true_skins(clip, description, {}, {}),
                     Contains("nothing touches the body"));
 }

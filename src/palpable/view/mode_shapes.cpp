@@ -15,7 +15,7 @@ Result<std::vector<ModeShape>> first_modes(const ReducedBody& body, int count) {
   if (field.largest_block() < field.mode_count()) {
     return Problem{fmt::format(
         "'{}' has modes of its own for each site, which are no functions of where the load is; "
-        "reduce its snapshots with --method pgd",
+        "reduce its snapshots by pgd",
         body.name)};
   }
   const Eigen::MatrixXf& F = field.modes();

@@ -17,7 +17,7 @@
 #include <variant>
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
 
 /// null, a boolean, a number, a text, an array or an object. A number that is not finite is written
 /// as null, a byte that is no UTF-8 as U+FFFD.
@@ -56,6 +56,8 @@ class Json {
 
   /// An array, where braces would be read as an object.
   [[nodiscard]] static Json array(std::initializer_list<Json> elements = {});
+  /// An object without keys.
+  [[nodiscard]] static Json object();
 
   /// Of an object (null becomes one): the value of `key`, null at first.
   Json& operator[](std::string_view key);
@@ -95,4 +97,4 @@ class Json {
   friend struct JsonWriter;
 };
 
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,4 +1,4 @@
-#include "apps/common/json.h"
+#include "palpable/base/json.h"
 
 #include "palpable/base/error.h"
 
@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <type_traits>
 
-namespace palpable::app {
+namespace palpable {
 
 // The same value as the library that writes it has it.
 struct JsonWriter {
@@ -52,6 +52,12 @@ Json::Json(std::initializer_list<Json> elements) {
 Json Json::array(std::initializer_list<Json> elements) {
   Json result;
   result.value_ = Array(elements);
+  return result;
+}
+
+Json Json::object() {
+  Json result;
+  result.value_ = Object();
   return result;
 }
 
@@ -143,4 +149,4 @@ std::string Json::dump(int indent) const {
                                     nlohmann::ordered_json::error_handler_t::replace);
 }
 
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,4 +1,4 @@
-#include "apps/common/json.h"
+#include "palpable/base/json.h"
 
 #include "palpable/base/error.h"
 #include "tests/support/test.h"
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 // One value of each kind, built in the same way by whatever class is given.
@@ -30,6 +30,7 @@ Value one_of_each() {
   value["text"] = "a \"quoted\" line\nand \t \x01 \xc3\xa4";
   value["list"] = std::vector<double>{1, 0.5};
   value["empty"] = Value::array();
+  value["no keys"] = Value::object();
   value["object"] = {{"b", 1}, {"a", {1, 2, 3}}, {"b", 4}};
   value["mixed"] = {"b", 1, {{"a", 2}}};
   value["texts"] = {"a", "b", "c"};
@@ -41,14 +42,14 @@ Value one_of_each() {
   return value;
 }
 
-TEST_CASE("what is written is what nlohmann's library writes of the same values", "[apps][json]") {
+TEST_CASE("what is written is what nlohmann's library writes of the same values", "[base][json]") {
   const auto ours = one_of_each<Json>();
   const auto theirs = one_of_each<nlohmann::ordered_json>();
   CHECK(ours.dump() == theirs.dump());
   CHECK(ours.dump(2) == theirs.dump(2));
 }
 
-TEST_CASE("JSON values are read as what they are, and refused as anything else", "[apps][json]") {
+TEST_CASE("JSON values are read as what they are, and refused as anything else", "[base][json]") {
   const Json value = {
       {"n", 3}, {"x", 0.5}, {"text", "abc"}, {"list", {1, 2, "c"}}, {"no", nullptr}};
   CHECK(value["n"].get<int>() == 3);
@@ -71,4 +72,4 @@ TEST_CASE("JSON values are read as what they are, and refused as anything else",
 }
 
 }  // namespace
-}  // namespace palpable::app
+}  // namespace palpable

@@ -1,9 +1,9 @@
-#include "apps/common/wrapped_text.h"
+#include "palpable/base/wrapped_text.h"
 
 #include <algorithm>
 #include <vector>
 
-namespace palpable::app {
+namespace palpable {
 namespace {
 
 constexpr std::string_view kExample = "Example: ";
@@ -91,7 +91,7 @@ std::string wrapped(std::string_view text, std::size_t begin, std::size_t indent
   return joined(words_of(text), begin, indent, width, "");
 }
 
-std::string wrapped_footer(std::string_view text, std::size_t width) {
+std::string wrapped_lines(std::string_view text, std::size_t width) {
   std::string result;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
@@ -101,4 +101,4 @@ std::string wrapped_footer(std::string_view text, std::size_t width) {
   return result;
 }
 
-}  // namespace palpable::app
+}  // namespace palpable

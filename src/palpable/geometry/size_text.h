@@ -1,0 +1,18 @@
+/// @file
+/// How large something is, for people.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <string>
+
+namespace palpable {
+
+/// "80 x 76.1 x 68.1 mm": in m from 1 m on, else in mm.
+/// @param size  m, extents of the bounding box
+[[nodiscard]] std::string size_text(const Eigen::Vector3d& size);
+
+/// "89.6 x 50.4 mm", likewise. @param size  m
+[[nodiscard]] std::string size_text(const Eigen::Vector2d& size);
+
+}  // namespace palpable

@@ -1,0 +1,33 @@
+#include "palpable/live/live_text.h"
+
+#include <fmt/core.h>
+
+namespace palpable {
+
+std::string text_of(const LiveCounts& counts, const Session& session, double wall) {
+  std::string text = fmt::format(
+      "{} frames in {:.1f} s ({:.0f} ms each), {} unreadable\n", counts.processed.size(), wall,
+      1e3 * wall / static_cast<double>(counts.processed.size()), counts.troubles.unreadable);
+  if (counts.troubles.unreadable > 0) {
+    text += fmt::format("last unreadable: {}\n", counts.last_trouble);
+  }
+  if (!counts.lost.empty()) {
+    text += fmt::format("the camera was lost in {} frames, first in frame {}\n", counts.lost.size(),
+                        counts.lost.front());
+  }
+  if (const SurfaceMap* room = session.map();
+      room != nullptr && (room->refused() > 0 || session.free_space()->blocked() > 0)) {
+    text += fmt::format(
+        "the map was full ({} blocks): in ground seen later what moves is told less well\n",
+        room->blocks());
+  }
+  if (counts.first_touch) {
+    text += fmt::format("touched in {} frames, first in frame {}, at most {:.1f} mm deep\n",
+                        counts.touching, *counts.first_touch, counts.deepest * 1e3);
+  } else {
+    text += "never touched\n";
+  }
+  return text;
+}
+
+}  // namespace palpable

@@ -1,0 +1,37 @@
+#include "palpable/live/live_text.h"
+
+#include "palpable/session/frame_loop.h"
+#include "tests/support/dented_sphere.h"
+#include "tests/support/misbehaving_camera.h"
+#include "tests/support/test.h"
+
+#include <memory>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+TEST_CASE("a run is told in frames, troubles and touches", "[live][text]") {
+  const test::MisbehavingCamera camera({});
+  const FrameLoop loop = std::move(
+      FrameLoop::make(test::DentedSphere{}.body(), Rigid3::Identity(), camera.format()).value());
+  LiveCounts counts;
+  counts.processed = {0, 1, 2, 4};
+  CHECK(text_of(counts, loop.session, 0.1) ==
+        "4 frames in 0.1 s (25 ms each), 0 unreadable\n"
+        "never touched\n");
+  counts.troubles.unreadable = 1;
+  counts.last_trouble = "the picture is cut off";
+  counts.lost = {2, 4};
+  counts.touching = 2;
+  counts.first_touch = 1;
+  counts.deepest = 0.01234;
+  CHECK(text_of(counts, loop.session, 2.0) ==
+        "4 frames in 2.0 s (500 ms each), 1 unreadable\n"
+        "last unreadable: the picture is cut off\n"
+        "the camera was lost in 2 frames, first in frame 2\n"
+        "touched in 2 frames, first in frame 1, at most 12.3 mm deep\n");
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,18 @@
+// What the sanitizers ask a test program for.
+#include "tests/support/full_disk.h"
+
+#if defined(__SANITIZE_ADDRESS__)
+// LeakSanitizer asks for this name before it looks.
+extern "C" int __lsan_is_turned_off();                                               // NOLINT
+extern "C" int __lsan_is_turned_off() { return palpable::test::leaks_are_foreign; }  // NOLINT
+#endif
+
+#if defined(__SANITIZE_THREAD__)
+// Debian's OpenCV, its thread pool and the GDAL behind it are not built for ThreadSanitizer, which
+// therefore cannot see how they hand work over; what it says about our own code stays. The linker
+// looks for this name.
+extern "C" const char* __tsan_default_suppressions();   // NOLINT: the sanitizer's name
+extern "C" const char* __tsan_default_suppressions() {  // NOLINT
+  return "race:libopencv_\nrace:libtbb\ndeadlock:libgdal\n";
+}
+#endif
