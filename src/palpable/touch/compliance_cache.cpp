@@ -81,10 +81,11 @@ void ComplianceCache::compute(int slot) {
       continue;
     }
     const std::span<const int> theirs = compliance_.neighbours(near[k]);
-    const auto at = std::lower_bound(theirs.begin(), theirs.end(), vertex);
-    if (at == theirs.end() || *at != vertex) continue;
+    const auto here = std::lower_bound(theirs.begin(), theirs.end(), vertex);
+    if (here == theirs.end() || *here != vertex) continue;
     blocks_.block<3, 3>(3 * other, 3 * slot) +=
-        compliance_.near_block(near[k], static_cast<std::size_t>(at - theirs.begin())).transpose();
+        compliance_.near_block(near[k], static_cast<std::size_t>(here - theirs.begin()))
+            .transpose();
   }
   for (int other = 0; other < most_; ++other) {
     if (other == slot || vertex_of_slot_[other] < 0) continue;

@@ -298,18 +298,19 @@ bool ContactProblem::add_turning(std::span<const Candidate> candidates) {
 }
 
 bool ContactProblem::solve(std::span<Candidate> candidates, std::span<const VertexForce> loads,
-                           const NonlinearAnswer* answer, double shift, double softness) {
+                           const NonlinearAnswer* answer, const ContactStep& step) {
   const std::size_t m = candidates.size();
   const std::span<double> W(W_.data(), m * m), q(q_.data(), m), f(f_.data(), m);
   find_rows(candidates);
   if (answer != nullptr) find_mode_rows(candidates, loads, *answer);
-  find_expected_gaps(candidates, loads, answer, shift);
+  find_expected_gaps(candidates, loads, answer, step.shift);
   assemble(candidates, answer);
-  find_turning(candidates);
+  turning_.clear();
+  if (step.turning) find_turning(candidates);
   double mean = 0;
   for (std::size_t p = 0; p < m; ++p) mean += W[p * m + p] / static_cast<double>(m);
   if (!add_turning(candidates)) return false;
-  for (std::size_t p = 0; p < m; ++p) W[p * m + p] += softness * mean;
+  for (std::size_t p = 0; p < m; ++p) W[p * m + p] += step.softness * mean;
   for (std::size_t p = 0; p < m; ++p) f[p] = candidates[p].pressing;
   if (!complementarity_.solve(W, q, f)) return false;
 

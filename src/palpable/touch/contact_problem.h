@@ -36,6 +36,12 @@ struct Candidate {
   Eigen::Vector3f force = Eigen::Vector3f::Zero();      ///< N, all of it
 };
 
+struct ContactStep {
+  double shift = 0;     ///< m, added to the gaps: the object is taken back by it
+  double softness = 0;  ///< see TouchSettings
+  bool turning = true;  ///< false: normals stay as they are
+};
+
 /// Holds the memory of its solves, which allocate nothing.
 class ContactProblem {
  public:
@@ -50,11 +56,9 @@ class ContactProblem {
 
   /// New forces of all candidates.
   /// @param loads       (n) forces at the vertices now, from which `answer` was evaluated
-  /// @param shift       m, added to the gaps: the object is taken back by it
-  /// @param softness    see TouchSettings
   /// @return false if the problem has no answer: the forces are as before
   bool solve(std::span<Candidate> candidates, std::span<const VertexForce> loads,
-             const NonlinearAnswer* answer, double shift, double softness);
+             const NonlinearAnswer* answer, const ContactStep& step);
 
  private:
   struct Turning {  // a candidate that presses a round object

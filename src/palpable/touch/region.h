@@ -51,10 +51,6 @@ struct RegionTable {
   RoundedRows from_compliance;
   SymmetricForm cubic;    ///< A, of r
   SymmetricForm quartic;  ///< E, of s
-  /// (k) vertices near it, rising, and the recovered gradients of the modes there (stress.h): nine
-  /// rows each, 1/m.
-  std::vector<int> stress_vertices;
-  RoundedRows gradients;
 
   [[nodiscard]] int mode_count() const { return cubic.variables; }
   [[nodiscard]] int leading() const { return quartic.variables; }

@@ -111,12 +111,12 @@ void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery&
   for (const SkinCluster& cluster : clusters.clusters()) {
     const Vector3f middle = rest.col(cluster.vertex) + u.col(cluster.vertex);
     const float reach = band + kStretch * cluster.radius;
-    if (!gap(middle, found) || found.distance > reach) continue;
+    if (!gap(middle, found) || !(found.distance <= reach)) continue;
     for (int k = cluster.first; k < cluster.last; ++k) {
       const int p = clusters.order()[static_cast<std::size_t>(k)];
       const SkinPoint& point = points[static_cast<std::size_t>(p)];
       const Vector3f x = place_of(point, rest) + place_of(point, u);
-      if (!gap(x, found) || found.distance > band) continue;
+      if (!gap(x, found) || !(found.distance <= band) || !found.normal.allFinite()) continue;
       candidates.push_back(
           {p, {}, point.weights, found.distance, found.normal, found.curvature, 0, {}});
       candidates.back().force.setZero();
@@ -249,7 +249,7 @@ void TouchSolver::Work::look_at_gaps(const GapQuery& gap) {
       x += candidate.weights[static_cast<int>(k)] *
            (rest.col(vertices[static_cast<std::size_t>(local)]) + here.col(local));
     }
-    if (gap(x, found)) {
+    if (gap(x, found) && std::isfinite(found.distance) && found.normal.allFinite()) {
       candidate.distance = found.distance;
       candidate.normal = found.normal;
       candidate.curvature = found.curvature;
@@ -266,10 +266,12 @@ double TouchSolver::Work::iterate(const GapQuery& gap, double shift) {
   before.leftCols(n) = here.leftCols(n);
   for (std::size_t p = 0; p < candidates.size(); ++p) forces_before[p] = candidates[p].force;
   const NonlinearAnswer* tangent = is_nonlinear() ? &nonlinear : nullptr;
-  if (!problem.solve(candidates, loads, tangent, shift, settings.softness) &&
-      !problem.solve(candidates, loads, nullptr, shift, settings.softness)) {
-    return 0;
-  }
+  // A state on the way may have no positive definite tangent; without what is not always positive
+  // the step is a shorter one, not a wrong one.
+  const auto solve = [&](const NonlinearAnswer* answer, bool turning) {
+    return problem.solve(candidates, loads, answer, {shift, settings.softness, turning});
+  };
+  if (!solve(tangent, true) && !solve(tangent, false) && !solve(nullptr, false)) return 0;
   float moved = 0;
   for (int halving = 0; halving <= kHalvings; ++halving) {
     add_up_loads();
@@ -345,7 +347,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap) {
       std::clamp(static_cast<int>(std::ceil(depth / s.largest_step)), 1, s.most_steps);
   for (int step = 1; step <= steps; ++step) {
     // The object is taken back so far that the skin enters it by no more than a step.
-    const double shift = std::max(0.0, depth - step * std::max(s.largest_step, depth / steps));
+    const double shift = std::max(0.0, depth - step * s.largest_step);
     if (step > 1 || shift > 0) w.find_candidates(state, gap, shift, report);
     w.take_up(state);
     w.set_compliance();

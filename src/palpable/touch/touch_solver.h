@@ -42,9 +42,11 @@ struct SurfaceGap {
   Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();
 };
 
-/// Tells the gap of a place (m, body frame); false where nothing is within its reach, which is at
-/// least ContactReach::kQuery. Called some thousand times a frame.
+/// Tells the gap of a place (m, body frame); false where nothing is within kGapReach of it. What is
+/// no number counts as nothing. Called some thousand times a frame.
 using GapQuery = std::function<bool(const Eigen::Vector3f& place, SurfaceGap& gap)>;
+
+inline constexpr float kGapReach = 0.012f;  ///< m
 
 struct TouchSettings {
   double band = 0.0025;           ///< m: points nearer than this may press

@@ -8,6 +8,7 @@
 #include "palpable/touch/nonlinear_answer.h"
 #include "palpable/touch/region.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace palpable {
@@ -19,5 +20,8 @@ struct TouchTables {
   double region_reach = 0.018;   ///< m, from a region's middle: loads that it answers for
   double point_spacing = 0.002;  ///< m, of contact points, see skin_points.h
 };
+
+/// How large the tables are.
+[[nodiscard]] std::size_t bytes_of(const TouchTables& tables);
 
 }  // namespace palpable
