@@ -5,6 +5,7 @@
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
+#include "palpable/campaign/press_solver.h"
 #include "palpable/describe/body_problem.h"
 #include "palpable/touch_bake/touch_maker.h"
 
@@ -15,8 +16,9 @@
 #include "bench/bake/touch_study.h"
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstdint>
 #include <memory>
-#include <optional>
 #include <random>
 #include <string>
 #include <thread>
@@ -29,7 +31,7 @@ struct Options {
   std::string body = "bodies/bunny-demo.toml";
   int each = 4;
   double deepest = 0.010;  // m
-  std::optional<std::uint64_t> seed;
+  std::uint64_t seed = 0;  // 0: drawn
   bool linear = false;
   bool json = false;
 };
@@ -82,7 +84,7 @@ void run(const Options& options) {
   const double bake_s = seconds_since(begin);
   TouchSolver touch(skin.skin(), skin.fixed(), tables);
 
-  const std::uint64_t seed = options.seed.value_or(std::random_device()());
+  const std::uint64_t seed = options.seed > 0 ? options.seed : std::random_device()();
   std::vector<TouchDifference> all;
   Json stopped = Json::array();
   for (int k = 0; k < kPressingThings; ++k) {
@@ -130,7 +132,7 @@ void add_bench_touch(Command bench) {
   command.add_option("--each", options->each, "Scenes of each thing")
       .in_range(1, 1000)
       .show_default();
-  command.add_option("--seed", options->seed, "Of the scenes; the same seed, the same scenes");
+  command.add_option("--seed", options->seed, "Of the scenes; 0: a fresh one, which is printed");
   command.add_flag("--linear", options->linear, "The first stage of the tables alone");
   command.add_flag("--json", options->json, "One JSON object");
   command.footer("Example: palpable bench touch bodies/bunny-demo.toml --each 2 --json");
