@@ -4,10 +4,12 @@
 #include "palpable/touch/region.h"
 #include "palpable/touch_bake/parallel_work.h"
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <random>
+#include <span>
 #include <vector>
 
 namespace palpable {
@@ -17,10 +19,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kExtra = 16;     // directions more than are kept: they make the last ones good
-constexpr int kRounds = 2;     // of the subspace iteration
-constexpr int kProbes = 64;    // random directions that tell how large columns are
-constexpr int kTogether = 48;  // loads of one piece of work: three batches of the factor
+constexpr int kSamples = 640;    // vertices whose loads the modes are made from
+constexpr double kFrom = 0.7;    // of the near radius: from there on a field counts, fully at 1
+constexpr double kRidge = 1e-6;  // of what tells codes apart: keeps those that nothing tells
+constexpr int kTogether = 48;    // loads of one piece of work: three batches of the factor
 constexpr double kLargest = 32767.0;
 constexpr const char* kModesTask = "touch: modes of the compliance";
 
@@ -38,40 +40,55 @@ MatrixXd answer(const SkinResponse& skin, const MatrixXd& loads, int threads,
   return result;
 }
 
-// (3V) 1 / |G_j|, roughly: of k random directions z the mean of (z . G_j)^2 is |G_j|^2, to
-// sqrt(2 / k) of it.
-VectorXd inverse_norms(const SkinResponse& skin, int threads, std::mt19937_64& random) {
-  std::normal_distribution<double> entry;
-  const MatrixXd Z =
-      MatrixXd::NullaryExpr(3 * Index{skin.vertex_count()}, kProbes, [&] { return entry(random); });
-  const VectorXd norms = answer(skin, Z, threads, kModesTask, {}).rowwise().norm();
-  const double floor = 1e-6 * norms.maxCoeff();  // held components answer nothing
-  return norms.cwiseMax(floor).cwiseInverse();
-}
-
-// (3V x R) orthonormal: the leading left singular vectors of G S with S = 1 / |G_j|.
+// (3V x R) orthonormal: the leading directions of what loads at single vertices do far away, each
+// field divided by its norm.
 MatrixXd leading_modes(const SkinResponse& skin, const ComplianceSettings& settings,
                        const Progress& progress) {
   const Index rows = 3 * Index{skin.vertex_count()};
-  const Index wanted = std::min<Index>(settings.rank + kExtra, rows);
-  std::mt19937_64 random(1);
-  std::normal_distribution<double> entry;
-  const VectorXd S = inverse_norms(skin, settings.threads, random);
-  const auto G = [&](const MatrixXd& loads) {
-    return answer(skin, loads, settings.threads, kModesTask, progress);
-  };
-  const MatrixXd start = MatrixXd::NullaryExpr(rows, wanted, [&] { return entry(random); });
-  MatrixXd Q = orthonormal_basis(G(S.asDiagonal() * start));
-  for (int round = 0; round < kRounds; ++round) {
-    const VectorXd S2 = S.cwiseAbs2();
-    Q = orthonormal_basis(G(S2.asDiagonal() * G(Q)));
+  const std::vector<int> samples = spread_vertices(skin, 0, kSamples);
+  MatrixXd loads = MatrixXd::Zero(rows, 3 * static_cast<Index>(samples.size()));
+  for (Index k = 0; k < loads.cols(); ++k) {
+    loads(3 * Index{samples[static_cast<std::size_t>(k / 3)]} + k % 3, k) = 1.0;
   }
-  const MatrixXd SGQ = S.asDiagonal() * G(Q);
-  const SymmetricEigen eigen = symmetric_eigen(transposed_times(SGQ, SGQ));  // increasing
+  MatrixXd fields = answer(skin, loads, settings.threads, kModesTask, progress);
+  const auto& X = skin.skin().vertices;
+  for (Index k = 0; k < fields.cols(); ++k) {
+    fields.col(k) /= std::max(fields.col(k).norm(), 1e-300);
+    const int middle = samples[static_cast<std::size_t>(k / 3)];
+    for (int v = 0; v < skin.vertex_count(); ++v) {
+      const double distance = (X.col(v) - X.col(middle)).norm() / settings.near_radius;
+      fields.col(k).segment<3>(3 * Index{v}) *=
+          std::clamp((distance - kFrom) / (1.0 - kFrom), 0.0, 1.0);
+    }
+  }
+  MatrixXd gram = MatrixXd::Zero(fields.cols(), fields.cols());
+  add_gram(fields, gram);
+  const SymmetricEigen eigen = symmetric_eigen(gram);  // increasing
+  const Index kept = std::min<Index>(settings.rank, gram.cols());
   MatrixXd modes = MatrixXd::Zero(rows, settings.rank);
-  const Index kept = std::min<Index>(settings.rank, wanted);
-  modes.leftCols(kept) = times(Q, eigen.vectors.rightCols(kept).rowwise().reverse());
+  modes.leftCols(kept) =
+      orthonormal_basis(times(fields, eigen.vectors.rightCols(kept).rowwise().reverse()));
   return modes;
+}
+
+// (R x 3) codes of one vertex: Phi C comes nearest to its answers where it has no near field.
+// @param u  (3V x 3) m/N
+MatrixXd codes_of(const MatrixXd& u, const MatrixXd& modes, std::span<const int> neighbours) {
+  MatrixXd near(3 * static_cast<Index>(neighbours.size()), modes.cols());
+  MatrixXd near_u(near.rows(), 3);
+  for (std::size_t k = 0; k < neighbours.size(); ++k) {
+    const Index row = 3 * static_cast<Index>(k), at = 3 * Index{neighbours[k]};
+    near.middleRows(row, 3) = modes.middleRows(at, 3);
+    near_u.middleRows(row, 3) = u.middleRows(at, 3);
+  }
+  const MatrixXd all = transposed_times(modes, u);
+  MatrixXd gram = MatrixXd::Zero(modes.cols(), modes.cols());
+  add_gram(near, gram);
+  gram *= -1;
+  gram.diagonal().array() += 1 + kRidge;
+  // From the whole field's code on, so that the ridge keeps that.
+  const MatrixXd rest = transposed_times(near, near * all - near_u);
+  return all + gram.selfadjointView<Eigen::Lower>().llt().solve(rest);
 }
 
 // Neighbours within the radius, rising.
@@ -157,7 +174,14 @@ ComplianceTable make_compliance(const SkinResponse& skin, const ComplianceSettin
         MatrixXd loads = MatrixXd::Zero(3 * Index{table.vertices}, 3 * Index{last - first});
         for (Index k = 0; k < loads.cols(); ++k) loads(3 * Index{first} + k, k) = 1.0;
         const MatrixXd u = skin.on_skin(skin.body().linear(skin.at_nodes(loads)));
-        const RoundedRows codes = rounded(transposed_times(u, modes).cast<float>());
+        MatrixXd all_codes(3 * Index{last - first}, table.rank);
+        for (int v = first; v < last; ++v) {
+          const std::span<const int> neighbours(table.neighbours.data() + table.first[v],
+                                                table.neighbours.data() + table.first[v + 1]);
+          all_codes.middleRows(3 * Index{v - first}, 3) =
+              codes_of(u.middleCols(3 * Index{v - first}, 3), modes, neighbours).transpose();
+        }
+        const RoundedRows codes = rounded(all_codes.cast<float>());
         std::copy(codes.values.begin(), codes.values.end(),
                   table.codes.begin() + 3 * std::ptrdiff_t{first} * table.rank);
         std::copy(codes.scale.begin(), codes.scale.end(),

@@ -16,9 +16,9 @@ struct ComplianceSettings {
   int threads = 1;
 };
 
-/// The modes are the leading eigenvectors of G, found by subspace iteration with random starts of a
-/// fixed seed; what they leave is computed for every component of every vertex: 3V solves, 5 ms
-/// each on a body of 16,000 nodes.
+/// The modes are the leading directions of what loads at single vertices, spread over the skin, do
+/// beyond the near radius: that is all that the modes have to answer for. What they leave within it
+/// is computed for every component of every vertex: 3V solves, 5 ms each on a body of 16,000 nodes.
 [[nodiscard]] ComplianceTable make_compliance(const SkinResponse& skin,
                                               const ComplianceSettings& settings,
                                               const Progress& progress = {});
