@@ -28,7 +28,6 @@ struct TouchBakeSettings {
 
 /// Modes of the whole body in which patches of load act on each other.
 [[nodiscard]] CrossTable make_cross_table(const SkinResponse& skin, const ModalFormMaker& forms,
-                                          const ComplianceTable& compliance,
                                           const CrossSettings& settings);
 
 /// @throws Error as LoadResponse
