@@ -36,6 +36,7 @@ void add_bench(Command app) {
   add_bench_elements(bench);
   add_bench_obstacle(bench);
   add_bench_reduce(bench);
+  add_bench_touch(bench);
 }
 
 }  // namespace palpable::app

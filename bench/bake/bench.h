@@ -18,5 +18,6 @@ void add_bench_elements(Command bench);
 void add_bench_obstacle(Command bench);
 void add_bench_reduce(Command bench);
 void add_bench_solid(Command bench);
+void add_bench_touch(Command bench);
 
 }  // namespace palpable::app

@@ -26,10 +26,18 @@ struct alignas(kPackAlignment / 2) NodeSum {
   Quad force;
 };
 
+/// Input of a pass for the terms of a power series (series_kernels.h). The fourth numbers are zero.
+struct alignas(kPackAlignment) SeriesRow {
+  Quad base;    ///< m, u_0
+  Quad first;   ///< m, u_1
+  Quad second;  ///< m, u_2
+  Quad unused;
+};
+
 /// The first three numbers of a field of eight nodes, as three packs.
-template <Quad NodeRow::*kField>
-PALPABLE_ALWAYS_INLINE void gather(const NodeRow* rows, const int (&n)[kPackSize],
-                                   Pack (&values)[3]) {
+/// @tparam kField  a member of Row
+template <auto kField, class Row>
+PALPABLE_ALWAYS_INLINE void gather(const Row* rows, const int (&n)[kPackSize], Pack (&values)[3]) {
   Quad half[2][3];
   for (int h = 0; h < 2; ++h) {
     const Quad& a = rows[n[4 * h]].*kField;

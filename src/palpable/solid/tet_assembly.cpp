@@ -2,6 +2,7 @@
 
 #include "palpable/solid/element_order.h"
 #include "palpable/solid/quadrature.h"
+#include "palpable/solid/series_kernels.h"
 #include "palpable/solid/shape_gradients.h"
 
 #include <algorithm>
@@ -248,7 +249,7 @@ BodyState TetAssembly::force(PassFields& fields, Matrix3Xd& force) const {
   std::visit([&](const auto& groups) { std::for_each(groups.begin(), groups.end(), add_group); },
              groups_);
   if (std::isnan(state.energy)) state.energy = std::numeric_limits<double>::infinity();
-  copy_sums(fields, force);
+  copy_sums(fields.sums, force);
   return state;
 }
 
@@ -288,13 +289,33 @@ void TetAssembly::force_change(PassFields& fields, const Matrix3Xd& du, Matrix3X
   }
   add_changes(fields);
   for (NodeRow& row : fields.rows) row.du = Quad{};
-  copy_sums(fields, change);
+  copy_sums(fields.sums, change);
+}
+
+void TetAssembly::force_term(int order, const Matrix3Xd& u_0, const Matrix3Xd& u_1,
+                             const Matrix3Xd& u_2, SeriesFields& scratch, Matrix3Xd& term) const {
+  scratch.rows.resize(row_of_node_.size());
+  scratch.sums.assign(row_of_node_.size(), NodeSum{});
+  const auto quad = [](const auto& x) { return Quad{x[0], x[1], x[2], 0.0}; };
+  for (std::size_t n = 0; n < row_of_node_.size(); ++n) {
+    const auto c = static_cast<Eigen::Index>(n);
+    scratch.rows[row_of_node_[n]] = {quad(u_0.col(c)), quad(u_1.col(c)),
+                                     order > 2 ? quad(u_2.col(c)) : Quad{}, Quad{}};
+  }
+  const auto add_group = [&]<int A, int Q>(const Group<A, Q>& group) {
+    add_force_term<A, Q>(simd_, group.material, group.blocks, order, scratch.rows.data(),
+                         scratch.sums.data());
+  };
+  std::visit([&](const auto& groups) { std::for_each(groups.begin(), groups.end(), add_group); },
+             groups_);
+  term.resize(3, node_count());
+  copy_sums(scratch.sums, term);
 }
 
 // Copies the sums into the order of the mesh.
-void TetAssembly::copy_sums(const PassFields& fields, Matrix3Xd& field) const {
+void TetAssembly::copy_sums(const std::vector<NodeSum>& sums, Matrix3Xd& field) const {
   for (std::size_t n = 0; n < row_of_node_.size(); ++n) {
-    const Quad& force = fields.sums[row_of_node_[n]].force;
+    const Quad& force = sums[row_of_node_[n]].force;
     for (int i = 0; i < 3; ++i) field(i, static_cast<Eigen::Index>(n)) = force[i];
   }
 }

@@ -37,6 +37,12 @@ struct PassFields {
   std::vector<NodeSum> sums;  ///< (N) result of the last pass, in the same order
 };
 
+/// The fields of a power series in the layout of the passes, and room for their results.
+struct SeriesFields {
+  std::vector<SeriesRow> rows;  ///< (N) in the order of the assembly
+  std::vector<NodeSum> sums;    ///< (N)
+};
+
 /// Gradients, volumes and the places of the blocks, computed once. Const members change nothing in
 /// the object, so that several threads may call them, each with its own PassFields.
 class TetAssembly {
@@ -74,6 +80,13 @@ class TetAssembly {
   /// change = d force / du along du, (3 x N), all nodes. @pre no element is inverted
   void force_change(PassFields& fields, const Eigen::Matrix3Xd& du, Eigen::Matrix3Xd& change) const;
 
+  /// The coefficient of a^order of the internal forces along u_0 + a u_1 + a^2 u_2, (3 x N) N, all
+  /// nodes; order 2 or 3, u_2 counts in order 3 only (series_kernels.h).
+  /// @param scratch  overwritten; its memory is used again
+  /// @pre no element is inverted under u_0
+  void force_term(int order, const Eigen::Matrix3Xd& u_0, const Eigen::Matrix3Xd& u_1,
+                  const Eigen::Matrix3Xd& u_2, SeriesFields& scratch, Eigen::Matrix3Xd& term) const;
+
   /// (3M) the free nodes' columns, one after the other; 0 in held directions.
   void gather(const Eigen::Matrix3Xd& field, Eigen::VectorXd& free) const;
   /// Adds scale * free to the free nodes' columns. `free` must be 0 in held directions; a solution
@@ -100,7 +113,7 @@ class TetAssembly {
   template <int A>
   void build_pattern(const TetMesh& mesh);
   void add_changes(PassFields& fields) const;
-  void copy_sums(const PassFields& fields, Eigen::Matrix3Xd& field) const;
+  void copy_sums(const std::vector<NodeSum>& sums, Eigen::Matrix3Xd& field) const;
 
   // A held direction `axis` of the free node `row`, and the places of all blocks in its column.
   struct HeldAxis {

@@ -1,0 +1,142 @@
+// palpable-bake bench touch: the answer to touch by a body's tables against full finite elements.
+
+#include "apps/common/command_line.h"
+#include "apps/common/progress_bar.h"
+#include "palpable/base/cpu_time.h"
+#include "palpable/base/error.h"
+#include "palpable/base/order_statistics.h"
+#include "palpable/campaign/press_solver.h"
+#include "palpable/describe/body_problem.h"
+#include "palpable/touch_bake/touch_maker.h"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include "bench/bake/bench.h"
+#include "bench/bake/touch_study.h"
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+struct Options {
+  std::string body = "bodies/bunny-demo.toml";
+  int each = 4;
+  double deepest = 0.010;  // m
+  std::uint64_t seed = 0;  // 0: drawn
+  bool linear = false;
+  bool json = false;
+};
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// Median and p90 of each thing at each depth.
+Json differences_of(const std::vector<TouchDifference>& all) {
+  Json figures = Json::object();
+  for (int k = 0; k < kPressingThings; ++k) {
+    const auto thing = static_cast<PressingThing>(k);
+    for (const double depth : {0.0025, 0.005, 0.010}) {
+      std::vector<double> u, force, worst, entry;
+      for (const TouchDifference& d : all) {
+        if (d.thing != thing || std::abs(d.depth - depth) > 1e-6) continue;
+        u.push_back(d.displacement);
+        force.push_back(d.force);
+        worst.push_back(1e3 * d.worst_vertex);
+        entry.push_back(1e3 * d.penetration);
+      }
+      if (u.empty()) continue;
+      figures[name_of(thing)][fmt::format("at_{:g}mm", 1e3 * depth)] = {
+          {"scenes", u.size()},
+          {"u_median", percentile(u, 0.5)},
+          {"u_p90", percentile(u, 0.9)},
+          {"force_median", percentile(force, 0.5)},
+          {"force_p90", percentile(force, 0.9)},
+          {"worst_vertex_median_mm", percentile(worst, 0.5)},
+          {"penetration_median_mm", percentile(entry, 0.5)}};
+    }
+  }
+  return figures;
+}
+
+void run(const Options& options) {
+  ProgressBar bar;
+  const auto report = [&bar](const ProgressReport& now) { bar.show(now); };
+  const BodyDescription description = read_body_description(options.body);
+  const BodyProblem problem = pose_body(description);
+  const EquilibriumSolver solver(problem.model);
+  const PressSolver presses(solver, problem.preload);
+  const SkinResponse skin(problem.model, problem.mesh.boundary, presses.preloaded());
+  TouchBakeSettings settings;
+  settings.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  if (options.linear) settings.regions.most = 0;
+  const auto begin = std::chrono::steady_clock::now();
+  const TouchTables tables = make_touch_tables(skin, settings, report);
+  const double bake_s = seconds_since(begin);
+  TouchSolver touch(skin.skin(), skin.fixed(), tables);
+
+  const std::uint64_t seed = options.seed > 0 ? options.seed : std::random_device()();
+  std::vector<TouchDifference> all;
+  Json stopped = Json::array();
+  for (int k = 0; k < kPressingThings; ++k) {
+    const auto thing = static_cast<PressingThing>(k);
+    int number = 0;
+    for (const TouchScene& scene :
+         touch_scenes(skin.skin(), skin.fixed(), thing, options.each, seed)) {
+      bar.show({"the full answer, scene by scene", static_cast<double>(k * options.each + number++),
+                static_cast<double>(kPressingThings * options.each), name_of(thing)});
+      std::string why;
+      for (const TouchDifference& d :
+           compare_touch(solver, skin, presses.preloaded(), touch, tables.point_spacing, scene,
+                         options.deepest, why)) {
+        all.push_back(d);
+      }
+      if (!why.empty()) stopped.push_back(fmt::format("{}: {}", name_of(thing), why));
+    }
+  }
+  std::vector<double> ms;
+  for (const TouchDifference& d : all) ms.push_back(d.milliseconds);
+  Json figures = differences_of(all);
+  figures["seed"] = seed;
+  figures["vertices"] = skin.vertex_count();
+  figures["nodes"] = problem.model.mesh.node_count();
+  figures["regions"] = tables.regions.size();
+  figures["table_mb"] = static_cast<double>(bytes_of(tables)) / 1e6;
+  figures["bake_s"] = bake_s;
+  figures["truth_stopped"] = stopped;
+  figures["ms_median"] = percentile(ms, 0.5);
+  figures["ms_p99"] = percentile(ms, 0.99);
+  figures["largest_slide_jump_mm"] = 1e3 * largest_slide_jump(skin, touch, seed);
+  bar.finish();
+  print_figures(figures, options.json);
+}
+
+}  // namespace
+
+void add_bench_touch(Command bench) {
+  const auto options = std::make_shared<Options>();
+  Command command = bench.add_subcommand(
+      "touch", "Touch by anything, anywhere, against full finite elements (minutes to an hour)");
+  command.add_option("body", options->body, "The body that is touched")
+      .type_name("BODY.toml")
+      .show_default();
+  command.add_option("--each", options->each, "Scenes of each thing")
+      .in_range(1, 1000)
+      .show_default();
+  command.add_option("--seed", options->seed, "Of the scenes; 0: a fresh one, which is printed");
+  command.add_flag("--linear", options->linear, "The first stage of the tables alone");
+  command.add_flag("--json", options->json, "One JSON object");
+  command.footer("Example: palpable bench touch bodies/bunny-demo.toml --each 2 --json");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace palpable::app

@@ -1,0 +1,48 @@
+/// @file
+/// Things that press a body at random places, for comparing answers to touch with the full one.
+#pragma once
+
+#include "palpable/geometry/surface_mesh.h"
+#include "palpable/solid/obstacle.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace palpable {
+
+/// What presses.
+enum class PressingThing {
+  kFinger,  ///< a tip of radius 8 mm
+  kPencil,  ///< a tip of radius 3.5 mm
+  kPalm,    ///< part of a ball of radius 150 mm
+  kHand,    ///< four fingers lying side by side, radius 9 mm, 18 mm apart
+  kRim,     ///< of a cup: half a ring of radius 40 mm, 3 mm thick
+  kSqueeze  ///< two fingers from opposite sides
+};
+inline constexpr int kPressingThings = 6;
+[[nodiscard]] std::string name_of(PressingThing thing);
+
+/// A thing and its way into the body: one that just touches at depth 0.
+struct TouchScene {
+  PressingThing thing = PressingThing::kFinger;
+  Obstacle touching;
+  Eigen::Vector3d way = Eigen::Vector3d::Zero();  ///< unit
+  Obstacle other;                                 ///< of a squeeze: comes the other way
+};
+
+/// The obstacle at a depth, m: how far it has gone on since it just touched.
+[[nodiscard]] Obstacle obstacle_at(const TouchScene& scene, double depth);
+
+/// `each` scenes of a thing, at random vertices that are not held and not in the lowest 15 % of the
+/// body's height, along the skin's mean normal within 12 mm. The same for the same seed.
+/// @param fixed  (V) 1 where the support holds the vertex
+[[nodiscard]] std::vector<TouchScene> touch_scenes(const SurfaceMesh& skin,
+                                                   std::span<const std::uint8_t> fixed,
+                                                   PressingThing thing, int each,
+                                                   std::uint64_t seed);
+
+}  // namespace palpable

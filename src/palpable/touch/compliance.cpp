@@ -1,0 +1,154 @@
+#include "palpable/touch/compliance.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/touch/row_kernels.h"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+// As many neighbours as a buffer of the near field holds; trouble_of() refuses more.
+constexpr std::size_t kMostNeighbours = 4096;
+constexpr std::int64_t kMostRank = 256;
+
+const RowKernels& kernels() { return row_kernels().front(); }
+
+bool is_table(const RoundedRows& rows, std::int64_t count, std::int64_t width) {
+  return static_cast<std::int64_t>(rows.width) == width && std::ssize(rows.scale) == count &&
+         std::ssize(rows.values) == count * width;
+}
+
+bool has_bad_clusters(const ComplianceTable& t) {
+  if (std::ssize(t.cluster_of) != t.vertices || t.far_first.size() != t.far_second.size())
+    return true;
+  if (std::any_of(t.cluster_of.begin(), t.cluster_of.end(),
+                  [&](int c) { return c < 0 || c >= t.clusters; })) {
+    return true;
+  }
+  for (std::size_t k = 0; k < t.far_first.size(); ++k) {
+    const std::pair here(t.far_first[k], t.far_second[k]);
+    if (here.first < 0 || here.first >= here.second || here.second >= t.clusters) return true;
+    if (k > 0 && here <= std::pair(t.far_first[k - 1], t.far_second[k - 1])) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string_view trouble_of(const ComplianceTable& t) {
+  const std::int64_t V = t.vertices, k = static_cast<std::int64_t>(t.basis.width);
+  if (V < 1 || t.clusters < 1 || k < 1 || k > kMostRank ||
+      k % static_cast<std::int64_t>(kRowStep) != 0) {
+    return "its size";
+  }
+  if (has_bad_clusters(t)) return "its clusters";
+  if (!is_table(t.basis, 3 * V, k) || !is_table(t.couplings, k * std::ssize(t.far_first), k)) {
+    return "the size of its far field";
+  }
+  if (std::ssize(t.first) != V + 1 || std::ssize(t.near_scale) != V || t.first.front() != 0 ||
+      t.first.back() != std::ssize(t.neighbours)) {
+    return "its lists of neighbours";
+  }
+  std::int64_t numbers = 0;
+  for (std::int64_t v = 0; v < V; ++v) {
+    const std::int64_t count = t.first[v + 1] - std::int64_t{t.first[v]};
+    if (count < 0 || count > static_cast<std::int64_t>(kMostNeighbours) ||
+        t.first[v + 1] > std::ssize(t.neighbours)) {
+      return "its lists of neighbours";
+    }
+    for (std::int64_t n = t.first[v]; n < t.first[v + 1]; ++n) {
+      const bool rises = n == t.first[v] || t.neighbours[n] > t.neighbours[n - 1];
+      if (t.neighbours[n] < 0 || t.neighbours[n] >= V || !rises) return "its lists of neighbours";
+    }
+    numbers += 9 * static_cast<std::int64_t>(padded(static_cast<std::size_t>(count)));
+  }
+  return numbers == std::ssize(t.near) ? std::string_view() : "the size of its near field";
+}
+
+Compliance::Compliance(ComplianceTable table) : table_(std::move(table)) {
+  PALPABLE_EXPECT(trouble_of(table_).empty(), "a compliance table is consistent");
+  std::size_t at = 0;
+  for (int v = 0; v < table_.vertices; ++v) {
+    near_first_.push_back(at);
+    at += 9 * padded(neighbours(v).size());
+  }
+  const auto C = static_cast<std::size_t>(table_.clusters);
+  pair_of_.assign(C * C, -1);
+  for (std::size_t p = 0; p < table_.far_first.size(); ++p) {
+    const auto c = static_cast<std::size_t>(table_.far_first[p]);
+    const auto d = static_cast<std::size_t>(table_.far_second[p]);
+    pair_of_[c * C + d] = pair_of_[d * C + c] = static_cast<int>(p);
+  }
+}
+
+void Compliance::add_source(int vertex, const Eigen::Vector3f& force,
+                            std::span<float> source) const {
+  for (std::size_t d = 0; d < 3; ++d) {
+    const std::size_t row = 3 * static_cast<std::size_t>(vertex) + d;
+    kernels().add(table_.basis.row(row), force[static_cast<int>(d)] * table_.basis.scale[row],
+                  source);
+  }
+}
+
+void Compliance::add_target(int from, std::span<const float> source, int to,
+                            std::span<float> target) const {
+  const RoundedRows& S = table_.couplings;
+  const std::size_t first = static_cast<std::size_t>(pair(from, to)) * rank();
+  if (from < to) {  // S_cd is kept for c < d: the other way goes along its rows
+    for (std::size_t i = 0; i < rank(); ++i) {
+      kernels().add(S.row(first + i), source[i] * S.scale[first + i], target);
+    }
+    return;
+  }
+  std::array<float, kMostRank> products;
+  kernels().dots(S.row(first), rank(), source, products.data());
+  for (std::size_t i = 0; i < rank(); ++i) target[i] += products[i] * S.scale[first + i];
+}
+
+Eigen::Vector3f Compliance::at(int vertex, std::span<const float> target) const {
+  const std::size_t row = 3 * static_cast<std::size_t>(vertex);
+  Eigen::Vector3f u;
+  kernels().dots(table_.basis.row(row), 3, target, u.data());
+  return u.cwiseProduct(Eigen::Map<const Eigen::Vector3f>(table_.basis.scale.data() + row));
+}
+
+void Compliance::everywhere(std::span<const float> targets, Eigen::Matrix3Xf& u) const {
+  PALPABLE_EXPECT(u.cols() == table_.vertices, "a field has three values a vertex");
+  for (int v = 0; v < table_.vertices; ++v) {
+    u.col(v) = at(v, targets.subspan(static_cast<std::size_t>(cluster_of(v)) * rank(), rank()));
+  }
+}
+
+void Compliance::add_near(int vertex, const Eigen::Vector3f& force, Eigen::Matrix3Xf& u) const {
+  const std::span<const int> near = neighbours(vertex);
+  const std::size_t width = padded(near.size());
+  const std::int16_t* rows = table_.near.data() + near_first_[vertex];
+  const Eigen::Vector3f scaled = table_.near_scale[vertex] * force;
+  std::array<float, kMostNeighbours> sum;  // of one component at a time
+  for (int c = 0; c < 3; ++c) {
+    std::fill_n(sum.begin(), width, 0.0f);
+    for (int d = 0; d < 3; ++d) {
+      kernels().add(rows + static_cast<std::size_t>(3 * d + c) * width, scaled[d],
+                    {sum.data(), width});
+    }
+    for (std::size_t k = 0; k < near.size(); ++k) u(c, near[k]) += sum[k];
+  }
+}
+
+Eigen::Matrix3f Compliance::near_block(int vertex, std::size_t k) const {
+  const std::size_t width = padded(neighbours(vertex).size());
+  const std::int16_t* rows = table_.near.data() + near_first_[vertex] + k;
+  Eigen::Matrix3f block;
+  for (int d = 0; d < 3; ++d) {
+    for (int c = 0; c < 3; ++c) {
+      block(c, d) = static_cast<float>(rows[static_cast<std::size_t>(3 * d + c) * width]);
+    }
+  }
+  return table_.near_scale[vertex] * block;
+}
+
+}  // namespace palpable

@@ -1,0 +1,252 @@
+#include "palpable/touch/nonlinear_answer.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/touch/row_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace palpable {
+namespace {
+
+using Eigen::Matrix3Xf;
+using Eigen::Vector3f;
+
+// A region that answered in the last frame is kept if it covers this share of what the best would.
+constexpr float kKeep = 0.8f;
+// A load at the edge of a region's reach counts this much less than one in its middle.
+constexpr float kEdge = 0.3f;
+
+const RowKernels& kernels() { return row_kernels().front(); }
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+RegionMap::RegionMap(const Matrix3Xf& vertices, std::span<const RegionTable> regions, double reach)
+    : reach_(reach) {
+  first_.push_back(0);
+  for (int v = 0; v < vertices.cols(); ++v) {
+    RegionAtVertex nearest{-1, std::numeric_limits<float>::infinity()};
+    for (std::size_t k = 0; k < regions.size(); ++k) {
+      const int middle = regions[k].vertex;
+      const float distance = (vertices.col(v) - vertices.col(middle)).norm();
+      const bool known =
+          std::binary_search(regions[k].vertices.begin(), regions[k].vertices.end(), v);
+      if (!known) continue;
+      const RegionAtVertex here{static_cast<int>(k), distance};
+      if (distance < static_cast<float>(reach)) list_.push_back(here);
+      if (distance < nearest.distance) nearest = here;
+    }
+    if (static_cast<int>(list_.size()) == first_.back() && nearest.region >= 0) {
+      list_.push_back(nearest);
+    }
+    std::sort(list_.begin() + first_.back(), list_.end(),
+              [](const auto& a, const auto& b) { return a.distance < b.distance; });
+    first_.push_back(static_cast<int>(list_.size()));
+  }
+}
+
+NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const RegionTable> regions,
+                                 const RegionMap& map, const CrossTable& cross)
+    : compliance_(compliance), regions_(regions), map_(map), cross_(cross) {
+  int most_modes = 0, most_leading = 0;
+  for (const RegionTable& region : regions) {
+    most_modes = std::max(most_modes, region.mode_count());
+    most_leading = std::max(most_leading, region.leading());
+  }
+  const std::size_t C = index(compliance.clusters()), k = compliance.rank();
+  const std::size_t x = index(cross.cubic.variables);
+  std::size_t most_sources = 0;
+  own_cluster_.assign(regions.size() * C, 0);
+  for (std::size_t region = 0; region < regions.size(); ++region) {
+    most_sources = std::max(most_sources, regions[region].sources.width);
+    for (const int v : regions[region].vertices) {
+      own_cluster_[region * C + index(compliance.cluster_of(v))] = 1;
+    }
+  }
+  chosen_.reserve(kMostBlobs);
+  blob_of_vertex_.assign(index(compliance.vertices()), -1);
+  asked_.reserve(index(compliance.vertices()));
+  answers_.assign(kMostBlobs, RegionAnswer(most_modes, most_leading));
+  score_.resize(regions.size());
+  code_.resize(index(most_modes));
+  far_targets_.resize(C * k);
+  sources_.resize(most_sources);
+  cross_codes_.resize((kMostBlobs + 1) * x);
+  cross_cubic_ = FormRows(cross.cubic);
+  pairs_.resize(cross_cubic_.width());
+  for (const RegionTable& region : regions) {
+    cubic_.emplace_back(region.cubic);
+    quartic_.emplace_back(region.quartic);
+  }
+  cross_q_.resize(x);
+}
+
+// The region that covers most of the weight that is left, -1 if none covers any.
+int NonlinearAnswer::next_region(std::span<const int> vertices, std::span<const float> weights,
+                                 std::span<const int> before) {
+  std::fill(score_.begin(), score_.end(), 0.0f);
+  const auto reach = static_cast<float>(map_.reach());
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (!(weights[i] > 0) || blob_of_vertex_[vertices[i]] >= 0) continue;
+    for (const RegionAtVertex& near : map_.at(vertices[i])) {
+      score_[index(near.region)] +=
+          weights[i] * (1 - kEdge * std::min(1.0f, near.distance / reach));
+    }
+  }
+  const auto best = std::max_element(score_.begin(), score_.end());
+  if (best == score_.end() || !(*best > 0)) return -1;
+  for (const int region : before) {
+    if (score_[index(region)] >= kKeep * *best) return region;
+  }
+  return static_cast<int>(best - score_.begin());
+}
+
+void NonlinearAnswer::choose_blobs(std::span<const int> vertices, std::span<const float> weights,
+                                   std::span<const int> before) {
+  for (const int v : asked_) blob_of_vertex_[v] = -1;
+  asked_.assign(vertices.begin(), vertices.end());
+  chosen_.clear();
+  while (chosen_.size() < kMostBlobs) {
+    const int region = next_region(vertices, weights, before);
+    if (region < 0) break;
+    const int blob = static_cast<int>(chosen_.size());
+    chosen_.push_back(region);
+    for (const int v : vertices) {
+      for (const RegionAtVertex& near : map_.at(v)) {
+        if (near.region == region && blob_of_vertex_[v] < 0) blob_of_vertex_[v] = blob;
+      }
+    }
+  }
+  for (const int v : vertices) {
+    if (blob_of_vertex_[v] >= 0) continue;
+    for (std::size_t b = 0; b < chosen_.size() && blob_of_vertex_[v] < 0; ++b) {
+      if (row_of(chosen_[b], v) >= 0) blob_of_vertex_[v] = static_cast<int>(b);
+    }
+  }
+}
+
+int NonlinearAnswer::row_of(int region, int vertex) const {
+  const std::vector<int>& known = regions_[index(region)].vertices;
+  const auto at = std::lower_bound(known.begin(), known.end(), vertex);
+  return at != known.end() && *at == vertex ? static_cast<int>(at - known.begin()) : -1;
+}
+
+bool NonlinearAnswer::add_mode_row(int blob, int vertex, const Vector3f& direction,
+                                   std::span<float> row) const {
+  const int region = chosen_[index(blob)];
+  const int at = row_of(region, vertex);
+  if (at < 0) return false;
+  const RoundedRows& modes = regions_[index(region)].modes;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const std::size_t r = 3 * index(at) + d;
+    kernels().add(modes.row(r), direction[static_cast<int>(d)] * modes.scale[r], row);
+  }
+  return true;
+}
+
+void NonlinearAnswer::evaluate(std::span<const VertexForce> loads) {
+  std::fill(far_targets_.begin(), far_targets_.end(), 0.0f);
+  last_share_ = 0;
+  for (std::size_t b = 0; b < chosen_.size(); ++b) {
+    const RegionTable& region = regions_[index(chosen_[b])];
+    const std::span<float> code(code_.data(), index(region.mode_count()));
+    std::fill(code.begin(), code.end(), 0.0f);
+    for (const VertexForce& load : loads) {
+      if (blob_of_vertex_[load.vertex] == static_cast<int>(b)) {
+        add_mode_row(static_cast<int>(b), load.vertex, load.force, code);
+      }
+    }
+    answers_[b].evaluate({cubic_[index(chosen_[b])], quartic_[index(chosen_[b])]}, code);
+    last_share_ = std::max(last_share_, answers_[b].last_share());
+    add_far_targets(chosen_[b], answers_[b].q());
+  }
+  if (has_cross_terms()) evaluate_cross_terms(loads);
+}
+
+// What the region's modes do in all clusters but its own.
+void NonlinearAnswer::add_far_targets(int region, std::span<const float> q) {
+  const RegionTable& table = regions_[index(region)];
+  const std::size_t C = index(compliance_.clusters()), k = compliance_.rank();
+  const std::span<float> sources(sources_.data(), table.sources.width);
+  std::fill(sources.begin(), sources.end(), 0.0f);
+  for (std::size_t j = 0; j < q.size(); ++j) {
+    kernels().add(table.sources.row(j), q[j] * table.sources.scale[j], sources);
+  }
+  for (std::size_t s = 0; s < table.source_clusters.size(); ++s) {
+    const int from = table.source_clusters[s];
+    for (std::size_t to = 0; to < C; ++to) {
+      if (own_cluster_[index(region) * C + to] != 0) continue;
+      compliance_.add_target(from, sources.subspan(s * k, k), static_cast<int>(to),
+                             {far_targets_.data() + to * k, k});
+    }
+  }
+}
+
+bool NonlinearAnswer::has_cross_terms() const {
+  return chosen_.size() > 1 && cross_.cubic.variables > 0;
+}
+
+void NonlinearAnswer::evaluate_cross_terms(std::span<const VertexForce> loads) {
+  const std::size_t x = cross_.modes.width;
+  std::fill(cross_codes_.begin(), cross_codes_.end(), 0.0f);
+  const auto code_of = [&](std::size_t b) {
+    return std::span<float>(cross_codes_.data() + b * x, x);
+  };
+  for (const VertexForce& load : loads) {
+    const int blob = blob_of_vertex_[load.vertex];
+    if (blob < 0 || load.force.isZero(0)) continue;
+    for (std::size_t d = 0; d < 3; ++d) {
+      const std::size_t row = 3 * index(load.vertex) + d;
+      kernels().add(cross_.modes.row(row),
+                    load.force[static_cast<int>(d)] * cross_.modes.scale[row],
+                    code_of(index(blob)));
+    }
+  }
+  std::fill(pairs_.begin(), pairs_.end(), 0.0f);
+  const std::span<float> sum = code_of(chosen_.size());
+  for (std::size_t b = 0; b < chosen_.size(); ++b) {
+    for (std::size_t i = 0; i < x; ++i) sum[i] += code_of(b)[i];
+    add_pairs(code_of(b), 0.5f, pairs_);
+  }
+  add_pairs(sum, -0.5f, pairs_);
+  cross_cubic_.contract(pairs_, cross_q_);
+}
+
+Vector3f NonlinearAnswer::displacement_at(int vertex) const {
+  const std::size_t k = compliance_.rank();
+  const auto rows_at = [](const RoundedRows& modes, std::size_t row, std::span<const float> q) {
+    Vector3f u;
+    kernels().dots(modes.row(row), 3, q, u.data());
+    return Vector3f(u.cwiseProduct(Eigen::Map<const Vector3f>(modes.scale.data() + row)));
+  };
+  Vector3f u = compliance_.at(
+      vertex, std::span(far_targets_).subspan(index(compliance_.cluster_of(vertex)) * k, k));
+  for (std::size_t b = 0; b < chosen_.size(); ++b) {
+    const int at = row_of(chosen_[b], vertex);
+    if (at >= 0) u += rows_at(regions_[index(chosen_[b])].modes, 3 * index(at), answers_[b].q());
+  }
+  if (has_cross_terms()) u += rows_at(cross_.modes, 3 * index(vertex), cross_q_);
+  return u;
+}
+
+void NonlinearAnswer::add_near(Matrix3Xf& u) const {
+  const auto add = [&](const RoundedRows& modes, std::size_t k, std::span<const float> q, int to) {
+    Vector3f exact;
+    kernels().dots(modes.row(3 * k), 3, q, exact.data());
+    u.col(to) += exact.cwiseProduct(Eigen::Map<const Vector3f>(modes.scale.data() + 3 * k));
+  };
+  for (std::size_t b = 0; b < chosen_.size(); ++b) {
+    const RegionTable& region = regions_[index(chosen_[b])];
+    for (std::size_t k = 0; k < region.vertices.size(); ++k) {
+      add(region.modes, k, answers_[b].q(), region.vertices[k]);
+    }
+  }
+  if (!has_cross_terms()) return;
+  for (int v = 0; v < u.cols(); ++v) add(cross_.modes, index(v), cross_q_, v);
+}
+
+}  // namespace palpable

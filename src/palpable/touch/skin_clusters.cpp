@@ -1,0 +1,32 @@
+#include "palpable/touch/skin_clusters.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace palpable {
+
+SkinClusters::SkinClusters(const Eigen::Matrix3Xf& vertices, std::span<const SkinPoint> points,
+                           float radius) {
+  std::vector<char> taken(points.size(), 0);
+  for (std::size_t seed = 0; seed < points.size(); ++seed) {
+    if (taken[seed] != 0) continue;
+    // Around the heaviest corner of the first point that is left.
+    int corner = 0;
+    points[seed].weights.maxCoeff(&corner);
+    SkinCluster cluster{points[seed].vertices[static_cast<std::size_t>(corner)], 0,
+                        static_cast<int>(order_.size()), 0};
+    const Eigen::Vector3f middle = vertices.col(cluster.vertex);
+    for (std::size_t p = seed; p < points.size(); ++p) {
+      if (taken[p] != 0) continue;
+      const float distance = (place_of(points[p], vertices) - middle).norm();
+      if (distance > radius && p != seed) continue;
+      taken[p] = 1;
+      order_.push_back(static_cast<int>(p));
+      cluster.radius = std::max(cluster.radius, distance);
+    }
+    cluster.last = static_cast<int>(order_.size());
+    clusters_.push_back(cluster);
+  }
+}
+
+}  // namespace palpable

@@ -1,0 +1,380 @@
+#include "palpable/touch/touch_solver.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/touch/contact_problem.h"
+#include "palpable/touch/skin_clusters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+namespace palpable {
+namespace {
+
+using Eigen::Matrix3Xf;
+using Eigen::Vector3f;
+
+constexpr float kClusterRadius = 0.006f;  // m
+// A heap's points may lie farther from its middle than at rest, where the skin is stretched.
+constexpr float kStretch = 1.3f;
+// A step that moves a touched vertex by more is halved.
+constexpr float kLargestMove = 0.005f;  // m
+constexpr int kHalvings = 4;
+
+int most_modes(const TouchTables& tables) {
+  int most = 16;
+  for (const RegionTable& region : tables.regions) most = std::max(most, region.mode_count());
+  return most;
+}
+
+}  // namespace
+
+struct TouchSolver::Work {
+  const TouchTables& tables;
+  TouchSettings settings;
+  Matrix3Xf rest;
+  std::vector<SkinPoint> points;
+  SkinClusters clusters;
+  Compliance compliance;
+  RegionMap map;
+  NonlinearAnswer nonlinear;
+  ComplianceCache cache;
+  ContactProblem problem;
+
+  std::vector<Candidate> candidates;
+  std::vector<int> vertices;            // of the candidates
+  std::vector<int> local_of_vertex;     // (V) -1: not among them
+  std::vector<float> sources, targets;  // (C x k)
+  std::vector<char> is_source;          // (C)
+  std::vector<float> weights;           // of `vertices`, for choosing blobs
+  std::vector<VertexForce> loads;       // at `vertices`
+  Matrix3Xf here, before;               // (3 x vertices) displacement of `vertices`
+  std::vector<Vector3f> forces_before;
+
+  Work(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed, const TouchTables& the_tables,
+       const TouchSettings& the_settings)
+      : tables(the_tables),
+        settings(the_settings),
+        rest(skin.vertices.cast<float>()),
+        points(skin_points(skin, fixed, tables.point_spacing)),
+        clusters(rest, points, kClusterRadius),
+        compliance(tables.compliance),
+        map(rest, tables.regions, tables.region_reach),
+        nonlinear(compliance, tables.regions, map, tables.cross),
+        cache(compliance, kMostVertices),
+        problem(kMostPoints, kMostVertices, most_modes(tables)),
+        local_of_vertex(static_cast<std::size_t>(skin.vertex_count()), -1),
+        here(3, kMostVertices),
+        before(3, kMostVertices) {
+    candidates.reserve(points.size());
+    vertices.reserve(static_cast<std::size_t>(skin.vertex_count()));
+    loads.reserve(kMostVertices);
+    weights.reserve(kMostVertices);
+    forces_before.resize(kMostPoints);
+    is_source.resize(static_cast<std::size_t>(compliance.clusters()));
+    sources.resize(is_source.size() * compliance.rank());
+    targets.resize(sources.size());
+  }
+
+  [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
+  void find_candidates(const TouchState& state, const GapQuery& gap, double shift,
+                       TouchReport& report);
+  void keep_nearest(TouchReport& report);
+  bool add_vertices(const Candidate& candidate);
+  void take_up(const TouchState& state);
+  void set_compliance();
+  void add_up_loads();
+  void choose_blobs(const TouchState& state, double shift);
+  void find_displacements();
+  void look_at_gaps(const GapQuery& gap);
+  double iterate(const GapQuery& gap, double shift);
+  void fill_field(Matrix3Xf& u);
+  void hand_over(TouchState& state, const GapQuery& gap, TouchReport& report);
+};
+
+// Points that are near the object in the state's shape, and those that press.
+void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery& gap, double shift,
+                                        TouchReport& report) {
+  candidates.clear();
+  const Matrix3Xf& u = state.u;
+  const auto band = static_cast<float>(settings.band - shift);
+  SurfaceGap found;
+  for (const SkinCluster& cluster : clusters.clusters()) {
+    const Vector3f middle = rest.col(cluster.vertex) + u.col(cluster.vertex);
+    const float reach = band + kStretch * cluster.radius;
+    if (!gap(middle, found) || !(found.distance <= reach)) continue;
+    for (int k = cluster.first; k < cluster.last; ++k) {
+      const int p = clusters.order()[static_cast<std::size_t>(k)];
+      const SkinPoint& point = points[static_cast<std::size_t>(p)];
+      const Vector3f x = place_of(point, rest) + place_of(point, u);
+      if (!gap(x, found) || !(found.distance <= band) || !found.normal.allFinite()) continue;
+      Candidate candidate;
+      candidate.point = p;
+      candidate.weights = point.weights;
+      candidate.distance = found.distance;
+      candidate.normal = found.normal;
+      candidate.curvature = found.curvature;
+      candidates.push_back(candidate);
+    }
+  }
+  // Those that press and have just lost the object out of sight let go by themselves.
+  report.dropped = 0;
+  keep_nearest(report);
+}
+
+// At most as many as there is room for, the deepest first; in the order of the points.
+void TouchSolver::Work::keep_nearest(TouchReport& report) {
+  const auto nearer = [](const Candidate& a, const Candidate& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.point < b.point;
+  };
+  std::sort(candidates.begin(), candidates.end(), nearer);
+  for (const int v : vertices) local_of_vertex[v] = -1;
+  vertices.clear();
+  std::size_t kept = 0;
+  for (Candidate& candidate : candidates) {
+    if (kept == kMostPoints || !add_vertices(candidate)) break;
+    candidates[kept++] = candidate;
+  }
+  report.dropped += static_cast<int>(candidates.size() - kept);
+  candidates.resize(kept);
+  report.candidates = std::max(report.candidates, static_cast<int>(kept));
+}
+
+// Whether its corners find room among the vertices.
+bool TouchSolver::Work::add_vertices(const Candidate& candidate) {
+  const SkinPoint& point = points[static_cast<std::size_t>(candidate.point)];
+  int missing = 0;
+  for (std::size_t k = 0; k < 3; ++k) missing += local_of_vertex[point.vertices[k]] < 0;
+  if (vertices.size() + static_cast<std::size_t>(missing) > kMostVertices) return false;
+  for (std::size_t k = 0; k < 3; ++k) {
+    int& local = local_of_vertex[point.vertices[k]];
+    if (local < 0) {
+      local = static_cast<int>(vertices.size());
+      vertices.push_back(point.vertices[k]);
+    }
+  }
+  return true;
+}
+
+// The forces of the state at the candidates; those at points that are none any more are let go.
+void TouchSolver::Work::take_up(const TouchState& state) {
+  for (Candidate& candidate : candidates) {
+    const SkinPoint& point = points[static_cast<std::size_t>(candidate.point)];
+    for (std::size_t k = 0; k < 3; ++k) candidate.local[k] = local_of_vertex[point.vertices[k]];
+    const auto at =
+        std::lower_bound(state.forces.begin(), state.forces.end(), candidate.point,
+                         [](const PointForce& force, int wanted) { return force.point < wanted; });
+    if (at == state.forces.end() || at->point != candidate.point) continue;
+    candidate.force = at->force;
+    candidate.pressing = std::max(0.0, static_cast<double>(at->force.dot(candidate.normal)));
+  }
+  loads.clear();
+  for (const int v : vertices) loads.push_back({v, Vector3f::Zero()});
+  add_up_loads();
+}
+
+void TouchSolver::Work::add_up_loads() {
+  for (VertexForce& load : loads) load.force.setZero();
+  for (const Candidate& candidate : candidates) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      loads[static_cast<std::size_t>(candidate.local[k])].force +=
+          candidate.weights[static_cast<int>(k)] * candidate.force;
+    }
+  }
+}
+
+// What presses decides; before the first touch what is deepest in the object.
+void TouchSolver::Work::choose_blobs(const TouchState& state, double shift) {
+  weights.assign(vertices.size(), 0.0f);
+  float pressing = 0;
+  for (const VertexForce& load : loads) pressing += load.force.norm();
+  const float per_m = pressing > 0 ? 0.1f * pressing / static_cast<float>(settings.band) : 1.0f;
+  for (const Candidate& c : candidates) {
+    const float entry = std::max(0.0f, -c.distance - static_cast<float>(shift));
+    for (std::size_t k = 0; k < 3; ++k) {
+      weights[static_cast<std::size_t>(c.local[k])] +=
+          c.weights[static_cast<int>(k)] * (c.force.norm() + per_m * entry);
+    }
+  }
+  nonlinear.choose_blobs(vertices, weights, state.regions);
+}
+
+void TouchSolver::Work::set_compliance() {
+  cache.bring(vertices);
+  const int n = static_cast<int>(vertices.size());
+  problem.set_vertices(n);
+  for (int i = 0; i < n; ++i) {
+    const int slot = cache.slot_of(vertices[static_cast<std::size_t>(i)]);
+    for (int j = 0; j < n; ++j) {
+      const Eigen::Matrix3f block =
+          cache.block(slot, cache.slot_of(vertices[static_cast<std::size_t>(j)]));
+      for (int c = 0; c < 3; ++c) {
+        const std::span<float> row = problem.compliance_row(3 * i + c);
+        for (int d = 0; d < 3; ++d) row[static_cast<std::size_t>(3 * j + d)] = block(c, d);
+      }
+    }
+  }
+}
+
+// Of all vertices that may touch, under the present loads.
+void TouchSolver::Work::find_displacements() {
+  if (is_nonlinear()) nonlinear.evaluate(loads);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    Vector3f u = Vector3f::Zero();
+    for (int c = 0; c < 3; ++c) {
+      const std::span<const float> row = problem.compliance_row(3 * static_cast<int>(i) + c);
+      float sum = 0;
+      for (std::size_t j = 0; j < loads.size(); ++j) {
+        const Vector3f& f = loads[j].force;
+        sum += row[3 * j] * f[0] + row[3 * j + 1] * f[1] + row[3 * j + 2] * f[2];
+      }
+      u[c] = sum;
+    }
+    if (is_nonlinear()) u += nonlinear.displacement_at(vertices[i]);
+    here.col(static_cast<Eigen::Index>(i)) = u;
+  }
+}
+
+void TouchSolver::Work::look_at_gaps(const GapQuery& gap) {
+  SurfaceGap found;
+  for (Candidate& candidate : candidates) {
+    Vector3f x = Vector3f::Zero();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int local = candidate.local[k];
+      x += candidate.weights[static_cast<int>(k)] *
+           (rest.col(vertices[static_cast<std::size_t>(local)]) + here.col(local));
+    }
+    if (gap(x, found) && std::isfinite(found.distance) && found.normal.allFinite()) {
+      candidate.distance = found.distance;
+      candidate.normal = found.normal;
+      candidate.curvature = found.curvature;
+    } else {
+      candidate.distance = static_cast<float>(10 * settings.band);
+    }
+  }
+}
+
+// One step of Newton's method from `here`. Returns how far it moved a vertex, m.
+double TouchSolver::Work::iterate(const GapQuery& gap, double shift) {
+  look_at_gaps(gap);
+  const auto n = static_cast<Eigen::Index>(vertices.size());
+  before.leftCols(n) = here.leftCols(n);
+  for (std::size_t p = 0; p < candidates.size(); ++p) forces_before[p] = candidates[p].force;
+  const NonlinearAnswer* tangent = is_nonlinear() ? &nonlinear : nullptr;
+  // A state on the way may have no positive definite tangent; without what is not always positive
+  // the step is a shorter one, not a wrong one.
+  const auto solve = [&](const NonlinearAnswer* answer, bool turning) {
+    return problem.solve(candidates, loads, answer, {shift, settings.softness, turning});
+  };
+  if (!solve(tangent, true) && !solve(tangent, false) && !solve(nullptr, false)) return 0;
+  float moved = 0;
+  for (int halving = 0; halving <= kHalvings; ++halving) {
+    add_up_loads();
+    find_displacements();
+    moved = n > 0 ? (here.leftCols(n) - before.leftCols(n)).colwise().norm().maxCoeff() : 0.0f;
+    if (moved <= kLargestMove) break;
+    for (std::size_t p = 0; p < candidates.size(); ++p) {
+      candidates[p].force = 0.5f * (candidates[p].force + forces_before[p]);
+      candidates[p].pressing =
+          std::max(0.0, static_cast<double>(candidates[p].force.dot(candidates[p].normal)));
+    }
+  }
+  return static_cast<double>(moved);
+}
+
+// The whole skin under the present loads.
+void TouchSolver::Work::fill_field(Matrix3Xf& u) {
+  const std::size_t k = compliance.rank();
+  const auto C = static_cast<std::size_t>(compliance.clusters());
+  const auto of = [k](std::vector<float>& numbers, std::size_t cluster) {
+    return std::span<float>(numbers.data() + cluster * k, k);
+  };
+  std::fill(sources.begin(), sources.end(), 0.0f);
+  std::fill(is_source.begin(), is_source.end(), char{0});
+  for (const VertexForce& load : loads) {
+    if (load.force.isZero(0)) continue;
+    const auto cluster = static_cast<std::size_t>(compliance.cluster_of(load.vertex));
+    is_source[cluster] = 1;
+    compliance.add_source(load.vertex, load.force, of(sources, cluster));
+  }
+  std::fill(targets.begin(), targets.end(), 0.0f);
+  if (is_nonlinear()) {
+    std::copy(nonlinear.far_targets().begin(), nonlinear.far_targets().end(), targets.begin());
+  }
+  for (std::size_t from = 0; from < C; ++from) {
+    if (is_source[from] == 0) continue;
+    for (std::size_t to = 0; to < C; ++to) {
+      if (!compliance.are_far(static_cast<int>(from), static_cast<int>(to))) continue;
+      compliance.add_target(static_cast<int>(from), of(sources, from), static_cast<int>(to),
+                            of(targets, to));
+    }
+  }
+  compliance.everywhere(targets, u);
+  for (const VertexForce& load : loads) {
+    if (!load.force.isZero(0)) compliance.add_near(load.vertex, load.force, u);
+  }
+  if (is_nonlinear()) nonlinear.add_near(u);
+}
+
+void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, TouchReport& report) {
+  look_at_gaps(gap);
+  state.forces.clear();
+  report.penetration = 0;
+  for (const Candidate& candidate : candidates) {
+    report.penetration = std::max(report.penetration, -static_cast<double>(candidate.distance));
+    if (candidate.pressing > 0) state.forces.push_back({candidate.point, candidate.force});
+  }
+  std::sort(state.forces.begin(), state.forces.end(),
+            [](const PointForce& a, const PointForce& b) { return a.point < b.point; });
+  state.regions.assign(nonlinear.regions().begin(), nonlinear.regions().end());
+  report.blobs = nonlinear.blob_count();
+  report.last_share = static_cast<double>(nonlinear.last_share());
+  fill_field(state.u);
+}
+
+TouchSolver::TouchSolver(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
+                         const TouchTables& tables, const TouchSettings& settings)
+    : work_(std::make_unique<Work>(skin, fixed, tables, settings)) {}
+TouchSolver::~TouchSolver() = default;
+TouchSolver::TouchSolver(TouchSolver&&) noexcept = default;
+
+std::span<const SkinPoint> TouchSolver::points() const { return work_->points; }
+
+TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap) {
+  Work& w = *work_;
+  const TouchSettings& s = w.settings;
+  TouchReport report;
+  if (state.u.cols() != w.rest.cols()) {
+    state.u.setZero(3, w.rest.cols());
+    state.forces.clear();
+    state.forces.reserve(kMostPoints);
+    state.regions.clear();
+    state.regions.reserve(NonlinearAnswer::kMostBlobs);
+  }
+  w.find_candidates(state, gap, 0, report);
+  double depth = 0;
+  for (const Candidate& c : w.candidates) depth = std::max(depth, -static_cast<double>(c.distance));
+  const int steps =
+      std::clamp(static_cast<int>(std::ceil(depth / s.largest_step)), 1, s.most_steps);
+  for (int step = 1; step <= steps; ++step) {
+    // The object is taken back so far that the skin enters it by no more than a step.
+    const double shift = std::max(0.0, depth - step * s.largest_step);
+    if (step > 1 || shift > 0) w.find_candidates(state, gap, shift, report);
+    w.take_up(state);
+    w.set_compliance();
+    if (w.is_nonlinear()) w.choose_blobs(state, shift);
+    w.find_displacements();
+    const bool last = step == steps;
+    for (int i = 0; i < (last ? s.last_iterations : s.iterations); ++i) {
+      ++report.iterations;
+      report.last_change = w.iterate(gap, shift);
+      if (report.last_change < s.tolerance) break;
+    }
+    ++report.steps;
+    w.hand_over(state, gap, report);
+  }
+  return report;
+}
+
+}  // namespace palpable

@@ -1,0 +1,113 @@
+/// @file
+/// One frame of touch: unilateral, frictionless contact of a body's skin with whatever is near it,
+/// by the body's tables.
+///
+///     g_i = gap of contact point i in the present shape, f_i its force along the object's normal
+///     g_i >= 0,   f_i >= 0,   g_i f_i = 0,      u = u(f) from compliance and regions
+///
+/// Newton's method, each step a linear complementarity problem (complementarity.h) with the body's
+/// compliance in its present state,
+///
+///     W = N (G + U H U^T) N^T  +  what the object's curvature adds
+///
+/// Gaps and normals are those of the *present* shape; a force turns as its point slides along a
+/// round object, which without the curvature makes the iteration stall or end in a slipped state.
+/// An object that has moved far since the last frame is taken on in steps of at most 1.25 mm.
+///
+///   V  vertices of the skin     C  contact points
+#pragma once
+
+#include "palpable/geometry/surface_mesh.h"
+#include "palpable/touch/complementarity.h"
+#include "palpable/touch/compliance_cache.h"
+#include "palpable/touch/nonlinear_answer.h"
+#include "palpable/touch/skin_points.h"
+#include "palpable/touch/touch_tables.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// What is nearest to a place: the object that presses, as its signed distance.
+struct SurfaceGap {
+  float distance = 0;                                 ///< m, negative inside
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, out of the object
+  /// Second derivative of the distance, 1/m: a ball of radius r has (1 - n n^T) / r.
+  Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();
+};
+
+/// Tells the gap of a place (m, body frame); false where nothing is within kGapReach of it. What is
+/// no number counts as nothing. Called some thousand times a frame.
+using GapQuery = std::function<bool(const Eigen::Vector3f& place, SurfaceGap& gap)>;
+
+inline constexpr float kGapReach = 0.012f;  ///< m
+
+struct TouchSettings {
+  double band = 0.0025;           ///< m: points nearer than this may press
+  double largest_step = 0.00125;  ///< m an object goes on in one step
+  int most_steps = 12;            ///< of a frame; what is deeper is reached in later frames
+  int iterations = 3;             ///< of Newton's method, of each step
+  int last_iterations = 8;        ///< of the last one, at most
+  double tolerance = 2e-5;        ///< m: the last iteration moved no touched vertex by more
+  /// Of a point's own compliance, added to it: neighbours that move together share a force. What is
+  /// left of it as penetration is force times that.
+  double softness = 0.01;
+  bool nonlinear = true;  ///< false: the linear answer, in the present shape
+};
+
+/// The force at one contact point.
+struct PointForce {
+  int point = 0;                                    ///< index into TouchSolver::points()
+  Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N, on the body
+};
+
+/// All that is remembered from frame to frame. The default is a body at rest.
+struct TouchState {
+  std::vector<PointForce> forces;
+  std::vector<int> regions;  ///< that answered
+  Eigen::Matrix3Xf u;        ///< (3 x V) m, the whole skin; no columns: at rest
+};
+
+/// How one frame went.
+struct TouchReport {
+  int candidates = 0;      ///< points near the object
+  int dropped = 0;         ///< more of them than there is room for
+  int blobs = 0;           ///< patches of load that regions answered for
+  int steps = 0;           ///< in which the object was taken on
+  int iterations = 0;      ///< of Newton's method in all
+  double last_change = 0;  ///< m, of a touched vertex in the last iteration
+  double penetration = 0;  ///< m, left at the deepest contact point
+  double last_share = 0;   ///< of the series' last order, see NonlinearAnswer
+};
+
+/// A body that is touched. Advancing allocates nothing once a state has had its room.
+class TouchSolver {
+ public:
+  static constexpr int kMostPoints = 256;    ///< that may press at a time
+  static constexpr int kMostVertices = 192;  ///< of their triangles
+
+  /// @param skin    at rest; outlives this, as the tables do
+  /// @param fixed   (V) 1 where the support holds the vertex
+  TouchSolver(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
+              const TouchTables& tables, const TouchSettings& settings = {});
+  ~TouchSolver();
+  TouchSolver(TouchSolver&&) noexcept;
+
+  /// (C)
+  [[nodiscard]] std::span<const SkinPoint> points() const;
+
+  /// The state in which nothing enters the body. Pure: the same state and gaps give the same bytes.
+  TouchReport advance(TouchState& state, const GapQuery& gap);
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace palpable

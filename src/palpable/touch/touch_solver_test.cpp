@@ -1,0 +1,214 @@
+#include "palpable/touch/touch_solver.h"
+
+#include "tests/support/allocations.h"
+#include "tests/support/elastic_sheet.h"
+#include "tests/support/test.h"
+
+#include <Eigen/Core>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Matrix3f;
+using Eigen::Matrix3Xf;
+using Eigen::Vector3f;
+using test::ElasticSheet;
+using test::tolerance;
+
+// A ball above the sheet, its lowest point `depth` under the sheet's plane.
+GapQuery ball(float radius, float depth, const Vector3f& at = Vector3f::Zero()) {
+  const Vector3f middle = at + Vector3f(0, 0, radius - depth);
+  return [=](const Vector3f& x, SurfaceGap& gap) {
+    const Vector3f way = x - middle;
+    const float distance = way.norm();
+    gap.distance = distance - radius;
+    gap.normal = way / distance;
+    gap.curvature = (Matrix3f::Identity() - gap.normal * gap.normal.transpose()) / distance;
+    return gap.distance < kGapReach;
+  };
+}
+
+GapQuery nothing() {
+  return [](const Vector3f&, SurfaceGap&) { return false; };
+}
+
+struct Sheet {
+  ElasticSheet body;
+  TouchSettings settings;
+  Sheet() { settings.softness = 1e-6; }
+  [[nodiscard]] TouchSolver solver() const {
+    return {body.skin, body.fixed, body.tables, settings};
+  }
+  // G f of a state's forces; contact points are the vertices.
+  [[nodiscard]] Eigen::VectorXd linear_answer(const TouchSolver& solver,
+                                              const TouchState& state) const {
+    Eigen::VectorXd f = Eigen::VectorXd::Zero(body.G.cols());
+    for (const PointForce& force : state.forces) {
+      const SkinPoint& point = solver.points()[static_cast<std::size_t>(force.point)];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double weight = static_cast<double>(point.weights[static_cast<int>(k)]);
+        f.segment<3>(3 * point.vertices[k]) += weight * force.force.cast<double>();
+      }
+    }
+    return body.G * f;
+  }
+};
+
+// The largest |u| of a vertex less another field's, m.
+double apart(const Matrix3Xf& a, const Matrix3Xf& b) {
+  return static_cast<double>((a - b).colwise().norm().maxCoeff());
+}
+
+TEST_CASE("a pressed sheet holds the conditions of unilateral contact", "[touch]") {
+  const Sheet sheet;
+  TouchSolver solver = sheet.solver();
+  TouchState state;
+  const GapQuery gap = ball(0.02f, 0.003f);
+  const TouchReport report = solver.advance(state, gap);
+  REQUIRE(state.forces.size() >= 4);
+  SurfaceGap found;
+  std::vector<bool> presses(solver.points().size(), false);
+  for (const PointForce& force : state.forces) {
+    const SkinPoint& point = solver.points()[static_cast<std::size_t>(force.point)];
+    const Vector3f x =
+        place_of(point, sheet.body.skin.vertices.cast<float>()) + place_of(point, state.u);
+    REQUIRE(gap(x, found));
+    presses[static_cast<std::size_t>(force.point)] = true;
+    CHECK(std::abs(found.distance) < tolerance(2e-5, "m: the last step of Newton's method"));
+    CHECK(force.force.dot(found.normal) > 0.0f);
+    CHECK(force.force.normalized().dot(found.normal) >
+          1 - tolerance(1e-4, "the object turns by its curvature in the last step"));
+  }
+  for (std::size_t p = 0; p < presses.size(); ++p) {
+    const SkinPoint& point = solver.points()[p];
+    const Vector3f x =
+        place_of(point, sheet.body.skin.vertices.cast<float>()) + place_of(point, state.u);
+    if (gap(x, found)) CHECK(found.distance > -tolerance(2e-5, "m"));
+  }
+  CHECK(report.penetration < tolerance(2e-5, "m"));
+  CHECK((state.u.reshaped().cast<double>() - sheet.linear_answer(solver, state))
+            .cwiseAbs()
+            .maxCoeff() < tolerance(2e-6, "m: 3e-4 of 3 mm, and no more"));
+}
+
+TEST_CASE("what presses in one frame is answered as what came slowly", "[touch]") {
+  const Sheet sheet;
+  TouchSolver slow = sheet.solver(), fast = sheet.solver();
+  TouchState slowly, at_once;
+  for (int frame = 1; frame <= 20; ++frame) {
+    slow.advance(slowly, ball(0.02f, 0.00025f * static_cast<float>(frame)));
+  }
+  const TouchReport report = fast.advance(at_once, ball(0.02f, 0.005f));
+  CHECK(report.steps == 4);
+  CHECK(apart(slowly.u, at_once.u) < tolerance(4e-5, "m: twice the last step's"));
+}
+
+TEST_CASE("an object deeper than a frame's steps is reached in the frames after", "[touch]") {
+  Sheet sheet;
+  sheet.settings.most_steps = 2;
+  TouchSolver solver = sheet.solver(), whole = Sheet().solver();
+  TouchState state, wanted;
+  whole.advance(wanted, ball(0.02f, 0.005f));
+  const TouchReport first = solver.advance(state, ball(0.02f, 0.005f));
+  CHECK(first.penetration == Approx(0.0025).margin(tolerance(2e-4, "m: two steps of four")));
+  solver.advance(state, ball(0.02f, 0.005f));
+  CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
+}
+
+TEST_CASE("what leaves lets go at once, without pulling", "[touch]") {
+  const Sheet sheet;
+  for (const GapQuery& gap : {nothing(), ball(0.02f, -0.005f)}) {
+    TouchSolver solver = sheet.solver();
+    TouchState state;
+    solver.advance(state, ball(0.02f, 0.004f));
+    REQUIRE(state.u.cwiseAbs().maxCoeff() > 0.003f);
+    solver.advance(state, gap);
+    CHECK(state.forces.empty());
+    CHECK(state.u.isZero(0));
+  }
+}
+
+TEST_CASE("numbers that are none press nothing", "[touch]") {
+  const Sheet sheet;
+  TouchSolver solver = sheet.solver();
+  TouchState state;
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  solver.advance(state, [&](const Vector3f&, SurfaceGap& gap) {
+    gap.distance = kNaN;
+    return true;
+  });
+  CHECK(state.u.isZero(0));
+  solver.advance(state, [&](const Vector3f&, SurfaceGap& gap) {
+    gap.distance = -0.001f;
+    gap.normal.setConstant(kNaN);
+    return true;
+  });
+  CHECK(state.u.isZero(0));
+}
+
+TEST_CASE("the same frame and state give the same bytes, without allocating", "[touch]") {
+  const Sheet sheet;
+  TouchSolver one = sheet.solver(), other = sheet.solver();
+  TouchState a, b;
+  // The other has seen something else before, which must not show.
+  other.advance(b, ball(0.01f, 0.002f, Vector3f(0.012f, 0, 0)));
+  other.advance(b, nothing());
+  other.advance(b, nothing());
+  for (int frame = 0; frame < 10; ++frame) {
+    const auto x = 0.001f * static_cast<float>(frame);
+    const GapQuery gap = ball(0.02f, 0.003f, Vector3f(x, 0, 0));
+    one.advance(a, gap);
+    other.advance(b, gap);
+    CHECK(a.u == b.u);
+  }
+  const GapQuery gap = ball(0.02f, 0.004f, Vector3f(0.006f, 0.003f, 0));
+  CHECK(test::allocations_during([&] { one.advance(a, gap); }) == 0);
+}
+
+TEST_CASE("two objects press at a time, and two in one place as one", "[touch]") {
+  const Sheet sheet;
+  const GapQuery left = ball(0.008f, 0.002f, Vector3f(-0.014f, 0, 0));
+  const GapQuery right = ball(0.008f, 0.003f, Vector3f(0.014f, 0, 0));
+  const auto both = [](const GapQuery& a, const GapQuery& b) -> GapQuery {
+    return [a, b](const Vector3f& x, SurfaceGap& gap) {
+      SurfaceGap other;
+      const bool one = a(x, gap), two = b(x, other);
+      if (two && (!one || other.distance < gap.distance)) gap = other;
+      return one || two;
+    };
+  };
+  TouchSolver solver = sheet.solver(), alone = sheet.solver();
+  TouchState state, single;
+  solver.advance(state, both(left, right));
+  SurfaceGap gap;
+  int of_left = 0, of_right = 0;
+  for (const PointForce& force : state.forces) {
+    const int vertex = solver.points()[static_cast<std::size_t>(force.point)].vertices[0];
+    (sheet.body.skin.vertices(0, vertex) < 0 ? of_left : of_right) += 1;
+  }
+  CHECK(of_left >= 2);
+  CHECK(of_right >= 2);
+  state = {};
+  solver.advance(state, both(left, left));
+  alone.advance(single, left);
+  CHECK(state.u == single.u);
+}
+
+TEST_CASE("of more contact points than there is room for the deepest count, and it is said",
+          "[touch]") {
+  Sheet sheet;
+  sheet.body.tables.point_spacing = 0.0013;  // some 1,500 points
+  TouchSolver solver = sheet.solver();
+  TouchState state;
+  const TouchReport report = solver.advance(state, ball(0.5f, 0.001f));
+  CHECK(report.candidates <= TouchSolver::kMostPoints);
+  CHECK(report.dropped > 0);
+  CHECK(state.u.allFinite());
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,35 @@
+/// @file
+/// The compliance of every vertex of a skin as a table (touch/compliance.h).
+#pragma once
+
+#include "palpable/base/progress.h"
+#include "palpable/touch/compliance.h"
+#include "palpable/touch_bake/skin_response.h"
+
+#include <Eigen/Core>
+
+namespace palpable {
+
+struct ComplianceSettings {
+  double spacing = 0.014;      ///< m: no vertex is farther from the middle of its cluster
+  int most = 160;              ///< clusters; of a larger skin they are larger
+  double near_radius = 0.028;  ///< m: clusters whose middles are nearer are near each other
+  int rank = 32;               ///< k, a multiple of 16
+  int threads = 1;
+};
+
+/// P of a cluster are the leading directions of what loads at vertices that are far from it,
+/// spread over the skin, do in it, each field divided by its norm. All else is computed for every
+/// component of every vertex: 3V solves, 5 ms each on a body of 16,000 nodes.
+[[nodiscard]] ComplianceTable make_compliance(const SkinResponse& skin,
+                                              const ComplianceSettings& settings,
+                                              const Progress& progress = {});
+
+/// (n k x modes) sources in these n clusters whose far fields come nearest to fields on the skin,
+/// in all clusters that are far from each of them.
+/// @param fields  (3V x modes) m
+[[nodiscard]] Eigen::MatrixXd sources_of(const Compliance& compliance,
+                                         const std::vector<int>& clusters,
+                                         const Eigen::MatrixXd& fields);
+
+}  // namespace palpable

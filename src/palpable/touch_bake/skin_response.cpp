@@ -1,0 +1,93 @@
+#include "palpable/touch_bake/skin_response.h"
+
+#include "palpable/base/contract.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace palpable {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+namespace {
+
+// What is added to the distance of vertices on two sides of a thin part.
+constexpr double kOtherSide = 0.03;  // m
+constexpr double kApart = -0.2;      // cosine of the angle between their normals
+
+}  // namespace
+
+SkinResponse::SkinResponse(const SolidModel& model, Boundary boundary, const Preloaded* preloaded)
+    : boundary_(std::move(boundary)),
+      response_(model, preloaded),
+      skin_(boundary_.surface),
+      normals_(Eigen::Matrix3Xd::Zero(3, skin_.vertex_count())) {
+  for (int v = 0; v < skin_.vertex_count(); ++v) {
+    skin_.vertices.col(v) += response_.rest().col(node_of(v));
+    const auto free = response_.free_mask().segment<3>(3 * Index{node_of(v)});
+    fixed_.push_back(free.isZero(0) ? 1 : 0);
+  }
+  for (int t = 0; t < skin_.triangle_count(); ++t) {
+    const auto corner = [&](int k) { return skin_.vertices.col(skin_.triangles(k, t)); };
+    const Vector3d n = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    for (int k = 0; k < 3; ++k) normals_.col(skin_.triangles(k, t)) += n;
+  }
+  normals_.colwise().normalize();
+}
+
+MatrixXd SkinResponse::at_nodes(const MatrixXd& loads) const {
+  PALPABLE_EXPECT(loads.rows() == 3 * Index{vertex_count()}, "a load has three values a vertex");
+  MatrixXd nodal = MatrixXd::Zero(response_.free_mask().size(), loads.cols());
+  for (int v = 0; v < vertex_count(); ++v) {
+    const Index at = 3 * Index{node_of(v)};
+    nodal.middleRows(at, 3) =
+        response_.free_mask().segment<3>(at).asDiagonal() * loads.middleRows(3 * Index{v}, 3);
+  }
+  return nodal;
+}
+
+MatrixXd SkinResponse::on_skin(const MatrixXd& fields) const {
+  MatrixXd rows(3 * Index{vertex_count()}, fields.cols());
+  for (int v = 0; v < vertex_count(); ++v) {
+    rows.middleRows(3 * Index{v}, 3) = fields.middleRows(3 * Index{node_of(v)}, 3);
+  }
+  return rows;
+}
+
+double SkinResponse::distance(int a, int b) const {
+  const bool apart = normals_.col(a).dot(normals_.col(b)) < kApart;
+  return (skin_.vertices.col(a) - skin_.vertices.col(b)).norm() + (apart ? kOtherSide : 0.0);
+}
+
+Vector3d SkinResponse::mean_normal(int vertex, double radius) const {
+  Vector3d sum = normals_.col(vertex);
+  for (int v = 0; v < vertex_count(); ++v) {
+    if (distance(v, vertex) < radius) sum += normals_.col(v);
+  }
+  return sum.normalized();
+}
+
+std::vector<int> spread_vertices(const SkinResponse& skin, double spacing, int most) {
+  std::vector<int> chosen;
+  std::vector<double> nearest(static_cast<std::size_t>(skin.vertex_count()));
+  for (std::size_t v = 0; v < nearest.size(); ++v) {
+    nearest[v] = skin.fixed()[v] != 0 ? -1.0 : std::numeric_limits<double>::infinity();
+  }
+  while (static_cast<int>(chosen.size()) < most) {
+    const auto farthest = std::max_element(nearest.begin(), nearest.end());
+    if (farthest == nearest.end() || *farthest < spacing) break;
+    const int v = static_cast<int>(farthest - nearest.begin());
+    chosen.push_back(v);
+    for (std::size_t w = 0; w < nearest.size(); ++w) {
+      nearest[w] = std::min(nearest[w], skin.distance(static_cast<int>(w), v));
+    }
+  }
+  return chosen;
+}
+
+}  // namespace palpable
