@@ -19,8 +19,8 @@
 #include "palpable/contact/body_field.h"
 #include "palpable/contact/object_surface.h"
 #include "palpable/contact/press_paths.h"
-#include "palpable/contact/skin_points.h"
 #include "palpable/contact/touch.h"
+#include "palpable/geometry/skin_points.h"
 #include "palpable/reduced/reduced_body.h"
 
 #include <Eigen/Core>

@@ -5,7 +5,7 @@
 ///   S  sites     L  levels of the body's level axis, level 0 included     n_s  points of site s
 #pragma once
 
-#include "palpable/contact/skin_points.h"
+#include "palpable/geometry/skin_points.h"
 #include "palpable/reduced/reduced_body.h"
 
 #include <Eigen/Core>

@@ -13,12 +13,12 @@ SkinClusters::SkinClusters(const Eigen::Matrix3Xf& vertices, std::span<const Ski
     // Around the heaviest corner of the first point that is left.
     int corner = 0;
     points[seed].weights.maxCoeff(&corner);
-    SkinCluster cluster{points[seed].vertices[static_cast<std::size_t>(corner)], 0,
+    SkinCluster cluster{points[seed].corners[static_cast<std::size_t>(corner)], 0,
                         static_cast<int>(order_.size()), 0};
     const Eigen::Vector3f middle = vertices.col(cluster.vertex);
     for (std::size_t p = seed; p < points.size(); ++p) {
       if (taken[p] != 0) continue;
-      const float distance = (place_of(points[p], vertices) - middle).norm();
+      const float distance = (points[p].at(vertices) - middle).norm();
       if (distance > radius && p != seed) continue;
       taken[p] = 1;
       order_.push_back(static_cast<int>(p));

@@ -3,7 +3,7 @@
 /// object that is far from a heap's middle is far from its points.
 #pragma once
 
-#include "palpable/touch/skin_points.h"
+#include "palpable/geometry/skin_points.h"
 
 #include <Eigen/Core>
 

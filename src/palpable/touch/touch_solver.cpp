@@ -107,7 +107,7 @@ void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery&
     for (int k = cluster.first; k < cluster.last; ++k) {
       const int p = clusters.order()[static_cast<std::size_t>(k)];
       const SkinPoint& point = points[static_cast<std::size_t>(p)];
-      const Vector3f x = place_of(point, rest) + place_of(point, u);
+      const Vector3f x = point.at(rest) + point.at(u);
       if (!gap(x, found) || !(found.distance <= band) || !found.normal.allFinite()) continue;
       Candidate candidate;
       candidate.point = p;
@@ -145,13 +145,13 @@ void TouchSolver::Work::keep_nearest(TouchReport& report) {
 bool TouchSolver::Work::add_vertices(const Candidate& candidate) {
   const SkinPoint& point = points[static_cast<std::size_t>(candidate.point)];
   int missing = 0;
-  for (std::size_t k = 0; k < 3; ++k) missing += local_of_vertex[point.vertices[k]] < 0;
+  for (std::size_t k = 0; k < 3; ++k) missing += local_of_vertex[point.corners[k]] < 0;
   if (vertices.size() + static_cast<std::size_t>(missing) > kMostVertices) return false;
   for (std::size_t k = 0; k < 3; ++k) {
-    int& local = local_of_vertex[point.vertices[k]];
+    int& local = local_of_vertex[point.corners[k]];
     if (local < 0) {
       local = static_cast<int>(vertices.size());
-      vertices.push_back(point.vertices[k]);
+      vertices.push_back(point.corners[k]);
     }
   }
   return true;
@@ -161,7 +161,7 @@ bool TouchSolver::Work::add_vertices(const Candidate& candidate) {
 void TouchSolver::Work::take_up(const TouchState& state) {
   for (Candidate& candidate : candidates) {
     const SkinPoint& point = points[static_cast<std::size_t>(candidate.point)];
-    for (std::size_t k = 0; k < 3; ++k) candidate.local[k] = local_of_vertex[point.vertices[k]];
+    for (std::size_t k = 0; k < 3; ++k) candidate.local[k] = local_of_vertex[point.corners[k]];
     const auto at =
         std::lower_bound(state.forces.begin(), state.forces.end(), candidate.point,
                          [](const PointForce& force, int wanted) { return force.point < wanted; });

@@ -17,11 +17,11 @@
 ///   V  vertices of the skin     C  contact points
 #pragma once
 
+#include "palpable/geometry/skin_points.h"
 #include "palpable/geometry/surface_mesh.h"
 #include "palpable/touch/complementarity.h"
 #include "palpable/touch/compliance_cache.h"
 #include "palpable/touch/nonlinear_answer.h"
-#include "palpable/touch/skin_points.h"
 #include "palpable/touch/touch_tables.h"
 
 #include <Eigen/Core>

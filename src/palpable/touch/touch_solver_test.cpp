@@ -51,7 +51,7 @@ struct Sheet {
       const SkinPoint& point = solver.points()[static_cast<std::size_t>(force.point)];
       for (std::size_t k = 0; k < 3; ++k) {
         const double weight = static_cast<double>(point.weights[static_cast<int>(k)]);
-        f.segment<3>(3 * point.vertices[k]) += weight * force.force.cast<double>();
+        f.segment<3>(3 * point.corners[k]) += weight * force.force.cast<double>();
       }
     }
     return body.G * f;
@@ -74,8 +74,7 @@ TEST_CASE("a pressed sheet holds the conditions of unilateral contact", "[touch]
   std::vector<bool> presses(solver.points().size(), false);
   for (const PointForce& force : state.forces) {
     const SkinPoint& point = solver.points()[static_cast<std::size_t>(force.point)];
-    const Vector3f x =
-        place_of(point, sheet.body.skin.vertices.cast<float>()) + place_of(point, state.u);
+    const Vector3f x = point.at(sheet.body.skin.vertices.cast<float>()) + point.at(state.u);
     REQUIRE(gap(x, found));
     presses[static_cast<std::size_t>(force.point)] = true;
     CHECK(std::abs(found.distance) < tolerance(2e-5, "m: the last step of Newton's method"));
@@ -85,8 +84,7 @@ TEST_CASE("a pressed sheet holds the conditions of unilateral contact", "[touch]
   }
   for (std::size_t p = 0; p < presses.size(); ++p) {
     const SkinPoint& point = solver.points()[p];
-    const Vector3f x =
-        place_of(point, sheet.body.skin.vertices.cast<float>()) + place_of(point, state.u);
+    const Vector3f x = point.at(sheet.body.skin.vertices.cast<float>()) + point.at(state.u);
     if (gap(x, found)) CHECK(found.distance > -tolerance(2e-5, "m"));
   }
   CHECK(report.penetration < tolerance(2e-5, "m"));
@@ -187,7 +185,7 @@ TEST_CASE("two objects press at a time, and two in one place as one", "[touch]")
   SurfaceGap gap;
   int of_left = 0, of_right = 0;
   for (const PointForce& force : state.forces) {
-    const int vertex = solver.points()[static_cast<std::size_t>(force.point)].vertices[0];
+    const int vertex = solver.points()[static_cast<std::size_t>(force.point)].corners[0];
     (sheet.body.skin.vertices(0, vertex) < 0 ? of_left : of_right) += 1;
   }
   CHECK(of_left >= 2);

@@ -1,9 +1,9 @@
 #include "palpable/touch_bake/region_maker.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/geometry/skin_points.h"
 #include "palpable/separate/dense_algebra.h"
 #include "palpable/touch/row_kernels.h"
-#include "palpable/touch/skin_points.h"
 #include "palpable/touch_bake/compliance_maker.h"
 
 #include <Eigen/Cholesky>
@@ -45,11 +45,10 @@ MatrixXd some_loads(const SkinResponse& skin, int middle, const RegionSettings& 
   std::vector<SkinPoint> points = skin_points(skin.skin(), skin.fixed(), kPointSpacing);
   const Eigen::Matrix3Xf X = skin.skin().vertices.cast<float>();
   const auto reach = static_cast<float>(settings.reach + settings.largest_load);
-  points.erase(std::remove_if(points.begin(), points.end(),
-                              [&](const SkinPoint& p) {
-                                return (place_of(p, X) - X.col(middle)).norm() > reach;
-                              }),
-               points.end());
+  points.erase(
+      std::remove_if(points.begin(), points.end(),
+                     [&](const SkinPoint& p) { return (p.at(X) - X.col(middle)).norm() > reach; }),
+      points.end());
   MatrixXd loads = MatrixXd::Zero(3 * Index{skin.vertex_count()}, settings.loads);
   for (Index k = 0; k < loads.cols(); ++k) {
     const int at = near[static_cast<std::size_t>(share(random) * static_cast<double>(near.size()))];
@@ -62,13 +61,13 @@ MatrixXd some_loads(const SkinResponse& skin, int middle, const RegionSettings& 
         (-out + tilt * (std::cos(angle) * t + std::sin(angle) * out.cross(t))).normalized();
     loads.middleRows(3 * Index{at}, 3).col(k) = 1e-9 * direction;  // never nothing
     for (const SkinPoint& point : points) {
-      const double r = static_cast<double>((place_of(point, X) - X.col(at)).norm()) / R;
+      const double r = static_cast<double>((point.at(X) - X.col(at)).norm()) / R;
       const bool other_side =
-          skin.normals().col(point.vertices[0]).dot(skin.normals().col(at)) < kOtherSide;
+          skin.normals().col(point.corners[0]).dot(skin.normals().col(at)) < kOtherSide;
       if (r > 1 || other_side) continue;
       const double force = (std::sqrt(1 - r * r) + kFloor) * static_cast<double>(point.area);
       for (int c = 0; c < 3; ++c) {
-        loads.block<3, 1>(3 * Index{point.vertices[static_cast<std::size_t>(c)]}, k) +=
+        loads.block<3, 1>(3 * Index{point.corners[static_cast<std::size_t>(c)]}, k) +=
             force * static_cast<double>(point.weights[c]) * direction;
       }
     }

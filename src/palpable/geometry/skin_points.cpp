@@ -1,4 +1,4 @@
-#include "palpable/touch/skin_points.h"
+#include "palpable/geometry/skin_points.h"
 
 #include "palpable/base/contract.h"
 
@@ -88,7 +88,7 @@ std::vector<SkinPoint> skin_points(const SurfaceMesh& skin, std::span<const std:
   std::vector<SkinPoint> points = PointSet(skin, spacing).make();
   const auto held = [&](const SkinPoint& point) {
     for (int k = 0; k < 3; ++k) {
-      if (point.weights[k] > 0 && fixed[point.vertices[k]] == 0) return false;
+      if (point.weights[k] > 0 && fixed[point.corners[k]] == 0) return false;
     }
     return true;
   };

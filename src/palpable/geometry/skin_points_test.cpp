@@ -1,4 +1,4 @@
-#include "palpable/contact/skin_points.h"
+#include "palpable/geometry/skin_points.h"
 
 #include "palpable/base/contract.h"
 #include "palpable/geometry/surface_mesh.h"
@@ -16,7 +16,7 @@ using Eigen::Vector3f;
 using test::tolerance;
 
 TEST_CASE("no place of the skin is far from a point, and none is there twice",
-          "[contact][skin points]") {
+          "[geometry][skin points]") {
   const SurfaceMesh sphere = sphere_surface(Vector3d::Zero(), 0.05, 2);  // edges of 14 mm
   const std::vector<std::uint8_t> fixed(static_cast<std::size_t>(sphere.vertex_count()), 0);
   const auto points = skin_points(sphere, fixed, 0.004);
@@ -45,7 +45,7 @@ TEST_CASE("no place of the skin is far from a point, and none is there twice",
 }
 
 TEST_CASE("a coarse spacing leaves the vertices, and what is fixed is left out",
-          "[contact][skin points]") {
+          "[geometry][skin points]") {
   const SurfaceMesh box = box_surface({0, 0, 0}, {0.1, 0.1, 0.1});
   std::vector<std::uint8_t> fixed(static_cast<std::size_t>(box.vertex_count()), 0);
   CHECK(skin_points(box, fixed, 1.0).size() == 8);

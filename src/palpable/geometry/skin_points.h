@@ -23,9 +23,15 @@ namespace palpable {
 
 /// A point of the skin: a fixed mean of a triangle's corners, whatever they do.
 struct SkinPoint {
-  std::array<int, 3> vertices{};  ///< the corners; equal ones where fewer matter
-  Eigen::Vector3f weights = Eigen::Vector3f::Zero();  ///< of the corners; sum 1
+  std::array<int, 3> corners{};                       ///< vertices; equal ones where fewer matter
+  Eigen::Vector3f weights = Eigen::Vector3f::Zero();  ///< >= 0, sum 1; a vertex has one weight 1
   float area = 0;                                     ///< m^2 of the skin that it stands for
+
+  /// @param x  (3 x V) of the vertices
+  [[nodiscard]] Eigen::Vector3f at(const Eigen::Matrix3Xf& x) const {
+    return weights[0] * x.col(corners[0]) + weights[1] * x.col(corners[1]) +
+           weights[2] * x.col(corners[2]);
+  }
 };
 
 /// @param fixed    (V) 1 where the support holds the vertex: a point without a free corner is left
@@ -35,13 +41,5 @@ struct SkinPoint {
 [[nodiscard]] std::vector<SkinPoint> skin_points(const SurfaceMesh& skin,
                                                  std::span<const std::uint8_t> fixed,
                                                  double spacing);
-
-/// The point's place. @param vertices  (3 x V) m
-[[nodiscard]] inline Eigen::Vector3f place_of(const SkinPoint& point,
-                                              const Eigen::Matrix3Xf& vertices) {
-  return point.weights[0] * vertices.col(point.vertices[0]) +
-         point.weights[1] * vertices.col(point.vertices[1]) +
-         point.weights[2] * vertices.col(point.vertices[2]);
-}
 
 }  // namespace palpable
