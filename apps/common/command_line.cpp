@@ -3,21 +3,16 @@
 #include "apps/common/help_format.h"
 #include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
+#include "palpable/base/standard_streams.h"
 #include "palpable/base/text_numbers.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <csignal>
 #include <cstdio>
-#include <cstring>
 #include <exception>
-#include <fcntl.h>
-#include <iostream>
 #include <new>
-#include <unistd.h>
 #include <utility>
 
 namespace palpable::app {
@@ -82,25 +77,11 @@ std::string why_no_number(const std::string& text) {
   return fmt::format("{} is no number that is finite", text);
 }
 
-// Where the user has closed one of them (">&-"), the next file that is opened would get its number,
-// and what is printed would go into that file.
-void open_missing_streams() {
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    if (::fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
-    // Gets the lowest number that is free: this one.
-    if (::open("/dev/null", O_RDWR) != stream) return;
-  }
-}
-
-// A table on its way into a file on a full disk is lost otherwise, without a word.
 // @return the exit code
 int success_if_printed() {
-  errno = 0;
-  std::cout.flush();  // CLI11's help
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return 0;
-  const std::string reason = errno == 0 ? "" : fmt::format(": {}", std::strerror(errno));
-  print_error("what is printed cannot be written" + reason);
-  return 1;
+  const std::string trouble = flush_standard_output();
+  if (!trouble.empty()) print_error(trouble);
+  return trouble.empty() ? 0 : 1;
 }
 
 }  // namespace
@@ -223,10 +204,7 @@ CommandLine::CommandLine(std::unique_ptr<CLI::App> app)
 CommandLine::~CommandLine() = default;
 
 int CommandLine::run(int argc, const char* const* argv) {
-  // A file beyond the limit of the shell (ulimit -f) is a full disk, and said as one: the signal
-  // would end the program in the middle of a file.
-  std::signal(SIGXFSZ, SIG_IGN);
-  open_missing_streams();
+  prepare_standard_streams();
   CLI::App& app = this->app();
   // A word that is no command is looked at first: CLI11 would complain that a command is missing.
   if (argc > 1 && argv[1][0] != '-') {

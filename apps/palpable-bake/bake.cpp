@@ -64,21 +64,6 @@ std::filesystem::path store_of(const Options& options) {
   return std::filesystem::path(options.output).replace_extension(".snapshots");
 }
 
-// A body file among the snapshots would replace one of them.
-void expect_apart(const std::string& output, const std::filesystem::path& store) {
-  if (!lies_in(output, store)) return;
-  if (lies_in(store, output)) {
-    throw Error(
-        fmt::format("{}: the body file cannot have the name of its snapshots; call it "
-                    "{}.palpable",
-                    output, store.stem().string()));
-  }
-  throw Error(
-      fmt::format("{}: lies in the folder of the snapshots, {}, and could replace one of them; "
-                  "name a file outside of it",
-                  output, store.string()));
-}
-
 // No campaign: the PGD solves.
 void bake_without_campaign(const Options& options, const BodyDescription& description,
                            const std::string& command_line) {
@@ -172,7 +157,7 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
       .store = store_of(options),
       .solver = options.solver == "calculix" ? FeSolver::kCalculix : FeSolver::kOwn};
   guard_output_folder(settings.store, inputs);
-  expect_apart(options.output, settings.store);
+  refuse_among_snapshots(options.output, settings.store);
   if (!options.shard.empty()) read_shard(options.shard, settings);
   const ReduceSettings reduction{.at = parse_values(options.at),
                                  .volume = options.file.volume,

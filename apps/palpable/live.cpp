@@ -107,15 +107,6 @@ std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, 
   return {loop.counts(), std::move(output)};
 }
 
-// What the run replaces.
-std::vector<fs::path> earlier_files(const Options& options) {
-  try {
-    return earlier_run(options.out, options.overwrite, inputs_of(options.live));
-  } catch (const EarlierRunError& error) {
-    throw Error(fmt::format("{}; give another --out, or --overwrite to replace it", error.what()));
-  }
-}
-
 void live(const Options& options) {
   LiveOptions wanted = options.live;
   if (options.pictures && options.view != "camera") {
@@ -123,7 +114,8 @@ void live(const Options& options) {
   }
   if (options.out.empty()) throw Error("--out: names no folder");
   const FolderLock lock(options.out);
-  const std::vector<fs::path> earlier = earlier_files(options);
+  const std::vector<fs::path> earlier =
+      earlier_run(options.out, options.overwrite, inputs_of(wanted));
   wanted.clip = options.out / "clip";
   LiveRun run = set_up_live(wanted);
   warn_of_size(run);

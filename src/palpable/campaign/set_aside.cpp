@@ -135,4 +135,19 @@ std::optional<SetAside> set_aside_other_campaign(const fs::path& folder,
   return result;
 }
 
+void refuse_among_snapshots(const std::filesystem::path& body,
+                            const std::filesystem::path& folder) {
+  if (!lies_in(body, folder)) return;
+  if (lies_in(folder, body)) {
+    throw Error(
+        fmt::format("{}: the body file cannot have the name of its snapshots; call it "
+                    "{}.palpable",
+                    body.string(), folder.stem().string()));
+  }
+  throw Error(
+      fmt::format("{}: lies in the folder of the snapshots, {}, and could replace one of them; "
+                  "name a file outside of it",
+                  body.string(), folder.string()));
+}
+
 }  // namespace palpable

@@ -38,6 +38,10 @@ struct CollectedStore {
 std::optional<SetAside> set_aside_other_campaign(const std::filesystem::path& folder,
                                                  const StoreContent& content);
 
+/// A body file among the snapshots would replace one of them.
+/// @throws Error when `body` lies in the folder of the snapshots, or has its name
+void refuse_among_snapshots(const std::filesystem::path& body, const std::filesystem::path& folder);
+
 /// To be asked by a run once it holds the folder: before that, one with another description may
 /// have made the folder its own.
 /// @throws Error when the folder holds another campaign than `content`

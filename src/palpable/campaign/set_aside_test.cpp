@@ -150,5 +150,15 @@ TEST_CASE("a campaign without a unit leaves nothing to set aside", "[campaign][a
   CHECK(folders_in(folder.path()) == 1);
 }
 
+TEST_CASE("a body file does not lie among its snapshots", "[campaign]") {
+  const test::ScratchFolder folder("among_snapshots");
+  const std::filesystem::path store = folder.path() / "a.snapshots";
+  std::filesystem::create_directories(store);
+  CHECK_NOTHROW(refuse_among_snapshots(folder.path() / "a.palpable", store));
+  CHECK_THROWS_WITH(refuse_among_snapshots(store / "campaign.h5", store),
+                    Catch::Contains("lies in the folder of the snapshots"));
+  CHECK_THROWS_WITH(refuse_among_snapshots(store, store), Catch::Contains("a.palpable"));
+}
+
 }  // namespace
 }  // namespace palpable

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <system_error>
 #include <utility>
 
 namespace palpable {
@@ -415,6 +416,19 @@ BodyDescription parse_body_description(std::string_view text, const std::filesys
 }
 
 BodyDescription read_body_description(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    throw Error(
+        fmt::format("{}: is a folder, and this wants a body's description, BODY.toml "
+                    "(docs/body.md); of a folder of snapshots palpable reduce makes a body",
+                    path.string()));
+  }
+  if (path.extension() == ".palpable") {
+    throw Error(
+        fmt::format("{}: is a baked body, and this wants the description it was made of, BODY.toml "
+                    "(docs/body.md)",
+                    path.string()));
+  }
   const Result<std::string> text = read_whole_file(path, longest_text(Notation::kToml));
   if (!text) throw Error(fmt::format("{}: {}", path.string(), text.problem().message));
   return parse_body_description(text.value(), path);

@@ -97,7 +97,9 @@ std::vector<fs::path> earlier_run(const fs::path& folder, bool overwrite,
                     there.front().string()));
   }
   if (!overwrite) {
-    throw EarlierRunError(fmt::format("{}: holds an earlier run", folder.string()));
+    throw Error(
+        fmt::format("{}: holds an earlier run; give another --out, or --overwrite to replace it",
+                    folder.string()));
   }
   for (const fs::path& input : needed) {
     if (input.empty()) continue;

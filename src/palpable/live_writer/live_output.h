@@ -52,18 +52,12 @@ struct LiveOutputSettings {
 [[nodiscard]] std::optional<std::vector<int>> truly_touching_frames(
     const std::filesystem::path& images);
 
-/// A folder holds an earlier run, which the caller may want to overwrite.
-class EarlierRunError : public Error {
- public:
-  using Error::Error;
-};
-
 /// Keeps runs apart: what an earlier run left in `folder` (the files listed above and live.json,
 /// nothing else); empty when there is none. Removes nothing yet.
 /// @param needed  paths that this run reads; empty ones are skipped
-/// @throws EarlierRunError when there is such a run and `overwrite` is false
-/// @throws Error when one of these names is there without timing.csv, and so of somebody else, when
-/// a needed path would go with them, or when `folder` itself is one
+/// @throws Error when there is such a run and `overwrite` is false, when one of these names is
+/// there without timing.csv, and so of somebody else, when a needed path would go with them, or
+/// when `folder` itself is one
 [[nodiscard]] std::vector<std::filesystem::path> earlier_run(
     const std::filesystem::path& folder, bool overwrite,
     const std::vector<std::filesystem::path>& needed);
