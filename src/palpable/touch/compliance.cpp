@@ -44,7 +44,8 @@ std::string_view trouble_of(const ComplianceTable& t) {
   std::int64_t numbers = 0;
   for (std::int64_t v = 0; v < V; ++v) {
     const std::int64_t count = t.first[v + 1] - std::int64_t{t.first[v]};
-    if (count < 0 || count > static_cast<std::int64_t>(kMostNeighbours)) {
+    if (count < 0 || count > static_cast<std::int64_t>(kMostNeighbours) ||
+        t.first[v + 1] > size(t.neighbours)) {
       return "its lists of neighbours";
     }
     for (std::int64_t k = t.first[v]; k < t.first[v + 1]; ++k) {

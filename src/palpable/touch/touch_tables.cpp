@@ -1,11 +1,64 @@
 #include "palpable/touch/touch_tables.h"
 
+#include "palpable/touch/row_kernels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
 namespace palpable {
 namespace {
+
+constexpr double kMostPoints = 300'000;
+constexpr std::size_t kMostRegions = 10'000;
 
 std::size_t bytes(const auto& list) { return list.size() * sizeof(list[0]); }
 std::size_t bytes(const RoundedRows& rows) { return bytes(rows.values) + bytes(rows.scale); }
 std::size_t bytes(const SymmetricForm& form) { return bytes(form.values) + bytes(form.scale); }
+
+// Factors of rows, blocks and runs.
+bool are_scales(const std::vector<float>& scale) {
+  return std::all_of(scale.begin(), scale.end(),
+                     [](float s) { return std::isfinite(s) && s >= 0.0f; });
+}
+
+bool is_length(double length) { return std::isfinite(length) && length > 0.0; }
+
+std::string trouble_of(const RoundedRows& rows, std::size_t count, std::size_t width,
+                       std::string_view what) {
+  if (rows.width != width || rows.scale.size() != count || rows.values.size() != count * width) {
+    return fmt::format("the size of {}", what);
+  }
+  return are_scales(rows.scale) ? std::string() : fmt::format("a factor of {}", what);
+}
+
+std::string trouble_of(const SymmetricForm& form, int degree, int most, std::string_view what) {
+  if (form.degree != degree || form.variables < 0 || form.variables > most ||
+      form.values.size() != distinct_coefficients(form.variables, degree) ||
+      form.scale.size() != runs_of(form.variables, degree)) {
+    return fmt::format("the size of {}", what);
+  }
+  return are_scales(form.scale) ? std::string() : fmt::format("a factor of {}", what);
+}
+
+// How many contact points a skin will have, roughly: skin_points.h cuts each triangle by its
+// longest edge.
+double points_on(const SurfaceMesh& skin, double spacing) {
+  double sum = skin.vertex_count();
+  for (int t = 0; t < skin.triangle_count(); ++t) {
+    double longest = 0;
+    for (int k = 0; k < 3; ++k) {
+      const auto edge = skin.vertices.col(skin.triangles(k, t)) -
+                        skin.vertices.col(skin.triangles((k + 1) % 3, t));
+      longest = std::max(longest, edge.norm());
+    }
+    const double parts = std::ceil(longest / spacing);
+    sum += 0.5 * parts * parts;
+  }
+  return sum;
+}
 
 }  // namespace
 
@@ -18,6 +71,70 @@ std::size_t bytes_of(const TouchTables& tables) {
            bytes(region.cubic) + bytes(region.quartic);
   }
   return sum + bytes(tables.cross.from_compliance) + bytes(tables.cross.cubic);
+}
+
+std::string trouble_of(const RegionTable& table, int vertices, int rank) {
+  const int r = table.mode_count();
+  const auto width = static_cast<std::size_t>(std::max(0, r));
+  if (r < 1 || r > kMostTouchModes || width % kRowStep != 0) return "its number of modes";
+  const std::vector<int>& known = table.vertices;
+  const bool rise = std::is_sorted(known.begin(), known.end()) &&
+                    std::adjacent_find(known.begin(), known.end()) == known.end();
+  if (!rise || (!known.empty() && (known.front() < 0 || known.back() >= vertices))) {
+    return "its list of vertices";
+  }
+  if (table.vertex < 0 || table.vertex >= vertices) return "its middle";
+  for (const std::string& trouble :
+       {trouble_of(table.modes, 3 * known.size(), width, "its modes"),
+        trouble_of(table.from_compliance, width, static_cast<std::size_t>(rank),
+                   "its modes far away"),
+        trouble_of(table.cubic, 3, kMostTouchModes, "its second order"),
+        trouble_of(table.quartic, 4, r, "its third order")}) {
+    if (!trouble.empty()) return trouble;
+  }
+  return {};
+}
+
+std::string trouble_of(const CrossTable& table, int rank) {
+  const std::string form = trouble_of(table.cubic, 3, kMostTouchModes, "its second order");
+  if (!form.empty()) return form;
+  if (table.cubic.variables == 0 && table.from_compliance.values.empty() &&
+      table.from_compliance.scale.empty()) {
+    return {};
+  }
+  return trouble_of(table.from_compliance, static_cast<std::size_t>(table.cubic.variables),
+                    static_cast<std::size_t>(rank), "its modes");
+}
+
+std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin) {
+  const ComplianceTable& c = tables.compliance;
+  const int V = skin.vertex_count();
+  if (const std::string_view trouble = trouble_of(c); !trouble.empty()) {
+    return fmt::format("the compliance is wrong in {}", trouble);
+  }
+  if (!are_scales(c.mode_scale) || !are_scales(c.code_scale) || !are_scales(c.near_scale)) {
+    return "the compliance is wrong in a factor";
+  }
+  if (c.vertices != V) {
+    return fmt::format("the compliance is of {} vertices where the skin has {}", c.vertices, V);
+  }
+  if (tables.regions.size() > kMostRegions) {
+    return fmt::format("there are {} regions, more than {}", tables.regions.size(), kMostRegions);
+  }
+  for (std::size_t k = 0; k < tables.regions.size(); ++k) {
+    const std::string trouble = trouble_of(tables.regions[k], V, c.rank);
+    if (!trouble.empty()) return fmt::format("region {} is wrong in {}", k, trouble);
+  }
+  if (const std::string trouble = trouble_of(tables.cross, c.rank); !trouble.empty()) {
+    return fmt::format("what touches do to each other is wrong in {}", trouble);
+  }
+  if (!is_length(tables.region_reach)) return "the reach of regions is no length";
+  if (!is_length(tables.point_spacing)) return "the spacing of contact points is no length";
+  if (const double points = points_on(skin, tables.point_spacing); !(points <= kMostPoints)) {
+    return fmt::format("contact points {:.3g} m apart would be {:.2g}, more than {:.2g}",
+                       tables.point_spacing, points, kMostPoints);
+  }
+  return {};
 }
 
 }  // namespace palpable

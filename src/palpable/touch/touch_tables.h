@@ -4,11 +4,13 @@
 ///   V  vertices of the skin
 #pragma once
 
+#include "palpable/geometry/surface_mesh.h"
 #include "palpable/touch/compliance.h"
 #include "palpable/touch/nonlinear_answer.h"
 #include "palpable/touch/region.h"
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace palpable {
@@ -23,5 +25,18 @@ struct TouchTables {
 
 /// How large the tables are.
 [[nodiscard]] std::size_t bytes_of(const TouchTables& tables);
+
+/// Modes of one region, or of the cross table, at most.
+inline constexpr int kMostTouchModes = 512;
+
+/// Why one table is not consistent, or holds what is no number; empty if all is well.
+/// @param vertices  V of the skin
+/// @param rank      R of the compliance
+[[nodiscard]] std::string trouble_of(const RegionTable& table, int vertices, int rank);
+[[nodiscard]] std::string trouble_of(const CrossTable& table, int rank);
+
+/// Why tables cannot be those of a skin: one that is not consistent, other vertices, or contact
+/// points so near to each other that there would be more than 300,000. Empty if they can.
+[[nodiscard]] std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin);
 
 }  // namespace palpable
