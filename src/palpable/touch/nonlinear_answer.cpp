@@ -73,7 +73,12 @@ NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const R
   far_code_.resize(R);
   region_code_.resize(kMostBlobs * R);
   cross_codes_.resize((kMostBlobs + 1) * x);
-  pairs_.resize(x * x);
+  cross_cubic_ = FormRows(cross.cubic);
+  pairs_.resize(cross_cubic_.width());
+  for (const RegionTable& region : regions) {
+    cubic_.emplace_back(region.cubic);
+    quartic_.emplace_back(region.quartic);
+  }
   cross_q_.resize(x);
 }
 
@@ -159,7 +164,7 @@ void NonlinearAnswer::evaluate(std::span<const VertexForce> loads) {
         compliance_.add_shape(load.vertex, load.force, {shapes_.data() + b * R, R});
       }
     }
-    answers_[b].evaluate(region, code);
+    answers_[b].evaluate({cubic_[index(chosen_[b])], quartic_[index(chosen_[b])]}, code);
     last_share_ = std::max(last_share_, answers_[b].last_share());
     const std::span<float> in_modes(region_code_.data() + b * R, R);
     std::fill(in_modes.begin(), in_modes.end(), 0.0f);
@@ -179,12 +184,6 @@ void NonlinearAnswer::evaluate_cross_terms() {
   std::fill(pairs_.begin(), pairs_.end(), 0.0f);
   const std::span<float> sum(cross_codes_.data() + chosen_.size() * x, x);
   std::fill(sum.begin(), sum.end(), 0.0f);
-  const auto add_pairs = [&](std::span<const float> c, float factor) {
-    for (std::size_t i = 0; i < x; ++i) {
-      const float weight = factor * c[i];
-      for (std::size_t j = 0; j < x; ++j) pairs_[i * x + j] += weight * c[j];
-    }
-  };
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const std::span<float> c(cross_codes_.data() + b * x, x);
     kernels().dots(modes.values.data(), x, {shapes_.data() + b * R, R}, c.data());
@@ -192,11 +191,10 @@ void NonlinearAnswer::evaluate_cross_terms() {
       c[i] *= modes.scale[i];
       sum[i] += c[i];
     }
-    add_pairs(c, -1.0f);
+    add_pairs(c, 0.5f, pairs_);
   }
-  add_pairs(sum, 1.0f);
-  std::fill(cross_q_.begin(), cross_q_.end(), 0.0f);
-  add_cubic_contraction(cross_.cubic, pairs_, -0.5f, cross_q_);
+  add_pairs(sum, -0.5f, pairs_);
+  cross_cubic_.contract(pairs_, cross_q_);
   for (std::size_t i = 0; i < x; ++i) {
     kernels().add(modes.values.data() + i * R, cross_q_[i] * modes.scale[i], far_code_);
   }

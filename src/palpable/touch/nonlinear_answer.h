@@ -16,6 +16,7 @@
 #pragma once
 
 #include "palpable/touch/compliance.h"
+#include "palpable/touch/form_rows.h"
 #include "palpable/touch/region.h"
 
 #include <Eigen/Core>
@@ -120,6 +121,8 @@ class NonlinearAnswer {
   std::span<const RegionTable> regions_;
   const RegionMap& map_;
   const CrossTable& cross_;
+  std::vector<FormRows> cubic_, quartic_;  // by region
+  FormRows cross_cubic_;
   std::vector<int> chosen_;          // regions of the blobs
   std::vector<int> blob_of_vertex_;  // (V) -1: none
   std::vector<int> asked_;           // vertices whose blob is set
@@ -127,7 +130,7 @@ class NonlinearAnswer {
   std::vector<float> score_;                          // by region
   std::vector<float> shapes_;                         // (blobs x R) Phi^T of the blobs' loads
   std::vector<float> code_, far_code_, region_code_;  // (r), (R), (blobs x R)
-  std::vector<float> cross_codes_, pairs_, cross_q_;  // (blobs + 1 x x), (x x x), (x)
+  std::vector<float> cross_codes_, pairs_, cross_q_;  // (blobs + 1 x x), (p), (x)
   float last_share_ = 0;
 };
 

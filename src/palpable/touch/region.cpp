@@ -1,6 +1,7 @@
 #include "palpable/touch/region.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/touch/form_rows.h"
 #include "palpable/touch/row_kernels.h"
 
 #include <algorithm>
@@ -11,13 +12,6 @@ namespace palpable {
 namespace {
 
 constexpr float kLargest = 32767.0f;
-
-// The lower triangle from the upper one.
-void mirror(std::span<float> matrix, std::size_t n) {
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = i + 1; j < n; ++j) matrix[j * n + i] = matrix[i * n + j];
-  }
-}
 
 float squared(std::span<const float> x) {
   float sum = 0;
@@ -48,34 +42,38 @@ RegionAnswer::RegionAnswer(int most_modes, int most_leading) {
   const auto r = static_cast<std::size_t>(most_modes), s = static_cast<std::size_t>(most_leading);
   q_.resize(r);
   matrix_.resize(r * r);
-  third_.resize(distinct_coefficients(most_leading, 3));
+  pairs_.resize(pair_width(most_modes));
+  products_.resize(pair_width(most_leading));
+  third_.resize(products_.size());
   third_matrix_.resize(s * s);
 }
 
-void RegionAnswer::evaluate(const RegionTable& region, std::span<const float> a) {
-  const auto r = static_cast<std::size_t>(region.mode_count());
-  const auto s = static_cast<std::size_t>(region.leading());
+void RegionAnswer::evaluate(const RegionForms& region, std::span<const float> a) {
+  const auto r = static_cast<std::size_t>(region.cubic.variables());
+  const auto s = static_cast<std::size_t>(region.quartic.variables());
   PALPABLE_EXPECT(a.size() == r && r <= q_.size() && s * s <= third_matrix_.size(),
                   "a code of the region, and room for it");
   size_ = r;
-  const std::span<float> H(matrix_.data(), r * r);
+  const std::span<float> H(matrix_.data(), r * r), pairs(pairs_.data(), region.cubic.width());
   std::fill(H.begin(), H.end(), 0.0f);
-  add_cubic_matrix(region.cubic, a, -1.0f, H);  // - A(a, .)
-  mirror(H, r);
+  std::fill(pairs.begin(), pairs.end(), 0.0f);
+  region.cubic.add_cubic(a, -1.0f, pairs);  // - A(a, .)
+  add_to_matrix(pairs, region.cubic.variables(), r, H);
   // q_2 = 1/2 H a
   row_kernels().front().dots_floats(H.data(), r, a, q_.data());
   for (std::size_t k = 0; k < r; ++k) q_[k] *= 0.5f;
   const float second = squared({q_.data(), r});
 
   // - 1/2 E(a, a, ., .); a third of it times a is q_3
-  const std::size_t triples = distinct_coefficients(region.leading(), 3);
-  const std::span<float> third(third_.data(), triples), T(third_matrix_.data(), s * s);
-  std::fill(third.begin(), third.end(), 0.0f);
+  const std::span<float> T(third_matrix_.data(), s * s);
+  const std::span<float> products(products_.data(), region.quartic.width());
+  const std::span<float> third(third_.data(), region.quartic.width());
   std::fill(T.begin(), T.end(), 0.0f);
+  std::fill(products.begin(), products.end(), 0.0f);
   const std::span<const float> leading = a.first(s);
-  add_quartic_contraction(region.quartic, leading, 1.0f, third);
-  add_cubic_matrix(region.leading(), third, leading, -0.5f, T);
-  mirror(T, s);
+  add_pairs(leading, -0.5f, products);
+  region.quartic.contract(products, third);
+  add_to_matrix(third, region.quartic.variables(), s, T);
   float last = 0;
   for (std::size_t i = 0; i < s; ++i) {
     float sum = 0;

@@ -56,6 +56,14 @@ struct RegionTable {
   [[nodiscard]] int leading() const { return quartic.variables; }
 };
 
+class FormRows;
+
+/// A region's energy, ready to be multiplied with (form_rows.h).
+struct RegionForms {
+  const FormRows& cubic;
+  const FormRows& quartic;
+};
+
 /// Room for one region's answer; its memory is used again.
 class RegionAnswer {
  public:
@@ -64,7 +72,7 @@ class RegionAnswer {
   RegionAnswer(int most_modes, int most_leading);
 
   /// q = q_2 + q_3 and H at a code. @param a  (r)
-  void evaluate(const RegionTable& region, std::span<const float> a);
+  void evaluate(const RegionForms& region, std::span<const float> a);
 
   [[nodiscard]] std::span<const float> q() const { return {q_.data(), size_}; }  ///< (r)
   /// |q_3| / (|a| + |q_2|), in the stiffness' norm: how near the series is to its end.
@@ -75,7 +83,7 @@ class RegionAnswer {
  private:
   std::size_t size_ = 0;
   float last_share_ = 0;
-  std::vector<float> q_, matrix_, third_, third_matrix_;
+  std::vector<float> q_, matrix_, pairs_, products_, third_, third_matrix_;
 };
 
 }  // namespace palpable

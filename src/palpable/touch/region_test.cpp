@@ -1,5 +1,6 @@
 #include "palpable/touch/region.h"
 
+#include "palpable/touch/form_rows.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Core>
@@ -40,17 +41,18 @@ double coefficient(const std::vector<double>& distinct, int n, std::array<int, 4
 struct Forms {
   std::vector<double> cubic = std::vector<double>(distinct_coefficients(kModes, 3));
   std::vector<double> quartic = std::vector<double>(distinct_coefficients(kLeading, 4));
-  RegionTable region;
+  FormRows cubic_rows, quartic_rows;
 
   Forms() {
     std::mt19937 random(3);
     std::uniform_real_distribution<double> value(-1, 1);
     for (double& c : cubic) c = value(random);
     for (double& c : quartic) c = value(random);
-    region.cubic = rounded(kModes, 3, cubic);
-    region.quartic = rounded(kLeading, 4, quartic);
+    cubic_rows = FormRows(rounded(kModes, 3, cubic));
+    quartic_rows = FormRows(rounded(kLeading, 4, quartic));
   }
 
+  [[nodiscard]] RegionForms region() const { return {cubic_rows, quartic_rows}; }
   // - 1/2 A(a, a) - 1/6 E(a, a, a) of region.h, index by index.
   [[nodiscard]] VectorXd q(const VectorXd& a) const {
     VectorXd result = VectorXd::Zero(kModes);
@@ -85,7 +87,7 @@ TEST_CASE("a region's answer is the second and third order of its energy", "[tou
   RegionAnswer answer(kModes, kLeading);
   const VectorXd a = some_code();
   const Eigen::VectorXf code = a.cast<float>();
-  answer.evaluate(forms.region, {code.data(), kModes});
+  answer.evaluate(forms.region(), {code.data(), kModes});
   const VectorXd expected = forms.q(a);
   for (int k = 0; k < kModes; ++k) {
     CHECK(std::abs(static_cast<double>(answer.q()[static_cast<std::size_t>(k)]) - expected[k]) <
@@ -98,7 +100,7 @@ TEST_CASE("a region's H is the derivative of its answer, and symmetric", "[touch
   RegionAnswer answer(kModes, kLeading);
   const VectorXd a = some_code();
   const Eigen::VectorXf code = a.cast<float>();
-  answer.evaluate(forms.region, {code.data(), kModes});
+  answer.evaluate(forms.region(), {code.data(), kModes});
   Eigen::MatrixXf H(kModes, kModes);
   for (int k = 0; k < kModes; ++k) {
     const Eigen::VectorXf unit = Eigen::VectorXf::Unit(kModes, k);
@@ -118,9 +120,9 @@ TEST_CASE("a region tells how large its last order is", "[touch]") {
   const Forms forms;
   RegionAnswer answer(kModes, kLeading);
   const Eigen::VectorXf code = some_code().cast<float>(), small = 0.1f * code;
-  answer.evaluate(forms.region, {code.data(), kModes});
+  answer.evaluate(forms.region(), {code.data(), kModes});
   const float share = answer.last_share();
-  answer.evaluate(forms.region, {small.data(), kModes});
+  answer.evaluate(forms.region(), {small.data(), kModes});
   // |q_3| falls with the third power, |a| + |q_2| nearly with the first.
   CHECK(answer.last_share() < 0.03f * share);
   CHECK(share > 0.0f);

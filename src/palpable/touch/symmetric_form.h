@@ -36,24 +36,4 @@ struct SymmetricForm {
 /// How many runs over the last index a form has.
 [[nodiscard]] std::size_t runs_of(int variables, int degree);
 
-/// matrix += factor A(a, ., .) of a cubic form: its upper triangle, row by row.
-/// @param a       (n)
-/// @param matrix  (n x n)
-void add_cubic_matrix(const SymmetricForm& form, std::span<const float> a, float factor,
-                      std::span<float> matrix);
-
-/// vector_k += factor sum_ij A_ijk P_ij for a symmetric matrix P: a contraction with several codes
-/// at once costs as much as with one.
-/// @param P  (n x n) symmetric, both triangles
-void add_cubic_contraction(const SymmetricForm& form, std::span<const float> P, float factor,
-                           std::span<float> vector);
-
-/// cubic += factor E(a, ., ., .) of a quartic form, as distinct coefficients of a cubic one.
-void add_quartic_contraction(const SymmetricForm& form, std::span<const float> a, float factor,
-                             std::span<float> cubic);
-
-/// matrix += factor C(a, ., .) for distinct coefficients in floats; upper triangle.
-void add_cubic_matrix(int variables, std::span<const float> cubic, std::span<const float> a,
-                      float factor, std::span<float> matrix);
-
 }  // namespace palpable
