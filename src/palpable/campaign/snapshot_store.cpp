@@ -113,6 +113,13 @@ std::vector<double> StoreContent::values_at(int point) const {
   return values;
 }
 
+std::uint64_t campaign_key(const StoreContent& content) {
+  Digest digest;
+  for (const std::uint64_t key : content.keys) digest.add(key);
+  digest.add(content.linear_key);
+  return digest.value();
+}
+
 SnapshotStore::SnapshotStore(fs::path folder, StoreContent content)
     : folder_(std::move(folder)), content_(std::move(content)) {}
 

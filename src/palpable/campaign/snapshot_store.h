@@ -72,6 +72,9 @@ struct StoreContent {
   [[nodiscard]] std::vector<double> values_at(int point) const;
 };
 
+/// What the whole campaign is computed from: that of its units and of its linear responses.
+[[nodiscard]] std::uint64_t campaign_key(const StoreContent& content);
+
 /// What a unit's file holds beside its fields.
 struct StoredUnit {
   double full_load = 0;
@@ -133,6 +136,9 @@ class SnapshotStore {
   /// (3V x kLinearRow, fewer in the last) m/N. @pre has_linear(k)
   [[nodiscard]] Eigen::MatrixXf linear(int k) const;
   void copy_linear_from(const SnapshotStore& other, int k) const;
+
+  /// Where a bake keeps tables of touch; may be missing.
+  [[nodiscard]] std::filesystem::path touch_folder() const { return folder_ / "touch"; }
 
   /// When all units are there: writes campaign.xdmf, which ParaView opens, and removes what earlier
   /// campaigns and killed processes left behind.

@@ -232,7 +232,7 @@ TEST_CASE("tables that break a rule within a file are refused by name when it is
       {"touch/region_0001: attribute 'vertex' is not a count", number("region_0001", "vertex", .5)},
       {"touch/region_0001: attribute 'vertex' is not a count", number("region_0001", "vertex", -1)},
       {"touch: region 1 is wrong in its middle", number("region_0001", "vertex", 42)},
-      {"touch/region_0002: a region has more leading modes than modes",
+      {"touch/region_0002: a region has too many leading modes",
        number("region_0002", "leading", 17)},
       {"touch/region_0002: dataset 'quartic' is 70 x 1 where 126 x 1 is needed",
        number("region_0002", "leading", 6)},

@@ -2,6 +2,7 @@
 
 #include "palpable/touch/row_kernels.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -119,7 +120,7 @@ void read_group(hid_t group, RegionTable& table) {
   table.from_compliance = read_rows(group, "far");
   const auto r = static_cast<int>(table.modes.width);
   const int s = read_count(group, "leading");
-  require(s <= r, "a region has more leading modes than modes");
+  require(s <= std::min(r, kMostLeadingModes), "a region has too many leading modes");
   table.cubic = read_form(group, "cubic", r, 3);
   table.quartic = read_form(group, "quartic", s, 4);
 }

@@ -89,7 +89,7 @@ std::string trouble_of(const RegionTable& table, int vertices, int rank) {
         trouble_of(table.from_compliance, width, static_cast<std::size_t>(rank),
                    "its modes far away"),
         trouble_of(table.cubic, 3, kMostTouchModes, "its second order"),
-        trouble_of(table.quartic, 4, r, "its third order")}) {
+        trouble_of(table.quartic, 4, std::min(r, kMostLeadingModes), "its third order")}) {
     if (!trouble.empty()) return trouble;
   }
   return {};

@@ -26,8 +26,8 @@ struct TouchTables {
 /// How large the tables are.
 [[nodiscard]] std::size_t bytes_of(const TouchTables& tables);
 
-/// Modes of one region, or of the cross table, at most.
-inline constexpr int kMostTouchModes = 512;
+/// Modes of one region, or of the cross table, at most, and leading ones of a region.
+inline constexpr int kMostTouchModes = 512, kMostLeadingModes = 64;
 
 /// Why one table is not consistent, or holds what is no number; empty if all is well.
 /// @param vertices  V of the skin

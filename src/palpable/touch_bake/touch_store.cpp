@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <functional>
 #include <mutex>
 #include <new>
@@ -81,9 +82,9 @@ bool read_file(const fs::path& file, std::string_view kind, std::uint64_t key,
     if (hdf5::read_text(image.file(), "key") != key_text(key)) return false;
     look(image.file());
     return true;
-  } catch (const Trouble&) {
+  } catch (const Trouble&) { return false; } catch (const std::bad_alloc&) {
     return false;
-  } catch (const std::bad_alloc&) { return false; }
+  }
 }
 
 template <class Table>
@@ -164,8 +165,7 @@ void TouchStore::keep(const TouchKeys& keys, const RegionTable& table) const {
 }
 
 void TouchStore::keep(const TouchKeys& keys, const CrossTable& table) const {
-  write_file(folder_ / "cross.h5", kTableKind, keys.cross,
-             [&](hid_t h) { write_group(h, table); });
+  write_file(folder_ / "cross.h5", kTableKind, keys.cross, [&](hid_t h) { write_group(h, table); });
 }
 
 void TouchStore::keep_list(std::uint64_t of, const TouchKeys& keys,
