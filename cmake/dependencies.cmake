@@ -41,10 +41,11 @@ target_include_directories(palpable_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_D
 # runtime library exception; comes with the compiler).
 target_link_libraries(palpable_cholmod INTERFACE ${CHOLMOD_LIBRARY} gomp)
 
-# OpenBLAS (BSD), Debian's serial build: the dense kernels of the sparse factor, the
-# factors of snapshot tables, one thread.
+# OpenBLAS (BSD), Debian's build with pthreads: the dense kernels of the sparse factor, the factors
+# of snapshot tables. Its own threads are turned off where it is used; the serial build has no locks,
+# and gives wrong numbers now and then when two threads of ours call it.
 find_path(CBLAS_INCLUDE_DIR cblas.h REQUIRED)
-find_library(OPENBLAS_LIBRARY openblas PATH_SUFFIXES openblas-serial REQUIRED)
+find_library(OPENBLAS_LIBRARY openblas PATH_SUFFIXES openblas-pthread REQUIRED)
 add_library(palpable_blas INTERFACE)
 target_include_directories(palpable_blas SYSTEM INTERFACE ${CBLAS_INCLUDE_DIR})
 target_link_libraries(palpable_blas INTERFACE ${OPENBLAS_LIBRARY})

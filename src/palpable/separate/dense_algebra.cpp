@@ -27,6 +27,9 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+// OpenBLAS's own threads: work is divided above it.
+[[maybe_unused]] const bool kOneThread = (openblas_set_num_threads(1), true);
+
 int size(Index n) { return static_cast<int>(n); }
 
 }  // namespace

@@ -60,6 +60,9 @@ FactorWorkspace::~FactorWorkspace() = default;
 
 namespace {
 
+// OpenBLAS's own threads: sites run side by side already.
+[[maybe_unused]] const bool kOneBlasThread = (openblas_set_num_threads(1), true);
+
 // While this object lives, OpenMP runs parallel regions of the calling thread on one thread.
 // Debian's CHOLMOD otherwise asks for four, whatever OMP_NUM_THREADS says; since sites run side by
 // side on all cores, those threads would mostly wait for each other.

@@ -117,9 +117,13 @@ void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery&
       const SkinPoint& point = points[static_cast<std::size_t>(p)];
       const Vector3f x = place_of(point, rest) + place_of(point, u);
       if (!gap(x, found) || !(found.distance <= band) || !found.normal.allFinite()) continue;
-      candidates.push_back(
-          {p, {}, point.weights, found.distance, found.normal, found.curvature, 0, {}});
-      candidates.back().force.setZero();
+      Candidate candidate;
+      candidate.point = p;
+      candidate.weights = point.weights;
+      candidate.distance = found.distance;
+      candidate.normal = found.normal;
+      candidate.curvature = found.curvature;
+      candidates.push_back(candidate);
     }
   }
   // Those that press and have just lost the object out of sight let go by themselves.
@@ -307,6 +311,7 @@ void TouchSolver::Work::fill_field(Matrix3Xf& u) {
 void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, TouchReport& report) {
   look_at_gaps(gap);
   state.forces.clear();
+  report.penetration = 0;
   for (const Candidate& candidate : candidates) {
     report.penetration = std::max(report.penetration, -static_cast<double>(candidate.distance));
     if (candidate.pressing > 0) state.forces.push_back({candidate.point, candidate.force});
