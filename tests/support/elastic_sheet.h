@@ -7,12 +7,12 @@
 #pragma once
 
 #include "palpable/geometry/surface_mesh.h"
-#include "palpable/touch/region.h"
 #include "palpable/touch/touch_tables.h"
 
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -32,8 +32,9 @@ class ElasticSheet {
   Eigen::MatrixXd G;  ///< (3V x 3V) m/N
   TouchTables tables;
 
-  /// @param near_radius  m: beyond it the table has its modes alone
-  explicit ElasticSheet(double near_radius = 1.0, int rank = 32) {
+  /// @param near_radius  m: clusters whose middles are farther apart are far from each other
+  /// @param rank         k
+  explicit ElasticSheet(double near_radius = 1.0, int rank = 48) {
     const int V = kSide * kSide;
     skin.vertices.resize(3, V);
     for (int v = 0; v < V; ++v) {
@@ -65,36 +66,95 @@ class ElasticSheet {
   [[nodiscard]] int middle() const { return kSide * kSide / 2; }
 
  private:
+  static constexpr int kTile = 4;  // vertices of a cluster, each way
+
   void make_compliance(double near_radius, int rank) {
-    using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    ComplianceTable& table = tables.compliance;
+    const int V = skin.vertex_count(), tiles = (kSide + kTile - 1) / kTile, C = tiles * tiles;
+    table.vertices = V;
+    table.clusters = C;
+    std::vector<std::vector<int>> members(static_cast<std::size_t>(C));
+    for (int v = 0; v < V; ++v) {
+      const int c = v / kSide / kTile * tiles + v % kSide / kTile;
+      table.cluster_of.push_back(c);
+      members[static_cast<std::size_t>(c)].push_back(v);
+    }
+    const auto far = [&](int c, int d) {
+      const auto place = [&](int k) -> Eigen::Vector2d {
+        return kTile * kEdge * Eigen::Vector2d(k % tiles, k / tiles);
+      };
+      return (place(c) - place(d)).norm() > near_radius;
+    };
+    Eigen::MatrixXd P = Eigen::MatrixXd::Zero(3 * V, rank);
+    for (int c = 0; c < C; ++c) {
+      const Eigen::MatrixXd here = rows_of(G, members[static_cast<std::size_t>(c)]);
+      Eigen::MatrixXd from_afar = here;
+      for (int v = 0; v < V; ++v) {
+        if (!far(c, table.cluster_of[static_cast<std::size_t>(v)])) {
+          from_afar.middleCols(3 * v, 3).setZero();
+        }
+      }
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(from_afar * from_afar.transpose());
+      const Eigen::Index kept = std::min<Eigen::Index>(rank, here.rows());
+      for (std::size_t k = 0; k < members[static_cast<std::size_t>(c)].size(); ++k) {
+        P.block(3 * members[static_cast<std::size_t>(c)][k], 0, 3, kept) =
+            eigen.eigenvectors().rightCols(kept).middleRows(3 * static_cast<Eigen::Index>(k), 3);
+      }
+    }
+    table.basis = rounded(P.cast<float>());
+    P = as_numbers(table.basis);
+    std::vector<Eigen::MatrixXd> couplings;
+    for (int c = 0; c < C; ++c) {
+      for (int d = c + 1; d < C; ++d) {
+        if (!far(c, d)) continue;
+        table.far_first.push_back(c);
+        table.far_second.push_back(d);
+        const auto &here = members[static_cast<std::size_t>(c)],
+                   &there = members[static_cast<std::size_t>(d)];
+        const Eigen::MatrixXd block = rows_of(rows_of(G, here).transpose(), there);
+        couplings.emplace_back(rows_of(P, here).transpose() * block.transpose() *
+                               rows_of(P, there));
+      }
+    }
+    RowsOfFloats all(rank * static_cast<Eigen::Index>(couplings.size()), rank);
+    for (std::size_t k = 0; k < couplings.size(); ++k) {
+      all.middleRows(rank * static_cast<Eigen::Index>(k), rank) = couplings[k].cast<float>();
+    }
+    table.couplings = rounded(all);
+    make_near(far);
+  }
+
+  // The rows of some vertices.
+  [[nodiscard]] static Eigen::MatrixXd rows_of(const Eigen::MatrixXd& all,
+                                               const std::vector<int>& vertices) {
+    Eigen::MatrixXd rows(3 * static_cast<Eigen::Index>(vertices.size()), all.cols());
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+      rows.middleRows(3 * static_cast<Eigen::Index>(k), 3) = all.middleRows(3 * vertices[k], 3);
+    }
+    return rows;
+  }
+
+  void make_near(const auto& far) {
     ComplianceTable& table = tables.compliance;
     const int V = skin.vertex_count();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(G);
-    const Eigen::MatrixXd Phi = eigen.eigenvectors().rightCols(rank);
-    const RoundedRows modes = rounded(Rows(Phi.cast<float>()));
-    const RoundedRows codes = rounded(Rows((G * Phi).cast<float>()));
-    table.vertices = V;
-    table.rank = rank;
-    table.modes = modes.values;
-    table.mode_scale = modes.scale;
-    table.codes = codes.values;
-    table.code_scale = codes.scale;
-    const Eigen::MatrixXd rest = G - Phi * (G * Phi).transpose();
     table.first.push_back(0);
     for (int v = 0; v < V; ++v) {
       std::vector<int> near;
       for (int w = 0; w < V; ++w) {
-        if ((skin.vertices.col(v) - skin.vertices.col(w)).norm() <= near_radius) near.push_back(w);
+        if (!far(table.cluster_of[static_cast<std::size_t>(v)],
+                 table.cluster_of[static_cast<std::size_t>(w)])) {
+          near.push_back(w);
+        }
       }
       const std::size_t width = padded(near.size()), at = table.near.size();
       table.near.resize(at + 9 * width, 0);
-      const double scale = rest.middleCols(3 * v, 3).cwiseAbs().maxCoeff() / 32767.0;
+      const double scale = kSoftness / 32767.0;  // the largest of G
       table.near_scale.push_back(static_cast<float>(scale));
       for (std::size_t k = 0; k < near.size(); ++k) {
         for (int d = 0; d < 3; ++d) {
           for (int c = 0; c < 3; ++c) {
             table.near[at + static_cast<std::size_t>(3 * d + c) * width + k] =
-                static_cast<std::int16_t>(std::lround(rest(3 * near[k] + c, 3 * v + d) / scale));
+                static_cast<std::int16_t>(std::lround(G(3 * near[k] + c, 3 * v + d) / scale));
           }
         }
       }

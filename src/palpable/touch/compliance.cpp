@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <array>
-#include <string_view>
+#include <iterator>
 #include <utility>
 
 namespace palpable {
@@ -13,48 +13,62 @@ namespace {
 
 // As many neighbours as a buffer of the near field holds; trouble_of() refuses more.
 constexpr std::size_t kMostNeighbours = 4096;
+constexpr std::int64_t kMostRank = 256;
+// There is a number for each pair of clusters.
+constexpr int kMostClusters = 4096;
 
 const RowKernels& kernels() { return row_kernels().front(); }
 
-// sum += the three rows of a vertex times a force.
-void add_rows(const std::vector<std::int16_t>& rows, const std::vector<float>& scale, int vertex,
-              const Eigen::Vector3f& force, std::span<float> sum) {
-  for (std::size_t d = 0; d < 3; ++d) {
-    const std::size_t row = 3 * static_cast<std::size_t>(vertex) + d;
-    kernels().add(rows.data() + row * sum.size(), force[static_cast<int>(d)] * scale[row], sum);
+bool is_table(const RoundedRows& rows, std::int64_t count, std::int64_t width) {
+  return static_cast<std::int64_t>(rows.width) == width && std::ssize(rows.scale) == count &&
+         std::ssize(rows.values) == count * width;
+}
+
+bool has_bad_clusters(const ComplianceTable& t) {
+  if (std::ssize(t.cluster_of) != t.vertices || t.far_first.size() != t.far_second.size())
+    return true;
+  if (std::any_of(t.cluster_of.begin(), t.cluster_of.end(),
+                  [&](int c) { return c < 0 || c >= t.clusters; })) {
+    return true;
   }
+  for (std::size_t k = 0; k < t.far_first.size(); ++k) {
+    const std::pair here(t.far_first[k], t.far_second[k]);
+    if (here.first < 0 || here.first >= here.second || here.second >= t.clusters) return true;
+    if (k > 0 && here <= std::pair(t.far_first[k - 1], t.far_second[k - 1])) return true;
+  }
+  return false;
 }
 
 }  // namespace
 
-std::size_t padded(std::size_t n) { return (n + kRowStep - 1) / kRowStep * kRowStep; }
-
 std::string_view trouble_of(const ComplianceTable& t) {
-  const auto size = [](const auto& list) { return static_cast<std::int64_t>(list.size()); };
-  const std::int64_t V = t.vertices, R = t.rank;
-  if (V < 1 || R < 0 || R % static_cast<std::int64_t>(kRowStep) != 0) return "its size";
-  if (size(t.modes) != 3 * V * R || size(t.mode_scale) != 3 * V || size(t.codes) != 3 * V * R ||
-      size(t.code_scale) != 3 * V) {
-    return "the size of its modes";
+  const std::int64_t V = t.vertices, k = static_cast<std::int64_t>(t.basis.width);
+  if (V < 1 || t.clusters < 1 || t.clusters > kMostClusters || k < 1 || k > kMostRank ||
+      k % static_cast<std::int64_t>(kRowStep) != 0) {
+    return "its size";
   }
-  if (size(t.first) != V + 1 || size(t.near_scale) != V || t.first.front() != 0 ||
-      t.first.back() != size(t.neighbours)) {
+  if (has_bad_clusters(t)) return "its clusters";
+  if (!is_table(t.basis, 3 * V, k) || !is_table(t.couplings, k * std::ssize(t.far_first), k)) {
+    return "the size of its far field";
+  }
+  if (std::ssize(t.first) != V + 1 || std::ssize(t.near_scale) != V || t.first.front() != 0 ||
+      t.first.back() != std::ssize(t.neighbours)) {
     return "its lists of neighbours";
   }
   std::int64_t numbers = 0;
   for (std::int64_t v = 0; v < V; ++v) {
     const std::int64_t count = t.first[v + 1] - std::int64_t{t.first[v]};
     if (count < 0 || count > static_cast<std::int64_t>(kMostNeighbours) ||
-        t.first[v + 1] > size(t.neighbours)) {
+        t.first[v + 1] > std::ssize(t.neighbours)) {
       return "its lists of neighbours";
     }
-    for (std::int64_t k = t.first[v]; k < t.first[v + 1]; ++k) {
-      const bool rises = k == t.first[v] || t.neighbours[k] > t.neighbours[k - 1];
-      if (t.neighbours[k] < 0 || t.neighbours[k] >= V || !rises) return "its lists of neighbours";
+    for (std::int64_t n = t.first[v]; n < t.first[v + 1]; ++n) {
+      const bool rises = n == t.first[v] || t.neighbours[n] > t.neighbours[n - 1];
+      if (t.neighbours[n] < 0 || t.neighbours[n] >= V || !rises) return "its lists of neighbours";
     }
     numbers += 9 * static_cast<std::int64_t>(padded(static_cast<std::size_t>(count)));
   }
-  return numbers == size(t.near) ? std::string_view() : "the size of its near field";
+  return numbers == std::ssize(t.near) ? std::string_view() : "the size of its near field";
 }
 
 Compliance::Compliance(ComplianceTable table) : table_(std::move(table)) {
@@ -64,29 +78,51 @@ Compliance::Compliance(ComplianceTable table) : table_(std::move(table)) {
     near_first_.push_back(at);
     at += 9 * padded(neighbours(v).size());
   }
+  const auto C = static_cast<std::size_t>(table_.clusters);
+  pair_of_.assign(C * C, -1);
+  for (std::size_t p = 0; p < table_.far_first.size(); ++p) {
+    const auto c = static_cast<std::size_t>(table_.far_first[p]);
+    const auto d = static_cast<std::size_t>(table_.far_second[p]);
+    pair_of_[c * C + d] = pair_of_[d * C + c] = static_cast<int>(p);
+  }
 }
 
-void Compliance::add_code(int vertex, const Eigen::Vector3f& force, std::span<float> code) const {
-  add_rows(table_.codes, table_.code_scale, vertex, force, code);
+void Compliance::add_source(int vertex, const Eigen::Vector3f& force,
+                            std::span<float> source) const {
+  for (std::size_t d = 0; d < 3; ++d) {
+    const std::size_t row = 3 * static_cast<std::size_t>(vertex) + d;
+    kernels().add(table_.basis.row(row), force[static_cast<int>(d)] * table_.basis.scale[row],
+                  source);
+  }
 }
 
-void Compliance::add_shape(int vertex, const Eigen::Vector3f& force, std::span<float> shape) const {
-  add_rows(table_.modes, table_.mode_scale, vertex, force, shape);
+void Compliance::add_target(int from, std::span<const float> source, int to,
+                            std::span<float> target) const {
+  const RoundedRows& S = table_.couplings;
+  const std::size_t first = static_cast<std::size_t>(pair(from, to)) * rank();
+  if (from < to) {  // S_cd is kept for c < d: the other way goes along its rows
+    for (std::size_t i = 0; i < rank(); ++i) {
+      kernels().add(S.row(first + i), source[i] * S.scale[first + i], target);
+    }
+    return;
+  }
+  std::array<float, kMostRank> products;
+  kernels().dots(S.row(first), rank(), source, products.data());
+  for (std::size_t i = 0; i < rank(); ++i) target[i] += products[i] * S.scale[first + i];
 }
 
-Eigen::Vector3f Compliance::modes_at(int vertex, std::span<const float> code) const {
-  const auto R = static_cast<std::size_t>(table_.rank);
+Eigen::Vector3f Compliance::at(int vertex, std::span<const float> target) const {
   const std::size_t row = 3 * static_cast<std::size_t>(vertex);
   Eigen::Vector3f u;
-  kernels().dots(table_.modes.data() + row * R, 3, code, u.data());
-  return u.cwiseProduct(Eigen::Map<const Eigen::Vector3f>(table_.mode_scale.data() + row));
+  kernels().dots(table_.basis.row(row), 3, target, u.data());
+  return u.cwiseProduct(Eigen::Map<const Eigen::Vector3f>(table_.basis.scale.data() + row));
 }
 
-void Compliance::modes_everywhere(std::span<const float> code, Eigen::Matrix3Xf& u) const {
+void Compliance::everywhere(std::span<const float> targets, Eigen::Matrix3Xf& u) const {
   PALPABLE_EXPECT(u.cols() == table_.vertices, "a field has three values a vertex");
-  kernels().dots(table_.modes.data(), static_cast<std::size_t>(u.size()), code, u.data());
-  u.reshaped().array() *=
-      Eigen::Map<const Eigen::ArrayXf>(table_.mode_scale.data(), Eigen::Index{3} * u.cols());
+  for (int v = 0; v < table_.vertices; ++v) {
+    u.col(v) = at(v, targets.subspan(static_cast<std::size_t>(cluster_of(v)) * rank(), rank()));
+  }
 }
 
 void Compliance::add_near(int vertex, const Eigen::Vector3f& force, Eigen::Matrix3Xf& u) const {

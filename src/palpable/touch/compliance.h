@@ -1,17 +1,23 @@
 /// @file
-/// How every vertex of a body's skin gives way to a small force on any other: Green's function of
-/// the linear body, kept as
+/// How every vertex of a body's skin gives way to a small force on any other: Green's function G of
+/// the linear body, m/N. The skin is divided into clusters of vertices. Between vertices of
+/// clusters that lie near each other G is kept as it is: under a fingertip the field is far too
+/// sharp for anything less. Between clusters c, d that lie far from each other it is smooth, and
 ///
-///     G  =  sum over modes  phi_k phi_k^T   +   N          m/N
+///     G(d, c)  =  P_d  S_dc  P_c^T,      S_dc = S_cd^T
 ///
-/// a few hundred modes for what is smooth, and what they leave, N, exactly between vertices that
-/// lie near each other: under a fingertip the field is far too sharp for modes.
+/// (an H^2 matrix of one level: Hackbusch, Hierarchical Matrices, 2015, ch. 8). P_c has some dozens
+/// of columns, so that a force acts through a few numbers of its cluster, its *source*, and what
+/// arrives at a cluster is a few numbers, too, its *target*.
 ///
-///   V  vertices of the skin     R  modes, a multiple of 16     n_v  neighbours of vertex v, padded
+///   V  vertices of the skin     C  clusters     k  columns of P, a multiple of 16
+///   n_v  neighbours of vertex v: all vertices of clusters near its own, padded to 16
 ///
 /// All numbers are in 16 bits with a factor for each row, or each vertex: off by 2e-5 of the row's
 /// largest.
 #pragma once
+
+#include "palpable/touch/rounded_rows.h"
 
 #include <Eigen/Core>
 
@@ -25,18 +31,20 @@ namespace palpable {
 
 /// What a body file keeps of it.
 struct ComplianceTable {
-  int vertices = 0;                 ///< V
-  int rank = 0;                     ///< R
-  std::vector<std::int16_t> modes;  ///< (3V x R) Phi, row by row; row 3 v + c is x, y or z of v
-  std::vector<float> mode_scale;    ///< (3V) per unit of `modes`, by row
-  std::vector<std::int16_t> codes;  ///< (3V x R) C, likewise
-  std::vector<float> code_scale;    ///< (3V) m/N per unit of `codes`
+  int vertices = 0;             ///< V
+  int clusters = 0;             ///< C
+  std::vector<int> cluster_of;  ///< (V)
+  RoundedRows basis;            ///< (3V x k) P, orthonormal columns in each cluster
+  /// Pairs (c, d), c < d, of clusters that are far from each other, rising.
+  std::vector<int> far_first, far_second;
+  /// k rows for each of these pairs: row i is S_cd(i, .), m/N.
+  RoundedRows couplings;
   /// (V + 1) neighbours of v, itself among them: neighbours[first[v]] .. [first[v + 1] - 1],
   /// rising.
   std::vector<int> first;
   std::vector<int> neighbours;
-  /// For vertex v nine rows of n_v numbers: row 3 d + c is N between force component d at v and
-  /// displacement component c of its neighbours. n_v is their count, rounded up to 16.
+  /// For vertex v nine rows of n_v numbers: row 3 d + c is G between force component d at v and
+  /// displacement component c of its neighbours.
   std::vector<std::int16_t> near;
   std::vector<float> near_scale;  ///< (V) m/N per unit of `near`
 };
@@ -44,42 +52,47 @@ struct ComplianceTable {
 /// The table, ready to be asked. Nothing here allocates but the constructor.
 class Compliance {
  public:
-  /// @pre the table is consistent, as check() says
+  /// @pre the table is consistent, as trouble_of() says
   explicit Compliance(ComplianceTable table);
 
   [[nodiscard]] int vertices() const { return table_.vertices; }
-  [[nodiscard]] int rank() const { return table_.rank; }
+  [[nodiscard]] int clusters() const { return table_.clusters; }
+  [[nodiscard]] std::size_t rank() const { return table_.basis.width; }  ///< k
+  [[nodiscard]] int cluster_of(int vertex) const { return table_.cluster_of[vertex]; }
   [[nodiscard]] const ComplianceTable& table() const { return table_; }
   [[nodiscard]] std::span<const int> neighbours(int vertex) const {
     return {table_.neighbours.data() + table_.first[vertex],
             static_cast<std::size_t>(table_.first[vertex + 1] - table_.first[vertex])};
   }
+  [[nodiscard]] bool are_far(int c, int d) const { return pair(c, d) >= 0; }
 
-  /// code += C^T force: how much of each mode a force at a vertex brings.
-  /// @param code  (R)
-  void add_code(int vertex, const Eigen::Vector3f& force, std::span<float> code) const;
-  /// shape += Phi^T force: the work of a force along each mode. @param shape  (R)
-  void add_shape(int vertex, const Eigen::Vector3f& force, std::span<float> shape) const;
-  /// Phi code at a vertex, m.
-  [[nodiscard]] Eigen::Vector3f modes_at(int vertex, std::span<const float> code) const;
-  /// The same at all vertices. @param u  (3 x V) overwritten
-  void modes_everywhere(std::span<const float> code, Eigen::Matrix3Xf& u) const;
+  /// source += P^T force of the vertex's cluster. @param source  (k)
+  void add_source(int vertex, const Eigen::Vector3f& force, std::span<float> source) const;
+  /// target += S_dc source. @pre the clusters are far from each other. @param target  (k)
+  void add_target(int from, std::span<const float> source, int to, std::span<float> target) const;
+  /// P target at a vertex, m. @param target  (k) of its cluster
+  [[nodiscard]] Eigen::Vector3f at(int vertex, std::span<const float> target) const;
+  /// The same at all vertices. @param targets  (C x k)  @param u  (3 x V) overwritten
+  void everywhere(std::span<const float> targets, Eigen::Matrix3Xf& u) const;
 
-  /// u(neighbours) += N force. @param u  (3 x V) m
+  /// u(neighbours) += G force. @param u  (3 x V) m
   void add_near(int vertex, const Eigen::Vector3f& force, Eigen::Matrix3Xf& u) const;
-  /// N between force at `vertex` and displacement of its neighbour number `k`, m/N: column d
+  /// G between force at `vertex` and displacement of its neighbour number `k`, m/N: column d
   /// belongs to the force's component d.
   [[nodiscard]] Eigen::Matrix3f near_block(int vertex, std::size_t k) const;
 
  private:
+  [[nodiscard]] int pair(int c, int d) const {
+    return pair_of_[static_cast<std::size_t>(c) * static_cast<std::size_t>(table_.clusters) +
+                    static_cast<std::size_t>(d)];
+  }
+
   ComplianceTable table_;
   std::vector<std::size_t> near_first_;  // (V) where the nine rows of a vertex begin
+  std::vector<int> pair_of_;             // (C x C) index of the far pair; -1: near
 };
 
 /// Why a table is not consistent; empty if it is.
 [[nodiscard]] std::string_view trouble_of(const ComplianceTable& table);
-
-/// n rounded up to a whole number of rows' steps.
-[[nodiscard]] std::size_t padded(std::size_t n);
 
 }  // namespace palpable

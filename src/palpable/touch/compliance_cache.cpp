@@ -1,7 +1,6 @@
 #include "palpable/touch/compliance_cache.h"
 
 #include "palpable/base/contract.h"
-#include "palpable/touch/row_kernels.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -16,10 +15,9 @@ ComplianceCache::ComplianceCache(const Compliance& compliance, int most)
       slot_of_vertex_(static_cast<std::size_t>(compliance.vertices()), -1),
       vertex_of_slot_(static_cast<std::size_t>(most), -1),
       wanted_(static_cast<std::size_t>(most), 0),
-      modes_(static_cast<std::size_t>(3 * most) * static_cast<std::size_t>(compliance.rank())),
-      codes_(modes_.size()),
+      basis_(static_cast<std::size_t>(3 * most) * compliance.rank()),
       blocks_(Eigen::MatrixXf::Zero(3 * most, 3 * most)),
-      products_(static_cast<std::size_t>(6 * most)) {}
+      target_(compliance.rank()) {}
 
 void ComplianceCache::bring(std::span<const int> vertices) {
   PALPABLE_EXPECT(static_cast<int>(vertices.size()) <= most_, "as many vertices as there is room");
@@ -39,58 +37,45 @@ void ComplianceCache::bring(std::span<const int> vertices) {
   }
 }
 
+// Displacement of the higher vertex by a force at the lower one: always that way, so that a block
+// does not depend on which of them came first.
+Matrix3f ComplianceCache::block_of(int vertex, int other) {
+  const int low = std::min(vertex, other), high = std::max(vertex, other);
+  const int from = compliance_.cluster_of(low), to = compliance_.cluster_of(high);
+  Matrix3f block = Matrix3f::Zero();
+  if (!compliance_.are_far(from, to)) {
+    const std::span<const int> near = compliance_.neighbours(low);
+    const auto at = std::lower_bound(near.begin(), near.end(), high);
+    if (at == near.end() || *at != high) return block;
+    return compliance_.near_block(low, static_cast<std::size_t>(at - near.begin()));
+  }
+  const std::size_t k = compliance_.rank();
+  const std::size_t row = 3 * static_cast<std::size_t>(slot_of_vertex_[low]) * k;
+  for (std::size_t d = 0; d < 3; ++d) {
+    std::fill(target_.begin(), target_.end(), 0.0f);
+    compliance_.add_target(from, {basis_.data() + row + d * k, k}, to, target_);
+    block.col(static_cast<int>(d)) = compliance_.at(high, target_);
+  }
+  return block;
+}
+
 // The blocks of one slot with all that are taken.
 void ComplianceCache::compute(int slot) {
-  const RowKernels& kernels = row_kernels().front();
-  const auto R = static_cast<std::size_t>(compliance_.rank());
   const int vertex = vertex_of_slot_[slot];
-  const ComplianceTable& table = compliance_.table();
-  const std::size_t at = 3 * static_cast<std::size_t>(slot) * R;
-  const auto expand = [&](const std::vector<std::int16_t>& rows, const std::vector<float>& scale,
-                          std::vector<float>& to) {
-    std::fill_n(to.begin() + static_cast<std::ptrdiff_t>(at), 3 * R, 0.0f);
-    for (std::size_t d = 0; d < 3; ++d) {
-      const std::size_t row = 3 * static_cast<std::size_t>(vertex) + d;
-      kernels.add(rows.data() + row * R, scale[row], {to.data() + at + d * R, R});
-    }
-  };
-  expand(table.modes, table.mode_scale, modes_);
-  expand(table.codes, table.code_scale, codes_);
-  // G is symmetric, and Phi C^T nearly: the mean of both ways.
+  const std::size_t k = compliance_.rank();
   for (int d = 0; d < 3; ++d) {
-    const std::size_t row = at + static_cast<std::size_t>(d) * R;
-    for (int other = 0; other < most_; ++other) {
-      if (vertex_of_slot_[other] < 0) continue;
-      const std::size_t theirs = 3 * static_cast<std::size_t>(other) * R;
-      float* products = products_.data();
-      kernels.dots_floats(modes_.data() + theirs, 3, {codes_.data() + row, R}, products);
-      kernels.dots_floats(codes_.data() + theirs, 3, {modes_.data() + row, R}, products + 3);
-      for (int c = 0; c < 3; ++c) {
-        blocks_(3 * other + c, 3 * slot + d) = 0.5f * (products[c] + products[3 + c]);
-      }
-    }
+    const std::span<float> row(
+        basis_.data() + (3 * static_cast<std::size_t>(slot) + static_cast<std::size_t>(d)) * k, k);
+    std::fill(row.begin(), row.end(), 0.0f);
+    compliance_.add_source(vertex, Eigen::Vector3f::Unit(d), row);
   }
-  // Of each pair the table of the lower vertex counts: the two differ by their rounding, and the
-  // blocks shall not depend on which vertex came first.
-  const std::span<const int> near = compliance_.neighbours(vertex);
-  for (std::size_t k = 0; k < near.size(); ++k) {
-    const int other = slot_of_vertex_[near[k]];
+  for (int there = 0; there < most_; ++there) {
+    const int other = vertex_of_slot_[there];
     if (other < 0) continue;
-    if (near[k] >= vertex) {
-      blocks_.block<3, 3>(3 * other, 3 * slot) += compliance_.near_block(vertex, k);
-      continue;
-    }
-    const std::span<const int> theirs = compliance_.neighbours(near[k]);
-    const auto here = std::lower_bound(theirs.begin(), theirs.end(), vertex);
-    if (here == theirs.end() || *here != vertex) continue;
-    blocks_.block<3, 3>(3 * other, 3 * slot) +=
-        compliance_.near_block(near[k], static_cast<std::size_t>(here - theirs.begin()))
-            .transpose();
-  }
-  for (int other = 0; other < most_; ++other) {
-    if (other == slot || vertex_of_slot_[other] < 0) continue;
-    blocks_.block<3, 3>(3 * slot, 3 * other) =
-        Matrix3f(blocks_.block<3, 3>(3 * other, 3 * slot)).transpose();
+    const Matrix3f block = block_of(vertex, other);  // of the higher one's displacement
+    const int high = other > vertex ? there : slot, low = other > vertex ? slot : there;
+    blocks_.block<3, 3>(3 * high, 3 * low) = block;
+    if (high != low) blocks_.block<3, 3>(3 * low, 3 * high) = block.transpose();
   }
 }
 

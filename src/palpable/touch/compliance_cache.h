@@ -32,15 +32,16 @@ class ComplianceCache {
 
  private:
   void compute(int slot);
+  [[nodiscard]] Eigen::Matrix3f block_of(int vertex, int other);
 
   const Compliance& compliance_;
   int most_;
-  std::vector<int> slot_of_vertex_;   // (V) -1: none
-  std::vector<int> vertex_of_slot_;   // (most) -1: free
-  std::vector<char> wanted_;          // (most)
-  std::vector<float> modes_, codes_;  // (3 most x R) rows
-  Eigen::MatrixXf blocks_;            // (3 most x 3 most)
-  std::vector<float> products_;       // (6 most)
+  std::vector<int> slot_of_vertex_;  // (V) -1: none
+  std::vector<int> vertex_of_slot_;  // (most) -1: free
+  std::vector<char> wanted_;         // (most)
+  std::vector<float> basis_;         // (3 most x k) rows of P
+  Eigen::MatrixXf blocks_;           // (3 most x 3 most)
+  std::vector<float> target_;        // (k)
 };
 
 }  // namespace palpable

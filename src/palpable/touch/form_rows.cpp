@@ -21,11 +21,9 @@ std::size_t pair_at(int n, int i, int j) {
   return pair_count(n) - pair_count(n - i) + static_cast<std::size_t>(j - i);
 }
 
-using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-Rows cubic_rows(const SymmetricForm& form) {
+RowsOfFloats cubic_rows(const SymmetricForm& form) {
   const int n = form.variables;
-  Rows rows(n, static_cast<Eigen::Index>(pair_count(n)));
+  RowsOfFloats rows(n, static_cast<Eigen::Index>(pair_count(n)));
   const std::int16_t* value = form.values.data();
   const float* scale = form.scale.data();
   const auto put = [&](int one, int j, int k, float a) {
@@ -44,10 +42,10 @@ Rows cubic_rows(const SymmetricForm& form) {
   return rows;
 }
 
-Rows quartic_rows(const SymmetricForm& form) {
+RowsOfFloats quartic_rows(const SymmetricForm& form) {
   const int n = form.variables;
   const auto p = static_cast<Eigen::Index>(pair_count(n));
-  Rows rows(p, p);
+  RowsOfFloats rows(p, p);
   const std::int16_t* value = form.values.data();
   const float* scale = form.scale.data();
   const auto put = [&](int i, int j, int k, int l, float e) {
@@ -73,9 +71,7 @@ Rows quartic_rows(const SymmetricForm& form) {
 
 }  // namespace
 
-std::size_t pair_width(int variables) {
-  return (pair_count(variables) + kRowStep - 1) / kRowStep * kRowStep;
-}
+std::size_t pair_width(int variables) { return padded(pair_count(variables)); }
 
 FormRows::FormRows(const SymmetricForm& form)
     : variables_(form.variables),
@@ -85,7 +81,7 @@ void FormRows::add_cubic(std::span<const float> a, float factor, std::span<float
   PALPABLE_EXPECT(a.size() == rows_.scale.size() && pairs.size() == rows_.width,
                   "a code of the form's variables, and room for all pairs");
   for (std::size_t i = 0; i < a.size(); ++i) {
-    kernels().add(rows_.values.data() + i * rows_.width, factor * rows_.scale[i] * a[i], pairs);
+    kernels().add(rows_.row(i), factor * rows_.scale[i] * a[i], pairs);
   }
 }
 
@@ -93,7 +89,7 @@ void FormRows::contract(std::span<const float> P, std::span<float> result) const
   PALPABLE_EXPECT(P.size() == rows_.width && result.size() >= rows_.scale.size(),
                   "a matrix of the form's variables, and room for the answer");
   const std::size_t count = rows_.scale.size();
-  kernels().dots(rows_.values.data(), count, P, result.data());
+  kernels().dots(rows_.row(0), count, P, result.data());
   for (std::size_t i = 0; i < count; ++i) result[i] *= rows_.scale[i];
 }
 

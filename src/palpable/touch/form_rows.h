@@ -11,7 +11,7 @@
 /// Three to six times the numbers that a body file keeps (symmetric_form.h), and ten times as fast.
 #pragma once
 
-#include "palpable/touch/region.h"
+#include "palpable/touch/rounded_rows.h"
 #include "palpable/touch/symmetric_form.h"
 
 #include <cstddef>

@@ -18,8 +18,6 @@ using Eigen::Vector3f;
 constexpr float kKeep = 0.8f;
 // A load at the edge of a region's reach counts this much less than one in its middle.
 constexpr float kEdge = 0.3f;
-// What is added to the distance of vertices whose normals point apart: the two sides of an ear.
-constexpr float kOtherSide = 0.03f;
 
 const RowKernels& kernels() { return row_kernels().front(); }
 
@@ -27,17 +25,14 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-RegionMap::RegionMap(const Matrix3Xf& vertices, const Matrix3Xf& normals,
-                     std::span<const RegionTable> regions, double reach)
+RegionMap::RegionMap(const Matrix3Xf& vertices, std::span<const RegionTable> regions, double reach)
     : reach_(reach) {
   first_.push_back(0);
   for (int v = 0; v < vertices.cols(); ++v) {
     RegionAtVertex nearest{-1, std::numeric_limits<float>::infinity()};
     for (std::size_t k = 0; k < regions.size(); ++k) {
       const int middle = regions[k].vertex;
-      const bool apart = normals.col(v).dot(normals.col(middle)) < -0.2f;
-      const float distance =
-          (vertices.col(v) - vertices.col(middle)).norm() + (apart ? kOtherSide : 0.0f);
+      const float distance = (vertices.col(v) - vertices.col(middle)).norm();
       const bool known =
           std::binary_search(regions[k].vertices.begin(), regions[k].vertices.end(), v);
       if (!known) continue;
@@ -62,16 +57,24 @@ NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const R
     most_modes = std::max(most_modes, region.mode_count());
     most_leading = std::max(most_leading, region.leading());
   }
-  const std::size_t R = index(compliance.rank()), x = index(cross.cubic.variables);
+  const std::size_t C = index(compliance.clusters()), k = compliance.rank();
+  const std::size_t x = index(cross.cubic.variables);
+  std::size_t most_sources = 0;
+  own_cluster_.assign(regions.size() * C, 0);
+  for (std::size_t region = 0; region < regions.size(); ++region) {
+    most_sources = std::max(most_sources, regions[region].sources.width);
+    for (const int v : regions[region].vertices) {
+      own_cluster_[region * C + index(compliance.cluster_of(v))] = 1;
+    }
+  }
   chosen_.reserve(kMostBlobs);
   blob_of_vertex_.assign(index(compliance.vertices()), -1);
   asked_.reserve(index(compliance.vertices()));
   answers_.assign(kMostBlobs, RegionAnswer(most_modes, most_leading));
   score_.resize(regions.size());
-  shapes_.resize(kMostBlobs * R);
   code_.resize(index(most_modes));
-  far_code_.resize(R);
-  region_code_.resize(kMostBlobs * R);
+  far_targets_.resize(C * k);
+  sources_.resize(most_sources);
   cross_codes_.resize((kMostBlobs + 1) * x);
   cross_cubic_ = FormRows(cross.cubic);
   pairs_.resize(cross_cubic_.width());
@@ -140,97 +143,110 @@ bool NonlinearAnswer::add_mode_row(int blob, int vertex, const Vector3f& directi
   const RoundedRows& modes = regions_[index(region)].modes;
   for (std::size_t d = 0; d < 3; ++d) {
     const std::size_t r = 3 * index(at) + d;
-    kernels().add(modes.values.data() + r * modes.width,
-                  direction[static_cast<int>(d)] * modes.scale[r], row);
+    kernels().add(modes.row(r), direction[static_cast<int>(d)] * modes.scale[r], row);
   }
   return true;
 }
 
 void NonlinearAnswer::evaluate(std::span<const VertexForce> loads) {
-  const std::size_t R = index(compliance_.rank());
-  std::fill(far_code_.begin(), far_code_.end(), 0.0f);
-  std::fill(shapes_.begin(), shapes_.begin() + static_cast<std::ptrdiff_t>(chosen_.size() * R),
-            0.0f);
+  std::fill(far_targets_.begin(), far_targets_.end(), 0.0f);
   last_share_ = 0;
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const RegionTable& region = regions_[index(chosen_[b])];
-    const std::size_t r = index(region.mode_count());
-    const std::span<float> code(code_.data(), r);
+    const std::span<float> code(code_.data(), index(region.mode_count()));
     std::fill(code.begin(), code.end(), 0.0f);
     for (const VertexForce& load : loads) {
-      if (blob_of_vertex_[load.vertex] != static_cast<int>(b)) continue;
-      add_mode_row(static_cast<int>(b), load.vertex, load.force, code);
-      if (chosen_.size() > 1) {
-        compliance_.add_shape(load.vertex, load.force, {shapes_.data() + b * R, R});
+      if (blob_of_vertex_[load.vertex] == static_cast<int>(b)) {
+        add_mode_row(static_cast<int>(b), load.vertex, load.force, code);
       }
     }
     answers_[b].evaluate({cubic_[index(chosen_[b])], quartic_[index(chosen_[b])]}, code);
     last_share_ = std::max(last_share_, answers_[b].last_share());
-    const std::span<float> in_modes(region_code_.data() + b * R, R);
-    std::fill(in_modes.begin(), in_modes.end(), 0.0f);
-    for (std::size_t k = 0; k < r; ++k) {
-      kernels().add(region.from_compliance.values.data() + k * R,
-                    answers_[b].q()[k] * region.from_compliance.scale[k], in_modes);
-    }
-    for (std::size_t k = 0; k < R; ++k) far_code_[k] += in_modes[k];
+    add_far_targets(chosen_[b], answers_[b].q());
   }
-  if (chosen_.size() > 1 && cross_.cubic.variables > 0) evaluate_cross_terms();
+  if (has_cross_terms()) evaluate_cross_terms(loads);
 }
 
-// q_x, added to the far code: its modes are smooth everywhere.
-void NonlinearAnswer::evaluate_cross_terms() {
-  const std::size_t R = index(compliance_.rank()), x = index(cross_.cubic.variables);
-  const RoundedRows& modes = cross_.from_compliance;
-  std::fill(pairs_.begin(), pairs_.end(), 0.0f);
-  const std::span<float> sum(cross_codes_.data() + chosen_.size() * x, x);
-  std::fill(sum.begin(), sum.end(), 0.0f);
-  for (std::size_t b = 0; b < chosen_.size(); ++b) {
-    const std::span<float> c(cross_codes_.data() + b * x, x);
-    kernels().dots(modes.values.data(), x, {shapes_.data() + b * R, R}, c.data());
-    for (std::size_t i = 0; i < x; ++i) {
-      c[i] *= modes.scale[i];
-      sum[i] += c[i];
+// What the region's modes do in all clusters but its own.
+void NonlinearAnswer::add_far_targets(int region, std::span<const float> q) {
+  const RegionTable& table = regions_[index(region)];
+  const std::size_t C = index(compliance_.clusters()), k = compliance_.rank();
+  const std::span<float> sources(sources_.data(), table.sources.width);
+  std::fill(sources.begin(), sources.end(), 0.0f);
+  for (std::size_t j = 0; j < q.size(); ++j) {
+    kernels().add(table.sources.row(j), q[j] * table.sources.scale[j], sources);
+  }
+  for (std::size_t s = 0; s < table.source_clusters.size(); ++s) {
+    const int from = table.source_clusters[s];
+    for (std::size_t to = 0; to < C; ++to) {
+      if (own_cluster_[index(region) * C + to] != 0) continue;
+      compliance_.add_target(from, sources.subspan(s * k, k), static_cast<int>(to),
+                             {far_targets_.data() + to * k, k});
     }
-    add_pairs(c, 0.5f, pairs_);
+  }
+}
+
+bool NonlinearAnswer::has_cross_terms() const {
+  return chosen_.size() > 1 && cross_.cubic.variables > 0;
+}
+
+void NonlinearAnswer::evaluate_cross_terms(std::span<const VertexForce> loads) {
+  const std::size_t x = cross_.modes.width;
+  std::fill(cross_codes_.begin(), cross_codes_.end(), 0.0f);
+  const auto code_of = [&](std::size_t b) {
+    return std::span<float>(cross_codes_.data() + b * x, x);
+  };
+  for (const VertexForce& load : loads) {
+    const int blob = blob_of_vertex_[load.vertex];
+    if (blob < 0 || load.force.isZero(0)) continue;
+    for (std::size_t d = 0; d < 3; ++d) {
+      const std::size_t row = 3 * index(load.vertex) + d;
+      kernels().add(cross_.modes.row(row),
+                    load.force[static_cast<int>(d)] * cross_.modes.scale[row],
+                    code_of(index(blob)));
+    }
+  }
+  std::fill(pairs_.begin(), pairs_.end(), 0.0f);
+  const std::span<float> sum = code_of(chosen_.size());
+  for (std::size_t b = 0; b < chosen_.size(); ++b) {
+    for (std::size_t i = 0; i < x; ++i) sum[i] += code_of(b)[i];
+    add_pairs(code_of(b), 0.5f, pairs_);
   }
   add_pairs(sum, -0.5f, pairs_);
   cross_cubic_.contract(pairs_, cross_q_);
-  for (std::size_t i = 0; i < x; ++i) {
-    kernels().add(modes.values.data() + i * R, cross_q_[i] * modes.scale[i], far_code_);
-  }
 }
 
 Vector3f NonlinearAnswer::displacement_at(int vertex) const {
-  const std::size_t R = index(compliance_.rank());
-  Vector3f u = Vector3f::Zero();
-  bool alone = false;  // the only blob's region knows the vertex: nothing comes from afar
+  const std::size_t k = compliance_.rank();
+  const auto rows_at = [](const RoundedRows& modes, std::size_t row, std::span<const float> q) {
+    Vector3f u;
+    kernels().dots(modes.row(row), 3, q, u.data());
+    return Vector3f(u.cwiseProduct(Eigen::Map<const Vector3f>(modes.scale.data() + row)));
+  };
+  Vector3f u = compliance_.at(
+      vertex, std::span(far_targets_).subspan(index(compliance_.cluster_of(vertex)) * k, k));
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const int at = row_of(chosen_[b], vertex);
-    if (at < 0) continue;
-    alone = chosen_.size() == 1;
-    const RoundedRows& modes = regions_[index(chosen_[b])].modes;
-    const std::size_t row = 3 * index(at);
-    Vector3f exact;
-    kernels().dots(modes.values.data() + row * modes.width, 3, answers_[b].q(), exact.data());
-    u += exact.cwiseProduct(Eigen::Map<const Vector3f>(modes.scale.data() + row));
-    if (!alone) u -= compliance_.modes_at(vertex, {region_code_.data() + b * R, R});
+    if (at >= 0) u += rows_at(regions_[index(chosen_[b])].modes, 3 * index(at), answers_[b].q());
   }
-  return alone ? u : u + compliance_.modes_at(vertex, far_code_);
+  if (has_cross_terms()) u += rows_at(cross_.modes, 3 * index(vertex), cross_q_);
+  return u;
 }
 
 void NonlinearAnswer::add_near(Matrix3Xf& u) const {
-  const std::size_t R = index(compliance_.rank());
+  const auto add = [&](const RoundedRows& modes, std::size_t k, std::span<const float> q, int to) {
+    Vector3f exact;
+    kernels().dots(modes.row(3 * k), 3, q, exact.data());
+    u.col(to) += exact.cwiseProduct(Eigen::Map<const Vector3f>(modes.scale.data() + 3 * k));
+  };
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const RegionTable& region = regions_[index(chosen_[b])];
-    const RoundedRows& modes = region.modes;
     for (std::size_t k = 0; k < region.vertices.size(); ++k) {
-      Vector3f exact;
-      kernels().dots(modes.values.data() + 3 * k * modes.width, 3, answers_[b].q(), exact.data());
-      u.col(region.vertices[k]) +=
-          exact.cwiseProduct(Eigen::Map<const Vector3f>(modes.scale.data() + 3 * k)) -
-          compliance_.modes_at(region.vertices[k], {region_code_.data() + b * R, R});
+      add(region.modes, k, answers_[b].q(), region.vertices[k]);
     }
   }
+  if (!has_cross_terms()) return;
+  for (int v = 0; v < u.cols(); ++v) add(cross_.modes, index(v), cross_q_, v);
 }
 
 }  // namespace palpable

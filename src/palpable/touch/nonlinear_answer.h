@@ -2,8 +2,8 @@
 /// What a body does beyond its linear answer under all that presses it: each patch of load by the
 /// modes of the region around it, and what patches do to each other by modes of the whole body.
 ///
-///   V  vertices of the skin     R  modes of the compliance     r  modes of a region
-///   x  modes of the cross terms
+///   V  vertices of the skin     C, k  clusters of the compliance and their numbers (compliance.h)
+///   r  modes of a region        x  modes of the cross terms
 ///
 /// The loads fall into *blobs*, patches that one region's modes can tell apart. With a_b the code
 /// of blob b in its region and c_b its code in the cross terms' modes,
@@ -34,8 +34,8 @@ struct VertexForce {
 
 /// Modes in which blobs act on each other.
 struct CrossTable {
-  RoundedRows from_compliance;  ///< row i: the R weights of mode i, as RegionTable's
-  SymmetricForm cubic;          ///< A_x; of no modes: blobs do not act on each other
+  RoundedRows modes;    ///< (3V x x) sqrt(m/N)
+  SymmetricForm cubic;  ///< A_x; of no modes: blobs do not act on each other
 };
 
 /// Which region answers for the loads at a vertex.
@@ -49,9 +49,7 @@ struct RegionAtVertex {
 class RegionMap {
  public:
   /// @param vertices  (3 x V) m, at rest
-  /// @param normals   (3 x V) unit: the other side of a thin part is no neighbour
-  RegionMap(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xf& normals,
-            std::span<const RegionTable> regions, double reach);
+  RegionMap(const Eigen::Matrix3Xf& vertices, std::span<const RegionTable> regions, double reach);
 
   [[nodiscard]] std::span<const RegionAtVertex> at(int vertex) const {
     return {list_.data() + first_[vertex],
@@ -90,9 +88,9 @@ class NonlinearAnswer {
 
   /// What is added to the linear displacement of a vertex, m.
   [[nodiscard]] Eigen::Vector3f displacement_at(int vertex) const;
-  /// (R) the same far from all blobs, as a code of the compliance's modes.
-  [[nodiscard]] std::span<const float> far_code() const { return far_code_; }
-  /// Adds what differs from far_code() near the blobs. @param u  (3 x V) m
+  /// (C x k) targets of what the blobs' regions do beyond their own vertices.
+  [[nodiscard]] std::span<const float> far_targets() const { return far_targets_; }
+  /// Adds all but far_targets() on the whole skin. @param u  (3 x V) m
   void add_near(Eigen::Matrix3Xf& u) const;
 
   [[nodiscard]] int blob_count() const { return static_cast<int>(chosen_.size()); }
@@ -113,7 +111,9 @@ class NonlinearAnswer {
 
  private:
   [[nodiscard]] int row_of(int region, int vertex) const;
-  void evaluate_cross_terms();
+  void add_far_targets(int region, std::span<const float> q);
+  [[nodiscard]] bool has_cross_terms() const;
+  void evaluate_cross_terms(std::span<const VertexForce> loads);
   int next_region(std::span<const int> vertices, std::span<const float> weights,
                   std::span<const int> before);
 
@@ -127,9 +127,9 @@ class NonlinearAnswer {
   std::vector<int> blob_of_vertex_;  // (V) -1: none
   std::vector<int> asked_;           // vertices whose blob is set
   std::vector<RegionAnswer> answers_;
-  std::vector<float> score_;                          // by region
-  std::vector<float> shapes_;                         // (blobs x R) Phi^T of the blobs' loads
-  std::vector<float> code_, far_code_, region_code_;  // (r), (R), (blobs x R)
+  std::vector<float> score_;                         // by region
+  std::vector<float> code_, far_targets_, sources_;  // (r), (C x k), of a region
+  std::vector<char> own_cluster_;  // (regions x C) 1: its vertices are the region's
   std::vector<float> cross_codes_, pairs_, cross_q_;  // (blobs + 1 x x), (p), (x)
   float last_share_ = 0;
 };

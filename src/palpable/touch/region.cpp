@@ -11,8 +11,6 @@
 namespace palpable {
 namespace {
 
-constexpr float kLargest = 32767.0f;
-
 float squared(std::span<const float> x) {
   float sum = 0;
   for (const float value : x) sum += value * value;
@@ -20,23 +18,6 @@ float squared(std::span<const float> x) {
 }
 
 }  // namespace
-
-RoundedRows rounded(
-    const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& rows) {
-  RoundedRows result;
-  result.width = (static_cast<std::size_t>(rows.cols()) + kRowStep - 1) / kRowStep * kRowStep;
-  result.values.assign(result.width * static_cast<std::size_t>(rows.rows()), 0);
-  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    const float scale = (rows.cols() > 0 ? rows.row(i).cwiseAbs().maxCoeff() : 0.0f) / kLargest;
-    result.scale.push_back(scale);
-    if (!(scale > 0)) continue;
-    std::int16_t* to = result.values.data() + static_cast<std::size_t>(i) * result.width;
-    for (Eigen::Index k = 0; k < rows.cols(); ++k) {
-      to[k] = static_cast<std::int16_t>(std::lround(rows(i, k) / scale));
-    }
-  }
-  return result;
-}
 
 RegionAnswer::RegionAnswer(int most_modes, int most_leading) {
   const auto r = static_cast<std::size_t>(most_modes), s = static_cast<std::size_t>(most_leading);

@@ -20,35 +20,25 @@
 ///     dq/da = H = - A(a, .) - 1/2 E(a, a, ., .)
 #pragma once
 
+#include "palpable/touch/rounded_rows.h"
 #include "palpable/touch/symmetric_form.h"
 
-#include <Eigen/Core>
-
-#include <cstdint>
 #include <span>
 #include <vector>
 
 namespace palpable {
 
-/// Rows of numbers in 16 bits, with a factor each.
-struct RoundedRows {
-  std::size_t width = 0;             ///< numbers of a row, a multiple of 16
-  std::vector<std::int16_t> values;  ///< row by row
-  std::vector<float> scale;          ///< by row
-};
-
-/// @param rows  (n x width), padded with zeros to a multiple of 16
-[[nodiscard]] RoundedRows rounded(
-    const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& rows);
-
 /// What a body file keeps of one region.
 struct RegionTable {
   int vertex = 0;  ///< of the skin, its middle
-  /// (n) vertices near it, rising, and the modes there: three rows of r numbers each, sqrt(m/N).
+  /// (n) vertices around it, rising: all of some clusters (compliance.h). The modes there: three
+  /// rows of r numbers for each, sqrt(m/N).
   std::vector<int> vertices;
   RoundedRows modes;
-  /// The modes elsewhere, as sums of the compliance's: row j has the R weights of mode j.
-  RoundedRows from_compliance;
+  /// What the modes do elsewhere, as if by sources in these clusters, all of whose near ones are
+  /// among `vertices`: row j has the sources of mode j, k numbers for each cluster.
+  std::vector<int> source_clusters;
+  RoundedRows sources;
   SymmetricForm cubic;    ///< A, of r
   SymmetricForm quartic;  ///< E, of s
 

@@ -37,11 +37,12 @@ void check_same(const SymmetricForm& a, const SymmetricForm& b) {
 
 void check_same(const ComplianceTable& a, const ComplianceTable& b) {
   CHECK(a.vertices == b.vertices);
-  CHECK(a.rank == b.rank);
-  CHECK(a.modes == b.modes);
-  CHECK(a.mode_scale == b.mode_scale);
-  CHECK(a.codes == b.codes);
-  CHECK(a.code_scale == b.code_scale);
+  CHECK(a.clusters == b.clusters);
+  CHECK(a.cluster_of == b.cluster_of);
+  check_same(a.basis, b.basis);
+  CHECK(a.far_first == b.far_first);
+  CHECK(a.far_second == b.far_second);
+  check_same(a.couplings, b.couplings);
   CHECK(a.first == b.first);
   CHECK(a.neighbours == b.neighbours);
   CHECK(a.near == b.near);
@@ -58,11 +59,12 @@ void check_same(const TouchTables& a, const TouchTables& b) {
     CHECK(a.regions[k].vertex == b.regions[k].vertex);
     CHECK(a.regions[k].vertices == b.regions[k].vertices);
     check_same(a.regions[k].modes, b.regions[k].modes);
-    check_same(a.regions[k].from_compliance, b.regions[k].from_compliance);
+    CHECK(a.regions[k].source_clusters == b.regions[k].source_clusters);
+    check_same(a.regions[k].sources, b.regions[k].sources);
     check_same(a.regions[k].cubic, b.regions[k].cubic);
     check_same(a.regions[k].quartic, b.regions[k].quartic);
   }
-  check_same(a.cross.from_compliance, b.cross.from_compliance);
+  check_same(a.cross.modes, b.cross.modes);
   check_same(a.cross.cubic, b.cross.cubic);
 }
 
@@ -130,11 +132,14 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
   write_touchable_body(path, body, good);
   const std::string bytes = hdf5::all_bytes(path);
   const std::vector<std::pair<std::string, std::function<void(TouchTables&)>>> faults{
-      {"the compliance is wrong in the size of its modes",
-       [](auto& t) { t.compliance.codes.pop_back(); }},
+      {"the compliance is wrong in its size", [](auto& t) { t.compliance.clusters = 5000; }},
+      {"the compliance is wrong in its clusters", [](auto& t) { t.compliance.clusters = 2; }},
+      {"the compliance is wrong in the size of its far field",
+       [](auto& t) { t.compliance.couplings.values.pop_back(); }},
       {"the compliance is wrong in its lists", [](auto& t) { t.compliance.first[1] = 4000; }},
-      {"the compliance is wrong in a factor", [](auto& t) { t.compliance.mode_scale[3] = kNan; }},
-      {"the compliance is wrong in a factor", [](auto& t) { t.compliance.code_scale[0] = -1; }},
+      {"the compliance is wrong in a factor", [](auto& t) { t.compliance.basis.scale[3] = kNan; }},
+      {"the compliance is wrong in a factor",
+       [](auto& t) { t.compliance.couplings.scale[0] = -1; }},
       {"the compliance is wrong in a factor",
        [](auto& t) { t.compliance.near_scale[4] = std::numeric_limits<float>::infinity(); }},
       {"the compliance is of 12 vertices where the skin has 42",
@@ -153,8 +158,19 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
        [](auto& t) { t.regions[0].vertices.pop_back(); }},
       {"region 0 is wrong in a factor of its modes",
        [](auto& t) { t.regions[0].modes.scale[2] = kNan; }},
-      {"region 0 is wrong in the size of its modes far away",
-       [](auto& t) { t.regions[0].from_compliance.width = 16; }},
+      {"region 0 is wrong in the size of its sources",
+       [](auto& t) { t.regions[0].sources.width = 16; }},
+      {"region 0 is wrong in the clusters of its sources",
+       [](auto& t) { t.regions[0].source_clusters[0] = 3; }},
+      {"region 0 is wrong in the clusters of its sources",
+       [](auto& t) { t.regions[0].source_clusters[0] = -1; }},
+      // What is near the source's cluster but none of the region's is reached by no coupling.
+      {"region 0 is wrong in the clusters of its sources",
+       [](auto& t) {
+         t.regions[0].vertices.resize(1);
+         t.regions[0].modes.values.resize(3 * 16);
+         t.regions[0].modes.scale.resize(3);
+       }},
       {"region 0 is wrong in its number of modes",
        [](auto& t) { t.regions[0].cubic.variables = 15; }},
       {"region 0 is wrong in its number of modes",
@@ -168,9 +184,14 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
       {"region 0 is wrong in the size of its third order",
        [](auto& t) { t.regions[0].quartic.values.pop_back(); }},
       {"what touches do to each other is wrong in the size of its modes",
-       [](auto& t) { t.cross.from_compliance.values.pop_back(); }},
+       [](auto& t) { t.cross.modes.values.pop_back(); }},
       {"what touches do to each other is wrong in the size of its second order",
-       [](auto& t) { t.cross.cubic.variables = 9; }},
+       [](auto& t) { t.cross.cubic.variables = 47; }},
+      {"what touches do to each other is wrong in its number of modes",
+       [](auto& t) {
+         t.cross.cubic =
+             t.regions[0].cubic = {17, 3, std::vector<std::int16_t>(969), std::vector<float>(153)};
+       }},
       {"the reach of regions is no length", [](auto& t) { t.region_reach = -0.01; }},
       {"the spacing of contact points is no length", [](auto& t) { t.point_spacing = NAN; }},
       {"contact points 1e-06 m apart would be", [](auto& t) { t.point_spacing = 1e-6; }},
@@ -216,11 +237,10 @@ TEST_CASE("tables that break a rule within a file are refused by name when it is
       {"touch/region_0003: group 'region_0003' is missing", number(".", "regions", 4)},
       {"touch/compliance: group 'compliance' is missing", remove("compliance")},
       {"touch/compliance: dataset 'near' is missing", remove("compliance/near")},
-      {"touch/compliance: modes and codes of the compliance are not those of one skin",
-       [&](hid_t touch) {
-         table("compliance/codes", std::int16_t{1}, 3, 32)(touch);
-         table("compliance/codes_scale", 1.0f, 3, 1)(touch);
-       }},
+      {"touch/compliance: attribute 'clusters' is not a count",
+       number("compliance", "clusters", 2.5)},
+      {"touch/compliance: dataset 'far_second' is 2 x 1 where 1 x 1 is needed",
+       table("compliance/far_second", 2, 2, 1)},
       {"touch/compliance: dataset 'first' is 42 x 1 where 43 x 1 is needed",
        table("compliance/first", 0, 42, 1)},
       {"touch/compliance: the near field is not in rows of sixteen",
@@ -241,10 +261,13 @@ TEST_CASE("tables that break a rule within a file are refused by name when it is
          table("region_0000/modes", std::int16_t{1}, 3, 528)(touch);
          table("region_0000/modes_scale", 1.0f, 3, 1)(touch);
        }},
-      {"touch/cross: dataset 'cubic' is 219 x 1 where 220 x 1 is needed",
-       table("cross/cubic", std::int16_t{1}, 219, 1)},
+      {"touch/cross: dataset 'cubic' is 19599 x 1 where 19600 x 1 is needed",
+       table("cross/cubic", std::int16_t{1}, 19599, 1)},
       {"touch: what touches do to each other is wrong in the size of its modes",
-       table("cross/far", std::int16_t{1}, 10, 16)},
+       [&](hid_t touch) {
+         table("cross/modes", std::int16_t{1}, 3, 48)(touch);
+         table("cross/modes_scale", 1.0f, 3, 1)(touch);
+       }},
       {"touch: the spacing of contact points is no length", number(".", "point_spacing", 0)},
   };
   const TouchTables good = test::some_touch_tables(ball().surface);

@@ -72,11 +72,12 @@ SymmetricForm read_form(hid_t group, const std::string& name, int variables, int
 }  // namespace
 
 void write_group(hid_t group, const ComplianceTable& table) {
-  const auto R = static_cast<hsize_t>(table.rank);
-  write_table(group, "modes", table.modes.data(), table.mode_scale.size(), R);
-  write_column(group, "modes_scale", table.mode_scale);
-  write_table(group, "codes", table.codes.data(), table.code_scale.size(), R);
-  write_column(group, "codes_scale", table.code_scale);
+  hdf5::write_number(group, "clusters", table.clusters);
+  write_column(group, "cluster_of", table.cluster_of);
+  write_rows(group, "basis", table.basis);
+  write_column(group, "far_first", table.far_first);
+  write_column(group, "far_second", table.far_second);
+  write_rows(group, "couplings", table.couplings);
   write_column(group, "first", table.first);
   write_column(group, "neighbours", table.neighbours);
   write_table(group, "near", table.near.data(), table.near.size() / kRowStep, kRowStep);
@@ -84,23 +85,19 @@ void write_group(hid_t group, const ComplianceTable& table) {
 }
 
 void read_group(hid_t group, ComplianceTable& table) {
-  RoundedRows modes = read_rows(group, "modes"), codes = read_rows(group, "codes");
-  require(modes.scale.size() % 3 == 0 && codes.scale.size() == modes.scale.size() &&
-              codes.width == modes.width,
-          "modes and codes of the compliance are not those of one skin");
-  table.vertices = static_cast<int>(modes.scale.size() / 3);
-  table.rank = static_cast<int>(modes.width);
-  table.modes = std::move(modes.values);
-  table.mode_scale = std::move(modes.scale);
-  table.codes = std::move(codes.values);
-  table.code_scale = std::move(codes.scale);
-  const auto V = static_cast<std::size_t>(table.vertices);
-  table.first = read_column<int>(group, "first", V + 1);
+  table.clusters = read_count(group, "clusters");
+  table.cluster_of = read_column<int>(group, "cluster_of");
+  table.vertices = static_cast<int>(table.cluster_of.size());
+  table.basis = read_rows(group, "basis");
+  table.far_first = read_column<int>(group, "far_first");
+  table.far_second = read_column<int>(group, "far_second", table.far_first.size());
+  table.couplings = read_rows(group, "couplings");
+  table.first = read_column<int>(group, "first", table.cluster_of.size() + 1);
   table.neighbours = read_column<int>(group, "neighbours");
   Table<std::int16_t> near = read_table<std::int16_t>(group, "near");
   require(near.columns == kRowStep, "the near field is not in rows of sixteen");
   table.near = std::move(near.data);
-  table.near_scale = read_column<float>(group, "near_scale", V);
+  table.near_scale = read_column<float>(group, "near_scale", table.cluster_of.size());
 }
 
 void write_group(hid_t group, const RegionTable& table) {
@@ -108,7 +105,8 @@ void write_group(hid_t group, const RegionTable& table) {
   hdf5::write_number(group, "leading", table.leading());
   write_column(group, "vertices", table.vertices);
   write_rows(group, "modes", table.modes);
-  write_rows(group, "far", table.from_compliance);
+  write_column(group, "source_clusters", table.source_clusters);
+  write_rows(group, "sources", table.sources);
   write_form(group, "cubic", table.cubic);
   write_form(group, "quartic", table.quartic);
 }
@@ -117,7 +115,8 @@ void read_group(hid_t group, RegionTable& table) {
   table.vertex = read_count(group, "vertex");
   table.vertices = read_column<int>(group, "vertices");
   table.modes = read_rows(group, "modes");
-  table.from_compliance = read_rows(group, "far");
+  table.source_clusters = read_column<int>(group, "source_clusters");
+  table.sources = read_rows(group, "sources");
   const auto r = static_cast<int>(table.modes.width);
   const int s = read_count(group, "leading");
   require(s <= std::min(r, kMostLeadingModes), "a region has too many leading modes");
@@ -126,13 +125,13 @@ void read_group(hid_t group, RegionTable& table) {
 }
 
 void write_group(hid_t group, const CrossTable& table) {
-  write_rows(group, "far", table.from_compliance);
+  write_rows(group, "modes", table.modes);
   write_form(group, "cubic", table.cubic);
 }
 
 void read_group(hid_t group, CrossTable& table) {
-  table.from_compliance = read_rows(group, "far");
-  table.cubic = read_form(group, "cubic", static_cast<int>(table.from_compliance.scale.size()), 3);
+  table.modes = read_rows(group, "modes");
+  table.cubic = read_form(group, "cubic", static_cast<int>(table.modes.width), 3);
 }
 
 }  // namespace palpable

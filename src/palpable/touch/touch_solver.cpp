@@ -22,18 +22,6 @@ constexpr float kStretch = 1.3f;
 constexpr float kLargestMove = 0.005f;  // m
 constexpr int kHalvings = 4;
 
-Matrix3Xf normals_of(const SurfaceMesh& skin) {
-  Matrix3Xf normals = Matrix3Xf::Zero(3, skin.vertex_count());
-  for (int t = 0; t < skin.triangle_count(); ++t) {
-    const auto corner = [&](int k) -> Vector3f {
-      return skin.vertices.col(skin.triangles(k, t)).cast<float>();
-    };
-    const Vector3f n = (corner(1) - corner(0)).cross(corner(2) - corner(0));
-    for (int k = 0; k < 3; ++k) normals.col(skin.triangles(k, t)) += n;
-  }
-  return normals.colwise().normalized();
-}
-
 int most_modes(const TouchTables& tables) {
   int most = 16;
   for (const RegionTable& region : tables.regions) most = std::max(most, region.mode_count());
@@ -55,12 +43,13 @@ struct TouchSolver::Work {
   ContactProblem problem;
 
   std::vector<Candidate> candidates;
-  std::vector<int> vertices;                      // of the candidates
-  std::vector<int> local_of_vertex;               // (V) -1: not among them
-  std::vector<float> pressing_of_point, earlier;  // (C) N; scratch of the halvings
-  std::vector<float> weights;                     // of `vertices`, for choosing blobs
-  std::vector<VertexForce> loads;                 // at `vertices`
-  Matrix3Xf here, before;                         // (3 x vertices) displacement of `vertices`
+  std::vector<int> vertices;            // of the candidates
+  std::vector<int> local_of_vertex;     // (V) -1: not among them
+  std::vector<float> sources, targets;  // (C x k)
+  std::vector<char> is_source;          // (C)
+  std::vector<float> weights;           // of `vertices`, for choosing blobs
+  std::vector<VertexForce> loads;       // at `vertices`
+  Matrix3Xf here, before;               // (3 x vertices) displacement of `vertices`
   std::vector<Vector3f> forces_before;
 
   Work(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed, const TouchTables& the_tables,
@@ -71,7 +60,7 @@ struct TouchSolver::Work {
         points(skin_points(skin, fixed, tables.point_spacing)),
         clusters(rest, points, kClusterRadius),
         compliance(tables.compliance),
-        map(rest, normals_of(skin), tables.regions, tables.region_reach),
+        map(rest, tables.regions, tables.region_reach),
         nonlinear(compliance, tables.regions, map, tables.cross),
         cache(compliance, kMostVertices),
         problem(kMostPoints, kMostVertices, most_modes(tables)),
@@ -83,6 +72,9 @@ struct TouchSolver::Work {
     loads.reserve(kMostVertices);
     weights.reserve(kMostVertices);
     forces_before.resize(kMostPoints);
+    is_source.resize(static_cast<std::size_t>(compliance.clusters()));
+    sources.resize(is_source.size() * compliance.rank());
+    targets.resize(sources.size());
   }
 
   [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
@@ -293,15 +285,32 @@ double TouchSolver::Work::iterate(const GapQuery& gap, double shift) {
 
 // The whole skin under the present loads.
 void TouchSolver::Work::fill_field(Matrix3Xf& u) {
-  std::vector<float>& code = pressing_of_point;
-  std::fill(code.begin(), code.end(), 0.0f);
+  const std::size_t k = compliance.rank();
+  const auto C = static_cast<std::size_t>(compliance.clusters());
+  const auto of = [k](std::vector<float>& numbers, std::size_t cluster) {
+    return std::span<float>(numbers.data() + cluster * k, k);
+  };
+  std::fill(sources.begin(), sources.end(), 0.0f);
+  std::fill(is_source.begin(), is_source.end(), char{0});
   for (const VertexForce& load : loads) {
-    if (!load.force.isZero(0)) compliance.add_code(load.vertex, load.force, code);
+    if (load.force.isZero(0)) continue;
+    const auto cluster = static_cast<std::size_t>(compliance.cluster_of(load.vertex));
+    is_source[cluster] = 1;
+    compliance.add_source(load.vertex, load.force, of(sources, cluster));
   }
+  std::fill(targets.begin(), targets.end(), 0.0f);
   if (is_nonlinear()) {
-    for (std::size_t k = 0; k < code.size(); ++k) code[k] += nonlinear.far_code()[k];
+    std::copy(nonlinear.far_targets().begin(), nonlinear.far_targets().end(), targets.begin());
   }
-  compliance.modes_everywhere(code, u);
+  for (std::size_t from = 0; from < C; ++from) {
+    if (is_source[from] == 0) continue;
+    for (std::size_t to = 0; to < C; ++to) {
+      if (!compliance.are_far(static_cast<int>(from), static_cast<int>(to))) continue;
+      compliance.add_target(static_cast<int>(from), of(sources, from), static_cast<int>(to),
+                            of(targets, to));
+    }
+  }
+  compliance.everywhere(targets, u);
   for (const VertexForce& load : loads) {
     if (!load.force.isZero(0)) compliance.add_near(load.vertex, load.force, u);
   }
@@ -326,9 +335,7 @@ void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, TouchR
 
 TouchSolver::TouchSolver(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
                          const TouchTables& tables, const TouchSettings& settings)
-    : work_(std::make_unique<Work>(skin, fixed, tables, settings)) {
-  work_->pressing_of_point.resize(static_cast<std::size_t>(tables.compliance.rank));
-}
+    : work_(std::make_unique<Work>(skin, fixed, tables, settings)) {}
 TouchSolver::~TouchSolver() = default;
 TouchSolver::TouchSolver(TouchSolver&&) noexcept = default;
 

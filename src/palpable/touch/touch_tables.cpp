@@ -60,34 +60,57 @@ double points_on(const SurfaceMesh& skin, double spacing) {
   return sum;
 }
 
-}  // namespace
-
-std::size_t bytes_of(const TouchTables& tables) {
-  const ComplianceTable& c = tables.compliance;
-  std::size_t sum = bytes(c.modes) + bytes(c.mode_scale) + bytes(c.codes) + bytes(c.code_scale) +
-                    bytes(c.first) + bytes(c.neighbours) + bytes(c.near) + bytes(c.near_scale);
-  for (const RegionTable& region : tables.regions) {
-    sum += bytes(region.vertices) + bytes(region.modes) + bytes(region.from_compliance) +
-           bytes(region.cubic) + bytes(region.quartic);
+// Which clusters are far from each other, and which of them a region answers for itself.
+class FarClusters {
+ public:
+  explicit FarClusters(const ComplianceTable& table)
+      : table_(table), C_(static_cast<std::size_t>(table.clusters)), far_(C_ * C_, 0), own_(C_, 0) {
+    for (std::size_t k = 0; k < table.far_first.size(); ++k) {
+      const auto c = static_cast<std::size_t>(table.far_first[k]);
+      const auto d = static_cast<std::size_t>(table.far_second[k]);
+      far_[c * C_ + d] = far_[d * C_ + c] = 1;
+    }
   }
-  return sum + bytes(tables.cross.from_compliance) + bytes(tables.cross.cubic);
-}
 
-std::string trouble_of(const RegionTable& table, int vertices, int rank) {
-  const int r = table.mode_count();
+  // What a region's sources do beyond its own vertices' clusters goes through couplings.
+  [[nodiscard]] bool serve(const RegionTable& region) {
+    std::fill(own_.begin(), own_.end(), char{0});
+    for (const int v : region.vertices) own_[index(table_.cluster_of[index(v)])] = 1;
+    return std::all_of(region.source_clusters.begin(), region.source_clusters.end(), [&](int from) {
+      if (from < 0 || from >= table_.clusters) return false;
+      for (std::size_t to = 0; to < C_; ++to) {
+        if (own_[to] == 0 && far_[index(from) * C_ + to] == 0) return false;
+      }
+      return true;
+    });
+  }
+
+ private:
+  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+  const ComplianceTable& table_;
+  std::size_t C_;
+  std::vector<char> far_, own_;  // (C x C), (C)
+};
+
+// @pre the compliance is consistent
+std::string trouble_of(const RegionTable& table, const ComplianceTable& compliance,
+                       FarClusters& clusters) {
+  const int r = table.mode_count(), V = compliance.vertices;
   const auto width = static_cast<std::size_t>(std::max(0, r));
   if (r < 1 || r > kMostTouchModes || width % kRowStep != 0) return "its number of modes";
   const std::vector<int>& known = table.vertices;
   const bool rise = std::is_sorted(known.begin(), known.end()) &&
                     std::adjacent_find(known.begin(), known.end()) == known.end();
-  if (!rise || (!known.empty() && (known.front() < 0 || known.back() >= vertices))) {
+  if (!rise || (!known.empty() && (known.front() < 0 || known.back() >= V))) {
     return "its list of vertices";
   }
-  if (table.vertex < 0 || table.vertex >= vertices) return "its middle";
+  if (table.vertex < 0 || table.vertex >= V) return "its middle";
+  if (!clusters.serve(table)) return "the clusters of its sources";
+  const std::size_t sources = table.source_clusters.size() * compliance.basis.width;
   for (const std::string& trouble :
        {trouble_of(table.modes, 3 * known.size(), width, "its modes"),
-        trouble_of(table.from_compliance, width, static_cast<std::size_t>(rank),
-                   "its modes far away"),
+        trouble_of(table.sources, width, sources, "its sources"),
         trouble_of(table.cubic, 3, kMostTouchModes, "its second order"),
         trouble_of(table.quartic, 4, std::min(r, kMostLeadingModes), "its third order")}) {
     if (!trouble.empty()) return trouble;
@@ -95,15 +118,27 @@ std::string trouble_of(const RegionTable& table, int vertices, int rank) {
   return {};
 }
 
-std::string trouble_of(const CrossTable& table, int rank) {
+std::string trouble_of(const CrossTable& table, int vertices) {
   const std::string form = trouble_of(table.cubic, 3, kMostTouchModes, "its second order");
   if (!form.empty()) return form;
-  if (table.cubic.variables == 0 && table.from_compliance.values.empty() &&
-      table.from_compliance.scale.empty()) {
-    return {};
+  const auto x = static_cast<std::size_t>(table.cubic.variables);
+  if (x == 0 && table.modes.values.empty() && table.modes.scale.empty()) return {};
+  if (x % kRowStep != 0) return "its number of modes";
+  return trouble_of(table.modes, 3 * static_cast<std::size_t>(vertices), x, "its modes");
+}
+
+}  // namespace
+
+std::size_t bytes_of(const TouchTables& tables) {
+  const ComplianceTable& c = tables.compliance;
+  std::size_t sum = bytes(c.cluster_of) + bytes(c.basis) + bytes(c.far_first) +
+                    bytes(c.far_second) + bytes(c.couplings) + bytes(c.first) +
+                    bytes(c.neighbours) + bytes(c.near) + bytes(c.near_scale);
+  for (const RegionTable& region : tables.regions) {
+    sum += bytes(region.vertices) + bytes(region.modes) + bytes(region.source_clusters) +
+           bytes(region.sources) + bytes(region.cubic) + bytes(region.quartic);
   }
-  return trouble_of(table.from_compliance, static_cast<std::size_t>(table.cubic.variables),
-                    static_cast<std::size_t>(rank), "its modes");
+  return sum + bytes(tables.cross.modes) + bytes(tables.cross.cubic);
 }
 
 std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin) {
@@ -112,7 +147,7 @@ std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin) {
   if (const std::string_view trouble = trouble_of(c); !trouble.empty()) {
     return fmt::format("the compliance is wrong in {}", trouble);
   }
-  if (!are_scales(c.mode_scale) || !are_scales(c.code_scale) || !are_scales(c.near_scale)) {
+  if (!are_scales(c.basis.scale) || !are_scales(c.couplings.scale) || !are_scales(c.near_scale)) {
     return "the compliance is wrong in a factor";
   }
   if (c.vertices != V) {
@@ -121,11 +156,12 @@ std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin) {
   if (tables.regions.size() > kMostRegions) {
     return fmt::format("there are {} regions, more than {}", tables.regions.size(), kMostRegions);
   }
+  FarClusters clusters(c);
   for (std::size_t k = 0; k < tables.regions.size(); ++k) {
-    const std::string trouble = trouble_of(tables.regions[k], V, c.rank);
+    const std::string trouble = trouble_of(tables.regions[k], c, clusters);
     if (!trouble.empty()) return fmt::format("region {} is wrong in {}", k, trouble);
   }
-  if (const std::string trouble = trouble_of(tables.cross, c.rank); !trouble.empty()) {
+  if (const std::string trouble = trouble_of(tables.cross, V); !trouble.empty()) {
     return fmt::format("what touches do to each other is wrong in {}", trouble);
   }
   if (!is_length(tables.region_reach)) return "the reach of regions is no length";

@@ -29,14 +29,9 @@ struct TouchTables {
 /// Modes of one region, or of the cross table, at most, and leading ones of a region.
 inline constexpr int kMostTouchModes = 512, kMostLeadingModes = 64;
 
-/// Why one table is not consistent, or holds what is no number; empty if all is well.
-/// @param vertices  V of the skin
-/// @param rank      R of the compliance
-[[nodiscard]] std::string trouble_of(const RegionTable& table, int vertices, int rank);
-[[nodiscard]] std::string trouble_of(const CrossTable& table, int rank);
-
-/// Why tables cannot be those of a skin: one that is not consistent, other vertices, or contact
-/// points so near to each other that there would be more than 300,000. Empty if they can.
+/// Why tables cannot be those of a skin: one that is not consistent or holds what is no number, one
+/// of other vertices, or contact points so near to each other that there would be more than
+/// 300,000. Empty if they can.
 [[nodiscard]] std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin);
 
 }  // namespace palpable

@@ -31,7 +31,7 @@ std::string touch_text(const std::optional<TouchTables>& tables) {
 Json touch_json(const std::optional<TouchTables>& tables) {
   if (!tables) return nullptr;
   return {{"order", order_of(*tables)},
-          {"modes", tables->compliance.rank},
+          {"clusters", tables->compliance.clusters},
           {"regions", tables->regions.size()},
           {"cross_modes", tables->cross.cubic.variables},
           {"table_mb", megabytes(*tables)}};
@@ -40,10 +40,10 @@ Json touch_json(const std::optional<TouchTables>& tables) {
 std::string touch_line(const TouchTables& tables) {
   const ComplianceTable& c = tables.compliance;
   std::string line = fmt::format(
-      "compliance of {} vertices in {} modes, and what they leave exactly between each and its "
-      "{:.0f} "
-      "neighbours (mean)",
-      c.vertices, c.rank,
+      "compliance of {} vertices in {} clusters: {} directions each between those far apart, as it "
+      "is "
+      "between each vertex and its {:.0f} neighbours (mean)",
+      c.vertices, c.clusters, c.basis.width,
       static_cast<double>(c.neighbours.size()) / static_cast<double>(c.vertices));
   if (!tables.regions.empty()) {
     const RegionTable& first = tables.regions.front();

@@ -19,14 +19,14 @@ TEST_CASE("it is told whether a body can be touched anywhere, and to which order
   CHECK_THAT(touch_text(tables), Catch::Contains(", 3rd order; 3 regions; "));
   const Json json = touch_json(tables);
   CHECK(json["order"].get<int>() == 3);
-  CHECK(json["modes"].get<int>() == 32);
+  CHECK(json["clusters"].get<int>() == 3);
   CHECK(json["regions"].get<int>() == 3);
-  CHECK(json["cross_modes"].get<int>() == 10);
+  CHECK(json["cross_modes"].get<int>() == 48);
   CHECK(json["table_mb"].get<double>() == static_cast<double>(bytes_of(tables)) / 1e6);
   CHECK_THAT(touch_line(tables),
-             Catch::Contains("compliance of 42 vertices in 32 modes") &&
+             Catch::Contains("compliance of 42 vertices in 3 clusters: 32 directions") &&
                  Catch::Contains("; 3 regions of 16 modes, 5 of them") &&
-                 Catch::Contains("; 10 modes in which touches act on each other"));
+                 Catch::Contains("; 48 modes in which touches act on each other"));
 
   for (RegionTable& region : tables.regions) region.quartic = {0, 4, {}, {}};
   CHECK_THAT(touch_text(tables), Catch::Contains(", 2nd order; 3 regions; "));

@@ -1,13 +1,14 @@
 #include "palpable/touch_bake/compliance_maker.h"
 
 #include "palpable/separate/dense_algebra.h"
-#include "palpable/touch/region.h"
 #include "palpable/touch_bake/parallel_work.h"
+
+#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <random>
+#include <limits>
 #include <vector>
 
 namespace palpable {
@@ -17,110 +18,161 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kExtra = 16;     // directions more than are kept: they make the last ones good
-constexpr int kRounds = 2;     // of the subspace iteration
-constexpr int kProbes = 64;    // random directions that tell how large columns are
-constexpr int kTogether = 48;  // loads of one piece of work: three batches of the factor
+constexpr int kSamples = 640;    // vertices whose loads the bases are made from
+constexpr int kTogether = 48;    // loads of one piece of work: three batches of the factor
+constexpr double kRidge = 1e-7;  // of the mean of what tells sources apart
 constexpr double kLargest = 32767.0;
-constexpr const char* kModesTask = "touch: modes of the compliance";
 
-// (3V x k) G times loads, in several threads.
-MatrixXd answer(const SkinResponse& skin, const MatrixXd& loads, int threads,
-                const std::string& task, const Progress& progress) {
-  MatrixXd result(loads.rows(), loads.cols());
-  const int pieces = static_cast<int>((loads.cols() + kTogether - 1) / kTogether);
-  work_in_parallel(pieces, threads, task, progress, [&](int piece) {
-    const Index first = Index{piece} * kTogether;
-    const Index count = std::min<Index>(kTogether, loads.cols() - first);
-    result.middleCols(first, count) =
-        skin.on_skin(skin.body().linear(skin.at_nodes(loads.middleCols(first, count))));
-  });
-  return result;
-}
+// What of the table is settled before any load is answered, and where numbers go.
+struct Plan {
+  ComplianceTable table;
+  std::vector<int> middles;               // (C) vertices
+  std::vector<std::vector<int>> members;  // (C) vertices, rising
+  std::vector<std::vector<int>> near;     // (C) clusters near each, itself among them, rising
+  std::vector<std::size_t> near_first;    // (V) where the nine rows of a vertex begin
+};
 
-// (3V) 1 / |G_j|, roughly: of k random directions z the mean of (z . G_j)^2 is |G_j|^2, to
-// sqrt(2 / k) of it.
-VectorXd inverse_norms(const SkinResponse& skin, int threads, std::mt19937_64& random) {
-  std::normal_distribution<double> entry;
-  const MatrixXd Z =
-      MatrixXd::NullaryExpr(3 * Index{skin.vertex_count()}, kProbes, [&] { return entry(random); });
-  const VectorXd norms = answer(skin, Z, threads, kModesTask, {}).rowwise().norm();
-  const double floor = 1e-6 * norms.maxCoeff();  // held components answer nothing
-  return norms.cwiseMax(floor).cwiseInverse();
-}
-
-// (3V x R) orthonormal: the leading left singular vectors of G S with S = 1 / |G_j|.
-MatrixXd leading_modes(const SkinResponse& skin, const ComplianceSettings& settings,
-                       const Progress& progress) {
-  const Index rows = 3 * Index{skin.vertex_count()};
-  const Index wanted = std::min<Index>(settings.rank + kExtra, rows);
-  std::mt19937_64 random(1);
-  std::normal_distribution<double> entry;
-  const VectorXd S = inverse_norms(skin, settings.threads, random);
-  const auto G = [&](const MatrixXd& loads) {
-    return answer(skin, loads, settings.threads, kModesTask, progress);
-  };
-  const MatrixXd start = MatrixXd::NullaryExpr(rows, wanted, [&] { return entry(random); });
-  MatrixXd Q = orthonormal_basis(G(S.asDiagonal() * start));
-  for (int round = 0; round < kRounds; ++round) {
-    const VectorXd S2 = S.cwiseAbs2();
-    Q = orthonormal_basis(G(S2.asDiagonal() * G(Q)));
+// The numbers of a part of `fields`: of these vertices.
+MatrixXd rows_of(const MatrixXd& fields, const std::vector<int>& vertices) {
+  MatrixXd rows(3 * static_cast<Index>(vertices.size()), fields.cols());
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    rows.middleRows(3 * static_cast<Index>(k), 3) = fields.middleRows(3 * Index{vertices[k]}, 3);
   }
-  const MatrixXd SGQ = S.asDiagonal() * G(Q);
-  const SymmetricEigen eigen = symmetric_eigen(transposed_times(SGQ, SGQ));  // increasing
-  MatrixXd modes = MatrixXd::Zero(rows, settings.rank);
-  const Index kept = std::min<Index>(settings.rank, wanted);
-  modes.leftCols(kept) = times(Q, eigen.vectors.rightCols(kept).rowwise().reverse());
-  return modes;
+  return rows;
 }
 
-// Neighbours within the radius, rising.
-void find_neighbours(const SkinResponse& skin, double radius, ComplianceTable& table) {
+void find_clusters(const SkinResponse& skin, const ComplianceSettings& settings, Plan& plan) {
   const auto& X = skin.skin().vertices;
-  table.first.push_back(0);
+  plan.middles = spread_vertices(skin, settings.spacing, settings.most);
+  plan.table.clusters = static_cast<int>(plan.middles.size());
+  plan.members.resize(plan.middles.size());
+  plan.near.resize(plan.middles.size());
+  double largest = 0;  // m, from a middle
   for (int v = 0; v < skin.vertex_count(); ++v) {
-    for (int w = 0; w < skin.vertex_count(); ++w) {
-      if ((X.col(v) - X.col(w)).norm() <= radius) table.neighbours.push_back(w);
+    int best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t c = 0; c < plan.middles.size(); ++c) {
+      const double distance = (X.col(v) - X.col(plan.middles[c])).norm();
+      if (distance >= least) continue;
+      least = distance;
+      best = static_cast<int>(c);
     }
+    plan.table.cluster_of.push_back(best);
+    plan.members[static_cast<std::size_t>(best)].push_back(v);
+    if (skin.fixed()[v] == 0) largest = std::max(largest, least);
+  }
+  const double near = std::max(settings.near_radius, 2 * largest);
+  for (int c = 0; c < plan.table.clusters; ++c) {
+    for (int d = 0; d < plan.table.clusters; ++d) {
+      if ((X.col(plan.middles[c]) - X.col(plan.middles[d])).norm() <= near) {
+        plan.near[c].push_back(d);
+      } else if (c < d) {
+        plan.table.far_first.push_back(c);
+        plan.table.far_second.push_back(d);
+      }
+    }
+  }
+}
+
+void make_room(Plan& plan, int rank) {
+  ComplianceTable& table = plan.table;
+  table.first.push_back(0);
+  std::size_t numbers = 0;
+  for (int v = 0; v < table.vertices; ++v) {
+    std::vector<int> neighbours;
+    for (const int c : plan.near[table.cluster_of[v]]) {
+      neighbours.insert(neighbours.end(), plan.members[c].begin(), plan.members[c].end());
+    }
+    std::sort(neighbours.begin(), neighbours.end());
+    plan.near_first.push_back(numbers);
+    numbers += 9 * padded(neighbours.size());
+    table.neighbours.insert(table.neighbours.end(), neighbours.begin(), neighbours.end());
     table.first.push_back(static_cast<int>(table.neighbours.size()));
   }
+  table.near.assign(numbers, 0);
+  table.near_scale.assign(static_cast<std::size_t>(table.vertices), 0.0f);
+  table.couplings.width = static_cast<std::size_t>(rank);
+  table.couplings.scale.assign(table.far_first.size() * table.couplings.width, 0.0f);
+  table.couplings.values.assign(table.couplings.scale.size() * table.couplings.width, 0);
 }
 
-// Rows as they were rounded.
-MatrixXd as_rounded(const std::vector<std::int16_t>& values, const std::vector<float>& scale,
-                    Index rank) {
-  const Eigen::Map<
-      const Eigen::Matrix<std::int16_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>
-      rows(values.data(), static_cast<Index>(scale.size()), rank);
-  const Eigen::Map<const Eigen::VectorXf> factor(scale.data(), rows.rows());
-  return factor.cast<double>().asDiagonal() * rows.cast<double>();
+// (3V x k) P, cluster by cluster.
+MatrixXd bases(const SkinResponse& skin, const ComplianceSettings& settings, const Plan& plan,
+               const Progress& progress) {
+  const std::vector<int> samples = spread_vertices(skin, 0, kSamples);
+  MatrixXd fields(3 * Index{skin.vertex_count()}, 3 * static_cast<Index>(samples.size()));
+  const int pieces = static_cast<int>((fields.cols() + kTogether - 1) / kTogether);
+  work_in_parallel(pieces, settings.threads, "touch: what is far away", progress, [&](int piece) {
+    const Index first = Index{piece} * kTogether;
+    const Index count = std::min<Index>(kTogether, fields.cols() - first);
+    MatrixXd loads = MatrixXd::Zero(fields.rows(), count);
+    for (Index k = 0; k < count; ++k) {
+      const int vertex = samples[static_cast<std::size_t>((first + k) / 3)];
+      loads(3 * Index{vertex} + (first + k) % 3, k) = 1.0;
+    }
+    fields.middleCols(first, count) = skin.on_skin(skin.body().linear(skin.at_nodes(loads)));
+  });
+  for (Index k = 0; k < fields.cols(); ++k) {
+    fields.col(k) /= std::max(fields.col(k).norm(), std::numeric_limits<double>::min());
+  }
+  MatrixXd P = MatrixXd::Zero(fields.rows(), settings.rank);
+  for (int c = 0; c < plan.table.clusters; ++c) {
+    MatrixXd here = rows_of(fields, plan.members[c]);
+    for (Index k = 0; k < here.cols(); ++k) {
+      const int from = plan.table.cluster_of[samples[static_cast<std::size_t>(k / 3)]];
+      if (std::binary_search(plan.near[c].begin(), plan.near[c].end(), from)) here.col(k).setZero();
+    }
+    const SymmetricEigen eigen = symmetric_eigen(times(here, here.transpose()));  // increasing
+    const Index kept = std::min<Index>(settings.rank, here.rows());
+    const MatrixXd basis = eigen.vectors.rightCols(kept).rowwise().reverse();
+    for (std::size_t k = 0; k < plan.members[c].size(); ++k) {
+      P.block(3 * Index{plan.members[c][k]}, 0, 3, kept) =
+          basis.middleRows(3 * static_cast<Index>(k), 3);
+    }
+  }
+  return P;
 }
 
-// The nine rows of one vertex, from its three answers.
-// @param u       (3V x 3) m/N
-// @param modes   (3V x R) Phi, as rounded
-// @param codes   (3 x R) C of the vertex, as rounded
-void keep_near(const MatrixXd& u, const MatrixXd& modes, const MatrixXd& codes, int vertex,
-               std::size_t at, ComplianceTable& table) {
+// S_cd for all d > c that are far. @param u  (3V x 3 n_c) what unit loads at c's vertices do
+void keep_couplings(const MatrixXd& u, const MatrixXd& P, int c, Plan& plan) {
+  ComplianceTable& table = plan.table;
+  const MatrixXd mine = rows_of(P, plan.members[c]);
+  const auto [begin, end] = std::equal_range(table.far_first.begin(), table.far_first.end(), c);
+  for (auto at = begin; at != end; ++at) {
+    const auto pair = static_cast<std::size_t>(at - table.far_first.begin());
+    const std::vector<int>& there = plan.members[table.far_second[pair]];
+    const MatrixXd target = transposed_times(rows_of(P, there), rows_of(u, there));  // (k x 3 n_c)
+    const RoundedRows rows = rounded(times(target, mine).transpose().cast<float>());
+    const std::size_t first = pair * table.couplings.width;
+    std::copy(rows.scale.begin(), rows.scale.end(),
+              table.couplings.scale.begin() + static_cast<std::ptrdiff_t>(first));
+    std::copy(rows.values.begin(), rows.values.end(),
+              table.couplings.values.begin() +
+                  static_cast<std::ptrdiff_t>(first * table.couplings.width));
+  }
+}
+
+// The nine rows of one vertex, from its three answers. @param u  (3V x 3) m/N
+void keep_near(const Eigen::Ref<const MatrixXd>& u, int vertex, Plan& plan) {
+  ComplianceTable& table = plan.table;
   const auto first = static_cast<std::size_t>(table.first[vertex]);
   const auto last = static_cast<std::size_t>(table.first[vertex + 1]);
   const std::size_t width = padded(last - first);
-  MatrixXd rest(3 * static_cast<Index>(last - first), 3);
+  double largest = 0;
   for (std::size_t k = first; k < last; ++k) {
-    const Index w = 3 * Index{table.neighbours[k]};
-    rest.middleRows(3 * static_cast<Index>(k - first), 3) =
-        u.middleRows(w, 3) - modes.middleRows(w, 3) * codes.transpose();
+    largest =
+        std::max(largest, u.middleRows(3 * Index{table.neighbours[k]}, 3).cwiseAbs().maxCoeff());
   }
-  const double largest = rest.cwiseAbs().maxCoeff();
   const double scale = largest / kLargest;
   table.near_scale[vertex] = static_cast<float>(scale);
   if (!(scale > 0)) return;
   for (std::size_t k = first; k < last; ++k) {
     for (int d = 0; d < 3; ++d) {
       for (int c = 0; c < 3; ++c) {
-        table.near[at + static_cast<std::size_t>(3 * d + c) * width + k - first] =
+        table.near[plan.near_first[vertex] + static_cast<std::size_t>(3 * d + c) * width + k -
+                   first] =
             static_cast<std::int16_t>(
-                std::lround(rest(3 * static_cast<Index>(k - first) + c, d) / scale));
+                std::lround(u(3 * Index{table.neighbours[k]} + c, d) / scale));
       }
     }
   }
@@ -130,45 +182,60 @@ void keep_near(const MatrixXd& u, const MatrixXd& modes, const MatrixXd& codes, 
 
 ComplianceTable make_compliance(const SkinResponse& skin, const ComplianceSettings& settings,
                                 const Progress& progress) {
-  ComplianceTable table;
-  table.vertices = skin.vertex_count();
-  table.rank = settings.rank;
-  {
-    const RoundedRows rows = rounded(leading_modes(skin, settings, progress).cast<float>());
-    table.modes = rows.values;
-    table.mode_scale = rows.scale;
+  Plan plan;
+  plan.table.vertices = skin.vertex_count();
+  find_clusters(skin, settings, plan);
+  make_room(plan, settings.rank);
+  MatrixXd P = bases(skin, settings, plan, progress);
+  plan.table.basis = rounded(P.cast<float>());
+  P = as_numbers(plan.table.basis);
+  work_in_parallel(plan.table.clusters, settings.threads, "touch: compliance of every vertex",
+                   progress, [&](int c) {
+                     const std::vector<int>& members = plan.members[c];
+                     MatrixXd loads = MatrixXd::Zero(3 * Index{plan.table.vertices},
+                                                     3 * static_cast<Index>(members.size()));
+                     for (Index k = 0; k < loads.cols(); ++k) {
+                       loads(3 * Index{members[static_cast<std::size_t>(k / 3)]} + k % 3, k) = 1.0;
+                     }
+                     const MatrixXd u = skin.on_skin(skin.body().linear(skin.at_nodes(loads)));
+                     keep_couplings(u, P, c, plan);
+                     for (std::size_t k = 0; k < members.size(); ++k) {
+                       keep_near(u.middleCols(3 * static_cast<Index>(k), 3), members[k], plan);
+                     }
+                   });
+  return std::move(plan.table);
+}
+
+MatrixXd sources_of(const Compliance& compliance, const std::vector<int>& clusters,
+                    const MatrixXd& fields) {
+  const auto k = static_cast<Index>(compliance.rank());
+  const MatrixXd P = as_numbers(compliance.table().basis);
+  std::vector<std::vector<int>> members(static_cast<std::size_t>(compliance.clusters()));
+  for (int v = 0; v < compliance.vertices(); ++v) members[compliance.cluster_of(v)].push_back(v);
+  const Index unknowns = k * static_cast<Index>(clusters.size());
+  MatrixXd gram = MatrixXd::Zero(unknowns, unknowns);
+  MatrixXd right = MatrixXd::Zero(unknowns, fields.cols());
+  for (int d = 0; d < compliance.clusters(); ++d) {
+    if (std::any_of(clusters.begin(), clusters.end(),
+                    [&](int c) { return !compliance.are_far(c, d); })) {
+      continue;
+    }
+    MatrixXd arrives(k, unknowns);  // at d, by a unit of each source
+    std::vector<float> source(compliance.rank()), target(compliance.rank());
+    for (Index j = 0; j < unknowns; ++j) {
+      std::fill(source.begin(), source.end(), 0.0f);
+      std::fill(target.begin(), target.end(), 0.0f);
+      source[static_cast<std::size_t>(j % k)] = 1.0f;
+      compliance.add_target(clusters[static_cast<std::size_t>(j / k)], source, d, target);
+      arrives.col(j) = Eigen::Map<const Eigen::VectorXf>(target.data(), k).cast<double>();
+    }
+    add_gram(arrives, gram);
+    right += transposed_times(
+        arrives, transposed_times(rows_of(P, members[d]), rows_of(fields, members[d])));
   }
-  const MatrixXd modes = as_rounded(table.modes, table.mode_scale, table.rank);
-  table.codes.assign(table.modes.size(), 0);
-  table.code_scale.assign(table.mode_scale.size(), 0.0f);
-  find_neighbours(skin, settings.near_radius, table);
-  std::vector<std::size_t> at{0};
-  for (int v = 0; v < table.vertices; ++v) {
-    at.push_back(at.back() +
-                 9 * padded(static_cast<std::size_t>(table.first[v + 1] - table.first[v])));
-  }
-  table.near.assign(at.back(), 0);
-  table.near_scale.assign(static_cast<std::size_t>(table.vertices), 0.0f);
-  const int together = kTogether / 3;
-  const int pieces = (table.vertices + together - 1) / together;
-  work_in_parallel(
-      pieces, settings.threads, "touch: compliance of every vertex", progress, [&](int piece) {
-        const int first = piece * together, last = std::min(table.vertices, first + together);
-        MatrixXd loads = MatrixXd::Zero(3 * Index{table.vertices}, 3 * Index{last - first});
-        for (Index k = 0; k < loads.cols(); ++k) loads(3 * Index{first} + k, k) = 1.0;
-        const MatrixXd u = skin.on_skin(skin.body().linear(skin.at_nodes(loads)));
-        const RoundedRows codes = rounded(transposed_times(u, modes).cast<float>());
-        std::copy(codes.values.begin(), codes.values.end(),
-                  table.codes.begin() + 3 * std::ptrdiff_t{first} * table.rank);
-        std::copy(codes.scale.begin(), codes.scale.end(),
-                  table.code_scale.begin() + 3 * std::ptrdiff_t{first});
-        const MatrixXd exact = as_rounded(codes.values, codes.scale, table.rank);
-        for (int v = first; v < last; ++v) {
-          const Index row = 3 * Index{v - first};
-          keep_near(u.middleCols(row, 3), modes, exact.middleRows(row, 3), v, at[v], table);
-        }
-      });
-  return table;
+  gram.diagonal().array() +=
+      kRidge * gram.trace() / static_cast<double>(unknowns) + std::numeric_limits<double>::min();
+  return gram.selfadjointView<Eigen::Lower>().llt().solve(right);
 }
 
 }  // namespace palpable

@@ -11,16 +11,25 @@
 namespace palpable {
 
 struct ComplianceSettings {
-  int rank = 304;              ///< modes of the whole body, a multiple of 16
-  double near_radius = 0.025;  ///< m: what the modes leave is kept between vertices so near
+  double spacing = 0.014;      ///< m: no vertex is farther from the middle of its cluster
+  int most = 160;              ///< clusters; of a larger skin they are larger
+  double near_radius = 0.028;  ///< m: clusters whose middles are nearer are near each other
+  int rank = 32;               ///< k, a multiple of 16
   int threads = 1;
 };
 
-/// The modes are the leading eigenvectors of G, found by subspace iteration with random starts of a
-/// fixed seed; what they leave is computed for every component of every vertex: 3V solves, 5 ms
-/// each on a body of 16,000 nodes.
+/// P of a cluster are the leading directions of what loads at vertices that are far from it,
+/// spread over the skin, do in it, each field divided by its norm. All else is computed for every
+/// component of every vertex: 3V solves, 5 ms each on a body of 16,000 nodes.
 [[nodiscard]] ComplianceTable make_compliance(const SkinResponse& skin,
                                               const ComplianceSettings& settings,
                                               const Progress& progress = {});
+
+/// (n k x modes) sources in these n clusters whose far fields come nearest to fields on the skin,
+/// in all clusters that are far from each of them.
+/// @param fields  (3V x modes) m
+[[nodiscard]] Eigen::MatrixXd sources_of(const Compliance& compliance,
+                                         const std::vector<int>& clusters,
+                                         const Eigen::MatrixXd& fields);
 
 }  // namespace palpable

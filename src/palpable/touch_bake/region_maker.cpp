@@ -4,6 +4,7 @@
 #include "palpable/separate/dense_algebra.h"
 #include "palpable/touch/row_kernels.h"
 #include "palpable/touch/skin_points.h"
+#include "palpable/touch_bake/compliance_maker.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -25,6 +26,7 @@ using Eigen::VectorXd;
 constexpr double kTilt = 0.5;              // largest tangential part of a load's direction
 constexpr double kPointSpacing = 0.0011;   // m: of the points at which pressure is summed
 constexpr double kFloor = 0.05;            // of the pressure at the rim, so that no load is empty
+constexpr double kOtherSide = -0.2;        // cosine between normals: the other side of an ear
 constexpr double kLeastEigenvalue = 1e-9;  // of the largest: below, a mode is rounding
 
 // Random loads near a vertex, (3V x k).
@@ -33,7 +35,11 @@ MatrixXd some_loads(const SkinResponse& skin, int middle, const RegionSettings& 
   std::uniform_real_distribution<double> share(0, 1);
   std::vector<int> near;
   for (int v = 0; v < skin.vertex_count(); ++v) {
-    if (skin.fixed()[v] == 0 && skin.distance(v, middle) < settings.reach) near.push_back(v);
+    // Both sides of an ear, and the walls of a cleft: what presses there presses both.
+    if (skin.fixed()[v] == 0 &&
+        (skin.skin().vertices.col(v) - skin.skin().vertices.col(middle)).norm() < settings.reach) {
+      near.push_back(v);
+    }
   }
   if (near.empty()) near.push_back(middle);
   std::vector<SkinPoint> points = skin_points(skin.skin(), skin.fixed(), kPointSpacing);
@@ -57,7 +63,9 @@ MatrixXd some_loads(const SkinResponse& skin, int middle, const RegionSettings& 
     loads.middleRows(3 * Index{at}, 3).col(k) = 1e-9 * direction;  // never nothing
     for (const SkinPoint& point : points) {
       const double r = static_cast<double>((place_of(point, X) - X.col(at)).norm()) / R;
-      if (r > 1) continue;
+      const bool other_side =
+          skin.normals().col(point.vertices[0]).dot(skin.normals().col(at)) < kOtherSide;
+      if (r > 1 || other_side) continue;
       const double force = (std::sqrt(1 - r * r) + kFloor) * static_cast<double>(point.area);
       for (int c = 0; c < 3; ++c) {
         loads.block<3, 1>(3 * Index{point.vertices[static_cast<std::size_t>(c)]}, k) +=
@@ -120,44 +128,41 @@ MatrixXd leading_modes(const Snapshots& all, int count) {
   return modes;
 }
 
-std::vector<int> vertices_near(const SkinResponse& skin, int middle, double radius) {
-  std::vector<int> near;
+// Clusters whose vertices lie near a vertex; its own one at least.
+std::vector<int> clusters_around(const SkinResponse& skin, const Compliance& compliance, int middle,
+                                 double radius) {
+  std::vector<int> found{compliance.cluster_of(middle)};
   const auto& X = skin.skin().vertices;
+  std::vector<Vector3d> sum(static_cast<std::size_t>(compliance.clusters()), Vector3d::Zero());
+  std::vector<int> count(sum.size(), 0);
   for (int v = 0; v < skin.vertex_count(); ++v) {
-    if ((X.col(v) - X.col(middle)).norm() <= radius) near.push_back(v);
+    sum[compliance.cluster_of(v)] += X.col(v);
+    ++count[compliance.cluster_of(v)];
   }
-  return near;
+  for (int c = 0; c < compliance.clusters(); ++c) {
+    if (count[c] == 0 || c == found.front()) continue;
+    if ((sum[c] / count[c] - X.col(middle)).norm() <= radius) found.push_back(c);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+// All vertices of clusters that are not far from all of these.
+std::vector<int> vertices_around(const Compliance& compliance, const std::vector<int>& clusters) {
+  std::vector<int> found;
+  for (int v = 0; v < compliance.vertices(); ++v) {
+    if (std::any_of(clusters.begin(), clusters.end(),
+                    [&](int c) { return !compliance.are_far(c, compliance.cluster_of(v)); })) {
+      found.push_back(v);
+    }
+  }
+  return found;
 }
 
 }  // namespace
 
-MatrixXd weights_of(const ComplianceTable& compliance, const MatrixXd& fields,
-                    const std::vector<char>& left_out) {
-  const Index R = compliance.rank;
-  std::vector<Index> rows;
-  for (Index v = 0; v < static_cast<Index>(left_out.size()); ++v) {
-    for (Index c = 0; c < 3; ++c) {
-      if (left_out[v] == 0) rows.push_back(3 * v + c);
-    }
-  }
-  MatrixXd modes(static_cast<Index>(rows.size()), R), wanted(modes.rows(), fields.cols());
-  for (Index i = 0; i < modes.rows(); ++i) {
-    const Index row = rows[static_cast<std::size_t>(i)];
-    for (Index k = 0; k < R; ++k) {
-      modes(i, k) = static_cast<double>(compliance.modes[row * R + k]) *
-                    static_cast<double>(compliance.mode_scale[row]);
-    }
-    wanted.row(i) = fields.row(row);
-  }
-  MatrixXd gram = transposed_times(modes, modes);
-  // Modes that nothing outside of the region tells apart stay small.
-  gram.diagonal().array() += 1e-10 * gram.trace() / static_cast<double>(R) + 1e-300;
-  return gram.ldlt().solve(transposed_times(modes, wanted));
-}
-
 RegionTable make_region(const SkinResponse& skin, const ModalFormMaker& forms,
-                        const ComplianceTable& compliance, int vertex,
-                        const RegionSettings& settings) {
+                        const Compliance& compliance, int vertex, const RegionSettings& settings) {
   PALPABLE_EXPECT(
       settings.modes % static_cast<int>(kRowStep) == 0 && settings.leading <= settings.modes,
       "modes by sixteens, and no more leading ones than there are");
@@ -166,17 +171,16 @@ RegionTable make_region(const SkinResponse& skin, const ModalFormMaker& forms,
   const MatrixXd modes =
       leading_modes(snapshots_of(skin, some_loads(skin, vertex, settings)), settings.modes);
   const MatrixXd on_skin = skin.on_skin(modes);
-  region.vertices = vertices_near(skin, vertex, settings.near_radius);
-  Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows(
-      3 * static_cast<Index>(region.vertices.size()), modes.cols());
-  std::vector<char> near(static_cast<std::size_t>(skin.vertex_count()), 0);
+  region.source_clusters = clusters_around(skin, compliance, vertex, settings.sources);
+  region.vertices = vertices_around(compliance, region.source_clusters);
+  RowsOfFloats rows(3 * static_cast<Index>(region.vertices.size()), modes.cols());
   for (std::size_t k = 0; k < region.vertices.size(); ++k) {
     rows.middleRows(3 * static_cast<Index>(k), 3) =
         on_skin.middleRows(3 * Index{region.vertices[k]}, 3).cast<float>();
-    near[region.vertices[k]] = 1;
   }
   region.modes = rounded(rows);
-  region.from_compliance = rounded(weights_of(compliance, on_skin, near).transpose().cast<float>());
+  region.sources =
+      rounded(sources_of(compliance, region.source_clusters, on_skin).transpose().cast<float>());
   const ModalForms made = forms.make(modes, settings.leading);
   region.cubic = rounded(made.modes, 3, made.cubic);
   region.quartic = rounded(made.leading, 4, made.quartic);

@@ -20,7 +20,7 @@ struct RegionSettings {
   int leading = 24;        ///< s
   int loads = 150;         ///< that the modes are made from
   double least_load = 0.0015, largest_load = 0.008;  ///< m, radii of those loads
-  double near_radius = 0.040;  ///< m: farther away the modes are sums of the compliance's
+  double sources = 0.014;  ///< m: clusters whose sources say what the modes do far away
 };
 
 /// The modes come from loads as things make them: pressure on discs of the sizes above, like that
@@ -33,15 +33,7 @@ struct RegionSettings {
 /// @param forms     of the same body and state
 /// @param compliance  for the far field
 [[nodiscard]] RegionTable make_region(const SkinResponse& skin, const ModalFormMaker& forms,
-                                      const ComplianceTable& compliance, int vertex,
+                                      const Compliance& compliance, int vertex,
                                       const RegionSettings& settings);
-
-/// (R x k) weights of the compliance's modes that come nearest to fields on the skin, by least
-/// squares over the vertices that are not left out.
-/// @param fields  (3V x k) m
-/// @param left_out  (V) 1: does not count
-[[nodiscard]] Eigen::MatrixXd weights_of(const ComplianceTable& compliance,
-                                         const Eigen::MatrixXd& fields,
-                                         const std::vector<char>& left_out);
 
 }  // namespace palpable

@@ -55,7 +55,7 @@ void scale_columns(MatrixXd& u, MatrixXd& force, const auto& size) {
 // A POD in the L2 norm: one in the norm of the stiffness would spend its modes on what is sharp,
 // and what patches do to each other from afar is smooth.
 CrossTable make_cross_table(const SkinResponse& skin, const ModalFormMaker& forms,
-                            const ComplianceTable& compliance, const CrossSettings& settings) {
+                            const CrossSettings& settings) {
   CrossTable table;
   if (settings.modes == 0) return table;
   const LoadResponse& body = skin.body();
@@ -97,9 +97,7 @@ CrossTable make_cross_table(const SkinResponse& skin, const ModalFormMaker& form
   MatrixXd modes = MatrixXd::Zero(all.rows(), settings.modes);
   modes.leftCols(n) = K.llt().matrixL().solve(Q.transpose()).transpose();
 
-  const std::vector<char> none(static_cast<std::size_t>(skin.vertex_count()), 0);
-  table.from_compliance =
-      rounded(weights_of(compliance, skin.on_skin(modes), none).transpose().cast<float>());
+  table.modes = rounded(skin.on_skin(modes).cast<float>());
   const ModalForms made = forms.make(modes, 0, kSmooth);
   table.cubic = rounded(made.modes, 3, made.cubic);
   return table;
@@ -160,16 +158,16 @@ TouchTables make_touch_tables(const SkinResponse& skin, const TouchBakeSettings&
     report(progress, {now.task, now.done + there, now.total + there, now.note});
   };
   const ModalFormMaker forms(skin.body().model(), skin.body().rest());
+  const Compliance asked(tables.compliance);
   work_in_parallel(static_cast<int>(missing.size()), settings.threads,
                    "touch: large loads, region by region", with_those_kept, [&](int item) {
                      const int k = missing[static_cast<std::size_t>(item)];
                      if (k == kCross) {
-                       tables.cross =
-                           make_cross_table(skin, forms, tables.compliance, settings.cross);
+                       tables.cross = make_cross_table(skin, forms, settings.cross);
                        if (store != nullptr) store->keep(keys, tables.cross);
                      } else {
                        RegionTable& region = tables.regions[static_cast<std::size_t>(k)];
-                       region = make_region(skin, forms, tables.compliance,
+                       region = make_region(skin, forms, asked,
                                             middles[static_cast<std::size_t>(k)], settings.regions);
                        if (store != nullptr) store->keep(keys, region);
                      }

@@ -33,7 +33,6 @@ struct TouchBakeSettings {
 
 /// Modes of the whole body in which patches of load act on each other.
 [[nodiscard]] CrossTable make_cross_table(const SkinResponse& skin, const ModalFormMaker& forms,
-                                          const ComplianceTable& compliance,
                                           const CrossSettings& settings);
 
 /// The same bytes on any number of threads, and whether tables were kept or made.

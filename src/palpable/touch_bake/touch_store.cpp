@@ -118,23 +118,23 @@ TouchKeys touch_keys(const SkinResponse& skin, const TouchBakeSettings& settings
 
   TouchKeys keys;
   {
-    const auto& [rank, near_radius, threads] = settings.compliance;
+    const auto& [spacing, most, near_radius, rank, threads] = settings.compliance;
     Digest digest = body;
-    digest.add(rank);
-    digest.add(near_radius);
+    for (const int count : {most, rank}) digest.add(count);
+    for (const double length : {spacing, near_radius}) digest.add(length);
     keys.compliance = digest.value();
   }
   {
-    const auto& [spacing, most, reach, modes, leading, loads, least_load, largest_load,
-                 near_radius] = settings.regions;
+    const auto& [spacing, most, reach, modes, leading, loads, least_load, largest_load, sources] =
+        settings.regions;
     Digest digest(keys.compliance);
     for (const int count : {modes, leading, loads}) digest.add(count);
-    for (const double length : {reach, least_load, largest_load, near_radius}) digest.add(length);
+    for (const double length : {reach, least_load, largest_load, sources}) digest.add(length);
     keys.regions = digest.value();
   }
   {
     const auto& [modes, places, pairs, radius] = settings.cross;
-    Digest digest(keys.compliance);
+    Digest digest = body;
     for (const int count : {modes, places, pairs}) digest.add(count);
     digest.add(radius);
     keys.cross = digest.value();

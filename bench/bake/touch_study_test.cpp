@@ -1,0 +1,117 @@
+#include "bench/bake/touch_study.h"
+
+#include "palpable/touch_bake/touch_maker.h"
+#include "tests/support/test.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using test::tolerance;
+
+// 60 x 50 x 40 mm of rubber, held below.
+SolidModel block() {
+  SolidModel model;
+  model.mesh = box_tets({-0.03, -0.025, 0}, {0.03, 0.025, 0.04}, 10, 8, 7);
+  model.material = material_from_young("neo-hookean", 60e3, 0.4);
+  for (int n = 0; n < model.mesh.node_count(); ++n) {
+    if (model.mesh.nodes(2, n) < 0.001) model.fixed_nodes.push_back(n);
+  }
+  return model;
+}
+
+struct Touched {
+  SolidModel model = block();
+  EquilibriumSolver solver{model};
+  SkinResponse skin{model, boundary_of(model.mesh)};
+  TouchTables tables;
+
+  Touched() {
+    TouchBakeSettings settings;
+    settings.point_spacing = 0.003;
+    settings.regions.spacing = 0.020;
+    settings.regions.reach = 0.024;
+    settings.regions.loads = 80;
+    settings.regions.modes = 64;
+    settings.cross.modes = 64;
+    settings.cross.places = 40;
+    settings.cross.pairs = 100;
+    settings.threads = 2;
+    tables = make_touch_tables(skin, settings);
+  }
+
+  [[nodiscard]] std::vector<TouchDifference> compare(PressingThing thing, bool nonlinear) {
+    TouchSettings settings;
+    settings.nonlinear = nonlinear;
+    TouchSolver touch(skin.skin(), skin.fixed(), tables, settings);
+    std::vector<TouchDifference> all;
+    for (const TouchScene& scene : touch_scenes(skin.skin(), skin.fixed(), thing, 2, 5)) {
+      std::string why;
+      for (const TouchDifference& d :
+           compare_touch(solver, skin, nullptr, touch, tables.point_spacing, scene, 0.005, why)) {
+        all.push_back(d);
+      }
+      INFO(why);
+      CHECK(why.empty());
+    }
+    return all;
+  }
+};
+
+TEST_CASE("the tables of touch answer as full contact does, the linear ones less well",
+          "[bench][touch][long]") {
+  Touched body;
+  for (const PressingThing thing : {PressingThing::kFinger, PressingThing::kRim}) {
+    INFO(name_of(thing));
+    const std::vector<TouchDifference> nonlinear = body.compare(thing, true);
+    const std::vector<TouchDifference> linear = body.compare(thing, false);
+    REQUIRE(nonlinear.size() == 4);
+    REQUIRE(linear.size() == 4);
+    for (std::size_t k = 0; k < 4; ++k) {
+      INFO(1e3 * nonlinear[k].depth << " mm");
+      CHECK(nonlinear[k].displacement < tolerance(0.05, "what is stated for a rim's edge"));
+      CHECK(nonlinear[k].force < tolerance(0.05, "likewise"));
+      CHECK(nonlinear[k].penetration < 2e-4);
+      if (nonlinear[k].depth > 0.004)
+        CHECK(linear[k].displacement > 1.5 * nonlinear[k].displacement);
+    }
+  }
+}
+
+TEST_CASE("things touch a body when they are brought to it, and enter it with their depth",
+          "[bench][touch]") {
+  const SolidModel model = block();
+  const Boundary boundary = boundary_of(model.mesh);
+  const std::vector<std::uint8_t> free(static_cast<std::size_t>(boundary.surface.vertex_count()),
+                                       0);
+  for (int k = 0; k < kPressingThings; ++k) {
+    const auto thing = static_cast<PressingThing>(k);
+    INFO(name_of(thing));
+    const auto scenes = touch_scenes(boundary.surface, free, thing, 2, 9);
+    REQUIRE(scenes.size() == 2);
+    for (const TouchScene& scene : scenes) {
+      const auto nearest = [&](double depth) {
+        const ObstacleGaps gaps(obstacle_at(scene, depth));
+        double least = 1;
+        for (int v = 0; v < boundary.surface.vertex_count(); ++v) {
+          for (int part = 0; part < gaps.part_count(); ++part) {
+            least = std::min(least, gaps.distance(part, boundary.surface.vertices.col(v)));
+          }
+        }
+        return least;
+      };
+      CHECK(nearest(0) > -1e-6);
+      CHECK(nearest(0) < 0.004);  // it touches a vertex or the middle of a triangle, edges 6 mm
+      CHECK(nearest(0.004) < nearest(0));
+    }
+  }
+  const auto again = touch_scenes(boundary.surface, free, PressingThing::kRim, 2, 9);
+  const auto first = touch_scenes(boundary.surface, free, PressingThing::kRim, 2, 9);
+  CHECK(again[1].touching.capsules[0].a == first[1].touching.capsules[0].a);
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,199 @@
+#include "palpable/touch/nonlinear_answer.h"
+
+#include "tests/support/allocations.h"
+#include "tests/support/elastic_sheet.h"
+#include "tests/support/test.h"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <random>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Matrix3Xf;
+using Eigen::MatrixXd;
+using Eigen::Vector3f;
+using Eigen::VectorXd;
+using test::ElasticSheet;
+using test::tolerance;
+
+constexpr int kModes = 16;
+
+MatrixXd some_numbers(Eigen::Index rows, Eigen::Index columns, double size, unsigned seed) {
+  auto random = test::random_case(seed);
+  std::normal_distribution<double> entry(0.0, size);
+  return MatrixXd::NullaryExpr(rows, columns, [&] { return entry(random); });
+}
+
+SymmetricForm some_form(int variables, int degree, unsigned seed) {
+  const auto count = static_cast<Eigen::Index>(distinct_coefficients(variables, degree));
+  const VectorXd values = some_numbers(count, 1, 0.1, seed);
+  return rounded(variables, degree, {values.data(), static_cast<std::size_t>(count)});
+}
+
+// Two regions at opposite corners of a sheet, whose clusters are far from each other.
+struct Regions {
+  ElasticSheet sheet{0.020};
+  Compliance compliance{sheet.tables.compliance};
+  std::vector<RegionTable> regions;
+  CrossTable cross;
+  Matrix3Xf vertices = sheet.skin.vertices.cast<float>();
+
+  Regions() {
+    for (const int middle : {14, 154}) {
+      RegionTable region;
+      region.vertex = middle;
+      const int own = compliance.cluster_of(middle);
+      for (int v = 0; v < compliance.vertices(); ++v) {
+        if (!compliance.are_far(own, compliance.cluster_of(v))) region.vertices.push_back(v);
+      }
+      const auto seed = static_cast<unsigned>(middle);
+      region.modes = rounded(RowsOfFloats(
+          some_numbers(3 * std::ssize(region.vertices), kModes, 0.1, seed).cast<float>()));
+      region.source_clusters = {own};
+      region.sources = rounded(RowsOfFloats(
+          some_numbers(kModes, static_cast<Eigen::Index>(compliance.rank()), 1.0, seed + 1)
+              .cast<float>()));
+      region.cubic = some_form(kModes, 3, seed + 2);
+      region.quartic = some_form(4, 4, seed + 3);
+      regions.push_back(region);
+    }
+    cross.modes = rounded(
+        RowsOfFloats(some_numbers(3 * compliance.vertices(), kModes, 0.1, 77).cast<float>()));
+    cross.cubic = some_form(kModes, 3, 78);
+  }
+};
+
+// x_0 U_0 of a region's table at one of its vertices, row by row.
+VectorXd code_of(const RegionTable& region, int vertex, const Vector3f& force) {
+  const auto at = std::find(region.vertices.begin(), region.vertices.end(), vertex);
+  const auto row = 3 * (at - region.vertices.begin());
+  return as_numbers(region.modes).middleRows(row, 3).transpose() * force.cast<double>();
+}
+
+TEST_CASE("each patch of load is answered by its region, near by its modes and far by its sources",
+          "[touch]") {
+  const Regions body;
+  const RegionMap map(body.vertices, body.regions, 0.010);
+  const CrossTable none;
+  NonlinearAnswer answer(body.compliance, body.regions, map, none);
+  const std::array vertices{14, 154};
+  answer.choose_blobs(vertices, std::array{1.0f, 2.0f}, {});
+  REQUIRE(answer.blob_count() == 2);
+  CHECK(answer.regions()[0] == 1);  // the heavier one first
+  CHECK(answer.blob_of(154) == 0);
+  CHECK(answer.blob_of(14) == 1);
+  const std::array loads{VertexForce{14, Vector3f(0.3f, 0, 1)},
+                         VertexForce{154, Vector3f(0, 1, 2)}};
+  answer.evaluate(loads);
+
+  Matrix3Xf near = Matrix3Xf::Zero(3, body.compliance.vertices()), all = near;
+  body.compliance.everywhere(answer.far_targets(), all);
+  answer.add_near(near);
+  all += near;
+  for (int v = 0; v < body.compliance.vertices(); ++v) {
+    CHECK((answer.displacement_at(v) - all.col(v)).norm() <= 1e-5f * all.norm());
+  }
+  // Where one region is near and the other far: modes of the one, sources of the other.
+  for (int blob = 0; blob < 2; ++blob) {
+    const RegionTable& region = answer.region_of(blob);
+    const VectorXd q =
+        Eigen::Map<const Eigen::VectorXf>(answer.q(blob).data(), kModes).cast<double>();
+    const int own = region.source_clusters[0];
+    const VectorXd sources = as_numbers(region.sources).transpose() * q;
+    const Eigen::VectorXf source = sources.cast<float>();
+    for (const int v : {blob == 0 ? 14 : 154}) {  // far from this region
+      std::vector<float> target(body.compliance.rank(), 0.0f);
+      body.compliance.add_target(own, {source.data(), body.compliance.rank()},
+                                 body.compliance.cluster_of(v), target);
+      const Vector3f far = body.compliance.at(v, target);
+      const RegionTable& other = answer.region_of(1 - blob);
+      const VectorXd q_other =
+          Eigen::Map<const Eigen::VectorXf>(answer.q(1 - blob).data(), kModes).cast<double>();
+      const auto at = std::find(other.vertices.begin(), other.vertices.end(), v);
+      const Eigen::Vector3d near_part =
+          as_numbers(other.modes).middleRows(3 * (at - other.vertices.begin()), 3) * q_other;
+      CHECK((answer.displacement_at(v).cast<double>() - near_part - far.cast<double>()).norm() <
+            tolerance(1e-4, "floats of numbers of order 1"));
+    }
+  }
+}
+
+TEST_CASE("a blob's code and slope are those of its modes", "[touch]") {
+  const Regions body;
+  const RegionMap map(body.vertices, body.regions, 0.010);
+  NonlinearAnswer answer(body.compliance, body.regions, map, body.cross);
+  answer.choose_blobs(std::array{14}, std::array{1.0f}, {});
+  REQUIRE(answer.blob_count() == 1);
+  const auto u_at = [&](const Vector3f& force) {
+    answer.evaluate(std::array{VertexForce{14, force}});
+    return answer.displacement_at(15).cast<double>().eval();
+  };
+  const Vector3f force(0.2f, -0.4f, 0.9f), step(0.02f, 0.01f, -0.03f);
+  const Eigen::Vector3d slope = (u_at(force + step) - u_at(force - step)) / 2;
+  u_at(force);
+  std::vector<float> row(kModes), turned(kModes);
+  answer.add_mode_row(0, 14, step, row);
+  CHECK((Eigen::Map<Eigen::VectorXf>(row.data(), kModes).cast<double>() -
+         code_of(body.regions[0], 14, step))
+            .norm() < 1e-6);
+  answer.times(0, row, turned);
+  Eigen::Vector3d by_tangent;
+  for (int c = 0; c < 3; ++c) {
+    std::vector<float> there(kModes, 0.0f);
+    answer.add_mode_row(0, 15, Vector3f::Unit(c), there);
+    by_tangent[c] = Eigen::Map<Eigen::VectorXf>(there.data(), kModes)
+                        .dot(Eigen::Map<Eigen::VectorXf>(turned.data(), kModes));
+  }
+  CHECK((by_tangent - slope).norm() <= tolerance(0.01, "the step's square, floats") * slope.norm());
+}
+
+TEST_CASE("what two blobs do to each other is the cross terms' product, and of one there is none",
+          "[touch]") {
+  const Regions body;
+  const RegionMap map(body.vertices, body.regions, 0.010);
+  const CrossTable none;
+  NonlinearAnswer with(body.compliance, body.regions, map, body.cross);
+  NonlinearAnswer without(body.compliance, body.regions, map, none);
+  const std::array both{VertexForce{14, Vector3f(1, 0, 2)}, VertexForce{154, Vector3f(0, 2, 1)}};
+  for (NonlinearAnswer* answer : {&with, &without}) {
+    answer->choose_blobs(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
+    answer->evaluate(both);
+  }
+  // - A_x(c_0, c_1): the mixed part of - 1/2 A_x(c, c).
+  const MatrixXd X = as_numbers(body.cross.modes);
+  const VectorXd c0 = X.middleRows(3 * 14, 3).transpose() * both[0].force.cast<double>();
+  const VectorXd c1 = X.middleRows(3 * 154, 3).transpose() * both[1].force.cast<double>();
+  const FormRows cubic(body.cross.cubic);
+  const auto contracted = [&](const VectorXd& c) {
+    const Eigen::VectorXf code = c.cast<float>();
+    std::vector<float> P(cubic.width(), 0.0f), result(kModes);
+    add_pairs({code.data(), kModes}, 1.0f, P);
+    cubic.contract(P, result);
+    return Eigen::Map<Eigen::VectorXf>(result.data(), kModes).cast<double>().eval();
+  };
+  const VectorXd q = -0.25 * (contracted(c0 + c1) - contracted(c0 - c1));
+  for (const int v : {3, 80, 160}) {
+    const Eigen::Vector3d expected = X.middleRows(3 * v, 3) * q;
+    const Eigen::Vector3d found =
+        (with.displacement_at(v) - without.displacement_at(v)).cast<double>();
+    CHECK((found - expected).norm() <= tolerance(2e-3, "floats, 16 bits") * (X * q).norm());
+  }
+  for (NonlinearAnswer* answer : {&with, &without}) {
+    answer->choose_blobs(std::array{14}, std::array{1.0f}, {});
+    answer->evaluate(std::array{both[0]});
+  }
+  CHECK(with.displacement_at(80) == without.displacement_at(80));
+  CHECK(test::allocations_during([&] {
+          with.choose_blobs(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
+          with.evaluate(both);
+        }) == 0);
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,34 @@
+/// @file
+/// Tables of numbers in 16 bits.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace palpable {
+
+/// Rows of numbers in 16 bits, with a factor each.
+struct RoundedRows {
+  std::size_t width = 0;             ///< numbers of a row, a multiple of 16
+  std::vector<std::int16_t> values;  ///< row by row
+  std::vector<float> scale;          ///< by row
+
+  [[nodiscard]] std::size_t count() const { return scale.size(); }
+  [[nodiscard]] const std::int16_t* row(std::size_t i) const { return values.data() + i * width; }
+};
+
+using RowsOfFloats = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// @param rows  (n x width), padded with zeros to a multiple of 16
+[[nodiscard]] RoundedRows rounded(const RowsOfFloats& rows);
+
+/// (n x width) what the rows say.
+[[nodiscard]] Eigen::MatrixXd as_numbers(const RoundedRows& rows);
+
+/// n rounded up to a whole number of rows' steps.
+[[nodiscard]] std::size_t padded(std::size_t n);
+
+}  // namespace palpable
