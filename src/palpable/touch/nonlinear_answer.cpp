@@ -16,8 +16,11 @@ using Eigen::Vector3f;
 
 // A region that answered in the last frame is kept if it covers this share of what the best would.
 constexpr float kKeep = 0.8f;
-// A load at the edge of a region's reach counts this much less than one in its middle.
-constexpr float kEdge = 0.3f;
+// A patch of load reaches beyond the place where it is pressed, and the regions' modes know such
+// patches: a vertex may join a region from this times its reach away, where it counts little for
+// choosing the region.
+constexpr float kJoins = 1.4f;
+constexpr float kEdge = 0.8f;
 
 const RowKernels& kernels() { return row_kernels().front(); }
 
@@ -37,7 +40,7 @@ RegionMap::RegionMap(const Matrix3Xf& vertices, std::span<const RegionTable> reg
           std::binary_search(regions[k].vertices.begin(), regions[k].vertices.end(), v);
       if (!known) continue;
       const RegionAtVertex here{static_cast<int>(k), distance};
-      if (distance < static_cast<float>(reach)) list_.push_back(here);
+      if (distance < kJoins * static_cast<float>(reach)) list_.push_back(here);
       if (distance < nearest.distance) nearest = here;
     }
     if (static_cast<int>(list_.size()) == first_.back() && nearest.region >= 0) {
@@ -89,12 +92,12 @@ NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const R
 int NonlinearAnswer::next_region(std::span<const int> vertices, std::span<const float> weights,
                                  std::span<const int> before) {
   std::fill(score_.begin(), score_.end(), 0.0f);
-  const auto reach = static_cast<float>(map_.reach());
+  const float farthest = kJoins * static_cast<float>(map_.reach());
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (!(weights[i] > 0) || blob_of_vertex_[vertices[i]] >= 0) continue;
     for (const RegionAtVertex& near : map_.at(vertices[i])) {
-      score_[index(near.region)] +=
-          weights[i] * (1 - kEdge * std::min(1.0f, near.distance / reach));
+      const float share = std::min(1.0f, near.distance / farthest);
+      score_[index(near.region)] += weights[i] * (1 - kEdge * share * share);
     }
   }
   const auto best = std::max_element(score_.begin(), score_.end());

@@ -44,8 +44,8 @@ struct RegionAtVertex {
   float distance = 0;  ///< m, of the vertex from the region's middle
 };
 
-/// For each vertex the regions whose modes know it, nearest first: those within `reach` of it, or
-/// the nearest one if there is none.
+/// For each vertex the regions whose modes know it, nearest first: those within 1.4 times `reach`
+/// of it, or the nearest one if there is none.
 class RegionMap {
  public:
   /// @param vertices  (3 x V) m, at rest
