@@ -359,9 +359,9 @@ TEST_CASE("tables of touch are none, linear or full, with regions in full ones a
   CHECK_FALSE(parsed("[touch]\ntables = 'full'\n").touch.regions.has_value());
 
   CHECK_THAT(refused("[touch]\ntables = 'ful'\n"),
-             Contains(":9: 'tables' in [touch]") && Contains("did you mean 'full'?"));
+             Contains(":10: 'tables' in [touch]") && Contains("did you mean 'full'?"));
   CHECK_THAT(refused("[touch]\ntables = 'linear'\nregions = 12\n"),
-             Contains(":10: 'regions' in [touch] is for tables = \"full\""));
+             Contains(":11: 'regions' in [touch] is for tables = \"full\""));
   CHECK_THAT(refused("[touch]\ntables = 'full'\nregions = 0\n"), Contains("at least 1"));
   CHECK_THAT(refused("[touch]\ntable = 'full'\n"), Contains("did you mean 'tables'?"));
   const std::string parameter = "[[parameter]]\nname = 'soft'\nof = 'body'\nstiffness = [1, 2]\n";

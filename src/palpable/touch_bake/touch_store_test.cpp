@@ -9,6 +9,7 @@
 #include "tests/support/test.h"
 
 #include <functional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -148,12 +149,13 @@ TEST_CASE("a table is made again when anything changes that it hangs on", "[touc
        }},
       {"the support", [](auto& m) { m.fixed_nodes.pop_back(); }},
   };
+  std::set<std::uint64_t> all{keys.compliance};
   for (const auto& [what, change] : bodies) {
     INFO(what);
     SolidModel other = model;
     change(other);
     const TouchKeys changed = keys_of(other);
-    CHECK(changed.compliance != keys.compliance);
+    CHECK(all.insert(changed.compliance).second);
     CHECK(changed.regions != keys.regions);
     CHECK(changed.cross != keys.cross);
   }
