@@ -6,6 +6,7 @@
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
 #include "palpable/bake/bake_body.h"
+#include "palpable/bake/bake_touch.h"
 #include "palpable/bake/held_out_checks.h"
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
@@ -15,6 +16,8 @@
 #include "palpable/campaign/solid_file.h"
 #include "palpable/campaign/store_rows.h"
 #include "palpable/intrusive/intrusive_bake.h"
+#include "palpable/touch/touch_file.h"
+#include "palpable/touch/touch_text.h"
 
 #include <fmt/format.h>
 
@@ -76,6 +79,12 @@ void bake_without_campaign(const Options& options, const BodyDescription& descri
     if (given)
       throw Error(
           fmt::format("{} is for a campaign, which --method intrusive-pgd does without", option));
+  }
+  if (description.touch.tables != BodyDescription::Touch::Tables::kNone) {
+    throw Error(
+        fmt::format("{}: [touch] has tables made after a campaign, which --method "
+                    "intrusive-pgd does without",
+                    options.description));
   }
   ProgressBar bar;
   const IntrusiveBake made = bake_intrusive(
@@ -140,6 +149,23 @@ BakedBody reduce_and_write(const Options& options, const ReduceSettings& reducti
   return baked;
 }
 
+// Makes the tables that the description wants and writes the body file anew after each stage.
+// Returns what they can do; empty if none are wanted.
+std::string add_touch(const Options& options, const BodyDescription& description,
+                      const FilledStore& filled, int threads, ReducedBody& body,
+                      const Progress& progress) {
+  std::string text;
+  bake_touch(
+      filled.plan, description.touch, filled.store, threads,
+      [&](const TouchTables& tables) {
+        state_touch(tables, body);
+        body.error = write_touchable_body(options.output, body, tables, options.file.storage());
+        text = touch_text(tables);
+      },
+      progress);
+  return text;
+}
+
 void bake(const Options& options, const std::string& command_line, Crew& crew) {
   const auto begin = std::chrono::steady_clock::now();
   const BodyDescription description = read_description(options.description);
@@ -176,11 +202,14 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
         folder, filled.campaign.solved, filled.campaign.reused, folder);
     return;
   }
-  const BakedBody baked =
+  BakedBody baked =
       reduce_and_write(options, reduction, description, settings, filled.store, progress);
+  const std::string touch =
+      add_touch(options, description, filled, crew.threads(options.threads), baked.body, progress);
   bar.finish();
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   print_body_report(baked, options.output, taken.count());
+  if (!touch.empty()) fmt::print("touch: {}\n", touch);
   print_campaign(filled);
   print_parameters(filled.store.content(), baked.body, folder, options.output);
 }

@@ -5,10 +5,16 @@
 #include "apps/palpable-bake/body_report.h"
 #include "apps/palpable-bake/commands.h"
 #include "palpable/bake/bake_body.h"
+#include "palpable/bake/bake_touch.h"
 #include "palpable/base/output_file.h"
+#include "palpable/touch/touch_file.h"
+#include "palpable/touch/touch_text.h"
+
+#include <fmt/core.h>
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,9 +46,17 @@ void reduce(const Options& options, const std::string& command_line) {
   ProgressBar bar;
   BakedBody baked = reduce_store(store, settings, bar.progress());
   bar.finish();
-  baked.body.error = write_body_file(options.output, baked.body, options.file.storage());
+  const std::optional<TouchTables> touch = kept_touch_tables(store);
+  if (touch) {
+    state_touch(*touch, baked.body);
+    baked.body.error =
+        write_touchable_body(options.output, baked.body, *touch, options.file.storage());
+  } else {
+    baked.body.error = write_body_file(options.output, baked.body, options.file.storage());
+  }
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   print_body_report(baked, options.output, taken.count());
+  if (touch) fmt::print("touch: {}\n", touch_text(touch));
 }
 
 }  // namespace

@@ -5,11 +5,14 @@
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_facts.h"
 #include "palpable/reduced/body_file.h"
+#include "palpable/touch/touch_file.h"
+#include "palpable/touch/touch_text.h"
 
 #include <fmt/core.h>
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 namespace palpable::app {
 namespace {
@@ -19,10 +22,14 @@ struct Options {
   bool json = false;
 };
 
-void print_text(const ReducedBody& body, const std::filesystem::path& path) {
+using Touch = Result<std::optional<TouchTables>>;
+
+void print_text(const ReducedBody& body, const Touch& touch, const std::filesystem::path& path) {
   for (const auto& [name, text] : body_facts(body, path, "--set")) {
     fmt::print("{:<20}{}\n", name, text);
   }
+  fmt::print("{:<20}{}\n", "touch",
+             touch ? touch_text(touch.value()) : "not as baked: " + touch.problem().message);
   fmt::print(
       "errors are relative, L2; lengths, loads and stresses are in m, N and Pa in the file\n");
   fmt::print("\nwhere it comes from\n");
@@ -31,10 +38,13 @@ void print_text(const ReducedBody& body, const std::filesystem::path& path) {
 
 void inspect(const Options& options) {
   const ReducedBody body = value_or_throw(read_body_file(options.body));
+  const Touch touch = read_touch_tables(options.body);
   if (options.json) {
-    fmt::print("{}\n", json_of(body).dump(2));
+    Json result = json_of(body);
+    result["touch"] = touch ? touch_json(touch.value()) : Json(touch.problem().message);
+    fmt::print("{}\n", result.dump(2));
   } else {
-    print_text(body, options.body);
+    print_text(body, touch, options.body);
   }
 }
 

@@ -98,6 +98,60 @@ def _(programs, folder):
     assert "were there" in result.stdout, result.stdout
 
 
+@case("a bake that is killed while it makes tables of touch ends with the bytes of one that is not", long=True)
+def _(programs, folder):
+    words = ("bake", "ball.toml", "-o", "ball.palpable", "--threads", "2")
+    for name in ("whole", "killed"):
+        base.write_ball(folder / name, base.BALL + '[touch]\ntables = "full"\nregions = 6\n')
+    assert "touch: anywhere, several at a time, 3rd order; 6 regions" in programs.succeeds(
+        *words, cwd=folder / "whole").stdout
+    tables, body = folder / "killed/ball.snapshots/touch", folder / "killed/ball.palpable"
+
+    def kept():
+        return {path.name for path in tables.glob("*.h5")} if tables.exists() else set()
+
+    partly = 0
+    while True:
+        before = kept()
+        process = programs.start(*words, cwd=folder / "killed")
+        while process.poll() is None and kept() == before:
+            time.sleep(0.001)
+        process.kill()
+        process.communicate()
+        if process.returncode == 0:
+            break
+        assert process.returncode == -signal.SIGKILL, process.returncode
+        partly += 1
+        assert partly < 20, kept()  # each finishes one table at least
+        if "tables.h5" in kept():  # the linear ones are complete, and the body file has them or is about to
+            assert '"touch"' in programs.succeeds("inspect", body, "--json").stdout
+    assert partly >= 4, partly
+    whole, killed = files_of(folder / "whole/ball.snapshots/touch"), files_of(tables)
+    assert sorted(whole) == sorted(killed), (sorted(whole), sorted(killed))
+    assert whole == killed
+    assert (folder / "whole/ball.palpable").read_bytes() == body.read_bytes()
+    told = programs.succeeds("inspect", body).stdout
+    assert re.search(r"^touch +anywhere, several at a time, 3rd order; 6 regions; \S+ MB$", told, re.M), told
+
+    # Other modes of the same campaign keep the tables, modes of another program have none.
+    programs.succeeds("reduce", "ball.snapshots", "--error", "1e-2", "-o", "coarse.palpable", cwd=folder / "whole")
+    coarse = json.loads(programs.succeeds("inspect", folder / "whole/coarse.palpable", "--json").stdout)
+    assert coarse["touch"]["regions"] == 6 and coarse["touch"]["order"] == 3, coarse["touch"]
+    assert "touch" in coarse["provenance"], coarse["provenance"]
+    # More regions are made beside those that are there.
+    description = folder / "whole/ball.toml"
+    description.write_text(description.read_text().replace("regions = 6", "regions = 7"))
+    programs.succeeds(*words, cwd=folder / "whole")
+    more = files_of(folder / "whole/ball.snapshots/touch")
+    assert len(more) == len(whole) + 1 and all(more[name] == whole[name] for name in whole if name != "tables.h5")
+    # Without them the body file has none; the tables stay in the folder.
+    description.write_text(base.BALL)
+    programs.succeeds(*words, cwd=folder / "whole")
+    plain = programs.succeeds("inspect", folder / "whole/ball.palpable").stdout
+    assert re.search(r"^touch +at its sites, one at a time$", plain, re.M), plain
+    assert files_of(folder / "whole/ball.snapshots/touch") == more
+
+
 @case("a full disk ends a bake with one line and loses no finished site")
 def _(programs, folder):
     words = ("bake", "bar.toml", "-o", "bar.palpable")

@@ -6,10 +6,13 @@
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/hdf5_tools.h"
 #include "palpable/reduced/loaded_body.h"
+#include "palpable/touch/touch_file.h"
+#include "palpable/touch/touch_solver.h"
 #include "tests/fuzz/checked_hdf5.h"
 #include "tests/fuzz/fuzz_reader.h"
 #include "tests/support/bodies.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/some_touch_tables.h"
 
 namespace palpable::fuzz {
 namespace {
@@ -39,6 +42,30 @@ std::vector<std::string> write_bodies(const fs::path& folder) {
   write_body_file(folder / "further.palpable", test::with_further(ball), ModeStorage::kFloat16);
   write_body_file(folder / "several.palpable", test::with_several(ball));
   return {"plain.palpable", "further.palpable", "several.palpable"};
+}
+
+// Presses a plane into it, by its tables.
+void touch(const TouchableBody& read) {
+  if (!read.touch) return;
+  TouchSolver solver(read.body.surface, read.body.fixed, *read.touch);
+  TouchState state;
+  for (const float height : {0.099f, 0.097f}) {
+    (void)solver.advance(state, [height](const Eigen::Vector3f& place, SurfaceGap& gap) {
+      gap = {height - place.z(), -Eigen::Vector3f::UnitZ(), Eigen::Matrix3f::Zero()};
+      return gap.distance < kGapReach;
+    });
+  }
+}
+
+std::string read_touch(const fs::path& /*folder*/, const fs::path& file) {
+  return said(read_touchable_body(file), touch);
+}
+
+std::vector<std::string> write_touch(const fs::path& folder) {
+  const ReducedBody ball = test::pressed_ball(0.05, 0.01, 1);
+  write_touchable_body(folder / "linear.palpable", ball, test::some_touch_tables(ball.surface, 0));
+  write_touchable_body(folder / "full.palpable", ball, test::some_touch_tables(ball.surface));
+  return {"linear.palpable", "full.palpable"};
 }
 
 const std::string kDescription = R"(name = "cube" # a comment
@@ -87,6 +114,8 @@ method = "pgd"
 tolerance = 1e-3
 norm = "own"
 max_modes = 50
+[touch]
+tables = "none"
 [intrusive]
 positions = ["TOP"]
 force = "2 N"
@@ -104,6 +133,10 @@ void add_body_readers(std::vector<FuzzReader>& readers) {
   readers.push_back({.name = "body.values",
                      .write = write_bodies,
                      .read = read_body,
+                     .mutate = with_spoilt_values});
+  readers.push_back({.name = "body.touch",
+                     .write = write_touch,
+                     .read = read_touch,
                      .mutate = with_spoilt_values});
   readers.push_back({.name = "body.description",
                      .write = [](const fs::path& folder) -> std::vector<std::string> {

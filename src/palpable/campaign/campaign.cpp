@@ -23,13 +23,8 @@ void add(Digest& digest, const Material& material) {
   std::visit([&](const auto& law) { digest.add(&law, sizeof law); }, material);
 }
 
-void add(Digest& digest, const std::vector<int>& list) {
-  digest.add(static_cast<int>(list.size()));
-  digest.add(list.data(), list.size() * sizeof(int));
-}
-
 void add(Digest& digest, const Site& site) {
-  add(digest, site.patch);
+  digest.add(site.patch);
   digest.add(site.weights.data(), site.weights.size() * sizeof(float));
   digest.add(site.direction);
 }
@@ -48,7 +43,7 @@ Digest digest_of_problem(const CampaignPlan& plan) {
     digest.add(static_cast<int>(held.at));
     digest.add(held.displacement);
   }
-  for (const MaterialGroup& group : model.groups) add(digest, group.elements);
+  for (const MaterialGroup& group : model.groups) digest.add(group.elements);
   digest.add(plan.preload);
   digest.add(plan.run.press);
   digest.add(plan.run.force);

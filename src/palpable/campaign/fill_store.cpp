@@ -238,7 +238,8 @@ FilledStore fill_store(const BodyDescription& description, const FillSettings& s
         {.threads = settings.threads, .shard = settings.shard, .shards = settings.shards},
         progress);
     timer.reset();
-    return {std::move(store), campaign, wall, std::move(set_aside), std::move(held)};
+    return {std::move(store),     std::move(plan), campaign, wall,
+            std::move(set_aside), std::move(held)};
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", description.source.string(), error.what()));
   }

@@ -32,6 +32,7 @@ struct FillSettings {
 
 struct FilledStore {
   SnapshotStore store;
+  CampaignPlan plan;  ///< what was solved
   CampaignReport campaign;
   StageTimes wall;  ///< ms by the clock on the wall: mesh, campaign
   /// Snapshots of another description that were in the folder; on the leader of the crew.

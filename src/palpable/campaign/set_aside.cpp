@@ -17,17 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of all that the campaign's units are computed from.
-std::uint64_t hash_of(const StoreContent& content) {
-  Digest digest;
-  for (const std::uint64_t key : content.keys) digest.add(&key, sizeof key);
-  digest.add(&content.linear_key, sizeof content.linear_key);
-  return digest.value();
-}
-
 fs::path aside_of(const fs::path& folder, const StoreContent& content) {
   fs::path aside = folder.has_filename() ? folder : folder.parent_path();  // "out/" is "out"
-  aside += fmt::format(".{:08x}", hash_of(content) >> 32);
+  aside += fmt::format(".{:08x}", campaign_key(content) >> 32);
   return aside;
 }
 
@@ -84,6 +76,18 @@ void link_or_copy(const fs::path& from, const fs::path& to) {
   if (error) throw Error(fmt::format("{}: cannot be made: {}", to.string(), error.message()));
 }
 
+// Tables of touch carry keys of their own; those that do not hold any more are made again in the
+// place of their links.
+void link_touch_tables(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(from, error)) {
+    const fs::path name = entry.path().filename();
+    if (name.string().find(".part-") != std::string::npos || fs::exists(to / name, error)) continue;
+    make_folder(to);
+    link_or_copy(entry.path(), to / name);
+  }
+}
+
 }  // namespace
 
 std::string set_aside_text(const fs::path& folder, const SetAside& aside) {
@@ -93,7 +97,7 @@ std::string set_aside_text(const fs::path& folder, const SetAside& aside) {
 }
 
 void require_own_campaign(const fs::path& folder, const StoreContent& content) {
-  if (hash_of(SnapshotStore::open(folder).content()) == hash_of(content)) return;
+  if (campaign_key(SnapshotStore::open(folder).content()) == campaign_key(content)) return;
   throw Error(
       fmt::format("{}: another run began to fill it with another description at the same moment; "
                   "wait for its end, or give each its own --snapshots",
@@ -108,7 +112,7 @@ std::optional<SetAside> set_aside_other_campaign(const fs::path& folder,
   const SnapshotStore now = SnapshotStore::attach(folder, content);
   // A run that is under way would go on in the folder of this one.
   std::optional<FolderLock> lock;
-  if (hash_of(old.content()) != hash_of(content)) lock.emplace(folder);
+  if (campaign_key(old.content()) != campaign_key(content)) lock.emplace(folder);
   const Keys units = those_in(folder, keys_of_units(old));
   const Keys linear = those_in(folder, keys_of_linear_responses(old));
   const Keys valid_units = those_valid(units, keys_of_units(now));
@@ -132,6 +136,8 @@ std::optional<SetAside> set_aside_other_campaign(const fs::path& folder,
       if (!fs::exists(folder / name, error)) link_or_copy(result.folder / name, folder / name);
     }
   }
+  link_touch_tables(SnapshotStore::attach(result.folder, old.content()).touch_folder(),
+                    now.touch_folder());
   return result;
 }
 

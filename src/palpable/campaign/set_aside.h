@@ -31,7 +31,7 @@ struct CollectedStore {
 /// Makes room for a campaign: where `folder` holds units that are none of its own, the folder is
 /// renamed by the hash of the campaign that they belong to. What was set aside for this very
 /// campaign earlier comes back; otherwise units and linear responses that hold for both are linked
-/// into a new folder.
+/// into a new folder. Tables of touch are linked as well.
 /// @returns nothing where nothing had to move
 /// @throws Error when a folder cannot be renamed or a file cannot be linked, or while another run
 ///         that holds the folder fills it with another campaign

@@ -2,6 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/base/folder_lock.h"
+#include "palpable/reduced/hdf5_tools.h"
 #include "tests/support/rubber_block.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
@@ -140,6 +141,29 @@ TEST_CASE("linear responses that hold for both descriptions stand in both folder
   CHECK(other.has(0));
   CHECK_FALSE(other.has_linear(0));
   CHECK(SnapshotStore::open(moved->folder).has_linear(0));
+}
+
+TEST_CASE("tables of touch stand in both folders, and one that is made again in one alone",
+          "[campaign][aside]") {
+  const test::ScratchFolder folder("touch_aside");
+  const fs::path store = folder / "block.snapshots";
+  const SnapshotStore first = SnapshotStore::create(store, campaign_of({1, 2}));
+  write_units(first);
+  fs::create_directories(first.touch_folder());
+  test::write_bytes(first.touch_folder() / "cross.h5", "first");
+  test::write_bytes(first.touch_folder() / "cross.h5.part-host-1", "half");
+
+  const auto moved = set_aside_other_campaign(store, campaign_of({1, 5}));
+  REQUIRE(moved);
+  const fs::path aside = moved->folder / "touch", now = store / "touch";
+  CHECK(test::file_bytes(now / "cross.h5") == "first");
+  CHECK_FALSE(fs::exists(now / "cross.h5.part-host-1"));
+  hdf5::write_durably(now / "cross.h5", "second");
+  CHECK(test::file_bytes(aside / "cross.h5") == "first");
+
+  write_units(SnapshotStore::create(store, campaign_of({1, 5})));
+  REQUIRE(set_aside_other_campaign(store, campaign_of({1, 2})));
+  CHECK(test::file_bytes(now / "cross.h5") == "first");
 }
 
 TEST_CASE("a campaign without a unit leaves nothing to set aside", "[campaign][aside]") {

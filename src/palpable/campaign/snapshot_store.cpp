@@ -2,23 +2,18 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
-#include "palpable/base/fnv1a.h"
 #include "palpable/base/markup_text.h"
-#include "palpable/base/text_numbers.h"
+#include "palpable/base/part_files.h"
 #include "palpable/campaign/store_content_file.h"
 #include "palpable/reduced/hdf5_tools.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <csignal>
-#include <limits>
 #include <mutex>
 #include <new>
 #include <string_view>
 #include <system_error>
-#include <unistd.h>
 
 namespace palpable {
 namespace {
@@ -53,24 +48,6 @@ auto about(const fs::path& file, Work&& work) {
   } catch (const std::bad_alloc&) {
     throw Error(fmt::format("{}: needs more memory than there is", file.string()));
   }
-}
-
-// Several processes, on several machines, may write the same file.
-std::string suffix_of_this_machine() {
-  char host[256] = {};
-  ::gethostname(host, sizeof host - 1);
-  return fmt::format(".part-{}-", host);
-}
-std::string own_suffix() { return suffix_of_this_machine() + std::to_string(::getpid()); }
-
-// A run of the same campaign beside this one, which is not through yet.
-bool is_of_running_process(std::string_view name) {
-  const std::string suffix = suffix_of_this_machine();
-  const std::size_t at = name.find(suffix);
-  if (at == std::string_view::npos) return false;
-  const auto process = to_whole_number(name.substr(at + suffix.size())).value_or(0);
-  if (process <= 0 || process > std::numeric_limits<pid_t>::max()) return false;
-  return ::kill(static_cast<pid_t>(process), 0) == 0 || errno == EPERM;
 }
 
 // A file of a campaign, of this one or one before, that is not whole. Other files are a user's.
@@ -145,13 +122,11 @@ std::vector<double> StoreContent::values_at(int point) const {
   return values;
 }
 
-void Digest::add(const void* bytes, std::size_t count) {
-  value_ = fnv1a(std::string_view(static_cast<const char*>(bytes), count), value_);
-}
-
-void Digest::add(const std::string& text) {
-  add(static_cast<int>(text.size()));
-  add(text.data(), text.size());
+std::uint64_t campaign_key(const StoreContent& content) {
+  Digest digest;
+  for (const std::uint64_t key : content.keys) digest.add(key);
+  digest.add(content.linear_key);
+  return digest.value();
 }
 
 SnapshotStore::SnapshotStore(fs::path folder, StoreContent content)
@@ -172,7 +147,7 @@ SnapshotStore SnapshotStore::create(fs::path folder, StoreContent content) {
     const std::string bytes =
         hdf5::image_of(kCampaignKind, kSnapshotLayout, [&](hid_t h) { write_content(h, content); });
     if (!fs::exists(file) || hdf5::all_bytes(file) != bytes) {
-      hdf5::write_durably(file, bytes, own_suffix());
+      hdf5::write_durably(file, bytes, own_part_suffix());
     }
   });
   return {std::move(folder), std::move(content)};
@@ -260,13 +235,13 @@ void SnapshotStore::write(int unit, const SiteSnapshots& snapshots, const Eigen:
         }
       });
     }
-    hdf5::write_durably(file, bytes, own_suffix());
+    hdf5::write_durably(file, bytes, own_part_suffix());
   });
 }
 
 void SnapshotStore::copy_from(const SnapshotStore& other, int unit) const {
   about(unit_file(unit), [&] {
-    hdf5::write_durably(unit_file(unit), hdf5::all_bytes(other.unit_file(unit)), own_suffix());
+    hdf5::write_durably(unit_file(unit), hdf5::all_bytes(other.unit_file(unit)), own_part_suffix());
   });
 }
 
@@ -342,7 +317,7 @@ void SnapshotStore::write_linear(int k, const Eigen::MatrixXf& responses) const 
                            static_cast<hsize_t>(responses.rows()) / 3, 3});
       });
     }
-    hdf5::write_durably(linear_file(k), bytes, own_suffix());
+    hdf5::write_durably(linear_file(k), bytes, own_part_suffix());
   });
 }
 
@@ -368,7 +343,7 @@ Eigen::MatrixXf SnapshotStore::linear(int k) const {
 
 void SnapshotStore::copy_linear_from(const SnapshotStore& other, int k) const {
   about(linear_file(k), [&] {
-    hdf5::write_durably(linear_file(k), hdf5::all_bytes(other.linear_file(k)), own_suffix());
+    hdf5::write_durably(linear_file(k), hdf5::all_bytes(other.linear_file(k)), own_part_suffix());
   });
 }
 
@@ -377,12 +352,12 @@ void SnapshotStore::finish() const {
   about(file, [&] {
     const std::string text = xdmf();
     if (!fs::exists(file) || hdf5::all_bytes(file) != text) {
-      hdf5::write_durably(file, text, own_suffix());
+      hdf5::write_durably(file, text, own_part_suffix());
     }
     for (const auto& entry : fs::directory_iterator(folder_)) {
       const std::string name = entry.path().filename().string();
       if (!is_unfinished(name)) continue;
-      if (!is_of_running_process(name)) fs::remove(entry.path());
+      if (!is_part_of_running_process(name)) fs::remove(entry.path());
     }
   });
 }

@@ -7,8 +7,8 @@
 ///   one site at one point, p S + s: what one file holds
 #pragma once
 
-#include "palpable/base/fnv1a.h"
 #include "palpable/campaign/site_run.h"
+#include "palpable/geometry/digest.h"
 #include "palpable/geometry/tet_mesh.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/separate/reduction.h"
@@ -72,6 +72,9 @@ struct StoreContent {
   [[nodiscard]] std::vector<double> values_at(int point) const;
 };
 
+/// What the whole campaign is computed from: that of its units and of its linear responses.
+[[nodiscard]] std::uint64_t campaign_key(const StoreContent& content);
+
 /// What a unit's file holds beside its fields.
 struct StoredUnit {
   double full_load = 0;
@@ -79,26 +82,6 @@ struct StoredUnit {
   double largest_von_mises = 0;
   SiteOutcome outcome;
   Eigen::Matrix3Xd rest;  ///< (3 x N) m: the body that nobody presses; no columns: undeformed
-};
-
-/// Numbers of what a campaign is computed from, mixed into 64 bits (FNV-1a over their bytes).
-class Digest {
- public:
-  explicit Digest(std::uint64_t start = kFnvStart) : value_(start) {}
-  void add(const void* bytes, std::size_t count);
-  void add(double x) { add(&x, sizeof x); }
-  void add(int x) { add(&x, sizeof x); }
-  void add(const std::string& text);
-  template <class Matrix>
-  void add(const Eigen::PlainObjectBase<Matrix>& matrix) {
-    add(static_cast<int>(matrix.rows()));
-    add(static_cast<int>(matrix.cols()));
-    add(matrix.data(), static_cast<std::size_t>(matrix.size()) * sizeof(*matrix.data()));
-  }
-  [[nodiscard]] std::uint64_t value() const { return value_; }
-
- private:
-  std::uint64_t value_;
 };
 
 /// A store may be written by several processes at once, each unit by one of them: files are written
@@ -153,6 +136,9 @@ class SnapshotStore {
   /// (3V x kLinearRow, fewer in the last) m/N. @pre has_linear(k)
   [[nodiscard]] Eigen::MatrixXf linear(int k) const;
   void copy_linear_from(const SnapshotStore& other, int k) const;
+
+  /// Where a bake keeps tables of touch; may be missing.
+  [[nodiscard]] std::filesystem::path touch_folder() const { return folder_ / "touch"; }
 
   /// When all units are there: writes campaign.xdmf, which ParaView opens, and removes the
   /// unfinished files that killed processes left behind. Whatever else lies in the folder stays.

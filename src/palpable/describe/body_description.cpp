@@ -360,6 +360,23 @@ void read_press(TomlSection section, BodyDescription& body) {
   section.refuse_unknown();
 }
 
+void read_touch(TomlSection section, BodyDescription& body) {
+  using Tables = BodyDescription::Touch::Tables;
+  BodyDescription::Touch& touch = body.touch;
+  const std::string tables = section.choice("tables", {"none", "linear", "full"}, "none");
+  touch.tables = tables == "full"     ? Tables::kFull
+                 : tables == "linear" ? Tables::kLinear
+                                      : Tables::kNone;
+  if (touch.tables != Tables::kNone && !body.parameters.empty()) {
+    section.bad("tables", "does not go with [[parameter]]: they are made for one body");
+  }
+  if (section.has("regions")) {
+    if (touch.tables != Tables::kFull) { section.bad("regions", "is for tables = \"full\""); }
+    touch.regions = section.integer("regions", 1, 2000);
+  }
+  section.refuse_unknown();
+}
+
 void read_intrusive(TomlSection section, BodyDescription& body) {
   BodyDescription::Intrusive wanted;
   wanted.place = section.place();
@@ -410,6 +427,7 @@ BodyDescription parse_body_description(std::string_view text, const std::filesys
       reduction.choice("norm", {"own", "pooled"}, by_site ? "own" : "pooled") == "own";
   body.reduction.max_modes = reduction.integer("max_modes", 1, 100000, body.reduction.max_modes);
   reduction.refuse_unknown();
+  read_touch(root.section("touch"), body);
   if (root.has("intrusive")) read_intrusive(root.section("intrusive"), body);
   root.refuse_unknown();
   return body;

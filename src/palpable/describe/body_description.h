@@ -150,6 +150,17 @@ struct BodyDescription {
   ReductionSettings reduction = {.tolerance = default_tolerance(ReductionMethod::kPerSite),
                                  .weight_snapshots = true};
 
+  /// What a body file holds beside its sites, to be touched anywhere (touch/touch_tables.h).
+  struct Touch {
+    enum class Tables {
+      kNone,    ///< at its sites, one touch at a time
+      kLinear,  ///< exact for small touches
+      kFull     ///< large ones, too
+    };
+    Tables tables = Tables::kNone;
+    std::optional<int> regions = {};  ///< at most; none: as many as the skin asks for
+  } touch;
+
   /// A load that travels, for `bake --method intrusive-pgd`: no campaign, other sites and loads.
   struct Intrusive {
     std::vector<Where> positions;  ///< sets of nodes; each on the skin is a position

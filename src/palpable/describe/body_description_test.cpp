@@ -348,6 +348,28 @@ TEST_CASE("a press is a fraction of the height, a length or a force", "[describe
   CHECK_THAT(refused("[press]\nforce = '0 N'\n"), Contains("above 0"));
 }
 
+TEST_CASE("tables of touch are none, linear or full, with regions in full ones alone",
+          "[describe][description]") {
+  using Tables = BodyDescription::Touch::Tables;
+  CHECK(parsed("").touch.tables == Tables::kNone);
+  CHECK(parsed("[touch]\ntables = 'linear'\n").touch.tables == Tables::kLinear);
+  const BodyDescription full = parsed("[touch]\ntables = 'full'\nregions = 12\n");
+  CHECK(full.touch.tables == Tables::kFull);
+  CHECK(full.touch.regions == 12);
+  CHECK_FALSE(parsed("[touch]\ntables = 'full'\n").touch.regions.has_value());
+
+  CHECK_THAT(refused("[touch]\ntables = 'ful'\n"),
+             Contains(":10: 'tables' in [touch]") && Contains("did you mean 'full'?"));
+  CHECK_THAT(refused("[touch]\ntables = 'linear'\nregions = 12\n"),
+             Contains(":11: 'regions' in [touch] is for tables = \"full\""));
+  CHECK_THAT(refused("[touch]\ntables = 'full'\nregions = 0\n"), Contains("at least 1"));
+  CHECK_THAT(refused("[touch]\ntable = 'full'\n"), Contains("did you mean 'tables'?"));
+  const std::string parameter = "[[parameter]]\nname = 'soft'\nof = 'body'\nstiffness = [1, 2]\n";
+  CHECK(parsed(parameter).touch.tables == Tables::kNone);
+  CHECK_THAT(refused(parameter + "[touch]\ntables = 'linear'\n"),
+             Contains("'tables' in [touch] does not go with [[parameter]]"));
+}
+
 TEST_CASE("elements are of order 1 or 2, lengths of a mesh in a unit", "[describe][description]") {
   CHECK_FALSE(parsed("").shape.order.has_value());
   CHECK(parsed("", "order = 2\nunit = 'mm'\n").shape.order.value() == 2);

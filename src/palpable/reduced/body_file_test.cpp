@@ -1,6 +1,7 @@
 #include "palpable/reduced/body_file.h"
 
 #include "palpable/base/output_file.h"
+#include "palpable/reduced/body_file_groups.h"
 #include "palpable/reduced/hdf5_tools.h"
 #include "tests/support/bodies.h"
 #include "tests/support/test.h"
@@ -415,6 +416,33 @@ TEST_CASE("an energy of several loads that breaks a rule is not written", "[redu
   ReducedBody no_reactions = several_ball();
   no_reactions.several->reactions.clear();
   CHECK(written_and_read(no_reactions).several->reactions.empty());
+}
+
+TEST_CASE("a further group stands beside the body, and who does not know it reads the body",
+          "[reduced][files]") {
+  const Folder folder;
+  const fs::path path = folder / "ball.palpable";
+  write_body_file(path, small_ball(), ModeStorage::kFloat32,
+                  [](hid_t file) { hdf5::write_number(hdf5::make_group(file, "more"), "x", 7); });
+  double x = 0;
+  int vertices = 0;
+  const Result<ReducedBody> read = read_body_file(path, [&](hid_t file, const ReducedBody& body) {
+    x = hdf5::read_number(hdf5::open_group(file, "more"), "x");
+    vertices = body.surface.vertex_count();
+  });
+  REQUIRE(read.ok());
+  CHECK(x == 7);
+  CHECK(vertices == read.value().surface.vertex_count());
+  CHECK(read_body_file(path).ok());
+
+  const std::string good = bytes_of(path);
+  const Result<ReducedBody> refused =
+      read_body_file(path, [](hid_t, const ReducedBody&) { throw hdf5::Trouble{"x is no 8"}; });
+  CHECK(refused.problem().message == path.string() + ": x is no 8");
+  CHECK_THROWS_WITH(write_body_file(path, small_ball(), ModeStorage::kFloat32,
+                                    [](hid_t) { throw hdf5::Trouble{"x is no 9"}; }),
+                    path.string() + ": x is no 9");
+  CHECK(bytes_of(path) == good);
 }
 
 TEST_CASE("a folder that does not exist is a clear error", "[reduced][errors]") {

@@ -65,6 +65,7 @@ class Quiet {
 [[nodiscard]] inline hid_t native(double) { return H5T_NATIVE_DOUBLE; }
 [[nodiscard]] hid_t native(Eigen::half);  ///< IEEE 754 binary16
 [[nodiscard]] inline hid_t native(int) { return H5T_NATIVE_INT; }
+[[nodiscard]] inline hid_t native(std::int16_t) { return H5T_NATIVE_INT16; }
 [[nodiscard]] inline hid_t native(std::uint8_t) { return H5T_NATIVE_UINT8; }
 
 void check(herr_t status, const std::string& what);

@@ -14,6 +14,8 @@ namespace {
 // As many neighbours as a buffer of the near field holds; trouble_of() refuses more.
 constexpr std::size_t kMostNeighbours = 4096;
 constexpr std::int64_t kMostRank = 256;
+// There is a number for each pair of clusters.
+constexpr int kMostClusters = 4096;
 
 const RowKernels& kernels() { return row_kernels().front(); }
 
@@ -41,7 +43,7 @@ bool has_bad_clusters(const ComplianceTable& t) {
 
 std::string_view trouble_of(const ComplianceTable& t) {
   const std::int64_t V = t.vertices, k = static_cast<std::int64_t>(t.basis.width);
-  if (V < 1 || t.clusters < 1 || k < 1 || k > kMostRank ||
+  if (V < 1 || t.clusters < 1 || t.clusters > kMostClusters || k < 1 || k > kMostRank ||
       k % static_cast<std::int64_t>(kRowStep) != 0) {
     return "its size";
   }

@@ -144,6 +144,12 @@ TEST_CASE("a compliance table that does not fit together is named", "[touch]") {
   CHECK(broken([](auto& t) { t.first[1] = -1; }) == "its lists of neighbours");
   CHECK(broken([](auto& t) { t.neighbours[1] = t.neighbours[0]; }) == "its lists of neighbours");
   CHECK(broken([](auto& t) { t.neighbours.back() = t.vertices; }) == "its lists of neighbours");
+  // The first list would end beyond the table, though the last one ends with it.
+  CHECK(broken([](auto& t) {
+          t.neighbours.resize(169);
+          t.first[1] = 170;
+          t.first.back() = 169;
+        }) == "its lists of neighbours");
   CHECK(broken([](auto& t) { t.near.pop_back(); }) == "the size of its near field");
 }
 

@@ -1,11 +1,131 @@
 #include "palpable/touch/touch_tables.h"
 
+#include "palpable/touch/row_kernels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
 namespace palpable {
 namespace {
+
+constexpr double kMostPoints = 300'000;
+constexpr std::size_t kMostRegions = 10'000;
 
 std::size_t bytes(const auto& list) { return list.size() * sizeof(list[0]); }
 std::size_t bytes(const RoundedRows& rows) { return bytes(rows.values) + bytes(rows.scale); }
 std::size_t bytes(const SymmetricForm& form) { return bytes(form.values) + bytes(form.scale); }
+
+// Factors of rows, blocks and runs.
+bool are_scales(const std::vector<float>& scale) {
+  return std::all_of(scale.begin(), scale.end(),
+                     [](float s) { return std::isfinite(s) && s >= 0.0f; });
+}
+
+bool is_length(double length) { return std::isfinite(length) && length > 0.0; }
+
+std::string trouble_of(const RoundedRows& rows, std::size_t count, std::size_t width,
+                       std::string_view what) {
+  if (rows.width != width || rows.scale.size() != count || rows.values.size() != count * width) {
+    return fmt::format("the size of {}", what);
+  }
+  return are_scales(rows.scale) ? std::string() : fmt::format("a factor of {}", what);
+}
+
+std::string trouble_of(const SymmetricForm& form, int degree, int most, std::string_view what) {
+  if (form.degree != degree || form.variables < 0 || form.variables > most ||
+      form.values.size() != distinct_coefficients(form.variables, degree) ||
+      form.scale.size() != runs_of(form.variables, degree)) {
+    return fmt::format("the size of {}", what);
+  }
+  return are_scales(form.scale) ? std::string() : fmt::format("a factor of {}", what);
+}
+
+// How many contact points a skin will have, roughly: skin_points.h cuts each triangle by its
+// longest edge.
+double points_on(const SurfaceMesh& skin, double spacing) {
+  double sum = skin.vertex_count();
+  for (int t = 0; t < skin.triangle_count(); ++t) {
+    double longest = 0;
+    for (int k = 0; k < 3; ++k) {
+      const auto edge = skin.vertices.col(skin.triangles(k, t)) -
+                        skin.vertices.col(skin.triangles((k + 1) % 3, t));
+      longest = std::max(longest, edge.norm());
+    }
+    const double parts = std::ceil(longest / spacing);
+    sum += 0.5 * parts * parts;
+  }
+  return sum;
+}
+
+// Which clusters are far from each other, and which of them a region answers for itself.
+class FarClusters {
+ public:
+  explicit FarClusters(const ComplianceTable& table)
+      : table_(table), C_(static_cast<std::size_t>(table.clusters)), far_(C_ * C_, 0), own_(C_, 0) {
+    for (std::size_t k = 0; k < table.far_first.size(); ++k) {
+      const auto c = static_cast<std::size_t>(table.far_first[k]);
+      const auto d = static_cast<std::size_t>(table.far_second[k]);
+      far_[c * C_ + d] = far_[d * C_ + c] = 1;
+    }
+  }
+
+  // What a region's sources do beyond its own vertices' clusters goes through couplings.
+  [[nodiscard]] bool serve(const RegionTable& region) {
+    std::fill(own_.begin(), own_.end(), char{0});
+    for (const int v : region.vertices) own_[index(table_.cluster_of[index(v)])] = 1;
+    return std::all_of(region.source_clusters.begin(), region.source_clusters.end(), [&](int from) {
+      if (from < 0 || from >= table_.clusters) return false;
+      for (std::size_t to = 0; to < C_; ++to) {
+        if (own_[to] == 0 && far_[index(from) * C_ + to] == 0) return false;
+      }
+      return true;
+    });
+  }
+
+ private:
+  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+  const ComplianceTable& table_;
+  std::size_t C_;
+  std::vector<char> far_, own_;  // (C x C), (C)
+};
+
+// @pre the compliance is consistent
+std::string trouble_of(const RegionTable& table, const ComplianceTable& compliance,
+                       FarClusters& clusters) {
+  const int r = table.mode_count(), V = compliance.vertices;
+  const auto width = static_cast<std::size_t>(std::max(0, r));
+  if (r < 1 || r > kMostTouchModes || width % kRowStep != 0) return "its number of modes";
+  const std::vector<int>& known = table.vertices;
+  const bool rise = std::is_sorted(known.begin(), known.end()) &&
+                    std::adjacent_find(known.begin(), known.end()) == known.end();
+  if (!rise || (!known.empty() && (known.front() < 0 || known.back() >= V))) {
+    return "its list of vertices";
+  }
+  if (table.vertex < 0 || table.vertex >= V) return "its middle";
+  if (!clusters.serve(table)) return "the clusters of its sources";
+  const std::size_t sources = table.source_clusters.size() * compliance.basis.width;
+  for (const std::string& trouble :
+       {trouble_of(table.modes, 3 * known.size(), width, "its modes"),
+        trouble_of(table.sources, width, sources, "its sources"),
+        trouble_of(table.cubic, 3, kMostTouchModes, "its second order"),
+        trouble_of(table.quartic, 4, std::min(r, kMostLeadingModes), "its third order")}) {
+    if (!trouble.empty()) return trouble;
+  }
+  return {};
+}
+
+std::string trouble_of(const CrossTable& table, int vertices) {
+  const std::string form = trouble_of(table.cubic, 3, kMostTouchModes, "its second order");
+  if (!form.empty()) return form;
+  const auto x = static_cast<std::size_t>(table.cubic.variables);
+  if (x == 0 && table.modes.values.empty() && table.modes.scale.empty()) return {};
+  if (x % kRowStep != 0) return "its number of modes";
+  return trouble_of(table.modes, 3 * static_cast<std::size_t>(vertices), x, "its modes");
+}
 
 }  // namespace
 
@@ -19,6 +139,38 @@ std::size_t bytes_of(const TouchTables& tables) {
            bytes(region.sources) + bytes(region.cubic) + bytes(region.quartic);
   }
   return sum + bytes(tables.cross.modes) + bytes(tables.cross.cubic);
+}
+
+std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin) {
+  const ComplianceTable& c = tables.compliance;
+  const int V = skin.vertex_count();
+  if (const std::string_view trouble = trouble_of(c); !trouble.empty()) {
+    return fmt::format("the compliance is wrong in {}", trouble);
+  }
+  if (!are_scales(c.basis.scale) || !are_scales(c.couplings.scale) || !are_scales(c.near_scale)) {
+    return "the compliance is wrong in a factor";
+  }
+  if (c.vertices != V) {
+    return fmt::format("the compliance is of {} vertices where the skin has {}", c.vertices, V);
+  }
+  if (tables.regions.size() > kMostRegions) {
+    return fmt::format("there are {} regions, more than {}", tables.regions.size(), kMostRegions);
+  }
+  FarClusters clusters(c);
+  for (std::size_t k = 0; k < tables.regions.size(); ++k) {
+    const std::string trouble = trouble_of(tables.regions[k], c, clusters);
+    if (!trouble.empty()) return fmt::format("region {} is wrong in {}", k, trouble);
+  }
+  if (const std::string trouble = trouble_of(tables.cross, V); !trouble.empty()) {
+    return fmt::format("what touches do to each other is wrong in {}", trouble);
+  }
+  if (!is_length(tables.region_reach)) return "the reach of regions is no length";
+  if (!is_length(tables.point_spacing)) return "the spacing of contact points is no length";
+  if (const double points = points_on(skin, tables.point_spacing); !(points <= kMostPoints)) {
+    return fmt::format("contact points {:.3g} m apart would be {:.2g}, more than {:.2g}",
+                       tables.point_spacing, points, kMostPoints);
+  }
+  return {};
 }
 
 }  // namespace palpable

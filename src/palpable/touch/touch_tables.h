@@ -4,11 +4,13 @@
 ///   V  vertices of the skin
 #pragma once
 
+#include "palpable/geometry/surface_mesh.h"
 #include "palpable/touch/compliance.h"
 #include "palpable/touch/nonlinear_answer.h"
 #include "palpable/touch/region.h"
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace palpable {
@@ -23,5 +25,13 @@ struct TouchTables {
 
 /// How large the tables are.
 [[nodiscard]] std::size_t bytes_of(const TouchTables& tables);
+
+/// Modes of one region, or of the cross table, at most, and leading ones of a region.
+inline constexpr int kMostTouchModes = 512, kMostLeadingModes = 64;
+
+/// Why tables cannot be those of a skin: one that is not consistent or holds what is no number, one
+/// of other vertices, or contact points so near to each other that there would be more than
+/// 300,000. Empty if they can.
+[[nodiscard]] std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin);
 
 }  // namespace palpable

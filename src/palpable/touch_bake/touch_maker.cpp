@@ -103,28 +103,73 @@ CrossTable make_cross_table(const SkinResponse& skin, const ModalFormMaker& form
   return table;
 }
 
+namespace {
+
+ComplianceTable find_or_make_compliance(const SkinResponse& skin, const TouchBakeSettings& settings,
+                                        const TouchKeys& keys, const Progress& progress,
+                                        const TouchStore* store) {
+  if (store != nullptr) {
+    if (auto kept = store->find_compliance(keys)) return std::move(*kept);
+  }
+  ComplianceSettings compliance = settings.compliance;
+  compliance.threads = settings.threads;
+  ComplianceTable made = make_compliance(skin, compliance, progress);
+  if (store != nullptr) store->keep(keys, made);
+  return made;
+}
+
+constexpr int kCross = -1;  // among numbers of regions
+
+// Numbers of what is not kept; what is goes to `tables`.
+std::vector<int> look_for(const std::vector<int>& middles, const TouchBakeSettings& settings,
+                          const TouchKeys& keys, const TouchStore* store, TouchTables& tables) {
+  std::vector<int> missing;
+  // The cross terms are one more piece of work beside the regions, and the longest.
+  if (settings.cross.modes > 0) {
+    auto kept = store != nullptr ? store->find_cross(keys) : std::nullopt;
+    if (kept) tables.cross = std::move(*kept);
+    if (!kept) missing.push_back(kCross);
+  }
+  tables.regions.resize(middles.size());
+  for (std::size_t k = 0; k < middles.size(); ++k) {
+    auto kept = store != nullptr ? store->find_region(keys, middles[k]) : std::nullopt;
+    if (kept) tables.regions[k] = std::move(*kept);
+    if (!kept) missing.push_back(static_cast<int>(k));
+  }
+  return missing;
+}
+
+}  // namespace
+
 TouchTables make_touch_tables(const SkinResponse& skin, const TouchBakeSettings& settings,
-                              const Progress& progress) {
+                              const Progress& progress, const TouchStore* store) {
+  const TouchKeys keys = store != nullptr ? touch_keys(skin, settings) : TouchKeys{};
   TouchTables tables;
   tables.point_spacing = settings.point_spacing;
   tables.region_reach = settings.regions.reach;
-  ComplianceSettings compliance = settings.compliance;
-  compliance.threads = settings.threads;
-  tables.compliance = make_compliance(skin, compliance, progress);
+  tables.compliance = find_or_make_compliance(skin, settings, keys, progress, store);
   const std::vector<int> middles =
       spread_vertices(skin, settings.regions.spacing, settings.regions.most);
+  const std::vector<int> missing = look_for(middles, settings, keys, store, tables);
+  if (missing.empty()) return tables;
+  const std::size_t all = middles.size() + (settings.cross.modes > 0 ? 1 : 0);
+  const auto there = static_cast<double>(all - missing.size());
+  const Progress with_those_kept = [&](const ProgressReport& now) {
+    report(progress, {now.task, now.done + there, now.total + there, now.note});
+  };
   const ModalFormMaker forms(skin.body().model(), skin.body().rest());
   const Compliance asked(tables.compliance);
-  tables.regions.resize(middles.size());
-  // The cross terms are one more piece of work beside the regions.
-  const int count = static_cast<int>(middles.size());
-  work_in_parallel(count + 1, settings.threads, "touch: large loads, region by region", progress,
-                   [&](int item) {
-                     if (item == 0) {
+  work_in_parallel(static_cast<int>(missing.size()), settings.threads,
+                   "touch: large loads, region by region", with_those_kept, [&](int item) {
+                     const int k = missing[static_cast<std::size_t>(item)];
+                     if (k == kCross) {
                        tables.cross = make_cross_table(skin, forms, settings.cross);
+                       if (store != nullptr) store->keep(keys, tables.cross);
                      } else {
-                       tables.regions[item - 1] =
-                           make_region(skin, forms, asked, middles[item - 1], settings.regions);
+                       RegionTable& region = tables.regions[static_cast<std::size_t>(k)];
+                       region = make_region(skin, forms, asked,
+                                            middles[static_cast<std::size_t>(k)], settings.regions);
+                       if (store != nullptr) store->keep(keys, region);
                      }
                    });
   return tables;

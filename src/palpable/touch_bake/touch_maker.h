@@ -8,8 +8,13 @@
 #include "palpable/touch_bake/compliance_maker.h"
 #include "palpable/touch_bake/region_maker.h"
 #include "palpable/touch_bake/skin_response.h"
+#include "palpable/touch_bake/touch_store.h"
 
 namespace palpable {
+
+/// To be raised by whoever changes what the makers of tables answer for the same question: tables
+/// that are kept carry it, and those of another revision are made again.
+inline constexpr int kTouchRevision = 0;
 
 struct CrossSettings {
   int modes = 192;        ///< a multiple of 16; 0: none
@@ -30,9 +35,13 @@ struct TouchBakeSettings {
 [[nodiscard]] CrossTable make_cross_table(const SkinResponse& skin, const ModalFormMaker& forms,
                                           const CrossSettings& settings);
 
-/// @throws Error as LoadResponse
+/// The same bytes on any number of threads, and whether tables were kept or made.
+/// @param store  where each table is kept as soon as it is finished, and looked for first; nullptr:
+///               nowhere
+/// @throws Error as LoadResponse, and when a table cannot be kept
 [[nodiscard]] TouchTables make_touch_tables(const SkinResponse& skin,
                                             const TouchBakeSettings& settings,
-                                            const Progress& progress = {});
+                                            const Progress& progress = {},
+                                            const TouchStore* store = nullptr);
 
 }  // namespace palpable

@@ -1,0 +1,35 @@
+/// @file
+/// Tables of touch of a body that is baked (touch/touch_tables.h): made in stages, and kept with
+/// its snapshots.
+#pragma once
+
+#include "palpable/base/progress.h"
+#include "palpable/campaign/campaign.h"
+#include "palpable/campaign/snapshot_store.h"
+#include "palpable/describe/body_description.h"
+#include "palpable/reduced/reduced_body.h"
+#include "palpable/touch/touch_tables.h"
+
+#include <functional>
+#include <optional>
+
+namespace palpable {
+
+/// Makes the tables that are wanted. Each table is kept in the store's folder as soon as it is
+/// finished and is not made again; nothing that is finished is lost, whatever ends the program.
+/// @param plan  of one body: without further parameters
+/// @param store  of the plan
+/// @param use   is called with the tables of each stage when they can be used: with the linear ones
+///              and then, where they are wanted, with all
+/// @throws Error when the body buckles under its preload, or a table cannot be kept
+void bake_touch(const CampaignPlan& plan, const BodyDescription::Touch& wanted,
+                const SnapshotStore& store, int threads,
+                const std::function<void(const TouchTables&)>& use, const Progress& progress = {});
+
+/// The tables that a bake of this very campaign has completed; nothing if none has.
+[[nodiscard]] std::optional<TouchTables> kept_touch_tables(const SnapshotStore& store);
+
+/// States in the body's provenance which tables are written beside it.
+void state_touch(const TouchTables& tables, ReducedBody& body);
+
+}  // namespace palpable

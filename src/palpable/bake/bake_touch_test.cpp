@@ -1,0 +1,117 @@
+#include "palpable/bake/bake_touch.h"
+
+#include "palpable/bake/bake_body.h"
+#include "palpable/campaign/crew.h"
+#include "palpable/campaign/fill_store.h"
+#include "palpable/touch/touch_file.h"
+#include "tests/support/egg_body.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+using test::ScratchFolder;
+using Tables = BodyDescription::Touch::Tables;
+
+FilledStore fill(const BodyDescription& egg, const fs::path& folder) {
+  LocalCrew crew;
+  FillSettings settings;
+  settings.threads = 2;
+  settings.store = folder;
+  return fill_store(egg, settings, crew);
+}
+
+std::map<std::string, std::string> files_of(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    files[entry.path().filename().string()] = test::file_bytes(entry.path());
+  }
+  return files;
+}
+
+struct Stop : std::runtime_error {
+  Stop() : std::runtime_error("stopped") {}
+};
+
+TEST_CASE("a bake of tables that is stopped again and again ends with the bytes of one that is not",
+          "[bake][touch][long]") {
+  const ScratchFolder folder("bake_touch");
+  const BodyDescription egg = test::egg_body(folder.path(), 2);
+  const BodyDescription::Touch wanted{.tables = Tables::kFull, .regions = 3};
+  ReducedBody body = [&] {
+    const FilledStore filled = fill(egg, folder / "whole.snapshots");
+    return reduce_store(filled.store, {}).body;
+  }();
+  const auto write = [&](const char* name) {
+    return [&, name](const TouchTables& tables) {
+      state_touch(tables, body);
+      write_touchable_body(folder / name, body, tables);
+    };
+  };
+  const FilledStore whole = fill(egg, folder / "whole.snapshots");
+  bake_touch(whole.plan, wanted, whole.store, 2, write("whole.palpable"));
+
+  // Stopped after ever more reports of progress, so that each run finishes a little.
+  const FilledStore stopped = fill(egg, folder / "stopped.snapshots");
+  int stops = 0;
+  for (bool ended = false; !ended; ++stops) {
+    REQUIRE(stops < 50);
+    int left = 3 + 12 * stops;
+    const auto stop = [&](const ProgressReport& report) {
+      if (--left == 0 && report.done < report.total) throw Stop();
+    };
+    try {
+      bake_touch(stopped.plan, wanted, stopped.store, 1, write("stopped.palpable"), stop);
+      ended = true;
+    } catch (const Stop&) {}
+  }
+  CHECK(stops > 3);
+  CHECK(files_of(whole.store.touch_folder()) == files_of(stopped.store.touch_folder()));
+  CHECK(test::file_bytes(folder / "whole.palpable") ==
+        test::file_bytes(folder / "stopped.palpable"));
+
+  const TouchableBody read = value_or_throw(read_touchable_body(folder / "whole.palpable"));
+  REQUIRE(read.touch);
+  CHECK(read.touch->regions.size() == 3);
+  CHECK(read.touch->cross.cubic.variables > 0);
+  CHECK(std::count_if(read.body.provenance.begin(), read.body.provenance.end(),
+                      [](const auto& line) { return line.first == "touch"; }) == 1);
+
+  // Everything is there: nothing is made, and `reduce` finds it.
+  bool made = false;
+  bake_touch(
+      whole.plan, wanted, whole.store, 1, [](const TouchTables&) {},
+      [&](const ProgressReport&) { made = true; });
+  CHECK_FALSE(made);
+  REQUIRE(kept_touch_tables(whole.store));
+  CHECK(kept_touch_tables(whole.store)->regions[2].cubic.values ==
+        read.touch->regions[2].cubic.values);
+}
+
+TEST_CASE("linear tables can be used before the others are there", "[bake][touch][long]") {
+  const ScratchFolder folder("bake_touch");
+  const FilledStore filled = fill(test::egg_body(folder.path(), 2), folder / "egg.snapshots");
+  std::vector<std::size_t> regions;
+  const auto use = [&](const TouchTables& tables) { regions.push_back(tables.regions.size()); };
+  bake_touch(filled.plan, {}, filled.store, 2, use);
+  CHECK(regions.empty());
+  CHECK_FALSE(fs::exists(filled.store.touch_folder()));
+  CHECK_FALSE(kept_touch_tables(filled.store));
+  bake_touch(filled.plan, {.tables = Tables::kLinear, .regions = {}}, filled.store, 2, use);
+  CHECK(regions == std::vector<std::size_t>{0});
+  CHECK(kept_touch_tables(filled.store)->regions.empty());
+  CHECK(kept_touch_tables(filled.store)->cross.cubic.variables == 0);
+  bake_touch(filled.plan, {.tables = Tables::kFull, .regions = 1}, filled.store, 2, use);
+  CHECK(regions == std::vector<std::size_t>{0, 0, 1});
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,94 @@
+#include "palpable/touch/touch_file.h"
+
+#include "palpable/reduced/body_file_groups.h"
+#include "palpable/touch/touch_groups.h"
+
+#include <fmt/format.h>
+
+#include <string>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+using hdf5::Handle;
+using hdf5::open_group;
+using hdf5::require;
+
+std::string region_name(int k) { return fmt::format("region_{:04}", k); }
+
+void write_touch(hid_t file, const TouchTables& tables) {
+  const Handle g = hdf5::make_group(file, "touch");
+  hdf5::write_number(g, "layout", kTouchLayout);
+  hdf5::write_number(g, "point_spacing", tables.point_spacing);
+  hdf5::write_number(g, "region_reach", tables.region_reach);
+  hdf5::write_number(g, "regions", static_cast<double>(tables.regions.size()));
+  write_group(hdf5::make_group(g, "compliance"), tables.compliance);
+  int k = 0;
+  for (const RegionTable& region : tables.regions) {
+    write_group(hdf5::make_group(g, region_name(k++).c_str()), region);
+  }
+  if (tables.cross.cubic.variables > 0) { write_group(hdf5::make_group(g, "cross"), tables.cross); }
+}
+
+// What is wrong within a group is told with the group's name.
+template <class Table>
+Table table_of(hid_t touch, const std::string& name) {
+  Table table;
+  try {
+    read_group(open_group(touch, name.c_str()), table);
+  } catch (const hdf5::Trouble& trouble) {
+    throw hdf5::Trouble{fmt::format("touch/{}: {}", name, trouble.what)};
+  }
+  return table;
+}
+
+std::optional<TouchTables> read_touch(hid_t file, const ReducedBody& body) {
+  if (!hdf5::has_link(file, "touch")) return std::nullopt;
+  const Handle g = open_group(file, "touch");
+  const double layout = hdf5::read_number(g, "layout");
+  require(layout == kTouchLayout,
+          fmt::format("its tables of touch have layout {} where this program reads {}; bake the "
+                      "body again",
+                      layout, kTouchLayout));
+  TouchTables tables;
+  tables.point_spacing = hdf5::read_number(g, "point_spacing");
+  tables.region_reach = hdf5::read_number(g, "region_reach");
+  tables.compliance = table_of<ComplianceTable>(g, "compliance");
+  const double regions = hdf5::read_number(g, "regions");
+  require(regions >= 0 && regions <= 1e6, "touch: the number of regions is none");
+  for (int k = 0; k < static_cast<int>(regions); ++k) {
+    tables.regions.push_back(table_of<RegionTable>(g, region_name(k)));
+  }
+  if (hdf5::has_link(g, "cross")) tables.cross = table_of<CrossTable>(g, "cross");
+  const std::string trouble = trouble_of(tables, body.surface);
+  require(trouble.empty(), "touch: " + trouble);
+  return tables;
+}
+
+}  // namespace
+
+Result<TouchableBody> read_touchable_body(const std::filesystem::path& path) {
+  std::optional<TouchTables> touch;
+  Result<ReducedBody> body = read_body_file(
+      path, [&](hid_t file, const ReducedBody& read) { touch = read_touch(file, read); });
+  if (!body.ok()) return body.problem();
+  return TouchableBody{std::move(body).value(), std::move(touch)};
+}
+
+Result<std::optional<TouchTables>> read_touch_tables(const std::filesystem::path& path) {
+  Result<TouchableBody> both = read_touchable_body(path);
+  if (!both.ok()) return both.problem();
+  return std::move(both.value().touch);
+}
+
+ReductionError write_touchable_body(const std::filesystem::path& path, const ReducedBody& body,
+                                    const TouchTables& tables, ModeStorage storage) {
+  return write_body_file(path, body, storage, [&](hid_t file) {
+    const std::string trouble = trouble_of(tables, body.surface);
+    require(trouble.empty(), "touch: " + trouble);
+    write_touch(file, tables);
+  });
+}
+
+}  // namespace palpable

@@ -1,0 +1,38 @@
+/// @file
+/// Tables of touch in a body file: its group /touch (docs/body_file.md).
+#pragma once
+
+#include "palpable/base/error.h"
+#include "palpable/reduced/body_file.h"
+#include "palpable/touch/touch_tables.h"
+
+#include <filesystem>
+#include <optional>
+
+namespace palpable {
+
+/// Version of the group's layout; provisional: tables of another one are refused, the body is read.
+inline constexpr int kTouchLayout = 0;
+
+/// A body with its tables; none: it answers at its sites, one touch at a time.
+struct TouchableBody {
+  ReducedBody body;
+  std::optional<TouchTables> touch;
+};
+
+/// Reads and checks a body file with its tables. Whatever the bytes, the tables keep every promise
+/// of their headers and are of the body's skin, or the result is a problem that names the file and
+/// what is wrong.
+[[nodiscard]] Result<TouchableBody> read_touchable_body(const std::filesystem::path& path);
+
+/// The tables alone; the body is read and checked for them, and dropped. None: the file has none.
+[[nodiscard]] Result<std::optional<TouchTables>> read_touch_tables(
+    const std::filesystem::path& path);
+
+/// write_body_file() with tables. @throws Error as that, and if the tables are not consistent or of
+/// another skin
+ReductionError write_touchable_body(const std::filesystem::path& path, const ReducedBody& body,
+                                    const TouchTables& tables,
+                                    ModeStorage storage = ModeStorage::kFloat32);
+
+}  // namespace palpable

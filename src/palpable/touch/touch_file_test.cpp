@@ -1,0 +1,286 @@
+#include "palpable/touch/touch_file.h"
+
+#include "palpable/reduced/body_file_groups.h"
+#include "palpable/reduced/hdf5_tools.h"
+#include "tests/support/bodies.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/some_touch_tables.h"
+#include "tests/support/test.h"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+using test::ScratchFolder;
+
+ReducedBody ball() { return test::pressed_ball(0.05, 0.01, 1); }
+
+void check_same(const RoundedRows& a, const RoundedRows& b) {
+  CHECK(a.width == b.width);
+  CHECK(a.values == b.values);
+  CHECK(a.scale == b.scale);
+}
+
+void check_same(const SymmetricForm& a, const SymmetricForm& b) {
+  CHECK(a.variables == b.variables);
+  CHECK(a.degree == b.degree);
+  CHECK(a.values == b.values);
+  CHECK(a.scale == b.scale);
+}
+
+void check_same(const ComplianceTable& a, const ComplianceTable& b) {
+  CHECK(a.vertices == b.vertices);
+  CHECK(a.clusters == b.clusters);
+  CHECK(a.cluster_of == b.cluster_of);
+  check_same(a.basis, b.basis);
+  CHECK(a.far_first == b.far_first);
+  CHECK(a.far_second == b.far_second);
+  check_same(a.couplings, b.couplings);
+  CHECK(a.first == b.first);
+  CHECK(a.neighbours == b.neighbours);
+  CHECK(a.near == b.near);
+  CHECK(a.near_scale == b.near_scale);
+}
+
+void check_same(const TouchTables& a, const TouchTables& b) {
+  CHECK(a.point_spacing == b.point_spacing);
+  CHECK(a.region_reach == b.region_reach);
+  check_same(a.compliance, b.compliance);
+  REQUIRE(a.regions.size() == b.regions.size());
+  for (std::size_t k = 0; k < a.regions.size(); ++k) {
+    INFO("region " << k);
+    CHECK(a.regions[k].vertex == b.regions[k].vertex);
+    CHECK(a.regions[k].vertices == b.regions[k].vertices);
+    check_same(a.regions[k].modes, b.regions[k].modes);
+    CHECK(a.regions[k].source_clusters == b.regions[k].source_clusters);
+    check_same(a.regions[k].sources, b.regions[k].sources);
+    check_same(a.regions[k].cubic, b.regions[k].cubic);
+    check_same(a.regions[k].quartic, b.regions[k].quartic);
+  }
+  check_same(a.cross.modes, b.cross.modes);
+  check_same(a.cross.cubic, b.cross.cubic);
+}
+
+// A body file whose group /touch is that of `tables`, changed by `spoil`, behind a right checksum.
+void write_spoilt(const fs::path& path, const TouchTables& tables,
+                  const std::function<void(hid_t touch)>& spoil) {
+  write_touchable_body(path, ball(), tables);
+  const hdf5::Image image(hdf5::all_bytes(path), "palpable body file", kBodyFileVersion, "", "");
+  write_body_file(path, ball(), ModeStorage::kFloat32, [&](hid_t file) {
+    const hdf5::Handle none(H5Pcreate(H5P_OBJECT_COPY), H5Pclose, "no memory");
+    REQUIRE(H5Ocopy(image.file(), "touch", file, "touch", none, H5P_DEFAULT) >= 0);
+    spoil(hdf5::open_group(file, "touch"));
+  });
+}
+
+TEST_CASE("tables of touch come back from a body file to the last bit", "[touch][files]") {
+  const ScratchFolder folder("touch_file");
+  const ReducedBody body = ball();
+  for (const int regions : {0, 3}) {
+    INFO(regions << " regions");
+    const TouchTables tables = test::some_touch_tables(body.surface, regions);
+    write_touchable_body(folder / "ball.palpable", body, tables);
+    const TouchableBody again = value_or_throw(read_touchable_body(folder / "ball.palpable"));
+    CHECK(again.body.surface.vertices == body.surface.vertices);
+    CHECK(again.body.displacement.modes() == body.displacement.modes());
+    REQUIRE(again.touch);
+    check_same(*again.touch, tables);
+    check_same(value_or_throw(read_touch_tables(folder / "ball.palpable")).value(), tables);
+  }
+}
+
+TEST_CASE("the same tables give the same bytes", "[touch][files]") {
+  const ScratchFolder folder("touch_file");
+  const ReducedBody body = ball();
+  for (const char* name : {"a.palpable", "b.palpable"}) {
+    write_touchable_body(folder / name, body, test::some_touch_tables(body.surface));
+  }
+  CHECK(hdf5::all_bytes(folder / "a.palpable") == hdf5::all_bytes(folder / "b.palpable"));
+}
+
+TEST_CASE("who does not know tables of touch reads the body, and older files have none",
+          "[touch][files]") {
+  const ScratchFolder folder("touch_file");
+  const ReducedBody body = ball();
+  write_touchable_body(folder / "ball.palpable", body, test::some_touch_tables(body.surface),
+                       ModeStorage::kFloat16);
+  CHECK(value_or_throw(read_body_file(folder / "ball.palpable")).name == body.name);
+  for (const char* old : {"tests/data/ball_v1.palpable", "tests/data/ball_v1_full.palpable"}) {
+    const TouchableBody read = value_or_throw(read_touchable_body(old));
+    CHECK_FALSE(read.body.name.empty());
+    CHECK_FALSE(read.touch);
+  }
+  CHECK_THAT(read_touch_tables(folder / "none.palpable").problem().message,
+             Catch::Contains("none.palpable: no such body file"));
+}
+
+TEST_CASE("tables that break a rule are named, and not written over a good file",
+          "[touch][errors]") {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const ScratchFolder folder("touch_file");
+  const fs::path path = folder / "ball.palpable";
+  const ReducedBody body = ball();
+  const TouchTables good = test::some_touch_tables(body.surface);
+  CHECK(trouble_of(good, body.surface).empty());
+  write_touchable_body(path, body, good);
+  const std::string bytes = hdf5::all_bytes(path);
+  const std::vector<std::pair<std::string, std::function<void(TouchTables&)>>> faults{
+      {"the compliance is wrong in its size", [](auto& t) { t.compliance.clusters = 5000; }},
+      {"the compliance is wrong in its clusters", [](auto& t) { t.compliance.clusters = 2; }},
+      {"the compliance is wrong in the size of its far field",
+       [](auto& t) { t.compliance.couplings.values.pop_back(); }},
+      {"the compliance is wrong in its lists", [](auto& t) { t.compliance.first[1] = 4000; }},
+      {"the compliance is wrong in a factor", [](auto& t) { t.compliance.basis.scale[3] = kNan; }},
+      {"the compliance is wrong in a factor",
+       [](auto& t) { t.compliance.couplings.scale[0] = -1; }},
+      {"the compliance is wrong in a factor",
+       [](auto& t) { t.compliance.near_scale[4] = std::numeric_limits<float>::infinity(); }},
+      {"the compliance is of 12 vertices where the skin has 42",
+       [](auto& t) {
+         t.compliance = test::some_touch_tables(sphere_surface({0, 0, 0}, 0.1, 0)).compliance;
+       }},
+      {"region 1 is wrong in its middle", [](auto& t) { t.regions[1].vertex = 42; }},
+      {"region 1 is wrong in its middle", [](auto& t) { t.regions[1].vertex = -1; }},
+      {"region 2 is wrong in its list of vertices",
+       [](auto& t) { std::swap(t.regions[2].vertices[0], t.regions[2].vertices[1]); }},
+      {"region 2 is wrong in its list of vertices",
+       [](auto& t) { t.regions[2].vertices[1] = t.regions[2].vertices[0]; }},
+      {"region 2 is wrong in its list of vertices",
+       [](auto& t) { t.regions[2].vertices.back() = 42; }},
+      {"region 0 is wrong in the size of its modes",
+       [](auto& t) { t.regions[0].vertices.pop_back(); }},
+      {"region 0 is wrong in a factor of its modes",
+       [](auto& t) { t.regions[0].modes.scale[2] = kNan; }},
+      {"region 0 is wrong in the size of its sources",
+       [](auto& t) { t.regions[0].sources.width = 16; }},
+      {"region 0 is wrong in the clusters of its sources",
+       [](auto& t) { t.regions[0].source_clusters[0] = 3; }},
+      {"region 0 is wrong in the clusters of its sources",
+       [](auto& t) { t.regions[0].source_clusters[0] = -1; }},
+      // What is near the source's cluster but none of the region's is reached by no coupling.
+      {"region 0 is wrong in the clusters of its sources",
+       [](auto& t) {
+         t.regions[0].vertices.resize(1);
+         t.regions[0].modes.values.resize(3 * 16);
+         t.regions[0].modes.scale.resize(3);
+       }},
+      {"region 0 is wrong in its number of modes",
+       [](auto& t) { t.regions[0].cubic.variables = 15; }},
+      {"region 0 is wrong in its number of modes",
+       [](auto& t) { t.regions[0].cubic.variables = kMostTouchModes + 16; }},
+      {"region 0 is wrong in the size of its second order",
+       [](auto& t) { t.regions[0].cubic.scale.pop_back(); }},
+      {"region 0 is wrong in a factor of its second order",
+       [](auto& t) { t.regions[0].cubic.scale.back() = -kNan; }},
+      {"region 0 is wrong in the size of its third order",
+       [](auto& t) { t.regions[0].quartic.variables = 17; }},
+      {"region 0 is wrong in the size of its third order",
+       [](auto& t) { t.regions[0].quartic.values.pop_back(); }},
+      {"what touches do to each other is wrong in the size of its modes",
+       [](auto& t) { t.cross.modes.values.pop_back(); }},
+      {"what touches do to each other is wrong in the size of its second order",
+       [](auto& t) { t.cross.cubic.variables = 47; }},
+      {"what touches do to each other is wrong in its number of modes",
+       [](auto& t) {
+         t.cross.cubic =
+             t.regions[0].cubic = {17, 3, std::vector<std::int16_t>(969), std::vector<float>(153)};
+       }},
+      {"the reach of regions is no length", [](auto& t) { t.region_reach = -0.01; }},
+      {"the spacing of contact points is no length", [](auto& t) { t.point_spacing = NAN; }},
+      {"contact points 1e-06 m apart would be", [](auto& t) { t.point_spacing = 1e-6; }},
+  };
+  for (const auto& [expected, spoil] : faults) {
+    TouchTables tables = good;
+    spoil(tables);
+    std::string message = "(written)";
+    try {
+      write_touchable_body(path, body, tables);
+    } catch (const Error& error) { message = error.what(); }
+    INFO(expected << " <- " << message);
+    CHECK(message.find(path.string() + ": touch: " + expected) == 0);
+    CHECK(hdf5::all_bytes(path) == bytes);
+  }
+}
+
+TEST_CASE("tables that break a rule within a file are refused by name when it is read",
+          "[touch][errors]") {
+  const ScratchFolder folder("touch_file");
+  const fs::path path = folder / "ball.palpable";
+  const auto number = [](const char* group, const char* name, double value) {
+    return [=](hid_t touch) {
+      const hdf5::Handle g = hdf5::open_group(touch, group);
+      REQUIRE(H5Adelete(g, name) >= 0);
+      hdf5::write_number(g, name, value);
+    };
+  };
+  const auto remove = [](const char* name) {
+    return [=](hid_t touch) { REQUIRE(H5Ldelete(touch, name, H5P_DEFAULT) >= 0); };
+  };
+  const auto table = [remove](const char* name, auto value, hsize_t rows, hsize_t columns) {
+    return [=](hid_t touch) {
+      remove(name)(touch);
+      const std::vector<decltype(value)> data(rows * columns, value);
+      hdf5::write_table(touch, name, data.data(), rows, columns);
+    };
+  };
+  const std::vector<std::pair<std::string, std::function<void(hid_t)>>> faults{
+      {"tables of touch have layout 1 where this program reads 0", number(".", "layout", 1)},
+      {"touch: the number of regions is none", number(".", "regions", -1)},
+      {"touch: the number of regions is none", number(".", "regions", NAN)},
+      {"touch/region_0003: group 'region_0003' is missing", number(".", "regions", 4)},
+      {"touch/compliance: group 'compliance' is missing", remove("compliance")},
+      {"touch/compliance: dataset 'near' is missing", remove("compliance/near")},
+      {"touch/compliance: attribute 'clusters' is not a count",
+       number("compliance", "clusters", 2.5)},
+      {"touch/compliance: dataset 'far_second' is 2 x 1 where 1 x 1 is needed",
+       table("compliance/far_second", 2, 2, 1)},
+      {"touch/compliance: dataset 'first' is 42 x 1 where 43 x 1 is needed",
+       table("compliance/first", 0, 42, 1)},
+      {"touch/compliance: the near field is not in rows of sixteen",
+       table("compliance/near", std::int16_t{0}, 10, 15)},
+      {"touch/compliance: dataset 'neighbours' does not hold integers",
+       table("compliance/neighbours", 1.0f, 10, 1)},
+      {"touch: the compliance is wrong in its lists of neighbours",
+       table("compliance/neighbours", 99, 10, 1)},
+      {"touch/region_0001: attribute 'vertex' is not a count", number("region_0001", "vertex", .5)},
+      {"touch/region_0001: attribute 'vertex' is not a count", number("region_0001", "vertex", -1)},
+      {"touch: region 1 is wrong in its middle", number("region_0001", "vertex", 42)},
+      {"touch/region_0002: a region has too many leading modes",
+       number("region_0002", "leading", 17)},
+      {"touch/region_0002: dataset 'quartic' is 70 x 1 where 126 x 1 is needed",
+       number("region_0002", "leading", 6)},
+      {"touch/region_0000: 'cubic' is of 528 modes, more than 512",
+       [&](hid_t touch) {
+         table("region_0000/modes", std::int16_t{1}, 3, 528)(touch);
+         table("region_0000/modes_scale", 1.0f, 3, 1)(touch);
+       }},
+      {"touch/cross: dataset 'cubic' is 19599 x 1 where 19600 x 1 is needed",
+       table("cross/cubic", std::int16_t{1}, 19599, 1)},
+      {"touch: what touches do to each other is wrong in the size of its modes",
+       [&](hid_t touch) {
+         table("cross/modes", std::int16_t{1}, 3, 48)(touch);
+         table("cross/modes_scale", 1.0f, 3, 1)(touch);
+       }},
+      {"touch: the spacing of contact points is no length", number(".", "point_spacing", 0)},
+  };
+  const TouchTables good = test::some_touch_tables(ball().surface);
+  for (const auto& [expected, spoil] : faults) {
+    write_spoilt(path, good, spoil);
+    const Result<TouchableBody> read = read_touchable_body(path);
+    INFO(expected << " <- " << (read.ok() ? "(read)" : read.problem().message));
+    REQUIRE_FALSE(read.ok());
+    CHECK(read.problem().message.find(path.string() + ": ") == 0);
+    CHECK(read.problem().message.find(expected) != std::string::npos);
+    CHECK(read_body_file(path).ok());  // without its tables the body still plays
+  }
+}
+
+}  // namespace
+}  // namespace palpable

@@ -1,0 +1,137 @@
+#include "palpable/touch/touch_groups.h"
+
+#include "palpable/touch/row_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+using hdf5::read_table;
+using hdf5::require;
+using hdf5::Table;
+using hdf5::write_table;
+
+// A dataset of one column.
+template <class T>
+void write_column(hid_t group, const std::string& name, const std::vector<T>& values) {
+  write_table(group, name.c_str(), values.data(), values.size(), 1);
+}
+
+template <class T>
+std::vector<T> read_column(hid_t group, const std::string& name) {
+  Table<T> table = read_table<T>(group, name.c_str());
+  require(table.columns == 1, fmt::format("dataset '{}' is not one column", name));
+  return std::move(table.data);
+}
+
+template <class T>
+std::vector<T> read_column(hid_t group, const std::string& name, std::size_t rows) {
+  return read_table<T>(group, name.c_str(), rows, 1).data;
+}
+
+int read_count(hid_t group, const char* name) {
+  const double value = hdf5::read_number(group, name);
+  require(value >= 0 && value <= 1e9 && value == std::floor(value),
+          fmt::format("attribute '{}' is not a count", name));
+  return static_cast<int>(value);
+}
+
+// NAME: rows x width in 16 bits, NAME_scale: a factor for each row.
+void write_rows(hid_t group, const std::string& name, const RoundedRows& rows) {
+  write_table(group, name.c_str(), rows.values.data(), rows.scale.size(), rows.width);
+  write_column(group, name + "_scale", rows.scale);
+}
+
+RoundedRows read_rows(hid_t group, const std::string& name) {
+  Table<std::int16_t> values = read_table<std::int16_t>(group, name.c_str());
+  RoundedRows rows{values.columns, std::move(values.data), {}};
+  rows.scale = read_column<float>(group, name + "_scale", values.rows);
+  return rows;
+}
+
+// NAME: the distinct coefficients in 16 bits, NAME_scale: a factor for each run.
+void write_form(hid_t group, const std::string& name, const SymmetricForm& form) {
+  write_column(group, name, form.values);
+  write_column(group, name + "_scale", form.scale);
+}
+
+SymmetricForm read_form(hid_t group, const std::string& name, int variables, int degree) {
+  require(variables <= kMostTouchModes,
+          fmt::format("'{}' is of {} modes, more than {}", name, variables, kMostTouchModes));
+  SymmetricForm form{variables, degree, {}, {}};
+  form.values = read_column<std::int16_t>(group, name, distinct_coefficients(variables, degree));
+  form.scale = read_column<float>(group, name + "_scale", runs_of(variables, degree));
+  return form;
+}
+
+}  // namespace
+
+void write_group(hid_t group, const ComplianceTable& table) {
+  hdf5::write_number(group, "clusters", table.clusters);
+  write_column(group, "cluster_of", table.cluster_of);
+  write_rows(group, "basis", table.basis);
+  write_column(group, "far_first", table.far_first);
+  write_column(group, "far_second", table.far_second);
+  write_rows(group, "couplings", table.couplings);
+  write_column(group, "first", table.first);
+  write_column(group, "neighbours", table.neighbours);
+  write_table(group, "near", table.near.data(), table.near.size() / kRowStep, kRowStep);
+  write_column(group, "near_scale", table.near_scale);
+}
+
+void read_group(hid_t group, ComplianceTable& table) {
+  table.clusters = read_count(group, "clusters");
+  table.cluster_of = read_column<int>(group, "cluster_of");
+  table.vertices = static_cast<int>(table.cluster_of.size());
+  table.basis = read_rows(group, "basis");
+  table.far_first = read_column<int>(group, "far_first");
+  table.far_second = read_column<int>(group, "far_second", table.far_first.size());
+  table.couplings = read_rows(group, "couplings");
+  table.first = read_column<int>(group, "first", table.cluster_of.size() + 1);
+  table.neighbours = read_column<int>(group, "neighbours");
+  Table<std::int16_t> near = read_table<std::int16_t>(group, "near");
+  require(near.columns == kRowStep, "the near field is not in rows of sixteen");
+  table.near = std::move(near.data);
+  table.near_scale = read_column<float>(group, "near_scale", table.cluster_of.size());
+}
+
+void write_group(hid_t group, const RegionTable& table) {
+  hdf5::write_number(group, "vertex", table.vertex);
+  hdf5::write_number(group, "leading", table.leading());
+  write_column(group, "vertices", table.vertices);
+  write_rows(group, "modes", table.modes);
+  write_column(group, "source_clusters", table.source_clusters);
+  write_rows(group, "sources", table.sources);
+  write_form(group, "cubic", table.cubic);
+  write_form(group, "quartic", table.quartic);
+}
+
+void read_group(hid_t group, RegionTable& table) {
+  table.vertex = read_count(group, "vertex");
+  table.vertices = read_column<int>(group, "vertices");
+  table.modes = read_rows(group, "modes");
+  table.source_clusters = read_column<int>(group, "source_clusters");
+  table.sources = read_rows(group, "sources");
+  const auto r = static_cast<int>(table.modes.width);
+  const int s = read_count(group, "leading");
+  require(s <= std::min(r, kMostLeadingModes), "a region has too many leading modes");
+  table.cubic = read_form(group, "cubic", r, 3);
+  table.quartic = read_form(group, "quartic", s, 4);
+}
+
+void write_group(hid_t group, const CrossTable& table) {
+  write_rows(group, "modes", table.modes);
+  write_form(group, "cubic", table.cubic);
+}
+
+void read_group(hid_t group, CrossTable& table) {
+  table.modes = read_rows(group, "modes");
+  table.cubic = read_form(group, "cubic", static_cast<int>(table.modes.width), 3);
+}
+
+}  // namespace palpable

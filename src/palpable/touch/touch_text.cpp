@@ -1,0 +1,60 @@
+#include "palpable/touch/touch_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace palpable {
+namespace {
+
+// The highest order of the load that the displacement holds.
+int order_of(const TouchTables& tables) {
+  int order = 1;
+  for (const RegionTable& region : tables.regions) {
+    order = std::max(order, region.leading() > 0 ? 3 : 2);
+  }
+  return order;
+}
+
+double megabytes(const TouchTables& tables) { return static_cast<double>(bytes_of(tables)) / 1e6; }
+
+}  // namespace
+
+std::string touch_text(const std::optional<TouchTables>& tables) {
+  if (!tables) return "at its sites, one at a time";
+  constexpr const char* kOrders[] = {"", "1st order: small touches", "2nd order", "3rd order"};
+  std::string text = fmt::format("anywhere, several at a time, {}", kOrders[order_of(*tables)]);
+  if (!tables->regions.empty()) text += fmt::format("; {} regions", tables->regions.size());
+  return text + fmt::format("; {:.3g} MB", megabytes(*tables));
+}
+
+Json touch_json(const std::optional<TouchTables>& tables) {
+  if (!tables) return nullptr;
+  return {{"order", order_of(*tables)},
+          {"clusters", tables->compliance.clusters},
+          {"regions", tables->regions.size()},
+          {"cross_modes", tables->cross.cubic.variables},
+          {"table_mb", megabytes(*tables)}};
+}
+
+std::string touch_line(const TouchTables& tables) {
+  const ComplianceTable& c = tables.compliance;
+  std::string line = fmt::format(
+      "compliance of {} vertices in {} clusters: {} directions each between those far apart, as it "
+      "is "
+      "between each vertex and its {:.0f} neighbours (mean)",
+      c.vertices, c.clusters, c.basis.width,
+      static_cast<double>(c.neighbours.size()) / static_cast<double>(c.vertices));
+  if (!tables.regions.empty()) {
+    const RegionTable& first = tables.regions.front();
+    line += fmt::format("; {} regions of {} modes, {} of them to the third order",
+                        tables.regions.size(), first.mode_count(), first.leading());
+  }
+  if (tables.cross.cubic.variables > 0) {
+    line +=
+        fmt::format("; {} modes in which touches act on each other", tables.cross.cubic.variables);
+  }
+  return line;
+}
+
+}  // namespace palpable

@@ -1,0 +1,23 @@
+/// @file
+/// What a body's tables of touch can do, told to people and to other programs.
+#pragma once
+
+#include "palpable/base/json.h"
+#include "palpable/touch/touch_tables.h"
+
+#include <optional>
+#include <string>
+
+namespace palpable {
+
+/// "anywhere, several at a time, 3rd order; 140 regions; 52 MB", or of a body without tables "at
+/// its sites, one at a time".
+[[nodiscard]] std::string touch_text(const std::optional<TouchTables>& tables);
+
+/// The same as an object; null without tables.
+[[nodiscard]] Json touch_json(const std::optional<TouchTables>& tables);
+
+/// For the provenance: how many modes, regions and neighbours there are.
+[[nodiscard]] std::string touch_line(const TouchTables& tables);
+
+}  // namespace palpable
