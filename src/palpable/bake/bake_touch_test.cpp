@@ -61,6 +61,8 @@ TEST_CASE("a bake of tables that is stopped again and again ends with the bytes 
 
   // Stopped after ever more reports of progress, so that each run finishes a little.
   const FilledStore stopped = fill(egg, folder / "stopped.snapshots");
+  fs::create_directories(stopped.store.touch_folder());
+  test::write_bytes(stopped.store.touch_folder() / "cross.h5.part-elsewhere-7", "of a killed run");
   int stops = 0;
   for (bool ended = false; !ended; ++stops) {
     REQUIRE(stops < 50);
