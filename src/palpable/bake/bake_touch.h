@@ -17,7 +17,7 @@ namespace palpable {
 
 /// Makes the tables that are wanted. Each table is kept in the store's folder as soon as it is
 /// finished and is not made again; nothing that is finished is lost, whatever ends the program.
-/// @param plan  of one body: without further parameters
+/// @param plan  of one body, without further parameters, if tables are wanted
 /// @param store  of the plan
 /// @param use   is called with the tables of each stage when they can be used: with the linear ones
 ///              and then, where they are wanted, with all

@@ -61,6 +61,8 @@ TEST_CASE("a bake of tables that is stopped again and again ends with the bytes 
 
   // Stopped after ever more reports of progress, so that each run finishes a little.
   const FilledStore stopped = fill(egg, folder / "stopped.snapshots");
+  fs::create_directories(stopped.store.touch_folder());
+  test::write_bytes(stopped.store.touch_folder() / "cross.h5.part-elsewhere-7", "of a killed run");
   int stops = 0;
   for (bool ended = false; !ended; ++stops) {
     REQUIRE(stops < 50);
@@ -101,7 +103,9 @@ TEST_CASE("linear tables can be used before the others are there", "[bake][touch
   const FilledStore filled = fill(test::egg_body(folder.path(), 2), folder / "egg.snapshots");
   std::vector<std::size_t> regions;
   const auto use = [&](const TouchTables& tables) { regions.push_back(tables.regions.size()); };
-  bake_touch(filled.plan, {}, filled.store, 2, use);
+  CampaignPlan with_parameter = filled.plan;
+  with_parameter.points.push_back(with_parameter.points[0]);
+  bake_touch(with_parameter, {}, filled.store, 2, use);
   CHECK(regions.empty());
   CHECK_FALSE(fs::exists(filled.store.touch_folder()));
   CHECK_FALSE(kept_touch_tables(filled.store));

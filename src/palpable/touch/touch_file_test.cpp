@@ -189,8 +189,7 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
        [](auto& t) { t.cross.cubic.variables = 47; }},
       {"what touches do to each other is wrong in its number of modes",
        [](auto& t) {
-         t.cross.cubic =
-             t.regions[0].cubic = {17, 3, std::vector<std::int16_t>(969), std::vector<float>(153)};
+         t.cross.cubic = {17, 3, std::vector<std::int16_t>(969), std::vector<float>(153)};
        }},
       {"the reach of regions is no length", [](auto& t) { t.region_reach = -0.01; }},
       {"the spacing of contact points is no length", [](auto& t) { t.point_spacing = NAN; }},
