@@ -46,6 +46,10 @@ target_link_libraries(palpable_cholmod INTERFACE ${CHOLMOD_LIBRARY} gomp)
 # and gives wrong numbers now and then when two threads of ours call it.
 find_path(CBLAS_INCLUDE_DIR cblas.h REQUIRED)
 find_library(OPENBLAS_LIBRARY openblas PATH_SUFFIXES openblas-pthread REQUIRED)
+if(OPENBLAS_LIBRARY MATCHES "openblas-serial")
+  message(FATAL_ERROR "${OPENBLAS_LIBRARY} has no locks: install libopenblas-pthread-dev (tools/setup.sh), "
+                      "and configure with -U OPENBLAS_LIBRARY")
+endif()
 add_library(palpable_blas INTERFACE)
 target_include_directories(palpable_blas SYSTEM INTERFACE ${CBLAS_INCLUDE_DIR})
 target_link_libraries(palpable_blas INTERFACE ${OPENBLAS_LIBRARY})

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """with_wall_clip.py PROGRAM [WORDS...]: runs the program; {clip} among the words becomes a folder of
-stereo pairs of a wall 0.441 m away, in whose scene.toml a body of 0.1 m stands in the wall."""
+stereo pairs of a wall 0.441 m away, in whose scene.toml a body of 0.1 m stands in the wall, which
+presses it."""
 import subprocess
 import sys
 import tempfile
@@ -8,7 +9,7 @@ from pathlib import Path
 
 from programs import write_stereo
 
-SCENE = "camera_from_body = [1, 0, 0, 0,  0, 0, -1, 0.04,  0, 1, 0, 0.42,  0, 0, 0, 1]\n"
+SCENE = "press_static = true\ncamera_from_body = [1, 0, 0, 0,  0, 0, -1, 0.04,  0, 1, 0, 0.42,  0, 0, 0, 1]\n"
 
 
 def main():

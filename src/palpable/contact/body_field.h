@@ -32,6 +32,7 @@ class BodyField {
   SurfaceDistance distance_;
   std::vector<std::uint8_t> fixed_;
   // Distances at the nodes of a coarse grid: within a cell they differ by at most the way there.
+  float cell_ = 0;  // m
   Eigen::Vector3f low_;
   Eigen::Vector3i nodes_;
   std::vector<float> at_node_;

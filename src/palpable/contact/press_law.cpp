@@ -2,6 +2,8 @@
 
 #include "palpable/base/contract.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -44,6 +46,24 @@ int nearest_site(const ReducedBody& body, const Vector3f& x) {
   return nearest;
 }
 
+// On a body as large as a house points 2 mm apart would fill the memory; nobody feels the
+// difference.
+constexpr double kMostPoints = 60000;
+
+// m: as asked for, or so that there are about as many points at most. A point stands for half the
+// square of the spacing, roughly: triangles are cut by their longest edge.
+double spacing_on(const SurfaceMesh& surface, double wanted) {
+  PALPABLE_EXPECT(wanted > 0, "points are some way apart");
+  double area = 0;
+  for (int t = 0; t < surface.triangle_count(); ++t) {
+    const Eigen::Vector3d a = surface.vertices.col(surface.triangles(0, t));
+    const Eigen::Vector3d b = surface.vertices.col(surface.triangles(1, t));
+    const Eigen::Vector3d c = surface.vertices.col(surface.triangles(2, t));
+    area += 0.5 * (b - a).cross(c - a).norm();
+  }
+  return std::max(wanted, std::sqrt(2 * area / kMostPoints));
+}
+
 TouchedPlace place_of(const ObjectBall& ball) { return {ball.point, ball.sigma, ball.unseen_for}; }
 
 }  // namespace
@@ -51,7 +71,7 @@ TouchedPlace place_of(const ObjectBall& ball) { return {ball.point, ball.sigma, 
 PressLaw::PressLaw(const ReducedBody& body, const PressSettings& settings)
     : body_(&body),
       settings_(settings),
-      skin_(skin_points(body.surface, body.fixed, settings.spacing)),
+      skin_(skin_points(body.surface, body.fixed, spacing_on(body.surface, settings.spacing))),
       field_(body),
       paths_(press_paths(body, skin_, settings.least_share)) {
   PALPABLE_EXPECT(settings.tolerance >= 0, "a tolerance is not negative");

@@ -32,7 +32,9 @@
 namespace palpable {
 
 struct PressSettings {
-  double spacing = 0.002;  ///< m, between the points of the skin that are asked, at most
+  /// m, between the points of the skin that are asked, at most; more on a skin on which there would
+  /// be more than some 60,000.
+  double spacing = 0.002;
   /// The object must be so many sigma of its surface inside to touch. Smaller: the noise of a hand
   /// that hovers presses; larger: touches begin late. A point need not be deeper inside a thing
   /// than half its radius, however uncertain the thing is.

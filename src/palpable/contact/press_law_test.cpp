@@ -408,5 +408,13 @@ TEST_CASE("settings out of range are refused", "[contact][errors]") {
   CHECK_THROWS_AS(PressLaw(body, {.fastest = 0}), ContractViolation);
 }
 
+TEST_CASE("a body as large as a house has no more points than memory holds", "[contact]") {
+  ReducedBody body = test::DentedSphere().body();
+  body.surface.vertices *= 1000;
+  const PressLaw large(body, {});
+  CHECK(large.skin().size() < 150000);
+  CHECK(large.skin().size() > 10000);
+}
+
 }  // namespace
 }  // namespace palpable
