@@ -287,6 +287,7 @@ void add_bench(Command app) {
       "  bench elements  how true 4-node and 10-node tetrahedra are\n"
       "  bench reduce    all reductions beside each other\n"
       "  bench obstacle  contact against Hertz and CalculiX, and its cost on a body\n"
+      "  bench touch     touch anywhere by a body's tables, against full finite elements\n"
       "Example: palpable bench evaluate bunny.palpable --json");
   const auto add_body_bench = [&](const char* name, const char* what,
                                   void (*run)(const BodyOptions&)) {
