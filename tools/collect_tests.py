@@ -2,7 +2,7 @@
 """collect_tests.py TARGET [BUILD:LABEL_REGEX ...]: one list of tests from several builds.
 
 Writes TARGET/CTestTestfile.cmake, so that a single `ctest --test-dir TARGET` runs the unit tests of
-the dev build, the thread tests of the threads build and the long ones of the release build, and
+the dev build, the thread tests of the release build and the long ones of the release build, and
 ends in one summary. A test keeps its command, label, time limit and rule for being skipped; its
 name gets the build in front.
 

@@ -37,8 +37,11 @@ void print_text(const ReducedBody& body, const Touch& touch, const std::filesyst
 }
 
 void inspect(const Options& options) {
-  const ReducedBody body = value_or_throw(read_body_file(options.body));
-  const Touch touch = read_touch_tables(options.body);
+  Result<TouchableBody> both = read_touchable_body(options.body);
+  // Where the tables of touch alone are damaged the body still plays.
+  const ReducedBody body =
+      both.ok() ? std::move(both.value().body) : value_or_throw(read_body_file(options.body));
+  const Touch touch = both.ok() ? Touch(std::move(both.value().touch)) : Touch(both.problem());
   if (options.json) {
     Json result = json_of(body);
     result["touch"] = touch ? touch_json(touch.value()) : Json(touch.problem().message);

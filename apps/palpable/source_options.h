@@ -6,7 +6,6 @@
 #include "palpable/sources/frame_source.h"
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 

@@ -36,6 +36,8 @@ struct Options {
   bool json = false;
 };
 
+constexpr int kLinearLoads = 100;  // against which the compliance is held
+
 double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
@@ -90,8 +92,7 @@ void run(const Options& options) {
   for (int k = 0; k < kPressingThings; ++k) {
     const auto thing = static_cast<PressingThing>(k);
     int number = 0;
-    for (const TouchScene& scene :
-         touch_scenes(skin.skin(), skin.fixed(), thing, options.each, seed)) {
+    for (const TouchScene& scene : touch_scenes(skin, thing, options.each, seed)) {
       bar.show({"the full answer, scene by scene", static_cast<double>(k * options.each + number++),
                 static_cast<double>(kPressingThings * options.each), name_of(thing)});
       std::string why;
@@ -112,6 +113,10 @@ void run(const Options& options) {
   figures["regions"] = tables.regions.size();
   figures["table_mb"] = static_cast<double>(bytes_of(tables)) / 1e6;
   figures["bake_s"] = bake_s;
+  const std::vector<double> linear =
+      compliance_errors(skin, Compliance(tables.compliance), kLinearLoads, seed);
+  figures["compliance_error_median"] = percentile(linear, 0.5);
+  figures["compliance_error_worst"] = percentile(linear, 1.0);
   figures["truth_stopped"] = stopped;
   figures["ms_median"] = percentile(ms, 0.5);
   figures["ms_p99"] = percentile(ms, 0.99);

@@ -14,7 +14,6 @@
 namespace palpable {
 namespace {
 
-using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
 constexpr double kLowest = 0.15;        // of the height: lower down nothing is pressed
@@ -22,48 +21,23 @@ constexpr double kNormalWidth = 0.012;  // m
 constexpr double kFar = 0.2;            // m from which a thing comes
 constexpr double kTouches = 2e-5;       // m
 
-struct Skin {
-  const SurfaceMesh& mesh;
-  Matrix3Xd normals;  // of vertices, by area
-
-  explicit Skin(const SurfaceMesh& the_mesh)
-      : mesh(the_mesh), normals(Matrix3Xd::Zero(3, the_mesh.vertex_count())) {
-    for (int t = 0; t < mesh.triangle_count(); ++t) {
-      const auto corner = [&](int k) -> Vector3d {
-        return mesh.vertices.col(mesh.triangles(k, t));
-      };
-      const Vector3d n = (corner(1) - corner(0)).cross(corner(2) - corner(0));
-      for (int k = 0; k < 3; ++k) normals.col(mesh.triangles(k, t)) += n;
+// Of the skin's vertices and its triangles' middles.
+double smallest_gap(const SurfaceMesh& mesh, const Obstacle& obstacle) {
+  const ObstacleGaps gaps(obstacle);
+  double smallest = std::numeric_limits<double>::infinity();
+  const auto look_at = [&](const Vector3d& x) {
+    for (int part = 0; part < gaps.part_count(); ++part) {
+      smallest = std::min(smallest, gaps.distance(part, x));
     }
+  };
+  for (int v = 0; v < mesh.vertex_count(); ++v) look_at(mesh.vertices.col(v));
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    look_at((mesh.vertices.col(mesh.triangles(0, t)) + mesh.vertices.col(mesh.triangles(1, t)) +
+             mesh.vertices.col(mesh.triangles(2, t))) /
+            3);
   }
-
-  [[nodiscard]] Vector3d mean_normal(int vertex) const {
-    Vector3d sum = Vector3d::Zero();
-    for (int v = 0; v < mesh.vertex_count(); ++v) {
-      const bool near = (mesh.vertices.col(v) - mesh.vertices.col(vertex)).norm() < kNormalWidth;
-      if (near && normals.col(v).dot(normals.col(vertex)) > 0) sum += normals.col(v);
-    }
-    return sum.normalized();
-  }
-
-  // Of vertices and triangles' middles.
-  [[nodiscard]] double smallest_gap(const Obstacle& obstacle) const {
-    const ObstacleGaps gaps(obstacle);
-    double smallest = std::numeric_limits<double>::infinity();
-    const auto look_at = [&](const Vector3d& x) {
-      for (int part = 0; part < gaps.part_count(); ++part) {
-        smallest = std::min(smallest, gaps.distance(part, x));
-      }
-    };
-    for (int v = 0; v < mesh.vertex_count(); ++v) look_at(mesh.vertices.col(v));
-    for (int t = 0; t < mesh.triangle_count(); ++t) {
-      look_at((mesh.vertices.col(mesh.triangles(0, t)) + mesh.vertices.col(mesh.triangles(1, t)) +
-               mesh.vertices.col(mesh.triangles(2, t))) /
-              3);
-    }
-    return smallest;
-  }
-};
+  return smallest;
+}
 
 Obstacle shifted(const Obstacle& obstacle, const Vector3d& way) {
   Rigid3 shift = Rigid3::Identity();
@@ -73,10 +47,10 @@ Obstacle shifted(const Obstacle& obstacle, const Vector3d& way) {
 
 // Brought along `way` from afar until it just touches: as far as nothing is nearer, again and
 // again.
-Obstacle brought(const Skin& skin, const Obstacle& obstacle, const Vector3d& way) {
+Obstacle brought(const SurfaceMesh& skin, const Obstacle& obstacle, const Vector3d& way) {
   Obstacle now = shifted(obstacle, -kFar * way);
   for (double gone = 0; gone < 2 * kFar;) {
-    const double gap = skin.smallest_gap(now);
+    const double gap = smallest_gap(skin, now);
     if (gap < kTouches) break;
     now = shifted(now, 0.9 * gap * way);
     gone += 0.9 * gap;
@@ -127,15 +101,14 @@ Obstacle thing_at(PressingThing thing, const Vector3d& at, const Vector3d& out,
 }
 
 // The vertex that lies best behind another, seen along its normal; -1: none.
-int opposite(const Skin& skin, std::span<const std::uint8_t> fixed, int vertex,
-             const Vector3d& normal) {
+int opposite(const SkinResponse& skin, int vertex, const Vector3d& normal) {
+  const auto& X = skin.skin().vertices;
   int best = -1;
   double least = std::numeric_limits<double>::infinity();
-  for (int v = 0; v < skin.mesh.vertex_count(); ++v) {
-    const Vector3d way = skin.mesh.vertices.col(v) - skin.mesh.vertices.col(vertex);
+  for (int v = 0; v < skin.vertex_count(); ++v) {
+    const Vector3d way = X.col(v) - X.col(vertex);
     const double through = -way.dot(normal);
-    if (fixed[static_cast<std::size_t>(v)] != 0 || through < 0.004 ||
-        skin.normals.col(v).normalized().dot(normal) > -0.3) {
+    if (skin.fixed()[v] != 0 || through < 0.004 || skin.normals().col(v).dot(normal) > -0.3) {
       continue;
     }
     const double off = (way + through * normal).norm() + 0.05 * through;
@@ -160,16 +133,14 @@ Obstacle obstacle_at(const TouchScene& scene, double depth) {
   return obstacle;
 }
 
-std::vector<TouchScene> touch_scenes(const SurfaceMesh& mesh, std::span<const std::uint8_t> fixed,
-                                     PressingThing thing, int each, std::uint64_t seed) {
-  const Skin skin(mesh);
+std::vector<TouchScene> touch_scenes(const SkinResponse& skin, PressingThing thing, int each,
+                                     std::uint64_t seed) {
+  const SurfaceMesh& mesh = skin.skin();
   const double lowest = mesh.vertices.row(2).minCoeff(), highest = mesh.vertices.row(2).maxCoeff();
   std::vector<int> places;
   for (int v = 0; v < mesh.vertex_count(); ++v) {
-    if (fixed[static_cast<std::size_t>(v)] == 0 &&
-        mesh.vertices(2, v) > lowest + kLowest * (highest - lowest)) {
-      places.push_back(v);
-    }
+    const bool is_high = mesh.vertices(2, v) > lowest + kLowest * (highest - lowest);
+    if (skin.fixed()[v] == 0 && is_high) places.push_back(v);
   }
   PALPABLE_EXPECT(!places.empty(), "a body has vertices that can be pressed");
   std::mt19937_64 random(seed * kPressingThings + static_cast<std::uint64_t>(thing));
@@ -177,14 +148,14 @@ std::vector<TouchScene> touch_scenes(const SurfaceMesh& mesh, std::span<const st
   for (int tries = 0; static_cast<int>(scenes.size()) < each && tries < 100 * each; ++tries) {
     const int vertex = places[random() % places.size()];
     const double turn = 2 * std::numbers::pi * static_cast<double>(random() % 360) / 360;
-    const Vector3d out = skin.mean_normal(vertex);
+    const Vector3d out = skin.mean_normal(vertex, kNormalWidth);
     const Vector3d along = Eigen::AngleAxisd(turn, out) * Vector3d(out.unitOrthogonal());
     TouchScene scene{thing, {}, -out, {}};
-    scene.touching = brought(skin, thing_at(thing, mesh.vertices.col(vertex), out, along), -out);
+    scene.touching = brought(mesh, thing_at(thing, mesh.vertices.col(vertex), out, along), -out);
     if (thing == PressingThing::kSqueeze) {
-      const int behind = opposite(skin, fixed, vertex, out);
+      const int behind = opposite(skin, vertex, out);
       if (behind < 0) continue;
-      scene.other = brought(skin, thing_at(thing, mesh.vertices.col(behind), -out, along), out);
+      scene.other = brought(mesh, thing_at(thing, mesh.vertices.col(behind), -out, along), out);
     }
     scenes.push_back(std::move(scene));
   }

@@ -2,13 +2,12 @@
 /// Things that press a body at random places, for comparing answers to touch with the full one.
 #pragma once
 
-#include "palpable/geometry/surface_mesh.h"
 #include "palpable/solid/obstacle.h"
+#include "palpable/touch_bake/skin_response.h"
 
 #include <Eigen/Core>
 
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -39,10 +38,7 @@ struct TouchScene {
 
 /// `each` scenes of a thing, at random vertices that are not held and not in the lowest 15 % of the
 /// body's height, along the skin's mean normal within 12 mm. The same for the same seed.
-/// @param fixed  (V) 1 where the support holds the vertex
-[[nodiscard]] std::vector<TouchScene> touch_scenes(const SurfaceMesh& skin,
-                                                   std::span<const std::uint8_t> fixed,
-                                                   PressingThing thing, int each,
-                                                   std::uint64_t seed);
+[[nodiscard]] std::vector<TouchScene> touch_scenes(const SkinResponse& skin, PressingThing thing,
+                                                   int each, std::uint64_t seed);
 
 }  // namespace palpable

@@ -48,7 +48,7 @@ struct Touched {
     settings.nonlinear = nonlinear;
     TouchSolver touch(skin.skin(), skin.fixed(), tables, settings);
     std::vector<TouchDifference> all;
-    for (const TouchScene& scene : touch_scenes(skin.skin(), skin.fixed(), thing, 2, 5)) {
+    for (const TouchScene& scene : touch_scenes(skin, thing, 2, 5)) {
       std::string why;
       for (const TouchDifference& d :
            compare_touch(solver, skin, nullptr, touch, tables.point_spacing, scene, 0.005, why)) {
@@ -83,26 +83,29 @@ TEST_CASE("the tables of touch answer as full contact does, the linear ones less
   std::sort(linear.begin(), linear.end());
   CHECK(nonlinear[6] < tolerance(0.03, "orders two and three, 64 modes of a coarse block"));
   CHECK(linear[4] > 1.5 * nonlinear[4]);
+  const Compliance compliance(body.tables.compliance);
+  for (const double error : compliance_errors(body.skin, compliance, 10, 1)) {
+    CHECK(error < tolerance(3e-3, "32 of up to 81 columns of a cluster; 16 bits"));
+  }
 }
 
 TEST_CASE("things touch a body when they are brought to it, and enter it with their depth",
           "[bench][touch]") {
   const SolidModel model = block();
-  const Boundary boundary = boundary_of(model.mesh);
-  const std::vector<std::uint8_t> free(static_cast<std::size_t>(boundary.surface.vertex_count()),
-                                       0);
+  const SkinResponse skin(model, boundary_of(model.mesh));
+  const SurfaceMesh& surface = skin.skin();
   for (int k = 0; k < kPressingThings; ++k) {
     const auto thing = static_cast<PressingThing>(k);
     INFO(name_of(thing));
-    const auto scenes = touch_scenes(boundary.surface, free, thing, 2, 9);
+    const auto scenes = touch_scenes(skin, thing, 2, 9);
     REQUIRE(scenes.size() == 2);
     for (const TouchScene& scene : scenes) {
       const auto nearest = [&](double depth) {
         const ObstacleGaps gaps(obstacle_at(scene, depth));
         double least = 1;
-        for (int v = 0; v < boundary.surface.vertex_count(); ++v) {
+        for (int v = 0; v < surface.vertex_count(); ++v) {
           for (int part = 0; part < gaps.part_count(); ++part) {
-            least = std::min(least, gaps.distance(part, boundary.surface.vertices.col(v)));
+            least = std::min(least, gaps.distance(part, surface.vertices.col(v)));
           }
         }
         return least;
@@ -112,8 +115,8 @@ TEST_CASE("things touch a body when they are brought to it, and enter it with th
       CHECK(nearest(0.004) < nearest(0));
     }
   }
-  const auto again = touch_scenes(boundary.surface, free, PressingThing::kRim, 2, 9);
-  const auto first = touch_scenes(boundary.surface, free, PressingThing::kRim, 2, 9);
+  const auto again = touch_scenes(skin, PressingThing::kRim, 2, 9);
+  const auto first = touch_scenes(skin, PressingThing::kRim, 2, 9);
   CHECK(again[1].touching.capsules[0].a == first[1].touching.capsules[0].a);
 }
 

@@ -30,12 +30,6 @@ constexpr std::string_view kRemedy = "bake it again";
 constexpr const char* kCampaignFile = "campaign.h5";
 constexpr const char* kXdmfFile = "campaign.xdmf";
 
-// Debian's HDF5 is not made for several threads.
-std::mutex& hdf5_turn() {
-  static std::mutex mutex;
-  return mutex;
-}
-
 // Names a file in whatever goes wrong with it.
 template <class Work>
 auto about(const fs::path& file, Work&& work) {
@@ -142,7 +136,7 @@ SnapshotStore SnapshotStore::create(fs::path folder, StoreContent content) {
   const fs::path file = folder / kCampaignFile;
   about(file, [&] {
     if (!fs::create_directory(folder) && !fs::exists(file)) refuse_foreign(folder);
-    const std::lock_guard turn(hdf5_turn());
+    const std::lock_guard turn(hdf5::turn());
     const hdf5::Quiet quiet;
     const std::string bytes =
         hdf5::image_of(kCampaignKind, kSnapshotLayout, [&](hid_t h) { write_content(h, content); });
@@ -166,7 +160,7 @@ SnapshotStore SnapshotStore::open(fs::path folder) {
         fmt::format("{}: not a folder of snapshots: it has no {}", folder.string(), kCampaignFile));
   }
   StoreContent content = about(file, [&] {
-    const std::lock_guard turn(hdf5_turn());
+    const std::lock_guard turn(hdf5::turn());
     const hdf5::Quiet quiet;
     const hdf5::Image image(hdf5::all_bytes(file), kCampaignKind, kSnapshotLayout,
                             "a campaign of Palpable", kRemedy);
@@ -188,7 +182,7 @@ std::string SnapshotStore::why_not(int unit) const {
   if (!fs::is_regular_file(file, code)) return "missing";
   try {
     const std::string bytes = hdf5::all_bytes(file);
-    const std::lock_guard turn(hdf5_turn());
+    const std::lock_guard turn(hdf5::turn());
     const hdf5::Quiet quiet;
     const hdf5::Image image(bytes, kUnitKind, kSnapshotLayout, "a snapshot file of Palpable",
                             kRemedy);
@@ -208,7 +202,7 @@ void SnapshotStore::write(int unit, const SiteSnapshots& snapshots, const Eigen:
   about(file, [&] {
     std::string bytes;
     {
-      const std::lock_guard turn(hdf5_turn());
+      const std::lock_guard turn(hdf5::turn());
       const hdf5::Quiet quiet;
       bytes = hdf5::image_of(kUnitKind, kSnapshotLayout, [&](hid_t h) {
         hdf5::write_text(h, "key", key_text(content_.keys[unit]));
@@ -247,7 +241,7 @@ void SnapshotStore::copy_from(const SnapshotStore& other, int unit) const {
 
 StoredUnit SnapshotStore::unit(int unit) const {
   return about(unit_file(unit), [&] {
-    const std::lock_guard turn(hdf5_turn());
+    const std::lock_guard turn(hdf5::turn());
     const hdf5::Quiet quiet;
     const Handle file = open_checked(unit_file(unit));
     return read_unit(file);
@@ -257,7 +251,7 @@ StoredUnit SnapshotStore::unit(int unit) const {
 Eigen::MatrixXf SnapshotStore::rows(int unit, const StoredField& field, Index first,
                                     Index count) const {
   return about(unit_file(unit), [&] {
-    const std::lock_guard turn(hdf5_turn());
+    const std::lock_guard turn(hdf5::turn());
     const hdf5::Quiet quiet;
     const Handle file = open_checked(unit_file(unit));
     const Handle set(H5Dopen2(file, field.name.c_str(), H5P_DEFAULT), H5Dclose,
@@ -295,7 +289,7 @@ bool SnapshotStore::has_linear(int k) const {
   if (!fs::is_regular_file(linear_file(k), code)) return false;
   try {
     const std::string bytes = hdf5::all_bytes(linear_file(k));
-    const std::lock_guard turn(hdf5_turn());
+    const std::lock_guard turn(hdf5::turn());
     const hdf5::Quiet quiet;
     const hdf5::Image image(bytes, kLinearKind, kSnapshotLayout, "linear responses", kRemedy);
     return hdf5::read_text(image.file(), "key") == key_text(content_.linear_key);
@@ -306,7 +300,7 @@ void SnapshotStore::write_linear(int k, const Eigen::MatrixXf& responses) const 
   about(linear_file(k), [&] {
     std::string bytes;
     {
-      const std::lock_guard turn(hdf5_turn());
+      const std::lock_guard turn(hdf5::turn());
       const hdf5::Quiet quiet;
       bytes = hdf5::image_of(kLinearKind, kSnapshotLayout, [&](hid_t h) {
         hdf5::write_text(h, "key", key_text(content_.linear_key));
@@ -323,7 +317,7 @@ void SnapshotStore::write_linear(int k, const Eigen::MatrixXf& responses) const 
 
 Eigen::MatrixXf SnapshotStore::linear(int k) const {
   return about(linear_file(k), [&] {
-    const std::lock_guard turn(hdf5_turn());
+    const std::lock_guard turn(hdf5::turn());
     const hdf5::Quiet quiet;
     const Handle file = open_checked(linear_file(k));
     const Handle set(H5Dopen2(file, "displacement", H5P_DEFAULT), H5Dclose,

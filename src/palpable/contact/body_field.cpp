@@ -1,7 +1,6 @@
 #include "palpable/contact/body_field.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace palpable {
 namespace {

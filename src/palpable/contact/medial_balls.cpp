@@ -238,11 +238,9 @@ void find_medial_balls(const DepthImage& depth, const PinholeCamera& camera,
             std::max(1, static_cast<int>(static_cast<float>(settings.spacing) * most));
         if (x % stride != 0 || y % stride != 0) continue;
         double radius = settings.most_radius;
-        if (settings.relief) {
-          // Fingers side by side have no outline between them, but they bend.
-          if (const auto bend = find.bends(x, y); bend && *bend * radius > 1) {
-            radius = std::max(1 / *bend, settings.least_relief);
-          }
+        // Fingers side by side have no outline between them, but they bend.
+        if (const auto bend = find.bends(x, y); bend && *bend * radius > 1) {
+          radius = std::max(1 / *bend, settings.least_relief);
         }
         if (auto ball = find.ball_at(x, y, most, static_cast<float>(radius))) {
           balls.push_back(*ball);

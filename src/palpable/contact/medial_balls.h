@@ -40,7 +40,6 @@ struct MedialBallSettings {
   double fattening = 0;
   /// Wide parts that bend more than a ball of most_radius (fingers side by side) are as thick as
   /// they bend, but no thinner than least_relief, m.
-  bool relief = true;
   double least_relief = 0.006;
 };
 
@@ -61,7 +60,7 @@ struct BallRegion {
 };
 
 /// @param silhouette  of the same depth and mask; says which part of the image is looked at
-/// @param region      a ball is left out when its front lies outside; m
+/// @param region      a ball is left out when the seen point of its pixel lies outside; m
 /// @param balls       overwritten; allocates nothing when it has the capacity
 void find_medial_balls(const DepthImage& depth, const PinholeCamera& camera,
                        const Silhouette& silhouette, const MedialBallSettings& settings,

@@ -111,7 +111,6 @@ class PressLaw {
   [[nodiscard]] Demand demanded_level(int site, const ObjectSurface& seen,
                                       double tolerance_share = 1.0) const;
 
-  [[nodiscard]] const PressSettings& settings() const { return settings_; }
   [[nodiscard]] std::span<const SkinPoint> skin() const { return skin_; }
 
  private:

@@ -18,6 +18,8 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr float kWall = 0.8f;
 constexpr double kNoise = 0.01;  // m at 1 m
 
+constexpr float kScatter = 0.0012f;  // m
+
 // A slab of 30 x 60 pixels before a wall.
 struct Slab {
   int x = 60, y = 30;
@@ -42,6 +44,12 @@ struct Slab {
   void add_to(RestFilter& filter, const Rigid3& camera_from_body = Rigid3::Identity()) const {
     filter.add(depth, shows, box, kCamera, camera_from_body, kNoise);
   }
+  void rest(int frames, std::mt19937_64& random, RestFilter& filter) {
+    for (int frame = 0; frame < frames; ++frame) {
+      paint(random, kScatter);
+      add_to(filter);
+    }
+  }
   // rms of the filtered depth about z
   [[nodiscard]] double error_in(const RestFilter& filter) const {
     double sum = 0;
@@ -55,8 +63,6 @@ struct Slab {
   }
 };
 
-constexpr float kScatter = 0.0012f;  // m
-
 TEST_CASE("of what rests 32 frames are averaged", "[contact][rest]") {
   auto random = test::random_case(1);
   RestFilter filter;
@@ -65,10 +71,7 @@ TEST_CASE("of what rests 32 frames are averaged", "[contact][rest]") {
   slab.add_to(filter);
   CHECK(filter.frames_at(75, 60) == 1);
   CHECK(slab.error_in(filter) == Approx(kScatter).epsilon(0.1));
-  for (int frame = 1; frame < 100; ++frame) {
-    slab.paint(random, kScatter);
-    slab.add_to(filter);
-  }
+  slab.rest(99, random, filter);
   CHECK(filter.frames_at(75, 60) == Approx(32));
   // With shares of 1/32 the variance is 1/63 of one frame's.
   CHECK(slab.error_in(filter) ==
@@ -79,10 +82,7 @@ TEST_CASE("of what moves the present frame alone counts", "[contact][rest]") {
   auto random = test::random_case(2);
   RestFilter filter;
   Slab slab;
-  for (int frame = 0; frame < 40; ++frame) {
-    slab.paint(random, kScatter);
-    slab.add_to(filter);
-  }
+  slab.rest(40, random, filter);
   // 0.5 m/s at 30 Hz, towards the camera; then as fast across.
   const auto is_the_frame = [&] {
     slab.paint(random, kScatter);
@@ -100,10 +100,7 @@ TEST_CASE("of what moves the present frame alone counts", "[contact][rest]") {
     slab.z -= 0.5f / 30;
     CHECK(is_the_frame());
   }
-  for (int frame = 0; frame < 20; ++frame) {
-    slab.paint(random, kScatter);
-    slab.add_to(filter);
-  }
+  slab.rest(20, random, filter);
   for (int frame = 0; frame < 3; ++frame) {
     slab.x += 17;
     CHECK(is_the_frame());
@@ -114,10 +111,7 @@ TEST_CASE("what creeps is late by less than the shift that counts as moving", "[
   auto random = test::random_case(3);
   RestFilter filter;
   Slab slab;
-  for (int frame = 0; frame < 40; ++frame) {
-    slab.paint(random, kScatter);
-    slab.add_to(filter);
-  }
+  slab.rest(40, random, filter);
   for (int frame = 0; frame < 100; ++frame) {
     slab.z -= 0.0003f;  // 9 mm/s
     slab.paint(random, kScatter);
@@ -156,10 +150,7 @@ TEST_CASE("a hole in what rests is no sign that it has gone", "[contact][rest]")
   auto random = test::random_case(5);
   RestFilter filter;
   Slab slab;
-  for (int frame = 0; frame < 40; ++frame) {
-    slab.paint(random, kScatter);
-    slab.add_to(filter);
-  }
+  slab.rest(40, random, filter);
   slab.paint(random, kScatter);
   for (int v = 50; v < 60; ++v) {
     for (int u = 70; u < 80; ++u) {
@@ -176,10 +167,7 @@ TEST_CASE("what left is forgotten at once", "[contact][rest]") {
   auto random = test::random_case(6);
   RestFilter filter;
   Slab slab;
-  for (int frame = 0; frame < 40; ++frame) {
-    slab.paint(random, kScatter);
-    slab.add_to(filter);
-  }
+  slab.rest(40, random, filter);
   std::fill(slab.depth.begin(), slab.depth.end(), kWall);
   std::fill(slab.shows.begin(), slab.shows.end(), kShowsRoom);
   slab.box = {};

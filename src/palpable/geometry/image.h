@@ -69,7 +69,7 @@ struct Rgb {
 
 using ColorImage = Image<Rgb>;
 using GrayImage = Image<std::uint8_t>;
-using MaskImage = Image<std::uint8_t>;  ///< 0 or 255
+using MaskImage = Image<std::uint8_t>;  ///< 0 or 255, or what kShows... below say
 using DepthImage = Image<float>;        ///< Z in m; NaN where the depth is unknown
 
 /// What the pixels of a frame show, as far as pressing goes (map/pressing_mask.h finds it). An

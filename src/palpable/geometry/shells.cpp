@@ -69,10 +69,6 @@ Vector3d point_before(const SurfaceMesh& surface, const std::vector<int>& shell)
 
 }  // namespace
 
-AlignedBox3d box_of(const SurfaceMesh& surface) {
-  return {surface.vertices.rowwise().minCoeff(), surface.vertices.rowwise().maxCoeff()};
-}
-
 std::vector<std::vector<int>> shells_of(const SurfaceMesh& surface) {
   std::vector<int> parents(surface.vertex_count());
   std::iota(parents.begin(), parents.end(), 0);

@@ -27,9 +27,6 @@ namespace palpable {
 /// Some triangles of a surface as a surface; vertices keep their order.
 [[nodiscard]] SurfaceMesh surface_of(const SurfaceMesh& surface, const std::vector<int>& triangles);
 
-/// The smallest box around all vertices. @pre there are vertices
-[[nodiscard]] Eigen::AlignedBox3d box_of(const SurfaceMesh& surface);
-
 /// How often a closed surface winds round a point that is not on it, once for each shell outside of
 /// which all triangles face away from the point (van Oosterom and Strackee 1983: the sum of
 /// the triangles' solid angles over 4 pi). O(M).

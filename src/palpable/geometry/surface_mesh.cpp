@@ -159,6 +159,10 @@ Vector3d enclosed_centroid(const SurfaceMesh& surface) {
   return moment / (4.0 * six_volumes);
 }
 
+Eigen::AlignedBox3d box_of(const SurfaceMesh& surface) {
+  return {surface.vertices.rowwise().minCoeff(), surface.vertices.rowwise().maxCoeff()};
+}
+
 Eigen::VectorXd vertex_areas(const SurfaceMesh& surface) {
   Eigen::VectorXd areas = Eigen::VectorXd::Zero(surface.vertex_count());
   for (int t = 0; t < surface.triangle_count(); ++t) {
@@ -171,22 +175,38 @@ Eigen::VectorXd vertex_areas(const SurfaceMesh& surface) {
   return areas;
 }
 
-void vertex_normals(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi& triangles,
-                    Eigen::Matrix3Xf& normals) {
+namespace {
+
+template <class Number>
+void find_vertex_normals(const Eigen::Matrix<Number, 3, Eigen::Dynamic>& vertices,
+                         const Eigen::Matrix3Xi& triangles,
+                         Eigen::Matrix<Number, 3, Eigen::Dynamic>& normals) {
   PALPABLE_EXPECT(normals.cols() == vertices.cols(), "one normal per vertex");
   normals.setZero();
   for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
     const int a = triangles(0, t), b = triangles(1, t), c = triangles(2, t);
-    const Eigen::Vector3f n =  // twice the area long, so larger triangles weigh more
+    const Eigen::Matrix<Number, 3, 1> n =  // twice the area long, so larger triangles weigh more
         (vertices.col(b) - vertices.col(a)).cross(vertices.col(c) - vertices.col(a));
     normals.col(a) += n;
     normals.col(b) += n;
     normals.col(c) += n;
   }
   for (Eigen::Index i = 0; i < normals.cols(); ++i) {
-    const float length = normals.col(i).norm();
-    if (length > 0.0f) normals.col(i) /= length;
+    const Number length = normals.col(i).norm();
+    if (length > 0) normals.col(i) /= length;
   }
+}
+
+}  // namespace
+
+void vertex_normals(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi& triangles,
+                    Eigen::Matrix3Xf& normals) {
+  find_vertex_normals(vertices, triangles, normals);
+}
+
+void vertex_normals(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles,
+                    Eigen::Matrix3Xd& normals) {
+  find_vertex_normals(vertices, triangles, normals);
 }
 
 std::vector<std::vector<int>> vertex_neighbours(const SurfaceMesh& surface) {

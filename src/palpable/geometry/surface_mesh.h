@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <string>
 #include <vector>
@@ -49,6 +50,9 @@ struct WatertightReport {
 /// Centre of mass of the enclosed homogeneous solid, m.
 [[nodiscard]] Eigen::Vector3d enclosed_centroid(const SurfaceMesh& surface);
 
+/// The smallest box around all vertices. @pre there are vertices
+[[nodiscard]] Eigen::AlignedBox3d box_of(const SurfaceMesh& surface);
+
 /// (N) a third of the area of the adjacent triangles, m^2.
 [[nodiscard]] Eigen::VectorXd vertex_areas(const SurfaceMesh& surface);
 
@@ -57,6 +61,8 @@ struct WatertightReport {
 /// @param normals   (3 x N) overwritten; zero where no triangle with area meets the vertex
 void vertex_normals(const Eigen::Matrix3Xf& vertices, const Eigen::Matrix3Xi& triangles,
                     Eigen::Matrix3Xf& normals);
+void vertex_normals(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles,
+                    Eigen::Matrix3Xd& normals);
 
 /// Neighbours along edges, sorted: one list per vertex.
 [[nodiscard]] std::vector<std::vector<int>> vertex_neighbours(const SurfaceMesh& surface);

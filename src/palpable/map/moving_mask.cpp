@@ -1,9 +1,9 @@
 #include "palpable/map/moving_mask.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/map/tile_samples.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -28,9 +28,6 @@ constexpr float kSmoothShare = 0.02F;
 constexpr float kSmoothSigmas = 4;
 
 constexpr int kFloatsOfLine = 16;  // of the cache
-
-// Pixels of a tile whose depth stands for it; the others are tried where the first has none.
-constexpr std::array<std::array<int, 2>, 5> kSampled{{{2, 2}, {1, 1}, {3, 3}, {0, 3}, {3, 0}}};
 
 // A tile is too close to be measured when at least this many of its 16 pixels are.
 constexpr int kTooClosePixels = 3;
@@ -162,7 +159,7 @@ void MovingMask::resize(const DepthImage& depth) {
 void MovingMask::sample(const SeenFrame& seen) {
   const DepthImage& depth = seen.depth;
   const int width = depth.width(), height = depth.height(), tiles = tile_depth_.width();
-  const auto& [x0, y0] = kSampled.front();
+  const auto& [x0, y0] = kTileSamples.front();
   for (int j = 0; j < tile_depth_.height(); ++j) {
     float* found = tile_depth_.row(j);
     std::fill_n(tile_label_.row(j), tiles, kUnknown);
@@ -186,7 +183,7 @@ void MovingMask::sample(const SeenFrame& seen) {
 void MovingMask::sample_other_places(const SeenFrame& seen, int i, int j) {
   const DepthImage& depth = seen.depth;
   float& found = tile_depth_(i, j);
-  for (const auto& [dx, dy] : kSampled) {
+  for (const auto& [dx, dy] : kTileSamples) {  // the first that has one
     const int x = kTile * i + dx, y = kTile * j + dy;
     if (x >= depth.width() || y >= depth.height()) continue;
     found = depth(x, y);

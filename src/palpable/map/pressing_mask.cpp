@@ -1,19 +1,19 @@
 #include "palpable/map/pressing_mask.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/map/static_picture.h"
+#include "palpable/map/tile_samples.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 
 namespace palpable {
 namespace {
 
-constexpr int kTile = 4;
+constexpr int kTile = StaticPicture::kTile;
 
-// Pixels of a tile that are asked; most of those that have a depth must say the same.
-constexpr std::array<std::array<int, 2>, 5> kSampled{{{2, 2}, {1, 1}, {3, 3}, {0, 3}, {3, 0}}};
+// Of a tile's samples that have a depth most must say the same.
 constexpr int kMost = 3;
 
 // Neighbouring tiles whose depths differ by more belong to different surfaces.
@@ -107,25 +107,30 @@ const MaskImage& PressingMask::find_all(const SeenFrame& seen, const PixelBox& b
   return shows_;
 }
 
+const MaskImage& PressingMask::find_nothing(const SeenFrame& seen, const PixelBox& box) {
+  resize(seen.depth, box);
+  return shows_;
+}
+
 const MaskImage& PressingMask::find(const SeenFrame& seen, const Rigid3& world_from_camera,
-                                    const MaskImage* moving, LookedAt looked_at,
+                                    const MaskImage& moving, LookedAt looked_at,
                                     const AnchoredScene& scene, const FreeSpace& space,
                                     const PixelBox& box) {
   const DepthImage& depth = seen.depth;
   resize(depth, box);
-  if (moving == nullptr || !world_from_camera.matrix().allFinite()) return shows_;
-  PALPABLE_EXPECT(moving->width() == depth.width() && moving->height() == depth.height(),
+  if (!world_from_camera.matrix().allFinite()) return shows_;
+  PALPABLE_EXPECT(moving.width() == depth.width() && moving.height() == depth.height(),
                   "the mask is of the depth's size");
-  mark_moving(seen, *moving, looked_at != LookedAt::kNothing);
+  mark_moving(seen, moving, looked_at != LookedAt::kNothing);
   const bool stands = looked_at == LookedAt::kPicture;
   Asker asker(*this, seen, world_from_camera, scene, space);
   for (int j = j0_; j < j0_ + down_; ++j) {
-    for (int i = i0_; i < i0_ + across_; ++i) find_tile(seen, *moving, stands, i, j, asker);
+    for (int i = i0_; i < i0_ + across_; ++i) find_tile(seen, moving, stands, i, j, asker);
   }
   keep_groups();
-  mark_pixels(seen, *moving, asker);
+  mark_pixels(seen, moving, asker);
   go_on(seen);
-  remember(seen, *moving);
+  remember(seen, moving);
   return shows_;
 }
 
@@ -175,7 +180,7 @@ void PressingMask::find_tile(const SeenFrame& seen, const MaskImage& moving, boo
   int known = 0, moves = 0, come = 0, sure = 0;
   float moving_depth = 0, come_depth = 0;
   int x_sure = 0, y_sure = 0;
-  for (const auto& [dx, dy] : kSampled) {
+  for (const auto& [dx, dy] : kTileSamples) {
     const int x = kTile * i + dx, y = kTile * j + dy;
     if (!box_.contains(x, y) || !(seen.depth(x, y) > 0)) continue;
     ++known;

@@ -69,14 +69,16 @@ class PressingMask {
   ///     not       it does not move, and looks as the room did    kShowsRoom
   ///               else                                           kShowsUnknown
   ///
-  /// @param moving     255 where something moves, of the depth's size; null: not known, and then
-  ///                   nothing is known of any pixel
+  /// @param moving     255 where something moves, of the depth's size
   /// @param looked_at  with what the mask was compared (SlamFrame::looked_at)
   /// @param box        the pixels that are asked; all others are kShowsUnknown
   /// @return of the depth's size; valid until the next call
   const MaskImage& find(const SeenFrame& seen, const Rigid3& world_from_camera,
-                        const MaskImage* moving, LookedAt looked_at, const AnchoredScene& scene,
+                        const MaskImage& moving, LookedAt looked_at, const AnchoredScene& scene,
                         const FreeSpace& space, const PixelBox& box);
+
+  /// The same where it is not known what moves or where the camera is: kShowsUnknown everywhere.
+  const MaskImage& find_nothing(const SeenFrame& seen, const PixelBox& box);
 
   /// The same where everything that is measured presses, the room too.
   const MaskImage& find_all(const SeenFrame& seen, const PixelBox& box);

@@ -64,7 +64,8 @@ struct Room {
   }
   const MaskImage& ask(const SeenFrame& asked, const MaskImage* moving,
                        LookedAt looked_at = LookedAt::kPicture, const PixelBox& box = kAll) {
-    return mask.find(asked, Rigid3::Identity(), moving, looked_at, *scene, space, box);
+    if (moving == nullptr) return mask.find_nothing(asked, box);
+    return mask.find(asked, Rigid3::Identity(), *moving, looked_at, *scene, space, box);
   }
 
   std::mt19937_64 random = test::random_case(3);

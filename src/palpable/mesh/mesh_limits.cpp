@@ -112,7 +112,7 @@ void require_meshable(const SurfaceMesh& surface, double edge, double inner_edge
 
 void require_wrappable(const SurfaceMesh& surface, double size, const std::string& name) {
   // The wrap has a vertex for sqrt(3)/2 size^2, as an even triangulation has.
-  const double nodes = 1.15 * area_of(surface) / (size * size);
+  const double nodes = estimated_nodes(surface, size, std::numeric_limits<double>::infinity());
   if (nodes <= kMostNodes) return;
   throw Error(fmt::format(
       "{}: a wrap of {:.3g} m around {:.3g} m^2 has some {:.2g} vertices, more than the {:.0f} "

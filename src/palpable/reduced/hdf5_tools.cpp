@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
-#include <system_error>
 #include <unistd.h>
 
 namespace palpable::hdf5 {
@@ -295,6 +294,11 @@ void write_durably(const std::filesystem::path& output, std::string_view bytes,
   if (::fsync(file) != 0 && errno != EINVAL && errno != ENOTSUP) give_up(errno);
   ::close(file);
   put_into_place(aside, path);
+}
+
+std::mutex& turn() {
+  static std::mutex mutex;
+  return mutex;
 }
 
 }  // namespace palpable::hdf5

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <functional>
 #include <hdf5.h>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -156,6 +157,9 @@ Table<T> read_table(hid_t file, const char* name, hsize_t rows, hsize_t columns)
 /// @throws Trouble when it cannot be written, such as on a full disk; what the functions throw
 void write_file(const std::filesystem::path& path, const std::function<void(hid_t)>& fill,
                 const std::function<void()>& before_rename);
+
+/// Debian's HDF5 is not made for several threads: whoever may meet another one takes this lock.
+[[nodiscard]] std::mutex& turn();
 
 /// An HDF5 file in memory, opened from such bytes after they have been checked.
 class Image {

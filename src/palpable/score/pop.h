@@ -11,7 +11,6 @@
 
 #include <deque>
 #include <optional>
-#include <span>
 #include <vector>
 
 namespace palpable {

@@ -1,7 +1,8 @@
 #include "palpable/script/contact_truth.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 namespace palpable {
@@ -55,20 +56,11 @@ double way_out(std::span<const Capsule> hand, Eigen::Vector3d x, const Eigen::Ve
   return way;
 }
 
-struct Box {
-  Eigen::Array3d low, high;
+using Eigen::AlignedBox3d;
 
-  [[nodiscard]] bool holds(const Eigen::Vector3d& x) const {
-    return (x.array() >= low).all() && (x.array() <= high).all();
-  }
-  [[nodiscard]] bool overlaps(const Box& other) const {
-    return (low <= other.high).all() && (high >= other.low).all();
-  }
-};
-
-Box box_of(const Capsule& c) {
-  const double r = std::max(c.ra, c.rb);
-  return {c.a.cwiseMin(c.b).array() - r, c.a.cwiseMax(c.b).array() + r};
+AlignedBox3d box_of(const Capsule& c) {
+  const Eigen::Vector3d r = Eigen::Vector3d::Constant(std::max(c.ra, c.rb));
+  return {c.a.cwiseMin(c.b) - r, c.a.cwiseMax(c.b) + r};
 }
 
 /// Capsules with their bounding boxes: most points lie outside of them, which is quick to find out.
@@ -77,31 +69,29 @@ class BoxedHand {
   explicit BoxedHand(std::span<const Capsule> hand) : hand_(hand) {
     for (const Capsule& c : hand) {
       boxes_.push_back(box_of(c));
-      all_.low = all_.low.min(boxes_.back().low);
-      all_.high = all_.high.max(boxes_.back().high);
+      all_.extend(boxes_.back());
     }
   }
 
   [[nodiscard]] bool holds(const Eigen::Vector3d& x) const {
-    if (!all_.holds(x)) return false;
+    if (!all_.contains(x)) return false;
     for (std::size_t i = 0; i < boxes_.size(); ++i)
-      if (boxes_[i].holds(x) && signed_distance(hand_[i], x) < 0.0) return true;
+      if (boxes_[i].contains(x) && signed_distance(hand_[i], x) < 0.0) return true;
     return false;
   }
 
  private:
   std::span<const Capsule> hand_;
-  std::vector<Box> boxes_;
-  Box all_{Eigen::Array3d::Constant(std::numeric_limits<double>::infinity()),
-           Eigen::Array3d::Constant(-std::numeric_limits<double>::infinity())};
+  std::vector<AlignedBox3d> boxes_;
+  AlignedBox3d all_;
 };
 
 /// The capsules whose boxes overlap the bounding box of the points.
 std::vector<Capsule> near_ones(std::span<const Capsule> hand, const Eigen::Matrix3Xd& points) {
-  const Box all{points.rowwise().minCoeff(), points.rowwise().maxCoeff()};
+  const AlignedBox3d all{points.rowwise().minCoeff(), points.rowwise().maxCoeff()};
   std::vector<Capsule> near;
   for (const Capsule& c : hand)
-    if (box_of(c).overlaps(all)) near.push_back(c);
+    if (box_of(c).intersects(all)) near.push_back(c);
   return near;
 }
 

@@ -9,11 +9,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
-#include <limits>
 #include <optional>
-#include <span>
 #include <utility>
 
 namespace palpable {
@@ -27,10 +24,6 @@ constexpr double kCensusFattening = 1.1;
 // px around the part of the image in which things may press: a thing is known some frames before it
 // arrives, and its outlines need what lies beside.
 constexpr int kBeside = 48;
-
-Eigen::AlignedBox3d box_of(const SurfaceMesh& surface) {
-  return {surface.vertices.rowwise().minCoeff(), surface.vertices.rowwise().maxCoeff()};
-}
 
 // What the camera knows of its depths.
 ObjectSurfaceSettings fitted(ObjectSurfaceSettings surface, const DepthCamera& camera,
@@ -149,8 +142,11 @@ void Session::Parts::find_what_presses(const Scene& scene) {
     shows = &pressing.find_all(seen, box);
     return;
   }
-  const MaskImage* moving = lost || scene.moving.empty() ? nullptr : &scene.moving;
-  shows = &pressing.find(seen, scene.camera.world_from_camera, moving, looked_at, *anchored,
+  if (lost || scene.moving.empty()) {
+    shows = &pressing.find_nothing(seen, box);
+    return;
+  }
+  shows = &pressing.find(seen, scene.camera.world_from_camera, scene.moving, looked_at, *anchored,
                          *slam.space(), box);
 }
 

@@ -53,8 +53,8 @@ struct SessionSettings {
   bool map = true;
   /// With which the depth camera is made whose frames are answered.
   DepthSettings depth{};
-  /// Its noise is replaced by what the camera says of its depths. For stereo the fattening is what
-  /// the matcher's windows add; session.cpp has the figures.
+  /// Its noise is replaced by what the camera says of its depths, and with our own matcher its
+  /// fattening by what the windows add; session.cpp has the figures.
   ObjectSurfaceSettings surface{};
   PressingMaskSettings pressing{};
   PressSettings press{};

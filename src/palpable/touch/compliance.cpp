@@ -17,8 +17,6 @@ constexpr std::int64_t kMostRank = 256;
 // There is a number for each pair of clusters.
 constexpr int kMostClusters = 4096;
 
-const RowKernels& kernels() { return row_kernels().front(); }
-
 bool is_table(const RoundedRows& rows, std::int64_t count, std::int64_t width) {
   return static_cast<std::int64_t>(rows.width) == width && std::ssize(rows.scale) == count &&
          std::ssize(rows.values) == count * width;
@@ -71,7 +69,7 @@ std::string_view trouble_of(const ComplianceTable& t) {
   return numbers == std::ssize(t.near) ? std::string_view() : "the size of its near field";
 }
 
-Compliance::Compliance(ComplianceTable table) : table_(std::move(table)) {
+Compliance::Compliance(const ComplianceTable& table) : table_(table) {
   PALPABLE_EXPECT(trouble_of(table_).empty(), "a compliance table is consistent");
   std::size_t at = 0;
   for (int v = 0; v < table_.vertices; ++v) {
@@ -91,8 +89,8 @@ void Compliance::add_source(int vertex, const Eigen::Vector3f& force,
                             std::span<float> source) const {
   for (std::size_t d = 0; d < 3; ++d) {
     const std::size_t row = 3 * static_cast<std::size_t>(vertex) + d;
-    kernels().add(table_.basis.row(row), force[static_cast<int>(d)] * table_.basis.scale[row],
-                  source);
+    best_row_kernels().add(table_.basis.row(row),
+                           force[static_cast<int>(d)] * table_.basis.scale[row], source);
   }
 }
 
@@ -102,19 +100,19 @@ void Compliance::add_target(int from, std::span<const float> source, int to,
   const std::size_t first = static_cast<std::size_t>(pair(from, to)) * rank();
   if (from < to) {  // S_cd is kept for c < d: the other way goes along its rows
     for (std::size_t i = 0; i < rank(); ++i) {
-      kernels().add(S.row(first + i), source[i] * S.scale[first + i], target);
+      best_row_kernels().add(S.row(first + i), source[i] * S.scale[first + i], target);
     }
     return;
   }
   std::array<float, kMostRank> products;
-  kernels().dots(S.row(first), rank(), source, products.data());
+  best_row_kernels().dots(S.row(first), rank(), source, products.data());
   for (std::size_t i = 0; i < rank(); ++i) target[i] += products[i] * S.scale[first + i];
 }
 
 Eigen::Vector3f Compliance::at(int vertex, std::span<const float> target) const {
   const std::size_t row = 3 * static_cast<std::size_t>(vertex);
   Eigen::Vector3f u;
-  kernels().dots(table_.basis.row(row), 3, target, u.data());
+  best_row_kernels().dots(table_.basis.row(row), 3, target, u.data());
   return u.cwiseProduct(Eigen::Map<const Eigen::Vector3f>(table_.basis.scale.data() + row));
 }
 
@@ -134,8 +132,8 @@ void Compliance::add_near(int vertex, const Eigen::Vector3f& force, Eigen::Matri
   for (int c = 0; c < 3; ++c) {
     std::fill_n(sum.begin(), width, 0.0f);
     for (int d = 0; d < 3; ++d) {
-      kernels().add(rows + static_cast<std::size_t>(3 * d + c) * width, scaled[d],
-                    {sum.data(), width});
+      best_row_kernels().add(rows + static_cast<std::size_t>(3 * d + c) * width, scaled[d],
+                             {sum.data(), width});
     }
     for (std::size_t k = 0; k < near.size(); ++k) u(c, near[k]) += sum[k];
   }

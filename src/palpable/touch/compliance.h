@@ -52,8 +52,9 @@ struct ComplianceTable {
 /// The table, ready to be asked. Nothing here allocates but the constructor.
 class Compliance {
  public:
+  /// @param table  outlives this
   /// @pre the table is consistent, as trouble_of() says
-  explicit Compliance(ComplianceTable table);
+  explicit Compliance(const ComplianceTable& table);
 
   [[nodiscard]] int vertices() const { return table_.vertices; }
   [[nodiscard]] int clusters() const { return table_.clusters; }
@@ -87,7 +88,7 @@ class Compliance {
                     static_cast<std::size_t>(d)];
   }
 
-  ComplianceTable table_;
+  const ComplianceTable& table_;
   std::vector<std::size_t> near_first_;  // (V) where the nine rows of a vertex begin
   std::vector<int> pair_of_;             // (C x C) index of the far pair; -1: near
 };

@@ -19,10 +19,6 @@ constexpr double kTurns = 0.02;
 // The iteration for the turning forces must not run away: D is scaled down to this.
 constexpr double kLargestTurn = 0.8;
 
-const RowKernels& kernels() { return row_kernels().front(); }
-
-std::size_t padded_to_step(std::size_t n) { return (n + kRowStep - 1) / kRowStep * kRowStep; }
-
 // In place: A becomes its LU factors with the rows exchanged, B becomes A^-1 B; both row by row.
 // @param columns  of B
 bool solve_in_place(double* A, std::size_t n, double* B, std::size_t columns) {
@@ -58,7 +54,7 @@ bool solve_in_place(double* A, std::size_t n, double* B, std::size_t columns) {
 ContactProblem::ContactProblem(int most_points, int most_vertices, int most_modes)
     : complementarity_(most_points) {
   const auto m = static_cast<std::size_t>(most_points);
-  const std::size_t wide = padded_to_step(3 * static_cast<std::size_t>(most_vertices));
+  const std::size_t wide = padded(3 * static_cast<std::size_t>(most_vertices));
   const auto r = static_cast<std::size_t>(most_modes);
   G_.resize(wide * wide);
   rows_.resize(m * wide);
@@ -81,7 +77,7 @@ ContactProblem::ContactProblem(int most_points, int most_vertices, int most_mode
 
 void ContactProblem::set_vertices(int count) {
   n_ = count;
-  width_ = padded_to_step(3 * static_cast<std::size_t>(count));
+  width_ = padded(3 * static_cast<std::size_t>(count));
   PALPABLE_EXPECT(width_ * width_ <= G_.size(), "as many vertices as there is room");
   std::fill(G_.begin(),
             G_.begin() + static_cast<std::ptrdiff_t>(3 * static_cast<std::size_t>(count) * width_),
@@ -114,7 +110,8 @@ void ContactProblem::find_rows(std::span<const Candidate> candidates) {
       const float weight = c.weights[static_cast<int>(k)];
       if (weight == 0) continue;
       for (int d = 0; d < 3; ++d) {
-        kernels().add_floats(compliance_row(3 * c.local[k] + d).data(), weight * c.normal[d], row);
+        best_row_kernels().add_floats(compliance_row(3 * c.local[k] + d).data(),
+                                      weight * c.normal[d], row);
       }
     }
   }
@@ -151,7 +148,7 @@ void ContactProblem::find_expected_gaps(std::span<const Candidate> candidates,
   for (int v = 0; v < n_; ++v) {
     for (int d = 0; d < 3; ++d) {
       const float force = loads[v].force[d];
-      if (force != 0) kernels().add_floats(compliance_row(3 * v + d).data(), force, field);
+      if (force != 0) best_row_kernels().add_floats(compliance_row(3 * v + d).data(), force, field);
     }
   }
   for (std::size_t p = 0; p < candidates.size(); ++p) {
@@ -172,7 +169,7 @@ void ContactProblem::find_expected_gaps(std::span<const Candidate> candidates,
     for (std::size_t p = 0; p < candidates.size(); ++p) {
       if (blob_[p] != blob) continue;
       float sum = 0;
-      kernels().dots_floats(mode_rows_.data() + p * r, 1, turned, &sum);
+      best_row_kernels().dots_floats(mode_rows_.data() + p * r, 1, turned, &sum);
       q_[p] -= static_cast<double>(sum);
     }
   }
@@ -188,7 +185,8 @@ void ContactProblem::assemble(std::span<const Candidate> candidates,
       if (answer != nullptr && blob_[p] >= 0 && blob_[p] == blob_[other]) {
         const auto r = static_cast<std::size_t>(answer->region_of(blob_[p]).mode_count());
         float sum = 0;
-        kernels().dots_floats(mode_rows_.data() + p * r, 1, {turned_.data() + other * r, r}, &sum);
+        best_row_kernels().dots_floats(mode_rows_.data() + p * r, 1,
+                                       {turned_.data() + other * r, r}, &sum);
         value += static_cast<double>(sum);
       }
       W_[p * m + other] = value;
@@ -233,8 +231,8 @@ bool ContactProblem::add_turning(std::span<const Candidate> candidates) {
     for (std::size_t k = 0; k < 3; ++k) {
       const float weight = at(i).weights[static_cast<int>(k)];
       for (int d = 0; d < 3; ++d) {
-        kernels().add_floats(compliance_row(3 * at(i).local[k] + d).data(),
-                             weight * direction(i)[d], row);
+        best_row_kernels().add_floats(compliance_row(3 * at(i).local[k] + d).data(),
+                                      weight * direction(i)[d], row);
       }
     }
     for (std::size_t p = 0; p < m; ++p) {

@@ -10,8 +10,6 @@
 namespace palpable {
 namespace {
 
-const RowKernels& kernels() { return row_kernels().front(); }
-
 std::size_t pair_count(int n) {
   return static_cast<std::size_t>(n) * static_cast<std::size_t>(n + 1) / 2;
 }
@@ -81,7 +79,7 @@ void FormRows::add_cubic(std::span<const float> a, float factor, std::span<float
   PALPABLE_EXPECT(a.size() == rows_.scale.size() && pairs.size() == rows_.width,
                   "a code of the form's variables, and room for all pairs");
   for (std::size_t i = 0; i < a.size(); ++i) {
-    kernels().add(rows_.row(i), factor * rows_.scale[i] * a[i], pairs);
+    best_row_kernels().add(rows_.row(i), factor * rows_.scale[i] * a[i], pairs);
   }
 }
 
@@ -89,7 +87,7 @@ void FormRows::contract(std::span<const float> P, std::span<float> result) const
   PALPABLE_EXPECT(P.size() == rows_.width && result.size() >= rows_.scale.size(),
                   "a matrix of the form's variables, and room for the answer");
   const std::size_t count = rows_.scale.size();
-  kernels().dots(rows_.row(0), count, P, result.data());
+  best_row_kernels().dots(rows_.row(0), count, P, result.data());
   for (std::size_t i = 0; i < count; ++i) result[i] *= rows_.scale[i];
 }
 

@@ -22,8 +22,6 @@ constexpr float kKeep = 0.8f;
 constexpr float kJoins = 1.4f;
 constexpr float kEdge = 0.8f;
 
-const RowKernels& kernels() { return row_kernels().front(); }
-
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
@@ -146,7 +144,7 @@ bool NonlinearAnswer::add_mode_row(int blob, int vertex, const Vector3f& directi
   const RoundedRows& modes = regions_[index(region)].modes;
   for (std::size_t d = 0; d < 3; ++d) {
     const std::size_t r = 3 * index(at) + d;
-    kernels().add(modes.row(r), direction[static_cast<int>(d)] * modes.scale[r], row);
+    best_row_kernels().add(modes.row(r), direction[static_cast<int>(d)] * modes.scale[r], row);
   }
   return true;
 }
@@ -177,7 +175,7 @@ void NonlinearAnswer::add_far_targets(int region, std::span<const float> q) {
   const std::span<float> sources(sources_.data(), table.sources.width);
   std::fill(sources.begin(), sources.end(), 0.0f);
   for (std::size_t j = 0; j < q.size(); ++j) {
-    kernels().add(table.sources.row(j), q[j] * table.sources.scale[j], sources);
+    best_row_kernels().add(table.sources.row(j), q[j] * table.sources.scale[j], sources);
   }
   for (std::size_t s = 0; s < table.source_clusters.size(); ++s) {
     const int from = table.source_clusters[s];
@@ -204,9 +202,9 @@ void NonlinearAnswer::evaluate_cross_terms(std::span<const VertexForce> loads) {
     if (blob < 0 || load.force.isZero(0)) continue;
     for (std::size_t d = 0; d < 3; ++d) {
       const std::size_t row = 3 * index(load.vertex) + d;
-      kernels().add(cross_.modes.row(row),
-                    load.force[static_cast<int>(d)] * cross_.modes.scale[row],
-                    code_of(index(blob)));
+      best_row_kernels().add(cross_.modes.row(row),
+                             load.force[static_cast<int>(d)] * cross_.modes.scale[row],
+                             code_of(index(blob)));
     }
   }
   std::fill(pairs_.begin(), pairs_.end(), 0.0f);
@@ -223,7 +221,7 @@ Vector3f NonlinearAnswer::displacement_at(int vertex) const {
   const std::size_t k = compliance_.rank();
   const auto rows_at = [](const RoundedRows& modes, std::size_t row, std::span<const float> q) {
     Vector3f u;
-    kernels().dots(modes.row(row), 3, q, u.data());
+    best_row_kernels().dots(modes.row(row), 3, q, u.data());
     return Vector3f(u.cwiseProduct(Eigen::Map<const Vector3f>(modes.scale.data() + row)));
   };
   Vector3f u = compliance_.at(
@@ -239,7 +237,7 @@ Vector3f NonlinearAnswer::displacement_at(int vertex) const {
 void NonlinearAnswer::add_near(Matrix3Xf& u) const {
   const auto add = [&](const RoundedRows& modes, std::size_t k, std::span<const float> q, int to) {
     Vector3f exact;
-    kernels().dots(modes.row(3 * k), 3, q, exact.data());
+    best_row_kernels().dots(modes.row(3 * k), 3, q, exact.data());
     u.col(to) += exact.cwiseProduct(Eigen::Map<const Vector3f>(modes.scale.data() + 3 * k));
   };
   for (std::size_t b = 0; b < chosen_.size(); ++b) {

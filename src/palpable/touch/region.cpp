@@ -41,7 +41,7 @@ void RegionAnswer::evaluate(const RegionForms& region, std::span<const float> a)
   region.cubic.add_cubic(a, -1.0f, pairs);  // - A(a, .)
   add_to_matrix(pairs, region.cubic.variables(), r, H);
   // q_2 = 1/2 H a
-  row_kernels().front().dots_floats(H.data(), r, a, q_.data());
+  best_row_kernels().dots_floats(H.data(), r, a, q_.data());
   for (std::size_t k = 0; k < r; ++k) q_[k] *= 0.5f;
   const float second = squared({q_.data(), r});
 
@@ -70,7 +70,7 @@ void RegionAnswer::evaluate(const RegionForms& region, std::span<const float> a)
 }
 
 void RegionAnswer::times(std::span<const float> x, std::span<float> result) const {
-  row_kernels().front().dots_floats(matrix_.data(), size_, x, result.data());
+  best_row_kernels().dots_floats(matrix_.data(), size_, x, result.data());
 }
 
 }  // namespace palpable

@@ -32,5 +32,7 @@ struct RowKernels {
 /// All that this processor can run, the best first and the plain ones last. Chosen when the program
 /// runs, so that one program runs everywhere.
 [[nodiscard]] std::span<const RowKernels> row_kernels();
+/// The best of them.
+[[nodiscard]] inline const RowKernels& best_row_kernels() { return row_kernels().front(); }
 
 }  // namespace palpable

@@ -76,12 +76,6 @@ Result<TouchableBody> read_touchable_body(const std::filesystem::path& path) {
   return TouchableBody{std::move(body).value(), std::move(touch)};
 }
 
-Result<std::optional<TouchTables>> read_touch_tables(const std::filesystem::path& path) {
-  Result<TouchableBody> both = read_touchable_body(path);
-  if (!both.ok()) return both.problem();
-  return std::move(both.value().touch);
-}
-
 ReductionError write_touchable_body(const std::filesystem::path& path, const ReducedBody& body,
                                     const TouchTables& tables, ModeStorage storage) {
   return write_body_file(path, body, storage, [&](hid_t file) {

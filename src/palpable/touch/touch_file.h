@@ -25,10 +25,6 @@ struct TouchableBody {
 /// what is wrong.
 [[nodiscard]] Result<TouchableBody> read_touchable_body(const std::filesystem::path& path);
 
-/// The tables alone; the body is read and checked for them, and dropped. None: the file has none.
-[[nodiscard]] Result<std::optional<TouchTables>> read_touch_tables(
-    const std::filesystem::path& path);
-
 /// write_body_file() with tables. @throws Error as that, and if the tables are not consistent or of
 /// another skin
 ReductionError write_touchable_body(const std::filesystem::path& path, const ReducedBody& body,

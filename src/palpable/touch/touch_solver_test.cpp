@@ -108,7 +108,8 @@ TEST_CASE("what presses in one frame is answered as what came slowly", "[touch]"
 TEST_CASE("an object deeper than a frame's steps is reached in the frames after", "[touch]") {
   Sheet sheet;
   sheet.settings.most_steps = 2;
-  TouchSolver solver = sheet.solver(), whole = Sheet().solver();
+  const Sheet usual;
+  TouchSolver solver = sheet.solver(), whole = usual.solver();
   TouchState state, wanted;
   whole.advance(wanted, ball(0.02f, 0.005f));
   const TouchReport first = solver.advance(state, ball(0.02f, 0.005f));

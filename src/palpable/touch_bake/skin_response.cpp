@@ -26,18 +26,13 @@ SkinResponse::SkinResponse(const SolidModel& model, Boundary boundary, const Pre
     : boundary_(std::move(boundary)),
       response_(model, preloaded),
       skin_(boundary_.surface),
-      normals_(Eigen::Matrix3Xd::Zero(3, skin_.vertex_count())) {
+      normals_(3, skin_.vertex_count()) {
   for (int v = 0; v < skin_.vertex_count(); ++v) {
     skin_.vertices.col(v) += response_.rest().col(node_of(v));
     const auto free = response_.free_mask().segment<3>(3 * Index{node_of(v)});
     fixed_.push_back(free.isZero(0) ? 1 : 0);
   }
-  for (int t = 0; t < skin_.triangle_count(); ++t) {
-    const auto corner = [&](int k) { return skin_.vertices.col(skin_.triangles(k, t)); };
-    const Vector3d n = (corner(1) - corner(0)).cross(corner(2) - corner(0));
-    for (int k = 0; k < 3; ++k) normals_.col(skin_.triangles(k, t)) += n;
-  }
-  normals_.colwise().normalize();
+  vertex_normals(skin_.vertices, skin_.triangles, normals_);
 }
 
 MatrixXd SkinResponse::at_nodes(const MatrixXd& loads) const {

@@ -1,7 +1,7 @@
 #include "palpable/touch_bake/touch_maker.h"
 
+#include "palpable/base/parallel_work.h"
 #include "palpable/separate/dense_algebra.h"
-#include "palpable/touch_bake/parallel_work.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>

@@ -29,12 +29,6 @@ constexpr std::string_view kTableKind = "palpable table of touch";
 constexpr std::string_view kListKind = "palpable list of tables of touch";
 constexpr const char* kListFile = "tables.h5";
 
-// Debian's HDF5 is not made for several threads.
-std::mutex& hdf5_turn() {
-  static std::mutex mutex;
-  return mutex;
-}
-
 std::string key_text(std::uint64_t key) { return fmt::format("{:016x}", key); }
 
 std::uint64_t region_key(const TouchKeys& keys, int vertex) {
@@ -56,7 +50,7 @@ void write_file(const fs::path& file, std::string_view kind, std::uint64_t key,
   try {
     std::string bytes;
     {
-      const std::scoped_lock turn(hdf5_turn());
+      const std::scoped_lock turn(hdf5::turn());
       const hdf5::Quiet quiet;
       bytes = hdf5::image_of(kind, kTouchLayout, [&](hid_t h) {
         hdf5::write_text(h, "key", key_text(key));
@@ -76,7 +70,7 @@ bool read_file(const fs::path& file, std::string_view kind, std::uint64_t key,
   if (!fs::is_regular_file(file, error)) return false;
   try {
     const std::string bytes = hdf5::all_bytes(file);
-    const std::scoped_lock turn(hdf5_turn());
+    const std::scoped_lock turn(hdf5::turn());
     const hdf5::Quiet quiet;
     const hdf5::Image image(bytes, kind, kTouchLayout, "a table of touch", "bake it again");
     if (hdf5::read_text(image.file(), "key") != key_text(key)) return false;

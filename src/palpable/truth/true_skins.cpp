@@ -4,6 +4,7 @@
 #include "palpable/base/fnv1a.h"
 #include "palpable/base/folder_lock.h"
 #include "palpable/base/output_file.h"
+#include "palpable/base/parallel_work.h"
 #include "palpable/campaign/fill_store.h"
 #include "palpable/campaign/press_solver.h"
 #include "palpable/campaign/solid_file.h"
@@ -17,7 +18,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -25,7 +25,6 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 
 namespace palpable {
@@ -279,35 +278,16 @@ class TrueSkins {
       frames_to_do_ += 2.0 * (episode.wanted.back() - episode.first + 1);
     }
     std::vector<std::optional<Walked>> results(2 * episodes_.size());
-    std::size_t next = 0;
-    std::exception_ptr failure;
-    const auto work = [&] {
-      for (;;) {
-        std::size_t job = 0;
-        {
-          const std::lock_guard lock(mutex_);
-          if (next == results.size() || failure) return;
-          job = next++;
-        }
-        try {
-          Walked walked = walk(episodes_[job / 2], job % 2 == 0 ? 2 : 1);
-          const std::lock_guard lock(mutex_);
-          results[job] = std::move(walked);
-          const std::size_t first = job / 2 * 2;
-          if (!results[first] || !results[first + 1]) continue;
-          keep(episodes_[job / 2], *results[first], *results[first + 1]);
-          results[first] = results[first + 1] = Walked{};  // written
-        } catch (...) {
-          const std::lock_guard lock(mutex_);
-          failure = std::current_exception();
-        }
-      }
-    };
-    std::vector<std::thread> threads;
-    for (int i = 1; i < settings_.threads; ++i) threads.emplace_back(work);
-    work();
-    for (std::thread& thread : threads) thread.join();
-    if (failure) std::rethrow_exception(failure);
+    work_in_parallel(static_cast<int>(results.size()), settings_.threads, "", {}, [&](int job) {
+      const Episode& episode = episodes_[job / 2];
+      Walked walked = walk(episode, job % 2 == 0 ? 2 : 1);
+      const std::lock_guard lock(mutex_);
+      results[job] = std::move(walked);
+      const int first = job / 2 * 2;
+      if (!results[first] || !results[first + 1]) return;
+      keep(episode, *results[first], *results[first + 1]);
+      results[first] = results[first + 1] = Walked{};  // written
+    });
   }
 
   // Writes an episode's frames; with the mutex held.

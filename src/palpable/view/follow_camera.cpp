@@ -31,40 +31,25 @@ void FollowCamera::follow(const Rigid3& world_from_camera, double time) {
 }
 
 bool FollowCamera::handle(const WindowEvent& event) {
-  bool changed = false;
-  switch (event.kind) {
-    case WindowEvent::Kind::kPress:
-      if (!button_) button_ = event.button;
-      break;
-    case WindowEvent::Kind::kRelease:
-      if (event.button == button_) button_.reset();
-      break;
-    case WindowEvent::Kind::kMove:
-      if (button_) {
-        orbit_.azimuth = turned_;
-        orbit_.turn(event.x_px - x_before_, event.y_px - y_before_);
-        turned_ = orbit_.azimuth;
-        orbit_.azimuth = heading_ + kOverTheShoulder + turned_;
-        changed = true;
-      }
-      break;
-    case WindowEvent::Kind::kWheel:
-      orbit_.zoom(event.wheel, distance_);
-      changed = true;
-      break;
-    case WindowEvent::Kind::kKey:
-      if (event.key == 'R') {
-        turned_ = 0;
-        orbit_.azimuth = heading_ + kOverTheShoulder;
-        orbit_.elevation = kElevation;
-        orbit_.distance = distance_;
-        changed = true;
-      }
-      break;
+  if (const auto way = drag_.follow(event)) {
+    orbit_.azimuth = turned_;
+    orbit_.turn(way->x_px, way->y_px);
+    turned_ = orbit_.azimuth;
+    orbit_.azimuth = heading_ + kOverTheShoulder + turned_;
+    return true;
   }
-  x_before_ = event.x_px;
-  y_before_ = event.y_px;
-  return changed;
+  if (event.kind == WindowEvent::Kind::kWheel) {
+    orbit_.zoom(event.wheel, distance_);
+    return true;
+  }
+  if (event.kind == WindowEvent::Kind::kKey && event.key == 'R') {
+    turned_ = 0;
+    orbit_.azimuth = heading_ + kOverTheShoulder;
+    orbit_.elevation = kElevation;
+    orbit_.distance = distance_;
+    return true;
+  }
+  return false;
 }
 
 Rigid3 FollowCamera::camera_from_world() const {

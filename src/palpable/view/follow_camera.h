@@ -6,6 +6,7 @@
 #include "palpable/geometry/rigid.h"
 #include "palpable/render/orbit_camera.h"
 #include "palpable/render/window_events.h"
+#include "palpable/view/mouse_drag.h"
 
 #include <Eigen/Core>
 
@@ -39,8 +40,7 @@ class FollowCamera {
   double heading_ = 0;  // rad, the azimuth that looks where the camera looks
   double turned_ = 0;   // rad, by the mouse
   std::optional<double> time_;
-  std::optional<int> button_;  // that is held and turns
-  double x_before_ = 0, y_before_ = 0;
+  MouseDrag drag_;
 };
 
 }  // namespace palpable

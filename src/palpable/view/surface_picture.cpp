@@ -8,7 +8,6 @@
 #include <fmt/core.h>
 
 #include <array>
-#include <cmath>
 #include <string>
 #include <utility>
 
@@ -54,8 +53,7 @@ void mesh_balls(std::span<const ObjectBall> balls, const Eigen::Vector3f& camera
 
 SurfacePicture::SurfacePicture(MapRenderer renderer, const ReducedBody& body)
     : renderer_(std::move(renderer)) {
-  const Eigen::AlignedBox3d box(body.surface.vertices.rowwise().minCoeff(),
-                                body.surface.vertices.rowwise().maxCoeff());
+  const Eigen::AlignedBox3d box = box_of(body.surface);
   const Eigen::Vector3d around = Eigen::Vector3d::Constant(kAround);
   near_ = {box.min() - around, box.max() + around};
   usual_.target = box.center();
@@ -65,25 +63,9 @@ SurfacePicture::SurfacePicture(MapRenderer renderer, const ReducedBody& body)
 }
 
 void SurfacePicture::handle(const WindowEvent& event) {
-  switch (event.kind) {
-    case WindowEvent::Kind::kPress:
-      if (!button_) button_ = event.button;
-      break;
-    case WindowEvent::Kind::kRelease:
-      if (event.button == button_) button_.reset();
-      break;
-    case WindowEvent::Kind::kMove:
-      if (button_) orbit_.turn(event.x_px - x_before_, event.y_px - y_before_);
-      break;
-    case WindowEvent::Kind::kWheel:
-      orbit_.zoom(event.wheel, usual_.distance);
-      break;
-    case WindowEvent::Kind::kKey:
-      if (event.key == 'R') orbit_ = usual_;
-      break;
-  }
-  x_before_ = event.x_px;
-  y_before_ = event.y_px;
+  if (const auto way = drag_.follow(event)) orbit_.turn(way->x_px, way->y_px);
+  if (event.kind == WindowEvent::Kind::kWheel) orbit_.zoom(event.wheel, usual_.distance);
+  if (event.kind == WindowEvent::Kind::kKey && event.key == 'R') orbit_ = usual_;
 }
 
 void SurfacePicture::add_points(const Scene& scene) {

@@ -15,10 +15,10 @@
 #include "palpable/render/orbit_camera.h"
 #include "palpable/render/window_events.h"
 #include "palpable/session/scene.h"
+#include "palpable/view/mouse_drag.h"
 
 #include <Eigen/Core>
 
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -61,8 +61,7 @@ class SurfacePicture {
   Eigen::AlignedBox3d near_;  // body frame: what of the seen points is drawn
   OrbitCamera usual_, orbit_;
   bool placed_ = false;  // the first picture looks from beside the camera
-  std::optional<int> button_;
-  double x_before_ = 0, y_before_ = 0;
+  MouseDrag drag_;
   BallMesh mesh_;
   std::vector<MapPoint> points_;
 };

@@ -1,4 +1,4 @@
-#include "palpable/touch_bake/parallel_work.h"
+#include "palpable/base/parallel_work.h"
 
 #include <algorithm>
 #include <atomic>
