@@ -14,6 +14,7 @@
 #include "palpable/live_writer/live_summary.h"
 #include "palpable/view/figure_scores.h"
 #include "palpable/view/scene_painter.h"
+#include "palpable/view/scene_picture.h"
 
 #include <fmt/core.h>
 
@@ -37,6 +38,7 @@ struct Options {
   bool pictures = false;
   bool no_masks = false;
   bool no_depth = false;
+  bool meshes = false;
   bool overwrite = false;
 };
 
@@ -44,7 +46,7 @@ LiveSummary summary(const Options& options, const LiveRun& run, const LiveCounts
                     const LiveOutput& output, double wall) {
   LiveSummary result = summary_of(run, counts, output);
   result.body = options.live.body.string();
-  result.contact = options.live.contact;
+  result.contact = name_of(run.loop.session.contact());
   result.view = options.view;
   result.scale = options.live.scale;
   result.wall = wall;
@@ -53,9 +55,7 @@ LiveSummary summary(const Options& options, const LiveRun& run, const LiveCounts
 
 ProgressReport progress_of(const Scene& scene, int done, int total) {
   return {"live", static_cast<double>(done), static_cast<double>(total),
-          scene.touches.empty() ? std::string("not touched")
-                                : fmt::format("site {}, {:.1f} mm", scene.touches.front().site,
-                                              scene.touches.front().press_depth * 1e3)};
+          caption_of(scene.touches)};
 }
 
 ScenePainterSettings::View view_of(const std::string& name) {
@@ -69,6 +69,11 @@ void warn_of_size(const LiveRun& run) {
   const auto warning =
       larger_than_view(session.body().surface, session.world_from_body(), run.loop.camera.camera());
   if (warning) fmt::print(stderr, "warning: {}\n", *warning);
+}
+
+// The skin of which every frame's is to be written; an empty one.
+SurfaceMesh meshes_of(const Options& options, const LiveRun& run) {
+  return options.meshes ? run.loop.session.body().surface : SurfaceMesh{};
 }
 
 // Plays the run to its end, or to the user's.
@@ -130,6 +135,7 @@ void live(const Options& options) {
                                                            .depth = !options.no_depth,
                                                            .masks = !options.no_masks,
                                                            .figures = options.pictures,
+                                                           .meshes_of = meshes_of(options, run),
                                                            .touch_frames = touch_frames});
   });
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
@@ -175,6 +181,9 @@ void add_live(Command app) {
   command.add_flag("--no-masks", options->no_masks,
                    "Leave out visible/, body_depth/ and moving/, which palpable score compares");
   command.add_flag("--no-depth", options->no_depth, "Leave out depth/, the measured depth");
+  command.add_flag("--meshes", options->meshes,
+                   "Also write meshes/, the body as it is drawn in each frame, with its stress: "
+                   "palpable score asks for them where the body was touched anywhere");
   command.add_flag("--overwrite", options->overwrite, "Replace an earlier run in --out");
   command.footer(
       "Writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, "

@@ -5,8 +5,7 @@
 #include "palpable/base/error.h"
 #include "palpable/clip_files/place.h"
 #include "palpable/clip_writer/kept_clip.h"
-#include "palpable/reduced/body_file.h"
-#include "palpable/reduced/scaled_body.h"
+#include "palpable/touch/touch_file.h"
 
 #include <fmt/core.h>
 
@@ -65,7 +64,9 @@ std::string_view other_places(Anchor anchor) {
 SessionSettings session_settings(const LiveOptions& options) {
   SessionSettings settings;
   if (options.matcher == "opencv") settings.depth.matcher = DepthSettings::Matcher::kOpenCv;
-  settings.contact = options.contact == "paper" ? ContactKind::kPaper : ContactKind::kPress;
+  settings.contact = options.contact == "paper"  ? ContactKind::kPaper
+                     : options.contact == "site" ? ContactKind::kSite
+                                                 : ContactKind::kAnywhere;
   settings.track = !options.fixed_camera;
   settings.map = true;
   settings.press_static = options.press_static;
@@ -120,10 +121,11 @@ void add_loop_options(Command command, LiveOptions& options) {
                    "Do not follow the camera: it stands where it stood in the first frame");
   command
       .add_option("--contact", options.contact,
-                  "How the level of a touch is found. press: from the measured depth; paper: by "
-                  "the paper's Algorithm 1, as printed")
-      .one_of({"press", "paper"})
-      .show_default();
+                  "What the body answers. anywhere: nothing that is seen may enter its skin, however "
+                  "many things there are; site: one touch at a time, at the nearest of its sites, "
+                  "by the measured depth; paper: at its sites by the paper's Algorithm 1, as "
+                  "printed. Default: anywhere if the body file has tables of touch, else site")
+      .one_of({"anywhere", "site", "paper"});
   command
       .add_option(
           "--matcher", options.matcher,
@@ -155,7 +157,14 @@ std::vector<std::filesystem::path> inputs_of(const LiveOptions& options) {
 }
 
 LiveRun set_up_live(const LiveOptions& options) {
-  ReducedBody body = value_or_throw(read_pressable_body(options.body, parse_settings(options.set)));
+  TouchableBody body =
+      value_or_throw(read_pressable_touchable_body(options.body, parse_settings(options.set)));
+  if (options.contact == "anywhere" && !body.touch) {
+    throw Error(fmt::format(
+        "{}: has no tables of touch for --contact anywhere; bake it with [touch] tables = \"full\" "
+        "in its description, without [[parameter]], or leave --contact out",
+        options.body.string()));
+  }
   LiveSettings settings;
   settings.images = request_of(options.input);
   settings.place = given_place(options);
@@ -166,7 +175,7 @@ LiveRun set_up_live(const LiveOptions& options) {
   if (settings.images.device == kSynthetic) {
     ProgressBar bar;
     settings.images.device =
-        kept_clip(body,
+        kept_clip(body.body,
                   {.folder = options.clip, .body_file = options.body, .version = PALPABLE_VERSION},
                   bar.progress())
             .string();

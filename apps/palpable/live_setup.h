@@ -28,7 +28,7 @@ struct LiveOptions {
   std::vector<std::string> set;  ///< NAME=VALUE of further parameters
   bool press_static = false;
   bool fixed_camera = false;
-  std::string contact = "press";
+  std::string contact;  ///< empty: what the body has tables for
   std::string matcher = "census";
   int frames = -1;  ///< at most; negative: all
 };

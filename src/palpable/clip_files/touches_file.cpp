@@ -31,6 +31,8 @@ std::string touch_text(const FeltTouch& touch) {
   if (touch.force) add("force", text_of(*touch.force));
   if (touch.point) add("point", text_of(*touch.point));
   if (touch.time) add("time", fmt::format("{:.6f}", *touch.time));
+  if (touch.area) add("area", fmt::format("{:.9f}", *touch.area));
+  if (touch.assumed) add("assumed", fmt::format("{:.4f}", *touch.assumed));
   return fmt::format("{{{}}}", text);
 }
 
@@ -47,6 +49,8 @@ FeltTouch touch_of(const JsonObject& object) {
   touch.press_depth = object.number_if_any("press_depth");
   if (const auto p = object.numbers_if_any("point", 3)) touch.point = vector_of(*p);
   touch.time = object.number_if_any("time");
+  touch.area = object.number_if_any("area");
+  touch.assumed = object.number_if_any("assumed");
   return touch;
 }
 

@@ -5,6 +5,9 @@
 ///     {"frame":7,"touches":[{"site":3,"level":0.500000,"press_depth":0.0040000,
 ///      "force":[0.1,0.2,-1.3],"point":[0.010000,0.020000,0.030000],"time":0.233333}]}  (one line)
 ///
+/// The strongest touch stands first. Where touches are answered anywhere there is no site and no
+/// level, but "area" and "assumed".
+///
 /// Only "frame" must be there; a list without an entry feels nothing. Until issue 24 a line held
 /// one touch, {"frame":7,"site":3,"level":0.5,...}, with the size of its force: such lines are
 /// still read, without the force.
@@ -26,6 +29,9 @@ struct FeltTouch {
   std::optional<Eigen::Vector3d> force = {};  ///< N, on the body, body frame
   std::optional<Eigen::Vector3d> point = {};  ///< m, body frame
   std::optional<double> time = {};            ///< s
+  std::optional<double> area = {};            ///< m^2 of the skin that is pressed
+  /// Share of the force at places of the object that the camera does not see.
+  std::optional<double> assumed = {};
 };
 
 struct TouchesLine {

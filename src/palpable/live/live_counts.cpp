@@ -9,12 +9,12 @@ void LiveCounts::add(const Scene& scene) {
   if (scene.camera.state == TrackState::kLost) lost.push_back(scene.number);
   if (scene.camera.state == TrackState::kTracking) ++moving;
   if (scene.touches.empty()) return;
-  const Touch& touch = scene.touches.front();
   ++touching;
   if (!first_touch) first_touch = scene.number;
-  if (last_site_ >= 0 && last_site_ != touch.site) ++site_changes;
-  last_site_ = touch.site;
-  deepest = std::max(deepest, touch.press_depth);
+  const int site = scene.touches.front().site;
+  if (last_site_ >= 0 && last_site_ != site) ++site_changes;
+  last_site_ = site;
+  for (const Touch& touch : scene.touches) deepest = std::max(deepest, touch.press_depth);
 }
 
 }  // namespace palpable

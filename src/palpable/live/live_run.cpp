@@ -41,7 +41,7 @@ SceneFile scene_file_beside(const fs::path& images) {
 
 }  // namespace
 
-LiveRun open_live(ReducedBody body, const LiveSettings& settings) {
+LiveRun open_live(TouchableBody body, const LiveSettings& settings) {
   const std::optional<Rigid3> anchored = anchored_pose(settings);
   std::unique_ptr<FrameSource> source = value_or_throw(open_source(settings.images));
   if (settings.paced && !source->is_live()) source = paced(std::move(source));

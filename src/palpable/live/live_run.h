@@ -12,11 +12,11 @@
 
 #include "palpable/calibrate/board_calibration.h"
 #include "palpable/geometry/rigid.h"
-#include "palpable/reduced/reduced_body.h"
 #include "palpable/session/frame_loop.h"
 #include "palpable/session/session.h"
 #include "palpable/sources/camera_source.h"
 #include "palpable/sources/frame_source.h"
+#include "palpable/touch/touchable_body.h"
 
 #include <filesystem>
 #include <memory>
@@ -53,6 +53,6 @@ struct LiveRun {
 /// @throws NoPlaceError (place.h) when nothing says where the body stands, Error for everything
 /// else
 ///         that is not as hoped
-[[nodiscard]] LiveRun open_live(ReducedBody body, const LiveSettings& settings);
+[[nodiscard]] LiveRun open_live(TouchableBody body, const LiveSettings& settings);
 
 }  // namespace palpable

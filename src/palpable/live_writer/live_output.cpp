@@ -3,6 +3,7 @@
 #include "palpable/base/error.h"
 #include "palpable/base/output_file.h"
 #include "palpable/clip_files/contact_file.h"
+#include "palpable/clip_files/deformed_file.h"
 #include "palpable/clip_files/depth_image_file.h"
 #include "palpable/clip_files/frame_names.h"
 #include "palpable/clip_files/mask_image_file.h"
@@ -37,12 +38,18 @@ constexpr double kDeepEnough = 0.004;  // m
 TouchesLine felt_in(const Scene& scene) {
   TouchesLine felt{.frame = scene.number, .touches = {}};
   for (const Touch& touch : scene.touches) {
-    felt.touches.push_back({.site = touch.site,
-                            .level = touch.level,
-                            .press_depth = touch.press_depth,
-                            .force = touch.force * touch.direction,
-                            .point = touch.point_in_body,
-                            .time = scene.time});
+    FeltTouch& entry = felt.touches.emplace_back();
+    entry.press_depth = touch.press_depth;
+    entry.force = touch.force * touch.direction;
+    entry.point = touch.point_in_body;
+    entry.time = scene.time;
+    if (touch.site >= 0) {
+      entry.site = touch.site;
+      entry.level = touch.level;
+    } else {
+      entry.area = touch.area;
+      entry.assumed = touch.assumed;
+    }
   }
   return felt;
 }
@@ -53,7 +60,8 @@ constexpr std::string_view kTimingBegin = "frame,";  // of a run's timing.csv
 constexpr std::array kOutputs{
     "timing.csv",          "touches.jsonl", "trajectory.txt", "pose.jsonl",    "live.json",
     "touch.mp4",           "depth",         "visible",        "body_depth",    "moving",
-    "rectification.jsonl", kFigureNames[0], kFigureNames[1],  kFigureNames[2], "touch.mp4.part"};
+    "rectification.jsonl", kFigureNames[0], kFigureNames[1],  kFigureNames[2], "touch.mp4.part",
+    "meshes"};
 
 // Whether a run has written it; one that was killed at once has left it empty.
 bool is_timing_of_run(const fs::path& file) {
@@ -152,6 +160,11 @@ LiveOutput::LiveOutput(const LiveOutputSettings& settings)
     make_folder(folder / "body_depth");
     make_folder(folder / "moving");
   }
+  if (settings_.meshes_of.vertex_count() > 0) {
+    make_folder(folder / "meshes");
+    drawn_ = {settings_.meshes_of, Eigen::VectorXd::Zero(settings_.meshes_of.vertex_count())};
+    write_valued_ply(folder / "meshes" / "rest.ply", drawn_, kVonMisesProperty);
+  }
   for (const char* stage : kStages) times_.emplace_back(stage, std::vector<double>());
   times_.emplace_back("total", std::vector<double>());
   std::vector<std::string> stages;
@@ -214,6 +227,7 @@ void LiveOutput::write_frame(DrawnFrame& frame) {
     const StageTimer timer(frame.scene.times, "write");
     if (settings_.depth) write_depth(frame);
     if (settings_.masks) write_masks(frame);
+    if (settings_.meshes_of.vertex_count() > 0) write_mesh(frame.scene);
     write_video(frame);
     keep_if_best(frame);
     write_lines(frame);
@@ -257,6 +271,15 @@ void LiveOutput::write_masks(const DrawnFrame& frame) {
   write_body_depth(settings_.folder / "body_depth" / name, frame.body_depth);
   const MaskImage& moving = frame.scene.moving;
   if (!moving.empty()) write_mask(settings_.folder / "moving" / name, moving);
+}
+
+void LiveOutput::write_mesh(const Scene& scene) {
+  drawn_.surface.vertices = scene.vertices.cast<double>();
+  drawn_.values =
+      Eigen::Map<const Eigen::VectorXf>(scene.von_mises.data(), std::ssize(scene.von_mises))
+          .cast<double>();
+  write_valued_ply(settings_.folder / "meshes" / frame_name(scene.number, ".ply"), drawn_,
+                   kVonMisesProperty);
 }
 
 void LiveOutput::flush() {

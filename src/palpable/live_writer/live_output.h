@@ -13,12 +13,14 @@
 ///   visible/%06d.png          255 where the body is seen (mask_image_file.h)
 ///   body_depth/%06d.png       Z of the whole body at half size (depth_image_file.h)
 ///   moving/%06d.png           255 where something moves, at the depth's size (mask_image_file.h)
+///   meshes/%06d.ply rest.ply  the body as it is drawn, with its stress, if asked for (mesh_file.h)
 ///   hand_nearer.png body_nearer.png touch.png   the three situations of Fig. 9, if asked for
 #pragma once
 
 #include "palpable/base/error.h"
 #include "palpable/clip_files/text_file.h"
 #include "palpable/geometry/image.h"
+#include "palpable/geometry/mesh_file.h"
 #include "palpable/live/bounded_queue.h"
 #include "palpable/live_writer/video_file_writer.h"
 #include "palpable/view/drawn_frame.h"
@@ -40,6 +42,8 @@ struct LiveOutputSettings {
   bool depth = true;
   bool masks = true;
   bool figures = false;
+  /// The body at rest where every frame's is to be written; empty: none is.
+  SurfaceMesh meshes_of = {};
   /// Frames that touch.png is chosen from, rising; without them, any frame that feels a touch.
   std::optional<std::vector<int>> touch_frames = {};
 };
@@ -98,6 +102,7 @@ class LiveOutput {
   void write_lines(const DrawnFrame& frame);
   void write_depth(const DrawnFrame& frame);
   void write_masks(const DrawnFrame& frame);
+  void write_mesh(const Scene& scene);
   void write_video(const DrawnFrame& frame);
   void open_video(const ColorImage& picture, double frames_per_second);
   void flush();
@@ -120,6 +125,7 @@ class LiveOutput {
     TextFile corrections;
   };
   std::optional<Texts> texts_;
+  ValuedSurface drawn_;  // of write_mesh
   std::optional<double> last_correction_;
   std::unique_ptr<VideoFileWriter> video_;
   ColorImage first_picture_;  // held back until the second frame's time says the video's rate

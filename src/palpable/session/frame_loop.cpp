@@ -4,7 +4,7 @@
 
 namespace palpable {
 
-Result<FrameLoop> FrameLoop::make(ReducedBody body, const Rigid3& world_from_body,
+Result<FrameLoop> FrameLoop::make(TouchableBody body, const Rigid3& world_from_body,
                                   const FrameFormat& format, const SessionSettings& settings) {
   Result<DepthCamera> camera = DepthCamera::make(format, settings.depth);
   if (!camera.ok()) return camera.problem();

@@ -23,7 +23,7 @@ struct FrameLoop {
 
   /// A problem when the format's numbers make no depth camera, or a setting is out of range.
   /// @param world_from_body  where the body stands; the world is the first frame's camera
-  [[nodiscard]] static Result<FrameLoop> make(ReducedBody body, const Rigid3& world_from_body,
+  [[nodiscard]] static Result<FrameLoop> make(TouchableBody body, const Rigid3& world_from_body,
                                               const FrameFormat& format,
                                               const SessionSettings& settings = {});
 

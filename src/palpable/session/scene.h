@@ -28,7 +28,7 @@ struct Scene {
 
   int number = 0;                                ///< the frame's: seen.number
   double time = 0;                               ///< s, the frame's: seen.time
-  std::vector<Touch> touches;                    ///< at most one at present
+  std::vector<Touch> touches;                    ///< the strongest first
   Eigen::Matrix3Xf vertices;                     ///< (3 x V) m, body frame, deformed
   Eigen::Matrix3Xf normals;                      ///< (3 x V) unit, outwards
   std::vector<float> von_mises;                  ///< (V) Pa; 0 at rest

@@ -60,10 +60,23 @@ std::optional<Problem> wrong_setting(const SessionSettings& s) {
 
 }  // namespace
 
+std::string_view name_of(ContactKind kind) {
+  switch (kind) {
+    case ContactKind::kAnywhere:
+      return "anywhere";
+    case ContactKind::kSite:
+      return "site";
+    case ContactKind::kPaper:
+      break;
+  }
+  return "paper";
+}
+
 struct Session::Parts {
-  Parts(ReducedBody b, const Rigid3& pose, const DepthCamera& camera, const FrameFormat& format,
+  Parts(TouchableBody b, const Rigid3& pose, const DepthCamera& camera, const FrameFormat& format,
         const SessionSettings& s)
-      : body(std::move(b)),
+      : body(std::move(b.body)),
+        tables(std::move(b.touch)),
         world_from_body(pose),
         settings(s),
         slam(camera, {.track = s.track, .map = s.map}),
@@ -72,16 +85,20 @@ struct Session::Parts {
         pressing(camera.noise(), settings.pressing),
         surface(fitted(settings.surface, camera, format, settings.depth.matcher)),
         law(body, settings.press) {
+    if (tables && s.contact == ContactKind::kAnywhere) {
+      anywhere.emplace(body.surface, body.fixed, *tables, settings.touch);
+    }
     forget_room();
   }
 
   void forget_room();
   void follow_camera(Scene& scene);
   void find_what_presses(const Scene& scene);
-  std::optional<Touch> touch_of_frame(double time);
+  void find_touches(double time, std::vector<Touch>& touches);
   void reconstruct(Scene& scene);
 
   ReducedBody body;
+  std::optional<TouchTables> tables;
   Rigid3 world_from_body;
   SessionSettings settings;
   Slam slam;
@@ -93,6 +110,8 @@ struct Session::Parts {
   PressingMask pressing;
   const MaskImage* shows = nullptr;  // of the pressing mask
   ObjectSurface surface;
+  std::optional<SkinContact> anywhere;
+  TouchState touched;
   PressLaw law;
   PressState press;
   PaperState paper;
@@ -150,15 +169,21 @@ void Session::Parts::find_what_presses(const Scene& scene) {
                          *slam.space(), box);
 }
 
-std::optional<Touch> Session::Parts::touch_of_frame(double time) {
-  if (settings.contact == ContactKind::kPress) {
+void Session::Parts::find_touches(double time, std::vector<Touch>& touches) {
+  touches.clear();
+  if (anywhere) {
+    anywhere->advance(touched, surface, touches);
+    return;
+  }
+  if (settings.contact != ContactKind::kPaper) {
     press = law.advance(press, surface, time);
-    return press.touch;
+    if (press.touch) touches.push_back(*press.touch);
+    return;
   }
   deformed_nodes(paper, body, nodes);
   const int last = static_cast<int>(body.levels().size()) - 1;
   paper = advance_as_printed(paper, nearest_node(nodes, surface.cloud()), last, settings.paper);
-  return touch_of(paper, body);
+  if (const auto touch = touch_of(paper, body)) touches.push_back(*touch);
 }
 
 void Session::Parts::reconstruct(Scene& scene) {
@@ -167,6 +192,10 @@ void Session::Parts::reconstruct(Scene& scene) {
   scene.von_mises.resize(static_cast<std::size_t>(rest.cols()));
   if (scene.touches.empty()) {
     scene.vertices = rest;
+    vertex_normals(scene.vertices, body.surface.triangles, scene.normals);
+    std::fill(scene.von_mises.begin(), scene.von_mises.end(), 0.0f);
+  } else if (anywhere) {
+    scene.vertices = rest + touched.u;
     vertex_normals(scene.vertices, body.surface.triangles, scene.normals);
     std::fill(scene.von_mises.begin(), scene.von_mises.end(), 0.0f);
   } else {
@@ -181,7 +210,7 @@ Session::Session(Session&&) noexcept = default;
 Session& Session::operator=(Session&&) noexcept = default;
 Session::~Session() = default;
 
-Result<Session> Session::make(ReducedBody body, const Rigid3& world_from_body,
+Result<Session> Session::make(TouchableBody body, const Rigid3& world_from_body,
                               const DepthCamera& camera, const FrameFormat& format,
                               const SessionSettings& settings) {
   if (auto problem = wrong_setting(settings)) return *problem;
@@ -194,8 +223,6 @@ void Session::respond(Scene& scene) {
   const SeenFrame& seen = scene.seen;
   scene.number = seen.number;
   scene.time = seen.time;
-  scene.touches.clear();
-  scene.touches.reserve(1);
 
   p.follow_camera(scene);
   {
@@ -206,12 +233,16 @@ void Session::respond(Scene& scene) {
     const StageTimer timer(scene.times, "contact");
     p.surface.build(seen.depth, *p.shows, seen.depth_camera, scene.camera_from_body.inverse(),
                     p.region, seen.time);
-    if (const auto touch = p.touch_of_frame(seen.time)) scene.touches.push_back(*touch);
+    p.find_touches(seen.time, scene.touches);
   }
   const StageTimer timer(scene.times, "evaluate");
   p.reconstruct(scene);
 }
 
+ContactKind Session::contact() const {
+  const ContactKind wanted = parts_->settings.contact;
+  return wanted == ContactKind::kAnywhere && !parts_->anywhere ? ContactKind::kSite : wanted;
+}
 const MaskImage& Session::shows() const {
   PALPABLE_EXPECT(parts_->shows != nullptr, "a frame was answered");
   return *parts_->shows;

@@ -19,6 +19,7 @@
 #include "palpable/contact/object_surface.h"
 #include "palpable/contact/paper_contact.h"
 #include "palpable/contact/press_law.h"
+#include "palpable/contact/skin_contact.h"
 #include "palpable/depth/depth_camera.h"
 #include "palpable/geometry/frame.h"
 #include "palpable/geometry/image.h"
@@ -29,20 +30,26 @@
 #include "palpable/map/surface_map.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/session/scene.h"
+#include "palpable/touch/touchable_body.h"
 #include "palpable/track/tracker.h"
 
 #include <memory>
+#include <string_view>
 #include <vector>
 
 namespace palpable {
 
 enum class ContactKind {
-  kPress,  ///< level from the measured depth (press_law.h)
-  kPaper   ///< Algorithm 1 as printed (paper_contact.h)
+  kAnywhere,  ///< nothing enters the skin, anywhere (skin_contact.h); a body without tables: kSite
+  kSite,      ///< at the body's sites, one at a time; level from the measured depth (press_law.h)
+  kPaper      ///< Algorithm 1 as printed (paper_contact.h)
 };
 
+/// "anywhere", "site" or "paper".
+[[nodiscard]] std::string_view name_of(ContactKind kind);
+
 struct SessionSettings {
-  ContactKind contact = ContactKind::kPress;
+  ContactKind contact = ContactKind::kAnywhere;
   /// What was there when the body was anchored presses it, too: its desk, a wall. Else only what
   /// has come since presses (pressing_mask.h), and knowing that takes `map`.
   bool press_static = false;
@@ -57,6 +64,7 @@ struct SessionSettings {
   /// fattening by what the windows add; session.cpp has the figures.
   ObjectSurfaceSettings surface{};
   PressingMaskSettings pressing{};
+  TouchSettings touch{};
   PressSettings press{};
   PaperSettings paper{};
 };
@@ -66,7 +74,7 @@ class Session {
   /// A problem when a setting is out of range.
   /// @param world_from_body  where the body stands; the world is the first frame's camera
   /// @param camera  that turns frames of `format` to depth; it is read during this call only
-  [[nodiscard]] static Result<Session> make(ReducedBody body, const Rigid3& world_from_body,
+  [[nodiscard]] static Result<Session> make(TouchableBody body, const Rigid3& world_from_body,
                                             const DepthCamera& camera, const FrameFormat& format,
                                             const SessionSettings& settings = {});
   Session(Session&&) noexcept;
@@ -77,6 +85,8 @@ class Session {
   /// of this half to scene.times. Call it in the order of the frames.
   void respond(Scene& scene);
 
+  /// How touches are answered: settings().contact, or what the body has tables for.
+  [[nodiscard]] ContactKind contact() const;
   /// What each pixel of the frame answered last shows, near the body: kShowsPresser where something
   /// may press it (geometry/image.h).
   [[nodiscard]] const MaskImage& shows() const;

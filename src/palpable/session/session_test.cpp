@@ -253,7 +253,7 @@ TEST_CASE("a frame without any depth holds the press; after a while it fades",
 
 TEST_CASE("contact and reconstruction allocate nothing after the first frames",
           "[session][frame loop]") {
-  for (const ContactKind kind : {ContactKind::kPress, ContactKind::kPaper}) {
+  for (const ContactKind kind : {ContactKind::kSite, ContactKind::kPaper}) {
     SessionSettings settings;
     settings.contact = kind;
     FrameLoop loop = make_loop(settings);
@@ -276,7 +276,7 @@ TEST_CASE("contact and reconstruction allocate nothing after the first frames",
           }) == 0);
     CHECK(pressing.touches.size() == 1);
     // As printed, Algorithm 1 leaves a body pressed when nothing is near any more.
-    CHECK(away.touches.empty() == (kind == ContactKind::kPress));
+    CHECK(away.touches.empty() == (kind == ContactKind::kSite));
   }
 }
 

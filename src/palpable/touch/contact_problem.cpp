@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr std::size_t kMostTurning = 48;  // those with the largest force times curvature
+constexpr std::size_t kMostTurning = 24;  // those with the largest force times curvature
 // Force times curvature times compliance below which turning is left out: it changes the step by
 // as little.
 constexpr double kTurns = 0.02;
@@ -279,17 +279,17 @@ bool ContactProblem::add_turning(std::span<const Candidate> candidates) {
     }
   }
   if (!solve_in_place(scratch_.data(), t, M_.data(), t)) return false;
+  // Rows of Gnt M, and of it times Gnt^T, t numbers at a time: Eigen's sums are vectorised.
+  const auto numbers = [](const std::vector<double>& from, std::size_t first, std::size_t count) {
+    return Eigen::Map<const Eigen::VectorXd>(from.data() + first, static_cast<Eigen::Index>(count));
+  };
   for (std::size_t p = 0; p < m; ++p) {
-    for (std::size_t i = 0; i < t; ++i) {
-      double sum = 0;
-      for (std::size_t j = 0; j < t; ++j) sum += Gnt_[p * t + j] * M_[j * t + i];
-      force_t_[i] = sum;
-      q_[p] -= sum * tu_[i];
-    }
+    Eigen::Map<Eigen::VectorXd> row(force_t_.data(), static_cast<Eigen::Index>(t));
+    row.setZero();
+    for (std::size_t j = 0; j < t; ++j) row += Gnt_[p * t + j] * numbers(M_, j * t, t);
+    q_[p] -= row.dot(numbers(tu_, 0, t));
     for (std::size_t other = 0; other <= p; ++other) {
-      double sum = 0;
-      for (std::size_t i = 0; i < t; ++i) sum += force_t_[i] * Gnt_[other * t + i];
-      W_[p * m + other] += sum;
+      W_[p * m + other] += row.dot(numbers(Gnt_, other * t, t));
     }
   }
   return true;
@@ -308,7 +308,9 @@ bool ContactProblem::solve(std::span<Candidate> candidates, std::span<const Vert
   double mean = 0;
   for (std::size_t p = 0; p < m; ++p) mean += W[p * m + p] / static_cast<double>(m);
   if (!add_turning(candidates)) return false;
-  for (std::size_t p = 0; p < m; ++p) W[p * m + p] += step.softness * mean;
+  for (std::size_t p = 0; p < m; ++p) {
+    W[p * m + p] += (step.softness + static_cast<double>(candidates[p].softness)) * mean;
+  }
   for (std::size_t p = 0; p < m; ++p) f[p] = candidates[p].pressing;
   if (!complementarity_.solve(W, q, f)) return false;
 

@@ -33,6 +33,7 @@ struct Candidate {
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
   Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();  ///< 1/m
   double pressing = 0;                                  ///< N, along the normal
+  float softness = 0;                                   ///< see SurfaceGap
   Eigen::Vector3f force = Eigen::Vector3f::Zero();      ///< N, all of it
 };
 

@@ -62,6 +62,8 @@ NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const R
   const std::size_t x = index(cross.cubic.variables);
   std::size_t most_sources = 0;
   own_cluster_.assign(regions.size() * C, 0);
+  asked_cluster_.assign(C, 0);
+  every_cluster_.assign(C, 1);
   for (std::size_t region = 0; region < regions.size(); ++region) {
     most_sources = std::max(most_sources, regions[region].sources.width);
     for (const int v : regions[region].vertices) {
@@ -110,6 +112,8 @@ void NonlinearAnswer::choose_blobs(std::span<const int> vertices, std::span<cons
                                    std::span<const int> before) {
   for (const int v : asked_) blob_of_vertex_[v] = -1;
   asked_.assign(vertices.begin(), vertices.end());
+  std::fill(asked_cluster_.begin(), asked_cluster_.end(), char{0});
+  for (const int v : vertices) asked_cluster_[index(compliance_.cluster_of(v))] = 1;
   chosen_.clear();
   while (chosen_.size() < kMostBlobs) {
     const int region = next_region(vertices, weights, before);
@@ -149,7 +153,7 @@ bool NonlinearAnswer::add_mode_row(int blob, int vertex, const Vector3f& directi
   return true;
 }
 
-void NonlinearAnswer::evaluate(std::span<const VertexForce> loads) {
+void NonlinearAnswer::evaluate(std::span<const VertexForce> loads, CrossTerms cross) {
   std::fill(far_targets_.begin(), far_targets_.end(), 0.0f);
   last_share_ = 0;
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
@@ -163,13 +167,21 @@ void NonlinearAnswer::evaluate(std::span<const VertexForce> loads) {
     }
     answers_[b].evaluate({cubic_[index(chosen_[b])], quartic_[index(chosen_[b])]}, code);
     last_share_ = std::max(last_share_, answers_[b].last_share());
-    add_far_targets(chosen_[b], answers_[b].q());
+    add_far_targets(chosen_[b], answers_[b].q(), asked_cluster_);
   }
-  if (has_cross_terms()) evaluate_cross_terms(loads);
+  if (has_cross_terms() && cross == CrossTerms::kAnew) evaluate_cross_terms(loads);
 }
 
-// What the region's modes do in all clusters but its own.
-void NonlinearAnswer::add_far_targets(int region, std::span<const float> q) {
+void NonlinearAnswer::find_far_targets() {
+  std::fill(far_targets_.begin(), far_targets_.end(), 0.0f);
+  for (std::size_t b = 0; b < chosen_.size(); ++b) {
+    add_far_targets(chosen_[b], answers_[b].q(), every_cluster_);
+  }
+}
+
+// What the region's modes do in those of the clusters that are not its own.
+void NonlinearAnswer::add_far_targets(int region, std::span<const float> q,
+                                      std::span<const char> clusters) {
   const RegionTable& table = regions_[index(region)];
   const std::size_t C = index(compliance_.clusters()), k = compliance_.rank();
   const std::span<float> sources(sources_.data(), table.sources.width);
@@ -180,7 +192,7 @@ void NonlinearAnswer::add_far_targets(int region, std::span<const float> q) {
   for (std::size_t s = 0; s < table.source_clusters.size(); ++s) {
     const int from = table.source_clusters[s];
     for (std::size_t to = 0; to < C; ++to) {
-      if (own_cluster_[index(region) * C + to] != 0) continue;
+      if (clusters[to] == 0 || own_cluster_[index(region) * C + to] != 0) continue;
       compliance_.add_target(from, sources.subspan(s * k, k), static_cast<int>(to),
                              {far_targets_.data() + to * k, k});
     }

@@ -63,6 +63,9 @@ class RegionMap {
   std::vector<RegionAtVertex> list_;
 };
 
+/// Whether what blobs do to each other is evaluated anew.
+enum class CrossTerms { kAnew, kAsBefore };
+
 /// Holds the memory of its evaluations, which allocate nothing.
 class NonlinearAnswer {
  public:
@@ -84,10 +87,13 @@ class NonlinearAnswer {
   [[nodiscard]] std::span<const int> regions() const { return {chosen_.data(), chosen_.size()}; }
 
   /// Codes, q and H under these loads. @pre their vertices were handed to choose_blobs()
-  void evaluate(std::span<const VertexForce> loads);
+  void evaluate(std::span<const VertexForce> loads, CrossTerms cross = CrossTerms::kAnew);
 
-  /// What is added to the linear displacement of a vertex, m.
+  /// What is added to the linear displacement of a vertex, m. @pre it was handed to choose_blobs(),
+  /// or find_far_targets() was called
   [[nodiscard]] Eigen::Vector3f displacement_at(int vertex) const;
+  /// Targets in all clusters; evaluate() finds those of the vertices that it was told of.
+  void find_far_targets();
   /// (C x k) targets of what the blobs' regions do beyond their own vertices.
   [[nodiscard]] std::span<const float> far_targets() const { return far_targets_; }
   /// Adds all but far_targets() on the whole skin. @param u  (3 x V) m
@@ -111,7 +117,7 @@ class NonlinearAnswer {
 
  private:
   [[nodiscard]] int row_of(int region, int vertex) const;
-  void add_far_targets(int region, std::span<const float> q);
+  void add_far_targets(int region, std::span<const float> q, std::span<const char> clusters);
   [[nodiscard]] bool has_cross_terms() const;
   void evaluate_cross_terms(std::span<const VertexForce> loads);
   int next_region(std::span<const int> vertices, std::span<const float> weights,
@@ -129,6 +135,7 @@ class NonlinearAnswer {
   std::vector<RegionAnswer> answers_;
   std::vector<float> score_;                         // by region
   std::vector<float> code_, far_targets_, sources_;  // (r), (C x k), of a region
+  std::vector<char> asked_cluster_, every_cluster_;  // (C) 1: targets are wanted there
   std::vector<char> own_cluster_;  // (regions x C) 1: its vertices are the region's
   std::vector<float> cross_codes_, pairs_, cross_q_;  // (blobs + 1 x x), (p), (x)
   float last_share_ = 0;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -74,6 +75,18 @@ Result<TouchableBody> read_touchable_body(const std::filesystem::path& path) {
       path, [&](hid_t file, const ReducedBody& read) { touch = read_touch(file, read); });
   if (!body.ok()) return body.problem();
   return TouchableBody{std::move(body).value(), std::move(touch)};
+}
+
+Result<TouchableBody> read_pressable_touchable_body(const std::filesystem::path& path,
+                                                    const std::map<std::string, double>& values) {
+  Result<TouchableBody> read = read_touchable_body(path);
+  if (!read.ok()) return read;
+  Result<ReducedBody> body = settled(read.value().body, values);
+  if (!body.ok()) {
+    return Problem{fmt::format("{}: {}", path.string(), body.problem().message)};
+  }
+  const bool as_baked = read.value().body.further.empty();
+  return TouchableBody{std::move(body).value(), as_baked ? std::move(read.value().touch) : std::nullopt};
 }
 
 ReductionError write_touchable_body(const std::filesystem::path& path, const ReducedBody& body,

@@ -5,25 +5,26 @@
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/touch/touch_tables.h"
+#include "palpable/touch/touchable_body.h"
 
 #include <filesystem>
-#include <optional>
+#include <map>
+#include <string>
 
 namespace palpable {
 
 /// Version of the group's layout; provisional: tables of another one are refused, the body is read.
 inline constexpr int kTouchLayout = 0;
 
-/// A body with its tables; none: it answers at its sites, one touch at a time.
-struct TouchableBody {
-  ReducedBody body;
-  std::optional<TouchTables> touch;
-};
-
 /// Reads and checks a body file with its tables. Whatever the bytes, the tables keep every promise
 /// of their headers and are of the body's skin, or the result is a problem that names the file and
 /// what is wrong.
 [[nodiscard]] Result<TouchableBody> read_touchable_body(const std::filesystem::path& path);
+
+/// The same, settled: what the live half presses. The tables of a body with further parameters
+/// would be those of other values, so it has none. @param values see settled()
+[[nodiscard]] Result<TouchableBody> read_pressable_touchable_body(
+    const std::filesystem::path& path, const std::map<std::string, double>& values = {});
 
 /// write_body_file() with tables. @throws Error as that, and if the tables are not consistent or of
 /// another skin

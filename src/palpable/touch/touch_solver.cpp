@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/touch/contact_problem.h"
+#include "palpable/touch/point_levels.h"
 #include "palpable/touch/skin_clusters.h"
 
 #include <algorithm>
@@ -21,6 +22,31 @@ constexpr float kStretch = 1.3f;
 // A step that moves a touched vertex by more is halved.
 constexpr float kLargestMove = 0.005f;  // m
 constexpr int kHalvings = 4;
+// m: so far from where it was asked last a gap is told by its normal and curvature. What that
+// leaves out is of the third order: 2e-6 m at a pencil's tip.
+constexpr float kSameGap = 0.0003f;
+// Iterations of a step in which what patches do to each other is evaluated anew: it is of the
+// second order, and the forces change little after them.
+constexpr int kCrossIterations = 2;
+
+// m between contact points: on the flattest of objects, and the least that is told apart.
+constexpr float kRootOf2 = 1.41421356f;
+constexpr double kCoarsest = 0.006, kFinest = 0.0015;
+
+// The larger of the two curvatures of a surface, 1/m.
+float largest_curvature(const Eigen::Matrix3f& K) {
+  const float trace = K.trace();
+  const float apart = 2 * K.squaredNorm() - trace * trace;
+  return 0.5f * (trace + std::sqrt(std::max(0.0f, apart)));
+}
+
+// A gap as it was found in this frame.
+struct FoundGap {
+  int frame = -1;
+  bool near = false;
+  Vector3f place = Vector3f::Zero();
+  SurfaceGap gap;
+};
 
 int most_modes(const TouchTables& tables) {
   int most = 16;
@@ -35,6 +61,7 @@ struct TouchSolver::Work {
   TouchSettings settings;
   Matrix3Xf rest;
   std::vector<SkinPoint> points;
+  std::vector<float> levels;  // of the points
   SkinClusters clusters;
   Compliance compliance;
   RegionMap map;
@@ -50,6 +77,8 @@ struct TouchSolver::Work {
   std::vector<float> weights;           // of `vertices`, for choosing blobs
   std::vector<VertexForce> loads;       // at `vertices`
   Matrix3Xf here, before;               // (3 x vertices) displacement of `vertices`
+  std::vector<FoundGap> found;          // by point
+  int frame = 0;
   std::vector<Vector3f> forces_before;
 
   Work(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed, const TouchTables& the_tables,
@@ -58,6 +87,7 @@ struct TouchSolver::Work {
         settings(the_settings),
         rest(skin.vertices.cast<float>()),
         points(skin_points(skin, fixed, tables.point_spacing)),
+        levels(point_levels(skin, points, kCoarsest, kFinest)),
         clusters(rest, points, kClusterRadius),
         compliance(tables.compliance),
         map(rest, tables.regions, tables.region_reach),
@@ -72,49 +102,84 @@ struct TouchSolver::Work {
     loads.reserve(kMostVertices);
     weights.reserve(kMostVertices);
     forces_before.resize(kMostPoints);
+    found.resize(points.size());
     is_source.resize(static_cast<std::size_t>(compliance.clusters()));
     sources.resize(is_source.size() * compliance.rank());
     targets.resize(sources.size());
   }
 
   [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
-  void find_candidates(const TouchState& state, const GapQuery& gap, double shift,
-                       TouchReport& report);
+  bool gap_at(int point, const Vector3f& x, const GapQuery& gap, SurfaceGap& answer);
+  [[nodiscard]] bool is_needed(int point, const SurfaceGap& gap) const;
+  void find_candidates(const TouchState& state, const GapQuery& gap, const NearQuery& near,
+                       double shift, TouchReport& report);
   void keep_nearest(TouchReport& report);
   bool add_vertices(const Candidate& candidate);
   void take_up(const TouchState& state);
   void set_compliance();
   void add_up_loads();
   void choose_blobs(const TouchState& state, double shift);
-  void find_displacements();
+  void find_displacements(CrossTerms cross);
   void look_at_gaps(const GapQuery& gap);
-  double iterate(const GapQuery& gap, double shift);
+  double iterate(const GapQuery& gap, double shift, CrossTerms cross);
   void fill_field(Matrix3Xf& u);
   void hand_over(TouchState& state, const GapQuery& gap, TouchReport& report);
 };
 
+// What is nearest to a point that is at x now; false where nothing is, or what is no number.
+bool TouchSolver::Work::gap_at(int point, const Vector3f& x, const GapQuery& gap,
+                               SurfaceGap& answer) {
+  FoundGap& last = found[static_cast<std::size_t>(point)];
+  if (last.frame != frame || !((x - last.place).squaredNorm() < kSameGap * kSameGap)) {
+    last.frame = frame;
+    last.place = x;
+    last.near = gap(x, last.gap) && std::isfinite(last.gap.distance) &&
+                last.gap.normal.allFinite() && last.gap.curvature.allFinite();
+  }
+  if (!last.near) return false;
+  const Vector3f way = x - last.place;
+  const Vector3f turn = last.gap.curvature * way;
+  answer = last.gap;
+  answer.distance += last.gap.normal.dot(way) + 0.5f * way.dot(turn);
+  answer.normal = (last.gap.normal + turn).normalized();
+  return true;
+}
+
+// Whether the points that are left without this one are too far apart for the object there.
+bool TouchSolver::Work::is_needed(int point, const SurfaceGap& gap) const {
+  const float bend = largest_curvature(gap.curvature), level = levels[static_cast<std::size_t>(point)];
+  const auto entry = static_cast<float>(settings.entry);
+  const auto coarsest = static_cast<float>(kCoarsest), finest = static_cast<float>(kFinest);
+  // Where each point has another within s the ball of radius 1/bend enters by s^2 bend / 4, roughly.
+  const float enough =
+      bend > 0 ? std::min(coarsest, std::sqrt(4 * entry / bend)) : coarsest;
+  return level > 0 ? level * kRootOf2 > enough : enough < finest;
+}
+
 // Points that are near the object in the state's shape, and those that press.
-void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery& gap, double shift,
-                                        TouchReport& report) {
+void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery& gap,
+                                        const NearQuery& near, double shift, TouchReport& report) {
   candidates.clear();
   const Matrix3Xf& u = state.u;
   const auto band = static_cast<float>(settings.band - shift);
-  SurfaceGap found;
+  SurfaceGap seen;
   for (const SkinCluster& cluster : clusters.clusters()) {
     const Vector3f middle = rest.col(cluster.vertex) + u.col(cluster.vertex);
     const float reach = band + kStretch * cluster.radius;
-    if (!gap(middle, found) || !(found.distance <= reach)) continue;
+    if (near ? !near(middle, reach) : !gap(middle, seen) || !(seen.distance <= reach)) continue;
     for (int k = cluster.first; k < cluster.last; ++k) {
       const int p = clusters.order()[static_cast<std::size_t>(k)];
       const SkinPoint& point = points[static_cast<std::size_t>(p)];
       const Vector3f x = point.at(rest) + point.at(u);
-      if (!gap(x, found) || !(found.distance <= band) || !found.normal.allFinite()) continue;
+      if (near && !near(x, band)) continue;
+      if (!gap_at(p, x, gap, seen) || !(seen.distance <= band) || !is_needed(p, seen)) continue;
       Candidate candidate;
       candidate.point = p;
       candidate.weights = point.weights;
-      candidate.distance = found.distance;
-      candidate.normal = found.normal;
-      candidate.curvature = found.curvature;
+      candidate.distance = seen.distance;
+      candidate.normal = seen.normal;
+      candidate.curvature = seen.curvature;
+      candidate.softness = seen.softness;
       candidates.push_back(candidate);
     }
   }
@@ -218,8 +283,8 @@ void TouchSolver::Work::set_compliance() {
 }
 
 // Of all vertices that may touch, under the present loads.
-void TouchSolver::Work::find_displacements() {
-  if (is_nonlinear()) nonlinear.evaluate(loads);
+void TouchSolver::Work::find_displacements(CrossTerms cross) {
+  if (is_nonlinear()) nonlinear.evaluate(loads, cross);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     Vector3f u = Vector3f::Zero();
     for (int c = 0; c < 3; ++c) {
@@ -237,7 +302,7 @@ void TouchSolver::Work::find_displacements() {
 }
 
 void TouchSolver::Work::look_at_gaps(const GapQuery& gap) {
-  SurfaceGap found;
+  SurfaceGap seen;
   for (Candidate& candidate : candidates) {
     Vector3f x = Vector3f::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
@@ -245,10 +310,11 @@ void TouchSolver::Work::look_at_gaps(const GapQuery& gap) {
       x += candidate.weights[static_cast<int>(k)] *
            (rest.col(vertices[static_cast<std::size_t>(local)]) + here.col(local));
     }
-    if (gap(x, found) && std::isfinite(found.distance) && found.normal.allFinite()) {
-      candidate.distance = found.distance;
-      candidate.normal = found.normal;
-      candidate.curvature = found.curvature;
+    if (gap_at(candidate.point, x, gap, seen)) {
+      candidate.distance = seen.distance;
+      candidate.normal = seen.normal;
+      candidate.curvature = seen.curvature;
+      candidate.softness = seen.softness;
     } else {
       candidate.distance = static_cast<float>(10 * settings.band);
     }
@@ -256,7 +322,7 @@ void TouchSolver::Work::look_at_gaps(const GapQuery& gap) {
 }
 
 // One step of Newton's method from `here`. Returns how far it moved a vertex, m.
-double TouchSolver::Work::iterate(const GapQuery& gap, double shift) {
+double TouchSolver::Work::iterate(const GapQuery& gap, double shift, CrossTerms cross) {
   look_at_gaps(gap);
   const auto n = static_cast<Eigen::Index>(vertices.size());
   before.leftCols(n) = here.leftCols(n);
@@ -268,19 +334,22 @@ double TouchSolver::Work::iterate(const GapQuery& gap, double shift) {
     return problem.solve(candidates, loads, answer, {shift, settings.softness, turning});
   };
   if (!solve(tangent, true) && !solve(tangent, false) && !solve(nullptr, false)) return 0;
-  float moved = 0;
+  float share = 1;  // of the way from the forces before
   for (int halving = 0; halving <= kHalvings; ++halving) {
     add_up_loads();
-    find_displacements();
-    moved = n > 0 ? (here.leftCols(n) - before.leftCols(n)).colwise().norm().maxCoeff() : 0.0f;
-    if (moved <= kLargestMove) break;
+    find_displacements(cross);
+    const float moved =
+        n > 0 ? (here.leftCols(n) - before.leftCols(n)).colwise().norm().maxCoeff() : 0.0f;
+    if (moved <= kLargestMove) return static_cast<double>(moved);
+    // The last time nothing is left of the step: no state is better than one beyond the tables.
+    share = halving + 1 < kHalvings ? 0.5f : 0.0f;
     for (std::size_t p = 0; p < candidates.size(); ++p) {
-      candidates[p].force = 0.5f * (candidates[p].force + forces_before[p]);
+      candidates[p].force = share * candidates[p].force + (1 - share) * forces_before[p];
       candidates[p].pressing =
           std::max(0.0, static_cast<double>(candidates[p].force.dot(candidates[p].normal)));
     }
   }
-  return static_cast<double>(moved);
+  return 0;
 }
 
 // The whole skin under the present loads.
@@ -300,6 +369,7 @@ void TouchSolver::Work::fill_field(Matrix3Xf& u) {
   }
   std::fill(targets.begin(), targets.end(), 0.0f);
   if (is_nonlinear()) {
+    nonlinear.find_far_targets();
     std::copy(nonlinear.far_targets().begin(), nonlinear.far_targets().end(), targets.begin());
   }
   for (std::size_t from = 0; from < C; ++from) {
@@ -341,10 +411,11 @@ TouchSolver::TouchSolver(TouchSolver&&) noexcept = default;
 
 std::span<const SkinPoint> TouchSolver::points() const { return work_->points; }
 
-TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap) {
+TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const NearQuery& near) {
   Work& w = *work_;
   const TouchSettings& s = w.settings;
   TouchReport report;
+  ++w.frame;
   if (state.u.cols() != w.rest.cols()) {
     state.u.setZero(3, w.rest.cols());
     state.forces.clear();
@@ -352,7 +423,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap) {
     state.regions.clear();
     state.regions.reserve(NonlinearAnswer::kMostBlobs);
   }
-  w.find_candidates(state, gap, 0, report);
+  w.find_candidates(state, gap, near, 0, report);
   double depth = 0;
   for (const Candidate& c : w.candidates) depth = std::max(depth, -static_cast<double>(c.distance));
   const int steps =
@@ -360,15 +431,16 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap) {
   for (int step = 1; step <= steps; ++step) {
     // The object is taken back so far that the skin enters it by no more than a step.
     const double shift = std::max(0.0, depth - step * s.largest_step);
-    if (step > 1 || shift > 0) w.find_candidates(state, gap, shift, report);
+    if (step > 1 || shift > 0) w.find_candidates(state, gap, near, shift, report);
     w.take_up(state);
     w.set_compliance();
     if (w.is_nonlinear()) w.choose_blobs(state, shift);
-    w.find_displacements();
+    w.find_displacements(CrossTerms::kAnew);
     const bool last = step == steps;
     for (int i = 0; i < (last ? s.last_iterations : s.iterations); ++i) {
       ++report.iterations;
-      report.last_change = w.iterate(gap, shift);
+      report.last_change =
+          w.iterate(gap, shift, i < kCrossIterations ? CrossTerms::kAnew : CrossTerms::kAsBefore);
       if (report.last_change < s.tolerance) break;
     }
     ++report.steps;

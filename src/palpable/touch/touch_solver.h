@@ -40,11 +40,17 @@ struct SurfaceGap {
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, out of the object
   /// Second derivative of the distance, 1/m: a ball of radius r has (1 - n n^T) / r.
   Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();
+  /// Of the point's own compliance, added to it, beside TouchSettings::softness: what is seen
+  /// uncertainly presses softly.
+  float softness = 0;
 };
 
 /// Tells the gap of a place (m, body frame); false where nothing is within kGapReach of it. What is
 /// no number counts as nothing. Called some thousand times a frame.
 using GapQuery = std::function<bool(const Eigen::Vector3f& place, SurfaceGap& gap)>;
+
+/// Whether anything may be nearer to a place than `reach` (m): a cheaper question, asked first.
+using NearQuery = std::function<bool(const Eigen::Vector3f& place, float reach)>;
 
 inline constexpr float kGapReach = 0.012f;  ///< m
 
@@ -55,6 +61,8 @@ struct TouchSettings {
   int iterations = 3;             ///< of Newton's method, of each step
   int last_iterations = 8;        ///< of the last one, at most
   double tolerance = 2e-5;        ///< m: the last iteration moved no touched vertex by more
+  /// m a round object may enter between two contact points: flat ones are given fewer points.
+  double entry = 5e-5;
   /// Of a point's own compliance, added to it: neighbours that move together share a force. What is
   /// left of it as penetration is force times that.
   double softness = 0.01;
@@ -103,7 +111,8 @@ class TouchSolver {
   [[nodiscard]] std::span<const SkinPoint> points() const;
 
   /// The state in which nothing enters the body. Pure: the same state and gaps give the same bytes.
-  TouchReport advance(TouchState& state, const GapQuery& gap);
+  /// @param near  agrees with `gap`; without one `gap` is asked everywhere
+  TouchReport advance(TouchState& state, const GapQuery& gap, const NearQuery& near = {});
 
  private:
   struct Work;

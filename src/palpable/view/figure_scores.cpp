@@ -7,20 +7,20 @@
 namespace palpable {
 namespace {
 
-// m around a pressed site whose stress counts for the picture of a touch.
-constexpr float kAroundSite = 0.04f;
+// m around a touch whose stress counts for its picture.
+constexpr float kAroundTouch = 0.04f;
 
 // m behind the body up to which something counts as passing behind it, not as far background.
 constexpr float kJustBehind = 0.3f;
 
-// The stress around a site, as much of it as faces the camera.
-double stress_towards_camera(const Scene& scene, const Site& site) {
+// The stress around a place, as much of it as faces the camera.
+double stress_towards_camera(const Scene& scene, const Eigen::Vector3f& place) {
   const Eigen::Matrix3f R = scene.camera_from_body.linear().cast<float>();
   const Eigen::Vector3f t = scene.camera_from_body.translation().cast<float>();
   double sum = 0;
   for (Eigen::Index k = 0; k < scene.vertices.cols(); ++k) {
     const auto x = scene.vertices.col(k);
-    if ((x - scene.vertices.col(site.vertex)).norm() > kAroundSite) continue;
+    if ((x - place).norm() > kAroundTouch) continue;
     const float facing = -(R * scene.normals.col(k)).dot((R * x + t).normalized());
     sum += static_cast<double>(std::max(0.0f, facing) * scene.von_mises[k]);
   }
@@ -33,7 +33,11 @@ FigureScores figure_scores(const Scene& scene, const ReducedBody& body, const Ma
                            const DepthImage& body_depth, const MaskImage& shows) {
   FigureScores scores;
   if (!scene.touches.empty()) {
-    scores.touch = stress_towards_camera(scene, body.sites[scene.touches.front().site]);
+    const Touch& touch = scene.touches.front();
+    const Eigen::Vector3f place =
+        touch.site >= 0 ? Eigen::Vector3f(scene.vertices.col(body.sites[touch.site].vertex))
+                        : Eigen::Vector3f(touch.point_in_body.cast<float>());
+    scores.touch = stress_towards_camera(scene, place);
     return scores;
   }
   std::int64_t pixels = 0;

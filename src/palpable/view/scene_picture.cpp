@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 namespace palpable {
 
 BodyLook look_of_body(const Scene& scene, const ReducedBody& body, double scale) {
@@ -17,9 +19,20 @@ BodyLook look_of_body(const Scene& scene, const ReducedBody& body, double scale)
 
 std::string caption_of(const Scene& scene) {
   if (scene.touches.empty()) return fmt::format("{:.2f} s", scene.time);
-  const Touch& touch = scene.touches.front();
-  return fmt::format("{:.2f} s   site {}   {:.1f} mm   {:.2f} N", scene.time, touch.site,
-                     touch.press_depth * 1e3, touch.force);
+  return fmt::format("{:.2f} s   {}", scene.time, caption_of(scene.touches));
+}
+
+std::string caption_of(std::span<const Touch> touches) {
+  if (touches.empty()) return "not touched";
+  double deepest = 0, force = 0;
+  for (const Touch& touch : touches) {
+    deepest = std::max(deepest, touch.press_depth);
+    force += touch.force;
+  }
+  std::string text;
+  if (touches.front().site >= 0) text = fmt::format("site {}   ", touches.front().site);
+  if (touches.size() > 1) text = fmt::format("{} touches   ", touches.size());
+  return text + fmt::format("{:.1f} mm   {:.2f} N", deepest * 1e3, force);
 }
 
 std::string warning_of(const Scene& scene) {

@@ -6,6 +6,7 @@
 #include "palpable/render/scene_renderer.h"
 #include "palpable/session/scene.h"
 
+#include <span>
 #include <string>
 
 namespace palpable {
@@ -15,8 +16,10 @@ namespace palpable {
 /// @param scale  Pa, top of the colours
 [[nodiscard]] BodyLook look_of_body(const Scene& scene, const ReducedBody& body, double scale);
 
-/// One line about a scene: its time, and site, depth and force of its touch.
+/// One line about a scene: its time and its touches.
 [[nodiscard]] std::string caption_of(const Scene& scene);
+/// Depth of the deepest touch, and the force of all, or the site; "not touched".
+[[nodiscard]] std::string caption_of(std::span<const Touch> touches);
 /// That the camera is lost, and what to do; or that what presses is not seen. Else empty.
 [[nodiscard]] std::string warning_of(const Scene& scene);
 

@@ -1,0 +1,58 @@
+/// @file
+/// The default contact law: nothing that is seen may enter the skin, anywhere, however many things
+/// there are (touch/touch_solver.h). Here the solver is told of the surface that was seen
+/// (object_surface.h), and its forces are told to people, as a list of touches.
+///
+/// What one camera sees is uncertain by sigma. A point's gap is therefore given a compliance of its
+/// own beside the body's: neighbours that are off by a sigma share a force instead of fighting for
+/// it.
+///
+///   V  vertices of the skin
+#pragma once
+
+#include "palpable/contact/object_surface.h"
+#include "palpable/contact/touch.h"
+#include "palpable/geometry/surface_mesh.h"
+#include "palpable/touch/touch_solver.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// Makes its tables once, then allocates nothing once a state has had its room.
+class SkinContact {
+ public:
+  /// @param skin    at rest; outlives this, as the tables do
+  /// @param fixed   (V) 1 where the support holds the vertex
+  SkinContact(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
+              const TouchTables& tables, const TouchSettings& settings = {});
+
+  /// One frame: a pure function of its arguments.
+  /// @param touches  overwritten: a patch of skin each, the one with the largest force first
+  TouchReport advance(TouchState& state, const ObjectSurface& seen, std::vector<Touch>& touches);
+
+ private:
+  // A point of the skin that is pressed, where it is now.
+  struct Pressed {
+    Eigen::Vector3f place;  // m
+    Eigen::Vector3f moved;  // m
+    Eigen::Vector3f force;  // N
+    float area = 0;         // m^2
+    int patch = 0;
+    int first = 0;  // of a union-find forest
+  };
+  void find_pressed(const TouchState& state);
+  void join_neighbours();
+  [[nodiscard]] Touch touch_of(int patch, const ObjectSurface& seen) const;
+
+  TouchSolver solver_;
+  Eigen::Matrix3Xf rest_;  // (3 x V) m
+  std::vector<Pressed> pressed_;
+  int patches_ = 0;
+};
+
+}  // namespace palpable

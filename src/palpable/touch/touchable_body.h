@@ -1,0 +1,29 @@
+/// @file
+/// A body with its tables of touch, as the live half plays it.
+#pragma once
+
+#include "palpable/reduced/reduced_body.h"
+#include "palpable/touch/touch_tables.h"
+
+#include <optional>
+#include <utility>
+
+namespace palpable {
+
+/// A body that can be touched anywhere, or, without tables, at its sites, one touch at a time.
+struct TouchableBody {
+  TouchableBody() = default;
+  /// A body without tables is one, too.
+  TouchableBody(ReducedBody the_body, std::optional<TouchTables> tables = {})
+      : body(std::move(the_body)), touch(std::move(tables)) {}
+
+  ReducedBody body;
+  std::optional<TouchTables> touch;
+};
+
+/// Every length times `factor`, as scaled_body.h does it: the same material answers similar loads
+/// with similar shapes, so that stiffness grows by the factor, and the energy by its third power.
+/// @throws ContractViolation unless 0 < factor < infinity
+[[nodiscard]] TouchableBody scaled(const TouchableBody& body, double factor);
+
+}  // namespace palpable
