@@ -91,4 +91,44 @@ std::optional<NearestBall> BallTree::nearest(const Vector3f& x, float reach) con
   return NearestBall{best, order_[found]};
 }
 
+std::array<float, 8> BallTree::distances_around(const Vector3f& x, float spread,
+                                                std::span<const Vector3f, 8> places,
+                                                int ball) const {
+  using Eight = Eigen::Array<float, 8, 1>;
+  Eight px, py, pz;
+  for (std::size_t k = 0; k < 8; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    px[i] = places[k].x(), py[i] = places[k].y(), pz[i] = places[k].z();
+  }
+  const auto to = [&](const Ball& b) -> Eight {
+    return ((px - b.centre.x()).square() + (py - b.centre.y()).square() +
+            (pz - b.centre.z()).square())
+               .sqrt() -
+           b.radius;
+  };
+  Eight best = to(balls_[static_cast<std::size_t>(ball)]);
+  float reach = best.maxCoeff() + spread;  // a ball that is farther from x is so from all of them
+  std::array<int, kDeepest> stack;
+  std::size_t waiting = 0;
+  stack[waiting++] = 0;
+  while (waiting > 0) {
+    const int index = stack[--waiting];
+    const Node& node = nodes_[index];
+    if (((x - node.middle).cwiseAbs() - node.half).cwiseMax(0.0f).norm() - node.largest_radius >=
+        reach) {
+      continue;
+    }
+    if (node.second == 0) {
+      for (int k = node.begin; k < node.end; ++k) best = best.min(to(sorted_[k]));
+      reach = best.maxCoeff() + spread;
+      continue;
+    }
+    stack[waiting++] = node.second;
+    stack[waiting++] = index + 1;
+  }
+  std::array<float, 8> result;
+  Eigen::Map<Eight>(result.data()) = best;
+  return result;
+}
+
 }  // namespace palpable

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -30,6 +31,14 @@ class BallTree {
   /// min over balls of |x - centre| - radius, and which one; of equal ones any. Nothing when that
   /// is `reach` or more. Exact (to a float's rounding).
   [[nodiscard]] std::optional<NearestBall> nearest(const Eigen::Vector3f& x, float reach) const;
+
+  /// The same distance at eight places that all lie within `spread` of x; one walk for all.
+  /// @param x        m
+  /// @param ball     one that is known to be near: nearest(x)'s
+  /// @return (8) m
+  [[nodiscard]] std::array<float, 8> distances_around(const Eigen::Vector3f& x, float spread,
+                                                      std::span<const Eigen::Vector3f, 8> places,
+                                                      int ball) const;
 
   [[nodiscard]] std::span<const Ball> balls() const { return balls_; }
 

@@ -206,21 +206,24 @@ std::optional<SurfaceShape> ObjectSurface::shape_at(const Vector3f& x) const {
   const Vector3f out = x - ball.centre;
   const Vector3f n = out.norm() > kAmid ? Vector3f(out.normalized()) : ball.normal;
   const float h = kShapeStep * ball.radius;
-  const float reach = static_cast<float>(settings_.band) + 2 * h;  // the same ball is as near
   const Vector3f t = n.unitOrthogonal(), s = n.cross(t);
   // Along four directions of the tangent plane, 45 degrees apart: slope, and the curvature of the
   // circle through the three values. On a sphere of radius R the mean of phi at +-h is higher than
   // in the middle by d with (R + d)^2 = R^2 + h^2, so that 1/R = 2 d / (h^2 - d^2).
   const std::array<Vector3f, 4> directions{t, ((t + s) * kHalfRoot).eval(), s,
                                            ((s - t) * kHalfRoot).eval()};
+  std::array<Vector3f, 8> places;
+  for (std::size_t k = 0; k < 4; ++k) {
+    places[2 * k] = x + h * directions[k];
+    places[2 * k + 1] = x - h * directions[k];
+  }
+  const std::array<float, 8> there = tree_.distances_around(x, h, places, found->ball);
   Vector3f slope = Vector3f::Zero();
   std::array<float, 4> bend{};
   for (std::size_t k = 0; k < 4; ++k) {
-    const auto ahead = tree_.nearest(x + h * directions[k], reach);
-    const auto behind = tree_.nearest(x - h * directions[k], reach);
-    if (!ahead || !behind) return std::nullopt;  // cannot happen
-    slope += (ahead->distance - behind->distance) / (4 * h) * directions[k];
-    const float d = (ahead->distance + behind->distance) / 2 - found->distance;
+    const float ahead = there[2 * k], behind = there[2 * k + 1];
+    slope += (ahead - behind) / (4 * h) * directions[k];
+    const float d = (ahead + behind) / 2 - found->distance;
     bend[k] = 2 * d / (h * h - d * d);
   }
   // A symmetric tensor (a b; b c) bends by a, (a + c)/2 + b, c, (a + c)/2 - b along the four.

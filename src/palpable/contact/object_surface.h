@@ -125,7 +125,7 @@ class ObjectSurface {
   [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x, float reach) const;
 
   /// The surface's shape where it is nearest to x; nothing when x is farther than the band. Costs
-  /// nine times what nearest() does; allocates nothing.
+  /// some three times what nearest() does; allocates nothing.
   [[nodiscard]] std::optional<SurfaceShape> shape_at(const Eigen::Vector3f& x) const;
 
   /// The same as nearest() by looking at every ball: what it is tested against.

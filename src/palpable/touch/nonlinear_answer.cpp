@@ -11,6 +11,9 @@
 namespace palpable {
 namespace {
 
+// Of the patches' own size in the modes: what they do to each other is at most so much.
+constexpr float kCrossEnd = 0.5f;
+
 using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
 
@@ -227,6 +230,16 @@ void NonlinearAnswer::evaluate_cross_terms(std::span<const VertexForce> loads) {
   }
   add_pairs(sum, -0.5f, pairs_);
   cross_cubic_.contract(pairs_, cross_q_);
+  // What is of the second order is small, or the order says nothing.
+  float first = 0, second = 0;
+  for (std::size_t i = 0; i < x; ++i) {
+    first += sum[i] * sum[i];
+    second += cross_q_[i] * cross_q_[i];
+  }
+  const float most = kCrossEnd * kCrossEnd * first;
+  if (second > most) {
+    for (float& q : cross_q_) q *= std::sqrt(most / second);
+  }
 }
 
 Vector3f NonlinearAnswer::displacement_at(int vertex) const {

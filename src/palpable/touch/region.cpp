@@ -22,6 +22,7 @@ float squared(std::span<const float> x) {
 RegionAnswer::RegionAnswer(int most_modes, int most_leading) {
   const auto r = static_cast<std::size_t>(most_modes), s = static_cast<std::size_t>(most_leading);
   q_.resize(r);
+  shortened_.resize(r);
   matrix_.resize(r * r);
   pairs_.resize(pair_width(most_modes));
   products_.resize(pair_width(most_leading));
@@ -30,6 +31,17 @@ RegionAnswer::RegionAnswer(int most_modes, int most_leading) {
 }
 
 void RegionAnswer::evaluate(const RegionForms& region, std::span<const float> a) {
+  last_share_ = evaluate_series(region, a);
+  if (!(last_share_ > kSeriesEnd)) return;
+  // The share grows with the square of the load, roughly.
+  const float s = std::sqrt(kSeriesEnd / last_share_);
+  for (std::size_t k = 0; k < a.size(); ++k) shortened_[k] = s * a[k];
+  evaluate_series(region, {shortened_.data(), a.size()});
+  for (std::size_t k = 0; k < size_; ++k) q_[k] /= s;
+}
+
+// Returns the share of the last order.
+float RegionAnswer::evaluate_series(const RegionForms& region, std::span<const float> a) {
   const auto r = static_cast<std::size_t>(region.cubic.variables());
   const auto s = static_cast<std::size_t>(region.quartic.variables());
   PALPABLE_EXPECT(a.size() == r && r <= q_.size() && s * s <= third_matrix_.size(),
@@ -66,7 +78,7 @@ void RegionAnswer::evaluate(const RegionForms& region, std::span<const float> a)
     last += sum * sum / 9.0f;
   }
   const float size = std::sqrt(squared(a)) + std::sqrt(second);
-  last_share_ = size > 0 ? std::sqrt(last) / size : 0.0f;
+  return size > 0 ? std::sqrt(last) / size : 0.0f;
 }
 
 void RegionAnswer::times(std::span<const float> x, std::span<float> result) const {

@@ -25,8 +25,8 @@ constexpr int kHalvings = 4;
 // m: so far from where it was asked last a gap is told by its normal and curvature. What that
 // leaves out is of the third order: 2e-6 m at a pencil's tip.
 constexpr float kSameGap = 0.0003f;
-// Iterations of a step in which what patches do to each other is evaluated anew: it is of the
-// second order, and the forces change little after them.
+// Iterations of a frame's last step in which what patches do to each other is evaluated anew: it is
+// of the second order, and the forces change little after them.
 constexpr int kCrossIterations = 2;
 
 // m between contact points: on the flattest of objects, and the least that is told apart.
@@ -440,7 +440,8 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
     for (int i = 0; i < (last ? s.last_iterations : s.iterations); ++i) {
       ++report.iterations;
       report.last_change =
-          w.iterate(gap, shift, i < kCrossIterations ? CrossTerms::kAnew : CrossTerms::kAsBefore);
+          w.iterate(gap, shift,
+                    last && i < kCrossIterations ? CrossTerms::kAnew : CrossTerms::kAsBefore);
       if (report.last_change < s.tolerance) break;
     }
     ++report.steps;
