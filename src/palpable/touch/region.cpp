@@ -31,17 +31,27 @@ RegionAnswer::RegionAnswer(int most_modes, int most_leading) {
 }
 
 void RegionAnswer::evaluate(const RegionForms& region, std::span<const float> a) {
-  last_share_ = evaluate_series(region, a);
+  const Orders orders = evaluate_series(region, a);
+  last_share_ = orders.last_share();
   if (!(last_share_ > kSeriesEnd)) return;
-  // The share grows with the square of the load, roughly.
-  const float s = std::sqrt(kSeriesEnd / last_share_);
+  const float s = orders.shortened_to(kSeriesEnd);
   for (std::size_t k = 0; k < a.size(); ++k) shortened_[k] = s * a[k];
   evaluate_series(region, {shortened_.data(), a.size()});
   for (std::size_t k = 0; k < size_; ++k) q_[k] /= s;
 }
 
-// Returns the share of the last order.
-float RegionAnswer::evaluate_series(const RegionForms& region, std::span<const float> a) {
+float RegionAnswer::Orders::last_share() const {
+  return first + second > 0 ? third / (first + second) : 0.0f;
+}
+
+// The s at which the code s a has this share: s^2 third / (first + s second).
+float RegionAnswer::Orders::shortened_to(float share) const {
+  const float b = share * second;
+  return (b + std::sqrt(b * b + 4 * third * share * first)) / (2 * third);
+}
+
+RegionAnswer::Orders RegionAnswer::evaluate_series(const RegionForms& region,
+                                                   std::span<const float> a) {
   const auto r = static_cast<std::size_t>(region.cubic.variables());
   const auto s = static_cast<std::size_t>(region.quartic.variables());
   PALPABLE_EXPECT(a.size() == r && r <= q_.size() && s * s <= third_matrix_.size(),
@@ -77,8 +87,7 @@ float RegionAnswer::evaluate_series(const RegionForms& region, std::span<const f
     q_[i] += sum / 3.0f;
     last += sum * sum / 9.0f;
   }
-  const float size = std::sqrt(squared(a)) + std::sqrt(second);
-  return size > 0 ? std::sqrt(last) / size : 0.0f;
+  return {std::sqrt(squared(a)), std::sqrt(second), std::sqrt(last)};
 }
 
 void RegionAnswer::times(std::span<const float> x, std::span<float> result) const {

@@ -79,7 +79,13 @@ class RegionAnswer {
   void times(std::span<const float> x, std::span<float> result) const;
 
  private:
-  float evaluate_series(const RegionForms& region, std::span<const float> a);
+  // The norms of the series' orders.
+  struct Orders {
+    float first = 0, second = 0, third = 0;
+    [[nodiscard]] float last_share() const;
+    [[nodiscard]] float shortened_to(float share) const;
+  };
+  Orders evaluate_series(const RegionForms& region, std::span<const float> a);
 
   std::size_t size_ = 0;
   float last_share_ = 0;

@@ -128,5 +128,22 @@ TEST_CASE("a region tells how large its last order is", "[touch]") {
   CHECK(share > 0.0f);
 }
 
+TEST_CASE("beyond its series' end a region's answer goes on along the ray", "[touch]") {
+  const Forms forms;
+  RegionAnswer answer(kModes, kLeading);
+  const auto q_at = [&](float size) {
+    const Eigen::VectorXf code = size * some_code().cast<float>();
+    answer.evaluate(forms.region(), {code.data(), kModes});
+    return Eigen::VectorXf(Eigen::Map<const Eigen::VectorXf>(answer.q().data(), kModes));
+  };
+  float end = 1;  // of the series, by size
+  while (q_at(end), answer.last_share() < kSeriesEnd) end *= 1.01f;
+  const Eigen::VectorXf before = q_at(end / 1.02f), at_end = q_at(end);
+  CHECK((at_end - before).norm() < 0.1f * at_end.norm());  // no jump
+  // From there on it is not the cubic, which would be 1,000 times as large.
+  CHECK(q_at(10 * end).isApprox(10 * at_end, 0.05f));
+  CHECK(answer.last_share() > kSeriesEnd);  // and it is said
+}
+
 }  // namespace
 }  // namespace palpable

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -201,12 +202,80 @@ TEST_CASE("of more contact points than there is room for the deepest count, and 
           "[touch]") {
   Sheet sheet;
   sheet.body.tables.point_spacing = 0.0013;  // some 1,500 points
+  sheet.settings.entry = 1e-9;               // all of them
   TouchSolver solver = sheet.solver();
   TouchState state;
   const TouchReport report = solver.advance(state, ball(0.5f, 0.001f));
   CHECK(report.candidates <= TouchSolver::kMostPoints);
   CHECK(report.dropped > 0);
   CHECK(state.u.allFinite());
+}
+
+TEST_CASE("a flat object presses fewer points, and enters no deeper between them than was asked",
+          "[touch]") {
+  Sheet fine, coarse;
+  for (Sheet* sheet : {&fine, &coarse}) {
+    sheet->body.tables.point_spacing = 0.0013;
+    sheet->settings.softness = 1e-3;  // ten points between two vertices share a force
+  }
+  fine.settings.entry = 1e-9;
+  coarse.settings.entry = 1e-4;
+  TouchSolver all = fine.solver(), some = coarse.solver();
+  const GapQuery gap = ball(0.04f, 0.003f);
+  TouchState with_all, with_some;
+  const TouchReport dense = all.advance(with_all, gap);
+  const TouchReport sparse = some.advance(with_some, gap);
+  CHECK(sparse.candidates < 0.6 * dense.candidates);
+  SurfaceGap found;
+  float deepest = 0;
+  for (const SkinPoint& point : all.points()) {
+    const Vector3f x = point.at(coarse.body.skin.vertices.cast<float>()) + point.at(with_some.u);
+    if (gap(x, found)) deepest = std::max(deepest, -found.distance);
+  }
+  CHECK(deepest < 1.3e-4f);
+  CHECK(apart(with_all.u, with_some.u) < tolerance(2e-4, "m: twice what may enter"));
+}
+
+TEST_CASE("a gap is not asked for again where its shape tells it", "[touch]") {
+  const Sheet sheet;
+  TouchSolver solver = sheet.solver();
+  TouchState state;
+  int asked = 0;
+  const GapQuery there = ball(0.02f, 0.003f);
+  const GapQuery counting = [&](const Vector3f& x, SurfaceGap& gap) {
+    ++asked;
+    return there(x, gap);
+  };
+  solver.advance(state, counting);
+  asked = 0;
+  const TouchReport report = solver.advance(state, counting);  // nothing has moved
+  REQUIRE(report.candidates > 4);
+  const int clusters = asked;
+  asked = 0;
+  int near = 0;
+  const TouchReport again = solver.advance(state, counting, [&](const Vector3f& x, float reach) {
+    SurfaceGap gap;
+    ++near;
+    return there(x, gap) && gap.distance < reach;
+  });
+  CHECK(asked == again.candidates);  // once each, though several iterations look
+  CHECK(near > 0);
+  CHECK(clusters > asked);
+}
+
+TEST_CASE("asking whether anything is near first changes nothing", "[touch]") {
+  const Sheet sheet;
+  TouchSolver with = sheet.solver(), without = sheet.solver();
+  TouchState one, other;
+  for (const float depth : {0.001f, 0.004f, 0.002f}) {
+    const GapQuery gap = ball(0.012f, depth);
+    with.advance(one, gap, [&](const Vector3f& x, float reach) {
+      SurfaceGap found;
+      return gap(x, found) && found.distance < reach;
+    });
+    without.advance(other, gap);
+    CHECK(one.u == other.u);
+  }
 }
 
 }  // namespace
