@@ -13,7 +13,7 @@ using Eigen::Vector3f;
 constexpr float kOneTouch = 0.006f;
 
 // m of sigma that make a point as compliant as the body is there.
-constexpr float kSigmaOfBody = 0.004f;
+constexpr float kSigmaOfBody = 0.01f;
 
 // What the solver asks of the surface that was seen.
 GapQuery gaps_to(const ObjectSurface& seen) {
