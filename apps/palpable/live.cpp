@@ -54,8 +54,7 @@ LiveSummary summary(const Options& options, const LiveRun& run, const LiveCounts
 }
 
 ProgressReport progress_of(const Scene& scene, int done, int total) {
-  return {"live", static_cast<double>(done), static_cast<double>(total),
-          caption_of(scene.touches)};
+  return {"live", static_cast<double>(done), static_cast<double>(total), caption_of(scene.touches)};
 }
 
 ScenePainterSettings::View view_of(const std::string& name) {

@@ -120,11 +120,12 @@ void add_loop_options(Command command, LiveOptions& options) {
   command.add_flag("--fixed-camera", options.fixed_camera,
                    "Do not follow the camera: it stands where it stood in the first frame");
   command
-      .add_option("--contact", options.contact,
-                  "What the body answers. anywhere: nothing that is seen may enter its skin, however "
-                  "many things there are; site: one touch at a time, at the nearest of its sites, "
-                  "by the measured depth; paper: at its sites by the paper's Algorithm 1, as "
-                  "printed. Default: anywhere if the body file has tables of touch, else site")
+      .add_option(
+          "--contact", options.contact,
+          "What the body answers. anywhere: nothing that is seen may enter its skin, however "
+          "many things there are; site: one touch at a time, at the nearest of its sites, "
+          "by the measured depth; paper: at its sites by the paper's Algorithm 1, as "
+          "printed. Default: anywhere if the body file has tables of touch, else site")
       .one_of({"anywhere", "site", "paper"});
   command
       .add_option(

@@ -50,9 +50,8 @@ TEST_CASE("distances around a place are those of a look at every ball", "[contac
     }
   }
   const int ball = tree.nearest(Vector3f::Zero(), 1)->ball;
-  CHECK(test::allocations_during([&] {
-          (void)tree.distances_around(Vector3f::Zero(), kSpread, places, ball);
-        }) == 0);
+  CHECK(test::allocations_during(
+            [&] { (void)tree.distances_around(Vector3f::Zero(), kSpread, places, ball); }) == 0);
 }
 
 }  // namespace

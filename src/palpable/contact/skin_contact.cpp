@@ -83,7 +83,8 @@ void SkinContact::join_neighbours() {
   for (int i = 0; i < n; ++i) {
     pressed_[i].first = i;
     for (int j = 0; j < i; ++j) {
-      const bool near = (pressed_[i].place - pressed_[j].place).squaredNorm() < kOneTouch * kOneTouch;
+      const bool near =
+          (pressed_[i].place - pressed_[j].place).squaredNorm() < kOneTouch * kOneTouch;
       if (!near || !(pressed_[i].force.dot(pressed_[j].force) > 0)) continue;
       const int a = root(i), b = root(j);
       pressed_[std::max(a, b)].first = std::min(a, b);
@@ -122,8 +123,7 @@ Touch SkinContact::touch_of(int patch, const ObjectSurface& seen) const {
   }
   for (const Pressed& p : pressed_) {
     if (p.patch != patch) continue;
-    touch.press_depth =
-        std::max(touch.press_depth, p.moved.cast<double>().dot(touch.direction));
+    touch.press_depth = std::max(touch.press_depth, p.moved.cast<double>().dot(touch.direction));
   }
   return touch;
 }

@@ -26,8 +26,8 @@ void add_finger(std::vector<ObjectBall>& balls, float x, float y, float depth, f
                 float unseen_for = 0) {
   for (float along = kFinger; along < 0.045f; along += 0.0005f) {
     const Vector3f centre(x, y, along - depth);
-    balls.push_back({centre + Vector3f(0, 0, kFinger), Vector3f::UnitZ(), centre, kFinger, sigma,
-                     unseen_for});
+    balls.push_back(
+        {centre + Vector3f(0, 0, kFinger), Vector3f::UnitZ(), centre, kFinger, sigma, unseen_for});
   }
 }
 

@@ -57,11 +57,22 @@ TouchesLine felt_in(const Scene& scene) {
 constexpr std::array kFigureNames{"hand_nearer.png", "body_nearer.png", "touch.png"};
 constexpr std::string_view kTimingBegin = "frame,";  // of a run's timing.csv
 // All that a run may leave in its folder, timing.csv first: every run begins with it.
-constexpr std::array kOutputs{
-    "timing.csv",          "touches.jsonl", "trajectory.txt", "pose.jsonl",    "live.json",
-    "touch.mp4",           "depth",         "visible",        "body_depth",    "moving",
-    "rectification.jsonl", kFigureNames[0], kFigureNames[1],  kFigureNames[2], "touch.mp4.part",
-    "meshes"};
+constexpr std::array kOutputs{"timing.csv",
+                              "touches.jsonl",
+                              "trajectory.txt",
+                              "pose.jsonl",
+                              "live.json",
+                              "touch.mp4",
+                              "depth",
+                              "visible",
+                              "body_depth",
+                              "moving",
+                              "rectification.jsonl",
+                              kFigureNames[0],
+                              kFigureNames[1],
+                              kFigureNames[2],
+                              "touch.mp4.part",
+                              "meshes"};
 
 // Whether a run has written it; one that was killed at once has left it empty.
 bool is_timing_of_run(const fs::path& file) {

@@ -1,7 +1,7 @@
 /// @file
-/// Which contact points are enough for an object that is not sharp. Between points s apart an object
-/// of radius R enters a flat skin by s^2 / (8 R): a pencil's tip needs points 2 mm apart, a palm
-/// does with fewer, and the problem's cost grows with their square.
+/// Which contact points are enough for an object that is not sharp. Between points s apart an
+/// object of radius R enters a flat skin by s^2 / (8 R): a pencil's tip needs points 2 mm apart, a
+/// palm does with fewer, and the problem's cost grows with their square.
 ///
 ///   C  contact points
 #pragma once

@@ -82,11 +82,10 @@ Result<TouchableBody> read_pressable_touchable_body(const std::filesystem::path&
   Result<TouchableBody> read = read_touchable_body(path);
   if (!read.ok()) return read;
   Result<ReducedBody> body = settled(read.value().body, values);
-  if (!body.ok()) {
-    return Problem{fmt::format("{}: {}", path.string(), body.problem().message)};
-  }
+  if (!body.ok()) { return Problem{fmt::format("{}: {}", path.string(), body.problem().message)}; }
   const bool as_baked = read.value().body.further.empty();
-  return TouchableBody{std::move(body).value(), as_baked ? std::move(read.value().touch) : std::nullopt};
+  return TouchableBody{std::move(body).value(),
+                       as_baked ? std::move(read.value().touch) : std::nullopt};
 }
 
 ReductionError write_touchable_body(const std::filesystem::path& path, const ReducedBody& body,

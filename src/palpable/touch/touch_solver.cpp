@@ -147,12 +147,13 @@ bool TouchSolver::Work::gap_at(int point, const Vector3f& x, const GapQuery& gap
 
 // Whether the points that are left without this one are too far apart for the object there.
 bool TouchSolver::Work::is_needed(int point, const SurfaceGap& gap) const {
-  const float bend = largest_curvature(gap.curvature), level = levels[static_cast<std::size_t>(point)];
+  const float bend = largest_curvature(gap.curvature),
+              level = levels[static_cast<std::size_t>(point)];
   const auto entry = static_cast<float>(settings.entry);
   const auto coarsest = static_cast<float>(kCoarsest), finest = static_cast<float>(kFinest);
-  // Where each point has another within s the ball of radius 1/bend enters by s^2 bend / 4, roughly.
-  const float enough =
-      bend > 0 ? std::min(coarsest, std::sqrt(4 * entry / bend)) : coarsest;
+  // Where each point has another within s the ball of radius 1/bend enters by s^2 bend / 4,
+  // roughly.
+  const float enough = bend > 0 ? std::min(coarsest, std::sqrt(4 * entry / bend)) : coarsest;
   return level > 0 ? level * kRootOf2 > enough : enough < finest;
 }
 
@@ -439,9 +440,8 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
     const bool last = step == steps;
     for (int i = 0; i < (last ? s.last_iterations : s.iterations); ++i) {
       ++report.iterations;
-      report.last_change =
-          w.iterate(gap, shift,
-                    last && i < kCrossIterations ? CrossTerms::kAnew : CrossTerms::kAsBefore);
+      report.last_change = w.iterate(
+          gap, shift, last && i < kCrossIterations ? CrossTerms::kAnew : CrossTerms::kAsBefore);
       if (report.last_change < s.tolerance) break;
     }
     ++report.steps;
