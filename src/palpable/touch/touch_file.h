@@ -12,7 +12,7 @@
 namespace palpable {
 
 /// Version of the group's layout; provisional: tables of another one are refused, the body is read.
-inline constexpr int kTouchLayout = 0;
+inline constexpr int kTouchLayout = 1;
 
 /// A body with its tables; none: it answers at its sites, one touch at a time.
 struct TouchableBody {
