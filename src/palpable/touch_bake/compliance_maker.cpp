@@ -18,11 +18,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kSamples = 640;          // vertices whose loads the bases are made from
-constexpr int kTogether = 48;          // loads of one piece of work: three batches of the factor
-constexpr double kRidge = 1e-7;        // of the mean of what tells sources apart
-constexpr double kInnerRidge = 1e-13;  // of the mean square of targets: rounding of its sum
+constexpr int kSamples = 640;    // vertices whose loads the bases are made from
+constexpr int kTogether = 48;    // loads of one piece of work: three batches of the factor
+constexpr double kRidge = 1e-7;  // of the mean of what tells sources apart
+// Of the mean square of targets, which are off by 2e-5 of the largest: what they hold below that is
+// rounding.
+constexpr double kInnerRidge = 1e-8;
 constexpr double kLargest = 32767.0;
+constexpr double kNowhere = 1e9;  // m
 
 // What of the table is settled before any load is answered, and where numbers go.
 struct Plan {
@@ -45,9 +48,13 @@ Fields rows_of(const Fields& fields, const std::vector<int>& nodes, int first = 
   return rows;
 }
 
-// Each inner node to the cluster of the vertex nearest to it.
+// Each inner node to the cluster of the vertex nearest to it that is not held: a held one tells
+// nothing of what moves beside it.
 void find_inner_nodes(const SkinResponse& skin, Plan& plan) {
-  const auto& X = skin.skin().vertices;
+  Eigen::Matrix3Xd X = skin.skin().vertices;
+  for (int v = 0; v < skin.vertex_count(); ++v) {
+    if (skin.fixed()[v] != 0) X.col(v).setConstant(kNowhere);
+  }
   const Eigen::Matrix3Xd nodes = skin.body().model().mesh.nodes + skin.body().rest();
   plan.inner.resize(plan.middles.size());
   for (int n = skin.vertex_count(); n < skin.shell_count(); ++n) {
