@@ -6,9 +6,9 @@
 #pragma once
 
 #include "palpable/material/material.h"
-#include "palpable/material/node_rows.h"
 #include "palpable/material/simd.h"
 #include "palpable/material/tensor.h"
+#include "palpable/solid/node_rows.h"
 
 #include <span>
 

@@ -1,8 +1,8 @@
 #include "palpable/solid/tet_assembly.h"
 
+#include "palpable/geometry/element_order.h"
 #include "palpable/geometry/quadrature.h"
 #include "palpable/geometry/shape_gradients.h"
-#include "palpable/solid/element_order.h"
 #include "palpable/solid/series_kernels.h"
 
 #include <algorithm>
