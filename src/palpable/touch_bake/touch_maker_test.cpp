@@ -21,10 +21,10 @@ using Eigen::Vector3f;
 using Eigen::VectorXd;
 using test::tolerance;
 
-// A column of 30 x 30 x 90 mm of rubber, held below.
-SolidModel column() {
+// A block of 60 x 50 x 40 mm of rubber, held below.
+SolidModel block() {
   SolidModel model;
-  model.mesh = box_tets({0, 0, 0}, {0.03, 0.03, 0.09}, 4, 4, 12);
+  model.mesh = box_tets({0, 0, 0}, {0.06, 0.05, 0.04}, 8, 7, 6);
   model.material = material_from_young("neo-hookean", 60e3, 0.4);
   for (int n = 0; n < model.mesh.node_count(); ++n) {
     if (model.mesh.nodes(2, n) < 1e-6) model.fixed_nodes.push_back(n);
@@ -32,11 +32,11 @@ SolidModel column() {
   return model;
 }
 
-// A ball of 12 mm that enters the column's wall x = 30 mm, 60 mm high.
+// A ball of 12 mm that enters the block from above.
 GapQuery ball(float depth) {
   return [depth](const Vector3f& place, SurfaceGap& gap) {
     constexpr float kRadius = 0.012f;
-    const Vector3f out = place - Vector3f(0.03f + kRadius - depth, 0.016f, 0.06f);
+    const Vector3f out = place - Vector3f(0.022f, 0.024f, 0.04f + kRadius - depth);
     const float distance = out.norm();
     gap.distance = distance - kRadius;
     if (gap.distance > kGapReach || distance == 0.0f) return false;
@@ -48,7 +48,7 @@ GapQuery ball(float depth) {
 
 TEST_CASE("a touched body shows its stress, in one frame of several steps, without allocating",
           "[touch]") {
-  const SolidModel model = column();
+  const SolidModel model = block();
   const SkinResponse skin(model, boundary_of(model.mesh));
   TouchBakeSettings settings;
   settings.regions.most = settings.cross.modes = 0;
