@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Does docs/paper_map.md name code and tests that exist?
 
-Rows look like  | Eq. (7) | `solid/neo_hookean.h` `first_piola` | "a body at rest ..." | ... |
+Rows look like  | Eq. (7) | `material/neo_hookean.h` `first_piola` | "a body at rest ..." | ... |
 Each `path` in backticks must exist (under src/palpable, or from the root), each `name` in backticks
 must stand in the files named in that cell, each "sentence" in the test column must be a TEST_CASE.
 """

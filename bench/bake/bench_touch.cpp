@@ -48,11 +48,12 @@ Json differences_of(const std::vector<TouchDifference>& all) {
   for (int k = 0; k < kPressingThings; ++k) {
     const auto thing = static_cast<PressingThing>(k);
     for (const double depth : {0.0025, 0.005, 0.010}) {
-      std::vector<double> u, force, worst, entry;
+      std::vector<double> u, force, stress, worst, entry;
       for (const TouchDifference& d : all) {
         if (d.thing != thing || std::abs(d.depth - depth) > 1e-6) continue;
         u.push_back(d.displacement);
         force.push_back(d.force);
+        stress.push_back(d.von_mises);
         worst.push_back(1e3 * d.worst_vertex);
         entry.push_back(1e3 * d.penetration);
       }
@@ -63,6 +64,8 @@ Json differences_of(const std::vector<TouchDifference>& all) {
           {"u_p90", percentile(u, 0.9)},
           {"force_median", percentile(force, 0.5)},
           {"force_p90", percentile(force, 0.9)},
+          {"vm_median", percentile(stress, 0.5)},
+          {"vm_p90", percentile(stress, 0.9)},
           {"worst_vertex_median_mm", percentile(worst, 0.5)},
           {"penetration_median_mm", percentile(entry, 0.5)}};
     }
@@ -104,14 +107,21 @@ void run(const Options& options) {
       if (!why.empty()) stopped.push_back(fmt::format("{}: {}", name_of(thing), why));
     }
   }
-  std::vector<double> ms;
-  for (const TouchDifference& d : all) ms.push_back(d.milliseconds);
+  std::vector<double> ms, stress_ms;
+  for (const TouchDifference& d : all) {
+    ms.push_back(d.milliseconds);
+    stress_ms.push_back(d.stress_milliseconds);
+  }
   Json figures = differences_of(all);
   figures["seed"] = seed;
   figures["vertices"] = skin.vertex_count();
   figures["nodes"] = problem.model.mesh.node_count();
   figures["regions"] = tables.regions.size();
   figures["table_mb"] = static_cast<double>(bytes_of(tables)) / 1e6;
+  figures["table_mb_without_stress"] =
+      static_cast<double>(bytes_of(tables) - stress_bytes_of(tables)) / 1e6;
+  figures["shell_nodes"] = tables.shell.nodes();
+  figures["shell_elements"] = tables.shell.element_count();
   figures["bake_s"] = bake_s;
   const std::vector<double> linear =
       compliance_errors(skin, Compliance(tables.compliance), kLinearLoads, seed);
@@ -120,6 +130,8 @@ void run(const Options& options) {
   figures["truth_stopped"] = stopped;
   figures["ms_median"] = percentile(ms, 0.5);
   figures["ms_p99"] = percentile(ms, 0.99);
+  figures["stress_ms_median"] = percentile(stress_ms, 0.5);
+  figures["stress_ms_p99"] = percentile(stress_ms, 0.99);
   figures["largest_slide_jump_mm"] = 1e3 * largest_slide_jump(skin, touch, seed);
   bar.finish();
   print_figures(figures, options.json);

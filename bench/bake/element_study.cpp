@@ -5,10 +5,10 @@
 #include "palpable/base/error.h"
 #include "palpable/describe/body_problem.h"
 #include "palpable/describe/contact_sites.h"
+#include "palpable/geometry/shape_gradients.h"
 #include "palpable/solid/equilibrium.h"
 #include "palpable/solid/loads.h"
 #include "palpable/solid/selection.h"
-#include "palpable/solid/shape_gradients.h"
 #include "palpable/solid/stress.h"
 
 #include <fmt/format.h>

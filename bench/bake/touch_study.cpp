@@ -1,5 +1,7 @@
 #include "bench/bake/touch_study.h"
 
+#include "palpable/solid/stress.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -38,6 +40,13 @@ double force_difference(const TouchState& state, const Matrix3Xd& truth, bool sq
   if (squeeze) return std::abs(norms - true_norms) / true_norms;
   const Vector3d true_sum = truth.rowwise().sum();
   return (sum - true_sum).norm() / true_sum.norm();
+}
+
+// (V) Pa, as the full solver recovers it.
+Eigen::VectorXd true_von_mises(const SkinResponse& skin, const Matrix3Xd& displacement) {
+  const Eigen::VectorXd nodal =
+      von_mises(nodal_cauchy_stress(skin.body().model(), displacement, skin.recovery()));
+  return nodal(std::span(skin.shell_nodes()).first(static_cast<std::size_t>(skin.vertex_count())));
 }
 
 }  // namespace
@@ -88,16 +97,25 @@ std::vector<TouchDifference> compare_touch(const EquilibriumSolver& solver,
     if (!is_looked_at(depth)) continue;
     const Matrix3Xd moved = walk.now().displacement - rest;
     const Matrix3Xd u = skin.on_skin(moved.reshaped()).reshaped(3, skin.vertex_count());
-    const Matrix3Xd difference = state.u.cast<double>() - u;
+    const Matrix3Xd difference = state.u.leftCols(u.cols()).cast<double>() - u;
+    std::vector<float> stress(static_cast<std::size_t>(u.cols()));
+    const auto stress_begin = std::chrono::steady_clock::now();
+    touch.stress(state, stress);
+    const double stress_took = milliseconds_since(stress_begin);
+    const Eigen::VectorXd true_stress = true_von_mises(skin, walk.now().displacement);
     TouchDifference d;
     d.thing = scene.thing;
     d.depth = depth;
     d.displacement = difference.norm() / u.norm();
     d.worst_vertex = difference.colwise().norm().maxCoeff();
     d.force = force_difference(state, walk.nodal_forces(), scene.thing == PressingThing::kSqueeze);
+    const Eigen::Map<const Eigen::VectorXf> shown(stress.data(), u.cols());
+    d.von_mises =
+        (shown.cast<double>() - true_stress).cwiseAbs().maxCoeff() / true_stress.maxCoeff();
     d.penetration = report.penetration;
     d.candidates = report.candidates;
     d.milliseconds = took;
+    d.stress_milliseconds = stress_took;
     differences.push_back(d);
   }
   return differences;

@@ -23,9 +23,11 @@ struct TouchDifference {
   double displacement = 0;  ///< relative L2 over the skin's vertices
   double worst_vertex = 0;  ///< m
   double force = 0;         ///< of the resultant; of a squeeze, of the sum of all forces' norms
+  double von_mises = 0;     ///< of the stress at the worst vertex, against the largest on the skin
   double penetration = 0;   ///< m, left at the contact points
   int candidates = 0;       ///< of the last frame
   double milliseconds = 0;  ///< of the frame
+  double stress_milliseconds = 0;
 };
 
 /// The gaps to an obstacle, as a query of touch.

@@ -1,5 +1,6 @@
 /// @file
-/// Tables of touch of any skin whose numbers mean nothing, but all fit together: for files.
+/// Tables of touch of any skin that is star-shaped around its middle, whose numbers mean nothing,
+/// but all fit together: for files.
 #pragma once
 
 #include "palpable/geometry/surface_mesh.h"
@@ -30,9 +31,9 @@ inline SymmetricForm form(std::mt19937& random, int variables, int degree) {
 // Three slices of the skin, one above the other; only the lowest and the highest are far apart.
 inline bool are_far(int c, int d) { return c + d == 2 && c != d; }
 
-inline std::vector<int> vertices_near(const ComplianceTable& table, int cluster) {
+inline std::vector<int> nodes_near(const ComplianceTable& table, int cluster) {
   std::vector<int> found;
-  for (int v = 0; v < table.vertices; ++v) {
+  for (int v = 0; v < table.nodes(); ++v) {
     if (!are_far(cluster, table.cluster_of[static_cast<std::size_t>(v)])) found.push_back(v);
   }
   return found;
@@ -47,13 +48,14 @@ inline ComplianceTable compliance(std::mt19937& random, const SurfaceMesh& skin,
   for (int v = 0; v < V; ++v) {
     c.cluster_of.push_back(std::min(2, static_cast<int>(3 * (skin.vertices(2, v) - low) / height)));
   }
-  c.basis = rows(random, 3 * V, rank, 0.1f);
+  c.cluster_of.push_back(1);  // of the node in the middle
+  c.basis = rows(random, 3 * (V + 1), rank, 0.1f);
   c.far_first = {0};
   c.far_second = {2};
   c.couplings = rows(random, rank, rank, 1e-4f);
   c.first.push_back(0);
   for (int v = 0; v < V; ++v) {
-    const std::vector<int> near = vertices_near(c, c.cluster_of[static_cast<std::size_t>(v)]);
+    const std::vector<int> near = nodes_near(c, c.cluster_of[static_cast<std::size_t>(v)]);
     const std::size_t width = padded(near.size()), at = c.near.size();
     c.near.resize(at + 9 * width, 0);
     for (std::size_t k = 0; k < near.size(); ++k) {
@@ -66,10 +68,39 @@ inline ComplianceTable compliance(std::mt19937& random, const SurfaceMesh& skin,
   return c;
 }
 
+// A tetrahedron from each triangle to one node in the middle, of two materials by turns. A vertex
+// has the mean of those around it.
+inline ShellTable shell(const SurfaceMesh& skin) {
+  ShellTable s;
+  const int V = skin.vertex_count();
+  s.stress_free.resize(3, V + 1);
+  s.stress_free << skin.vertices, skin.vertices.rowwise().mean();
+  s.preload = 1e-6 * s.stress_free;
+  s.materials = {material_from_young("neo-hookean", 60e3, 0.4),
+                 material_from_young("mooney-rivlin", 40e3, 0.3)};
+  std::vector<std::vector<int>> around(static_cast<std::size_t>(V));
+  for (int t = 0; t < skin.triangle_count(); ++t) {
+    s.elements.push_back(V);
+    for (const int v : skin.triangles.col(t)) {
+      s.elements.push_back(v);
+      around[static_cast<std::size_t>(v)].push_back(t);
+    }
+    s.material_of.push_back(t % 2);
+  }
+  s.first.push_back(0);
+  for (const std::vector<int>& triangles : around) {
+    s.points.insert(s.points.end(), triangles.begin(), triangles.end());
+    s.weights.insert(s.weights.end(), triangles.size(),
+                     1.0f / static_cast<float>(triangles.size()));
+    s.first.push_back(static_cast<int>(s.points.size()));
+  }
+  return s;
+}
+
 }  // namespace some_tables
 
 /// 1 mm/N at each vertex itself and 32 directions of each of three clusters; `regions` of 16 modes,
-/// 5 of them leading, and 48 cross modes where there are regions.
+/// 5 of them leading, and 48 cross modes where there are regions; a shell with one inner node.
 inline TouchTables some_touch_tables(const SurfaceMesh& skin, int regions = 3) {
   constexpr int kRank = 32, kModes = 16, kLeading = 5, kCrossModes = 48;
   std::mt19937 random(5);
@@ -78,11 +109,12 @@ inline TouchTables some_touch_tables(const SurfaceMesh& skin, int regions = 3) {
   tables.region_reach = 0.021;
   const int V = skin.vertex_count();
   tables.compliance = some_tables::compliance(random, skin, kRank);
+  tables.shell = some_tables::shell(skin);
   for (int k = 0; k < regions; ++k) {
     RegionTable region;
     region.vertex = (7 * k + 1) % V;
     const int cluster = tables.compliance.cluster_of[static_cast<std::size_t>(region.vertex)];
-    region.vertices = some_tables::vertices_near(tables.compliance, cluster);
+    region.vertices = some_tables::nodes_near(tables.compliance, cluster);
     region.modes =
         some_tables::rows(random, 3 * static_cast<int>(region.vertices.size()), kModes, 0.03f);
     region.source_clusters = {cluster};
@@ -92,7 +124,7 @@ inline TouchTables some_touch_tables(const SurfaceMesh& skin, int regions = 3) {
     tables.regions.push_back(std::move(region));
   }
   if (regions > 0) {
-    tables.cross.modes = some_tables::rows(random, 3 * V, kCrossModes, 0.01f);
+    tables.cross.modes = some_tables::rows(random, 3 * (V + 1), kCrossModes, 0.01f);
     tables.cross.cubic = some_tables::form(random, kCrossModes, 3);
   }
   return tables;

@@ -10,9 +10,9 @@
 #include "palpable/campaign/site_run.h"
 #include "palpable/geometry/digest.h"
 #include "palpable/geometry/tet_mesh.h"
+#include "palpable/material/material.h"
 #include "palpable/reduced/reduced_body.h"
 #include "palpable/separate/reduction.h"
-#include "palpable/solid/material.h"
 
 #include <Eigen/Core>
 

@@ -35,6 +35,11 @@ class SkinContact {
   /// @param touches  overwritten: a patch of skin each, the one with the largest force first
   TouchReport advance(TouchState& state, const ObjectSurface& seen, std::vector<Touch>& touches);
 
+  /// Von Mises stress on the skin in a state, Pa, as TouchSolver::stress(). @param von_mises  (V)
+  void stress(const TouchState& state, std::span<float> von_mises) const {
+    solver_.stress(state, von_mises);
+  }
+
  private:
   // A point of the skin that is pressed, where it is now.
   struct Pressed {

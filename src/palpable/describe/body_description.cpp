@@ -4,8 +4,8 @@
 #include "palpable/base/error.h"
 #include "palpable/base/whole_file.h"
 #include "palpable/describe/toml_section.h"
+#include "palpable/material/material.h"
 #include "palpable/mesh/volume_mesh.h"
-#include "palpable/solid/material.h"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>

@@ -1,8 +1,8 @@
 #include "palpable/intrusive/reduced_energy.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/geometry/shape_gradients.h"
 #include "palpable/separate/dense_algebra.h"
-#include "palpable/solid/shape_gradients.h"
 
 #include <algorithm>
 #include <cmath>

@@ -81,12 +81,14 @@ struct Session::Parts {
         settings(s),
         slam(camera, {.track = s.track, .map = s.map}),
         rest(body.surface.vertices.cast<float>()),
+        at_rest(static_cast<std::size_t>(rest.cols()), 0.0f),
         region(box_of(body.surface)),
         pressing(camera.noise(), settings.pressing),
         surface(fitted(settings.surface, camera, format, settings.depth.matcher)),
         law(body, settings.press) {
     if (tables && s.contact == ContactKind::kAnywhere) {
       anywhere.emplace(body.surface, body.fixed, *tables, settings.touch);
+      anywhere->stress(touched, at_rest);
     }
     forget_room();
   }
@@ -102,7 +104,8 @@ struct Session::Parts {
   Rigid3 world_from_body;
   SessionSettings settings;
   Slam slam;
-  Eigen::Matrix3Xf rest;  // (3 x V) m
+  Eigen::Matrix3Xf rest;       // (3 x V) m
+  std::vector<float> at_rest;  // (V) Pa, von Mises stress where nothing touches
   Eigen::AlignedBox3d region;
 
   std::optional<AnchoredScene> anchored;
@@ -193,11 +196,11 @@ void Session::Parts::reconstruct(Scene& scene) {
   if (scene.touches.empty()) {
     scene.vertices = rest;
     vertex_normals(scene.vertices, body.surface.triangles, scene.normals);
-    std::fill(scene.von_mises.begin(), scene.von_mises.end(), 0.0f);
+    std::copy(at_rest.begin(), at_rest.end(), scene.von_mises.begin());
   } else if (anywhere) {
-    scene.vertices = rest + touched.u;
+    scene.vertices = rest + touched.u.leftCols(rest.cols());
     vertex_normals(scene.vertices, body.surface.triangles, scene.normals);
-    std::fill(scene.von_mises.begin(), scene.von_mises.end(), 0.0f);
+    anywhere->stress(touched, scene.von_mises);
   } else {
     const Touch& touch = scene.touches.front();
     const std::array mu{static_cast<double>(touch.site), touch.level};

@@ -5,10 +5,10 @@
 ///   A  nodes of an element      Q  its integration points      N  nodes of the body
 #pragma once
 
-#include "palpable/solid/material.h"
+#include "palpable/material/material.h"
+#include "palpable/material/simd.h"
+#include "palpable/material/tensor.h"
 #include "palpable/solid/node_rows.h"
-#include "palpable/solid/simd.h"
-#include "palpable/solid/tensor.h"
 
 #include <span>
 

@@ -3,8 +3,8 @@
 /// nodal values, their gradients, and the forces of a stress. Internal to this module.
 #pragma once
 
+#include "palpable/material/law.h"
 #include "palpable/solid/element_kernels.h"
-#include "palpable/solid/law.h"
 
 namespace palpable {
 

@@ -4,7 +4,7 @@
 /// Indices a, b, c, d run over the nine entries of F, column by column as Eigen stores them.
 #pragma once
 
-#include "palpable/solid/material.h"
+#include "palpable/material/material.h"
 
 #include <Eigen/Core>
 

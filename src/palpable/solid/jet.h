@@ -9,7 +9,7 @@
 /// holds mixed second derivatives.
 #pragma once
 
-#include "palpable/solid/tensor.h"
+#include "palpable/material/tensor.h"
 
 namespace palpable {
 

@@ -2,10 +2,10 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
-#include "palpable/solid/shape_gradients.h"
-#include "palpable/solid/simd.h"
+#include "palpable/geometry/shape_gradients.h"
+#include "palpable/material/simd.h"
+#include "palpable/material/tensor.h"
 #include "palpable/solid/sparse_cholesky.h"
-#include "palpable/solid/tensor.h"
 #include "palpable/solid/tet_assembly.h"
 
 #include <Eigen/Cholesky>

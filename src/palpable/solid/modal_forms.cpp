@@ -1,10 +1,10 @@
 #include "palpable/solid/modal_forms.h"
 
 #include "palpable/base/contract.h"
-#include "palpable/solid/element_order.h"
+#include "palpable/geometry/element_order.h"
+#include "palpable/geometry/quadrature.h"
+#include "palpable/geometry/shape_gradients.h"
 #include "palpable/solid/energy_tensors.h"
-#include "palpable/solid/quadrature.h"
-#include "palpable/solid/shape_gradients.h"
 
 #include <algorithm>
 #include <array>

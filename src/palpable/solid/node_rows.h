@@ -8,7 +8,7 @@
 /// the order of element_order.h, and 3.2 ms with this layout as well.
 #pragma once
 
-#include "palpable/solid/tensor.h"
+#include "palpable/material/tensor.h"
 
 namespace palpable {
 

@@ -1,11 +1,11 @@
 // 10-node tetrahedra: the element, and the solver with them.
 #include "palpable/base/error.h"
+#include "palpable/geometry/quadrature.h"
+#include "palpable/geometry/shape_gradients.h"
 #include "palpable/solid/block_matrix.h"
 #include "palpable/solid/equilibrium.h"
 #include "palpable/solid/loads.h"
-#include "palpable/solid/quadrature.h"
 #include "palpable/solid/selection.h"
-#include "palpable/solid/shape_gradients.h"
 #include "palpable/solid/stress.h"
 #include "palpable/solid/tet_assembly.h"
 #include "tests/support/test.h"

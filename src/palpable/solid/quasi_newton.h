@@ -15,9 +15,9 @@
 /// the dragon (six of its hardest sites; 64: 4,710, 24: 5,002).
 #pragma once
 
+#include "palpable/material/simd.h"
 #include "palpable/solid/conjugate_gradients.h"
 #include "palpable/solid/rounded_vector.h"
-#include "palpable/solid/simd.h"
 
 #include <Eigen/Core>
 

@@ -5,7 +5,7 @@
 /// amount; for the largest entries that is far less than with bfloat16, which has 8 bits.
 #pragma once
 
-#include "palpable/solid/simd.h"
+#include "palpable/material/simd.h"
 
 #include <Eigen/Core>
 

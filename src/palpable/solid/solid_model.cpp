@@ -1,8 +1,8 @@
 #include "palpable/solid/solid_model.h"
 
 #include "palpable/base/error.h"
-#include "palpable/solid/quadrature.h"
-#include "palpable/solid/shape_gradients.h"
+#include "palpable/geometry/quadrature.h"
+#include "palpable/geometry/shape_gradients.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "palpable/geometry/tet_mesh.h"
-#include "palpable/solid/material.h"
+#include "palpable/material/material.h"
 
 #include <Eigen/Core>
 

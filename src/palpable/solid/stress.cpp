@@ -2,8 +2,8 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
-#include "palpable/solid/quadrature.h"
-#include "palpable/solid/shape_gradients.h"
+#include "palpable/geometry/quadrature.h"
+#include "palpable/geometry/shape_gradients.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>

@@ -1,8 +1,8 @@
 #include "palpable/solid/stress_recovery.h"
 
 #include "palpable/base/contract.h"
-#include "palpable/solid/quadrature.h"
-#include "palpable/solid/shape_gradients.h"
+#include "palpable/geometry/quadrature.h"
+#include "palpable/geometry/shape_gradients.h"
 
 #include <Eigen/Cholesky>
 

@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include <cstddef>
+#include <span>
 #include <vector>
 
 namespace palpable {
@@ -43,6 +45,17 @@ class StressRecovery {
   [[nodiscard]] Eigen::MatrixXd apply_at(const std::vector<int>& nodes,
                                          const Eigen::MatrixXd& at_points) const;
 
+  /// One of the parts of a node's value: weight * value at the point.
+  struct Term {
+    int point;
+    double weight;
+  };
+  /// All whose sum is the value at a node.
+  [[nodiscard]] std::span<const Term> terms_of(int node) const {
+    const auto n = static_cast<std::size_t>(node);
+    return {terms_.data() + start_[n], terms_.data() + start_[n + 1]};
+  }
+
   /// Nodes of 4-node elements that got the mean because no patch served.
   [[nodiscard]] int averaged_nodes() const { return averaged_nodes_; }
 
@@ -50,12 +63,8 @@ class StressRecovery {
   void recover_from_patches(const TetMesh& mesh);
   void recover_from_elements(const TetMesh& mesh);
 
-  struct Term {
-    int point;
-    double weight;
-  };
-  std::vector<int> start_;   // (N + 1) into terms_
-  std::vector<Term> terms_;  // value at node n: sum over its terms of weight * value at point
+  std::vector<int> start_;  // (N + 1) into terms_
+  std::vector<Term> terms_;
   Eigen::Index points_ = 0;
   int averaged_nodes_ = 0;
 };

@@ -1,6 +1,6 @@
 #include "palpable/solid/stress_recovery.h"
 
-#include "palpable/solid/quadrature.h"
+#include "palpable/geometry/quadrature.h"
 #include "palpable/solid/stress.h"
 #include "tests/support/test.h"
 

@@ -2,10 +2,10 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
-#include "palpable/solid/law.h"
-#include "palpable/solid/shape_gradients.h"
-#include "palpable/solid/simd.h"
-#include "palpable/solid/tensor.h"
+#include "palpable/geometry/shape_gradients.h"
+#include "palpable/material/law.h"
+#include "palpable/material/simd.h"
+#include "palpable/material/tensor.h"
 
 #include <cstring>
 #include <utility>

@@ -1,9 +1,9 @@
 #include "palpable/solid/tet_assembly.h"
 
-#include "palpable/solid/element_order.h"
-#include "palpable/solid/quadrature.h"
+#include "palpable/geometry/element_order.h"
+#include "palpable/geometry/quadrature.h"
+#include "palpable/geometry/shape_gradients.h"
 #include "palpable/solid/series_kernels.h"
-#include "palpable/solid/shape_gradients.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "palpable/solid/triangular_panels.h"
 
-#include "palpable/solid/tensor.h"
+#include "palpable/material/tensor.h"
 
 #include <algorithm>
 #include <bit>

@@ -6,7 +6,7 @@
 /// supernode is stored as one dense panel, column by column, whose first rows are its own columns.
 #pragma once
 
-#include "palpable/solid/simd.h"
+#include "palpable/material/simd.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -12,7 +12,7 @@ namespace palpable {
 namespace {
 
 // As many neighbours as a buffer of the near field holds; trouble_of() refuses more.
-constexpr std::size_t kMostNeighbours = 4096;
+constexpr std::size_t kMostNeighbours = 16384;
 constexpr std::int64_t kMostRank = 256;
 // There is a number for each pair of clusters.
 constexpr int kMostClusters = 4096;
@@ -23,8 +23,7 @@ bool is_table(const RoundedRows& rows, std::int64_t count, std::int64_t width) {
 }
 
 bool has_bad_clusters(const ComplianceTable& t) {
-  if (std::ssize(t.cluster_of) != t.vertices || t.far_first.size() != t.far_second.size())
-    return true;
+  if (t.nodes() < t.vertices || t.far_first.size() != t.far_second.size()) return true;
   if (std::any_of(t.cluster_of.begin(), t.cluster_of.end(),
                   [&](int c) { return c < 0 || c >= t.clusters; })) {
     return true;
@@ -40,13 +39,13 @@ bool has_bad_clusters(const ComplianceTable& t) {
 }  // namespace
 
 std::string_view trouble_of(const ComplianceTable& t) {
-  const std::int64_t V = t.vertices, k = static_cast<std::int64_t>(t.basis.width);
+  const std::int64_t V = t.vertices, W = t.nodes(), k = static_cast<std::int64_t>(t.basis.width);
   if (V < 1 || t.clusters < 1 || t.clusters > kMostClusters || k < 1 || k > kMostRank ||
       k % static_cast<std::int64_t>(kRowStep) != 0) {
     return "its size";
   }
   if (has_bad_clusters(t)) return "its clusters";
-  if (!is_table(t.basis, 3 * V, k) || !is_table(t.couplings, k * std::ssize(t.far_first), k)) {
+  if (!is_table(t.basis, 3 * W, k) || !is_table(t.couplings, k * std::ssize(t.far_first), k)) {
     return "the size of its far field";
   }
   if (std::ssize(t.first) != V + 1 || std::ssize(t.near_scale) != V || t.first.front() != 0 ||
@@ -62,7 +61,7 @@ std::string_view trouble_of(const ComplianceTable& t) {
     }
     for (std::int64_t n = t.first[v]; n < t.first[v + 1]; ++n) {
       const bool rises = n == t.first[v] || t.neighbours[n] > t.neighbours[n - 1];
-      if (t.neighbours[n] < 0 || t.neighbours[n] >= V || !rises) return "its lists of neighbours";
+      if (t.neighbours[n] < 0 || t.neighbours[n] >= W || !rises) return "its lists of neighbours";
     }
     numbers += 9 * static_cast<std::int64_t>(padded(static_cast<std::size_t>(count)));
   }
@@ -109,33 +108,36 @@ void Compliance::add_target(int from, std::span<const float> source, int to,
   for (std::size_t i = 0; i < rank(); ++i) target[i] += products[i] * S.scale[first + i];
 }
 
-Eigen::Vector3f Compliance::at(int vertex, std::span<const float> target) const {
-  const std::size_t row = 3 * static_cast<std::size_t>(vertex);
+Eigen::Vector3f Compliance::at(int node, std::span<const float> target) const {
+  const std::size_t row = 3 * static_cast<std::size_t>(node);
   Eigen::Vector3f u;
   best_row_kernels().dots(table_.basis.row(row), 3, target, u.data());
   return u.cwiseProduct(Eigen::Map<const Eigen::Vector3f>(table_.basis.scale.data() + row));
 }
 
-void Compliance::everywhere(std::span<const float> targets, Eigen::Matrix3Xf& u) const {
-  PALPABLE_EXPECT(u.cols() == table_.vertices, "a field has three values a vertex");
-  for (int v = 0; v < table_.vertices; ++v) {
-    u.col(v) = at(v, targets.subspan(static_cast<std::size_t>(cluster_of(v)) * rank(), rank()));
+void Compliance::everywhere(std::span<const float> targets, Eigen::Ref<Eigen::Matrix3Xf> u) const {
+  PALPABLE_EXPECT(u.cols() <= nodes(), "a field has three values a node");
+  for (int n = 0; n < u.cols(); ++n) {
+    u.col(n) = at(n, targets.subspan(static_cast<std::size_t>(cluster_of(n)) * rank(), rank()));
   }
 }
 
-void Compliance::add_near(int vertex, const Eigen::Vector3f& force, Eigen::Matrix3Xf& u) const {
+void Compliance::add_near(int vertex, const Eigen::Vector3f& force,
+                          Eigen::Ref<Eigen::Matrix3Xf> u) const {
   const std::span<const int> near = neighbours(vertex);
   const std::size_t width = padded(near.size());
+  const auto count = static_cast<std::size_t>(
+      std::lower_bound(near.begin(), near.end(), static_cast<int>(u.cols())) - near.begin());
   const std::int16_t* rows = table_.near.data() + near_first_[vertex];
   const Eigen::Vector3f scaled = table_.near_scale[vertex] * force;
   std::array<float, kMostNeighbours> sum;  // of one component at a time
   for (int c = 0; c < 3; ++c) {
-    std::fill_n(sum.begin(), width, 0.0f);
+    std::fill_n(sum.begin(), padded(count), 0.0f);
     for (int d = 0; d < 3; ++d) {
       best_row_kernels().add(rows + static_cast<std::size_t>(3 * d + c) * width, scaled[d],
-                             {sum.data(), width});
+                             {sum.data(), padded(count)});
     }
-    for (std::size_t k = 0; k < near.size(); ++k) u(c, near[k]) += sum[k];
+    for (std::size_t k = 0; k < count; ++k) u(c, near[k]) += sum[k];
   }
 }
 

@@ -10,8 +10,18 @@
 /// of columns, so that a force acts through a few numbers of its cluster, its *source*, and what
 /// arrives at a cluster is a few numbers, too, its *target*.
 ///
-///   V  vertices of the skin     C  clusters     k  columns of P, a multiple of 16
-///   n_v  neighbours of vertex v: all vertices of clusters near its own, padded to 16
+/// The stress on the skin hangs on nodes that lie inside, too, those of the shell (shell_table.h).
+/// No force acts on them, but they are moved: each belongs to the cluster of a vertex near it. Near
+/// by they are neighbours as vertices are; from afar
+///
+///     u_inner(d)  =  R_d P_d^T u_skin(d)
+///
+/// with R_d the least squares of what loads far away do at d's inner nodes against what they do at
+/// its vertices: rows of a basis of their own, behind those of the skin.
+///
+///   V  vertices of the skin     W  nodes: the vertices, then the inner ones
+///   C  clusters                 k  columns of P, a multiple of 16
+///   n_v  neighbours of vertex v: all nodes of clusters near its own, padded to 16
 ///
 /// All numbers are in 16 bits with a factor for each row, or each vertex: off by 2e-5 of the row's
 /// largest.
@@ -33,8 +43,8 @@ namespace palpable {
 struct ComplianceTable {
   int vertices = 0;             ///< V
   int clusters = 0;             ///< C
-  std::vector<int> cluster_of;  ///< (V)
-  RoundedRows basis;            ///< (3V x k) P, orthonormal columns in each cluster
+  std::vector<int> cluster_of;  ///< (W)
+  RoundedRows basis;            ///< (3W x k) P, orthonormal columns in each cluster; then R
   /// Pairs (c, d), c < d, of clusters that are far from each other, rising.
   std::vector<int> far_first, far_second;
   /// k rows for each of these pairs: row i is S_cd(i, .), m/N.
@@ -47,6 +57,8 @@ struct ComplianceTable {
   /// displacement component c of its neighbours.
   std::vector<std::int16_t> near;
   std::vector<float> near_scale;  ///< (V) m/N per unit of `near`
+
+  [[nodiscard]] int nodes() const { return static_cast<int>(cluster_of.size()); }  ///< W
 };
 
 /// The table, ready to be asked. Nothing here allocates but the constructor.
@@ -57,9 +69,10 @@ class Compliance {
   explicit Compliance(const ComplianceTable& table);
 
   [[nodiscard]] int vertices() const { return table_.vertices; }
+  [[nodiscard]] int nodes() const { return table_.nodes(); }  ///< W
   [[nodiscard]] int clusters() const { return table_.clusters; }
   [[nodiscard]] std::size_t rank() const { return table_.basis.width; }  ///< k
-  [[nodiscard]] int cluster_of(int vertex) const { return table_.cluster_of[vertex]; }
+  [[nodiscard]] int cluster_of(int node) const { return table_.cluster_of[node]; }
   [[nodiscard]] const ComplianceTable& table() const { return table_; }
   [[nodiscard]] std::span<const int> neighbours(int vertex) const {
     return {table_.neighbours.data() + table_.first[vertex],
@@ -71,13 +84,13 @@ class Compliance {
   void add_source(int vertex, const Eigen::Vector3f& force, std::span<float> source) const;
   /// target += S_dc source. @pre the clusters are far from each other. @param target  (k)
   void add_target(int from, std::span<const float> source, int to, std::span<float> target) const;
-  /// P target at a vertex, m. @param target  (k) of its cluster
-  [[nodiscard]] Eigen::Vector3f at(int vertex, std::span<const float> target) const;
-  /// The same at all vertices. @param targets  (C x k)  @param u  (3 x V) overwritten
-  void everywhere(std::span<const float> targets, Eigen::Matrix3Xf& u) const;
+  /// P target at a node, m. @param target  (k) of its cluster
+  [[nodiscard]] Eigen::Vector3f at(int node, std::span<const float> target) const;
+  /// The same at the first n nodes. @param targets  (C x k)  @param u  (3 x n) overwritten, n <= W
+  void everywhere(std::span<const float> targets, Eigen::Ref<Eigen::Matrix3Xf> u) const;
 
-  /// u(neighbours) += G force. @param u  (3 x V) m
-  void add_near(int vertex, const Eigen::Vector3f& force, Eigen::Matrix3Xf& u) const;
+  /// u(neighbours) += G force, of those among the first n nodes. @param u  (3 x n) m
+  void add_near(int vertex, const Eigen::Vector3f& force, Eigen::Ref<Eigen::Matrix3Xf> u) const;
   /// G between force at `vertex` and displacement of its neighbour number `k`, m/N: column d
   /// belongs to the force's component d.
   [[nodiscard]] Eigen::Matrix3f near_block(int vertex, std::size_t k) const;

@@ -259,7 +259,7 @@ Vector3f NonlinearAnswer::displacement_at(int vertex) const {
   return u;
 }
 
-void NonlinearAnswer::add_near(Matrix3Xf& u) const {
+void NonlinearAnswer::add_near(Eigen::Ref<Matrix3Xf> u) const {
   const auto add = [&](const RoundedRows& modes, std::size_t k, std::span<const float> q, int to) {
     Vector3f exact;
     best_row_kernels().dots(modes.row(3 * k), 3, q, exact.data());
@@ -267,7 +267,7 @@ void NonlinearAnswer::add_near(Matrix3Xf& u) const {
   };
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const RegionTable& region = regions_[index(chosen_[b])];
-    for (std::size_t k = 0; k < region.vertices.size(); ++k) {
+    for (std::size_t k = 0; k < region.vertices.size() && region.vertices[k] < u.cols(); ++k) {
       add(region.modes, k, answers_[b].q(), region.vertices[k]);
     }
   }

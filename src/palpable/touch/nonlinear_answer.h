@@ -2,7 +2,8 @@
 /// What a body does beyond its linear answer under all that presses it: each patch of load by the
 /// modes of the region around it, and what patches do to each other by modes of the whole body.
 ///
-///   V  vertices of the skin     C, k  clusters of the compliance and their numbers (compliance.h)
+///   V, W  vertices of the skin, and nodes: those and inner ones
+///   C, k  clusters of the compliance and their numbers (compliance.h)
 ///   r  modes of a region        x  modes of the cross terms
 ///
 /// The loads fall into *blobs*, patches that one region's modes can tell apart. With a_b the code
@@ -34,7 +35,7 @@ struct VertexForce {
 
 /// Modes in which blobs act on each other.
 struct CrossTable {
-  RoundedRows modes;    ///< (3V x x) sqrt(m/N)
+  RoundedRows modes;    ///< (3W x x) sqrt(m/N)
   SymmetricForm cubic;  ///< A_x; of no modes: blobs do not act on each other
 };
 
@@ -96,8 +97,8 @@ class NonlinearAnswer {
   void find_far_targets();
   /// (C x k) targets of what the blobs' regions do beyond their own vertices.
   [[nodiscard]] std::span<const float> far_targets() const { return far_targets_; }
-  /// Adds all but far_targets() on the whole skin. @param u  (3 x V) m
-  void add_near(Eigen::Matrix3Xf& u) const;
+  /// Adds all but far_targets() at the first n nodes. @param u  (3 x n) m, n <= W
+  void add_near(Eigen::Ref<Eigen::Matrix3Xf> u) const;
 
   [[nodiscard]] int blob_count() const { return static_cast<int>(chosen_.size()); }
   [[nodiscard]] const RegionTable& region_of(int blob) const { return regions_[chosen_[blob]]; }

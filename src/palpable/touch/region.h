@@ -34,8 +34,8 @@ namespace palpable {
 /// What a body file keeps of one region.
 struct RegionTable {
   int vertex = 0;  ///< of the skin, its middle
-  /// (n) vertices around it, rising: all of some clusters (compliance.h). The modes there: three
-  /// rows of r numbers for each, sqrt(m/N).
+  /// (n) nodes around it, vertices and inner ones, rising: all of some clusters (compliance.h). The
+  /// modes there: three rows of r numbers for each, sqrt(m/N).
   std::vector<int> vertices;
   RoundedRows modes;
   /// What the modes do elsewhere, as if by sources in these clusters, all of whose near ones are

@@ -30,6 +30,7 @@ void write_touch(hid_t file, const TouchTables& tables) {
     write_group(hdf5::make_group(g, region_name(k++).c_str()), region);
   }
   if (tables.cross.cubic.variables > 0) { write_group(hdf5::make_group(g, "cross"), tables.cross); }
+  write_group(hdf5::make_group(g, "shell"), tables.shell);
 }
 
 // What is wrong within a group is told with the group's name.
@@ -62,6 +63,7 @@ std::optional<TouchTables> read_touch(hid_t file, const ReducedBody& body) {
     tables.regions.push_back(table_of<RegionTable>(g, region_name(k)));
   }
   if (hdf5::has_link(g, "cross")) tables.cross = table_of<CrossTable>(g, "cross");
+  tables.shell = table_of<ShellTable>(g, "shell");
   const std::string trouble = trouble_of(tables, body.surface);
   require(trouble.empty(), "touch: " + trouble);
   return tables;

@@ -66,6 +66,19 @@ void check_same(const TouchTables& a, const TouchTables& b) {
   }
   check_same(a.cross.modes, b.cross.modes);
   check_same(a.cross.cubic, b.cross.cubic);
+  CHECK(a.shell.stress_free == b.shell.stress_free);
+  CHECK(a.shell.preload == b.shell.preload);
+  CHECK(a.shell.element_nodes == b.shell.element_nodes);
+  CHECK(a.shell.elements == b.shell.elements);
+  REQUIRE(a.shell.materials.size() == b.shell.materials.size());
+  for (std::size_t k = 0; k < a.shell.materials.size(); ++k) {
+    CHECK(law_name(a.shell.materials[k]) == law_name(b.shell.materials[k]));
+    CHECK(constants_of(a.shell.materials[k]) == constants_of(b.shell.materials[k]));
+  }
+  CHECK(a.shell.material_of == b.shell.material_of);
+  CHECK(a.shell.first == b.shell.first);
+  CHECK(a.shell.points == b.shell.points);
+  CHECK(a.shell.weights == b.shell.weights);
 }
 
 // A body file whose group /touch is that of `tables`, changed by `spoil`, behind a right checksum.
@@ -152,7 +165,7 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
       {"region 2 is wrong in its list of vertices",
        [](auto& t) { t.regions[2].vertices[1] = t.regions[2].vertices[0]; }},
       {"region 2 is wrong in its list of vertices",
-       [](auto& t) { t.regions[2].vertices.back() = 42; }},
+       [](auto& t) { t.regions[2].vertices.back() = 43; }},
       {"region 0 is wrong in the size of its modes",
        [](auto& t) { t.regions[0].vertices.pop_back(); }},
       {"region 0 is wrong in a factor of its modes",
@@ -189,6 +202,41 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
       {"what touches do to each other is wrong in its number of modes",
        [](auto& t) {
          t.cross.cubic = {17, 3, std::vector<std::int16_t>(969), std::vector<float>(153)};
+       }},
+      {"the shell is wrong in its size",
+       [](auto& t) { t.shell.preload.conservativeResize(3, 42); }},
+      {"the shell is wrong in its size", [](auto& t) { t.shell.element_nodes = 5; }},
+      {"the shell is wrong in its size",
+       [](auto& t) {
+         t.shell.stress_free.conservativeResize(3, 41);
+         t.shell.preload.conservativeResize(3, 41);
+       }},
+      {"the shell is wrong in its places",
+       [](auto& t) { t.shell.stress_free(1, 3) = std::numeric_limits<double>::quiet_NaN(); }},
+      {"the shell is wrong in its places", [](auto& t) { t.shell.preload(1, 3) = 1e5; }},
+      {"the shell is wrong in its elements", [](auto& t) { t.shell.elements[2] = 43; }},
+      {"the shell is wrong in its elements", [](auto& t) { t.shell.elements.pop_back(); }},
+      {"the shell is wrong in its materials", [](auto& t) { t.shell.material_of[5] = 2; }},
+      {"the shell is wrong in its materials",
+       [](auto& t) {
+         t.shell.materials[1] = NeoHookean{-1, 2};
+       }},
+      {"the shell is wrong in the weights of its recovery", [](auto& t) { t.shell.first[4] = -1; }},
+      {"the shell is wrong in the weights of its recovery",
+       [](auto& t) { t.shell.first.pop_back(); }},
+      {"the shell is wrong in the weights of its recovery",
+       [](auto& t) { t.shell.points[7] = 80; }},
+      {"the shell is wrong in the weights of its recovery",
+       [](auto& t) { t.shell.weights[7] = kNan; }},
+      {"the shell is wrong in the shape of an element",
+       [](auto& t) { std::swap(t.shell.elements[1], t.shell.elements[2]); }},
+      {"the shell is wrong in the shape of an element",
+       [](auto& t) { t.shell.elements[1] = t.shell.elements[2]; }},
+      {"the shell is of 44 nodes where the compliance has 43",
+       [](auto& t) {
+         t.shell.stress_free.conservativeResize(3, 44);
+         t.shell.stress_free.col(43).setZero();
+         t.shell.preload.setZero(3, 44);
        }},
       {"the reach of regions is no length", [](auto& t) { t.region_reach = -0.01; }},
       {"the spacing of contact points is no length", [](auto& t) { t.point_spacing = NAN; }},
@@ -229,7 +277,8 @@ TEST_CASE("tables that break a rule within a file are refused by name when it is
     };
   };
   const std::vector<std::pair<std::string, std::function<void(hid_t)>>> faults{
-      {"tables of touch have layout 1 where this program reads 0", number(".", "layout", 1)},
+      {"tables of touch have layout 0 where this program reads 1; bake the body again",
+       number(".", "layout", 0)},
       {"touch: the number of regions is none", number(".", "regions", -1)},
       {"touch: the number of regions is none", number(".", "regions", NAN)},
       {"touch/region_0003: group 'region_0003' is missing", number(".", "regions", 4)},
@@ -239,8 +288,9 @@ TEST_CASE("tables that break a rule within a file are refused by name when it is
        number("compliance", "clusters", 2.5)},
       {"touch/compliance: dataset 'far_second' is 2 x 1 where 1 x 1 is needed",
        table("compliance/far_second", 2, 2, 1)},
-      {"touch/compliance: dataset 'first' is 42 x 1 where 43 x 1 is needed",
+      {"touch/compliance: dataset 'near_scale' is 42 x 1 where 41 x 1 is needed",
        table("compliance/first", 0, 42, 1)},
+      {"touch/compliance: dataset 'first' is empty", table("compliance/first", 0, 0, 1)},
       {"touch/compliance: the near field is not in rows of sixteen",
        table("compliance/near", std::int16_t{0}, 10, 15)},
       {"touch/compliance: dataset 'neighbours' does not hold integers",
@@ -266,6 +316,27 @@ TEST_CASE("tables that break a rule within a file are refused by name when it is
          table("cross/modes", std::int16_t{1}, 3, 48)(touch);
          table("cross/modes_scale", 1.0f, 3, 1)(touch);
        }},
+      {"touch/shell: group 'shell' is missing", remove("shell")},
+      {"touch/shell: dataset 'preload' is missing", remove("shell/preload")},
+      {"touch/shell: dataset 'stress_free' has not three columns",
+       table("shell/stress_free", 0.0, 43, 2)},
+      {"touch: the shell is wrong in its size", table("shell/preload", 0.0, 42, 3)},
+      {"touch/shell: elements have not 4 or 10 nodes", table("shell/elements", 0, 80, 5)},
+      {"touch/shell: dataset 'material_of' is 80 x 1 where 79 x 1 is needed",
+       table("shell/elements", 0, 79, 4)},
+      {"touch/shell: there are too many materials", number("shell", "materials", 1e6)},
+      {"touch/shell: attribute 'law_2' is missing", number("shell", "materials", 3)},
+      {"touch: the shell is wrong in its materials", number("shell", "materials", 1)},
+      {"touch/shell: unknown material law \"rubber\"",
+       [](hid_t touch) {
+         const hdf5::Handle g = hdf5::open_group(touch, "shell");
+         REQUIRE(H5Adelete(g, "law_0") >= 0);
+         hdf5::write_text(g, "law_0", "rubber");
+       }},
+      {"touch/shell: law 'neo-hookean' has not 3 constants", table("shell/constants_0", 1.0, 3, 1)},
+      {"touch/shell: material neo-hookean has C1 = -1 Pa", table("shell/constants_0", -1.0, 2, 1)},
+      {"touch/shell: dataset 'first' is empty", table("shell/first", 0, 0, 1)},
+      {"touch: the shell is wrong in the weights", table("shell/first", 0, 43, 1)},
       {"touch: the spacing of contact points is no length", number(".", "point_spacing", 0)},
   };
   const TouchTables good = test::some_touch_tables(ball().surface);

@@ -1,5 +1,6 @@
 #include "palpable/touch/touch_groups.h"
 
+#include "palpable/base/error.h"
 #include "palpable/touch/row_kernels.h"
 
 #include <algorithm>
@@ -87,17 +88,18 @@ void write_group(hid_t group, const ComplianceTable& table) {
 void read_group(hid_t group, ComplianceTable& table) {
   table.clusters = read_count(group, "clusters");
   table.cluster_of = read_column<int>(group, "cluster_of");
-  table.vertices = static_cast<int>(table.cluster_of.size());
   table.basis = read_rows(group, "basis");
   table.far_first = read_column<int>(group, "far_first");
   table.far_second = read_column<int>(group, "far_second", table.far_first.size());
   table.couplings = read_rows(group, "couplings");
-  table.first = read_column<int>(group, "first", table.cluster_of.size() + 1);
+  table.first = read_column<int>(group, "first");
+  require(!table.first.empty(), "dataset 'first' is empty");
+  table.vertices = static_cast<int>(table.first.size()) - 1;
   table.neighbours = read_column<int>(group, "neighbours");
   Table<std::int16_t> near = read_table<std::int16_t>(group, "near");
   require(near.columns == kRowStep, "the near field is not in rows of sixteen");
   table.near = std::move(near.data);
-  table.near_scale = read_column<float>(group, "near_scale", table.cluster_of.size());
+  table.near_scale = read_column<float>(group, "near_scale", table.first.size() - 1);
 }
 
 void write_group(hid_t group, const RegionTable& table) {
@@ -132,6 +134,62 @@ void write_group(hid_t group, const CrossTable& table) {
 void read_group(hid_t group, CrossTable& table) {
   table.modes = read_rows(group, "modes");
   table.cubic = read_form(group, "cubic", static_cast<int>(table.modes.width), 3);
+}
+
+void write_group(hid_t group, const ShellTable& table) {
+  const auto W = static_cast<hsize_t>(table.nodes());
+  write_table(group, "stress_free", table.stress_free.data(), W, 3);
+  write_table(group, "preload", table.preload.data(), W, 3);
+  write_table(group, "elements", table.elements.data(), table.material_of.size(),
+              static_cast<hsize_t>(table.element_nodes));
+  write_column(group, "material_of", table.material_of);
+  hdf5::write_number(group, "materials", static_cast<double>(table.materials.size()));
+  int k = 0;
+  for (const Material& material : table.materials) {
+    hdf5::write_text(group, fmt::format("law_{}", k).c_str(), law_name(material));
+    write_column(group, fmt::format("constants_{}", k++), constants_of(material));
+  }
+  write_column(group, "first", table.first);
+  write_column(group, "points", table.points);
+  write_column(group, "weights", table.weights);
+}
+
+namespace {
+
+Eigen::Matrix3Xd read_places(hid_t group, const char* name) {
+  const Table<double> table = read_table<double>(group, name);
+  require(table.columns == 3, fmt::format("dataset '{}' has not three columns", name));
+  return Eigen::Map<const Eigen::Matrix3Xd>(table.data.data(), 3,
+                                            static_cast<Eigen::Index>(table.rows));
+}
+
+Material read_material(hid_t group, int k) {
+  const std::string law = hdf5::read_text(group, fmt::format("law_{}", k).c_str());
+  const std::vector<double> constants = read_column<double>(group, fmt::format("constants_{}", k));
+  try {
+    require(constants.size() == law_constants(law).size(),
+            fmt::format("law '{}' has not {} constants", law, constants.size()));
+    return material_from_constants(law, constants);
+  } catch (const Error& error) { throw hdf5::Trouble{error.what()}; }
+}
+
+}  // namespace
+
+void read_group(hid_t group, ShellTable& table) {
+  table.stress_free = read_places(group, "stress_free");
+  table.preload = read_places(group, "preload");
+  Table<int> elements = read_table<int>(group, "elements");
+  require(elements.columns == 4 || elements.columns == 10, "elements have not 4 or 10 nodes");
+  table.element_nodes = static_cast<int>(elements.columns);
+  table.elements = std::move(elements.data);
+  table.material_of = read_column<int>(group, "material_of", elements.rows);
+  const int materials = read_count(group, "materials");
+  require(materials <= kMostMaterials, "there are too many materials");
+  for (int k = 0; k < materials; ++k) table.materials.push_back(read_material(group, k));
+  table.first = read_column<int>(group, "first");
+  require(!table.first.empty(), "dataset 'first' is empty");
+  table.points = read_column<int>(group, "points");
+  table.weights = read_column<float>(group, "weights", table.points.size());
 }
 
 }  // namespace palpable

@@ -14,9 +14,11 @@ namespace palpable {
 void write_group(hid_t group, const ComplianceTable& table);
 void write_group(hid_t group, const RegionTable& table);
 void write_group(hid_t group, const CrossTable& table);
+void write_group(hid_t group, const ShellTable& table);
 
 void read_group(hid_t group, ComplianceTable& table);
 void read_group(hid_t group, RegionTable& table);
 void read_group(hid_t group, CrossTable& table);
+void read_group(hid_t group, ShellTable& table);
 
 }  // namespace palpable

@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 #include "palpable/touch/contact_problem.h"
 #include "palpable/touch/point_levels.h"
+#include "palpable/touch/shell_stress.h"
 #include "palpable/touch/skin_clusters.h"
 
 #include <algorithm>
@@ -68,6 +69,7 @@ struct TouchSolver::Work {
   NonlinearAnswer nonlinear;
   ComplianceCache cache;
   ContactProblem problem;
+  std::optional<ShellStress> shell;
 
   std::vector<Candidate> candidates;
   std::vector<int> vertices;            // of the candidates
@@ -76,6 +78,7 @@ struct TouchSolver::Work {
   std::vector<char> is_source;          // (C)
   std::vector<float> weights;           // of `vertices`, for choosing blobs
   std::vector<VertexForce> loads;       // at `vertices`
+  Matrix3Xf no_displacement;            // (3 x W)
   Matrix3Xf here, before;               // (3 x vertices) displacement of `vertices`
   std::vector<FoundGap> found;          // by point
   int frame = 0;
@@ -95,8 +98,10 @@ struct TouchSolver::Work {
         cache(compliance, kMostVertices),
         problem(kMostPoints, kMostVertices, most_modes(tables)),
         local_of_vertex(static_cast<std::size_t>(skin.vertex_count()), -1),
+        no_displacement(Matrix3Xf::Zero(3, compliance.nodes())),
         here(3, kMostVertices),
         before(3, kMostVertices) {
+    if (tables.shell.nodes() > 0) shell.emplace(tables.shell, skin.vertex_count());
     candidates.reserve(points.size());
     vertices.reserve(static_cast<std::size_t>(skin.vertex_count()));
     loads.reserve(kMostVertices);
@@ -122,8 +127,8 @@ struct TouchSolver::Work {
   void find_displacements(CrossTerms cross);
   void look_at_gaps(const GapQuery& gap);
   double iterate(const GapQuery& gap, double shift, CrossTerms cross);
-  void fill_field(Matrix3Xf& u);
-  void hand_over(TouchState& state, const GapQuery& gap, TouchReport& report);
+  void fill_field(Eigen::Ref<Matrix3Xf> u);
+  void hand_over(TouchState& state, const GapQuery& gap, bool last, TouchReport& report);
 };
 
 // What is nearest to a point that is at x now; false where nothing is, or what is no number.
@@ -353,8 +358,8 @@ double TouchSolver::Work::iterate(const GapQuery& gap, double shift, CrossTerms 
   return 0;
 }
 
-// The whole skin under the present loads.
-void TouchSolver::Work::fill_field(Matrix3Xf& u) {
+// The first nodes under the present loads, as many as u has columns.
+void TouchSolver::Work::fill_field(Eigen::Ref<Matrix3Xf> u) {
   const std::size_t k = compliance.rank();
   const auto C = static_cast<std::size_t>(compliance.clusters());
   const auto of = [k](std::vector<float>& numbers, std::size_t cluster) {
@@ -388,7 +393,8 @@ void TouchSolver::Work::fill_field(Matrix3Xf& u) {
   if (is_nonlinear()) nonlinear.add_near(u);
 }
 
-void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, TouchReport& report) {
+void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, bool last,
+                                  TouchReport& report) {
   look_at_gaps(gap);
   state.forces.clear();
   report.penetration = 0;
@@ -401,7 +407,8 @@ void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, TouchR
   state.regions.assign(nonlinear.regions().begin(), nonlinear.regions().end());
   report.blobs = nonlinear.blob_count();
   report.last_share = static_cast<double>(nonlinear.last_share());
-  fill_field(state.u);
+  // Steps in between need the skin alone.
+  fill_field(state.u.leftCols(last ? state.u.cols() : rest.cols()));
 }
 
 TouchSolver::TouchSolver(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
@@ -417,8 +424,8 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
   const TouchSettings& s = w.settings;
   TouchReport report;
   ++w.frame;
-  if (state.u.cols() != w.rest.cols()) {
-    state.u.setZero(3, w.rest.cols());
+  if (state.u.cols() != w.compliance.nodes()) {
+    state.u.setZero(3, w.compliance.nodes());
     state.forces.clear();
     state.forces.reserve(kMostPoints);
     state.regions.clear();
@@ -445,9 +452,19 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
       if (report.last_change < s.tolerance) break;
     }
     ++report.steps;
-    w.hand_over(state, gap, report);
+    w.hand_over(state, gap, last, report);
   }
   return report;
+}
+
+void TouchSolver::stress(const TouchState& state, std::span<float> von_mises,
+                         std::span<float> cauchy) const {
+  PALPABLE_EXPECT(work_->shell.has_value(), "stress needs tables with a shell");
+  if (state.u.cols() == 0) {
+    work_->shell->evaluate(work_->no_displacement, von_mises, cauchy);
+  } else {
+    work_->shell->evaluate(state.u, von_mises, cauchy);
+  }
 }
 
 }  // namespace palpable

@@ -14,7 +14,7 @@
 /// round object, which without the curvature makes the iteration stall or end in a slipped state.
 /// An object that has moved far since the last frame is taken on in steps of at most 1.25 mm.
 ///
-///   V  vertices of the skin     C  contact points
+///   V  vertices of the skin     W  nodes of its shell     C  contact points
 #pragma once
 
 #include "palpable/geometry/skin_points.h"
@@ -62,7 +62,7 @@ struct TouchSettings {
   int last_iterations = 8;        ///< of the last one, at most
   double tolerance = 2e-5;        ///< m: the last iteration moved no touched vertex by more
   /// m a round object may enter between two contact points: flat ones are given fewer points.
-  double entry = 5e-5;
+  double entry = 2e-5;
   /// Of a point's own compliance, added to it: neighbours that move together share a force. What is
   /// left of it as penetration is force times that.
   double softness = 0.01;
@@ -79,7 +79,9 @@ struct PointForce {
 struct TouchState {
   std::vector<PointForce> forces;
   std::vector<int> regions;  ///< that answered
-  Eigen::Matrix3Xf u;        ///< (3 x V) m, the whole skin; no columns: at rest
+  /// (3 x W) m, the whole skin in the first V columns, then the inner nodes (shell_table.h), which
+  /// are for the stress; no columns: at rest.
+  Eigen::Matrix3Xf u;
 };
 
 /// How one frame went.
@@ -113,6 +115,13 @@ class TouchSolver {
   /// The state in which nothing enters the body. Pure: the same state and gaps give the same bytes.
   /// @param near  agrees with `gap`; without one `gap` is asked everywhere
   TouchReport advance(TouchState& state, const GapQuery& gap, const NearQuery& near = {});
+
+  /// The stress on the skin in a state, as ShellStress::evaluate(). Allocates nothing; not while
+  /// another thread asks or advances.
+  /// @param von_mises  (V) Pa  @param cauchy  (6V) Pa, empty: not wanted
+  /// @pre the tables have a shell
+  void stress(const TouchState& state, std::span<float> von_mises,
+              std::span<float> cauchy = {}) const;
 
  private:
   struct Work;

@@ -18,6 +18,17 @@ std::size_t bytes(const auto& list) { return list.size() * sizeof(list[0]); }
 std::size_t bytes(const RoundedRows& rows) { return bytes(rows.values) + bytes(rows.scale); }
 std::size_t bytes(const SymmetricForm& form) { return bytes(form.values) + bytes(form.scale); }
 
+std::size_t bytes_of(const ShellTable& shell) {
+  std::size_t constants = 0;
+  for (const Material& material : shell.materials) {
+    constants += constants_of(material).size() * sizeof(double);
+  }
+  return static_cast<std::size_t>(shell.stress_free.size() + shell.preload.size()) *
+             sizeof(double) +
+         bytes(shell.elements) + bytes(shell.material_of) + constants + bytes(shell.first) +
+         bytes(shell.points) + bytes(shell.weights);
+}
+
 // Factors of rows, blocks and runs.
 bool are_scales(const std::vector<float>& scale) {
   return std::all_of(scale.begin(), scale.end(),
@@ -96,13 +107,13 @@ class FarClusters {
 // @pre the compliance is consistent
 std::string trouble_of(const RegionTable& table, const ComplianceTable& compliance,
                        FarClusters& clusters) {
-  const int r = table.mode_count(), V = compliance.vertices;
+  const int r = table.mode_count(), V = compliance.vertices, W = compliance.nodes();
   const auto width = static_cast<std::size_t>(std::max(0, r));
   if (r < 1 || r > kMostTouchModes || width % kRowStep != 0) return "its number of modes";
   const std::vector<int>& known = table.vertices;
   const bool rise = std::is_sorted(known.begin(), known.end()) &&
                     std::adjacent_find(known.begin(), known.end()) == known.end();
-  if (!rise || (!known.empty() && (known.front() < 0 || known.back() >= V))) {
+  if (!rise || (!known.empty() && (known.front() < 0 || known.back() >= W))) {
     return "its list of vertices";
   }
   if (table.vertex < 0 || table.vertex >= V) return "its middle";
@@ -118,13 +129,13 @@ std::string trouble_of(const RegionTable& table, const ComplianceTable& complian
   return {};
 }
 
-std::string trouble_of(const CrossTable& table, int vertices) {
+std::string trouble_of(const CrossTable& table, int nodes) {
   const std::string form = trouble_of(table.cubic, 3, kMostTouchModes, "its second order");
   if (!form.empty()) return form;
   const auto x = static_cast<std::size_t>(table.cubic.variables);
   if (x == 0 && table.modes.values.empty() && table.modes.scale.empty()) return {};
   if (x % kRowStep != 0) return "its number of modes";
-  return trouble_of(table.modes, 3 * static_cast<std::size_t>(vertices), x, "its modes");
+  return trouble_of(table.modes, 3 * static_cast<std::size_t>(nodes), x, "its modes");
 }
 
 }  // namespace
@@ -138,7 +149,30 @@ std::size_t bytes_of(const TouchTables& tables) {
     sum += bytes(region.vertices) + bytes(region.modes) + bytes(region.source_clusters) +
            bytes(region.sources) + bytes(region.cubic) + bytes(region.quartic);
   }
-  return sum + bytes(tables.cross.modes) + bytes(tables.cross.cubic);
+  return sum + bytes(tables.cross.modes) + bytes(tables.cross.cubic) + bytes_of(tables.shell);
+}
+
+std::size_t stress_bytes_of(const TouchTables& tables) {
+  const ComplianceTable& c = tables.compliance;
+  const auto V = static_cast<std::size_t>(c.vertices);
+  const std::size_t inner = c.cluster_of.size() - V;
+  // Three rows in 16 bits, with their factors.
+  const auto rows = [](std::size_t width) { return 3 * (2 * width + sizeof(float)); };
+  std::size_t sum = bytes_of(tables.shell) + inner * (sizeof(int) + rows(c.basis.width)) +
+                    inner * rows(tables.cross.modes.width);
+  for (std::size_t v = 0; v < V; ++v) {
+    const auto first = c.neighbours.begin() + c.first[v],
+               last = c.neighbours.begin() + c.first[v + 1];
+    const auto all = static_cast<std::size_t>(last - first);
+    const auto skin = static_cast<std::size_t>(std::lower_bound(first, last, c.vertices) - first);
+    sum += (all - skin) * sizeof(int) + 9 * 2 * (padded(all) - padded(skin));
+  }
+  for (const RegionTable& region : tables.regions) {
+    const auto inside = region.vertices.end() - std::lower_bound(region.vertices.begin(),
+                                                                 region.vertices.end(), c.vertices);
+    sum += static_cast<std::size_t>(inside) * (sizeof(int) + rows(region.modes.width));
+  }
+  return sum;
 }
 
 std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin) {
@@ -161,8 +195,15 @@ std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin) {
     const std::string trouble = trouble_of(tables.regions[k], c, clusters);
     if (!trouble.empty()) return fmt::format("region {} is wrong in {}", k, trouble);
   }
-  if (const std::string trouble = trouble_of(tables.cross, V); !trouble.empty()) {
+  if (const std::string trouble = trouble_of(tables.cross, c.nodes()); !trouble.empty()) {
     return fmt::format("what touches do to each other is wrong in {}", trouble);
+  }
+  if (const std::string_view trouble = trouble_of(tables.shell, V); !trouble.empty()) {
+    return fmt::format("the shell is wrong in {}", trouble);
+  }
+  if (tables.shell.nodes() != c.nodes()) {
+    return fmt::format("the shell is of {} nodes where the compliance has {}", tables.shell.nodes(),
+                       c.nodes());
   }
   if (!is_length(tables.region_reach)) return "the reach of regions is no length";
   if (!is_length(tables.point_spacing)) return "the spacing of contact points is no length";

@@ -1,13 +1,14 @@
 /// @file
 /// All that a body file holds for being touched anywhere, by anything, at several places at once.
 ///
-///   V  vertices of the skin
+///   V  vertices of the skin     W  nodes of its shell (shell_table.h), the vertices first
 #pragma once
 
 #include "palpable/geometry/surface_mesh.h"
 #include "palpable/touch/compliance.h"
 #include "palpable/touch/nonlinear_answer.h"
 #include "palpable/touch/region.h"
+#include "palpable/touch/shell_table.h"
 
 #include <cstddef>
 #include <string>
@@ -19,12 +20,15 @@ struct TouchTables {
   ComplianceTable compliance;
   std::vector<RegionTable> regions;  ///< none: the linear answer alone
   CrossTable cross;
+  ShellTable shell;              ///< for the stress
   double region_reach = 0.018;   ///< m, from a region's middle: loads that it answers for
   double point_spacing = 0.002;  ///< m, of contact points, see skin_points.h
 };
 
 /// How large the tables are.
 [[nodiscard]] std::size_t bytes_of(const TouchTables& tables);
+/// How much of that is there for the stress alone: the shell, and all rows of inner nodes.
+[[nodiscard]] std::size_t stress_bytes_of(const TouchTables& tables);
 
 /// Modes of one region, or of the cross table, at most, and leading ones of a region.
 inline constexpr int kMostTouchModes = 512, kMostLeadingModes = 64;

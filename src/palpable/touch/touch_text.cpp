@@ -54,6 +54,10 @@ std::string touch_line(const TouchTables& tables) {
     line +=
         fmt::format("; {} modes in which touches act on each other", tables.cross.cubic.variables);
   }
+  if (tables.shell.element_count() > 0) {
+    line += fmt::format("; stress from {} elements round the skin with {} nodes",
+                        tables.shell.element_count(), tables.shell.nodes());
+  }
   return line;
 }
 

@@ -11,7 +11,7 @@ void multiply(std::vector<float>& scale, double factor) {
   for (float& s : scale) s = static_cast<float>(factor * static_cast<double>(s));
 }
 
-// A displacement is s times as large under a load s^2 times as large: G of 1/s. Modes of unit
+// The same strains, so the same stress. A displacement is s times as large under a load s^2 times as large: G of 1/s. Modes of unit
 // energy are 1/sqrt(s) of what they were; the derivatives of the energy in them follow, that of
 // order n with s^(3 - n) s^(-n/2).
 TouchTables scaled(const TouchTables& tables, double s) {
@@ -28,6 +28,8 @@ TouchTables scaled(const TouchTables& tables, double s) {
   }
   multiply(result.cross.modes.scale, modes);
   multiply(result.cross.cubic.scale, cubic);
+  result.shell.stress_free *= static_cast<float>(s);
+  result.shell.preload *= static_cast<float>(s);
   result.region_reach *= s;
   result.point_spacing *= s;
   return result;

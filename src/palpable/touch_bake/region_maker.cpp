@@ -146,10 +146,10 @@ std::vector<int> clusters_around(const SkinResponse& skin, const Compliance& com
   return found;
 }
 
-// All vertices of clusters that are not far from all of these.
-std::vector<int> vertices_around(const Compliance& compliance, const std::vector<int>& clusters) {
+// All nodes of clusters that are not far from all of these.
+std::vector<int> nodes_around(const Compliance& compliance, const std::vector<int>& clusters) {
   std::vector<int> found;
-  for (int v = 0; v < compliance.vertices(); ++v) {
+  for (int v = 0; v < compliance.nodes(); ++v) {
     if (std::any_of(clusters.begin(), clusters.end(),
                     [&](int c) { return !compliance.are_far(c, compliance.cluster_of(v)); })) {
       found.push_back(v);
@@ -169,17 +169,17 @@ RegionTable make_region(const SkinResponse& skin, const ModalFormMaker& forms,
   region.vertex = vertex;
   const MatrixXd modes =
       leading_modes(snapshots_of(skin, some_loads(skin, vertex, settings)), settings.modes);
-  const MatrixXd on_skin = skin.on_skin(modes);
+  const MatrixXd in_shell = skin.in_shell(modes);
   region.source_clusters = clusters_around(skin, compliance, vertex, settings.sources);
-  region.vertices = vertices_around(compliance, region.source_clusters);
+  region.vertices = nodes_around(compliance, region.source_clusters);
   RowsOfFloats rows(3 * static_cast<Index>(region.vertices.size()), modes.cols());
   for (std::size_t k = 0; k < region.vertices.size(); ++k) {
     rows.middleRows(3 * static_cast<Index>(k), 3) =
-        on_skin.middleRows(3 * Index{region.vertices[k]}, 3).cast<float>();
+        in_shell.middleRows(3 * Index{region.vertices[k]}, 3).cast<float>();
   }
   region.modes = rounded(rows);
   region.sources =
-      rounded(sources_of(compliance, region.source_clusters, on_skin).transpose().cast<float>());
+      rounded(sources_of(compliance, region.source_clusters, in_shell).transpose().cast<float>());
   const ModalForms made = forms.make(modes, settings.leading);
   region.cubic = rounded(made.modes, 3, made.cubic);
   region.quartic = rounded(made.leading, 4, made.quartic);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 #include <utility>
 
 namespace palpable {
@@ -20,19 +21,55 @@ namespace {
 constexpr double kOtherSide = 0.03;  // m
 constexpr double kApart = -0.2;      // cosine of the angle between their normals
 
+// Those whose stress the recovery at the skin's vertices reads.
+std::vector<int> elements_of(const StressRecovery& recovery, const TetMesh& mesh,
+                             const Boundary& boundary) {
+  const int Q = mesh.is_quadratic() ? 4 : 1;
+  std::vector<int> elements;
+  for (const int n : boundary.node_of_vertex) {
+    for (const StressRecovery::Term& term : recovery.terms_of(n))
+      elements.push_back(term.point / Q);
+  }
+  std::sort(elements.begin(), elements.end());
+  elements.erase(std::unique(elements.begin(), elements.end()), elements.end());
+  return elements;
+}
+
+MatrixXd rows_of(const MatrixXd& fields, std::span<const int> nodes) {
+  MatrixXd rows(3 * static_cast<Index>(nodes.size()), fields.cols());
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    rows.middleRows(3 * static_cast<Index>(k), 3) = fields.middleRows(3 * Index{nodes[k]}, 3);
+  }
+  return rows;
+}
+
 }  // namespace
 
 SkinResponse::SkinResponse(const SolidModel& model, Boundary boundary, const Preloaded* preloaded)
     : boundary_(std::move(boundary)),
       response_(model, preloaded),
       skin_(boundary_.surface),
-      normals_(3, skin_.vertex_count()) {
+      normals_(3, skin_.vertex_count()),
+      recovery_(model.mesh),
+      shell_nodes_(boundary_.node_of_vertex.begin(), boundary_.node_of_vertex.end()),
+      shell_elements_(elements_of(recovery_, model.mesh, boundary_)) {
   for (int v = 0; v < skin_.vertex_count(); ++v) {
     skin_.vertices.col(v) += response_.rest().col(node_of(v));
     const auto free = response_.free_mask().segment<3>(3 * Index{node_of(v)});
     fixed_.push_back(free.isZero(0) ? 1 : 0);
   }
   vertex_normals(skin_.vertices, skin_.triangles, normals_);
+  // The inner nodes, rising.
+  std::vector<char> wanted(static_cast<std::size_t>(model.mesh.node_count()), 0);
+  for (const int e : shell_elements_) {
+    for (const int n : model.mesh.tets.col(e)) wanted[n] = 1;
+    if (!model.mesh.is_quadratic()) continue;
+    for (const int n : model.mesh.edge_nodes.col(e)) wanted[n] = 1;
+  }
+  for (const int n : boundary_.node_of_vertex) wanted[n] = 0;
+  for (int n = 0; n < model.mesh.node_count(); ++n) {
+    if (wanted[n] != 0) shell_nodes_.push_back(n);
+  }
 }
 
 MatrixXd SkinResponse::at_nodes(const MatrixXd& loads) const {
@@ -47,11 +84,11 @@ MatrixXd SkinResponse::at_nodes(const MatrixXd& loads) const {
 }
 
 MatrixXd SkinResponse::on_skin(const MatrixXd& fields) const {
-  MatrixXd rows(3 * Index{vertex_count()}, fields.cols());
-  for (int v = 0; v < vertex_count(); ++v) {
-    rows.middleRows(3 * Index{v}, 3) = fields.middleRows(3 * Index{node_of(v)}, 3);
-  }
-  return rows;
+  return rows_of(fields, std::span(shell_nodes_).first(static_cast<std::size_t>(vertex_count())));
+}
+
+MatrixXd SkinResponse::in_shell(const MatrixXd& fields) const {
+  return rows_of(fields, shell_nodes_);
 }
 
 double SkinResponse::distance(int a, int b) const {

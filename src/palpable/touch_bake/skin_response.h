@@ -3,11 +3,14 @@
 /// made of.
 ///
 ///   N  nodes of the mesh     V  vertices of the skin     k  loads
+///   W  nodes of the shell, from whose displacement the stress on the skin follows: those of the
+///      skin, then inner ones (touch/shell_table.h)
 #pragma once
 
 #include "palpable/geometry/surface_mesh.h"
 #include "palpable/geometry/tet_mesh.h"
 #include "palpable/solid/load_response.h"
+#include "palpable/solid/stress_recovery.h"
 
 #include <Eigen/Core>
 
@@ -37,6 +40,15 @@ class SkinResponse {
   [[nodiscard]] Eigen::MatrixXd at_nodes(const Eigen::MatrixXd& loads) const;
   /// (3V x k) the skin's rows of fields of nodes.
   [[nodiscard]] Eigen::MatrixXd on_skin(const Eigen::MatrixXd& fields) const;
+  /// (3W x k) the shell's rows, the skin's first.
+  [[nodiscard]] Eigen::MatrixXd in_shell(const Eigen::MatrixXd& fields) const;
+
+  [[nodiscard]] const StressRecovery& recovery() const { return recovery_; }
+  /// (W) nodes of the mesh.
+  [[nodiscard]] const std::vector<int>& shell_nodes() const { return shell_nodes_; }
+  /// Elements of the mesh, rising.
+  [[nodiscard]] const std::vector<int>& shell_elements() const { return shell_elements_; }
+  [[nodiscard]] int shell_count() const { return static_cast<int>(shell_nodes_.size()); }  ///< W
 
   /// m: between two vertices, longer by 30 mm where their normals point apart, so that the two
   /// sides of an ear are no neighbours.
@@ -50,6 +62,8 @@ class SkinResponse {
   SurfaceMesh skin_;
   Eigen::Matrix3Xd normals_;
   std::vector<std::uint8_t> fixed_;
+  StressRecovery recovery_;
+  std::vector<int> shell_nodes_, shell_elements_;
 };
 
 /// Vertices far from each other: the next one is always the farthest from all before, among those

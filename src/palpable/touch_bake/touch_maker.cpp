@@ -2,6 +2,7 @@
 
 #include "palpable/base/parallel_work.h"
 #include "palpable/separate/dense_algebra.h"
+#include "palpable/touch_bake/shell_maker.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -97,7 +98,7 @@ CrossTable make_cross_table(const SkinResponse& skin, const ModalFormMaker& form
   MatrixXd modes = MatrixXd::Zero(all.rows(), settings.modes);
   modes.leftCols(n) = K.llt().matrixL().solve(Q.transpose()).transpose();
 
-  table.modes = rounded(skin.on_skin(modes).cast<float>());
+  table.modes = rounded(skin.in_shell(modes).cast<float>());
   const ModalForms made = forms.make(modes, 0, kSmooth);
   table.cubic = rounded(made.modes, 3, made.cubic);
   return table;
@@ -147,6 +148,8 @@ TouchTables make_touch_tables(const SkinResponse& skin, const TouchBakeSettings&
   TouchTables tables;
   tables.point_spacing = settings.point_spacing;
   tables.region_reach = settings.regions.reach;
+  tables.shell = make_shell(skin);
+  if (store != nullptr && !store->find_shell(keys)) store->keep(keys, tables.shell);
   tables.compliance = find_or_make_compliance(skin, settings, keys, progress, store);
   const std::vector<int> middles =
       spread_vertices(skin, settings.regions.spacing, settings.regions.most);

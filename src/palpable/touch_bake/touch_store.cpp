@@ -133,6 +133,7 @@ TouchKeys touch_keys(const SkinResponse& skin, const TouchBakeSettings& settings
     digest.add(radius);
     keys.cross = digest.value();
   }
+  keys.shell = body.value();
   return keys;
 }
 
@@ -146,6 +147,10 @@ std::optional<RegionTable> TouchStore::find_region(const TouchKeys& keys, int ve
 
 std::optional<CrossTable> TouchStore::find_cross(const TouchKeys& keys) const {
   return find<CrossTable>(folder_ / "cross.h5", keys.cross);
+}
+
+std::optional<ShellTable> TouchStore::find_shell(const TouchKeys& keys) const {
+  return find<ShellTable>(folder_ / "shell.h5", keys.shell);
 }
 
 void TouchStore::keep(const TouchKeys& keys, const ComplianceTable& table) const {
@@ -162,10 +167,15 @@ void TouchStore::keep(const TouchKeys& keys, const CrossTable& table) const {
   write_file(folder_ / "cross.h5", kTableKind, keys.cross, [&](hid_t h) { write_group(h, table); });
 }
 
+void TouchStore::keep(const TouchKeys& keys, const ShellTable& table) const {
+  write_file(folder_ / "shell.h5", kTableKind, keys.shell, [&](hid_t h) { write_group(h, table); });
+}
+
 void TouchStore::keep_list(std::uint64_t of, const TouchKeys& keys,
                            const TouchTables& tables) const {
   write_file(folder_ / kListFile, kListKind, of, [&](hid_t h) {
     hdf5::write_text(h, "compliance", key_text(keys.compliance));
+    hdf5::write_text(h, "shell", key_text(keys.shell));
     hdf5::write_text(h, "regions", key_text(keys.regions));
     hdf5::write_text(h, "cross",
                      tables.cross.cubic.variables > 0 ? key_text(keys.cross) : std::string());
@@ -187,6 +197,7 @@ std::optional<TouchTables> TouchStore::find_listed(std::uint64_t of) const {
   };
   const bool listed = read_file(folder_ / kListFile, kListKind, of, [&](hid_t h) {
     keys.compliance = key_of(hdf5::read_text(h, "compliance"));
+    keys.shell = key_of(hdf5::read_text(h, "shell"));
     keys.regions = key_of(hdf5::read_text(h, "regions"));
     const std::string cross = hdf5::read_text(h, "cross");
     has_cross = !cross.empty();
@@ -201,6 +212,9 @@ std::optional<TouchTables> TouchStore::find_listed(std::uint64_t of) const {
   } else {
     return std::nullopt;
   }
+  auto shell = find_shell(keys);
+  if (!shell) return std::nullopt;
+  tables.shell = std::move(*shell);
   for (const int vertex : middles) {
     auto region = find_region(keys, vertex);
     if (!region) return std::nullopt;

@@ -21,6 +21,7 @@ struct TouchKeys {
   std::uint64_t compliance = 0;
   std::uint64_t regions = 0;  ///< of one it also hangs on the vertex
   std::uint64_t cross = 0;
+  std::uint64_t shell = 0;
 
   [[nodiscard]] bool operator==(const TouchKeys&) const = default;
 };
@@ -40,11 +41,13 @@ class TouchStore {
   [[nodiscard]] std::optional<ComplianceTable> find_compliance(const TouchKeys& keys) const;
   [[nodiscard]] std::optional<RegionTable> find_region(const TouchKeys& keys, int vertex) const;
   [[nodiscard]] std::optional<CrossTable> find_cross(const TouchKeys& keys) const;
+  [[nodiscard]] std::optional<ShellTable> find_shell(const TouchKeys& keys) const;
 
   /// @throws Error when the file cannot be written, e.g. on a full disk
   void keep(const TouchKeys& keys, const ComplianceTable& table) const;
   void keep(const TouchKeys& keys, const RegionTable& table) const;
   void keep(const TouchKeys& keys, const CrossTable& table) const;
+  void keep(const TouchKeys& keys, const ShellTable& table) const;
 
   /// States that these tables are complete, for whoever knows no keys but that of a campaign:
   /// `bake` does, `reduce` looks there.

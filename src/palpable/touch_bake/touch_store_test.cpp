@@ -40,21 +40,25 @@ TouchKeys keys_of(const SolidModel& model, const TouchBakeSettings& settings = {
 TEST_CASE("a table that was kept is found again, by its key alone", "[touch][files]") {
   const ScratchFolder folder("touch_store");
   const TouchTables tables = some_tables();
-  const TouchKeys keys{1, 2, 3};
+  const TouchKeys keys{1, 2, 3, 4};
   const TouchStore store(folder / "touch");
   CHECK_FALSE(store.find_compliance(keys));
   store.keep(keys, tables.compliance);
   store.keep(keys, tables.regions[1]);
   store.keep(keys, tables.cross);
+  store.keep(keys, tables.shell);
 
   CHECK(store.find_compliance(keys).value().near == tables.compliance.near);
   const int vertex = tables.regions[1].vertex;
   CHECK(store.find_region(keys, vertex).value().quartic.values == tables.regions[1].quartic.values);
   CHECK(store.find_cross(keys).value().cubic.scale == tables.cross.cubic.scale);
 
-  CHECK_FALSE(store.find_compliance({7, 2, 3}));
-  CHECK_FALSE(store.find_region({1, 7, 3}, vertex));
-  CHECK_FALSE(store.find_cross({1, 2, 7}));
+  CHECK(store.find_shell(keys).value().weights == tables.shell.weights);
+
+  CHECK_FALSE(store.find_compliance({7, 2, 3, 4}));
+  CHECK_FALSE(store.find_region({1, 7, 3, 4}, vertex));
+  CHECK_FALSE(store.find_cross({1, 2, 7, 4}));
+  CHECK_FALSE(store.find_shell({1, 2, 3, 7}));
   CHECK_FALSE(store.find_region(keys, tables.regions[0].vertex));
   // Another region's file under this one's name is not this one.
   fs::copy_file(store.folder() / "region_000008.h5", store.folder() / "region_000001.h5");
@@ -65,7 +69,7 @@ TEST_CASE("a table that was kept is found again, by its key alone", "[touch][fil
 TEST_CASE("a table that is damaged is made again", "[touch][files]") {
   const ScratchFolder folder("touch_store");
   const TouchStore store(folder / "touch");
-  const TouchKeys keys{1, 2, 3};
+  const TouchKeys keys{1, 2, 3, 4};
   store.keep(keys, some_tables().cross);
   const fs::path file = store.folder() / "cross.h5";
   const std::string good = test::file_bytes(file);
@@ -85,10 +89,11 @@ TEST_CASE("a list says which tables belong to a campaign", "[touch][files]") {
   const ScratchFolder folder("touch_store");
   const TouchStore store(folder / "touch");
   TouchTables tables = some_tables();
-  const TouchKeys keys{1, 2, 3};
+  const TouchKeys keys{1, 2, 3, 4};
   CHECK_FALSE(store.find_listed(11));
   store.keep(keys, tables.compliance);
   store.keep(keys, tables.cross);
+  store.keep(keys, tables.shell);
   for (const RegionTable& region : tables.regions) store.keep(keys, region);
   store.keep_list(11, keys, tables);
   const TouchTables found = store.find_listed(11).value();
@@ -96,6 +101,7 @@ TEST_CASE("a list says which tables belong to a campaign", "[touch][files]") {
   REQUIRE(found.regions.size() == 2);
   CHECK(found.regions[1].vertex == tables.regions[1].vertex);
   CHECK(found.cross.cubic.values == tables.cross.cubic.values);
+  CHECK(found.shell.points == tables.shell.points);
   CHECK(found.region_reach == tables.region_reach);
   CHECK(found.point_spacing == tables.point_spacing);
   CHECK_FALSE(store.find_listed(12));
@@ -110,13 +116,17 @@ TEST_CASE("a list says which tables belong to a campaign", "[touch][files]") {
   store.keep_list(11, keys, some_tables());
   fs::remove(store.folder() / "region_000008.h5");
   CHECK_FALSE(store.find_listed(11));
+  store.keep(keys, some_tables().regions[1]);
+  CHECK(store.find_listed(11));
+  fs::remove(store.folder() / "shell.h5");
+  CHECK_FALSE(store.find_listed(11));
 }
 
 TEST_CASE("what a killed process has left is removed, what grows is not", "[touch][files]") {
   const ScratchFolder folder("touch_store");
   const TouchStore store(folder / "touch");
   store.remove_leftovers();  // of a folder that is not there
-  store.keep({1, 2, 3}, some_tables().cross);
+  store.keep({1, 2, 3, 4}, some_tables().cross);
   const std::string growing = "cross.h5" + own_part_suffix();
   test::write_bytes(store.folder() / growing, "x");
   test::write_bytes(store.folder() / "cross.h5.part-elsewhere-12", "x");
@@ -166,6 +176,7 @@ TEST_CASE("a table is made again when anything changes that it hangs on", "[touc
     CHECK(all.insert(changed.compliance).second);
     CHECK(changed.regions != keys.regions);
     CHECK(changed.cross != keys.cross);
+    CHECK(changed.shell != keys.shell);
   }
   // Of the settings each mixes in its own, and regions the compliance's.
   const auto with = [&](auto change) {

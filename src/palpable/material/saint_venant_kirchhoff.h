@@ -7,7 +7,7 @@
 ///   P    first Piola-Kirchhoff stress, F S           (3 x 3) Pa
 #pragma once
 
-#include "palpable/solid/law.h"
+#include "palpable/material/law.h"
 
 namespace palpable {
 

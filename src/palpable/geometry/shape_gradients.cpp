@@ -1,4 +1,4 @@
-#include "palpable/solid/shape_gradients.h"
+#include "palpable/geometry/shape_gradients.h"
 
 #include <Eigen/LU>
 

@@ -1,4 +1,4 @@
-#include "palpable/solid/quadrature.h"
+#include "palpable/geometry/quadrature.h"
 
 #include <cmath>
 #include <vector>

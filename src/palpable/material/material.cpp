@@ -1,4 +1,4 @@
-#include "palpable/solid/material.h"
+#include "palpable/material/material.h"
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"

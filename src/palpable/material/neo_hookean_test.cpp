@@ -1,4 +1,4 @@
-#include "palpable/solid/neo_hookean.h"
+#include "palpable/material/neo_hookean.h"
 
 #include "palpable/base/contract.h"
 #include "tests/support/test.h"

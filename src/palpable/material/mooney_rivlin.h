@@ -8,7 +8,7 @@
 ///   P    first Piola-Kirchhoff stress, dPsi/dF       (3 x 3) Pa
 #pragma once
 
-#include "palpable/solid/law.h"
+#include "palpable/material/law.h"
 
 namespace palpable {
 

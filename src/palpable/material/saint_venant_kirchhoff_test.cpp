@@ -1,4 +1,4 @@
-#include "palpable/solid/saint_venant_kirchhoff.h"
+#include "palpable/material/saint_venant_kirchhoff.h"
 
 #include "tests/support/test.h"
 

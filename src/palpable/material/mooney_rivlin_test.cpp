@@ -1,10 +1,10 @@
 // What is particular to this law; what every law must satisfy is in material_test.cpp.
-#include "palpable/solid/mooney_rivlin.h"
+#include "palpable/material/mooney_rivlin.h"
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
-#include "palpable/solid/material.h"
-#include "palpable/solid/neo_hookean.h"
+#include "palpable/material/material.h"
+#include "palpable/material/neo_hookean.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Dense>

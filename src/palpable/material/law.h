@@ -12,7 +12,7 @@
 #pragma once
 
 #include "palpable/base/contract.h"
-#include "palpable/solid/tensor.h"
+#include "palpable/material/tensor.h"
 
 #include <Eigen/Core>
 

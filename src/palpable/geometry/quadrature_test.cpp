@@ -1,4 +1,4 @@
-#include "palpable/solid/quadrature.h"
+#include "palpable/geometry/quadrature.h"
 
 #include "tests/support/test.h"
 
@@ -23,7 +23,7 @@ double sum(std::span<const QuadraturePoint> rule, int p, int q, int r) {
   return value;
 }
 
-TEST_CASE("each rule integrates the polynomials that it promises", "[solid][quadrature]") {
+TEST_CASE("each rule integrates the polynomials that it promises", "[geometry][quadrature]") {
   const double rounding = tolerance(1e-13, "rounding");
   for (int p = 0; p <= 4; ++p) {
     for (int q = 0; p + q <= 4; ++q) {
@@ -40,7 +40,7 @@ TEST_CASE("each rule integrates the polynomials that it promises", "[solid][quad
   }
 }
 
-TEST_CASE("all points lie inside, with positive weights", "[solid][quadrature]") {
+TEST_CASE("all points lie inside, with positive weights", "[geometry][quadrature]") {
   for (const std::span<const QuadraturePoint> rule :
        {std::span<const QuadraturePoint>(four_point_rule()), tetrahedron_rule(), triangle_rule()}) {
     for (const auto& [at, weight] : rule) {

@@ -2,10 +2,10 @@
 /// The laws of hyperelasticity that a body may have, and their names in a body file.
 #pragma once
 
-#include "palpable/solid/mooney_rivlin.h"
-#include "palpable/solid/neo_hookean.h"
-#include "palpable/solid/neo_hookean_abaqus.h"
-#include "palpable/solid/saint_venant_kirchhoff.h"
+#include "palpable/material/mooney_rivlin.h"
+#include "palpable/material/neo_hookean.h"
+#include "palpable/material/neo_hookean_abaqus.h"
+#include "palpable/material/saint_venant_kirchhoff.h"
 
 #include <span>
 #include <string>

@@ -1,5 +1,5 @@
 // What is particular to this law; what every law must satisfy is in material_test.cpp.
-#include "palpable/solid/neo_hookean_abaqus.h"
+#include "palpable/material/neo_hookean_abaqus.h"
 
 #include "palpable/base/contract.h"
 #include "tests/support/test.h"

@@ -1,4 +1,4 @@
-#include "palpable/solid/element_order.h"
+#include "palpable/geometry/element_order.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // What every law must satisfy, and how a law is chosen by name.
-#include "palpable/solid/material.h"
+#include "palpable/material/material.h"
 
 #include "palpable/base/error.h"
 #include "tests/support/test.h"

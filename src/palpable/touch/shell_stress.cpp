@@ -1,0 +1,407 @@
+// Eight elements at a time, in single precision: what comes from 60 kPa is off by some 0.01 Pa.
+// This file is compiled without contraction of a * b + c (CMakeLists.txt), so that all processors
+// give the same bytes.
+
+#include "palpable/touch/shell_stress.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/geometry/element_order.h"
+#include "palpable/material/law.h"
+#include "palpable/material/simd.h"
+#include "palpable/material/tensor.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+// An element that is pressed to less of its volume is on its way to being turned inside out.
+constexpr float kLeastVolume = 0.01f;
+// Pa: more is no stress of a body; squares of it are numbers still.
+constexpr float kMostStress = 1e15f;
+
+using FloatPack = float __attribute__((vector_size(kPackSize * sizeof(float))));
+using IntPack = std::int32_t __attribute__((vector_size(kPackSize * sizeof(std::int32_t))));
+using WordPack = std::uint32_t __attribute__((vector_size(kPackSize * sizeof(std::uint32_t))));
+using Four = float __attribute__((vector_size(4 * sizeof(float))));
+
+// Eight floats that the laws' formulas take as a number: their constants are doubles.
+struct Lanes {
+  FloatPack v;
+  PALPABLE_ALWAYS_INLINE Lanes& operator+=(const Lanes& b) {
+    v += b.v;
+    return *this;
+  }
+  PALPABLE_ALWAYS_INLINE Lanes& operator-=(double b) {
+    v -= static_cast<float>(b);
+    return *this;
+  }
+};
+PALPABLE_ALWAYS_INLINE Lanes lanes(double x) { return {FloatPack{} + static_cast<float>(x)}; }
+PALPABLE_ALWAYS_INLINE Lanes operator+(const Lanes& a, const Lanes& b) { return {a.v + b.v}; }
+PALPABLE_ALWAYS_INLINE Lanes operator-(const Lanes& a, const Lanes& b) { return {a.v - b.v}; }
+PALPABLE_ALWAYS_INLINE Lanes operator*(const Lanes& a, const Lanes& b) { return {a.v * b.v}; }
+PALPABLE_ALWAYS_INLINE Lanes operator/(const Lanes& a, const Lanes& b) { return {a.v / b.v}; }
+PALPABLE_ALWAYS_INLINE Lanes operator+(double a, const Lanes& b) { return lanes(a) + b; }
+PALPABLE_ALWAYS_INLINE Lanes operator-(double a, const Lanes& b) { return lanes(a) - b; }
+PALPABLE_ALWAYS_INLINE Lanes operator*(double a, const Lanes& b) { return lanes(a) * b; }
+PALPABLE_ALWAYS_INLINE Lanes operator/(double a, const Lanes& b) { return lanes(a) / b; }
+PALPABLE_ALWAYS_INLINE Lanes operator-(const Lanes& a, double b) { return a - lanes(b); }
+PALPABLE_ALWAYS_INLINE Lanes operator*(const Lanes& a, double b) { return a * lanes(b); }
+
+// As those of tensor.h, to single precision: the rest of the series is below 3e-9 of its first
+// term.
+PALPABLE_ALWAYS_INLINE Lanes logarithm(const Lanes& x) {
+  const WordPack bits = (WordPack)x.v;
+  const IntPack e = ((IntPack)(bits + (0x3f800000U - 0x3f3504f3U)) >> 23) - 127;
+  const FloatPack m = (FloatPack)(bits - ((WordPack)e << 23));
+  const FloatPack s = (m - 1.0f) / (m + 1.0f);
+  const FloatPack q = s * s;
+  const FloatPack series = ((q * (1.0f / 9) + 1.0f / 7) * q + 1.0f / 5) * q + 1.0f / 3;
+  return {__builtin_convertvector(e, FloatPack) * 0.69314718f + 2.0f * (s + s * q * series)};
+}
+PALPABLE_ALWAYS_INLINE Lanes inverse_cube_root(const Lanes& x) {
+  const FloatPack start =
+      1.41989e9f - __builtin_convertvector((IntPack)x.v, FloatPack) * (1.0f / 3);
+  FloatPack r = (FloatPack) __builtin_convertvector(start, IntPack);
+  for (int step = 0; step < 3; ++step) r = r * (4.0f - x.v * r * r * r) * (1.0f / 3);
+  return {r};
+}
+
+// Displacement of a node, m; the fourth number is 0.
+struct alignas(16) PlaceRow {
+  Four u;
+};
+
+// A symmetric tensor, and two numbers that mean nothing.
+struct alignas(32) StressRow {
+  FloatPack s;
+};
+
+// Eight elements of one material. The gradients of an element's nodes sum to zero: that of node 0
+// is not kept.
+template <int A, int Q>
+struct alignas(32) ShellBlock {
+  FloatPack g[Q][A - 1][3];  // 1/m
+  int nodes[A][kPackSize];
+};
+
+struct Term {
+  int point;  // a StressRow
+  float weight;
+};
+
+struct Recovery {
+  const int* vertex;  // in the order in which they are computed
+  const int* first;
+  const Term* terms;
+  int vertices;
+};
+
+template <int A>
+struct Differences {
+  FloatPack at[A - 1][3];  // m, u_a - u_0
+};
+
+// The displacement of eight nodes.
+PALPABLE_ALWAYS_INLINE void gather(const PlaceRow* rows, const int (&n)[kPackSize],
+                                   FloatPack (&u)[3]) {
+  FloatPack two[4];  // nodes k and k + 4
+  for (int k = 0; k < 4; ++k) {
+    two[k] = __builtin_shufflevector(rows[n[k]].u, rows[n[k + 4]].u, 0, 1, 2, 3, 4, 5, 6, 7);
+  }
+  const FloatPack xy_01 = __builtin_shufflevector(two[0], two[1], 0, 8, 1, 9, 4, 12, 5, 13);
+  const FloatPack xy_23 = __builtin_shufflevector(two[2], two[3], 0, 8, 1, 9, 4, 12, 5, 13);
+  const FloatPack z_01 = __builtin_shufflevector(two[0], two[1], 2, 10, 3, 11, 6, 14, 7, 15);
+  const FloatPack z_23 = __builtin_shufflevector(two[2], two[3], 2, 10, 3, 11, 6, 14, 7, 15);
+  u[0] = __builtin_shufflevector(xy_01, xy_23, 0, 1, 8, 9, 4, 5, 12, 13);
+  u[1] = __builtin_shufflevector(xy_01, xy_23, 2, 3, 10, 11, 6, 7, 14, 15);
+  u[2] = __builtin_shufflevector(z_01, z_23, 0, 1, 8, 9, 4, 5, 12, 13);
+}
+
+template <int A, int Q>
+PALPABLE_ALWAYS_INLINE void gather_differences(const PlaceRow* rows, const ShellBlock<A, Q>& block,
+                                               Differences<A>& u) {
+  FloatPack first[3];
+  gather(rows, block.nodes[0], first);
+  for (int a = 1; a < A; ++a) {
+    gather(rows, block.nodes[a], u.at[a - 1]);
+    for (int i = 0; i < 3; ++i) u.at[a - 1][i] -= first[i];
+  }
+}
+
+// 1 + sum_a (u_a - u_0) (dN_a/dX)^T
+template <int A>
+PALPABLE_ALWAYS_INLINE Tensor<Lanes> gradient(const Differences<A>& u,
+                                              const FloatPack (&g)[A - 1][3]) {
+  Tensor<Lanes> F{};
+  for (int J = 0; J < 3; ++J) {
+    for (int i = 0; i < 3; ++i) {
+      FloatPack sum = u.at[0][i] * g[0][J];
+      for (int a = 1; a < A - 1; ++a) sum += u.at[a][i] * g[a][J];
+      F(i, J).v = i == J ? sum + 1.0f : sum;
+    }
+  }
+  return F;
+}
+
+// As deformation() of law.h, with a volume that is not less than the least. Returns 1 / J.
+PALPABLE_ALWAYS_INLINE Lanes bounded_deformation(const Tensor<Lanes>& F, Deformation<Lanes>& d) {
+  d.F = F;
+  const Tensor<Lanes> cofactor = cofactors(F);
+  const Lanes J = F(0, 0) * cofactor(0, 0) + F(1, 0) * cofactor(1, 0) + F(2, 0) * cofactor(2, 0);
+  d.J = {J.v > kLeastVolume ? J.v : FloatPack{} + kLeastVolume};  // also where J is no number
+  const Lanes shrunk = 1.0 / d.J;
+  d.G = shrunk * cofactor;
+  d.I1 = inner(F, F);
+  return shrunk;
+}
+
+// What is no number is the most.
+PALPABLE_ALWAYS_INLINE FloatPack bounded(FloatPack s) {
+  s = s < kMostStress ? s : FloatPack{} + kMostStress;
+  return s > -kMostStress ? s : FloatPack{} - kMostStress;
+}
+
+// Rows of eight elements from components of eight elements: an 8 x 8 matrix turned round.
+PALPABLE_ALWAYS_INLINE void store_rows(const FloatPack (&s)[6], StressRow* to) {
+  const FloatPack none{};
+  const auto mixed = [](const FloatPack& a, const FloatPack& b, bool high) {
+    return high ? __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15)
+                : __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
+  };
+  for (const bool high : {false, true}) {
+    const FloatPack s01 = mixed(s[0], s[1], high), s23 = mixed(s[2], s[3], high);
+    const FloatPack s45 = mixed(s[4], s[5], high);
+    // Components 0 to 3, and 4 to 7, of elements k and k + 4.
+    const FloatPack low_0 = __builtin_shufflevector(s01, s23, 0, 1, 8, 9, 4, 5, 12, 13);
+    const FloatPack low_1 = __builtin_shufflevector(s01, s23, 2, 3, 10, 11, 6, 7, 14, 15);
+    const FloatPack high_0 = __builtin_shufflevector(s45, none, 0, 1, 8, 9, 4, 5, 12, 13);
+    const FloatPack high_1 = __builtin_shufflevector(s45, none, 2, 3, 10, 11, 6, 7, 14, 15);
+    StressRow* row = to + (high ? 2 : 0);
+    row[0].s = __builtin_shufflevector(low_0, high_0, 0, 1, 2, 3, 8, 9, 10, 11);
+    row[1].s = __builtin_shufflevector(low_1, high_1, 0, 1, 2, 3, 8, 9, 10, 11);
+    row[4].s = __builtin_shufflevector(low_0, high_0, 4, 5, 6, 7, 12, 13, 14, 15);
+    row[5].s = __builtin_shufflevector(low_1, high_1, 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+}
+
+struct Stresses {
+  template <class Law, int A, int Q>
+  PALPABLE_ALWAYS_INLINE static int run(const Law& law, std::span<const ShellBlock<A, Q>>& blocks,
+                                        const PlaceRow*& rows, StressRow*& to) {
+    constexpr int kRow[6] = {0, 1, 2, 0, 1, 2}, kColumn[6] = {0, 1, 2, 1, 2, 0};
+    for (const ShellBlock<A, Q>& block : blocks) {
+      Differences<A> u;
+      gather_differences(rows, block, u);
+      for (int q = 0; q < Q; ++q, to += kPackSize) {
+        Deformation<Lanes> d;
+        const Lanes shrunk = bounded_deformation(gradient<A>(u, block.g[q]), d);
+        const Tensor<Lanes> P = first_piola(law, d);
+        FloatPack s[6];
+        for (int c = 0; c < 6; ++c) {
+          const int i = kRow[c], j = kColumn[c];
+          const Lanes sum = P(i, 0) * d.F(j, 0) + P(i, 1) * d.F(j, 1) + P(i, 2) * d.F(j, 2);
+          s[c] = bounded((sum * shrunk).v);
+        }
+        store_rows(s, to);
+      }
+    }
+    return 0;
+  }
+};
+
+struct Recover {
+  PALPABLE_ALWAYS_INLINE static int run(const Recovery& recovery, const StressRow*& rows,
+                                        float*& von_mises, float*& cauchy) {
+    for (int k = 0; k < recovery.vertices; ++k) {
+      const int v = recovery.vertex[k];
+      // Four sums, which do not wait for each other.
+      FloatPack sums[4]{};
+      const Term* term = recovery.terms + recovery.first[k];
+      const Term* const last = recovery.terms + recovery.first[k + 1];
+      for (; term + 4 <= last; term += 4) {
+        for (int i = 0; i < 4; ++i) sums[i] += term[i].weight * rows[term[i].point].s;
+      }
+      for (; term != last; ++term) sums[0] += term->weight * rows[term->point].s;
+      const FloatPack sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+      const float xy = sum[0] - sum[1], yz = sum[1] - sum[2], zx = sum[2] - sum[0];
+      const float shear = sum[3] * sum[3] + sum[4] * sum[4] + sum[5] * sum[5];
+      von_mises[v] = __builtin_sqrtf(0.5f * (xy * xy + yz * yz + zx * zx) + 3.0f * shear);
+      if (cauchy == nullptr) continue;
+      for (int c = 0; c < 6; ++c) cauchy[6 * v + c] = sum[c];
+    }
+    return 0;
+  }
+};
+
+// The elements of a shell that have one material, in blocks.
+template <int A, int Q>
+struct ShellPart {
+  Material material;
+  std::vector<ShellBlock<A, Q>> blocks;
+};
+
+Eigen::Matrix3Xd middles_of(const ShellTable& table) {
+  Eigen::Matrix3Xd middles(3, table.element_count());
+  for (int e = 0; e < table.element_count(); ++e) {
+    const std::span<const int> nodes = table.nodes_of(e);
+    middles.col(e) = table.stress_free(Eigen::all, nodes).rowwise().mean();
+  }
+  return middles;
+}
+
+template <int A, int Q>
+void set_lane(const ShellTable& table, int element, int lane, ShellBlock<A, Q>& block) {
+  for (int q = 0; q < Q; ++q) {
+    const Eigen::Matrix3Xd g = gradients_at(table, element, q);
+    for (int a = 1; a < A; ++a) {
+      for (int J = 0; J < 3; ++J) block.g[q][a - 1][J][lane] = static_cast<float>(g(J, a));
+    }
+  }
+  const std::span<const int> nodes = table.nodes_of(element);
+  for (int a = 0; a < A; ++a) block.nodes[a][lane] = nodes[static_cast<std::size_t>(a)];
+}
+
+// @param elements      in the order in which they are computed
+// @param place_of      (W) where the displacement of each node will be
+// @param row_of_point  (Q E) where the stress of each point will be
+template <int A, int Q>
+std::vector<ShellPart<A, Q>> parts_of(const ShellTable& table, const std::vector<int>& elements,
+                                      const std::vector<int>& place_of,
+                                      std::vector<int>& row_of_point) {
+  std::vector<ShellPart<A, Q>> parts;
+  row_of_point.assign(static_cast<std::size_t>(Q * table.element_count()), 0);
+  int before = 0;  // blocks of former parts
+  for (std::size_t m = 0; m < table.materials.size(); ++m) {
+    ShellPart<A, Q> part{table.materials[m], {}};
+    int count = 0, last = -1;
+    for (const int e : elements) {
+      if (table.material_of[static_cast<std::size_t>(e)] != static_cast<int>(m)) continue;
+      if (count % kPackSize == 0) part.blocks.emplace_back();
+      set_lane(table, e, count % kPackSize, part.blocks.back());
+      for (int q = 0; q < Q; ++q) {
+        row_of_point[static_cast<std::size_t>(Q * e + q)] =
+            ((before + count / kPackSize) * Q + q) * kPackSize + count % kPackSize;
+      }
+      last = e;
+      ++count;
+    }
+    // The last block is filled up with copies.
+    for (; last >= 0 && count % kPackSize != 0; ++count) {
+      set_lane(table, last, count % kPackSize, part.blocks.back());
+    }
+    for (ShellBlock<A, Q>& block : part.blocks) {
+      for (auto& nodes : block.nodes) {
+        for (int& n : nodes) n = place_of[static_cast<std::size_t>(n)];
+      }
+    }
+    before += static_cast<int>(part.blocks.size());
+    if (last >= 0) parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+template <int A, int Q>
+std::size_t rows_of(const std::vector<ShellPart<A, Q>>& parts) {
+  std::size_t rows = 0;
+  for (const auto& part : parts)
+    rows += part.blocks.size() * static_cast<std::size_t>(Q * kPackSize);
+  return rows;
+}
+
+template <int A, int Q>
+void fill(SimdLevel level, const std::vector<ShellPart<A, Q>>& parts, const PlaceRow* rows,
+          StressRow* to) {
+  for (const ShellPart<A, Q>& part : parts) {
+    std::span<const ShellBlock<A, Q>> blocks(part.blocks);
+    std::visit([&](const auto& law) { run_at<Stresses>(level, law, blocks, rows, to); },
+               part.material);
+  }
+}
+
+}  // namespace
+
+struct ShellStress::Work {
+  SimdLevel level = best_simd_level();
+  int vertices;
+  Eigen::Matrix3Xf preload;
+  std::vector<ShellPart<4, 1>> linear;
+  std::vector<ShellPart<10, 4>> quadratic;
+  std::vector<int> node_order, vertex_order;  // (W), (V) along a curve
+  std::vector<int> first;                     // (V + 1) in that order
+  std::vector<Term> terms;
+  std::vector<PlaceRow> places;   // (W) in that order
+  std::vector<StressRow> stress;  // of all points
+
+  Work(const ShellTable& table, int V)
+      : vertices(V),
+        preload(table.preload.cast<float>()),
+        node_order(order_along_curve(table.stress_free)),
+        vertex_order(order_along_curve(table.stress_free.leftCols(V))) {
+    std::vector<int> place_of(node_order.size()), row_of_point;
+    for (std::size_t k = 0; k < node_order.size(); ++k) {
+      place_of[static_cast<std::size_t>(node_order[k])] = static_cast<int>(k);
+    }
+    const std::vector<int> elements = order_along_curve(middles_of(table));
+    if (table.element_nodes == 4) {
+      linear = parts_of<4, 1>(table, elements, place_of, row_of_point);
+    } else {
+      quadratic = parts_of<10, 4>(table, elements, place_of, row_of_point);
+    }
+    first.push_back(0);
+    for (const int v : vertex_order) {
+      const auto begin = static_cast<std::size_t>(table.first[static_cast<std::size_t>(v)]);
+      const auto end = static_cast<std::size_t>(table.first[static_cast<std::size_t>(v) + 1]);
+      for (std::size_t k = begin; k < end; ++k) {
+        terms.push_back(
+            {row_of_point[static_cast<std::size_t>(table.points[k])], table.weights[k]});
+      }
+      std::sort(terms.begin() + first.back(), terms.end(),
+                [](const Term& a, const Term& b) { return a.point < b.point; });
+      first.push_back(static_cast<int>(terms.size()));
+    }
+    places.assign(static_cast<std::size_t>(table.nodes()), PlaceRow{});
+    stress.assign(rows_of(linear) + rows_of(quadratic), StressRow{});
+  }
+};
+
+ShellStress::ShellStress(const ShellTable& table, int vertices) {
+  PALPABLE_EXPECT(trouble_of(table, vertices).empty(), "a shell is consistent");
+  work_ = std::make_unique<Work>(table, vertices);
+}
+ShellStress::~ShellStress() = default;
+ShellStress::ShellStress(ShellStress&&) noexcept = default;
+
+int ShellStress::vertices() const { return work_->vertices; }
+int ShellStress::nodes() const { return static_cast<int>(work_->places.size()); }
+
+void ShellStress::evaluate(const Eigen::Matrix3Xf& u, std::span<float> von_mises,
+                           std::span<float> cauchy) {
+  Work& w = *work_;
+  const auto V = static_cast<std::size_t>(w.vertices);
+  PALPABLE_EXPECT(
+      u.cols() == nodes() && von_mises.size() == V && (cauchy.empty() || cauchy.size() == 6 * V),
+      "a displacement of the shell's nodes, and room for the skin's stress");
+  for (std::size_t k = 0; k < w.places.size(); ++k) {
+    const int n = w.node_order[k];
+    const Eigen::Vector3f here = w.preload.col(n) + u.col(n);
+    w.places[k].u = Four{here[0], here[1], here[2], 0.0f};
+  }
+  fill(w.level, w.linear, w.places.data(), w.stress.data());
+  fill(w.level, w.quadratic, w.places.data(), w.stress.data());
+  const Recovery recovery{w.vertex_order.data(), w.first.data(), w.terms.data(), w.vertices};
+  const StressRow* rows = w.stress.data();
+  float *to = von_mises.data(), *tensors = cauchy.empty() ? nullptr : cauchy.data();
+  run_at<Recover>(w.level, recovery, rows, to, tensors);
+}
+
+}  // namespace palpable
