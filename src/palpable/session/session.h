@@ -64,7 +64,7 @@ struct SessionSettings {
   /// fattening by what the windows add; session.cpp has the figures.
   ObjectSurfaceSettings surface{};
   PressingMaskSettings pressing{};
-  TouchSettings touch{.entry = 1e-4};  ///< a tenth of what a camera knows
+  TouchSettings touch{.entry = 1e-4};  ///< m: a tenth of what a camera knows
   PressSettings press{};
   PaperSettings paper{};
 };
