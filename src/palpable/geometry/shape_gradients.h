@@ -2,6 +2,7 @@
 /// Shape functions of the 4-node and the 10-node tetrahedron.
 #pragma once
 
+#include "palpable/geometry/quadratic_shape.h"
 #include "palpable/geometry/tet_mesh.h"
 
 #include <Eigen/Core>
@@ -46,18 +47,6 @@ template <class Gradients, class Nodes>
                                                           const Eigen::Matrix3Xd& u) {
   return detail::deformation_gradient(g, nodes, u);
 }
-
-/// The 10-node tetrahedron at one point: corners first, then edges as in kTetEdges.
-///
-///     N_a = L_a (2 L_a - 1) at corners,  N_ab = 4 L_a L_b on edges   (L barycentric coordinates)
-///
-/// Where L_3 = 0, the corners 0 1 2 and the edges 4 5 6 are the 6-node triangle.
-struct QuadraticShape {
-  Eigen::Matrix<double, 10, 1> N;
-  Eigen::Matrix<double, 3, 10> slope;  ///< d/dL_1, d/dL_2, d/dL_3 with L_0 = 1 - L_1 - L_2 - L_3
-};
-/// Shape functions and their slopes at the barycentric coordinates L_0 .. L_3.
-[[nodiscard]] QuadraticShape quadratic_shape(const Eigen::Vector4d& barycentric);
 
 /// Node indices of element `e` of a quadratic mesh: corners, then edges.
 [[nodiscard]] Eigen::Matrix<int, 10, 1> quadratic_nodes(const TetMesh& mesh, int e);

@@ -6,6 +6,7 @@
 #include "tests/support/noise_room.h"
 #include "tests/support/seen_capsules.h"
 #include "tests/support/seen_wall.h"
+#include "tests/support/some_touch_tables.h"
 #include "tests/support/test.h"
 
 #include <algorithm>
@@ -64,6 +65,66 @@ const SessionSettings kEverything{.press_static = true, .map = false};
 FrameLoop make_loop(const SessionSettings& settings = kEverything) {
   return std::move(
       FrameLoop::make(test::DentedSphere{}.body(), pose(), depth_format(), settings).value());
+}
+
+// The same body with tables of touch: each vertex gives way by 1 mm a newton.
+FrameLoop make_touchable_loop(SessionSettings settings = kEverything) {
+  const ReducedBody body = test::DentedSphere{}.body();
+  TouchTables tables = test::some_touch_tables(body.surface, 0);
+  return std::move(
+      FrameLoop::make(TouchableBody(body, std::move(tables)), pose(), depth_format(), settings)
+          .value());
+}
+
+TEST_CASE("a body with tables is touched where the finger is, not at a site", "[session]") {
+  FrameLoop loop = make_touchable_loop();
+  CHECK(loop.session.contact() == ContactKind::kAnywhere);
+  const Eigen::Matrix3Xf rest = loop.session.body().surface.vertices.cast<float>();
+  for (int n = 0; n < 3; ++n) CHECK(loop.process(frame_with_finger(n, -0.03)).touches.empty());
+  CHECK(loop.scene.vertices == rest);
+  for (int n = 3; n < 7; ++n) loop.process(frame_with_finger(n, 0.008));
+  const Scene& pressed = loop.process(frame_with_finger(7, 0.008));
+  REQUIRE_FALSE(pressed.touches.empty());
+  const Touch& touch = pressed.touches.front();
+  CHECK(touch.site == -1);
+  CHECK(touch.force > 0);
+  CHECK(touch.direction.z() < -0.7);
+  CHECK(touch.press_depth == Approx(0.008).margin(tolerance(2.5e-3, "m: vertices 6 mm apart")));
+  CHECK((touch.point_in_body - Vector3d(0, 0, 0.092)).norm() < tolerance(0.006, "m, likewise"));
+  // Nothing of the skin is left in what is seen.
+  float deepest = 0;
+  for (Eigen::Index v = 0; v < rest.cols(); ++v) {
+    const auto found = loop.session.surface().nearest(pressed.vertices.col(v));
+    if (found) deepest = std::max(deepest, -found->distance);
+  }
+  CHECK(deepest < 1e-3f);
+  CHECK(*std::max_element(pressed.von_mises.begin(), pressed.von_mises.end()) > 100.0f);
+  CHECK(pressed.normals.colwise().norm().minCoeff() > 0.99f);
+  const Scene& after = loop.process(frame_with_finger(8, -0.03));
+  CHECK(after.touches.empty());
+  CHECK(after.vertices == rest);
+}
+
+TEST_CASE("tables are not asked where somebody wants the sites", "[session]") {
+  SessionSettings settings = kEverything;
+  settings.contact = ContactKind::kSite;
+  FrameLoop loop = make_touchable_loop(settings);
+  CHECK(loop.session.contact() == ContactKind::kSite);
+  for (int n = 0; n < 4; ++n) loop.process(frame_with_finger(n, 0.008));
+  REQUIRE(loop.scene.touches.size() == 1);
+  CHECK(loop.scene.touches[0].site == 0);
+  // A body without tables has nothing else.
+  CHECK(make_loop().session.contact() == ContactKind::kSite);
+}
+
+TEST_CASE("a touched body with tables gives the same bytes again, and allocates nothing",
+          "[session]") {
+  FrameLoop one = make_touchable_loop(), other = make_touchable_loop();
+  for (int n = 0; n < 6; ++n) {
+    const Frame frame = frame_with_finger(n, n < 2 ? -0.03 : 0.002 * n);
+    CHECK(one.process(frame).vertices == other.process(frame).vertices);
+    CHECK(one.scene.von_mises == other.scene.von_mises);
+  }
 }
 
 TEST_CASE("a finger that presses the top dents the top, and leaves it at rest afterwards",

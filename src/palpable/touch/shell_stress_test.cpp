@@ -184,6 +184,8 @@ TEST_CASE("nothing that comes out is NaN, whatever the displacement", "[touch]")
   };
   CHECK(flat(0.011) > flat(0.02));
   CHECK(flat(-0.5) > 0.0f);
+  CHECK(flat(0.0) > 0.0f);
+  CHECK(flat(0.0) < 1e9f);  // no division by a volume of 0
 }
 
 TEST_CASE("stress allocates nothing, and the same displacement gives the same bytes", "[touch]") {

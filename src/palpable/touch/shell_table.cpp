@@ -1,8 +1,8 @@
 #include "palpable/touch/shell_table.h"
 
 #include "palpable/base/error.h"
+#include "palpable/geometry/quadratic_shape.h"
 #include "palpable/geometry/quadrature.h"
-#include "palpable/geometry/shape_gradients.h"
 
 #include <Eigen/LU>
 

@@ -133,17 +133,34 @@ TEST_CASE("who does not know tables of touch reads the body, and older files hav
              Catch::Contains("none.palpable: no such body file"));
 }
 
-TEST_CASE("tables that break a rule are named, and not written over a good file",
-          "[touch][errors]") {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+using Faults = std::vector<std::pair<std::string, std::function<void(TouchTables&)>>>;
+
+// Each is named when it is written, and the good file that is there stays.
+void check_refused(const TouchTables& good, const Faults& faults) {
   const ScratchFolder folder("touch_file");
   const fs::path path = folder / "ball.palpable";
   const ReducedBody body = ball();
-  const TouchTables good = test::some_touch_tables(body.surface);
   CHECK(trouble_of(good, body.surface).empty());
   write_touchable_body(path, body, good);
   const std::string bytes = hdf5::all_bytes(path);
-  const std::vector<std::pair<std::string, std::function<void(TouchTables&)>>> faults{
+  for (const auto& [expected, spoil] : faults) {
+    TouchTables tables = good;
+    spoil(tables);
+    std::string message = "(written)";
+    try {
+      write_touchable_body(path, body, tables);
+    } catch (const Error& error) { message = error.what(); }
+    INFO(expected << " <- " << message);
+    CHECK(message.find(path.string() + ": touch: " + expected) == 0);
+    CHECK(hdf5::all_bytes(path) == bytes);
+  }
+}
+
+TEST_CASE("tables that break a rule are named, and not written over a good file",
+          "[touch][errors]") {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const TouchTables good = test::some_touch_tables(ball().surface);
+  const Faults faults{
       {"the compliance is wrong in its size", [](auto& t) { t.compliance.clusters = 5000; }},
       {"the compliance is wrong in its clusters", [](auto& t) { t.compliance.clusters = 2; }},
       {"the compliance is wrong in the size of its far field",
@@ -203,6 +220,18 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
        [](auto& t) {
          t.cross.cubic = {17, 3, std::vector<std::int16_t>(969), std::vector<float>(153)};
        }},
+      {"the reach of regions is no length", [](auto& t) { t.region_reach = -0.01; }},
+      {"the spacing of contact points is no length", [](auto& t) { t.point_spacing = NAN; }},
+      {"contact points 1e-06 m apart would be", [](auto& t) { t.point_spacing = 1e-6; }},
+  };
+  check_refused(good, faults);
+}
+
+TEST_CASE("a shell that breaks a rule is named, and not written over a good file",
+          "[touch][errors]") {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const TouchTables good = test::some_touch_tables(ball().surface);
+  const Faults faults{
       {"the shell is wrong in its size",
        [](auto& t) { t.shell.preload.conservativeResize(3, 42); }},
       {"the shell is wrong in its size", [](auto& t) { t.shell.element_nodes = 5; }},
@@ -238,52 +267,60 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
          t.shell.stress_free.col(43).setZero();
          t.shell.preload.setZero(3, 44);
        }},
-      {"the reach of regions is no length", [](auto& t) { t.region_reach = -0.01; }},
-      {"the spacing of contact points is no length", [](auto& t) { t.point_spacing = NAN; }},
-      {"contact points 1e-06 m apart would be", [](auto& t) { t.point_spacing = 1e-6; }},
   };
+  check_refused(good, faults);
+}
+
+using FileFaults = std::vector<std::pair<std::string, std::function<void(hid_t touch)>>>;
+
+// Faults of a file: a number, nothing, or another table in the place of what is there.
+std::function<void(hid_t)> number(const char* group, const char* name, double value) {
+  return [=](hid_t touch) {
+    const hdf5::Handle g = hdf5::open_group(touch, group);
+    REQUIRE(H5Adelete(g, name) >= 0);
+    hdf5::write_number(g, name, value);
+  };
+}
+
+std::function<void(hid_t)> without(const char* name) {
+  return [=](hid_t touch) { REQUIRE(H5Ldelete(touch, name, H5P_DEFAULT) >= 0); };
+}
+
+template <class Value>
+std::function<void(hid_t)> table(const char* name, Value value, hsize_t rows, hsize_t columns) {
+  return [=](hid_t touch) {
+    without(name)(touch);
+    const std::vector<Value> data(rows * columns, value);
+    hdf5::write_table(touch, name, data.data(), rows, columns);
+  };
+}
+
+// Each is refused by name when the file is read; without its tables the body still plays.
+void check_refused(const FileFaults& faults) {
+  const ScratchFolder folder("touch_file");
+  const fs::path path = folder / "ball.palpable";
+  const TouchTables good = test::some_touch_tables(ball().surface);
   for (const auto& [expected, spoil] : faults) {
-    TouchTables tables = good;
-    spoil(tables);
-    std::string message = "(written)";
-    try {
-      write_touchable_body(path, body, tables);
-    } catch (const Error& error) { message = error.what(); }
-    INFO(expected << " <- " << message);
-    CHECK(message.find(path.string() + ": touch: " + expected) == 0);
-    CHECK(hdf5::all_bytes(path) == bytes);
+    write_spoilt(path, good, spoil);
+    const Result<TouchableBody> read = read_touchable_body(path);
+    INFO(expected << " <- " << (read.ok() ? "(read)" : read.problem().message));
+    REQUIRE_FALSE(read.ok());
+    CHECK(read.problem().message.find(path.string() + ": ") == 0);
+    CHECK(read.problem().message.find(expected) != std::string::npos);
+    CHECK(read_body_file(path).ok());
   }
 }
 
 TEST_CASE("tables that break a rule within a file are refused by name when it is read",
           "[touch][errors]") {
-  const ScratchFolder folder("touch_file");
-  const fs::path path = folder / "ball.palpable";
-  const auto number = [](const char* group, const char* name, double value) {
-    return [=](hid_t touch) {
-      const hdf5::Handle g = hdf5::open_group(touch, group);
-      REQUIRE(H5Adelete(g, name) >= 0);
-      hdf5::write_number(g, name, value);
-    };
-  };
-  const auto remove = [](const char* name) {
-    return [=](hid_t touch) { REQUIRE(H5Ldelete(touch, name, H5P_DEFAULT) >= 0); };
-  };
-  const auto table = [remove](const char* name, auto value, hsize_t rows, hsize_t columns) {
-    return [=](hid_t touch) {
-      remove(name)(touch);
-      const std::vector<decltype(value)> data(rows * columns, value);
-      hdf5::write_table(touch, name, data.data(), rows, columns);
-    };
-  };
-  const std::vector<std::pair<std::string, std::function<void(hid_t)>>> faults{
+  const FileFaults faults{
       {"tables of touch have layout 0 where this program reads 1; bake the body again",
        number(".", "layout", 0)},
       {"touch: the number of regions is none", number(".", "regions", -1)},
       {"touch: the number of regions is none", number(".", "regions", NAN)},
       {"touch/region_0003: group 'region_0003' is missing", number(".", "regions", 4)},
-      {"touch/compliance: group 'compliance' is missing", remove("compliance")},
-      {"touch/compliance: dataset 'near' is missing", remove("compliance/near")},
+      {"touch/compliance: group 'compliance' is missing", without("compliance")},
+      {"touch/compliance: dataset 'near' is missing", without("compliance/near")},
       {"touch/compliance: attribute 'clusters' is not a count",
        number("compliance", "clusters", 2.5)},
       {"touch/compliance: dataset 'far_second' is 2 x 1 where 1 x 1 is needed",
@@ -305,19 +342,27 @@ TEST_CASE("tables that break a rule within a file are refused by name when it is
       {"touch/region_0002: dataset 'quartic' is 70 x 1 where 126 x 1 is needed",
        number("region_0002", "leading", 6)},
       {"touch/region_0000: 'cubic' is of 528 modes, more than 512",
-       [&](hid_t touch) {
+       [](hid_t touch) {
          table("region_0000/modes", std::int16_t{1}, 3, 528)(touch);
          table("region_0000/modes_scale", 1.0f, 3, 1)(touch);
        }},
       {"touch/cross: dataset 'cubic' is 19599 x 1 where 19600 x 1 is needed",
        table("cross/cubic", std::int16_t{1}, 19599, 1)},
       {"touch: what touches do to each other is wrong in the size of its modes",
-       [&](hid_t touch) {
+       [](hid_t touch) {
          table("cross/modes", std::int16_t{1}, 3, 48)(touch);
          table("cross/modes_scale", 1.0f, 3, 1)(touch);
        }},
-      {"touch/shell: group 'shell' is missing", remove("shell")},
-      {"touch/shell: dataset 'preload' is missing", remove("shell/preload")},
+      {"touch: the spacing of contact points is no length", number(".", "point_spacing", 0)},
+  };
+  check_refused(faults);
+}
+
+TEST_CASE("a shell that breaks a rule within a file is refused by name when it is read",
+          "[touch][errors]") {
+  const FileFaults faults{
+      {"touch/shell: group 'shell' is missing", without("shell")},
+      {"touch/shell: dataset 'preload' is missing", without("shell/preload")},
       {"touch/shell: dataset 'stress_free' has not three columns",
        table("shell/stress_free", 0.0, 43, 2)},
       {"touch: the shell is wrong in its size", table("shell/preload", 0.0, 42, 3)},
@@ -337,18 +382,8 @@ TEST_CASE("tables that break a rule within a file are refused by name when it is
       {"touch/shell: material neo-hookean has C1 = -1 Pa", table("shell/constants_0", -1.0, 2, 1)},
       {"touch/shell: dataset 'first' is empty", table("shell/first", 0, 0, 1)},
       {"touch: the shell is wrong in the weights", table("shell/first", 0, 43, 1)},
-      {"touch: the spacing of contact points is no length", number(".", "point_spacing", 0)},
   };
-  const TouchTables good = test::some_touch_tables(ball().surface);
-  for (const auto& [expected, spoil] : faults) {
-    write_spoilt(path, good, spoil);
-    const Result<TouchableBody> read = read_touchable_body(path);
-    INFO(expected << " <- " << (read.ok() ? "(read)" : read.problem().message));
-    REQUIRE_FALSE(read.ok());
-    CHECK(read.problem().message.find(path.string() + ": ") == 0);
-    CHECK(read.problem().message.find(expected) != std::string::npos);
-    CHECK(read_body_file(path).ok());  // without its tables the body still plays
-  }
+  check_refused(faults);
 }
 
 }  // namespace
