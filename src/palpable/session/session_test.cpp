@@ -67,10 +67,29 @@ FrameLoop make_loop(const SessionSettings& settings = kEverything) {
       FrameLoop::make(test::DentedSphere{}.body(), pose(), depth_format(), settings).value());
 }
 
-// The same body with tables of touch: each vertex gives way by 1 mm a newton.
-FrameLoop make_touchable_loop(SessionSettings settings = kEverything) {
+// The same body with tables of touch: G_vw = 1 mm/N exp(-|x_v - x_w| / 20 mm), so that a press
+// takes its neighbours along.
+FrameLoop make_touchable_loop(const SessionSettings& settings = kEverything) {
   const ReducedBody body = test::DentedSphere{}.body();
   TouchTables tables = test::some_touch_tables(body.surface, 0);
+  ComplianceTable& table = tables.compliance;
+  const Eigen::Matrix3Xd& x = body.surface.vertices;
+  std::size_t at = 0;
+  for (int v = 0; v < table.vertices; ++v) {
+    const auto first = static_cast<std::size_t>(table.first[v]);
+    const std::size_t count = static_cast<std::size_t>(table.first[v + 1]) - first;
+    table.near_scale[v] = 1e-3f / 32767;
+    for (std::size_t k = 0; k < count; ++k) {
+      const int w = table.neighbours[first + k];
+      if (w >= table.vertices) continue;  // an inner node: it stays
+      const double share = std::exp(-(x.col(v) - x.col(w)).norm() / 0.020);
+      for (std::size_t d = 0; d < 3; ++d) {
+        table.near[at + 4 * d * padded(count) + k] =
+            static_cast<std::int16_t>(std::lround(32767 * share));
+      }
+    }
+    at += 9 * padded(count);
+  }
   return std::move(
       FrameLoop::make(TouchableBody(body, std::move(tables)), pose(), depth_format(), settings)
           .value());
@@ -82,13 +101,15 @@ TEST_CASE("a body with tables is touched where the finger is, not at a site", "[
   const Eigen::Matrix3Xf rest = loop.session.body().surface.vertices.cast<float>();
   for (int n = 0; n < 3; ++n) CHECK(loop.process(frame_with_finger(n, -0.03)).touches.empty());
   CHECK(loop.scene.vertices == rest);
-  for (int n = 3; n < 7; ++n) loop.process(frame_with_finger(n, 0.008));
+  for (int n = 3; n < 7; ++n) loop.process(frame_with_finger(n, 0.002 * (n - 2)));
   const Scene& pressed = loop.process(frame_with_finger(7, 0.008));
   REQUIRE_FALSE(pressed.touches.empty());
   const Touch& touch = pressed.touches.front();
   CHECK(touch.site == -1);
   CHECK(touch.force > 0);
-  CHECK(touch.direction.z() < -0.7);
+  Vector3d force = Vector3d::Zero();
+  for (const Touch& one : pressed.touches) force += one.force * one.direction;
+  CHECK(force.normalized().z() < -0.7);
   CHECK(touch.press_depth == Approx(0.008).margin(tolerance(2.5e-3, "m: vertices 6 mm apart")));
   CHECK((touch.point_in_body - Vector3d(0, 0, 0.092)).norm() < tolerance(0.006, "m, likewise"));
   // Nothing of the skin is left in what is seen.

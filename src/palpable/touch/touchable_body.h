@@ -12,7 +12,6 @@ namespace palpable {
 
 /// A body that can be touched anywhere, or, without tables, at its sites, one touch at a time.
 struct TouchableBody {
-  TouchableBody() = default;
   /// A body without tables is one, too.
   TouchableBody(ReducedBody the_body, std::optional<TouchTables> tables = {})
       : body(std::move(the_body)), touch(std::move(tables)) {}

@@ -3,7 +3,7 @@
 #include "palpable/touch/nonlinear_answer.h"
 #include "palpable/touch/shell_stress.h"
 #include "palpable/touch/touch_solver.h"
-#include "tests/support/bodies.h"
+#include "tests/support/dented_sphere.h"
 #include "tests/support/elastic_sheet.h"
 #include "tests/support/some_touch_tables.h"
 #include "tests/support/test.h"
@@ -37,11 +37,8 @@ GapQuery ball(float radius, float depth) {
 TEST_CASE("a body ten times as large answers a thing ten times as large by a similar shape",
           "[touch]") {
   const test::ElasticSheet sheet;
-  TouchableBody small;
+  TouchableBody small(test::DentedSphere{}.body(), sheet.tables);
   small.body.surface = sheet.skin;
-  small.touch = sheet.tables;
-  small.body.displacement =
-      SeparatedField(Eigen::MatrixXf::Zero(3 * sheet.skin.vertex_count(), 1), {});
   const TouchableBody large = scaled(small, static_cast<double>(kScale));
   REQUIRE(large.touch);
   TouchSettings settings;
@@ -66,9 +63,8 @@ TEST_CASE("a body ten times as large answers a thing ten times as large by a sim
 }
 
 TEST_CASE("orders two and three and the stress scale with the body", "[touch]") {
-  const SurfaceMesh skin = test::sphere_surface(Eigen::Vector3d(0, 0, 0.05), 0.05, 2);
-  TouchableBody small;
-  small.body.surface = skin;
+  TouchableBody small = test::DentedSphere{}.body();
+  const SurfaceMesh& skin = small.body.surface;
   small.touch = test::some_touch_tables(skin, 3);
   const TouchableBody large = scaled(small, static_cast<double>(kScale));
   const auto shapes = [&](const TouchableBody& body, float size) {
