@@ -107,6 +107,8 @@ void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
   const PixelBox box = box_of_things(depth, given, camera, interest, R, t, near);
   rest_.add(depth, given, box, camera, camera_from_body, noise_at(1));
   silhouette_.find(rest_.depth(), rest_.shows(), rest_.box(), &rest_.presence());
+  creases_.find(rest_.depth(), camera, silhouette_, settings_.balls.most_radius);
+  silhouette_.part(rest_.depth(), creases_.pixels());
   find_medial_balls(rest_.depth(), camera, silhouette_, settings_.balls, {body_from_camera, near},
                     found_);
   for (const MedialBall& ball : found_) {

@@ -15,6 +15,7 @@
 #pragma once
 
 #include "palpable/contact/ball_tree.h"
+#include "palpable/contact/creases.h"
 #include "palpable/contact/held_balls.h"
 #include "palpable/contact/medial_balls.h"
 #include "palpable/contact/object_ball.h"
@@ -154,6 +155,7 @@ class ObjectSurface {
   Eigen::AlignedBox3f bounds_;
   Eigen::Vector3f camera_ = Eigen::Vector3f::Zero();
   Silhouette silhouette_;
+  Creases creases_;
   std::vector<MedialBall> found_;  // camera frame
   std::vector<ObjectBall> balls_;
   std::vector<Eigen::Vector3f> cloud_;

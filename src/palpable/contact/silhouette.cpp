@@ -13,6 +13,7 @@ namespace {
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 constexpr float kLeast = 0.01f;  // px: 0 would say that there is no thing
+constexpr int kBarred = 3;       // px: no crease is wider
 
 bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
 
@@ -57,7 +58,7 @@ void Silhouette::take_over(int x, int y, int dx, int dy) {
   const int u = x + dx, v = y + dy;
   if (u < box_.x || v < box_.y || u >= box_.x + box_.width || v >= box_.y + box_.height) return;
   const float theirs = distance_[at(u, v)];
-  if (!(theirs > 0) || theirs == kInfinite) return;
+  if (!(theirs > 0) || theirs == kInfinite || beyond_[at(u, v)] == kInfinite) return;
   if (!joined((*depth_)(x, y), (*depth_)(u, v))) return;
   const ToOutline there = nearest_[at(u, v)];
   const ToOutline offer{static_cast<std::int16_t>(there.dx + dx),
@@ -94,6 +95,68 @@ void Silhouette::begin_at(int x, int y) {
   }
 }
 
+// Two sweeps, down and up: each pixel takes over the outlines that its neighbours know.
+void Silhouette::hand_on() {
+  const int right = box_.x + box_.width, bottom = box_.y + box_.height;
+  const auto sweep = [&](int y, int dy) {
+    for (int x = box_.x; x < right; ++x) {
+      if (!(distance_[at(x, y)] > 0)) continue;
+      for (int dx = -1; dx <= 1; ++dx) take_over(x, y, dx, dy);
+      take_over(x, y, -1, 0);
+    }
+    for (int x = right - 1; x >= box_.x; --x) {
+      if (distance_[at(x, y)] > 0) take_over(x, y, 1, 0);
+    }
+  };
+  for (int y = box_.y; y < bottom; ++y) sweep(y, -1);
+  for (int y = bottom - 1; y >= box_.y; --y) sweep(y, 1);
+}
+
+// No outline is handed on over this pixel.
+void Silhouette::bar(int x, int y) {
+  if (!(distance_[at(x, y)] > 0)) return;
+  distance_[at(x, y)] = kLeast;
+  nearest_[at(x, y)] = {};
+  beyond_[at(x, y)] = kInfinite;
+}
+
+// The first pixel beside a crease that is not barred.
+void Silhouette::begin_beside(const CreasePixel& crease, const Eigen::Vector2f& away,
+                              float hidden) {
+  for (int k = 1; k <= kBarred; ++k) {
+    const auto dx = static_cast<int>(std::lround(static_cast<float>(k) * away.x()));
+    const auto dy = static_cast<int>(std::lround(static_cast<float>(k) * away.y()));
+    const int x = crease.x + dx, y = crease.y + dy;
+    if (x < box_.x || y < box_.y || x >= box_.x + box_.width || y >= box_.y + box_.height) return;
+    const std::size_t n = at(x, y);
+    if (beyond_[n] == kInfinite) continue;
+    const float length =
+        static_cast<float>(dx) * away.x() + static_cast<float>(dy) * away.y() + hidden;
+    if (!(distance_[n] > length)) return;
+    distance_[n] = length;
+    nearest_[n] = {static_cast<std::int16_t>(-dx), static_cast<std::int16_t>(-dy)};
+    beyond_[n] = length - length_of(nearest_[n]);
+    return;
+  }
+}
+
+void Silhouette::part(const DepthImage& depth, std::span<const CreasePixel> creases) {
+  if (creases.empty()) return;
+  // A slanted line of pixels is tight where each has one below it.
+  for (const CreasePixel& crease : creases) {
+    bar(crease.x, crease.y);
+    bar(crease.x, crease.y + 1);
+  }
+  for (const CreasePixel& crease : creases) {
+    const auto& [before, after] = crease.hidden;
+    if (before) begin_beside(crease, -crease.across, *before);
+    if (after) begin_beside(crease, crease.across, *after);
+  }
+  depth_ = &depth;
+  hand_on();
+  depth_ = nullptr;
+}
+
 void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
                       const Image<float>* presence) {
   PALPABLE_EXPECT(box.x >= 0 && box.y >= 0 && box.x + box.width <= depth.width() &&
@@ -110,27 +173,15 @@ void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const Pix
       static_cast<std::size_t>(box.width) * static_cast<std::size_t>(box.height);
   distance_.assign(count, 0.0f);
   nearest_.resize(count);
-  beyond_.resize(count);
+  beyond_.assign(count, 0.0f);
   const int right = box.x + box.width, bottom = box.y + box.height;
-
   for (int y = box.y; y < bottom; ++y) {
     for (int x = box.x; x < right; ++x) {
       if (!is_depth(depth(x, y)) || (!shows.empty() && shows(x, y) != kShowsPresser)) { continue; }
       begin_at(x, y);
     }
   }
-  const auto sweep = [&](int y, int dy) {
-    for (int x = box.x; x < right; ++x) {
-      if (!(distance_[at(x, y)] > 0)) continue;
-      for (int dx = -1; dx <= 1; ++dx) take_over(x, y, dx, dy);
-      take_over(x, y, -1, 0);
-    }
-    for (int x = right - 1; x >= box.x; --x) {
-      if (distance_[at(x, y)] > 0) take_over(x, y, 1, 0);
-    }
-  };
-  for (int y = box.y; y < bottom; ++y) sweep(y, -1);
-  for (int y = bottom - 1; y >= box.y; --y) sweep(y, 1);
+  hand_on();
   depth_ = nullptr;
   shows_ = nullptr;
   presence_ = nullptr;
