@@ -31,7 +31,9 @@ constexpr float kSmeared = 1.5f;
 // Of a thing of which only the far half of its section is seen, nothing can be said.
 constexpr double kLeastSine = -0.4;
 
-constexpr double kLeastPixels = 8;    // of which a slope is taken
+constexpr double kLeastPixels = 8;  // of which a slope is taken
+constexpr std::size_t kRoom = 8;    // for one of so many pixels
+
 constexpr double kLeastSpread = 0.1;  // px^4, else the pixels are one line
 
 }  // namespace
@@ -44,6 +46,11 @@ int Creases::px_at(float metres, float inverse_depth) const {
 void Creases::smooth(const DepthImage& depth, const Silhouette& silhouette) {
   const std::size_t width = static_cast<std::size_t>(box_.width);
   const std::size_t count = width * static_cast<std::size_t>(box_.height);
+  // The next box may be larger, and the first one with a crease, a line of a few pixels' width.
+  inverse_.reserve(depth.size());
+  places_.reserve(depth.size());
+  group_.reserve(depth.size() / kRoom);
+  pixels_.reserve(depth.size() / kRoom);
   inverse_.assign(count, 0.0f);
   places_.assign(count, {});
   for (int y = 0; y < box_.height; ++y) {
@@ -229,6 +236,7 @@ void Creases::find(const DepthImage& depth, const PinholeCamera& camera,
   box_ = silhouette.box();
   fx_px_ = static_cast<float>(camera.fx_px);
   radius_ = static_cast<float>(most_radius);
+  radius_px_ = 0;
   pixels_.clear();
   smooth(depth, silhouette);
   bool any = false;
@@ -247,6 +255,7 @@ void Creases::find(const DepthImage& depth, const PinholeCamera& camera,
   for (int y = kRim; y < box_.height - kRim; ++y) {
     for (int x = kRim; x < box_.width - kRim; ++x) {
       if (!places_[index(x, y)].is_middle) continue;
+      radius_px_ = std::max(radius_px_, px_at(radius_, places_[index(x, y)].inverse_depth));
       const Vector2f n = across(x, y);
       pixels_.push_back({static_cast<std::int16_t>(box_.x + x),
                          static_cast<std::int16_t>(box_.y + y),

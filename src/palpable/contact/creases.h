@@ -48,6 +48,8 @@ class Creases {
 
   /// Those that find() found.
   [[nodiscard]] std::span<const CreasePixel> pixels() const { return pixels_; }
+  /// px, of the largest ball at the nearest of them; 0 without any.
+  [[nodiscard]] int radius_px() const { return radius_px_; }
 
  private:
   struct Place {
@@ -87,7 +89,8 @@ class Creases {
   // Pixels (x, y) of all functions above count from the box's corner.
   PixelBox box_;
   float fx_px_ = 0;
-  float radius_ = 0;            // m
+  float radius_ = 0;  // m
+  int radius_px_ = 0;
   std::vector<float> inverse_;  // (B) 1/m, of each pixel alone; 0: no thing
   std::vector<Place> places_;   // (B)
   std::vector<std::size_t> group_;

@@ -82,8 +82,8 @@ struct SurfaceShape {
   Known known = Known::kMeasured;
 };
 
-/// Built anew for each frame; keeps its memory, so that building allocates nothing once a frame
-/// with as much to see was built.
+/// Built anew for each frame; keeps its memory, and has room for 8,192 balls from the start, so that
+/// building allocates nothing after the first frame.
 class ObjectSurface {
  public:
   /// @throws ContractViolation if a step or reach is below 1, or a length is not positive

@@ -13,6 +13,7 @@ namespace {
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 constexpr float kLeast = 0.01f;  // px: 0 would say that there is no thing
+constexpr float kStep = 1.7f;    // px by which neighbouring distances differ at most
 constexpr int kBarred = 3;       // px: no crease is wider
 
 bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
@@ -57,19 +58,18 @@ bool Silhouette::ends_towards(int x, int y, int dx, int dy) const {
 void Silhouette::take_over(int x, int y, int dx, int dy) {
   const int u = x + dx, v = y + dy;
   if (u < box_.x || v < box_.y || u >= box_.x + box_.width || v >= box_.y + box_.height) return;
-  const float theirs = distance_[at(u, v)];
-  if (!(theirs > 0) || theirs == kInfinite || beyond_[at(u, v)] == kInfinite) return;
-  if (!joined((*depth_)(x, y), (*depth_)(u, v))) return;
-  const ToOutline there = nearest_[at(u, v)];
+  const std::size_t here = at(x, y), other = at(u, v);
+  const float theirs = distance_[other];
+  if (!(theirs > 0) || theirs == kInfinite || theirs - kStep >= distance_[here]) return;
+  const ToOutline there = nearest_[other];
   const ToOutline offer{static_cast<std::int16_t>(there.dx + dx),
                         static_cast<std::int16_t>(there.dy + dy)};
-  const float beyond = beyond_[at(u, v)];
+  const float beyond = beyond_[other];
   const float length = length_of(offer) + beyond;
-  if (length < distance_[at(x, y)]) {
-    distance_[at(x, y)] = length;
-    nearest_[at(x, y)] = offer;
-    beyond_[at(x, y)] = beyond;
-  }
+  if (!(length < distance_[here]) || !joined((*depth_)(x, y), (*depth_)(u, v))) return;
+  distance_[here] = length;
+  nearest_[here] = offer;
+  beyond_[here] = beyond;
 }
 
 // The outlines that pass right beside a pixel of a thing.
@@ -95,21 +95,21 @@ void Silhouette::begin_at(int x, int y) {
   }
 }
 
-// Two sweeps, down and up: each pixel takes over the outlines that its neighbours know.
-void Silhouette::hand_on() {
-  const int right = box_.x + box_.width, bottom = box_.y + box_.height;
+// Two sweeps, down and up: each pixel of `box` takes over the outlines that its neighbours know.
+void Silhouette::hand_on(const PixelBox& box) {
+  const int right = box.x + box.width, bottom = box.y + box.height;
   const auto sweep = [&](int y, int dy) {
-    for (int x = box_.x; x < right; ++x) {
+    for (int x = box.x; x < right; ++x) {
       if (!(distance_[at(x, y)] > 0)) continue;
       for (int dx = -1; dx <= 1; ++dx) take_over(x, y, dx, dy);
       take_over(x, y, -1, 0);
     }
-    for (int x = right - 1; x >= box_.x; --x) {
+    for (int x = right - 1; x >= box.x; --x) {
       if (distance_[at(x, y)] > 0) take_over(x, y, 1, 0);
     }
   };
-  for (int y = box_.y; y < bottom; ++y) sweep(y, -1);
-  for (int y = bottom - 1; y >= box_.y; --y) sweep(y, 1);
+  for (int y = box.y; y < bottom; ++y) sweep(y, -1);
+  for (int y = bottom - 1; y >= box.y; --y) sweep(y, 1);
 }
 
 // No outline is handed on over this pixel.
@@ -140,20 +140,25 @@ void Silhouette::begin_beside(const CreasePixel& crease, const Eigen::Vector2f& 
   }
 }
 
-void Silhouette::part(const DepthImage& depth, std::span<const CreasePixel> creases) {
+void Silhouette::part(const DepthImage& depth, std::span<const CreasePixel> creases, int reach) {
   if (creases.empty()) return;
   // A slanted line of pixels is tight where each has one below it.
+  int left = creases[0].x, right = left, top = creases[0].y, bottom = top;
   for (const CreasePixel& crease : creases) {
     bar(crease.x, crease.y);
     bar(crease.x, crease.y + 1);
+    left = std::min<int>(left, crease.x), right = std::max<int>(right, crease.x);
+    top = std::min<int>(top, crease.y), bottom = std::max<int>(bottom, crease.y);
   }
   for (const CreasePixel& crease : creases) {
     const auto& [before, after] = crease.hidden;
     if (before) begin_beside(crease, -crease.across, *before);
     if (after) begin_beside(crease, crease.across, *after);
   }
+  left = std::max(left - reach, box_.x), right = std::min(right + reach, box_.x + box_.width - 1);
+  top = std::max(top - reach, box_.y), bottom = std::min(bottom + reach, box_.y + box_.height - 1);
   depth_ = &depth;
-  hand_on();
+  hand_on({left, top, right - left + 1, bottom - top + 1});
   depth_ = nullptr;
 }
 
@@ -171,6 +176,9 @@ void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const Pix
   presence_ = presence;
   const std::size_t count =
       static_cast<std::size_t>(box.width) * static_cast<std::size_t>(box.height);
+  // The next box may be larger.
+  for (std::vector<float>* values : {&distance_, &beyond_}) values->reserve(depth.size());
+  nearest_.reserve(depth.size());
   distance_.assign(count, 0.0f);
   nearest_.resize(count);
   beyond_.assign(count, 0.0f);
@@ -181,7 +189,7 @@ void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const Pix
       begin_at(x, y);
     }
   }
-  hand_on();
+  hand_on(box);
   depth_ = nullptr;
   shows_ = nullptr;
   presence_ = nullptr;

@@ -64,7 +64,8 @@ class Silhouette {
   /// Things end at these pixels, too: `hidden` px beyond them.
   /// @param depth    that find() was given
   /// @param creases  inside the box, none of them in its last row
-  void part(const DepthImage& depth, std::span<const CreasePixel> creases);
+  /// @param reach    px: distances are asked for up to here
+  void part(const DepthImage& depth, std::span<const CreasePixel> creases, int reach);
 
   /// px, > 0, of pixel (x, y) of the image, from its middle to the outline: two sweeps over the box
   /// that hand on the nearest outline (Danielsson 1980), at most 0.3 px too far. Infinite where
@@ -86,7 +87,7 @@ class Silhouette {
   [[nodiscard]] bool ends_towards(int x, int y, int dx, int dy) const;
   void take_over(int x, int y, int dx, int dy);
   void begin_at(int x, int y);
-  void hand_on();
+  void hand_on(const PixelBox& box);
   void bar(int x, int y);
   void begin_beside(const CreasePixel& crease, const Eigen::Vector2f& away, float hidden);
 
