@@ -146,13 +146,10 @@ void PressingMask::resize(const DepthImage& depth, const PixelBox& box) {
   const int height = (depth.height() + kTile - 1) / kTile;
   if (frames_.width() != width || frames_.height() != height) {
     frames_ = frames_before_ = Image<std::uint8_t>(width, height);
-    rested_ = rested_before_ = Image<std::uint8_t>(width, height);
     pressed_ = hidden_ = DepthImage(width, height);
   }
   std::swap(frames_, frames_before_);
   std::fill(frames_.begin(), frames_.end(), std::uint8_t{0});
-  std::swap(rested_, rested_before_);
-  std::fill(rested_.begin(), rested_.end(), std::uint8_t{0});
 }
 
 // What each pixel shows as far as the moving mask knows.
@@ -257,12 +254,6 @@ void PressingMask::gather(int i, int j) {
   }
 }
 
-bool PressingMask::rested_before() const {
-  return std::any_of(group_.begin(), group_.end(), [this](const Place& at) {
-    return !tile(at.i, at.j).moves && rested_before_(at.i, at.j) != 0;
-  });
-}
-
 // Whether the group's signs are enough. Resting tiles beside what moves are none.
 std::uint8_t PressingMask::verdict(int frames) const {
   if (frames < settings_.fewest_frames) return kDropped;
@@ -279,8 +270,7 @@ std::uint8_t PressingMask::verdict(int frames) const {
       resting += here.is_sign ? 1 : 0;
     }
   }
-  if (resting >= (any_beside ? settings_.fewest_tiles_beside : settings_.fewest_tiles) ||
-      (resting >= settings_.fewest_tiles_again && rested_before())) {
+  if (resting >= (any_beside ? settings_.fewest_tiles_beside : settings_.fewest_tiles)) {
     return kRestsToo;
   }
   return moving >= settings_.fewest_tiles ? kMovesAlone : kDropped;
@@ -305,7 +295,6 @@ void PressingMask::keep_groups() {
       for (const Place& at : group_) {
         frames_(at.i, at.j) = static_cast<std::uint8_t>(frames);
         tile(at.i, at.j).group = result;
-        rested_(at.i, at.j) = result == kRestsToo ? 1 : 0;
       }
     }
   }

@@ -46,10 +46,6 @@ struct PressingMaskSettings {
   /// matcher gives the room that thing's depth. Of the resting part of a thing that moves so many
   /// are enough.
   int fewest_tiles_beside = 6;
-  /// Where the resting part of a group pressed in the frame before, so many are enough for it to go
-  /// on. The barrel of a pencil before a desk is some six tiles: with 6 here, too, it was lost for
-  /// two frames amid a press (`palpable bench surface --only pencil --seed 3 --frames 420`).
-  int fewest_tiles_again = 3;
   /// Frames in a row in which a group must have been there, in or near the same tiles.
   int fewest_frames = 3;
   int near_px = 24;  ///< that a group may have gone in a frame: 0.8 m/s at 0.4 m
@@ -106,7 +102,6 @@ class PressingMask {
   void keep_groups();
   void gather(int i, int j);
   [[nodiscard]] std::uint8_t verdict(int frames) const;
-  [[nodiscard]] bool rested_before() const;
   [[nodiscard]] bool beside_moving(int i, int j) const;
   [[nodiscard]] int frames_near(int i, int j) const;
   void mark_pixels(const SeenFrame& seen, const MaskImage& moving, Asker& asker);
@@ -131,8 +126,6 @@ class PressingMask {
   std::vector<Place> group_;
   // Per tile of the image: frames in a row in which a group was there, in this and the last frame.
   Image<std::uint8_t> frames_, frames_before_;
-  // The same: 1 where the resting part of a group pressed.
-  Image<std::uint8_t> rested_, rested_before_;
   // Per tile of the image: the depth of what pressed there last, and of what that has hidden; 0:
   // nothing.
   DepthImage pressed_, hidden_;

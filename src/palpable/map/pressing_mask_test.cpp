@@ -195,30 +195,6 @@ TEST_CASE("the resting part of a hand that moves presses with it", "[map][presse
   CHECK(shows(40, 70) == kShowsRoom);
 }
 
-TEST_CASE("the resting part of a hand goes on pressing with fewer tiles than it began with",
-          "[map][presses]") {
-  // Of a thing of 4 x 15 tiles all above row `bottom` moves, and two tiles below count for nothing.
-  const auto moving_above = [](int bottom) {
-    MaskImage moving(kCamera.width, kCamera.height, 0);
-    for (int y = 20; y < bottom; ++y) {
-      for (int x = 60; x < 76; ++x) moving(x, y) = 255;
-    }
-    return moving;
-  };
-  const MaskImage much_rests = moving_above(56), little_rests = moving_above(68);
-  Room room;
-  room.show(40);
-  room.things = {60, 20, 16, 60};
-  room.come();
-  CHECK(room.ask(room.seen(), &little_rests)(66, 78) == kShowsRoom);
-  CHECK(room.ask(room.seen(), &much_rests)(66, 78) == kShowsPresser);
-  CHECK(room.ask(room.seen(), &little_rests)(66, 78) == kShowsPresser);
-  CHECK(room.ask(room.seen(), &little_rests)(66, 78) == kShowsPresser);
-  const MaskImage nothing_rests = moving_above(72);
-  (void)room.ask(room.seen(), &nothing_rests);
-  CHECK(room.ask(room.seen(), &little_rests)(66, 78) == kShowsRoom);
-}
-
 TEST_CASE("before a camera that walks only what stands clearly before the room presses",
           "[map][presses]") {
   for (const float before : {0.025f, 0.080f}) {
