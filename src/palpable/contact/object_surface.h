@@ -82,8 +82,8 @@ struct SurfaceShape {
   Known known = Known::kMeasured;
 };
 
-/// Built anew for each frame; keeps its memory, and has room for 8,192 balls from the start, so that
-/// building allocates nothing after the first frame.
+/// Built anew for each frame; keeps its memory, and has room for 8,192 balls from the start, so
+/// that building allocates nothing after the first frame.
 class ObjectSurface {
  public:
   /// @throws ContractViolation if a step or reach is below 1, or a length is not positive
