@@ -43,6 +43,13 @@ int BallTree::add(int begin, int end) {
   return index;
 }
 
+void BallTree::reserve(std::size_t balls) {
+  balls_.reserve(balls);
+  order_.reserve(balls);
+  sorted_.reserve(balls);
+  nodes_.reserve(balls);  // a leaf holds two at least, so that there are fewer nodes than balls
+}
+
 void BallTree::build(std::span<const Ball> balls) {
   balls_.assign(balls.begin(), balls.end());
   order_.resize(balls.size());

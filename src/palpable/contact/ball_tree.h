@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -27,6 +28,8 @@ struct NearestBall {
 class BallTree {
  public:
   void build(std::span<const Ball> balls);
+  /// Building it of so many allocates nothing.
+  void reserve(std::size_t balls);
 
   /// min over balls of |x - centre| - radius, and which one; of equal ones any. Nothing when that
   /// is `reach` or more. Exact (to a float's rounding).

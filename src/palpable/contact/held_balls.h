@@ -29,6 +29,9 @@ class HeldBalls {
   /// @throws ContractViolation for settings out of their range
   explicit HeldBalls(const HoldSettings& settings = {});
 
+  /// No frame of so many balls allocates anything.
+  void reserve(std::size_t balls) { before_.reserve(balls); }
+
   /// Adds to `balls`, those of the frame at `time` (s), the ones of the frame before that are
   /// unknown now. Of a thing that is seen, if only in part, nothing is held: it may have moved.
   /// Allocates nothing once there were as many.

@@ -13,7 +13,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 // A step towards the middle of a thing makes its disc grow by nearly its length. A neighbour whose
-// disc is larger by this share of the step holds the pixel's own.
+// disc is larger by this share of the step holds the pixel's own. With 0.85 half of the balls are
+// left, but the corners of a cup are rounded off: it is missed in 25 of 172 frames instead of 2.
 constexpr float kGrowth = 0.95f;
 
 // Pixels at the outline are the steepest and the worst matched. They are left out of a fit unless
@@ -99,16 +100,22 @@ struct Finder {
     const auto fattening = static_cast<float>(settings.fattening);
     const float outline = std::min(kOutlinePx, kOutlineShare * disc);
     double s = 0, su = 0, sv = 0, sw = 0, suu = 0, suv = 0, svv = 0, suw = 0, svw = 0;
-    for (int v = y - settings.reach; v <= y + settings.reach; ++v) {
-      for (int u = x - settings.reach; u <= x + settings.reach; ++u) {
-        if (!inside(u, v)) continue;
+    const PixelBox& box = silhouette.box();
+    const int left = std::max(x - settings.reach, box.x);
+    const int right = std::min(x + settings.reach, box.x + box.width - 1);
+    const int top = std::max(y - settings.reach, box.y);
+    const int bottom = std::min(y + settings.reach, box.y + box.height - 1);
+    for (int v = top; v <= bottom; ++v) {
+      for (int u = left; u <= right; ++u) {
         const float distance = silhouette.distance(u, v) - fattening;
         if (!(distance >= outline)) continue;
         const float z = depth(u, v);
         if (!silhouette.joined(z0, z)) continue;
-        const float from_middle = std::max(0.0f, radius - distance * m_per_px);
+        const float from_middle = radius - distance * m_per_px;
         const float falls =
-            radius - std::sqrt(std::max(0.0f, radius * radius - from_middle * from_middle));
+            from_middle > 0
+                ? radius - std::sqrt(std::max(0.0f, radius * radius - from_middle * from_middle))
+                : 0.0f;
         const double w = 1.0 / static_cast<double>(z - falls);
         const double du = u - x, dv = v - y;
         s += 1, su += du, sv += dv, sw += w;

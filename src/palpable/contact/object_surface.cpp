@@ -18,6 +18,10 @@ using Eigen::Vector3f;
 // Of a ball's radius: over so much of the surface its shape is averaged.
 constexpr float kShapeStep = 0.5f;
 
+// Balls, and points of the cloud, for which there is room from the start: a flat hand near the
+// camera makes 2,500, and no two frames of it as many. More are possible.
+constexpr std::size_t kRoom = 8192;
+
 constexpr float kAmid = 1e-6f;  // m: nearer to a ball's middle no direction leads out
 constexpr float kHalfRoot = 0.70710678f;
 
@@ -38,6 +42,12 @@ ObjectSurface::ObjectSurface(const ObjectSurfaceSettings& settings)
   PALPABLE_EXPECT(settings.noise_constant >= 0 && settings.noise_linear >= 0 &&
                       settings.noise_quadratic >= 0 && settings.pixels_alike > 0,
                   "noise is not negative");
+  cloud_.reserve(kRoom);
+  found_.reserve(kRoom);
+  balls_.reserve(kRoom);
+  bare_.reserve(kRoom);
+  tree_.reserve(kRoom);
+  held_.reserve(kRoom);
 }
 
 double ObjectSurface::noise_at(double Z) const {
@@ -107,6 +117,9 @@ void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
   const PixelBox box = box_of_things(depth, given, camera, interest, R, t, near);
   rest_.add(depth, given, box, camera, camera_from_body, noise_at(1));
   silhouette_.find(rest_.depth(), rest_.shows(), rest_.box(), &rest_.presence());
+  creases_.find(rest_.depth(), camera, silhouette_, settings_.balls.most_radius);
+  silhouette_.part(rest_.depth(), creases_.pixels(),
+                   creases_.radius_px() + static_cast<int>(settings_.balls.fattening) + 2);
   find_medial_balls(rest_.depth(), camera, silhouette_, settings_.balls, {body_from_camera, near},
                     found_);
   for (const MedialBall& ball : found_) {

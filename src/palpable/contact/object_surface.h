@@ -15,6 +15,7 @@
 #pragma once
 
 #include "palpable/contact/ball_tree.h"
+#include "palpable/contact/creases.h"
 #include "palpable/contact/held_balls.h"
 #include "palpable/contact/medial_balls.h"
 #include "palpable/contact/object_ball.h"
@@ -81,8 +82,8 @@ struct SurfaceShape {
   Known known = Known::kMeasured;
 };
 
-/// Built anew for each frame; keeps its memory, so that building allocates nothing once a frame
-/// with as much to see was built.
+/// Built anew for each frame; keeps its memory, and has room for 8,192 balls from the start, so
+/// that building allocates nothing after the first frame.
 class ObjectSurface {
  public:
   /// @throws ContractViolation if a step or reach is below 1, or a length is not positive
@@ -154,6 +155,7 @@ class ObjectSurface {
   Eigen::AlignedBox3f bounds_;
   Eigen::Vector3f camera_ = Eigen::Vector3f::Zero();
   Silhouette silhouette_;
+  Creases creases_;
   std::vector<MedialBall> found_;  // camera frame
   std::vector<ObjectBall> balls_;
   std::vector<Eigen::Vector3f> cloud_;

@@ -13,6 +13,8 @@ namespace {
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 constexpr float kLeast = 0.01f;  // px: 0 would say that there is no thing
+constexpr float kStep = 1.7f;    // px by which neighbouring distances differ at most
+constexpr int kBarred = 3;       // px: no crease is wider
 
 bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
 
@@ -56,19 +58,18 @@ bool Silhouette::ends_towards(int x, int y, int dx, int dy) const {
 void Silhouette::take_over(int x, int y, int dx, int dy) {
   const int u = x + dx, v = y + dy;
   if (u < box_.x || v < box_.y || u >= box_.x + box_.width || v >= box_.y + box_.height) return;
-  const float theirs = distance_[at(u, v)];
-  if (!(theirs > 0) || theirs == kInfinite) return;
-  if (!joined((*depth_)(x, y), (*depth_)(u, v))) return;
-  const ToOutline there = nearest_[at(u, v)];
+  const std::size_t here = at(x, y), other = at(u, v);
+  const float theirs = distance_[other];
+  if (!(theirs > 0) || theirs == kInfinite || theirs - kStep >= distance_[here]) return;
+  const ToOutline there = nearest_[other];
   const ToOutline offer{static_cast<std::int16_t>(there.dx + dx),
                         static_cast<std::int16_t>(there.dy + dy)};
-  const float beyond = beyond_[at(u, v)];
+  const float beyond = beyond_[other];
   const float length = length_of(offer) + beyond;
-  if (length < distance_[at(x, y)]) {
-    distance_[at(x, y)] = length;
-    nearest_[at(x, y)] = offer;
-    beyond_[at(x, y)] = beyond;
-  }
+  if (!(length < distance_[here]) || !joined((*depth_)(x, y), (*depth_)(u, v))) return;
+  distance_[here] = length;
+  nearest_[here] = offer;
+  beyond_[here] = beyond;
 }
 
 // The outlines that pass right beside a pixel of a thing.
@@ -94,6 +95,73 @@ void Silhouette::begin_at(int x, int y) {
   }
 }
 
+// Two sweeps, down and up: each pixel of `box` takes over the outlines that its neighbours know.
+void Silhouette::hand_on(const PixelBox& box) {
+  const int right = box.x + box.width, bottom = box.y + box.height;
+  const auto sweep = [&](int y, int dy) {
+    for (int x = box.x; x < right; ++x) {
+      if (!(distance_[at(x, y)] > 0)) continue;
+      for (int dx = -1; dx <= 1; ++dx) take_over(x, y, dx, dy);
+      take_over(x, y, -1, 0);
+    }
+    for (int x = right - 1; x >= box.x; --x) {
+      if (distance_[at(x, y)] > 0) take_over(x, y, 1, 0);
+    }
+  };
+  for (int y = box.y; y < bottom; ++y) sweep(y, -1);
+  for (int y = bottom - 1; y >= box.y; --y) sweep(y, 1);
+}
+
+// No outline is handed on over this pixel.
+void Silhouette::bar(int x, int y) {
+  if (!(distance_[at(x, y)] > 0)) return;
+  distance_[at(x, y)] = kLeast;
+  nearest_[at(x, y)] = {};
+  beyond_[at(x, y)] = kInfinite;
+}
+
+// The first pixel beside a crease that is not barred.
+void Silhouette::begin_beside(const CreasePixel& crease, const Eigen::Vector2f& away,
+                              float hidden) {
+  for (int k = 1; k <= kBarred; ++k) {
+    const auto dx = static_cast<int>(std::lround(static_cast<float>(k) * away.x()));
+    const auto dy = static_cast<int>(std::lround(static_cast<float>(k) * away.y()));
+    const int x = crease.x + dx, y = crease.y + dy;
+    if (x < box_.x || y < box_.y || x >= box_.x + box_.width || y >= box_.y + box_.height) return;
+    const std::size_t n = at(x, y);
+    if (beyond_[n] == kInfinite) continue;
+    const float length =
+        static_cast<float>(dx) * away.x() + static_cast<float>(dy) * away.y() + hidden;
+    if (!(distance_[n] > length)) return;
+    distance_[n] = length;
+    nearest_[n] = {static_cast<std::int16_t>(-dx), static_cast<std::int16_t>(-dy)};
+    beyond_[n] = length - length_of(nearest_[n]);
+    return;
+  }
+}
+
+void Silhouette::part(const DepthImage& depth, std::span<const CreasePixel> creases, int reach) {
+  if (creases.empty()) return;
+  // A slanted line of pixels is tight where each has one below it.
+  int left = creases[0].x, right = left, top = creases[0].y, bottom = top;
+  for (const CreasePixel& crease : creases) {
+    bar(crease.x, crease.y);
+    bar(crease.x, crease.y + 1);
+    left = std::min<int>(left, crease.x), right = std::max<int>(right, crease.x);
+    top = std::min<int>(top, crease.y), bottom = std::max<int>(bottom, crease.y);
+  }
+  for (const CreasePixel& crease : creases) {
+    const auto& [before, after] = crease.hidden;
+    if (before) begin_beside(crease, -crease.across, *before);
+    if (after) begin_beside(crease, crease.across, *after);
+  }
+  left = std::max(left - reach, box_.x), right = std::min(right + reach, box_.x + box_.width - 1);
+  top = std::max(top - reach, box_.y), bottom = std::min(bottom + reach, box_.y + box_.height - 1);
+  depth_ = &depth;
+  hand_on({left, top, right - left + 1, bottom - top + 1});
+  depth_ = nullptr;
+}
+
 void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
                       const Image<float>* presence) {
   PALPABLE_EXPECT(box.x >= 0 && box.y >= 0 && box.x + box.width <= depth.width() &&
@@ -108,29 +176,20 @@ void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const Pix
   presence_ = presence;
   const std::size_t count =
       static_cast<std::size_t>(box.width) * static_cast<std::size_t>(box.height);
+  // The next box may be larger.
+  for (std::vector<float>* values : {&distance_, &beyond_}) values->reserve(depth.size());
+  nearest_.reserve(depth.size());
   distance_.assign(count, 0.0f);
   nearest_.resize(count);
-  beyond_.resize(count);
+  beyond_.assign(count, 0.0f);
   const int right = box.x + box.width, bottom = box.y + box.height;
-
   for (int y = box.y; y < bottom; ++y) {
     for (int x = box.x; x < right; ++x) {
       if (!is_depth(depth(x, y)) || (!shows.empty() && shows(x, y) != kShowsPresser)) { continue; }
       begin_at(x, y);
     }
   }
-  const auto sweep = [&](int y, int dy) {
-    for (int x = box.x; x < right; ++x) {
-      if (!(distance_[at(x, y)] > 0)) continue;
-      for (int dx = -1; dx <= 1; ++dx) take_over(x, y, dx, dy);
-      take_over(x, y, -1, 0);
-    }
-    for (int x = right - 1; x >= box.x; --x) {
-      if (distance_[at(x, y)] > 0) take_over(x, y, 1, 0);
-    }
-  };
-  for (int y = box.y; y < bottom; ++y) sweep(y, -1);
-  for (int y = bottom - 1; y >= box.y; --y) sweep(y, 1);
+  hand_on(box);
   depth_ = nullptr;
   shows_ = nullptr;
   presence_ = nullptr;

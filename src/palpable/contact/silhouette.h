@@ -10,7 +10,12 @@
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/pixel_box.h"
 
+#include <Eigen/Core>
+
+#include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 namespace palpable {
@@ -34,6 +39,15 @@ struct ToOutline {
   std::int16_t dy = 0;
 };
 
+/// A pixel at which two things meet (creases.h), one of them perhaps before the other.
+struct CreasePixel {
+  std::int16_t x = 0, y = 0;
+  Eigen::Vector2f across = Eigen::Vector2f::UnitX();  ///< unit, px, square to the crease
+  /// px, of the thing that lies against `across`, and of the one along it: how far it goes on
+  /// behind the other one. Nothing: it is wide, or ends nowhere in sight.
+  std::array<std::optional<float>, 2> hidden{0.0f, 0.0f};
+};
+
 /// Distances of a part of an image. Keeps its memory.
 class Silhouette {
  public:
@@ -46,6 +60,12 @@ class Silhouette {
   ///                  was there. Where it lies between 0 and 1 the outline runs through the pixel
   void find(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
             const Image<float>* presence = nullptr);
+
+  /// Things end at these pixels, too: `hidden` px beyond them.
+  /// @param depth    that find() was given
+  /// @param creases  inside the box, none of them in its last row
+  /// @param reach    px: distances are asked for up to here
+  void part(const DepthImage& depth, std::span<const CreasePixel> creases, int reach);
 
   /// px, > 0, of pixel (x, y) of the image, from its middle to the outline: two sweeps over the box
   /// that hand on the nearest outline (Danielsson 1980), at most 0.3 px too far. Infinite where
@@ -67,6 +87,9 @@ class Silhouette {
   [[nodiscard]] bool ends_towards(int x, int y, int dx, int dy) const;
   void take_over(int x, int y, int dx, int dy);
   void begin_at(int x, int y);
+  void hand_on(const PixelBox& box);
+  void bar(int x, int y);
+  void begin_beside(const CreasePixel& crease, const Eigen::Vector2f& away, float hidden);
 
   SilhouetteSettings settings_;
   PixelBox box_;
