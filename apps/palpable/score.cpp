@@ -54,7 +54,8 @@ void add_score(Command app) {
       .required();
   command.add_option("--body", options->body,
                      "The body of the run: then it is also scored how deep the hand stays in it, "
-                     "and how it jumps");
+                     "how it jumps, and how far it is from the true answer. Of a body that was "
+                     "touched anywhere that takes live --meshes");
   command.add_flag("--json", options->json, "One JSON object on stdout");
   command.footer(
       "Formats and scores: docs/benchmark.md. What a result does not hold is null (-).\n"
