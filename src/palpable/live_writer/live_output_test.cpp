@@ -2,6 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/clip_files/contact_file.h"
+#include "palpable/clip_files/deformed_file.h"
 #include "palpable/clip_files/depth_image_file.h"
 #include "palpable/clip_files/mask_image_file.h"
 #include "palpable/clip_files/pose_file.h"
@@ -100,6 +101,49 @@ TEST_CASE("every file of a run can be read by its reader", "[live_writer]") {
   CHECK(read_depth_counts(out / "body_depth/000002.png").value()(3, 3) == 5000);
   CHECK(read_mask(out / "visible/000000.png").value().width() == kWidth);
   CHECK(read_mask(out / "moving/000000.png").value().width() == kWidth / 2);
+}
+
+TEST_CASE("touches anywhere are written with what is known of them, and the body as it is drawn",
+          "[live_writer]") {
+  const test::ScratchFolder folder("live_output_meshes");
+  SurfaceMesh rest;
+  rest.vertices = Eigen::Matrix3Xd::Identity(3, 3);
+  rest.triangles = Eigen::Vector3i(0, 1, 2);
+  const fs::path out = folder / "out";
+  LiveOutput output({.folder = out, .meshes_of = rest});
+  for (int number = 0; number < 2; ++number) {
+    std::unique_ptr<DrawnFrame> drawn = output.blank();
+    fill(*drawn, number);
+    Scene& scene = drawn->scene;
+    scene.vertices = rest.vertices.cast<float>();
+    scene.vertices(2, 0) -= 0.25f * static_cast<float>(number);
+    scene.von_mises = {0, 10, 20.0f * static_cast<float>(number)};
+    if (number == 1) {
+      Touch one;
+      one.force = 2;
+      one.direction = -Eigen::Vector3d::UnitZ();
+      one.area = 4e-5;
+      one.assumed = 0.75;
+      scene.touches = {one, one};
+    }
+    output.write(std::move(drawn));
+  }
+  output.finish();
+  const std::vector<TouchesLine> felt = read_touches(out / "touches.jsonl");
+  REQUIRE(felt.size() == 1);
+  REQUIRE(felt[0].touches.size() == 2);
+  CHECK(felt[0].touches[1].site == -1);
+  CHECK_FALSE(felt[0].touches[1].level.has_value());
+  CHECK(felt[0].touches[1].force == Eigen::Vector3d(0, 0, -2));
+  CHECK(felt[0].touches[1].area == 4e-5);
+  CHECK(felt[0].touches[1].assumed == 0.75);
+  const ValuedSurface at_rest =
+      value_or_throw(read_valued_ply(out / "meshes/rest.ply", kVonMisesProperty));
+  CHECK(at_rest.surface.vertices == rest.vertices);
+  const ValuedSurface pressed =
+      value_or_throw(read_valued_ply(out / "meshes/000001.ply", kVonMisesProperty));
+  CHECK(pressed.surface.vertices(2, 0) == -0.25);
+  CHECK(pressed.values == Eigen::Vector3d(0, 10, 20));
 }
 
 TEST_CASE("the picture of a touch is one of a frame that truly touches", "[live_writer]") {

@@ -118,6 +118,23 @@ TEST_CASE("a lost camera is said to be lost, a found one is not", "[view][scene_
   CHECK(warning_of(scene).find("lost") != std::string::npos);
 }
 
+TEST_CASE("the caption says how deep and how hard, and how many touches there are",
+          "[view][scene_picture]") {
+  Scene scene;
+  scene.time = 2;
+  Touch touch;
+  touch.press_depth = 0.004;
+  touch.force = 1.5;
+  scene.touches = {touch};
+  CHECK(caption_of(scene) == "2.00 s   4.0 mm   1.50 N");
+  touch.press_depth = 0.006;
+  scene.touches.push_back(touch);
+  CHECK(caption_of(scene) == "2.00 s   2 touches   6.0 mm   3.00 N");
+  touch.site = 7;
+  scene.touches = {touch};
+  CHECK(caption_of(scene) == "2.00 s   site 7   6.0 mm   1.50 N");
+}
+
 TEST_CASE("that a touch is held without being seen is said on the picture",
           "[view][scene_picture]") {
   Scene scene;
