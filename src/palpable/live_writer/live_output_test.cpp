@@ -108,7 +108,8 @@ TEST_CASE("touches anywhere are written with what is known of them, and the body
   const test::ScratchFolder folder("live_output_meshes");
   SurfaceMesh rest;
   rest.vertices = Eigen::Matrix3Xd::Identity(3, 3);
-  rest.triangles = Eigen::Vector3i(0, 1, 2);
+  rest.triangles.resize(3, 1);
+  rest.triangles << 0, 1, 2;
   const fs::path out = folder / "out";
   LiveOutput output({.folder = out, .meshes_of = rest});
   for (int number = 0; number < 2; ++number) {
