@@ -3,8 +3,9 @@
 docs/architecture.md.
 
 Exit code 0 when they agree; otherwise one line per include that the tables do not allow. Also
-compares the table of modules with the USES of CMakeLists.txt, refuses rows without a folder, and
-programs of the live half that reach a module of the bake half.
+compares the table of modules with the USES of CMakeLists.txt, refuses rows without a folder,
+programs of the live half that reach a module of the bake half, and two types of one name in one
+namespace, which a program may mix up without a word from the linker.
 """
 import re
 import sys
@@ -120,11 +121,29 @@ def wrong_targets(allowed):
                    f"{sorted(allowed[module][0])}")
 
 
+def same_names():
+    there = {}
+    for where in sources():
+        if where.suffix != ".h":
+            continue
+        namespace = ""
+        for number, line in enumerate((ROOT / where).read_text().splitlines(), 1):
+            opened = re.match(r"namespace ([\w:]+) \{", line)
+            namespace = opened.group(1) if opened else namespace
+            match = re.match(r"(?:struct|class|enum class) (?:alignas\([^)]*\) )?(\w+)(?: final)?(?: : [^;]*)? \{", line)
+            if not match:
+                continue
+            name = f"{namespace}::{match.group(1)}"
+            if name in there:
+                yield f"{where}:{number}: {name} is also a type of {there[name]}"
+            there.setdefault(name, f"{where}:{number}")
+
+
 def main():
     allowed, bake = read_tables()
     if not bake:
         sys.exit("check_layers: docs/architecture.md has no table of modules below a title **Bake ...")
-    wrong = [*wrong_includes(allowed), *wrong_targets(allowed), *wrong_halves(allowed, bake)]
+    wrong = [*wrong_includes(allowed), *wrong_targets(allowed), *wrong_halves(allowed, bake), *same_names()]
     for row in allowed:
         if not (ROOT / row if PROGRAMS.fullmatch(row) else ROOT / "src/palpable" / row).is_dir():
             wrong.append(f"docs/architecture.md: '{row}' has no folder")

@@ -5,7 +5,7 @@
 
 namespace palpable {
 
-void fill_unknown(const DepthImage& depth, const PixelBox& box, int radius,
+void fill_unknown(const DepthImage& depth, const PixelRange& box, int radius,
                   std::vector<signed char>& nearest_in_row, std::vector<float>& filled) {
   PALPABLE_EXPECT(0 <= box.x0 && box.x1 <= depth.width() && 0 <= box.y0 && box.y1 <= depth.height(),
                   "the box lies within the image");

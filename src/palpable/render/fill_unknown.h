@@ -11,7 +11,7 @@
 namespace palpable {
 
 /// A rectangle of pixels: x0 <= x < x1, y0 <= y < y1.
-struct PixelBox {
+struct PixelRange {
   int x0 = 0;
   int y0 = 0;
   int x1 = 0;
@@ -42,7 +42,7 @@ inline constexpr int kLongestHalfSeen = 64;
 ///                        known or is the far depth of the first rule, else not 0. Pass the same
 ///                        vectors again and nothing is allocated
 /// @param filled          (box.height x box.width) row-major, overwritten
-void fill_unknown(const DepthImage& depth, const PixelBox& box, int radius,
+void fill_unknown(const DepthImage& depth, const PixelRange& box, int radius,
                   std::vector<signed char>& nearest_in_row, std::vector<float>& filled);
 
 }  // namespace palpable

@@ -16,7 +16,7 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 bool is_known(float z) { return z > 0.0f && std::isfinite(z); }
 
 /// The docstring's rule by looking at everything.
-float slow_fill(const DepthImage& depth, const PixelBox& box, int radius, int x, int y) {
+float slow_fill(const DepthImage& depth, const PixelRange& box, int radius, int x, int y) {
   if (is_known(depth(x, y))) return depth(x, y);
   int left = x, right = x;
   while (left >= box.x0 && !is_known(depth(left, y))) --left;
@@ -54,7 +54,7 @@ TEST_CASE("a hole takes its nearest known neighbour within the radius", "[render
     for (float& z : depth) {
       if (known(random)) z = depth_of(random);
     }
-    const PixelBox box{3, 2, 21, 17};
+    const PixelRange box{3, 2, 21, 17};
     std::vector<signed char> nearest;
     std::vector<float> filled;
     fill_unknown(depth, box, 3, nearest, filled);

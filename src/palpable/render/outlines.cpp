@@ -34,9 +34,9 @@ float total(const std::array<float, kLanes>& lanes) {
 
 }  // namespace
 
-void RealOutlines::find(const ColorImage& picture, const PixelBox& box,
+void RealOutlines::find(const ColorImage& picture, const PixelRange& box,
                         std::span<const float> depth, std::span<const signed char> guessed,
-                        const PixelBox& inner) {
+                        const PixelRange& inner) {
   PALPABLE_EXPECT(
       box.x0 >= 0 && box.y0 >= 0 && 2 * box.x1 <= picture.width() && 2 * box.y1 <= picture.height(),
       "the picture is twice as large as the depth image");
@@ -51,13 +51,13 @@ void RealOutlines::find(const ColorImage& picture, const PixelBox& box,
   average_colors(picture, box);
   find_doubts(guessed);
   build_lattice();
-  const PixelBox own{inner.x0 - box.x0, inner.y0 - box.y0, inner.x1 - box.x0, inner.y1 - box.y0};
+  const PixelRange own{inner.x0 - box.x0, inner.y0 - box.y0, inner.x1 - box.x0, inner.y1 - box.y0};
   decide(own);
   smooth(own);
   write_fine(picture, box, own);
 }
 
-void RealOutlines::average_colors(const ColorImage& picture, const PixelBox& box) {
+void RealOutlines::average_colors(const ColorImage& picture, const PixelRange& box) {
   color_.resize(at(0, h_));
   for (int y = 0; y < h_; ++y) {
     const Rgb* upper = picture.row(2 * (box.y0 + y)) + 2 * box.x0;
@@ -203,7 +203,7 @@ RealOutlines::Verdict RealOutlines::of_window(int x, int y) const {
   return verdict;
 }
 
-void RealOutlines::decide(const PixelBox& inner) {
+void RealOutlines::decide(const PixelRange& inner) {
   decided_ = z_;
   for (int y = inner.y0; y < inner.y1; ++y) {
     for (int x = inner.x0; x < inner.x1; ++x) {
@@ -221,7 +221,7 @@ void RealOutlines::decide(const PixelBox& inner) {
   std::swap(z_, decided_);
 }
 
-void RealOutlines::smooth(const PixelBox& inner) {
+void RealOutlines::smooth(const PixelRange& inner) {
   decided_ = z_;
   for (int y = std::max(inner.y0, 1); y < std::min(inner.y1, h_ - 1); ++y) {
     for (int x = std::max(inner.x0, 1); x < std::min(inner.x1, w_ - 1); ++x) {
@@ -237,8 +237,8 @@ void RealOutlines::smooth(const PixelBox& inner) {
   }
 }
 
-void RealOutlines::write_fine(const ColorImage& picture, const PixelBox& box,
-                              const PixelBox& inner) {
+void RealOutlines::write_fine(const ColorImage& picture, const PixelRange& box,
+                              const PixelRange& inner) {
   constexpr int kReach = 2;  // px of the depth image: the colours of a side are those this near
   const std::size_t stride = 2 * static_cast<std::size_t>(inner.width());
   fine_.resize(stride * 2 * static_cast<std::size_t>(inner.height()));

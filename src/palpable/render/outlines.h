@@ -62,8 +62,8 @@ class RealOutlines {
   /// @param inner    the pixels to correct, within `box`
   /// Allocates nothing once it has seen a box of this size.
   /// @throws ContractViolation when sizes do not match
-  void find(const ColorImage& picture, const PixelBox& box, std::span<const float> depth,
-            std::span<const signed char> guessed, const PixelBox& inner);
+  void find(const ColorImage& picture, const PixelRange& box, std::span<const float> depth,
+            std::span<const signed char> guessed, const PixelRange& inner);
 
   /// (2 inner.h x 2 inner.w) of the last find(), m; 0 unknown. Row y, column x is the picture's
   /// pixel (2 inner.x0 + x, 2 inner.y0 + y).
@@ -91,13 +91,13 @@ class RealOutlines {
   [[nodiscard]] std::size_t at(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(w_) + static_cast<std::size_t>(x);
   }
-  void average_colors(const ColorImage& picture, const PixelBox& box);
+  void average_colors(const ColorImage& picture, const PixelRange& box);
   void find_doubts(std::span<const signed char> guessed);
   void build_lattice();
   [[nodiscard]] Verdict of_window(int x, int y) const;
-  void decide(const PixelBox& inner);
-  void smooth(const PixelBox& inner);
-  void write_fine(const ColorImage& picture, const PixelBox& box, const PixelBox& inner);
+  void decide(const PixelRange& inner);
+  void smooth(const PixelRange& inner);
+  void write_fine(const ColorImage& picture, const PixelRange& box, const PixelRange& inner);
 
   int w_ = 0;
   int h_ = 0;

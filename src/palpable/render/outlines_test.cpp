@@ -25,8 +25,8 @@ struct Case {
   MaskImage truth{2 * kWidth, 2 * kHeight, 0};  // 255 on what is near
   std::vector<float> depth = std::vector<float>(kWidth * kHeight, kDesk);
   std::vector<signed char> guessed = std::vector<signed char>(kWidth * kHeight, 0);
-  PixelBox box{0, 0, kWidth, kHeight};
-  PixelBox inner{30, 30, kWidth - 31, kHeight - 32};
+  PixelRange box{0, 0, kWidth, kHeight};
+  PixelRange inner{30, 30, kWidth - 31, kHeight - 32};
 
   // `is_near` of a picture pixel; widened by so many half pixels to the left, and by one elsewhere.
   template <class Near>
@@ -163,7 +163,7 @@ TEST_CASE("outlines take no memory once the sizes are known, and refuse sizes th
   const Case c(
       9, [](int x, int y) { return x + y > 260; }, 4);
   RealOutlines outlines;
-  const auto find = [&](const PixelBox& box, const PixelBox& inner) {
+  const auto find = [&](const PixelRange& box, const PixelRange& inner) {
     outlines.find(c.picture, box, c.depth, c.guessed, inner);
   };
   find(c.box, c.inner);

@@ -88,7 +88,7 @@ struct Bounds {
     y1 = std::max(y1, v + r);
   }
 
-  [[nodiscard]] PixelBox within(int width, int height, int margin) const {
+  [[nodiscard]] PixelRange within(int width, int height, int margin) const {
     if (everything) return {0, 0, width, height};
     const auto edge = [](float value, int limit) {
       return static_cast<int>(std::clamp(value, 0.0f, static_cast<float>(limit)));
@@ -147,7 +147,7 @@ struct SceneRenderer::State {
   GlTexture real_depth{GL_R32F, 1, 1};
   GlTexture nothing_real{GL_R32F, 1, 1};
   GlTexture fine_depth{GL_R32F, 1, 1};  // of the picture's size
-  PixelBox fine_box;                    // of the picture, where fine_depth holds; empty: nowhere
+  PixelRange fine_box;                  // of the picture, where fine_depth holds; empty: nowhere
   RealOutlines outlines;
 
   // Kept between frames so that nothing is allocated.
@@ -156,17 +156,17 @@ struct SceneRenderer::State {
   std::vector<std::uint8_t> rgba, mask_rows;
 
   struct Boxes {
-    PixelBox bodies;
-    PixelBox all;  // of bodies and their shadows
+    PixelRange bodies;
+    PixelRange all;  // of bodies and their shadows
   };
   Boxes boxes_of(const SceneView& view) const;
   Eigen::Vector2f upload_real_depth(const SceneView& view, const Boxes& boxes);
-  void upload_outlines(const SceneView& view, const PixelBox& texels, const PixelBox& bodies);
+  void upload_outlines(const SceneView& view, const PixelRange& texels, const PixelRange& bodies);
   void stream(const BodyLook& look, BodyBuffers& to);
   void draw_shadows(const SceneView& view, const Eigen::Vector2f& depth_per_picture);
   void draw_bodies(const SceneView& view);
   void compose_picture(const SceneView& view, const Eigen::Vector2f& depth_per_picture);
-  void read_back(const PixelBox& box, ColorImage& picture, MaskImage* visible, DepthImage* depth);
+  void read_back(const PixelRange& box, ColorImage& picture, MaskImage* visible, DepthImage* depth);
 };
 
 SceneRenderer::SceneRenderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -227,7 +227,7 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
   while (s.buffers.size() < view.bodies.size()) s.buffers.emplace_back();
   for (std::size_t i = 0; i < view.bodies.size(); ++i) s.stream(view.bodies[i], s.buffers[i]);
   const State::Boxes boxes = s.boxes_of(view);
-  const PixelBox& box = boxes.all;
+  const PixelRange& box = boxes.all;
   if (!box.empty()) {
     if (!s.targets || s.targets->picture.width() != width ||
         s.targets->picture.height() != height) {
@@ -258,7 +258,7 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
 
 SceneRenderer::State::Boxes SceneRenderer::State::boxes_of(const SceneView& view) const {
   Bounds bounds;
-  const auto box = [&]() -> PixelBox {
+  const auto box = [&]() -> PixelRange {
     if (!bounds.everything && bounds.x0 > bounds.x1) return {};
     return bounds.within(view.camera.width, view.camera.height, kOutlineRadius);
   };
@@ -303,11 +303,11 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, c
   const int margin = half ? RealOutlines::kMargin : kHoleRadius + 2;
   // So wide that both ends of every strip that one eye alone sees lie within.
   const int row_margin = kLongestHalfSeen + 1;
-  const PixelBox& box = boxes.all;
-  const PixelBox texels{std::max(static_cast<int>(box.x0 * sx) - row_margin, 0),
-                        std::max(static_cast<int>(box.y0 * sy) - margin, 0),
-                        std::min(static_cast<int>(box.x1 * sx) + row_margin, depth.width()),
-                        std::min(static_cast<int>(box.y1 * sy) + margin, depth.height())};
+  const PixelRange& box = boxes.all;
+  const PixelRange texels{std::max(static_cast<int>(box.x0 * sx) - row_margin, 0),
+                          std::max(static_cast<int>(box.y0 * sy) - margin, 0),
+                          std::min(static_cast<int>(box.x1 * sx) + row_margin, depth.width()),
+                          std::min(static_cast<int>(box.y1 * sy) + margin, depth.height())};
   fill_unknown(depth, texels, kHoleRadius, nearest_in_row, filled);
   real_depth.upload(texels.x0, texels.y0, texels.width(), texels.height(), GL_RED, GL_FLOAT,
                     filled.data());
@@ -315,10 +315,10 @@ Eigen::Vector2f SceneRenderer::State::upload_real_depth(const SceneView& view, c
   return Eigen::Vector2d(sx, sy).cast<float>();
 }
 
-void SceneRenderer::State::upload_outlines(const SceneView& view, const PixelBox& texels,
-                                           const PixelBox& bodies) {
-  const PixelBox inner{bodies.x0 / 2, bodies.y0 / 2, std::min((bodies.x1 + 1) / 2, texels.x1),
-                       std::min((bodies.y1 + 1) / 2, texels.y1)};
+void SceneRenderer::State::upload_outlines(const SceneView& view, const PixelRange& texels,
+                                           const PixelRange& bodies) {
+  const PixelRange inner{bodies.x0 / 2, bodies.y0 / 2, std::min((bodies.x1 + 1) / 2, texels.x1),
+                         std::min((bodies.y1 + 1) / 2, texels.y1)};
   if (inner.empty()) return;
   outlines.find(*view.background, texels, filled, nearest_in_row, inner);
   if (fine_depth.width() != view.camera.width || fine_depth.height() != view.camera.height) {
@@ -451,7 +451,7 @@ void SceneRenderer::State::compose_picture(const SceneView& view,
   glDisablei(GL_BLEND, 0);
 }
 
-void SceneRenderer::State::read_back(const PixelBox& box, ColorImage& picture, MaskImage* visible,
+void SceneRenderer::State::read_back(const PixelRange& box, ColorImage& picture, MaskImage* visible,
                                      DepthImage* depth) {
   const auto w = static_cast<std::size_t>(box.width());
   const auto count = w * static_cast<std::size_t>(box.height());

@@ -89,7 +89,7 @@ std::span<float> ContactProblem::compliance_row(int row) {
 }
 
 // direction . field at a candidate, whose field has three values a vertex.
-float ContactProblem::along(const Candidate& c, const Vector3f& direction,
+float ContactProblem::along(const ContactCandidate& c, const Vector3f& direction,
                             const float* field) const {
   float sum = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -101,9 +101,9 @@ float ContactProblem::along(const Candidate& c, const Vector3f& direction,
 }
 
 // rows_: what a force of 1 N at each candidate does at all vertices.
-void ContactProblem::find_rows(std::span<const Candidate> candidates) {
+void ContactProblem::find_rows(std::span<const ContactCandidate> candidates) {
   for (std::size_t p = 0; p < candidates.size(); ++p) {
-    const Candidate& c = candidates[p];
+    const ContactCandidate& c = candidates[p];
     const std::span<float> row(rows_.data() + p * width_, width_);
     std::fill(row.begin(), row.end(), 0.0f);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -118,11 +118,11 @@ void ContactProblem::find_rows(std::span<const Candidate> candidates) {
 }
 
 // mode_rows_ and turned_, and code_ = H a of each blob through them.
-void ContactProblem::find_mode_rows(std::span<const Candidate> candidates,
+void ContactProblem::find_mode_rows(std::span<const ContactCandidate> candidates,
                                     std::span<const VertexForce> loads,
                                     const NonlinearAnswer& answer) {
   for (std::size_t p = 0; p < candidates.size(); ++p) {
-    const Candidate& c = candidates[p];
+    const ContactCandidate& c = candidates[p];
     int heaviest = 0;
     c.weights.maxCoeff(&heaviest);
     const int blob = answer.blob_of(loads[c.local[static_cast<std::size_t>(heaviest)]].vertex);
@@ -140,7 +140,7 @@ void ContactProblem::find_mode_rows(std::span<const Candidate> candidates,
 }
 
 // q_: the gaps if no force acted, by the tangent of the present state: g - N J f.
-void ContactProblem::find_expected_gaps(std::span<const Candidate> candidates,
+void ContactProblem::find_expected_gaps(std::span<const ContactCandidate> candidates,
                                         std::span<const VertexForce> loads,
                                         const NonlinearAnswer* answer, double shift) {
   const std::span<float> field(field_.data(), width_);
@@ -175,7 +175,7 @@ void ContactProblem::find_expected_gaps(std::span<const Candidate> candidates,
   }
 }
 
-void ContactProblem::assemble(std::span<const Candidate> candidates,
+void ContactProblem::assemble(std::span<const ContactCandidate> candidates,
                               const NonlinearAnswer* answer) {
   const std::size_t m = candidates.size();
   for (std::size_t p = 0; p < m; ++p) {
@@ -195,10 +195,10 @@ void ContactProblem::assemble(std::span<const Candidate> candidates,
 }
 
 // Which candidates press something round, hard enough to matter.
-void ContactProblem::find_turning(std::span<const Candidate> candidates) {
+void ContactProblem::find_turning(std::span<const ContactCandidate> candidates) {
   turning_.clear();
   for (std::size_t p = 0; p < candidates.size(); ++p) {
-    const Candidate& c = candidates[p];
+    const ContactCandidate& c = candidates[p];
     const double turn = c.pressing * static_cast<double>(c.curvature.trace());
     if (turn * W_[p * candidates.size() + p] < kTurns) continue;
     Turning t{static_cast<int>(p), c.normal.unitOrthogonal(), {}};
@@ -207,7 +207,7 @@ void ContactProblem::find_turning(std::span<const Candidate> candidates) {
   }
   if (turning_.size() <= kMostTurning) return;
   const auto weight = [&](const Turning& t) {
-    const Candidate& c = candidates[static_cast<std::size_t>(t.candidate)];
+    const ContactCandidate& c = candidates[static_cast<std::size_t>(t.candidate)];
     return c.pressing * static_cast<double>(c.curvature.trace());
   };
   std::nth_element(turning_.begin(), turning_.begin() + kMostTurning, turning_.end(),
@@ -216,13 +216,13 @@ void ContactProblem::find_turning(std::span<const Candidate> candidates) {
 }
 
 // W and q with the turning of normals; M_, tu_ and Gnt_ for the forces afterwards.
-bool ContactProblem::add_turning(std::span<const Candidate> candidates) {
+bool ContactProblem::add_turning(std::span<const ContactCandidate> candidates) {
   const std::size_t m = candidates.size(), t = 2 * turning_.size();
   if (t == 0) return true;
   const auto direction = [&](std::size_t i) -> const Vector3f& {
     return i % 2 == 0 ? turning_[i / 2].t1 : turning_[i / 2].t2;
   };
-  const auto at = [&](std::size_t i) -> const Candidate& {
+  const auto at = [&](std::size_t i) -> const ContactCandidate& {
     return candidates[static_cast<std::size_t>(turning_[i / 2].candidate)];
   };
   for (std::size_t i = 0; i < t; ++i) {
@@ -295,8 +295,9 @@ bool ContactProblem::add_turning(std::span<const Candidate> candidates) {
   return true;
 }
 
-bool ContactProblem::solve(std::span<Candidate> candidates, std::span<const VertexForce> loads,
-                           const NonlinearAnswer* answer, const ContactStep& step) {
+bool ContactProblem::solve(std::span<ContactCandidate> candidates,
+                           std::span<const VertexForce> loads, const NonlinearAnswer* answer,
+                           const ContactStep& step) {
   const std::size_t m = candidates.size();
   const std::span<double> W(W_.data(), m * m), q(q_.data(), m), f(f_.data(), m);
   find_rows(candidates);
@@ -327,7 +328,7 @@ bool ContactProblem::solve(std::span<Candidate> candidates, std::span<const Vert
   for (std::size_t i = 0; i < t; ++i) {
     double force = 0;
     for (std::size_t j = 0; j < t; ++j) force += M_[i * t + j] * scratch_[j];
-    Candidate& c = candidates[static_cast<std::size_t>(turning_[i / 2].candidate)];
+    ContactCandidate& c = candidates[static_cast<std::size_t>(turning_[i / 2].candidate)];
     c.force += static_cast<float>(force) * (i % 2 == 0 ? turning_[i / 2].t1 : turning_[i / 2].t2);
   }
   return true;

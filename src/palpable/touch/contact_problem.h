@@ -25,7 +25,7 @@
 namespace palpable {
 
 /// A contact point that may press.
-struct Candidate {
+struct ContactCandidate {
   int point = 0;                                      ///< of the skin
   std::array<int, 3> local{};                         ///< its corners among the problem's vertices
   Eigen::Vector3f weights = Eigen::Vector3f::Zero();  ///< of the corners
@@ -58,7 +58,7 @@ class ContactProblem {
   /// New forces of all candidates.
   /// @param loads       (n) forces at the vertices now, from which `answer` was evaluated
   /// @return false if the problem has no answer: the forces are as before
-  bool solve(std::span<Candidate> candidates, std::span<const VertexForce> loads,
+  bool solve(std::span<ContactCandidate> candidates, std::span<const VertexForce> loads,
              const NonlinearAnswer* answer, const ContactStep& step);
 
  private:
@@ -66,15 +66,16 @@ class ContactProblem {
     int candidate = 0;
     Eigen::Vector3f t1 = Eigen::Vector3f::Zero(), t2 = Eigen::Vector3f::Zero();
   };
-  void find_rows(std::span<const Candidate> candidates);
-  void find_mode_rows(std::span<const Candidate> candidates, std::span<const VertexForce> loads,
-                      const NonlinearAnswer& answer);
-  void find_expected_gaps(std::span<const Candidate> candidates, std::span<const VertexForce> loads,
-                          const NonlinearAnswer* answer, double shift);
-  void assemble(std::span<const Candidate> candidates, const NonlinearAnswer* answer);
-  void find_turning(std::span<const Candidate> candidates);
-  bool add_turning(std::span<const Candidate> candidates);
-  [[nodiscard]] float along(const Candidate& candidate, const Eigen::Vector3f& direction,
+  void find_rows(std::span<const ContactCandidate> candidates);
+  void find_mode_rows(std::span<const ContactCandidate> candidates,
+                      std::span<const VertexForce> loads, const NonlinearAnswer& answer);
+  void find_expected_gaps(std::span<const ContactCandidate> candidates,
+                          std::span<const VertexForce> loads, const NonlinearAnswer* answer,
+                          double shift);
+  void assemble(std::span<const ContactCandidate> candidates, const NonlinearAnswer* answer);
+  void find_turning(std::span<const ContactCandidate> candidates);
+  bool add_turning(std::span<const ContactCandidate> candidates);
+  [[nodiscard]] float along(const ContactCandidate& candidate, const Eigen::Vector3f& direction,
                             const float* field) const;
 
   Complementarity complementarity_;

@@ -71,7 +71,7 @@ struct TouchSolver::Work {
   ContactProblem problem;
   std::optional<ShellStress> shell;
 
-  std::vector<Candidate> candidates;
+  std::vector<ContactCandidate> candidates;
   std::vector<int> vertices;            // of the candidates
   std::vector<int> local_of_vertex;     // (V) -1: not among them
   std::vector<float> sources, targets;  // (C x k)
@@ -119,7 +119,7 @@ struct TouchSolver::Work {
   void find_candidates(const TouchState& state, const GapQuery& gap, const NearQuery& near,
                        double shift, TouchReport& report);
   void keep_nearest(TouchReport& report);
-  bool add_vertices(const Candidate& candidate);
+  bool add_vertices(const ContactCandidate& candidate);
   void take_up(const TouchState& state);
   void set_compliance();
   void add_up_loads();
@@ -179,7 +179,7 @@ void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery&
       const Vector3f x = point.at(rest) + point.at(u);
       if (near && !near(x, band)) continue;
       if (!gap_at(p, x, gap, seen) || !(seen.distance <= band) || !is_needed(p, seen)) continue;
-      Candidate candidate;
+      ContactCandidate candidate;
       candidate.point = p;
       candidate.weights = point.weights;
       candidate.distance = seen.distance;
@@ -196,14 +196,14 @@ void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery&
 
 // At most as many as there is room for, the deepest first; in the order of the points.
 void TouchSolver::Work::keep_nearest(TouchReport& report) {
-  const auto nearer = [](const Candidate& a, const Candidate& b) {
+  const auto nearer = [](const ContactCandidate& a, const ContactCandidate& b) {
     return a.distance != b.distance ? a.distance < b.distance : a.point < b.point;
   };
   std::sort(candidates.begin(), candidates.end(), nearer);
   for (const int v : vertices) local_of_vertex[v] = -1;
   vertices.clear();
   std::size_t kept = 0;
-  for (Candidate& candidate : candidates) {
+  for (ContactCandidate& candidate : candidates) {
     if (kept == kMostPoints || !add_vertices(candidate)) break;
     candidates[kept++] = candidate;
   }
@@ -213,7 +213,7 @@ void TouchSolver::Work::keep_nearest(TouchReport& report) {
 }
 
 // Whether its corners find room among the vertices.
-bool TouchSolver::Work::add_vertices(const Candidate& candidate) {
+bool TouchSolver::Work::add_vertices(const ContactCandidate& candidate) {
   const SkinPoint& point = points[static_cast<std::size_t>(candidate.point)];
   int missing = 0;
   for (std::size_t k = 0; k < 3; ++k) missing += local_of_vertex[point.corners[k]] < 0;
@@ -230,7 +230,7 @@ bool TouchSolver::Work::add_vertices(const Candidate& candidate) {
 
 // The forces of the state at the candidates; those at points that are none any more are let go.
 void TouchSolver::Work::take_up(const TouchState& state) {
-  for (Candidate& candidate : candidates) {
+  for (ContactCandidate& candidate : candidates) {
     const SkinPoint& point = points[static_cast<std::size_t>(candidate.point)];
     for (std::size_t k = 0; k < 3; ++k) candidate.local[k] = local_of_vertex[point.corners[k]];
     const auto at =
@@ -247,7 +247,7 @@ void TouchSolver::Work::take_up(const TouchState& state) {
 
 void TouchSolver::Work::add_up_loads() {
   for (VertexForce& load : loads) load.force.setZero();
-  for (const Candidate& candidate : candidates) {
+  for (const ContactCandidate& candidate : candidates) {
     for (std::size_t k = 0; k < 3; ++k) {
       loads[static_cast<std::size_t>(candidate.local[k])].force +=
           candidate.weights[static_cast<int>(k)] * candidate.force;
@@ -261,7 +261,7 @@ void TouchSolver::Work::choose_blobs(const TouchState& state, double shift) {
   float pressing = 0;
   for (const VertexForce& load : loads) pressing += load.force.norm();
   const float per_m = pressing > 0 ? 0.1f * pressing / static_cast<float>(settings.band) : 1.0f;
-  for (const Candidate& c : candidates) {
+  for (const ContactCandidate& c : candidates) {
     const float entry = std::max(0.0f, -c.distance - static_cast<float>(shift));
     for (std::size_t k = 0; k < 3; ++k) {
       weights[static_cast<std::size_t>(c.local[k])] +=
@@ -309,7 +309,7 @@ void TouchSolver::Work::find_displacements(CrossTerms cross) {
 
 void TouchSolver::Work::look_at_gaps(const GapQuery& gap) {
   SurfaceGap seen;
-  for (Candidate& candidate : candidates) {
+  for (ContactCandidate& candidate : candidates) {
     Vector3f x = Vector3f::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
       const int local = candidate.local[k];
@@ -398,7 +398,7 @@ void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, bool l
   look_at_gaps(gap);
   state.forces.clear();
   report.penetration = 0;
-  for (const Candidate& candidate : candidates) {
+  for (const ContactCandidate& candidate : candidates) {
     report.penetration = std::max(report.penetration, -static_cast<double>(candidate.distance));
     if (candidate.pressing > 0) state.forces.push_back({candidate.point, candidate.force});
   }
@@ -433,7 +433,8 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
   }
   w.find_candidates(state, gap, near, 0, report);
   double depth = 0;
-  for (const Candidate& c : w.candidates) depth = std::max(depth, -static_cast<double>(c.distance));
+  for (const ContactCandidate& c : w.candidates)
+    depth = std::max(depth, -static_cast<double>(c.distance));
   const int steps =
       std::clamp(static_cast<int>(std::ceil(depth / s.largest_step)), 1, s.most_steps);
   for (int step = 1; step <= steps; ++step) {

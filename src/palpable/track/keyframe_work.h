@@ -23,13 +23,13 @@ struct TrackerSettings;
 
 struct KeyframeWork {
   // What is asked for, copied from the map.
-  int number = 0;                  ///< frame number of the newest keyframe
-  GrayImage image;                 ///< its picture at half size, for its features
-  DepthImage depth;                ///< of the same view, of any size
-  PinholeCamera camera;            ///< of `image`
-  std::optional<Window> window;    ///< to be adjusted
-  std::optional<PoseGraph> graph;  ///< to be adjusted instead of the window,
-  std::optional<Loop> closing;     ///< when this loop is closed
+  int number = 0;                          ///< frame number of the newest keyframe
+  GrayImage image;                         ///< its picture at half size, for its features
+  DepthImage depth;                        ///< of the same view, of any size
+  PinholeCamera camera;                    ///< of `image`
+  std::optional<AdjustmentWindow> window;  ///< to be adjusted
+  std::optional<PoseGraph> graph;          ///< to be adjusted instead of the window,
+  std::optional<Loop> closing;             ///< when this loop is closed
   /// Old keyframes that may be recognised: frame numbers and features.
   std::vector<std::pair<int, Features>> candidates;
 

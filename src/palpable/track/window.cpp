@@ -42,7 +42,7 @@ std::vector<int> held_keyframes(int first, const std::vector<int>& ids, const La
 // Enters the landmarks that two of the window's keyframes have seen.
 // @param slot  (keyframes of the map) index in the window, -1: not in it
 void add_landmarks(const std::vector<int>& ids, const std::vector<int>& slot,
-                   const LandmarkMap& map, Window& window) {
+                   const LandmarkMap& map, AdjustmentWindow& window) {
   for (const int id : ids) {
     const Landmark& landmark = map.landmarks[id];
     if (!landmark.alive) continue;
@@ -62,8 +62,8 @@ void add_landmarks(const std::vector<int>& ids, const std::vector<int>& slot,
 
 }  // namespace
 
-Window window_of(const TrackCamera& camera, const LandmarkMap& map) {
-  Window window;
+AdjustmentWindow window_of(const TrackCamera& camera, const LandmarkMap& map) {
+  AdjustmentWindow window;
   window.problem.camera = camera;
   const int keyframes = static_cast<int>(map.keyframes.size());
   const int first = keyframes - std::min(kWindow, keyframes);
@@ -82,7 +82,7 @@ Window window_of(const TrackCamera& camera, const LandmarkMap& map) {
   return window;
 }
 
-void adjust(Window& window) {
+void adjust(AdjustmentWindow& window) {
   adjust_bundle(window.problem);
   for (const BundleSighting& s : window.problem.sightings) {
     if (squared_residual(window.problem, s) > kBadSquared) {
@@ -91,7 +91,7 @@ void adjust(Window& window) {
   }
 }
 
-void put_back(const Window& window, LandmarkMap& map) {
+void put_back(const AdjustmentWindow& window, LandmarkMap& map) {
   std::vector<std::optional<Rigid3>> world_from_old_world(map.keyframes.size());
   for (std::size_t i = 0; i < window.keyframes.size(); ++i) {
     if (window.problem.fixed[i] != 0) continue;

@@ -16,7 +16,7 @@ namespace palpable {
 inline constexpr int kWindow = 7;
 
 /// A part of the map. Plain data, so that another thread may adjust it while the map is used.
-struct Window {
+struct AdjustmentWindow {
   BundleProblem problem;
   std::vector<int> keyframes;            ///< index in the map, of problem.camera_from_world
   std::vector<int> landmarks;            ///< index in the map, of problem.x_in_world
@@ -26,15 +26,15 @@ struct Window {
 /// The last kWindow keyframes and all landmarks that two of them have seen, with up to 5 older
 /// keyframes that share the most landmarks with them. The older ones are held fixed: they tie the
 /// window to the world.
-[[nodiscard]] Window window_of(const TrackCamera& camera, const LandmarkMap& map);
+[[nodiscard]] AdjustmentWindow window_of(const TrackCamera& camera, const LandmarkMap& map);
 
 /// Adjusts it, and enters the sightings that do not agree in `bad`.
-void adjust(Window& window);
+void adjust(AdjustmentWindow& window);
 
 /// Writes the result into the map that the window was taken from; no keyframe may have come or gone
 /// since. A landmark outside of the window keeps its place in its anchor's picture: it is moved as
 /// its anchor was.
-void put_back(const Window& window, LandmarkMap& map);
+void put_back(const AdjustmentWindow& window, LandmarkMap& map);
 
 /// Moves the landmarks whose anchor has moved, as it was moved.
 /// @param world_from_old_world  (keyframes) of each one that has moved; nothing: it has not

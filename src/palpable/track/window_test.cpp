@@ -57,7 +57,7 @@ constexpr int kFirst = kCount - kWindow;  // 9
 
 TEST_CASE("the window is the last keyframes, tied to older ones that see the same", "[track]") {
   Walk walk;
-  const Window window = window_of(kCamera, walk);
+  const AdjustmentWindow window = window_of(kCamera, walk);
   // The window sees what keyframes 5 and later have brought. Keyframe 8 has seen most of that, 48
   // landmarks; 5 has seen its own 12, and 4 none.
   REQUIRE(window.keyframes.size() == 4U + kWindow);
@@ -79,7 +79,7 @@ TEST_CASE("the window is the last keyframes, tied to older ones that see the sam
   for (Landmark& landmark : young.landmarks) {
     std::erase_if(landmark.sightings, [](const KeyframeSighting& s) { return s.keyframe >= 3; });
   }
-  const Window first = window_of(kCamera, young);
+  const AdjustmentWindow first = window_of(kCamera, young);
   CHECK(first.keyframes == std::vector<int>{0, 1, 2});
   CHECK(first.problem.fixed == std::vector<char>{1, 0, 0});
   CHECK(first.landmarks.size() == 2U * kOwn);
@@ -93,7 +93,7 @@ TEST_CASE("a window that shares nothing with older keyframes is held by its own 
     std::erase_if(landmark.sightings,
                   [](const KeyframeSighting& s) { return s.keyframe < kFirst; });
   }
-  const Window window = window_of(kCamera, walk);
+  const AdjustmentWindow window = window_of(kCamera, walk);
   CHECK(window.keyframes == std::vector<int>{9, 10, 11, 12, 13, 14, 15});
   CHECK(window.problem.fixed == std::vector<char>{1, 0, 0, 0, 0, 0, 0});
 }
@@ -110,7 +110,7 @@ TEST_CASE("an adjusted window has its keyframes and landmarks where they were", 
           off.keyframes[k].camera_from_world.inverse() * truth(k) * walk.landmarks[i].x_in_world;
     }
   }
-  Window window = window_of(kCamera, off);
+  AdjustmentWindow window = window_of(kCamera, off);
   adjust(window);
   CHECK(window.bad.empty());
   put_back(window, off);
@@ -137,7 +137,7 @@ TEST_CASE("a sighting that does not agree is dropped; a landmark that keeps too 
   };
   const int five = 10 * kOwn, two = 14 * kOwn, anchored = 10 * kOwn + 5;
   const std::vector<std::pair<int, int>> bad = {spoil(five, 2), spoil(anchored, 0), spoil(two, 1)};
-  Window window = window_of(kCamera, walk);
+  AdjustmentWindow window = window_of(kCamera, walk);
   adjust(window);
   // Of two sightings either one may be wrong.
   std::vector<std::pair<int, int>> found = window.bad;
