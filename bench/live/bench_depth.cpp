@@ -271,9 +271,9 @@ class OutlineTimes {
     const int cx = seen.depth.width() / 2, cy = seen.depth.height() / 2;
     const PixelRange inner{cx - kSide / 2, cy - kSide / 2, cx + kSide / 2, cy + kSide / 2};
     const PixelRange box{std::max(inner.x0 - kLongestHalfSeen - 1, 0),
-                       std::max(inner.y0 - RealOutlines::kMargin, 0),
-                       std::min(inner.x1 + kLongestHalfSeen + 1, seen.depth.width()),
-                       std::min(inner.y1 + RealOutlines::kMargin, seen.depth.height())};
+                         std::max(inner.y0 - RealOutlines::kMargin, 0),
+                         std::min(inner.x1 + kLongestHalfSeen + 1, seen.depth.width()),
+                         std::min(inner.y1 + RealOutlines::kMargin, seen.depth.height())};
     Times least;
     for (int i = 0; i < 5; ++i) {
       keep_least(least, timed([&] {
