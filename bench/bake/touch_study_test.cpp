@@ -1,6 +1,7 @@
 #include "bench/bake/touch_study.h"
 
 #include "palpable/touch_bake/touch_maker.h"
+#include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
 
 #include <algorithm>
@@ -12,15 +13,9 @@ namespace {
 
 using test::tolerance;
 
-// 60 x 50 x 40 mm of rubber, held below.
+// 60 x 50 x 40 mm.
 SolidModel block() {
-  SolidModel model;
-  model.mesh = box_tets({-0.03, -0.025, 0}, {0.03, 0.025, 0.04}, 10, 8, 7);
-  model.material = material_from_young("neo-hookean", 60e3, 0.4);
-  for (int n = 0; n < model.mesh.node_count(); ++n) {
-    if (model.mesh.nodes(2, n) < 0.001) model.fixed_nodes.push_back(n);
-  }
-  return model;
+  return test::standing_rubber(box_tets({-0.03, -0.025, 0}, {0.03, 0.025, 0.04}, 10, 8, 7));
 }
 
 struct Touched {

@@ -56,10 +56,7 @@ std::optional<Touch> touch_of(const PaperState& state, const ReducedBody& body) 
                level * site.full_load,
                body.press_depth(state.step, state.site),
                state.point_in_body,
-               site.direction,
-               0,
-               0,
-               0};
+               site.direction};
 }
 
 void deformed_nodes(const PaperState& state, const ReducedBody& body, Eigen::Matrix3Xf& nodes) {

@@ -203,9 +203,7 @@ Touch PressLaw::touch_with(int site, double level, const Need& need) const {
                press_depth_of_level(*body_, site, level),
                need.place.point.cast<double>(),
                at.direction,
-               static_cast<double>(need.place.unseen_for),
-               0,
-               0};
+               static_cast<double>(need.place.unseen_for)};
 }
 
 double PressLaw::followed_level(const Touch& before, const Need& need) const {

@@ -52,7 +52,7 @@ TouchReport SkinContact::advance(TouchState& state, const ObjectSurface& seen,
   touches.clear();
   touches.reserve(TouchSolver::kMostPoints);
   TouchReport report;
-  if (seen.balls().empty() && state.forces.empty() && state.u.cols() == rest_.cols()) {
+  if (seen.balls().empty() && state.forces.empty() && state.u.cols() > 0) {
     return report;  // at rest, and stays so
   }
   report = solver_.advance(state, gaps_to(seen), near_to(seen));

@@ -77,6 +77,7 @@ TEST_CASE("a seen finger presses the skin out of its way, and lets go when it le
   CHECK(loop.touches.empty());
   CHECK(loop.state.forces.empty());
   CHECK(loop.state.u.isZero(0));
+  CHECK(loop.see(nothing).steps == 0);  // a body at rest that nothing is near is not asked
 }
 
 TEST_CASE("two fingers are two touches, the stronger one first", "[contact][skin contact]") {

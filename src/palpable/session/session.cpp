@@ -84,11 +84,12 @@ struct Session::Parts {
         at_rest(static_cast<std::size_t>(rest.cols()), 0.0f),
         region(box_of(body.surface)),
         pressing(camera.noise(), settings.pressing),
-        surface(fitted(settings.surface, camera, format, settings.depth.matcher)),
-        law(body, settings.press) {
+        surface(fitted(settings.surface, camera, format, settings.depth.matcher)) {
     if (tables && s.contact == ContactKind::kAnywhere) {
       anywhere.emplace(body.surface, body.fixed, *tables, settings.touch);
       anywhere->stress(touched, at_rest);
+    } else if (s.contact != ContactKind::kPaper) {
+      law.emplace(body, settings.press);
     }
     forget_room();
   }
@@ -115,7 +116,7 @@ struct Session::Parts {
   ObjectSurface surface;
   std::optional<SkinContact> anywhere;
   TouchState touched;
-  PressLaw law;
+  std::optional<PressLaw> law;
   PressState press;
   PaperState paper;
   Eigen::Matrix3Xf nodes;
@@ -178,8 +179,8 @@ void Session::Parts::find_touches(double time, std::vector<Touch>& touches) {
     anywhere->advance(touched, surface, touches);
     return;
   }
-  if (settings.contact != ContactKind::kPaper) {
-    press = law.advance(press, surface, time);
+  if (law) {
+    press = law->advance(press, surface, time);
     if (press.touch) touches.push_back(*press.touch);
     return;
   }

@@ -41,6 +41,13 @@ float largest_curvature(const Eigen::Matrix3f& K) {
   return 0.5f * (trace + std::sqrt(std::max(0.0f, apart)));
 }
 
+void set_gap(ContactCandidate& candidate, const SurfaceGap& gap) {
+  candidate.distance = gap.distance;
+  candidate.normal = gap.normal;
+  candidate.curvature = gap.curvature;
+  candidate.softness = gap.softness;
+}
+
 // A gap as it was found in this frame.
 struct FoundGap {
   int frame = -1;
@@ -182,10 +189,7 @@ void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery&
       ContactCandidate candidate;
       candidate.point = p;
       candidate.weights = point.weights;
-      candidate.distance = seen.distance;
-      candidate.normal = seen.normal;
-      candidate.curvature = seen.curvature;
-      candidate.softness = seen.softness;
+      set_gap(candidate, seen);
       candidates.push_back(candidate);
     }
   }
@@ -317,10 +321,7 @@ void TouchSolver::Work::look_at_gaps(const GapQuery& gap) {
            (rest.col(vertices[static_cast<std::size_t>(local)]) + here.col(local));
     }
     if (gap_at(candidate.point, x, gap, seen)) {
-      candidate.distance = seen.distance;
-      candidate.normal = seen.normal;
-      candidate.curvature = seen.curvature;
-      candidate.softness = seen.softness;
+      set_gap(candidate, seen);
     } else {
       candidate.distance = static_cast<float>(10 * settings.band);
     }

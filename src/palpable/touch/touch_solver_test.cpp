@@ -1,6 +1,7 @@
 #include "palpable/touch/touch_solver.h"
 
 #include "tests/support/allocations.h"
+#include "tests/support/ball_gap.h"
 #include "tests/support/elastic_sheet.h"
 #include "tests/support/test.h"
 
@@ -22,15 +23,7 @@ using test::tolerance;
 
 // A ball above the sheet, its lowest point `depth` under the sheet's plane.
 GapQuery ball(float radius, float depth, const Vector3f& at = Vector3f::Zero()) {
-  const Vector3f middle = at + Vector3f(0, 0, radius - depth);
-  return [=](const Vector3f& x, SurfaceGap& gap) {
-    const Vector3f way = x - middle;
-    const float distance = way.norm();
-    gap.distance = distance - radius;
-    gap.normal = way / distance;
-    gap.curvature = (Matrix3f::Identity() - gap.normal * gap.normal.transpose()) / distance;
-    return gap.distance < kGapReach;
-  };
+  return test::gap_to_ball(at + Vector3f(0, 0, radius - depth), radius);
 }
 
 GapQuery nothing() {

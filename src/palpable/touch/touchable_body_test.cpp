@@ -3,6 +3,7 @@
 #include "palpable/touch/nonlinear_answer.h"
 #include "palpable/touch/shell_stress.h"
 #include "palpable/touch/touch_solver.h"
+#include "tests/support/ball_gap.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/elastic_sheet.h"
 #include "tests/support/some_touch_tables.h"
@@ -23,15 +24,7 @@ using test::tolerance;
 constexpr float kScale = 10;
 
 GapQuery ball(float radius, float depth) {
-  const Vector3f middle(0, 0, radius - depth);
-  return [=](const Vector3f& x, SurfaceGap& gap) {
-    const Vector3f way = x - middle;
-    gap.distance = way.norm() - radius;
-    gap.normal = way.normalized();
-    gap.curvature =
-        (Eigen::Matrix3f::Identity() - gap.normal * gap.normal.transpose()) / way.norm();
-    return gap.distance < kScale * kGapReach;
-  };
+  return test::gap_to_ball(Vector3f(0, 0, radius - depth), radius, kScale * kGapReach);
 }
 
 TEST_CASE("a body ten times as large answers a thing ten times as large by a similar shape",

@@ -4,6 +4,7 @@
 #include "palpable/touch/nonlinear_answer.h"
 #include "palpable/touch_bake/region_maker.h"
 #include "palpable/touch_bake/touch_maker.h"
+#include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Core>
@@ -26,24 +27,13 @@ using Eigen::Vector3f;
 using Eigen::VectorXd;
 using test::tolerance;
 
-// Rubber, held below.
-SolidModel held(TetMesh mesh) {
-  SolidModel model;
-  model.mesh = std::move(mesh);
-  model.material = material_from_young("neo-hookean", 60e3, 0.4);
-  for (int n = 0; n < model.mesh.node_count(); ++n) {
-    if (model.mesh.nodes(2, n) < 1e-6) model.fixed_nodes.push_back(n);
-  }
-  return model;
-}
-
 struct Made {
   SolidModel model;
   SkinResponse skin{model, boundary_of(model.mesh)};
   ComplianceTable table = make_compliance(skin, {.spacing = 0.012, .near_radius = 0.024});
   Compliance compliance{table};
 
-  explicit Made(TetMesh mesh) : model(held(std::move(mesh))) {}
+  explicit Made(TetMesh mesh) : model(test::standing_rubber(std::move(mesh))) {}
 
   [[nodiscard]] int nearest_vertex(const Vector3d& place) const {
     Index nearest = 0;

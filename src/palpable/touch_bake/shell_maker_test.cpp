@@ -3,6 +3,7 @@
 #include "palpable/solid/equilibrium.h"
 #include "palpable/solid/stress.h"
 #include "palpable/touch/shell_stress.h"
+#include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Core>
@@ -23,18 +24,14 @@ using test::tolerance;
 
 // A block that stands on its lowest nodes; its upper half is of another rubber.
 SolidModel block(bool quadratic) {
-  SolidModel model;
-  model.mesh = box_tets({0, 0, 0}, {0.06, 0.05, 0.04}, 7, 6, 5);
-  if (quadratic) model.mesh = with_edge_nodes(box_tets({0, 0, 0}, {0.06, 0.05, 0.04}, 4, 3, 3));
-  model.material = material_from_young("neo-hookean", 60e3, 0.4);
+  SolidModel model = test::standing_rubber(
+      quadratic ? with_edge_nodes(box_tets({0, 0, 0}, {0.06, 0.05, 0.04}, 4, 3, 3))
+                : box_tets({0, 0, 0}, {0.06, 0.05, 0.04}, 7, 6, 5));
   MaterialGroup upper{material_from_young("mooney-rivlin", 30e3, 0.3), {}};
   for (int e = 0; e < model.mesh.tet_count(); ++e) {
     if (model.mesh.nodes(2, model.mesh.tets.col(e)).mean() > 0.02) upper.elements.push_back(e);
   }
   model.groups.push_back(upper);
-  for (int n = 0; n < model.mesh.node_count(); ++n) {
-    if (model.mesh.nodes(2, n) < 1e-6) model.fixed_nodes.push_back(n);
-  }
   return model;
 }
 

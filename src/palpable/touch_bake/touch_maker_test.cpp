@@ -3,6 +3,8 @@
 #include "palpable/touch/shell_stress.h"
 #include "palpable/touch/touch_solver.h"
 #include "tests/support/allocations.h"
+#include "tests/support/ball_gap.h"
+#include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Core>
@@ -21,29 +23,15 @@ using Eigen::Vector3f;
 using Eigen::VectorXd;
 using test::tolerance;
 
-// A block of 60 x 50 x 40 mm of rubber, held below.
+// 60 x 50 x 40 mm.
 SolidModel block() {
-  SolidModel model;
-  model.mesh = box_tets({0, 0, 0}, {0.06, 0.05, 0.04}, 8, 7, 6);
-  model.material = material_from_young("neo-hookean", 60e3, 0.4);
-  for (int n = 0; n < model.mesh.node_count(); ++n) {
-    if (model.mesh.nodes(2, n) < 1e-6) model.fixed_nodes.push_back(n);
-  }
-  return model;
+  return test::standing_rubber(box_tets({0, 0, 0}, {0.06, 0.05, 0.04}, 8, 7, 6));
 }
 
 // A ball of 12 mm that enters the block from above.
 GapQuery ball(float depth) {
-  return [depth](const Vector3f& place, SurfaceGap& gap) {
-    constexpr float kRadius = 0.012f;
-    const Vector3f out = place - Vector3f(0.022f, 0.024f, 0.04f + kRadius - depth);
-    const float distance = out.norm();
-    gap.distance = distance - kRadius;
-    if (gap.distance > kGapReach || distance == 0.0f) return false;
-    gap.normal = out / distance;
-    gap.curvature = (Eigen::Matrix3f::Identity() - gap.normal * gap.normal.transpose()) / distance;
-    return true;
-  };
+  constexpr float kRadius = 0.012f;
+  return test::gap_to_ball({0.022f, 0.024f, 0.04f + kRadius - depth}, kRadius);
 }
 
 TEST_CASE("a touched body shows its stress, in one frame of several steps, without allocating",

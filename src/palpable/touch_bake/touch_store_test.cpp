@@ -6,6 +6,7 @@
 #include "palpable/touch_bake/touch_maker.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/some_touch_tables.h"
+#include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
 
 #include <functional>
@@ -22,15 +23,8 @@ using test::ScratchFolder;
 
 TouchTables some_tables() { return test::some_touch_tables(sphere_surface({0, 0, 0}, 0.05, 1), 2); }
 
-// A rubber block that stands on its lowest nodes.
 SolidModel block() {
-  SolidModel model;
-  model.mesh = box_tets({0, 0, 0}, {0.03, 0.03, 0.03}, 2, 2, 2);
-  model.material = material_from_young("neo-hookean", 60e3, 0.4);
-  for (int n = 0; n < model.mesh.node_count(); ++n) {
-    if (model.mesh.nodes(2, n) < 1e-6) model.fixed_nodes.push_back(n);
-  }
-  return model;
+  return test::standing_rubber(box_tets({0, 0, 0}, {0.03, 0.03, 0.03}, 2, 2, 2));
 }
 
 TouchKeys keys_of(const SolidModel& model, const TouchBakeSettings& settings = {}) {
