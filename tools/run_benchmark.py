@@ -164,7 +164,7 @@ def play(options, name, folder):
         if written.returncode != 0:
             return {"refused": f"synth: {complaint(written)}"}
     begin = time.time()
-    live = run([program, "live", options.body, "--source", film / "frames", "--out", folder / "result"])
+    live = run([program, "live", options.body, "--source", film / "frames", "--out", folder / "result", "--meshes"])
     if live.returncode != 0:
         return {"refused": f"live: {complaint(live)}"}
     played = time.time()

@@ -38,7 +38,9 @@ class ElasticSheet {
     const int V = kSide * kSide;
     skin.vertices.resize(3, V);
     for (int v = 0; v < V; ++v) {
-      skin.vertices.col(v) << kEdge * (v % kSide - kSide / 2), kEdge * (v / kSide - kSide / 2), 0.0;
+      const int column = v % kSide - kSide / 2;
+      const int row = v / kSide - kSide / 2;
+      skin.vertices.col(v) << kEdge * column, kEdge * row, 0.0;
     }
     skin.triangles.resize(3, 2 * (kSide - 1) * (kSide - 1));
     int t = 0;

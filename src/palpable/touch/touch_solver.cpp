@@ -134,7 +134,7 @@ struct TouchSolver::Work {
   void find_displacements(CrossTerms cross);
   void look_at_gaps(const GapQuery& gap);
   double iterate(const GapQuery& gap, double shift, CrossTerms cross);
-  void fill_field(Eigen::Ref<Matrix3Xf> u);
+  void fill_field(TouchState& state, Eigen::Index nodes);
   void hand_over(TouchState& state, const GapQuery& gap, bool last, TouchReport& report);
 };
 
@@ -286,7 +286,7 @@ void TouchSolver::Work::set_compliance() {
           cache.block(slot, cache.slot_of(vertices[static_cast<std::size_t>(j)]));
       for (int c = 0; c < 3; ++c) {
         const std::span<float> row = problem.compliance_row(3 * i + c);
-        for (int d = 0; d < 3; ++d) row[static_cast<std::size_t>(3 * j + d)] = block(c, d);
+        for (int d = 0; d < 3; ++d) row[3 * static_cast<std::size_t>(j) + static_cast<std::size_t>(d)] = block(c, d);
       }
     }
   }
@@ -359,8 +359,9 @@ double TouchSolver::Work::iterate(const GapQuery& gap, double shift, CrossTerms 
   return 0;
 }
 
-// The first nodes under the present loads, as many as u has columns.
-void TouchSolver::Work::fill_field(Eigen::Ref<Matrix3Xf> u) {
+// The first nodes' displacement under the present loads.
+void TouchSolver::Work::fill_field(TouchState& state, Eigen::Index nodes) {
+  const Eigen::Ref<Matrix3Xf> u = state.u.leftCols(nodes);
   const std::size_t k = compliance.rank();
   const auto C = static_cast<std::size_t>(compliance.clusters());
   const auto of = [k](std::vector<float>& numbers, std::size_t cluster) {
@@ -409,7 +410,7 @@ void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, bool l
   report.blobs = nonlinear.blob_count();
   report.last_share = static_cast<double>(nonlinear.last_share());
   // Steps in between need the skin alone.
-  fill_field(state.u.leftCols(last ? state.u.cols() : rest.cols()));
+  fill_field(state, last ? state.u.cols() : rest.cols());
 }
 
 TouchSolver::TouchSolver(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
