@@ -80,7 +80,8 @@ void bake_without_campaign(const Options& options, const BodyDescription& descri
       throw Error(
           fmt::format("{} is for a campaign, which --method intrusive-pgd does without", option));
   }
-  if (description.touch.tables != BodyDescription::Touch::Tables::kNone) {
+  if (!description.touch.by_default &&
+      description.touch.tables != BodyDescription::Touch::Tables::kNone) {
     throw Error(
         fmt::format("{}: [touch] has tables made after a campaign, which --method "
                     "intrusive-pgd does without",
@@ -150,11 +151,12 @@ BakedBody reduce_and_write(const Options& options, const ReduceSettings& reducti
 }
 
 // Makes the tables that the description wants and writes the body file anew after each stage.
-// Returns what they can do; empty if none are wanted.
+// Returns what they can do, or why there are none.
 std::string add_touch(const Options& options, const BodyDescription& description,
                       const FilledStore& filled, int threads, ReducedBody& body,
                       const Progress& progress) {
-  std::string text;
+  const std::string why = why_no_touch(filled.plan, description.touch);
+  std::string text = touch_text(std::nullopt) + (why.empty() ? why : ": " + why);
   bake_touch(
       filled.plan, description.touch, filled.store, threads,
       [&](const TouchTables& tables) {
@@ -209,7 +211,7 @@ void bake(const Options& options, const std::string& command_line, Crew& crew) {
   bar.finish();
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
   print_body_report(baked, options.output, taken.count());
-  if (!touch.empty()) fmt::print("touch: {}\n", touch);
+  fmt::print("touch: {}\n", touch);
   print_campaign(filled);
   print_parameters(filled.store.content(), baked.body, folder, options.output);
 }

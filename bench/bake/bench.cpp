@@ -32,6 +32,7 @@ void add_bench(Command app) {
   add_bench_bake(bench);
   add_bench_beam(bench);
   add_bench_campaign(bench);
+  add_bench_clip(bench);
   add_bench_solid(bench);
   add_bench_elements(bench);
   add_bench_obstacle(bench);

@@ -5,20 +5,28 @@
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
+#include "palpable/base/output_file.h"
 #include "palpable/campaign/press_solver.h"
 #include "palpable/describe/body_problem.h"
+#include "palpable/render/gl_context.h"
+#include "palpable/render/picture_file.h"
+#include "palpable/touch_bake/touch_difference.h"
 #include "palpable/touch_bake/touch_maker.h"
+#include "palpable/touch_bake/touch_scenes.h"
 
 #include <fmt/core.h>
 #include <fmt/format.h>
 
 #include "bench/bake/bench.h"
+#include "bench/bake/touch_pictures.h"
 #include "bench/bake/touch_study.h"
 #include <algorithm>
+#include <array>
 #include <chrono>
-#include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <thread>
@@ -30,13 +38,14 @@ namespace {
 struct Options {
   std::string body = "bodies/bunny-demo.toml";
   int each = 4;
-  double deepest = 0.010;  // m
   std::uint64_t seed = 0;  // 0: drawn
   bool linear = false;
+  std::filesystem::path pictures;  // folder; empty: none
   bool json = false;
 };
 
-constexpr int kLinearLoads = 100;  // against which the compliance is held
+constexpr std::array kDepths{0.0025, 0.005, 0.010};  // m
+constexpr int kLinearLoads = 100;                    // against which the compliance is held
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -47,13 +56,13 @@ Json differences_of(const std::vector<TouchDifference>& all) {
   Json figures = Json::object();
   for (int k = 0; k < kPressingThings; ++k) {
     const auto thing = static_cast<PressingThing>(k);
-    for (const double depth : {0.0025, 0.005, 0.010}) {
+    for (const double depth : kDepths) {
       std::vector<double> u, force, stress, worst, entry;
       for (const TouchDifference& d : all) {
-        if (d.thing != thing || std::abs(d.depth - depth) > 1e-6) continue;
-        u.push_back(d.displacement);
-        force.push_back(d.force);
-        stress.push_back(d.von_mises);
+        if (d.touch.thing != thing || d.touch.depth != depth) continue;
+        u.push_back(d.touch.displacement);
+        force.push_back(d.touch.force);
+        stress.push_back(d.touch.von_mises);
         worst.push_back(1e3 * d.worst_vertex);
         entry.push_back(1e3 * d.penetration);
       }
@@ -73,6 +82,26 @@ Json differences_of(const std::vector<TouchDifference>& all) {
   return figures;
 }
 
+// Writes one picture for each scene and depth.
+class Pictures {
+ public:
+  Pictures(const std::filesystem::path& folder, const SurfaceMesh& skin)
+      : folder_(folder), context_(value_or_throw(GlContext::offscreen())), pictures_(skin) {
+    make_folder(folder);
+  }
+
+  void write(const TouchScene& scene, int number, const TouchDifference& difference) {
+    write_png(folder_ / fmt::format("{}_{}_{:g}mm.png", name_of(scene.thing), number,
+                                    1e3 * difference.touch.depth),
+              pictures_.draw(scene, difference));
+  }
+
+ private:
+  std::filesystem::path folder_;
+  GlContext context_;
+  TouchPictures pictures_;
+};
+
 void run(const Options& options) {
   ProgressBar bar;
   const auto report = [&bar](const ProgressReport& now) { bar.show(now); };
@@ -89,6 +118,8 @@ void run(const Options& options) {
   const double bake_s = seconds_since(begin);
   TouchSolver touch(skin.skin(), skin.fixed(), tables);
 
+  std::optional<Pictures> pictures;
+  if (!options.pictures.empty()) pictures.emplace(options.pictures, skin.skin());
   const std::uint64_t seed = options.seed > 0 ? options.seed : std::random_device()();
   std::vector<TouchDifference> all;
   Json stopped = Json::array();
@@ -98,12 +129,12 @@ void run(const Options& options) {
     for (const TouchScene& scene : touch_scenes(skin, thing, options.each, seed)) {
       bar.show({"the full answer, scene by scene", static_cast<double>(k * options.each + number++),
                 static_cast<double>(kPressingThings * options.each), name_of(thing)});
-      std::string why;
-      for (const TouchDifference& d :
-           compare_touch(solver, skin, presses.preloaded(), touch, tables.point_spacing, scene,
-                         options.deepest, why)) {
-        all.push_back(d);
-      }
+      const std::string why =
+          compare_touch(solver, skin, presses.preloaded(), touch, tables.point_spacing, scene,
+                        kDepths, [&](const TouchDifference& d) {
+                          all.push_back(d);
+                          if (pictures) pictures->write(scene, number, d);
+                        });
       if (!why.empty()) stopped.push_back(fmt::format("{}: {}", name_of(thing), why));
     }
   }
@@ -151,6 +182,12 @@ void add_bench_touch(Command bench) {
       .show_default();
   command.add_option("--seed", options->seed, "Of the scenes; 0: a fresh one, which is printed");
   command.add_flag("--linear", options->linear, "The first stage of the tables alone");
+  command
+      .add_option(
+          "--pictures", options->pictures,
+          "Folder for a picture of each scene and depth: the tables' answer beside the full "
+          "one, and how far apart they are")
+      .type_name("FOLDER");
   command.add_flag("--json", options->json, "One JSON object");
   command.footer("Example: palpable bench touch bodies/bunny-demo.toml --each 2 --json");
   command.callback([options] { run(*options); });

@@ -102,9 +102,9 @@ def _(programs, folder):
 def _(programs, folder):
     words = ("bake", "ball.toml", "-o", "ball.palpable", "--threads", "2")
     for name in ("whole", "killed"):
-        base.write_ball(folder / name, base.BALL + '[touch]\ntables = "full"\nregions = 6\n')
-    assert "touch: anywhere, several at a time, 3rd order; 6 regions" in programs.succeeds(
-        *words, cwd=folder / "whole").stdout
+        base.write_ball(folder / name, base.BALL.replace('"none"', '"full"\nregions = 6\nheld_out = 3'))
+    said = programs.succeeds(*words, cwd=folder / "whole").stdout
+    assert "touch: anywhere, several at a time, 3rd order; 6 regions" in said, said
     tables, body = folder / "killed/ball.snapshots/touch", folder / "killed/ball.palpable"
 
     def kept():
@@ -131,25 +131,41 @@ def _(programs, folder):
     assert whole == killed
     assert (folder / "whole/ball.palpable").read_bytes() == body.read_bytes()
     told = programs.succeeds("inspect", body).stdout
-    assert re.search(r"^touch +anywhere, several at a time, 3rd order; 6 regions; \S+ MB$", told, re.M), told
+    assert re.search(r"^touch +anywhere, several at a time, 3rd order; 6 regions; \S+ MB; 3 touches \(1 finger, 1 palm, "
+                     r"1 rim; \S+ to \S+ mm deep\) against full finite elements: displacement \S+ % off", told, re.M), told
 
     # Other modes of the same campaign keep the tables, modes of another program have none.
     programs.succeeds("reduce", "ball.snapshots", "--error", "1e-2", "-o", "coarse.palpable", cwd=folder / "whole")
     coarse = json.loads(programs.succeeds("inspect", folder / "whole/coarse.palpable", "--json").stdout)
     assert coarse["touch"]["regions"] == 6 and coarse["touch"]["order"] == 3, coarse["touch"]
+    held_out = coarse["touch"]["held_out"]
+    assert [touch["thing"] for touch in held_out["touches"]] == ["finger", "palm", "rim"], held_out
+    assert 0 < held_out["displacement_median"] <= held_out["displacement_worst"] < 0.5, held_out
+    programs.succeeds("report", "coarse.palpable", cwd=folder / "whole")
+    assert "\nheld_out_touch,force,,,,rim " in (folder / "whole/coarse.csv").read_text()
     assert "touch" in coarse["provenance"], coarse["provenance"]
     # More regions are made beside those that are there.
     description = folder / "whole/ball.toml"
     description.write_text(description.read_text().replace("regions = 6", "regions = 7"))
     programs.succeeds(*words, cwd=folder / "whole")
     more = files_of(folder / "whole/ball.snapshots/touch")
-    assert len(more) == len(whole) + 1 and all(more[name] == whole[name] for name in whole if name != "tables.h5")
+    assert len(more) == len(whole) + 1
+    # Touches that were held out are answered by all tables together.
+    assert all(more[name] == whole[name] for name in whole if name not in ("tables.h5", "held_out.h5"))
     # Without them the body file has none; the tables stay in the folder.
     description.write_text(base.BALL)
     programs.succeeds(*words, cwd=folder / "whole")
     plain = programs.succeeds("inspect", folder / "whole/ball.palpable").stdout
     assert re.search(r"^touch +at its sites, one at a time$", plain, re.M), plain
     assert files_of(folder / "whole/ball.snapshots/touch") == more
+
+
+@case("a description that does not speak of touch gets tables and their errors", long=True)
+def _(programs, folder):
+    text = base.BALL.replace('[touch]\ntables = "none"\n', "").replace('edge = "12 mm"', 'edge = "20 mm"')
+    base.write_ball(folder, text)
+    said = programs.succeeds("bake", "ball.toml", "-o", "ball.palpable", cwd=folder).stdout
+    assert re.search(r"^touch: anywhere, several at a time, 3rd order; .* touches \(7 finger, 7 palm, 6 rim;", said, re.M), said
 
 
 @case("a full disk ends a bake with one line and loses no finished site")

@@ -116,6 +116,8 @@ depth = 0.08
 levels = 5
 [reduction]
 tolerance = 1e-3
+[touch]
+tables = "none"
 """
 
 
@@ -150,6 +152,8 @@ direction = [1, 0, 0]
 [press]
 depth = "3 mm"
 levels = 2
+[touch]
+tables = "none"
 """
 
 

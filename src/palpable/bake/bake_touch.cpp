@@ -1,53 +1,105 @@
 #include "palpable/bake/bake_touch.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/campaign/press_solver.h"
 #include "palpable/touch/touch_text.h"
+#include "palpable/touch_bake/held_out_maker.h"
 #include "palpable/touch_bake/touch_maker.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstdint>
+#include <utility>
 
 namespace palpable {
 namespace {
 
+using Tables = BodyDescription::Touch::Tables;
+
 // The body as it is pressed: the preload has acted.
-SkinResponse response_of(const CampaignPlan& plan) {
-  const std::vector<HeldComponent> held = held_components(plan.model);
-  const bool moved = std::any_of(held.begin(), held.end(),
-                                 [](const HeldComponent& h) { return h.displacement != 0.0; });
-  if (!moved && plan.preload.cols() == 0) return {plan.model, plan.boundary};
-  const EquilibriumSolver solver(plan.model, {.tolerance = kSnapshotTolerance});
-  const PressSolver presses(solver, plan.preload);
-  return {plan.model, plan.boundary, presses.preloaded()};
-}
+struct PressedBody {
+  EquilibriumSolver solver;
+  PressSolver presses;
+  SkinResponse skin;
+
+  explicit PressedBody(const CampaignPlan& plan)
+      : solver(plan.model, {.tolerance = kSnapshotTolerance}),
+        presses(solver, plan.preload),
+        skin(plan.model, plan.boundary, presses.preloaded()) {}
+};
+
+// Makes one stage after the other, and states which tables are complete.
+class Stages {
+ public:
+  Stages(const PressedBody& body, const SnapshotStore& store,
+         const std::function<void(const TouchTables&)>& use, const Progress& progress)
+      : body_(body),
+        store_(store.touch_folder()),
+        campaign_(campaign_key(store.content())),
+        use_(use),
+        progress_(progress) {}
+  TouchTables make(const TouchBakeSettings& settings) {
+    TouchTables tables = make_touch_tables(body_.skin, settings, progress_, &store_);
+    keys_ = touch_keys(body_.skin, settings);
+    hand_over(tables);
+    return tables;
+  }
+
+  void hold_out(TouchTables tables, const HeldOutSettings& settings) {
+    keys_.held_out = held_out_key(keys_, tables, settings);
+    tables.held_out = make_held_out(body_.solver, body_.skin, body_.presses.preloaded(), tables,
+                                    settings, progress_, keys_, &store_);
+    hand_over(tables);
+  }
+
+  void end() { store_.remove_leftovers(); }
+
+ private:
+  const PressedBody& body_;
+  TouchStore store_;
+  std::uint64_t campaign_;
+  const std::function<void(const TouchTables&)>& use_;
+  const Progress& progress_;
+  TouchKeys keys_;
+
+  void hand_over(const TouchTables& tables) {
+    store_.keep_list(campaign_, keys_, tables);
+    use_(tables);
+  }
+};
 
 }  // namespace
+
+std::string why_no_touch(const CampaignPlan& plan, const BodyDescription::Touch& wanted) {
+  const auto V = static_cast<int>(plan.boundary.node_of_vertex.size());
+  if (wanted.tables == Tables::kNone || !wanted.by_default || V <= kMostVerticesByDefault) {
+    return {};
+  }
+  return fmt::format(
+      "its skin has {} vertices, and tables are made by themselves up to {}; [touch] with tables = "
+      "\"full\" or \"linear\" asks for them",
+      V, kMostVerticesByDefault);
+}
 
 void bake_touch(const CampaignPlan& plan, const BodyDescription::Touch& wanted,
                 const SnapshotStore& store, int threads,
                 const std::function<void(const TouchTables&)>& use, const Progress& progress) {
-  using Tables = BodyDescription::Touch::Tables;
-  if (wanted.tables == Tables::kNone) return;
+  if (wanted.tables == Tables::kNone || !why_no_touch(plan, wanted).empty()) return;
   PALPABLE_EXPECT(plan.points.size() == 1, "tables of touch are of one body");
-  const SkinResponse skin = response_of(plan);
-  const TouchStore kept(store.touch_folder());
+  const PressedBody body(plan);
   TouchBakeSettings settings;
   settings.threads = threads;
   if (wanted.regions) settings.regions.most = *wanted.regions;
   TouchBakeSettings linear = settings;
   linear.regions.most = linear.cross.modes = 0;
-  const auto finish = [&](const TouchBakeSettings& made, const TouchTables& tables) {
-    kept.keep_list(campaign_key(store.content()), touch_keys(skin, made), tables);
-    use(tables);
-  };
-  {
-    const TouchTables tables = make_touch_tables(skin, linear, progress, &kept);
-    finish(linear, tables);
+  Stages stages(body, store, use, progress);
+  TouchTables tables = stages.make(linear);
+  if (wanted.tables == Tables::kFull) tables = stages.make(settings);
+  if (wanted.held_out > 0) {
+    stages.hold_out(std::move(tables), {.count = wanted.held_out, .threads = threads});
   }
-  if (wanted.tables == Tables::kFull) {
-    const TouchTables tables = make_touch_tables(skin, settings, progress, &kept);
-    finish(settings, tables);
-  }
-  kept.remove_leftovers();
+  stages.end();
 }
 
 std::optional<TouchTables> kept_touch_tables(const SnapshotStore& store) {

@@ -45,7 +45,7 @@ TEST_CASE("a bake of tables that is stopped again and again ends with the bytes 
           "[bake][touch][long]") {
   const ScratchFolder folder("bake_touch");
   const BodyDescription egg = test::egg_body(folder.path(), 2);
-  const BodyDescription::Touch wanted{.tables = Tables::kFull, .regions = 3};
+  const BodyDescription::Touch wanted{.tables = Tables::kFull, .regions = 3, .held_out = 2};
   ReducedBody body = [&] {
     const FilledStore filled = fill(egg, folder / "whole.snapshots");
     return reduce_store(filled.store, {}).body;
@@ -84,6 +84,12 @@ TEST_CASE("a bake of tables that is stopped again and again ends with the bytes 
   REQUIRE(read.touch);
   CHECK(read.touch->regions.size() == 3);
   CHECK(read.touch->cross.cubic.variables > 0);
+  REQUIRE(read.touch->held_out.size() == 2);
+  CHECK(read.touch->held_out[0].thing == PressingThing::kFinger);
+  CHECK(read.touch->held_out[1].thing == PressingThing::kPalm);
+  for (const HeldOutTouch& touch : read.touch->held_out) {
+    CHECK((touch.displacement > 0 && touch.displacement < 0.5));
+  }
   CHECK(std::count_if(read.body.provenance.begin(), read.body.provenance.end(),
                       [](const auto& line) { return line.first == "touch"; }) == 1);
 
@@ -96,6 +102,7 @@ TEST_CASE("a bake of tables that is stopped again and again ends with the bytes 
   REQUIRE(kept_touch_tables(whole.store));
   CHECK(kept_touch_tables(whole.store)->regions[2].cubic.values ==
         read.touch->regions[2].cubic.values);
+  CHECK(kept_touch_tables(whole.store)->held_out[1].force == read.touch->held_out[1].force);
 }
 
 TEST_CASE("linear tables can be used before the others are there", "[bake][touch][long]") {
@@ -105,16 +112,29 @@ TEST_CASE("linear tables can be used before the others are there", "[bake][touch
   const auto use = [&](const TouchTables& tables) { regions.push_back(tables.regions.size()); };
   CampaignPlan with_parameter = filled.plan;
   with_parameter.points.push_back(with_parameter.points[0]);
-  bake_touch(with_parameter, {}, filled.store, 2, use);
+  bake_touch(with_parameter, {.tables = Tables::kNone}, filled.store, 2, use);
   CHECK(regions.empty());
   CHECK_FALSE(fs::exists(filled.store.touch_folder()));
   CHECK_FALSE(kept_touch_tables(filled.store));
-  bake_touch(filled.plan, {.tables = Tables::kLinear, .regions = {}}, filled.store, 2, use);
+  bake_touch(filled.plan, {.tables = Tables::kLinear, .held_out = 0}, filled.store, 2, use);
   CHECK(regions == std::vector<std::size_t>{0});
   CHECK(kept_touch_tables(filled.store)->regions.empty());
   CHECK(kept_touch_tables(filled.store)->cross.cubic.variables == 0);
-  bake_touch(filled.plan, {.tables = Tables::kFull, .regions = 1}, filled.store, 2, use);
-  CHECK(regions == std::vector<std::size_t>{0, 0, 1});
+  bake_touch(filled.plan, {.tables = Tables::kFull, .regions = 1, .held_out = 1}, filled.store, 2,
+             use);
+  CHECK(regions == std::vector<std::size_t>{0, 0, 1, 1});  // the last with what is held out
+}
+
+TEST_CASE("a large skin gets tables where they are asked for, and it is told why not",
+          "[bake][touch]") {
+  CampaignPlan plan;
+  plan.boundary.node_of_vertex.resize(kMostVerticesByDefault);
+  CHECK(why_no_touch(plan, {}).empty());
+  plan.boundary.node_of_vertex.push_back(0);
+  CHECK_THAT(why_no_touch(plan, {}),
+             Catch::Contains("8001 vertices") && Catch::Contains("tables = \"full\""));
+  CHECK(why_no_touch(plan, {.tables = Tables::kLinear, .by_default = false}).empty());
+  CHECK(why_no_touch(plan, {.tables = Tables::kNone}).empty());
 }
 
 }  // namespace

@@ -363,7 +363,9 @@ void read_press(TomlSection section, BodyDescription& body) {
 void read_touch(TomlSection section, BodyDescription& body) {
   using Tables = BodyDescription::Touch::Tables;
   BodyDescription::Touch& touch = body.touch;
-  const std::string tables = section.choice("tables", {"none", "linear", "full"}, "none");
+  touch.by_default = !section.has("tables");
+  const std::string tables = section.choice("tables", {"none", "linear", "full"},
+                                            body.parameters.empty() ? "full" : "none");
   touch.tables = tables == "full"     ? Tables::kFull
                  : tables == "linear" ? Tables::kLinear
                                       : Tables::kNone;
@@ -373,6 +375,12 @@ void read_touch(TomlSection section, BodyDescription& body) {
   if (section.has("regions")) {
     if (touch.tables != Tables::kFull) { section.bad("regions", "is for tables = \"full\""); }
     touch.regions = section.integer("regions", 1, 2000);
+  }
+  if (section.has("held_out")) {
+    if (touch.tables == Tables::kNone) {
+      section.bad("held_out", "tells how good tables are, and there are none");
+    }
+    touch.held_out = section.integer("held_out", 0, 1000);
   }
   section.refuse_unknown();
 }

@@ -157,8 +157,10 @@ struct BodyDescription {
       kLinear,  ///< exact for small touches
       kFull     ///< large ones, too
     };
-    Tables tables = Tables::kNone;
+    Tables tables = Tables::kFull;
+    bool by_default = true;  ///< nobody asked for them: left out where they would be too much
     std::optional<int> regions = {};  ///< at most; none: as many as the skin asks for
+    int held_out = 20;                ///< touches solved in full, that tell how good tables are
   } touch;
 
   /// A load that travels, for `bake --method intrusive-pgd`: no campaign, other sites and loads.

@@ -351,7 +351,14 @@ TEST_CASE("a press is a fraction of the height, a length or a force", "[describe
 TEST_CASE("tables of touch are none, linear or full, with regions in full ones alone",
           "[describe][description]") {
   using Tables = BodyDescription::Touch::Tables;
-  CHECK(parsed("").touch.tables == Tables::kNone);
+  const BodyDescription silent = parsed("");
+  CHECK((silent.touch.tables == Tables::kFull && silent.touch.by_default));
+  CHECK(silent.touch.held_out == 20);
+  CHECK_FALSE(parsed("[touch]\ntables = 'full'\n").touch.by_default);
+  CHECK(parsed("[touch]\ntables = 'none'\n").touch.tables == Tables::kNone);
+  CHECK(parsed("[touch]\nheld_out = 3\n").touch.held_out == 3);
+  CHECK_THAT(refused("[touch]\ntables = 'none'\nheld_out = 3\n"),
+             Contains(":11: 'held_out' in [touch] tells how good tables are"));
   CHECK(parsed("[touch]\ntables = 'linear'\n").touch.tables == Tables::kLinear);
   const BodyDescription full = parsed("[touch]\ntables = 'full'\nregions = 12\n");
   CHECK(full.touch.tables == Tables::kFull);

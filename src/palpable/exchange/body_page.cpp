@@ -447,6 +447,30 @@ void add_held_out(Table& table, const ReductionError& error) {
   }
 }
 
+constexpr std::array<std::pair<const char*, double HeldOutTouch::*>, 3> kDifferences{
+    {{"displacement", &HeldOutTouch::displacement},
+     {"force", &HeldOutTouch::force},
+     {"von_mises", &HeldOutTouch::von_mises}}};
+
+void add_touches(Table& table, const std::vector<HeldOutTouch>& touches) {
+  for (const HeldOutTouch& touch : touches) {
+    const std::string what = fmt::format("{} {:.3g} mm", name_of(touch.thing), 1e3 * touch.depth);
+    for (const auto& [field, difference] : kDifferences) {
+      table.add("held_out_touch", field, "", "", "", what, touch.*difference, "1");
+    }
+  }
+}
+
+Json touches_json(const std::vector<HeldOutTouch>& touches) {
+  Json rows = Json::array();
+  for (const HeldOutTouch& touch : touches) {
+    Json row{{"thing", name_of(touch.thing)}, {"depth_mm", 1e3 * touch.depth}};
+    for (const auto& [field, difference] : kDifferences) row[field] = touch.*difference;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 // The functions of each parameter; not those of the site if each site has modes of its own.
 void add_functions(Table& table, const ReducedBody& body) {
   for (const auto& [name, field] :
@@ -496,6 +520,7 @@ std::string body_page(const ReducedBody& body, const BodyPageFacts& facts,
       {"von_mises", snapshots_json(error.von_mises_course, body, "Integral over the skin")}};
   data["held_out"] = held_out_json(error.held_out);
   data["between_sites"] = error.between_sites ? Json(*error.between_sites) : Json(nullptr);
+  data["touch"] = {{"text", facts.touch}, {"held_out", touches_json(facts.held_out)}};
   data["timing"] = {{"displacement_us", facts.displacement_us},
                     {"stress_us", facts.stress_us},
                     {"all_us", facts.all_us},
@@ -528,6 +553,7 @@ std::string body_table(const ReducedBody& body, const BodyPageFacts& facts) {
   add_sizes_and_times(table, body, facts);
   add_courses(table, body);
   add_held_out(table, body.error);
+  add_touches(table, facts.held_out);
   add_functions(table, body);
   return table.text;
 }

@@ -4,9 +4,11 @@
 #pragma once
 
 #include "palpable/reduced/reduced_body.h"
+#include "palpable/touch/held_out_touch.h"
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace palpable {
 
@@ -20,6 +22,8 @@ struct BodyPageFacts {
   double all_us = 0;  ///< displacement, stress, and von Mises stress computed from it
   int repeats = 0;    ///< evaluations behind each median
   std::string processor, date, program;
+  std::string touch = {};  ///< touch_text() of the file's tables
+  std::vector<HeldOutTouch> held_out = {};
 };
 
 /// The report as one HTML file that loads nothing.

@@ -103,6 +103,15 @@ TEST_CASE("the page of a body says what the body says", "[exchange][pages]") {
   CHECK(data["timing"]["all_us"] == 4.75);
   CHECK(data["provenance"][1][1] == "palpable bake <b>ball</b>.toml");
   CHECK_THAT(page, Contains("ball.csv") && Contains("palpable 0"));
+  CHECK(data["touch"]["held_out"] == json::array());
+  BodyPageFacts touched = kFacts;
+  touched.touch = "anywhere";
+  touched.held_out = {{PressingThing::kRim, 3.25e-3, 0.02, 0.01, 0.125}};
+  const json held_out = data_of(body_page(body, touched, "x"))["touch"]["held_out"];
+  CHECK((held_out.size() == 1 && held_out[0]["thing"] == "rim" && held_out[0]["force"] == 0.01));
+  CHECK_THAT(body_table(body, touched),
+             Contains("\nheld_out_touch,von_mises,,,,rim 3.25 mm,0.125,1\n"));
+  CHECK_THAT(body_table(body, kFacts), !Contains("held_out_touch"));
   ReducedBody known = body;
   known.error.between_sites = 0.31;
   CHECK(data_of(body_page(known, kFacts, "x"))["between_sites"] == 0.31);

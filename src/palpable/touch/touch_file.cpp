@@ -31,6 +31,7 @@ void write_touch(hid_t file, const TouchTables& tables) {
   }
   if (tables.cross.cubic.variables > 0) { write_group(hdf5::make_group(g, "cross"), tables.cross); }
   write_group(hdf5::make_group(g, "shell"), tables.shell);
+  if (!tables.held_out.empty()) write_group(hdf5::make_group(g, "held_out"), tables.held_out);
 }
 
 // What is wrong within a group is told with the group's name.
@@ -64,6 +65,9 @@ std::optional<TouchTables> read_touch(hid_t file, const ReducedBody& body) {
   }
   if (hdf5::has_link(g, "cross")) tables.cross = table_of<CrossTable>(g, "cross");
   tables.shell = table_of<ShellTable>(g, "shell");
+  if (hdf5::has_link(g, "held_out")) {
+    tables.held_out = table_of<std::vector<HeldOutTouch>>(g, "held_out");
+  }
   const std::string trouble = trouble_of(tables, body.surface);
   require(trouble.empty(), "touch: " + trouble);
   return tables;

@@ -154,6 +154,17 @@ void write_group(hid_t group, const ShellTable& table) {
   write_column(group, "weights", table.weights);
 }
 
+void write_group(hid_t group, const std::vector<HeldOutTouch>& touches) {
+  std::vector<int> things;
+  std::vector<double> values;
+  for (const HeldOutTouch& touch : touches) {
+    things.push_back(static_cast<int>(touch.thing));
+    for (const double HeldOutTouch::*value : kHeldOutValues) values.push_back(touch.*value);
+  }
+  write_column(group, "things", things);
+  write_table(group, "values", values.data(), touches.size(), kHeldOutValues.size());
+}
+
 namespace {
 
 Eigen::Matrix3Xd read_places(hid_t group, const char* name) {
@@ -190,6 +201,18 @@ void read_group(hid_t group, ShellTable& table) {
   require(!table.first.empty(), "dataset 'first' is empty");
   table.points = read_column<int>(group, "points");
   table.weights = read_column<float>(group, "weights", table.points.size());
+}
+
+void read_group(hid_t group, std::vector<HeldOutTouch>& touches) {
+  const std::vector<int> things = read_column<int>(group, "things");
+  const Table<double> values =
+      read_table<double>(group, "values", things.size(), kHeldOutValues.size());
+  touches.resize(things.size());
+  const double* next = values.data.data();
+  for (std::size_t k = 0; k < things.size(); ++k) {
+    touches[k].thing = static_cast<PressingThing>(things[k]);
+    for (double HeldOutTouch::*value : kHeldOutValues) touches[k].*value = *next++;
+  }
 }
 
 }  // namespace palpable

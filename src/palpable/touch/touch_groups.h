@@ -9,16 +9,20 @@
 #include "palpable/reduced/hdf5_tools.h"
 #include "palpable/touch/touch_tables.h"
 
+#include <vector>
+
 namespace palpable {
 
 void write_group(hid_t group, const ComplianceTable& table);
 void write_group(hid_t group, const RegionTable& table);
 void write_group(hid_t group, const CrossTable& table);
 void write_group(hid_t group, const ShellTable& table);
+void write_group(hid_t group, const std::vector<HeldOutTouch>& touches);
 
 void read_group(hid_t group, ComplianceTable& table);
 void read_group(hid_t group, RegionTable& table);
 void read_group(hid_t group, CrossTable& table);
 void read_group(hid_t group, ShellTable& table);
+void read_group(hid_t group, std::vector<HeldOutTouch>& touches);
 
 }  // namespace palpable

@@ -205,6 +205,9 @@ std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin) {
     return fmt::format("the shell is of {} nodes where the compliance has {}", tables.shell.nodes(),
                        c.nodes());
   }
+  if (const std::string trouble = trouble_of(tables.held_out); !trouble.empty()) {
+    return fmt::format("the held-out touches are wrong in {}", trouble);
+  }
   if (!is_length(tables.region_reach)) return "the reach of regions is no length";
   if (!is_length(tables.point_spacing)) return "the spacing of contact points is no length";
   if (const double points = points_on(skin, tables.point_spacing); !(points <= kMostPoints)) {

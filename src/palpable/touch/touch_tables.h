@@ -6,6 +6,7 @@
 
 #include "palpable/geometry/surface_mesh.h"
 #include "palpable/touch/compliance.h"
+#include "palpable/touch/held_out_touch.h"
 #include "palpable/touch/nonlinear_answer.h"
 #include "palpable/touch/region.h"
 #include "palpable/touch/shell_table.h"
@@ -23,6 +24,7 @@ struct TouchTables {
   ShellTable shell;              ///< for the stress
   double region_reach = 0.018;   ///< m, from a region's middle: loads that it answers for
   double point_spacing = 0.002;  ///< m, of contact points, see skin_points.h
+  std::vector<HeldOutTouch> held_out = {};  ///< how good all that is; none: not known
 };
 
 /// How large the tables are.

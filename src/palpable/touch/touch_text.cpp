@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -18,6 +20,26 @@ int order_of(const TouchTables& tables) {
 
 double megabytes(const TouchTables& tables) { return static_cast<double>(bytes_of(tables)) / 1e6; }
 
+Json held_out_json(const std::vector<HeldOutTouch>& touches) {
+  if (touches.empty()) return nullptr;
+  Json result{{"touches", Json::array()}};
+  for (const HeldOutTouch& touch : touches) {
+    result["touches"].push_back({{"thing", name_of(touch.thing)},
+                                 {"depth_mm", 1e3 * touch.depth},
+                                 {"displacement", touch.displacement},
+                                 {"force", touch.force},
+                                 {"von_mises", touch.von_mises}});
+  }
+  for (const auto& [name, difference] : {std::pair{"displacement", &HeldOutTouch::displacement},
+                                         std::pair{"force", &HeldOutTouch::force},
+                                         std::pair{"von_mises", &HeldOutTouch::von_mises}}) {
+    const HeldOutErrors errors = errors_of(touches, difference);
+    result[fmt::format("{}_median", name)] = errors.median;
+    result[fmt::format("{}_worst", name)] = errors.worst;
+  }
+  return result;
+}
+
 }  // namespace
 
 std::string touch_text(const std::optional<TouchTables>& tables) {
@@ -25,16 +47,16 @@ std::string touch_text(const std::optional<TouchTables>& tables) {
   constexpr const char* kOrders[] = {"", "1st order: small touches", "2nd order", "3rd order"};
   std::string text = fmt::format("anywhere, several at a time, {}", kOrders[order_of(*tables)]);
   if (!tables->regions.empty()) text += fmt::format("; {} regions", tables->regions.size());
-  return text + fmt::format("; {:.3g} MB", megabytes(*tables));
+  text += fmt::format("; {:.3g} MB", megabytes(*tables));
+  if (!tables->held_out.empty()) text += "; " + held_out_text(tables->held_out);
+  return text;
 }
 
 Json touch_json(const std::optional<TouchTables>& tables) {
   if (!tables) return nullptr;
-  return {{"order", order_of(*tables)},
-          {"clusters", tables->compliance.clusters},
-          {"regions", tables->regions.size()},
-          {"cross_modes", tables->cross.cubic.variables},
-          {"table_mb", megabytes(*tables)}};
+  return {{"order", order_of(*tables)},        {"clusters", tables->compliance.clusters},
+          {"regions", tables->regions.size()}, {"cross_modes", tables->cross.cubic.variables},
+          {"table_mb", megabytes(*tables)},    {"held_out", held_out_json(tables->held_out)}};
 }
 
 std::string touch_line(const TouchTables& tables) {

@@ -11,7 +11,7 @@
 namespace palpable {
 
 /// "anywhere, several at a time, 3rd order; 140 regions; 52 MB", or of a body without tables "at
-/// its sites, one at a time".
+/// its sites, one at a time"; with held_out_text() where that is known.
 [[nodiscard]] std::string touch_text(const std::optional<TouchTables>& tables);
 
 /// The same as an object; null without tables.

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <functional>
 #include <mutex>
@@ -28,6 +29,7 @@ using hdf5::Trouble;
 constexpr std::string_view kTableKind = "palpable table of touch";
 constexpr std::string_view kListKind = "palpable list of tables of touch";
 constexpr const char* kListFile = "tables.h5";
+constexpr const char* kHeldOutFile = "held_out.h5";
 
 std::string key_text(std::uint64_t key) { return fmt::format("{:016x}", key); }
 
@@ -137,6 +139,14 @@ TouchKeys touch_keys(const SkinResponse& skin, const TouchBakeSettings& settings
   return keys;
 }
 
+std::vector<HeldOutTouch> followed(const SolvedTouches& touches) {
+  std::vector<HeldOutTouch> all;
+  for (const auto& touch : touches) {
+    if (touch && std::isfinite(touch->displacement)) all.push_back(*touch);
+  }
+  return all;
+}
+
 std::optional<ComplianceTable> TouchStore::find_compliance(const TouchKeys& keys) const {
   return find<ComplianceTable>(folder_ / "compliance.h5", keys.compliance);
 }
@@ -151,6 +161,24 @@ std::optional<CrossTable> TouchStore::find_cross(const TouchKeys& keys) const {
 
 std::optional<ShellTable> TouchStore::find_shell(const TouchKeys& keys) const {
   return find<ShellTable>(folder_ / "shell.h5", keys.shell);
+}
+
+std::optional<SolvedTouches> TouchStore::find_held_out(const TouchKeys& keys) const {
+  SolvedTouches touches;
+  const bool found = read_file(folder_ / kHeldOutFile, kTableKind, keys.held_out, [&](hid_t h) {
+    const auto count = static_cast<std::size_t>(hdf5::read_number(h, "count"));
+    const std::vector<int> numbers = hdf5::read_table<int>(h, "numbers").data;
+    std::vector<HeldOutTouch> solved;
+    read_group(h, solved);
+    hdf5::require(solved.size() == numbers.size() && count <= 1'000'000, "numbers do not fit");
+    touches.resize(count);
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      const auto number = static_cast<std::size_t>(numbers[k]);
+      hdf5::require(numbers[k] >= 0 && number < count, "there is no such number");
+      touches[number] = solved[k];
+    }
+  });
+  return found ? std::optional(std::move(touches)) : std::nullopt;
 }
 
 void TouchStore::keep(const TouchKeys& keys, const ComplianceTable& table) const {
@@ -171,6 +199,21 @@ void TouchStore::keep(const TouchKeys& keys, const ShellTable& table) const {
   write_file(folder_ / "shell.h5", kTableKind, keys.shell, [&](hid_t h) { write_group(h, table); });
 }
 
+void TouchStore::keep(const TouchKeys& keys, const SolvedTouches& touches) const {
+  std::vector<int> numbers;
+  std::vector<HeldOutTouch> solved;
+  for (std::size_t k = 0; k < touches.size(); ++k) {
+    if (!touches[k]) continue;
+    numbers.push_back(static_cast<int>(k));
+    solved.push_back(*touches[k]);
+  }
+  write_file(folder_ / kHeldOutFile, kTableKind, keys.held_out, [&](hid_t h) {
+    hdf5::write_number(h, "count", static_cast<double>(touches.size()));
+    hdf5::write_table(h, "numbers", numbers.data(), numbers.size(), 1);
+    write_group(h, solved);
+  });
+}
+
 void TouchStore::keep_list(std::uint64_t of, const TouchKeys& keys,
                            const TouchTables& tables) const {
   write_file(folder_ / kListFile, kListKind, of, [&](hid_t h) {
@@ -179,6 +222,7 @@ void TouchStore::keep_list(std::uint64_t of, const TouchKeys& keys,
     hdf5::write_text(h, "regions", key_text(keys.regions));
     hdf5::write_text(h, "cross",
                      tables.cross.cubic.variables > 0 ? key_text(keys.cross) : std::string());
+    hdf5::write_text(h, "held_out", keys.held_out != 0 ? key_text(keys.held_out) : std::string());
     hdf5::write_number(h, "region_reach", tables.region_reach);
     hdf5::write_number(h, "point_spacing", tables.point_spacing);
     std::vector<int> middles;
@@ -202,6 +246,7 @@ std::optional<TouchTables> TouchStore::find_listed(std::uint64_t of) const {
     const std::string cross = hdf5::read_text(h, "cross");
     has_cross = !cross.empty();
     keys.cross = key_of(cross);
+    keys.held_out = key_of(hdf5::read_text(h, "held_out"));
     tables.region_reach = hdf5::read_number(h, "region_reach");
     tables.point_spacing = hdf5::read_number(h, "point_spacing");
     middles = hdf5::read_table<int>(h, "middles").data;
@@ -220,10 +265,15 @@ std::optional<TouchTables> TouchStore::find_listed(std::uint64_t of) const {
     if (!region) return std::nullopt;
     tables.regions.push_back(std::move(*region));
   }
-  if (!has_cross) return tables;
-  auto cross = find_cross(keys);
-  if (!cross) return std::nullopt;
-  tables.cross = std::move(*cross);
+  if (has_cross) {
+    auto cross = find_cross(keys);
+    if (!cross) return std::nullopt;
+    tables.cross = std::move(*cross);
+  }
+  // The tables are of use without them.
+  if (keys.held_out != 0) {
+    if (auto touches = find_held_out(keys)) tables.held_out = followed(*touches);
+  }
   return tables;
 }
 

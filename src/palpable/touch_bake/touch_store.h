@@ -3,6 +3,7 @@
 /// a description that was edited uses again what still holds (docs/snapshots.md).
 #pragma once
 
+#include "palpable/touch/held_out_touch.h"
 #include "palpable/touch/touch_tables.h"
 #include "palpable/touch_bake/skin_response.h"
 
@@ -10,6 +11,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace palpable {
 
@@ -22,11 +24,18 @@ struct TouchKeys {
   std::uint64_t regions = 0;  ///< of one it also hangs on the vertex
   std::uint64_t cross = 0;
   std::uint64_t shell = 0;
+  std::uint64_t held_out = 0;  ///< of all these, see held_out_key(); 0: there are no touches
 
   [[nodiscard]] bool operator==(const TouchKeys&) const = default;
 };
 
+/// Of tables; of held-out touches there is no key yet.
 [[nodiscard]] TouchKeys touch_keys(const SkinResponse& skin, const TouchBakeSettings& settings);
+
+/// Held-out touches by their numbers: those that are solved.
+using SolvedTouches = std::vector<std::optional<HeldOutTouch>>;
+/// What a body file has of them: those that the full solver could follow to their depth.
+[[nodiscard]] std::vector<HeldOutTouch> followed(const SolvedTouches& touches);
 
 /// A folder of such files. Each is written aside, synced and renamed, so that a file with its name
 /// is whole. Members may be called from several threads.
@@ -42,12 +51,14 @@ class TouchStore {
   [[nodiscard]] std::optional<RegionTable> find_region(const TouchKeys& keys, int vertex) const;
   [[nodiscard]] std::optional<CrossTable> find_cross(const TouchKeys& keys) const;
   [[nodiscard]] std::optional<ShellTable> find_shell(const TouchKeys& keys) const;
+  [[nodiscard]] std::optional<SolvedTouches> find_held_out(const TouchKeys& keys) const;
 
   /// @throws Error when the file cannot be written, e.g. on a full disk
   void keep(const TouchKeys& keys, const ComplianceTable& table) const;
   void keep(const TouchKeys& keys, const RegionTable& table) const;
   void keep(const TouchKeys& keys, const CrossTable& table) const;
   void keep(const TouchKeys& keys, const ShellTable& table) const;
+  void keep(const TouchKeys& keys, const SolvedTouches& touches) const;
 
   /// States that these tables are complete, for whoever knows no keys but that of a campaign:
   /// `bake` does, `reduce` looks there.

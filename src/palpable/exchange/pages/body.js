@@ -175,6 +175,18 @@ byId("between-sites").append(...(DATA.between_sites == null
   ? [make("p", { class: "note" }, "Not computed: this file does not say how wrong that is.")]
   : [make("p", {}, `Wrong by ${percent(DATA.between_sites)} at the median touch (relative L₂, on the skin).`), ...said("between sites")]));
 
+// ---- touched anywhere -------------------------------------------------------------------------
+{
+  const { text, held_out: held } = DATA.touch, place = byId("touch");
+  place.append(make("p", {}, `This body is touched ${text}.`));
+  if (held.length) {
+    const head = ["What presses", "Depth, mm", "Displacement, %", "Force, %", "Stress at the worst vertex, %"];
+    const row = (kind, cells) => make("tr", {}, ...cells.map((cell) => make(kind, {}, cell)));
+    place.append(make("table", {}, make("thead", {}, row("th", head)), make("tbody", {}, ...held.map((t) =>
+      row("td", [t.thing, t.depth_mm.toFixed(1), ...[t.displacement, t.force, t.von_mises].map((e) => (100 * e).toPrecision(2))])))));
+  }
+}
+
 // ---- modes ------------------------------------------------------------------------------------
 
 function component(mode, name, field) {

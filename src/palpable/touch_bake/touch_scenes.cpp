@@ -1,11 +1,10 @@
-#include "bench/bake/touch_scenes.h"
+#include "palpable/touch_bake/touch_scenes.h"
 
 #include "palpable/base/contract.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -120,11 +119,6 @@ int opposite(const SkinResponse& skin, int vertex, const Vector3d& normal) {
 }
 
 }  // namespace
-
-std::string name_of(PressingThing thing) {
-  constexpr std::array kNames{"finger", "pencil", "palm", "hand", "rim", "squeeze"};
-  return kNames[static_cast<std::size_t>(thing)];
-}
 
 Obstacle obstacle_at(const TouchScene& scene, double depth) {
   Obstacle obstacle = shifted(scene.touching, depth * scene.way);

@@ -3,27 +3,15 @@
 #pragma once
 
 #include "palpable/solid/obstacle.h"
+#include "palpable/touch/held_out_touch.h"
 #include "palpable/touch_bake/skin_response.h"
 
 #include <Eigen/Core>
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 namespace palpable {
-
-/// What presses.
-enum class PressingThing {
-  kFinger,  ///< a tip of radius 8 mm
-  kPencil,  ///< a tip of radius 3.5 mm
-  kPalm,    ///< part of a ball of radius 150 mm
-  kHand,    ///< four fingers lying side by side, radius 9 mm, 18 mm apart
-  kRim,     ///< of a cup: half a ring of radius 40 mm, 3 mm thick
-  kSqueeze  ///< two fingers from opposite sides
-};
-inline constexpr int kPressingThings = 6;
-[[nodiscard]] std::string name_of(PressingThing thing);
 
 /// A thing and its way into the body: one that just touches at depth 0.
 struct TouchScene {

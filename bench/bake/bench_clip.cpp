@@ -1,0 +1,94 @@
+// palpable-bake bench clip: the answer of a body's tables to the true hand of a filmed clip.
+
+#include "apps/common/command_line.h"
+#include "palpable/base/error.h"
+#include "palpable/base/order_statistics.h"
+#include "palpable/touch/touch_file.h"
+
+#include "bench/bake/bench.h"
+#include "bench/bake/clip_study.h"
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+constexpr double kDeep = 0.004;  // m, as `palpable score`: in shallower touches errors are noise
+
+struct Options {
+  std::filesystem::path body;
+  std::vector<std::string> clips;
+  bool json = false;
+};
+
+Json ends_of(const std::vector<double>& values) {
+  return {{"median", percentile(values, 0.5)}, {"p90", percentile(values, 0.9)}};
+}
+
+Json figures_of(const ClipAnswer& answer) {
+  Json figures{{"frames", answer.frames.size()},
+               {"displacement_error", ends_of(answer.displacement)},
+               {"displacement_error_mm", ends_of(answer.worst_vertex_mm)},
+               {"force_error", ends_of(answer.force)},
+               {"von_mises_error", ends_of(answer.von_mises)},
+               {"largest_jump_mm", answer.largest_jump_mm}};
+  if (!answer.milliseconds.empty()) {
+    figures["ms"] = {{"median", percentile(answer.milliseconds, 0.5)},
+                     {"p99", percentile(answer.milliseconds, 0.99)}};
+  }
+  return figures;
+}
+
+void add(ClipAnswer& all, const ClipAnswer& one) {
+  const auto append = [](auto& to, const auto& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  append(all.frames, one.frames);
+  append(all.displacement, one.displacement);
+  append(all.worst_vertex_mm, one.worst_vertex_mm);
+  append(all.force, one.force);
+  append(all.von_mises, one.von_mises);
+  append(all.milliseconds, one.milliseconds);
+  all.largest_jump_mm = std::max(all.largest_jump_mm, one.largest_jump_mm);
+}
+
+void run(const Options& options) {
+  const TouchableBody body = value_or_throw(read_pressable_touchable_body(options.body));
+  ClipAnswer all;
+  Json each = Json::object();
+  for (const std::string& clip : options.clips) {
+    const ClipAnswer answer = answer_to_true_hand(body, clip, kDeep);
+    each[clip] = figures_of(answer);
+    add(all, answer);
+  }
+  Json figures = figures_of(all);
+  if (options.clips.size() > 1) figures["clips"] = each;
+  print_figures(figures, options.json);
+}
+
+}  // namespace
+
+void add_bench_clip(Command bench) {
+  const auto options = std::make_shared<Options>();
+  Command command = bench.add_subcommand(
+      "clip", "The answer of a body's tables to the true hand of filmed clips, against the truth");
+  command
+      .add_option("body", options->body, "Body file with tables of touch: the one that was filmed")
+      .required()
+      .type_name("BODY.palpable");
+  command.add_option("clips", options->clips, "What synth filmed and palpable truth solved")
+      .required()
+      .type_name("CLIP...");
+  command.add_flag("--json", options->json, "One JSON object");
+  command.footer(
+      "No camera: the hand's own capsules press, in every frame; what is off is the answer's "
+      "alone.\n"
+      "Frames at least 4 mm deep, pooled over the clips.\n"
+      "Example: palpable bench clip out/demo/bunny.palpable out/demo/clip --json");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace palpable::app

@@ -1,0 +1,97 @@
+#include "bench/bake/clip_study.h"
+
+#include "palpable/base/error.h"
+#include "palpable/clip_files/deformed_file.h"
+#include "palpable/geometry/mesh_file.h"
+#include "palpable/score/displacement_error.h"
+#include "palpable/score/force_error.h"
+#include "palpable/score/von_mises_error.h"
+#include "palpable/solid/obstacle.h"
+#include "palpable/touch_bake/touch_difference.h"
+#include "palpable/truth/clip_hands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <map>
+#include <string>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Matrix3Xd;
+
+ValuedSurface skin_in(const fs::path& file, const SurfaceMesh& of) {
+  ValuedSurface skin = value_or_throw(read_valued_ply(file, kVonMisesProperty));
+  if (skin.surface.vertex_count() != of.vertex_count()) {
+    throw Error(fmt::format("{}: has {} vertices where the body has {}; it is of another body",
+                            file.string(), skin.surface.vertex_count(), of.vertex_count()));
+  }
+  return skin;
+}
+
+// Those that count, by frame.
+std::map<int, DeformedLine> lines_of(const fs::path& deformed, double depth) {
+  std::map<int, DeformedLine> lines;
+  for (const DeformedLine& line : read_deformed_lines(deformed)) {
+    if (line.scored && line.depth >= depth) lines[line.frame] = line;
+  }
+  if (lines.empty()) {
+    throw Error(fmt::format("{}: has no frame of at least {:.3g} mm; palpable truth writes it",
+                            deformed.string(), 1e3 * depth));
+  }
+  return lines;
+}
+
+}  // namespace
+
+ClipAnswer answer_to_true_hand(const TouchableBody& body, const fs::path& clip, double depth) {
+  if (!body.touch) throw Error("the body has no tables of touch; palpable inspect says why");
+  const SurfaceMesh& rest = body.body.surface;
+  const fs::path deformed = clip / "truth/deformed";
+  const std::map<int, DeformedLine> lines = lines_of(deformed, depth);
+  const Matrix3Xd true_rest = skin_in(deformed / "rest.ply", rest).surface.vertices;
+  if ((true_rest - rest.vertices).cwiseAbs().maxCoeff() > 1e-6) {
+    throw Error(fmt::format("{}: is another body's", (deformed / "rest.ply").string()));
+  }
+  const ClipHands hands = read_clip_hands(clip);
+  const Eigen::VectorXd areas = vertex_areas(rest);
+  TouchSolver touch(rest, body.body.fixed, *body.touch);
+  TouchState state;
+  Matrix3Xd before = Matrix3Xd::Zero(3, rest.vertex_count());
+  std::vector<float> stress(static_cast<std::size_t>(rest.vertex_count()));
+  ClipAnswer answer;
+  for (int frame = 0; frame < hands.frame_count(); ++frame) {
+    Obstacle hand;
+    hand.capsules = hands.capsules[static_cast<std::size_t>(frame)];
+    const ObstacleGaps gaps(hand);
+    const auto begin = std::chrono::steady_clock::now();
+    const TouchReport report = touch.advance(state, gaps_to(gaps));
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
+    if (report.candidates > 0) answer.milliseconds.push_back(took.count());
+    const Matrix3Xd u = state.u.leftCols(rest.vertex_count()).cast<double>();
+    answer.largest_jump_mm =
+        std::max(answer.largest_jump_mm, 1e3 * (u - before).colwise().norm().maxCoeff());
+    before = u;
+    const auto line = lines.find(frame);
+    if (line == lines.end()) continue;
+    const ValuedSurface skin = skin_in(deformed_skin_file(deformed, frame), rest);
+    const DisplacementError error = displacement_error(skin.surface.vertices - true_rest, u, areas);
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    for (const PointForce& point : state.forces) force += point.force.cast<double>();
+    touch.stress(state, stress);
+    answer.frames.push_back(frame);
+    answer.displacement.push_back(error.relative);
+    answer.worst_vertex_mm.push_back(1e3 * error.worst);
+    answer.force.push_back(force_error(line->second.force, std::array{force}));
+    answer.von_mises.push_back(von_mises_error(
+        skin.values,
+        Eigen::Map<const Eigen::VectorXf>(stress.data(), rest.vertex_count()).cast<double>()));
+  }
+  return answer;
+}
+
+}  // namespace palpable

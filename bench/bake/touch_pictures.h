@@ -1,0 +1,46 @@
+/// @file
+/// Pictures of a touch: the answer of a body's tables beside the one of full finite elements, in
+/// the same colours, and how far apart the two are.
+#pragma once
+
+#include "palpable/geometry/image.h"
+#include "palpable/geometry/surface_mesh.h"
+#include "palpable/render/scene_renderer.h"
+#include "palpable/render/studio.h"
+#include "palpable/touch_bake/touch_difference.h"
+#include "palpable/touch_bake/touch_scenes.h"
+
+#include <Eigen/Core>
+
+#include <string>
+
+namespace palpable {
+
+/// Draws with the OpenGL context that is current now and in every later call.
+class TouchPictures {
+ public:
+  /// @param skin  in the state in which presses begin; outlives this
+  /// @throws Error when the shaders do not compile
+  explicit TouchPictures(const SurfaceMesh& skin);
+
+  /// Three views of 640 x 640 px: von Mises stress on the body as the tables move it, the same of
+  /// the full answer, and the distance between the two places of each vertex.
+  [[nodiscard]] ColorImage draw(const TouchScene& scene, const TouchDifference& difference);
+
+ private:
+  struct Painted {
+    const Eigen::Matrix3Xf& displacement;  // (3 x V) m
+    const Eigen::VectorXf& scalar;         // (V)
+    float largest = 1;
+    std::string legend, unit, caption;
+    double legend_scale = 1;
+  };
+
+  const SurfaceMesh& skin_;
+  Studio studio_;
+  SceneRenderer renderer_;
+
+  ColorImage draw(const Painted& painted, const Eigen::Vector3d& towards);
+};
+
+}  // namespace palpable

@@ -1,0 +1,79 @@
+#include "palpable/touch/held_out_touch.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/base/order_statistics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpable {
+namespace {
+
+constexpr double kMostTouches = 1e5;
+
+std::vector<double> values_of(const std::vector<HeldOutTouch>& touches,
+                              double HeldOutTouch::*value) {
+  std::vector<double> values;
+  for (const HeldOutTouch& touch : touches) values.push_back(touch.*value);
+  return values;
+}
+
+std::string counts_of(const std::vector<HeldOutTouch>& touches) {
+  std::array<int, kPressingThings> counts{};
+  for (const HeldOutTouch& touch : touches) ++counts[static_cast<std::size_t>(touch.thing)];
+  std::string text;
+  for (int k = 0; k < kPressingThings; ++k) {
+    const int count = counts[static_cast<std::size_t>(k)];
+    if (count == 0) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count,
+                        name_of(static_cast<PressingThing>(k)));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string name_of(PressingThing thing) {
+  constexpr std::array kNames{"finger", "pencil", "palm", "hand", "rim", "squeeze"};
+  static_assert(kNames.size() == kPressingThings);
+  return kNames[static_cast<std::size_t>(thing)];
+}
+
+HeldOutErrors errors_of(const std::vector<HeldOutTouch>& touches,
+                        double HeldOutTouch::*difference) {
+  PALPABLE_EXPECT(!touches.empty(), "errors are of at least one touch");
+  const std::vector<double> values = values_of(touches, difference);
+  return {percentile(values, 0.5), percentile(values, 1.0)};
+}
+
+std::string held_out_text(const std::vector<HeldOutTouch>& touches) {
+  if (touches.empty()) return {};
+  const auto depths = values_of(touches, &HeldOutTouch::depth);
+  const auto [least, largest] = std::minmax_element(depths.begin(), depths.end());
+  const HeldOutErrors u = errors_of(touches, &HeldOutTouch::displacement);
+  const HeldOutErrors force = errors_of(touches, &HeldOutTouch::force);
+  const HeldOutErrors stress = errors_of(touches, &HeldOutTouch::von_mises);
+  return fmt::format(
+      "{} touches ({}; {:.1f} to {:.1f} mm deep) against full finite elements: displacement {:.2g} "
+      "% off (median; worst {:.2g} %), force {:.2g} % ({:.2g} %), stress {:.2g} % ({:.2g} %)",
+      touches.size(), counts_of(touches), 1e3 * *least, 1e3 * *largest, 100 * u.median,
+      100 * u.worst, 100 * force.median, 100 * force.worst, 100 * stress.median,
+      100 * stress.worst);
+}
+
+std::string trouble_of(const std::vector<HeldOutTouch>& touches) {
+  if (static_cast<double>(touches.size()) > kMostTouches) return "their number";
+  for (const HeldOutTouch& touch : touches) {
+    const int thing = static_cast<int>(touch.thing);
+    if (thing < 0 || thing >= kPressingThings) return "what presses";
+    if (!(std::isfinite(touch.depth) && touch.depth > 0)) return "a depth";
+    for (const double difference : {touch.displacement, touch.force, touch.von_mises}) {
+      if (!(std::isfinite(difference) && difference >= 0)) return "a difference";
+    }
+  }
+  return {};
+}
+
+}  // namespace palpable

@@ -1,0 +1,48 @@
+/// @file
+/// How far the answer to touch by a body's tables (touch/touch_solver.h) is from full finite
+/// elements with contact (solid/contact.h) on the same mesh, with the same contact points.
+#pragma once
+
+#include "palpable/solid/contact.h"
+#include "palpable/touch/held_out_touch.h"
+#include "palpable/touch/touch_solver.h"
+#include "palpable/touch_bake/skin_response.h"
+#include "palpable/touch_bake/touch_scenes.h"
+
+#include <Eigen/Core>
+
+#include <functional>
+#include <span>
+#include <string>
+
+namespace palpable {
+
+/// One scene at one depth: both answers, and how they differ.
+struct TouchDifference {
+  HeldOutTouch touch;
+  double worst_vertex = 0;  ///< m, of the displacement
+  double penetration = 0;   ///< m, left at the contact points
+  int candidates = 0;       ///< of the last frame
+  double milliseconds = 0;  ///< of the frame
+  double stress_milliseconds = 0;
+  /// (3 x V) m of the skin's vertices, (V) Pa von Mises there.
+  Eigen::Matrix3Xf displacement, true_displacement;
+  Eigen::VectorXf von_mises, true_von_mises;
+};
+
+/// The gaps to an obstacle, as a query of touch.
+[[nodiscard]] GapQuery gaps_to(const ObstacleGaps& gaps);
+
+/// Presses a scene in frames of at most 1.25 mm, by the full solver and by the tables, and compares
+/// the two at the depths.
+/// @param solver  of the model that `skin` belongs to
+/// @param depths  m, rising
+/// @param found   is called at each depth
+/// @returns why the full solver stopped before the last of them; empty if it did not
+[[nodiscard]] std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& skin,
+                                        const Preloaded* preloaded, TouchSolver& touch,
+                                        double point_spacing, const TouchScene& scene,
+                                        std::span<const double> depths,
+                                        const std::function<void(const TouchDifference&)>& found);
+
+}  // namespace palpable
