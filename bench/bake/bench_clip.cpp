@@ -8,6 +8,7 @@
 #include "bench/bake/bench.h"
 #include "bench/bake/clip_study.h"
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -26,6 +27,18 @@ struct Options {
 
 Json ends_of(const std::vector<double>& values) {
   return {{"median", percentile(values, 0.5)}, {"p90", percentile(values, 0.9)}};
+}
+
+Json frames_of(const ClipAnswer& answer) {
+  Json frames = Json::array();
+  for (std::size_t k = 0; k < answer.frames.size(); ++k) {
+    frames.push_back({{"frame", answer.frames[k]},
+                      {"displacement_error", answer.displacement[k]},
+                      {"displacement_error_mm", answer.worst_vertex_mm[k]},
+                      {"force_error", answer.force[k]},
+                      {"von_mises_error", answer.von_mises[k]}});
+  }
+  return frames;
 }
 
 Json figures_of(const ClipAnswer& answer) {
@@ -62,10 +75,11 @@ void run(const Options& options) {
   for (const std::string& clip : options.clips) {
     const ClipAnswer answer = answer_to_true_hand(body, clip, kDeep);
     each[clip] = figures_of(answer);
+    each[clip]["by_frame"] = frames_of(answer);
     add(all, answer);
   }
   Json figures = figures_of(all);
-  if (options.clips.size() > 1) figures["clips"] = each;
+  if (options.json) figures["clips"] = each;
   print_figures(figures, options.json);
 }
 

@@ -64,7 +64,7 @@ Json differences_of(const std::vector<TouchDifference>& all) {
         force.push_back(d.touch.force);
         stress.push_back(d.touch.von_mises);
         worst.push_back(1e3 * d.worst_vertex);
-        entry.push_back(1e3 * d.penetration);
+        entry.push_back(1e3 * d.report.penetration);
       }
       if (u.empty()) continue;
       figures[name_of(thing)][fmt::format("at_{:g}mm", 1e3 * depth)] = {
@@ -80,6 +80,22 @@ Json differences_of(const std::vector<TouchDifference>& all) {
     }
   }
   return figures;
+}
+
+Json scenes_of(const std::vector<TouchDifference>& all) {
+  Json scenes = Json::array();
+  for (const TouchDifference& d : all) {
+    scenes.push_back({{"thing", name_of(d.touch.thing)},
+                      {"depth_mm", 1e3 * d.touch.depth},
+                      {"u", d.touch.displacement},
+                      {"force", d.touch.force},
+                      {"vm", d.touch.von_mises},
+                      {"last_share", d.report.last_share},
+                      {"candidates", d.report.candidates},
+                      {"blobs", d.report.blobs},
+                      {"ms", d.milliseconds}});
+  }
+  return scenes;
 }
 
 // Writes one picture for each scene and depth.
@@ -164,6 +180,7 @@ void run(const Options& options) {
   figures["stress_ms_median"] = percentile(stress_ms, 0.5);
   figures["stress_ms_p99"] = percentile(stress_ms, 0.99);
   figures["largest_slide_jump_mm"] = 1e3 * largest_slide_jump(skin, touch, seed);
+  if (options.json) figures["scenes"] = scenes_of(all);
   bar.finish();
   print_figures(figures, options.json);
 }

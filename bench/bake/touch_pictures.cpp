@@ -25,7 +25,7 @@ OrbitCamera camera_of(const SurfaceMesh& skin, const Vector3d& way) {
                  high = skin.vertices.rowwise().maxCoeff();
   OrbitCamera camera;
   camera.target = 0.5 * (low + high);
-  camera.distance = 0.56 * (high - low).norm() / std::sin(0.5 * kViewAngle);
+  camera.distance = 0.62 * (high - low).norm() / std::sin(0.5 * kViewAngle);
   const Vector3d out = -way;
   camera.azimuth = std::atan2(out.x(), -out.y()) + kBeside;
   camera.elevation = std::clamp(0.4 + 0.5 * std::asin(std::clamp(out.z(), -1.0, 1.0)), 0.1, 1.2);
@@ -84,7 +84,7 @@ ColorImage TouchPictures::draw(const TouchScene& scene, const TouchDifference& d
       {difference.true_displacement, difference.true_von_mises, stress, "von Mises stress", "kPa",
        "full finite elements: " + thing, 1e-3},
       {difference.true_displacement, apart, std::max(1e-6f, apart.maxCoeff()), "apart", "mm",
-       fmt::format("displacement {:.2g} % off, force {:.2g} %, stress {:.2g} %",
+       fmt::format("displacement {:.1f} % off, force {:.1f} %, stress {:.1f} %",
                    100 * touch.displacement, 100 * touch.force, 100 * touch.von_mises),
        1e3}};
   ColorImage sheet(3 * kSize, kSize);

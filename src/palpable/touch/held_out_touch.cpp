@@ -56,8 +56,8 @@ std::string held_out_text(const std::vector<HeldOutTouch>& touches) {
   const HeldOutErrors force = errors_of(touches, &HeldOutTouch::force);
   const HeldOutErrors stress = errors_of(touches, &HeldOutTouch::von_mises);
   return fmt::format(
-      "{} touches ({}; {:.1f} to {:.1f} mm deep) against full finite elements: displacement {:.2g} "
-      "% off (median; worst {:.2g} %), force {:.2g} % ({:.2g} %), stress {:.2g} % ({:.2g} %)",
+      "{} touches ({}; {:.1f} to {:.1f} mm deep) against full finite elements: displacement {:.1f} "
+      "% off (median; worst {:.0f} %), force {:.1f} % ({:.0f} %), stress {:.1f} % ({:.0f} %)",
       touches.size(), counts_of(touches), 1e3 * *least, 1e3 * *largest, 100 * u.median,
       100 * u.worst, 100 * force.median, 100 * force.worst, 100 * stress.median,
       100 * stress.worst);

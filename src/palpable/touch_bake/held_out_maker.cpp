@@ -23,12 +23,35 @@ struct Wanted {
   double depth = 0;  // m
 };
 
+// What is held cannot give way: no contact has an answer where a thing goes through it.
+bool presses_support(const SkinResponse& skin, const TouchScene& scene, double depth) {
+  const ObstacleGaps gaps(obstacle_at(scene, depth));
+  for (int v = 0; v < skin.vertex_count(); ++v) {
+    if (skin.fixed()[v] == 0) continue;
+    for (int part = 0; part < gaps.part_count(); ++part) {
+      if (gaps.distance(part, skin.skin().vertices.col(v)) < 0) return true;
+    }
+  }
+  return false;
+}
+
+// The first scenes of a thing that have an answer to the largest depth.
+std::vector<TouchScene> scenes_of(const SkinResponse& skin, PressingThing thing, int count,
+                                  const HeldOutSettings& settings) {
+  constexpr int kDrawn = 4;  // of them one at least has an answer
+  std::vector<TouchScene> scenes = touch_scenes(skin, thing, kDrawn * count, settings.seed);
+  std::erase_if(scenes, [&](const TouchScene& scene) {
+    return presses_support(skin, scene, settings.largest_depth);
+  });
+  if (static_cast<int>(scenes.size()) > count) scenes.resize(static_cast<std::size_t>(count));
+  return scenes;
+}
+
 std::vector<Wanted> wanted_touches(const SkinResponse& skin, const HeldOutSettings& settings) {
   const int things = static_cast<int>(kThings.size());
   std::vector<std::vector<TouchScene>> scenes;
   for (const PressingThing thing : kThings) {
-    scenes.push_back(
-        touch_scenes(skin, thing, (settings.count + things - 1) / things, settings.seed));
+    scenes.push_back(scenes_of(skin, thing, (settings.count + things - 1) / things, settings));
   }
   std::mt19937_64 random(settings.seed);
   std::vector<Wanted> all;

@@ -111,8 +111,7 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
       took = milliseconds_since(begin);
     }
     TouchDifference d = difference_of(skin, walk, touch, state, scene, depth);
-    d.penetration = report.penetration;
-    d.candidates = report.candidates;
+    d.report = report;
     d.milliseconds = took;
     found(d);
   }

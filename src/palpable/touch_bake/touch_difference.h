@@ -21,9 +21,8 @@ namespace palpable {
 struct TouchDifference {
   HeldOutTouch touch;
   double worst_vertex = 0;  ///< m, of the displacement
-  double penetration = 0;   ///< m, left at the contact points
-  int candidates = 0;       ///< of the last frame
-  double milliseconds = 0;  ///< of the frame
+  TouchReport report;       ///< of the last frame
+  double milliseconds = 0;  ///< of that frame
   double stress_milliseconds = 0;
   /// (3 x V) m of the skin's vertices, (V) Pa von Mises there.
   Eigen::Matrix3Xf displacement, true_displacement;

@@ -66,7 +66,7 @@ TEST_CASE("the tables of touch answer as full contact does, the linear ones less
       // A finger slips along the block's edge here, a little earlier than in the truth.
       CHECK(d.touch.displacement < tolerance(0.08, "of the one that slips; 0.03 of the others"));
       CHECK(d.touch.force < tolerance(0.05, "likewise"));
-      CHECK(d.penetration < 2e-4);
+      CHECK(d.report.penetration < 2e-4);
       nonlinear.push_back(d.touch.displacement);
     }
     for (const TouchDifference& d : body.compare(thing, false))
