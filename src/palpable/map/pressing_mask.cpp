@@ -88,7 +88,7 @@ class PressingMask::Asker {
 };
 
 PressingMask::PressingMask(const DepthNoise& noise, const PressingMaskSettings& settings)
-    : noise_(noise), settings_(settings) {
+    : noise_(noise), settings_(settings), outline_(settings.outline) {
   PALPABLE_EXPECT(settings.step > 0 && settings.sigmas >= 0 && settings.walking_step >= 0 &&
                       settings.walking_share >= 0,
                   "a tolerance is not negative");
@@ -130,6 +130,7 @@ const MaskImage& PressingMask::find(const SeenFrame& seen, const Rigid3& world_f
   keep_groups();
   mark_pixels(seen, moving, asker);
   go_on(seen);
+  outline_.trim(seen, box, shows_);
   remember(seen, moving);
   remember_moved(seen);
   return shows_;

@@ -7,7 +7,8 @@
 ///
 /// So the desk on which a body stands does not press it, a hand does, and so does a cup that was
 /// put against it and left there. Before a camera that stands, what comes is seen moving: there a
-/// thing that rests was a thing that moved at the same place and depth before, perhaps long ago.
+/// thing that rests was a thing that moved at the same place and depth before, perhaps long ago, and
+/// does not look as the scene ever did: a bare desk gets the depth of the finger that has left it.
 ///
 /// Each sign of something that has come may be wrong in single pixels and single frames: along
 /// outlines a sensor mixes near and far, a bare desk gets any depth, and a camera that walks knows
@@ -23,6 +24,7 @@
 #include "palpable/geometry/pixel_box.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/map/anchored_scene.h"
+#include "palpable/map/color_outline.h"
 #include "palpable/map/free_space.h"
 #include "palpable/map/moving_mask.h"
 #include "palpable/map/static_picture.h"
@@ -56,6 +58,7 @@ struct PressingMaskSettings {
   /// too. With 0 the unseen side of a finger that rests on the body was off by 2.9 mm (90 of 100)
   /// and its touch flickered, with 3 by 1.3 (`palpable bench surface --only rest --seed 1`).
   int go_on_px = 3;
+  ColorOutlineSettings outline{};
 };
 
 /// Keeps its memory, and remembers where the last frame had such groups.
@@ -139,6 +142,7 @@ class PressingMask {
   DepthImage pressed_, hidden_;
   DepthImage moved_;  // per tile: of what moved there until the last frame, or goes on; 0: nothing
   std::vector<Place> edge_, next_edge_;  // pixels
+  ColorOutline outline_;
 };
 
 }  // namespace palpable
