@@ -7,8 +7,9 @@
 ///
 /// So the desk on which a body stands does not press it, a hand does, and so does a cup that was
 /// put against it and left there. Before a camera that stands, what comes is seen moving: there a
-/// thing that rests was a thing that moved at the same place and depth before, perhaps long ago, and
-/// does not look as the scene ever did: a bare desk gets the depth of the finger that has left it.
+/// thing that rests was a thing that moved at the same place and depth before, perhaps long ago,
+/// and does not look as the scene ever did: a bare desk gets the depth of the finger that has left
+/// it.
 ///
 /// Each sign of something that has come may be wrong in single pixels and single frames: along
 /// outlines a sensor mixes near and far, a bare desk gets any depth, and a camera that walks knows
