@@ -16,6 +16,7 @@ using Eigen::Vector2f;
 // chord the sag is less than what noise makes.
 constexpr float kHalfChord = 1.0f / 3;
 constexpr int kLeastHalfChord = 2;  // px
+constexpr float kRoot = 1.41421356f;
 
 constexpr std::array<std::pair<int, int>, 4> kDirections{{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
 
@@ -36,74 +37,90 @@ constexpr std::size_t kRoom = 8;    // for one of so many pixels
 
 constexpr double kLeastSpread = 0.1;  // px^4, else the pixels are one line
 
+// One pixel's depth scatters by a millimetre; the mean of nine of one surface, by half of it. Of
+// the middle one of three rows of 1/Z. Neighbours differ by at most `jump` of 1/Z (1/m), or by
+// `least_jump` of Z (m): by jump * Z^2, as Silhouette has it, is by jump of 1/Z.
+void mean_of_nine(const float* above, const float* row, const float* below, float least_jump,
+                  float jump, float* mean, int width) {
+  for (int x = 1; x + 1 < width; ++x) {
+    const float w = row[x], apart = std::max(least_jump * w * w, jump);
+    float sum = 0, pixels = 0;
+    const auto add = [&](float other) {
+      const bool same = std::abs(other - w) < apart;
+      sum += same ? other : 0.0f;
+      pixels += same ? 1.0f : 0.0f;
+    };
+    add(above[x - 1]), add(above[x]), add(above[x + 1]);
+    add(row[x - 1]), add(w), add(row[x + 1]);
+    add(below[x - 1]), add(below[x]), add(below[x + 1]);
+    mean[x] = w == 0 ? 0.0f : sum / pixels;
+  }
+}
+
 }  // namespace
 
 int Creases::px_at(float metres, float inverse_depth) const {
   return static_cast<int>(std::lround(metres * fx_px_ * inverse_depth));
 }
 
-// One pixel's depth scatters by a millimetre; the mean of nine, by half of it.
 void Creases::smooth(const DepthImage& depth, const Silhouette& silhouette) {
   const std::size_t width = static_cast<std::size_t>(box_.width);
   const std::size_t count = width * static_cast<std::size_t>(box_.height);
   // The next box may be larger, and the first one with a crease, a line of a few pixels' width.
-  inverse_.reserve(depth.size());
+  for (std::vector<float>* values : {&inverse_, &mean_}) values->reserve(depth.size());
   places_.reserve(depth.size());
+  hollow_.reserve(depth.size());
   group_.reserve(depth.size() / kRoom);
   pixels_.reserve(depth.size() / kRoom);
-  inverse_.assign(count, 0.0f);
-  places_.assign(count, {});
+  inverse_.resize(count);
+  mean_.assign(count, 0.0f);
+  if (places_.size() < count) places_.resize(count);
   for (int y = 0; y < box_.height; ++y) {
-    for (int x = 0; x < box_.width; ++x) {
-      if (!(silhouette.distance(box_.x + x, box_.y + y) > 0)) continue;
-      inverse_[index(x, y)] = 1 / depth(box_.x + x, box_.y + y);
-    }
+    const float* z = depth.row(box_.y + y) + box_.x;
+    const float* distance = silhouette.row(box_.y + y);
+    float* inverse = inverse_.data() + index(0, y);
+    for (int x = 0; x < box_.width; ++x) inverse[x] = distance[x] > 0 ? 1 / z[x] : 0.0f;
   }
+  const SilhouetteSettings& jump = silhouette.settings();
   for (int y = 1; y + 1 < box_.height; ++y) {
-    for (int x = 1; x + 1 < box_.width; ++x) {
-      const std::size_t k = index(x, y);
-      const float w = inverse_[k];
-      if (w == 0) continue;
-      const float apart = silhouette.jump(1 / w) * w * w;
-      float sum = 0, pixels = 0;
-      for (const std::size_t row : {k - width, k, k + width}) {
-        for (std::size_t n = row - 1; n <= row + 1; ++n) {
-          const bool same = std::abs(inverse_[n] - w) < apart;
-          sum += same ? inverse_[n] : 0.0f;
-          pixels += same ? 1.0f : 0.0f;
-        }
-      }
-      places_[k].inverse_depth = sum / pixels;
-    }
+    const float* row = inverse_.data() + index(0, y);
+    mean_of_nine(row - width, row, row + width, static_cast<float>(jump.least_jump),
+                 static_cast<float>(jump.largest_jump_at_1m), mean_.data() + index(0, y),
+                 box_.width);
   }
 }
 
 // Whether the place is hollow: a chord through its neighbourhood passes before it, as one does in a
 // hollow sphere of most_radius at least. Under perspective the middle of a chord has the mean of
 // the inverse depths of its ends. In a sphere of radius R a chord of length l sags by l^2 / (8 R).
-bool Creases::ask(int x, int y) {
-  Place& here = places_[index(x, y)];
-  const float z = 1 / here.inverse_depth;
+void Creases::ask(int x, int y) {
+  const std::size_t at = index(x, y);
+  const float z = 1 / mean_[at];
+  const float half = kHalfChord * radius_ * fx_px_ * mean_[at];
+  const auto width = static_cast<std::size_t>(box_.width);
   for (std::size_t d = 0; d < kDirections.size(); ++d) {
     const auto [dx, dy] = kDirections[d];
-    const float step = dx != 0 && dy != 0 ? 1.41421356f : 1.0f;
-    const int n = std::max(kLeastHalfChord, px_at(kHalfChord * radius_ / step, here.inverse_depth));
+    const float step = dx != 0 && dy != 0 ? kRoot : 1.0f;
+    const int n = std::max(kLeastHalfChord, static_cast<int>(half / step + 0.5f));
     if (!has(x - n, y - n) || !has(x + n, y + n)) continue;
-    const float w1 = places_[index(x - n * dx, y - n * dy)].inverse_depth;
-    const float w2 = places_[index(x + n * dx, y + n * dy)].inverse_depth;
+    const auto away =
+        static_cast<std::ptrdiff_t>(n) * (dx + dy * static_cast<std::ptrdiff_t>(width));
+    const float w1 = mean_[at - static_cast<std::size_t>(away)];
+    const float w2 = mean_[at + static_cast<std::size_t>(away)];
     if (w1 == 0 || w2 == 0) continue;
-    const float along_ray = z - 2 / (w1 + w2);
     const float across = 2 * static_cast<float>(n) * step * z / fx_px_;
-    if (8 * along_ray * radius_ <= across * across) continue;  // most places: no root is needed
-    const float back = 1 / w1 - 1 / w2;
+    // Most places, without a division: z - 2 / (w1 + w2) <= across^2 / (8 R).
+    if ((z - across * across / (8 * radius_)) * (w1 + w2) <= 2) continue;
+    const float along_ray = z - 2 / (w1 + w2), back = 1 / w1 - 1 / w2;
     const float length2 = across * across + back * back;
     const float sag = along_ray * across / std::sqrt(length2);
+    Place& here = places_[at];
     if (8 * sag * radius_ > length2 && sag > here.sag) {
+      if (here.sag == 0) hollow_.push_back(at);
       here.sag = sag;
       here.direction = static_cast<std::uint8_t>(d);
     }
   }
-  return here.sag > 0;
 }
 
 // The hollow places that hang together with `first`. Of a group that is long enough the middles are
@@ -126,7 +143,7 @@ void Creases::gather(std::size_t first) {
       }
     }
   }
-  const double long_enough = px_at(2 * radius_, places_[first].inverse_depth);
+  const double long_enough = px_at(2 * radius_, mean_[first]);
   if (std::hypot(static_cast<double>(right - left), static_cast<double>(down - up)) < long_enough) {
     return;
   }
@@ -163,14 +180,14 @@ bool Creases::has_middle_near(int x, int y) const {
 // lies outside the box or is wider than the largest ball.
 std::optional<int> Creases::width_of(const Silhouette& silhouette, int x0, int y0,
                                      const Vector2f& away) const {
-  const int most = px_at(2 * radius_, places_[index(x0, y0)].inverse_depth);
+  const int most = px_at(2 * radius_, mean_[index(x0, y0)]);
   constexpr int kFirst = 2;  // px: beside the crease
   float last = 0;
   for (int k = kFirst; k < most; ++k) {
     const int x = x0 + static_cast<int>(std::lround(static_cast<float>(k) * away.x()));
     const int y = y0 + static_cast<int>(std::lround(static_cast<float>(k) * away.y()));
     if (!has(x, y)) return std::nullopt;
-    const float w = places_[index(x, y)].inverse_depth;
+    const float w = mean_[index(x, y)];
     if (w == 0) return k;
     if (k > kFirst + 1 && (!silhouette.joined(last, 1 / w) || has_middle_near(x, y))) return k;
     last = 1 / w;
@@ -183,13 +200,12 @@ std::optional<Creases::Side> Creases::side_of(const Silhouette& silhouette, int 
                                               const Vector2f& away) const {
   const std::optional<int> width = width_of(silhouette, x0, y0, away);
   if (!width) return std::nullopt;
-  const int half =
-      std::max(kLeastHalfChord, px_at(kHalfChord * radius_, places_[index(x0, y0)].inverse_depth));
+  const int half = std::max(kLeastHalfChord, px_at(kHalfChord * radius_, mean_[index(x0, y0)]));
   const int reach = std::max(kLeastHalfChord, half - 1);
   const auto at = static_cast<float>(std::min(half + 1, std::max(2, *width / 2)));
   const int xm = x0 + static_cast<int>(std::lround(at * away.x()));
   const int ym = y0 + static_cast<int>(std::lround(at * away.y()));
-  const float zm = 1 / places_[index(xm, ym)].inverse_depth;
+  const float zm = 1 / mean_[index(xm, ym)];
   double s = 0, sp = 0, sq = 0, sw = 0, spp = 0, spq = 0, sqq = 0, spw = 0, sqw = 0;
   for (int y = std::max(0, ym - reach); y <= std::min(box_.height - 1, ym + reach); ++y) {
     for (int x = std::max(0, xm - reach); x <= std::min(box_.width - 1, xm + reach); ++x) {
@@ -238,31 +254,31 @@ void Creases::find(const DepthImage& depth, const PinholeCamera& camera,
   radius_ = static_cast<float>(most_radius);
   radius_px_ = 0;
   pixels_.clear();
+  hollow_.clear();
   smooth(depth, silhouette);
-  bool any = false;
+  const float nearest = kHalfChord * radius_ * fx_px_;  // px at 1 m
   for (int y = kRim; y < box_.height - kRim; ++y) {
+    const float* distance = silhouette.row(box_.y + y);
+    const float* mean = mean_.data() + index(0, y);
     for (int x = kRim; x < box_.width - kRim; ++x) {
-      const float w = places_[index(x, y)].inverse_depth;
-      if (w == 0) continue;
-      if (silhouette.distance(box_.x + x, box_.y + y) < kHalfChord * radius_ * fx_px_ * w) continue;
-      any = ask(x, y) || any;
+      if (mean[x] > 0 && distance[x] >= nearest * mean[x]) ask(x, y);
     }
   }
-  if (!any) return;
-  for (std::size_t k = 0; k < places_.size(); ++k) {
-    if (places_[k].sag > 0 && !places_[k].gathered) gather(k);
+  for (const std::size_t at : hollow_) {
+    if (!places_[at].gathered) gather(at);
   }
-  for (int y = kRim; y < box_.height - kRim; ++y) {
-    for (int x = kRim; x < box_.width - kRim; ++x) {
-      if (!places_[index(x, y)].is_middle) continue;
-      radius_px_ = std::max(radius_px_, px_at(radius_, places_[index(x, y)].inverse_depth));
-      const Vector2f n = across(x, y);
-      pixels_.push_back({static_cast<std::int16_t>(box_.x + x),
-                         static_cast<std::int16_t>(box_.y + y),
-                         n,
-                         {hidden_px(silhouette, x, y, -n), hidden_px(silhouette, x, y, n)}});
-    }
+  const auto width = static_cast<std::size_t>(box_.width);
+  for (const std::size_t at : hollow_) {
+    if (!places_[at].is_middle) continue;
+    const int x = static_cast<int>(at % width), y = static_cast<int>(at / width);
+    radius_px_ = std::max(radius_px_, px_at(radius_, mean_[at]));
+    const Vector2f n = across(x, y);
+    pixels_.push_back({static_cast<std::int16_t>(box_.x + x),
+                       static_cast<std::int16_t>(box_.y + y),
+                       n,
+                       {hidden_px(silhouette, x, y, -n), hidden_px(silhouette, x, y, n)}});
   }
+  for (const std::size_t at : hollow_) places_[at] = {};
 }
 
 }  // namespace palpable

@@ -53,7 +53,6 @@ class Creases {
 
  private:
   struct Place {
-    float inverse_depth = 0;     // 1/m, mean over 3 x 3 px of one surface; 0: no thing
     float sag = 0;               // m, of the deepest chord; 0: not hollow
     std::uint8_t direction = 0;  // of that chord
     bool gathered = false;
@@ -67,7 +66,7 @@ class Creases {
     double at_px = 0;  // from the crease to where the slopes are those
   };
   void smooth(const DepthImage& depth, const Silhouette& silhouette);
-  [[nodiscard]] bool ask(int x, int y);
+  void ask(int x, int y);
   void gather(std::size_t first);
   [[nodiscard]] Eigen::Vector2f across(int x, int y) const;
   [[nodiscard]] std::optional<int> width_of(const Silhouette& silhouette, int x, int y,
@@ -92,8 +91,9 @@ class Creases {
   float radius_ = 0;  // m
   int radius_px_ = 0;
   std::vector<float> inverse_;  // (B) 1/m, of each pixel alone; 0: no thing
-  std::vector<Place> places_;   // (B)
-  std::vector<std::size_t> group_;
+  std::vector<float> mean_;     // (B) 1/m, over 3 x 3 px of one surface; 0: no thing
+  std::vector<Place> places_;   // (B) as they were made but while find() runs
+  std::vector<std::size_t> hollow_, group_;
   std::vector<CreasePixel> pixels_;
 };
 

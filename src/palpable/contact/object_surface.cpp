@@ -1,6 +1,7 @@
 #include "palpable/contact/object_surface.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/contact/ray_to_region.h"
 
 #include <algorithm>
 #include <array>
@@ -114,7 +115,8 @@ void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
   const Eigen::Matrix3f R = body_from_camera.linear().cast<float>();
   const Vector3f t = body_from_camera.translation().cast<float>();
   const Eigen::AlignedBox3f near = fronts_near(region_in_body).cast<float>();
-  const PixelBox box = box_of_things(depth, given, camera, interest, R, t, near);
+  const RayToRegion to_body(camera, body_from_camera);
+  const PixelBox box = box_of_things(depth, given, camera, interest, to_body, near);
   rest_.add(depth, given, box, camera, camera_from_body, noise_at(1));
   silhouette_.find(rest_.depth(), rest_.shows(), rest_.box(), &rest_.presence());
   creases_.find(rest_.depth(), camera, silhouette_, settings_.balls.most_radius);
@@ -128,7 +130,7 @@ void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
           sigma_of(ball.front.z(), ball.pixels) / std::sqrt(frames)});
   }
   held_.recall(depth, given, camera, camera_from_body, time, balls_);
-  fill_cloud(camera, R, t, near);
+  fill_cloud(to_body, near);
   finish();
 }
 
@@ -136,7 +138,7 @@ void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
 // balls are large: there their outlines matter.
 PixelBox ObjectSurface::box_of_things(const DepthImage& depth, const MaskImage& shows,
                                       const PinholeCamera& camera, const PixelBox& interest,
-                                      const Eigen::Matrix3f& R, const Vector3f& t,
+                                      const RayToRegion& to_body,
                                       const Eigen::AlignedBox3f& near) const {
   int left = interest.x + interest.width, right = -1, top = interest.y + interest.height,
       bottom = -1;
@@ -146,8 +148,7 @@ PixelBox ObjectSurface::box_of_things(const DepthImage& depth, const MaskImage& 
     for (int x = interest.x; x < interest.x + interest.width; ++x) {
       if (row[x] != kShowsPresser) continue;
       const float z = depth(x, y);
-      const Vector3f point = camera.unproject(x, y, static_cast<double>(z)).cast<float>();
-      if (!near.contains(R * point + t)) continue;
+      if (!near.contains(to_body.point(x, y, z))) continue;
       left = std::min(left, x), right = std::max(right, x);
       top = std::min(top, y), bottom = y;
       nearest = std::min(nearest, z);
@@ -163,8 +164,7 @@ PixelBox ObjectSurface::box_of_things(const DepthImage& depth, const MaskImage& 
           std::min(box.y + box.height, interest.y + interest.height) - y};
 }
 
-void ObjectSurface::fill_cloud(const PinholeCamera& camera, const Eigen::Matrix3f& R,
-                               const Vector3f& t, const Eigen::AlignedBox3f& near) {
+void ObjectSurface::fill_cloud(const RayToRegion& to_body, const Eigen::AlignedBox3f& near) {
   const PixelBox& box = silhouette_.box();
   const auto first = [&](int from) {
     return (from + settings_.step - 1) / settings_.step * settings_.step;
@@ -172,8 +172,7 @@ void ObjectSurface::fill_cloud(const PinholeCamera& camera, const Eigen::Matrix3
   for (int v = first(box.y); v < box.y + box.height; v += settings_.step) {
     for (int u = first(box.x); u < box.x + box.width; u += settings_.step) {
       if (!(silhouette_.distance(u, v) > 0)) continue;
-      const auto z = static_cast<double>(rest_.depth()(u, v));
-      const Vector3f x = R * camera.unproject(u, v, z).cast<float>() + t;
+      const Vector3f x = to_body.point(u, v, rest_.depth()(u, v));
       if (near.contains(x)) cloud_.push_back(x);
     }
   }

@@ -19,6 +19,7 @@
 #include "palpable/contact/held_balls.h"
 #include "palpable/contact/medial_balls.h"
 #include "palpable/contact/object_ball.h"
+#include "palpable/contact/ray_to_region.h"
 #include "palpable/contact/rest_filter.h"
 #include "palpable/contact/silhouette.h"
 #include "palpable/geometry/camera.h"
@@ -143,10 +144,9 @@ class ObjectSurface {
   [[nodiscard]] const MaskImage& everything_measured(const DepthImage& depth);
   [[nodiscard]] PixelBox box_of_things(const DepthImage& depth, const MaskImage& shows,
                                        const PinholeCamera& camera, const PixelBox& interest,
-                                       const Eigen::Matrix3f& R, const Eigen::Vector3f& t,
+                                       const RayToRegion& to_body,
                                        const Eigen::AlignedBox3f& near) const;
-  void fill_cloud(const PinholeCamera& camera, const Eigen::Matrix3f& R, const Eigen::Vector3f& t,
-                  const Eigen::AlignedBox3f& near);
+  void fill_cloud(const RayToRegion& to_body, const Eigen::AlignedBox3f& near);
   [[nodiscard]] float sigma_of(float depth, int pixels) const;
   [[nodiscard]] double noise_at(double Z) const;
 

@@ -43,6 +43,10 @@ void RestFilter::start(const DepthImage& depth, const MaskImage& shows, const Pi
     presence_.resize(depth.width(), depth.height());
     std::fill(presence_.begin(), presence_.end(), 0.0f);
     cells_across_ = static_cast<std::size_t>(depth.width() / settings_.cell_px + 1);
+    cell_of_column_.resize(static_cast<std::size_t>(depth.width()));
+    for (std::size_t x = 0; x < cell_of_column_.size(); ++x) {
+      cell_of_column_[x] = static_cast<int>(x) / settings_.cell_px;
+    }
     cells_.assign(cells_across_ * static_cast<std::size_t>(depth.height() / settings_.cell_px + 1),
                   {});
     moved_.resize(cells_.size());
@@ -54,19 +58,22 @@ void RestFilter::start(const DepthImage& depth, const MaskImage& shows, const Pi
   box_ = united(remembered_, box);
   const int first = std::max(box_.y - kBeside, 0);
   const int last = std::min(box_.y + box_.height + kBeside, depth.height());
+  const int left = std::max(box_.x - kBeside, 0);
+  const int right = std::min(box_.x + box_.width + kBeside, depth.width());
   for (int y = first; y < last; ++y) {
-    std::copy_n(depth.row(y), depth.width(), depth_.row(y));
-    std::copy_n(shows.row(y), shows.width(), shows_.row(y));
+    std::copy(depth.row(y) + left, depth.row(y) + right, depth_.row(y) + left);
+    std::copy(shows.row(y) + left, shows.row(y) + right, shows_.row(y) + left);
   }
 }
 
 void RestFilter::sum_up(const DepthImage& depth, const MaskImage& shows) {
   for (Cell& cell : cells_) cell = {.frames = cell.frames};
   for (int y = box_.y; y < box_.y + box_.height; ++y) {
+    Cell* cells = row_of_cells(y);
     for (int x = box_.x; x < box_.x + box_.width; ++x) {
       const bool now = shows(x, y) == kShowsPresser, was = presence_(x, y) > kPresent;
       if (!now && !was) continue;
-      Cell& cell = cell_at(x, y);
+      Cell& cell = cells[cell_of_column_[static_cast<std::size_t>(x)]];
       // A hole in a thing is no sign that it has gone.
       if (now != was && shows(x, y) != kShowsUnknown) cell.changed += 1;
       if (!now) continue;
@@ -126,11 +133,12 @@ void RestFilter::find_shares(const PinholeCamera& camera) {
 void RestFilter::average(const DepthImage& depth, const MaskImage& shows, float gate_at_1m) {
   int left = box_.x + box_.width, right = -1, top = box_.y + box_.height, bottom = -1;
   for (int y = box_.y; y < box_.y + box_.height; ++y) {
+    const Cell* cells = row_of_cells(y);
     for (int x = box_.x; x < box_.x + box_.width; ++x) {
       float& presence = presence_(x, y);
       const bool now = shows(x, y) == kShowsPresser;
       if (!now && presence == 0) continue;
-      const float share = cell_at(x, y).share;
+      const float share = cells[cell_of_column_[static_cast<std::size_t>(x)]].share;
       if (now) {
         float& mean = average_(x, y);
         const float z = depth(x, y);

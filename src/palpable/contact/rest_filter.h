@@ -63,9 +63,8 @@ class RestFilter {
     // the average, of their depths, pixels that came or went, pixels at an outline.
     float now = 0, both = 0, apart = 0, depth = 0, changed = 0, edge = 0;
   };
-  [[nodiscard]] Cell& cell_at(int x, int y) {
-    return cells_[static_cast<std::size_t>(y / settings_.cell_px) * cells_across_ +
-                  static_cast<std::size_t>(x / settings_.cell_px)];
+  [[nodiscard]] Cell* row_of_cells(int y) {
+    return cells_.data() + static_cast<std::size_t>(y / settings_.cell_px) * cells_across_;
   }
   [[nodiscard]] const Cell& cell_at(int x, int y) const {
     return cells_[static_cast<std::size_t>(y / settings_.cell_px) * cells_across_ +
@@ -85,6 +84,7 @@ class RestFilter {
   MaskImage shows_;
   Image<float> average_, presence_;  // m; 1 where a thing is, 0 beside it
   std::size_t cells_across_ = 0;
+  std::vector<int> cell_of_column_;
   std::vector<Cell> cells_;   // of the whole picture
   std::vector<float> moved_;  // per cell: 0 rests .. 1 moves
 };

@@ -54,19 +54,19 @@ bool Silhouette::ends_towards(int x, int y, int dx, int dy) const {
   return true;  // a wide hole: nothing was measured beside the thing
 }
 
-// Offers pixel (x, y) the outline that is nearest to its neighbour (x + dx, y + dy).
-void Silhouette::take_over(int x, int y, int dx, int dy) {
-  const int u = x + dx, v = y + dy;
-  if (u < box_.x || v < box_.y || u >= box_.x + box_.width || v >= box_.y + box_.height) return;
-  const std::size_t here = at(x, y), other = at(u, v);
+// Offers pixel `here` of the box, of depth z, the outline that is nearest to pixel `other`, its
+// neighbour at (dx, dy), of depth z_other.
+void Silhouette::take_over(std::size_t here, std::size_t other, int dx, int dy, float z,
+                           float z_other) {
   const float theirs = distance_[other];
-  if (!(theirs > 0) || theirs == kInfinite || theirs - kStep >= distance_[here]) return;
+  // No thing is there, or its outline is too far away to matter here; both where it has none.
+  if (!(theirs > 0) || theirs - kStep >= distance_[here]) return;
   const ToOutline there = nearest_[other];
   const ToOutline offer{static_cast<std::int16_t>(there.dx + dx),
                         static_cast<std::int16_t>(there.dy + dy)};
   const float beyond = beyond_[other];
   const float length = length_of(offer) + beyond;
-  if (!(length < distance_[here]) || !joined((*depth_)(x, y), (*depth_)(u, v))) return;
+  if (!(length < distance_[here]) || !joined(z, z_other)) return;
   distance_[here] = length;
   nearest_[here] = offer;
   beyond_[here] = beyond;
@@ -97,15 +97,28 @@ void Silhouette::begin_at(int x, int y) {
 
 // Two sweeps, down and up: each pixel of `box` takes over the outlines that its neighbours know.
 void Silhouette::hand_on(const PixelBox& box) {
-  const int right = box.x + box.width, bottom = box.y + box.height;
+  const int left = box.x, right = box.x + box.width, bottom = box.y + box.height;
+  const int first = box_.x, last = box_.x + box_.width - 1;
   const auto sweep = [&](int y, int dy) {
-    for (int x = box.x; x < right; ++x) {
-      if (!(distance_[at(x, y)] > 0)) continue;
-      for (int dx = -1; dx <= 1; ++dx) take_over(x, y, dx, dy);
-      take_over(x, y, -1, 0);
+    const float* depth = depth_->row(y);
+    const std::size_t row = at(first, y) - static_cast<std::size_t>(first);
+    const bool has_next = y + dy >= box_.y && y + dy < box_.y + box_.height;
+    const float* next_depth = has_next ? depth_->row(y + dy) : depth;
+    const std::size_t next = has_next ? at(first, y + dy) - static_cast<std::size_t>(first) : row;
+    for (int x = left; x < right; ++x) {
+      const std::size_t here = row + static_cast<std::size_t>(x);
+      if (!(distance_[here] > 0)) continue;
+      const float z = depth[x];
+      if (has_next) {
+        for (int u = std::max(x - 1, first); u <= std::min(x + 1, last); ++u) {
+          take_over(here, next + static_cast<std::size_t>(u), u - x, dy, z, next_depth[u]);
+        }
+      }
+      if (x > first) take_over(here, here - 1, -1, 0, z, depth[x - 1]);
     }
-    for (int x = right - 1; x >= box.x; --x) {
-      if (distance_[at(x, y)] > 0) take_over(x, y, 1, 0);
+    for (int x = right - 1; x >= left; --x) {
+      const std::size_t here = row + static_cast<std::size_t>(x);
+      if (x < last && distance_[here] > 0) take_over(here, here + 1, 1, 0, depth[x], depth[x + 1]);
     }
   };
   for (int y = box.y; y < bottom; ++y) sweep(y, -1);

@@ -71,6 +71,8 @@ class Silhouette {
   /// that hand on the nearest outline (Danielsson 1980), at most 0.3 px too far. Infinite where
   /// there is no outline; 0 outside of things.
   [[nodiscard]] float distance(int x, int y) const { return distance_[at(x, y)]; }
+  /// The distances of a row of the box, its first pixel's first.
+  [[nodiscard]] const float* row(int y) const { return distance_.data() + at(box_.x, y); }
   /// Meaningful where the distance is finite and above 0.
   [[nodiscard]] ToOutline to_outline(int x, int y) const { return nearest_[at(x, y)]; }
   /// Whether two neighbouring depths belong to one surface.
@@ -78,6 +80,7 @@ class Silhouette {
   /// m: what they may differ by.
   [[nodiscard]] float jump(float z) const { return depth_jump(settings_, z); }
   [[nodiscard]] const PixelBox& box() const { return box_; }
+  [[nodiscard]] const SilhouetteSettings& settings() const { return settings_; }
 
  private:
   [[nodiscard]] std::size_t at(int x, int y) const {
@@ -85,7 +88,7 @@ class Silhouette {
            static_cast<std::size_t>(x - box_.x);
   }
   [[nodiscard]] bool ends_towards(int x, int y, int dx, int dy) const;
-  void take_over(int x, int y, int dx, int dy);
+  void take_over(std::size_t here, std::size_t other, int dx, int dy, float z, float z_other);
   void begin_at(int x, int y);
   void hand_on(const PixelBox& box);
   void bar(int x, int y);

@@ -92,6 +92,11 @@ class MovingMask {
                                     : LookedAt::kDrawnView;
   }
 
+  /// The picture with which the last frame was compared; null unless looked_at() is kPicture.
+  [[nodiscard]] const StaticPicture* picture() const {
+    return compared_ == &picture_ ? compared_ : nullptr;
+  }
+
   [[nodiscard]] const FreeSpace& space() const { return space_; }
   [[nodiscard]] const MovingMaskSettings& settings() const { return settings_; }
 

@@ -88,7 +88,7 @@ class PressingMask::Asker {
 };
 
 PressingMask::PressingMask(const DepthNoise& noise, const PressingMaskSettings& settings)
-    : noise_(noise), settings_(settings) {
+    : noise_(noise), settings_(settings), outline_(settings.outline) {
   PALPABLE_EXPECT(settings.step > 0 && settings.sigmas >= 0 && settings.walking_step >= 0 &&
                       settings.walking_share >= 0,
                   "a tolerance is not negative");
@@ -115,7 +115,7 @@ const MaskImage& PressingMask::find_nothing(const SeenFrame& seen, const PixelBo
 const MaskImage& PressingMask::find(const SeenFrame& seen, const Rigid3& world_from_camera,
                                     const MaskImage& moving, LookedAt looked_at,
                                     const AnchoredScene& scene, const FreeSpace& space,
-                                    const PixelBox& box) {
+                                    const PixelBox& box, const StaticPicture* picture) {
   const DepthImage& depth = seen.depth;
   resize(depth, box);
   if (!world_from_camera.matrix().allFinite()) return shows_;
@@ -125,12 +125,14 @@ const MaskImage& PressingMask::find(const SeenFrame& seen, const Rigid3& world_f
   const bool stands = looked_at == LookedAt::kPicture;
   Asker asker(*this, seen, world_from_camera, scene, space);
   for (int j = j0_; j < j0_ + down_; ++j) {
-    for (int i = i0_; i < i0_ + across_; ++i) find_tile(seen, moving, stands, i, j, asker);
+    for (int i = i0_; i < i0_ + across_; ++i) find_tile(seen, moving, stands, picture, i, j, asker);
   }
   keep_groups();
   mark_pixels(seen, moving, asker);
   go_on(seen);
+  outline_.trim(seen, box, shows_);
   remember(seen, moving);
+  remember_moved(seen);
   return shows_;
 }
 
@@ -146,7 +148,7 @@ void PressingMask::resize(const DepthImage& depth, const PixelBox& box) {
   const int height = (depth.height() + kTile - 1) / kTile;
   if (frames_.width() != width || frames_.height() != height) {
     frames_ = frames_before_ = Image<std::uint8_t>(width, height);
-    pressed_ = hidden_ = DepthImage(width, height);
+    pressed_ = hidden_ = moved_ = DepthImage(width, height);
   }
   std::swap(frames_, frames_before_);
   std::fill(frames_.begin(), frames_.end(), std::uint8_t{0});
@@ -175,8 +177,8 @@ bool PressingMask::is_sure(const SeenFrame& seen, int x, int y) const {
   return !jumps(x - 1, y) && !jumps(x + 1, y) && !jumps(x, y - 1) && !jumps(x, y + 1);
 }
 
-void PressingMask::find_tile(const SeenFrame& seen, const MaskImage& moving, bool stands, int i,
-                             int j, Asker& asker) {
+void PressingMask::find_tile(const SeenFrame& seen, const MaskImage& moving, bool stands,
+                             const StaticPicture* picture, int i, int j, Asker& asker) {
   int known = 0, moves = 0, come = 0, sure = 0;
   float moving_depth = 0, come_depth = 0;
   int x_sure = 0, y_sure = 0;
@@ -201,12 +203,19 @@ void PressingMask::find_tile(const SeenFrame& seen, const MaskImage& moving, boo
   if (moves >= come && moves > 0) {
     found.depth = moving_depth;
     found.moves = moves >= kMost;
-    found.is_sign =
-        found.moves && sure >= kMost && (stands || asker.has_come_for_sure(x_sure, y_sure));
+    if (sure > 0 && (stands || asker.has_come_for_sure(x_sure, y_sure))) {
+      found.signs = static_cast<std::uint8_t>(std::min(sure, kMost));
+    }
+    found.is_sign = found.moves && found.signs == kMost;
   } else if (2 * come > known && come >= 2) {
-    found.is_sign =
-        stands ? was_there_before(i, j, come_depth) : asker.has_come_for_sure(x_sure, y_sure);
-    if (found.is_sign) found.depth = come_depth;
+    found.is_sign = stands ? was_there_before(i, j, come_depth) &&
+                                 !(picture != nullptr && picture->looks_as_ever(i, j))
+                           : asker.has_come_for_sure(x_sure, y_sure);
+    found.goes_on =
+        stands && is_same_surface(come_depth, moved_(i, j)) &&
+        asker.has_come_for_sure(x_sure, y_sure) &&
+        !(picture != nullptr && picture->looks_as_ever(i, j) && picture->is_plain(i, j));
+    if (found.is_sign || found.goes_on) found.depth = come_depth;
   }
 }
 
@@ -261,8 +270,8 @@ std::uint8_t PressingMask::verdict(int frames) const {
   bool any_beside = false;
   for (const Place& at : group_) {
     const Tile& here = tile(at.i, at.j);
+    moving += here.signs;
     if (here.moves) {
-      moving += here.is_sign ? 1 : 0;
       any_beside = true;
     } else if (beside_moving(at.i, at.j)) {
       any_beside = true;
@@ -273,7 +282,7 @@ std::uint8_t PressingMask::verdict(int frames) const {
   if (resting >= (any_beside ? settings_.fewest_tiles_beside : settings_.fewest_tiles)) {
     return kRestsToo;
   }
-  return moving >= settings_.fewest_tiles ? kMovesAlone : kDropped;
+  return moving >= kMost * settings_.fewest_tiles ? kMovesAlone : kDropped;
 }
 
 void PressingMask::keep_groups() {
@@ -313,7 +322,8 @@ void PressingMask::mark_pixels(const SeenFrame& seen, const MaskImage& moving, A
           ++there;
           if (tile(a, b).group < kMovesAlone) continue;
           depths[static_cast<std::size_t>(kept++)] = tile(a, b).depth;
-          resting += tile(a, b).group == kRestsToo && !tile(a, b).moves ? 1 : 0;
+          const bool rests = tile(a, b).group == kRestsToo && !tile(a, b).moves;
+          resting += rests || tile(a, b).goes_on ? 1 : 0;
         }
       }
       if (kept == 0) continue;
@@ -381,6 +391,22 @@ void PressingMask::go_on(const SeenFrame& seen) {
       }
     }
     std::swap(edge_, next_edge_);
+  }
+}
+
+// What moved is remembered until something else is measured there.
+void PressingMask::remember_moved(const SeenFrame& seen) {
+  for (int j = j0_; j < j0_ + down_; ++j) {
+    for (int i = i0_; i < i0_ + across_; ++i) {
+      const Tile& now = tile(i, j);
+      if (now.group >= kMovesAlone && (now.moves || now.goes_on)) {
+        moved_(i, j) = now.depth;
+      } else if (moved_(i, j) > 0) {
+        const int x = std::min(kTile * i + 2, seen.depth.width() - 1);
+        const int y = std::min(kTile * j + 2, seen.depth.height() - 1);
+        if (seen.depth(x, y) > 0) moved_(i, j) = 0;
+      }
+    }
   }
 }
 

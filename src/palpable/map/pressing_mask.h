@@ -7,7 +7,9 @@
 ///
 /// So the desk on which a body stands does not press it, a hand does, and so does a cup that was
 /// put against it and left there. Before a camera that stands, what comes is seen moving: there a
-/// thing that rests was a thing that moved at the same place and depth before, perhaps long ago.
+/// thing that rests was a thing that moved at the same place and depth before, perhaps long ago,
+/// and does not look as the scene ever did: a bare desk gets the depth of the finger that has left
+/// it.
 ///
 /// Each sign of something that has come may be wrong in single pixels and single frames: along
 /// outlines a sensor mixes near and far, a bare desk gets any depth, and a camera that walks knows
@@ -23,8 +25,10 @@
 #include "palpable/geometry/pixel_box.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/map/anchored_scene.h"
+#include "palpable/map/color_outline.h"
 #include "palpable/map/free_space.h"
 #include "palpable/map/moving_mask.h"
+#include "palpable/map/static_picture.h"
 
 #include <cstdint>
 #include <vector>
@@ -40,7 +44,8 @@ struct PressingMaskSettings {
   double walking_step = 0.038;  ///< m; the map's distances reach to 0.040
   double walking_share = 0.03;
   int least_confidence = 160;  ///< of a depth (disparity_filters.h)
-  /// Tiles of a group that say so with confidence; fewer are a mismatch.
+  /// Tiles of a group that say so with confidence; fewer are a mismatch. Of what moves the samples
+  /// of such tiles are counted, three a tile: of a pencil most tiles see but a part.
   int fewest_tiles = 20;
   /// Of things that rest: only tiles that are not beside something that moves count, where a
   /// matcher gives the room that thing's depth. Of the resting part of a thing that moves so many
@@ -54,6 +59,7 @@ struct PressingMaskSettings {
   /// too. With 0 the unseen side of a finger that rests on the body was off by 2.9 mm (90 of 100)
   /// and its touch flickered, with 3 by 1.3 (`palpable bench surface --only rest --seed 1`).
   int go_on_px = 3;
+  ColorOutlineSettings outline{};
 };
 
 /// Keeps its memory, and remembers where the last frame had such groups.
@@ -72,10 +78,13 @@ class PressingMask {
   /// @param moving     255 where something moves, of the depth's size
   /// @param looked_at  with what the mask was compared (SlamFrame::looked_at)
   /// @param box        the pixels that are asked; all others are kShowsUnknown
+  /// @param picture    of a camera that stands: what looks as the scene ever did is the scene,
+  ///                   whatever depth a matcher gives it; null: nobody knows how it looks
   /// @return of the depth's size; valid until the next call
   const MaskImage& find(const SeenFrame& seen, const Rigid3& world_from_camera,
                         const MaskImage& moving, LookedAt looked_at, const AnchoredScene& scene,
-                        const FreeSpace& space, const PixelBox& box);
+                        const FreeSpace& space, const PixelBox& box,
+                        const StaticPicture* picture = nullptr);
 
   /// The same where it is not known what moves or where the camera is: kShowsUnknown everywhere.
   const MaskImage& find_nothing(const SeenFrame& seen, const PixelBox& box);
@@ -89,6 +98,8 @@ class PressingMask {
     float depth = 0;         // m, of one of its pixels that moves or has come; 0: none
     bool moves = false;      // most of it does
     bool is_sign = false;    // it says with confidence that its group has come
+    bool goes_on = false;    // it rests where a thing was seen moving until now, at the same depth
+    std::uint8_t signs = 0;  // of its samples, those that say so while it moves; kMost at most
     std::uint8_t group = 0;  // Group, of the .cpp
   };
   struct Place {
@@ -97,8 +108,8 @@ class PressingMask {
 
   void resize(const DepthImage& depth, const PixelBox& box);
   void mark_moving(const SeenFrame& seen, const MaskImage& moving, bool looked);
-  void find_tile(const SeenFrame& seen, const MaskImage& moving, bool stands, int i, int j,
-                 Asker& asker);
+  void find_tile(const SeenFrame& seen, const MaskImage& moving, bool stands,
+                 const StaticPicture* picture, int i, int j, Asker& asker);
   void keep_groups();
   void gather(int i, int j);
   [[nodiscard]] std::uint8_t verdict(int frames) const;
@@ -108,6 +119,7 @@ class PressingMask {
   void go_on(const SeenFrame& seen);
   void remember(const SeenFrame& seen, const MaskImage& moving);
   [[nodiscard]] bool was_there_before(int i, int j, float depth) const;
+  void remember_moved(const SeenFrame& seen);
   [[nodiscard]] bool is_sure(const SeenFrame& seen, int x, int y) const;
   [[nodiscard]] static bool is_amid_surface(const DepthImage& depth, int x, int y);
   [[nodiscard]] Tile& tile(int i, int j) { return tiles_[index(i, j)]; }
@@ -129,7 +141,9 @@ class PressingMask {
   // Per tile of the image: the depth of what pressed there last, and of what that has hidden; 0:
   // nothing.
   DepthImage pressed_, hidden_;
+  DepthImage moved_;  // per tile: of what moved there until the last frame, or goes on; 0: nothing
   std::vector<Place> edge_, next_edge_;  // pixels
+  ColorOutline outline_;
 };
 
 }  // namespace palpable

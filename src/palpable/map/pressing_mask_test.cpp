@@ -176,6 +176,50 @@ TEST_CASE("a strip of the room with a near thing's depth, and doubtful pixels, d
   CHECK(ask_with(200) > 1500);
 }
 
+TEST_CASE("a thin thing that moves presses, however it lies on the tiles", "[map][presses]") {
+  for (int x0 = 60; x0 < 64; ++x0) {
+    INFO("from column " << x0);
+    Room room;
+    room.show(20);
+    room.things = {x0, 8, 5, 80};
+    SeenFrame frame = room.seen();
+    MaskImage moving(kCamera.width, kCamera.height, 0);
+    // Along outlines a matcher is not sure.
+    frame.confidence = GrayImage(kCamera.width, kCamera.height, 255);
+    for (int y = 8; y < 88; ++y) {
+      for (int x = x0; x < x0 + 5; ++x) moving(x, y) = 255;
+      frame.confidence(x0, y) = frame.confidence(x0 + 4, y) = 100;
+    }
+    for (int i = 0; i < 2; ++i) CHECK(count(room.ask(frame, &moving), kShowsPresser) == 0);
+    CHECK(count(room.ask(frame, &moving), kShowsPresser) == 400);
+    // A quarter of it may be a mismatch.
+    Room other;
+    other.show(20);
+    for (int y = 28; y < 88; ++y) {
+      for (int x = x0; x < x0 + 5; ++x) moving(x, y) = 0;
+    }
+    for (int i = 0; i < 4; ++i) CHECK(count(other.ask(frame, &moving), kShowsPresser) == 0);
+  }
+}
+
+TEST_CASE("of a thing that moves the end presses on that the mask takes for the scene",
+          "[map][presses]") {
+  Room room;
+  room.show(40);
+  room.things = {60, 20, 8, 60};
+  room.come();
+  MaskImage moving(kCamera.width, kCamera.height, 0);
+  for (int y = 20; y < 68; ++y) {
+    for (int x = 60; x < 68; ++x) moving(x, y) = 255;
+  }
+  // Its last twelve rows look as the desk behind them: a pencil's tip before wood.
+  for (int i = 0; i < 5; ++i) CHECK(room.ask(room.seen(), &moving)(63, 76) == kShowsPresser);
+  room.things.height = 48;
+  CHECK(room.ask(room.seen(), &moving)(63, 76) == kShowsRoom);
+  room.things.height = 60;  // it was not there in the frame before
+  CHECK(room.ask(room.seen(), &moving)(63, 76) == kShowsRoom);
+}
+
 TEST_CASE("the resting part of a hand that moves presses with it", "[map][presses]") {
   Room room;
   room.show(40);

@@ -124,13 +124,14 @@ StaticPicture::StaticPicture(const StaticPictureSettings& settings)
 void StaticPicture::forget() {
   ++frame_;  // else a camera that moves from the first frame on would be starting() for ever
   std::fill(sure_.begin(), sure_.end(), std::uint8_t{0});
+  if (!starting()) std::fill(anew_.begin(), anew_.end(), std::uint8_t{1});
 }
 
 void StaticPicture::resize(int width, int height, const Image<std::uint8_t>& tiles) {
   if (now_.width() == width && now_.height() == height) return;
   now_ = picture_ = difference_ = GrayImage(width, height);
   least_ = largest_ = GrayImage(width, 3);
-  look_ = sure_ = colored_ = tested_ = Image<std::uint8_t>(tiles.width(), tiles.height());
+  look_ = sure_ = anew_ = colored_ = tested_ = Image<std::uint8_t>(tiles.width(), tiles.height());
   queue_.reserve(look_.size());
   sum_now_ = sum_then_ = sum_difference_ = strange_ =
       Image<std::uint16_t>(tiles.width(), tiles.height());
@@ -473,6 +474,22 @@ bool StaticPicture::is_plain(int i, int j) const {
   return high - low <= 1.25 * noise_ * (3.5 + 2 * 0.75) + 1;
 }
 
+bool StaticPicture::is_as_ever(int i, int j) const {
+  return anew_(i, j) == 0 && (look_(i, j) == kSame || (look_(i, j) == kShadow && is_plain(i, j)));
+}
+
+bool StaticPicture::looks_as_ever(int i, int j) const {
+  if (i >= tiles_ || j >= rows_ || !is_as_ever(i, j)) return false;
+  int alike = 0, there = 0;
+  for (int b = std::max(j - 1, 0); b <= std::min(j + 1, rows_ - 1); ++b) {
+    for (int a = std::max(i - 1, 0); a <= std::min(i + 1, tiles_ - 1); ++a) {
+      ++there;
+      alike += is_as_ever(a, b) ? 1 : 0;
+    }
+  }
+  return 2 * alike > there;
+}
+
 // Makes what is seen of a tile its look.
 void StaticPicture::take_over(int i, int j) {
   int sum = 0;
@@ -518,10 +535,12 @@ bool StaticPicture::learn_tile(int i, int j, bool is_quiet, bool is_static) {
     take_over(i, j);
   } else if (sure < trust_) {
     sure = static_cast<std::uint8_t>(std::min(sure + (is_quiet ? kQuietCounts : 1), trust_));
+    if (!is_quiet) anew_(i, j) = 1;
   } else if (look_(i, j) >= kShadow) {
     const bool is_scene = is_quiet && is_static && look_(i, j) != kShadow;
     if (++strange >= (is_scene ? settings_.frames_to_renew : settings_.frames_to_settle)) {
       take_over(i, j);
+      anew_(i, j) = 1;
     }
   } else if (is_quiet || look_(i, j) == kSame) {
     strange = 0;

@@ -147,6 +147,10 @@ class StaticPicture {
   /// Whether a tile shows nothing but noise. The matcher finds no texture there, and its depth of
   /// the tile is taken over from the neighbours.
   [[nodiscard]] bool is_plain(int i, int j) const;
+  /// Whether a tile and most of those around it look as the scene has since the picture was begun:
+  /// in shadow, too, where it is plain. What was learnt anew, or while something moved there, may
+  /// be something that has come, and counts as no look of the scene.
+  [[nodiscard]] bool looks_as_ever(int i, int j) const;
   /// Whether this is one of the first frames, in which nothing can be known to move.
   [[nodiscard]] bool starting() const { return frame_ < 2 * settings_.frames_to_trust; }
 
@@ -189,6 +193,7 @@ class StaticPicture {
   [[nodiscard]] bool has_hue_of_scene(const Square& square, double bounds, double light) const;
   bool learn_tile(int i, int j, bool is_quiet, bool is_static);
   void take_over(int i, int j);
+  [[nodiscard]] bool is_as_ever(int i, int j) const;
   void follow_row(int j);
 
   static constexpr int kUnit = 512;  // a gain of 1
@@ -206,6 +211,7 @@ class StaticPicture {
   Image<std::uint8_t> tested_;    // per tile: not 0: tested for chance in this frame
   std::vector<int> queue_;        // tiles whose neighbours are to be tested
   Image<std::uint8_t> sure_;      // per tile: 0: nothing is known .. trust_: known
+  Image<std::uint8_t> anew_;      // per tile: not 0: it may show what has come (looks_as_ever())
   Image<std::uint16_t> strange_;  // per tile: frames in a row in which it had changed
   std::vector<std::uint16_t> columns_, columns_of_difference_;  // sums over four rows of pixels
   std::vector<std::uint8_t> scaled_;                            // a row of pixels times a gain

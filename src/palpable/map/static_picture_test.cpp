@@ -259,6 +259,9 @@ TEST_CASE("what moves is not learnt, what stays is after a while", "[map][static
   settings.frames_to_settle = 60;
   watch.picture = StaticPicture(settings);
   watch.learn(camera, 20);
+  camera.see();
+  watch.compare(camera);
+  CHECK(watch.picture.looks_as_ever(8, 5));
   Image<std::uint8_t> moves(kTiles, kRows), scene(kTiles, kRows, 1);
   for (int j = 4; j < 8; ++j) {
     for (int i = 6; i < 12; ++i) moves(i, j) = 1;
@@ -274,9 +277,13 @@ TEST_CASE("what moves is not learnt, what stays is after a while", "[map][static
   };
   show(59);
   CHECK(watch.count(Look::kChanged, true) == kInside);
+  CHECK_FALSE(watch.picture.looks_as_ever(8, 5));
   // Taken over, and the same for five times six frames.
   show(1 + 29 + 1);
   CHECK(watch.count(Look::kSame, true) >= kInside - 1);
+  // It may be a thing that was put there.
+  CHECK_FALSE(watch.picture.looks_as_ever(8, 5));
+  CHECK(watch.picture.looks_as_ever(2, 10));
   // With the scene's depth and nothing that moves it takes frames_to_renew.
   for (int k = 0; k < settings.frames_to_renew; ++k) {
     camera.see();
@@ -303,6 +310,9 @@ TEST_CASE("a moved camera, strange sizes and the first frames say nothing",
   camera.see();
   watch.compare(camera);
   CHECK(watch.count(Look::kNothing, false) == kOutside);
+  watch.learn(camera, 20);
+  CHECK(watch.count(Look::kSame, false) >= kOutside - 2);
+  CHECK_FALSE(watch.picture.looks_as_ever(2, 10));  // as since when, nobody knows
   CHECK_FALSE(watch.picture.compare(camera.luma, camera.color, 60, 40, watch.all));
   CHECK_FALSE(watch.picture.compare(camera.luma, {}, kWidth, kHeight, watch.all));
 }

@@ -111,6 +111,7 @@ struct Session::Parts {
 
   std::optional<AnchoredScene> anchored;
   LookedAt looked_at = LookedAt::kNothing;  // with what the mask of this frame was compared
+  const StaticPicture* picture = nullptr;   // that one
   PressingMask pressing;
   const MaskImage* shows = nullptr;  // of the pressing mask
   ObjectSurface surface;
@@ -133,6 +134,7 @@ void Session::Parts::follow_camera(Scene& scene) {
   const SlamFrame& found = slam.advance(scene.seen, scene.times);
   scene.camera = found.camera;
   looked_at = found.looked_at;
+  picture = found.picture;
   if (found.moving != nullptr) {
     scene.moving = *found.moving;
   } else {
@@ -170,7 +172,7 @@ void Session::Parts::find_what_presses(const Scene& scene) {
     return;
   }
   shows = &pressing.find(seen, scene.camera.world_from_camera, scene.moving, looked_at, *anchored,
-                         *slam.space(), box);
+                         *slam.space(), box, picture);
 }
 
 void Session::Parts::find_touches(double time, std::vector<Touch>& touches) {

@@ -108,6 +108,7 @@ void Slam::find_moving(const SeenFrame& seen, const Rigid3& world_from_camera) {
   const CpuTimer timer(counts_.mask_cpu_s);
   const MaskImage& mask = mover_->find(seen, world_from_camera, map());
   frame_.looked_at = mover_->looked_at();
+  frame_.picture = mover_->picture();
   int moving = 0;
   for (const std::uint8_t m : mask) moving += m & 1;  // 255 or 0
   ++counts_.masks;

@@ -50,6 +50,7 @@ struct SlamFrame {
   /// frame.
   const MaskImage* moving = nullptr;
   LookedAt looked_at = LookedAt::kNothing;  ///< with what the mask's frame was compared
+  const StaticPicture* picture = nullptr;   ///< that one; null unless looked_at is kPicture
   bool fused = false;                       ///< its depth image was fused into the map
   /// Not empty: a loop was closed with this frame, and map and free space began anew. What others
   /// have placed in the world can be moved by these. Valid until the next frame.

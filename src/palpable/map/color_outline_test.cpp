@@ -1,0 +1,103 @@
+#include "palpable/map/color_outline.h"
+
+#include "palpable/base/contract.h"
+#include "tests/support/allocations.h"
+#include "tests/support/test.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace palpable {
+namespace {
+
+constexpr int kWidth = 120, kHeight = 90;
+constexpr PixelBox kAll{0, 0, kWidth, kHeight};
+constexpr PixelBox kThing{40, 30, 30, 40};
+constexpr Rgb kSkin{190, 140, 120}, kDesk{230, 230, 225};
+
+// A picture of twice the depth's size: a thing before a desk, with noise of `noise` grey levels on
+// the thing and of `texture` on the desk.
+ColorImage picture_of(const PixelBox& thing, const Rgb& skin, double noise, double texture) {
+  std::mt19937_64 random = test::random_case(1);
+  std::normal_distribution<double> normal;
+  ColorImage picture(2 * kWidth, 2 * kHeight);
+  const auto noisy = [&](std::uint8_t level, double by) {
+    return static_cast<std::uint8_t>(
+        std::clamp(std::lround(level + by * normal(random)), 0L, 255L));
+  };
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      const bool is_thing = thing.contains(x / 2, y / 2);
+      const Rgb c = is_thing ? skin : kDesk;
+      const double by = is_thing ? noise : texture;
+      picture(x, y) = {noisy(c.r, by), noisy(c.g, by), noisy(c.b, by)};
+    }
+  }
+  return picture;
+}
+
+// As a matcher's windows show a thing: so many px too wide.
+MaskImage shown(const PixelBox& thing, int too_wide) {
+  MaskImage shows(kWidth, kHeight, kShowsRoom);
+  for (int y = thing.y - too_wide; y < thing.y + thing.height + too_wide; ++y) {
+    for (int x = thing.x - too_wide; x < thing.x + thing.width + too_wide; ++x) {
+      shows(x, y) = kShowsPresser;
+    }
+  }
+  return shows;
+}
+
+SeenFrame seen(ColorImage picture) {
+  SeenFrame frame;
+  frame.color = std::move(picture);
+  return frame;
+}
+
+TEST_CASE("what looks as the desk beside a thing is the desk", "[map][presses]") {
+  ColorOutline outline;
+  MaskImage shows = shown(kThing, 5);
+  outline.trim(seen(picture_of(kThing, kSkin, 2, 2)), kAll, shows);
+  CHECK(shows == shown(kThing, 0));
+}
+
+TEST_CASE("an outline stays the depth's where colours do not tell", "[map][presses]") {
+  ColorOutline outline;
+  MaskImage shows = shown(kThing, 5);
+  SECTION("thing and desk look alike") {
+    outline.trim(seen(picture_of(kThing, {228, 226, 222}, 2, 2)), kAll, shows);
+  }
+  SECTION("the desk shows all sorts of colours") {
+    outline.trim(seen(picture_of(kThing, kSkin, 2, 90)), kAll, shows);
+  }
+  SECTION("there is no picture") { outline.trim(SeenFrame{}, kAll, shows); }
+  SECTION("nothing is asked") {
+    ColorOutline({.band = 0}).trim(seen(picture_of(kThing, kSkin, 2, 2)), kAll, shows);
+  }
+  CHECK(shows == shown(kThing, 5));
+  // Too thin to have an inside that says how it looks.
+  constexpr PixelBox kThin{50, 20, 4, 50};
+  shows = shown(kThin, 2);
+  outline.trim(seen(picture_of(kThin, kSkin, 2, 2)), kAll, shows);
+  CHECK(shows == shown(kThin, 2));
+}
+
+TEST_CASE(
+    "inside of the box alone outlines are asked, and nothing is allocated from the second "
+    "frame on",
+    "[map][presses][frame loop]") {
+  ColorOutline outline;
+  const SeenFrame frame = seen(picture_of(kThing, kSkin, 2, 2));
+  MaskImage shows = shown(kThing, 5);
+  outline.trim(frame, {0, 0, 55, kHeight}, shows);
+  CHECK(shows(37, 50) == kShowsRoom);
+  CHECK(shows(73, 50) == kShowsPresser);
+  shows = shown(kThing, 5);
+  CHECK(test::allocations_during([&] { outline.trim(frame, kAll, shows); }) == 0);
+  CHECK(shows(73, 50) == kShowsRoom);
+  CHECK_THROWS_AS(ColorOutline({.band = -1}), ContractViolation);
+  CHECK_THROWS_AS(ColorOutline({.least_spread = 0}), ContractViolation);
+}
+
+}  // namespace
+}  // namespace palpable
