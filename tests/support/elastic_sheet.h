@@ -104,6 +104,7 @@ class ElasticSheet {
       }
     }
     table.basis = rounded(P.cast<float>());
+    table.beyond = table.basis;
     P = as_numbers(table.basis);
     std::vector<Eigen::MatrixXd> couplings;
     for (int c = 0; c < C; ++c) {

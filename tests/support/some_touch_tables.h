@@ -50,6 +50,7 @@ inline ComplianceTable compliance(std::mt19937& random, const SurfaceMesh& skin,
   }
   c.cluster_of.push_back(1);  // of the node in the middle
   c.basis = rows(random, 3 * (V + 1), rank, 0.1f);
+  c.beyond = rows(random, 3 * (V + 1), rank, 0.1f);
   c.far_first = {0};
   c.far_second = {2};
   c.couplings = rows(random, rank, rank, 1e-4f);
@@ -100,9 +101,10 @@ inline ShellTable shell(const SurfaceMesh& skin) {
 }  // namespace some_tables
 
 /// 1 mm/N at each vertex itself and 32 directions of each of three clusters; `regions` of 16 modes,
-/// 5 of them leading, and 48 cross modes where there are regions; a shell with one inner node.
+/// 5 of them leading, with 32 far shapes, and 48 cross modes where there are regions; a shell with
+/// one inner node.
 inline TouchTables some_touch_tables(const SurfaceMesh& skin, int regions = 3) {
-  constexpr int kRank = 32, kModes = 16, kLeading = 5, kCrossModes = 48;
+  constexpr int kRank = 32, kModes = 16, kLeading = 5, kFarShapes = 32, kCrossModes = 48;
   std::mt19937 random(5);
   TouchTables tables;
   tables.point_spacing = 0.011;
@@ -117,8 +119,9 @@ inline TouchTables some_touch_tables(const SurfaceMesh& skin, int regions = 3) {
     region.vertices = some_tables::nodes_near(tables.compliance, cluster);
     region.modes =
         some_tables::rows(random, 3 * static_cast<int>(region.vertices.size()), kModes, 0.03f);
-    region.source_clusters = {cluster};
-    region.sources = some_tables::rows(random, kModes, kRank, 0.2f);
+    const int far = cluster == 1 ? 0 : 1;  // clusters
+    region.far_shapes = some_tables::rows(random, far * kRank, kFarShapes, 0.02f);
+    region.far_shares = some_tables::rows(random, kFarShapes, kModes, 0.2f);
     region.cubic = some_tables::form(random, kModes, 3);
     region.quartic = some_tables::form(random, kLeading, 4);
     tables.regions.push_back(std::move(region));

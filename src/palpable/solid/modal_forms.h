@@ -30,11 +30,12 @@ struct ModalForms {
 };
 
 /// Which integration points are summed. The forms come from where modes are steep: under a finger a
-/// few per cent of the body carry nine tenths. A point carries weight |G|^3 with the gradients G of
+/// few per cent of the body carry nine tenths; but where a thin part bends, large terms cancel, and
+/// the tenth that is left counts. A point carries weight |G|^3 with the gradients G of
 /// all modes.
 struct FormSampling {
-  double exact = 0.9;     ///< the points that carry this share of the whole are all summed
-  double neglect = 1e-3;  ///< those that carry least, this share together, are left out
+  double exact = 0.98;    ///< the points that carry this share of the whole are all summed
+  double neglect = 3e-4;  ///< those that carry least, this share together, are left out
   /// Of the others, along a curve through the body, each every-th stands for its neighbours.
   int every = 8;
 };

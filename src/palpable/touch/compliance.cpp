@@ -22,6 +22,14 @@ bool is_table(const RoundedRows& rows, std::int64_t count, std::int64_t width) {
          std::ssize(rows.values) == count * width;
 }
 
+// P target at a node.
+Eigen::Vector3f displacement(const RoundedRows& basis, int node, std::span<const float> target) {
+  const std::size_t row = 3 * static_cast<std::size_t>(node);
+  Eigen::Vector3f u;
+  best_row_kernels().dots(basis.row(row), 3, target, u.data());
+  return u.cwiseProduct(Eigen::Map<const Eigen::Vector3f>(basis.scale.data() + row));
+}
+
 bool has_bad_clusters(const ComplianceTable& t) {
   if (t.nodes() < t.vertices || t.far_first.size() != t.far_second.size()) return true;
   if (std::any_of(t.cluster_of.begin(), t.cluster_of.end(),
@@ -45,7 +53,8 @@ std::string_view trouble_of(const ComplianceTable& t) {
     return "its size";
   }
   if (has_bad_clusters(t)) return "its clusters";
-  if (!is_table(t.basis, 3 * W, k) || !is_table(t.couplings, k * std::ssize(t.far_first), k)) {
+  if (!is_table(t.basis, 3 * W, k) || !is_table(t.beyond, 3 * W, k) ||
+      !is_table(t.couplings, k * std::ssize(t.far_first), k)) {
     return "the size of its far field";
   }
   if (std::ssize(t.first) != V + 1 || std::ssize(t.near_scale) != V || t.first.front() != 0 ||
@@ -109,16 +118,25 @@ void Compliance::add_target(int from, std::span<const float> source, int to,
 }
 
 Eigen::Vector3f Compliance::at(int node, std::span<const float> target) const {
-  const std::size_t row = 3 * static_cast<std::size_t>(node);
-  Eigen::Vector3f u;
-  best_row_kernels().dots(table_.basis.row(row), 3, target, u.data());
-  return u.cwiseProduct(Eigen::Map<const Eigen::Vector3f>(table_.basis.scale.data() + row));
+  return displacement(table_.basis, node, target);
+}
+
+Eigen::Vector3f Compliance::beyond_at(int node, std::span<const float> target) const {
+  return displacement(table_.beyond, node, target);
 }
 
 void Compliance::everywhere(std::span<const float> targets, Eigen::Ref<Eigen::Matrix3Xf> u) const {
   PALPABLE_EXPECT(u.cols() <= nodes(), "a field has three values a node");
   for (int n = 0; n < u.cols(); ++n) {
     u.col(n) = at(n, targets.subspan(static_cast<std::size_t>(cluster_of(n)) * rank(), rank()));
+  }
+}
+
+void Compliance::add_beyond(std::span<const float> targets, Eigen::Ref<Eigen::Matrix3Xf> u) const {
+  PALPABLE_EXPECT(u.cols() <= nodes(), "a field has three values a node");
+  for (int n = 0; n < u.cols(); ++n) {
+    u.col(n) +=
+        beyond_at(n, targets.subspan(static_cast<std::size_t>(cluster_of(n)) * rank(), rank()));
   }
 }
 

@@ -19,6 +19,10 @@
 /// with R_d the least squares of what loads far away do at d's inner nodes against what they do at
 /// its vertices: rows of a basis of their own, behind those of the skin.
 ///
+/// What is of higher order in the loads (region.h) arrives at clusters as targets, too, but in a
+/// basis of its own: where a part turns by a small angle, the square of the angle is a strain of
+/// its displacement that no load far away brings about in the first order.
+///
 ///   V  vertices of the skin     W  nodes: the vertices, then the inner ones
 ///   C  clusters                 k  columns of P, a multiple of 16
 ///   n_v  neighbours of vertex v: all nodes of clusters near its own, padded to 16
@@ -45,6 +49,7 @@ struct ComplianceTable {
   int clusters = 0;             ///< C
   std::vector<int> cluster_of;  ///< (W)
   RoundedRows basis;            ///< (3W x k) P, orthonormal columns in each cluster; then R
+  RoundedRows beyond;           ///< (3W x k) the same for what is of higher order
   /// Pairs (c, d), c < d, of clusters that are far from each other, rising.
   std::vector<int> far_first, far_second;
   /// k rows for each of these pairs: row i is S_cd(i, .), m/N.
@@ -88,6 +93,10 @@ class Compliance {
   [[nodiscard]] Eigen::Vector3f at(int node, std::span<const float> target) const;
   /// The same at the first n nodes. @param targets  (C x k)  @param u  (3 x n) overwritten, n <= W
   void everywhere(std::span<const float> targets, Eigen::Ref<Eigen::Matrix3Xf> u) const;
+
+  /// The same for targets of higher order, and u += it at the first n nodes.
+  [[nodiscard]] Eigen::Vector3f beyond_at(int node, std::span<const float> target) const;
+  void add_beyond(std::span<const float> targets, Eigen::Ref<Eigen::Matrix3Xf> u) const;
 
   /// u(neighbours) += G force, of those among the first n nodes. @param u  (3 x n) m
   void add_near(int vertex, const Eigen::Vector3f& force, Eigen::Ref<Eigen::Matrix3Xf> u) const;

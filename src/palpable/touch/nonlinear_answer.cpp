@@ -63,12 +63,12 @@ NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const R
   }
   const std::size_t C = index(compliance.clusters()), k = compliance.rank();
   const std::size_t x = index(cross.cubic.variables);
-  std::size_t most_sources = 0;
+  std::size_t most_shapes = 0;
   own_cluster_.assign(regions.size() * C, 0);
   asked_cluster_.assign(C, 0);
   every_cluster_.assign(C, 1);
   for (std::size_t region = 0; region < regions.size(); ++region) {
-    most_sources = std::max(most_sources, regions[region].sources.width);
+    most_shapes = std::max(most_shapes, regions[region].far_count());
     for (const int v : regions[region].vertices) {
       own_cluster_[region * C + index(compliance.cluster_of(v))] = 1;
     }
@@ -80,7 +80,8 @@ NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const R
   score_.resize(regions.size());
   code_.resize(index(most_modes));
   far_targets_.resize(C * k);
-  sources_.resize(most_sources);
+  far_code_.resize(most_shapes);
+  arriving_.resize(k);
   cross_codes_.resize((kMostBlobs + 1) * x);
   cross_cubic_ = FormRows(cross.cubic);
   pairs_.resize(cross_cubic_.width());
@@ -187,17 +188,19 @@ void NonlinearAnswer::add_far_targets(int region, std::span<const float> q,
                                       std::span<const char> clusters) {
   const RegionTable& table = regions_[index(region)];
   const std::size_t C = index(compliance_.clusters()), k = compliance_.rank();
-  const std::span<float> sources(sources_.data(), table.sources.width);
-  std::fill(sources.begin(), sources.end(), 0.0f);
-  for (std::size_t j = 0; j < q.size(); ++j) {
-    best_row_kernels().add(table.sources.row(j), q[j] * table.sources.scale[j], sources);
-  }
-  for (std::size_t s = 0; s < table.source_clusters.size(); ++s) {
-    const int from = table.source_clusters[s];
-    for (std::size_t to = 0; to < C; ++to) {
-      if (clusters[to] == 0 || own_cluster_[index(region) * C + to] != 0) continue;
-      compliance_.add_target(from, sources.subspan(s * k, k), static_cast<int>(to),
-                             {far_targets_.data() + to * k, k});
+  const std::span<float> code(far_code_.data(), table.far_count());
+  best_row_kernels().dots(table.far_shares.row(0), code.size(), q, code.data());
+  for (std::size_t j = 0; j < code.size(); ++j) code[j] *= table.far_shares.scale[j];
+  std::size_t row = 0;
+  for (std::size_t to = 0; to < C; ++to) {
+    if (own_cluster_[index(region) * C + to] != 0) continue;
+    const std::size_t first = row;
+    row += k;
+    if (clusters[to] == 0) continue;
+    best_row_kernels().dots(table.far_shapes.row(first), k, code, arriving_.data());
+    float* target = far_targets_.data() + to * k;
+    for (std::size_t i = 0; i < k; ++i) {
+      target[i] += table.far_shapes.scale[first + i] * arriving_[i];
     }
   }
 }
@@ -249,7 +252,7 @@ Vector3f NonlinearAnswer::displacement_at(int vertex) const {
     best_row_kernels().dots(modes.row(row), 3, q, u.data());
     return Vector3f(u.cwiseProduct(Eigen::Map<const Vector3f>(modes.scale.data() + row)));
   };
-  Vector3f u = compliance_.at(
+  Vector3f u = compliance_.beyond_at(
       vertex, std::span(far_targets_).subspan(index(compliance_.cluster_of(vertex)) * k, k));
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const int at = row_of(chosen_[b], vertex);

@@ -95,7 +95,8 @@ class NonlinearAnswer {
   [[nodiscard]] Eigen::Vector3f displacement_at(int vertex) const;
   /// Targets in all clusters; evaluate() finds those of the vertices that it was told of.
   void find_far_targets();
-  /// (C x k) targets of what the blobs' regions do beyond their own vertices.
+  /// (C x k) targets of what the blobs' regions do beyond their own vertices, for
+  /// Compliance::add_beyond().
   [[nodiscard]] std::span<const float> far_targets() const { return far_targets_; }
   /// Adds all but far_targets() at the first n nodes. @param u  (3 x n) m, n <= W
   void add_near(Eigen::Ref<Eigen::Matrix3Xf> u) const;
@@ -134,10 +135,11 @@ class NonlinearAnswer {
   std::vector<int> blob_of_vertex_;  // (V) -1: none
   std::vector<int> asked_;           // vertices whose blob is set
   std::vector<RegionAnswer> answers_;
-  std::vector<float> score_;                         // by region
-  std::vector<float> code_, far_targets_, sources_;  // (r), (C x k), of a region
-  std::vector<char> asked_cluster_, every_cluster_;  // (C) 1: targets are wanted there
-  std::vector<char> own_cluster_;  // (regions x C) 1: its vertices are the region's
+  std::vector<float> score_;                          // by region
+  std::vector<float> code_, far_targets_;             // (r), (C x k)
+  std::vector<float> far_code_, arriving_;            // (f), (k)
+  std::vector<char> asked_cluster_, every_cluster_;   // (C) 1: targets are wanted there
+  std::vector<char> own_cluster_;                     // (regions x C) 1: its nodes are the region's
   std::vector<float> cross_codes_, pairs_, cross_q_;  // (blobs + 1 x x), (p), (x)
   float last_share_ = 0;
 };

@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 using test::ElasticSheet;
 using test::tolerance;
 
-constexpr int kModes = 16;
+constexpr int kModes = 16, kShapes = 32;
 
 MatrixXd some_numbers(Eigen::Index rows, Eigen::Index columns, double size, unsigned seed) {
   auto random = test::random_case(seed);
@@ -55,10 +55,13 @@ struct Regions {
       const auto seed = static_cast<unsigned>(middle);
       region.modes = rounded(RowsOfFloats(
           some_numbers(3 * std::ssize(region.vertices), kModes, 0.1, seed).cast<float>()));
-      region.source_clusters = {own};
-      region.sources = rounded(RowsOfFloats(
-          some_numbers(kModes, static_cast<Eigen::Index>(compliance.rank()), 1.0, seed + 1)
+      Eigen::Index far = 0;  // clusters
+      for (int c = 0; c < compliance.clusters(); ++c) far += compliance.are_far(own, c) ? 1 : 0;
+      region.far_shapes = rounded(RowsOfFloats(
+          some_numbers(far * static_cast<Eigen::Index>(compliance.rank()), kShapes, 0.1, seed + 1)
               .cast<float>()));
+      region.far_shares =
+          rounded(RowsOfFloats(some_numbers(kShapes, kModes, 0.3, seed + 4).cast<float>()));
       region.cubic = some_form(kModes, 3, seed + 2);
       region.quartic = some_form(4, 4, seed + 3);
       regions.push_back(region);
@@ -76,7 +79,7 @@ VectorXd code_of(const RegionTable& region, int vertex, const Vector3f& force) {
   return as_numbers(region.modes).middleRows(row, 3).transpose() * force.cast<double>();
 }
 
-TEST_CASE("each patch of load is answered by its region, near by its modes and far by its sources",
+TEST_CASE("each patch of load is answered by its region, near by its modes and far by their shapes",
           "[touch]") {
   const Regions body;
   const RegionMap map(body.vertices, body.regions, 0.010);
@@ -93,25 +96,28 @@ TEST_CASE("each patch of load is answered by its region, near by its modes and f
   answer.evaluate(loads);
 
   Matrix3Xf near = Matrix3Xf::Zero(3, body.compliance.vertices()), all = near;
-  body.compliance.everywhere(answer.far_targets(), all);
+  body.compliance.add_beyond(answer.far_targets(), all);
   answer.add_near(near);
   all += near;
   for (int v = 0; v < body.compliance.vertices(); ++v) {
     CHECK((answer.displacement_at(v) - all.col(v)).norm() <= 1e-5f * all.norm());
   }
-  // Where one region is near and the other far: modes of the one, sources of the other.
+  // Where one region is near and the other far: modes of the one, far shapes of the other.
   for (int blob = 0; blob < 2; ++blob) {
     const RegionTable& region = answer.region_of(blob);
     const VectorXd q =
         Eigen::Map<const Eigen::VectorXf>(answer.q(blob).data(), kModes).cast<double>();
-    const int own = region.source_clusters[0];
-    const VectorXd sources = as_numbers(region.sources).transpose() * q;
-    const Eigen::VectorXf source = sources.cast<float>();
+    const int own = body.compliance.cluster_of(region.vertex);
+    const VectorXd targets = as_numbers(region.far_shapes) * (as_numbers(region.far_shares) * q);
     for (const int v : {blob == 0 ? 14 : 154}) {  // far from this region
-      std::vector<float> target(body.compliance.rank(), 0.0f);
-      body.compliance.add_target(own, {source.data(), body.compliance.rank()},
-                                 body.compliance.cluster_of(v), target);
-      const Vector3f far = body.compliance.at(v, target);
+      const auto rank = static_cast<Eigen::Index>(body.compliance.rank());
+      Eigen::Index row = 0;
+      for (int c = 0; c < body.compliance.cluster_of(v); ++c) {
+        row += body.compliance.are_far(own, c) ? rank : 0;
+      }
+      const Eigen::VectorXf at_v = targets.segment(row, rank).cast<float>();
+      const std::span<const float> target(at_v.data(), body.compliance.rank());
+      const Vector3f far = body.compliance.beyond_at(v, target);
       const RegionTable& other = answer.region_of(1 - blob);
       const VectorXd q_other =
           Eigen::Map<const Eigen::VectorXf>(answer.q(1 - blob).data(), kModes).cast<double>();

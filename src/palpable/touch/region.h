@@ -3,6 +3,7 @@
 /// third order of the displacement in some dozens of modes.
 ///
 ///   r  modes of the region, a multiple of 16     s  the leading ones, s <= r
+///   f  shapes of what they do far away, a multiple of 16
 ///
 /// The modes U are orthonormal in the body's stiffness, U^T K U = 1. A load f near the region's
 /// middle has the code a = U^T f; K^-1 f itself is not taken from the modes (compliance.h has it
@@ -38,15 +39,16 @@ struct RegionTable {
   /// modes there: three rows of r numbers for each, sqrt(m/N).
   std::vector<int> vertices;
   RoundedRows modes;
-  /// What the modes do elsewhere, as if by sources in these clusters, all of whose near ones are
-  /// among `vertices`: row j has the sources of mode j, k numbers for each cluster.
-  std::vector<int> source_clusters;
-  RoundedRows sources;
-  SymmetricForm cubic;    ///< A, of r
-  SymmetricForm quartic;  ///< E, of s
+  /// What the modes do in all other clusters is a sum of f *far shapes*, as targets (compliance.h):
+  /// k rows of f numbers for each of those clusters, rising.
+  RoundedRows far_shapes;
+  RoundedRows far_shares;  ///< (f x r) how much of each shape is in each mode
+  SymmetricForm cubic;     ///< A, of r
+  SymmetricForm quartic;   ///< E, of s
 
   [[nodiscard]] int mode_count() const { return cubic.variables; }
   [[nodiscard]] int leading() const { return quartic.variables; }
+  [[nodiscard]] std::size_t far_count() const { return far_shares.count(); }  ///< f
 };
 
 class FormRows;

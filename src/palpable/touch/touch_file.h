@@ -14,7 +14,7 @@
 namespace palpable {
 
 /// Version of the group's layout; provisional: tables of another one are refused, the body is read.
-inline constexpr int kTouchLayout = 1;
+inline constexpr int kTouchLayout = 2;
 
 /// Reads and checks a body file with its tables. Whatever the bytes, the tables keep every promise
 /// of their headers and are of the body's skin, or the result is a problem that names the file and

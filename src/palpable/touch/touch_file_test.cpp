@@ -40,6 +40,7 @@ void check_same(const ComplianceTable& a, const ComplianceTable& b) {
   CHECK(a.clusters == b.clusters);
   CHECK(a.cluster_of == b.cluster_of);
   check_same(a.basis, b.basis);
+  check_same(a.beyond, b.beyond);
   CHECK(a.far_first == b.far_first);
   CHECK(a.far_second == b.far_second);
   check_same(a.couplings, b.couplings);
@@ -59,8 +60,8 @@ void check_same(const TouchTables& a, const TouchTables& b) {
     CHECK(a.regions[k].vertex == b.regions[k].vertex);
     CHECK(a.regions[k].vertices == b.regions[k].vertices);
     check_same(a.regions[k].modes, b.regions[k].modes);
-    CHECK(a.regions[k].source_clusters == b.regions[k].source_clusters);
-    check_same(a.regions[k].sources, b.regions[k].sources);
+    check_same(a.regions[k].far_shapes, b.regions[k].far_shapes);
+    check_same(a.regions[k].far_shares, b.regions[k].far_shares);
     check_same(a.regions[k].cubic, b.regions[k].cubic);
     check_same(a.regions[k].quartic, b.regions[k].quartic);
   }
@@ -169,6 +170,9 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
       {"the compliance is wrong in a factor", [](auto& t) { t.compliance.basis.scale[3] = kNan; }},
       {"the compliance is wrong in a factor",
        [](auto& t) { t.compliance.couplings.scale[0] = -1; }},
+      {"the compliance is wrong in a factor", [](auto& t) { t.compliance.beyond.scale[3] = kNan; }},
+      {"the compliance is wrong in the size of its far field",
+       [](auto& t) { t.compliance.beyond.scale.pop_back(); }},
       {"the compliance is wrong in a factor",
        [](auto& t) { t.compliance.near_scale[4] = std::numeric_limits<float>::infinity(); }},
       {"the compliance is of 12 vertices where the skin has 42",
@@ -184,17 +188,21 @@ TEST_CASE("tables that break a rule are named, and not written over a good file"
       {"region 2 is wrong in its list of vertices",
        [](auto& t) { t.regions[2].vertices.back() = 43; }},
       {"region 0 is wrong in the size of its modes",
-       [](auto& t) { t.regions[0].vertices.pop_back(); }},
+       [](auto& t) { t.regions[0].modes.scale.pop_back(); }},
       {"region 0 is wrong in a factor of its modes",
        [](auto& t) { t.regions[0].modes.scale[2] = kNan; }},
-      {"region 0 is wrong in the size of its sources",
-       [](auto& t) { t.regions[0].sources.width = 16; }},
-      {"region 0 is wrong in the clusters of its sources",
-       [](auto& t) { t.regions[0].source_clusters[0] = 3; }},
-      {"region 0 is wrong in the clusters of its sources",
-       [](auto& t) { t.regions[0].source_clusters[0] = -1; }},
-      // What is near the source's cluster but none of the region's is reached by no coupling.
-      {"region 0 is wrong in the clusters of its sources",
+      {"region 2 is wrong in the size of its far shapes",
+       [](auto& t) { t.regions[2].far_shapes.width = 16; }},
+      {"region 2 is wrong in the size of its far shapes",
+       [](auto& t) { t.regions[2].far_shapes.scale.pop_back(); }},
+      {"region 2 is wrong in a factor of its far shapes",
+       [](auto& t) { t.regions[2].far_shapes.scale[5] = kNan; }},
+      {"region 0 is wrong in the size of its shares of them",
+       [](auto& t) { t.regions[0].far_shares.values.pop_back(); }},
+      {"region 0 is wrong in its number of far shapes",
+       [](auto& t) { t.regions[0].far_shares.scale.pop_back(); }},
+      // What is in no whole cluster of the region would be given by its modes and its far shapes.
+      {"region 0 is wrong in its list of vertices",
        [](auto& t) {
          t.regions[0].vertices.resize(1);
          t.regions[0].modes.values.resize(3 * 16);
@@ -314,7 +322,7 @@ void check_refused(const FileFaults& faults) {
 TEST_CASE("tables that break a rule within a file are refused by name when it is read",
           "[touch][errors]") {
   const FileFaults faults{
-      {"tables of touch have layout 0 where this program reads 1; bake the body again",
+      {"tables of touch have layout 0 where this program reads 2; bake the body again",
        number(".", "layout", 0)},
       {"touch: the number of regions is none", number(".", "regions", -1)},
       {"touch: the number of regions is none", number(".", "regions", NAN)},

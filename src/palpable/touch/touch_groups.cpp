@@ -76,6 +76,7 @@ void write_group(hid_t group, const ComplianceTable& table) {
   hdf5::write_number(group, "clusters", table.clusters);
   write_column(group, "cluster_of", table.cluster_of);
   write_rows(group, "basis", table.basis);
+  write_rows(group, "beyond", table.beyond);
   write_column(group, "far_first", table.far_first);
   write_column(group, "far_second", table.far_second);
   write_rows(group, "couplings", table.couplings);
@@ -89,6 +90,7 @@ void read_group(hid_t group, ComplianceTable& table) {
   table.clusters = read_count(group, "clusters");
   table.cluster_of = read_column<int>(group, "cluster_of");
   table.basis = read_rows(group, "basis");
+  table.beyond = read_rows(group, "beyond");
   table.far_first = read_column<int>(group, "far_first");
   table.far_second = read_column<int>(group, "far_second", table.far_first.size());
   table.couplings = read_rows(group, "couplings");
@@ -107,8 +109,8 @@ void write_group(hid_t group, const RegionTable& table) {
   hdf5::write_number(group, "leading", table.leading());
   write_column(group, "vertices", table.vertices);
   write_rows(group, "modes", table.modes);
-  write_column(group, "source_clusters", table.source_clusters);
-  write_rows(group, "sources", table.sources);
+  write_rows(group, "far_shapes", table.far_shapes);
+  write_rows(group, "far_shares", table.far_shares);
   write_form(group, "cubic", table.cubic);
   write_form(group, "quartic", table.quartic);
 }
@@ -117,8 +119,8 @@ void read_group(hid_t group, RegionTable& table) {
   table.vertex = read_count(group, "vertex");
   table.vertices = read_column<int>(group, "vertices");
   table.modes = read_rows(group, "modes");
-  table.source_clusters = read_column<int>(group, "source_clusters");
-  table.sources = read_rows(group, "sources");
+  table.far_shapes = read_rows(group, "far_shapes");
+  table.far_shares = read_rows(group, "far_shares");
   const auto r = static_cast<int>(table.modes.width);
   const int s = read_count(group, "leading");
   require(s <= std::min(r, kMostLeadingModes), "a region has too many leading modes");

@@ -376,10 +376,6 @@ void TouchSolver::Work::fill_field(TouchState& state, Eigen::Index nodes) {
     compliance.add_source(load.vertex, load.force, of(sources, cluster));
   }
   std::fill(targets.begin(), targets.end(), 0.0f);
-  if (is_nonlinear()) {
-    nonlinear.find_far_targets();
-    std::copy(nonlinear.far_targets().begin(), nonlinear.far_targets().end(), targets.begin());
-  }
   for (std::size_t from = 0; from < C; ++from) {
     if (is_source[from] == 0) continue;
     for (std::size_t to = 0; to < C; ++to) {
@@ -392,7 +388,10 @@ void TouchSolver::Work::fill_field(TouchState& state, Eigen::Index nodes) {
   for (const VertexForce& load : loads) {
     if (!load.force.isZero(0)) compliance.add_near(load.vertex, load.force, u);
   }
-  if (is_nonlinear()) nonlinear.add_near(u);
+  if (!is_nonlinear()) return;
+  nonlinear.find_far_targets();
+  compliance.add_beyond(nonlinear.far_targets(), u);
+  nonlinear.add_near(u);
 }
 
 void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, bool last,

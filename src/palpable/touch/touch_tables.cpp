@@ -71,42 +71,36 @@ double points_on(const SurfaceMesh& skin, double spacing) {
   return sum;
 }
 
-// Which clusters are far from each other, and which of them a region answers for itself.
-class FarClusters {
+// How many clusters have all their nodes among these, -1 if one has only some of them.
+class WholeClusters {
  public:
-  explicit FarClusters(const ComplianceTable& table)
-      : table_(table), C_(static_cast<std::size_t>(table.clusters)), far_(C_ * C_, 0), own_(C_, 0) {
-    for (std::size_t k = 0; k < table.far_first.size(); ++k) {
-      const auto c = static_cast<std::size_t>(table.far_first[k]);
-      const auto d = static_cast<std::size_t>(table.far_second[k]);
-      far_[c * C_ + d] = far_[d * C_ + c] = 1;
-    }
+  explicit WholeClusters(const ComplianceTable& table)
+      : table_(table), size_(index(table.clusters), 0), found_(size_.size(), 0) {
+    for (const int c : table.cluster_of) ++size_[index(c)];
   }
 
-  // What a region's sources do beyond its own vertices' clusters goes through couplings.
-  [[nodiscard]] bool serve(const RegionTable& region) {
-    std::fill(own_.begin(), own_.end(), char{0});
-    for (const int v : region.vertices) own_[index(table_.cluster_of[index(v)])] = 1;
-    return std::all_of(region.source_clusters.begin(), region.source_clusters.end(), [&](int from) {
-      if (from < 0 || from >= table_.clusters) return false;
-      for (std::size_t to = 0; to < C_; ++to) {
-        if (own_[to] == 0 && far_[index(from) * C_ + to] == 0) return false;
-      }
-      return true;
-    });
+  [[nodiscard]] int count(const std::vector<int>& nodes) {
+    std::fill(found_.begin(), found_.end(), 0);
+    for (const int n : nodes) ++found_[index(table_.cluster_of[index(n)])];
+    int whole = 0;
+    for (std::size_t c = 0; c < size_.size(); ++c) {
+      if (found_[c] == 0) continue;
+      if (found_[c] != size_[c]) return -1;
+      ++whole;
+    }
+    return whole;
   }
 
  private:
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
   const ComplianceTable& table_;
-  std::size_t C_;
-  std::vector<char> far_, own_;  // (C x C), (C)
+  std::vector<int> size_, found_;  // (C) nodes
 };
 
 // @pre the compliance is consistent
 std::string trouble_of(const RegionTable& table, const ComplianceTable& compliance,
-                       FarClusters& clusters) {
+                       WholeClusters& clusters) {
   const int r = table.mode_count(), V = compliance.vertices, W = compliance.nodes();
   const auto width = static_cast<std::size_t>(std::max(0, r));
   if (r < 1 || r > kMostTouchModes || width % kRowStep != 0) return "its number of modes";
@@ -116,12 +110,18 @@ std::string trouble_of(const RegionTable& table, const ComplianceTable& complian
   if (!rise || (!known.empty() && (known.front() < 0 || known.back() >= W))) {
     return "its list of vertices";
   }
+  const int own = clusters.count(known);
+  if (own < 0) return "its list of vertices";
   if (table.vertex < 0 || table.vertex >= V) return "its middle";
-  if (!clusters.serve(table)) return "the clusters of its sources";
-  const std::size_t sources = table.source_clusters.size() * compliance.basis.width;
+  const std::size_t f = table.far_count();
+  if (f > static_cast<std::size_t>(kMostTouchModes) || f % kRowStep != 0)
+    return "its number of far shapes";
+  const std::size_t far =
+      static_cast<std::size_t>(compliance.clusters - own) * compliance.basis.width;
   for (const std::string& trouble :
        {trouble_of(table.modes, 3 * known.size(), width, "its modes"),
-        trouble_of(table.sources, width, sources, "its sources"),
+        trouble_of(table.far_shapes, far, f, "its far shapes"),
+        trouble_of(table.far_shares, f, width, "its shares of them"),
         trouble_of(table.cubic, 3, kMostTouchModes, "its second order"),
         trouble_of(table.quartic, 4, std::min(r, kMostLeadingModes), "its third order")}) {
     if (!trouble.empty()) return trouble;
@@ -142,12 +142,12 @@ std::string trouble_of(const CrossTable& table, int nodes) {
 
 std::size_t bytes_of(const TouchTables& tables) {
   const ComplianceTable& c = tables.compliance;
-  std::size_t sum = bytes(c.cluster_of) + bytes(c.basis) + bytes(c.far_first) +
+  std::size_t sum = bytes(c.cluster_of) + bytes(c.basis) + bytes(c.beyond) + bytes(c.far_first) +
                     bytes(c.far_second) + bytes(c.couplings) + bytes(c.first) +
                     bytes(c.neighbours) + bytes(c.near) + bytes(c.near_scale);
   for (const RegionTable& region : tables.regions) {
-    sum += bytes(region.vertices) + bytes(region.modes) + bytes(region.source_clusters) +
-           bytes(region.sources) + bytes(region.cubic) + bytes(region.quartic);
+    sum += bytes(region.vertices) + bytes(region.modes) + bytes(region.far_shapes) +
+           bytes(region.far_shares) + bytes(region.cubic) + bytes(region.quartic);
   }
   return sum + bytes(tables.cross.modes) + bytes(tables.cross.cubic) + bytes_of(tables.shell);
 }
@@ -158,7 +158,7 @@ std::size_t stress_bytes_of(const TouchTables& tables) {
   const std::size_t inner = c.cluster_of.size() - V;
   // Three rows in 16 bits, with their factors.
   const auto rows = [](std::size_t width) { return 3 * (2 * width + sizeof(float)); };
-  std::size_t sum = bytes_of(tables.shell) + inner * (sizeof(int) + rows(c.basis.width)) +
+  std::size_t sum = bytes_of(tables.shell) + inner * (sizeof(int) + 2 * rows(c.basis.width)) +
                     inner * rows(tables.cross.modes.width);
   for (std::size_t v = 0; v < V; ++v) {
     const auto first = c.neighbours.begin() + c.first[v],
@@ -181,7 +181,8 @@ std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin) {
   if (const std::string_view trouble = trouble_of(c); !trouble.empty()) {
     return fmt::format("the compliance is wrong in {}", trouble);
   }
-  if (!are_scales(c.basis.scale) || !are_scales(c.couplings.scale) || !are_scales(c.near_scale)) {
+  if (!are_scales(c.basis.scale) || !are_scales(c.beyond.scale) || !are_scales(c.couplings.scale) ||
+      !are_scales(c.near_scale)) {
     return "the compliance is wrong in a factor";
   }
   if (c.vertices != V) {
@@ -190,7 +191,7 @@ std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin) {
   if (tables.regions.size() > kMostRegions) {
     return fmt::format("there are {} regions, more than {}", tables.regions.size(), kMostRegions);
   }
-  FarClusters clusters(c);
+  WholeClusters clusters(c);
   for (std::size_t k = 0; k < tables.regions.size(); ++k) {
     const std::string trouble = trouble_of(tables.regions[k], c, clusters);
     if (!trouble.empty()) return fmt::format("region {} is wrong in {}", k, trouble);

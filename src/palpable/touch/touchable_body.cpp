@@ -21,8 +21,7 @@ TouchTables scaled(const TouchTables& tables, double s) {
   const double modes = 1 / std::sqrt(s), cubic = std::pow(s, -1.5), quartic = std::pow(s, -3.0);
   for (RegionTable& region : result.regions) {
     multiply(region.modes.scale, modes);
-    // The basis has no unit: displacement = basis * coupling * source.
-    multiply(region.sources.scale, modes * s);
+    multiply(region.far_shapes.scale, modes);  // the shares have no unit
     multiply(region.cubic.scale, cubic);
     multiply(region.quartic.scale, quartic);
   }

@@ -71,7 +71,7 @@ TEST_CASE("orders two and three and the stress scale with the body", "[touch]") 
     answer.evaluate(std::array{VertexForce{v, size * size * Vector3f(1, 2, -5)}});
     answer.find_far_targets();
     Matrix3Xf u = Matrix3Xf::Zero(3, compliance.nodes());
-    compliance.everywhere(answer.far_targets(), u);
+    compliance.add_beyond(answer.far_targets(), u);
     answer.add_near(u);
     return u;
   };

@@ -16,11 +16,12 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
+using Eigen::Vector3d;
 
-constexpr int kSamples = 640;    // vertices whose loads the bases are made from
-constexpr int kTogether = 48;    // loads of one piece of work: three batches of the factor
-constexpr double kRidge = 1e-7;  // of the mean of what tells sources apart
+constexpr int kSamples = 640;        // vertices whose loads the bases are made from
+constexpr int kSecondSamples = 240;  // and those around which loads are answered in second order
+constexpr double kPatch = 0.007;     // m, radius of the latter
+constexpr int kTogether = 48;        // loads of one piece of work: three batches of the factor
 // Of the mean square of targets, which are off by 2e-5 of the largest: what they hold below that is
 // rounding.
 constexpr double kInnerRidge = 1e-8;
@@ -122,37 +123,79 @@ void make_room(Plan& plan, int rank) {
   table.couplings.values.assign(table.couplings.scale.size() * table.couplings.width, 0);
 }
 
-// What loads spread over the skin do, each field divided by its norm on the skin.
+// What loads spread over the skin do, in the first order and then, of other loads, in the second;
+// each field divided by its norm on the skin.
 struct Samples {
-  std::vector<int> vertices;  // three loads each
+  std::vector<int> vertices;  // three fields each
+  Index linear = 0;           // fields of the first order
   MatrixXd skin;              // (3V x loads)
   Eigen::MatrixXf inner;      // (3 (W - V) x loads)
 };
 
+// (3V x 3) pressure on the skin around a vertex, along its normal and askew.
+MatrixXd patches_at(const SkinResponse& skin, int vertex) {
+  constexpr double kAskew = 0.5;
+  const Vector3d in = -skin.mean_normal(vertex, kPatch);
+  const Vector3d t = in.unitOrthogonal(), s = in.cross(t);
+  MatrixXd loads = MatrixXd::Zero(3 * Index{skin.vertex_count()}, 3);
+  for (int v = 0; v < skin.vertex_count(); ++v) {
+    const double r = skin.distance(v, vertex) / kPatch;
+    if (r >= 1 || skin.fixed()[v] != 0) continue;
+    loads.middleRows(3 * Index{v}, 3) << (1 - r * r) * in, (1 - r * r) * (in + kAskew * t),
+        (1 - r * r) * (in + kAskew * s);
+  }
+  return loads;
+}
+
+// (3N x loads) the second order of the answer to each of these loads.
+MatrixXd second_order(const LoadResponse& body, const MatrixXd& loads) {
+  const MatrixXd u = body.linear(loads);
+  MatrixXd force(u.rows(), u.cols());
+  for (Index k = 0; k < u.cols(); ++k) {
+    force.col(k) = -body.second_force(u.col(k)).cwiseProduct(body.free_mask());
+  }
+  return body.linear(force);
+}
+
 Samples sample_fields(const SkinResponse& skin, const ComplianceSettings& settings,
                       const Progress& progress) {
-  Samples all{spread_vertices(skin, 0, kSamples), {}, {}};
-  const std::vector<int>& samples = all.vertices;
-  MatrixXd& fields = all.skin;
-  fields.resize(3 * Index{skin.vertex_count()}, 3 * static_cast<Index>(samples.size()));
-  all.inner.resize(3 * Index{skin.shell_count()} - fields.rows(), fields.cols());
-  const int pieces = static_cast<int>((fields.cols() + kTogether - 1) / kTogether);
-  work_in_parallel(pieces, settings.threads, "touch: what is far away", progress, [&](int piece) {
-    const Index first = Index{piece} * kTogether;
-    const Index count = std::min<Index>(kTogether, fields.cols() - first);
-    MatrixXd loads = MatrixXd::Zero(fields.rows(), count);
+  Samples all{spread_vertices(skin, 0, kSamples), 0, {}, {}};
+  const auto linear = static_cast<Index>(all.vertices.size());
+  const std::vector<int> places = spread_vertices(skin, 0, kSecondSamples);
+  all.vertices.insert(all.vertices.end(), places.begin(), places.end());
+  const auto samples = static_cast<Index>(all.vertices.size());
+  all.linear = 3 * linear;
+  all.skin.resize(3 * Index{skin.vertex_count()}, 3 * samples);
+  all.inner.resize(3 * Index{skin.shell_count()} - all.skin.rows(), all.skin.cols());
+  constexpr Index kVertices = kTogether / 3;  // of one piece
+  const Index linear_pieces = (linear + kVertices - 1) / kVertices;
+  const Index pieces = linear_pieces + (samples - linear + kVertices - 1) / kVertices;
+  const auto look_at = [&](int piece) {
+    const bool is_linear = piece < linear_pieces;
+    const Index first =
+        is_linear ? piece * kVertices : linear + (piece - linear_pieces) * kVertices;
+    const Index count = std::min(kVertices, (is_linear ? linear : samples) - first);
+    MatrixXd loads = MatrixXd::Zero(all.skin.rows(), 3 * count);
     for (Index k = 0; k < count; ++k) {
-      const int vertex = samples[static_cast<std::size_t>((first + k) / 3)];
-      loads(3 * Index{vertex} + (first + k) % 3, k) = 1.0;
+      const int vertex = all.vertices[static_cast<std::size_t>(first + k)];
+      if (is_linear) {
+        loads.block<3, 3>(3 * Index{vertex}, 3 * k).setIdentity();
+      } else {
+        loads.middleCols(3 * k, 3) = patches_at(skin, vertex);
+      }
     }
-    const MatrixXd u = skin.in_shell(skin.body().linear(skin.at_nodes(loads)));
-    fields.middleCols(first, count) = u.topRows(fields.rows());
-    for (Index k = first; k < first + count; ++k) {
-      const double size = std::max(fields.col(k).norm(), std::numeric_limits<double>::min());
-      fields.col(k) /= size;
-      all.inner.col(k) = (u.col(k - first).tail(all.inner.rows()) / size).cast<float>();
+    const MatrixXd at_nodes = skin.at_nodes(loads);
+    const MatrixXd u = skin.in_shell(is_linear ? skin.body().linear(at_nodes)
+                                               : second_order(skin.body(), at_nodes));
+    for (Index k = 0; k < u.cols(); ++k) {
+      const auto on_skin = u.col(k).head(all.skin.rows());
+      const double size = std::max(on_skin.norm(), std::numeric_limits<double>::min());
+      all.skin.col(3 * first + k) = on_skin / size;
+      all.inner.col(3 * first + k) = (u.col(k).tail(all.inner.rows()) / size).cast<float>();
     }
-  });
+  };
+  work_in_parallel(static_cast<int>(pieces), settings.threads, "touch: what is far away", progress,
+                   look_at);
   return all;
 }
 
@@ -166,11 +209,11 @@ void clear_near(const Samples& samples, int cluster, const Plan& plan, Fields& h
   }
 }
 
-// (3V x k) P, cluster by cluster.
-MatrixXd skin_bases(const Samples& samples, int rank, const Plan& plan) {
+// (3V x k) P, cluster by cluster, of the first fields.
+MatrixXd skin_bases(const Samples& samples, Index fields, int rank, const Plan& plan) {
   MatrixXd P = MatrixXd::Zero(samples.skin.rows(), rank);
   for (int c = 0; c < plan.table.clusters; ++c) {
-    MatrixXd here = rows_of(samples.skin, plan.members[c]);
+    MatrixXd here = rows_of(samples.skin, plan.members[c]).leftCols(fields);
     clear_near(samples, c, plan, here);
     const SymmetricEigen eigen = symmetric_eigen(times(here, here.transpose()));  // increasing
     const Index kept = std::min<Index>(rank, here.rows());
@@ -183,13 +226,13 @@ MatrixXd skin_bases(const Samples& samples, int rank, const Plan& plan) {
   return P;
 }
 
-// (3 (W - V) x k) R, cluster by cluster: the least squares of what loads far away do at a cluster's
-// inner nodes against their targets there. @param P  (3V x k) as it is kept
-MatrixXd inner_bases(const Samples& samples, const MatrixXd& P, const Plan& plan) {
+// (3 (W - V) x k) R, cluster by cluster, of the first fields: the least squares of what loads far
+// away do at a cluster's inner nodes against their targets there. @param P  (3V x k) as it is kept
+MatrixXd inner_bases(const Samples& samples, Index fields, const MatrixXd& P, const Plan& plan) {
   MatrixXd R = MatrixXd::Zero(samples.inner.rows(), P.cols());
   for (int c = 0; c < plan.table.clusters; ++c) {
     if (plan.inner[c].empty()) continue;
-    MatrixXd here = rows_of(samples.skin, plan.members[c]);
+    MatrixXd here = rows_of(samples.skin, plan.members[c]).leftCols(fields);
     clear_near(samples, c, plan, here);
     const MatrixXd targets = transposed_times(rows_of(P, plan.members[c]), here);
     MatrixXd gram = times(targets, targets.transpose());
@@ -197,7 +240,7 @@ MatrixXd inner_bases(const Samples& samples, const MatrixXd& P, const Plan& plan
                                std::numeric_limits<double>::min();
     // What is near has no targets, and is left out by that.
     const MatrixXd inside =
-        rows_of(samples.inner, plan.inner[c], plan.table.vertices).cast<double>();
+        rows_of(samples.inner, plan.inner[c], plan.table.vertices).leftCols(fields).cast<double>();
     const MatrixXd basis = gram.llt().solve(times(targets, inside.transpose())).transpose();
     for (std::size_t k = 0; k < plan.inner[c].size(); ++k) {
       R.middleRows(3 * Index{plan.inner[c][k] - plan.table.vertices}, 3) =
@@ -205,6 +248,16 @@ MatrixXd inner_bases(const Samples& samples, const MatrixXd& P, const Plan& plan
     }
   }
   return R;
+}
+
+// (3W x k) P and, below it, R, of the first fields.
+RoundedRows bases(const Samples& samples, Index fields, int rank, const Plan& plan) {
+  RoundedRows all = rounded(skin_bases(samples, fields, rank, plan).cast<float>());
+  const RoundedRows inner =
+      rounded(inner_bases(samples, fields, as_numbers(all), plan).cast<float>());
+  all.values.insert(all.values.end(), inner.values.begin(), inner.values.end());
+  all.scale.insert(all.scale.end(), inner.scale.begin(), inner.scale.end());
+  return all;
 }
 
 // S_cd for all d > c that are far. @param u  (3W x 3 n_c) what unit loads at c's vertices do
@@ -261,16 +314,12 @@ ComplianceTable make_compliance(const SkinResponse& skin, const ComplianceSettin
   find_clusters(skin, settings, plan);
   find_inner_nodes(skin, plan);
   make_room(plan, settings.rank);
-  MatrixXd P;
   {
     const Samples samples = sample_fields(skin, settings, progress);
-    RoundedRows& basis = plan.table.basis;
-    basis = rounded(skin_bases(samples, settings.rank, plan).cast<float>());
-    P = as_numbers(basis);
-    const RoundedRows inner = rounded(inner_bases(samples, P, plan).cast<float>());
-    basis.values.insert(basis.values.end(), inner.values.begin(), inner.values.end());
-    basis.scale.insert(basis.scale.end(), inner.scale.begin(), inner.scale.end());
+    plan.table.basis = bases(samples, samples.linear, settings.rank, plan);
+    plan.table.beyond = bases(samples, samples.skin.cols(), settings.rank, plan);
   }
+  const MatrixXd P = as_numbers(plan.table.basis);
   work_in_parallel(plan.table.clusters, settings.threads, "touch: compliance of every vertex",
                    progress, [&](int c) {
                      const std::vector<int>& members = plan.members[c];
@@ -286,38 +335,6 @@ ComplianceTable make_compliance(const SkinResponse& skin, const ComplianceSettin
                      }
                    });
   return std::move(plan.table);
-}
-
-MatrixXd sources_of(const Compliance& compliance, const std::vector<int>& clusters,
-                    const MatrixXd& fields) {
-  const auto k = static_cast<Index>(compliance.rank());
-  const MatrixXd P = as_numbers(compliance.table().basis);
-  std::vector<std::vector<int>> members(static_cast<std::size_t>(compliance.clusters()));
-  for (int v = 0; v < compliance.vertices(); ++v) members[compliance.cluster_of(v)].push_back(v);
-  const Index unknowns = k * static_cast<Index>(clusters.size());
-  MatrixXd gram = MatrixXd::Zero(unknowns, unknowns);
-  MatrixXd right = MatrixXd::Zero(unknowns, fields.cols());
-  for (int d = 0; d < compliance.clusters(); ++d) {
-    if (std::any_of(clusters.begin(), clusters.end(),
-                    [&](int c) { return !compliance.are_far(c, d); })) {
-      continue;
-    }
-    MatrixXd arrives(k, unknowns);  // at d, by a unit of each source
-    std::vector<float> source(compliance.rank()), target(compliance.rank());
-    for (Index j = 0; j < unknowns; ++j) {
-      std::fill(source.begin(), source.end(), 0.0f);
-      std::fill(target.begin(), target.end(), 0.0f);
-      source[static_cast<std::size_t>(j % k)] = 1.0f;
-      compliance.add_target(clusters[static_cast<std::size_t>(j / k)], source, d, target);
-      arrives.col(j) = Eigen::Map<const Eigen::VectorXf>(target.data(), k).cast<double>();
-    }
-    add_gram(arrives, gram);
-    right += transposed_times(
-        arrives, transposed_times(rows_of(P, members[d]), rows_of(fields, members[d])));
-  }
-  gram.diagonal().array() +=
-      kRidge * gram.trace() / static_cast<double>(unknowns) + std::numeric_limits<double>::min();
-  return gram.selfadjointView<Eigen::Lower>().llt().solve(right);
 }
 
 }  // namespace palpable

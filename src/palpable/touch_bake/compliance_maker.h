@@ -6,8 +6,6 @@
 #include "palpable/touch/compliance.h"
 #include "palpable/touch_bake/skin_response.h"
 
-#include <Eigen/Core>
-
 namespace palpable {
 
 struct ComplianceSettings {
@@ -19,18 +17,12 @@ struct ComplianceSettings {
 };
 
 /// P of a cluster are the leading directions of what loads at vertices that are far from it,
-/// spread over the skin, do in it, each field divided by its norm. All else is computed for every
-/// component of every vertex: 3V solves, 5 ms each on a body of 16,000 nodes. An inner node of the
-/// shell belongs to the cluster of the vertex that is nearest to it.
+/// spread over the skin, do in it, each field divided by its norm; for what is of higher order,
+/// what they do in it in the first and second order. All else is computed for every component of
+/// every vertex: 3V solves, 5 ms each on a body of 16,000 nodes. An inner node of the shell belongs
+/// to the cluster of the vertex that is nearest to it.
 [[nodiscard]] ComplianceTable make_compliance(const SkinResponse& skin,
                                               const ComplianceSettings& settings,
                                               const Progress& progress = {});
-
-/// (n k x modes) sources in these n clusters whose far fields come nearest to fields on the skin,
-/// in all clusters that are far from each of them.
-/// @param fields  (3V x modes) m; further rows are not read
-[[nodiscard]] Eigen::MatrixXd sources_of(const Compliance& compliance,
-                                         const std::vector<int>& clusters,
-                                         const Eigen::MatrixXd& fields);
 
 }  // namespace palpable

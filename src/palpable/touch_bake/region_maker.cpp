@@ -4,9 +4,7 @@
 #include "palpable/geometry/skin_points.h"
 #include "palpable/separate/dense_algebra.h"
 #include "palpable/touch/row_kernels.h"
-#include "palpable/touch_bake/compliance_maker.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -77,7 +75,9 @@ MatrixXd some_loads(const SkinResponse& skin, int middle, const RegionSettings& 
 
 // Fields with their forces K u: single precision halves the memory.
 struct Snapshots {
-  Eigen::MatrixXf u, force;  // (3N x k)
+  Eigen::MatrixXf u, force;  // (3N x 2k) of k loads: first the linear answers, then second orders
+
+  [[nodiscard]] auto second_forces() const { return force.rightCols(force.cols() / 2); }
 };
 
 // The answers to the loads in the first and second order, each of energy 1.
@@ -158,28 +158,76 @@ std::vector<int> nodes_around(const Compliance& compliance, const std::vector<in
   return found;
 }
 
+// (C k x modes) the modes' targets in all clusters that have no node among these.
+MatrixXd far_targets(const Compliance& compliance, const std::vector<int>& own_nodes,
+                     const MatrixXd& in_shell) {
+  const auto k = static_cast<Index>(compliance.rank());
+  std::vector<char> own(static_cast<std::size_t>(compliance.clusters()), 0);
+  for (const int n : own_nodes) own[compliance.cluster_of(n)] = 1;
+  std::vector<Index> row(own.size(), 0);  // of the cluster's first target
+  Index rows = 0;
+  for (std::size_t c = 0; c < own.size(); ++c) {
+    row[c] = rows;
+    if (own[c] == 0) rows += k;
+  }
+  const MatrixXd P = as_numbers(compliance.table().beyond);
+  MatrixXd targets = MatrixXd::Zero(rows, in_shell.cols());
+  for (int v = 0; v < compliance.vertices(); ++v) {
+    const int c = compliance.cluster_of(v);
+    if (own[c] != 0) continue;
+    targets.middleRows(row[c], k) +=
+        P.middleRows(3 * Index{v}, 3).transpose() * in_shell.middleRows(3 * Index{v}, 3);
+  }
+  return targets;
+}
+
+// Targets of modes as shapes (rows x f) times shares (f x r). The shapes are the leading directions
+// of what fields with these codes do.
+// @param codes  (r x fields)
+void keep_far_shapes(const MatrixXd& targets, const MatrixXd& codes, int count,
+                     RegionTable& region) {
+  const MatrixXd fields = times(targets, codes);
+  MatrixXd gram = MatrixXd::Zero(fields.cols(), fields.cols());
+  add_gram(fields, gram);
+  const SymmetricEigen eigen = symmetric_eigen(gram);  // increasing
+  const Index n = gram.rows(), last = std::max<Index>(0, n - 1);
+  MatrixXd shapes = MatrixXd::Zero(targets.rows(), count);
+  for (Index k = 0; k < std::min<Index>(count, n); ++k) {
+    const double value = eigen.values[last - k];
+    if (!(value > kLeastEigenvalue * eigen.values[last])) break;
+    shapes.col(k) = fields * eigen.vectors.col(last - k) / std::sqrt(value);
+  }
+  region.far_shapes = rounded(shapes.cast<float>());
+  region.far_shares = rounded(transposed_times(shapes, targets).cast<float>());
+}
+
 }  // namespace
 
 RegionTable make_region(const SkinResponse& skin, const ModalFormMaker& forms,
                         const Compliance& compliance, int vertex, const RegionSettings& settings) {
-  PALPABLE_EXPECT(
-      settings.modes % static_cast<int>(kRowStep) == 0 && settings.leading <= settings.modes,
-      "modes by sixteens, and no more leading ones than there are");
+  PALPABLE_EXPECT(settings.modes % static_cast<int>(kRowStep) == 0 &&
+                      settings.leading <= settings.modes &&
+                      settings.far_shapes % static_cast<int>(kRowStep) == 0,
+                  "modes and far shapes by sixteens, and no more leading modes than there are");
   RegionTable region;
   region.vertex = vertex;
-  const MatrixXd modes =
-      leading_modes(snapshots_of(skin, some_loads(skin, vertex, settings)), settings.modes);
+  MatrixXd modes, second_codes;
+  {
+    const Snapshots snapshots = snapshots_of(skin, some_loads(skin, vertex, settings));
+    modes = leading_modes(snapshots, settings.modes);
+    second_codes = transposed_times(modes, snapshots.second_forces().cast<double>());
+  }
   const MatrixXd in_shell = skin.in_shell(modes);
-  region.source_clusters = clusters_around(skin, compliance, vertex, settings.sources);
-  region.vertices = nodes_around(compliance, region.source_clusters);
+  region.vertices =
+      nodes_around(compliance, clusters_around(skin, compliance, vertex, settings.core));
   RowsOfFloats rows(3 * static_cast<Index>(region.vertices.size()), modes.cols());
   for (std::size_t k = 0; k < region.vertices.size(); ++k) {
     rows.middleRows(3 * static_cast<Index>(k), 3) =
         in_shell.middleRows(3 * Index{region.vertices[k]}, 3).cast<float>();
   }
   region.modes = rounded(rows);
-  region.sources =
-      rounded(sources_of(compliance, region.source_clusters, in_shell).transpose().cast<float>());
+  keep_far_shapes(far_targets(compliance, region.vertices, in_shell), second_codes,
+                  settings.far_shapes, region);
   const ModalForms made = forms.make(modes, settings.leading);
   region.cubic = rounded(made.modes, 3, made.cubic);
   region.quartic = rounded(made.leading, 4, made.quartic);

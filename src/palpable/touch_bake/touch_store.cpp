@@ -121,11 +121,11 @@ TouchKeys touch_keys(const SkinResponse& skin, const TouchBakeSettings& settings
     keys.compliance = digest.value();
   }
   {
-    const auto& [spacing, most, reach, modes, leading, loads, least_load, largest_load, sources] =
-        settings.regions;
+    const auto& [spacing, most, reach, modes, leading, loads, least_load, largest_load, core,
+                 far_shapes] = settings.regions;
     Digest digest(keys.compliance);
-    for (const int count : {modes, leading, loads}) digest.add(count);
-    for (const double length : {reach, least_load, largest_load, sources}) digest.add(length);
+    for (const int count : {modes, leading, loads, far_shapes}) digest.add(count);
+    for (const double length : {reach, least_load, largest_load, core}) digest.add(length);
     keys.regions = digest.value();
   }
   {
