@@ -286,7 +286,8 @@ void TouchSolver::Work::set_compliance() {
           cache.block(slot, cache.slot_of(vertices[static_cast<std::size_t>(j)]));
       for (int c = 0; c < 3; ++c) {
         const std::span<float> row = problem.compliance_row(3 * i + c);
-        for (int d = 0; d < 3; ++d) row[3 * static_cast<std::size_t>(j) + static_cast<std::size_t>(d)] = block(c, d);
+        for (int d = 0; d < 3; ++d)
+          row[3 * static_cast<std::size_t>(j) + static_cast<std::size_t>(d)] = block(c, d);
       }
     }
   }
