@@ -139,7 +139,7 @@ class ObjectSurface {
   void start(const Eigen::AlignedBox3d& region_in_body, const Eigen::Vector3f& camera_in_body);
   void keep(const ObjectBall& ball);
   void finish();
-  [[nodiscard]] NearestOnObject answer(const Eigen::Vector3f& x, float distance, int ball) const;
+  [[nodiscard]] NearestOnObject answer(const Eigen::Vector3f& x, float distance, int index) const;
 
   [[nodiscard]] const MaskImage& everything_measured(const DepthImage& depth);
   [[nodiscard]] PixelBox box_of_things(const DepthImage& depth, const MaskImage& shows,

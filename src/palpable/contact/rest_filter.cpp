@@ -42,7 +42,7 @@ void RestFilter::start(const DepthImage& depth, const MaskImage& shows, const Pi
     average_.resize(depth.width(), depth.height());
     presence_.resize(depth.width(), depth.height());
     std::fill(presence_.begin(), presence_.end(), 0.0f);
-    cells_across_ = static_cast<std::size_t>(depth.width() / settings_.cell_px + 1);
+    cells_across_ = static_cast<std::size_t>(depth.width() / settings_.cell_px) + 1;
     cell_of_column_.resize(static_cast<std::size_t>(depth.width()));
     for (std::size_t x = 0; x < cell_of_column_.size(); ++x) {
       cell_of_column_[x] = static_cast<int>(x) / settings_.cell_px;

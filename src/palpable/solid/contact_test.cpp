@@ -52,8 +52,11 @@ TEST_CASE("a lid presses a block that may slide into a uniform field", "[solid][
   const auto lid = [](double t) {
     return Obstacle{.half_spaces = {{{0, 0, 0.1 - t}, {0, 0, -1}}}};
   };
-  ContactWalk walk(solver, lid, -0.001, {.tolerance = 1e-11, .largest_entry = 1e-11});
-  REQUIRE(walk.advance(0.02));
+  // 1e-11 is reached on some processors, whose matrix products round otherwise, and not on others.
+  ContactWalk walk(solver, lid, -0.001, {.tolerance = 1e-10, .largest_entry = 1e-10});
+  const bool reached = walk.advance(0.02);
+  INFO(walk.why_stopped());
+  REQUIRE(reached);
   check_conditions(walk);
   const Matrix3Xd& u = walk.now().displacement;
   const Vector3d stretch =

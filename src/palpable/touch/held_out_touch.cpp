@@ -41,7 +41,7 @@ std::string name_of(PressingThing thing) {
   return kNames[static_cast<std::size_t>(thing)];
 }
 
-HeldOutErrors errors_of(const std::vector<HeldOutTouch>& touches,
+TouchErrors errors_of(const std::vector<HeldOutTouch>& touches,
                         double HeldOutTouch::*difference) {
   PALPABLE_EXPECT(!touches.empty(), "errors are of at least one touch");
   const std::vector<double> values = values_of(touches, difference);
@@ -52,9 +52,9 @@ std::string held_out_text(const std::vector<HeldOutTouch>& touches) {
   if (touches.empty()) return {};
   const auto depths = values_of(touches, &HeldOutTouch::depth);
   const auto [least, largest] = std::minmax_element(depths.begin(), depths.end());
-  const HeldOutErrors u = errors_of(touches, &HeldOutTouch::displacement);
-  const HeldOutErrors force = errors_of(touches, &HeldOutTouch::force);
-  const HeldOutErrors stress = errors_of(touches, &HeldOutTouch::von_mises);
+  const TouchErrors u = errors_of(touches, &HeldOutTouch::displacement);
+  const TouchErrors force = errors_of(touches, &HeldOutTouch::force);
+  const TouchErrors stress = errors_of(touches, &HeldOutTouch::von_mises);
   return fmt::format(
       "{} touches ({}; {:.1f} to {:.1f} mm deep) against full finite elements: displacement {:.1f} "
       "% off (median; worst {:.0f} %), force {:.1f} % ({:.0f} %), stress {:.1f} % ({:.0f} %)",

@@ -36,12 +36,12 @@ inline constexpr std::array<double HeldOutTouch::*, 4> kHeldOutValues{
     &HeldOutTouch::von_mises};
 
 /// Of several touches.
-struct HeldOutErrors {
+struct TouchErrors {
   double median = 0, worst = 0;
 };
 
 /// @pre at least one touch
-[[nodiscard]] HeldOutErrors errors_of(const std::vector<HeldOutTouch>& touches,
+[[nodiscard]] TouchErrors errors_of(const std::vector<HeldOutTouch>& touches,
                                       double HeldOutTouch::*difference);
 
 /// "20 touches (7 finger, 7 palm, 6 rim; 2.1 to 7.8 mm deep) against full finite elements:

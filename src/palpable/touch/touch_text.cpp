@@ -33,7 +33,7 @@ Json held_out_json(const std::vector<HeldOutTouch>& touches) {
   for (const auto& [name, difference] : {std::pair{"displacement", &HeldOutTouch::displacement},
                                          std::pair{"force", &HeldOutTouch::force},
                                          std::pair{"von_mises", &HeldOutTouch::von_mises}}) {
-    const HeldOutErrors errors = errors_of(touches, difference);
+    const TouchErrors errors = errors_of(touches, difference);
     result[fmt::format("{}_median", name)] = errors.median;
     result[fmt::format("{}_worst", name)] = errors.worst;
   }

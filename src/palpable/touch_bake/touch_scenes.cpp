@@ -87,9 +87,9 @@ Obstacle thing_at(PressingThing thing, const Vector3d& at, const Vector3d& out,
       }
       break;
     case PressingThing::kRim: {
-      constexpr int kPieces = 40;
+      constexpr int kHalf = 20, kPieces = 2 * kHalf;
       const auto on_ring = [&](int i) -> Vector3d {
-        const double angle = std::numbers::pi * (i - kPieces / 2) / kPieces;
+        const double angle = std::numbers::pi * (i - kHalf) / kPieces;
         return at + 0.043 * out - 0.04 * (std::cos(angle) * out - std::sin(angle) * along);
       };
       for (int i = 0; i < kPieces; ++i) add(on_ring(i), on_ring(i + 1), 0.003);
