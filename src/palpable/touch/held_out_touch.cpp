@@ -41,8 +41,7 @@ std::string name_of(PressingThing thing) {
   return kNames[static_cast<std::size_t>(thing)];
 }
 
-TouchErrors errors_of(const std::vector<HeldOutTouch>& touches,
-                        double HeldOutTouch::*difference) {
+TouchErrors errors_of(const std::vector<HeldOutTouch>& touches, double HeldOutTouch::*difference) {
   PALPABLE_EXPECT(!touches.empty(), "errors are of at least one touch");
   const std::vector<double> values = values_of(touches, difference);
   return {percentile(values, 0.5), percentile(values, 1.0)};

@@ -42,7 +42,7 @@ struct TouchErrors {
 
 /// @pre at least one touch
 [[nodiscard]] TouchErrors errors_of(const std::vector<HeldOutTouch>& touches,
-                                      double HeldOutTouch::*difference);
+                                    double HeldOutTouch::*difference);
 
 /// "20 touches (7 finger, 7 palm, 6 rim; 2.1 to 7.8 mm deep) against full finite elements:
 /// displacement 1.6 % off (median; worst 9 %), force 1.1 % (8 %), stress 4 % (30 %)"; empty for no
