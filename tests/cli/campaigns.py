@@ -160,7 +160,7 @@ def _(programs, folder):
     assert files_of(folder / "whole/ball.snapshots/touch") == more
 
 
-@case("a description that does not speak of touch gets tables and their errors", long=True)
+@case("a description that does not speak of touch gets tables and their errors")
 def _(programs, folder):
     text = base.BALL.replace('[touch]\ntables = "none"\n', "").replace('edge = "12 mm"', 'edge = "20 mm"')
     base.write_ball(folder, text)

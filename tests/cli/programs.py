@@ -1153,6 +1153,17 @@ def _(programs, folder):
     for key in ("displacement_error", "von_mises_error", "force_error", "overpress_mm"):
         assert key in score, key
 
+    # The tables' answer to the true hand, without a camera.
+    touched = folder / "touched"
+    tables = write_ball(touched, BALL.replace('"none"', '"full"\nregions = 12\nheld_out = 0'))
+    programs.succeeds("bake", tables, "-o", touched / "ball.palpable")
+    answer = json.loads(programs.succeeds("bench", "clip", touched / "ball.palpable", clip, "--json").stdout)
+    deep = [line["frame"] for line in told if line["scored"] and line["depth_m"] >= 0.004]
+    assert [frame["frame"] for frame in answer["clips"][str(clip)]["by_frame"]] == deep != [], answer
+    assert answer["displacement_error"]["median"] < 0.15, answer
+    programs.refuses("bench", "clip", body, clip, says=["no tables of touch"])
+    programs.refuses("bench", "clip", touched / "ball.palpable", folder / "none", says=["none"])
+
     # The true skins handed in as the answer are perfect.
     perfect = folder / "perfect"
     (perfect / "meshes").mkdir(parents=True)
