@@ -95,7 +95,7 @@ void add_bench_clip(Command bench) {
       .type_name("BODY.palpable");
   command.add_option("clips", options->clips, "What synth filmed and palpable truth solved")
       .required()
-      .type_name("CLIP...");
+      .type_name("CLIP");
   command.add_flag("--json", options->json, "One JSON object");
   command.footer(
       "No camera: the hand's own capsules press, in every frame; what is off is the answer's "

@@ -288,6 +288,7 @@ void add_bench(Command app) {
       "  bench reduce    all reductions beside each other\n"
       "  bench obstacle  contact against Hertz and CalculiX, and its cost on a body\n"
       "  bench touch     touch anywhere by a body's tables, against full finite elements\n"
+      "  bench clip      the same under the true hand of a filmed clip\n"
       "Example: palpable bench evaluate bunny.palpable --json");
   const auto add_body_bench = [&](const char* name, const char* what,
                                   void (*run)(const BodyOptions&)) {
