@@ -5,10 +5,12 @@
 #include "palpable/base/error.h"
 #include "palpable/clip_files/place.h"
 #include "palpable/clip_writer/kept_clip.h"
+#include "palpable/reduced/body_file.h"
 #include "palpable/touch/touch_file.h"
 
 #include <fmt/core.h>
 
+#include <map>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -158,8 +160,12 @@ std::vector<std::filesystem::path> inputs_of(const LiveOptions& options) {
 }
 
 LiveRun set_up_live(const LiveOptions& options) {
+  const std::map<std::string, double> values = parse_settings(options.set);
+  // At its sites a body plays whatever its tables are.
+  const bool at_sites = options.contact == "site" || options.contact == "paper";
   TouchableBody body =
-      value_or_throw(read_pressable_touchable_body(options.body, parse_settings(options.set)));
+      at_sites ? TouchableBody(value_or_throw(read_pressable_body(options.body, values)))
+               : value_or_throw(read_pressable_touchable_body(options.body, values));
   if (options.contact == "anywhere" && !body.touch) {
     throw Error(fmt::format(
         "{}: has no tables of touch for --contact anywhere; bake it with [touch] tables = \"full\" "
