@@ -30,6 +30,7 @@ constexpr std::string_view kTableKind = "palpable table of touch";
 constexpr std::string_view kListKind = "palpable list of tables of touch";
 constexpr const char* kListFile = "tables.h5";
 constexpr const char* kHeldOutFile = "held_out.h5";
+constexpr double kMostHeldOut = 1e6;
 
 std::string key_text(std::uint64_t key) { return fmt::format("{:016x}", key); }
 
@@ -166,16 +167,16 @@ std::optional<ShellTable> TouchStore::find_shell(const TouchKeys& keys) const {
 std::optional<SolvedTouches> TouchStore::find_held_out(const TouchKeys& keys) const {
   SolvedTouches touches;
   const bool found = read_file(folder_ / kHeldOutFile, kTableKind, keys.held_out, [&](hid_t h) {
-    const auto count = static_cast<std::size_t>(hdf5::read_number(h, "count"));
+    const double count = hdf5::read_number(h, "count");
+    hdf5::require(count >= 0 && count <= kMostHeldOut, "there is no such count");
     const std::vector<int> numbers = hdf5::read_table<int>(h, "numbers").data;
     std::vector<HeldOutTouch> solved;
     read_group(h, solved);
-    hdf5::require(solved.size() == numbers.size() && count <= 1'000'000, "numbers do not fit");
-    touches.resize(count);
+    hdf5::require(solved.size() == numbers.size(), "numbers do not fit");
+    touches.resize(static_cast<std::size_t>(count));
     for (std::size_t k = 0; k < numbers.size(); ++k) {
-      const auto number = static_cast<std::size_t>(numbers[k]);
-      hdf5::require(numbers[k] >= 0 && number < count, "there is no such number");
-      touches[number] = solved[k];
+      hdf5::require(numbers[k] >= 0 && numbers[k] < count, "there is no such number");
+      touches[static_cast<std::size_t>(numbers[k])] = solved[k];
     }
   });
   return found ? std::optional(std::move(touches)) : std::nullopt;

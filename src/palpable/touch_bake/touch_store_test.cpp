@@ -9,6 +9,7 @@
 #include "tests/support/standing_rubber.h"
 #include "tests/support/test.h"
 
+#include <cmath>
 #include <functional>
 #include <set>
 #include <string>
@@ -114,6 +115,38 @@ TEST_CASE("a list says which tables belong to a campaign", "[touch][files]") {
   CHECK(store.find_listed(11));
   fs::remove(store.folder() / "shell.h5");
   CHECK_FALSE(store.find_listed(11));
+}
+
+TEST_CASE("touches that are solved so far are kept by their numbers", "[touch][files]") {
+  const ScratchFolder folder("touch_store");
+  const TouchStore store(folder / "touch");
+  TouchKeys keys{1, 2, 3, 4};
+  keys.held_out = 5;
+  SolvedTouches solved(4);
+  solved[1] = HeldOutTouch{PressingThing::kPalm, 0.003, 0.01, 0.02, 0.03};
+  solved[3] = HeldOutTouch{PressingThing::kRim, 0.004, NAN, NAN, NAN};  // could not be followed
+  store.keep(keys, solved);
+  const SolvedTouches again = store.find_held_out(keys).value();
+  REQUIRE(again.size() == 4);
+  CHECK_FALSE((again[0] || again[2]));
+  CHECK((again[1]->thing == PressingThing::kPalm && again[1]->von_mises == 0.03));
+  CHECK((again[3] && std::isnan(again[3]->force)));
+  REQUIRE(followed(again).size() == 1);
+  CHECK(followed(again)[0].depth == 0.003);
+  keys.held_out = 6;
+  CHECK_FALSE(store.find_held_out(keys));
+
+  // With the list of tables, and without: those are of use alone.
+  const TouchTables tables = some_tables();
+  keys.held_out = 5;
+  store.keep(keys, tables.compliance);
+  store.keep(keys, tables.shell);
+  store.keep(keys, tables.cross);
+  for (const RegionTable& region : tables.regions) store.keep(keys, region);
+  store.keep_list(11, keys, tables);
+  CHECK(store.find_listed(11).value().held_out.size() == 1);
+  test::write_bytes(store.folder() / "held_out.h5", "no file of touches");
+  CHECK(store.find_listed(11).value().held_out.empty());
 }
 
 TEST_CASE("what a killed process has left is removed, what grows is not", "[touch][files]") {
