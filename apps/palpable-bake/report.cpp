@@ -9,7 +9,6 @@
 #include "palpable/base/this_machine.h"
 #include "palpable/exchange/body_page.h"
 #include "palpable/exchange/web_page.h"
-#include "palpable/reduced/body_file.h"
 #include "palpable/touch/touch_file.h"
 #include "palpable/touch/touch_text.h"
 
@@ -18,8 +17,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <utility>
-#include <vector>
 
 namespace palpable::app {
 namespace {
@@ -36,19 +33,14 @@ void report(const Options& options) {
                             : fs::path(options.output);
   const fs::path table = table_beside(page);
   for (const fs::path& output : {page, table}) guard_output_file(output, {options.body});
-  Result<TouchableBody> both = read_touchable_body(options.body);
-  // Where the tables of touch alone are damaged the body still has its page.
-  const ReducedBody body =
-      both.ok() ? std::move(both.value().body) : value_or_throw(read_body_file(options.body));
+  const auto [body, touch] = value_or_throw(read_body_and_touch(options.body));
   BodyPageFacts facts{.file = fs::path(options.body).filename().string(),
                       .file_bytes = fs::file_size(options.body),
                       .processor = processor_name(),
                       .date = date_today(),
                       .program = std::string("palpable ") + PALPABLE_VERSION,
-                      .touch = both.ok() ? touch_text(both.value().touch)
-                                         : "not as baked: " + both.problem().message,
-                      .held_out = both.ok() && both.value().touch ? both.value().touch->held_out
-                                                                  : std::vector<HeldOutTouch>{}};
+                      .touch = touch_text(touch)};
+  if (touch.ok() && touch.value()) facts.held_out = touch.value()->held_out;
   const EvaluationTimes times = evaluation_times(body);
   facts.displacement_us = times.displacement_us;
   facts.stress_us = times.stress_us;

@@ -4,7 +4,6 @@
 #include "apps/palpable/commands.h"
 #include "palpable/base/error.h"
 #include "palpable/reduced/body_facts.h"
-#include "palpable/reduced/body_file.h"
 #include "palpable/touch/touch_file.h"
 #include "palpable/touch/touch_text.h"
 
@@ -22,14 +21,12 @@ struct Options {
   bool json = false;
 };
 
-using Touch = Result<std::optional<TouchTables>>;
-
-void print_text(const ReducedBody& body, const Touch& touch, const std::filesystem::path& path) {
+void print_text(const ReducedBody& body, const Result<std::optional<TouchTables>>& touch,
+                const std::filesystem::path& path) {
   for (const auto& [name, text] : body_facts(body, path, "--set")) {
     fmt::print("{:<20}{}\n", name, text);
   }
-  fmt::print("{:<20}{}\n", "touch",
-             touch ? touch_text(touch.value()) : "not as baked: " + touch.problem().message);
+  fmt::print("{:<20}{}\n", "touch", touch_text(touch));
   fmt::print(
       "errors are relative, L2; lengths, loads and stresses are in m, N and Pa in the file\n");
   fmt::print("\nwhere it comes from\n");
@@ -37,11 +34,7 @@ void print_text(const ReducedBody& body, const Touch& touch, const std::filesyst
 }
 
 void inspect(const Options& options) {
-  Result<TouchableBody> both = read_touchable_body(options.body);
-  // Where the tables of touch alone are damaged the body still plays.
-  const ReducedBody body =
-      both.ok() ? std::move(both.value().body) : value_or_throw(read_body_file(options.body));
-  const Touch touch = both.ok() ? Touch(std::move(both.value().touch)) : Touch(both.problem());
+  const auto [body, touch] = value_or_throw(read_body_and_touch(options.body));
   if (options.json) {
     Json result = json_of(body);
     result["touch"] = touch ? touch_json(touch.value()) : Json(touch.problem().message);

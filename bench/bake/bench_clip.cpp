@@ -8,10 +8,11 @@
 #include "bench/bake/bench.h"
 #include "bench/bake/clip_study.h"
 #include <algorithm>
-#include <cstddef>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpable::app {
@@ -25,29 +26,31 @@ struct Options {
   bool json = false;
 };
 
-Json ends_of(const std::vector<double>& values) {
-  return {{"median", percentile(values, 0.5)}, {"p90", percentile(values, 0.9)}};
-}
+// What `palpable score` calls the numbers of a frame.
+constexpr std::array<std::pair<const char*, double ClipFrame::*>, 4> kErrors{
+    {{"displacement_error", &ClipFrame::displacement},
+     {"displacement_error_mm", &ClipFrame::worst_vertex_mm},
+     {"force_error", &ClipFrame::force},
+     {"von_mises_error", &ClipFrame::von_mises}}};
 
 Json frames_of(const ClipAnswer& answer) {
   Json frames = Json::array();
-  for (std::size_t k = 0; k < answer.frames.size(); ++k) {
-    frames.push_back({{"frame", answer.frames[k]},
-                      {"displacement_error", answer.displacement[k]},
-                      {"displacement_error_mm", answer.worst_vertex_mm[k]},
-                      {"force_error", answer.force[k]},
-                      {"von_mises_error", answer.von_mises[k]}});
+  for (const ClipFrame& frame : answer.frames) {
+    Json line{{"frame", frame.frame}};
+    for (const auto& [name, error] : kErrors) line[name] = frame.*error;
+    frames.push_back(std::move(line));
   }
   return frames;
 }
 
 Json figures_of(const ClipAnswer& answer) {
-  Json figures{{"frames", answer.frames.size()},
-               {"displacement_error", ends_of(answer.displacement)},
-               {"displacement_error_mm", ends_of(answer.worst_vertex_mm)},
-               {"force_error", ends_of(answer.force)},
-               {"von_mises_error", ends_of(answer.von_mises)},
-               {"largest_jump_mm", answer.largest_jump_mm}};
+  Json figures{{"frames", answer.frames.size()}};
+  for (const auto& [name, error] : kErrors) {
+    std::vector<double> values;
+    for (const ClipFrame& frame : answer.frames) values.push_back(frame.*error);
+    figures[name] = {{"median", percentile(values, 0.5)}, {"p90", percentile(values, 0.9)}};
+  }
+  figures["largest_jump_mm"] = answer.largest_jump_mm;
   if (!answer.milliseconds.empty()) {
     figures["ms"] = {{"median", percentile(answer.milliseconds, 0.5)},
                      {"p99", percentile(answer.milliseconds, 0.99)}};
@@ -56,15 +59,8 @@ Json figures_of(const ClipAnswer& answer) {
 }
 
 void add(ClipAnswer& all, const ClipAnswer& one) {
-  const auto append = [](auto& to, const auto& from) {
-    to.insert(to.end(), from.begin(), from.end());
-  };
-  append(all.frames, one.frames);
-  append(all.displacement, one.displacement);
-  append(all.worst_vertex_mm, one.worst_vertex_mm);
-  append(all.force, one.force);
-  append(all.von_mises, one.von_mises);
-  append(all.milliseconds, one.milliseconds);
+  all.frames.insert(all.frames.end(), one.frames.begin(), one.frames.end());
+  all.milliseconds.insert(all.milliseconds.end(), one.milliseconds.begin(), one.milliseconds.end());
   all.largest_jump_mm = std::max(all.largest_jump_mm, one.largest_jump_mm);
 }
 

@@ -83,13 +83,14 @@ ClipAnswer answer_to_true_hand(const TouchableBody& body, const fs::path& clip, 
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
     for (const PointForce& point : state.forces) force += point.force.cast<double>();
     touch.stress(state, stress);
-    answer.frames.push_back(frame);
-    answer.displacement.push_back(error.relative);
-    answer.worst_vertex_mm.push_back(1e3 * error.worst);
-    answer.force.push_back(force_error(line->second.force, std::array{force}));
-    answer.von_mises.push_back(von_mises_error(
-        skin.values,
-        Eigen::Map<const Eigen::VectorXf>(stress.data(), rest.vertex_count()).cast<double>()));
+    answer.frames.push_back(
+        {.frame = frame,
+         .displacement = error.relative,
+         .worst_vertex_mm = 1e3 * error.worst,
+         .force = force_error(line->second.force, std::array{force}),
+         .von_mises = von_mises_error(
+             skin.values, Eigen::Map<const Eigen::VectorXf>(stress.data(), rest.vertex_count())
+                              .cast<double>())});
   }
   return answer;
 }

@@ -10,13 +10,17 @@
 
 namespace palpable {
 
-/// Of the frames that are scored and at least so deep, in their order.
+/// How far the answer is off in a frame.
+struct ClipFrame {
+  int frame = 0;
+  double displacement = 0;  ///< relative L2 over the skin
+  double worst_vertex_mm = 0;
+  double force = 0;      ///< of the resultant, relative
+  double von_mises = 0;  ///< worst vertex against the largest
+};
+
 struct ClipAnswer {
-  std::vector<int> frames;
-  std::vector<double> displacement;  ///< relative L2 over the skin
-  std::vector<double> worst_vertex_mm;
-  std::vector<double> force;         ///< of the resultant, relative
-  std::vector<double> von_mises;     ///< worst vertex against the largest
+  std::vector<ClipFrame> frames;     ///< those that are scored and deep enough, in their order
   std::vector<double> milliseconds;  ///< of all frames in which something is near
   double largest_jump_mm = 0;        ///< of a vertex, from any frame to the next
 };

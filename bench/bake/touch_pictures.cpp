@@ -2,6 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/render/orbit_camera.h"
+#include "palpable/render/picture_sheet.h"
 
 #include <fmt/format.h>
 
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -30,12 +32,6 @@ OrbitCamera camera_of(const SurfaceMesh& skin, const Vector3d& way) {
   camera.azimuth = std::atan2(out.x(), -out.y()) + kBeside;
   camera.elevation = std::clamp(0.4 + 0.5 * std::asin(std::clamp(out.z(), -1.0, 1.0)), 0.1, 1.2);
   return camera;
-}
-
-void paste(const ColorImage& from, int x, ColorImage& to) {
-  for (int row = 0; row < from.height(); ++row) {
-    std::copy_n(from.row(row), from.width(), to.row(row) + x);
-  }
 }
 
 }  // namespace
@@ -87,13 +83,9 @@ ColorImage TouchPictures::draw(const TouchScene& scene, const TouchDifference& d
        fmt::format("displacement {:.1f} % off, force {:.1f} %, stress {:.1f} %",
                    100 * touch.displacement, 100 * touch.force, 100 * touch.von_mises),
        1e3}};
-  ColorImage sheet(3 * kSize, kSize);
-  int x = 0;
-  for (const Painted& painted : views) {
-    paste(draw(painted, scene.way), x, sheet);
-    x += kSize;
-  }
-  return sheet;
+  std::vector<ColorImage> sheet;
+  for (const Painted& painted : views) sheet.push_back(draw(painted, scene.way));
+  return sheet_of(sheet, 3);
 }
 
 }  // namespace palpable

@@ -101,8 +101,8 @@ inline ShellTable shell(const SurfaceMesh& skin) {
 }  // namespace some_tables
 
 /// 1 mm/N at each vertex itself and 32 directions of each of three clusters; `regions` of 16 modes,
-/// 5 of them leading, with 32 far shapes, and 48 cross modes where there are regions; a shell with
-/// one inner node.
+/// 5 of them leading, with 32 far shapes, 48 cross modes and two held-out touches where there are
+/// regions; a shell with one inner node.
 inline TouchTables some_touch_tables(const SurfaceMesh& skin, int regions = 3) {
   constexpr int kRank = 32, kModes = 16, kLeading = 5, kFarShapes = 32, kCrossModes = 48;
   std::mt19937 random(5);
@@ -129,6 +129,8 @@ inline TouchTables some_touch_tables(const SurfaceMesh& skin, int regions = 3) {
   if (regions > 0) {
     tables.cross.modes = some_tables::rows(random, 3 * (V + 1), kCrossModes, 0.01f);
     tables.cross.cubic = some_tables::form(random, kCrossModes, 3);
+    tables.held_out = {{PressingThing::kFinger, 0.002, 0.01, 0.02, 0.03},
+                       {PressingThing::kRim, 0.005, 0.04, 0.05, 0.06}};
   }
   return tables;
 }

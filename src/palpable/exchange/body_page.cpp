@@ -4,6 +4,7 @@
 #include "palpable/base/order_statistics.h"
 #include "palpable/exchange/web_page.h"
 #include "palpable/reduced/spline.h"
+#include "palpable/touch/touch_text.h"
 
 #include <fmt/format.h>
 
@@ -447,28 +448,13 @@ void add_held_out(Table& table, const ReductionError& error) {
   }
 }
 
-constexpr std::array<std::pair<const char*, double HeldOutTouch::*>, 3> kDifferences{
-    {{"displacement", &HeldOutTouch::displacement},
-     {"force", &HeldOutTouch::force},
-     {"von_mises", &HeldOutTouch::von_mises}}};
-
 void add_touches(Table& table, const std::vector<HeldOutTouch>& touches) {
   for (const HeldOutTouch& touch : touches) {
     const std::string what = fmt::format("{} {:.3g} mm", name_of(touch.thing), 1e3 * touch.depth);
-    for (const auto& [field, difference] : kDifferences) {
+    for (const auto& [field, difference] : kHeldOutDifferences) {
       table.add("held_out_touch", field, "", "", "", what, touch.*difference, "1");
     }
   }
-}
-
-Json touches_json(const std::vector<HeldOutTouch>& touches) {
-  Json rows = Json::array();
-  for (const HeldOutTouch& touch : touches) {
-    Json row{{"thing", name_of(touch.thing)}, {"depth_mm", 1e3 * touch.depth}};
-    for (const auto& [field, difference] : kDifferences) row[field] = touch.*difference;
-    rows.push_back(std::move(row));
-  }
-  return rows;
 }
 
 // The functions of each parameter; not those of the site if each site has modes of its own.

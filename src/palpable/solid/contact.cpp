@@ -400,20 +400,14 @@ struct ContactWalk::Work {
       const Matrix3d corners = corners_of(t);
       const Vector3d centre = corners.rowwise().mean();
       const double radius = (corners.colwise() - centre).colwise().norm().maxCoeff();
-      double distance = std::numeric_limits<double>::infinity();
-      for (int part = 0; part < gaps.part_count(); ++part) {
-        distance = std::min(distance, gaps.distance(part, centre));
-      }
-      if (distance <= radius) triangles.push_back(t);
+      if (gaps.distance(centre) <= radius) triangles.push_back(t);
     }
     near.surface.triangles = boundary.surface.triangles(Eigen::all, triangles);
     double deepest = 0.0;
     for (const ContactPoint& point :
          contact_points(core.model.mesh, near, kFinerGrid * spacing).points) {
       const Vector3d x = place(point, positions);
-      for (int part = 0; part < gaps.part_count(); ++part) {
-        deepest = std::max(deepest, -gaps.distance(part, x));
-      }
+      deepest = std::max(deepest, -gaps.distance(x));
     }
     return deepest;
   }

@@ -50,6 +50,12 @@ double ObstacleGaps::distance(int part, const Vector3d& x) const {
   return gap(part, x).distance;
 }
 
+double ObstacleGaps::distance(const Vector3d& x) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int part = 0; part < part_count(); ++part) nearest = std::min(nearest, distance(part, x));
+  return nearest;
+}
+
 std::vector<Vector3d> ObstacleGaps::core(int part) const {
   std::vector<Vector3d> points;
   const int capsules = static_cast<int>(capsules_.size());

@@ -69,6 +69,8 @@ class ObstacleGaps {
 
   [[nodiscard]] int part_count() const { return obstacle_.part_count(); }
   [[nodiscard]] double distance(int part, const Eigen::Vector3d& x) const;
+  /// To the nearest part; infinite without any.
+  [[nodiscard]] double distance(const Eigen::Vector3d& x) const;
   [[nodiscard]] Gap gap(int part, const Eigen::Vector3d& x) const;
   /// Points in the middle of a part, or on a surface: a body that the part presses from outside
   /// holds none of them, but for what enters between its contact points. Of a half space none.

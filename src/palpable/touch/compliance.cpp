@@ -22,14 +22,6 @@ bool is_table(const RoundedRows& rows, std::int64_t count, std::int64_t width) {
          std::ssize(rows.values) == count * width;
 }
 
-// P target at a node.
-Eigen::Vector3f displacement(const RoundedRows& basis, int node, std::span<const float> target) {
-  const std::size_t row = 3 * static_cast<std::size_t>(node);
-  Eigen::Vector3f u;
-  best_row_kernels().dots(basis.row(row), 3, target, u.data());
-  return u.cwiseProduct(Eigen::Map<const Eigen::Vector3f>(basis.scale.data() + row));
-}
-
 bool has_bad_clusters(const ComplianceTable& t) {
   if (t.nodes() < t.vertices || t.far_first.size() != t.far_second.size()) return true;
   if (std::any_of(t.cluster_of.begin(), t.cluster_of.end(),
@@ -118,11 +110,11 @@ void Compliance::add_target(int from, std::span<const float> source, int to,
 }
 
 Eigen::Vector3f Compliance::at(int node, std::span<const float> target) const {
-  return displacement(table_.basis, node, target);
+  return at_node(table_.basis, static_cast<std::size_t>(node), target);
 }
 
 Eigen::Vector3f Compliance::beyond_at(int node, std::span<const float> target) const {
-  return displacement(table_.beyond, node, target);
+  return at_node(table_.beyond, static_cast<std::size_t>(node), target);
 }
 
 void Compliance::everywhere(std::span<const float> targets, Eigen::Ref<Eigen::Matrix3Xf> u) const {

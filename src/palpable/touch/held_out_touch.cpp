@@ -68,8 +68,8 @@ std::string trouble_of(const std::vector<HeldOutTouch>& touches) {
     const int thing = static_cast<int>(touch.thing);
     if (thing < 0 || thing >= kPressingThings) return "what presses";
     if (!(std::isfinite(touch.depth) && touch.depth > 0)) return "a depth";
-    for (const double difference : {touch.displacement, touch.force, touch.von_mises}) {
-      if (!(std::isfinite(difference) && difference >= 0)) return "a difference";
+    for (const auto& [name, difference] : kHeldOutDifferences) {
+      if (!(std::isfinite(touch.*difference) && touch.*difference >= 0)) return "a difference";
     }
   }
   return {};

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpable {
@@ -34,6 +35,12 @@ struct HeldOutTouch {
 inline constexpr std::array<double HeldOutTouch::*, 4> kHeldOutValues{
     &HeldOutTouch::depth, &HeldOutTouch::displacement, &HeldOutTouch::force,
     &HeldOutTouch::von_mises};
+
+/// Its differences, as they are named in reports.
+inline constexpr std::array<std::pair<const char*, double HeldOutTouch::*>, 3> kHeldOutDifferences{
+    {{"displacement", &HeldOutTouch::displacement},
+     {"force", &HeldOutTouch::force},
+     {"von_mises", &HeldOutTouch::von_mises}}};
 
 /// Of several touches.
 struct TouchErrors {

@@ -247,35 +247,25 @@ void NonlinearAnswer::evaluate_cross_terms(std::span<const VertexForce> loads) {
 
 Vector3f NonlinearAnswer::displacement_at(int vertex) const {
   const std::size_t k = compliance_.rank();
-  const auto rows_at = [](const RoundedRows& modes, std::size_t row, std::span<const float> q) {
-    Vector3f u;
-    best_row_kernels().dots(modes.row(row), 3, q, u.data());
-    return Vector3f(u.cwiseProduct(Eigen::Map<const Vector3f>(modes.scale.data() + row)));
-  };
   Vector3f u = compliance_.beyond_at(
       vertex, std::span(far_targets_).subspan(index(compliance_.cluster_of(vertex)) * k, k));
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const int at = row_of(chosen_[b], vertex);
-    if (at >= 0) u += rows_at(regions_[index(chosen_[b])].modes, 3 * index(at), answers_[b].q());
+    if (at >= 0) u += at_node(regions_[index(chosen_[b])].modes, index(at), answers_[b].q());
   }
-  if (has_cross_terms()) u += rows_at(cross_.modes, 3 * index(vertex), cross_q_);
+  if (has_cross_terms()) u += at_node(cross_.modes, index(vertex), cross_q_);
   return u;
 }
 
 void NonlinearAnswer::add_near(Eigen::Ref<Matrix3Xf> u) const {
-  const auto add = [&](const RoundedRows& modes, std::size_t k, std::span<const float> q, int to) {
-    Vector3f exact;
-    best_row_kernels().dots(modes.row(3 * k), 3, q, exact.data());
-    u.col(to) += exact.cwiseProduct(Eigen::Map<const Vector3f>(modes.scale.data() + 3 * k));
-  };
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const RegionTable& region = regions_[index(chosen_[b])];
     for (std::size_t k = 0; k < region.vertices.size() && region.vertices[k] < u.cols(); ++k) {
-      add(region.modes, k, answers_[b].q(), region.vertices[k]);
+      u.col(region.vertices[k]) += at_node(region.modes, k, answers_[b].q());
     }
   }
   if (!has_cross_terms()) return;
-  for (int v = 0; v < u.cols(); ++v) add(cross_.modes, index(v), cross_q_, v);
+  for (int v = 0; v < u.cols(); ++v) u.col(v) += at_node(cross_.modes, index(v), cross_q_);
 }
 
 }  // namespace palpable

@@ -2,10 +2,13 @@
 /// Tables of numbers in 16 bits.
 #pragma once
 
+#include "palpable/touch/row_kernels.h"
+
 #include <Eigen/Core>
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace palpable {
@@ -27,6 +30,14 @@ using RowsOfFloats = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen:
 
 /// (n x width) what the rows say.
 [[nodiscard]] Eigen::MatrixXd as_numbers(const RoundedRows& rows);
+
+/// The three rows of a node (x, y, z) times a vector: row 3 node + d is component d.
+[[nodiscard]] inline Eigen::Vector3f at_node(const RoundedRows& rows, std::size_t node,
+                                             std::span<const float> vector) {
+  Eigen::Vector3f values;
+  best_row_kernels().dots(rows.row(3 * node), 3, vector, values.data());
+  return values.cwiseProduct(Eigen::Map<const Eigen::Vector3f>(rows.scale.data() + 3 * node));
+}
 
 /// n rounded up to a whole number of rows' steps.
 [[nodiscard]] std::size_t padded(std::size_t n);

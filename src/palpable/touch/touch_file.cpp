@@ -83,6 +83,14 @@ Result<TouchableBody> read_touchable_body(const std::filesystem::path& path) {
   return TouchableBody{std::move(body).value(), std::move(touch)};
 }
 
+Result<BodyAndTouch> read_body_and_touch(const std::filesystem::path& path) {
+  Result<TouchableBody> both = read_touchable_body(path);
+  if (both.ok()) return BodyAndTouch{std::move(both.value().body), std::move(both.value().touch)};
+  Result<ReducedBody> body = read_body_file(path);
+  if (!body.ok()) return body.problem();
+  return BodyAndTouch{std::move(body).value(), both.problem()};
+}
+
 Result<TouchableBody> read_pressable_touchable_body(const std::filesystem::path& path,
                                                     const std::map<std::string, double>& values) {
   Result<TouchableBody> read = read_touchable_body(path);

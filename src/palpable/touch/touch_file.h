@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 
 namespace palpable {
@@ -20,6 +21,15 @@ inline constexpr int kTouchLayout = 2;
 /// of their headers and are of the body's skin, or the result is a problem that names the file and
 /// what is wrong.
 [[nodiscard]] Result<TouchableBody> read_touchable_body(const std::filesystem::path& path);
+
+/// A body and its tables apart.
+struct BodyAndTouch {
+  ReducedBody body;
+  Result<std::optional<TouchTables>> touch;
+};
+
+/// The same where damaged tables are no reason to refuse the body: they are the problem alone.
+[[nodiscard]] Result<BodyAndTouch> read_body_and_touch(const std::filesystem::path& path);
 
 /// The same, settled: what the live half presses. The tables of a body with further parameters
 /// would be those of other values, so it has none. @param values see settled()

@@ -2,6 +2,7 @@
 
 #include "palpable/reduced/body_file_groups.h"
 #include "palpable/reduced/hdf5_tools.h"
+#include "palpable/touch/touch_text.h"
 #include "tests/support/bodies.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/some_touch_tables.h"
@@ -80,6 +81,13 @@ void check_same(const TouchTables& a, const TouchTables& b) {
   CHECK(a.shell.first == b.shell.first);
   CHECK(a.shell.points == b.shell.points);
   CHECK(a.shell.weights == b.shell.weights);
+  REQUIRE(a.held_out.size() == b.held_out.size());
+  for (std::size_t k = 0; k < a.held_out.size(); ++k) {
+    CHECK(a.held_out[k].thing == b.held_out[k].thing);
+    for (const double HeldOutTouch::*value : kHeldOutValues) {
+      CHECK(a.held_out[k].*value == b.held_out[k].*value);
+    }
+  }
 }
 
 // A body file whose group /touch is that of `tables`, changed by `spoil`, behind a right checksum.
@@ -107,6 +115,24 @@ TEST_CASE("tables of touch come back from a body file to the last bit", "[touch]
     REQUIRE(again.touch);
     check_same(*again.touch, tables);
   }
+}
+
+TEST_CASE("damaged tables are a problem of their own, and no reason to refuse the body",
+          "[touch][files]") {
+  const ScratchFolder folder("touch_file");
+  const fs::path path = folder / "ball.palpable";
+  const TouchTables tables = test::some_touch_tables(ball().surface);
+  write_touchable_body(path, ball(), tables);
+  const BodyAndTouch whole = value_or_throw(read_body_and_touch(path));
+  CHECK(whole.touch.value()->held_out.size() == 2);
+  write_spoilt(path, tables,
+               [](hid_t touch) { REQUIRE(H5Ldelete(touch, "shell", H5P_DEFAULT) >= 0); });
+  const BodyAndTouch spoilt = value_or_throw(read_body_and_touch(path));
+  CHECK(spoilt.body.surface.vertices == ball().surface.vertices);
+  REQUIRE_FALSE(spoilt.touch.ok());
+  CHECK_THAT(touch_text(spoilt.touch),
+             Catch::Contains("not as baked: ") && Catch::Contains("group 'shell' is missing"));
+  CHECK_FALSE(read_body_and_touch(folder / "none.palpable").ok());
 }
 
 TEST_CASE("the same tables give the same bytes", "[touch][files]") {
@@ -390,6 +416,11 @@ TEST_CASE("a shell that breaks a rule within a file is refused by name when it i
       {"touch/shell: material neo-hookean has C1 = -1 Pa", table("shell/constants_0", -1.0, 2, 1)},
       {"touch/shell: dataset 'first' is empty", table("shell/first", 0, 0, 1)},
       {"touch: the shell is wrong in the weights", table("shell/first", 0, 43, 1)},
+      {"touch/held_out: dataset 'values' is 1 x 4 where 2 x 4",
+       table("held_out/values", 0.01, 1, 4)},
+      {"touch: the held-out touches are wrong in what presses", table("held_out/things", 6, 2, 1)},
+      {"touch: the held-out touches are wrong in a depth", table("held_out/values", 0.0, 2, 4)},
+      {"touch: the held-out touches are wrong in a depth", table("held_out/values", NAN, 2, 4)},
   };
   check_refused(faults);
 }

@@ -22,17 +22,8 @@ double megabytes(const TouchTables& tables) { return static_cast<double>(bytes_o
 
 Json held_out_json(const std::vector<HeldOutTouch>& touches) {
   if (touches.empty()) return nullptr;
-  Json result{{"touches", Json::array()}};
-  for (const HeldOutTouch& touch : touches) {
-    result["touches"].push_back({{"thing", name_of(touch.thing)},
-                                 {"depth_mm", 1e3 * touch.depth},
-                                 {"displacement", touch.displacement},
-                                 {"force", touch.force},
-                                 {"von_mises", touch.von_mises}});
-  }
-  for (const auto& [name, difference] : {std::pair{"displacement", &HeldOutTouch::displacement},
-                                         std::pair{"force", &HeldOutTouch::force},
-                                         std::pair{"von_mises", &HeldOutTouch::von_mises}}) {
+  Json result{{"touches", touches_json(touches)}};
+  for (const auto& [name, difference] : kHeldOutDifferences) {
     const TouchErrors errors = errors_of(touches, difference);
     result[fmt::format("{}_median", name)] = errors.median;
     result[fmt::format("{}_worst", name)] = errors.worst;
@@ -50,6 +41,20 @@ std::string touch_text(const std::optional<TouchTables>& tables) {
   text += fmt::format("; {:.3g} MB", megabytes(*tables));
   if (!tables->held_out.empty()) text += "; " + held_out_text(tables->held_out);
   return text;
+}
+
+std::string touch_text(const Result<std::optional<TouchTables>>& tables) {
+  return tables.ok() ? touch_text(tables.value()) : "not as baked: " + tables.problem().message;
+}
+
+Json touches_json(const std::vector<HeldOutTouch>& touches) {
+  Json rows = Json::array();
+  for (const HeldOutTouch& touch : touches) {
+    Json row{{"thing", name_of(touch.thing)}, {"depth_mm", 1e3 * touch.depth}};
+    for (const auto& [name, difference] : kHeldOutDifferences) row[name] = touch.*difference;
+    rows.push_back(std::move(row));
+  }
+  return rows;
 }
 
 Json touch_json(const std::optional<TouchTables>& tables) {

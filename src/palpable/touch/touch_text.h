@@ -2,11 +2,13 @@
 /// What a body's tables of touch can do, told to people and to other programs.
 #pragma once
 
+#include "palpable/base/error.h"
 #include "palpable/base/json.h"
 #include "palpable/touch/touch_tables.h"
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace palpable {
 
@@ -14,8 +16,14 @@ namespace palpable {
 /// its sites, one at a time"; with held_out_text() where that is known.
 [[nodiscard]] std::string touch_text(const std::optional<TouchTables>& tables);
 
+/// The same of tables that may be damaged: then what is wrong with them.
+[[nodiscard]] std::string touch_text(const Result<std::optional<TouchTables>>& tables);
+
 /// The same as an object; null without tables.
 [[nodiscard]] Json touch_json(const std::optional<TouchTables>& tables);
+
+/// Held-out touches as an array of objects: what presses, how deep, and each difference.
+[[nodiscard]] Json touches_json(const std::vector<HeldOutTouch>& touches);
 
 /// For the provenance: how many modes, regions and neighbours there are.
 [[nodiscard]] std::string touch_line(const TouchTables& tables);

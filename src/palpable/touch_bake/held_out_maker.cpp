@@ -27,10 +27,7 @@ struct Wanted {
 bool presses_support(const SkinResponse& skin, const TouchScene& scene, double depth) {
   const ObstacleGaps gaps(obstacle_at(scene, depth));
   for (int v = 0; v < skin.vertex_count(); ++v) {
-    if (skin.fixed()[v] == 0) continue;
-    for (int part = 0; part < gaps.part_count(); ++part) {
-      if (gaps.distance(part, skin.skin().vertices.col(v)) < 0) return true;
-    }
+    if (skin.fixed()[v] != 0 && gaps.distance(skin.skin().vertices.col(v)) < 0) return true;
   }
   return false;
 }

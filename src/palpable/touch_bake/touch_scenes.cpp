@@ -24,11 +24,7 @@ constexpr double kTouches = 2e-5;       // m
 double smallest_gap(const SurfaceMesh& mesh, const Obstacle& obstacle) {
   const ObstacleGaps gaps(obstacle);
   double smallest = std::numeric_limits<double>::infinity();
-  const auto look_at = [&](const Vector3d& x) {
-    for (int part = 0; part < gaps.part_count(); ++part) {
-      smallest = std::min(smallest, gaps.distance(part, x));
-    }
-  };
+  const auto look_at = [&](const Vector3d& x) { smallest = std::min(smallest, gaps.distance(x)); };
   for (int v = 0; v < mesh.vertex_count(); ++v) look_at(mesh.vertices.col(v));
   for (int t = 0; t < mesh.triangle_count(); ++t) {
     look_at((mesh.vertices.col(mesh.triangles(0, t)) + mesh.vertices.col(mesh.triangles(1, t)) +

@@ -24,9 +24,7 @@ TEST_CASE("things touch a body when they are brought to it, and enter it with th
         const ObstacleGaps gaps(obstacle_at(scene, depth));
         double least = 1;
         for (int v = 0; v < surface.vertex_count(); ++v) {
-          for (int part = 0; part < gaps.part_count(); ++part) {
-            least = std::min(least, gaps.distance(part, surface.vertices.col(v)));
-          }
+          least = std::min(least, gaps.distance(surface.vertices.col(v)));
         }
         return least;
       };

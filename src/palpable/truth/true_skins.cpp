@@ -148,9 +148,7 @@ class TrueSkins {
     const ObstacleGaps gaps(Obstacle{.capsules = hands_.capsules[frame]});
     const Matrix3Xd skin = rest_skin();
     double nearest = std::numeric_limits<double>::infinity();
-    for (int part = 0; part < gaps.part_count(); ++part) {
-      for (const auto& x : skin.colwise()) nearest = std::min(nearest, gaps.distance(part, x));
-    }
+    for (const auto& x : skin.colwise()) nearest = std::min(nearest, gaps.distance(x));
     if (nearest > 0.5 * problem_.mesh.height * kDeepest) {
       throw Error(fmt::format(
           "{}: frame {} touches {:.1f} mm deep, but stays {:.1f} mm off this body: the clip was "

@@ -1,6 +1,7 @@
 #include "palpable/view/body_pictures.h"
 
 #include "palpable/geometry/surface_mesh.h"
+#include "palpable/render/picture_sheet.h"
 
 #include <fmt/core.h>
 
@@ -43,13 +44,6 @@ const ColorImage& draw_shot(StudioScene& scene, const Shot& shot) {
   scene.legend_shown = shot.level > 0;
   scene.caption = {shot.level > 0 ? scene.reading() : scene.title()};
   return scene.draw(shot.camera);
-}
-
-// Copies a picture into a larger one.
-void paste(const ColorImage& from, int x, int y, ColorImage& to) {
-  for (int row = 0; row < from.height(); ++row) {
-    std::copy_n(from.row(row), from.width(), to.row(y + row) + x);
-  }
 }
 
 // A body that is moved and painted vertex by vertex.
@@ -119,18 +113,6 @@ void draw_functions(const ReducedBody& body, const std::vector<ModeShape>& shape
 }
 
 }  // namespace
-
-ColorImage sheet_of(const std::vector<ColorImage>& cells, int columns) {
-  constexpr int kGap = 8;
-  const int width = cells[0].width() + kGap, height = cells[0].height() + kGap;
-  const int count = static_cast<int>(cells.size());
-  const int rows = (count + columns - 1) / columns;
-  ColorImage sheet(columns * width + kGap, rows * height + kGap, {255, 255, 255});
-  for (int i = 0; i < count; ++i) {
-    paste(cells[i], kGap + i % columns * width, kGap + i / columns * height, sheet);
-  }
-  return sheet;
-}
 
 void draw_presses(const ReducedBody& body, int site, double level, PictureSize size,
                   const std::function<void(const std::string& name, const ColorImage&)>& show) {

@@ -13,10 +13,6 @@
 
 namespace palpable {
 
-/// Pictures side by side, row by row, on white.
-/// @param cells  at least one, all of one size
-[[nodiscard]] ColorImage sheet_of(const std::vector<ColorImage>& cells, int columns);
-
 /// Draws a body at rest, its sites, presses at `site` and the sites from behind; then all of them
 /// once more, half as large, as one sheet. Needs a current OpenGL context.
 /// @param site   pressed at a third, two thirds and all of `level`; -1: three sites that show the

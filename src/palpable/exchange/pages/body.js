@@ -178,7 +178,7 @@ byId("between-sites").append(...(DATA.between_sites == null
 // ---- touched anywhere -------------------------------------------------------------------------
 {
   const { text, held_out: held } = DATA.touch, place = byId("touch");
-  place.append(make("p", {}, `This body is touched ${text}.`));
+  place.append(make("p", {}, `How this body is touched: ${text}.`));
   if (held.length) {
     const head = ["What presses", "Depth, mm", "Displacement, %", "Force, %", "Stress at the worst vertex, %"];
     const row = (kind, cells) => make("tr", {}, ...cells.map((cell) => make(kind, {}, cell)));
