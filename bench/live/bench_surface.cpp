@@ -75,14 +75,12 @@ struct SideErrors {
   std::vector<double> signed_errors;
   std::size_t points = 0;
 
-  void add(const ObjectSurface& surface, const Eigen::Matrix3Xd& in_body) {
-    points += static_cast<std::size_t>(in_body.cols());
-    for (Eigen::Index k = 0; k < in_body.cols(); ++k) {
-      const auto found = surface.nearest(in_body.col(k).cast<float>());
-      if (!found) continue;
-      signed_errors.push_back(static_cast<double>(found->distance));
-      errors.push_back(std::abs(signed_errors.back()));
-    }
+  void add(const ObjectSurface& surface, const Vector3d& in_body) {
+    ++points;
+    const auto found = surface.nearest(in_body.cast<float>());
+    if (!found) return;
+    signed_errors.push_back(static_cast<double>(found->distance));
+    errors.push_back(std::abs(signed_errors.back()));
   }
   [[nodiscard]] Json quantile_mm(double share) const {
     return errors.empty() ? Json(nullptr) : Json(1e3 * percentile(errors, share));
@@ -97,9 +95,28 @@ struct SideErrors {
   }
 };
 
+// Of all of the unseen side, and of that part of it which is the back of what is seen. The rest
+// lies behind other things: one view says nothing of it.
+struct SideErrorsByPlace {
+  SideErrors all, back;
+
+  void add(const ObjectSurface& surface, const UnseenPoints& unseen,
+           const Rigid3& body_from_camera) {
+    for (std::size_t k = 0; k < unseen.is_behind.size(); ++k) {
+      const Vector3d x = body_from_camera * unseen.points.col(static_cast<Eigen::Index>(k));
+      all.add(surface, x);
+      if (!unseen.is_behind[k]) back.add(surface, x);
+    }
+  }
+  [[nodiscard]] Json behind_share() const {
+    if (all.points == 0) return nullptr;
+    return 1 - static_cast<double>(back.points) / static_cast<double>(all.points);
+  }
+};
+
 struct Counts {
   int frames = 0, ghosts = 0, deep = 0, missed = 0;
-  SideErrors measured, true_depth;
+  SideErrorsByPlace measured, true_depth;
   std::vector<double> plane;  // m, of a held touch: error of phi at the touched point
   double cpu_s = 0, dense_cpu_s = 0;
   int timed = 0, allocations = 0;
@@ -140,8 +157,6 @@ double least_phi(const ObjectSurface& surface, const Eigen::Matrix3Xf& points) {
   return least;
 }
 
-Eigen::Matrix3Xd moved(const Rigid3& to, const Eigen::Matrix3Xd& points) { return to * points; }
-
 // One film, as far as one thing may be asked of one frame after the other.
 struct Film {
   fs::path folder;
@@ -165,10 +180,10 @@ bool is_near(const ContactLine& contact) {
 void look_at_unseen_side(const Judge& judge, const Film& film, int frame,
                          const ObjectSurface& measured, const Rigid3& body_from_camera,
                          Counts& counts) {
-  const Eigen::Matrix3Xd points = moved(
-      body_from_camera, unseen_points(film.hands[frame].capsules, *film.camera.camera,
-                                      body_from_camera, judge.distance, kNearBody, kPointSpacing));
-  counts.measured.add(measured, points);
+  const UnseenPoints unseen =
+      unseen_points(film.hands[frame].capsules, *film.camera.camera, body_from_camera,
+                    judge.distance, kNearBody, kPointSpacing);
+  counts.measured.add(measured, unseen, body_from_camera);
   const fs::path truth = film.folder / "truth";
   const auto depth = read_depth_counts(truth / "depth" / frame_name(frame, ".png"));
   auto labels = read_labels(truth / "labels" / frame_name(frame, ".png"));
@@ -178,7 +193,7 @@ void look_at_unseen_side(const Judge& judge, const Film& film, int frame,
   ObjectSurface surface;
   surface.build(depth_of(*depth, film.camera.depth_unit), *labels, *film.camera.camera,
                 body_from_camera, judge.region);
-  counts.true_depth.add(surface, points);
+  counts.true_depth.add(surface, unseen, body_from_camera);
 }
 
 void time_surface(const Judge& judge, const Scene& scene, const Session& session,
@@ -303,14 +318,17 @@ Json entry_of(const Counts& c, std::uint64_t seed) {
   entry["frames"] = c.frames;
   entry["frames_deep"] = c.deep;
   add_pooled(c, entry);
-  entry["unseen_side_median_mm"] = c.measured.quantile_mm(0.5);
-  entry["unseen_side_p90_mm"] = c.measured.quantile_mm(0.9);
-  entry["unseen_side_bias_mm"] = c.measured.bias_mm();
-  entry["unseen_side_true_depth_bias_mm"] = c.true_depth.bias_mm();
-  entry["unseen_side_coverage"] = c.measured.coverage();
-  entry["unseen_side_true_depth_median_mm"] = c.true_depth.quantile_mm(0.5);
-  entry["unseen_side_true_depth_p90_mm"] = c.true_depth.quantile_mm(0.9);
-  entry["unseen_side_true_depth_coverage"] = c.true_depth.coverage();
+  entry["unseen_side_behind_share"] = c.measured.behind_share();
+  const auto add_side = [&entry](const std::string& side, const SideErrors& of) {
+    entry[side + "_median_mm"] = of.quantile_mm(0.5);
+    entry[side + "_p90_mm"] = of.quantile_mm(0.9);
+    entry[side + "_bias_mm"] = of.bias_mm();
+    entry[side + "_coverage"] = of.coverage();
+  };
+  add_side("unseen_side", c.measured.all);
+  add_side("unseen_side_true_depth", c.true_depth.all);
+  add_side("back", c.measured.back);
+  add_side("back_true_depth", c.true_depth.back);
   entry["contact_plane_sigma_mm"] = sigma_mm(c.plane);
   return entry;
 }
@@ -320,11 +338,11 @@ void summarize(const std::map<std::string, Counts>& counts, Json& result) {
   for (const auto& [thing, sequence] : kThings) {
     const auto found = counts.find(sequence);
     const Counts c = found == counts.end() ? Counts{} : found->second;
-    result["unseen_side_median_mm"][thing] = c.measured.quantile_mm(0.5);
-    result["unseen_side_p90_mm"][thing] = c.measured.quantile_mm(0.9);
-    result["unseen_side_coverage"][thing] = c.measured.coverage();
-    result["unseen_side_true_depth_median_mm"][thing] = c.true_depth.quantile_mm(0.5);
-    result["unseen_side_true_depth_p90_mm"][thing] = c.true_depth.quantile_mm(0.9);
+    result["unseen_side_median_mm"][thing] = c.measured.all.quantile_mm(0.5);
+    result["unseen_side_p90_mm"][thing] = c.measured.all.quantile_mm(0.9);
+    result["unseen_side_coverage"][thing] = c.measured.all.coverage();
+    result["unseen_side_true_depth_median_mm"][thing] = c.true_depth.all.quantile_mm(0.5);
+    result["unseen_side_true_depth_p90_mm"][thing] = c.true_depth.all.quantile_mm(0.9);
   }
   Counts all;
   for (const auto& [name, c] : counts) {
@@ -336,26 +354,43 @@ void summarize(const std::map<std::string, Counts>& counts, Json& result) {
       rest == counts.end() ? Json(nullptr) : sigma_mm(rest->second.plane);
 }
 
+// Which number of a sequence stands in which column.
+constexpr std::array<std::array<const char*, 2>, 17> kColumns{{
+    {"ghosts", "ghost_share"},
+    {"missed", "missed_share"},
+    {"side", "unseen_side_median_mm"},
+    {"p90", "unseen_side_p90_mm"},
+    {"cover", "unseen_side_coverage"},
+    {"behind", "unseen_side_behind_share"},
+    {"back", "back_median_mm"},
+    {"bias", "back_bias_mm"},
+    {"p90", "back_p90_mm"},
+    {"cover", "back_coverage"},
+    {"true d.", "back_true_depth_median_mm"},
+    {"bias", "back_true_depth_bias_mm"},
+    {"p90", "back_true_depth_p90_mm"},
+    {"cover", "back_true_depth_coverage"},
+    {"plane", "contact_plane_sigma_mm"},
+    {"ms", "ms_bunny"},
+    {"ms 23k", "ms_22982"},
+}};
+
 void print_table(const Json& sequences) {
-  fmt::print(
-      "{:<12} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>6} {:>7} {:>7} {:>7} {:>6} {:>6} {:>6} "
-      "{:>6}\n",
-      "sequence", "frames", "ghosts", "missed", "side", "bias", "p90", "cover", "true d.", "bias",
-      "p90", "cover", "plane", "ms", "ms 23k");
-  const auto number = [](const Json& value) {
-    return value.is_null() ? std::string("-") : fmt::format("{:.3f}", value.get<double>());
-  };
-  for (const auto& [name, e] : sequences.items()) {
-    fmt::print(
-        "{:<12} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>6} {:>7} {:>7} {:>7} {:>6} {:>6} {:>6} "
-        "{:>6}\n",
-        name, e["frames"].get<int>(), number(e["ghost_share"]), number(e["missed_share"]),
-        number(e["unseen_side_median_mm"]), number(e["unseen_side_bias_mm"]),
-        number(e["unseen_side_p90_mm"]), number(e["unseen_side_coverage"]),
-        number(e["unseen_side_true_depth_median_mm"]), number(e["unseen_side_true_depth_bias_mm"]),
-        number(e["unseen_side_true_depth_p90_mm"]), number(e["unseen_side_true_depth_coverage"]),
-        number(e["contact_plane_sigma_mm"]), number(e["ms_bunny"]), number(e["ms_22982"]));
+  fmt::print("{:<12} {:>6}", "sequence", "frames");
+  for (const auto& [title, key] : kColumns) fmt::print(" {:>7}", title);
+  fmt::print("\n");
+  for (const auto& [name, entry] : sequences.items()) {
+    fmt::print("{:<12} {:>6}", name, entry["frames"].get<int>());
+    for (const auto& [title, key] : kColumns) {
+      const Json& value = entry[key];
+      fmt::print(" {:>7}",
+                 value.is_null() ? std::string("-") : fmt::format("{:.3f}", value.get<double>()));
+    }
+    fmt::print("\n");
   }
+  fmt::print(
+      "side: what no camera sees, mm off. behind: the share of it that lies behind other things,\n"
+      "of which one view says nothing. back: the rest, by measured and by true depth (true d.).\n");
 }
 
 void bench_surface(SurfaceBenchOptions options) {

@@ -15,6 +15,21 @@ using Eigen::Vector3d;
 // m: a ray that meets a thing this much before a point does not see the point.
 constexpr double kHidden = 5e-4;
 
+// m: a ray that leaves things and enters the next within less stays inside: bones of one palm.
+constexpr double kLeastGap = 1e-4;
+
+// Whether a ray from the camera comes out of things between two distances along it.
+bool comes_out(std::span<const Capsule> things, const Vector3d& direction, double from, double to) {
+  double t = from;
+  while (t < to) {
+    // The ball of this radius round the place lies inside.
+    const double inside = -signed_distance(things, t * direction);
+    if (inside < -kLeastGap) return true;
+    t += std::max(inside, kLeastGap);
+  }
+  return false;
+}
+
 // Points all over one capsule, before the others are asked.
 void add_points(const Capsule& capsule, double spacing, std::vector<Vector3d>& points) {
   const CapsuleField field(capsule);
@@ -49,13 +64,14 @@ void add_points(const Capsule& capsule, double spacing, std::vector<Vector3d>& p
 
 }  // namespace
 
-Eigen::Matrix3Xd unseen_points(std::span<const Capsule> things, const PinholeCamera& camera,
-                               const Rigid3& body_from_camera, const SurfaceDistance& body,
-                               double reach, double spacing) {
+UnseenPoints unseen_points(std::span<const Capsule> things, const PinholeCamera& camera,
+                           const Rigid3& body_from_camera, const SurfaceDistance& body,
+                           double reach, double spacing) {
   const Eigen::AlignedBox3d bounds(
       body.surface().vertices.rowwise().minCoeff() - Vector3d::Constant(reach),
       body.surface().vertices.rowwise().maxCoeff() + Vector3d::Constant(reach));
   std::vector<Vector3d> candidates, kept;
+  UnseenPoints unseen;
   for (const Capsule& thing : things) {
     const Vector3d a = body_from_camera * thing.a, b = body_from_camera * thing.b;
     Eigen::AlignedBox3d box(a.cwiseMin(b), a.cwiseMax(b));
@@ -71,13 +87,18 @@ Eigen::Matrix3Xd unseen_points(std::span<const Capsule> things, const PinholeCam
     const double v = camera.cy_px + camera.fy_px * x.y() / x.z();
     if (!(x.z() > 0) || u < 0 || v < 0 || u > camera.width - 1 || v > camera.height - 1) continue;
     const double range = x.norm();
-    if (ray_distance(things, Vector3d::Zero(), x / range, range) > range - kHidden) continue;
+    const Vector3d ray = x / range;
+    const double first = ray_distance(things, Vector3d::Zero(), ray, range);
+    if (first > range - kHidden) continue;
     if (body.nearest(in_body).distance > reach) continue;
     kept.push_back(x);
+    unseen.is_behind.push_back(comes_out(things, ray, first + kHidden, range - kHidden));
   }
-  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(kept.size()));
-  for (std::size_t k = 0; k < kept.size(); ++k) points.col(static_cast<Eigen::Index>(k)) = kept[k];
-  return points;
+  unseen.points.resize(3, static_cast<Eigen::Index>(kept.size()));
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    unseen.points.col(static_cast<Eigen::Index>(k)) = kept[k];
+  }
+  return unseen;
 }
 
 }  // namespace palpable::app
