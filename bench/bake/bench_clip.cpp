@@ -23,6 +23,7 @@ constexpr double kDeep = 0.004;  // m, as `palpable score`: in shallower touches
 struct Options {
   std::filesystem::path body;
   std::vector<std::string> clips;
+  bool true_depth = false;
   bool json = false;
 };
 
@@ -44,10 +45,12 @@ Json frames_of(const ClipAnswer& answer) {
 }
 
 Json figures_of(const ClipAnswer& answer) {
-  Json figures{{"frames", answer.frames.size()}};
+  Json figures{{"frames", answer.frames.size()}, {"frames_unseen", answer.unseen}};
   for (const auto& [name, error] : kErrors) {
     std::vector<double> values;
     for (const ClipFrame& frame : answer.frames) values.push_back(frame.*error);
+    figures[name] = nullptr;
+    if (values.empty()) continue;
     figures[name] = {{"median", percentile(values, 0.5)}, {"p90", percentile(values, 0.9)}};
   }
   figures["largest_jump_mm"] = answer.largest_jump_mm;
@@ -61,15 +64,17 @@ Json figures_of(const ClipAnswer& answer) {
 void add(ClipAnswer& all, const ClipAnswer& one) {
   all.frames.insert(all.frames.end(), one.frames.begin(), one.frames.end());
   all.milliseconds.insert(all.milliseconds.end(), one.milliseconds.begin(), one.milliseconds.end());
+  all.unseen += one.unseen;
   all.largest_jump_mm = std::max(all.largest_jump_mm, one.largest_jump_mm);
 }
 
 void run(const Options& options) {
   const TouchableBody body = value_or_throw(read_pressable_touchable_body(options.body));
+  const TrueHand hand = options.true_depth ? TrueHand::kDepth : TrueHand::kCapsules;
   ClipAnswer all;
   Json each = Json::object();
   for (const std::string& clip : options.clips) {
-    const ClipAnswer answer = answer_to_true_hand(body, clip, kDeep);
+    const ClipAnswer answer = answer_to_true_hand(body, clip, hand, kDeep);
     each[clip] = figures_of(answer);
     each[clip]["by_frame"] = frames_of(answer);
     add(all, answer);
@@ -92,10 +97,17 @@ void add_bench_clip(Command bench) {
   command.add_option("clips", options->clips, "What synth filmed and palpable truth solved")
       .required()
       .type_name("CLIP");
+  command.add_flag("--true-depth", options->true_depth,
+                   "Press with the hand's front as the clip's true depth images show it, and the "
+                   "other side that live assumes, not with the whole hand");
   command.add_flag("--json", options->json, "One JSON object");
   command.footer(
       "No camera: the hand's own capsules press, in every frame; what is off is the answer's "
       "alone.\n"
+      "With --true-depth the unseen side's share is added (ms include it then), and frames are "
+      "left "
+      "out\nof which no camera sees what touches. What palpable live is off beyond that is the "
+      "camera's share.\n"
       "Frames at least 4 mm deep, pooled over the clips.\n"
       "Example: palpable bench clip out/demo/bunny.palpable out/demo/clip --json");
   command.callback([options] { run(*options); });

@@ -2,9 +2,18 @@
 
 #include "palpable/base/error.h"
 #include "palpable/clip_files/deformed_file.h"
+#include "palpable/clip_files/depth_image_file.h"
+#include "palpable/clip_files/frame_names.h"
+#include "palpable/clip_files/mask_image_file.h"
+#include "palpable/clip_files/place.h"
+#include "palpable/clip_files/trajectory_file.h"
+#include "palpable/clip_files/truth_camera_file.h"
+#include "palpable/contact/object_surface.h"
+#include "palpable/contact/skin_contact.h"
 #include "palpable/geometry/mesh_file.h"
 #include "palpable/score/displacement_error.h"
 #include "palpable/score/force_error.h"
+#include "palpable/score/touch_recall.h"
 #include "palpable/score/von_mises_error.h"
 #include "palpable/solid/obstacle.h"
 #include "palpable/touch_bake/touch_difference.h"
@@ -15,8 +24,14 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
+#include <functional>
 #include <map>
+#include <memory>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -46,9 +61,87 @@ std::map<int, DeformedLine> lines_of(const fs::path& deformed, double depth) {
   return lines;
 }
 
+// What a body does about the hand: one frame of the contact, and the stress of a state.
+struct Answer {
+  std::function<TouchReport(int frame, TouchState& state)> advance;
+  std::function<void(const TouchState& state, std::span<float> von_mises)> stress;
+};
+
+Answer to_capsules(const TouchableBody& body, const ClipHands& hands) {
+  const auto solver =
+      std::make_shared<TouchSolver>(body.body.surface, body.body.fixed, *body.touch);
+  return {[solver, &hands](int frame, TouchState& state) {
+            Obstacle hand;
+            hand.capsules = hands.capsules[static_cast<std::size_t>(frame)];
+            const ObstacleGaps gaps(hand);
+            return solver->advance(state, gaps_to(gaps));
+          },
+          [solver](const TouchState& state, std::span<float> von_mises) {
+            solver->stress(state, von_mises);
+          }};
+}
+
+// A clip's true depth images, and where the body stood when they were taken.
+struct TrueDepth {
+  fs::path truth;
+  TruthCamera camera;
+  Rigid3 body_from_world;
+  std::vector<StampedPose> poses;  // by frame
+
+  explicit TrueDepth(const fs::path& clip)
+      : truth(clip / "truth"),
+        camera(read_truth_camera(truth / "camera.toml")),
+        poses(read_trajectory(truth / "trajectory.txt")) {
+    const fs::path scene_file = clip / "frames" / "scene.toml";
+    const SceneFile scene = read_scene_file(scene_file);
+    if (!scene.camera_from_body || !camera.camera) {
+      throw Error(fmt::format("{}: camera or place of the body is missing", clip.string()));
+    }
+    body_from_world = scene.camera_from_body->inverse();
+  }
+
+  // The hand's front, in the labels' lowest bit, with its other side assumed.
+  void show(int frame, const Eigen::AlignedBox3d& region, ObjectSurface& surface) const {
+    const fs::path depth_file = truth / "depth" / frame_name(frame, ".png");
+    const fs::path label_file = truth / "labels" / frame_name(frame, ".png");
+    const auto depth = read_depth_counts(depth_file);
+    auto labels = read_labels(label_file);
+    if (!depth) throw Error(depth_file.string() + ": is missing");
+    if (!labels) throw Error(label_file.string() + ": is missing");
+    std::transform(labels->begin(), labels->end(), labels->begin(), [](std::uint8_t bits) {
+      return static_cast<std::uint8_t>((bits & 1) != 0 ? kShowsPresser : kShowsRoom);
+    });
+    const auto n = static_cast<std::size_t>(frame);
+    surface.build(depth_of(*depth, camera.depth_unit), *labels, *camera.camera,
+                  body_from_world * poses[n].world_from_camera, region,
+                  frame / camera.frames_per_second);
+  }
+};
+
+Answer to_depth(const TouchableBody& body, const fs::path& clip) {
+  const SurfaceMesh& rest = body.body.surface;
+  const auto contact = std::make_shared<SkinContact>(rest, body.body.fixed, *body.touch);
+  const auto film = std::make_shared<TrueDepth>(clip);
+  ObjectSurfaceSettings exact;
+  exact.noise_quadratic = 0;
+  exact.noise_constant = film->camera.depth_unit / std::sqrt(12.0);  // rounded to whole units
+  const auto surface = std::make_shared<ObjectSurface>(exact);
+  const Eigen::AlignedBox3d region(rest.vertices.rowwise().minCoeff(),
+                                   rest.vertices.rowwise().maxCoeff());
+  return {[=](int frame, TouchState& state) {
+            std::vector<Touch> touches;
+            film->show(frame, region, *surface);
+            return contact->advance(state, *surface, touches);
+          },
+          [contact](const TouchState& state, std::span<float> von_mises) {
+            contact->stress(state, von_mises);
+          }};
+}
+
 }  // namespace
 
-ClipAnswer answer_to_true_hand(const TouchableBody& body, const fs::path& clip, double depth) {
+ClipAnswer answer_to_true_hand(const TouchableBody& body, const fs::path& clip, TrueHand hand,
+                               double depth) {
   if (!body.touch) throw Error("the body has no tables of touch; palpable inspect says why");
   const SurfaceMesh& rest = body.body.surface;
   const fs::path deformed = clip / "truth/deformed";
@@ -59,30 +152,34 @@ ClipAnswer answer_to_true_hand(const TouchableBody& body, const fs::path& clip, 
   }
   const ClipHands hands = read_clip_hands(clip);
   const Eigen::VectorXd areas = vertex_areas(rest);
-  TouchSolver touch(rest, body.body.fixed, *body.touch);
+  const Answer to_hand =
+      hand == TrueHand::kCapsules ? to_capsules(body, hands) : to_depth(body, clip);
   TouchState state;
   Matrix3Xd before = Matrix3Xd::Zero(3, rest.vertex_count());
   std::vector<float> stress(static_cast<std::size_t>(rest.vertex_count()));
   ClipAnswer answer;
   for (int frame = 0; frame < hands.frame_count(); ++frame) {
-    Obstacle hand;
-    hand.capsules = hands.capsules[static_cast<std::size_t>(frame)];
-    const ObstacleGaps gaps(hand);
     const auto begin = std::chrono::steady_clock::now();
-    const TouchReport report = touch.advance(state, gaps_to(gaps));
+    const TouchReport report = to_hand.advance(frame, state);
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     if (report.candidates > 0) answer.milliseconds.push_back(took.count());
+    if (state.u.cols() == 0) state.u = Eigen::Matrix3Xf::Zero(3, rest.vertex_count());
     const Matrix3Xd u = state.u.leftCols(rest.vertex_count()).cast<double>();
     answer.largest_jump_mm =
         std::max(answer.largest_jump_mm, 1e3 * (u - before).colwise().norm().maxCoeff());
     before = u;
     const auto line = lines.find(frame);
     if (line == lines.end()) continue;
+    const ContactLine& contact = hands.contacts[static_cast<std::size_t>(frame)];
+    if (hand == TrueHand::kDepth && contact.seen_share.value_or(1) < kSeenFrom) {
+      ++answer.unseen;
+      continue;
+    }
     const ValuedSurface skin = skin_in(deformed_skin_file(deformed, frame), rest);
     const DisplacementError error = displacement_error(skin.surface.vertices - true_rest, u, areas);
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
     for (const PointForce& point : state.forces) force += point.force.cast<double>();
-    touch.stress(state, stress);
+    to_hand.stress(state, stress);
     answer.frames.push_back(
         {.frame = frame,
          .displacement = error.relative,

@@ -1,6 +1,6 @@
 /// @file
-/// The answer of a body's tables of touch to the true hand of a filmed clip: what is left when
-/// everything is seen exactly.
+/// The answer of a body's tables of touch to the true hand of a filmed clip, without a camera's
+/// errors: what is left when the hand is known exactly, or when only its front is.
 #pragma once
 
 #include "palpable/touch/touchable_body.h"
@@ -22,15 +22,22 @@ struct ClipFrame {
 struct ClipAnswer {
   std::vector<ClipFrame> frames;     ///< those that are scored and deep enough, in their order
   std::vector<double> milliseconds;  ///< of all frames in which something is near
+  int unseen = 0;                    ///< frames left out: no camera sees what touches (kDepth)
   double largest_jump_mm = 0;        ///< of a vertex, from any frame to the next
 };
 
-/// Plays all frames of the clip, the hand's capsules as the obstacle, and compares with
-/// CLIP/truth/deformed (`palpable truth` writes it).
+/// What presses.
+enum class TrueHand {
+  kCapsules,  ///< the hand itself
+  kDepth,     ///< what a perfect depth camera sees of it, its other side assumed as live does
+};
+
+/// Plays all frames of the clip and compares with CLIP/truth/deformed (`palpable truth` writes it).
 /// @param body   with tables; the one that was filmed
 /// @param depth  m: of the undeformed body; shallower frames are not compared
 /// @throws Error naming the file that is missing or of another body
 [[nodiscard]] ClipAnswer answer_to_true_hand(const TouchableBody& body,
-                                             const std::filesystem::path& clip, double depth);
+                                             const std::filesystem::path& clip, TrueHand hand,
+                                             double depth);
 
 }  // namespace palpable

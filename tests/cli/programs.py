@@ -1161,6 +1161,11 @@ def _(programs, folder):
     deep = [line["frame"] for line in told if line["scored"] and line["depth_m"] >= 0.004]
     assert [frame["frame"] for frame in answer["clips"][str(clip)]["by_frame"]] == deep != [], answer
     assert answer["displacement_error"]["median"] < 0.15, answer
+    # Of the front alone the other side is assumed: worse, but no other touch.
+    front = json.loads(
+        programs.succeeds("bench", "clip", touched / "ball.palpable", clip, "--true-depth", "--json").stdout)
+    assert front["frames"] == answer["frames"], front
+    assert answer["displacement_error"]["median"] < front["displacement_error"]["median"] < 0.4, (answer, front)
     programs.refuses("bench", "clip", body, clip, says=["no tables of touch"])
     programs.refuses("bench", "clip", touched / "ball.palpable", folder / "none", says=["none"])
 
