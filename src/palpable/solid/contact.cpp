@@ -144,7 +144,7 @@ struct ContactWalk::Work {
         checked_spacing(refuse_too_many(boundary.surface, spacing)),
         points(contact_points(core.model.mesh, boundary, checked_spacing)),
         penalties(penalties_of(assembly, points, settings.penalty)),
-        pairs(assembly, boundary, points, penalties),
+        pairs(assembly, boundary, points, penalties, {settings.friction, settings.sticking * size}),
         factor(&core.at_rest.factor),
         force(3, assembly.node_count()) {
     now.t = begin;
@@ -174,7 +174,7 @@ struct ContactWalk::Work {
     const double held = std::max(0.0, force.squaredNorm() - inside.squaredNorm());
     r += free_preload;
     double sum = free_preload.squaredNorm() + held;
-    for (const ContactPair& pair : pairs.pairs()) sum += pair.force * pair.force;
+    for (const ContactPair& pair : pairs.pairs()) sum += pair.whole_force().squaredNorm();
     scale = std::sqrt(sum);
     const double preload =
         preloaded != nullptr ? preloaded->force.cwiseProduct(u - preloaded->rest).sum() : 0.0;
@@ -282,7 +282,9 @@ struct ContactWalk::Work {
       if (swallows(ObstacleGaps(motion(now.t)))) return Stop::kSwallowed;
       checked_begin = true;
     }
-    pairs.take_up(gaps, core.model.mesh.nodes + now.displacement);
+    const Matrix3Xd positions_before = core.model.mesh.nodes + now.displacement;
+    pairs.take_up(gaps, positions_before);
+    pairs.begin_step(gaps, motion(now.t), positions_before);
     Matrix3Xd u = start(gaps, t);
     positions = core.model.mesh.nodes + u;
     pairs.find(gaps, positions, edge);
@@ -383,7 +385,7 @@ struct ContactWalk::Work {
       if (pair.force == 0.0) continue;
       ++now.touching;
       sum += pair.force;
-      now.force += pair.force * pair.gap.normal;
+      now.force += pair.whole_force();
       moment += pair.force * place(points.points[pair.point], positions);
       largest_product = std::max(largest_product, std::abs(pair.gap.distance) * pair.force);
     }

@@ -1,6 +1,7 @@
 /// @file
-/// The full answer of a hyperelastic body to rigid obstacles: unilateral, frictionless contact at
-/// the contact points of its skin (contact_points.h), by an augmented Lagrangian (contact_pairs.h).
+/// The full answer of a hyperelastic body to rigid obstacles: unilateral contact at the contact
+/// points of its skin (contact_points.h), without friction unless it is asked for, by an augmented
+/// Lagrangian (contact_pairs.h).
 ///
 ///     internal_force(u) = preload + sum f_i n_i N(x_i)        at the free nodes
 ///     g_i(u) >= 0,   f_i >= 0,   g_i f_i = 0                  at every contact point
@@ -35,6 +36,12 @@ struct ContactSettings {
   /// Of the nodes' own stiffness: the penalty of a contact point. More means fewer updates of the
   /// multipliers, and worse conditioned steps.
   double penalty = 200;
+  /// Coulomb's coefficient between obstacle and skin. With friction the answer depends on the way,
+  /// step by step: a point slides along the straight line between two steps.
+  double friction = 0;
+  /// m, as a share of the body's size: a point that slides by less in a step is held by less than
+  /// friction's whole force.
+  double sticking = 1e-4;
   int max_newton_steps = 40;    ///< of one update
   int max_updates = 30;         ///< of the multipliers
   int max_halvings = 7;         ///< of a step in t, in succession
@@ -56,7 +63,7 @@ struct ContactState {
   /// m, >= 0: how deep the obstacle is at worst between the contact points, on a grid four times as
   /// fine.
   double entry_between = 0;
-  double smallest_force = 0;   ///< N, of all contact points: >= 0
+  double smallest_force = 0;   ///< N, along the normal, of all contact points: >= 0
   double complementarity = 0;  ///< largest |g f| over (size * the sum of all f)
   double residual = 0;         ///< relative, as ContactSettings::tolerance
   double smallest_volume_ratio = 1;

@@ -27,15 +27,21 @@ std::vector<int> parts_near(const ObstacleGaps& gaps, const Matrix3Xd& positions
   return parts;
 }
 
+bool acts(const ContactPair& pair) {
+  return pair.force != 0.0 || pair.friction != Vector3d::Zero();
+}
+
 bool comes_before(const ContactPair& a, const ContactPair& b) { return key(a) < key(b); }
 
 }  // namespace
 
 ContactPairs::ContactPairs(const TetAssembly& assembly, const Boundary& boundary,
-                           const ContactPoints& points, const VectorXd& penalties)
+                           const ContactPoints& points, const VectorXd& penalties,
+                           const Friction& friction)
     : boundary_(boundary),
       points_(points),
       penalties_(penalties),
+      friction_(friction),
       free_of_node_(assembly.node_count(), -1) {
   const std::vector<int>& free = assembly.free_nodes();
   for (std::size_t m = 0; m < free.size(); ++m) free_of_node_[free[m]] = static_cast<int>(m);
@@ -67,6 +73,7 @@ int ContactPairs::find(const ObstacleGaps& gaps, const Matrix3Xd& positions, dou
         if (distance > margin || has(point, part)) continue;
         fresh.push_back({.point = point, .part = part, .penalty = penalties_[point], .gap = {}});
         fresh.back().gap.distance = distance;
+        if (friction_.coefficient > 0.0) stick(gaps, fresh.back());
       }
     }
   }
@@ -107,37 +114,79 @@ void ContactPairs::take_up(const ObstacleGaps& gaps, const Matrix3Xd& positions)
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end(), same), pairs_.end());
 }
 
+void ContactPairs::begin_step(const ObstacleGaps& gaps, const Obstacle& before,
+                              const Matrix3Xd& positions_before) {
+  if (friction_.coefficient == 0.0) return;
+  before_ = before;
+  positions_before_ = positions_before;
+  for (ContactPair& pair : pairs_) stick(gaps, pair);
+}
+
+void ContactPairs::stick(const ObstacleGaps& gaps, ContactPair& pair) const {
+  const Vector3d x = place(points_.points[pair.point], positions_before_);
+  // Of an obstacle that has become another one nobody knows how it moved.
+  const bool same = before_.part_count() == gaps.part_count();
+  pair.stuck = same ? carried(before_, gaps.obstacle(), pair.part, x) : x;
+  pair.slide_normal = gaps.gap(pair.part, x).normal;
+}
+
+// Slide and friction of a point at x. @returns its part of D, J
+double ContactPairs::rub(const Vector3d& x, ContactPair& pair) const {
+  const double most = friction_.coefficient * pair.multiplier, e = friction_.sticking;
+  const Vector3d moved = x - pair.stuck;
+  pair.slide = moved - pair.slide_normal.dot(moved) * pair.slide_normal;
+  const double way = pair.slide.norm();
+  pair.friction = -most / std::max(way, e) * pair.slide;
+  return most * (way < e ? 0.5 * way * way / e : way - 0.5 * e);
+}
+
+// How the force falls as the point moves, without the obstacle's curvature.
+Matrix3d ContactPairs::stiffness(const ContactPair& pair) const {
+  const Vector3d n = pair.gap.normal;
+  Matrix3d K =
+      pair.force == 0.0 ? Matrix3d(Matrix3d::Zero()) : Matrix3d(pair.penalty * n * n.transpose());
+  if (friction_.coefficient == 0.0 || pair.multiplier == 0.0) return K;
+  const double way = pair.slide.norm();
+  const Matrix3d across = Matrix3d::Identity() - pair.slide_normal * pair.slide_normal.transpose();
+  const double most = friction_.coefficient * pair.multiplier;
+  if (way < friction_.sticking) return K + most / friction_.sticking * across;
+  const Vector3d along = pair.slide / way;
+  return K + most / way * (across - along * along.transpose());
+}
+
 double ContactPairs::evaluate(const ObstacleGaps& gaps, const Matrix3Xd& positions, bool glued) {
   double energy = 0.0;
   for (ContactPair& pair : pairs_) {
-    pair.gap = gaps.gap(pair.part, place(points_.points[pair.point], positions));
+    const Vector3d x = place(points_.points[pair.point], positions);
+    pair.gap = gaps.gap(pair.part, x);
     pair.force = pair.multiplier - pair.penalty * pair.gap.distance;
     if (!(glued && pair.multiplier > 0.0)) pair.force = std::max(0.0, pair.force);
     energy += 0.5 / pair.penalty * (pair.force + pair.multiplier) * (pair.force - pair.multiplier);
+    if (friction_.coefficient > 0.0) energy += rub(x, pair);
   }
   return energy;
 }
 
 void ContactPairs::add_forces(Matrix3Xd& force) const {
   for (const ContactPair& pair : pairs_) {
-    if (pair.force == 0.0) continue;
+    if (!acts(pair)) continue;
     const ContactPoint& point = points_.points[pair.point];
     for (int k = 0; k < point.count; ++k) {
-      force.col(point.nodes[k]) += point.shape[k] * pair.force * pair.gap.normal;
+      force.col(point.nodes[k]) += point.shape[k] * pair.whole_force();
     }
   }
 }
 
 void ContactPairs::add_product(const VectorXd& x, bool bent, VectorXd& y) const {
   for (const ContactPair& pair : pairs_) {
-    if (pair.force == 0.0) continue;
+    if (!acts(pair)) continue;
     const ContactPoint& point = points_.points[pair.point];
     Vector3d moves = Vector3d::Zero();
     for (int k = 0; k < point.count; ++k) {
       const int free = free_of_node_[point.nodes[k]];
       if (free >= 0) moves += point.shape[k] * x.segment<3>(3 * free);
     }
-    Vector3d pull = pair.penalty * pair.gap.normal.dot(moves) * pair.gap.normal;
+    Vector3d pull = stiffness(pair) * moves;
     if (bent) pull -= pair.force * (pair.gap.curvature * moves);
     for (int k = 0; k < point.count; ++k) {
       const int free = free_of_node_[point.nodes[k]];
@@ -149,20 +198,19 @@ void ContactPairs::add_product(const VectorXd& x, bool bent, VectorXd& y) const 
 
 void ContactPairs::add_tangent(BlockMatrix& K) const {
   for (const ContactPair& pair : pairs_) {
-    if (pair.force == 0.0) continue;
+    if (!acts(pair)) continue;
     const ContactPoint& point = points_.points[pair.point];
-    const Vector3d n = pair.gap.normal;
+    const Matrix3d stiff = stiffness(pair);
     for (int i = 0; i < point.count; ++i) {
       const int row = free_of_node_[point.nodes[i]];
       if (row < 0) continue;
       for (int j = 0; j < point.count; ++j) {
         const int column = free_of_node_[point.nodes[j]];
         if (column < 0) continue;
-        const Vector3d left = n.cwiseProduct(mask_.segment<3>(3 * row));
-        const Vector3d right = n.cwiseProduct(mask_.segment<3>(3 * column));
         // Nodes of one face share a tetrahedron, so the block is there.
-        K.block(K.pattern().find(row, column)) +=
-            point.shape[i] * point.shape[j] * pair.penalty * left * right.transpose();
+        K.block(K.pattern().find(row, column)) += point.shape[i] * point.shape[j] *
+                                                  mask_.segment<3>(3 * row).asDiagonal() * stiff *
+                                                  mask_.segment<3>(3 * column).asDiagonal();
       }
     }
   }
@@ -173,6 +221,7 @@ double ContactPairs::update_multipliers() {
   for (ContactPair& pair : pairs_) {
     largest = std::max(largest, std::abs(pair.force - pair.multiplier) / pair.penalty);
     pair.multiplier = pair.force;
+    pair.slide_normal = pair.gap.normal;
   }
   return largest;
 }

@@ -1,6 +1,6 @@
 /// @file
-/// Augmented Lagrangian of unilateral, frictionless contact: what each contact point and each part
-/// of the obstacle add to energy, forces and tangent.
+/// Augmented Lagrangian of unilateral contact: what each contact point and each part of the
+/// obstacle add to energy, forces and tangent.
 /// Internal to this module; contact.h is what others use.
 ///
 ///     g >= 0, p >= 0, g p = 0      g  gap of a point x to a part, m      p  its force, N
@@ -10,6 +10,14 @@
 /// At a minimum over u the force f = max(0, p - k g) balances the body; p <- f then brings both
 /// closer, by a factor of about 1 / (1 + k * compliance) each time (Alart and Curnier, Comput.
 /// Methods Appl. Mech. Eng. 92, 1991). At the end g f = 0 to rounding, whatever k is.
+///
+/// Coulomb's friction, where it is asked for, is a potential of the step: with s the way that a
+/// point has slid over its part since the step began, square to the normal,
+///
+///     D(u) = sum mu p h(|s|)      h(y) = y^2 / (2 e)  up to e,  y - e / 2  beyond
+///
+/// so that it resists by mu p where it slides by more than e, and by less where it sticks. p and
+/// the normal are those of the update before, which the updates make the present ones.
 #pragma once
 
 #include "palpable/solid/block_matrix.h"
@@ -31,6 +39,17 @@ struct ContactPair {
   double multiplier = 0;  ///< N, >= 0
   Gap gap;                ///< at the last evaluation
   double force = 0;       ///< N, along the gap's normal, on the body
+  /// With friction: where the point would be if it had stuck since the step began, m; the normal
+  /// that the slide is square to; the slide, m; and the force on the body, N.
+  Eigen::Vector3d stuck = Eigen::Vector3d::Zero(), slide_normal = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d slide = Eigen::Vector3d::Zero(), friction = Eigen::Vector3d::Zero();
+
+  [[nodiscard]] Eigen::Vector3d whole_force() const { return force * gap.normal + friction; }
+};
+
+struct Friction {
+  double coefficient = 0;  ///< Coulomb's mu; 0: none
+  double sticking = 0;     ///< m, e above
 };
 
 /// The pairs that are near enough to matter, and their sums.
@@ -39,7 +58,7 @@ class ContactPairs {
   /// All arguments outlive this.
   /// @param penalties  (C) N/m of each point
   ContactPairs(const TetAssembly& assembly, const Boundary& boundary, const ContactPoints& points,
-               const Eigen::VectorXd& penalties);
+               const Eigen::VectorXd& penalties, const Friction& friction = {});
 
   [[nodiscard]] const std::vector<ContactPair>& pairs() const { return pairs_; }
 
@@ -47,7 +66,12 @@ class ContactPairs {
   /// are farther. @returns how many that touch (gap below 0) are new
   int find(const ObstacleGaps& gaps, const Eigen::Matrix3Xd& positions, double margin);
 
-  /// Gaps and forces at `positions`. @returns sum of 1/(2 k) (f^2 - p^2), J
+  /// From here on points slide: where the obstacle and the nodes were when the step began.
+  void begin_step(const ObstacleGaps& gaps, const Obstacle& before,
+                  const Eigen::Matrix3Xd& positions_before);
+
+  /// Gaps and forces at `positions`. @returns sum of 1/(2 k) (f^2 - p^2) and of
+  /// D, J
   /// @param glued  points that were pressed stay on the obstacle: f = p - k g may pull, too
   double evaluate(const ObstacleGaps& gaps, const Eigen::Matrix3Xd& positions, bool glued = false);
 
@@ -84,10 +108,16 @@ class ContactPairs {
 
  private:
   [[nodiscard]] bool has(int point, int part) const;
+  void stick(const ObstacleGaps& gaps, ContactPair& pair) const;
+  double rub(const Eigen::Vector3d& x, ContactPair& pair) const;
+  [[nodiscard]] Eigen::Matrix3d stiffness(const ContactPair& pair) const;
 
   const Boundary& boundary_;
   const ContactPoints& points_;
   const Eigen::VectorXd& penalties_;
+  Friction friction_;
+  Obstacle before_;                    // with friction: when the step began
+  Eigen::Matrix3Xd positions_before_;  // likewise
   std::vector<int> free_of_node_;
   Eigen::VectorXd mask_;            // (3M) 1, and 0 in held directions
   std::vector<ContactPair> pairs_;  // ordered by point, then part

@@ -100,6 +100,44 @@ TEST_CASE("the obstacle's force is the slope of the body's energy along its way"
   CHECK(-force == Approx(slope).epsilon(tolerance(1e-4, "differences over 0.4 % of the depth")));
 }
 
+// Comes down on the block's top by 4 mm until t = 1, then goes aside by 1 m a unit of time.
+Obstacle lid_at(double t) {
+  const double down = 0.1 - 0.004 * std::min(t, 1.0), aside = std::max(0.0, t - 1.0);
+  return {.half_spaces = {{{aside, 0, down}, {0, 0, -1}}}};
+}
+
+TEST_CASE("a lid that goes aside drags a block along until it slides by Coulomb's law",
+          "[solid][contact]") {
+  const EquilibriumSolver solver(block(4));
+  const auto top = nodes_on_plane(block(4).mesh, {0, 0, 0.1}, {0, 0, 1}, 1e-9);
+  // Where it sticks, the top goes with the lid.
+  ContactWalk sticks(solver, lid_at, -0.1, {.friction = 5.0});
+  REQUIRE(sticks.advance(0.5));
+  REQUIRE(sticks.advance(1.0));
+  const Matrix3Xd pressed = sticks.now().displacement;
+  REQUIRE(sticks.advance(1.002));
+  check_conditions(sticks);
+  const double slip = 1e-4 * sticks.body_size();
+  for (const int node : top) {
+    const Vector3d moved = sticks.now().displacement.col(node) - pressed.col(node);
+    CHECK((moved - Vector3d(0.002, 0, 0)).norm() <= tolerance(slip, "the slide of full friction"));
+  }
+  // Where it slides, all of the force is mu times the pressure's.
+  ContactWalk slides(solver, lid_at, -0.1, {.friction = 0.3});
+  REQUIRE(slides.advance(1.0));
+  for (int i = 1; i <= 8; ++i) REQUIRE(slides.advance(1.0 + 0.004 * i));
+  check_conditions(slides);
+  const Vector3d force = slides.now().force;
+  CHECK(force[2] < 0);
+  CHECK(force[0] == Approx(-0.3 * force[2]).epsilon(tolerance(1e-3, "points slide aside by 1 %")));
+  CHECK(std::abs(force[1]) < tolerance(1e-3, "the block is symmetric") * force.norm());
+  // It would slide on without an end: nothing changes any more.
+  const Matrix3Xd before = slides.now().displacement;
+  REQUIRE(slides.advance(1.036));
+  CHECK((slides.now().displacement - before).norm() <=
+        tolerance(1e-3, "the last steps' way across") * before.norm());
+}
+
 TEST_CASE("many steps, few steps and the way back lead to the same state", "[solid][contact]") {
   const EquilibriumSolver solver(block(6));
   ContactWalk few(solver, ball_at, -0.001), many(solver, ball_at, -0.001);

@@ -1,5 +1,7 @@
 #include "palpable/solid/obstacle.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -30,6 +32,29 @@ Obstacle moved(Obstacle obstacle, const Rigid3& target_from_source) {
     surface.body_from_shape = target_from_source * surface.body_from_shape;
   }
   return obstacle;
+}
+
+Vector3d carried(const Obstacle& from, const Obstacle& to, int part, const Vector3d& x) {
+  const auto turned = [&x](const Vector3d& old_place, const Vector3d& old_direction,
+                           const Vector3d& place, const Vector3d& direction) -> Vector3d {
+    const bool has_direction = old_direction.norm() > 0.0 && direction.norm() > 0.0;
+    if (!has_direction) return place + (x - old_place);
+    return place + Eigen::Quaterniond::FromTwoVectors(old_direction, direction) * (x - old_place);
+  };
+  const auto capsules = static_cast<int>(from.capsules.size());
+  if (part < capsules) {
+    const Capsule &old = from.capsules[part], &now = to.capsules[part];
+    return turned(old.a, old.b - old.a, now.a, now.b - now.a);
+  }
+  const auto halves = static_cast<int>(from.half_spaces.size());
+  if (part < capsules + halves) {
+    const HalfSpace &old = from.half_spaces[part - capsules],
+                    &now = to.half_spaces[part - capsules];
+    return turned(old.point, old.normal, now.point, now.normal);
+  }
+  const auto surface = static_cast<std::size_t>(part - capsules - halves);
+  return to.surfaces[surface].body_from_shape *
+         (from.surfaces[surface].body_from_shape.inverse() * x);
 }
 
 double smallest_radius(const Obstacle& obstacle) {

@@ -49,6 +49,12 @@ struct Obstacle {
 /// Smallest radius of curvature of all capsules, m; infinite without any.
 [[nodiscard]] double smallest_radius(const Obstacle& obstacle);
 
+/// Where a point that is fixed to a part of an obstacle goes while the obstacle moves from one
+/// place to another. A capsule does not spin about its own axis.
+/// @pre both have the same parts
+[[nodiscard]] Eigen::Vector3d carried(const Obstacle& from, const Obstacle& to, int part,
+                                      const Eigen::Vector3d& x);
+
 /// The way of an obstacle: where it is at time t. Continuous where it presses; parts that do not
 /// may come and go.
 using ObstacleMotion = std::function<Obstacle(double t)>;
@@ -67,6 +73,7 @@ class ObstacleGaps {
  public:
   explicit ObstacleGaps(Obstacle obstacle);
 
+  [[nodiscard]] const Obstacle& obstacle() const { return obstacle_; }
   [[nodiscard]] int part_count() const { return obstacle_.part_count(); }
   [[nodiscard]] double distance(int part, const Eigen::Vector3d& x) const;
   /// To the nearest part; infinite without any.
