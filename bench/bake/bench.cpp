@@ -35,6 +35,7 @@ void add_bench(Command app) {
   add_bench_clip(bench);
   add_bench_solid(bench);
   add_bench_elements(bench);
+  add_bench_friction(bench);
   add_bench_obstacle(bench);
   add_bench_reduce(bench);
   add_bench_touch(bench);

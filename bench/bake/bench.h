@@ -16,6 +16,7 @@ void add_bench_beam(Command bench);
 void add_bench_campaign(Command bench);
 void add_bench_clip(Command bench);
 void add_bench_elements(Command bench);
+void add_bench_friction(Command bench);
 void add_bench_obstacle(Command bench);
 void add_bench_reduce(Command bench);
 void add_bench_solid(Command bench);

@@ -289,6 +289,7 @@ void add_bench(Command app) {
       "  bench obstacle  contact against Hertz and CalculiX, and its cost on a body\n"
       "  bench touch     touch anywhere by a body's tables, against full finite elements\n"
       "  bench clip      the same under the true hand of a filmed clip\n"
+      "  bench friction  what friction, which touch leaves out, would change\n"
       "Example: palpable bench evaluate bunny.palpable --json");
   const auto add_body_bench = [&](const char* name, const char* what,
                                   void (*run)(const BodyOptions&)) {

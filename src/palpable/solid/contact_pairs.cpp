@@ -73,7 +73,6 @@ int ContactPairs::find(const ObstacleGaps& gaps, const Matrix3Xd& positions, dou
         if (distance > margin || has(point, part)) continue;
         fresh.push_back({.point = point, .part = part, .penalty = penalties_[point], .gap = {}});
         fresh.back().gap.distance = distance;
-        if (friction_.coefficient > 0.0) stick(gaps, fresh.back());
       }
     }
   }
@@ -117,22 +116,24 @@ void ContactPairs::take_up(const ObstacleGaps& gaps, const Matrix3Xd& positions)
 void ContactPairs::begin_step(const ObstacleGaps& gaps, const Obstacle& before,
                               const Matrix3Xd& positions_before) {
   if (friction_.coefficient == 0.0) return;
-  before_ = before;
-  positions_before_ = positions_before;
-  for (ContactPair& pair : pairs_) stick(gaps, pair);
+  // Of an obstacle that has become another one nobody knows how it moved.
+  const bool same = before.part_count() == gaps.part_count();
+  for (ContactPair& pair : pairs_) {
+    const Vector3d x = place(points_.points[pair.point], positions_before);
+    pair.rubs = same && pair.multiplier > 0.0;
+    pair.stuck = pair.rubs ? carried(before, gaps.obstacle(), pair.part, x) : x;
+    pair.slide_normal = pair.gap.normal;
+    pair.slide = pair.friction = Vector3d::Zero();
+  }
 }
 
-void ContactPairs::stick(const ObstacleGaps& gaps, ContactPair& pair) const {
-  const Vector3d x = place(points_.points[pair.point], positions_before_);
-  // Of an obstacle that has become another one nobody knows how it moved.
-  const bool same = before_.part_count() == gaps.part_count();
-  pair.stuck = same ? carried(before_, gaps.obstacle(), pair.part, x) : x;
-  pair.slide_normal = gaps.gap(pair.part, x).normal;
+double ContactPairs::most_friction(const ContactPair& pair) const {
+  return pair.rubs ? friction_.coefficient * pair.multiplier : 0.0;
 }
 
 // Slide and friction of a point at x. @returns its part of D, J
 double ContactPairs::rub(const Vector3d& x, ContactPair& pair) const {
-  const double most = friction_.coefficient * pair.multiplier, e = friction_.sticking;
+  const double most = most_friction(pair), e = friction_.sticking;
   const Vector3d moved = x - pair.stuck;
   pair.slide = moved - pair.slide_normal.dot(moved) * pair.slide_normal;
   const double way = pair.slide.norm();
@@ -145,10 +146,10 @@ Matrix3d ContactPairs::stiffness(const ContactPair& pair) const {
   const Vector3d n = pair.gap.normal;
   Matrix3d K =
       pair.force == 0.0 ? Matrix3d(Matrix3d::Zero()) : Matrix3d(pair.penalty * n * n.transpose());
-  if (friction_.coefficient == 0.0 || pair.multiplier == 0.0) return K;
+  const double most = most_friction(pair);
+  if (most == 0.0) return K;
   const double way = pair.slide.norm();
   const Matrix3d across = Matrix3d::Identity() - pair.slide_normal * pair.slide_normal.transpose();
-  const double most = friction_.coefficient * pair.multiplier;
   if (way < friction_.sticking) return K + most / friction_.sticking * across;
   const Vector3d along = pair.slide / way;
   return K + most / way * (across - along * along.transpose());
@@ -162,7 +163,7 @@ double ContactPairs::evaluate(const ObstacleGaps& gaps, const Matrix3Xd& positio
     pair.force = pair.multiplier - pair.penalty * pair.gap.distance;
     if (!(glued && pair.multiplier > 0.0)) pair.force = std::max(0.0, pair.force);
     energy += 0.5 / pair.penalty * (pair.force + pair.multiplier) * (pair.force - pair.multiplier);
-    if (friction_.coefficient > 0.0) energy += rub(x, pair);
+    if (pair.rubs) energy += rub(x, pair);
   }
   return energy;
 }

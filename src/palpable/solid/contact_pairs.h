@@ -39,8 +39,10 @@ struct ContactPair {
   double multiplier = 0;  ///< N, >= 0
   Gap gap;                ///< at the last evaluation
   double force = 0;       ///< N, along the gap's normal, on the body
-  /// With friction: where the point would be if it had stuck since the step began, m; the normal
-  /// that the slide is square to; the slide, m; and the force on the body, N.
+  /// With friction: whether the point pressed when the step began, and so may rub; where it would
+  /// be if it had stuck since, m; the normal that the slide is square to; the slide, m; and the
+  /// force on the body, N.
+  bool rubs = false;
   Eigen::Vector3d stuck = Eigen::Vector3d::Zero(), slide_normal = Eigen::Vector3d::UnitZ();
   Eigen::Vector3d slide = Eigen::Vector3d::Zero(), friction = Eigen::Vector3d::Zero();
 
@@ -108,7 +110,7 @@ class ContactPairs {
 
  private:
   [[nodiscard]] bool has(int point, int part) const;
-  void stick(const ObstacleGaps& gaps, ContactPair& pair) const;
+  [[nodiscard]] double most_friction(const ContactPair& pair) const;
   double rub(const Eigen::Vector3d& x, ContactPair& pair) const;
   [[nodiscard]] Eigen::Matrix3d stiffness(const ContactPair& pair) const;
 
@@ -116,8 +118,6 @@ class ContactPairs {
   const ContactPoints& points_;
   const Eigen::VectorXd& penalties_;
   Friction friction_;
-  Obstacle before_;                    // with friction: when the step began
-  Eigen::Matrix3Xd positions_before_;  // likewise
   std::vector<int> free_of_node_;
   Eigen::VectorXd mask_;            // (3M) 1, and 0 in held directions
   std::vector<ContactPair> pairs_;  // ordered by point, then part

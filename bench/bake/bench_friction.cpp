@@ -1,0 +1,120 @@
+// palpable-bake bench friction: what friction, which the tables of touch leave out, would change.
+
+#include "apps/common/command_line.h"
+#include "apps/common/progress_bar.h"
+#include "palpable/base/order_statistics.h"
+#include "palpable/campaign/press_solver.h"
+#include "palpable/describe/body_problem.h"
+#include "palpable/touch_bake/touch_maker.h"
+#include "palpable/touch_bake/touch_scenes.h"
+
+#include <fmt/format.h>
+
+#include "bench/bake/bench.h"
+#include "bench/bake/friction_study.h"
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+struct Options {
+  std::string body = "bodies/bunny-demo.toml";
+  int each = 2;
+  double coefficient = 0.3;
+  std::uint64_t seed = 0;  // 0: drawn
+  bool json = false;
+};
+
+// A squeeze has no way aside.
+constexpr std::array kThings{PressingThing::kFinger, PressingThing::kPencil, PressingThing::kPalm,
+                             PressingThing::kHand, PressingThing::kRim};
+
+std::string moment_of(const FrictionDifference& d) {
+  return d.dragged > 0 ? fmt::format("dragged_{:g}mm", 1e3 * d.dragged)
+                       : fmt::format("at_{:g}mm", 1e3 * d.depth);
+}
+
+Json medians_of(const std::vector<FrictionDifference>& all) {
+  Json figures = Json::object();
+  for (const FrictionDifference& first : all) {
+    Json& entry = figures[name_of(first.thing)][moment_of(first)];
+    if (!entry.is_null()) continue;
+    std::vector<double> u, worst, force, angle, stress;
+    for (const FrictionDifference& d : all) {
+      if (d.thing != first.thing || moment_of(d) != moment_of(first)) continue;
+      u.push_back(d.displacement);
+      worst.push_back(1e3 * d.worst_vertex);
+      force.push_back(d.force);
+      angle.push_back(d.angle * 180 / std::numbers::pi);
+      stress.push_back(d.von_mises);
+    }
+    entry = {{"scenes", u.size()},
+             {"u_median", percentile(u, 0.5)},
+             {"worst_vertex_median_mm", percentile(worst, 0.5)},
+             {"force_median", percentile(force, 0.5)},
+             {"angle_median_deg", percentile(angle, 0.5)},
+             {"vm_median", percentile(stress, 0.5)}};
+  }
+  return figures;
+}
+
+void run(const Options& options) {
+  ProgressBar bar;
+  const BodyProblem problem = pose_body(read_body_description(options.body));
+  const EquilibriumSolver solver(problem.model);
+  const PressSolver presses(solver, problem.preload);
+  const SkinResponse skin(problem.model, problem.mesh.boundary, presses.preloaded());
+  const std::uint64_t seed = options.seed > 0 ? options.seed : std::random_device()();
+  std::vector<FrictionDifference> all;
+  Json stopped = Json::array();
+  int number = 0;
+  for (const PressingThing thing : kThings) {
+    for (const TouchScene& scene : touch_scenes(skin, thing, options.each, seed)) {
+      bar.show({"with and without friction", static_cast<double>(number++),
+                static_cast<double>(kThings.size()) * options.each, name_of(thing)});
+      const std::string why = compare_friction(
+          solver, skin, presses.preloaded(), TouchBakeSettings().point_spacing, scene,
+          options.coefficient, [&all](const FrictionDifference& d) { all.push_back(d); });
+      if (!why.empty()) stopped.push_back(fmt::format("{}: {}", name_of(thing), why));
+    }
+  }
+  bar.finish();
+  Json figures = medians_of(all);
+  figures["seed"] = seed;
+  figures["coefficient"] = options.coefficient;
+  figures["stopped"] = stopped;
+  print_figures(figures, options.json);
+}
+
+}  // namespace
+
+void add_bench_friction(Command bench) {
+  const auto options = std::make_shared<Options>();
+  Command command = bench.add_subcommand(
+      "friction", "What friction changes, by full finite elements with and without it (minutes)");
+  command.add_option("body", options->body, "The body that is touched")
+      .type_name("BODY.toml")
+      .show_default();
+  command.add_option("--each", options->each, "Scenes of each thing")
+      .in_range(1, 1000)
+      .show_default();
+  command.add_option("--coefficient", options->coefficient, "Coulomb's, between thing and skin")
+      .in_range(0.01, 10.0)
+      .show_default();
+  command.add_option("--seed", options->seed, "Of the scenes; 0: a fresh one, which is printed");
+  command.add_flag("--json", options->json, "One JSON object");
+  command.footer(
+      "Things press the body by 5 mm and are then dragged aside by 5 mm. The answer to touch "
+      "leaves\n"
+      "friction out: this says how far off that is.\n"
+      "Example: palpable bench friction bodies/bunny-demo.toml --coefficient 0.5");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace palpable::app

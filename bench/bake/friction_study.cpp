@@ -1,0 +1,82 @@
+#include "bench/bake/friction_study.h"
+
+#include "palpable/solid/stress.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace palpable {
+namespace {
+
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+constexpr double kStep = 0.625e-3;  // m: friction asks for small ones
+constexpr double kDepth = 5e-3;     // m, and as far aside after that
+constexpr std::array kLooks{2.5e-3, 5e-3, 7.5e-3, 10e-3};
+
+// A scene's thing after a way of `t` m, down and then aside.
+Obstacle after(const TouchScene& scene, double t) {
+  const double aside = std::max(0.0, t - kDepth);
+  Rigid3 drag = Rigid3::Identity();
+  drag.translation() = aside * scene.way.unitOrthogonal();
+  return moved(obstacle_at(scene, std::min(t, kDepth)), drag);
+}
+
+FrictionDifference difference_of(const SkinResponse& skin, const ContactState& without,
+                                 const ContactState& with) {
+  const auto on_skin = [&](const ContactState& state) -> Matrix3Xd {
+    const Matrix3Xd moved = state.displacement - skin.body().rest();
+    return skin.on_skin(moved.reshaped()).reshaped(3, skin.vertex_count());
+  };
+  const auto stress = [&](const ContactState& state) -> Eigen::VectorXd {
+    const Eigen::VectorXd nodal =
+        von_mises(nodal_cauchy_stress(skin.body().model(), state.displacement, skin.recovery()));
+    return nodal(
+        std::span(skin.shell_nodes()).first(static_cast<std::size_t>(skin.vertex_count())));
+  };
+  const Matrix3Xd u = on_skin(with), apart = on_skin(without) - u;
+  const Eigen::VectorXd s = stress(with);
+  FrictionDifference d;
+  d.displacement = apart.norm() / u.norm();
+  d.worst_vertex = apart.colwise().norm().maxCoeff();
+  d.force = (without.force - with.force).norm() / with.force.norm();
+  d.angle = std::atan2(without.force.cross(with.force).norm(), without.force.dot(with.force));
+  d.von_mises = (stress(without) - s).cwiseAbs().maxCoeff() / s.maxCoeff();
+  return d;
+}
+
+}  // namespace
+
+std::string compare_friction(const EquilibriumSolver& solver, const SkinResponse& skin,
+                             const Preloaded* preloaded, double point_spacing,
+                             const TouchScene& scene, double coefficient,
+                             const std::function<void(const FrictionDifference&)>& found) {
+  ContactSettings settings;
+  settings.spacing = point_spacing;
+  const auto way = [&scene](double t) { return after(scene, t); };
+  ContactWalk without(solver, way, -1e-4, settings, preloaded);
+  settings.friction = coefficient;
+  ContactWalk with(solver, way, -1e-4, settings, preloaded);
+  double t = 0;
+  for (const double look : kLooks) {
+    while (t < look) {
+      t = std::min(t + kStep, look);
+      if (!without.advance(t)) return "without friction " + without.why_stopped();
+      if (!with.advance(t)) return "with friction " + with.why_stopped();
+    }
+    // Dragged off the body there is nothing to compare.
+    if (with.now().touching == 0 || without.now().touching == 0) return {};
+    FrictionDifference d = difference_of(skin, without.now(), with.now());
+    d.thing = scene.thing;
+    d.depth = std::min(t, kDepth);
+    d.dragged = std::max(0.0, t - kDepth);
+    found(d);
+  }
+  return {};
+}
+
+}  // namespace palpable

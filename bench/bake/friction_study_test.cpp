@@ -1,0 +1,42 @@
+#include "bench/bake/friction_study.h"
+
+#include "tests/support/standing_rubber.h"
+#include "tests/support/test.h"
+
+#include <cmath>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using test::tolerance;
+
+TEST_CASE("what friction changes: little under a straight press, Coulomb's angle when dragged",
+          "[bench][friction]") {
+  constexpr double kRadius = 0.05;  // m: of many contact points no one counts for much
+  const SolidModel model =
+      test::standing_rubber(box_tets({-0.03, -0.025, 0}, {0.03, 0.025, 0.04}, 6, 5, 4));
+  const EquilibriumSolver solver(model);
+  const SkinResponse skin(model, boundary_of(model.mesh));
+  TouchScene scene;
+  scene.touching = {.capsules = {ball({0.001, 0.002, 0.04 + kRadius}, kRadius)}};
+  scene.way = -Eigen::Vector3d::UnitZ();
+  std::vector<FrictionDifference> found;
+  const std::string why =
+      compare_friction(solver, skin, nullptr, 0.002, scene, 0.1,
+                       [&](const FrictionDifference& d) { found.push_back(d); });
+  INFO(why);
+  REQUIRE(found.size() == 4);
+  CHECK(found[1].depth == Approx(0.005));
+  CHECK(found[1].dragged == 0);
+  CHECK(found[1].displacement > 0);
+  CHECK(found[1].displacement < tolerance(0.15, "a ball straight down hardly slides"));
+  CHECK(found[3].dragged == Approx(0.005));
+  CHECK(
+      found[3].angle ==
+      Approx(std::atan(0.1))
+          .epsilon(tolerance(0.1, "the dented skin pushes back along the way, with and without")));
+}
+
+}  // namespace
+}  // namespace palpable
