@@ -23,6 +23,9 @@ constexpr float kShapeStep = 0.5f;
 // camera makes 2,500, and no two frames of it as many. More are possible.
 constexpr std::size_t kRoom = 8192;
 
+// Of the sum of two builds' ways: between a whole thing's (1/2) and that of one cut off (1).
+constexpr double kSeenMove = 2.0 / 3;
+
 constexpr float kAmid = 1e-6f;  // m: nearer to a ball's middle no direction leads out
 constexpr float kHalfRoot = 0.70710678f;
 
@@ -86,6 +89,47 @@ void ObjectSurface::finish() {
     bounds_.extend(Eigen::AlignedBox3f(ball.centre - radius, ball.centre + radius));
   }
   tree_.build(bare_);
+  find_moved();
+}
+
+// A thing that moves by v reaches by d . v farther in direction d. Of one that the picture or the
+// region cuts off only the half that is seen does, which gives half of v. The mean of two builds is
+// taken, since an outline that flickers moves there and back.
+void ObjectSurface::find_moved() {
+  static const std::array<Vector3f, 26> kDirections = [] {
+    std::array<Vector3f, 26> directions;
+    std::size_t count = 0;
+    for (int k = 0; k < 27; ++k) {
+      if (k == 13) continue;
+      directions[count++] =
+          Vector3f(static_cast<float>(k % 3 - 1), static_cast<float>(k / 3 % 3 - 1),
+                   static_cast<float>(k / 9 - 1))
+              .normalized();
+    }
+    return directions;
+  }();
+  const std::array<float, 26> before = reach_;
+  const bool measured_before = measured_;
+  reach_.fill(-std::numeric_limits<float>::infinity());
+  measured_ = false;
+  for (const ObjectBall& ball : balls_) {
+    if (ball.unseen_for > 0) continue;
+    measured_ = true;
+    for (std::size_t k = 0; k < reach_.size(); ++k) {
+      reach_[k] = std::max(reach_[k], kDirections[k].dot(ball.point));
+    }
+  }
+  const Vector3f way_before = way_;
+  moved_ = 0;
+  way_.setZero();
+  if (measured_ && measured_before) {
+    for (std::size_t k = 0; k < reach_.size(); ++k) {  // the sum of d d^T is 26 / 3
+      way_ += 3.0f / 26.0f * (reach_[k] - before[k]) * kDirections[k];
+    }
+    moved_ = kSeenMove * static_cast<double>((way_ + way_before).norm());
+  } else if (balls_.empty() || !measured_before) {
+    moved_ = std::numeric_limits<double>::infinity();
+  }
 }
 
 // The front of a ball that matters is not farther away than its diameter.

@@ -30,6 +30,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -119,6 +120,11 @@ class ObjectSurface {
   /// What the balls fill; empty without any.
   [[nodiscard]] const Eigen::AlignedBox3f& bounds() const { return bounds_; }
 
+  /// m: how far what is measured has moved since the build before, roughly; infinite where it has
+  /// just come or gone. From how far it reaches in 26 directions: what is assumed does not count,
+  /// nor do balls that come and go amid it.
+  [[nodiscard]] double moved() const { return moved_; }
+
   /// phi at x; nothing when x is farther than the band from all balls. Allocates nothing.
   [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x) const {
     return nearest(x, static_cast<float>(settings_.band));
@@ -139,6 +145,7 @@ class ObjectSurface {
   void start(const Eigen::AlignedBox3d& region_in_body, const Eigen::Vector3f& camera_in_body);
   void keep(const ObjectBall& ball);
   void finish();
+  void find_moved();
   [[nodiscard]] NearestOnObject answer(const Eigen::Vector3f& x, float distance, int index) const;
 
   [[nodiscard]] const MaskImage& everything_measured(const DepthImage& depth);
@@ -160,6 +167,10 @@ class ObjectSurface {
   std::vector<ObjectBall> balls_;
   std::vector<Eigen::Vector3f> cloud_;
   std::vector<Ball> bare_;
+  std::array<float, 26> reach_{};  // m, of the measured fronts in as many directions
+  bool measured_ = false;          // whether there are such
+  Eigen::Vector3f way_ = Eigen::Vector3f::Zero();  // m, half of it, since the build before
+  double moved_ = 0;
   BallTree tree_;
   RestFilter rest_;
   HeldBalls held_;

@@ -283,6 +283,40 @@ TEST_CASE("the tree finds what looking at every ball finds", "[contact][object s
   }
 }
 
+TEST_CASE("how far a thing moved is told by what is measured of it", "[contact][object surface]") {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> within(-0.01f, 0.01f);
+  std::vector<ObjectBall> balls(200);
+  for (ObjectBall& ball : balls) {
+    ball.point = Vector3f(within(random), within(random), within(random));
+    ball.centre = ball.point;
+    ball.radius = 0.003f;
+  }
+  const auto box = box_around(Vector3d::Zero(), 0.05);
+  ObjectSurface seen;
+  seen.build(balls, box);
+  CHECK(std::isinf(seen.moved()));  // has just come
+  seen.build(balls, box);
+  CHECK(seen.moved() == 0.0);
+  std::vector<ObjectBall> guessed = balls;
+  for (ObjectBall& ball : guessed) ball.centre.z() -= 0.004f;
+  guessed.resize(guessed.size() + 1);
+  guessed.back().point = Vector3f(0.03f, 0, 0);
+  guessed.back().unseen_for = 0.1f;  // held
+  seen.build(guessed, box);
+  CHECK(seen.moved() == 0.0);
+  const Vector3f way(0.003f, -0.002f, 0.001f);
+  for (int frame = 0; frame < 2; ++frame) {
+    for (ObjectBall& ball : balls) ball.point += way, ball.centre += way;
+    seen.build(balls, box);
+  }
+  // Of one that nothing cuts off it is somewhat more than the way; of one that is cut off less.
+  CHECK(seen.moved() > 0.9 * static_cast<double>(way.norm()));
+  CHECK(seen.moved() < 1.5 * static_cast<double>(way.norm()));
+  seen.build(std::vector<ObjectBall>{}, box);
+  CHECK(std::isinf(seen.moved()));
+}
+
 TEST_CASE("a thing that is far from the region makes no balls", "[contact][object surface]") {
   const Capsule near{{0, 0, 0.4}, {0, 0, 0.4}, 0.02}, far{{0.1, 0, 0.6}, {0.1, 0, 0.6}, 0.02};
   const DepthImage depth = test::depth_of({near, far}, kCamera);

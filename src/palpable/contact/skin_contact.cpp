@@ -12,6 +12,10 @@ using Eigen::Vector3f;
 // m: pressed points that lie so near to each other, and are pushed the same way, are of one touch.
 constexpr float kOneTouch = 0.006f;
 
+// m that a vertex may go from one frame to the next, or as far as what presses was seen to move: an
+// object's unseen side is guessed anew in each frame, and jumps where nothing moved.
+constexpr double kMove = 0.00375;
+
 // m of sigma that make a point as compliant as the body is there.
 constexpr float kSigmaOfBody = 0.01f;
 
@@ -55,7 +59,7 @@ TouchReport SkinContact::advance(TouchState& state, const ObjectSurface& seen,
   if (seen.balls().empty() && state.forces.empty() && state.u.cols() > 0) {
     return report;  // at rest, and stays so
   }
-  report = solver_.advance(state, gaps_to(seen), near_to(seen));
+  report = solver_.advance(state, gaps_to(seen), near_to(seen), std::max(kMove, seen.moved()));
   find_pressed(state);
   join_neighbours();
   for (int patch = 0; patch < patches_; ++patch) touches.push_back(touch_of(patch, seen));

@@ -80,6 +80,34 @@ TEST_CASE("a seen finger presses the skin out of its way, and lets go when it le
   CHECK(loop.see(nothing).steps == 0);  // a body at rest that nothing is near is not asked
 }
 
+TEST_CASE("an unseen side that jumps moves the skin over some frames, a fast finger at once",
+          "[contact][skin contact]") {
+  const auto jump_of = [](Loop& loop, const std::vector<ObjectBall>& balls) {
+    const Eigen::Matrix3Xf before = loop.state.u;
+    loop.see(balls);
+    return static_cast<double>((loop.state.u - before).colwise().norm().maxCoeff());
+  };
+  Loop guessed;
+  std::vector<ObjectBall> balls;
+  add_finger(balls, 0, 0, 0.001f);
+  guessed.see(balls);
+  for (ObjectBall& ball : balls) ball.centre.z() -= 0.005f;  // what is seen of it stays
+  CHECK(jump_of(guessed, balls) < 0.00375 + tolerance(1e-6, "m: rounding"));
+  CHECK(guessed.penetration() > 0.001);
+  guessed.see(balls);
+  CHECK(guessed.penetration() < tolerance(2e-4, "m: softness, and the balls' bumps"));
+
+  Loop seen;
+  for (const float depth : {-0.012f, -0.003f}) {
+    balls.clear();
+    add_finger(balls, 0, 0, depth);
+    seen.see(balls);
+  }
+  balls.clear();
+  add_finger(balls, 0, 0, 0.006f);
+  CHECK(jump_of(seen, balls) > 0.005);
+}
+
 TEST_CASE("two fingers are two touches, the stronger one first", "[contact][skin contact]") {
   Loop loop;
   std::vector<ObjectBall> balls;

@@ -20,9 +20,20 @@ using Eigen::Vector3f;
 constexpr float kClusterRadius = 0.006f;  // m
 // A heap's points may lie farther from its middle than at rest, where the skin is stretched.
 constexpr float kStretch = 1.3f;
-// A step that moves a touched vertex by more is halved.
-constexpr float kLargestMove = 0.005f;  // m
+// In steps of the object: a step of Newton's method that moves a touched vertex by more is halved.
+constexpr double kLargestMove = 4;
 constexpr int kHalvings = 4;
+// A frame's last step is looked at so many times for points that its answer enters though they were
+// too far to be asked (TouchSolver::Work::add_entered).
+constexpr int kRounds = 3;
+// Of the candidates' band: what enters by less is left to the next frame.
+constexpr double kEntered = 0.04;
+// Of a step: an answer whose last iteration moved a touched vertex by more is none yet, and is gone
+// towards by no more than so many steps.
+constexpr double kUnsettled = 0.4;
+constexpr int kUnsettledSteps = 3;
+// Of a step of Newton's method that is taken where the iteration does not come nearer.
+constexpr float kLeastShare = 0.25f;
 // m: so far from where it was asked last a gap is told by its normal and curvature. What that
 // leaves out is of the third order: 2e-6 m at a pencil's tip.
 constexpr float kSameGap = 0.0003f;
@@ -87,7 +98,11 @@ struct TouchSolver::Work {
   std::vector<VertexForce> loads;       // at `vertices`
   Matrix3Xf no_displacement;            // (3 x W)
   Matrix3Xf here, before;               // (3 x vertices) displacement of `vertices`
-  std::vector<FoundGap> found;          // by point
+  Matrix3Xf ahead;                      // (3 x W) what the step would hand over
+  std::vector<char> is_candidate;       // by point
+  Matrix3Xf began;                      // (3 x W) at the frame's beginning
+  std::vector<PointForce> forces_began, mixed;
+  std::vector<FoundGap> found;  // by point
   int frame = 0;
   std::vector<Vector3f> forces_before;
 
@@ -107,13 +122,18 @@ struct TouchSolver::Work {
         local_of_vertex(static_cast<std::size_t>(skin.vertex_count()), -1),
         no_displacement(Matrix3Xf::Zero(3, compliance.nodes())),
         here(3, kMostVertices),
-        before(3, kMostVertices) {
+        before(3, kMostVertices),
+        ahead(Matrix3Xf::Zero(3, compliance.nodes())),
+        is_candidate(points.size(), 0),
+        began(3, compliance.nodes()) {
     if (tables.shell.nodes() > 0) shell.emplace(tables.shell, skin.vertex_count());
     candidates.reserve(points.size());
     vertices.reserve(static_cast<std::size_t>(skin.vertex_count()));
     loads.reserve(kMostVertices);
     weights.reserve(kMostVertices);
     forces_before.resize(kMostPoints);
+    forces_began.reserve(2 * kMostPoints);
+    mixed.reserve(3 * kMostPoints);
     found.resize(points.size());
     is_source.resize(static_cast<std::size_t>(compliance.clusters()));
     sources.resize(is_source.size() * compliance.rank());
@@ -123,6 +143,10 @@ struct TouchSolver::Work {
   [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
   bool gap_at(int point, const Vector3f& x, const GapQuery& gap, SurfaceGap& answer);
   [[nodiscard]] bool is_needed(int point, const SurfaceGap& gap) const;
+  template <class Found>
+  void for_near_points(const Matrix3Xf& u, float band, const GapQuery& gap, const NearQuery& near,
+                       const Found& found_near);
+  void add_candidate(int point, const SurfaceGap& seen);
   void find_candidates(const TouchState& state, const GapQuery& gap, const NearQuery& near,
                        double shift, TouchReport& report);
   void keep_nearest(TouchReport& report);
@@ -133,9 +157,15 @@ struct TouchSolver::Work {
   void choose_blobs(const TouchState& state, double shift);
   void find_displacements(CrossTerms cross);
   void look_at_gaps(const GapQuery& gap);
-  double iterate(const GapQuery& gap, double shift, CrossTerms cross);
-  void fill_field(TouchState& state, Eigen::Index nodes);
-  void hand_over(TouchState& state, const GapQuery& gap, bool last, TouchReport& report);
+  double iterate(const GapQuery& gap, double shift, CrossTerms cross, float share);
+  void go_back(float share);
+  void settle(const TouchState& state, const GapQuery& gap, double shift, bool last,
+              TouchReport& report);
+  bool add_entered(const TouchState& state, const GapQuery& gap, const NearQuery& near,
+                   double shift, TouchReport& report);
+  void fill_field(Matrix3Xf& field, Eigen::Index nodes);
+  void hand_over(TouchState& state, const GapQuery& gap, TouchReport& report);
+  void hold_back(TouchState& state, double largest_move, TouchReport& report);
 };
 
 // What is nearest to a point that is at x now; false where nothing is, or what is no number.
@@ -169,12 +199,10 @@ bool TouchSolver::Work::is_needed(int point, const SurfaceGap& gap) const {
   return level > 0 ? level * kRootOf2 > enough : enough < finest;
 }
 
-// Points that are near the object in the state's shape, and those that press.
-void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery& gap,
-                                        const NearQuery& near, double shift, TouchReport& report) {
-  candidates.clear();
-  const Matrix3Xf& u = state.u;
-  const auto band = static_cast<float>(settings.band - shift);
+// Points that are nearer to the object than `band` with the skin moved by u, those that are needed.
+template <class Found>
+void TouchSolver::Work::for_near_points(const Matrix3Xf& u, float band, const GapQuery& gap,
+                                        const NearQuery& near, const Found& found_near) {
   SurfaceGap seen;
   for (const SkinCluster& cluster : clusters.clusters()) {
     const Vector3f middle = rest.col(cluster.vertex) + u.col(cluster.vertex);
@@ -186,16 +214,51 @@ void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery&
       const Vector3f x = point.at(rest) + point.at(u);
       if (near && !near(x, band)) continue;
       if (!gap_at(p, x, gap, seen) || !(seen.distance <= band) || !is_needed(p, seen)) continue;
-      ContactCandidate candidate;
-      candidate.point = p;
-      candidate.weights = point.weights;
-      set_gap(candidate, seen);
-      candidates.push_back(candidate);
+      found_near(p, seen);
     }
   }
+}
+
+void TouchSolver::Work::add_candidate(int point, const SurfaceGap& seen) {
+  ContactCandidate candidate;
+  candidate.point = point;
+  candidate.weights = points[static_cast<std::size_t>(point)].weights;
+  set_gap(candidate, seen);
+  candidates.push_back(candidate);
+}
+
+// Points that are near the object in the state's shape, and those that press.
+void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery& gap,
+                                        const NearQuery& near, double shift, TouchReport& report) {
+  candidates.clear();
+  for_near_points(state.u, static_cast<float>(settings.band - shift), gap, near,
+                  [&](int point, const SurfaceGap& seen) { add_candidate(point, seen); });
   // Those that press and have just lost the object out of sight let go by themselves.
   report.dropped = 0;
   keep_nearest(report);
+}
+
+// Where an object leaves, the skin follows it over more than the candidates' band, and points that
+// were too far to be asked may enter it. Those of the shape `ahead` join the candidates. False if
+// there are none.
+bool TouchSolver::Work::add_entered(const TouchState& state, const GapQuery& gap,
+                                    const NearQuery& near, double shift, TouchReport& report) {
+  const Eigen::Index V = rest.cols();
+  const float moved = (ahead.leftCols(V) - state.u.leftCols(V)).colwise().squaredNorm().maxCoeff();
+  const auto band = static_cast<float>(settings.band);
+  if (!(moved > band * band)) return false;
+  for (const ContactCandidate& c : candidates) is_candidate[static_cast<std::size_t>(c.point)] = 1;
+  const std::size_t known = candidates.size();
+  for_near_points(ahead, -static_cast<float>(kEntered * settings.band + shift), gap, near,
+                  [&](int point, const SurfaceGap& seen) {
+                    if (is_candidate[static_cast<std::size_t>(point)] == 0)
+                      add_candidate(point, seen);
+                  });
+  for (std::size_t k = 0; k < known; ++k)
+    is_candidate[static_cast<std::size_t>(candidates[k].point)] = 0;
+  if (candidates.size() == known) return false;
+  keep_nearest(report);
+  return true;
 }
 
 // At most as many as there is room for, the deepest first; in the order of the points.
@@ -329,8 +392,9 @@ void TouchSolver::Work::look_at_gaps(const GapQuery& gap) {
   }
 }
 
-// One step of Newton's method from `here`. Returns how far it moved a vertex, m.
-double TouchSolver::Work::iterate(const GapQuery& gap, double shift, CrossTerms cross) {
+// A share of one step of Newton's method from `here`. Returns how far it moved a vertex, m.
+double TouchSolver::Work::iterate(const GapQuery& gap, double shift, CrossTerms cross,
+                                  float share) {
   look_at_gaps(gap);
   const auto n = static_cast<Eigen::Index>(vertices.size());
   before.leftCols(n) = here.leftCols(n);
@@ -342,27 +406,54 @@ double TouchSolver::Work::iterate(const GapQuery& gap, double shift, CrossTerms 
     return problem.solve(candidates, loads, answer, {shift, settings.softness, turning});
   };
   if (!solve(tangent, true) && !solve(tangent, false) && !solve(nullptr, false)) return 0;
-  float share = 1;  // of the way from the forces before
+  if (share < 1) go_back(share);
   for (int halving = 0; halving <= kHalvings; ++halving) {
     add_up_loads();
     find_displacements(cross);
     const float moved =
         n > 0 ? (here.leftCols(n) - before.leftCols(n)).colwise().norm().maxCoeff() : 0.0f;
-    if (moved <= kLargestMove) return static_cast<double>(moved);
+    if (moved <= static_cast<float>(kLargestMove * settings.largest_step))
+      return static_cast<double>(moved);
     // The last time nothing is left of the step: no state is better than one beyond the tables.
-    share = halving + 1 < kHalvings ? 0.5f : 0.0f;
-    for (std::size_t p = 0; p < candidates.size(); ++p) {
-      candidates[p].force = share * candidates[p].force + (1 - share) * forces_before[p];
-      candidates[p].pressing =
-          std::max(0.0, static_cast<double>(candidates[p].force.dot(candidates[p].normal)));
-    }
+    go_back(halving + 1 < kHalvings ? 0.5f : 0.0f);
   }
   return 0;
 }
 
+// To a share of the way from the forces before.
+void TouchSolver::Work::go_back(float share) {
+  for (std::size_t p = 0; p < candidates.size(); ++p) {
+    ContactCandidate& c = candidates[p];
+    c.force = share * c.force + (1 - share) * forces_before[p];
+    c.pressing = std::max(0.0, static_cast<double>(c.force.dot(c.normal)));
+  }
+}
+
+// The answer to the candidates, from the state's forces, into `ahead`.
+void TouchSolver::Work::settle(const TouchState& state, const GapQuery& gap, double shift,
+                               bool last, TouchReport& report) {
+  take_up(state);
+  set_compliance();
+  if (is_nonlinear()) choose_blobs(state, shift);
+  find_displacements(CrossTerms::kAnew);
+  float share = 1;
+  for (int i = 0; i < (last ? settings.last_iterations : settings.iterations); ++i) {
+    ++report.iterations;
+    const CrossTerms cross =
+        last && i < kCrossIterations ? CrossTerms::kAnew : CrossTerms::kAsBefore;
+    const double change = iterate(gap, shift, cross, share);
+    // Two sets of points that press in turn would go on for ever.
+    if (i > 0 && change > report.last_change) share = std::max(kLeastShare, 0.5f * share);
+    report.last_change = change;
+    if (change < settings.tolerance) break;
+  }
+  // Steps in between need the skin alone.
+  fill_field(ahead, last ? ahead.cols() : rest.cols());
+}
+
 // The first nodes' displacement under the present loads.
-void TouchSolver::Work::fill_field(TouchState& state, Eigen::Index nodes) {
-  const Eigen::Ref<Matrix3Xf> u = state.u.leftCols(nodes);
+void TouchSolver::Work::fill_field(Matrix3Xf& field, Eigen::Index nodes) {
+  const Eigen::Ref<Matrix3Xf> u = field.leftCols(nodes);
   const std::size_t k = compliance.rank();
   const auto C = static_cast<std::size_t>(compliance.clusters());
   const auto of = [k](std::vector<float>& numbers, std::size_t cluster) {
@@ -395,8 +486,7 @@ void TouchSolver::Work::fill_field(TouchState& state, Eigen::Index nodes) {
   nonlinear.add_near(u);
 }
 
-void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, bool last,
-                                  TouchReport& report) {
+void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, TouchReport& report) {
   look_at_gaps(gap);
   state.forces.clear();
   report.penetration = 0;
@@ -409,8 +499,40 @@ void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, bool l
   state.regions.assign(nonlinear.regions().begin(), nonlinear.regions().end());
   report.blobs = nonlinear.blob_count();
   report.last_share = static_cast<double>(nonlinear.last_share());
-  // Steps in between need the skin alone.
-  fill_field(state, last ? state.u.cols() : rest.cols());
+  state.u.swap(ahead);
+}
+
+// To a share of the way from the frame's beginning.
+void TouchSolver::Work::hold_back(TouchState& state, double largest_move, TouchReport& report) {
+  const Eigen::Index V = rest.cols();
+  const auto moved =
+      static_cast<double>((state.u.leftCols(V) - began.leftCols(V)).colwise().norm().maxCoeff());
+  if (!(moved > largest_move)) return;
+  report.held_back = moved - largest_move;
+  const auto share = static_cast<float>(largest_move / moved);
+  state.u = began + share * (state.u - began);
+  mixed.clear();
+  std::size_t k = 0;
+  for (const PointForce& now : state.forces) {
+    for (; k < forces_began.size() && forces_began[k].point < now.point; ++k) {
+      mixed.push_back({forces_began[k].point, (1 - share) * forces_began[k].force});
+    }
+    Vector3f force = share * now.force;
+    if (k < forces_began.size() && forces_began[k].point == now.point) {
+      force += (1 - share) * forces_began[k++].force;
+    }
+    mixed.push_back({now.point, force});
+  }
+  for (; k < forces_began.size(); ++k) {
+    mixed.push_back({forces_began[k].point, (1 - share) * forces_began[k].force});
+  }
+  // Of a state that was held back itself the least forces go first.
+  while (mixed.size() > 2 * kMostPoints) {
+    mixed.erase(std::min_element(mixed.begin(), mixed.end(), [](const auto& a, const auto& b) {
+      return a.force.squaredNorm() < b.force.squaredNorm();
+    }));
+  }
+  state.forces.assign(mixed.begin(), mixed.end());
 }
 
 TouchSolver::TouchSolver(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
@@ -421,7 +543,8 @@ TouchSolver::TouchSolver(TouchSolver&&) noexcept = default;
 
 std::span<const SkinPoint> TouchSolver::points() const { return work_->points; }
 
-TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const NearQuery& near) {
+TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const NearQuery& near,
+                                 double largest_move) {
   Work& w = *work_;
   const TouchSettings& s = w.settings;
   TouchReport report;
@@ -429,7 +552,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
   if (state.u.cols() != w.compliance.nodes()) {
     state.u.setZero(3, w.compliance.nodes());
     state.forces.clear();
-    state.forces.reserve(kMostPoints);
+    state.forces.reserve(2 * kMostPoints);  // those of two frames, where one is held back
     state.regions.clear();
     state.regions.reserve(NonlinearAnswer::kMostBlobs);
   }
@@ -437,26 +560,28 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
   double depth = 0;
   for (const ContactCandidate& c : w.candidates)
     depth = std::max(depth, -static_cast<double>(c.distance));
-  const int steps =
-      std::clamp(static_cast<int>(std::ceil(depth / s.largest_step)), 1, s.most_steps);
+  const auto steps_of = [&s](double way) {
+    return static_cast<int>(std::ceil(std::min(way / s.largest_step, 1.0 * s.most_steps)));
+  };
+  const int steps = std::max(1, std::min(steps_of(depth), steps_of(largest_move)));
+  w.began = state.u;
+  w.forces_began.assign(state.forces.begin(), state.forces.end());
   for (int step = 1; step <= steps; ++step) {
     // The object is taken back so far that the skin enters it by no more than a step.
     const double shift = std::max(0.0, depth - step * s.largest_step);
     if (step > 1 || shift > 0) w.find_candidates(state, gap, near, shift, report);
-    w.take_up(state);
-    w.set_compliance();
-    if (w.is_nonlinear()) w.choose_blobs(state, shift);
-    w.find_displacements(CrossTerms::kAnew);
     const bool last = step == steps;
-    for (int i = 0; i < (last ? s.last_iterations : s.iterations); ++i) {
-      ++report.iterations;
-      report.last_change = w.iterate(
-          gap, shift, last && i < kCrossIterations ? CrossTerms::kAnew : CrossTerms::kAsBefore);
-      if (report.last_change < s.tolerance) break;
+    for (int round = 0; round < kRounds; ++round) {
+      w.settle(state, gap, shift, last, report);
+      if (!last || !w.add_entered(state, gap, near, shift, report)) break;
     }
     ++report.steps;
-    w.hand_over(state, gap, last, report);
+    w.hand_over(state, gap, report);
   }
+  const bool settled = report.last_change <= kUnsettled * s.largest_step;
+  w.hold_back(state,
+              settled ? largest_move : std::min(largest_move, kUnsettledSteps * s.largest_step),
+              report);
   return report;
 }
 

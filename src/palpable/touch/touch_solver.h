@@ -28,6 +28,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -59,7 +60,7 @@ struct TouchSettings {
   double largest_step = 0.00125;  ///< m an object goes on in one step
   int most_steps = 12;            ///< of a frame; what is deeper is reached in later frames
   int iterations = 3;             ///< of Newton's method, of each step
-  int last_iterations = 8;        ///< of the last one, at most
+  int last_iterations = 12;       ///< of the last one, at most
   double tolerance = 2e-5;        ///< m: the last iteration moved no touched vertex by more
   /// m a round object may enter between two contact points: flat ones are given fewer points.
   double entry = 2e-5;
@@ -94,6 +95,7 @@ struct TouchReport {
   double last_change = 0;  ///< m, of a touched vertex in the last iteration
   double penetration = 0;  ///< m, left at the deepest contact point
   double last_share = 0;   ///< of the series' last order, see NonlinearAnswer
+  double held_back = 0;    ///< m, that a vertex has yet to go, see TouchSolver::advance()
 };
 
 /// A body that is touched. Advancing allocates nothing once a state has had its room.
@@ -114,7 +116,10 @@ class TouchSolver {
 
   /// The state in which nothing enters the body. Pure: the same state and gaps give the same bytes.
   /// @param near  agrees with `gap`; without one `gap` is asked everywhere
-  TouchReport advance(TouchState& state, const GapQuery& gap, const NearQuery& near = {});
+  /// @param largest_move  m: no vertex goes on by more, whatever came near; what is left to go is
+  ///                      gone in the frames after
+  TouchReport advance(TouchState& state, const GapQuery& gap, const NearQuery& near = {},
+                      double largest_move = std::numeric_limits<double>::infinity());
 
   /// The stress on the skin in a state, as ShellStress::evaluate(). Allocates nothing; not while
   /// another thread asks or advances.

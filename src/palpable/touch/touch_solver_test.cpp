@@ -125,6 +125,46 @@ TEST_CASE("what leaves lets go at once, without pulling", "[touch]") {
   }
 }
 
+TEST_CASE("a fast object that leaves stays the skin's obstacle", "[touch]") {
+  const Sheet sheet;
+  TouchSolver solver = sheet.solver(), other = sheet.solver();
+  TouchState state, wanted;
+  solver.advance(state, ball(0.02f, 0.006f));
+  // Its points are farther from the ball than candidates are, and would spring through it.
+  solver.advance(state, ball(0.02f, 0.0015f));
+  other.advance(wanted, ball(0.02f, 0.0015f));
+  REQUIRE(wanted.u.cwiseAbs().maxCoeff() > 0.001f);
+  CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
+}
+
+TEST_CASE("no vertex moves farther in a frame than it may, and the rest is made up for",
+          "[touch]") {
+  const Sheet sheet;
+  TouchSolver solver = sheet.solver(), other = sheet.solver();
+  constexpr double kMost = 0.002;  // m
+  TouchState state, wanted;
+  other.advance(wanted, ball(0.02f, 0.005f));
+  const auto goes_to = [&](const GapQuery& gap, const Matrix3Xf& target) {
+    for (int frame = 0; frame < 4; ++frame) {
+      const Matrix3Xf before = state.u.cols() > 0 ? state.u : Matrix3Xf::Zero(3, target.cols());
+      const TouchReport report = solver.advance(state, gap, {}, kMost);
+      CHECK(apart(state.u, before) < kMost + tolerance(1e-6, "m: rounding"));
+      if (frame == 0) CHECK(apart(state.u, before) > 0.9 * kMost);
+      if (frame == 3) CHECK(report.held_back == 0.0);
+    }
+    CHECK(apart(state.u, target) < tolerance(4e-5, "m: twice the last step's"));
+  };
+  goes_to(ball(0.02f, 0.005f), wanted.u);
+  goes_to(nothing(), Matrix3Xf::Zero(3, wanted.u.cols()));
+  CHECK(state.forces.empty());
+  // From side to side: the forces of both are remembered, and those of the first are let go.
+  goes_to(ball(0.01f, 0.002f, Vector3f(-0.012f, 0, 0)), [&] {
+    TouchState left;
+    other.advance(left, ball(0.01f, 0.002f, Vector3f(-0.012f, 0, 0)));
+    return left.u;
+  }());
+}
+
 TEST_CASE("numbers that are none press nothing", "[touch]") {
   const Sheet sheet;
   TouchSolver solver = sheet.solver();
@@ -160,6 +200,8 @@ TEST_CASE("the same frame and state give the same bytes, without allocating", "[
   }
   const GapQuery gap = ball(0.02f, 0.004f, Vector3f(0.006f, 0.003f, 0));
   CHECK(test::allocations_during([&] { one.advance(a, gap); }) == 0);
+  const GapQuery leaving = ball(0.02f, 0.001f);
+  CHECK(test::allocations_during([&] { one.advance(a, leaving, {}, 0.001); }) == 0);
 }
 
 TEST_CASE("two objects press at a time, and two in one place as one", "[touch]") {
