@@ -129,8 +129,8 @@ inline TouchTables some_touch_tables(const SurfaceMesh& skin, int regions = 3) {
   if (regions > 0) {
     tables.cross.modes = some_tables::rows(random, 3 * (V + 1), kCrossModes, 0.01f);
     tables.cross.cubic = some_tables::form(random, kCrossModes, 3);
-    tables.held_out = {{PressingThing::kFinger, 0.002, 0.01, 0.02, 0.03},
-                       {PressingThing::kRim, 0.005, 0.04, 0.05, 0.06}};
+    tables.held_out = {{PressingThing::kFinger, 0.002, 0.01, 0.02, 0.03, 0.015},
+                       {PressingThing::kRim, 0.005, 0.04, 0.05, 0.06, 0.025}};
   }
   return tables;
 }

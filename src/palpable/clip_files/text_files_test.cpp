@@ -100,7 +100,10 @@ TEST_CASE("the touches of a frame are one line, and come back", "[clip_files]") 
         "\"force\":[0.000000,0.500000,-1.250000],\"point\":[0.010000,-0.020000,0.030000],"
         "\"time\":0.233333},{\"site\":4}]}\n");
   CHECK(touches_line({8, {{}}}) == "{\"frame\":8,\"touches\":[{}]}\n");
-  const TextIn file(touches_line({9, {}}) + line);
+  const std::string with_error = touches_line({9, {}, 0.0125, 0.25});
+  CHECK(with_error ==
+        "{\"frame\":9,\"touches\":[],\"displacement_error\":0.01250,\"stress_error\":0.25000}\n");
+  const TextIn file(with_error + line);
   const std::vector<TouchesLine> read = read_touches(file.path);
   REQUIRE(read.size() == 2);  // frames rise
   CHECK(read[0].frame == 7);
@@ -116,6 +119,9 @@ TEST_CASE("the touches of a frame are one line, and come back", "[clip_files]") 
   CHECK_FALSE(read[0].touches[1].force.has_value());
   CHECK(read[1].frame == 9);
   CHECK(read[1].touches.empty());  // feels nothing
+  CHECK(read[1].displacement_error == 0.0125);
+  CHECK(read[1].stress_error == 0.25);
+  CHECK_FALSE(read[0].displacement_error.has_value());
 }
 
 TEST_CASE("a line of one touch, as before there were lists, is still read", "[clip_files]") {

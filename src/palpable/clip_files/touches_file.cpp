@@ -59,13 +59,26 @@ FeltTouch touch_of(const JsonObject& object) {
 std::string touches_line(const TouchesLine& line) {
   std::vector<std::string> list;
   for (const FeltTouch& touch : line.touches) list.push_back(touch_text(touch));
-  return fmt::format("{{\"frame\":{},\"touches\":[{}]}}\n", line.frame, fmt::join(list, ","));
+  std::string text =
+      fmt::format("{{\"frame\":{},\"touches\":[{}]", line.frame, fmt::join(list, ","));
+  const auto add = [&](const char* key, const std::optional<double>& error) {
+    if (error) text += fmt::format(",\"{}\":{:.5f}", key, *error);
+  };
+  add("displacement_error", line.displacement_error);
+  add("stress_error", line.stress_error);
+  return text + "}\n";
 }
 
 std::vector<TouchesLine> read_touches(const std::filesystem::path& path) {
-  std::map<int, std::vector<FeltTouch>> by_frame;
+  std::map<int, TouchesLine> by_frame;
   for_each_object(path, [&](const JsonObject& line) {
-    std::vector<FeltTouch>& touches = by_frame[line.frame()];
+    TouchesLine& felt = by_frame[line.frame()];
+    felt.frame = line.frame();
+    std::vector<FeltTouch>& touches = felt.touches;
+    if (line.has("displacement_error")) {
+      felt.displacement_error = line.number_if_any("displacement_error");
+    }
+    if (line.has("stress_error")) felt.stress_error = line.number_if_any("stress_error");
     if (!line.has("touches")) {
       touches.push_back(touch_of(line));
       return;
@@ -76,7 +89,7 @@ std::vector<TouchesLine> read_touches(const std::filesystem::path& path) {
     });
   });
   std::vector<TouchesLine> lines;
-  for (auto& [frame, touches] : by_frame) lines.push_back({frame, std::move(touches)});
+  for (auto& [frame, felt] : by_frame) lines.push_back(std::move(felt));
   return lines;
 }
 

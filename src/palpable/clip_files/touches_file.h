@@ -6,7 +6,7 @@
 ///      "force":[0.1,0.2,-1.3],"point":[0.010000,0.020000,0.030000],"time":0.233333}]}  (one line)
 ///
 /// The strongest touch stands first. Where touches are answered anywhere there is no site and no
-/// level, but "area" and "assumed".
+/// level, but "area" and "assumed", and behind the list "displacement_error" and "stress_error".
 ///
 /// Only "frame" must be there; a list without an entry feels nothing. Until issue 24 a line held
 /// one touch, {"frame":7,"site":3,"level":0.5,...}, with the size of its force: such lines are
@@ -37,6 +37,8 @@ struct FeltTouch {
 struct TouchesLine {
   int frame = 0;
   std::vector<FeltTouch> touches;
+  /// How far displacement and stress are off, relative, by what the answer tells of itself.
+  std::optional<double> displacement_error = {}, stress_error = {};
 };
 
 /// One line, its end included; what is not known is left out.

@@ -51,6 +51,10 @@ TouchesLine felt_in(const Scene& scene) {
       entry.assumed = touch.assumed;
     }
   }
+  if (scene.stated_error) {
+    felt.displacement_error = scene.stated_error->displacement;
+    felt.stress_error = scene.stated_error->von_mises;
+  }
   return felt;
 }
 

@@ -126,6 +126,7 @@ TEST_CASE("touches anywhere are written with what is known of them, and the body
       one.area = 4e-5;
       one.assumed = 0.75;
       scene.touches = {one, one};
+      scene.stated_error = StatedError{.displacement = 0.025, .von_mises = 0.0625};
     }
     output.write(std::move(drawn));
   }
@@ -138,6 +139,8 @@ TEST_CASE("touches anywhere are written with what is known of them, and the body
   CHECK(felt[0].touches[1].force == Eigen::Vector3d(0, 0, -2));
   CHECK(felt[0].touches[1].area == 4e-5);
   CHECK(felt[0].touches[1].assumed == 0.75);
+  CHECK(felt[0].displacement_error == 0.025);
+  CHECK(felt[0].stress_error == 0.0625);
   const ValuedSurface at_rest =
       value_or_throw(read_valued_ply(out / "meshes/rest.ply", kVonMisesProperty));
   CHECK(at_rest.surface.vertices == rest.vertices);

@@ -9,10 +9,12 @@
 #include "palpable/depth/depth_camera.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
+#include "palpable/touch/stated_error.h"
 #include "palpable/track/tracker.h"
 
 #include <Eigen/Core>
 
+#include <optional>
 #include <vector>
 
 namespace palpable {
@@ -26,9 +28,12 @@ namespace palpable {
 struct Scene {
   SeenFrame seen;  ///< the question: colour and depth of the frame
 
-  int number = 0;                                ///< the frame's: seen.number
-  double time = 0;                               ///< s, the frame's: seen.time
-  std::vector<Touch> touches;                    ///< the strongest first
+  int number = 0;              ///< the frame's: seen.number
+  double time = 0;             ///< s, the frame's: seen.time
+  std::vector<Touch> touches;  ///< the strongest first
+  /// Of the answer, the obstacle taken as it is seen; nothing where nothing touches or where that
+  /// is not known.
+  std::optional<StatedError> stated_error;
   Eigen::Matrix3Xf vertices;                     ///< (3 x V) m, body frame, deformed
   Eigen::Matrix3Xf normals;                      ///< (3 x V) unit, outwards
   std::vector<float> von_mises;                  ///< (V) Pa; 0 at rest

@@ -97,7 +97,7 @@ struct Session::Parts {
   void forget_room();
   void follow_camera(Scene& scene);
   void find_what_presses(const Scene& scene);
-  void find_touches(double time, std::vector<Touch>& touches);
+  void find_touches(Scene& scene);
   void reconstruct(Scene& scene);
 
   ReducedBody body;
@@ -175,14 +175,16 @@ void Session::Parts::find_what_presses(const Scene& scene) {
                          *slam.space(), box, picture);
 }
 
-void Session::Parts::find_touches(double time, std::vector<Touch>& touches) {
+void Session::Parts::find_touches(Scene& scene) {
+  std::vector<Touch>& touches = scene.touches;
   touches.clear();
+  scene.stated_error.reset();
   if (anywhere) {
-    anywhere->advance(touched, surface, touches);
+    scene.stated_error = anywhere->advance(touched, surface, touches).stated;
     return;
   }
   if (law) {
-    press = law->advance(press, surface, time);
+    press = law->advance(press, surface, scene.time);
     if (press.touch) touches.push_back(*press.touch);
     return;
   }
@@ -239,7 +241,7 @@ void Session::respond(Scene& scene) {
     const StageTimer timer(scene.times, "contact");
     p.surface.build(seen.depth, *p.shows, seen.depth_camera, scene.camera_from_body.inverse(),
                     p.region, seen.time);
-    p.find_touches(seen.time, scene.touches);
+    p.find_touches(scene);
   }
   const StageTimer timer(scene.times, "evaluate");
   p.reconstruct(scene);

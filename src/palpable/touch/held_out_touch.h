@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,6 +30,8 @@ struct HeldOutTouch {
   double displacement = 0;  ///< relative L2 over the skin's vertices
   double force = 0;         ///< of the resultant, relative; of a squeeze, of the norms' sum
   double von_mises = 0;     ///< of the stress at the worst vertex, against the largest on the skin
+  /// What the state tells of its own error (stated_error.h); nothing in files made before it was.
+  std::optional<double> unscaled_error = {};
 };
 
 /// The numbers of a touch, in the order of files.

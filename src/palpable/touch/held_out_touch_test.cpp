@@ -38,6 +38,8 @@ TEST_CASE("what no touch can be is named", "[touch]") {
         "what presses");
   CHECK(spoilt([](auto& t) { t.thing = static_cast<PressingThing>(-1); }) == "what presses");
   CHECK(spoilt([](auto& t) { t.depth = 0; }) == "a depth");
+  CHECK(spoilt([](auto& t) { t.unscaled_error = NAN; }) == "what a touch tells of its own error");
+  CHECK(spoilt([](auto& t) { t.unscaled_error = -0.1; }) == "what a touch tells of its own error");
   for (const auto& [name, difference] : kHeldOutDifferences) {
     INFO(name);
     CHECK(spoilt([&](auto& t) { t.*difference = NAN; }) == "a difference");

@@ -264,6 +264,9 @@ void NonlinearAnswer::add_near(Eigen::Ref<Matrix3Xf> u) const {
       u.col(region.vertices[k]) += at_node(region.modes, k, answers_[b].q());
     }
   }
+}
+
+void NonlinearAnswer::add_cross(Eigen::Ref<Matrix3Xf> u) const {
   if (!has_cross_terms()) return;
   for (int v = 0; v < u.cols(); ++v) u.col(v) += at_node(cross_.modes, index(v), cross_q_);
 }

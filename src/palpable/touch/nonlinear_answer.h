@@ -98,8 +98,10 @@ class NonlinearAnswer {
   /// (C x k) targets of what the blobs' regions do beyond their own vertices, for
   /// Compliance::add_beyond().
   [[nodiscard]] std::span<const float> far_targets() const { return far_targets_; }
-  /// Adds all but far_targets() at the first n nodes. @param u  (3 x n) m, n <= W
+  /// Adds the regions' part but far_targets() at the first n nodes. @param u  (3 x n) m, n <= W
   void add_near(Eigen::Ref<Eigen::Matrix3Xf> u) const;
+  /// Adds what the blobs do to each other, likewise.
+  void add_cross(Eigen::Ref<Eigen::Matrix3Xf> u) const;
 
   [[nodiscard]] int blob_count() const { return static_cast<int>(chosen_.size()); }
   [[nodiscard]] const RegionTable& region_of(int blob) const { return regions_[chosen_[blob]]; }

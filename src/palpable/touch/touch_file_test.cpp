@@ -87,6 +87,7 @@ void check_same(const TouchTables& a, const TouchTables& b) {
     for (const double HeldOutTouch::*value : kHeldOutValues) {
       CHECK(a.held_out[k].*value == b.held_out[k].*value);
     }
+    CHECK(a.held_out[k].unscaled_error == b.held_out[k].unscaled_error);
   }
 }
 
@@ -345,6 +346,22 @@ void check_refused(const FileFaults& faults) {
   }
 }
 
+TEST_CASE("held-out touches from before errors were told are read, and calibrate nothing",
+          "[touch]") {
+  const ScratchFolder folder("touch_file");
+  const fs::path path = folder / "ball.palpable";
+  const TouchTables good = test::some_touch_tables(ball().surface);
+  REQUIRE(good.held_out.front().unscaled_error.has_value());
+  write_spoilt(path, good, [](hid_t touch) {
+    REQUIRE(H5Ldelete(touch, "held_out/unscaled_error", H5P_DEFAULT) >= 0);
+  });
+  const TouchableBody read = read_touchable_body(path).value();
+  REQUIRE(read.touch->held_out.size() == 2);
+  for (const HeldOutTouch& touch : read.touch->held_out) {
+    CHECK_FALSE(touch.unscaled_error.has_value());
+  }
+}
+
 TEST_CASE("tables that break a rule within a file are refused by name when it is read",
           "[touch][errors]") {
   const FileFaults faults{
@@ -421,6 +438,10 @@ TEST_CASE("a shell that breaks a rule within a file is refused by name when it i
       {"touch: the held-out touches are wrong in what presses", table("held_out/things", 6, 2, 1)},
       {"touch: the held-out touches are wrong in a depth", table("held_out/values", 0.0, 2, 4)},
       {"touch: the held-out touches are wrong in a depth", table("held_out/values", NAN, 2, 4)},
+      {"touch/held_out: dataset 'unscaled_error' is 1 x 1 where 2 x 1",
+       table("held_out/unscaled_error", 0.01, 1, 1)},
+      {"touch: the held-out touches are wrong in what a touch tells of its own error",
+       table("held_out/unscaled_error", NAN, 2, 1)},
   };
   check_refused(faults);
 }

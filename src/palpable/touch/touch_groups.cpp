@@ -165,6 +165,12 @@ void write_group(hid_t group, const std::vector<HeldOutTouch>& touches) {
   }
   write_column(group, "things", things);
   write_table(group, "values", values.data(), touches.size(), kHeldOutValues.size());
+  // Beside the others, so that programs from before it was told still read the file.
+  const auto is_told = [](const HeldOutTouch& touch) { return touch.unscaled_error.has_value(); };
+  if (touches.empty() || !std::all_of(touches.begin(), touches.end(), is_told)) return;
+  std::vector<double> told;
+  for (const HeldOutTouch& touch : touches) told.push_back(*touch.unscaled_error);
+  write_column(group, "unscaled_error", told);
 }
 
 namespace {
@@ -215,6 +221,9 @@ void read_group(hid_t group, std::vector<HeldOutTouch>& touches) {
     touches[k].thing = static_cast<PressingThing>(things[k]);
     for (double HeldOutTouch::*value : kHeldOutValues) touches[k].*value = *next++;
   }
+  if (!hdf5::has_link(group, "unscaled_error")) return;
+  const std::vector<double> told = read_column<double>(group, "unscaled_error", things.size());
+  for (std::size_t k = 0; k < things.size(); ++k) touches[k].unscaled_error = told[k];
 }
 
 }  // namespace palpable

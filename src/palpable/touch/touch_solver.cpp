@@ -88,6 +88,7 @@ struct TouchSolver::Work {
   ComplianceCache cache;
   ContactProblem problem;
   std::optional<ShellStress> shell;
+  std::optional<ErrorScale> error_scale;  // of the tables' held-out touches
 
   std::vector<ContactCandidate> candidates;
   std::vector<int> vertices;            // of the candidates
@@ -96,6 +97,8 @@ struct TouchSolver::Work {
   std::vector<char> is_source;          // (C)
   std::vector<float> weights;           // of `vertices`, for choosing blobs
   std::vector<VertexForce> loads;       // at `vertices`
+  Matrix3Xf linear, without_cross;      // (3 x V) the last field without what is beyond, and
+                                        // without what patches do to each other
   Matrix3Xf no_displacement;            // (3 x W)
   Matrix3Xf here, before;               // (3 x vertices) displacement of `vertices`
   Matrix3Xf ahead;                      // (3 x W) what the step would hand over
@@ -119,7 +122,10 @@ struct TouchSolver::Work {
         nonlinear(compliance, tables.regions, map, tables.cross),
         cache(compliance, kMostVertices),
         problem(kMostPoints, kMostVertices, most_modes(tables)),
+        error_scale(palpable::error_scale(the_tables.held_out)),
         local_of_vertex(static_cast<std::size_t>(skin.vertex_count()), -1),
+        linear(3, skin.vertex_count()),
+        without_cross(3, skin.vertex_count()),
         no_displacement(Matrix3Xf::Zero(3, compliance.nodes())),
         here(3, kMostVertices),
         before(3, kMostVertices),
@@ -166,6 +172,7 @@ struct TouchSolver::Work {
   void fill_field(Matrix3Xf& field, Eigen::Index nodes);
   void hand_over(TouchState& state, const GapQuery& gap, TouchReport& report);
   void hold_back(TouchState& state, double largest_move, TouchReport& report);
+  void read_signs(const TouchState& state, TouchReport& report) const;
 };
 
 // What is nearest to a point that is at x now; false where nothing is, or what is no number.
@@ -480,10 +487,31 @@ void TouchSolver::Work::fill_field(Matrix3Xf& field, Eigen::Index nodes) {
   for (const VertexForce& load : loads) {
     if (!load.force.isZero(0)) compliance.add_near(load.vertex, load.force, u);
   }
+  linear = u.leftCols(linear.cols());
   if (!is_nonlinear()) return;
   nonlinear.find_far_targets();
   compliance.add_beyond(nonlinear.far_targets(), u);
   nonlinear.add_near(u);
+  without_cross = u.leftCols(linear.cols());
+  nonlinear.add_cross(u);
+}
+
+// What the field just filled tells of its own error.
+void TouchSolver::Work::read_signs(const TouchState& state, TouchReport& report) const {
+  if (state.forces.empty()) return;
+  double all = 0, beyond = 0, between = 0, largest = 0;
+  for (Eigen::Index v = 0; v < linear.cols(); ++v) {
+    const double moved = static_cast<double>(state.u.col(v).squaredNorm());
+    all += moved;
+    largest = std::max(largest, moved);
+    beyond += static_cast<double>((state.u.col(v) - linear.col(v)).squaredNorm());
+    if (is_nonlinear())
+      between += static_cast<double>((state.u.col(v) - without_cross.col(v)).squaredNorm());
+  }
+  if (!(all > 0)) return;
+  report.signs = {std::max(0.0, report.penetration) / std::sqrt(largest), std::sqrt(beyond / all),
+                  std::sqrt(between / all)};
+  if (error_scale) report.stated = error_scale->stated(report.signs);
 }
 
 void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, TouchReport& report) {
@@ -509,6 +537,7 @@ void TouchSolver::Work::hold_back(TouchState& state, double largest_move, TouchR
       static_cast<double>((state.u.leftCols(V) - began.leftCols(V)).colwise().norm().maxCoeff());
   if (!(moved > largest_move)) return;
   report.held_back = moved - largest_move;
+  report.stated.reset();
   const auto share = static_cast<float>(largest_move / moved);
   state.u = began + share * (state.u - began);
   mixed.clear();
@@ -578,6 +607,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
     ++report.steps;
     w.hand_over(state, gap, report);
   }
+  w.read_signs(state, report);
   const bool settled = report.last_change <= kUnsettled * s.largest_step;
   w.hold_back(state,
               settled ? largest_move : std::min(largest_move, kUnsettledSteps * s.largest_step),

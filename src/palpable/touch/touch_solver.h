@@ -22,6 +22,7 @@
 #include "palpable/touch/complementarity.h"
 #include "palpable/touch/compliance_cache.h"
 #include "palpable/touch/nonlinear_answer.h"
+#include "palpable/touch/stated_error.h"
 #include "palpable/touch/touch_tables.h"
 
 #include <Eigen/Core>
@@ -30,6 +31,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -96,6 +98,10 @@ struct TouchReport {
   double penetration = 0;  ///< m, left at the deepest contact point
   double last_share = 0;   ///< of the series' last order, see NonlinearAnswer
   double held_back = 0;    ///< m, that a vertex has yet to go, see TouchSolver::advance()
+  ErrorSigns signs;        ///< of the state's own error; 0 without force
+  /// What they say; nothing without force, of a state that is held back, or where the tables'
+  /// held-out touches give no scale.
+  std::optional<StatedError> stated;
 };
 
 /// A body that is touched. Advancing allocates nothing once a state has had its room.

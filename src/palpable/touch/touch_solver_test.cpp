@@ -204,6 +204,34 @@ TEST_CASE("the same frame and state give the same bytes, without allocating", "[
   CHECK(test::allocations_during([&] { one.advance(a, leaving, {}, 0.001); }) == 0);
 }
 
+TEST_CASE("an answer says how far it is off, by the factors of its held-out touches", "[touch]") {
+  Sheet sheet;
+  sheet.settings.softness = 0.05;
+  for (int k = 0; k < kLeastTouches; ++k) {
+    sheet.body.tables.held_out.push_back({PressingThing::kFinger, 0.004, 0.03, 0.02, 0.09, 0.02});
+  }
+  TouchSolver solver = sheet.solver();
+  TouchState state;
+  CHECK_FALSE(solver.advance(state, nothing()).stated.has_value());
+  const TouchReport report = solver.advance(state, ball(0.02f, 0.003f));
+  REQUIRE(report.stated.has_value());
+  const double largest = static_cast<double>(state.u.colwise().norm().maxCoeff());
+  CHECK(report.signs.entry == Approx(report.penetration / largest));
+  CHECK(report.signs.entry > 0.01);
+  CHECK(report.signs.beyond == 0.0);  // the sheet's tables are linear
+  CHECK(report.signs.cross == 0.0);
+  // The touches were off by 1.5, in their stress by 4.5 times what they told.
+  CHECK(report.stated->displacement == Approx(kOnTheSafeSide * 1.5 * unscaled_error(report.signs)));
+  CHECK(report.stated->von_mises == Approx(kOnTheSafeSide * 4.5 * unscaled_error(report.signs)));
+  const GapQuery deeper = ball(0.02f, 0.0031f);
+  CHECK(test::allocations_during([&] { solver.advance(state, deeper); }) == 0);
+  CHECK_FALSE(solver.advance(state, nothing()).stated.has_value());
+  sheet.body.tables.held_out.pop_back();
+  TouchSolver too_few = sheet.solver();
+  TouchState other;
+  CHECK_FALSE(too_few.advance(other, ball(0.02f, 0.003f)).stated.has_value());
+}
+
 TEST_CASE("two objects press at a time, and two in one place as one", "[touch]") {
   const Sheet sheet;
   const GapQuery left = ball(0.008f, 0.002f, Vector3f(-0.014f, 0, 0));

@@ -1,5 +1,7 @@
 #include "palpable/touch/touch_text.h"
 
+#include "palpable/touch/stated_error.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,6 +21,12 @@ int order_of(const TouchTables& tables) {
 }
 
 double megabytes(const TouchTables& tables) { return static_cast<double>(bytes_of(tables)) / 1e6; }
+
+Json error_scale_json(const std::vector<HeldOutTouch>& touches) {
+  const auto scale = error_scale(touches);
+  if (!scale) return nullptr;
+  return {{"displacement", scale->displacement}, {"von_mises", scale->von_mises}};
+}
 
 Json held_out_json(const std::vector<HeldOutTouch>& touches) {
   if (touches.empty()) return nullptr;
@@ -40,6 +48,14 @@ std::string touch_text(const std::optional<TouchTables>& tables) {
   if (!tables->regions.empty()) text += fmt::format("; {} regions", tables->regions.size());
   text += fmt::format("; {:.3g} MB", megabytes(*tables));
   if (!tables->held_out.empty()) text += "; " + held_out_text(tables->held_out);
+  if (const auto scale = error_scale(tables->held_out)) {
+    text += fmt::format(
+        "; says live how far it is off, calibrated by these touches (factors {:.2f}, stress "
+        "{:.2f})",
+        scale->displacement, scale->von_mises);
+  } else if (!tables->held_out.empty()) {
+    text += "; does not say live how far it is off: baked before that, or too few touches";
+  }
   return text;
 }
 
@@ -59,9 +75,13 @@ Json touches_json(const std::vector<HeldOutTouch>& touches) {
 
 Json touch_json(const std::optional<TouchTables>& tables) {
   if (!tables) return nullptr;
-  return {{"order", order_of(*tables)},        {"clusters", tables->compliance.clusters},
-          {"regions", tables->regions.size()}, {"cross_modes", tables->cross.cubic.variables},
-          {"table_mb", megabytes(*tables)},    {"held_out", held_out_json(tables->held_out)}};
+  return {{"order", order_of(*tables)},
+          {"clusters", tables->compliance.clusters},
+          {"regions", tables->regions.size()},
+          {"cross_modes", tables->cross.cubic.variables},
+          {"table_mb", megabytes(*tables)},
+          {"held_out", held_out_json(tables->held_out)},
+          {"error_scale", error_scale_json(tables->held_out)}};
 }
 
 std::string touch_line(const TouchTables& tables) {

@@ -158,7 +158,9 @@ TEST_CASE("modes keep their rows of the inner nodes: they are orthonormal in the
   const int V = made.skin.vertex_count();
   Matrix3Xf all = Matrix3Xf::Zero(3, W), skin = Matrix3Xf::Zero(3, V);
   answer.add_near(all);
+  answer.add_cross(all);
   answer.add_near(skin);
+  answer.add_cross(skin);
   CHECK(skin == all.leftCols(V));
   const Eigen::Map<const Eigen::VectorXf> q(answer.q(0).data(), region.mode_count());
   const VectorXd exact = as_numbers(region.modes) * q.cast<double>();

@@ -66,7 +66,7 @@ std::vector<Wanted> wanted_touches(const SkinResponse& skin, const HeldOutSettin
 // Differences of NaN say that the full solver stopped before its depth.
 HeldOutTouch not_followed(const Wanted& wanted) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  return {wanted.scene.thing, wanted.depth, kNone, kNone, kNone};
+  return {wanted.scene.thing, wanted.depth, kNone, kNone, kNone, 0.0};
 }
 
 }  // namespace
@@ -74,7 +74,9 @@ HeldOutTouch not_followed(const Wanted& wanted) {
 std::uint64_t held_out_key(const TouchKeys& keys, const TouchTables& tables,
                            const HeldOutSettings& settings) {
   const auto& [count, least_depth, largest_depth, seed, threads] = settings;
+  constexpr int kRevision = 2;  // 2: with what the state tells of its own error
   Digest digest(keys.compliance);
+  digest.add(kRevision);
   digest.add(seed);
   digest.add(count);
   for (const double depth : {least_depth, largest_depth}) digest.add(depth);

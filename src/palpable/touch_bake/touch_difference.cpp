@@ -112,6 +112,7 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
     }
     TouchDifference d = difference_of(skin, walk, touch, state, scene, depth);
     d.report = report;
+    d.touch.unscaled_error = unscaled_error(report.signs);
     d.milliseconds = took;
     found(d);
   }

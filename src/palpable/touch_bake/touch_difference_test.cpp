@@ -67,10 +67,14 @@ TEST_CASE("the tables of touch answer as full contact does, the linear ones less
       CHECK(d.touch.displacement < tolerance(0.08, "of the one that slips; 0.03 of the others"));
       CHECK(d.touch.force < tolerance(0.05, "likewise"));
       CHECK(d.report.penetration < 2e-4);
+      CHECK((d.report.signs.beyond > 0.002 && d.report.signs.beyond < 0.3));
+      CHECK(d.touch.unscaled_error == unscaled_error(d.report.signs));
       nonlinear.push_back(d.touch.displacement);
     }
-    for (const TouchDifference& d : body.compare(thing, false))
+    for (const TouchDifference& d : body.compare(thing, false)) {
+      CHECK(d.report.signs.beyond == 0.0);
       linear.push_back(d.touch.displacement);
+    }
   }
   REQUIRE(nonlinear.size() == 8);
   REQUIRE(linear.size() == 8);
@@ -105,6 +109,7 @@ TEST_CASE("held-out touches are the same on any number of threads, and solved on
   const std::vector<HeldOutTouch> kept = make(&store, count);
   CHECK(solved == 0);
   settings.threads = 1;
+  for (const HeldOutTouch& touch : kept) CHECK(touch.unscaled_error.value() > 0);
   const std::vector<HeldOutTouch> alone = make(nullptr, count);
   CHECK(solved == 4);
   REQUIRE((kept.size() == 4 && alone.size() == 4));

@@ -19,7 +19,13 @@ BodyLook look_of_body(const Scene& scene, const ReducedBody& body, double scale)
 
 std::string caption_of(const Scene& scene) {
   if (scene.touches.empty()) return fmt::format("{:.2f} s", scene.time);
-  return fmt::format("{:.2f} s   {}", scene.time, caption_of(scene.touches));
+  std::string text = fmt::format("{:.2f} s   {}", scene.time, caption_of(scene.touches));
+  if (scene.stated_error) {
+    text +=
+        fmt::format("   off by some {:.2g} %, stress {:.2g} %",
+                    100 * scene.stated_error->displacement, 100 * scene.stated_error->von_mises);
+  }
+  return text;
 }
 
 std::string caption_of(std::span<const Touch> touches) {
