@@ -35,7 +35,7 @@ TEST_CASE("it is told whether a body can be touched anywhere, and to which order
   CHECK(touch_json(tables)["error_scale"]["displacement"].get<double>() ==
         Approx(0.5 * kOnTheSafeSide));
   CHECK_THAT(touch_text(tables), Catch::Contains("; says live how far it is off, calibrated by "
-                                                 "these touches (factors 0.65, stress 1.95)"));
+                                                 "these touches (factors 0.88, stress 2.62)"));
 
   for (RegionTable& region : tables.regions) region.quartic = {0, 4, {}, {}};
   CHECK_THAT(touch_text(tables), Catch::Contains(", 2nd order; 3 regions; "));
