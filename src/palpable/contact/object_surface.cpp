@@ -101,10 +101,9 @@ void ObjectSurface::find_moved() {
     std::size_t count = 0;
     for (int k = 0; k < 27; ++k) {
       if (k == 13) continue;
+      const int x = k % 3, y = k / 3 % 3, z = k / 9;
       directions[count++] =
-          Vector3f(static_cast<float>(k % 3 - 1), static_cast<float>(k / 3 % 3 - 1),
-                   static_cast<float>(k / 9 - 1))
-              .normalized();
+          (Eigen::Vector3i(x, y, z).cast<float>() - Vector3f::Ones()).normalized();
     }
     return directions;
   }();
