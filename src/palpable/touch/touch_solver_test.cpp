@@ -225,6 +225,8 @@ TEST_CASE("an answer says how far it is off, by the factors of its held-out touc
   CHECK(report.stated->von_mises == Approx(kOnTheSafeSide * 4.5 * unscaled_error(report.signs)));
   const GapQuery deeper = ball(0.02f, 0.0031f);
   CHECK(test::allocations_during([&] { solver.advance(state, deeper); }) == 0);
+  // A skin that is held back is still on its way to what is told.
+  CHECK_FALSE(solver.advance(state, ball(0.02f, 0.006f), {}, 0.001).stated.has_value());
   CHECK_FALSE(solver.advance(state, nothing()).stated.has_value());
   sheet.body.tables.held_out.pop_back();
   TouchSolver too_few = sheet.solver();
