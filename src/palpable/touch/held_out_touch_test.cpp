@@ -40,8 +40,9 @@ TEST_CASE("what no touch can be is named", "[touch]") {
   CHECK(spoilt([](auto& t) { t.depth = 0; }) == "a depth");
   CHECK(spoilt([](auto& t) { t.unscaled_error = NAN; }) == "what a touch tells of its own error");
   CHECK(spoilt([](auto& t) { t.unscaled_error = -0.1; }) == "what a touch tells of its own error");
-  for (const auto& [name, difference] : kHeldOutDifferences) {
-    INFO(name);
+  for (const auto& named : kHeldOutDifferences) {
+    INFO(named.first);
+    const auto difference = named.second;
     CHECK(spoilt([&](auto& t) { t.*difference = NAN; }) == "a difference");
     CHECK(spoilt([&](auto& t) { t.*difference = -0.01; }) == "a difference");
   }

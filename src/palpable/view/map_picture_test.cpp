@@ -35,7 +35,7 @@ struct Outside {
     map.emplace(value_or_throw(MapRenderer::make()), loop->session.world_from_body());
     return true;
   }
-  void show(Frame frame) {
+  void show(const Frame& frame) {
     const Scene& scene = loop->process(frame);
     inside = ColorImage(644, 484, Rgb{0, 255, 0});  // large enough for what is written in it
     const Session& session = loop->session;
