@@ -104,9 +104,9 @@ void add_bench_clip(Command bench) {
   command.footer(
       "No camera: the hand's own capsules press, in every frame; what is off is the answer's "
       "alone.\n"
-      "With --true-depth the unseen side's share is added (ms include it then), and frames are "
-      "left "
-      "out\nof which no camera sees what touches. What palpable live is off beyond that is the "
+      "With --true-depth the unseen side's share is added (ms include it then), and frames of "
+      "which\n"
+      "no camera sees what touches are left out. What palpable live is off beyond that is the\n"
       "camera's share.\n"
       "Frames at least 4 mm deep, pooled over the clips.\n"
       "Example: palpable bench clip out/demo/bunny.palpable out/demo/clip --json");

@@ -2,8 +2,8 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
+#include "palpable/bake/full_body.h"
 #include "palpable/base/order_statistics.h"
-#include "palpable/campaign/press_solver.h"
 #include "palpable/describe/body_problem.h"
 #include "palpable/touch_bake/touch_maker.h"
 #include "palpable/touch_bake/touch_scenes.h"
@@ -14,10 +14,12 @@
 #include "bench/bake/friction_study.h"
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpable::app {
@@ -40,26 +42,32 @@ std::string moment_of(const FrictionDifference& d) {
                        : fmt::format("at_{:g}mm", 1e3 * d.depth);
 }
 
+// What is told of a moment, and the unit that it is told in.
+struct Told {
+  const char* name;
+  double FrictionDifference::*value;
+  double per_unit;
+};
+constexpr std::array kTold{
+    Told{"u_median", &FrictionDifference::displacement, 1},
+    Told{"worst_vertex_median_mm", &FrictionDifference::worst_vertex, 1e3},
+    Told{"force_median", &FrictionDifference::force, 1},
+    Told{"angle_median_deg", &FrictionDifference::angle, 180 / std::numbers::pi},
+    Told{"vm_median", &FrictionDifference::von_mises, 1}};
+
+// By thing and moment.
 Json medians_of(const std::vector<FrictionDifference>& all) {
+  std::map<std::pair<std::string, std::string>, std::vector<FrictionDifference>> groups;
+  for (const FrictionDifference& d : all) groups[{name_of(d.thing), moment_of(d)}].push_back(d);
   Json figures = Json::object();
-  for (const FrictionDifference& first : all) {
-    Json& entry = figures[name_of(first.thing)][moment_of(first)];
-    if (!entry.is_null()) continue;
-    std::vector<double> u, worst, force, angle, stress;
-    for (const FrictionDifference& d : all) {
-      if (d.thing != first.thing || moment_of(d) != moment_of(first)) continue;
-      u.push_back(d.displacement);
-      worst.push_back(1e3 * d.worst_vertex);
-      force.push_back(d.force);
-      angle.push_back(d.angle * 180 / std::numbers::pi);
-      stress.push_back(d.von_mises);
+  for (const auto& [group, differences] : groups) {
+    Json& entry = figures[group.first][group.second];
+    entry["scenes"] = differences.size();
+    for (const Told& told : kTold) {
+      std::vector<double> values;
+      for (const FrictionDifference& d : differences) values.push_back(d.*told.value);
+      entry[told.name] = told.per_unit * percentile(values, 0.5);
     }
-    entry = {{"scenes", u.size()},
-             {"u_median", percentile(u, 0.5)},
-             {"worst_vertex_median_mm", percentile(worst, 0.5)},
-             {"force_median", percentile(force, 0.5)},
-             {"angle_median_deg", percentile(angle, 0.5)},
-             {"vm_median", percentile(stress, 0.5)}};
   }
   return figures;
 }
@@ -67,20 +75,18 @@ Json medians_of(const std::vector<FrictionDifference>& all) {
 void run(const Options& options) {
   ProgressBar bar;
   const BodyProblem problem = pose_body(read_body_description(options.body));
-  const EquilibriumSolver solver(problem.model);
-  const PressSolver presses(solver, problem.preload);
-  const SkinResponse skin(problem.model, problem.mesh.boundary, presses.preloaded());
+  const FullBody body(problem.model, problem.mesh.boundary, problem.preload);
   const std::uint64_t seed = options.seed > 0 ? options.seed : std::random_device()();
   std::vector<FrictionDifference> all;
   Json stopped = Json::array();
   int number = 0;
   for (const PressingThing thing : kThings) {
-    for (const TouchScene& scene : touch_scenes(skin, thing, options.each, seed)) {
+    for (const TouchScene& scene : touch_scenes(body.skin, thing, options.each, seed)) {
       bar.show({"with and without friction", static_cast<double>(number++),
                 static_cast<double>(kThings.size()) * options.each, name_of(thing)});
       const std::string why = compare_friction(
-          solver, skin, presses.preloaded(), TouchBakeSettings().point_spacing, scene,
-          options.coefficient, [&all](const FrictionDifference& d) { all.push_back(d); });
+          body.solver, body.skin, body.presses.preloaded(), TouchBakeSettings().point_spacing,
+          scene, options.coefficient, [&all](const FrictionDifference& d) { all.push_back(d); });
       if (!why.empty()) stopped.push_back(fmt::format("{}: {}", name_of(thing), why));
     }
   }

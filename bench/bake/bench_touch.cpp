@@ -2,11 +2,11 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
+#include "palpable/bake/full_body.h"
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/base/output_file.h"
-#include "palpable/campaign/press_solver.h"
 #include "palpable/describe/body_problem.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/picture_file.h"
@@ -162,9 +162,8 @@ void run(const Options& options) {
   const auto report = [&bar](const ProgressReport& now) { bar.show(now); };
   const BodyDescription description = read_body_description(options.body);
   const BodyProblem problem = pose_body(description);
-  const EquilibriumSolver solver(problem.model);
-  const PressSolver presses(solver, problem.preload);
-  const SkinResponse skin(problem.model, problem.mesh.boundary, presses.preloaded());
+  const FullBody body(problem.model, problem.mesh.boundary, problem.preload);
+  const SkinResponse& skin = body.skin;
   TouchBakeSettings settings;
   settings.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   if (options.linear) settings.regions.most = 0;
@@ -172,7 +171,7 @@ void run(const Options& options) {
   TouchTables tables = make_touch_tables(skin, settings, report);
   const double bake_s = seconds_since(begin);
   // They calibrate what the answer says of its own error; their seed is another one.
-  tables.held_out = make_held_out(solver, skin, presses.preloaded(), tables,
+  tables.held_out = make_held_out(body.solver, skin, body.presses.preloaded(), tables,
                                   {.threads = settings.threads}, report);
   TouchSolver touch(skin.skin(), skin.fixed(), tables);
 
@@ -188,8 +187,8 @@ void run(const Options& options) {
       bar.show({"the full answer, scene by scene", static_cast<double>(k * options.each + number++),
                 static_cast<double>(kPressingThings * options.each), name_of(thing)});
       const std::string why =
-          compare_touch(solver, skin, presses.preloaded(), touch, tables.point_spacing, scene,
-                        kDepths, [&](const TouchDifference& d) {
+          compare_touch(body.solver, skin, body.presses.preloaded(), touch, tables.point_spacing,
+                        scene, kDepths, [&](const TouchDifference& d) {
                           all.push_back(d);
                           if (pictures) pictures->write(scene, number, d);
                         });

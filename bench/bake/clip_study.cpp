@@ -2,11 +2,7 @@
 
 #include "palpable/base/error.h"
 #include "palpable/clip_files/deformed_file.h"
-#include "palpable/clip_files/depth_image_file.h"
-#include "palpable/clip_files/frame_names.h"
-#include "palpable/clip_files/mask_image_file.h"
-#include "palpable/clip_files/place.h"
-#include "palpable/clip_files/trajectory_file.h"
+#include "palpable/clip_files/true_view.h"
 #include "palpable/clip_files/truth_camera_file.h"
 #include "palpable/contact/object_surface.h"
 #include "palpable/contact/skin_contact.h"
@@ -81,56 +77,29 @@ Answer to_capsules(const TouchableBody& body, const ClipHands& hands) {
           }};
 }
 
-// A clip's true depth images, and where the body stood when they were taken.
-struct TrueDepth {
-  fs::path truth;
-  TruthCamera camera;
-  Rigid3 body_from_world;
-  std::vector<StampedPose> poses;  // by frame
-
-  explicit TrueDepth(const fs::path& clip)
-      : truth(clip / "truth"),
-        camera(read_truth_camera(truth / "camera.toml")),
-        poses(read_trajectory(truth / "trajectory.txt")) {
-    const fs::path scene_file = clip / "frames" / "scene.toml";
-    const SceneFile scene = read_scene_file(scene_file);
-    if (!scene.camera_from_body || !camera.camera) {
-      throw Error(fmt::format("{}: camera or place of the body is missing", clip.string()));
-    }
-    body_from_world = scene.camera_from_body->inverse();
-  }
-
-  // The hand's front, in the labels' lowest bit, with its other side assumed.
-  void show(int frame, const Eigen::AlignedBox3d& region, ObjectSurface& surface) const {
-    const fs::path depth_file = truth / "depth" / frame_name(frame, ".png");
-    const fs::path label_file = truth / "labels" / frame_name(frame, ".png");
-    const auto depth = read_depth_counts(depth_file);
-    auto labels = read_labels(label_file);
-    if (!depth) throw Error(depth_file.string() + ": is missing");
-    if (!labels) throw Error(label_file.string() + ": is missing");
-    std::transform(labels->begin(), labels->end(), labels->begin(), [](std::uint8_t bits) {
-      return static_cast<std::uint8_t>((bits & 1) != 0 ? kShowsPresser : kShowsRoom);
-    });
-    const auto n = static_cast<std::size_t>(frame);
-    surface.build(depth_of(*depth, camera.depth_unit), *labels, *camera.camera,
-                  body_from_world * poses[n].world_from_camera, region,
-                  frame / camera.frames_per_second);
-  }
-};
-
-Answer to_depth(const TouchableBody& body, const fs::path& clip) {
+// The hand's front, with its other side assumed.
+Answer to_depth(const TouchableBody& body, const fs::path& clip, const ClipHands& hands) {
   const SurfaceMesh& rest = body.body.surface;
-  const auto contact = std::make_shared<SkinContact>(rest, body.body.fixed, *body.touch);
-  const auto film = std::make_shared<TrueDepth>(clip);
+  const fs::path truth = clip / "truth";
+  const TruthCamera camera = read_truth_camera(truth / "camera.toml");
+  if (!camera.camera) throw Error((truth / "camera.toml").string() + ": has no camera");
   ObjectSurfaceSettings exact;
   exact.noise_quadratic = 0;
-  exact.noise_constant = film->camera.depth_unit / std::sqrt(12.0);  // rounded to whole units
+  exact.noise_constant = camera.depth_unit / std::sqrt(12.0);  // rounded to whole units
   const auto surface = std::make_shared<ObjectSurface>(exact);
+  const auto contact = std::make_shared<SkinContact>(rest, body.body.fixed, *body.touch);
   const Eigen::AlignedBox3d region(rest.vertices.rowwise().minCoeff(),
                                    rest.vertices.rowwise().maxCoeff());
-  return {[=](int frame, TouchState& state) {
+  return {[=, &hands](int frame, TouchState& state) {
+            const auto view = read_true_view(truth, frame, camera.depth_unit);
+            if (!view) {
+              throw Error(fmt::format("{}: depth or labels of frame {} are missing", truth.string(),
+                                      frame));
+            }
+            surface->build(view->depth, view->shows, *camera.camera,
+                           hands.body_from_camera[static_cast<std::size_t>(frame)], region,
+                           frame / camera.frames_per_second);
             std::vector<Touch> touches;
-            film->show(frame, region, *surface);
             return contact->advance(state, *surface, touches);
           },
           [contact](const TouchState& state, std::span<float> von_mises) {
@@ -153,7 +122,7 @@ ClipAnswer answer_to_true_hand(const TouchableBody& body, const fs::path& clip, 
   const ClipHands hands = read_clip_hands(clip);
   const Eigen::VectorXd areas = vertex_areas(rest);
   const Answer to_hand =
-      hand == TrueHand::kCapsules ? to_capsules(body, hands) : to_depth(body, clip);
+      hand == TrueHand::kCapsules ? to_capsules(body, hands) : to_depth(body, clip, hands);
   TouchState state;
   Matrix3Xd before = Matrix3Xd::Zero(3, rest.vertex_count());
   std::vector<float> stress(static_cast<std::size_t>(rest.vertex_count()));

@@ -1,6 +1,6 @@
 #include "bench/bake/friction_study.h"
 
-#include "palpable/solid/stress.h"
+#include "palpable/touch_bake/touch_difference.h"
 
 #include <Eigen/Geometry>
 
@@ -28,24 +28,16 @@ Obstacle after(const TouchScene& scene, double t) {
 
 FrictionDifference difference_of(const SkinResponse& skin, const ContactState& without,
                                  const ContactState& with) {
-  const auto on_skin = [&](const ContactState& state) -> Matrix3Xd {
-    const Matrix3Xd moved = state.displacement - skin.body().rest();
-    return skin.on_skin(moved.reshaped()).reshaped(3, skin.vertex_count());
-  };
-  const auto stress = [&](const ContactState& state) -> Eigen::VectorXd {
-    const Eigen::VectorXd nodal =
-        von_mises(nodal_cauchy_stress(skin.body().model(), state.displacement, skin.recovery()));
-    return nodal(
-        std::span(skin.shell_nodes()).first(static_cast<std::size_t>(skin.vertex_count())));
-  };
-  const Matrix3Xd u = on_skin(with), apart = on_skin(without) - u;
-  const Eigen::VectorXd s = stress(with);
+  const Matrix3Xd u = true_displacement(skin, with.displacement);
+  const Matrix3Xd apart = true_displacement(skin, without.displacement) - u;
+  const Eigen::VectorXd stress = true_von_mises(skin, with.displacement);
   FrictionDifference d;
   d.displacement = apart.norm() / u.norm();
   d.worst_vertex = apart.colwise().norm().maxCoeff();
   d.force = (without.force - with.force).norm() / with.force.norm();
   d.angle = std::atan2(without.force.cross(with.force).norm(), without.force.dot(with.force));
-  d.von_mises = (stress(without) - s).cwiseAbs().maxCoeff() / s.maxCoeff();
+  d.von_mises = (true_von_mises(skin, without.displacement) - stress).cwiseAbs().maxCoeff() /
+                stress.maxCoeff();
   return d;
 }
 

@@ -11,10 +11,8 @@
 #include "palpable/base/json.h"
 #include "palpable/base/order_statistics.h"
 #include "palpable/clip_files/contact_file.h"
-#include "palpable/clip_files/depth_image_file.h"
-#include "palpable/clip_files/frame_names.h"
 #include "palpable/clip_files/hand_file.h"
-#include "palpable/clip_files/mask_image_file.h"
+#include "palpable/clip_files/true_view.h"
 #include "palpable/clip_files/truth_camera_file.h"
 #include "palpable/clip_writer/desk_film.h"
 #include "palpable/clip_writer/sequence_folder.h"
@@ -184,15 +182,10 @@ void look_at_unseen_side(const Judge& judge, const Film& film, int frame,
       unseen_points(film.hands[frame].capsules, *film.camera.camera, body_from_camera,
                     judge.distance, kNearBody, kPointSpacing);
   counts.measured.add(measured, unseen, body_from_camera);
-  const fs::path truth = film.folder / "truth";
-  const auto depth = read_depth_counts(truth / "depth" / frame_name(frame, ".png"));
-  auto labels = read_labels(truth / "labels" / frame_name(frame, ".png"));
-  if (!depth || !labels) return;
-  std::transform(labels->begin(), labels->end(), labels->begin(),
-                 [](std::uint8_t bits) { return static_cast<std::uint8_t>((bits & 1) * 255); });
+  const auto view = read_true_view(film.folder / "truth", frame, film.camera.depth_unit);
+  if (!view) return;
   ObjectSurface surface;
-  surface.build(depth_of(*depth, film.camera.depth_unit), *labels, *film.camera.camera,
-                body_from_camera, judge.region);
+  surface.build(view->depth, view->shows, *film.camera.camera, body_from_camera, judge.region);
   counts.true_depth.add(surface, unseen, body_from_camera);
 }
 

@@ -1,7 +1,7 @@
 #include "palpable/bake/bake_touch.h"
 
+#include "palpable/bake/full_body.h"
 #include "palpable/base/contract.h"
-#include "palpable/campaign/press_solver.h"
 #include "palpable/touch/touch_text.h"
 #include "palpable/touch_bake/held_out_maker.h"
 #include "palpable/touch_bake/touch_maker.h"
@@ -17,22 +17,10 @@ namespace {
 
 using Tables = BodyDescription::Touch::Tables;
 
-// The body as it is pressed: the preload has acted.
-struct PressedBody {
-  EquilibriumSolver solver;
-  PressSolver presses;
-  SkinResponse skin;
-
-  explicit PressedBody(const CampaignPlan& plan)
-      : solver(plan.model, {.tolerance = kSnapshotTolerance}),
-        presses(solver, plan.preload),
-        skin(plan.model, plan.boundary, presses.preloaded()) {}
-};
-
 // Makes one stage after the other, and states which tables are complete.
 class Stages {
  public:
-  Stages(const PressedBody& body, const SnapshotStore& store,
+  Stages(const FullBody& body, const SnapshotStore& store,
          const std::function<void(const TouchTables&)>& use, const Progress& progress)
       : body_(body),
         store_(store.touch_folder()),
@@ -56,7 +44,7 @@ class Stages {
   void end() { store_.remove_leftovers(); }
 
  private:
-  const PressedBody& body_;
+  const FullBody& body_;
   TouchStore store_;
   std::uint64_t campaign_;
   const std::function<void(const TouchTables&)>& use_;
@@ -87,7 +75,7 @@ void bake_touch(const CampaignPlan& plan, const BodyDescription::Touch& wanted,
                 const std::function<void(const TouchTables&)>& use, const Progress& progress) {
   if (wanted.tables == Tables::kNone || !why_no_touch(plan, wanted).empty()) return;
   PALPABLE_EXPECT(plan.points.size() == 1, "tables of touch are of one body");
-  const PressedBody body(plan);
+  const FullBody body(plan.model, plan.boundary, plan.preload, {.tolerance = kSnapshotTolerance});
   TouchBakeSettings settings;
   settings.threads = threads;
   if (wanted.regions) settings.regions.most = *wanted.regions;

@@ -35,10 +35,8 @@ struct DeskCamera {
 /// The truth of one frame, in the rectified left camera.
 struct DeskTruth {
   DepthImage depth;  ///< Z in m at the pixel centres; NaN where there is nothing
-  MaskImage labels;  ///< kMovesLabel and kBothSeeLabel, or 0
+  MaskImage labels;  ///< kMovesLabel and kBothSeeLabel (geometry/image.h), or 0
 };
-inline constexpr std::uint8_t kMovesLabel = 1;    ///< hand, sleeve, pencil or cup
-inline constexpr std::uint8_t kBothSeeLabel = 2;  ///< the right eye sees the same point
 
 /// Draws with OpenGL, without a screen. The same seed, movers and frame give the same bytes on the
 /// same machine. Move-only; to be used on the thread that made it.

@@ -72,6 +72,10 @@ using GrayImage = Image<std::uint8_t>;
 using MaskImage = Image<std::uint8_t>;  ///< 0 or 255, or what kShows... below say
 using DepthImage = Image<float>;        ///< Z in m; NaN where the depth is unknown
 
+/// Bits of the labels of a film's truth.
+inline constexpr std::uint8_t kMovesLabel = 1;    ///< hand, sleeve, pencil or cup
+inline constexpr std::uint8_t kBothSeeLabel = 2;  ///< the right eye sees the same point
+
 /// What the pixels of a frame show, as far as pressing goes (map/pressing_mask.h finds it). An
 /// image of these is a mask of what presses.
 inline constexpr std::uint8_t kShowsRoom = 0;       ///< the room: what lies before it is free

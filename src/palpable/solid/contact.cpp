@@ -284,7 +284,7 @@ struct ContactWalk::Work {
     }
     const Matrix3Xd positions_before = core.model.mesh.nodes + now.displacement;
     pairs.take_up(gaps, positions_before);
-    pairs.begin_step(gaps, motion(now.t), positions_before);
+    if (settings.friction > 0.0) pairs.begin_step(gaps, motion(now.t), positions_before);
     Matrix3Xd u = start(gaps, t);
     positions = core.model.mesh.nodes + u;
     pairs.find(gaps, positions, edge);

@@ -115,7 +115,6 @@ void ContactPairs::take_up(const ObstacleGaps& gaps, const Matrix3Xd& positions)
 
 void ContactPairs::begin_step(const ObstacleGaps& gaps, const Obstacle& before,
                               const Matrix3Xd& positions_before) {
-  if (friction_.coefficient == 0.0) return;
   // Of an obstacle that has become another one nobody knows how it moved.
   const bool same = before.part_count() == gaps.part_count();
   for (ContactPair& pair : pairs_) {

@@ -68,7 +68,8 @@ class ContactPairs {
   /// are farther. @returns how many that touch (gap below 0) are new
   int find(const ObstacleGaps& gaps, const Eigen::Matrix3Xd& positions, double margin);
 
-  /// From here on points slide: where the obstacle and the nodes were when the step began.
+  /// With friction, before each step: from here on points slide. Where the obstacle and the nodes
+  /// were when the step began.
   void begin_step(const ObstacleGaps& gaps, const Obstacle& before,
                   const Eigen::Matrix3Xd& positions_before);
 

@@ -612,7 +612,6 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
   w.hold_back(state,
               settled ? largest_move : std::min(largest_move, kUnsettledSteps * s.largest_step),
               report);
-  if (report.held_back > 0) report.stated.reset();  // on its way: no answer yet
   return report;
 }
 

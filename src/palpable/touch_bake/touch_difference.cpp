@@ -33,18 +33,10 @@ double force_difference(const TouchState& state, const Matrix3Xd& truth, bool sq
   return (sum - true_sum).norm() / true_sum.norm();
 }
 
-// (V) Pa, as the full solver recovers it.
-Eigen::VectorXd true_von_mises(const SkinResponse& skin, const Matrix3Xd& displacement) {
-  const Eigen::VectorXd nodal =
-      von_mises(nodal_cauchy_stress(skin.body().model(), displacement, skin.recovery()));
-  return nodal(std::span(skin.shell_nodes()).first(static_cast<std::size_t>(skin.vertex_count())));
-}
-
 // The present answers of both.
 TouchDifference difference_of(const SkinResponse& skin, const ContactWalk& walk, TouchSolver& touch,
                               const TouchState& state, const TouchScene& scene, double depth) {
-  const Matrix3Xd moved = walk.now().displacement - skin.body().rest();
-  const Matrix3Xd u = skin.on_skin(moved.reshaped()).reshaped(3, skin.vertex_count());
+  const Matrix3Xd u = true_displacement(skin, walk.now().displacement);
   TouchDifference d;
   d.displacement = state.u.leftCols(u.cols());
   d.true_displacement = u.cast<float>();
@@ -66,6 +58,17 @@ TouchDifference difference_of(const SkinResponse& skin, const ContactWalk& walk,
 }
 
 }  // namespace
+
+Matrix3Xd true_displacement(const SkinResponse& skin, const Matrix3Xd& displacement) {
+  const Matrix3Xd moved = displacement - skin.body().rest();
+  return skin.on_skin(moved.reshaped()).reshaped(3, skin.vertex_count());
+}
+
+Eigen::VectorXd true_von_mises(const SkinResponse& skin, const Matrix3Xd& displacement) {
+  const Eigen::VectorXd nodal =
+      von_mises(nodal_cauchy_stress(skin.body().model(), displacement, skin.recovery()));
+  return nodal(std::span(skin.shell_nodes()).first(static_cast<std::size_t>(skin.vertex_count())));
+}
 
 GapQuery gaps_to(const ObstacleGaps& gaps) {
   return [&gaps](const Eigen::Vector3f& place, SurfaceGap& gap) {

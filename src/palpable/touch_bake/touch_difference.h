@@ -29,6 +29,14 @@ struct TouchDifference {
   Eigen::VectorXf von_mises, true_von_mises;
 };
 
+/// Of a state of the full solver: how far the skin's vertices moved since nothing but the preload
+/// acted, (3 x V) m, and the von Mises stress there as the full solver recovers it, (V) Pa.
+/// @param displacement  (3 x N) m, from the unloaded body
+[[nodiscard]] Eigen::Matrix3Xd true_displacement(const SkinResponse& skin,
+                                                 const Eigen::Matrix3Xd& displacement);
+[[nodiscard]] Eigen::VectorXd true_von_mises(const SkinResponse& skin,
+                                             const Eigen::Matrix3Xd& displacement);
+
 /// The gaps to an obstacle, as a query of touch.
 [[nodiscard]] GapQuery gaps_to(const ObstacleGaps& gaps);
 

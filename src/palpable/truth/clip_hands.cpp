@@ -51,6 +51,7 @@ ClipHands read_clip_hands(const fs::path& clip) {
       capsule.b = body_from_camera * capsule.b;
     }
     hands.capsules.push_back(std::move(capsules));
+    hands.body_from_camera.push_back(body_from_camera);
   }
   return hands;
 }

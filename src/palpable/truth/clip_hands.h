@@ -4,6 +4,7 @@
 
 #include "palpable/clip_files/contact_file.h"
 #include "palpable/geometry/capsule.h"
+#include "palpable/geometry/rigid.h"
 
 #include <filesystem>
 #include <vector>
@@ -14,6 +15,7 @@ namespace palpable {
 struct ClipHands {
   std::vector<std::vector<Capsule>> capsules;  ///< by frame; m, body frame
   std::vector<ContactLine> contacts;           ///< by frame
+  std::vector<Rigid3> body_from_camera;        ///< by frame
   [[nodiscard]] int frame_count() const { return static_cast<int>(contacts.size()); }
 };
 
