@@ -134,7 +134,8 @@ TEST_CASE("the caption says how deep and how hard, and how many touches there ar
   scene.touches = {touch};
   CHECK(caption_of(scene) == "2.00 s   site 7   6.0 mm   1.50 N");
   scene.stated_error = StatedError{.displacement = 0.0213, .von_mises = 0.07};
-  CHECK(caption_of(scene) == "2.00 s   site 7   6.0 mm   1.50 N   off by some 2.1 %, stress 7 %");
+  CHECK(caption_of(scene) ==
+        "2.00 s   site 7   6.0 mm   1.50 N   for what is seen off by some 2.1 %, stress 7 %");
 }
 
 TEST_CASE("that a touch is held without being seen is said on the picture",

@@ -22,7 +22,7 @@ std::string caption_of(const Scene& scene) {
   std::string text = fmt::format("{:.2f} s   {}", scene.time, caption_of(scene.touches));
   if (scene.stated_error) {
     text +=
-        fmt::format("   off by some {:.2g} %, stress {:.2g} %",
+        fmt::format("   for what is seen off by some {:.2g} %, stress {:.2g} %",
                     100 * scene.stated_error->displacement, 100 * scene.stated_error->von_mises);
   }
   return text;
