@@ -17,7 +17,8 @@ ComplianceCache::ComplianceCache(const Compliance& compliance, int most)
       wanted_(static_cast<std::size_t>(most), 0),
       basis_(static_cast<std::size_t>(3 * most) * compliance.rank()),
       blocks_(Eigen::MatrixXf::Zero(3 * most, 3 * most)),
-      target_(compliance.rank()) {}
+      has_target_(static_cast<std::size_t>(most) * static_cast<std::size_t>(compliance.clusters())),
+      targets_(3 * has_target_.size() * compliance.rank()) {}
 
 void ComplianceCache::bring(std::span<const int> vertices) {
   PALPABLE_EXPECT(static_cast<int>(vertices.size()) <= most_, "as many vertices as there is room");
@@ -50,19 +51,35 @@ Matrix3f ComplianceCache::block_of(int vertex, int other) {
     return compliance_.near_block(low, static_cast<std::size_t>(at - near.begin()));
   }
   const std::size_t k = compliance_.rank();
-  const std::size_t row = 3 * static_cast<std::size_t>(slot_of_vertex_[low]) * k;
+  const std::span<const float> targets = targets_at(slot_of_vertex_[low], from, to);
   for (std::size_t d = 0; d < 3; ++d) {
-    std::fill(target_.begin(), target_.end(), 0.0f);
-    compliance_.add_target(from, {basis_.data() + row + d * k, k}, to, target_);
-    block.col(static_cast<int>(d)) = compliance_.at(high, target_);
+    block.col(static_cast<int>(d)) = compliance_.at(high, targets.subspan(d * k, k));
   }
   return block;
+}
+
+// What unit forces at the slot's vertex, of cluster `from`, bring about in a cluster far away.
+std::span<const float> ComplianceCache::targets_at(int slot, int from, int to) {
+  const std::size_t k = compliance_.rank(), row = 3 * static_cast<std::size_t>(slot) * k;
+  const std::size_t at =
+      static_cast<std::size_t>(slot) * static_cast<std::size_t>(compliance_.clusters()) +
+      static_cast<std::size_t>(to);
+  const std::span<float> targets(targets_.data() + 3 * at * k, 3 * k);
+  if (has_target_[at] != 0) return targets;
+  has_target_[at] = 1;
+  std::fill(targets.begin(), targets.end(), 0.0f);
+  for (std::size_t d = 0; d < 3; ++d) {
+    compliance_.add_target(from, {basis_.data() + row + d * k, k}, to, targets.subspan(d * k, k));
+  }
+  return targets;
 }
 
 // The blocks of one slot with all that are taken.
 void ComplianceCache::compute(int slot) {
   const int vertex = vertex_of_slot_[slot];
   const std::size_t k = compliance_.rank();
+  const auto C = static_cast<std::ptrdiff_t>(compliance_.clusters());
+  std::fill_n(has_target_.begin() + slot * C, C, char{0});
   for (int d = 0; d < 3; ++d) {
     const std::span<float> row(
         basis_.data() + (3 * static_cast<std::size_t>(slot) + static_cast<std::size_t>(d)) * k, k);

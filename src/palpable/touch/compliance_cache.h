@@ -33,6 +33,7 @@ class ComplianceCache {
  private:
   void compute(int slot);
   [[nodiscard]] Eigen::Matrix3f block_of(int vertex, int other);
+  [[nodiscard]] std::span<const float> targets_at(int slot, int from, int to);
 
   const Compliance& compliance_;
   int most_;
@@ -41,7 +42,8 @@ class ComplianceCache {
   std::vector<char> wanted_;         // (most)
   std::vector<float> basis_;         // (3 most x k) rows of P
   Eigen::MatrixXf blocks_;           // (3 most x 3 most)
-  std::vector<float> target_;        // (k)
+  std::vector<char> has_target_;     // (most x C)
+  std::vector<float> targets_;       // (most x C x 3 x k) of unit forces in x, y, z
 };
 
 }  // namespace palpable

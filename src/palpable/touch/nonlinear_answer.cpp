@@ -13,6 +13,8 @@ namespace {
 
 // Of the patches' own size in the modes: what they do to each other is at most so much.
 constexpr float kCrossEnd = 0.5f;
+// Loads that differ by less of their codes do the same to each other.
+constexpr float kSameLoads = 0.02f;
 
 using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
@@ -83,6 +85,7 @@ NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const R
   far_code_.resize(most_shapes);
   arriving_.resize(k);
   cross_codes_.resize((kMostBlobs + 1) * x);
+  cross_codes_before_.resize(kMostBlobs * x);
   cross_cubic_ = FormRows(cross.cubic);
   pairs_.resize(cross_cubic_.width());
   for (const RegionTable& region : regions) {
@@ -225,6 +228,18 @@ void NonlinearAnswer::evaluate_cross_terms(std::span<const VertexForce> loads) {
                              code_of(index(blob)));
     }
   }
+  const std::size_t count = chosen_.size() * x;
+  if (cross_blobs_ == chosen_.size()) {
+    float change = 0, all = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float by = cross_codes_[i] - cross_codes_before_[i];
+      change += by * by;
+      all += cross_codes_[i] * cross_codes_[i];
+    }
+    if (change <= kSameLoads * kSameLoads * all) return;
+  }
+  cross_blobs_ = chosen_.size();
+  std::copy_n(cross_codes_.begin(), count, cross_codes_before_.begin());
   std::fill(pairs_.begin(), pairs_.end(), 0.0f);
   const std::span<float> sum = code_of(chosen_.size());
   for (std::size_t b = 0; b < chosen_.size(); ++b) {

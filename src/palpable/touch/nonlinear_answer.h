@@ -87,7 +87,12 @@ class NonlinearAnswer {
   /// The blobs' regions.
   [[nodiscard]] std::span<const int> regions() const { return {chosen_.data(), chosen_.size()}; }
 
-  /// Codes, q and H under these loads. @pre their vertices were handed to choose_blobs()
+  /// Lets go of what was found for other loads: what follows is a function of its arguments alone.
+  void start() { cross_blobs_ = 0; }
+
+  /// Codes, q and H under these loads. What blobs do to each other is taken from the evaluation
+  /// before where no blob's load has changed by more than a fiftieth of all since then. @pre their
+  /// vertices were handed to choose_blobs()
   void evaluate(std::span<const VertexForce> loads, CrossTerms cross = CrossTerms::kAnew);
 
   /// What is added to the linear displacement of a vertex, m. @pre it was handed to choose_blobs(),
@@ -143,6 +148,8 @@ class NonlinearAnswer {
   std::vector<char> asked_cluster_, every_cluster_;   // (C) 1: targets are wanted there
   std::vector<char> own_cluster_;                     // (regions x C) 1: its nodes are the region's
   std::vector<float> cross_codes_, pairs_, cross_q_;  // (blobs + 1 x x), (p), (x)
+  std::vector<float> cross_codes_before_;             // (blobs x x) to which cross_q_ belongs
+  std::size_t cross_blobs_ = 0;                       // how many; 0: to none
   float last_share_ = 0;
 };
 

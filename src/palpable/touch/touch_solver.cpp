@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 #include "palpable/touch/contact_problem.h"
 #include "palpable/touch/point_levels.h"
+#include "palpable/touch/row_kernels.h"
 #include "palpable/touch/shell_stress.h"
 #include "palpable/touch/skin_clusters.h"
 
@@ -23,6 +24,9 @@ constexpr float kStretch = 1.3f;
 // In steps of the object: a step of Newton's method that moves a touched vertex by more is halved.
 constexpr double kLargestMove = 4;
 constexpr int kHalvings = 4;
+// Of a step of the object: points that are farther from it, and do not press, take no part in an
+// iteration. One that the skin enters all the same does in the next.
+constexpr double kTakesPart = 0.4;
 // A frame's last step is looked at so many times for points that its answer enters though they were
 // too far to be asked (TouchSolver::Work::add_entered).
 constexpr int kRounds = 3;
@@ -108,6 +112,10 @@ struct TouchSolver::Work {
   std::vector<FoundGap> found;  // by point
   int frame = 0;
   std::vector<Vector3f> forces_before;
+  std::vector<ContactCandidate> pressed;  // those of the candidates that take part,
+  std::vector<std::size_t> of_pressed;    // and which
+  std::vector<float> field;               // (3 x vertices, padded) G f
+  bool stuck = false;                     // no step of the last iteration could be made
 
   Work(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed, const TouchTables& the_tables,
        const TouchSettings& the_settings)
@@ -138,6 +146,9 @@ struct TouchSolver::Work {
     loads.reserve(kMostVertices);
     weights.reserve(kMostVertices);
     forces_before.resize(kMostPoints);
+    pressed.reserve(kMostPoints);
+    of_pressed.reserve(kMostPoints);
+    field.resize(padded(std::size_t{3} * kMostVertices));
     forces_began.reserve(2 * kMostPoints);
     mixed.reserve(3 * kMostPoints);
     found.resize(points.size());
@@ -147,7 +158,7 @@ struct TouchSolver::Work {
   }
 
   [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
-  bool gap_at(int point, const Vector3f& x, const GapQuery& gap, SurfaceGap& answer);
+  bool gap_at(int point, const Vector3f& x, const GapQuery& gap, float far, SurfaceGap& answer);
   [[nodiscard]] bool is_needed(int point, const SurfaceGap& gap) const;
   template <class Found>
   void for_near_points(const Matrix3Xf& u, float band, const GapQuery& gap, const NearQuery& near,
@@ -162,24 +173,31 @@ struct TouchSolver::Work {
   void add_up_loads();
   void choose_blobs(const TouchState& state, double shift);
   void find_displacements(CrossTerms cross);
-  void look_at_gaps(const GapQuery& gap);
+  void look_at_gaps(const GapQuery& gap, double shift);
   double iterate(const GapQuery& gap, double shift, CrossTerms cross, float share);
+  void choose_pressed(double shift);
   void go_back(float share);
   void settle(const TouchState& state, const GapQuery& gap, double shift, bool last,
               TouchReport& report);
   bool add_entered(const TouchState& state, const GapQuery& gap, const NearQuery& near,
                    double shift, TouchReport& report);
-  void fill_field(Matrix3Xf& field, Eigen::Index nodes);
+  void fill_field(Matrix3Xf& on_nodes, Eigen::Index nodes);
   void hand_over(TouchState& state, const GapQuery& gap, TouchReport& report);
   void hold_back(TouchState& state, double largest_move, TouchReport& report);
   void read_signs(const TouchState& state, TouchReport& report) const;
 };
 
-// What is nearest to a point that is at x now; false where nothing is, or what is no number.
-bool TouchSolver::Work::gap_at(int point, const Vector3f& x, const GapQuery& gap,
+// What is nearest to a point that is at x now; false where nothing is, or what is no number. Where
+// it is farther than `far` for sure, that it is so may be all that is told.
+bool TouchSolver::Work::gap_at(int point, const Vector3f& x, const GapQuery& gap, float far,
                                SurfaceGap& answer) {
   FoundGap& last = found[static_cast<std::size_t>(point)];
-  if (last.frame != frame || !((x - last.place).squaredNorm() < kSameGap * kSameGap)) {
+  const float moved = (x - last.place).norm();
+  const bool is_same_place = last.frame == frame && moved < kSameGap;
+  // A distance falls by no more than its place has moved.
+  const bool stays_far =
+      last.frame == frame && last.near && last.gap.distance - moved > far && !is_same_place;
+  if (!is_same_place && !stays_far) {
     last.frame = frame;
     last.place = x;
     last.near = gap(x, last.gap) && std::isfinite(last.gap.distance) &&
@@ -190,6 +208,8 @@ bool TouchSolver::Work::gap_at(int point, const Vector3f& x, const GapQuery& gap
   const Vector3f turn = last.gap.curvature * way;
   answer = last.gap;
   answer.distance += last.gap.normal.dot(way) + 0.5f * way.dot(turn);
+  // Over a long way the curvature of a hollow would tell of a surface that is not there.
+  if (stays_far) answer.distance = std::max(answer.distance, last.gap.distance - moved);
   answer.normal = (last.gap.normal + turn).normalized();
   return true;
 }
@@ -220,7 +240,8 @@ void TouchSolver::Work::for_near_points(const Matrix3Xf& u, float band, const Ga
       const SkinPoint& point = points[static_cast<std::size_t>(p)];
       const Vector3f x = point.at(rest) + point.at(u);
       if (near && !near(x, band)) continue;
-      if (!gap_at(p, x, gap, seen) || !(seen.distance <= band) || !is_needed(p, seen)) continue;
+      if (!gap_at(p, x, gap, band, seen) || !(seen.distance <= band) || !is_needed(p, seen))
+        continue;
       found_near(p, seen);
     }
   }
@@ -366,24 +387,27 @@ void TouchSolver::Work::set_compliance() {
 // Of all vertices that may touch, under the present loads.
 void TouchSolver::Work::find_displacements(CrossTerms cross) {
   if (is_nonlinear()) nonlinear.evaluate(loads, cross);
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    Vector3f u = Vector3f::Zero();
-    for (int c = 0; c < 3; ++c) {
-      const std::span<const float> row = problem.compliance_row(3 * static_cast<int>(i) + c);
-      float sum = 0;
-      for (std::size_t j = 0; j < loads.size(); ++j) {
-        const Vector3f& f = loads[j].force;
-        sum += row[3 * j] * f[0] + row[3 * j + 1] * f[1] + row[3 * j + 2] * f[2];
-      }
-      u[c] = sum;
+  // G is symmetric: what a load does everywhere are its rows.
+  const std::span<float> of_loads(field.data(), padded(3 * vertices.size()));
+  std::fill(of_loads.begin(), of_loads.end(), 0.0f);
+  for (std::size_t j = 0; j < loads.size(); ++j) {
+    for (int d = 0; d < 3; ++d) {
+      const float force = loads[j].force[d];
+      if (force == 0) continue;
+      best_row_kernels().add_floats(problem.compliance_row(3 * static_cast<int>(j) + d).data(),
+                                    force, of_loads);
     }
+  }
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    Vector3f u = Eigen::Map<const Vector3f>(of_loads.data() + 3 * i);
     if (is_nonlinear()) u += nonlinear.displacement_at(vertices[i]);
     here.col(static_cast<Eigen::Index>(i)) = u;
   }
 }
 
-void TouchSolver::Work::look_at_gaps(const GapQuery& gap) {
+void TouchSolver::Work::look_at_gaps(const GapQuery& gap, double shift) {
   SurfaceGap seen;
+  const auto far = static_cast<float>(2 * kTakesPart * settings.largest_step - shift);
   for (ContactCandidate& candidate : candidates) {
     Vector3f x = Vector3f::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
@@ -391,7 +415,7 @@ void TouchSolver::Work::look_at_gaps(const GapQuery& gap) {
       x += candidate.weights[static_cast<int>(k)] *
            (rest.col(vertices[static_cast<std::size_t>(local)]) + here.col(local));
     }
-    if (gap_at(candidate.point, x, gap, seen)) {
+    if (gap_at(candidate.point, x, gap, far, seen)) {
       set_gap(candidate, seen);
     } else {
       candidate.distance = static_cast<float>(10 * settings.band);
@@ -402,29 +426,47 @@ void TouchSolver::Work::look_at_gaps(const GapQuery& gap) {
 // A share of one step of Newton's method from `here`. Returns how far it moved a vertex, m.
 double TouchSolver::Work::iterate(const GapQuery& gap, double shift, CrossTerms cross,
                                   float share) {
-  look_at_gaps(gap);
+  look_at_gaps(gap, shift);
   const auto n = static_cast<Eigen::Index>(vertices.size());
   before.leftCols(n) = here.leftCols(n);
-  for (std::size_t p = 0; p < candidates.size(); ++p) forces_before[p] = candidates[p].force;
+  choose_pressed(shift);
   const NonlinearAnswer* tangent = is_nonlinear() ? &nonlinear : nullptr;
   // A state on the way may have no positive definite tangent; without what is not always positive
   // the step is a shorter one, not a wrong one.
   const auto solve = [&](const NonlinearAnswer* answer, bool turning) {
-    return problem.solve(candidates, loads, answer, {shift, settings.softness, turning});
+    return problem.solve(pressed, loads, answer, {shift, settings.softness, turning});
   };
+  stuck = true;
   if (!solve(tangent, true) && !solve(tangent, false) && !solve(nullptr, false)) return 0;
+  for (std::size_t k = 0; k < pressed.size(); ++k) candidates[of_pressed[k]] = pressed[k];
   if (share < 1) go_back(share);
   for (int halving = 0; halving <= kHalvings; ++halving) {
     add_up_loads();
     find_displacements(cross);
     const float moved =
         n > 0 ? (here.leftCols(n) - before.leftCols(n)).colwise().norm().maxCoeff() : 0.0f;
-    if (moved <= static_cast<float>(kLargestMove * settings.largest_step))
+    if (moved <= static_cast<float>(kLargestMove * settings.largest_step)) {
+      stuck = halving == kHalvings;
       return static_cast<double>(moved);
+    }
     // The last time nothing is left of the step: no state is better than one beyond the tables.
     go_back(halving + 1 < kHalvings ? 0.5f : 0.0f);
   }
   return 0;
+}
+
+// Those that press, or may do so next.
+void TouchSolver::Work::choose_pressed(double shift) {
+  pressed.clear();
+  of_pressed.clear();
+  const auto reach = static_cast<float>(kTakesPart * settings.largest_step - shift);
+  for (std::size_t p = 0; p < candidates.size(); ++p) {
+    const ContactCandidate& c = candidates[p];
+    forces_before[p] = c.force;
+    if (!(c.distance < reach) && c.force.isZero(0)) continue;
+    pressed.push_back(c);
+    of_pressed.push_back(p);
+  }
 }
 
 // To a share of the way from the forces before.
@@ -459,8 +501,8 @@ void TouchSolver::Work::settle(const TouchState& state, const GapQuery& gap, dou
 }
 
 // The first nodes' displacement under the present loads.
-void TouchSolver::Work::fill_field(Matrix3Xf& field, Eigen::Index nodes) {
-  const Eigen::Ref<Matrix3Xf> u = field.leftCols(nodes);
+void TouchSolver::Work::fill_field(Matrix3Xf& on_nodes, Eigen::Index nodes) {
+  const Eigen::Ref<Matrix3Xf> u = on_nodes.leftCols(nodes);
   const std::size_t k = compliance.rank();
   const auto C = static_cast<std::size_t>(compliance.clusters());
   const auto of = [k](std::vector<float>& numbers, std::size_t cluster) {
@@ -515,7 +557,7 @@ void TouchSolver::Work::read_signs(const TouchState& state, TouchReport& report)
 }
 
 void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, TouchReport& report) {
-  look_at_gaps(gap);
+  look_at_gaps(gap, 0);
   state.forces.clear();
   report.penetration = 0;
   for (const ContactCandidate& candidate : candidates) {
@@ -578,6 +620,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
   const TouchSettings& s = w.settings;
   TouchReport report;
   ++w.frame;
+  w.nonlinear.start();
   if (state.u.cols() != w.compliance.nodes()) {
     state.u.setZero(3, w.compliance.nodes());
     state.forces.clear();
@@ -608,7 +651,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
     w.hand_over(state, gap, report);
   }
   w.read_signs(state, report);
-  const bool settled = report.last_change <= kUnsettled * s.largest_step;
+  const bool settled = !w.stuck && report.last_change <= kUnsettled * s.largest_step;
   w.hold_back(state,
               settled ? largest_move : std::min(largest_move, kUnsettledSteps * s.largest_step),
               report);

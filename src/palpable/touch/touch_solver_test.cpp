@@ -328,6 +328,52 @@ TEST_CASE("a gap is not asked for again where its shape tells it", "[touch]") {
   CHECK(clusters > asked);
 }
 
+TEST_CASE("what a query leaves in its answer where nothing is near is not read", "[touch]") {
+  const Sheet sheet;
+  TouchSolver one = sheet.solver(), other = sheet.solver();
+  const NearQuery always = [](const Vector3f&, float) { return true; };
+  TouchState pressed, elsewhere;
+  one.advance(pressed, ball(0.02f, 0.006f));
+  const GapQuery far_away = [](const Vector3f&, SurfaceGap& gap) {
+    gap.distance = 0.01f;
+    return true;
+  };
+  other.advance(elsewhere, far_away, always);
+  // The ball leaves, and is seen little farther than candidates are looked for: all points are
+  // asked in vain, and then the skin springs back into it.
+  const GapQuery there = test::gap_to_ball(Vector3f(0, 0, 0.017f), 0.02f, 0.0026f);
+  const GapQuery writes_what_it_finds = [&](const Vector3f& x, SurfaceGap& gap) {
+    SurfaceGap found;
+    if (!there(x, found)) return false;
+    gap = found;
+    return true;
+  };
+  TouchState a = pressed, b = pressed;
+  one.advance(a, writes_what_it_finds, always);
+  other.advance(b, writes_what_it_finds, always);
+  REQUIRE(a.u.cwiseAbs().maxCoeff() > 0.002f);
+  CHECK(a.u == b.u);
+}
+
+TEST_CASE("a surface that moves away does not come back by its curvature", "[touch]") {
+  const Sheet sheet;
+  // A ball presses the sheet down, away from a roof beside it that is near, too.
+  const GapQuery pressing = ball(0.005f, 0.00125f);
+  const GapQuery with_roof = [&](const Vector3f& x, SurfaceGap& gap) {
+    const float to_roof = 0.0024f - x.z();
+    if (pressing(x, gap) && gap.distance <= to_roof) return true;
+    gap.distance = to_roof;
+    gap.normal = -Vector3f::UnitZ();
+    gap.curvature = -4e4f * Matrix3f::Identity();
+    return true;
+  };
+  TouchSolver one = sheet.solver(), other = sheet.solver();
+  TouchState state, wanted;
+  one.advance(state, with_roof);
+  other.advance(wanted, pressing);
+  CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
+}
+
 TEST_CASE("asking whether anything is near first changes nothing", "[touch]") {
   const Sheet sheet;
   TouchSolver with = sheet.solver(), without = sheet.solver();
