@@ -1,8 +1,8 @@
 #include "palpable/contact/ball_tree.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
+#include <limits>
 #include <numeric>
 
 namespace palpable {
@@ -10,15 +10,34 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr int kLeaf = 6;
-// Halving 2^31 balls down to a leaf takes fewer levels; each leaves one box waiting.
-constexpr std::size_t kDeepest = 40;
+// Quartering 2^31 balls down to a block takes fewer than 16 levels; each leaves three boxes
+// waiting.
+constexpr std::size_t kMostWaiting = 64;
+// m: Eigen's roots of many numbers at once are off by less.
+constexpr float kRounding = 1e-7f;
+constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-int BallTree::add(int begin, int end) {
-  const int index = static_cast<int>(nodes_.size());
-  nodes_.emplace_back();
+// Halves a range across its longest side; the first half is whole blocks.
+int BallTree::split(int begin, int end) {
+  if (end - begin <= kBlock) return end;
+  Eigen::AlignedBox3f box;
+  for (int k = begin; k < end; ++k) box.extend(balls_[order_[k]].centre);
+  Vector3f::Index axis = 0;
+  box.sizes().maxCoeff(&axis);
+  const int blocks = (end - begin + kBlock - 1) / kBlock;
+  const int middle = begin + (blocks + 1) / 2 * kBlock;
+  std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+                   [&](int a, int b) {
+                     const float xa = balls_[a].centre[axis], xb = balls_[b].centre[axis];
+                     return xa != xb ? xa < xb : a < b;
+                   });
+  return middle;
+}
+
+void BallTree::set_child(int node, int slot, int begin, int end) {
+  if (begin == end) return;
   Eigen::AlignedBox3f box;
   float largest = 0;
   for (int k = begin; k < end; ++k) {
@@ -26,28 +45,35 @@ int BallTree::add(int begin, int end) {
     box.extend(ball.centre);
     largest = std::max(largest, ball.radius);
   }
-  int second = 0;
-  if (end - begin > kLeaf) {
-    Vector3f::Index axis = 0;
-    box.sizes().maxCoeff(&axis);
-    const int middle = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                     [&](int a, int b) {
-                       const float xa = balls_[a].centre[axis], xb = balls_[b].centre[axis];
-                       return xa != xb ? xa < xb : a < b;
-                     });
-    add(begin, middle);
-    second = add(middle, end);
-  }
-  nodes_[index] = {box.center(), box.sizes() / 2, largest, begin, end, second};
+  const int child = end - begin <= kBlock ? ~(begin / kBlock) : add(begin, end);
+  const Vector3f middle = box.center(), half = box.sizes() / 2;
+  Node& n = nodes_[node];
+  n.x[slot] = middle.x(), n.y[slot] = middle.y(), n.z[slot] = middle.z();
+  n.half_x[slot] = half.x(), n.half_y[slot] = half.y(), n.half_z[slot] = half.z();
+  n.radius[slot] = largest;
+  n.child[static_cast<std::size_t>(slot)] = child;
+}
+
+int BallTree::add(int begin, int end) {
+  const int index = static_cast<int>(nodes_.size());
+  Node& node = nodes_.emplace_back();
+  for (auto* of : {&node.x, &node.y, &node.z, &node.half_x, &node.half_y, &node.half_z})
+    of->setZero();
+  node.radius.setConstant(-kInfinite);
+  const int middle = split(begin, end);
+  const int first = split(begin, middle), last = split(middle, end);
+  set_child(index, 0, begin, first);
+  set_child(index, 1, first, middle);
+  set_child(index, 2, middle, last);
+  set_child(index, 3, last, end);
   return index;
 }
 
 void BallTree::reserve(std::size_t balls) {
   balls_.reserve(balls);
   order_.reserve(balls);
-  sorted_.reserve(balls);
-  nodes_.reserve(balls);  // a leaf holds two at least, so that there are fewer nodes than balls
+  blocks_.reserve(balls / kBlock + 1);
+  nodes_.reserve(balls / kBlock + 1);  // each has two children at least, but for the only one
 }
 
 void BallTree::build(std::span<const Ball> balls) {
@@ -56,46 +82,77 @@ void BallTree::build(std::span<const Ball> balls) {
   std::iota(order_.begin(), order_.end(), 0);
   nodes_.clear();
   if (!balls.empty()) add(0, static_cast<int>(balls.size()));
-  sorted_.resize(balls.size());
-  for (std::size_t k = 0; k < order_.size(); ++k) sorted_[k] = balls_[order_[k]];
+  blocks_.resize((balls.size() + kBlock - 1) / kBlock);
+  for (std::size_t k = 0; k < kBlock * blocks_.size(); ++k) {
+    Balls& block = blocks_[k / kBlock];
+    const auto i = static_cast<Eigen::Index>(k % kBlock);
+    const Ball ball = k < order_.size() ? balls_[order_[k]] : Ball{Vector3f::Zero(), -kInfinite};
+    block.x[i] = ball.centre.x(), block.y[i] = ball.centre.y(), block.z[i] = ball.centre.z();
+    block.radius[i] = ball.radius;
+  }
+}
+
+// Shows at_block() every block with a ball that may be nearer to x than `reach`, the nearest boxes
+// first. at_block() makes `reach` smaller as it finds balls.
+template <class AtBlock>
+void BallTree::walk(const Vector3f& x, const float& reach, const AtBlock& at_block) const {
+  if (nodes_.empty()) return;
+  struct Waiting {
+    int child;
+    float least;  // no ball in it can be nearer
+  };
+  std::array<Waiting, kMostWaiting> stack;
+  std::size_t waiting = 0;
+  stack[waiting++] = {0, -kInfinite};
+  while (waiting > 0) {
+    const Waiting next = stack[--waiting];
+    if (next.least >= reach) continue;
+    if (next.child < 0) {
+      const int block = ~next.child;
+      at_block(static_cast<std::size_t>(block));
+      continue;
+    }
+    const Node& n = nodes_[next.child];
+    const Eigen::Array4f dx = ((n.x - x.x()).abs() - n.half_x).max(0.0f);
+    const Eigen::Array4f dy = ((n.y - x.y()).abs() - n.half_y).max(0.0f);
+    const Eigen::Array4f dz = ((n.z - x.z()).abs() - n.half_z).max(0.0f);
+    const Eigen::Array4f least = (dx.square() + dy.square() + dz.square()).sqrt() - n.radius;
+    // The nearest one on top.
+    const std::size_t bottom = waiting;
+    for (int k = 0; k < 4; ++k) {
+      if (!(least[k] < reach)) continue;
+      std::size_t at = waiting++;
+      for (; at > bottom && stack[at - 1].least < least[k]; --at) stack[at] = stack[at - 1];
+      stack[at] = {n.child[static_cast<std::size_t>(k)], least[k]};
+    }
+  }
 }
 
 std::optional<NearestBall> BallTree::nearest(const Vector3f& x, float reach) const {
-  if (nodes_.empty()) return std::nullopt;
-  struct Waiting {
-    int node;
-    float least;  // no ball in it can be nearer
-  };
-  const auto least_of = [&](int node) {
-    const Node& n = nodes_[node];
-    return ((x - n.middle).cwiseAbs() - n.half).cwiseMax(0.0f).norm() - n.largest_radius;
-  };
-  std::array<Waiting, kDeepest> stack;
-  std::size_t waiting = 0;
-  stack[waiting++] = {0, least_of(0)};
   float best = reach;
   int found = -1;
-  while (waiting > 0) {
-    const Waiting next = stack[--waiting];
-    if (next.least >= best) continue;
-    const Node& node = nodes_[next.node];
-    if (node.second == 0) {
-      for (int k = node.begin; k < node.end; ++k) {
-        const float d = (sorted_[k].centre - x).norm() - sorted_[k].radius;
-        if (d < best) {
-          best = d;
-          found = k;
-        }
-      }
-      continue;
+  walk(x, best, [&](std::size_t block) {
+    const Block roughly = blocks_[block].distances(x);
+    for (Eigen::Index k = 0; k < kBlock; ++k) {
+      if (!(roughly[k] < best + kRounding)) continue;
+      const int index = order_[block * kBlock + static_cast<std::size_t>(k)];
+      const Ball& ball = balls_[static_cast<std::size_t>(index)];
+      const float distance = (ball.centre - x).norm() - ball.radius;
+      if (!(distance < best)) continue;
+      best = distance;
+      found = index;
     }
-    Waiting near{next.node + 1, least_of(next.node + 1)}, far{node.second, least_of(node.second)};
-    if (far.least < near.least) std::swap(near, far);
-    if (far.least < best) stack[waiting++] = far;
-    if (near.least < best) stack[waiting++] = near;
-  }
+  });
   if (found < 0) return std::nullopt;
-  return NearestBall{best, order_[found]};
+  return NearestBall{best, found};
+}
+
+bool BallTree::is_any_within(const Vector3f& x, float reach) const {
+  float wanted = reach;
+  walk(x, wanted, [&](std::size_t block) {
+    if (blocks_[block].distances(x).minCoeff() < reach) wanted = -kInfinite;
+  });
+  return wanted < reach;
 }
 
 std::array<float, 8> BallTree::distances_around(const Vector3f& x, float spread,
@@ -107,32 +164,20 @@ std::array<float, 8> BallTree::distances_around(const Vector3f& x, float spread,
     const auto i = static_cast<Eigen::Index>(k);
     px[i] = places[k].x(), py[i] = places[k].y(), pz[i] = places[k].z();
   }
-  const auto to = [&](const Ball& b) -> Eight {
-    return ((px - b.centre.x()).square() + (py - b.centre.y()).square() +
-            (pz - b.centre.z()).square())
-               .sqrt() -
-           b.radius;
+  const auto to = [&](float bx, float by, float bz, float radius) -> Eight {
+    return ((px - bx).square() + (py - by).square() + (pz - bz).square()).sqrt() - radius;
   };
-  Eight best = to(balls_[static_cast<std::size_t>(ball)]);
+  const Ball& known = balls_[static_cast<std::size_t>(ball)];
+  Eight best = to(known.centre.x(), known.centre.y(), known.centre.z(), known.radius);
   float reach = best.maxCoeff() + spread;  // a ball that is farther from x is so from all of them
-  std::array<int, kDeepest> stack;
-  std::size_t waiting = 0;
-  stack[waiting++] = 0;
-  while (waiting > 0) {
-    const int index = stack[--waiting];
-    const Node& node = nodes_[index];
-    if (((x - node.middle).cwiseAbs() - node.half).cwiseMax(0.0f).norm() - node.largest_radius >=
-        reach) {
-      continue;
+  walk(x, reach, [&](std::size_t block) {
+    const Balls& b = blocks_[block];
+    const Block distances = b.distances(x);
+    for (Eigen::Index k = 0; k < kBlock; ++k) {
+      if (distances[k] < reach) best = best.min(to(b.x[k], b.y[k], b.z[k], b.radius[k]));
     }
-    if (node.second == 0) {
-      for (int k = node.begin; k < node.end; ++k) best = best.min(to(sorted_[k]));
-      reach = best.maxCoeff() + spread;
-      continue;
-    }
-    stack[waiting++] = node.second;
-    stack[waiting++] = index + 1;
-  }
+    reach = best.maxCoeff() + spread;
+  });
   std::array<float, 8> result;
   Eigen::Map<Eight>(result.data()) = best;
   return result;

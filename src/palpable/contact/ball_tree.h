@@ -23,8 +23,8 @@ struct NearestBall {
   int ball = 0;        ///< index into the balls that the tree was made of
 };
 
-/// A tree of boxes over the balls' centres. Building it again allocates nothing once it held as
-/// many.
+/// A tree of boxes over the balls' centres, four to a node. Building it again allocates nothing
+/// once it held as many.
 class BallTree {
  public:
   void build(std::span<const Ball> balls);
@@ -34,6 +34,9 @@ class BallTree {
   /// min over balls of |x - centre| - radius, and which one; of equal ones any. Nothing when that
   /// is `reach` or more. Exact (to a float's rounding).
   [[nodiscard]] std::optional<NearestBall> nearest(const Eigen::Vector3f& x, float reach) const;
+
+  /// Whether nearest() finds any, to a float's rounding; told sooner.
+  [[nodiscard]] bool is_any_within(const Eigen::Vector3f& x, float reach) const;
 
   /// The same distance at eight places that all lie within `spread` of x; one walk for all.
   /// @param x        m
@@ -46,19 +49,32 @@ class BallTree {
   [[nodiscard]] std::span<const Ball> balls() const { return balls_; }
 
  private:
+  // As many balls lie beside each other in memory, and are looked at at once.
+  static constexpr int kBlock = 8;
+  using Block = Eigen::Array<float, kBlock, 1>;
+  struct Balls {
+    Block x, y, z, radius;  // m; no ball: radius -infinity
+    [[nodiscard]] Block distances(const Eigen::Vector3f& from) const {
+      return ((x - from.x()).square() + (y - from.y()).square() + (z - from.z()).square()).sqrt() -
+             radius;
+    }
+  };
+  // The four children's boxes of centres, and their largest radii. No child: radius -infinity.
   struct Node {
-    Eigen::Vector3f middle;  // of the centres' box
-    Eigen::Vector3f half;
-    float largest_radius = 0;
-    int begin = 0;  // of order_
-    int end = 0;
-    int second = 0;  // index of the second child, the first follows its parent; 0: a leaf
+    Eigen::Array4f x, y, z;  // m, middles
+    Eigen::Array4f half_x, half_y, half_z;
+    Eigen::Array4f radius;
+    std::array<int, 4> child{};  // a node, or ~block
   };
   int add(int begin, int end);
+  [[nodiscard]] int split(int begin, int end);
+  void set_child(int node, int slot, int begin, int end);
+  template <class AtBlock>
+  void walk(const Eigen::Vector3f& x, const float& reach, const AtBlock& at_block) const;
 
   std::vector<Ball> balls_;
-  std::vector<int> order_;
-  std::vector<Ball> sorted_;  // balls_[order_[k]]
+  std::vector<int> order_;     // of the balls in blocks
+  std::vector<Balls> blocks_;  // ball order_[kBlock k + i] is number i of block k
   std::vector<Node> nodes_;
 };
 

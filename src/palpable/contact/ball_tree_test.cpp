@@ -25,6 +25,36 @@ std::vector<Ball> some_balls(int count) {
   return balls;
 }
 
+TEST_CASE("the nearest ball is that of a look at every one", "[contact][ball tree]") {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> place(-0.06f, 0.06f);
+  for (const int count : {1, 2, 8, 9, 17, 40, 300}) {
+    INFO(count << " balls");
+    const std::vector<Ball> balls = some_balls(count);
+    BallTree tree;
+    tree.build(balls);
+    for (int n = 0; n < 100; ++n) {
+      const Vector3f x(place(random), place(random), place(random));
+      float expected = std::numeric_limits<float>::infinity();
+      for (const Ball& ball : balls) {
+        expected = std::min(expected, (ball.centre - x).norm() - ball.radius);
+      }
+      const auto found = tree.nearest(x, 1);
+      REQUIRE(found);
+      CHECK(std::abs(found->distance - expected) < 1e-6f);
+      const Ball& ball = balls[static_cast<std::size_t>(found->ball)];
+      CHECK(std::abs((ball.centre - x).norm() - ball.radius - expected) < 1e-6f);
+      CHECK_FALSE(tree.nearest(x, expected - 1e-6f).has_value());
+      CHECK(tree.is_any_within(x, expected + 1e-6f));
+      CHECK_FALSE(tree.is_any_within(x, expected - 1e-6f));
+    }
+  }
+  BallTree none;
+  none.build({});
+  CHECK_FALSE(none.nearest(Vector3f::Zero(), 1).has_value());
+  CHECK_FALSE(none.is_any_within(Vector3f::Zero(), 1));
+}
+
 TEST_CASE("distances around a place are those of a look at every ball", "[contact][ball tree]") {
   const std::vector<Ball> balls = some_balls(300);
   BallTree tree;

@@ -131,6 +131,10 @@ class ObjectSurface {
   }
   /// The same where phi is below `reach`, which is at most the band.
   [[nodiscard]] std::optional<NearestOnObject> nearest(const Eigen::Vector3f& x, float reach) const;
+  /// Whether that is something, to a float's rounding; told sooner.
+  [[nodiscard]] bool is_within(const Eigen::Vector3f& x, float reach) const {
+    return tree_.is_any_within(x, reach);
+  }
 
   /// The surface's shape where it is nearest to x; nothing when x is farther than the band. Costs
   /// some three times what nearest() does; allocates nothing.

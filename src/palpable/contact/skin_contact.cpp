@@ -39,7 +39,7 @@ NearQuery near_to(const ObjectSurface& seen) {
   return [&seen, band](const Vector3f& place, float reach) {
     const float asked = std::min(reach, band);
     return seen.bounds().squaredExteriorDistance(place) < asked * asked &&
-           seen.nearest(place, asked).has_value();
+           seen.is_within(place, asked);
   };
 }
 
