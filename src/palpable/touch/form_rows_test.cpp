@@ -60,6 +60,23 @@ std::vector<float> some_code(int n, unsigned seed) {
 
 constexpr double kRounding = 5e-4;  // 16 bits of numbers up to 4, summed over some dozens
 
+TEST_CASE("a form's leading part is the form where the other variables are 0", "[touch][forms]") {
+  const SymmetricForm form = rounded(5, 3, Form(5, 3, 8).distinct);
+  const FormRows all(form), some(leading(form, 3));
+  const std::vector<float> a = some_code(3, 9);
+  std::vector<float> with_zeros = a;
+  with_zeros.resize(5, 0.0f);
+  std::vector<float> P(all.width(), 0.0f), P_some(some.width(), 0.0f), q(5), q_some(3);
+  add_pairs(with_zeros, 1.0f, P);
+  add_pairs(a, 1.0f, P_some);
+  all.contract(P, q);
+  some.contract(P_some, q_some);
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(std::abs(q_some[i] - q[i]) < tolerance(2e-3, "rows are rounded to 16 bits anew"));
+  }
+  CHECK_THROWS_AS(leading(form, 6), ContractViolation);
+}
+
 TEST_CASE("a cubic form's matrix is the sum over all its coefficients", "[touch][forms]") {
   const int n = 5;
   const Form form(n, 3, 1);

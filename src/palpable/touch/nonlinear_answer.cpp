@@ -55,16 +55,30 @@ RegionMap::RegionMap(const Matrix3Xf& vertices, std::span<const RegionTable> reg
   }
 }
 
+CrossTable leading(const CrossTable& table, int modes) {
+  if (table.cubic.variables <= modes) return table;
+  CrossTable result{{}, leading(table.cubic, modes)};
+  RoundedRows& rows = result.modes;
+  rows.width = index(modes);
+  rows.scale = table.modes.scale;
+  rows.values.reserve(rows.count() * rows.width);
+  for (std::size_t row = 0; row < rows.count(); ++row) {
+    const std::int16_t* from = table.modes.row(row);
+    rows.values.insert(rows.values.end(), from, from + modes);
+  }
+  return result;
+}
+
 NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const RegionTable> regions,
                                  const RegionMap& map, const CrossTable& cross)
-    : compliance_(compliance), regions_(regions), map_(map), cross_(cross) {
+    : compliance_(compliance), regions_(regions), map_(map), cross_(leading(cross, kCrossModes)) {
   int most_modes = 0, most_leading = 0;
   for (const RegionTable& region : regions) {
     most_modes = std::max(most_modes, region.mode_count());
     most_leading = std::max(most_leading, region.leading());
   }
   const std::size_t C = index(compliance.clusters()), k = compliance.rank();
-  const std::size_t x = index(cross.cubic.variables);
+  const std::size_t x = index(cross_.cubic.variables);
   std::size_t most_shapes = 0;
   own_cluster_.assign(regions.size() * C, 0);
   asked_cluster_.assign(C, 0);
@@ -86,7 +100,7 @@ NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const R
   arriving_.resize(k);
   cross_codes_.resize((kMostBlobs + 1) * x);
   cross_codes_before_.resize(kMostBlobs * x);
-  cross_cubic_ = FormRows(cross.cubic);
+  cross_cubic_ = FormRows(cross_.cubic);
   pairs_.resize(cross_cubic_.width());
   for (const RegionTable& region : regions) {
     cubic_.emplace_back(region.cubic);

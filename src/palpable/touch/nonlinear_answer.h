@@ -39,6 +39,10 @@ struct CrossTable {
   SymmetricForm cubic;  ///< A_x; of no modes: blobs do not act on each other
 };
 
+/// In the first of the table's modes alone. @pre modes is a multiple of 16; of fewer modes all are
+/// kept
+[[nodiscard]] CrossTable leading(const CrossTable& table, int modes);
+
 /// Which region answers for the loads at a vertex.
 struct RegionAtVertex {
   int region = 0;
@@ -72,7 +76,12 @@ class NonlinearAnswer {
  public:
   static constexpr int kMostBlobs = 16;
 
-  /// All arguments outlive this.
+  /// Of the cross terms' modes the leading ones are used. They are ordered by how much of what
+  /// presses a body they carry: 192 of them change no film's figures (docs/touch.md), and cost
+  /// eight times as much.
+  static constexpr int kCrossModes = 96;
+
+  /// All arguments but the cross terms outlive this.
   NonlinearAnswer(const Compliance& compliance, std::span<const RegionTable> regions,
                   const RegionMap& map, const CrossTable& cross);
 
@@ -135,7 +144,7 @@ class NonlinearAnswer {
   const Compliance& compliance_;
   std::span<const RegionTable> regions_;
   const RegionMap& map_;
-  const CrossTable& cross_;
+  CrossTable cross_;
   std::vector<FormRows> cubic_, quartic_;  // by region
   FormRows cross_cubic_;
   std::vector<int> chosen_;          // regions of the blobs

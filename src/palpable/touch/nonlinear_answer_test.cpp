@@ -201,5 +201,27 @@ TEST_CASE("what two blobs do to each other is the cross terms' product, and of o
         }) == 0);
 }
 
+TEST_CASE("of cross terms with many modes the leading ones are taken", "[touch]") {
+  const Regions body;
+  const RegionMap map(body.vertices, body.regions, 0.010);
+  constexpr int kMany = NonlinearAnswer::kCrossModes + 32;
+  CrossTable many, few;
+  const MatrixXd X = some_numbers(3 * body.compliance.vertices(), kMany, 0.1, 77);
+  many.modes = rounded(RowsOfFloats(X.cast<float>()));
+  many.cubic = some_form(kMany, 3, 78);
+  few = leading(many, NonlinearAnswer::kCrossModes);
+  CHECK(few.cubic.variables == NonlinearAnswer::kCrossModes);
+  CHECK((as_numbers(few.modes) - as_numbers(many.modes).leftCols(few.cubic.variables)).isZero(0));
+  CHECK(leading(few, kMany).modes.values == few.modes.values);
+  NonlinearAnswer one(body.compliance, body.regions, map, many);
+  NonlinearAnswer other(body.compliance, body.regions, map, few);
+  const std::array both{VertexForce{14, Vector3f(1, 0, 2)}, VertexForce{154, Vector3f(0, 2, 1)}};
+  for (NonlinearAnswer* answer : {&one, &other}) {
+    answer->choose_blobs(std::array{14, 154}, std::array{1.0f, 1.0f}, {});
+    answer->evaluate(both);
+  }
+  CHECK(one.displacement_at(80) == other.displacement_at(80));
+}
+
 }  // namespace
 }  // namespace palpable

@@ -54,4 +54,22 @@ SymmetricForm rounded(int variables, int degree, std::span<const double> coeffic
   return form;
 }
 
+SymmetricForm leading(const SymmetricForm& form, int variables) {
+  PALPABLE_EXPECT(form.degree == 3 && variables <= form.variables,
+                  "the first variables of a cubic form");
+  SymmetricForm result{variables, form.degree, {}, {}};
+  result.values.reserve(distinct_coefficients(variables, form.degree));
+  result.scale.reserve(runs_of(variables, form.degree));
+  auto run = form.values.begin();
+  auto scale = form.scale.begin();
+  for (int i = 0; i < variables; ++i) {
+    for (int j = i; j < form.variables; run += form.variables - j, ++scale, ++j) {
+      if (j >= variables) continue;
+      result.values.insert(result.values.end(), run, run + (variables - j));
+      result.scale.push_back(*scale);
+    }
+  }
+  return result;
+}
+
 }  // namespace palpable

@@ -33,6 +33,10 @@ struct SymmetricForm {
 [[nodiscard]] SymmetricForm rounded(int variables, int degree,
                                     std::span<const double> coefficients);
 
+/// The form in the first of its variables alone, the others 0. @pre of the third degree, and
+/// variables <= form.variables
+[[nodiscard]] SymmetricForm leading(const SymmetricForm& form, int variables);
+
 /// How many runs over the last index a form has.
 [[nodiscard]] std::size_t runs_of(int variables, int degree);
 
