@@ -34,7 +34,7 @@ struct AskedLoad {
 };
 
 /// c of one load. The default is none.
-struct Correction {
+struct ExactCorrection {
   Eigen::Matrix3Xf field;   ///< (3 x W) m
   Eigen::Matrix3Xf linear;  ///< (3 x V) m, G f_0
   float work = 0;           ///< f_0 . G f_0, N m; 0: no load was answered
@@ -42,7 +42,7 @@ struct Correction {
 
 /// The correction that goes and the one that comes, part of a TouchState.
 struct Refinement {
-  std::array<Correction, 2> corrections;
+  std::array<ExactCorrection, 2> corrections;
   /// Of each in the state's displacement, how far it is blended in included.
   std::array<float, 2> weights{};
   float blended = 1;  ///< 0 .. 1: how far the second is in and the first is out

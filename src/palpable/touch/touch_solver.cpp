@@ -46,6 +46,15 @@ constexpr int kCrossIterations = 2;
 // without what presses holding it, and is no help.
 constexpr float kMostCorrection = 0.3f;
 
+// Of the tables' part in a state's own error, what an exact answer takes out: of the stress' error
+// more, of the displacement's less, since contact's own is left (docs/touch.md).
+constexpr double kCorrected = 0.5;
+
+// Of a probe's answer.
+constexpr float kSameBody = 0.1f;
+constexpr int kProbes = 24;
+constexpr float kProbeMoves = 1e-4f;  // m, at most
+
 // m between contact points: on the flattest of objects, and the least that is told apart.
 constexpr float kRootOf2 = 1.41421356f;
 constexpr double kCoarsest = 0.006, kFinest = 0.0015;
@@ -408,7 +417,7 @@ void TouchSolver::Work::weigh_corrections() {
     const Vector3f& f = loads[i].force;
     work += f.dot(here.col(static_cast<Eigen::Index>(i)));
     for (std::size_t k = 0; k < shared.size(); ++k) {
-      const Correction& c = refinement->corrections[k];
+      const ExactCorrection& c = refinement->corrections[k];
       if (c.work > 0) shared[k] += f.dot(c.linear.col(vertices[i]));
     }
   }
@@ -558,10 +567,9 @@ void TouchSolver::Work::read_signs(const TouchState& state, TouchReport& report)
       between += static_cast<double>((state.u.col(v) - without_cross.col(v)).squaredNorm());
   }
   if (!(all > 0)) return;
-  // Of what the tables may have wrong an exact answer leaves its share.
   double left = 1;
-  for (const float weight : correcting) left -= static_cast<double>(weight);
-  left = std::max(0.0, left);
+  for (const float weight : correcting) left -= kCorrected * static_cast<double>(weight);
+  left = std::max(1 - kCorrected, left);
   report.signs = {std::max(0.0, report.penetration) / std::sqrt(largest),
                   left * std::sqrt(beyond / all), left * std::sqrt(between / all)};
   if (error_scale) report.stated = error_scale->stated(report.signs);
@@ -705,6 +713,31 @@ bool TouchSolver::ask(const TouchState& state, AskedLoad& asked) {
   return true;
 }
 
+void TouchSolver::probe(AskedLoad& asked) {
+  Work& w = *work_;
+  const int V = static_cast<int>(w.rest.cols());
+  asked.forces.clear();
+  for (int k = 0; k < kProbes; ++k) {
+    const int v = V * k / kProbes;
+    if (!asked.forces.empty() && asked.forces.back().vertex == v) continue;
+    asked.forces.push_back({v, Vector3f(0, 0, k % 2 == 0 ? -1.0f : -0.5f)});
+  }
+  asked.tables.resize(3, w.compliance.nodes());
+  w.fill_linear(asked.forces, asked.tables);
+  const float largest = std::sqrt(asked.tables.leftCols(V).colwise().squaredNorm().maxCoeff());
+  if (!(largest > 0)) return;
+  const float share = kProbeMoves / largest;
+  for (VertexForce& f : asked.forces) f.force *= share;
+  asked.tables *= share;
+  asked.linear = asked.tables.leftCols(V);
+}
+
+bool TouchSolver::agrees(const AskedLoad& probe, const Matrix3Xf& exact) {
+  const Eigen::Index V = probe.linear.cols();
+  return exact.cols() == probe.tables.cols() &&
+         (exact.leftCols(V) - probe.linear).norm() <= kSameBody * probe.linear.norm();
+}
+
 bool TouchSolver::refine(TouchState& state, const AskedLoad& asked, const Matrix3Xf& exact) const {
   const Eigen::Index V = work_->rest.cols(), W = work_->compliance.nodes();
   PALPABLE_EXPECT(exact.cols() == W && asked.tables.cols() == W && asked.linear.cols() == V,
@@ -714,7 +747,7 @@ bool TouchSolver::refine(TouchState& state, const AskedLoad& asked, const Matrix
   Refinement& r = state.refinement;
   std::swap(r.corrections[0], r.corrections[1]);
   std::swap(r.weights[0], r.weights[1]);
-  Correction& c = r.corrections[1];
+  ExactCorrection& c = r.corrections[1];
   c.field = exact - asked.tables;
   c.linear = asked.linear;
   c.work = 0;

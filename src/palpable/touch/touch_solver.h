@@ -139,6 +139,11 @@ class TouchSolver {
   /// @param exact  (3 x W) m
   bool refine(TouchState& state, const AskedLoad& asked, const Eigen::Matrix3Xf& exact) const;
 
+  /// A load all over the skin, so small that its answer is the linear one; what the exact answer is
+  /// to agree with, if it is this body's.
+  void probe(AskedLoad& asked);
+  [[nodiscard]] static bool agrees(const AskedLoad& probe, const Eigen::Matrix3Xf& exact);
+
   /// The stress on the skin in a state, as ShellStress::evaluate(). Allocates nothing; not while
   /// another thread asks or advances.
   /// @param von_mises  (V) Pa  @param cauchy  (6V) Pa, empty: not wanted
