@@ -5,8 +5,6 @@
 #include "apps/palpable-bake/description_argument.h"
 #include "palpable/bake/exact_service.h"
 #include "palpable/base/error.h"
-#include "palpable/describe/body_problem.h"
-#include "palpable/touch_bake/exact_answer.h"
 
 #include <csignal>
 #include <memory>
@@ -15,12 +13,6 @@
 
 namespace palpable::app {
 namespace {
-
-std::unique_ptr<FullBody> full_body(const std::string& description) {
-  const BodyProblem problem = pose_body(read_description(description));
-  return std::make_unique<FullBody>(problem.model, problem.mesh.boundary, problem.preload,
-                                    EquilibriumSettings{.tolerance = kExactAnswerTolerance});
-}
 
 void refine(const std::string& description) {
   if (::isatty(STDIN_FILENO) != 0) {
@@ -33,7 +25,7 @@ void refine(const std::string& description) {
   // What libraries print is no answer.
   const int out = ::dup(STDOUT_FILENO);
   ::dup2(STDERR_FILENO, STDOUT_FILENO);
-  if (!answer_loads([&] { return full_body(description); }, STDIN_FILENO, out)) {
+  if (!answer_loads([&] { return exact_body(read_description(description)); }, STDIN_FILENO, out)) {
     throw Error("refine: what came is no load of " + description);
   }
 }

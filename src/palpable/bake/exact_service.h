@@ -3,11 +3,16 @@
 #pragma once
 
 #include "palpable/bake/full_body.h"
+#include "palpable/describe/body_description.h"
 
 #include <functional>
 #include <memory>
 
 namespace palpable {
+
+/// A described body whose answers to loads are as good as they need be. @throws Error as
+/// pose_body()
+[[nodiscard]] std::unique_ptr<FullBody> exact_body(const BodyDescription& description);
 
 /// Says that it is ready, then answers every load that comes until the input ends. What goes wrong
 /// while the body is made is said instead.

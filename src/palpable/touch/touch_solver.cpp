@@ -186,7 +186,7 @@ struct TouchSolver::Work {
   bool add_entered(const TouchState& state, const GapQuery& gap, const NearQuery& near,
                    double shift, TouchReport& report);
   void weigh_corrections();
-  void fill_linear(std::span<const VertexForce> forces, Eigen::Ref<Matrix3Xf> u);
+  void fill_linear(std::span<const VertexForce> forces, const Eigen::Ref<Matrix3Xf>& u);
   void fill_field(Matrix3Xf& field, Eigen::Index nodes);
   void hand_over(TouchState& state, const GapQuery& gap, TouchReport& report);
   void hold_back(TouchState& state, double largest_move, TouchReport& report);
@@ -504,7 +504,8 @@ void TouchSolver::Work::settle(const TouchState& state, const GapQuery& gap, dou
 }
 
 // G f at the first nodes.
-void TouchSolver::Work::fill_linear(std::span<const VertexForce> forces, Eigen::Ref<Matrix3Xf> u) {
+void TouchSolver::Work::fill_linear(std::span<const VertexForce> forces,
+                                    const Eigen::Ref<Matrix3Xf>& u) {
   const std::size_t k = compliance.rank();
   const auto C = static_cast<std::size_t>(compliance.clusters());
   const auto of = [k](std::vector<float>& numbers, std::size_t cluster) {
