@@ -25,6 +25,7 @@ void add_report(Command app);
 void add_compare(Command app, const std::string& command_line);
 void add_solve(Command app);
 void add_truth(Command app);
+void add_refine(Command app);
 void add_export(Command app);
 void add_import_modes(Command app, const std::string& command_line);
 void add_bench(Command app);

@@ -57,6 +57,7 @@ int run(int argc, char** argv) {
   add_compare(app, command_line);
   add_solve(app);
   add_truth(app);
+  add_refine(app);
   add_export(app);
   add_import_modes(app, command_line);
   add_bench(app);

@@ -2,6 +2,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
+#include "apps/palpable/bake_program.h"
 #include "palpable/base/error.h"
 #include "palpable/clip_files/place.h"
 #include "palpable/clip_writer/kept_clip.h"
@@ -13,6 +14,7 @@
 #include <map>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -72,6 +74,30 @@ SessionSettings session_settings(const LiveOptions& options) {
   settings.track = !options.fixed_camera;
   settings.map = true;
   settings.press_static = options.press_static;
+  return settings;
+}
+
+// Who answers loads exactly; nothing if nobody is to.
+std::optional<RefinerSettings> refinement(const LiveOptions& options, bool has_tables) {
+  if (options.refine.empty()) return std::nullopt;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(options.refine, ignored)) {
+    throw Error(fmt::format("--refine {}: no file is there", options.refine.string()));
+  }
+  if (!has_tables) {
+    throw Error(fmt::format("--refine {}: only what is touched anywhere is refined; {} {}",
+                            options.refine.string(), options.body.string(),
+                            options.contact.empty()
+                                ? "has no tables of touch"
+                                : "is pressed by --contact " + options.contact));
+  }
+  if (options.scale != 1) {
+    throw Error("--refine knows the body in its own size: leave out --scale");
+  }
+  RefinerSettings settings;
+  settings.program = bake_program();
+  settings.description = options.refine;
+  settings.latency = options.refine_latency;
   return settings;
 }
 
@@ -136,6 +162,18 @@ void add_loop_options(Command command, LiveOptions& options) {
           "on and watches for rows out of line; opencv: OpenCV's semi-global block matcher")
       .one_of({"census", "opencv"})
       .show_default();
+  command
+      .add_option("--refine", options.refine,
+                  "The description that the body was baked from: while something presses, a second "
+                  "process answers the load exactly, and what it says is blended in over 6 frames. "
+                  "Squeezes and things held still gain, the stress most")
+      .type_name("BODY.toml");
+  command
+      .add_option("--refine-latency", options.refine_latency,
+                  "Frames after which an exact answer is taken up. A recording waits for it, a "
+                  "camera does without one that is late")
+      .in_range(1, 600)
+      .show_default();
   add_set_option(command, options.set);
   command.add_option("--frames", options.frames, "Stop after this many frames")
       .in_range(1, 100'000'000);
@@ -155,6 +193,7 @@ std::vector<std::filesystem::path> inputs_of(const LiveOptions& options) {
   if (input.source == kSynthetic) input.source.clear();  // no path
   std::vector<std::filesystem::path> inputs = inputs_of(input);
   inputs.push_back(options.body);
+  if (!options.refine.empty()) inputs.push_back(options.refine);
   if (options.place.size() == 1) inputs.emplace_back(options.place.front());  // a file, or numbers
   return inputs;
 }
@@ -173,6 +212,7 @@ LiveRun set_up_live(const LiveOptions& options) {
         options.body.string()));
   }
   LiveSettings settings;
+  settings.refine = refinement(options, body.touch.has_value());
   settings.images = request_of(options.input);
   settings.place = given_place(options);
   settings.anchor = anchor_of(options);

@@ -30,7 +30,9 @@ struct LiveOptions {
   bool fixed_camera = false;
   std::string contact;  ///< empty: what the body has tables for
   std::string matcher = "census";
-  int frames = -1;  ///< at most; negative: all
+  std::filesystem::path refine;  ///< the body's description; empty: nothing is refined
+  int refine_latency = 6;        ///< frames
+  int frames = -1;               ///< at most; negative: all
 };
 
 /// Adds the options to a command; "body" is positional.

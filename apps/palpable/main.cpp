@@ -2,7 +2,9 @@
 // is started from here, so that nothing of a mesher or a sparse factor is linked into this one.
 
 #include "apps/common/command_line.h"
+#include "apps/palpable/bake_program.h"
 #include "apps/palpable/commands.h"
+#include "palpable/base/error.h"
 
 #include <fmt/core.h>
 
@@ -14,7 +16,6 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <unistd.h>
 
 namespace palpable::app {
@@ -46,12 +47,12 @@ constexpr std::array<std::string_view, 10> kBakeBenches{
 
 /// Becomes palpable-bake with the same arguments; returns only when that cannot be.
 int become_bake(char** argv) {
-  std::error_code error;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::filesystem::path program = self.parent_path() / "palpable-bake";
-  if (!error) ::execv(program.c_str(), argv);
-  print_error(fmt::format("'{}' needs the program {}: {}; build it, or copy it there", argv[1],
-                          program.string(), error ? error.message() : std::strerror(errno)));
+  try {
+    const std::filesystem::path program = bake_program();
+    ::execv(program.c_str(), argv);
+    print_error(fmt::format("'{}' needs the program {}: {}; build it, or copy it there", argv[1],
+                            program.string(), std::strerror(errno)));
+  } catch (const Error& error) { print_error(error.what()); }
   return 1;
 }
 

@@ -10,6 +10,7 @@
 #include "palpable/describe/body_problem.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/picture_file.h"
+#include "palpable/touch/touch_file.h"
 #include "palpable/touch_bake/held_out_maker.h"
 #include "palpable/touch_bake/touch_difference.h"
 #include "palpable/touch_bake/touch_maker.h"
@@ -31,6 +32,7 @@
 #include <random>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace palpable::app {
@@ -40,6 +42,8 @@ struct Options {
   std::string body = "bodies/bunny-demo.toml";
   int each = 4;
   std::uint64_t seed = 0;  // 0: drawn
+  int refine = 0;
+  std::filesystem::path baked;  // empty: the tables are made
   bool linear = false;
   std::filesystem::path pictures;  // folder; empty: none
   bool json = false;
@@ -52,15 +56,15 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-// Median and p90 of each thing at each depth.
-Json differences_of(const std::vector<TouchDifference>& all) {
+// Median and p90 of each thing at each depth, after so many exact answers.
+Json differences_of(const std::vector<TouchDifference>& all, int refined) {
   Json figures = Json::object();
   for (int k = 0; k < kPressingThings; ++k) {
     const auto thing = static_cast<PressingThing>(k);
     for (const double depth : kDepths) {
       std::vector<double> u, force, stress, worst, entry;
       for (const TouchDifference& d : all) {
-        if (d.touch.thing != thing || d.touch.depth != depth) continue;
+        if (d.touch.thing != thing || d.touch.depth != depth || d.refined != refined) continue;
         u.push_back(d.touch.displacement);
         force.push_back(d.touch.force);
         stress.push_back(d.touch.von_mises);
@@ -88,6 +92,7 @@ Json scenes_of(const std::vector<TouchDifference>& all) {
   for (const TouchDifference& d : all) {
     scenes.push_back({{"thing", name_of(d.touch.thing)},
                       {"depth_mm", 1e3 * d.touch.depth},
+                      {"refined", d.refined},
                       {"u", d.touch.displacement},
                       {"force", d.touch.force},
                       {"vm", d.touch.von_mises},
@@ -105,11 +110,13 @@ Json scenes_of(const std::vector<TouchDifference>& all) {
 
 // What the answer says of its own error, against the true one: to be at 0.7 to 1.4 in the median,
 // and below a half in 5 % at most.
-Json stated_over_true(const std::vector<TouchDifference>& all, std::optional<PressingThing> thing,
-                      double deepest, double StatedError::*stated, double HeldOutTouch::*truth) {
+Json stated_over_true(const std::vector<TouchDifference>& all, int refined,
+                      std::optional<PressingThing> thing, double deepest,
+                      double StatedError::*stated, double HeldOutTouch::*truth) {
   std::vector<double> ratios;
   for (const TouchDifference& d : all) {
     if ((thing && d.touch.thing != *thing) || d.touch.depth > deepest) continue;
+    if (d.refined != refined) continue;
     if (d.report.stated) ratios.push_back((*d.report.stated).*stated / d.touch.*truth);
   }
   if (ratios.empty()) return nullptr;
@@ -120,16 +127,16 @@ Json stated_over_true(const std::vector<TouchDifference>& all, std::optional<Pre
           {"below_half", static_cast<double>(low) / static_cast<double>(ratios.size())}};
 }
 
-Json stated_errors_of(const std::vector<TouchDifference>& all) {
+Json stated_errors_of(const std::vector<TouchDifference>& all, int refined) {
   const auto displacement = [&](std::optional<PressingThing> thing, double deepest) {
-    return stated_over_true(all, thing, deepest, &StatedError::displacement,
+    return stated_over_true(all, refined, thing, deepest, &StatedError::displacement,
                             &HeldOutTouch::displacement);
   };
   Json result = displacement({}, kDepths.back());
   if (result.is_null()) return result;
   result["to_5mm"] = displacement({}, kDepths[1]);
-  result["stress"] =
-      stated_over_true(all, {}, kDepths.back(), &StatedError::von_mises, &HeldOutTouch::von_mises);
+  result["stress"] = stated_over_true(all, refined, {}, kDepths.back(), &StatedError::von_mises,
+                                      &HeldOutTouch::von_mises);
   for (int k = 0; k < kPressingThings; ++k) {
     const auto thing = static_cast<PressingThing>(k);
     result[name_of(thing)] = displacement(thing, kDepths.back());
@@ -157,6 +164,16 @@ class Pictures {
   TouchPictures pictures_;
 };
 
+// Of a body that was baked before.
+TouchTables tables_in(const std::filesystem::path& file, const SkinResponse& skin) {
+  TouchableBody body = value_or_throw(read_pressable_touchable_body(file));
+  if (!body.touch || body.touch->compliance.nodes() != skin.shell_count() ||
+      !body.body.surface.vertices.isApprox(skin.skin().vertices, 1e-5)) {
+    throw Error(file.string() + ": has no tables of touch of this body");
+  }
+  return std::move(*body.touch);
+}
+
 void run(const Options& options) {
   ProgressBar bar;
   const auto report = [&bar](const ProgressReport& now) { bar.show(now); };
@@ -168,11 +185,15 @@ void run(const Options& options) {
   settings.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   if (options.linear) settings.regions.most = 0;
   const auto begin = std::chrono::steady_clock::now();
-  TouchTables tables = make_touch_tables(skin, settings, report);
-  const double bake_s = seconds_since(begin);
-  // They calibrate what the answer says of its own error; their seed is another one.
-  tables.held_out = make_held_out(body.solver, skin, body.presses.preloaded(), tables,
+  const auto make_tables = [&] {
+    TouchTables made = make_touch_tables(skin, settings, report);
+    // They calibrate what the answer says of its own error; their seed is another one.
+    made.held_out = make_held_out(body.solver, skin, body.presses.preloaded(), made,
                                   {.threads = settings.threads}, report);
+    return made;
+  };
+  const TouchTables tables = options.baked.empty() ? make_tables() : tables_in(options.baked, skin);
+  const double bake_s = seconds_since(begin);
   TouchSolver touch(skin.skin(), skin.fixed(), tables);
 
   std::optional<Pictures> pictures;
@@ -186,22 +207,29 @@ void run(const Options& options) {
     for (const TouchScene& scene : touch_scenes(skin, thing, options.each, seed)) {
       bar.show({"the full answer, scene by scene", static_cast<double>(k * options.each + number++),
                 static_cast<double>(kPressingThings * options.each), name_of(thing)});
-      const std::string why =
-          compare_touch(body.solver, skin, body.presses.preloaded(), touch, tables.point_spacing,
-                        scene, kDepths, [&](const TouchDifference& d) {
-                          all.push_back(d);
-                          if (pictures) pictures->write(scene, number, d);
-                        });
+      const std::string why = compare_touch(
+          body.solver, skin, body.presses.preloaded(), touch, tables.point_spacing, scene, kDepths,
+          [&](const TouchDifference& d) {
+            all.push_back(d);
+            if (pictures && d.refined == 0) pictures->write(scene, number, d);
+          },
+          options.refine);
       if (!why.empty()) stopped.push_back(fmt::format("{}: {}", name_of(thing), why));
     }
   }
   std::vector<double> ms, stress_ms;
   for (const TouchDifference& d : all) {
+    if (d.refined > 0) continue;
     ms.push_back(d.milliseconds);
     stress_ms.push_back(d.stress_milliseconds);
   }
-  Json figures = differences_of(all);
-  figures["stated_over_true_error"] = stated_errors_of(all);
+  Json figures = differences_of(all, 0);
+  for (int k = 1; k <= options.refine; ++k) {
+    Json& refined = figures[fmt::format("refined_{}", k)];
+    refined = differences_of(all, k);
+    refined["stated_over_true_error"] = stated_errors_of(all, k);
+  }
+  figures["stated_over_true_error"] = stated_errors_of(all, 0);
   figures["seed"] = seed;
   figures["vertices"] = skin.vertex_count();
   figures["nodes"] = problem.model.mesh.node_count();
@@ -211,7 +239,7 @@ void run(const Options& options) {
       static_cast<double>(bytes_of(tables) - stress_bytes_of(tables)) / 1e6;
   figures["shell_nodes"] = tables.shell.nodes();
   figures["shell_elements"] = tables.shell.element_count();
-  figures["bake_s"] = bake_s;
+  if (options.baked.empty()) figures["bake_s"] = bake_s;
   const std::vector<double> linear =
       compliance_errors(skin, Compliance(tables.compliance), kLinearLoads, seed);
   figures["compliance_error_median"] = percentile(linear, 0.5);
@@ -240,6 +268,16 @@ void add_bench_touch(Command bench) {
       .in_range(1, 1000)
       .show_default();
   command.add_option("--seed", options->seed, "Of the scenes; 0: a fresh one, which is printed");
+  command
+      .add_option("--refine", options->refine,
+                  "So many exact answers to the load are then taken up, and the touch is compared "
+                  "after each")
+      .in_range(0, 20)
+      .show_default();
+  command
+      .add_option("--baked", options->baked,
+                  "The body file that was baked from it: its tables are asked, none are made")
+      .type_name("BODY.palpable");
   command.add_flag("--linear", options->linear, "The first stage of the tables alone");
   command
       .add_option(

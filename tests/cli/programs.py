@@ -1006,6 +1006,50 @@ def _(programs, folder):
         assert figures[key] is None, (key, figures)
 
 
+@case("exact answers refine a touch, the same again, and a run goes on without who is to give them", long=True)
+def _(programs, folder):
+    touched = folder / "touched"
+    describes = write_ball(touched, BALL.replace('"none"', '"full"\nregions = 12\nheld_out = 0'))
+    body = touched / "ball.palpable"
+    programs.succeeds("bake", describes, "-o", body)
+    result = programs.run("synth", "demo", "--body", body, "--frames", "90", "--seed", "3", "-o", folder / "clip")
+    if result.returncode != 0 and "EGL" in result.stderr:
+        print("SKIPPED: no OpenGL here: " + result.stderr.strip())
+        return
+    assert result.returncode == 0, result.stderr
+
+    def touches(name, *more, program=None):
+        words = ("live", body, "--source", folder / "clip/frames", "--no-depth", "--no-masks", "--out", folder / name)
+        result = subprocess.run([program or programs.palpable, *map(str, words + more)], capture_output=True, text=True,
+                                stdin=subprocess.DEVNULL, timeout=280)
+        assert result.returncode == 0, result.stderr
+        return (folder / name / "touches.jsonl").read_text(), result
+
+    plain, _ = touches("plain")
+    refine = ("--refine", describes, "--refine-latency", "2")
+    first, result = touches("first", *refine)
+    counts = re.search(r"refined by (\d+) exact answers of (\d+) .*: 0 came too late", result.stdout)
+    assert counts and int(counts[1]) >= 1, result.stdout
+    assert touches("second", *refine)[0] == first != plain
+
+    # Another ball; and a program that ends: one line each, and the touch is the tables' alone.
+    other = write_ball(folder / "other", BALL.replace("60 kPa", "90 kPa"))
+    alone = folder / "alone"
+    alone.mkdir()
+    shutil.copy(programs.palpable, alone)
+    (alone / "palpable-bake").write_text("#!/bin/sh\nexit 5\n")
+    (alone / "palpable-bake").chmod(0o755)
+    for name, program, description, says in (("stiffer", None, other, "of another body"),
+                                             ("ends", alone / "palpable", describes, "exit code 5")):
+        told, result = touches(name, "--refine", description, program=program)
+        assert told == plain, name
+        lines = [line for line in result.stderr.splitlines() if "--refine" in line]
+        assert len(lines) == 1 and says in lines[0] and "goes on without" in lines[0], result.stderr
+    for more, says in ((("--refine", folder / "none.toml"), "no file"), (("--refine", describes, "--scale", "2"), "--scale"),
+                       (("--refine", describes, "--contact", "site"), "--contact site")):
+        programs.refuses("live", body, "--source", folder / "clip/frames", "--out", folder / "x", *more, says=[says])
+
+
 def without_times(folder):
     """All that a run says about its frames: file -> bytes, or live.json without what a clock measured."""
     said = {path.relative_to(folder): path.read_bytes() for name in ("depth", "moving", "visible", "body_depth")

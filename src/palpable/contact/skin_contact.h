@@ -35,6 +35,9 @@ class SkinContact {
   /// @param touches  overwritten: a patch of skin each, the one with the largest force first
   TouchReport advance(TouchState& state, const ObjectSurface& seen, std::vector<Touch>& touches);
 
+  /// Which answers; to be asked for the load of a state and told its exact answer.
+  [[nodiscard]] TouchSolver& solver() { return solver_; }
+
   /// Von Mises stress on the skin in a state, Pa, as TouchSolver::stress(). @param von_mises  (V)
   void stress(const TouchState& state, std::span<float> von_mises) const {
     solver_.stress(state, von_mises);

@@ -23,7 +23,7 @@ struct LiveCounts {
 
   SourceTroubles troubles;           ///< of the source
   std::string last_trouble;          ///< why the last unusable frame could not be used
-  std::vector<std::string> reports;  ///< of the source, in its words, a line each
+  std::vector<std::string> reports;  ///< of the source and the refiner, a line each
 
   /// Counts one answered frame.
   void add(const Scene& scene);

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace palpable {
@@ -58,8 +59,18 @@ Scene* LiveLoop::answer(std::unique_ptr<FrameInFlight> flight) {
     throw Error(fmt::format("{}: {}", run_.images.string(), scene.seen.misfit->message()));
   }
   run_.loop.session.respond(scene);
+  report_refiner();
   counts_.add(scene);
   return &scene;
+}
+
+// Why it has ended.
+void LiveLoop::report_refiner() {
+  Refiner* refiner = run_.loop.session.refiner();
+  std::optional<std::string> trouble = refiner != nullptr ? refiner->take_trouble() : std::nullopt;
+  if (!trouble) return;
+  if (report_) report_(*trouble);
+  counts_.reports.push_back(std::move(*trouble));
 }
 
 void LiveLoop::recycle() {

@@ -18,8 +18,8 @@ class LiveLoop {
  public:
   /// @param run     must outlive this; its source and its camera belong to the loop until then
   /// @param frames  at most so many; negative: up to the source's end
-  /// @param report  gets what the source reports of its troubles, line by line, on the thread that
-  ///                calls the functions below
+  /// @param report  gets what the source reports of its troubles, and why nothing is refined any
+  ///                more, line by line, on the thread that calls the functions below
   explicit LiveLoop(LiveRun& run, int frames = -1,
                     std::function<void(const std::string& line)> report = {});
 
@@ -45,6 +45,7 @@ class LiveLoop {
 
  private:
   Scene* answer(std::unique_ptr<FrameInFlight> flight);
+  void report_refiner();
   void recycle();
 
   LiveRun& run_;

@@ -54,6 +54,11 @@ LiveRun open_live(TouchableBody body, const LiveSettings& settings) {
   Result<FrameLoop> loop =
       FrameLoop::make(std::move(body), world_from_body, source->format(), session);
   if (!loop.ok()) throw Error(fmt::format("{}: {}", images.string(), loop.problem().message));
+  if (settings.refine) {
+    RefinerSettings refine = *settings.refine;
+    refine.waits = !settings.paced && !source->is_live();
+    loop.value().session.refine_with(value_or_throw(Refiner::start(refine)));
+  }
   return {std::move(source), std::move(loop).value(), images};
 }
 

@@ -13,6 +13,7 @@
 #include "palpable/calibrate/board_calibration.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/session/frame_loop.h"
+#include "palpable/session/refiner.h"
 #include "palpable/session/session.h"
 #include "palpable/sources/camera_source.h"
 #include "palpable/sources/frame_source.h"
@@ -37,6 +38,9 @@ struct LiveSettings {
   Anchor anchor = Anchor::kPlace;
   std::optional<Rigid3> place;  ///< of kPlace: world_from_body
   BoardPattern board;           ///< of kBoard
+  /// Whom to ask for exact answers; nothing: nobody. Whether frames wait for them is found out:
+  /// those of a camera and of a paced recording do not.
+  std::optional<RefinerSettings> refine;
   /// press_static is set if scene.toml asks for it.
   SessionSettings session{.track = true, .map = true};
 };

@@ -27,6 +27,13 @@ std::string text_of(const LiveCounts& counts, const Session& session, double wal
   } else {
     text += "never touched\n";
   }
+  if (const Refiner* refiner = session.refiner()) {
+    const RefinerCounts& asked = refiner->counts();
+    text += fmt::format(
+        "refined by {} exact answers of {} that were asked for: {} came too late, {} were not "
+        "borne\n",
+        asked.taken_up, asked.asked, asked.late, asked.refused);
+  }
   return text;
 }
 

@@ -116,6 +116,7 @@ struct Session::Parts {
   const MaskImage* shows = nullptr;  // of the pressing mask
   ObjectSurface surface;
   std::optional<SkinContact> anywhere;
+  std::optional<Refiner> refiner;
   TouchState touched;
   std::optional<PressLaw> law;
   PressState press;
@@ -180,7 +181,10 @@ void Session::Parts::find_touches(Scene& scene) {
   touches.clear();
   scene.stated_error.reset();
   if (anywhere) {
-    scene.stated_error = anywhere->advance(touched, surface, touches).stated;
+    if (refiner) refiner->begin_frame(anywhere->solver(), touched);
+    const TouchReport report = anywhere->advance(touched, surface, touches);
+    if (refiner) refiner->end_frame(anywhere->solver(), touched, report);
+    scene.stated_error = report.stated;
     return;
   }
   if (law) {
@@ -246,6 +250,10 @@ void Session::respond(Scene& scene) {
   const StageTimer timer(scene.times, "evaluate");
   p.reconstruct(scene);
 }
+
+void Session::refine_with(Refiner refiner) { parts_->refiner.emplace(std::move(refiner)); }
+Refiner* Session::refiner() { return parts_->refiner ? &*parts_->refiner : nullptr; }
+const Refiner* Session::refiner() const { return parts_->refiner ? &*parts_->refiner : nullptr; }
 
 ContactKind Session::contact() const {
   const ContactKind wanted = parts_->settings.contact;

@@ -29,6 +29,7 @@
 #include "palpable/map/pressing_mask.h"
 #include "palpable/map/surface_map.h"
 #include "palpable/reduced/reduced_body.h"
+#include "palpable/session/refiner.h"
 #include "palpable/session/scene.h"
 #include "palpable/touch/touchable_body.h"
 #include "palpable/track/tracker.h"
@@ -84,6 +85,12 @@ class Session {
   /// Answers scene.seen: fills all other members, whose memory is used again, and adds the stages
   /// of this half to scene.times. Call it in the order of the frames.
   void respond(Scene& scene);
+
+  /// From now on exact answers are taken up where the body is touched anywhere.
+  void refine_with(Refiner refiner);
+  /// Null without refine_with().
+  [[nodiscard]] Refiner* refiner();
+  [[nodiscard]] const Refiner* refiner() const;
 
   /// How touches are answered: settings().contact, or what the body has tables for.
   [[nodiscard]] ContactKind contact() const;

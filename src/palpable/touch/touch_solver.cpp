@@ -8,6 +8,7 @@
 #include "palpable/touch/skin_clusters.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -44,6 +45,19 @@ constexpr float kSameGap = 0.0003f;
 // Iterations of a frame's last step in which what patches do to each other is evaluated anew: it is
 // of the second order, and the forces change little after them.
 constexpr int kCrossIterations = 2;
+
+// Of the exact answer: what is farther from the tables' answers a load that the body does not bear
+// without what presses holding it, and is no help.
+constexpr float kMostCorrection = 0.3f;
+
+// Of the tables' part in a state's own error, what an exact answer takes out: of the stress' error
+// more, of the displacement's less, since contact's own is left (docs/touch.md).
+constexpr double kCorrected = 0.5;
+
+// Of a probe's answer.
+constexpr float kSameBody = 0.1f;
+constexpr int kProbes = 24;
+constexpr float kProbeMoves = 1e-4f;  // m, at most
 
 // m between contact points: on the flattest of objects, and the least that is told apart.
 constexpr float kRootOf2 = 1.41421356f;
@@ -101,7 +115,7 @@ struct TouchSolver::Work {
   std::vector<char> is_source;          // (C)
   std::vector<float> weights;           // of `vertices`, for choosing blobs
   std::vector<VertexForce> loads;       // at `vertices`
-  Matrix3Xf linear, without_cross;      // (3 x V) the last field without what is beyond, and
+  Matrix3Xf linear, without_cross;      // (3 x V) the last field without the tables' beyond, and
                                         // without what patches do to each other
   Matrix3Xf no_displacement;            // (3 x W)
   Matrix3Xf here, before;               // (3 x vertices) displacement of `vertices`
@@ -111,6 +125,8 @@ struct TouchSolver::Work {
   std::vector<PointForce> forces_began, mixed;
   std::vector<FoundGap> found;  // by point
   int frame = 0;
+  const Refinement* refinement = nullptr;  // of the state that advances
+  std::array<float, 2> correcting{};       // weights of its corrections, under the present loads
   std::vector<Vector3f> forces_before;
   std::vector<ContactCandidate> pressed;  // those of the candidates that take part,
   std::vector<std::size_t> of_pressed;    // and which
@@ -181,6 +197,8 @@ struct TouchSolver::Work {
               TouchReport& report);
   bool add_entered(const TouchState& state, const GapQuery& gap, const NearQuery& near,
                    double shift, TouchReport& report);
+  void weigh_corrections();
+  void fill_linear(std::span<const VertexForce> forces, const Eigen::Ref<Matrix3Xf>& u);
   void fill_field(Matrix3Xf& on_nodes, Eigen::Index nodes);
   void hand_over(TouchState& state, const GapQuery& gap, TouchReport& report);
   void hold_back(TouchState& state, double largest_move, TouchReport& report);
@@ -398,11 +416,36 @@ void TouchSolver::Work::find_displacements(CrossTerms cross) {
                                     force, of_loads);
     }
   }
+  const auto n = static_cast<Eigen::Index>(vertices.size());
+  here.leftCols(n) = Eigen::Map<const Matrix3Xf>(of_loads.data(), 3, n);
+  weigh_corrections();
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    Vector3f u = Eigen::Map<const Vector3f>(of_loads.data() + 3 * i);
+    auto u = here.col(static_cast<Eigen::Index>(i));
     if (is_nonlinear()) u += nonlinear.displacement_at(vertices[i]);
-    here.col(static_cast<Eigen::Index>(i)) = u;
+    for (std::size_t k = 0; k < correcting.size(); ++k) {
+      if (correcting[k] > 0) u += correcting[k] * refinement->corrections[k].field.col(vertices[i]);
+    }
   }
+}
+
+// How far each correction holds under the present loads. @pre `here` is their linear answer
+void TouchSolver::Work::weigh_corrections() {
+  correcting.fill(0.0f);
+  if (!refinement->acts()) return;
+  float work = 0;
+  std::array<float, 2> shared{};
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    const Vector3f& f = loads[i].force;
+    work += f.dot(here.col(static_cast<Eigen::Index>(i)));
+    for (std::size_t k = 0; k < shared.size(); ++k) {
+      const ExactCorrection& c = refinement->corrections[k];
+      if (c.work > 0) shared[k] += f.dot(c.linear.col(vertices[i]));
+    }
+  }
+  const std::array blended{1 - refinement->blended, refinement->blended};
+  for (std::size_t k = 0; k < shared.size(); ++k)
+    correcting[k] =
+        blended[k] * correction_weight(work, shared[k], refinement->corrections[k].work);
 }
 
 void TouchSolver::Work::look_at_gaps(const GapQuery& gap, double shift) {
@@ -500,9 +543,9 @@ void TouchSolver::Work::settle(const TouchState& state, const GapQuery& gap, dou
   fill_field(ahead, last ? ahead.cols() : rest.cols());
 }
 
-// The first nodes' displacement under the present loads.
-void TouchSolver::Work::fill_field(Matrix3Xf& on_nodes, Eigen::Index nodes) {
-  const Eigen::Ref<Matrix3Xf> u = on_nodes.leftCols(nodes);
+// G f at the first nodes.
+void TouchSolver::Work::fill_linear(std::span<const VertexForce> forces,
+                                    const Eigen::Ref<Matrix3Xf>& u) {
   const std::size_t k = compliance.rank();
   const auto C = static_cast<std::size_t>(compliance.clusters());
   const auto of = [k](std::vector<float>& numbers, std::size_t cluster) {
@@ -510,7 +553,7 @@ void TouchSolver::Work::fill_field(Matrix3Xf& on_nodes, Eigen::Index nodes) {
   };
   std::fill(sources.begin(), sources.end(), 0.0f);
   std::fill(is_source.begin(), is_source.end(), char{0});
-  for (const VertexForce& load : loads) {
+  for (const VertexForce& load : forces) {
     if (load.force.isZero(0)) continue;
     const auto cluster = static_cast<std::size_t>(compliance.cluster_of(load.vertex));
     is_source[cluster] = 1;
@@ -526,16 +569,30 @@ void TouchSolver::Work::fill_field(Matrix3Xf& on_nodes, Eigen::Index nodes) {
     }
   }
   compliance.everywhere(targets, u);
-  for (const VertexForce& load : loads) {
+  for (const VertexForce& load : forces) {
     if (!load.force.isZero(0)) compliance.add_near(load.vertex, load.force, u);
   }
+}
+
+// The first nodes' displacement under the present loads.
+void TouchSolver::Work::fill_field(Matrix3Xf& on_nodes, Eigen::Index nodes) {
+  Eigen::Ref<Matrix3Xf> u = on_nodes.leftCols(nodes);
+  fill_linear(loads, u);
   linear = u.leftCols(linear.cols());
-  if (!is_nonlinear()) return;
-  nonlinear.find_far_targets();
-  compliance.add_beyond(nonlinear.far_targets(), u);
-  nonlinear.add_near(u);
-  without_cross = u.leftCols(linear.cols());
-  nonlinear.add_cross(u);
+  if (is_nonlinear()) {
+    nonlinear.find_far_targets();
+    compliance.add_beyond(nonlinear.far_targets(), u);
+    nonlinear.add_near(u);
+    without_cross = u.leftCols(linear.cols());
+    nonlinear.add_cross(u);
+  }
+  for (std::size_t k = 0; k < correcting.size(); ++k) {
+    if (!(correcting[k] > 0)) continue;
+    const Matrix3Xf& c = refinement->corrections[k].field;
+    u += correcting[k] * c.leftCols(nodes);
+    linear += correcting[k] * c.leftCols(linear.cols());
+    if (is_nonlinear()) without_cross += correcting[k] * c.leftCols(linear.cols());
+  }
 }
 
 // What the field just filled tells of its own error.
@@ -551,8 +608,11 @@ void TouchSolver::Work::read_signs(const TouchState& state, TouchReport& report)
       between += static_cast<double>((state.u.col(v) - without_cross.col(v)).squaredNorm());
   }
   if (!(all > 0)) return;
-  report.signs = {std::max(0.0, report.penetration) / std::sqrt(largest), std::sqrt(beyond / all),
-                  std::sqrt(between / all)};
+  double left = 1;
+  for (const float weight : correcting) left -= kCorrected * static_cast<double>(weight);
+  left = std::max(1 - kCorrected, left);
+  report.signs = {std::max(0.0, report.penetration) / std::sqrt(largest),
+                  left * std::sqrt(beyond / all), left * std::sqrt(between / all)};
   if (error_scale) report.stated = error_scale->stated(report.signs);
 }
 
@@ -570,6 +630,7 @@ void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, TouchR
   report.blobs = nonlinear.blob_count();
   report.last_share = static_cast<double>(nonlinear.last_share());
   state.u.swap(ahead);
+  state.refinement.weights = correcting;
 }
 
 // To a share of the way from the frame's beginning.
@@ -621,6 +682,9 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
   TouchReport report;
   ++w.frame;
   w.nonlinear.start();
+  state.refinement.blended =
+      std::min(1.0f, state.refinement.blended + 1.0f / static_cast<float>(s.blend_frames));
+  w.refinement = &state.refinement;
   if (state.u.cols() != w.compliance.nodes()) {
     state.u.setZero(3, w.compliance.nodes());
     state.forces.clear();
@@ -656,6 +720,83 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
               settled ? largest_move : std::min(largest_move, kUnsettledSteps * s.largest_step),
               report);
   return report;
+}
+
+bool TouchSolver::ask(const TouchState& state, AskedLoad& asked) {
+  Work& w = *work_;
+  asked.forces.clear();
+  if (state.forces.empty() || state.refinement.blended < 1) return false;
+  asked.forces.reserve(6 * kMostPoints);
+  for (const PointForce& at : state.forces) {
+    const SkinPoint& point = w.points[static_cast<std::size_t>(at.point)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float weight = point.weights[static_cast<int>(k)];
+      if (weight > 0) asked.forces.push_back({point.corners[k], weight * at.force});
+    }
+  }
+  std::sort(asked.forces.begin(), asked.forces.end(),
+            [](const VertexForce& a, const VertexForce& b) { return a.vertex < b.vertex; });
+  std::size_t kept = 0;
+  for (std::size_t k = 1; k < asked.forces.size(); ++k) {
+    if (asked.forces[k].vertex == asked.forces[kept].vertex) {
+      asked.forces[kept].force += asked.forces[k].force;
+    } else {
+      asked.forces[++kept] = asked.forces[k];
+    }
+  }
+  asked.forces.resize(kept + 1);
+  asked.linear.resize(3, w.rest.cols());
+  w.fill_linear(asked.forces, asked.linear);
+  asked.tables = state.u;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const float weight = state.refinement.weights[k];
+    if (weight > 0) asked.tables -= weight * state.refinement.corrections[k].field;
+  }
+  return true;
+}
+
+void TouchSolver::probe(AskedLoad& asked) {
+  Work& w = *work_;
+  const int V = static_cast<int>(w.rest.cols());
+  asked.forces.clear();
+  for (int k = 0; k < kProbes; ++k) {
+    const int v = V * k / kProbes;
+    if (!asked.forces.empty() && asked.forces.back().vertex == v) continue;
+    asked.forces.push_back({v, Vector3f(0, 0, k % 2 == 0 ? -1.0f : -0.5f)});
+  }
+  asked.tables.resize(3, w.compliance.nodes());
+  w.fill_linear(asked.forces, asked.tables);
+  const float largest = std::sqrt(asked.tables.leftCols(V).colwise().squaredNorm().maxCoeff());
+  if (!(largest > 0)) return;
+  const float share = kProbeMoves / largest;
+  for (VertexForce& f : asked.forces) f.force *= share;
+  asked.tables *= share;
+  asked.linear = asked.tables.leftCols(V);
+}
+
+bool TouchSolver::agrees(const AskedLoad& probe, const Matrix3Xf& exact) {
+  const Eigen::Index V = probe.linear.cols();
+  return exact.cols() == probe.tables.cols() &&
+         (exact.leftCols(V) - probe.linear).norm() <= kSameBody * probe.linear.norm();
+}
+
+bool TouchSolver::refine(TouchState& state, const AskedLoad& asked, const Matrix3Xf& exact) const {
+  const Eigen::Index V = work_->rest.cols(), W = work_->compliance.nodes();
+  PALPABLE_EXPECT(exact.cols() == W && asked.tables.cols() == W && asked.linear.cols() == V,
+                  "an answer has as many nodes as the tables");
+  const float off = (exact - asked.tables).leftCols(V).norm();
+  if (!(off <= kMostCorrection * exact.leftCols(V).norm())) return false;
+  Refinement& r = state.refinement;
+  std::swap(r.corrections[0], r.corrections[1]);
+  std::swap(r.weights[0], r.weights[1]);
+  ExactCorrection& c = r.corrections[1];
+  c.field = exact - asked.tables;
+  c.linear = asked.linear;
+  c.work = 0;
+  for (const VertexForce& f : asked.forces) c.work += f.force.dot(c.linear.col(f.vertex));
+  r.weights[1] = 0;
+  r.blended = 0;
+  return true;
 }
 
 void TouchSolver::stress(const TouchState& state, std::span<float> von_mises,

@@ -22,6 +22,7 @@
 #include "palpable/touch/complementarity.h"
 #include "palpable/touch/compliance_cache.h"
 #include "palpable/touch/nonlinear_answer.h"
+#include "palpable/touch/refinement.h"
 #include "palpable/touch/stated_error.h"
 #include "palpable/touch/touch_tables.h"
 
@@ -70,6 +71,7 @@ struct TouchSettings {
   /// left of it as penetration is force times that.
   double softness = 0.01;
   bool nonlinear = true;  ///< false: the linear answer, in the present shape
+  int blend_frames = 6;   ///< over which an exact answer is taken up
 };
 
 /// The force at one contact point.
@@ -85,6 +87,7 @@ struct TouchState {
   /// (3 x W) m, the whole skin in the first V columns, then the inner nodes (shell_table.h), which
   /// are for the stress; no columns: at rest.
   Eigen::Matrix3Xf u;
+  Refinement refinement;  ///< what exact answers have added
 };
 
 /// How one frame went.
@@ -126,6 +129,20 @@ class TouchSolver {
   ///                      gone in the frames after
   TouchReport advance(TouchState& state, const GapQuery& gap, const NearQuery& near = {},
                       double largest_move = std::numeric_limits<double>::infinity());
+
+  /// The load that a state bears, to be answered exactly. False: there is none, or an answer is
+  /// still being blended in. Allocates nothing once `asked` has had its room.
+  /// @pre the state was not held back
+  [[nodiscard]] bool ask(const TouchState& state, AskedLoad& asked);
+  /// Takes up the exact answer to a load, over the frames to come. False: it is so far from the
+  /// tables' that the load was more than the body bears; nothing is changed.
+  /// @param exact  (3 x W) m
+  bool refine(TouchState& state, const AskedLoad& asked, const Eigen::Matrix3Xf& exact) const;
+
+  /// A load all over the skin, so small that its answer is the linear one; what the exact answer is
+  /// to agree with, if it is this body's.
+  void probe(AskedLoad& asked);
+  [[nodiscard]] static bool agrees(const AskedLoad& probe, const Eigen::Matrix3Xf& exact);
 
   /// The stress on the skin in a state, as ShellStress::evaluate(). Allocates nothing; not while
   /// another thread asks or advances.

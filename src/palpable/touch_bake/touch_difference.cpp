@@ -1,6 +1,7 @@
 #include "palpable/touch_bake/touch_difference.h"
 
 #include "palpable/solid/stress.h"
+#include "palpable/touch_bake/exact_answer.h"
 
 #include <algorithm>
 #include <chrono>
@@ -93,7 +94,8 @@ GapQuery gaps_to(const ObstacleGaps& gaps) {
 std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& skin,
                           const Preloaded* preloaded, TouchSolver& touch, double point_spacing,
                           const TouchScene& scene, std::span<const double> depths,
-                          const std::function<void(const TouchDifference&)>& found) {
+                          const std::function<void(const TouchDifference&)>& found,
+                          int refinements) {
   ContactSettings settings;
   settings.spacing = point_spacing;
   ContactWalk walk(
@@ -113,11 +115,27 @@ std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& s
       report = touch.advance(state, gaps_to(gaps));
       took = milliseconds_since(begin);
     }
-    TouchDifference d = difference_of(skin, walk, touch, state, scene, depth);
-    d.report = report;
-    d.touch.unscaled_error = unscaled_error(report.signs);
-    d.milliseconds = took;
-    found(d);
+    const auto tell = [&](const TouchState& now, int refined) {
+      TouchDifference d = difference_of(skin, walk, touch, now, scene, depth);
+      d.refined = refined;
+      d.report = report;
+      d.touch.unscaled_error = unscaled_error(report.signs);
+      d.milliseconds = took;
+      found(d);
+    };
+    tell(state, 0);
+    TouchState rests = refinements > 0 ? state : TouchState();
+    const ObstacleGaps gaps(obstacle_at(scene, depth));
+    for (int k = 1; k <= refinements; ++k) {
+      AskedLoad asked;
+      if (touch.ask(rests, asked)) {
+        const auto exact = exact_answer(solver, skin, preloaded, asked.forces);
+        if (exact) (void)touch.refine(rests, asked, *exact);
+      }
+      do report = touch.advance(rests, gaps_to(gaps));
+      while (rests.refinement.blended < 1);
+      tell(rests, k);
+    }
   }
   return {};
 }

@@ -20,6 +20,7 @@ namespace palpable {
 /// One scene at one depth: both answers, and how they differ.
 struct TouchDifference {
   HeldOutTouch touch;
+  int refined = 0;          ///< how many exact answers it has taken up
   double worst_vertex = 0;  ///< m, of the displacement
   TouchReport report;       ///< of the last frame
   double milliseconds = 0;  ///< of that frame
@@ -45,11 +46,15 @@ struct TouchDifference {
 /// @param solver  of the model that `skin` belongs to
 /// @param depths  m, rising
 /// @param found   is called at each depth
+/// @param refinements  so often the thing then rests there until an exact answer is taken up
+///                     (touch/refinement.h); `found` is called after each. The way on is the
+///                     unrefined one
 /// @returns why the full solver stopped before the last of them; empty if it did not
 [[nodiscard]] std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& skin,
                                         const Preloaded* preloaded, TouchSolver& touch,
                                         double point_spacing, const TouchScene& scene,
                                         std::span<const double> depths,
-                                        const std::function<void(const TouchDifference&)>& found);
+                                        const std::function<void(const TouchDifference&)>& found,
+                                        int refinements = 0);
 
 }  // namespace palpable

@@ -1,0 +1,50 @@
+// palpable-bake refine BODY.toml: what `palpable live --refine` starts and talks to.
+
+#include "apps/common/command_line.h"
+#include "apps/palpable-bake/commands.h"
+#include "apps/palpable-bake/description_argument.h"
+#include "palpable/bake/exact_service.h"
+#include "palpable/base/error.h"
+
+#include <csignal>
+#include <memory>
+#include <string>
+#include <unistd.h>
+
+namespace palpable::app {
+namespace {
+
+void refine(const std::string& description) {
+  if (::isatty(STDIN_FILENO) != 0) {
+    throw Error("refine is started by 'palpable live BODY --refine " + description + "'");
+  }
+  // It ends when the run ends, not with the user's Ctrl-C; and it takes what time is left.
+  ::signal(SIGINT, SIG_IGN);
+  ::signal(SIGPIPE, SIG_IGN);
+  (void)!::nice(5);
+  // What libraries print is no answer.
+  const int out = ::dup(STDOUT_FILENO);
+  ::dup2(STDERR_FILENO, STDOUT_FILENO);
+  if (!answer_loads([&] { return exact_body(read_description(description)); }, STDIN_FILENO, out)) {
+    throw Error("refine: what came is no load of " + description);
+  }
+}
+
+}  // namespace
+
+void add_refine(Command app) {
+  const auto description = std::make_shared<std::string>();
+  Command command = app.add_subcommand(
+      "refine", "Answer loads exactly, for 'palpable live --refine', which starts it");
+  command.add_option("body", *description, "The body that is touched (docs/body.md)")
+      .required()
+      .type_name("BODY.toml");
+  command.footer(
+      "Loads come on standard input, answers go to standard output, in binary\n"
+      "(src/palpable/touch/exact_messages.h).\n"
+      "Example: palpable live bunny.palpable --refine bodies/bunny-demo.toml --source synthetic "
+      "--out out");
+  command.callback([description] { refine(*description); });
+}
+
+}  // namespace palpable::app
