@@ -33,6 +33,11 @@ constexpr double kSharpDegrees = 80.0;
 // Rounds of splitting, collapsing, flipping and relaxing; later ones change nothing visible.
 constexpr unsigned kRounds = 5;
 
+// Where the sides of a thin part would meet, edges are a half, then a quarter as long, so many of
+// them far around: CGAL 5.5 has one length for all it remeshes.
+constexpr int kFinerRounds = 3;
+constexpr double kFiner = 0.5, kFinerReach = 2.5;
+
 // Of a wrap's distance in its size: small enough for a picture, large enough to be quick.
 constexpr double kWrapOffset = 7.0;
 
@@ -74,6 +79,13 @@ SurfaceMesh from_cgal(Mesh& mesh) {
   return surface;
 }
 
+Eigen::Vector3d middle_of(const Mesh& mesh, Face face) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto v : mesh.vertices_around_face(mesh.halfedge(face)))
+    sum += to_eigen(mesh.point(v));
+  return sum / 3;
+}
+
 // @param surface  of which `mesh` was made: the same triangles in the same order
 void refuse_self_intersection(const Mesh& mesh, const SurfaceMesh& surface,
                               const std::string& name) {
@@ -113,6 +125,54 @@ Mesh checked(const SurfaceMesh& surface, const std::string& name) {
   return mesh;
 }
 
+// A ball in which edges are shorter.
+struct FinerPlace {
+  Eigen::Vector3d middle;  // m
+  double edge;             // m
+};
+
+// Around a place; shorter still where they are short already.
+void make_finer(const Eigen::Vector3d& place, double edge_length, std::vector<FinerPlace>& finer) {
+  for (FinerPlace& other : finer) {
+    if ((other.middle - place).norm() > edge_length) continue;
+    other.edge = std::max(kFiner * kFiner * edge_length, kFiner * other.edge);
+    return;
+  }
+  finer.push_back({place, kFiner * edge_length});
+}
+
+std::vector<Eigen::Vector3d> self_intersections(const Mesh& mesh) {
+  std::vector<std::pair<Face, Face>> pairs;
+  PMP::self_intersections(mesh, std::back_inserter(pairs));
+  std::sort(pairs.begin(), pairs.end());
+  std::vector<Eigen::Vector3d> places;
+  for (const auto& [first, second] : pairs) places.push_back(middle_of(mesh, first));
+  return places;
+}
+
+// The places one after the other, then all between them.
+void remesh(Mesh& mesh, double edge_length, const std::vector<FinerPlace>& finer,
+            bool keep_sharp_edges) {
+  auto sharp = mesh.add_property_map<Mesh::Edge_index, bool>("e:sharp", false).first;
+  if (keep_sharp_edges) PMP::detect_sharp_edges(mesh, kSharpDegrees, sharp);
+  const auto place_of = [&](Face face) {
+    const Eigen::Vector3d x = middle_of(mesh, face);
+    const auto at = std::find_if(finer.begin(), finer.end(), [&](const FinerPlace& place) {
+      return (x - place.middle).norm() < kFinerReach * edge_length;
+    });
+    return at - finer.begin();
+  };
+  for (std::ptrdiff_t p = 0; p <= std::ssize(finer); ++p) {
+    std::vector<Face> faces;
+    for (const Face face : mesh.faces()) {
+      if (place_of(face) == p) faces.push_back(face);
+    }
+    PMP::isotropic_remeshing(
+        faces, p < std::ssize(finer) ? finer[static_cast<std::size_t>(p)].edge : edge_length, mesh,
+        PMP::parameters::number_of_iterations(kRounds).edge_is_constrained_map(sharp));
+  }
+}
+
 }  // namespace
 
 void require_solid_surface(const SurfaceMesh& surface, const std::string& name) {
@@ -124,20 +184,24 @@ SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length, const
   PALPABLE_EXPECT(edge_length > 0.0, "an edge length is positive");
   Mesh mesh = checked(surface, name);
   require_meshable(surface, edge_length, std::numeric_limits<double>::infinity(), name);
-  auto sharp = mesh.add_property_map<Mesh::Edge_index, bool>("e:sharp", false).first;
-  if (keep_sharp_edges) PMP::detect_sharp_edges(mesh, kSharpDegrees, sharp);
-  PMP::isotropic_remeshing(
-      mesh.faces(), edge_length, mesh,
-      PMP::parameters::number_of_iterations(kRounds).edge_is_constrained_map(sharp));
-  const SurfaceMesh remeshed = from_cgal(mesh);
-  try {
-    require_solid_surface(remeshed, name);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{} (after remeshing to an edge of {:.3g} m: try a shorter one)",
-                            error.what(), edge_length));
+  std::vector<FinerPlace> finer;
+  for (int round = 0;; ++round) {
+    Mesh coarse = mesh;
+    remesh(coarse, edge_length, finer, keep_sharp_edges);
+    const std::vector<Eigen::Vector3d> meet = self_intersections(coarse);
+    if (meet.empty() || round == kFinerRounds) {
+      const SurfaceMesh remeshed = from_cgal(coarse);
+      try {
+        require_solid_surface(remeshed, name);
+      } catch (const Error& error) {
+        throw Error(fmt::format("{} (after remeshing to an edge of {:.3g} m: try a shorter one)",
+                                error.what(), edge_length));
+      }
+      require_same_volume(surface, enclosed_volume(remeshed), edge_length, name);
+      return remeshed;
+    }
+    for (const Eigen::Vector3d& place : meet) make_finer(place, edge_length, finer);
   }
-  require_same_volume(surface, enclosed_volume(remeshed), edge_length, name);
-  return remeshed;
 }
 
 SurfaceMesh wrap_surface(const SurfaceMesh& surface, double size, const std::string& name) {

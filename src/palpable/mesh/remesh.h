@@ -17,7 +17,8 @@ void require_solid_surface(const SurfaceMesh& surface, const std::string& name);
 
 /// A surface over the same shape whose edges are about `edge_length` long. Vertices stay on the
 /// given surface; edges sharper than 80 degrees are kept, unless they are but the creases of a
-/// wrap. Deterministic.
+/// wrap. Where the sides of a thin part would meet, edges are down to a quarter as long.
+/// Deterministic.
 /// @param edge_length  m, > 0
 /// @param name         for messages
 /// @throws Error as require_solid_surface(), for the result too: an edge length too coarse for thin

@@ -153,6 +153,25 @@ TEST_CASE("a cavity stays empty, and so it is after remeshing", "[mesh]") {
   CHECK(std::abs(tet_volumes(tetrahedralise(fine, "hollow")).sum() - volume) < 0.02 * volume);
 }
 
+TEST_CASE("where the sides of a thin part would meet, edges are shorter, and only there", "[mesh]") {
+  // The wall is 0.3 mm thick at one end; edges of 16 mm leave a ball of 50 mm by 0.6 mm.
+  const SurfaceMesh hollow =
+      joined(sphere_surface({0, 0, 0}, 0.05, 4), flipped(sphere_surface({0.0187, 0, 0}, 0.031, 4)));
+  const SurfaceMesh coarse = remesh_surface(hollow, 0.016, "hollow");
+  double shortest = 1, sum = 0;
+  int count = 0;
+  for (const auto& t : coarse.triangles.colwise()) {
+    const double edge = (coarse.vertices.col(t[0]) - coarse.vertices.col(t[1])).norm();
+    shortest = std::min(shortest, edge);
+    if (coarse.vertices.col(t[0]).x() > -0.01) continue;
+    sum += edge;
+    ++count;
+  }
+  CHECK(shortest < 0.008);
+  CHECK(sum / count > 0.012);
+  CHECK_NOTHROW(tetrahedralise(coarse, "hollow"));
+}
+
 TEST_CASE("shells that lie wrongly in each other are named", "[mesh]") {
   const SurfaceMesh ball = sphere_surface({0, 0, 0}, 0.05, 2);
   const SurfaceMesh nested = joined(ball, sphere_surface({0.01, 0, 0}, 0.025, 1));
