@@ -155,17 +155,16 @@ BakedBody reduce_and_write(const Options& options, const ReduceSettings& reducti
 std::string add_touch(const Options& options, const BodyDescription& description,
                       const FilledStore& filled, int threads, ReducedBody& body,
                       const Progress& progress) {
-  const std::string why = why_no_touch(filled.plan, description.touch);
-  std::string text = touch_text(std::nullopt) + (why.empty() ? why : ": " + why);
-  bake_touch(
-      filled.plan, description.touch, filled.store, threads,
+  std::string text = touch_text(std::nullopt);
+  const std::string why = bake_touch(
+      description, filled.plan, filled.store, threads,
       [&](const TouchTables& tables) {
         state_touch(tables, body);
         body.error = write_touchable_body(options.output, body, tables, options.file.storage());
         text = touch_text(tables);
       },
       progress);
-  return text;
+  return why.empty() ? text : text + ": " + why;
 }
 
 void bake(const Options& options, const std::string& command_line, Crew& crew) {

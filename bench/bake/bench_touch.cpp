@@ -8,6 +8,7 @@
 #include "palpable/base/order_statistics.h"
 #include "palpable/base/output_file.h"
 #include "palpable/describe/body_problem.h"
+#include "palpable/describe/touch_mesh.h"
 #include "palpable/render/gl_context.h"
 #include "palpable/render/picture_file.h"
 #include "palpable/touch/touch_file.h"
@@ -178,7 +179,10 @@ void run(const Options& options) {
   ProgressBar bar;
   const auto report = [&bar](const ProgressReport& now) { bar.show(now); };
   const BodyDescription description = read_body_description(options.body);
-  const BodyProblem problem = pose_body(description);
+  BodyProblem problem = pose_body(description);
+  if (const auto edge = touch_edge(description, problem.mesh.boundary.surface)) {
+    problem = pose_body(with_edge(description, *edge));
+  }
   const FullBody body(problem.model, problem.mesh.boundary, problem.preload);
   const SkinResponse& skin = body.skin;
   TouchBakeSettings settings;

@@ -61,20 +61,23 @@ std::map<int, DeformedLine> lines_of(const fs::path& deformed, double depth) {
 struct Answer {
   std::function<TouchReport(int frame, TouchState& state)> advance;
   std::function<void(const TouchState& state, std::span<float> von_mises)> stress;
+  std::function<void(const TouchState& state, Eigen::Matrix3Xf& skin)> place;
 };
 
 Answer to_capsules(const TouchableBody& body, const ClipHands& hands) {
   const auto solver =
       std::make_shared<TouchSolver>(body.body.surface, body.body.fixed, *body.touch);
-  return {[solver, &hands](int frame, TouchState& state) {
-            Obstacle hand;
-            hand.capsules = hands.capsules[static_cast<std::size_t>(frame)];
-            const ObstacleGaps gaps(hand);
-            return solver->advance(state, gaps_to(gaps));
-          },
-          [solver](const TouchState& state, std::span<float> von_mises) {
-            solver->stress(state, von_mises);
-          }};
+  return {
+      [solver, &hands](int frame, TouchState& state) {
+        Obstacle hand;
+        hand.capsules = hands.capsules[static_cast<std::size_t>(frame)];
+        const ObstacleGaps gaps(hand);
+        return solver->advance(state, gaps_to(gaps));
+      },
+      [solver](const TouchState& state, std::span<float> von_mises) {
+        solver->stress(state, von_mises);
+      },
+      [solver](const TouchState& state, Eigen::Matrix3Xf& skin) { solver->place(state, skin); }};
 }
 
 // The hand's front, with its other side assumed.
@@ -90,21 +93,23 @@ Answer to_depth(const TouchableBody& body, const fs::path& clip, const ClipHands
   const auto contact = std::make_shared<SkinContact>(rest, body.body.fixed, *body.touch);
   const Eigen::AlignedBox3d region(rest.vertices.rowwise().minCoeff(),
                                    rest.vertices.rowwise().maxCoeff());
-  return {[=, &hands](int frame, TouchState& state) {
-            const auto view = read_true_view(truth, frame, camera.depth_unit);
-            if (!view) {
-              throw Error(fmt::format("{}: depth or labels of frame {} are missing", truth.string(),
-                                      frame));
-            }
-            surface->build(view->depth, view->shows, *camera.camera,
-                           hands.body_from_camera[static_cast<std::size_t>(frame)], region,
-                           frame / camera.frames_per_second);
-            std::vector<Touch> touches;
-            return contact->advance(state, *surface, touches);
-          },
-          [contact](const TouchState& state, std::span<float> von_mises) {
-            contact->stress(state, von_mises);
-          }};
+  return {
+      [=, &hands](int frame, TouchState& state) {
+        const auto view = read_true_view(truth, frame, camera.depth_unit);
+        if (!view) {
+          throw Error(
+              fmt::format("{}: depth or labels of frame {} are missing", truth.string(), frame));
+        }
+        surface->build(view->depth, view->shows, *camera.camera,
+                       hands.body_from_camera[static_cast<std::size_t>(frame)], region,
+                       frame / camera.frames_per_second);
+        std::vector<Touch> touches;
+        return contact->advance(state, *surface, touches);
+      },
+      [contact](const TouchState& state, std::span<float> von_mises) {
+        contact->stress(state, von_mises);
+      },
+      [contact](const TouchState& state, Eigen::Matrix3Xf& skin) { contact->place(state, skin); }};
 }
 
 }  // namespace
@@ -125,6 +130,7 @@ ClipAnswer answer_to_true_hand(const TouchableBody& body, const fs::path& clip, 
       hand == TrueHand::kCapsules ? to_capsules(body, hands) : to_depth(body, clip, hands);
   TouchState state;
   Matrix3Xd before = Matrix3Xd::Zero(3, rest.vertex_count());
+  Eigen::Matrix3Xf skin(3, rest.vertex_count());
   std::vector<float> stress(static_cast<std::size_t>(rest.vertex_count()));
   ClipAnswer answer;
   for (int frame = 0; frame < hands.frame_count(); ++frame) {
@@ -132,8 +138,8 @@ ClipAnswer answer_to_true_hand(const TouchableBody& body, const fs::path& clip, 
     const TouchReport report = to_hand.advance(frame, state);
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     if (report.candidates > 0) answer.milliseconds.push_back(took.count());
-    if (state.u.cols() == 0) state.u = Eigen::Matrix3Xf::Zero(3, rest.vertex_count());
-    const Matrix3Xd u = state.u.leftCols(rest.vertex_count()).cast<double>();
+    to_hand.place(state, skin);
+    const Matrix3Xd u = skin.cast<double>() - rest.vertices;
     answer.largest_jump_mm =
         std::max(answer.largest_jump_mm, 1e3 * (u - before).colwise().norm().maxCoeff());
     before = u;
@@ -144,8 +150,9 @@ ClipAnswer answer_to_true_hand(const TouchableBody& body, const fs::path& clip, 
       ++answer.unseen;
       continue;
     }
-    const ValuedSurface skin = skin_in(deformed_skin_file(deformed, frame), rest);
-    const DisplacementError error = displacement_error(skin.surface.vertices - true_rest, u, areas);
+    const ValuedSurface truth = skin_in(deformed_skin_file(deformed, frame), rest);
+    const DisplacementError error =
+        displacement_error(truth.surface.vertices - true_rest, u, areas);
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
     for (const PointForce& point : state.forces) force += point.force.cast<double>();
     to_hand.stress(state, stress);
@@ -155,8 +162,8 @@ ClipAnswer answer_to_true_hand(const TouchableBody& body, const fs::path& clip, 
          .worst_vertex_mm = 1e3 * error.worst,
          .force = force_error(line->second.force, std::array{force}),
          .von_mises = von_mises_error(
-             skin.values, Eigen::Map<const Eigen::VectorXf>(stress.data(), rest.vertex_count())
-                              .cast<double>())});
+             truth.values, Eigen::Map<const Eigen::VectorXf>(stress.data(), rest.vertex_count())
+                               .cast<double>())});
   }
   return answer;
 }

@@ -2,6 +2,9 @@
 
 #include "palpable/bake/full_body.h"
 #include "palpable/base/contract.h"
+#include "palpable/base/error.h"
+#include "palpable/describe/body_problem.h"
+#include "palpable/describe/touch_mesh.h"
 #include "palpable/touch/touch_text.h"
 #include "palpable/touch_bake/held_out_maker.h"
 #include "palpable/touch_bake/touch_maker.h"
@@ -20,9 +23,11 @@ using Tables = BodyDescription::Touch::Tables;
 // Makes one stage after the other, and states which tables are complete.
 class Stages {
  public:
-  Stages(const FullBody& body, const SnapshotStore& store,
+  // @param carries  the body's mesh is a coarser one
+  Stages(const FullBody& body, bool carries, const SnapshotStore& store,
          const std::function<void(const TouchTables&)>& use, const Progress& progress)
       : body_(body),
+        carries_(carries),
         store_(store.touch_folder()),
         campaign_(campaign_key(store.content())),
         use_(use),
@@ -45,49 +50,69 @@ class Stages {
 
  private:
   const FullBody& body_;
+  bool carries_;
   TouchStore store_;
   std::uint64_t campaign_;
   const std::function<void(const TouchTables&)>& use_;
   const Progress& progress_;
   TouchKeys keys_;
 
-  void hand_over(const TouchTables& tables) {
+  void hand_over(TouchTables tables) {
+    if (carries_) tables.coarse = {body_.skin.skin(), body_.skin.fixed()};
     store_.keep_list(campaign_, keys_, tables);
     use_(tables);
   }
 };
 
-}  // namespace
-
-std::string why_no_touch(const CampaignPlan& plan, const BodyDescription::Touch& wanted) {
-  const auto V = static_cast<int>(plan.boundary.node_of_vertex.size());
-  if (wanted.tables == Tables::kNone || !wanted.by_default || V <= kMostVerticesByDefault) {
-    return {};
+// The body on the mesh that its tables are made on; nothing where that is its own.
+std::optional<BodyProblem> coarse_problem(const BodyDescription& description,
+                                          const CampaignPlan& plan) {
+  const SurfaceMesh& skin = plan.boundary.surface;
+  const std::optional<double> edge = touch_edge(description, skin);
+  if (edge) return pose_body(with_edge(description, *edge));
+  const int V = skin.vertex_count();
+  if (V > kFineSkin && description.touch.by_default) {
+    throw Error(fmt::format(
+        "its skin has {} vertices, and its mesh cannot be made coarser; [touch] with tables = "
+        "\"full\" or \"linear\" asks for tables of more than {}",
+        V, kFineSkin));
   }
-  return fmt::format(
-      "its skin has {} vertices, and tables are made by themselves up to {}; [touch] with tables = "
-      "\"full\" or \"linear\" asks for them",
-      V, kMostVerticesByDefault);
+  return std::nullopt;
 }
 
-void bake_touch(const CampaignPlan& plan, const BodyDescription::Touch& wanted,
-                const SnapshotStore& store, int threads,
-                const std::function<void(const TouchTables&)>& use, const Progress& progress) {
-  if (wanted.tables == Tables::kNone || !why_no_touch(plan, wanted).empty()) return;
+}  // namespace
+
+std::string bake_touch(const BodyDescription& description, const CampaignPlan& plan,
+                       const SnapshotStore& store, int threads,
+                       const std::function<void(const TouchTables&)>& use,
+                       const Progress& progress) {
+  const BodyDescription::Touch& wanted = description.touch;
+  if (wanted.tables == Tables::kNone) return {};
   PALPABLE_EXPECT(plan.points.size() == 1, "tables of touch are of one body");
-  const FullBody body(plan.model, plan.boundary, plan.preload, {.tolerance = kSnapshotTolerance});
+  std::optional<BodyProblem> coarse;
+  try {
+    coarse = coarse_problem(description, plan);
+  } catch (const Error& error) {
+    if (!wanted.by_default || wanted.edge) throw;
+    return error.what();
+  }
+  const FullBody body =
+      coarse ? FullBody(coarse->model, coarse->mesh.boundary, coarse->preload,
+                        {.tolerance = kSnapshotTolerance})
+             : FullBody(plan.model, plan.boundary, plan.preload, {.tolerance = kSnapshotTolerance});
   TouchBakeSettings settings;
   settings.threads = threads;
   if (wanted.regions) settings.regions.most = *wanted.regions;
   TouchBakeSettings linear = settings;
   linear.regions.most = linear.cross.modes = 0;
-  Stages stages(body, store, use, progress);
+  Stages stages(body, coarse.has_value(), store, use, progress);
   TouchTables tables = stages.make(linear);
   if (wanted.tables == Tables::kFull) tables = stages.make(settings);
   if (wanted.held_out > 0) {
     stages.hold_out(std::move(tables), {.count = wanted.held_out, .threads = threads});
   }
   stages.end();
+  return {};
 }
 
 std::optional<TouchTables> kept_touch_tables(const SnapshotStore& store) {

@@ -16,26 +16,22 @@
 
 namespace palpable {
 
-/// Vertices of the skin beyond which tables are made only where they are asked for: compliance and
-/// its solves grow with the square of their number.
-inline constexpr int kMostVerticesByDefault = 8000;
-
-/// Why a body gets no tables though its description does not say "none"; empty if it gets some, or
-/// if the description says so.
-[[nodiscard]] std::string why_no_touch(const CampaignPlan& plan,
-                                       const BodyDescription::Touch& wanted);
-
-/// Makes the tables that are wanted, unless why_no_touch(), and the touches that tell how good they
-/// are. Each is kept in the store's folder as soon as it is finished and is not made again; nothing
-/// that is finished is lost, whatever ends the program.
-/// @param plan  of one body, without further parameters, if tables are wanted
+/// Makes the tables that are wanted, on the body's mesh or on a coarser one that carries it
+/// (describe/touch_mesh.h), and the touches that tell how good they are, against the full answer on
+/// the same mesh. Each is kept in the store's folder as soon as it is finished and is not made
+/// again; nothing that is finished is lost, whatever ends the program.
+/// @param plan  of the description: one body, without further parameters, if tables are wanted
 /// @param store  of the plan
 /// @param use   is called with the tables of each stage when they can be used: with the linear
 ///              ones, where they are wanted with all, and with what is known of their errors
-/// @throws Error when the body buckles under its preload, or a table cannot be kept
-void bake_touch(const CampaignPlan& plan, const BodyDescription::Touch& wanted,
-                const SnapshotStore& store, int threads,
-                const std::function<void(const TouchTables&)>& use, const Progress& progress = {});
+/// @returns why there are none though the description does not say "none": of a fine skin for
+///          which no coarser mesh can be made, where nobody asked for them; empty otherwise
+/// @throws Error when the body buckles under its preload, tables that were asked for can have no
+///         mesh, or one cannot be kept
+std::string bake_touch(const BodyDescription& description, const CampaignPlan& plan,
+                       const SnapshotStore& store, int threads,
+                       const std::function<void(const TouchTables&)>& use,
+                       const Progress& progress = {});
 
 /// The tables that a bake of this very campaign has completed; nothing if none has.
 [[nodiscard]] std::optional<TouchTables> kept_touch_tables(const SnapshotStore& store);

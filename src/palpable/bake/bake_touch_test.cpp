@@ -3,6 +3,8 @@
 #include "palpable/bake/bake_body.h"
 #include "palpable/campaign/crew.h"
 #include "palpable/campaign/fill_store.h"
+#include "palpable/describe/touch_mesh.h"
+#include "palpable/mesh/remesh.h"
 #include "palpable/touch/touch_file.h"
 #include "tests/support/egg_body.h"
 #include "tests/support/scratch_folder.h"
@@ -44,8 +46,8 @@ struct Stop : std::runtime_error {
 TEST_CASE("a bake of tables that is stopped again and again ends with the bytes of one that is not",
           "[bake][touch][long]") {
   const ScratchFolder folder("bake_touch");
-  const BodyDescription egg = test::egg_body(folder.path(), 2);
-  const BodyDescription::Touch wanted{.tables = Tables::kFull, .regions = 3, .held_out = 2};
+  BodyDescription egg = test::egg_body(folder.path(), 2);
+  egg.touch = {.tables = Tables::kFull, .regions = 3, .held_out = 2};
   ReducedBody body = [&] {
     const FilledStore filled = fill(egg, folder / "whole.snapshots");
     return reduce_store(filled.store, {}).body;
@@ -57,7 +59,7 @@ TEST_CASE("a bake of tables that is stopped again and again ends with the bytes 
     };
   };
   const FilledStore whole = fill(egg, folder / "whole.snapshots");
-  bake_touch(whole.plan, wanted, whole.store, 2, write("whole.palpable"));
+  bake_touch(egg, whole.plan, whole.store, 2, write("whole.palpable"));
 
   // Stopped after ever more reports of progress, so that each run finishes a little.
   const FilledStore stopped = fill(egg, folder / "stopped.snapshots");
@@ -71,7 +73,7 @@ TEST_CASE("a bake of tables that is stopped again and again ends with the bytes 
       if (--left == 0 && report.done < report.total) throw Stop();
     };
     try {
-      bake_touch(stopped.plan, wanted, stopped.store, 1, write("stopped.palpable"), stop);
+      bake_touch(egg, stopped.plan, stopped.store, 1, write("stopped.palpable"), stop);
       ended = true;
     } catch (const Stop&) {}
   }
@@ -96,7 +98,7 @@ TEST_CASE("a bake of tables that is stopped again and again ends with the bytes 
   // Everything is there: nothing is made, and `reduce` finds it.
   bool made = false;
   bake_touch(
-      whole.plan, wanted, whole.store, 1, [](const TouchTables&) {},
+      egg, whole.plan, whole.store, 1, [](const TouchTables&) {},
       [&](const ProgressReport&) { made = true; });
   CHECK_FALSE(made);
   REQUIRE(kept_touch_tables(whole.store));
@@ -107,34 +109,81 @@ TEST_CASE("a bake of tables that is stopped again and again ends with the bytes 
 
 TEST_CASE("linear tables can be used before the others are there", "[bake][touch][long]") {
   const ScratchFolder folder("bake_touch");
-  const FilledStore filled = fill(test::egg_body(folder.path(), 2), folder / "egg.snapshots");
+  BodyDescription egg = test::egg_body(folder.path(), 2);
+  const FilledStore filled = fill(egg, folder / "egg.snapshots");
   std::vector<std::size_t> regions;
   const auto use = [&](const TouchTables& tables) { regions.push_back(tables.regions.size()); };
+  const auto bake = [&](const CampaignPlan& plan, const BodyDescription::Touch& wanted) {
+    egg.touch = wanted;
+    CHECK(bake_touch(egg, plan, filled.store, 2, use).empty());
+  };
   CampaignPlan with_parameter = filled.plan;
   with_parameter.points.push_back(with_parameter.points[0]);
-  bake_touch(with_parameter, {.tables = Tables::kNone}, filled.store, 2, use);
+  bake(with_parameter, {.tables = Tables::kNone});
   CHECK(regions.empty());
   CHECK_FALSE(fs::exists(filled.store.touch_folder()));
   CHECK_FALSE(kept_touch_tables(filled.store));
-  bake_touch(filled.plan, {.tables = Tables::kLinear, .held_out = 0}, filled.store, 2, use);
+  bake(filled.plan, {.tables = Tables::kLinear, .held_out = 0});
   CHECK(regions == std::vector<std::size_t>{0});
   CHECK(kept_touch_tables(filled.store)->regions.empty());
   CHECK(kept_touch_tables(filled.store)->cross.cubic.variables == 0);
-  bake_touch(filled.plan, {.tables = Tables::kFull, .regions = 1, .held_out = 1}, filled.store, 2,
-             use);
+  bake(filled.plan, {.tables = Tables::kFull, .regions = 1, .held_out = 1});
   CHECK(regions == std::vector<std::size_t>{0, 0, 1, 1});  // the last with what is held out
 }
 
-TEST_CASE("a large skin gets tables where they are asked for, and it is told why not",
-          "[bake][touch]") {
-  CampaignPlan plan;
-  plan.boundary.node_of_vertex.resize(kMostVerticesByDefault);
-  CHECK(why_no_touch(plan, {}).empty());
-  plan.boundary.node_of_vertex.push_back(0);
-  CHECK_THAT(why_no_touch(plan, {}),
+TEST_CASE("tables of a finer skin are made on a coarser mesh that carries it",
+          "[bake][touch][long]") {
+  const ScratchFolder folder("bake_touch");
+  BodyDescription egg = test::egg_body(folder.path(), 2);
+  const FilledStore filled = fill(egg, folder / "egg.snapshots");
+  ReducedBody body = reduce_store(filled.store, {}).body;
+  const double edge = 1.7 * mean_edge_length(body.surface);
+  egg.touch = {.tables = Tables::kLinear, .edge = edge, .held_out = 2};
+  bake_touch(egg, filled.plan, filled.store, 2, [&](const TouchTables& tables) {
+    state_touch(tables, body);
+    write_touchable_body(folder / "egg.palpable", body, tables);
+  });
+  const TouchableBody read = value_or_throw(read_touchable_body(folder / "egg.palpable"));
+  REQUIRE(read.touch);
+  REQUIRE(read.touch->coarse);
+  const SurfaceMesh& coarse = read.touch->coarse->surface;
+  CHECK(coarse.vertex_count() < body.surface.vertex_count() / 2);
+  CHECK(mean_edge_length(coarse) == Catch::Approx(edge).epsilon(0.15));
+  CHECK(read.touch->compliance.vertices == coarse.vertex_count());
+  CHECK(read.touch->held_out.size() == 2);
+  // `reduce` finds them, with their skin.
+  const auto kept = kept_touch_tables(filled.store);
+  REQUIRE((kept && kept->coarse));
+  CHECK(kept->coarse->surface.vertices == coarse.vertices);
+  CHECK(kept->coarse->fixed == read.touch->coarse->fixed);
+}
+
+TEST_CASE("a fine mesh that was given gets tables where they are asked for, and it is told why not",
+          "[bake][touch][long]") {
+  const ScratchFolder folder("bake_touch");
+  BodyDescription given = test::egg_body(folder.path(), 2);
+  const FilledStore filled = fill(given, folder / "egg.snapshots");
+  given.shape.file = folder / "given.msh";
+  CampaignPlan fine = filled.plan;
+  fine.boundary.surface.vertices.setZero(3, kFineSkin + 1);
+  int uses = 0;
+  const auto why = [&](const CampaignPlan& plan, BodyDescription::Touch wanted) {
+    wanted.held_out = 0;
+    given.touch = wanted;
+    return bake_touch(given, plan, filled.store, 2, [&](const TouchTables&) { ++uses; });
+  };
+  CHECK_THAT(why(fine, {}),
              Catch::Contains("8001 vertices") && Catch::Contains("tables = \"full\""));
-  CHECK(why_no_touch(plan, {.tables = Tables::kLinear, .by_default = false}).empty());
-  CHECK(why_no_touch(plan, {.tables = Tables::kNone}).empty());
+  CHECK(why(fine, {.tables = Tables::kNone}).empty());
+  CHECK(uses == 0);
+  CHECK(why(fine, {.tables = Tables::kLinear, .by_default = false}).empty());
+  CHECK(uses == 1);
+
+  // A surface that is not there any more: the body has its campaign, and tables nobody asked for.
+  given.shape.file = folder / "gone.ply";
+  CHECK_THAT(why(fine, {}), Catch::Contains("gone.ply"));
+  CHECK_THROWS_WITH(why(fine, {.tables = Tables::kFull, .by_default = false}),
+                    Catch::Contains("gone.ply"));
 }
 
 }  // namespace

@@ -47,8 +47,9 @@ NearQuery near_to(const ObjectSurface& seen) {
 
 SkinContact::SkinContact(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
                          const TouchTables& tables, const TouchSettings& settings)
-    : solver_(skin, fixed, tables, settings), rest_(skin.vertices.cast<float>()) {
-  pressed_.reserve(TouchSolver::kMostPoints);
+    : solver_(skin, fixed, tables, settings) {
+  pressed_.reserve(2 * TouchSolver::kMostPoints);
+  moved_.reserve(2 * TouchSolver::kMostPoints);
 }
 
 TouchReport SkinContact::advance(TouchState& state, const ObjectSurface& seen,
@@ -70,10 +71,12 @@ TouchReport SkinContact::advance(TouchState& state, const ObjectSurface& seen,
 
 void SkinContact::find_pressed(const TouchState& state) {
   pressed_.clear();
-  for (const PointForce& at : state.forces) {
+  solver_.find_moved(state, moved_);
+  for (std::size_t k = 0; k < moved_.size(); ++k) {
+    const PointForce& at = state.forces[k];
     const SkinPoint& point = solver_.points()[static_cast<std::size_t>(at.point)];
-    const Vector3f moved = point.at(state.u);
-    pressed_.push_back({point.at(rest_) + moved, moved, at.force, point.area});
+    pressed_.push_back(
+        {solver_.places().col(at.point) + moved_[k], moved_[k], at.force, point.area});
   }
 }
 

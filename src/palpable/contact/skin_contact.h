@@ -7,7 +7,7 @@
 /// own beside the body's: neighbours that are off by a sigma share a force instead of fighting for
 /// it.
 ///
-///   V  vertices of the skin
+///   F  vertices of the skin
 #pragma once
 
 #include "palpable/contact/object_surface.h"
@@ -26,8 +26,9 @@ namespace palpable {
 /// Makes its tables once, then allocates nothing once a state has had its room.
 class SkinContact {
  public:
-  /// @param skin    at rest; outlives this, as the tables do
-  /// @param fixed   (V) 1 where the support holds the vertex
+  /// @param skin    at rest
+  /// @param fixed   (F) 1 where the support holds the vertex
+  /// @param tables  of the skin; outlive this
   SkinContact(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
               const TouchTables& tables, const TouchSettings& settings = {});
 
@@ -38,10 +39,12 @@ class SkinContact {
   /// Which answers; to be asked for the load of a state and told its exact answer.
   [[nodiscard]] TouchSolver& solver() { return solver_; }
 
-  /// Von Mises stress on the skin in a state, Pa, as TouchSolver::stress(). @param von_mises  (V)
+  /// Von Mises stress on the skin in a state, Pa, as TouchSolver::stress(). @param von_mises  (F)
   void stress(const TouchState& state, std::span<float> von_mises) const {
     solver_.stress(state, von_mises);
   }
+  /// Where the skin is in a state, (3 x F) m, as TouchSolver::place().
+  void place(const TouchState& state, Eigen::Matrix3Xf& skin) const { solver_.place(state, skin); }
 
  private:
   // A point of the skin that is pressed, where it is now.
@@ -58,7 +61,7 @@ class SkinContact {
   [[nodiscard]] Touch touch_of(int patch, const ObjectSurface& seen) const;
 
   TouchSolver solver_;
-  Eigen::Matrix3Xf rest_;  // (3 x V) m
+  std::vector<Eigen::Vector3f> moved_;  // of the pressed points
   std::vector<Pressed> pressed_;
   int patches_ = 0;
 };

@@ -160,7 +160,10 @@ struct BodyDescription {
     Tables tables = Tables::kFull;
     bool by_default = true;  ///< nobody asked for them: left out where they would be too much
     std::optional<int> regions = {};  ///< at most; none: as many as the skin asks for
-    int held_out = 20;                ///< touches solved in full, that tell how good tables are
+    /// m, of a coarser mesh that tables are made on and that carries the skin; none: of a fine skin
+    /// as touch_edge() has it, of others the body's own mesh.
+    std::optional<double> edge = {};
+    int held_out = 20;  ///< touches solved in full, that tell how good tables are
   } touch;
 
   /// A load that travels, for `bake --method intrusive-pgd`: no campaign, other sites and loads.

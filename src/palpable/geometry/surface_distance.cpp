@@ -121,22 +121,23 @@ void SurfaceDistance::find_normals() {
   corner_normals_.colwise().normalize();
 }
 
-void SurfaceDistance::look_into(int box, const Vector3d& x, double& best,
-                                NearestOnSurface& found) const {
+void SurfaceDistance::look_into(int box, Search& search) const {
   const Box& here = boxes_[box];
+  const Vector3d& x = search.x;
   for (int i = here.first; i < here.first + here.count; ++i) {
     const int t = order_[i];
+    if (search.facing.dot(face_normals_.col(t)) < 0) continue;
     const auto corners = surface_.triangles.col(t);
     const Vector3d weights =
         nearest_weights(surface_.vertices.col(corners[0]), surface_.vertices.col(corners[1]),
                         surface_.vertices.col(corners[2]), x);
     const Vector3d point = surface_.vertices(Eigen::all, corners) * weights;
     const double distance = (x - point).squaredNorm();
-    if (distance >= best) continue;
-    best = distance;
-    found.point = point;
-    found.triangle = t;
-    found.weights = weights;
+    if (distance >= search.best) continue;
+    search.best = distance;
+    search.found.point = point;
+    search.found.triangle = t;
+    search.found.weights = weights;
   }
   if (here.count > 0) return;
   int halves[2] = {box + 1, here.second_half};
@@ -147,7 +148,7 @@ void SurfaceDistance::look_into(int box, const Vector3d& x, double& best,
     std::swap(halves[0], halves[1]);
   }
   for (int k = 0; k < 2; ++k) {
-    if (far[k] < best) look_into(halves[k], x, best, found);
+    if (far[k] < search.best) look_into(halves[k], search);
   }
 }
 
@@ -163,12 +164,20 @@ Vector3d SurfaceDistance::normal_at(const NearestOnSurface& found) const {
 }
 
 NearestOnSurface SurfaceDistance::nearest(const Vector3d& x) const {
-  NearestOnSurface found;
-  double best = std::numeric_limits<double>::infinity();
-  look_into(0, x, best, found);
-  const Vector3d across = x - found.point;
+  return nearest_facing(x, Vector3d::Zero());
+}
+
+NearestOnSurface SurfaceDistance::nearest_facing(const Vector3d& x, const Vector3d& normal) const {
+  Search search{x, normal, std::numeric_limits<double>::infinity(), {}};
+  look_into(0, search);
+  return search.found.triangle < 0 ? nearest(x) : completed(search);
+}
+
+NearestOnSurface SurfaceDistance::completed(const Search& search) const {
+  NearestOnSurface found = search.found;
+  const Vector3d across = search.x - found.point;
   const Vector3d normal = normal_at(found);
-  const double length = std::sqrt(best);
+  const double length = std::sqrt(search.best);
   const bool outside = normal.dot(across) >= 0.0;
   found.distance = outside ? length : -length;
   // So close that the direction is rounding.

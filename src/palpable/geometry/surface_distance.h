@@ -37,6 +37,10 @@ class SurfaceDistance {
 
   [[nodiscard]] const SurfaceMesh& surface() const { return surface_; }
   [[nodiscard]] NearestOnSurface nearest(const Eigen::Vector3d& x) const;
+  /// The same among triangles that face the way of `normal`, within 90 degrees: of the two sides of
+  /// a thin part the right one. All count where none does.
+  [[nodiscard]] NearestOnSurface nearest_facing(const Eigen::Vector3d& x,
+                                                const Eigen::Vector3d& normal) const;
 
  private:
   struct Box {
@@ -45,7 +49,14 @@ class SurfaceDistance {
     int second_half = 0;  // its halves are the next box and this one
   };
   int build(int first, int count, const std::vector<Eigen::Vector3d>& centres);
-  void look_into(int box, const Eigen::Vector3d& x, double& best, NearestOnSurface& found) const;
+  // A question: the place, what triangles have to face (0: nothing), and the best answer so far.
+  struct Search {
+    Eigen::Vector3d x, facing;
+    double best;  // m^2
+    NearestOnSurface found;
+  };
+  void look_into(int box, Search& search) const;
+  [[nodiscard]] NearestOnSurface completed(const Search& search) const;
   void find_normals();
   [[nodiscard]] Eigen::Vector3d normal_at(const NearestOnSurface& found) const;
 

@@ -207,7 +207,7 @@ void Session::Parts::reconstruct(Scene& scene) {
     vertex_normals(scene.vertices, body.surface.triangles, scene.normals);
     std::copy(at_rest.begin(), at_rest.end(), scene.von_mises.begin());
   } else if (anywhere) {
-    scene.vertices = rest + touched.u.leftCols(rest.cols());
+    anywhere->place(touched, scene.vertices);
     vertex_normals(scene.vertices, body.surface.triangles, scene.normals);
     anywhere->stress(touched, scene.von_mises);
   } else {

@@ -6,7 +6,7 @@
 namespace palpable {
 
 SkinClusters::SkinClusters(const Eigen::Matrix3Xf& vertices, std::span<const SkinPoint> points,
-                           float radius) {
+                           const Eigen::Matrix3Xf& places, float radius) {
   std::vector<char> taken(points.size(), 0);
   for (std::size_t seed = 0; seed < points.size(); ++seed) {
     if (taken[seed] != 0) continue;
@@ -18,7 +18,7 @@ SkinClusters::SkinClusters(const Eigen::Matrix3Xf& vertices, std::span<const Ski
     const Eigen::Vector3f middle = vertices.col(cluster.vertex);
     for (std::size_t p = seed; p < points.size(); ++p) {
       if (taken[p] != 0) continue;
-      const float distance = (points[p].at(vertices) - middle).norm();
+      const float distance = (places.col(static_cast<Eigen::Index>(p)) - middle).norm();
       if (distance > radius && p != seed) continue;
       taken[p] = 1;
       order_.push_back(static_cast<int>(p));

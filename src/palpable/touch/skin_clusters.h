@@ -22,8 +22,10 @@ struct SkinCluster {
 class SkinClusters {
  public:
   /// @param vertices  (3 x V) m, at rest
+  /// @param places    (3 x C) m, of the points at rest
   /// @param radius    m: no heap is larger, but for its outermost points' triangles
-  SkinClusters(const Eigen::Matrix3Xf& vertices, std::span<const SkinPoint> points, float radius);
+  SkinClusters(const Eigen::Matrix3Xf& vertices, std::span<const SkinPoint> points,
+               const Eigen::Matrix3Xf& places, float radius);
 
   [[nodiscard]] std::span<const SkinCluster> clusters() const { return clusters_; }
   [[nodiscard]] std::span<const int> order() const { return order_; }

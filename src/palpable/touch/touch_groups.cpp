@@ -70,7 +70,33 @@ SymmetricForm read_form(hid_t group, const std::string& name, int variables, int
   return form;
 }
 
+Eigen::Matrix3Xd read_places(hid_t group, const char* name) {
+  const Table<double> table = read_table<double>(group, name);
+  require(table.columns == 3, fmt::format("dataset '{}' has not three columns", name));
+  return Eigen::Map<const Eigen::Matrix3Xd>(table.data.data(), 3,
+                                            static_cast<Eigen::Index>(table.rows));
+}
+
 }  // namespace
+
+void write_group(hid_t group, const CoarseSkin& skin) {
+  const SurfaceMesh& surface = skin.surface;
+  write_table(group, "vertices", surface.vertices.data(),
+              static_cast<hsize_t>(surface.vertex_count()), 3);
+  write_table(group, "triangles", surface.triangles.data(),
+              static_cast<hsize_t>(surface.triangle_count()), 3);
+  write_column(group, "fixed", skin.fixed);
+}
+
+void read_group(hid_t group, CoarseSkin& skin) {
+  skin.surface.vertices = read_places(group, "vertices");
+  const Table<int> triangles = read_table<int>(group, "triangles");
+  require(triangles.columns == 3, "dataset 'triangles' has not three columns");
+  skin.surface.triangles = Eigen::Map<const Eigen::Matrix3Xi>(
+      triangles.data.data(), 3, static_cast<Eigen::Index>(triangles.rows));
+  skin.fixed = read_column<std::uint8_t>(group, "fixed",
+                                         static_cast<std::size_t>(skin.surface.vertex_count()));
+}
 
 void write_group(hid_t group, const ComplianceTable& table) {
   hdf5::write_number(group, "clusters", table.clusters);
@@ -174,13 +200,6 @@ void write_group(hid_t group, const std::vector<HeldOutTouch>& touches) {
 }
 
 namespace {
-
-Eigen::Matrix3Xd read_places(hid_t group, const char* name) {
-  const Table<double> table = read_table<double>(group, name);
-  require(table.columns == 3, fmt::format("dataset '{}' has not three columns", name));
-  return Eigen::Map<const Eigen::Matrix3Xd>(table.data.data(), 3,
-                                            static_cast<Eigen::Index>(table.rows));
-}
 
 Material read_material(hid_t group, int k) {
   const std::string law = hdf5::read_text(group, fmt::format("law_{}", k).c_str());

@@ -13,12 +13,14 @@
 
 namespace palpable {
 
+void write_group(hid_t group, const CoarseSkin& skin);
 void write_group(hid_t group, const ComplianceTable& table);
 void write_group(hid_t group, const RegionTable& table);
 void write_group(hid_t group, const CrossTable& table);
 void write_group(hid_t group, const ShellTable& table);
 void write_group(hid_t group, const std::vector<HeldOutTouch>& touches);
 
+void read_group(hid_t group, CoarseSkin& skin);
 void read_group(hid_t group, ComplianceTable& table);
 void read_group(hid_t group, RegionTable& table);
 void read_group(hid_t group, CrossTable& table);

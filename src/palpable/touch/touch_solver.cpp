@@ -2,10 +2,10 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/touch/contact_problem.h"
-#include "palpable/touch/point_levels.h"
 #include "palpable/touch/row_kernels.h"
 #include "palpable/touch/shell_stress.h"
 #include "palpable/touch/skin_clusters.h"
+#include "palpable/touch/touch_skin.h"
 
 #include <algorithm>
 #include <array>
@@ -59,9 +59,7 @@ constexpr float kSameBody = 0.1f;
 constexpr int kProbes = 24;
 constexpr float kProbeMoves = 1e-4f;  // m, at most
 
-// m between contact points: on the flattest of objects, and the least that is told apart.
 constexpr float kRootOf2 = 1.41421356f;
-constexpr double kCoarsest = 0.006, kFinest = 0.0015;
 
 // The larger of the two curvatures of a surface, 1/m.
 float largest_curvature(const Eigen::Matrix3f& K) {
@@ -96,9 +94,9 @@ int most_modes(const TouchTables& tables) {
 struct TouchSolver::Work {
   const TouchTables& tables;
   TouchSettings settings;
-  Matrix3Xf rest;
-  std::vector<SkinPoint> points;
-  std::vector<float> levels;  // of the points
+  TouchSkin skin;
+  const Matrix3Xf& rest;
+  std::span<const SkinPoint> points;
   SkinClusters clusters;
   Compliance compliance;
   RegionMap map;
@@ -106,7 +104,8 @@ struct TouchSolver::Work {
   ComplianceCache cache;
   ContactProblem problem;
   std::optional<ShellStress> shell;
-  std::optional<ErrorScale> error_scale;  // of the tables' held-out touches
+  std::vector<float> carrying_stress, carrying_tensors;  // (V), (6V) Pa of a coarser skin
+  std::optional<ErrorScale> error_scale;                 // of the tables' held-out touches
 
   std::vector<ContactCandidate> candidates;
   std::vector<int> vertices;            // of the candidates
@@ -133,32 +132,36 @@ struct TouchSolver::Work {
   std::vector<float> field;               // (3 x vertices, padded) G f
   bool stuck = false;                     // no step of the last iteration could be made
 
-  Work(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed, const TouchTables& the_tables,
-       const TouchSettings& the_settings)
+  Work(const SurfaceMesh& surface, std::span<const std::uint8_t> fixed,
+       const TouchTables& the_tables, const TouchSettings& the_settings)
       : tables(the_tables),
         settings(the_settings),
-        rest(skin.vertices.cast<float>()),
-        points(skin_points(skin, fixed, tables.point_spacing)),
-        levels(point_levels(skin, points, kCoarsest, kFinest)),
-        clusters(rest, points, kClusterRadius),
+        skin(surface, fixed, tables),
+        rest(skin.rest()),
+        points(skin.points()),
+        clusters(rest, points, skin.places(), kClusterRadius),
         compliance(tables.compliance),
         map(rest, tables.regions, tables.region_reach),
         nonlinear(compliance, tables.regions, map, tables.cross),
         cache(compliance, kMostVertices),
         problem(kMostPoints, kMostVertices, most_modes(tables)),
         error_scale(palpable::error_scale(the_tables.held_out)),
-        local_of_vertex(static_cast<std::size_t>(skin.vertex_count()), -1),
-        linear(3, skin.vertex_count()),
-        without_cross(3, skin.vertex_count()),
+        local_of_vertex(static_cast<std::size_t>(rest.cols()), -1),
+        linear(3, rest.cols()),
+        without_cross(3, rest.cols()),
         no_displacement(Matrix3Xf::Zero(3, compliance.nodes())),
         here(3, kMostVertices),
         before(3, kMostVertices),
         ahead(Matrix3Xf::Zero(3, compliance.nodes())),
         is_candidate(points.size(), 0),
         began(3, compliance.nodes()) {
-    if (tables.shell.nodes() > 0) shell.emplace(tables.shell, skin.vertex_count());
+    if (skin.is_carried()) {
+      carrying_stress.resize(static_cast<std::size_t>(rest.cols()));
+      carrying_tensors.resize(6 * carrying_stress.size());
+    }
+    if (tables.shell.nodes() > 0) shell.emplace(tables.shell, static_cast<int>(rest.cols()));
     candidates.reserve(points.size());
-    vertices.reserve(static_cast<std::size_t>(skin.vertex_count()));
+    vertices.reserve(static_cast<std::size_t>(rest.cols()));
     loads.reserve(kMostVertices);
     weights.reserve(kMostVertices);
     forces_before.resize(kMostPoints);
@@ -235,9 +238,10 @@ bool TouchSolver::Work::gap_at(int point, const Vector3f& x, const GapQuery& gap
 // Whether the points that are left without this one are too far apart for the object there.
 bool TouchSolver::Work::is_needed(int point, const SurfaceGap& gap) const {
   const float bend = largest_curvature(gap.curvature),
-              level = levels[static_cast<std::size_t>(point)];
+              level = skin.levels()[static_cast<std::size_t>(point)];
   const auto entry = static_cast<float>(settings.entry);
-  const auto coarsest = static_cast<float>(kCoarsest), finest = static_cast<float>(kFinest);
+  const auto coarsest = static_cast<float>(TouchSkin::kCoarsest),
+             finest = static_cast<float>(TouchSkin::kFinest);
   // Where each point has another within s the ball of radius 1/bend enters by s^2 bend / 4,
   // roughly.
   const float enough = bend > 0 ? std::min(coarsest, std::sqrt(4 * entry / bend)) : coarsest;
@@ -255,8 +259,7 @@ void TouchSolver::Work::for_near_points(const Matrix3Xf& u, float band, const Ga
     if (near ? !near(middle, reach) : !gap(middle, seen) || !(seen.distance <= reach)) continue;
     for (int k = cluster.first; k < cluster.last; ++k) {
       const int p = clusters.order()[static_cast<std::size_t>(k)];
-      const SkinPoint& point = points[static_cast<std::size_t>(p)];
-      const Vector3f x = point.at(rest) + point.at(u);
+      const Vector3f x = skin.places().col(p) + skin.moved(static_cast<std::size_t>(p), u);
       if (near && !near(x, band)) continue;
       if (!gap_at(p, x, gap, band, seen) || !(seen.distance <= band) || !is_needed(p, seen))
         continue;
@@ -452,11 +455,10 @@ void TouchSolver::Work::look_at_gaps(const GapQuery& gap, double shift) {
   SurfaceGap seen;
   const auto far = static_cast<float>(2 * kTakesPart * settings.largest_step - shift);
   for (ContactCandidate& candidate : candidates) {
-    Vector3f x = Vector3f::Zero();
+    const auto p = static_cast<std::size_t>(candidate.point);
+    Vector3f x = skin.places().col(candidate.point) + skin.lifted(p);
     for (std::size_t k = 0; k < 3; ++k) {
-      const int local = candidate.local[k];
-      x += candidate.weights[static_cast<int>(k)] *
-           (rest.col(vertices[static_cast<std::size_t>(local)]) + here.col(local));
+      x += candidate.weights[static_cast<int>(k)] * here.col(candidate.local[k]);
     }
     if (gap_at(candidate.point, x, gap, far, seen)) {
       set_gap(candidate, seen);
@@ -674,6 +676,7 @@ TouchSolver::~TouchSolver() = default;
 TouchSolver::TouchSolver(TouchSolver&&) noexcept = default;
 
 std::span<const SkinPoint> TouchSolver::points() const { return work_->points; }
+const Matrix3Xf& TouchSolver::places() const { return work_->skin.places(); }
 
 TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const NearQuery& near,
                                  double largest_move) {
@@ -692,6 +695,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
     state.regions.clear();
     state.regions.reserve(NonlinearAnswer::kMostBlobs);
   }
+  w.skin.face_as(state.u);
   w.find_candidates(state, gap, near, 0, report);
   double depth = 0;
   for (const ContactCandidate& c : w.candidates)
@@ -802,10 +806,29 @@ bool TouchSolver::refine(TouchState& state, const AskedLoad& asked, const Matrix
 void TouchSolver::stress(const TouchState& state, std::span<float> von_mises,
                          std::span<float> cauchy) const {
   PALPABLE_EXPECT(work_->shell.has_value(), "stress needs tables with a shell");
-  if (state.u.cols() == 0) {
-    work_->shell->evaluate(work_->no_displacement, von_mises, cauchy);
-  } else {
-    work_->shell->evaluate(state.u, von_mises, cauchy);
+  Work& w = *work_;
+  const Matrix3Xf& u = state.u.cols() == 0 ? w.no_displacement : state.u;
+  if (!w.skin.is_carried()) {
+    w.shell->evaluate(u, von_mises, cauchy);
+    return;
+  }
+  const std::span<float> tensors =
+      cauchy.empty() ? std::span<float>() : std::span<float>(w.carrying_tensors);
+  w.shell->evaluate(u, w.carrying_stress, tensors);
+  w.skin.spread(w.carrying_stress, 1, von_mises);
+  if (!cauchy.empty()) w.skin.spread(tensors, 6, cauchy);
+}
+
+void TouchSolver::place(const TouchState& state, Matrix3Xf& skin) const {
+  work_->skin.face_as(state.u);
+  work_->skin.place(state.u, skin);
+}
+
+void TouchSolver::find_moved(const TouchState& state, std::vector<Vector3f>& moved) const {
+  work_->skin.face_as(state.u);
+  moved.clear();
+  for (const PointForce& at : state.forces) {
+    moved.push_back(work_->skin.moved(static_cast<std::size_t>(at.point), state.u));
   }
 }
 

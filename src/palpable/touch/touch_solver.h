@@ -14,7 +14,9 @@
 /// round object, which without the curvature makes the iteration stall or end in a slipped state.
 /// An object that has moved far since the last frame is taken on in steps of at most 1.25 mm.
 ///
-///   V  vertices of the skin     W  nodes of its shell     C  contact points
+///   V  vertices that the tables know, of the skin or of a coarser one that carries it
+///   F  vertices of the body's skin, V where it is not carried
+///   W  nodes of the shell     C  contact points
 #pragma once
 
 #include "palpable/geometry/skin_points.h"
@@ -84,8 +86,8 @@ struct PointForce {
 struct TouchState {
   std::vector<PointForce> forces;
   std::vector<int> regions;  ///< that answered
-  /// (3 x W) m, the whole skin in the first V columns, then the inner nodes (shell_table.h), which
-  /// are for the stress; no columns: at rest.
+  /// (3 x W) m, of what the tables know: the whole skin in the first V columns, then the inner
+  /// nodes (shell_table.h), which are for the stress; no columns: at rest.
   Eigen::Matrix3Xf u;
   Refinement refinement;  ///< what exact answers have added
 };
@@ -113,15 +115,17 @@ class TouchSolver {
   static constexpr int kMostPoints = 256;    ///< that may press at a time
   static constexpr int kMostVertices = 192;  ///< of their triangles
 
-  /// @param skin    at rest; outlives this, as the tables do
-  /// @param fixed   (V) 1 where the support holds the vertex
+  /// @param skin    (F vertices) the body's, at rest
+  /// @param fixed   (F) 1 where the support holds the vertex
+  /// @param tables  of the skin; outlive this
   TouchSolver(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
               const TouchTables& tables, const TouchSettings& settings = {});
   ~TouchSolver();
   TouchSolver(TouchSolver&&) noexcept;
 
-  /// (C)
+  /// (C) on the V vertices.
   [[nodiscard]] std::span<const SkinPoint> points() const;
+  [[nodiscard]] const Eigen::Matrix3Xf& places() const;  ///< (3 x C) m, of the points at rest
 
   /// The state in which nothing enters the body. Pure: the same state and gaps give the same bytes.
   /// @param near  agrees with `gap`; without one `gap` is asked everywhere
@@ -146,10 +150,15 @@ class TouchSolver {
 
   /// The stress on the skin in a state, as ShellStress::evaluate(). Allocates nothing; not while
   /// another thread asks or advances.
-  /// @param von_mises  (V) Pa  @param cauchy  (6V) Pa, empty: not wanted
+  /// @param von_mises  (F) Pa  @param cauchy  (6F) Pa, empty: not wanted
   /// @pre the tables have a shell
   void stress(const TouchState& state, std::span<float> von_mises,
               std::span<float> cauchy = {}) const;
+
+  /// Where the body's skin is in a state, (3 x F) m. As stress() about threads and allocations.
+  void place(const TouchState& state, Eigen::Matrix3Xf& skin) const;
+  /// How far the points of a state's forces have moved in it, m, force by force. Likewise.
+  void find_moved(const TouchState& state, std::vector<Eigen::Vector3f>& moved) const;
 
  private:
   struct Work;

@@ -129,6 +129,25 @@ std::string trouble_of(const RegionTable& table, const ComplianceTable& complian
   return {};
 }
 
+// A coarser skin lies where the fine one is, up to this share of its size.
+constexpr double kSamePlace = 0.1;
+
+std::string trouble_of(const CoarseSkin& coarse, const SurfaceMesh& skin) {
+  const SurfaceMesh& surface = coarse.surface;
+  const int V = surface.vertex_count();
+  if (V < 4 || surface.triangle_count() < 4) return "has no vertices";
+  if (!surface.vertices.allFinite()) return "has places that are no numbers";
+  if (surface.triangles.minCoeff() < 0 || surface.triangles.maxCoeff() >= V) {
+    return "has triangles of vertices that are not there";
+  }
+  if (coarse.fixed.size() != static_cast<std::size_t>(V)) return "does not say what is held";
+  const Eigen::Vector3d low = skin.vertices.rowwise().minCoeff(),
+                        high = skin.vertices.rowwise().maxCoeff();
+  const double apart = std::max((surface.vertices.rowwise().minCoeff() - low).norm(),
+                                (surface.vertices.rowwise().maxCoeff() - high).norm());
+  return apart <= kSamePlace * (high - low).norm() ? "" : "is not where the body's is";
+}
+
 std::string trouble_of(const CrossTable& table, int nodes) {
   const std::string form = trouble_of(table.cubic, 3, kMostTouchModes, "its second order");
   if (!form.empty()) return form;
@@ -148,6 +167,12 @@ std::size_t bytes_of(const TouchTables& tables) {
   for (const RegionTable& region : tables.regions) {
     sum += bytes(region.vertices) + bytes(region.modes) + bytes(region.far_shapes) +
            bytes(region.far_shares) + bytes(region.cubic) + bytes(region.quartic);
+  }
+  if (tables.coarse) {
+    const SurfaceMesh& coarse = tables.coarse->surface;
+    sum += static_cast<std::size_t>(coarse.vertices.size()) * sizeof(double) +
+           static_cast<std::size_t>(coarse.triangles.size()) * sizeof(int) +
+           bytes(tables.coarse->fixed);
   }
   return sum + bytes(tables.cross.modes) + bytes(tables.cross.cubic) + bytes_of(tables.shell);
 }
@@ -177,7 +202,11 @@ std::size_t stress_bytes_of(const TouchTables& tables) {
 
 std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin) {
   const ComplianceTable& c = tables.compliance;
-  const int V = skin.vertex_count();
+  if (tables.coarse) {
+    const std::string trouble = trouble_of(*tables.coarse, skin);
+    if (!trouble.empty()) return "the coarser skin " + trouble;
+  }
+  const int V = tables.coarse ? tables.coarse->surface.vertex_count() : skin.vertex_count();
   if (const std::string_view trouble = trouble_of(c); !trouble.empty()) {
     return fmt::format("the compliance is wrong in {}", trouble);
   }

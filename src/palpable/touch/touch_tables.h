@@ -1,10 +1,12 @@
 /// @file
 /// All that a body file holds for being touched anywhere, by anything, at several places at once.
 ///
-///   V  vertices of the skin     W  nodes of its shell (shell_table.h), the vertices first
+///   V  vertices of the skin, or of a coarser one that carries it     W  nodes of its shell
+///   (shell_table.h), the vertices first
 #pragma once
 
 #include "palpable/geometry/surface_mesh.h"
+#include "palpable/touch/coarse_skin.h"
 #include "palpable/touch/compliance.h"
 #include "palpable/touch/held_out_touch.h"
 #include "palpable/touch/nonlinear_answer.h"
@@ -12,12 +14,14 @@
 #include "palpable/touch/shell_table.h"
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace palpable {
 
 struct TouchTables {
+  std::optional<CoarseSkin> coarse;  ///< whose V vertices these are; none: the body's own skin
   ComplianceTable compliance;
   std::vector<RegionTable> regions;  ///< none: the linear answer alone
   CrossTable cross;
@@ -36,8 +40,8 @@ struct TouchTables {
 inline constexpr int kMostTouchModes = 512, kMostLeadingModes = 64;
 
 /// Why tables cannot be those of a skin: one that is not consistent or holds what is no number, one
-/// of other vertices, or contact points so near to each other that there would be more than
-/// 300,000. Empty if they can.
+/// of other vertices, a coarser skin elsewhere, or contact points so near to each other that there
+/// would be more than 300,000. Empty if they can.
 [[nodiscard]] std::string trouble_of(const TouchTables& tables, const SurfaceMesh& skin);
 
 }  // namespace palpable

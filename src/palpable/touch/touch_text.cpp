@@ -46,6 +46,10 @@ std::string touch_text(const std::optional<TouchTables>& tables) {
   constexpr const char* kOrders[] = {"", "1st order: small touches", "2nd order", "3rd order"};
   std::string text = fmt::format("anywhere, several at a time, {}", kOrders[order_of(*tables)]);
   if (!tables->regions.empty()) text += fmt::format("; {} regions", tables->regions.size());
+  if (tables->coarse) {
+    text += fmt::format("; carried by a coarser skin of {} vertices",
+                        tables->coarse->surface.vertex_count());
+  }
   text += fmt::format("; {:.3g} MB", megabytes(*tables));
   if (!tables->held_out.empty()) text += "; " + held_out_text(tables->held_out);
   if (const auto scale = error_scale(tables->held_out)) {
@@ -75,13 +79,15 @@ Json touches_json(const std::vector<HeldOutTouch>& touches) {
 
 Json touch_json(const std::optional<TouchTables>& tables) {
   if (!tables) return nullptr;
-  return {{"order", order_of(*tables)},
-          {"clusters", tables->compliance.clusters},
-          {"regions", tables->regions.size()},
-          {"cross_modes", tables->cross.cubic.variables},
-          {"table_mb", megabytes(*tables)},
-          {"held_out", held_out_json(tables->held_out)},
-          {"error_scale", error_scale_json(tables->held_out)}};
+  return {
+      {"order", order_of(*tables)},
+      {"coarse_vertices", tables->coarse ? Json(tables->coarse->surface.vertex_count()) : Json()},
+      {"clusters", tables->compliance.clusters},
+      {"regions", tables->regions.size()},
+      {"cross_modes", tables->cross.cubic.variables},
+      {"table_mb", megabytes(*tables)},
+      {"held_out", held_out_json(tables->held_out)},
+      {"error_scale", error_scale_json(tables->held_out)}};
 }
 
 std::string touch_line(const TouchTables& tables) {

@@ -27,6 +27,7 @@ TouchTables scaled(const TouchTables& tables, double s) {
   }
   multiply(result.cross.modes.scale, modes);
   multiply(result.cross.cubic.scale, cubic);
+  if (result.coarse) result.coarse->surface.vertices *= s;
   result.shell.stress_free *= static_cast<float>(s);
   result.shell.preload *= static_cast<float>(s);
   result.region_reach *= s;

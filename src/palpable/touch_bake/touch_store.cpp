@@ -229,6 +229,7 @@ void TouchStore::keep_list(std::uint64_t of, const TouchKeys& keys,
     std::vector<int> middles;
     for (const RegionTable& region : tables.regions) middles.push_back(region.vertex);
     hdf5::write_table(h, "middles", middles.data(), middles.size(), 1);
+    if (tables.coarse) write_group(hdf5::make_group(h, "skin"), *tables.coarse);
   });
 }
 
@@ -251,6 +252,9 @@ std::optional<TouchTables> TouchStore::find_listed(std::uint64_t of) const {
     tables.region_reach = hdf5::read_number(h, "region_reach");
     tables.point_spacing = hdf5::read_number(h, "point_spacing");
     middles = hdf5::read_table<int>(h, "middles").data;
+    if (hdf5::has_link(h, "skin")) {
+      read_group(hdf5::open_group(h, "skin"), tables.coarse.emplace());
+    }
   });
   if (!listed) return std::nullopt;
   if (auto compliance = find_compliance(keys)) {
