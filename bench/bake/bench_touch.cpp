@@ -180,8 +180,9 @@ void run(const Options& options) {
   const auto report = [&bar](const ProgressReport& now) { bar.show(now); };
   const BodyDescription description = read_body_description(options.body);
   BodyProblem problem = pose_body(description);
-  if (const auto edge = touch_edge(description, problem.mesh.boundary.surface)) {
-    problem = pose_body(with_edge(description, *edge));
+  const SurfaceMesh& own = problem.mesh.boundary.surface;
+  if (const auto edge = touch_edge(description, own)) {
+    problem = pose_coarser(description, own, *edge);
   }
   const FullBody body(problem.model, problem.mesh.boundary, problem.preload);
   const SkinResponse& skin = body.skin;

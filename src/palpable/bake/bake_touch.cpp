@@ -64,22 +64,6 @@ class Stages {
   }
 };
 
-// The body on the mesh that its tables are made on; nothing where that is its own.
-std::optional<BodyProblem> coarse_problem(const BodyDescription& description,
-                                          const CampaignPlan& plan) {
-  const SurfaceMesh& skin = plan.boundary.surface;
-  const std::optional<double> edge = touch_edge(description, skin);
-  if (edge) return pose_body(with_edge(description, *edge));
-  const int V = skin.vertex_count();
-  if (V > kFineSkin && description.touch.by_default) {
-    throw Error(fmt::format(
-        "its skin has {} vertices, and its mesh cannot be made coarser; [touch] with tables = "
-        "\"full\" or \"linear\" asks for tables of more than {}",
-        V, kFineSkin));
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 std::string bake_touch(const BodyDescription& description, const CampaignPlan& plan,
@@ -91,7 +75,10 @@ std::string bake_touch(const BodyDescription& description, const CampaignPlan& p
   PALPABLE_EXPECT(plan.points.size() == 1, "tables of touch are of one body");
   std::optional<BodyProblem> coarse;
   try {
-    coarse = coarse_problem(description, plan);
+    const SurfaceMesh& skin = plan.boundary.surface;
+    if (const auto edge = touch_edge(description, skin)) {
+      coarse = pose_coarser(description, skin, *edge);
+    }
   } catch (const Error& error) {
     if (!wanted.by_default || wanted.edge) throw;
     return error.what();

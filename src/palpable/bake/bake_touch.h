@@ -24,8 +24,9 @@ namespace palpable {
 /// @param store  of the plan
 /// @param use   is called with the tables of each stage when they can be used: with the linear
 ///              ones, where they are wanted with all, and with what is known of their errors
-/// @returns why there are none though the description does not say "none": of a fine skin for
-///          which no coarser mesh can be made, where nobody asked for them; empty otherwise
+/// @returns why there are none though the description does not say "none": no
+///          coarser mesh could be made for a fine skin, where nobody asked for them; empty
+///          otherwise
 /// @throws Error when the body buckles under its preload, tables that were asked for can have no
 ///         mesh, or one cannot be kept
 std::string bake_touch(const BodyDescription& description, const CampaignPlan& plan,

@@ -380,9 +380,6 @@ void read_touch(TomlSection section, BodyDescription& body) {
     if (touch.tables == Tables::kNone) {
       section.bad("edge", "is of the mesh that tables are made on, and there are none");
     }
-    if (body.shape.is_volume()) {
-      section.bad("edge", "is for a body that is made from a surface: a mesh is taken as it is");
-    }
     touch.edge = section.quantity("edge", Quantity::kLength, kLength);
   }
   if (section.has("held_out")) {

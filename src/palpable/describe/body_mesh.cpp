@@ -168,6 +168,19 @@ void hold_nodes(const VolumeMesh& volume, const BodyDescription& description, Bo
   }
 }
 
+BodyMesh body_of(VolumeMesh volume, const BodyDescription& description, const std::string& made) {
+  BodyMesh body;
+  hold_nodes(volume, description, body);
+  body.mesh = std::move(volume.mesh);
+  body.sets = std::move(volume.sets);
+  body.boundary = split_boundary_of(body.mesh);
+  // Remeshing may leave the lowest vertex a little above Z = 0.
+  body.height = body.mesh.nodes.row(2).maxCoeff() - body.mesh.nodes.row(2).minCoeff();
+  body.quality = quality_of(body.mesh);
+  body.origin = fmt::format("{}, {}", description.shape.file.filename().string(), made);
+  return body;
+}
+
 }  // namespace
 
 std::optional<std::string> wrap_warning(const BodyDescription::Shape& shape) {
@@ -197,16 +210,17 @@ Eigen::Vector3d size_of_body(const BodyDescription& description) {
 BodyMesh make_body_mesh(const BodyDescription& description) {
   std::string made;
   VolumeMesh volume = make_volume(description.shape, made);
-  BodyMesh body;
-  hold_nodes(volume, description, body);
-  body.mesh = std::move(volume.mesh);
-  body.sets = std::move(volume.sets);
-  body.boundary = split_boundary_of(body.mesh);
-  // Remeshing may leave the lowest vertex a little above Z = 0.
-  body.height = body.mesh.nodes.row(2).maxCoeff() - body.mesh.nodes.row(2).minCoeff();
-  body.quality = quality_of(body.mesh);
-  body.origin = fmt::format("{}, {}", description.shape.file.filename().string(), made);
-  return body;
+  return body_of(std::move(volume), description, made);
+}
+
+BodyMesh remeshed(const BodyDescription& description, const SurfaceMesh& skin, double edge) {
+  const BodyDescription::Shape& shape = description.shape;
+  const std::string name = shape.file.string();
+  const SurfaceMesh coarse = remesh_surface(skin, edge, name, !shape.wrap);
+  VolumeMesh volume{tetrahedralise(coarse, name, {}), {}};
+  if (shape.order == 2) volume = with_edge_nodes(std::move(volume));
+  return body_of(std::move(volume), description,
+                 fmt::format("its skin remeshed to {:.4g} m, TetGen 1.5", edge));
 }
 
 std::vector<std::uint8_t> held_nodes(const BodyMesh& body) {

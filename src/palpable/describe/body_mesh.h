@@ -51,6 +51,14 @@ void place_in_body_frame(Eigen::Matrix3Xd& points, UpAxis up, std::optional<doub
 ///         supports contradict each other
 [[nodiscard]] BodyMesh make_body_mesh(const BodyDescription& description);
 
+/// The same body with its skin remeshed and filled anew: what the description places by sets of its
+/// mesh is not there any more.
+/// @param skin  of the body, in the body frame
+/// @param edge  m, on the skin and within
+/// @throws Error as make_body_mesh()
+[[nodiscard]] BodyMesh remeshed(const BodyDescription& description, const SurfaceMesh& skin,
+                                double edge);
+
 /// (N) 1 where the supports hold the node in all three directions, moved or not.
 [[nodiscard]] std::vector<std::uint8_t> held_nodes(const BodyMesh& body);
 

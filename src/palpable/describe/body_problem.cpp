@@ -269,8 +269,12 @@ void refuse_press_through(const BodyDescription& description, const BodyProblem&
 }
 
 BodyProblem pose_body(const BodyDescription& description) {
+  return pose_body(description, make_body_mesh(description));
+}
+
+BodyProblem pose_body(const BodyDescription& description, BodyMesh mesh) {
   BodyProblem problem;
-  problem.mesh = make_body_mesh(description);
+  problem.mesh = std::move(mesh);
   const BodyMesh& body = problem.mesh;
   const VolumeMesh volume{body.mesh, body.sets};
   problem.model.mesh = body.mesh;

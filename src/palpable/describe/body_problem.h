@@ -37,6 +37,8 @@ struct BodyProblem {
 ///         that overlap; supports that contradict each other or leave the body free to drift or
 ///         turn; sites that the support holds, or fewer places for sites than are asked for
 [[nodiscard]] BodyProblem pose_body(const BodyDescription& description);
+/// The same on a mesh that is there. @param mesh  of the description
+[[nodiscard]] BodyProblem pose_body(const BodyDescription& description, BodyMesh mesh);
 
 /// Lines for people: nodes and elements, material, what is held, parts of other materials.
 [[nodiscard]] std::string problem_text(const BodyDescription& description,

@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -33,10 +34,10 @@ constexpr double kSharpDegrees = 80.0;
 // Rounds of splitting, collapsing, flipping and relaxing; later ones change nothing visible.
 constexpr unsigned kRounds = 5;
 
-// Where the sides of a thin part would meet, edges are a half, then a quarter as long, so many of
-// them far around: CGAL 5.5 has one length for all it remeshes.
-constexpr int kFinerRounds = 3;
-constexpr double kFiner = 0.5, kFinerReach = 2.5;
+// Where the sides of a thin part would meet, edges are halved, twice at most, so many of the edges
+// around, and again one time less in the next ring: CGAL 5.5 has one length for all it remeshes.
+constexpr int kFinerRounds = 3, kMostHalvings = 2;
+constexpr double kFinerReach = 2.0;
 
 // Of a wrap's distance in its size: small enough for a picture, large enough to be quick.
 constexpr double kWrapOffset = 7.0;
@@ -125,20 +126,27 @@ Mesh checked(const SurfaceMesh& surface, const std::string& name) {
   return mesh;
 }
 
-// A ball in which edges are shorter.
+// Where edges are shorter, and how often they are halved.
 struct FinerPlace {
   Eigen::Vector3d middle;  // m
-  double edge;             // m
+  int halvings = 1;
 };
 
-// Around a place; shorter still where they are short already.
-void make_finer(const Eigen::Vector3d& place, double edge_length, std::vector<FinerPlace>& finer) {
-  for (FinerPlace& other : finer) {
-    if ((other.middle - place).norm() > edge_length) continue;
-    other.edge = std::max(kFiner * kFiner * edge_length, kFiner * other.edge);
-    return;
+// Around places; once shorter where they are short already.
+void make_finer(const std::vector<Eigen::Vector3d>& places, double edge_length,
+                std::vector<FinerPlace>& finer) {
+  std::vector<FinerPlace> now = finer;
+  for (const Eigen::Vector3d& place : places) {
+    const auto at = std::find_if(now.begin(), now.end(), [&](const FinerPlace& other) {
+      return (other.middle - place).norm() <= edge_length;
+    });
+    if (at == now.end()) {
+      now.push_back({place, 1});
+    } else if (const auto k = static_cast<std::size_t>(at - now.begin()); k < finer.size()) {
+      at->halvings = std::min(finer[k].halvings + 1, kMostHalvings);
+    }
   }
-  finer.push_back({place, kFiner * edge_length});
+  finer = std::move(now);
 }
 
 std::vector<Eigen::Vector3d> self_intersections(const Mesh& mesh) {
@@ -150,25 +158,34 @@ std::vector<Eigen::Vector3d> self_intersections(const Mesh& mesh) {
   return places;
 }
 
-// The places one after the other, then all between them.
+// Halvings of the edge length at a place.
+int halvings_at(const Eigen::Vector3d& x, double edge_length,
+                const std::vector<FinerPlace>& finer) {
+  int most = 0;
+  for (const FinerPlace& place : finer) {
+    const double rings = (x - place.middle).norm() / (kFinerReach * edge_length);
+    most = std::max(most, place.halvings - static_cast<int>(rings));
+  }
+  return most;
+}
+
+// All with the shortest edges, then, ever farther from the places, with twice as long ones: where
+// two lengths meet, both sides are remeshed surfaces.
 void remesh(Mesh& mesh, double edge_length, const std::vector<FinerPlace>& finer,
             bool keep_sharp_edges) {
   auto sharp = mesh.add_property_map<Mesh::Edge_index, bool>("e:sharp", false).first;
   if (keep_sharp_edges) PMP::detect_sharp_edges(mesh, kSharpDegrees, sharp);
-  const auto place_of = [&](Face face) {
-    const Eigen::Vector3d x = middle_of(mesh, face);
-    const auto at = std::find_if(finer.begin(), finer.end(), [&](const FinerPlace& place) {
-      return (x - place.middle).norm() < kFinerReach * edge_length;
-    });
-    return at - finer.begin();
-  };
-  for (std::ptrdiff_t p = 0; p <= std::ssize(finer); ++p) {
+  int most = 0;
+  for (const FinerPlace& place : finer) most = std::max(most, place.halvings);
+  for (int halvings = most; halvings >= 0; --halvings) {
     std::vector<Face> faces;
     for (const Face face : mesh.faces()) {
-      if (place_of(face) == p) faces.push_back(face);
+      if (halvings == most || halvings_at(middle_of(mesh, face), edge_length, finer) <= halvings) {
+        faces.push_back(face);
+      }
     }
     PMP::isotropic_remeshing(
-        faces, p < std::ssize(finer) ? finer[static_cast<std::size_t>(p)].edge : edge_length, mesh,
+        faces, std::ldexp(edge_length, -halvings), mesh,
         PMP::parameters::number_of_iterations(kRounds).edge_is_constrained_map(sharp));
   }
 }
@@ -200,7 +217,7 @@ SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length, const
       require_same_volume(surface, enclosed_volume(remeshed), edge_length, name);
       return remeshed;
     }
-    for (const Eigen::Vector3d& place : meet) make_finer(place, edge_length, finer);
+    make_finer(meet, edge_length, finer);
   }
 }
 
