@@ -165,25 +165,26 @@ class Pictures {
   TouchPictures pictures_;
 };
 
-// Of a body that was baked before.
+// Of a body that was baked before; of a skin that is carried those of the one that carries it.
 TouchTables tables_in(const std::filesystem::path& file, const SkinResponse& skin) {
   TouchableBody body = value_or_throw(read_pressable_touchable_body(file));
-  if (!body.touch || body.touch->compliance.nodes() != skin.shell_count() ||
-      !body.body.surface.vertices.isApprox(skin.skin().vertices, 1e-5)) {
-    throw Error(file.string() + ": has no tables of touch of this body");
-  }
-  return std::move(*body.touch);
+  const auto are_of_skin = [&] {
+    if (!body.touch || body.touch->compliance.nodes() != skin.shell_count()) return false;
+    const SurfaceMesh& known = body.touch->coarse ? body.touch->coarse->surface : body.body.surface;
+    return known.vertex_count() == skin.vertex_count() &&
+           known.vertices.isApprox(skin.skin().vertices, 1e-5);
+  };
+  if (!are_of_skin()) throw Error(file.string() + ": has no tables of touch of this body");
+  TouchTables tables = std::move(*body.touch);
+  tables.coarse = std::nullopt;
+  return tables;
 }
 
 void run(const Options& options) {
   ProgressBar bar;
   const auto report = [&bar](const ProgressReport& now) { bar.show(now); };
   const BodyDescription description = read_body_description(options.body);
-  BodyProblem problem = pose_body(description);
-  const SurfaceMesh& own = problem.mesh.boundary.surface;
-  if (const auto edge = touch_edge(description, own)) {
-    problem = pose_coarser(description, own, *edge);
-  }
+  const BodyProblem problem = pose_for_touch(description);
   const FullBody body(problem.model, problem.mesh.boundary, problem.preload);
   const SkinResponse& skin = body.skin;
   TouchBakeSettings settings;

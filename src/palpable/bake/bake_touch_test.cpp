@@ -174,7 +174,8 @@ TEST_CASE("where no coarser mesh can be made the body has no tables, and it is t
   };
   CHECK_THAT(why({}), Catch::Contains("10242 vertices") && Catch::Contains("no sets"));
   CHECK(why({.tables = Tables::kNone}).empty());
-  CHECK_THROWS_WITH(why({.tables = Tables::kLinear, .by_default = false}), Catch::Contains("no sets"));
+  CHECK_THROWS_WITH(why({.tables = Tables::kLinear, .by_default = false}),
+                    Catch::Contains("no sets"));
   CHECK(uses == 0);
 }
 

@@ -1,7 +1,7 @@
 #include "palpable/bake/exact_service.h"
 
 #include "palpable/base/error.h"
-#include "palpable/describe/body_problem.h"
+#include "palpable/describe/touch_mesh.h"
 #include "palpable/touch/exact_messages.h"
 #include "palpable/touch/touch_solver.h"
 #include "palpable/touch_bake/exact_answer.h"
@@ -38,7 +38,7 @@ bool are_on(const SkinResponse& skin, const std::vector<VertexForce>& forces) {
 }  // namespace
 
 std::unique_ptr<FullBody> exact_body(const BodyDescription& description) {
-  const BodyProblem problem = pose_body(description);
+  const BodyProblem problem = pose_for_touch(description);
   return std::make_unique<FullBody>(problem.model, problem.mesh.boundary, problem.preload,
                                     EquilibriumSettings{.tolerance = kExactAnswerTolerance});
 }

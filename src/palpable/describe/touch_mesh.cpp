@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 namespace palpable {
 
@@ -26,6 +27,13 @@ BodyProblem pose_coarser(const BodyDescription& description, const SurfaceMesh& 
         fmt::format("tables of touch need a coarser mesh than one with {} vertices on its skin: {}",
                     skin.vertex_count(), error.what()));
   }
+}
+
+BodyProblem pose_for_touch(const BodyDescription& description) {
+  BodyProblem own = pose_body(description);
+  const SurfaceMesh& skin = own.mesh.boundary.surface;
+  const std::optional<double> edge = touch_edge(description, skin);
+  return edge ? pose_coarser(description, skin, *edge) : std::move(own);
 }
 
 }  // namespace palpable

@@ -27,4 +27,8 @@ inline constexpr int kFineSkin = 8000, kCoarseSkin = 4000;
 [[nodiscard]] BodyProblem pose_coarser(const BodyDescription& description, const SurfaceMesh& skin,
                                        double edge);
 
+/// What tables of touch are made of: the body on its own mesh, or on the coarser one.
+/// @throws Error as pose_body()
+[[nodiscard]] BodyProblem pose_for_touch(const BodyDescription& description);
+
 }  // namespace palpable

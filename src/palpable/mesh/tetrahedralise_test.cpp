@@ -153,7 +153,8 @@ TEST_CASE("a cavity stays empty, and so it is after remeshing", "[mesh]") {
   CHECK(std::abs(tet_volumes(tetrahedralise(fine, "hollow")).sum() - volume) < 0.02 * volume);
 }
 
-TEST_CASE("where the sides of a thin part would meet, edges are shorter, and only there", "[mesh]") {
+TEST_CASE("where the sides of a thin part would meet, edges are shorter, and only there",
+          "[mesh]") {
   // The wall is 0.3 mm thick at one end; edges of 16 mm leave a ball of 50 mm by 0.6 mm.
   const SurfaceMesh hollow =
       joined(sphere_surface({0, 0, 0}, 0.05, 4), flipped(sphere_surface({0.0187, 0, 0}, 0.031, 4)));
