@@ -1,6 +1,7 @@
 #include "palpable/bake/exact_service.h"
 
 #include "palpable/base/error.h"
+#include "palpable/base/write_all.h"
 #include "palpable/describe/touch_mesh.h"
 #include "palpable/touch/exact_messages.h"
 #include "palpable/touch/touch_solver.h"
@@ -18,16 +19,6 @@ namespace {
 
 // The most forces of a load, with room.
 constexpr std::size_t kLargestLoad = std::size_t{1} << 20;  // bytes
-
-bool write_all(int out, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = ::write(out, bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-  }
-  return true;
-}
 
 bool are_on(const SkinResponse& skin, const std::vector<VertexForce>& forces) {
   return std::all_of(forces.begin(), forces.end(), [&](const VertexForce& f) {

@@ -87,16 +87,23 @@ Eigen::Vector3d middle_of(const Mesh& mesh, Face face) {
   return sum / 3;
 }
 
-// @param surface  of which `mesh` was made: the same triangles in the same order
-void refuse_self_intersection(const Mesh& mesh, const SurfaceMesh& surface,
-                              const std::string& name) {
-  std::vector<std::pair<Face, Face>> pairs;
+using FacePairs = std::vector<std::pair<Face, Face>>;
+
+// Sorted.
+FacePairs self_intersections(const Mesh& mesh) {
+  FacePairs pairs;
   PMP::self_intersections(mesh, std::back_inserter(pairs));
-  if (pairs.empty()) return;
   std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+// @param pairs    self_intersections(mesh)
+// @param surface  of which `mesh` was made: the same triangles in the same order
+void refuse(const FacePairs& pairs, const Mesh& mesh, const SurfaceMesh& surface,
+            const std::string& name) {
+  if (pairs.empty()) return;
   const auto [first, second] = pairs.front();
-  const auto triangle = surface.triangles.col(static_cast<Eigen::Index>(first.idx()));
-  const Eigen::Vector3d where = surface.vertices(Eigen::all, triangle).rowwise().mean();
+  const Eigen::Vector3d where = middle_of(mesh, first);
   const std::vector<std::vector<int>> shells = shells_of(surface);
   const auto shell_of = [&](Face face) {
     return std::find_if(shells.begin(), shells.end(), [&](const std::vector<int>& shell) {
@@ -116,13 +123,24 @@ void refuse_self_intersection(const Mesh& mesh, const SurfaceMesh& surface,
       name, shells.size(), place));
 }
 
-Mesh checked(const SurfaceMesh& surface, const std::string& name) {
+Mesh closed_mesh(const SurfaceMesh& surface, const std::string& name) {
   const WatertightReport report = check_watertight(surface);
   if (!report.watertight()) throw Error(fmt::format("{}: {}", name, report.describe()));
-  Mesh mesh = to_cgal(surface, name);
-  refuse_self_intersection(mesh, surface, name);
+  return to_cgal(surface, name);
+}
+
+// @param mesh   closed_mesh(surface)
+// @param pairs  self_intersections(mesh)
+void refuse_unless_solid(const FacePairs& pairs, const Mesh& mesh, const SurfaceMesh& surface,
+                         const std::string& name) {
+  refuse(pairs, mesh, surface, name);
   const std::string misplaced = misplaced_shell(surface);
   if (!misplaced.empty()) throw Error(fmt::format("{}: {}", name, misplaced));
+}
+
+Mesh checked(const SurfaceMesh& surface, const std::string& name) {
+  Mesh mesh = closed_mesh(surface, name);
+  refuse_unless_solid(self_intersections(mesh), mesh, surface, name);
   return mesh;
 }
 
@@ -132,11 +150,12 @@ struct FinerPlace {
   int halvings = 1;
 };
 
-// Around places; once shorter where they are short already.
-void make_finer(const std::vector<Eigen::Vector3d>& places, double edge_length,
+// Around faces that meet; once shorter where they are short already.
+void make_finer(const FacePairs& pairs, const Mesh& mesh, double edge_length,
                 std::vector<FinerPlace>& finer) {
   std::vector<FinerPlace> now = finer;
-  for (const Eigen::Vector3d& place : places) {
+  for (const auto& [first, second] : pairs) {
+    const Eigen::Vector3d place = middle_of(mesh, first);
     const auto at = std::find_if(now.begin(), now.end(), [&](const FinerPlace& other) {
       return (other.middle - place).norm() <= edge_length;
     });
@@ -147,15 +166,6 @@ void make_finer(const std::vector<Eigen::Vector3d>& places, double edge_length,
     }
   }
   finer = std::move(now);
-}
-
-std::vector<Eigen::Vector3d> self_intersections(const Mesh& mesh) {
-  std::vector<std::pair<Face, Face>> pairs;
-  PMP::self_intersections(mesh, std::back_inserter(pairs));
-  std::sort(pairs.begin(), pairs.end());
-  std::vector<Eigen::Vector3d> places;
-  for (const auto& [first, second] : pairs) places.push_back(middle_of(mesh, first));
-  return places;
 }
 
 // Halvings of the edge length at a place.
@@ -202,23 +212,26 @@ SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length, const
   Mesh mesh = checked(surface, name);
   require_meshable(surface, edge_length, std::numeric_limits<double>::infinity(), name);
   std::vector<FinerPlace> finer;
-  for (int round = 0;; ++round) {
-    Mesh coarse = mesh;
-    remesh(coarse, edge_length, finer, keep_sharp_edges);
-    const std::vector<Eigen::Vector3d> meet = self_intersections(coarse);
-    if (meet.empty() || round == kFinerRounds) {
-      const SurfaceMesh remeshed = from_cgal(coarse);
-      try {
-        require_solid_surface(remeshed, name);
-      } catch (const Error& error) {
-        throw Error(fmt::format("{} (after remeshing to an edge of {:.3g} m: try a shorter one)",
-                                error.what(), edge_length));
+  SurfaceMesh remeshed;
+  try {
+    for (int round = 0;; ++round) {
+      Mesh coarse = mesh;
+      remesh(coarse, edge_length, finer, keep_sharp_edges);
+      remeshed = from_cgal(coarse);
+      const Mesh found = closed_mesh(remeshed, name);
+      const FacePairs pairs = self_intersections(found);
+      if (pairs.empty() || round == kFinerRounds) {
+        refuse_unless_solid(pairs, found, remeshed, name);
+        break;
       }
-      require_same_volume(surface, enclosed_volume(remeshed), edge_length, name);
-      return remeshed;
+      make_finer(pairs, found, edge_length, finer);
     }
-    make_finer(meet, edge_length, finer);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{} (after remeshing to an edge of {:.3g} m: try a shorter one)",
+                            error.what(), edge_length));
   }
+  require_same_volume(surface, enclosed_volume(remeshed), edge_length, name);
+  return remeshed;
 }
 
 SurfaceMesh wrap_surface(const SurfaceMesh& surface, double size, const std::string& name) {

@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/error.h"
+#include "palpable/base/write_all.h"
 
 #include <fmt/format.h>
 
@@ -11,6 +12,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <new>
+#include <span>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -67,18 +69,6 @@ void fill(tetgenio& in, const TetgenRequest& request) {
   }
 }
 
-bool write_all(int pipe, const void* data, std::size_t bytes) {
-  const char* at = static_cast<const char*>(data);
-  while (bytes > 0) {
-    const ssize_t written = ::write(pipe, at, bytes);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return false;
-    at += written;
-    bytes -= static_cast<std::size_t>(written);
-  }
-  return true;
-}
-
 bool read_all(int pipe, void* data, std::size_t bytes) {
   char* at = static_cast<char*>(data);
   while (bytes > 0) {
@@ -107,11 +97,11 @@ int fill_and_send(const TetgenRequest& request, int pipe) {
     return kGaveUp + kOutOfMemory;
   }
   const int counts[] = {out.numberofpoints, out.numberoftetrahedra};
-  const auto nodes = 3 * static_cast<std::size_t>(counts[0]) * sizeof(REAL);
-  const auto tets = 4 * static_cast<std::size_t>(counts[1]) * sizeof(int);
-  const bool sent = write_all(pipe, counts, sizeof counts) &&
-                    write_all(pipe, out.pointlist, nodes) &&
-                    write_all(pipe, out.tetrahedronlist, tets);
+  const auto nodes = 3 * static_cast<std::size_t>(counts[0]);
+  const auto tets = 4 * static_cast<std::size_t>(counts[1]);
+  const bool sent = write_all(pipe, std::as_bytes(std::span(counts))) &&
+                    write_all(pipe, std::as_bytes(std::span(out.pointlist, nodes))) &&
+                    write_all(pipe, std::as_bytes(std::span(out.tetrahedronlist, tets)));
   return sent ? 0 : kGaveUp;
 }
 

@@ -8,50 +8,45 @@
 /// of X over the triangle along them. Continuous wherever the coarse skin is, and X where it is at
 /// rest; under a rotation by an angle a off by h a^2 / 2 or so.
 ///
-///   V  vertices of the coarse skin     P  points that it carries
+///   V  vertices of the coarse skin
 #pragma once
 
 #include "palpable/geometry/skin_points.h"
+#include "palpable/geometry/surface_distance.h"
 #include "palpable/geometry/surface_mesh.h"
 
 #include <Eigen/Core>
-
-#include <cstddef>
-#include <span>
-#include <vector>
 
 namespace palpable {
 
 /// Where a point of a fine skin stands.
 struct CarriedPoint {
-  SkinPoint on;      ///< of the coarse skin; its area is that of the fine point
+  SkinPoint on;      ///< of the coarse skin; its area is not set
   float height = 0;  ///< m, over it
-};
 
-/// Carries any points.
-class CarriedSkin {
- public:
-  /// Nothing is carried.
-  CarriedSkin() = default;
-  /// @param coarse  at rest
-  /// @param places, normals  (3 x P) m, of the fine skin at rest: a point stands on the nearest
-  ///                         triangle that faces its normal's way
-  CarriedSkin(const SurfaceMesh& coarse, const Eigen::Matrix3Xd& places,
-              const Eigen::Matrix3Xd& normals);
-
-  [[nodiscard]] std::span<const CarriedPoint> points() const { return points_; }
-
-  /// How far a point has moved, m.
+  /// How far it has moved, m.
   /// @param u     (3 x V or more) m, of the coarse skin
   /// @param turn  (3 x V) n - N
-  [[nodiscard]] Eigen::Vector3f moved(std::size_t point, const Eigen::Matrix3Xf& u,
+  [[nodiscard]] Eigen::Vector3f moved(const Eigen::Matrix3Xf& u,
                                       const Eigen::Matrix3Xf& turn) const {
-    const CarriedPoint& p = points_[point];
-    return p.on.at(u) + p.height * p.on.at(turn);
+    return on.at(u) + height * on.at(turn);
   }
+};
+
+/// A coarse skin at rest, on which points are stood.
+class Carrier {
+ public:
+  explicit Carrier(const SurfaceMesh& coarse);
+
+  /// A point stands on the nearest triangle that faces its normal's way.
+  /// @param place   m, of the fine skin at rest
+  /// @param normal  of the fine skin there
+  [[nodiscard]] CarriedPoint stand(const Eigen::Vector3d& place,
+                                   const Eigen::Vector3d& normal) const;
 
  private:
-  std::vector<CarriedPoint> points_;
+  SurfaceDistance surface_;
+  Eigen::Matrix3Xd normals_;  // (3 x V)
 };
 
 }  // namespace palpable

@@ -6,6 +6,8 @@
 
 namespace palpable {
 
+using Eigen::Matrix3Xf;
+
 TouchSkin::TouchSkin(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
                      const TouchTables& tables)
     : rest_(skin.vertices.cast<float>()), skin_(rest_) {
@@ -22,31 +24,33 @@ TouchSkin::TouchSkin(const SurfaceMesh& skin, std::span<const std::uint8_t> fixe
   coarse_triangles_ = coarse.triangles;
   normals_.resize(3, rest_.cols());
   vertex_normals(rest_, coarse_triangles_, normals_);
-  turn_.setZero(3, rest_.cols());
-  moved_ = faced_ = turn_;
+  moved_ = turn_ = Matrix3Xf::Zero(3, rest_.cols());
+
+  const Carrier carrier(coarse);
   Eigen::Matrix3Xd normals(3, skin.vertex_count());
   vertex_normals(skin.vertices, skin.triangles, normals);
-  carried_ = CarriedSkin(coarse, skin.vertices, normals);
-
-  const Eigen::Matrix3Xf normals_of_skin = normals.cast<float>();
-  Eigen::Matrix3Xd of_points(3, places_.cols());
-  for (std::size_t p = 0; p < points_.size(); ++p) {
-    of_points.col(static_cast<Eigen::Index>(p)) =
-        points_[p].at(normals_of_skin).cast<double>().normalized();
+  carried_.reserve(static_cast<std::size_t>(skin.vertex_count()));
+  for (int v = 0; v < skin.vertex_count(); ++v) {
+    carried_.push_back(carrier.stand(skin.vertices.col(v), normals.col(v)));
   }
-  const CarriedSkin carried(coarse, places_.cast<double>(), of_points);
+  const Matrix3Xf single_normals = normals.cast<float>();
   std::size_t kept = 0;
   for (std::size_t p = 0; p < points_.size(); ++p) {
-    SkinPoint on = carried.points()[p].on;
-    const bool gives_way = std::any_of(on.corners.begin(), on.corners.end(), [&](int v) {
-      return tables.coarse->fixed[static_cast<std::size_t>(v)] == 0;
-    });
+    const SkinPoint& point = points_[p];
+    const auto column = static_cast<Eigen::Index>(p);
+    const bool is_vertex = point.weights[0] == 1.0f;
+    CarriedPoint stands = is_vertex ? carried_[static_cast<std::size_t>(point.corners[0])]
+                                    : carrier.stand(places_.col(column).cast<double>(),
+                                                    point.at(single_normals).cast<double>());
+    const bool gives_way =
+        std::any_of(stands.on.corners.begin(), stands.on.corners.end(),
+                    [&](int v) { return tables.coarse->fixed[static_cast<std::size_t>(v)] == 0; });
     if (!gives_way) continue;
-    on.area = points_[p].area;
-    points_[kept] = on;
+    stands.on.area = point.area;
+    points_[kept] = stands.on;
     levels_[kept] = levels_[p];
-    places_.col(static_cast<Eigen::Index>(kept)) = places_.col(static_cast<Eigen::Index>(p));
-    heights_.push_back(carried.points()[p].height);
+    places_.col(static_cast<Eigen::Index>(kept)) = places_.col(column);
+    heights_.push_back(stands.height);
     ++kept;
   }
   points_.resize(kept);
@@ -54,25 +58,25 @@ TouchSkin::TouchSkin(const SurfaceMesh& skin, std::span<const std::uint8_t> fixe
   places_.conservativeResize(3, static_cast<Eigen::Index>(kept));
 }
 
-void TouchSkin::face_as(const Eigen::Matrix3Xf& u) {
+void TouchSkin::face_as(const Matrix3Xf& u) {
   if (!is_carried()) return;
   if (u.cols() == 0) {
     turn_.setZero();
     return;
   }
   moved_ = rest_ + u.leftCols(rest_.cols());
-  vertex_normals(moved_, coarse_triangles_, faced_);
-  turn_ = faced_ - normals_;
+  vertex_normals(moved_, coarse_triangles_, turn_);
+  turn_ -= normals_;
 }
 
-void TouchSkin::place(const Eigen::Matrix3Xf& u, Eigen::Matrix3Xf& skin) const {
+void TouchSkin::place(const Matrix3Xf& u, Matrix3Xf& skin) const {
   if (u.cols() == 0) {
     skin = skin_;
   } else if (!is_carried()) {
     skin = rest_ + u.leftCols(rest_.cols());
   } else {
     for (Eigen::Index v = 0; v < skin_.cols(); ++v) {
-      skin.col(v) = skin_.col(v) + carried_.moved(static_cast<std::size_t>(v), u, turn_);
+      skin.col(v) = skin_.col(v) + carried_[static_cast<std::size_t>(v)].moved(u, turn_);
     }
   }
 }
@@ -84,7 +88,7 @@ void TouchSkin::spread(std::span<const float> of_vertices, std::size_t width,
     return;
   }
   std::size_t to = 0;
-  for (const CarriedPoint& point : carried_.points()) {
+  for (const CarriedPoint& point : carried_) {
     const auto& [corners, weights, area] = point.on;
     for (std::size_t c = 0; c < width; ++c) {
       float sum = 0;

@@ -59,9 +59,9 @@ class TouchSkin {
  private:
   Eigen::Matrix3Xf rest_, skin_;       // (3 x V), (3 x F) m
   Eigen::Matrix3Xi coarse_triangles_;  // none: not carried
-  Eigen::Matrix3Xf normals_, turn_;    // (3 x V) at rest; less those of face_as()
-  Eigen::Matrix3Xf moved_, faced_;     // (3 x V) for face_as()
-  CarriedSkin carried_;                // the F vertices
+  Eigen::Matrix3Xf normals_;           // (3 x V) at rest
+  Eigen::Matrix3Xf moved_, turn_;  // (3 x V) m, of face_as(), and its normals less those at rest
+  std::vector<CarriedPoint> carried_;  // (F) the vertices; none: not carried
   std::vector<SkinPoint> points_;
   std::vector<float> levels_, heights_;
   Eigen::Matrix3Xf places_;
