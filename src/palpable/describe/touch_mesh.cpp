@@ -12,7 +12,9 @@ namespace palpable {
 
 std::optional<double> touch_edge(const BodyDescription& description, const SurfaceMesh& skin) {
   if (description.touch.edge) return description.touch.edge;
-  if (skin.vertex_count() <= kFineSkin) return std::nullopt;
+  // Given tetrahedra may have sets, which a coarser mesh has not: who asked for tables gets them.
+  const bool as_given = description.shape.is_volume() && !description.touch.by_default;
+  if (as_given || skin.vertex_count() <= kFineSkin) return std::nullopt;
   return mean_edge_length(skin) * std::sqrt(1.0 * skin.vertex_count() / kCoarseSkin);
 }
 
@@ -30,10 +32,10 @@ BodyProblem pose_coarser(const BodyDescription& description, const SurfaceMesh& 
 }
 
 BodyProblem pose_for_touch(const BodyDescription& description) {
-  BodyProblem own = pose_body(description);
-  const SurfaceMesh& skin = own.mesh.boundary.surface;
+  BodyMesh own = make_body_mesh(description);
+  const SurfaceMesh& skin = own.boundary.surface;
   const std::optional<double> edge = touch_edge(description, skin);
-  return edge ? pose_coarser(description, skin, *edge) : std::move(own);
+  return edge ? pose_coarser(description, skin, *edge) : pose_body(description, std::move(own));
 }
 
 }  // namespace palpable

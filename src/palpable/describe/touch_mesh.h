@@ -16,7 +16,8 @@ namespace palpable {
 /// otherwise, and about how many that one's skin has.
 inline constexpr int kFineSkin = 8000, kCoarseSkin = 4000;
 
-/// m: edges of the coarser mesh; nothing where tables are made on the body's own.
+/// m: edges of the coarser mesh; nothing where tables are made on the body's own. A mesh that was
+/// given is taken as it is where tables are asked for without an edge.
 [[nodiscard]] std::optional<double> touch_edge(const BodyDescription& description,
                                                const SurfaceMesh& skin);
 
