@@ -118,6 +118,32 @@ TEST_CASE("tables of touch come back from a body file to the last bit", "[touch]
   }
 }
 
+// Of a coarser skin that is a little smaller than the ball.
+TouchTables carrying_tables() {
+  TouchTables tables = test::some_touch_tables(ball().surface, 1);
+  CoarseSkin& coarse = tables.coarse.emplace();
+  coarse.surface = ball().surface;
+  coarse.surface.vertices *= 0.99;
+  coarse.fixed.assign(static_cast<std::size_t>(coarse.surface.vertex_count()), 0);
+  coarse.fixed[3] = 1;
+  return tables;
+}
+
+TEST_CASE("a coarser skin comes back from a body file with its tables", "[touch][files][carried]") {
+  const ScratchFolder folder("touch_file");
+  const TouchTables tables = carrying_tables();
+  write_touchable_body(folder / "ball.palpable", ball(), tables);
+  const TouchableBody again = value_or_throw(read_touchable_body(folder / "ball.palpable"));
+  REQUIRE((again.touch && again.touch->coarse));
+  check_same(*again.touch, tables);
+  CHECK(again.touch->coarse->surface.vertices == tables.coarse->surface.vertices);
+  CHECK(again.touch->coarse->surface.triangles == tables.coarse->surface.triangles);
+  CHECK(again.touch->coarse->fixed == tables.coarse->fixed);
+  CHECK_THAT(touch_text(again.touch), Catch::Contains("carried by a coarser skin of"));
+  const TouchableBody large = scaled(again, 3);
+  CHECK(large.touch->coarse->surface.vertices.isApprox(3 * tables.coarse->surface.vertices));
+}
+
 TEST_CASE("damaged tables are a problem of their own, and no reason to refuse the body",
           "[touch][files]") {
   const ScratchFolder folder("touch_file");
@@ -182,6 +208,28 @@ void check_refused(const TouchTables& good, const Faults& faults) {
     CHECK(message.find(path.string() + ": touch: " + expected) == 0);
     CHECK(hdf5::all_bytes(path) == bytes);
   }
+}
+
+TEST_CASE("a coarser skin that breaks a rule is named", "[touch][errors][carried]") {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  check_refused(
+      carrying_tables(),
+      {{"the coarser skin has places that are no numbers",
+        [](auto& t) { t.coarse->surface.vertices(1, 2) = kNan; }},
+       {"the coarser skin has triangles of vertices that are not there",
+        [](auto& t) { t.coarse->surface.triangles(0, 1) = 5000; }},
+       {"the coarser skin has triangles of vertices that are not there",
+        [](auto& t) { t.coarse->surface.triangles(2, 0) = -1; }},
+       {"the coarser skin does not say what is held", [](auto& t) { t.coarse->fixed.pop_back(); }},
+       {"the coarser skin is not where the body's is",
+        [](auto& t) { t.coarse->surface.vertices *= 2; }},
+       {"the coarser skin has no vertices",
+        [](auto& t) { t.coarse->surface.vertices.resize(3, 0); }},
+       {"the compliance is of", [](auto& t) {
+          t.coarse->surface.vertices.conservativeResizeLike(
+              Eigen::Matrix3Xd::Zero(3, t.coarse->surface.vertex_count() + 1));
+          t.coarse->fixed.push_back(0);
+        }}});
 }
 
 TEST_CASE("tables that break a rule are named, and not written over a good file",

@@ -87,6 +87,71 @@ TEST_CASE("a pressed sheet holds the conditions of unilateral contact", "[touch]
             .maxCoeff() < tolerance(2e-6, "m: 3e-4 of 3 mm, and no more"));
 }
 
+// A finer sheet, `height` over the elastic one.
+SurfaceMesh finer_sheet(double height) {
+  constexpr int kSide = 2 * ElasticSheet::kSide - 1;
+  SurfaceMesh fine;
+  fine.vertices.resize(3, kSide * kSide);
+  for (int v = 0; v < kSide * kSide; ++v) {
+    const int column = v % kSide - kSide / 2, row = v / kSide - kSide / 2;
+    fine.vertices.col(v) << ElasticSheet::kEdge / 2 * column, ElasticSheet::kEdge / 2 * row, height;
+  }
+  fine.triangles.resize(3, 2 * (kSide - 1) * (kSide - 1));
+  int t = 0;
+  for (int y = 0; y + 1 < kSide; ++y) {
+    for (int x = 0; x + 1 < kSide; ++x) {
+      const int v = y * kSide + x;
+      fine.triangles.col(t++) << v, v + 1, v + kSide + 1;
+      fine.triangles.col(t++) << v, v + kSide + 1, v + kSide;
+    }
+  }
+  return fine;
+}
+
+TEST_CASE("nothing enters a fine skin that the elastic one carries", "[touch][carried]") {
+  constexpr double kHeight = 0.0015;
+  const Sheet sheet;
+  const SurfaceMesh fine = finer_sheet(kHeight);
+  TouchTables tables = sheet.body.tables;
+  tables.point_spacing = 0.003;  // the fine vertices alone
+  tables.coarse = {sheet.body.skin, sheet.body.fixed};
+  const std::vector<std::uint8_t> free(static_cast<std::size_t>(fine.vertex_count()), 0);
+  TouchSolver solver(fine, free, tables, sheet.settings);
+  REQUIRE(solver.points().size() == free.size());
+  Matrix3Xf skin(3, fine.vertex_count());
+  TouchState state;
+  solver.place(state, skin);
+  CHECK(skin == fine.vertices.cast<float>());
+
+  const GapQuery gap = ball(0.02f, 0.003f, Vector3f(0.001f, 0, static_cast<float>(kHeight)));
+  for (int frame = 0; frame < 6; ++frame) solver.advance(state, gap);  // normals are a frame's old
+  REQUIRE(state.forces.size() >= 4);
+  solver.place(state, skin);
+  SurfaceGap found;
+  float nearest = 1;
+  for (const auto& x : skin.colwise()) {
+    if (gap(x, found)) nearest = std::min(nearest, found.distance);
+  }
+  CHECK(std::abs(nearest) < tolerance(2e-5, "m: the last step of Newton's method"));
+  // The coarse vertices answer to the forces at the corners that the points stand on.
+  CHECK((state.u.reshaped().cast<double>() - sheet.linear_answer(solver, state))
+            .cwiseAbs()
+            .maxCoeff() < tolerance(2e-6, "m: 3e-4 of 3 mm, and no more"));
+  // What is told of the pressed points is where the skin is.
+  std::vector<Vector3f> moved;
+  solver.find_moved(state, moved);
+  REQUIRE(moved.size() == state.forces.size());
+  for (std::size_t k = 0; k < moved.size(); ++k) {
+    const Vector3f x = solver.places().col(state.forces[k].point) + moved[k];
+    CHECK((skin.colwise() - x).colwise().norm().minCoeff() < tolerance(1e-7, "m: rounding"));
+  }
+  CHECK(test::allocations_during([&] {
+          solver.advance(state, gap);
+          solver.place(state, skin);
+          solver.find_moved(state, moved);
+        }) == 0);
+}
+
 TEST_CASE("what presses in one frame is answered as what came slowly", "[touch]") {
   const Sheet sheet;
   TouchSolver slow = sheet.solver(), fast = sheet.solver();
