@@ -25,9 +25,10 @@ BodyProblem pose_coarser(const BodyDescription& description, const SurfaceMesh& 
   try {
     return pose_body(coarse, remeshed(coarse, skin, edge));
   } catch (const Error& error) {
-    throw Error(
-        fmt::format("tables of touch need a coarser mesh than one with {} vertices on its skin: {}",
-                    skin.vertex_count(), error.what()));
+    throw Error(fmt::format(
+        "{}: tables of touch need a coarser mesh than one with {} vertices on its skin ('edge' in "
+        "[touch]; {:.3g} m was tried): {}",
+        description.source.string(), skin.vertex_count(), edge, error.what()));
   }
 }
 
