@@ -6,6 +6,7 @@
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
 #include "palpable/bake/bake_body.h"
+#include "palpable/bake/bake_modal.h"
 #include "palpable/bake/bake_touch.h"
 #include "palpable/bake/held_out_checks.h"
 #include "palpable/base/error.h"
@@ -93,7 +94,16 @@ void bake_without_campaign(const Options& options, const BodyDescription& descri
       {.version = std::string("palpable ") + PALPABLE_VERSION, .command_line = command_line},
       bar.progress());
   bar.finish();
-  write_body_file(options.output, made.body, options.file.storage());
+  const bool none = !description.touch.by_default;
+  std::string touch = "at its sites, one at a time";
+  if (made.body.several && !none) {
+    const ModalTables tables = modal_tables(made);
+    write_touchable_body(options.output, made.body, tables, options.file.storage());
+    touch = touch_text(tables, made.body);
+  } else {
+    write_body_file(options.output, made.body, options.file.storage());
+  }
+  fmt::print("touch: {}\n", touch);
   const std::filesystem::path solid = solid_file_of(options.output);
   write_solid_file(solid, content_of(description, made.travelling.problem));
   for (const auto& [key, value] : made.report.lines) fmt::print("{}: {}\n", key, value);

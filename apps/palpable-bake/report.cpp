@@ -33,13 +33,13 @@ void report(const Options& options) {
                             : fs::path(options.output);
   const fs::path table = table_beside(page);
   for (const fs::path& output : {page, table}) guard_output_file(output, {options.body});
-  const auto [body, touch] = value_or_throw(read_body_and_touch(options.body));
+  const auto [body, touch, modal] = value_or_throw(read_body_and_touch(options.body));
   BodyPageFacts facts{.file = fs::path(options.body).filename().string(),
                       .file_bytes = fs::file_size(options.body),
                       .processor = processor_name(),
                       .date = date_today(),
                       .program = std::string("palpable ") + PALPABLE_VERSION,
-                      .touch = touch_text(touch)};
+                      .touch = modal ? touch_text(*modal, body) : touch_text(touch)};
   if (touch.ok() && touch.value()) facts.held_out = touch.value()->held_out;
   const EvaluationTimes times = evaluation_times(body);
   facts.displacement_us = times.displacement_us;

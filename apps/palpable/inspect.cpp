@@ -21,12 +21,12 @@ struct Options {
   bool json = false;
 };
 
-void print_text(const ReducedBody& body, const Result<std::optional<TouchTables>>& touch,
+void print_text(const ReducedBody& body, const std::string& touch,
                 const std::filesystem::path& path) {
   for (const auto& [name, text] : body_facts(body, path, "--set")) {
     fmt::print("{:<20}{}\n", name, text);
   }
-  fmt::print("{:<20}{}\n", "touch", touch_text(touch));
+  fmt::print("{:<20}{}\n", "touch", touch);
   fmt::print(
       "errors are relative, L2; lengths, loads and stresses are in m, N and Pa in the file\n");
   fmt::print("\nwhere it comes from\n");
@@ -34,13 +34,17 @@ void print_text(const ReducedBody& body, const Result<std::optional<TouchTables>
 }
 
 void inspect(const Options& options) {
-  const auto [body, touch] = value_or_throw(read_body_and_touch(options.body));
+  const auto [body, touch, modal] = value_or_throw(read_body_and_touch(options.body));
   if (options.json) {
     Json result = json_of(body);
-    result["touch"] = touch ? touch_json(touch.value()) : Json(touch.problem().message);
+    if (modal) {
+      result["touch"] = touch_json(*modal, body);
+    } else {
+      result["touch"] = touch ? touch_json(touch.value()) : Json(touch.problem().message);
+    }
     fmt::print("{}\n", result.dump(2));
   } else {
-    print_text(body, touch, options.body);
+    print_text(body, modal ? touch_text(*modal, body) : touch_text(touch), options.body);
   }
 }
 

@@ -42,13 +42,16 @@ struct Options {
   bool overwrite = false;
 };
 
-LiveSummary summary(const Options& options, const LiveRun& run, const LiveCounts& counts,
+LiveSummary summary(const Options& options, const LiveSetUp& setup, const LiveCounts& counts,
                     const LiveOutput& output, double wall) {
+  const LiveRun& run = setup.run;
   LiveSummary result = summary_of(run, counts, output);
-  result.body = options.live.body.string();
-  result.contact = name_of(run.loop.session.contact());
   result.view = options.view;
-  result.scale = options.live.scale;
+  result.scene = options.live.scene.string();
+  for (std::size_t k = 0; k < result.bodies.size(); ++k) {
+    result.bodies[k].file = setup.files[k].string();
+    result.bodies[k].scale = setup.scales[k];
+  }
   result.wall = wall;
   return result;
 }
@@ -65,14 +68,29 @@ ScenePainterSettings::View view_of(const std::string& name) {
 // A run on a house around the desk goes well and touches nothing.
 void warn_of_size(const LiveRun& run) {
   const Session& session = run.loop.session;
-  const auto warning =
-      larger_than_view(session.body().surface, session.world_from_body(), run.loop.camera.camera());
-  if (warning) fmt::print(stderr, "warning: {}\n", *warning);
+  for (int k = 0; k < session.body_count(); ++k) {
+    const auto warning = larger_than_view(session.body(k).surface, session.world_from_body(k),
+                                          run.loop.camera.camera());
+    if (warning) fmt::print(stderr, "warning: {}\n", *warning);
+  }
 }
 
-// The skin of which every frame's is to be written; an empty one.
-SurfaceMesh meshes_of(const Options& options, const LiveRun& run) {
-  return options.meshes ? run.loop.session.body().surface : SurfaceMesh{};
+// The skins of which every frame's are to be written.
+std::vector<SurfaceMesh> meshes_of(const Options& options, const Session& session) {
+  std::vector<SurfaceMesh> skins;
+  for (int k = 0; options.meshes && k < session.body_count(); ++k) {
+    skins.push_back(session.body(k).surface);
+  }
+  return skins;
+}
+
+// Of several bodies their names.
+std::vector<std::string> names_of_several(const Session& session) {
+  std::vector<std::string> names;
+  for (int k = 0; session.body_count() > 1 && k < session.body_count(); ++k) {
+    names.push_back(session.body_name(k));
+  }
+  return names;
 }
 
 // Plays the run to its end, or to the user's.
@@ -98,8 +116,7 @@ std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, 
     std::swap(drawn->scene, *scene);
     painter.draw(*drawn, session);
     if (options.pictures) {
-      drawn->scores = figure_scores(drawn->scene, session.body(), drawn->visible, drawn->body_depth,
-                                    session.shows());
+      drawn->scores = figure_scores(drawn->scene, session, drawn->visible, drawn->body_depth);
     }
     painter.show(drawn->picture);
     const int done = static_cast<int>(loop.counts().processed.size());
@@ -121,11 +138,13 @@ void live(const Options& options) {
   const std::vector<fs::path> earlier =
       earlier_run(options.out, options.overwrite, inputs_of(wanted));
   wanted.clip = options.out / "clip";
-  LiveRun run = set_up_live(wanted);
+  LiveSetUp setup = set_up_live(wanted);
+  LiveRun& run = setup.run;
   warn_of_size(run);
   const auto touch_frames = options.pictures ? truly_touching_frames(run.images) : std::nullopt;
   ScenePainter painter({.window = options.window, .view = view_of(options.view)}, run.loop);
 
+  const Session& session = run.loop.session;
   const auto begin = std::chrono::steady_clock::now();
   listen_for_ctrl_c();
   const auto [counts, output] = play(options, run, painter, [&] {
@@ -134,7 +153,8 @@ void live(const Options& options) {
                                                            .depth = !options.no_depth,
                                                            .masks = !options.no_masks,
                                                            .figures = options.pictures,
-                                                           .meshes_of = meshes_of(options, run),
+                                                           .bodies = names_of_several(session),
+                                                           .meshes_of = meshes_of(options, session),
                                                            .touch_frames = touch_frames});
   });
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
@@ -144,7 +164,7 @@ void live(const Options& options) {
   }
   output->finish();
   write_live_summary(options.out / "live.json",
-                     summary(options, run, counts, *output, wall.count()));
+                     summary(options, setup, counts, *output, wall.count()));
   painter.throw_gl_errors();
 
   fmt::print("{}", text_of(counts, run.loop.session, wall.count()));
@@ -159,7 +179,7 @@ void live(const Options& options) {
 void add_live(Command app) {
   auto options = std::make_shared<Options>();
   Command command =
-      app.add_subcommand("live", "Let what a camera saw press a body: video, figures, timing");
+      app.add_subcommand("live", "Let what a camera saw press bodies: video, figures, timing");
   add_live_options(command, options->live);
   command.add_option("--out", options->out, "Folder to write the results into").required();
   command
@@ -191,6 +211,7 @@ void add_live(Command app) {
       "A recording waits for the loop unless --paced. A camera that stalls or goes away does not "
       "end the run: the last state is held until pictures come again; Ctrl-C ends it.\n"
       "Example: palpable live bunny.palpable --source synthetic --out out\n"
+      "Example: palpable live --scene scenes/beams.toml --source clip/frames --out out\n"
       "Example: palpable live bunny.palpable --source desk --place \"0 0.1 0.6 0 40 0\" "
       "--out out\n"
       "Example: palpable live bunny.palpable --source /dev/video0 --calibration SN10027514.conf "

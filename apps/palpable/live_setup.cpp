@@ -5,6 +5,7 @@
 #include "apps/palpable/bake_program.h"
 #include "palpable/base/error.h"
 #include "palpable/clip_files/place.h"
+#include "palpable/clip_files/scene_description.h"
 #include "palpable/clip_writer/kept_clip.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/touch/touch_file.h"
@@ -101,6 +102,46 @@ std::optional<RefinerSettings> refinement(const LiveOptions& options, bool has_t
   return settings;
 }
 
+// The body of the command line, or those of the scene.
+std::vector<DescribedBody> wanted_bodies(const LiveOptions& options) {
+  if (options.scene.empty()) {
+    if (options.body.empty()) throw Error("give a body file, or --scene with several");
+    return {{.file = options.body, .scale = options.scale, .set = options.set}};
+  }
+  if (!options.body.empty()) {
+    throw Error(fmt::format("{} and --scene: the scene says which bodies there are",
+                            options.body.string()));
+  }
+  if (options.scale != 1 || !options.set.empty()) {
+    throw Error("--scale and --set are of one body: write scale and set into the scene");
+  }
+  if (!options.refine.empty()) {
+    throw Error("--refine answers for one body: leave it out with --scene");
+  }
+  return read_scene_description(options.scene);
+}
+
+TouchableBody read_body(const DescribedBody& wanted, const LiveOptions& options) {
+  std::error_code ignored;
+  if (!options.scene.empty() && !std::filesystem::exists(wanted.file, ignored)) {
+    throw Error(fmt::format("{}: the body '{}' of {} is not there; {}", wanted.file.string(),
+                            wanted.name, options.scene.string(), how_to_bake(wanted)));
+  }
+  const std::map<std::string, double> values = parse_settings(wanted.set);
+  // At its sites a body plays whatever its tables are.
+  const bool at_sites = options.contact == "site" || options.contact == "paper";
+  TouchableBody body = at_sites
+                           ? TouchableBody(value_or_throw(read_pressable_body(wanted.file, values)))
+                           : value_or_throw(read_pressable_touchable_body(wanted.file, values));
+  if (options.contact == "anywhere" && !body.touch && !body.modal) {
+    throw Error(fmt::format(
+        "{}: has no tables of touch for --contact anywhere; bake it with [touch] tables = \"full\" "
+        "in its description, without [[parameter]], or leave --contact out",
+        wanted.file.string()));
+  }
+  return body;
+}
+
 // Where frames come from and what is matched.
 void add_input_options(Command command, LiveOptions& options) {
   command
@@ -182,7 +223,13 @@ void add_loop_options(Command command, LiveOptions& options) {
 }  // namespace
 
 void add_live_options(Command command, LiveOptions& options) {
-  command.add_option("body", options.body, "Body file").required();
+  command.add_option("body", options.body, "Body file; or --scene");
+  command
+      .add_option("--scene", options.scene,
+                  "Several bodies on one desk: a text that says which and where "
+                  "(docs/scenes.md). --place, --anchor or the folder's scene.toml say where the "
+                  "scene stands")
+      .type_name("SCENE.toml");
   add_input_options(command, options);
   add_place_options(command, options);
   add_loop_options(command, options);
@@ -192,45 +239,52 @@ std::vector<std::filesystem::path> inputs_of(const LiveOptions& options) {
   SourceOptions input = options.input;
   if (input.source == kSynthetic) input.source.clear();  // no path
   std::vector<std::filesystem::path> inputs = inputs_of(input);
-  inputs.push_back(options.body);
+  for (const auto& file : {options.body, options.scene}) {
+    if (!file.empty()) inputs.push_back(file);
+  }
   if (!options.refine.empty()) inputs.push_back(options.refine);
   if (options.place.size() == 1) inputs.emplace_back(options.place.front());  // a file, or numbers
   return inputs;
 }
 
-LiveRun set_up_live(const LiveOptions& options) {
-  const std::map<std::string, double> values = parse_settings(options.set);
-  // At its sites a body plays whatever its tables are.
-  const bool at_sites = options.contact == "site" || options.contact == "paper";
-  TouchableBody body =
-      at_sites ? TouchableBody(value_or_throw(read_pressable_body(options.body, values)))
-               : value_or_throw(read_pressable_touchable_body(options.body, values));
-  if (options.contact == "anywhere" && !body.touch) {
-    throw Error(fmt::format(
-        "{}: has no tables of touch for --contact anywhere; bake it with [touch] tables = \"full\" "
-        "in its description, without [[parameter]], or leave --contact out",
-        options.body.string()));
-  }
+LiveSetUp set_up_live(const LiveOptions& options) {
   LiveSettings settings;
-  settings.refine = refinement(options, body.touch.has_value());
   settings.images = request_of(options.input);
   settings.place = given_place(options);
   settings.anchor = anchor_of(options);
-  if (settings.anchor == Anchor::kBoard) settings.board = pattern_of(options.board);
   settings.paced = options.paced;
   settings.session = session_settings(options);
+  const std::vector<DescribedBody> wanted = wanted_bodies(options);
+  std::vector<LiveBody> bodies;
+  std::vector<std::filesystem::path> files;
+  std::vector<double> scales;
+  for (const DescribedBody& body : wanted) {
+    if (body.place.anchor.value_or(settings.anchor) == Anchor::kBoard) {
+      settings.board = pattern_of(options.board);
+    }
+    bodies.push_back(
+        {read_body(body, options), options.scene.empty() ? "" : body.name, body.place, body.color});
+    files.push_back(body.file);
+    scales.push_back(body.scale);
+  }
+  settings.refine = refinement(options, bodies.front().body.touch.has_value());
   if (settings.images.device == kSynthetic) {
+    if (bodies.size() > 1) {
+      throw Error("--source synthetic films one body: film a sequence with palpable synth");
+    }
     ProgressBar bar;
     settings.images.device =
-        kept_clip(body.body,
-                  {.folder = options.clip, .body_file = options.body, .version = PALPABLE_VERSION},
+        kept_clip(bodies.front().body.body,
+                  {.folder = options.clip, .body_file = files.front(), .version = PALPABLE_VERSION},
                   bar.progress())
             .string();
     bar.finish();
   }
-  if (options.scale != 1) body = scaled(body, options.scale);
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    if (scales[k] != 1) bodies[k].body = scaled(bodies[k].body, scales[k]);
+  }
   try {
-    return open_live(std::move(body), settings);
+    return {open_live(std::move(bodies), settings), files, scales};
   } catch (const NoPlaceError& error) {
     throw Error(fmt::format("{}; {}", error.what(), other_places(settings.anchor)));
   }

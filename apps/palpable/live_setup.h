@@ -16,7 +16,8 @@ namespace palpable::app {
 class Command;
 
 struct LiveOptions {
-  std::filesystem::path body;
+  std::filesystem::path body;      ///< empty: `scene` says which
+  std::filesystem::path scene;     ///< empty: `body` alone
   SourceOptions input;             ///< its source may also be "synthetic"
   std::filesystem::path clip;      ///< where a synthetic clip is kept
   bool paced = false;              ///< a recording at its own pace instead of the loop's
@@ -35,14 +36,21 @@ struct LiveOptions {
   int frames = -1;               ///< at most; negative: all
 };
 
-/// Adds the options to a command; "body" is positional.
+/// Adds the options to a command; "body" is positional, and may be left out for --scene.
 void add_live_options(Command command, LiveOptions& options);
 
 /// The files and folders that the options name.
 [[nodiscard]] std::vector<std::filesystem::path> inputs_of(const LiveOptions& options);
 
-/// Reads the body, films the synthetic clip if it is wanted and not there yet, opens the images,
-/// finds the place. @throws Error for everything that is not as hoped
-[[nodiscard]] LiveRun set_up_live(const LiveOptions& options);
+/// A run, and what its bodies were read from, in their order.
+struct LiveSetUp {
+  LiveRun run;
+  std::vector<std::filesystem::path> files;
+  std::vector<double> scales;
+};
+
+/// Reads the bodies, films the synthetic clip if it is wanted and not there yet, opens the images,
+/// finds the places. @throws Error for everything that is not as hoped
+[[nodiscard]] LiveSetUp set_up_live(const LiveOptions& options);
 
 }  // namespace palpable::app

@@ -11,9 +11,12 @@
 #include "apps/palpable/default_body.h"
 #include "palpable/base/error.h"
 #include "palpable/base/nearest_word.h"
+#include "palpable/clip_files/scene_description.h"
 #include "palpable/clip_writer/desk_film.h"
 #include "palpable/clip_writer/sequence_folder.h"
 #include "palpable/reduced/body_file.h"
+#include "palpable/reduced/scaled_body.h"
+#include "palpable/script/beams.h"
 #include "palpable/script/plan_sequence.h"
 
 #include <fmt/core.h>
@@ -23,6 +26,8 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 namespace palpable::app {
@@ -33,18 +38,26 @@ namespace fs = std::filesystem;
 struct SynthOptions {
   std::string name;
   fs::path body;
+  fs::path scene;
   int frames = 0;  // 0: the sequence's own
   std::uint64_t seed = 1;
   fs::path out;
 };
 
+// Of scenes: palpable synth NAME --scene.
+constexpr SequenceKind kBeams{"beams", kBeamsFrames,
+                              "of a scene with two beams: a finger presses the upper one until it "
+                              "lies on the lower one"};
+
 const SequenceKind& kind_of(const std::string& name) {
+  if (name == kBeams.name) return kBeams;
   const auto kinds = sequence_kinds();
   const auto found = std::find_if(kinds.begin(), kinds.end(),
                                   [&](const SequenceKind& k) { return k.name == name; });
   if (found != kinds.end()) return *found;
   std::vector<std::string> names;
   for (const SequenceKind& kind : kinds) names.emplace_back(kind.name);
+  names.emplace_back(kBeams.name);
   const std::string nearest = nearest_word(name, names);
   throw Error(fmt::format("no sequence is called '{}'{}; palpable synth --help lists them", name,
                           nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
@@ -55,19 +68,55 @@ std::string list_of_kinds() {
   for (const SequenceKind& kind : sequence_kinds()) {
     text += fmt::format("  {:<14}{:>5}  {}\n", kind.name, kind.frames, kind.what);
   }
-  return text;
+  return text + fmt::format("  {:<14}{:>5}  {}\n", kBeams.name, kBeams.frames, kBeams.what);
+}
+
+// The bodies of a scene, each in its size.
+std::vector<ReducedBody> read_bodies(const fs::path& scene,
+                                     const std::vector<DescribedBody>& described) {
+  std::vector<ReducedBody> bodies;
+  for (const DescribedBody& body : described) {
+    std::error_code ignored;
+    if (!fs::exists(body.file, ignored)) {
+      throw Error(fmt::format("{}: the body '{}' of {} is not there; {}", body.file.string(),
+                              body.name, scene.string(), how_to_bake(body)));
+    }
+    ReducedBody read = value_or_throw(read_pressable_body(body.file, parse_settings(body.set)));
+    bodies.push_back(body.scale != 1 ? scaled(read, body.scale) : std::move(read));
+  }
+  return bodies;
+}
+
+void synth_scene(const SynthOptions& options, const SequenceOrder& order) {
+  if (!options.body.empty())
+    throw Error("--body and --scene: the scene says which bodies there are");
+  const std::vector<DescribedBody> described = read_scene_description(options.scene);
+  const std::vector<Rigid3> poses = scene_from_bodies(described);
+  const std::vector<ReducedBody> bodies = read_bodies(options.scene, described);
+  std::vector<SequenceBody> filmed;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    filmed.push_back({&bodies[k], described[k].name, poses[k]});
+  }
+  ProgressBar bar;
+  write_sequence(filmed, order, options.out, bar.progress());
 }
 
 void synth(const SynthOptions& options) {
   if (options.out.empty()) throw Error("-o: names no folder");
   const SequenceKind& kind = kind_of(options.name);
+  const int frames = options.frames > 0 ? options.frames : kind.frames;
+  if (!options.scene.empty()) {
+    synth_scene(options, {options.name, frames, options.seed, options.scene.filename().string()});
+    return;
+  }
+  if (options.name == kBeams.name) {
+    throw Error("beams is of two bodies: give --scene (scenes/beams.toml is one)");
+  }
   const fs::path file = options.body.empty() ? default_body() : options.body;
   const ReducedBody body = value_or_throw(read_pressable_body(file));
   ProgressBar bar;
-  write_sequence(body,
-                 {options.name, options.frames > 0 ? options.frames : kind.frames, options.seed,
-                  file.filename().string()},
-                 options.out, bar.progress());
+  write_sequence(body, {options.name, frames, options.seed, file.filename().string()}, options.out,
+                 bar.progress());
 }
 
 }  // namespace
@@ -81,6 +130,11 @@ void add_synth(Command app) {
                      "Body file: what is pressed, and where. Default: "
                      "build/bodies/bunny-dense.palpable, else out/demo/bunny.palpable");
   command
+      .add_option("--scene", options->scene,
+                  "Several bodies on one desk (docs/scenes.md); hands press the first of them, of "
+                  "beams the upper one")
+      .type_name("SCENE.toml");
+  command
       .add_option("--frames", options->frames,
                   "How many, at 30 a second; the first 60 have no hand. Default: as listed below")
       .in_range(1, 100000);
@@ -91,6 +145,7 @@ void add_synth(Command app) {
       .required();
   command.footer(list_of_kinds() +
                  "docs/benchmark.md says what each promises and what is written.\n"
+                 "Example: palpable synth beams --scene scenes/beams.toml -o beams\n"
                  "Example: palpable synth press --body bunny.palpable --seed 1 -o clip");
   command.callback([options] { synth(*options); });
 }

@@ -240,13 +240,14 @@ struct LiveBenchOptions {
 void bench_live(LiveBenchOptions options) {
   // With --source synthetic the clip is filmed once and kept for the next bench.
   options.live.clip = std::filesystem::temp_directory_path() / "palpable-bench-clip";
-  LiveRun run = set_up_live(options.live);
+  LiveSetUp setup = set_up_live(options.live);
+  LiveRun& run = setup.run;
   const GlContext context = value_or_throw(GlContext::offscreen());
   SceneRenderer renderer = value_or_throw(SceneRenderer::make());
   Series series;
   ColorImage picture;
   const Session& session = run.loop.session;
-  const double scale = stress_scale(session.body());
+  const double scale = stress_scale(session);
   ProgressBar bar;
   const auto begin = std::chrono::steady_clock::now();
   int done = 0;
@@ -255,7 +256,7 @@ void bench_live(LiveBenchOptions options) {
     while (Scene* scene = loop.next()) {
       {
         const StageTimer timer(scene->times, "draw");
-        renderer.draw(view_of(*scene, session.body(), scale), picture);
+        renderer.draw(view_of(*scene, session, scale), picture);
       }
       add(series, scene->times);
       bar.show({"live", static_cast<double>(++done),
@@ -282,6 +283,7 @@ void add_bench(Command app) {
       "Also, in the program palpable-bake, which palpable starts:\n"
       "  bench bake      the parts of a bake\n"
       "  bench beam      the beam by intrusive PGD\n"
+      "  bench bodies    bodies that press each other, against full finite elements\n"
       "  bench campaign  all sites and levels of a body, into an empty folder\n"
       "  bench solid     one equilibrium path against CalculiX\n"
       "  bench elements  how true 4-node and 10-node tetrahedra are\n"

@@ -194,7 +194,7 @@ void time_surface(const Judge& judge, const Scene& scene, const Session& session
   const auto once = [&](const Eigen::Matrix3Xf& points, double& sum) {
     const CpuTimer timer(sum);
     surface.build(scene.seen.depth, session.shows(), scene.seen.depth_camera,
-                  scene.camera_from_body.inverse(), judge.region, scene.time);
+                  scene.bodies.front().camera_from_body.inverse(), judge.region, scene.time);
     (void)least_phi(surface, points);
   };
   once(judge.some, counts.cpu_s);
@@ -240,7 +240,7 @@ Counts play(const SurfaceBenchOptions& options, const std::string& name, const F
     if (status != FrameStatus::kFrame) continue;
     const int n = frame.number;
     const Scene& scene = run.loop.process(frame);
-    const Rigid3 body_from_camera = scene.camera_from_body.inverse();
+    const Rigid3 body_from_camera = scene.bodies.front().camera_from_body.inverse();
     const ContactLine& contact = film.contacts[n];
     ++counts.frames;
     const double least = least_phi(surface, judge.skin);

@@ -38,9 +38,10 @@ std::string three(const Line& line) {
 
 LiveSummary some_summary() {
   LiveSummary summary;
-  summary.body = "ball.palpable";
+  LiveSummary::Body& body = summary.bodies.emplace_back();
+  body.file = "ball.palpable";
   summary.source = "clip";
-  summary.camera_from_body = pose_of(1);
+  body.camera_from_body = pose_of(1);
   summary.processed = {0, 1, 2};
   summary.source_troubles.reports = {"a camera"};
   summary.median_ms = {{"read", 1.5}};
@@ -85,7 +86,7 @@ void add_clip_readers(std::vector<FuzzReader>& readers) {
          const Eigen::Vector3d point(0.01, 0.02, 0.03);
          return touches_line({f, {{2, 0.5, 0.004, -20 * point, point, f / 30.0}, {.site = 1}}});
        }),
-       read_touches);
+       [](const fs::path& path) { return read_touches(path); });
   text("clip.contact", "contact.jsonl", three([](int f) {
          ContactLine line{f, f > 0, 0.002, 1, Eigen::Vector3d(0.01, 0.02, 0.03)};
          if (f == 0) line.gap = 0.01;
@@ -105,7 +106,7 @@ void add_clip_readers(std::vector<FuzzReader>& readers) {
   text("clip.poses", "pose.jsonl", three([](int f) {
          return pose_line({f, pose_of(f)});
        }),
-       read_poses);
+       [](const fs::path& path) { return read_poses(path); });
   text("clip.rectification", "rectification.jsonl", three([](int f) {
          return correction_line({f, 0.25, 0.1 * f});
        }),

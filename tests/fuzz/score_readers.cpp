@@ -106,9 +106,10 @@ void write_truth(const fs::path& truth) {
 
 void write_result(const fs::path& result) {
   LiveSummary summary;
-  summary.body = "ball.palpable";
+  LiveSummary::Body& body = summary.bodies.emplace_back();
+  body.file = "ball.palpable";
   summary.source = "clip";
-  summary.camera_from_body = kHere;
+  body.camera_from_body = kHere;
   summary.processed = {0, 1, 2};
   fs::create_directories(result);
   write_live_summary(result / "live.json", summary);

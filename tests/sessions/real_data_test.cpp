@@ -261,8 +261,8 @@ TEST_CASE("a body behind the motorcycle's seat is hidden as the true depth impli
   view.real_depth = &scene.seen.depth;
   view.camera = scene.seen.camera;
   BodyLook look;
-  look.vertices = &scene.vertices;
-  look.normals = &scene.normals;
+  look.vertices = &scene.bodies[0].vertices;
+  look.normals = &scene.bodies[0].normals;
   look.triangles = &loop.session.body().surface.triangles;
   look.camera_from_body = pose;
   view.bodies.push_back(look);

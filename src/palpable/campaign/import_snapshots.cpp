@@ -6,10 +6,10 @@
 #include "palpable/base/whole_file.h"
 #include "palpable/campaign/fill_store.h"
 #include "palpable/describe/body_problem.h"
-#include "palpable/describe/toml_section.h"
 #include "palpable/mesh/field_files.h"
 #include "palpable/mesh/volume_mesh.h"
 #include "palpable/solid/stress.h"
+#include "palpable/toml/toml_section.h"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>

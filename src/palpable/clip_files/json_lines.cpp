@@ -130,6 +130,10 @@ void for_each_object(const std::filesystem::path& path,
   });
 }
 
+bool is_of_another(const JsonObject& line, const std::string& body) {
+  return line.has("body") && line.text("body") != body;
+}
+
 int frame_number(const json& value) {
   // get<int>() would cut off what is not whole.
   if (!value.is_number_integer()) {

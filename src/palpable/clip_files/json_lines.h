@@ -59,6 +59,10 @@ class JsonObject {
 void for_each_object(const std::filesystem::path& path,
                      const std::function<void(const JsonObject&)>& read_object);
 
+/// Whether a line names another body than `body`, under the key "body". One that names none is of
+/// whoever asks.
+[[nodiscard]] bool is_of_another(const JsonObject& line, const std::string& body);
+
 /// The whole number of a frame. @throws Error without the file's name
 [[nodiscard]] int frame_number(const nlohmann::json& value);
 

@@ -22,6 +22,18 @@ ordered_json rows_of(const Rigid3& pose) {
   return numbers;
 }
 
+ordered_json bodies_of(const std::vector<LiveSummary::Body>& bodies) {
+  ordered_json list = ordered_json::array();
+  for (const LiveSummary::Body& body : bodies) {
+    list.push_back({{"name", body.name},
+                    {"body", body.file},
+                    {"contact", body.contact},
+                    {"scale", body.scale},
+                    {"camera_from_body", rows_of(body.camera_from_body)}});
+  }
+  return list;
+}
+
 ordered_json tracking_of(const std::optional<LiveSummary::Tracking>& tracking) {
   if (!tracking) return nullptr;
   return {{"frames_moving", tracking->frames_moving},
@@ -68,13 +80,22 @@ LiveFile live_file_of(const json& live) {
 
 void write_live_summary(const std::filesystem::path& path, const LiveSummary& summary) {
   ordered_json live;
-  live["body"] = summary.body;
-  live["source"] = summary.source;
-  live["contact"] = summary.contact;
-  live["view"] = summary.view;
-  live["press_static"] = summary.press_static;
-  live["scale"] = summary.scale;
-  live["camera_from_body"] = rows_of(summary.camera_from_body);
+  if (summary.scene.empty()) {
+    const LiveSummary::Body& body = summary.bodies.front();
+    live["body"] = body.file;
+    live["source"] = summary.source;
+    live["contact"] = body.contact;
+    live["view"] = summary.view;
+    live["press_static"] = summary.press_static;
+    live["scale"] = body.scale;
+    live["camera_from_body"] = rows_of(body.camera_from_body);
+  } else {
+    live["scene"] = summary.scene;
+    live["bodies"] = bodies_of(summary.bodies);
+    live["source"] = summary.source;
+    live["view"] = summary.view;
+    live["press_static"] = summary.press_static;
+  }
   live["color_from_depth"] =
       summary.color_from_depth ? rows_of(*summary.color_from_depth) : ordered_json(nullptr);
   live["tracking"] = tracking_of(summary.tracking);

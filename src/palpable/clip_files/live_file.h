@@ -36,13 +36,19 @@ struct LiveSummary {
     std::vector<std::string> reports;  ///< of the source, in its words
   };
 
-  std::string body;  ///< file
+  struct Body {
+    std::string name;  ///< as the other files call it; of one body alone they do not
+    std::string file;
+    std::string contact;
+    double scale = 1;
+    Rigid3 camera_from_body = Rigid3::Identity();  ///< in the first frame
+  };
+
+  std::string scene;         ///< its file; empty: one body
+  std::vector<Body> bodies;  ///< at least one
   std::string source;
-  std::string contact;
   std::string view;
-  bool press_static = false;  ///< what was there when the body was anchored pressed it, too
-  double scale = 1;
-  Rigid3 camera_from_body = Rigid3::Identity();  ///< in the first frame
+  bool press_static = false;  ///< what was there when bodies were anchored pressed them, too
   /// For paths that are published of the depth camera: trajectory.txt is the colour camera's.
   std::optional<Rigid3> color_from_depth;
   std::optional<Tracking> tracking;  ///< nothing: the camera was taken for fixed

@@ -186,7 +186,8 @@ TEST_CASE("names that are no UTF-8, or hold quotes, leave files that can be read
           "[clip_files][errors]") {
   const ScratchFolder folder("clip_files");
   LiveSummary summary;
-  summary.body = "caf\xe9.palpable";  // Latin-1
+  LiveSummary::Body& body = summary.bodies.emplace_back();
+  body.file = "caf\xe9.palpable";  // Latin-1
   summary.source = "a \"clip\"\n";
   summary.processed = {0, 1};
   write_live_summary(folder / "live.json", summary);
@@ -369,12 +370,13 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   const ScratchFolder folder("clip_files");
   const fs::path path = folder / "live.json";
   LiveSummary summary;
-  summary.body = "bunny.palpable";
+  LiveSummary::Body& body = summary.bodies.emplace_back();
+  body.file = "bunny.palpable";
   summary.source = "clip";
-  summary.contact = "press";
+  body.contact = "press";
   summary.view = "camera";
   summary.press_static = true;
-  summary.camera_from_body = some_pose();
+  body.camera_from_body = some_pose();
   summary.tracking = {3, {1}, 1, 0, 7, 500};
   summary.map = {12, 0, 2};
   summary.unreadable = 1;

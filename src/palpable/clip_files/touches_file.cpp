@@ -33,6 +33,7 @@ std::string touch_text(const FeltTouch& touch) {
   if (touch.time) add("time", fmt::format("{:.6f}", *touch.time));
   if (touch.area) add("area", fmt::format("{:.9f}", *touch.area));
   if (touch.assumed) add("assumed", fmt::format("{:.4f}", *touch.assumed));
+  if (!touch.by.empty()) add("by", quoted_text(touch.by));
   return fmt::format("{{{}}}", text);
 }
 
@@ -51,6 +52,7 @@ FeltTouch touch_of(const JsonObject& object) {
   touch.time = object.number_if_any("time");
   touch.area = object.number_if_any("area");
   touch.assumed = object.number_if_any("assumed");
+  if (object.has("by")) touch.by = object.text("by");
   return touch;
 }
 
@@ -59,8 +61,9 @@ FeltTouch touch_of(const JsonObject& object) {
 std::string touches_line(const TouchesLine& line) {
   std::vector<std::string> list;
   for (const FeltTouch& touch : line.touches) list.push_back(touch_text(touch));
-  std::string text =
-      fmt::format("{{\"frame\":{},\"touches\":[{}]", line.frame, fmt::join(list, ","));
+  std::string text = fmt::format("{{\"frame\":{}", line.frame);
+  if (!line.body.empty()) text += fmt::format(",\"body\":{}", quoted_text(line.body));
+  text += fmt::format(",\"touches\":[{}]", fmt::join(list, ","));
   const auto add = [&](const char* key, const std::optional<double>& error) {
     if (error) text += fmt::format(",\"{}\":{:.5f}", key, *error);
   };
@@ -69,11 +72,13 @@ std::string touches_line(const TouchesLine& line) {
   return text + "}\n";
 }
 
-std::vector<TouchesLine> read_touches(const std::filesystem::path& path) {
+std::vector<TouchesLine> read_touches(const std::filesystem::path& path, const std::string& body) {
   std::map<int, TouchesLine> by_frame;
   for_each_object(path, [&](const JsonObject& line) {
+    if (is_of_another(line, body)) return;
     TouchesLine& felt = by_frame[line.frame()];
     felt.frame = line.frame();
+    felt.body = body;
     std::vector<FeltTouch>& touches = felt.touches;
     if (line.has("displacement_error")) {
       felt.displacement_error = line.number_if_any("displacement_error");

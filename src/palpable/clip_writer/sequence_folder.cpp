@@ -1,5 +1,6 @@
 #include "palpable/clip_writer/sequence_folder.h"
 
+#include "palpable/base/contract.h"
 #include "palpable/base/error.h"
 #include "palpable/base/folder_lock.h"
 #include "palpable/base/output_file.h"
@@ -17,6 +18,7 @@
 #include "palpable/clip_files/truth_camera_file.h"
 #include "palpable/clip_writer/desk_film.h"
 #include "palpable/geometry/surface_distance.h"
+#include "palpable/script/beams.h"
 #include "palpable/script/contact_truth.h"
 #include "palpable/script/seen_share.h"
 
@@ -63,9 +65,11 @@ std::vector<Capsule> in_frame(std::vector<Capsule> capsules, const Rigid3& targe
   return capsules;
 }
 
-/// What does not change from frame to frame and decides whether and where something touches.
+/// What of a body does not change from frame to frame and decides whether and where something
+/// touches.
 struct TruthBody {
-  const DeskBody& body;
+  fs::path part;  ///< of the truth, where what is true of it lies; empty: the truth itself
+  DeskBody body;
   SurfaceDistance distance;  ///< body frame
   SurfacePoints in_desk;
   Rigid3 desk_from_body;
@@ -115,16 +119,22 @@ std::string matrix_text(const Rigid3& transform) {
   return text + "]";
 }
 
-void write_texts(const fs::path& out, const Sequence& sequence) {
-  const std::string place = fmt::format(
-      "# Where the body stands: camera_from_body, row by row, in the first frame's rectified left\n"
+void write_place(const fs::path& folder, const char* what, const Rigid3& camera_from_body) {
+  TextFile scene(folder / "scene.toml");
+  scene.write(fmt::format(
+      "# Where the {} stands: camera_from_body, row by row, in the first frame's rectified left\n"
       "# camera (m).\ncamera_from_body = {}\nfps = {}\n",
-      matrix_text(sequence.camera_from_body()), kFramesPerSecond);
+      what, matrix_text(camera_from_body), kFramesPerSecond));
+  scene.close();
+}
+
+// The pose in which a camera sees the scene first.
+void write_texts(const fs::path& out, const Sequence& sequence, const Rigid3& desk_from_scene,
+                 bool several) {
+  const Rigid3 camera_from_scene = sequence.camera_from_desk(0.0) * desk_from_scene;
   // In the truth once more, so that it is whole by itself.
   for (const char* folder : {"frames", "truth"}) {
-    TextFile scene(out / folder / "scene.toml");
-    scene.write(place);
-    scene.close();
+    write_place(out / folder, several ? "scene" : "body", camera_from_scene);
   }
 
   TextFile script(out / "truth" / "script.toml");
@@ -197,14 +207,15 @@ void check_gl(const DeskRenderer& renderer) {
 
 /// What one frame adds to the texts of the truth.
 struct FrameLines {
-  std::string hand, contact, trajectory, rig;
+  std::string hand, trajectory, rig;
+  std::vector<std::string> contacts;  ///< body by body
 };
 
 /// Films single frames. Several threads may use it, each with its own renderer.
 struct FrameWriter {
   const fs::path& folder;
   const Sequence& sequence;
-  const TruthBody& truth_body;
+  const std::vector<TruthBody>& bodies;
 
   /// Writes the frame's images.
   [[nodiscard]] FrameLines write(DeskRenderer& renderer, int frame) const {
@@ -212,7 +223,8 @@ struct FrameWriter {
     RawPair pair;
     DeskTruth truth;
     renderer.draw(moment, pair);
-    renderer.draw_truth(moment, truth_body.eyes.camera, truth_body.eyes.baseline, truth);
+    const RectifiedStereo& eyes = bodies.front().eyes;
+    renderer.draw_truth(moment, eyes.camera, eyes.baseline, truth);
     write_jpeg(folder / "frames" / "left" / frame_name(frame, ".jpg"), pair.left);
     write_jpeg(folder / "frames" / "right" / frame_name(frame, ".jpg"), pair.right);
     write_true_depth(folder / "truth" / "depth" / frame_name(frame, ".png"), truth.depth);
@@ -222,7 +234,9 @@ struct FrameWriter {
     const Rigid3 camera_from_desk = moment.camera_from_desk(frame);
     FrameLines lines;
     lines.hand = hand_line(hand_in_camera(frame, movers, camera_from_desk));
-    lines.contact = contact_line(contact_of(frame, movers, camera_from_desk, truth_body));
+    for (const TruthBody& body : bodies) {
+      lines.contacts.push_back(contact_line(contact_of(frame, movers, camera_from_desk, body)));
+    }
     lines.trajectory =
         trajectory_line({frame / kFramesPerSecond, world_from_camera(sequence, frame)});
     lines.rig = rig_line(
@@ -269,42 +283,78 @@ std::vector<FrameLines> film_frames(const FrameWriter& writer, int threads,
   return lines;
 }
 
+template <class LineOf>
 void write_lines(const fs::path& path, const std::vector<FrameLines>& frames,
-                 std::string FrameLines::*line) {
+                 const LineOf& line_of) {
   TextFile file(path);
-  for (const FrameLines& frame : frames) file.write(frame.*line);
+  for (const FrameLines& frame : frames) file.write(line_of(frame));
   file.close();
+}
+
+Sequence sequence_of(const std::vector<PlacedDeskBody>& bodies, const SequenceOrder& order) {
+  if (order.name == "beams") return plan_beams(bodies, order.frames, order.seed);
+  return plan_sequence(order.name, bodies.front().body, order.frames, order.seed);
 }
 
 }  // namespace
 
 void write_sequence(const ReducedBody& reduced, const SequenceOrder& order, const fs::path& folder,
                     const Progress& progress) {
-  const DeskBody body = desk_body(reduced);
-  const Sequence sequence = plan_sequence(order.name, body, order.frames, order.seed);
+  const SequenceBody one{.body = &reduced};
+  write_sequence({&one, 1}, order, folder, progress);
+}
+
+void write_sequence(std::span<const SequenceBody> wanted, const SequenceOrder& order,
+                    const fs::path& folder, const Progress& progress) {
+  PALPABLE_EXPECT(!wanted.empty(), "a film has a body");
+  const bool several = wanted.size() > 1;
+  std::vector<PlacedDeskBody> placed;
+  for (const SequenceBody& body : wanted) {
+    placed.push_back({desk_body(*body.body), body.scene_from_body});
+  }
+  const Sequence sequence = sequence_of(placed, order);
+  const Rigid3 desk_from_scene =
+      several ? sequence.desk_from_body * placed.front().scene_from_body.inverse()
+              : sequence.desk_from_body;
   const StereoRig rig = zed_mini_rig();
   const RectifiedGeometry geometry = rectified_geometry(rig);
   const PinholeCamera view = geometry.stereo.camera.scaled_down(2);
-  const TruthBody truth_body{
-      body, SurfaceDistance(body.surface),
-      transformed(sample_surface(body.surface, kTruthSpacing), sequence.desk_from_body),
-      sequence.desk_from_body, RectifiedStereo{view, geometry.stereo.baseline}};
-  const FrameWriter writer{folder, sequence, truth_body};
+  std::vector<TruthBody> bodies;
+  for (std::size_t k = 0; k < placed.size(); ++k) {
+    const Rigid3 desk_from_body =
+        several ? desk_from_scene * placed[k].scene_from_body : desk_from_scene;
+    bodies.push_back(
+        {several ? fs::path("bodies") / wanted[k].name : fs::path(), placed[k].body,
+         SurfaceDistance(placed[k].body.surface),
+         transformed(sample_surface(placed[k].body.surface, kTruthSpacing), desk_from_body),
+         desk_from_body, RectifiedStereo{view, geometry.stereo.baseline}});
+  }
+  const FrameWriter writer{folder, sequence, bodies};
   const int threads = order.threads > 0 ? order.threads : sequence.frames < kFramesForTwo ? 1 : 2;
+  const fs::path truth = folder / "truth";
   std::optional<FolderLock> lock;
   const auto begin = [&] {
     lock.emplace(folder);
     make_folders(folder);
     write_stereo_calibration(folder / "frames" / "calibration.yml", {rig, kFramesPerSecond});
-    write_texts(folder, sequence);
-    write_ply(folder / "truth" / kBodySkinFile, body.surface);
+    write_texts(folder, sequence, desk_from_scene, several);
+    for (const TruthBody& body : bodies) {
+      make_folder(truth / body.part);
+      write_ply(truth / body.part / kBodySkinFile, body.body.surface);
+      if (several) {
+        write_place(truth / body.part, "body",
+                    sequence.camera_from_desk(0.0) * body.desk_from_body);
+      }
+    }
   };
   const std::vector<FrameLines> lines = film_frames(writer, threads, begin, progress);
-  const fs::path truth = folder / "truth";
-  write_lines(truth / "hand.jsonl", lines, &FrameLines::hand);
-  write_lines(truth / "contact.jsonl", lines, &FrameLines::contact);
-  write_lines(truth / "trajectory.txt", lines, &FrameLines::trajectory);
-  write_lines(truth / "rig.jsonl", lines, &FrameLines::rig);
+  write_lines(truth / "hand.jsonl", lines, [](const FrameLines& l) { return l.hand; });
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    write_lines(truth / bodies[k].part / "contact.jsonl", lines,
+                [k](const FrameLines& l) { return l.contacts[k]; });
+  }
+  write_lines(truth / "trajectory.txt", lines, [](const FrameLines& l) { return l.trajectory; });
+  write_lines(truth / "rig.jsonl", lines, [](const FrameLines& l) { return l.rig; });
   // Without its camera a folder is no truth: written last, so that nobody scores half a film.
   write_truth_camera(truth / "camera.toml",
                      truth_camera(sequence, order, view, geometry.stereo.baseline));

@@ -19,14 +19,6 @@ constexpr float kFewest = 12;
 
 }  // namespace
 
-PixelBox united(const PixelBox& a, const PixelBox& b) {
-  if (a.width == 0 || a.height == 0) return b;
-  if (b.width == 0 || b.height == 0) return a;
-  const int x = std::min(a.x, b.x), y = std::min(a.y, b.y);
-  return {x, y, std::max(a.x + a.width, b.x + b.width) - x,
-          std::max(a.y + a.height, b.y + b.height) - y};
-}
-
 RestFilter::RestFilter(const RestFilterSettings& settings) : settings_(settings) {
   PALPABLE_EXPECT(settings.rests >= 0 && settings.moves > settings.rests && settings.sigmas > 0,
                   "what moves shifts by more than what rests");

@@ -89,7 +89,4 @@ class RestFilter {
   std::vector<float> moved_;  // per cell: 0 rests .. 1 moves
 };
 
-/// The smallest box that holds both.
-[[nodiscard]] PixelBox united(const PixelBox& a, const PixelBox& b);
-
 }  // namespace palpable

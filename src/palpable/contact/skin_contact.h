@@ -12,6 +12,7 @@
 
 #include "palpable/contact/object_surface.h"
 #include "palpable/contact/touch.h"
+#include "palpable/contact/touch_patches.h"
 #include "palpable/geometry/surface_mesh.h"
 #include "palpable/touch/touch_solver.h"
 
@@ -22,6 +23,10 @@
 #include <vector>
 
 namespace palpable {
+
+/// What a solver asks of the surface that was seen; both read it whenever they are asked.
+[[nodiscard]] GapQuery gaps_to(const ObjectSurface& seen);
+[[nodiscard]] NearQuery near_to(const ObjectSurface& seen);
 
 /// Makes its tables once, then allocates nothing once a state has had its room.
 class SkinContact {
@@ -47,23 +52,11 @@ class SkinContact {
   void place(const TouchState& state, Eigen::Matrix3Xf& skin) const { solver_.place(state, skin); }
 
  private:
-  // A point of the skin that is pressed, where it is now.
-  struct Pressed {
-    Eigen::Vector3f place;  // m
-    Eigen::Vector3f moved;  // m
-    Eigen::Vector3f force;  // N
-    float area = 0;         // m^2
-    int patch = 0;
-    int first = 0;  // of a union-find forest
-  };
   void find_pressed(const TouchState& state);
-  void join_neighbours();
-  [[nodiscard]] Touch touch_of(int patch, const ObjectSurface& seen) const;
 
   TouchSolver solver_;
   std::vector<Eigen::Vector3f> moved_;  // of the pressed points
-  std::vector<Pressed> pressed_;
-  int patches_ = 0;
+  TouchPatches patches_;
 };
 
 }  // namespace palpable

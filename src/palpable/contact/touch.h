@@ -6,7 +6,7 @@
 
 namespace palpable {
 
-/// One place where the real world presses the body. Body frame.
+/// One place where something presses a body. Body frame.
 struct Touch {
   int site = -1;           ///< index into ReducedBody::sites; -1: it presses where `point` says
   double level = 0;        ///< (0, 1] of the site's full load: the paper's pseudo-time; 0: no site
@@ -18,6 +18,8 @@ struct Touch {
   double area = 0;        ///< m^2 of the skin that is pressed; 0: not known, as at a site
   /// Share of the force at places of the object that the camera does not see: its other side.
   double assumed = 0;
+  int body = 0;  ///< which of the scene's bodies (Scene::bodies)
+  int by = -1;   ///< which other body presses it; -1: something real
 };
 
 }  // namespace palpable

@@ -3,9 +3,9 @@
 #include "palpable/base/bounded_text.h"
 #include "palpable/base/error.h"
 #include "palpable/base/whole_file.h"
-#include "palpable/describe/toml_section.h"
 #include "palpable/material/material.h"
 #include "palpable/mesh/volume_mesh.h"
+#include "palpable/toml/toml_section.h"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>

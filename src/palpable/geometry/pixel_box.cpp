@@ -34,6 +34,14 @@ PixelBox box_in_image(const Eigen::AlignedBox3d& space, const Rigid3& camera_fro
   return {left, top, right - left, bottom - top};
 }
 
+PixelBox united(const PixelBox& a, const PixelBox& b) {
+  if (a.width <= 0 || a.height <= 0) return b;
+  if (b.width <= 0 || b.height <= 0) return a;
+  const int left = std::min(a.x, b.x), top = std::min(a.y, b.y);
+  return {left, top, std::max(a.x + a.width, b.x + b.width) - left,
+          std::max(a.y + a.height, b.y + b.height) - top};
+}
+
 PixelBox grown(const PixelBox& box, int margin, const PinholeCamera& camera) {
   const int left = std::max(box.x - margin, 0), top = std::max(box.y - margin, 0);
   const int right = std::min(box.x + box.width + margin, camera.width);

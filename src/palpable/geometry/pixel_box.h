@@ -28,6 +28,9 @@ struct PixelBox {
 [[nodiscard]] PixelBox box_in_image(const Eigen::AlignedBox3d& space,
                                     const Rigid3& camera_from_space, const PinholeCamera& camera);
 
+/// The smallest box that holds both; a box without pixels holds nothing.
+[[nodiscard]] PixelBox united(const PixelBox& a, const PixelBox& b);
+
 /// The box with `margin` px more on each side, inside the image.
 [[nodiscard]] PixelBox grown(const PixelBox& box, int margin, const PinholeCamera& camera);
 

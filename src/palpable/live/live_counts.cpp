@@ -11,9 +11,10 @@ void LiveCounts::add(const Scene& scene) {
   if (scene.touches.empty()) return;
   ++touching;
   if (!first_touch) first_touch = scene.number;
-  const int site = scene.touches.front().site;
-  if (last_site_ >= 0 && last_site_ != site) ++site_changes;
+  const int site = scene.touches.front().site, body = scene.touches.front().body;
+  if (last_site_ >= 0 && last_body_ == body && last_site_ != site) ++site_changes;
   last_site_ = site;
+  last_body_ = body;
   for (const Touch& touch : scene.touches) deepest = std::max(deepest, touch.press_depth);
 }
 

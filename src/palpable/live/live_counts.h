@@ -16,9 +16,9 @@ struct LiveCounts {
   std::vector<int> lost;       ///< of these, frames in which it was not known where the camera is
   int moving = 0;              ///< frames in which the camera moved and was followed
 
-  int touching = 0;                ///< frames in which the body was touched
+  int touching = 0;                ///< frames in which a body was touched
   std::optional<int> first_touch;  ///< number of the first of them
-  int site_changes = 0;            ///< times that a touch was at another site than the one before
+  int site_changes = 0;            ///< times that a body was touched at another site than before
   double deepest = 0;              ///< m, of all presses
 
   SourceTroubles troubles;           ///< of the source
@@ -29,7 +29,8 @@ struct LiveCounts {
   void add(const Scene& scene);
 
  private:
-  int last_site_ = -1;  // of the touch before; -1: there was none
+  int last_site_ = -1;  // of the touch before, -1: there was none
+  int last_body_ = 0;   // and its body
 };
 
 }  // namespace palpable

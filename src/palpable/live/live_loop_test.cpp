@@ -80,10 +80,10 @@ TEST_CASE("a scene that is swapped out of the loop stays, and what is given inst
   std::set<const float*> memory;  // of all depth images that the loop has used
   int number = -1;
   while (Scene* scene = loop.next()) {
-    const Eigen::Matrix3Xf vertices = scene->vertices;
+    const Eigen::Matrix3Xf vertices = scene->bodies[0].vertices;
     std::swap(kept, *scene);
     number = kept.number;
-    CHECK(kept.vertices == vertices);
+    CHECK(kept.bodies[0].vertices == vertices);
     memory.insert(kept.seen.depth.data());
   }
   CHECK(number == 29);

@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include <map>
 #include <system_error>
 #include <utility>
 
@@ -16,12 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where the first frames say that the body stands; nothing when it is to stand at a place.
-std::optional<Rigid3> anchored_pose(const LiveSettings& settings) {
-  if (settings.anchor == Anchor::kPlace) return std::nullopt;
+// Where the first frames say that a body stands.
+Rigid3 anchored_pose(Anchor anchor, const LiveSettings& settings) {
   const std::unique_ptr<FrameSource> source = value_or_throw(open_source(settings.images));
   const DepthSettings& depth = settings.session.depth;
-  return settings.anchor == Anchor::kPlane
+  return anchor == Anchor::kPlane
              ? pose_on_plane(*source, settings.images.device, depth)
              : pose_on_board(*source, settings.images.device, depth, settings.board);
 }
@@ -33,6 +33,18 @@ Rigid3 place_of(const LiveSettings& settings, const SceneFile& scene) {
                                  settings.images.device));
 }
 
+// The places that first frames show, of the kinds that some body asks for.
+std::map<Anchor, Rigid3> looked_for_places(const std::vector<LiveBody>& bodies,
+                                           const LiveSettings& settings) {
+  std::map<Anchor, Rigid3> places;
+  for (const LiveBody& body : bodies) {
+    const Anchor anchor = body.place.anchor.value_or(settings.anchor);
+    const bool looks = anchor != Anchor::kPlace && body.place.beside < 0 && !body.place.place;
+    if (looks && !places.contains(anchor)) places[anchor] = anchored_pose(anchor, settings);
+  }
+  return places;
+}
+
 SceneFile scene_file_beside(const fs::path& images) {
   std::error_code ignored;
   const fs::path folder = fs::is_directory(images, ignored) ? images : images.parent_path();
@@ -42,17 +54,25 @@ SceneFile scene_file_beside(const fs::path& images) {
 }  // namespace
 
 LiveRun open_live(TouchableBody body, const LiveSettings& settings) {
-  const std::optional<Rigid3> anchored = anchored_pose(settings);
-  std::unique_ptr<FrameSource> source = value_or_throw(open_source(settings.images));
-  if (settings.paced && !source->is_live()) source = paced(std::move(source));
-  const fs::path images = settings.images.device;
-  const SceneFile scene = scene_file_beside(images);
-  const Rigid3 world_from_body = anchored ? *anchored : place_of(settings, scene);
+  std::vector<LiveBody> bodies;
+  bodies.push_back({std::move(body)});
+  return open_live(std::move(bodies), settings);
+}
 
+LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings) {
+  const fs::path images = settings.images.device;
+  // Who looks for a place opens the source, plays it and closes it again; a camera is open once.
+  const std::map<Anchor, Rigid3> looked_for = looked_for_places(bodies, settings);
+  std::unique_ptr<FrameSource> source = value_or_throw(open_source(settings.images));
+  const SceneFile scene = scene_file_beside(images);
+  std::vector<PlacedBody> standing = placed(std::move(bodies), settings.anchor, [&](Anchor anchor) {
+    return anchor == Anchor::kPlace ? place_of(settings, scene) : looked_for.at(anchor);
+  });
+  if (const auto overlap = overlap_of(standing)) throw Error(*overlap);
+  if (settings.paced && !source->is_live()) source = paced(std::move(source));
   SessionSettings session = settings.session;
   session.press_static |= scene.press_static;
-  Result<FrameLoop> loop =
-      FrameLoop::make(std::move(body), world_from_body, source->format(), session);
+  Result<FrameLoop> loop = FrameLoop::make(std::move(standing), source->format(), session);
   if (!loop.ok()) throw Error(fmt::format("{}: {}", images.string(), loop.problem().message));
   if (settings.refine) {
     RefinerSettings refine = *settings.refine;

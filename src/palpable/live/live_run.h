@@ -1,5 +1,5 @@
 /// @file
-/// From "this body, these images, this place" to a source and a frame loop that are ready to go.
+/// From "these bodies, these images, this place" to a source and a frame loop that are ready to go.
 ///
 ///     LiveSettings wanted;
 ///     wanted.images.device = "my/clip";
@@ -12,6 +12,7 @@
 
 #include "palpable/calibrate/board_calibration.h"
 #include "palpable/geometry/rigid.h"
+#include "palpable/live/body_place.h"
 #include "palpable/session/frame_loop.h"
 #include "palpable/session/refiner.h"
 #include "palpable/session/session.h"
@@ -22,22 +23,16 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace palpable {
 
-/// How it is found out where the body stands.
-enum class Anchor {
-  kPlace,  ///< LiveSettings::place says it, else the scene.toml beside the images (place.h)
-  kPlane,  ///< on the desk that the first frames show (anchoring.h)
-  kBoard   ///< on the chessboard that they show
-};
-
 struct LiveSettings {
-  CameraRequest images;  ///< folder, images by name, video or camera (open_source.h)
-  bool paced = false;    ///< a recording at its own pace; else it waits for the loop
-  Anchor anchor = Anchor::kPlace;
-  std::optional<Rigid3> place;  ///< of kPlace: world_from_body
-  BoardPattern board;           ///< of kBoard
+  CameraRequest images;            ///< folder, images by name, video or camera (open_source.h)
+  bool paced = false;              ///< a recording at its own pace; else it waits for the loop
+  Anchor anchor = Anchor::kPlace;  ///< where bodies stand that have no anchor of their own
+  std::optional<Rigid3> place;     ///< of kPlace: world_from_body
+  BoardPattern board;              ///< of kBoard
   /// Whom to ask for exact answers; nothing: nobody. Whether frames wait for them is found out:
   /// those of a camera and of a paced recording do not.
   std::optional<RefinerSettings> refine;
@@ -52,11 +47,12 @@ struct LiveRun {
   std::filesystem::path images;  ///< the folder, file or device that is played
 };
 
-/// Finds the place, opens the images, and makes the loop. For kPlane and kBoard the images are
+/// Finds the places, opens the images, and makes the loop. For kPlane and kBoard the images are
 /// opened, played for a second, closed and opened again.
-/// @throws NoPlaceError (place.h) when nothing says where the body stands, Error for everything
-/// else
-///         that is not as hoped
+/// @throws NoPlaceError (place.h) when nothing says where a body stands, Error for everything else
+///         that is not as hoped, bodies that stand in each other among it
+[[nodiscard]] LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings);
+/// The same with one body.
 [[nodiscard]] LiveRun open_live(TouchableBody body, const LiveSettings& settings);
 
 }  // namespace palpable

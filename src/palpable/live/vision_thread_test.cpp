@@ -79,8 +79,8 @@ TEST_CASE("seeing the next frame on another thread changes no result", "[live][t
     loop.session.respond(flight->scene);
     const Scene& scene = flight->scene;
     CHECK(scene.number == expected[n].number);
-    CHECK(scene.vertices == expected[n].vertices);
-    CHECK(scene.von_mises == expected[n].von_mises);
+    CHECK(scene.bodies[0].vertices == expected[n].bodies[0].vertices);
+    CHECK(scene.bodies[0].von_mises == expected[n].bodies[0].von_mises);
     vision.recycle(std::move(flight));
     ++n;
   }
@@ -154,7 +154,7 @@ TEST_CASE("a camera that does everything wrong never stops the loop, and the las
     loop.session.respond(flight->scene);
     const Scene& scene = flight->scene;
     CHECK(scene.number == expected[n].number);
-    CHECK(scene.vertices == expected[n].vertices);
+    CHECK(scene.bodies[0].vertices == expected[n].bodies[0].vertices);
     CHECK(scene.touches.size() == expected[n].touches.size());
     // Once touched, touched through all of it: the finger never leaves.
     if (n > 0 && !expected[n - 1].touches.empty()) CHECK(scene.touches.size() == 1);

@@ -34,10 +34,12 @@ constexpr std::array kStages{"read",       "rectify", "disparity", "depth", "map
                              "background", "contact", "evaluate",  "draw",  "write"};
 constexpr std::chrono::seconds kFlushEvery(1);
 constexpr double kDeepEnough = 0.004;  // m
-// What a scene's touches are in touches.jsonl.
-TouchesLine felt_in(const Scene& scene) {
+// What the touches of one of a scene's bodies are in touches.jsonl.
+// @param names  of the bodies; none where there is one
+TouchesLine felt_in(const Scene& scene, int body, const std::vector<std::string>& names) {
   TouchesLine felt{.frame = scene.number, .touches = {}};
   for (const Touch& touch : scene.touches) {
+    if (touch.body != body) continue;
     FeltTouch& entry = felt.touches.emplace_back();
     entry.press_depth = touch.press_depth;
     entry.force = touch.force * touch.direction;
@@ -49,11 +51,12 @@ TouchesLine felt_in(const Scene& scene) {
     } else {
       entry.area = touch.area;
       entry.assumed = touch.assumed;
+      if (touch.by >= 0) entry.by = names[static_cast<std::size_t>(touch.by)];
     }
   }
-  if (scene.stated_error) {
-    felt.displacement_error = scene.stated_error->displacement;
-    felt.stress_error = scene.stated_error->von_mises;
+  if (const auto& error = scene.bodies[static_cast<std::size_t>(body)].stated_error) {
+    felt.displacement_error = error->displacement;
+    felt.stress_error = error->von_mises;
   }
   return felt;
 }
@@ -175,10 +178,11 @@ LiveOutput::LiveOutput(const LiveOutputSettings& settings)
     make_folder(folder / "body_depth");
     make_folder(folder / "moving");
   }
-  if (settings_.meshes_of.vertex_count() > 0) {
-    make_folder(folder / "meshes");
-    drawn_ = {settings_.meshes_of, Eigen::VectorXd::Zero(settings_.meshes_of.vertex_count())};
-    write_valued_ply(folder / "meshes" / "rest.ply", drawn_, kVonMisesProperty);
+  for (const SurfaceMesh& rest : settings_.meshes_of) {
+    const fs::path meshes = meshes_folder(drawn_.size());
+    make_folder(meshes);
+    drawn_.push_back({rest, Eigen::VectorXd::Zero(rest.vertex_count())});
+    write_valued_ply(meshes / "rest.ply", drawn_.back(), kVonMisesProperty);
   }
   for (const char* stage : kStages) times_.emplace_back(stage, std::vector<double>());
   times_.emplace_back("total", std::vector<double>());
@@ -242,7 +246,7 @@ void LiveOutput::write_frame(DrawnFrame& frame) {
     const StageTimer timer(frame.scene.times, "write");
     if (settings_.depth) write_depth(frame);
     if (settings_.masks) write_masks(frame);
-    if (settings_.meshes_of.vertex_count() > 0) write_mesh(frame.scene);
+    write_meshes(frame.scene);
     write_video(frame);
     keep_if_best(frame);
     write_lines(frame);
@@ -260,11 +264,18 @@ void LiveOutput::write_frame(DrawnFrame& frame) {
 
 void LiveOutput::write_lines(const DrawnFrame& frame) {
   const Scene& scene = frame.scene;
-  if (!scene.touches.empty()) texts_->touches.write(touches_line(felt_in(scene)));
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    TouchesLine felt = felt_in(scene, static_cast<int>(k), settings_.bodies);
+    if (felt.touches.empty()) continue;
+    felt.body = name_of(k);
+    texts_->touches.write(touches_line(felt));
+  }
   if (scene.camera.state != TrackState::kLost) {  // a fixed camera's pose stays as it is
     texts_->trajectory.write(trajectory_line({scene.time, scene.camera.world_from_camera}));
   }
-  texts_->poses.write(pose_line({scene.number, scene.camera_from_body}));
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    texts_->poses.write(pose_line({scene.number, scene.bodies[k].camera_from_body, name_of(k)}));
+  }
   const double correction = scene.seen.row_correction_px;
   if (last_correction_ != correction) {
     last_correction_ = correction;
@@ -288,13 +299,25 @@ void LiveOutput::write_masks(const DrawnFrame& frame) {
   if (!moving.empty()) write_mask(settings_.folder / "moving" / name, moving);
 }
 
-void LiveOutput::write_mesh(const Scene& scene) {
-  drawn_.surface.vertices = scene.vertices.cast<double>();
-  drawn_.values =
-      Eigen::Map<const Eigen::VectorXf>(scene.von_mises.data(), std::ssize(scene.von_mises))
-          .cast<double>();
-  write_valued_ply(settings_.folder / "meshes" / frame_name(scene.number, ".ply"), drawn_,
-                   kVonMisesProperty);
+// Empty where there is one body alone.
+std::string LiveOutput::name_of(std::size_t body) const {
+  return body < settings_.bodies.size() ? settings_.bodies[body] : std::string();
+}
+
+fs::path LiveOutput::meshes_folder(std::size_t body) const {
+  return settings_.folder / "meshes" / name_of(body);
+}
+
+void LiveOutput::write_meshes(const Scene& scene) {
+  for (std::size_t k = 0; k < drawn_.size(); ++k) {
+    const SceneBody& body = scene.bodies[k];
+    drawn_[k].surface.vertices = body.vertices.cast<double>();
+    drawn_[k].values =
+        Eigen::Map<const Eigen::VectorXf>(body.von_mises.data(), std::ssize(body.von_mises))
+            .cast<double>();
+    write_valued_ply(meshes_folder(k) / frame_name(scene.number, ".ply"), drawn_[k],
+                     kVonMisesProperty);
+  }
 }
 
 void LiveOutput::flush() {

@@ -5,15 +5,17 @@
 ///
 ///   touch.mp4                 the pictures (video_file_writer.h)
 ///   timing.csv                ms per stage per frame (timing_file.h)
-///   touches.jsonl             where the body is pressed (touches_file.h)
+///   touches.jsonl             where bodies are pressed (touches_file.h)
 ///   trajectory.txt            where the camera was (trajectory_file.h)
 ///   rectification.jsonl       stereo: each change of the correction of rows (rectification_file.h)
-///   pose.jsonl                where the body was drawn (pose_file.h)
+///   pose.jsonl                where bodies were drawn (pose_file.h)
 ///   depth/%06d.png            the measured Z (depth_image_file.h)
-///   visible/%06d.png          255 where the body is seen (mask_image_file.h)
-///   body_depth/%06d.png       Z of the whole body at half size (depth_image_file.h)
+///   visible/%06d.png          255 where a body is seen (mask_image_file.h)
+///   body_depth/%06d.png       Z of the whole bodies at half size (depth_image_file.h)
 ///   moving/%06d.png           255 where something moves, at the depth's size (mask_image_file.h)
-///   meshes/%06d.ply rest.ply  the body as it is drawn, with its stress, if asked for (mesh_file.h)
+///   meshes/%06d.ply rest.ply  the body as it is drawn, with its stress, if asked for
+///   (mesh_file.h);
+///                             of several bodies each in a folder of its name in meshes/
 ///   hand_nearer.png body_nearer.png touch.png   the three situations of Fig. 9, if asked for
 #pragma once
 
@@ -42,8 +44,9 @@ struct LiveOutputSettings {
   bool depth = true;
   bool masks = true;
   bool figures = false;
-  /// The body at rest where every frame's is to be written; empty: none is.
-  SurfaceMesh meshes_of = {};
+  std::vector<std::string> bodies = {};  ///< names, where there are several; else none
+  /// The bodies at rest where every frame's are to be written; none: nothing is.
+  std::vector<SurfaceMesh> meshes_of = {};
   /// Frames that touch.png is chosen from, rising; without them, any frame that feels a touch.
   std::optional<std::vector<int>> touch_frames = {};
 };
@@ -102,7 +105,9 @@ class LiveOutput {
   void write_lines(const DrawnFrame& frame);
   void write_depth(const DrawnFrame& frame);
   void write_masks(const DrawnFrame& frame);
-  void write_mesh(const Scene& scene);
+  void write_meshes(const Scene& scene);
+  [[nodiscard]] std::string name_of(std::size_t body) const;
+  [[nodiscard]] std::filesystem::path meshes_folder(std::size_t body) const;
   void write_video(const DrawnFrame& frame);
   void open_video(const ColorImage& picture, double frames_per_second);
   void flush();
@@ -125,7 +130,7 @@ class LiveOutput {
     TextFile corrections;
   };
   std::optional<Texts> texts_;
-  ValuedSurface drawn_;  // of write_mesh
+  std::vector<ValuedSurface> drawn_;  // of write_meshes, body by body
   std::optional<double> last_correction_;
   std::unique_ptr<VideoFileWriter> video_;
   ColorImage first_picture_;  // held back until the second frame's time says the video's rate

@@ -40,7 +40,8 @@ void fill(DrawnFrame& drawn, int number) {
   scene = Scene();
   scene.number = number;
   scene.time = 0.05 * number;
-  scene.camera_from_body.translation() = Eigen::Vector3d(0.1 * number, 0, 0.5);
+  scene.bodies.resize(1);
+  scene.bodies[0].camera_from_body.translation() = Eigen::Vector3d(0.1 * number, 0, 0.5);
   scene.seen.depth = DepthImage(kWidth / 2, kHeight / 2, 0.25F);
   scene.seen.row_correction_px = number < 2 ? 0.5 : 0.75;
   scene.moving = MaskImage(kWidth / 2, kHeight / 2, 255);
@@ -111,14 +112,14 @@ TEST_CASE("touches anywhere are written with what is known of them, and the body
   rest.triangles.resize(3, 1);
   rest.triangles << 0, 1, 2;
   const fs::path out = folder / "out";
-  LiveOutput output({.folder = out, .meshes_of = rest});
+  LiveOutput output({.folder = out, .meshes_of = {rest}});
   for (int number = 0; number < 2; ++number) {
     std::unique_ptr<DrawnFrame> drawn = output.blank();
     fill(*drawn, number);
     Scene& scene = drawn->scene;
-    scene.vertices = rest.vertices.cast<float>();
-    scene.vertices(2, 0) -= 0.25f * static_cast<float>(number);
-    scene.von_mises = {0, 10, 20.0f * static_cast<float>(number)};
+    scene.bodies[0].vertices = rest.vertices.cast<float>();
+    scene.bodies[0].vertices(2, 0) -= 0.25f * static_cast<float>(number);
+    scene.bodies[0].von_mises = {0, 10, 20.0f * static_cast<float>(number)};
     if (number == 1) {
       Touch one;
       one.force = 2;
@@ -126,7 +127,7 @@ TEST_CASE("touches anywhere are written with what is known of them, and the body
       one.area = 4e-5;
       one.assumed = 0.75;
       scene.touches = {one, one};
-      scene.stated_error = StatedError{.displacement = 0.025, .von_mises = 0.0625};
+      scene.bodies[0].stated_error = StatedError{.displacement = 0.025, .von_mises = 0.0625};
     }
     output.write(std::move(drawn));
   }
@@ -299,6 +300,45 @@ TEST_CASE("an earlier run is replaced only when that is asked for, and only what
   remove_earlier_run(there);
   CHECK_FALSE(fs::exists(out / "depth"));
   CHECK(test::file_bytes(out / "notes.txt") == "mine");
+}
+
+TEST_CASE("of several bodies each has its lines and its meshes", "[live_writer]") {
+  const test::ScratchFolder folder("live_output_bodies");
+  SurfaceMesh rest;
+  rest.vertices = Eigen::Matrix3Xd::Identity(3, 3);
+  rest.triangles.resize(3, 1);
+  rest.triangles << 0, 1, 2;
+  const fs::path out = folder / "out";
+  LiveOutput output({.folder = out, .bodies = {"lower", "upper"}, .meshes_of = {rest, rest}});
+  for (int number = 0; number < 2; ++number) {
+    std::unique_ptr<DrawnFrame> drawn = output.blank();
+    fill(*drawn, number);
+    Scene& scene = drawn->scene;
+    scene.bodies.resize(2);
+    for (std::size_t k = 0; k < 2; ++k) {
+      scene.bodies[k].camera_from_body.translation().x() = static_cast<double>(k);
+      scene.bodies[k].vertices = rest.vertices.cast<float>();
+      scene.bodies[k].vertices(2, 0) -= 0.25f * static_cast<float>(k);
+      scene.bodies[k].von_mises = {0, 0, 0};
+    }
+    Touch touch;
+    touch.force = 2;
+    touch.body = number;
+    scene.touches = {touch};
+    output.write(std::move(drawn));
+  }
+  output.finish();
+  CHECK(read_touches(out / "touches.jsonl", "lower").at(0).frame == 0);
+  CHECK(read_touches(out / "touches.jsonl", "upper").at(0).frame == 1);
+  CHECK(read_touches(out / "touches.jsonl", "upper").size() == 1);
+  CHECK(read_touches(out / "touches.jsonl").empty());  // who plays one body is not meant
+  REQUIRE(read_poses(out / "pose.jsonl", "upper").size() == 2);
+  CHECK(read_poses(out / "pose.jsonl", "upper")[1].camera_from_body.translation().x() == 1);
+  CHECK(read_poses(out / "pose.jsonl", "lower")[1].camera_from_body.translation().x() == 0);
+  const ValuedSurface upper =
+      value_or_throw(read_valued_ply(out / "meshes/upper/000001.ply", kVonMisesProperty));
+  CHECK(upper.surface.vertices(2, 0) == -0.25);
+  CHECK(fs::exists(out / "meshes/lower/rest.ply"));
 }
 
 }  // namespace

@@ -10,7 +10,12 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const LiveO
   LiveSummary result;
   result.source = run.images.string();
   result.press_static = session.settings().press_static;
-  result.camera_from_body = session.world_from_body();  // the first frame's camera is the world
+  for (int k = 0; k < session.body_count(); ++k) {
+    LiveSummary::Body& body = result.bodies.emplace_back();
+    body.name = session.body_name(k);
+    body.contact = name_of(session.contact(k));
+    body.camera_from_body = session.world_from_body(k);  // the first frame's camera is the world
+  }
   if (const auto& color = run.source->format().color_sensor) {
     result.color_from_depth = color->color_from_depth;
   }
@@ -31,7 +36,7 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const LiveO
   result.site_changes = counts.site_changes;
   result.video_codec = output.codec();
   result.pictures = output.figures();
-  result.color_scale = stress_scale(session.body());
+  result.color_scale = stress_scale(session);
   for (const auto& [stage, values] : output.times()) {
     if (!values.empty()) result.median_ms.emplace_back(stage, percentile(values, 0.5));
   }

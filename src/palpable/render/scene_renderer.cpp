@@ -151,7 +151,7 @@ struct SceneRenderer::State {
   RealOutlines outlines;
 
   // Kept between frames so that nothing is allocated.
-  std::vector<float> zeros, filled, dot_values, z_rows;
+  std::vector<float> zeros, ones, filled, dot_values, z_rows;
   std::vector<signed char> nearest_in_row;
   std::vector<std::uint8_t> rgba, mask_rows;
 
@@ -193,6 +193,7 @@ Result<SceneRenderer> SceneRenderer::make() {
                                                 .fine_box = {},
                                                 .outlines = {},
                                                 .zeros = {},
+                                                .ones = {},
                                                 .filled = {},
                                                 .dot_values = {},
                                                 .z_rows = {},
@@ -341,7 +342,12 @@ void SceneRenderer::State::stream(const BodyLook& look, BodyBuffers& to) {
   to.vertices.stream(matrix(*look.vertices));
   to.normals.stream(matrix(*look.normals));
   to.scalar.stream(or_zeros(look.scalar));
-  to.marks.stream(or_zeros(look.marks));
+  if (look.color) {
+    ones.resize(std::max(ones.size(), count), 1.0f);
+    to.marks.stream(std::span<const float>(ones.data(), count));
+  } else {
+    to.marks.stream(or_zeros(look.marks));
+  }
   if (to.known_triangles.cols() != look.triangles->cols() ||
       to.known_triangles != *look.triangles) {
     to.known_triangles = *look.triangles;
@@ -390,7 +396,7 @@ void SceneRenderer::State::draw_bodies(const SceneView& view) {
     };
     set_common(body_program);
     body_program.set("scalar_max", look.scalar_max);
-    body_program.set("mark_color", floats_of(look.mark_color));
+    body_program.set("mark_color", floats_of(look.color.value_or(look.mark_color)));
     buffers[i].inputs.bind();
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(look.triangles->size()), GL_UNSIGNED_INT,
                    nullptr);

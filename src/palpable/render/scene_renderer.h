@@ -14,6 +14,7 @@
 #include <Eigen/Core>
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,6 +38,7 @@ struct BodyLook {
   float scalar_max = 1;                         ///< Pa, > 0: upper end of the colour scale
   std::span<const float> marks;                 ///< (V) painted in mark_color where > 0.5; or empty
   Rgb mark_color{250, 208, 60};
+  std::optional<Rgb> color = {};  ///< all of it, instead of scalar and marks
   std::span<const Dot> dots;
   Rigid3 camera_from_body = Rigid3::Identity();
   /// Darkness of the shadow on the body's plane Z = 0, from 0 (none) to 1. It falls on pixels whose

@@ -33,7 +33,7 @@ std::vector<DeformedLine> scored_lines(const TruthFolder& truth, const DrawnSkin
 }
 
 ValuedSurface true_skin(const TruthFolder& truth, int frame) {
-  const fs::path path = deformed_skin_file(truth.folder / "deformed", frame);
+  const fs::path path = deformed_skin_file(truth.part / "deformed", frame);
   ValuedSurface skin = value_or_throw(read_valued_ply(path, kVonMisesProperty));
   const int count = truth.deformed->rest.vertex_count();
   if (skin.surface.vertex_count() != count) {

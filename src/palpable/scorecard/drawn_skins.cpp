@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <span>
 
 namespace palpable {
@@ -30,10 +31,7 @@ std::span<float> numbers_of(Matrix& matrix) {
 
 DrawnSkins::DrawnSkins(const TruthFolder& truth, const ResultFolder& result,
                        const ReducedBody* body)
-    : truth_(truth),
-      result_(result),
-      body_(body),
-      meshes_(fs::is_directory(result.folder / "meshes")) {
+    : truth_(truth), result_(result), body_(body), meshes_(fs::is_directory(result.meshes)) {
   if (meshes_) {
     find_rest_among_meshes();
     return;
@@ -57,13 +55,16 @@ std::optional<ValuedSurface> DrawnSkins::at(int frame, Stress stress) {
 }
 
 std::optional<double> DrawnSkins::deepest_scored() const {
+  // One of several bodies may be a beam, which bends by more than its height; where a hand passes
+  // through it, its true answer is not scored.
+  if (truth_.part != truth_.folder) return std::numeric_limits<double>::infinity();
   if (truth_.body) return kPassesThrough * height_of(truth_.body->rest);
   if (height_) return kPassesThrough * *height_;
   return std::nullopt;
 }
 
 fs::path DrawnSkins::mesh_file(int frame) const {
-  return result_.folder / "meshes" / frame_name(frame, ".ply");
+  return result_.meshes / frame_name(frame, ".ply");
 }
 
 std::optional<ValuedSurface> DrawnSkins::from_file(const fs::path& path) {
@@ -106,7 +107,7 @@ ValuedSurface DrawnSkins::from_touch(int frame, Stress stress) const {
 }
 
 void DrawnSkins::find_rest_among_meshes() {
-  const fs::path rest_file = result_.folder / "meshes" / "rest.ply";
+  const fs::path rest_file = result_.meshes / "rest.ply";
   if (const auto rest = from_file(rest_file)) {
     rest_ = rest->surface;
     height_ = height_of(*rest_);

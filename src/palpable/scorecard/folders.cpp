@@ -18,7 +18,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <string_view>
 #include <utility>
 
 namespace palpable {
@@ -73,12 +72,12 @@ std::optional<Rigid3> place_in(const fs::path& truth) {
 }
 
 std::optional<TrueBody> body_in(const TruthFolder& truth) {
-  const fs::path file = truth.folder / kBodySkinFile;
+  const fs::path file = truth.part / kBodySkinFile;
   if (fs::exists(file)) {
     return TrueBody{value_or_throw(read_valued_ply(file, kVonMisesProperty)).surface, file};
   }
   if (!truth.deformed) return std::nullopt;
-  return TrueBody{truth.deformed->rest, truth.folder / "deformed" / "rest.ply"};
+  return TrueBody{truth.deformed->rest, truth.part / "deformed" / "rest.ply"};
 }
 
 std::map<int, std::vector<Capsule>> hands_in(const fs::path& path) {
@@ -111,19 +110,21 @@ void read_live(const fs::path& path, ResultFolder& result) {
   result.processed = std::move(processed);
 }
 
-std::map<int, std::vector<FoundTouch>> touches_in(const fs::path& path) {
+std::map<int, std::vector<FoundTouch>> touches_in(const fs::path& path, const std::string& body) {
   std::map<int, std::vector<FoundTouch>> touches;
-  for (const TouchesLine& line : read_touches(path)) {
+  for (const TouchesLine& line : read_touches(path, body)) {
     for (const FeltTouch& touch : line.touches) {
-      touches[line.frame].push_back({touch.site, touch.level, touch.force});
+      touches[line.frame].push_back({touch.site, touch.level, touch.force, !touch.by.empty()});
     }
   }
   return touches;
 }
 
-std::map<int, Rigid3> poses_in(const fs::path& path) {
+std::map<int, Rigid3> poses_in(const fs::path& path, const std::string& body) {
   std::map<int, Rigid3> poses;
-  for (const PoseLine& line : read_poses(path)) poses.emplace(line.frame, line.camera_from_body);
+  for (const PoseLine& line : read_poses(path, body)) {
+    poses.emplace(line.frame, line.camera_from_body);
+  }
   return poses;
 }
 
@@ -133,6 +134,16 @@ std::vector<RowCorrection> corrections_in(const fs::path& path) {
     corrections.push_back({line.frame, line.row_correction_px});
   }
   return corrections;
+}
+
+// Of a run with several bodies each has a folder of its own.
+bool holds_folders(const fs::path& folder) {
+  return std::any_of(fs::directory_iterator(folder), fs::directory_iterator(),
+                     [](const fs::directory_entry& entry) { return entry.is_directory(); });
+}
+
+fs::path truth_in(const fs::path& folder) {
+  return fs::exists(folder / "truth" / "camera.toml") ? folder / "truth" : folder;
 }
 
 // Lists of one line per frame: as many as the truth has frames, or none.
@@ -180,9 +191,10 @@ bool ResultFolder::every_frame_has_a_pose() const {
   return true;
 }
 
-TruthFolder read_truth_folder(const fs::path& folder) {
+TruthFolder read_truth_folder(const fs::path& folder, const std::string& body) {
   TruthFolder truth;
-  truth.folder = fs::exists(folder / "truth" / "camera.toml") ? folder / "truth" : folder;
+  truth.folder = truth_in(folder);
+  truth.part = body.empty() ? truth.folder : truth.folder / "bodies" / body;
   if (!fs::is_directory(truth.folder)) {
     throw Error(fmt::format("{}: no such folder", truth.folder.string()));
   }
@@ -195,7 +207,8 @@ TruthFolder read_truth_folder(const fs::path& folder) {
   truth.frames_per_second = camera.frames_per_second;
   const auto path_of = [&](const char* name) { return truth.folder / name; };
   const auto there = [&](const char* name) { return fs::exists(path_of(name)); };
-  if (there("contact.jsonl")) truth.contacts = contacts_in(path_of("contact.jsonl"));
+  const fs::path contacts = truth.part / "contact.jsonl";
+  if (fs::exists(contacts)) truth.contacts = contacts_in(contacts);
   if (there("hand.jsonl")) truth.hands = hands_in(path_of("hand.jsonl"));
   if (there("rig.jsonl")) truth.rows = rows_in(path_of("rig.jsonl"));
   if (there("trajectory.txt")) truth.trajectory = read_trajectory(path_of("trajectory.txt"));
@@ -211,30 +224,46 @@ TruthFolder read_truth_folder(const fs::path& folder) {
   expect_complete(truth, "contact.jsonl", truth.contacts.size());
   expect_complete(truth, "trajectory.txt", truth.trajectory.size());
   if (there("hand.jsonl")) fill_gaps(truth);
-  truth.deformed = skins_in(path_of("deformed"), truth.frames);
+  truth.deformed = skins_in(truth.part / "deformed", truth.frames);
   truth.body = body_in(truth);
-  truth.world_from_body = place_in(truth.folder);
+  truth.world_from_body = place_in(truth.part);
   return truth;
 }
 
-ResultFolder read_result_folder(const fs::path& folder, int frames) {
+std::vector<std::string> bodies_of_truth(const fs::path& folder) {
+  std::vector<std::string> names;
+  const fs::path bodies = truth_in(folder) / "bodies";
+  if (!fs::is_directory(bodies)) return names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(bodies)) {
+    if (entry.is_directory()) names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+ResultFolder read_result_folder(const fs::path& folder, int frames, const std::string& body) {
   if (!fs::is_directory(folder)) throw Error(fmt::format("{}: no such folder", folder.string()));
   ResultFolder result;
   result.folder = folder;
+  result.meshes = folder / "meshes" / body;
   result.processed.assign(static_cast<std::size_t>(frames), 1);
   const auto there = [&](const char* name) { return fs::exists(folder / name); };
   if (there("live.json")) read_live(folder / "live.json", result);
-  if (there("touches.jsonl")) result.touches = touches_in(folder / "touches.jsonl");
-  if (there("pose.jsonl")) result.poses = poses_in(folder / "pose.jsonl");
+  if (there("touches.jsonl")) result.touches = touches_in(folder / "touches.jsonl", body);
+  if (there("pose.jsonl")) result.poses = poses_in(folder / "pose.jsonl", body);
   if (there("trajectory.txt")) result.trajectory = read_trajectory(folder / "trajectory.txt");
   if (there("rectification.jsonl")) {
     result.corrections = corrections_in(folder / "rectification.jsonl");
   }
   bool any = result.touches || result.poses || result.trajectory || result.corrections ||
              result.camera_from_body;
-  for (const char* kind : {"depth", "moving", "visible", "body_depth", "meshes"}) {
+  for (const char* kind : {"depth", "moving", "visible", "body_depth"}) {
     if (!there(kind)) continue;
-    expect_frames_in(folder / kind, std::string_view(kind) == "meshes" ? ".ply" : ".png");
+    expect_frames_in(folder / kind, ".png");
+    any = true;
+  }
+  if (fs::is_directory(result.meshes) && !holds_folders(result.meshes)) {
+    expect_frames_in(result.meshes, ".ply");
     any = true;
   }
   if (!any) {

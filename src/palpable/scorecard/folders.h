@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace palpable {
@@ -44,7 +45,9 @@ struct TrueBody {
 /// What is known of a film. Only camera.toml must be there; lists of files that are not are empty.
 struct TruthFolder {
   std::filesystem::path folder;
-  double depth_unit = 0;                      ///< m per count of depth/, in truth and result
+  std::filesystem::path
+      part;               ///< where what is true of the body lies: folder, or bodies/NAME in it
+  double depth_unit = 0;  ///< m per count of depth/, in truth and result
   double frames_per_second = 0;               ///< > 0
   int frames = 0;                             ///< > 0
   std::vector<TrueContact> contacts;          ///< one per frame
@@ -68,11 +71,13 @@ struct FoundTouch {
   int site = -1;                              ///< -1: not said
   std::optional<double> level;                ///< of the site's full load
   std::optional<Eigen::Vector3d> force = {};  ///< N, on the body, body frame
+  bool by_body = false;                       ///< another body presses, nothing real
 };
 
 /// What a system left that was shown the film. Nothing is there that the folder does not hold.
 struct ResultFolder {
   std::filesystem::path folder;
+  std::filesystem::path meshes;  ///< where the body's are, if any
   /// (frames of the truth) 1 where live.json counts the frame as processed; all 1 without it.
   std::vector<std::uint8_t> processed;
   std::optional<Rigid3> camera_from_body;                         ///< live.json
@@ -88,9 +93,14 @@ struct ResultFolder {
 };
 
 /// @param folder  TRUTH, or the folder that holds truth/
+/// @param body    which of several; empty: there is one
 /// @throws Error naming file and line when something is missing or makes no sense
-[[nodiscard]] TruthFolder read_truth_folder(const std::filesystem::path& folder);
+[[nodiscard]] TruthFolder read_truth_folder(const std::filesystem::path& folder,
+                                            const std::string& body = {});
 /// @throws Error as above, and when the folder holds none of the files of a result
-[[nodiscard]] ResultFolder read_result_folder(const std::filesystem::path& folder, int frames);
+[[nodiscard]] ResultFolder read_result_folder(const std::filesystem::path& folder, int frames,
+                                              const std::string& body = {});
+/// The names of a film's bodies, in the order of the alphabet; none where there is one.
+[[nodiscard]] std::vector<std::string> bodies_of_truth(const std::filesystem::path& folder);
 
 }  // namespace palpable

@@ -115,6 +115,36 @@ TEST_CASE("a result is read as far as it goes", "[scorecard]") {
   CHECK_FALSE(result.pose_at(2).has_value());
 }
 
+TEST_CASE("of several bodies each is read and scored by itself", "[scorecard][scene]") {
+  const ScratchFolder folder("scorecard_scene");
+  const fs::path truth = folder / "truth", result = folder / "result";
+  write(truth / "camera.toml", kCamera);
+  write(truth / "trajectory.txt", "0 0 0 0 0 0 0 1\n0.033333 0 0 0 0 0 0 1\n");
+  const auto contact = [](bool touching) {
+    return std::string("{\"frame\":0,\"touching\":false}\n{\"frame\":1,\"touching\":") +
+           (touching ? "true,\"depth_m\":0.005}\n" : "false}\n");
+  };
+  write(truth / "bodies/lower/contact.jsonl", contact(false));
+  write(truth / "bodies/upper/contact.jsonl", contact(true));
+  write(result / "touches.jsonl",
+        "{\"frame\":1,\"body\":\"lower\",\"touches\":[{\"by\":\"upper\",\"force\":[0,0,-1]}]}\n"
+        "{\"frame\":1,\"body\":\"upper\",\"touches\":[{\"force\":[0,0,-2]}]}\n");
+  CHECK(bodies_of_truth(folder.path()) == std::vector<std::string>{"lower", "upper"});
+  CHECK(read_truth_folder(truth, "upper").contacts[1].touching);
+  CHECK(read_result_folder(result, 2, "upper").touches->at(1).front().force->z() == -2);
+  CHECK(read_result_folder(result, 2, "lower").touches->at(1).front().by_body);
+  const Scorecard scores = score_folders(truth, result, nullptr, {});
+  REQUIRE(scores.bodies.size() == 2);
+  CHECK(scores.bodies[0].name == "lower");
+  // What the upper one does to the lower one is no touch that was felt and is not there.
+  CHECK(scores.bodies[0].press.touch_recall == std::nullopt);
+  CHECK(scores.bodies[0].press.frames_touching == 0);
+  CHECK(scores.bodies[1].press.touch_recall == 1.0);
+  CHECK_FALSE(scores.press.frames_touching.has_value());
+  CHECK(json_of(scores).find("\"upper\"") != std::string::npos);
+  CHECK(text_of(scores).find("upper\n") != std::string::npos);
+}
+
 TEST_CASE("a truth that makes no sense is refused with file and line", "[scorecard][errors]") {
   CHECK(truth_refusal("script.toml", "anything").empty());
   CHECK(says(truth_refusal("camera.toml", "fps = 30\n"), {"camera.toml", "depth_unit_m"}));

@@ -44,8 +44,12 @@ Touching found_touching(const TruthFolder& truth, const ResultFolder& result) {
                               (result.folder / "touches.jsonl").string(), frame, truth.frames));
     }
     if (result.processed[frame] == 0) continue;
+    // What another body does to this one is not what the hand does.
+    const auto real = std::find_if(touches.begin(), touches.end(),
+                                   [](const FoundTouch& touch) { return !touch.by_body; });
+    if (real == touches.end()) continue;
     touching.any[frame] = 1;
-    touching.site[frame] = touches.front().site;
+    touching.site[frame] = real->site;
   }
   return touching;
 }
@@ -117,9 +121,27 @@ std::optional<double> score_rows(const TruthFolder& truth, const ResultFolder& r
   return largest_row_error(truth.rows, *result.corrections, second, looked_at);
 }
 
+// What is scored of each of several bodies.
+void score_bodies(const std::filesystem::path& truth_path, const std::filesystem::path& result_path,
+                  const std::vector<std::string>& names, Scorecard& scores) {
+  for (const std::string& name : names) {
+    const TruthFolder truth = read_truth_folder(truth_path, name);
+    const ResultFolder result = read_result_folder(result_path, truth.frames, name);
+    BodyScores& body = scores.bodies.emplace_back();
+    body.name = name;
+    body.press = score_presses(truth, result);
+    body.surface = score_surface(truth, result, nullptr);
+    body.deformed = score_deformed(truth, result, nullptr);
+  }
+}
+
 Scorecard score_folders(const std::filesystem::path& truth_path,
                         const std::filesystem::path& result_path, const ReducedBody* body,
                         const Progress& progress) {
+  const std::vector<std::string> names = bodies_of_truth(truth_path);
+  if (!names.empty() && body != nullptr) {
+    throw Error("--body is of a film with one body; of several their meshes say all");
+  }
   const TruthFolder truth = read_truth_folder(truth_path);
   const ResultFolder result = read_result_folder(result_path, truth.frames);
   Scorecard scores;
@@ -128,9 +150,13 @@ Scorecard score_folders(const std::filesystem::path& truth_path,
       static_cast<int>(std::count(result.processed.begin(), result.processed.end(), 1));
   scores.images = score_images(truth, result, progress);
   scores.path = score_path(truth, result);
-  scores.press = score_presses(truth, result);
-  scores.surface = score_surface(truth, result, body);
-  scores.deformed = score_deformed(truth, result, body);
+  if (names.empty()) {
+    scores.press = score_presses(truth, result);
+    scores.surface = score_surface(truth, result, body);
+    scores.deformed = score_deformed(truth, result, body);
+  } else {
+    score_bodies(truth_path, result_path, names, scores);
+  }
   scores.jitter_mm = score_anchor(truth, result);
   scores.row_error_px = score_rows(truth, result);
   if (body != nullptr) {

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace palpable {
 
@@ -35,6 +36,14 @@ struct PressScores {
   std::optional<double> touch_false_5mm;
 };
 
+/// What is scored of one of several bodies.
+struct BodyScores {
+  std::string name;
+  PressScores press;
+  SurfaceScores surface;
+  DeformedScores deformed;
+};
+
 /// By the names of docs/benchmark.md. What a result does not hold has no score.
 struct Scorecard {
   int frames = 0;
@@ -44,6 +53,7 @@ struct Scorecard {
   PressScores press;
   SurfaceScores surface;
   DeformedScores deformed;
+  std::vector<BodyScores> bodies = {};  ///< of several, instead of the three above
   std::optional<double> jitter_mm;
   std::optional<double> row_error_px;
   /// Of the body itself; nothing without it.

@@ -23,7 +23,9 @@ Json or_null(const std::optional<P50AndP99>& value) {
   return value ? both("p50", value->p50, "p99", value->p99) : Json(nullptr);
 }
 
-void add_press(const Scorecard& scores, Json& json) {
+// @param scores  a Scorecard, or BodyScores
+template <class Scores>
+void add_press(const Scores& scores, Json& json) {
   const PressScores& press = scores.press;
   json["frames_touching"] = or_null(press.frames_touching);
   json["touch_precision"] = or_null(press.touch_precision);
@@ -95,6 +97,11 @@ std::string json_of(const Scorecard& scores) {
   json["rpe_deg"] = or_null(scores.path.rpe_deg);
   json["trajectory_share"] = or_null(scores.path.trajectory_share);
   add_press(scores, json);
+  for (const BodyScores& body : scores.bodies) {
+    Json& of_body = json["bodies"][body.name];
+    add_press(body, of_body);
+    of_body["placement_error_mm"] = or_null(body.surface.placement_error_mm);
+  }
   json["placement_error_mm"] = or_null(scores.surface.placement_error_mm);
   json["jitter_mm"] = or_null(scores.jitter_mm);
   json["row_error_px"] = or_null(scores.row_error_px);

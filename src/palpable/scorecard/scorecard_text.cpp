@@ -48,6 +48,28 @@ std::string deformed_lines(const DeformedScores& deformed) {
   return text;
 }
 
+std::string press_lines(const PressScores& press, const SurfaceScores& surface,
+                        const DeformedScores& deformed) {
+  std::string text = count("frames with a true touch", press.frames_touching);
+  text +=
+      count("first touch felt after the true one by", press.first_touch_delay_frames, " frames");
+  text += line("felt touches that are true", press.touch_precision, "", 3);
+  text += line("true touches that are felt", press.touch_recall, "", 3);
+  text += line("  at the right site", press.touch_site, "", 3);
+  text += line("true touches of 3 mm and seen that are felt", press.touch_recall_3mm, "", 3);
+  text += line("felt touches with nothing within 5 mm", press.touch_false_5mm, "", 3);
+  text += count("frames too deep to be scored", surface.frames_too_deep);
+  text += count("frames whose touch no camera sees", surface.frames_unseen);
+  text += line("penetration left, median", surface.penetration_median_mm, " mm", 2);
+  text += line("penetration left, 99 of 100", surface.penetration_p99_mm, " mm", 2);
+  text += line("  median where no camera sees the touch", surface.penetration_median_mm_unseen,
+               " mm", 2);
+  text += line("largest unexplained jump of the surface", surface.largest_pop_mm, " mm", 2);
+  text += count("  jumps of more than 4 mm", surface.pops_4mm);
+  text += deformed_lines(deformed);
+  return text;
+}
+
 std::string depth_table(const ImageScores& images) {
   if (images.depth_frames == 0) return {};
   std::string text = "depth at (m)    median error   within 1 %   (the paper's camera: 1 to 9 %)\n";
@@ -76,23 +98,11 @@ std::string text_of(const Scorecard& scores) {
   text += line("what moves, intersection over union", images.moving_iou, "", 3);
   text += line("what moves, found", images.moving_recall, "", 3);
   text += line("called moving and is not, of all pixels", images.moving_false, "", 5);
-  text += count("frames with a true touch", scores.press.frames_touching);
-  text += count("first touch felt after the true one by", scores.press.first_touch_delay_frames,
-                " frames");
-  text += line("felt touches that are true", scores.press.touch_precision, "", 3);
-  text += line("true touches that are felt", scores.press.touch_recall, "", 3);
-  text += line("  at the right site", scores.press.touch_site, "", 3);
-  text += line("true touches of 3 mm and seen that are felt", scores.press.touch_recall_3mm, "", 3);
-  text += line("felt touches with nothing within 5 mm", scores.press.touch_false_5mm, "", 3);
-  text += count("frames too deep to be scored", scores.surface.frames_too_deep);
-  text += count("frames whose touch no camera sees", scores.surface.frames_unseen);
-  text += line("penetration left, median", scores.surface.penetration_median_mm, " mm", 2);
-  text += line("penetration left, 99 of 100", scores.surface.penetration_p99_mm, " mm", 2);
-  text += line("  median where no camera sees the touch",
-               scores.surface.penetration_median_mm_unseen, " mm", 2);
-  text += line("largest unexplained jump of the surface", scores.surface.largest_pop_mm, " mm", 2);
-  text += count("  jumps of more than 4 mm", scores.surface.pops_4mm);
-  text += deformed_lines(scores.deformed);
+  if (scores.bodies.empty()) { text += press_lines(scores.press, scores.surface, scores.deformed); }
+  for (const BodyScores& body : scores.bodies) {
+    text += fmt::format("{}\n", body.name) + press_lines(body.press, body.surface, body.deformed);
+    text += spread("body drawn off its place by", body.surface.placement_error_mm, " mm", 2);
+  }
   if (scores.reduction_error) {
     text += fmt::format("{:<44}{:.2e}\n", "error of the reduced model, pooled",
                         *scores.reduction_error);

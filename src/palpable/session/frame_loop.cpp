@@ -6,10 +6,16 @@ namespace palpable {
 
 Result<FrameLoop> FrameLoop::make(TouchableBody body, const Rigid3& world_from_body,
                                   const FrameFormat& format, const SessionSettings& settings) {
+  std::vector<PlacedBody> bodies;
+  bodies.push_back({std::move(body), world_from_body});
+  return make(std::move(bodies), format, settings);
+}
+
+Result<FrameLoop> FrameLoop::make(std::vector<PlacedBody> bodies, const FrameFormat& format,
+                                  const SessionSettings& settings) {
   Result<DepthCamera> camera = DepthCamera::make(format, settings.depth);
   if (!camera.ok()) return camera.problem();
-  Result<Session> session =
-      Session::make(std::move(body), world_from_body, camera.value(), format, settings);
+  Result<Session> session = Session::make(std::move(bodies), camera.value(), format, settings);
   if (!session.ok()) return session.problem();
   return FrameLoop{std::move(camera).value(), std::move(session).value()};
 }

@@ -14,6 +14,8 @@
 #include "palpable/session/scene.h"
 #include "palpable/session/session.h"
 
+#include <vector>
+
 namespace palpable {
 
 struct FrameLoop {
@@ -22,7 +24,12 @@ struct FrameLoop {
   Scene scene{};       ///< of the frame processed last
 
   /// A problem when the format's numbers make no depth camera, or a setting is out of range.
-  /// @param world_from_body  where the body stands; the world is the first frame's camera
+  /// @param bodies  as Session::make()
+  [[nodiscard]] static Result<FrameLoop> make(std::vector<PlacedBody> bodies,
+                                              const FrameFormat& format,
+                                              const SessionSettings& settings = {});
+  /// The same with one body.
+  /// @param world_from_body  where it stands; the world is the first frame's camera
   [[nodiscard]] static Result<FrameLoop> make(TouchableBody body, const Rigid3& world_from_body,
                                               const FrameFormat& format,
                                               const SessionSettings& settings = {});

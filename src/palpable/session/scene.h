@@ -1,7 +1,7 @@
 /// @file
-/// The answer to one frame: where the body is touched and what it then looks like.
+/// The answer to one frame: where bodies are touched and what they then look like.
 ///
-///   V  surface vertices of the body
+///   V  surface vertices of a body
 #pragma once
 
 #include "palpable/base/stage_clock.h"
@@ -19,6 +19,17 @@
 
 namespace palpable {
 
+/// One of a scene's bodies.
+struct SceneBody {
+  Rigid3 camera_from_body = Rigid3::Identity();  ///< where it is drawn and touched
+  Eigen::Matrix3Xf vertices;                     ///< (3 x V) m, body frame, deformed
+  Eigen::Matrix3Xf normals;                      ///< (3 x V) unit, outwards
+  std::vector<float> von_mises;                  ///< (V) Pa; at rest that of its preload
+  /// Of the answer, the obstacle taken as it is seen; nothing where nothing touches or where that
+  /// is not known.
+  std::optional<StatedError> stated_error;
+};
+
 /// All that is to be drawn, written or compared of one frame. Plain data without pointers: it may
 /// be kept, copied and handed to another thread.
 ///
@@ -30,15 +41,10 @@ struct Scene {
 
   int number = 0;              ///< the frame's: seen.number
   double time = 0;             ///< s, the frame's: seen.time
-  std::vector<Touch> touches;  ///< the strongest first
-  /// Of the answer, the obstacle taken as it is seen; nothing where nothing touches or where that
-  /// is not known.
-  std::optional<StatedError> stated_error;
-  Eigen::Matrix3Xf vertices;                     ///< (3 x V) m, body frame, deformed
-  Eigen::Matrix3Xf normals;                      ///< (3 x V) unit, outwards
-  std::vector<float> von_mises;                  ///< (V) Pa; 0 at rest
-  Rigid3 camera_from_body = Rigid3::Identity();  ///< where the body is drawn and touched
-  TrackedPose camera;                            ///< identity and kFixed when nothing is tracked
+  std::vector<Touch> touches;  ///< of all bodies, the strongest first
+  /// In the order of the session's.
+  std::vector<SceneBody> bodies;
+  TrackedPose camera;  ///< identity and kFixed when nothing is tracked
   /// 255 where something moves, of the depth's size. Empty when that is not looked for, or when the
   /// camera is lost.
   MaskImage moving;

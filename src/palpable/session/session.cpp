@@ -2,13 +2,11 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/geometry/pixel_box.h"
-#include "palpable/reduced/pressed_surface.h"
+#include "palpable/session/modal_bodies.h"
 #include "palpable/slam/slam.h"
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <utility>
@@ -58,71 +56,85 @@ std::optional<Problem> wrong_setting(const SessionSettings& s) {
   return std::nullopt;
 }
 
-}  // namespace
+// A body of the session, and where it stands.
+struct SessionBody {
+  SessionBody(PlacedBody placed, const AnswerSettings& settings)
+      : world_from_body(placed.world_from_body),
+        name(placed.name.empty() ? placed.body.body.name : std::move(placed.name)),
+        color(placed.color),
+        answer(std::move(placed.body), settings) {}
 
-std::string_view name_of(ContactKind kind) {
-  switch (kind) {
-    case ContactKind::kAnywhere:
-      return "anywhere";
-    case ContactKind::kSite:
-      return "site";
-    case ContactKind::kPaper:
-      break;
-  }
-  return "paper";
+  Rigid3 world_from_body;
+  std::string name;
+  std::optional<Rgb> color;
+  BodyAnswer answer;
+  int modal = -1;  // its place among those that are answered by their energy; -1: it is none
+  std::vector<Touch> touches;
+  Eigen::Matrix3Xf shape;  // (3 x V) m, as it was shown last; of ContactKind::kPaper alone
+};
+
+AnswerSettings answer_settings(const SessionSettings& s, const DepthCamera& camera,
+                               const FrameFormat& format) {
+  return {.contact = s.contact,
+          .surface = fitted(s.surface, camera, format, s.depth.matcher),
+          .touch = s.touch,
+          .press = s.press,
+          .paper = s.paper};
 }
 
+}  // namespace
+
 struct Session::Parts {
-  Parts(TouchableBody b, const Rigid3& pose, const DepthCamera& camera, const FrameFormat& format,
+  Parts(std::vector<PlacedBody> placed, const DepthCamera& camera, const FrameFormat& format,
         const SessionSettings& s)
-      : body(std::move(b.body)),
-        tables(std::move(b.touch)),
-        world_from_body(pose),
-        settings(s),
+      : settings(s),
         slam(camera, {.track = s.track, .map = s.map}),
-        rest(body.surface.vertices.cast<float>()),
-        at_rest(static_cast<std::size_t>(rest.cols()), 0.0f),
-        region(box_of(body.surface)),
-        pressing(camera.noise(), settings.pressing),
-        surface(fitted(settings.surface, camera, format, settings.depth.matcher)) {
-    if (tables && s.contact == ContactKind::kAnywhere) {
-      anywhere.emplace(body.surface, body.fixed, *tables, settings.touch);
-      anywhere->stress(touched, at_rest);
-    } else if (s.contact != ContactKind::kPaper) {
-      law.emplace(body, settings.press);
+        pressing(camera.noise(), settings.pressing) {
+    const AnswerSettings how = answer_settings(settings, camera, format);
+    for (PlacedBody& body : placed) {
+      bodies.push_back(std::make_unique<SessionBody>(std::move(body), how));
     }
+    gather_modal();
     forget_room();
   }
 
+  [[nodiscard]] const SessionBody& body(int number) const {
+    PALPABLE_EXPECT(number >= 0 && number < std::ssize(bodies), "a body of the session");
+    return *bodies[static_cast<std::size_t>(number)];
+  }
+
+  void gather_modal();
   void forget_room();
   void follow_camera(Scene& scene);
   void find_what_presses(const Scene& scene);
+  int gather_others(std::size_t of);
   void find_touches(Scene& scene);
-  void reconstruct(Scene& scene);
 
-  ReducedBody body;
-  std::optional<TouchTables> tables;
-  Rigid3 world_from_body;
   SessionSettings settings;
   Slam slam;
-  Eigen::Matrix3Xf rest;       // (3 x V) m
-  std::vector<float> at_rest;  // (V) Pa, von Mises stress where nothing touches
-  Eigen::AlignedBox3d region;
+  std::vector<std::unique_ptr<SessionBody>> bodies;
+  std::optional<ModalBodies> modal;
 
   std::optional<AnchoredScene> anchored;
   LookedAt looked_at = LookedAt::kNothing;  // with what the mask of this frame was compared
   const StaticPicture* picture = nullptr;   // that one
   PressingMask pressing;
-  const MaskImage* shows = nullptr;  // of the pressing mask
-  ObjectSurface surface;
-  std::optional<SkinContact> anywhere;
-  std::optional<Refiner> refiner;
-  TouchState touched;
-  std::optional<PressLaw> law;
-  PressState press;
-  PaperState paper;
-  Eigen::Matrix3Xf nodes;
+  const MaskImage* shows = nullptr;     // of the pressing mask
+  std::vector<Eigen::Vector3f> others;  // of gather_others()
 };
+
+void Session::Parts::gather_modal() {
+  std::vector<ModalBodies::Member> members;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    SessionBody& body = *bodies[k];
+    if (body.answer.modal() == nullptr) continue;
+    body.modal = static_cast<int>(members.size());
+    members.push_back({{&body.answer.body(), body.answer.modal(), body.world_from_body},
+                       &body.answer.surface(),
+                       static_cast<int>(k)});
+  }
+  if (!members.empty()) modal.emplace(members);
+}
 
 // Forgets what was learnt of the room: what is seen from now on is the room in which the body
 // stands.
@@ -150,19 +162,26 @@ void Session::Parts::follow_camera(Scene& scene) {
     const StageTimer timer(scene.times, "map");
     anchored->update(*slam.map(), *slam.space(), found.camera.newest_keyframe);
   }
-  // A camera that has not moved sees the body where it was put, to the bit.
-  scene.camera_from_body = scene.camera.world_from_camera.matrix().isIdentity(0)
-                               ? world_from_body
-                               : scene.camera.world_from_camera.inverse() * world_from_body;
+  // A camera that has not moved sees a body where it was put, to the bit.
+  const bool stands = scene.camera.world_from_camera.matrix().isIdentity(0);
+  const Rigid3 camera_from_world = scene.camera.world_from_camera.inverse();
+  scene.bodies.resize(bodies.size());
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const Rigid3& place = bodies[k]->world_from_body;
+    scene.bodies[k].camera_from_body = stands ? place : camera_from_world * place;
+  }
 }
 
-// What each pixel near the body shows. A camera that is lost knows nothing of it: where the hand is
-// in the world is not known.
+// What each pixel near the bodies shows. A camera that is lost knows nothing of it: where the hand
+// is in the world is not known.
 void Session::Parts::find_what_presses(const Scene& scene) {
   const SeenFrame& seen = scene.seen;
-  const PixelBox box =
-      grown(surface.box_of_interest(region, scene.camera_from_body, seen.depth_camera), kBeside,
-            seen.depth_camera);
+  PixelBox box;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    box = united(box, bodies[k]->answer.box_of_interest(scene.bodies[k].camera_from_body,
+                                                        seen.depth_camera));
+  }
+  box = grown(box, kBeside, seen.depth_camera);
   const bool lost = scene.camera.state == TrackState::kLost;
   if (settings.press_static && !lost) {
     shows = &pressing.find_all(seen, box);
@@ -176,44 +195,52 @@ void Session::Parts::find_what_presses(const Scene& scene) {
                          *slam.space(), box, picture);
 }
 
-void Session::Parts::find_touches(Scene& scene) {
-  std::vector<Touch>& touches = scene.touches;
-  touches.clear();
-  scene.stated_error.reset();
-  if (anywhere) {
-    if (refiner) refiner->begin_frame(anywhere->solver(), touched);
-    const TouchReport report = anywhere->advance(touched, surface, touches);
-    if (refiner) refiner->end_frame(anywhere->solver(), touched, report);
-    scene.stated_error = report.stated;
-    return;
+// The skin of another body that something real pressed in the frame before, in this body's frame:
+// with Algorithm 1 as printed it is the lower beam's obstacle. @return its number, -1: there is
+// none
+int Session::Parts::gather_others(std::size_t of) {
+  others.clear();
+  if (settings.contact != ContactKind::kPaper) return -1;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const SessionBody& other = *bodies[k];
+    const bool pressed = !other.touches.empty() && other.touches.front().by < 0;
+    if (k == of || !pressed) continue;
+    const Eigen::Isometry3f to_body =
+        (bodies[of]->world_from_body.inverse() * other.world_from_body).cast<float>();
+    for (Eigen::Index v = 0; v < other.shape.cols(); ++v) {
+      others.emplace_back(to_body * Eigen::Vector3f(other.shape.col(v)));
+    }
+    return static_cast<int>(k);
   }
-  if (law) {
-    press = law->advance(press, surface, scene.time);
-    if (press.touch) touches.push_back(*press.touch);
-    return;
-  }
-  deformed_nodes(paper, body, nodes);
-  const int last = static_cast<int>(body.levels().size()) - 1;
-  paper = advance_as_printed(paper, nearest_node(nodes, surface.cloud()), last, settings.paper);
-  if (const auto touch = touch_of(paper, body)) touches.push_back(*touch);
+  return -1;
 }
 
-void Session::Parts::reconstruct(Scene& scene) {
-  scene.vertices.resize(3, rest.cols());
-  scene.normals.resize(3, rest.cols());
-  scene.von_mises.resize(static_cast<std::size_t>(rest.cols()));
-  if (scene.touches.empty()) {
-    scene.vertices = rest;
-    vertex_normals(scene.vertices, body.surface.triangles, scene.normals);
-    std::copy(at_rest.begin(), at_rest.end(), scene.von_mises.begin());
-  } else if (anywhere) {
-    anywhere->place(touched, scene.vertices);
-    vertex_normals(scene.vertices, body.surface.triangles, scene.normals);
-    anywhere->stress(touched, scene.von_mises);
-  } else {
-    const Touch& touch = scene.touches.front();
-    const std::array mu{static_cast<double>(touch.site), touch.level};
-    press_surface(body, rest, mu, scene.vertices, scene.normals, scene.von_mises);
+// Of all bodies, the strongest first; of equals that of the first body.
+void Session::Parts::find_touches(Scene& scene) {
+  scene.touches.clear();
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    bodies[k]->answer.look(scene.seen, *shows, scene.bodies[k].camera_from_body);
+  }
+  if (modal) modal->advance();
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    SessionBody& body = *bodies[k];
+    if (body.modal >= 0) {
+      modal->find_touches(body.modal, body.touches);
+    } else {
+      const int by = gather_others(k);
+      body.answer.find_touches(scene.time, others, by, body.touches);
+    }
+    for (Touch& touch : body.touches) {
+      touch.body = static_cast<int>(k);
+      scene.touches.push_back(touch);
+    }
+  }
+  if (bodies.size() < 2) return;  // in its own order
+  // Sorted by hand: std::stable_sort takes memory. There are few.
+  for (std::size_t k = 1; k < scene.touches.size(); ++k) {
+    for (std::size_t j = k; j > 0 && scene.touches[j - 1].force < scene.touches[j].force; --j) {
+      std::swap(scene.touches[j - 1], scene.touches[j]);
+    }
   }
 }
 
@@ -222,12 +249,11 @@ Session::Session(Session&&) noexcept = default;
 Session& Session::operator=(Session&&) noexcept = default;
 Session::~Session() = default;
 
-Result<Session> Session::make(TouchableBody body, const Rigid3& world_from_body,
-                              const DepthCamera& camera, const FrameFormat& format,
-                              const SessionSettings& settings) {
+Result<Session> Session::make(std::vector<PlacedBody> bodies, const DepthCamera& camera,
+                              const FrameFormat& format, const SessionSettings& settings) {
+  if (bodies.empty()) return Problem{"a session has a body"};
   if (auto problem = wrong_setting(settings)) return *problem;
-  return Session(
-      std::make_unique<Parts>(std::move(body), world_from_body, camera, format, settings));
+  return Session(std::make_unique<Parts>(std::move(bodies), camera, format, settings));
 }
 
 void Session::respond(Scene& scene) {
@@ -243,34 +269,48 @@ void Session::respond(Scene& scene) {
   }
   {
     const StageTimer timer(scene.times, "contact");
-    p.surface.build(seen.depth, *p.shows, seen.depth_camera, scene.camera_from_body.inverse(),
-                    p.region, seen.time);
     p.find_touches(scene);
   }
   const StageTimer timer(scene.times, "evaluate");
-  p.reconstruct(scene);
+  for (std::size_t k = 0; k < p.bodies.size(); ++k) {
+    const SessionBody& body = *p.bodies[k];
+    if (body.modal >= 0) {
+      p.modal->reconstruct(body.modal, scene.bodies[k]);
+    } else {
+      p.bodies[k]->answer.reconstruct(body.touches, scene.bodies[k]);
+    }
+    if (p.settings.contact == ContactKind::kPaper && p.bodies.size() > 1) {
+      p.bodies[k]->shape = scene.bodies[k].vertices;
+    }
+  }
 }
 
-void Session::refine_with(Refiner refiner) { parts_->refiner.emplace(std::move(refiner)); }
-Refiner* Session::refiner() { return parts_->refiner ? &*parts_->refiner : nullptr; }
-const Refiner* Session::refiner() const { return parts_->refiner ? &*parts_->refiner : nullptr; }
+void Session::refine_with(Refiner refiner) {
+  parts_->bodies.front()->answer.refine_with(std::move(refiner));
+}
+Refiner* Session::refiner() { return parts_->bodies.front()->answer.refiner(); }
+const Refiner* Session::refiner() const { return parts_->body(0).answer.refiner(); }
 
-ContactKind Session::contact() const {
-  const ContactKind wanted = parts_->settings.contact;
-  return wanted == ContactKind::kAnywhere && !parts_->anywhere ? ContactKind::kSite : wanted;
+int Session::body_count() const { return static_cast<int>(parts_->bodies.size()); }
+const ReducedBody& Session::body(int number) const { return parts_->body(number).answer.body(); }
+const std::string& Session::body_name(int number) const { return parts_->body(number).name; }
+const std::optional<Rgb>& Session::color(int number) const { return parts_->body(number).color; }
+const Rigid3& Session::world_from_body(int number) const {
+  return parts_->body(number).world_from_body;
+}
+ContactKind Session::contact(int number) const { return parts_->body(number).answer.contact(); }
+const ObjectSurface& Session::surface(int number) const {
+  return parts_->body(number).answer.surface();
 }
 const MaskImage& Session::shows() const {
   PALPABLE_EXPECT(parts_->shows != nullptr, "a frame was answered");
   return *parts_->shows;
 }
-const ObjectSurface& Session::surface() const { return parts_->surface; }
 const SurfaceMap* Session::map() const { return parts_->slam.map(); }
 const FreeSpace* Session::free_space() const { return parts_->slam.space(); }
 const AnchoredScene* Session::anchored_scene() const {
   return parts_->anchored ? &*parts_->anchored : nullptr;
 }
-const ReducedBody& Session::body() const { return parts_->body; }
-const Rigid3& Session::world_from_body() const { return parts_->world_from_body; }
 TrackerCounts Session::tracker_counts() const {
   const Tracker* tracker = parts_->slam.tracker();
   return tracker != nullptr ? tracker->counts() : TrackerCounts{};

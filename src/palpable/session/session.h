@@ -1,5 +1,5 @@
 /// @file
-/// The answering half of a live run: what was seen of a frame in, touches and the deformed body out
+/// The answering half of a live run: what was seen of a frame in, touches and deformed bodies out
 /// (paper Sec. 4).
 ///
 ///     colour + depth -> camera's pose -> what presses -> the object's surface -> touches
@@ -8,7 +8,7 @@
 /// Frames become colour + depth in the other half, DepthCamera (depth_camera.h). frame_loop.h runs
 /// both halves on one thread, palpable/live on two.
 ///
-/// The body stands still in the world, which is the camera frame of the first frame.
+/// Bodies stand still in the world, which is the camera frame of the first frame.
 ///
 /// Nothing here looks at a clock (except to say how long a stage took), draws random numbers or
 /// keeps anything beyond its own state: the same frames give the same bytes. Contact and
@@ -17,9 +17,6 @@
 
 #include "palpable/base/error.h"
 #include "palpable/contact/object_surface.h"
-#include "palpable/contact/paper_contact.h"
-#include "palpable/contact/press_law.h"
-#include "palpable/contact/skin_contact.h"
 #include "palpable/depth/depth_camera.h"
 #include "palpable/geometry/frame.h"
 #include "palpable/geometry/image.h"
@@ -29,30 +26,31 @@
 #include "palpable/map/pressing_mask.h"
 #include "palpable/map/surface_map.h"
 #include "palpable/reduced/reduced_body.h"
+#include "palpable/session/body_answer.h"
 #include "palpable/session/refiner.h"
 #include "palpable/session/scene.h"
 #include "palpable/touch/touchable_body.h"
 #include "palpable/track/tracker.h"
 
 #include <memory>
-#include <string_view>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace palpable {
 
-enum class ContactKind {
-  kAnywhere,  ///< nothing enters the skin, anywhere (skin_contact.h); a body without tables: kSite
-  kSite,      ///< at the body's sites, one at a time; level from the measured depth (press_law.h)
-  kPaper      ///< Algorithm 1 as printed (paper_contact.h)
+/// A body and where it stands.
+struct PlacedBody {
+  TouchableBody body;
+  Rigid3 world_from_body = Rigid3::Identity();  ///< the world is the first frame's camera
+  std::string name = {};                        ///< in files and captions; empty: the body's own
+  std::optional<Rgb> color = {};                ///< it is drawn in, instead of its stress
 };
-
-/// "anywhere", "site" or "paper".
-[[nodiscard]] std::string_view name_of(ContactKind kind);
 
 struct SessionSettings {
   ContactKind contact = ContactKind::kAnywhere;
-  /// What was there when the body was anchored presses it, too: its desk, a wall. Else only what
-  /// has come since presses (pressing_mask.h), and knowing that takes `map`.
+  /// What was there when the bodies were anchored presses them, too: its desk, a wall. Else only
+  /// what has come since presses (pressing_mask.h), and knowing that takes `map`.
   bool press_static = false;
   /// Follow the camera (tracker.h); false: it stands where it stood in the first frame.
   bool track = false;
@@ -73,9 +71,9 @@ struct SessionSettings {
 class Session {
  public:
   /// A problem when a setting is out of range.
-  /// @param world_from_body  where the body stands; the world is the first frame's camera
+  /// @param bodies  at least one, whose names differ where there are several
   /// @param camera  that turns frames of `format` to depth; it is read during this call only
-  [[nodiscard]] static Result<Session> make(TouchableBody body, const Rigid3& world_from_body,
+  [[nodiscard]] static Result<Session> make(std::vector<PlacedBody> bodies,
                                             const DepthCamera& camera, const FrameFormat& format,
                                             const SessionSettings& settings = {});
   Session(Session&&) noexcept;
@@ -86,30 +84,35 @@ class Session {
   /// of this half to scene.times. Call it in the order of the frames.
   void respond(Scene& scene);
 
-  /// From now on exact answers are taken up where the body is touched anywhere.
+  /// From now on exact answers are taken up where the first body is touched anywhere.
   void refine_with(Refiner refiner);
   /// Null without refine_with().
   [[nodiscard]] Refiner* refiner();
   [[nodiscard]] const Refiner* refiner() const;
 
+  /// Of which the functions below are asked by number, from 0 on, in the order of make().
+  [[nodiscard]] int body_count() const;
+  [[nodiscard]] const ReducedBody& body(int number = 0) const;
+  [[nodiscard]] const std::string& body_name(int number) const;
+  [[nodiscard]] const std::optional<Rgb>& color(int number) const;
+  /// Where it stands; the world is the first frame's camera.
+  [[nodiscard]] const Rigid3& world_from_body(int number = 0) const;
   /// How touches are answered: settings().contact, or what the body has tables for.
-  [[nodiscard]] ContactKind contact() const;
-  /// What each pixel of the frame answered last shows, near the body: kShowsPresser where something
+  [[nodiscard]] ContactKind contact(int number = 0) const;
+  /// The things that may press it, of the frame answered last.
+  [[nodiscard]] const ObjectSurface& surface(int number = 0) const;
+
+  /// What each pixel of the frame answered last shows, near bodies: kShowsPresser where something
   /// may press it (geometry/image.h).
   [[nodiscard]] const MaskImage& shows() const;
-  /// The things that may press, of the frame answered last.
-  [[nodiscard]] const ObjectSurface& surface() const;
 
   /// The room as it has been seen so far; null without SessionSettings::map.
   [[nodiscard]] const SurfaceMap* map() const;
-  /// Where the room was seen free, and what belonged to it when the body was anchored: in the first
+  /// Where the room was seen free, and what belonged to it when bodies were anchored: in the first
   /// frame. Both null without SessionSettings::map.
   [[nodiscard]] const FreeSpace* free_space() const;
   [[nodiscard]] const AnchoredScene* anchored_scene() const;
 
-  [[nodiscard]] const ReducedBody& body() const;
-  /// Where the body stands; the world is the first frame's camera.
-  [[nodiscard]] const Rigid3& world_from_body() const;
   /// What the tracker has done so far; all 0 when nothing is tracked.
   [[nodiscard]] TrackerCounts tracker_counts() const;
   /// Of all keyframes, as adjusted last; empty when nothing is tracked.

@@ -2,6 +2,7 @@
 
 #include "palpable/session/frame_loop.h"
 #include "tests/support/allocations.h"
+#include "tests/support/bodies.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/noise_room.h"
 #include "tests/support/seen_capsules.h"
@@ -100,7 +101,7 @@ TEST_CASE("a body with tables is touched where the finger is, not at a site", "[
   CHECK(loop.session.contact() == ContactKind::kAnywhere);
   const Eigen::Matrix3Xf rest = loop.session.body().surface.vertices.cast<float>();
   for (int n = 0; n < 3; ++n) CHECK(loop.process(frame_with_finger(n, -0.03)).touches.empty());
-  CHECK(loop.scene.vertices == rest);
+  CHECK(loop.scene.bodies[0].vertices == rest);
   for (int n = 3; n < 7; ++n) loop.process(frame_with_finger(n, 0.002 * (n - 2)));
   const Scene& pressed = loop.process(frame_with_finger(7, 0.008));
   REQUIRE_FALSE(pressed.touches.empty());
@@ -115,15 +116,16 @@ TEST_CASE("a body with tables is touched where the finger is, not at a site", "[
   // Nothing of the skin is left in what is seen.
   float deepest = 0;
   for (Eigen::Index v = 0; v < rest.cols(); ++v) {
-    const auto found = loop.session.surface().nearest(pressed.vertices.col(v));
+    const auto found = loop.session.surface().nearest(pressed.bodies[0].vertices.col(v));
     if (found) deepest = std::max(deepest, -found->distance);
   }
   CHECK(deepest < 1e-3f);
-  CHECK(*std::max_element(pressed.von_mises.begin(), pressed.von_mises.end()) > 100.0f);
-  CHECK(pressed.normals.colwise().norm().minCoeff() > 0.99f);
+  CHECK(*std::max_element(pressed.bodies[0].von_mises.begin(), pressed.bodies[0].von_mises.end()) >
+        100.0f);
+  CHECK(pressed.bodies[0].normals.colwise().norm().minCoeff() > 0.99f);
   const Scene& after = loop.process(frame_with_finger(8, -0.03));
   CHECK(after.touches.empty());
-  CHECK(after.vertices == rest);
+  CHECK(after.bodies[0].vertices == rest);
 }
 
 TEST_CASE("tables are not asked where somebody wants the sites", "[session]") {
@@ -143,9 +145,90 @@ TEST_CASE("a touched body with tables gives the same bytes again, and allocates 
   FrameLoop one = make_touchable_loop(), other = make_touchable_loop();
   for (int n = 0; n < 6; ++n) {
     const Frame frame = frame_with_finger(n, n < 2 ? -0.03 : 0.002 * n);
-    CHECK(one.process(frame).vertices == other.process(frame).vertices);
-    CHECK(one.scene.von_mises == other.scene.von_mises);
+    CHECK(one.process(frame).bodies[0].vertices == other.process(frame).bodies[0].vertices);
+    CHECK(one.scene.bodies[0].von_mises == other.scene.bodies[0].von_mises);
   }
+}
+
+TEST_CASE("of several bodies the one that is pressed says so, the others stand as they stood",
+          "[session][scene]") {
+  std::vector<PlacedBody> bodies;
+  Rigid3 aside = pose();
+  aside.translation().x() += 0.14;
+  bodies.push_back({TouchableBody(test::DentedSphere{}.body()), aside, "aside", Rgb{1, 2, 3}});
+  bodies.push_back({TouchableBody(test::DentedSphere{}.body()), pose(), "pressed"});
+  FrameLoop loop = value_or_throw(FrameLoop::make(std::move(bodies), depth_format(), kEverything));
+  REQUIRE(loop.session.body_count() == 2);
+  CHECK(loop.session.body_name(1) == "pressed");
+  CHECK(loop.session.color(0) == Rgb{1, 2, 3});
+  CHECK_FALSE(loop.session.color(1));
+  FrameLoop alone = make_loop();
+  for (int n = 0; n < 6; ++n) {
+    const Frame frame = frame_with_finger(n, n < 3 ? -0.03 : 0.008);
+    loop.process(frame);
+    alone.process(frame);
+  }
+  const Scene& scene = loop.scene;
+  REQUIRE(scene.bodies.size() == 2);
+  REQUIRE(scene.touches.size() == 1);
+  CHECK(scene.touches[0].body == 1);
+  CHECK(scene.touches[0].by == -1);
+  CHECK(scene.touches[0].press_depth ==
+        Approx(alone.scene.touches.at(0).press_depth)
+            .margin(tolerance(5e-4, "m: the part of the image that is asked is larger")));
+  CHECK(scene.bodies[0].vertices == loop.session.body(0).surface.vertices.cast<float>());
+  CHECK_FALSE(scene.bodies[1].vertices == scene.bodies[0].vertices);
+  CHECK((scene.bodies[0].camera_from_body.translation() - aside.translation()).norm() == 0);
+}
+
+TEST_CASE("with Algorithm 1 as printed a body presses the one that nothing real is near, one way",
+          "[session][scene]") {
+  SessionSettings settings = kEverything;
+  settings.contact = ContactKind::kPaper;
+  const double diameter = 2 * test::DentedSphere{}.radius;
+  Rigid3 below = pose();
+  below.translation() -= pose().linear() * Vector3d(0, 0, diameter + 0.004);
+  std::vector<PlacedBody> bodies;
+  bodies.push_back({TouchableBody(test::DentedSphere{}.body()), below, "lower"});
+  bodies.push_back({TouchableBody(test::DentedSphere{}.body()), pose(), "upper"});
+  FrameLoop loop = value_or_throw(FrameLoop::make(std::move(bodies), depth_format(), settings));
+  for (int n = 0; n < 3; ++n) CHECK(loop.process(frame_with_finger(n, -0.2)).touches.empty());
+  for (int n = 3; n < 8; ++n) loop.process(frame_with_finger(n, 0.008));
+  int upper = 0, lower = 0;
+  for (const Touch& touch : loop.scene.touches) {
+    upper += touch.body == 1 && touch.by == -1;
+    lower += touch.body == 0 && touch.by == 1;
+  }
+  CHECK(upper == 1);
+  CHECK(lower == 1);
+}
+
+TEST_CASE("a body with an energy in modes gives way to a finger, and takes no memory for it",
+          "[session][scene]") {
+  const ReducedBody ball = test::with_several(test::pressed_ball());
+  ModalTables tables;
+  const int V = ball.surface.vertex_count();
+  tables.shell.stress_free = ball.surface.vertices;
+  tables.shell.preload = Eigen::Matrix3Xd::Zero(3, V);
+  tables.shell.first.assign(static_cast<std::size_t>(V) + 1, 0);
+  tables.inner_modes.resize(0, ball.several->mode_count());
+  tables.half_space = 1e-5;
+  tables.point_spacing = 0.004;
+  REQUIRE(trouble_of(tables, ball).empty());
+  std::vector<PlacedBody> bodies;
+  bodies.push_back({TouchableBody(ball, {}, tables), pose(), "ball"});
+  FrameLoop loop = value_or_throw(FrameLoop::make(std::move(bodies), depth_format(), kEverything));
+  CHECK(loop.session.contact() == ContactKind::kAnywhere);
+  for (int n = 0; n < 3; ++n) loop.process(frame_with_finger(n, -0.03));
+  for (int n = 3; n < 7; ++n) loop.process(frame_with_finger(n, 0.002 * (n - 2)));
+  REQUIRE_FALSE(loop.scene.touches.empty());
+  Vector3d force = Vector3d::Zero();
+  for (const Touch& touch : loop.scene.touches) force += touch.force * touch.direction;
+  CHECK(force.z() < 0);
+  const Eigen::Matrix3Xf moved =
+      loop.scene.bodies[0].vertices - ball.surface.vertices.cast<float>();
+  CHECK(moved.row(2).minCoeff() < -0.003f);
+  CHECK(loop.process(frame_with_finger(7, -0.03)).touches.empty());
 }
 
 TEST_CASE("a finger that presses the top dents the top, and leaves it at rest afterwards",
@@ -164,14 +247,14 @@ TEST_CASE("a finger that presses the top dents the top, and leaves it at rest af
   CHECK(dent > 0.010 - tolerance(0.0015, "sigma of the surface, as much hysteresis"));
   CHECK(dent < 0.010 + tolerance(0.004, "neighbours 6 mm aside move less than the middle"));
   const int top = loop.session.body().sites[0].vertex;
-  CHECK(pressed.vertices(2, top) == Approx(2 * sphere.radius - dent).margin(1e-5));
-  CHECK(pressed.von_mises[top] > 0);
+  CHECK(pressed.bodies[0].vertices(2, top) == Approx(2 * sphere.radius - dent).margin(1e-5));
+  CHECK(pressed.bodies[0].von_mises[top] > 0);
   CHECK((touch.point_in_body - Vector3d(0, 0, 0.1)).norm() < 0.02);
 
   const Scene& after = loop.process(frame_with_finger(9, -0.2));
   CHECK(after.touches.empty());
-  CHECK(after.vertices == loop.session.body().surface.vertices.cast<float>());
-  for (const float value : after.von_mises) CHECK(value == 0);
+  CHECK(after.bodies[0].vertices == loop.session.body().surface.vertices.cast<float>());
+  for (const float value : after.bodies[0].von_mises) CHECK(value == 0);
 }
 
 TEST_CASE("the stress of a scene is that of its touch", "[session]") {
@@ -182,7 +265,7 @@ TEST_CASE("the stress of a scene is that of its touch", "[session]") {
   // The dented sphere's stress at the middle is diag(-p, -p, -2p) with p = 1e4 depth / deepest.
   const test::DentedSphere sphere;
   const double p = 1e4 * sphere.depth(scene.touches[0].level) / sphere.deepest;
-  CHECK(scene.von_mises[loop.session.body().sites[0].vertex] ==
+  CHECK(scene.bodies[0].von_mises[loop.session.body().sites[0].vertex] ==
         Approx(p).epsilon(tolerance(1e-3, "cubic between samples of a parabola, floats")));
 }
 
@@ -197,10 +280,10 @@ TEST_CASE("replaying the same frames gives the same bytes", "[session]") {
       const Scene& scene = loop.process(frames[n]);
       const double level = scene.touches.empty() ? 0 : scene.touches[0].level;
       if (run == 0) {
-        first.push_back(scene.vertices);
+        first.push_back(scene.bodies[0].vertices);
         levels.push_back(level);
       } else {
-        CHECK(scene.vertices == first[n]);
+        CHECK(scene.bodies[0].vertices == first[n]);
         CHECK(level == levels[n]);
       }
     }
@@ -221,8 +304,8 @@ TEST_CASE("the two halves of a loop do what process does, in whichever scenes", 
     halves.session.respond(scene);
     CHECK(scene.number == expected.number);
     CHECK(scene.seen.depth.width() == expected.seen.depth.width());
-    CHECK(scene.vertices == expected.vertices);
-    CHECK(scene.normals == expected.normals);
+    CHECK(scene.bodies[0].vertices == expected.bodies[0].vertices);
+    CHECK(scene.bodies[0].normals == expected.bodies[0].normals);
     CHECK(scene.touches.size() == expected.touches.size());
   }
   CHECK(scenes[1].touches.size() == 1);
@@ -233,7 +316,7 @@ TEST_CASE("a scene that was kept stays as it was", "[session]") {
   for (int n = 0; n < 6; ++n) loop.process(frame_with_finger(n, 0.010));
   const Scene kept = loop.scene;
   const DepthImage depth = kept.seen.depth;
-  const Eigen::Matrix3Xf vertices = kept.vertices;
+  const Eigen::Matrix3Xf vertices = kept.bodies[0].vertices;
   REQUIRE(kept.touches.size() == 1);
   REQUIRE_FALSE(kept.moving.empty());
   const MaskImage moving = kept.moving;
@@ -241,11 +324,11 @@ TEST_CASE("a scene that was kept stays as it was", "[session]") {
   REQUIRE(loop.scene.touches.empty());
   CHECK(kept.number == 5);
   CHECK(kept.touches.size() == 1);
-  CHECK(kept.vertices == vertices);
+  CHECK(kept.bodies[0].vertices == vertices);
   CHECK(kept.moving == moving);
   CHECK(std::equal(depth.begin(), depth.end(), kept.seen.depth.begin(),
                    [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); }));
-  CHECK_FALSE(kept.vertices == loop.scene.vertices);
+  CHECK_FALSE(kept.bodies[0].vertices == loop.scene.bodies[0].vertices);
 }
 
 // Frames in which nothing but the room is seen: so many make its place free.
@@ -404,7 +487,8 @@ TEST_CASE("the body stays where it was put in the room while the camera moves, i
     const Scene& scene = followed.process(test::frame_of_wall(n, x));
     INFO("frame " << n << ", state " << static_cast<int>(scene.camera.state));
     CHECK(
-        (scene.camera_from_body.translation() - pose().translation() + Vector3d(x, 0, 0)).norm() <=
+        (scene.bodies[0].camera_from_body.translation() - pose().translation() + Vector3d(x, 0, 0))
+            .norm() <=
         tolerance(1.5e-3, "a third of a pixel of 250 px at 0.8 m; below 0.3 px it still stands"));
     CHECK(fixed.process(test::frame_of_wall(n, x)).camera_from_body.matrix() == pose().matrix());
   }

@@ -75,19 +75,33 @@ std::optional<TouchTables> read_touch(hid_t file, const ReducedBody& body) {
   return tables;
 }
 
+std::optional<ModalTables> read_modal(hid_t file, const ReducedBody& body) {
+  if (!hdf5::has_link(file, "touch_modes")) return std::nullopt;
+  ModalTables tables = table_of<ModalTables>(file, "touch_modes");
+  const std::string trouble = trouble_of(tables, body);
+  require(trouble.empty(), "touch_modes: " + trouble);
+  return tables;
+}
+
 }  // namespace
 
 Result<TouchableBody> read_touchable_body(const std::filesystem::path& path) {
   std::optional<TouchTables> touch;
-  Result<ReducedBody> body = read_body_file(
-      path, [&](hid_t file, const ReducedBody& read) { touch = read_touch(file, read); });
+  std::optional<ModalTables> modal;
+  Result<ReducedBody> body = read_body_file(path, [&](hid_t file, const ReducedBody& read) {
+    touch = read_touch(file, read);
+    modal = read_modal(file, read);
+  });
   if (!body.ok()) return body.problem();
-  return TouchableBody{std::move(body).value(), std::move(touch)};
+  return TouchableBody{std::move(body).value(), std::move(touch), std::move(modal)};
 }
 
 Result<BodyAndTouch> read_body_and_touch(const std::filesystem::path& path) {
   Result<TouchableBody> both = read_touchable_body(path);
-  if (both.ok()) return BodyAndTouch{std::move(both.value().body), std::move(both.value().touch)};
+  if (both.ok()) {
+    return BodyAndTouch{std::move(both.value().body), std::move(both.value().touch),
+                        std::move(both.value().modal)};
+  }
   Result<ReducedBody> body = read_body_file(path);
   if (!body.ok()) return body.problem();
   return BodyAndTouch{std::move(body).value(), both.problem()};
@@ -100,8 +114,9 @@ Result<TouchableBody> read_pressable_touchable_body(const std::filesystem::path&
   Result<ReducedBody> body = settled(read.value().body, values);
   if (!body.ok()) { return Problem{fmt::format("{}: {}", path.string(), body.problem().message)}; }
   const bool as_baked = read.value().body.further.empty();
-  return TouchableBody{std::move(body).value(),
-                       as_baked ? std::move(read.value().touch) : std::nullopt};
+  if (!as_baked) return TouchableBody{std::move(body).value()};
+  return TouchableBody{std::move(body).value(), std::move(read.value().touch),
+                       std::move(read.value().modal)};
 }
 
 ReductionError write_touchable_body(const std::filesystem::path& path, const ReducedBody& body,
@@ -110,6 +125,15 @@ ReductionError write_touchable_body(const std::filesystem::path& path, const Red
     const std::string trouble = trouble_of(tables, body.surface);
     require(trouble.empty(), "touch: " + trouble);
     write_touch(file, tables);
+  });
+}
+
+ReductionError write_touchable_body(const std::filesystem::path& path, const ReducedBody& body,
+                                    const ModalTables& tables, ModeStorage storage) {
+  return write_body_file(path, body, storage, [&](hid_t file) {
+    const std::string trouble = trouble_of(tables, body);
+    require(trouble.empty(), "touch_modes: " + trouble);
+    write_group(hdf5::make_group(file, "touch_modes"), tables);
   });
 }
 

@@ -1,5 +1,5 @@
 /// @file
-/// Tables of touch in a body file: its group /touch (docs/body_file.md).
+/// Tables of touch in a body file: its groups /touch and /touch_modes (docs/body_file.md).
 #pragma once
 
 #include "palpable/base/error.h"
@@ -26,6 +26,7 @@ inline constexpr int kTouchLayout = 2;
 struct BodyAndTouch {
   ReducedBody body;
   Result<std::optional<TouchTables>> touch;
+  std::optional<ModalTables> modal = {};
 };
 
 /// The same where damaged tables are no reason to refuse the body: they are the problem alone.
@@ -40,6 +41,10 @@ struct BodyAndTouch {
 /// another skin
 ReductionError write_touchable_body(const std::filesystem::path& path, const ReducedBody& body,
                                     const TouchTables& tables,
+                                    ModeStorage storage = ModeStorage::kFloat32);
+/// The same with what a body with an energy in modes needs.
+ReductionError write_touchable_body(const std::filesystem::path& path, const ReducedBody& body,
+                                    const ModalTables& tables,
                                     ModeStorage storage = ModeStorage::kFloat32);
 
 }  // namespace palpable

@@ -245,4 +245,23 @@ void read_group(hid_t group, std::vector<HeldOutTouch>& touches) {
   for (std::size_t k = 0; k < things.size(); ++k) touches[k].unscaled_error = told[k];
 }
 
+void write_group(hid_t group, const ModalTables& tables) {
+  hdf5::write_number(group, "half_space", tables.half_space);
+  hdf5::write_number(group, "point_spacing", tables.point_spacing);
+  write_table(group, "inner_modes", tables.inner_modes.data(),
+              static_cast<hsize_t>(tables.inner_modes.cols()),
+              static_cast<hsize_t>(tables.inner_modes.rows()));
+  write_group(hdf5::make_group(group, "shell"), tables.shell);
+}
+
+void read_group(hid_t group, ModalTables& tables) {
+  tables.half_space = hdf5::read_number(group, "half_space");
+  tables.point_spacing = hdf5::read_number(group, "point_spacing");
+  const Table<float> modes = read_table<float>(group, "inner_modes");
+  tables.inner_modes =
+      Eigen::Map<const Eigen::MatrixXf>(modes.data.data(), static_cast<Eigen::Index>(modes.columns),
+                                        static_cast<Eigen::Index>(modes.rows));
+  read_group(hdf5::open_group(group, "shell"), tables.shell);
+}
+
 }  // namespace palpable

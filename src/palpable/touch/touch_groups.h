@@ -7,6 +7,7 @@
 #pragma once
 
 #include "palpable/reduced/hdf5_tools.h"
+#include "palpable/touch/modal_tables.h"
 #include "palpable/touch/touch_tables.h"
 
 #include <vector>
@@ -19,6 +20,7 @@ void write_group(hid_t group, const RegionTable& table);
 void write_group(hid_t group, const CrossTable& table);
 void write_group(hid_t group, const ShellTable& table);
 void write_group(hid_t group, const std::vector<HeldOutTouch>& touches);
+void write_group(hid_t group, const ModalTables& tables);
 
 void read_group(hid_t group, CoarseSkin& skin);
 void read_group(hid_t group, ComplianceTable& table);
@@ -26,5 +28,6 @@ void read_group(hid_t group, RegionTable& table);
 void read_group(hid_t group, CrossTable& table);
 void read_group(hid_t group, ShellTable& table);
 void read_group(hid_t group, std::vector<HeldOutTouch>& touches);
+void read_group(hid_t group, ModalTables& tables);
 
 }  // namespace palpable

@@ -114,4 +114,15 @@ std::string touch_line(const TouchTables& tables) {
   return line;
 }
 
+std::string touch_text(const ModalTables& tables, const ReducedBody& body) {
+  return fmt::format(
+      "anywhere, several at a time, also by other bodies; energy in {} modes; {:.3g} MB",
+      body.several->mode_count(), static_cast<double>(bytes_of(tables)) / 1e6);
+}
+
+Json touch_json(const ModalTables& tables, const ReducedBody& body) {
+  return {{"energy_modes", body.several->mode_count()},
+          {"table_mb", static_cast<double>(bytes_of(tables)) / 1e6}};
+}
+
 }  // namespace palpable

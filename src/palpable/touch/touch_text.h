@@ -4,6 +4,8 @@
 
 #include "palpable/base/error.h"
 #include "palpable/base/json.h"
+#include "palpable/reduced/reduced_body.h"
+#include "palpable/touch/modal_tables.h"
 #include "palpable/touch/touch_tables.h"
 
 #include <optional>
@@ -15,6 +17,10 @@ namespace palpable {
 /// "anywhere, several at a time, 3rd order; 140 regions; 52 MB", or of a body without tables "at
 /// its sites, one at a time"; with held_out_text() where that is known.
 [[nodiscard]] std::string touch_text(const std::optional<TouchTables>& tables);
+
+/// Of a body with an energy in modes.
+[[nodiscard]] std::string touch_text(const ModalTables& tables, const ReducedBody& body);
+[[nodiscard]] Json touch_json(const ModalTables& tables, const ReducedBody& body);
 
 /// The same of tables that may be damaged: then what is wrong with them.
 [[nodiscard]] std::string touch_text(const Result<std::optional<TouchTables>>& tables);

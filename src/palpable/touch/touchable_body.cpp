@@ -40,6 +40,7 @@ TouchTables scaled(const TouchTables& tables, double s) {
 TouchableBody scaled(const TouchableBody& body, double factor) {
   TouchableBody result = scaled(body.body, factor);
   if (body.touch) result.touch = scaled(*body.touch, factor);
+  if (body.modal) result.modal = scaled(*body.modal, factor);
   return result;
 }
 

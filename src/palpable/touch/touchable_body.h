@@ -3,6 +3,7 @@
 #pragma once
 
 #include "palpable/reduced/reduced_body.h"
+#include "palpable/touch/modal_tables.h"
 #include "palpable/touch/touch_tables.h"
 
 #include <optional>
@@ -10,14 +11,17 @@
 
 namespace palpable {
 
-/// A body that can be touched anywhere, or, without tables, at its sites, one touch at a time.
+/// A body that can be touched anywhere, by tables of its compliance or by its energy in modes; or,
+/// without either, at its sites, one touch at a time.
 struct TouchableBody {
   /// A body without tables is one, too.
-  TouchableBody(ReducedBody the_body, std::optional<TouchTables> tables = {})
-      : body(std::move(the_body)), touch(std::move(tables)) {}
+  TouchableBody(ReducedBody the_body, std::optional<TouchTables> tables = {},
+                std::optional<ModalTables> modes = {})
+      : body(std::move(the_body)), touch(std::move(tables)), modal(std::move(modes)) {}
 
   ReducedBody body;
   std::optional<TouchTables> touch;
+  std::optional<ModalTables> modal;  ///< used where there are no other tables
 };
 
 /// Every length times `factor`, as scaled_body.h does it: the same material answers similar loads

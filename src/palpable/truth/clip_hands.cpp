@@ -14,10 +14,12 @@ namespace palpable {
 
 namespace fs = std::filesystem;
 
-ClipHands read_clip_hands(const fs::path& clip) {
-  const fs::path truth = clip / "truth", scene_file = clip / "frames" / "scene.toml";
+ClipHands read_clip_hands(const fs::path& clip, const std::string& body) {
+  const fs::path truth = clip / "truth";
+  const fs::path part = body.empty() ? truth : truth / "bodies" / body;
+  const fs::path scene_file = (body.empty() ? clip / "frames" : part) / "scene.toml";
   ClipHands hands;
-  hands.contacts = read_contacts(truth / "contact.jsonl");
+  hands.contacts = read_contacts(part / "contact.jsonl");
   const std::vector<HandLine> lines = read_hands(truth / "hand.jsonl");
   const std::vector<StampedPose> poses = read_trajectory(truth / "trajectory.txt");
   const SceneFile scene = read_scene_file(scene_file);

@@ -7,6 +7,7 @@
 #include "palpable/geometry/rigid.h"
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace palpable {
@@ -21,8 +22,10 @@ struct ClipHands {
 
 /// Reads truth/hand.jsonl, truth/contact.jsonl, truth/trajectory.txt and frames/scene.toml of a
 /// clip as `palpable synth` lays it out (docs/benchmark.md).
+/// @param body  which of several; empty: there is one
 /// @throws Error naming the file that is missing, cannot be read or has another number of frames
-[[nodiscard]] ClipHands read_clip_hands(const std::filesystem::path& clip);
+[[nodiscard]] ClipHands read_clip_hands(const std::filesystem::path& clip,
+                                        const std::string& body = {});
 
 /// A touch from its first frame on.
 struct Episode {

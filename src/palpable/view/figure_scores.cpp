@@ -14,36 +14,39 @@ constexpr float kAroundTouch = 0.04f;
 constexpr float kJustBehind = 0.3f;
 
 // The stress around a place, as much of it as faces the camera.
-double stress_towards_camera(const Scene& scene, const Eigen::Vector3f& place) {
-  const Eigen::Matrix3f R = scene.camera_from_body.linear().cast<float>();
-  const Eigen::Vector3f t = scene.camera_from_body.translation().cast<float>();
+double stress_towards_camera(const SceneBody& body, const Eigen::Vector3f& place) {
+  const Eigen::Matrix3f R = body.camera_from_body.linear().cast<float>();
+  const Eigen::Vector3f t = body.camera_from_body.translation().cast<float>();
   double sum = 0;
-  for (Eigen::Index k = 0; k < scene.vertices.cols(); ++k) {
-    const auto x = scene.vertices.col(k);
+  for (Eigen::Index k = 0; k < body.vertices.cols(); ++k) {
+    const auto x = body.vertices.col(k);
     if ((x - place).norm() > kAroundTouch) continue;
-    const float facing = -(R * scene.normals.col(k)).dot((R * x + t).normalized());
-    sum += static_cast<double>(std::max(0.0f, facing) * scene.von_mises[k]);
+    const float facing = -(R * body.normals.col(k)).dot((R * x + t).normalized());
+    sum += static_cast<double>(std::max(0.0f, facing) * body.von_mises[k]);
   }
   return sum;
 }
 
 }  // namespace
 
-FigureScores figure_scores(const Scene& scene, const ReducedBody& body, const MaskImage& visible,
-                           const DepthImage& body_depth, const MaskImage& shows) {
+FigureScores figure_scores(const Scene& scene, const Session& session, const MaskImage& visible,
+                           const DepthImage& body_depth) {
   FigureScores scores;
   if (!scene.touches.empty()) {
     const Touch& touch = scene.touches.front();
-    const Eigen::Vector3f place =
-        touch.site >= 0 ? Eigen::Vector3f(scene.vertices.col(body.sites[touch.site].vertex))
-                        : Eigen::Vector3f(touch.point_in_body.cast<float>());
-    scores.touch = stress_towards_camera(scene, place);
+    const SceneBody& body = scene.bodies[static_cast<std::size_t>(touch.body)];
+    Eigen::Vector3f place = touch.point_in_body.cast<float>();
+    if (touch.site >= 0) {
+      place = body.vertices.col(session.body(touch.body).sites[touch.site].vertex);
+    }
+    scores.touch = stress_towards_camera(body, place);
     return scores;
   }
   std::int64_t pixels = 0;
   std::int64_t hidden = 0;
   std::int64_t before_hand = 0;
   const DepthImage& depth = scene.seen.depth;
+  const MaskImage& shows = session.shows();
   for (int y = 0; y < body_depth.height(); ++y) {
     const int py = std::min(y * depth.height() / body_depth.height(), depth.height() - 1);
     for (int x = 0; x < body_depth.width(); ++x) {

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "palpable/geometry/image.h"
-#include "palpable/reduced/reduced_body.h"
 #include "palpable/session/scene.h"
+#include "palpable/session/session.h"
 
 namespace palpable {
 
@@ -17,13 +17,10 @@ struct FigureScores {
 };
 
 /// A scene with a touch scores as a touch only.
-/// @param body        of the session that made the scene
-/// @param visible     where the body is seen, as SceneRenderer::draw() gives it
-/// @param body_depth  the body alone, of the same size, m, NaN beside it
-/// @param shows       kShowsPresser where something may press (Session::shows), of the size of
-///                    the scene's depth
-[[nodiscard]] FigureScores figure_scores(const Scene& scene, const ReducedBody& body,
-                                         const MaskImage& visible, const DepthImage& body_depth,
-                                         const MaskImage& shows);
+/// @param session     that made the scene
+/// @param visible     where bodies are seen, as SceneRenderer::draw() gives it
+/// @param body_depth  the bodies alone, of the same size, m, NaN beside them
+[[nodiscard]] FigureScores figure_scores(const Scene& scene, const Session& session,
+                                         const MaskImage& visible, const DepthImage& body_depth);
 
 }  // namespace palpable

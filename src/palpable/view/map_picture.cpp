@@ -65,22 +65,23 @@ void MapPicture::add_moving(const Scene& scene) {
   }
 }
 
-void MapPicture::draw(const Scene& scene, const MappedRoom& room, double scale,
+void MapPicture::draw(const Scene& scene, const Session& session, double scale,
                       const ColorImage& inside, ColorImage& picture) {
-  if (room.map != nullptr) {
-    if (const MapMesh* mesh = mesher_.advance(*room.map)) {
+  if (session.map() != nullptr) {
+    if (const MapMesh* mesh = mesher_.advance(*session.map())) {
       renderer_.set_surface(surface_of(*mesh));
     }
   }
   const bool known = is_known(scene.camera);
   path_.add(scene.camera);
   if (known) view_.follow(scene.camera.world_from_camera, scene.time);
-  if (scene.camera.keyframe || frames_ % kKeyframesEvery == 0) keyframes_ = room.keyframes();
+  // Now and then: they are copied.
+  if (scene.camera.keyframe || frames_ % kKeyframesEvery == 0) keyframes_ = session.keyframes();
   const bool due = frames_ % kDrawEvery == 0 || turned_ || known != was_known_;
   ++frames_;
   turned_ = false;
   was_known_ = known;
-  if (due) draw_room(scene, room, scale, inside.width(), inside.height());
+  if (due) draw_room(scene, session, scale, inside.width(), inside.height());
   picture = room_;
   draw_inset(inside, picture);
   const float text_scale = legend_scale(picture.height());
@@ -91,7 +92,7 @@ void MapPicture::draw(const Scene& scene, const MappedRoom& room, double scale,
   }
 }
 
-void MapPicture::draw_room(const Scene& scene, const MappedRoom& room, double scale, int width,
+void MapPicture::draw_room(const Scene& scene, const Session& session, double scale, int width,
                            int height) {
   lines_.clear();
   path_.draw(lines_);
@@ -107,9 +108,12 @@ void MapPicture::draw_room(const Scene& scene, const MappedRoom& room, double sc
   view.up = up_;
   view.lines = lines_;
   view.points = points_;
-  BodyLook body = look_of_body(scene, room.body, scale);
-  body.camera_from_body = view.camera_from_world * room.world_from_body;
-  view.bodies = {&body, 1};
+  looks_.clear();
+  for (int k = 0; k < session.body_count(); ++k) {
+    looks_.push_back(look_of_body(scene, session, k, scale));
+    looks_.back().camera_from_body = view.camera_from_world * session.world_from_body(k);
+  }
+  view.bodies = looks_;
   renderer_.draw(view, room_);
 }
 

@@ -1,36 +1,26 @@
 /// @file
 /// The map from outside as `live --view map` and `scan --picture` show it (the paper's Fig. 6): the
-/// room, the way through it as a blue line, keyframes, the camera as it stands, the body.
+/// room, the way through it as a blue line, keyframes, the camera as it stands, the bodies.
 #pragma once
 
 #include "palpable/map/map_mesher.h"
-#include "palpable/map/surface_map.h"
-#include "palpable/reduced/reduced_body.h"
 #include "palpable/render/map_renderer.h"
 #include "palpable/session/scene.h"
+#include "palpable/session/session.h"
 #include "palpable/track/tracker.h"
 #include "palpable/view/camera_path.h"
 #include "palpable/view/follow_camera.h"
 
 #include <Eigen/Core>
 
-#include <functional>
 #include <vector>
 
 namespace palpable {
 
-/// What of a session the map's picture shows beside its scene.
-struct MappedRoom {
-  const ReducedBody& body;
-  const SurfaceMap* map = nullptr;  ///< nothing while none is made
-  Rigid3 world_from_body = Rigid3::Identity();
-  std::function<std::vector<KeyframePose>()> keyframes{};  ///< called now and then: it copies them
-};
-
 /// The picture of a running session, frame by frame.
 class MapPicture {
  public:
-  /// @param world_from_body  the body's Z is up
+  /// @param world_from_body  of the first body, whose Z is up
   MapPicture(MapRenderer renderer, const Rigid3& world_from_body);
 
   /// Turns and zooms (follow_camera.h).
@@ -39,16 +29,17 @@ class MapPicture {
   /// Call it for every frame. The room is drawn anew in every third one only, and when the view is
   /// turned or the camera is lost or found: without a GPU that costs about as much as everything
   /// else.
-  /// @param scene   of the frame answered last: its touches and stress are painted on the body
-  /// @param scale   Pa, top of the body's colours
-  /// @param inside  what the camera sees, with the body: it becomes a small picture in a corner
+  /// @param scene   of the frame answered last: its touches and stress are painted on the bodies
+  /// @param session  that answered it: its map, keyframes and bodies
+  /// @param scale   Pa, top of the bodies' colours
+  /// @param inside  what the camera sees, with the bodies: it becomes a small picture in a corner
   /// @param picture overwritten, as large as `inside`
-  void draw(const Scene& scene, const MappedRoom& room, double scale, const ColorImage& inside,
+  void draw(const Scene& scene, const Session& session, double scale, const ColorImage& inside,
             ColorImage& picture);
 
  private:
   void add_moving(const Scene& scene);
-  void draw_room(const Scene& scene, const MappedRoom& room, double scale, int width, int height);
+  void draw_room(const Scene& scene, const Session& session, double scale, int width, int height);
 
   MapRenderer renderer_;
   FollowCamera view_;
@@ -62,6 +53,7 @@ class MapPicture {
   ColorImage room_;  // the picture without what is written in it
   std::vector<MapLine> lines_;
   std::vector<MapPoint> points_;
+  std::vector<BodyLook> looks_;
 };
 
 /// The picture of what was scanned, 1280 x 720.

@@ -39,10 +39,7 @@ struct Outside {
     const Scene& scene = loop->process(frame);
     inside = ColorImage(644, 484, Rgb{0, 255, 0});  // large enough for what is written in it
     const Session& session = loop->session;
-    map->draw(scene,
-              {session.body(), session.map(), session.world_from_body(),
-               [&session] { return session.keyframes(); }},
-              1e4, inside, picture);
+    map->draw(scene, session, 1e4, inside, picture);
   }
   void show(double x) { show(test::frame_of_wall(number++, x)); }
   void show_dark() {
@@ -133,7 +130,8 @@ TEST_CASE("the caption says how deep and how hard, and how many touches there ar
   touch.site = 7;
   scene.touches = {touch};
   CHECK(caption_of(scene) == "2.00 s   site 7   6.0 mm   1.50 N");
-  scene.stated_error = StatedError{.displacement = 0.0213, .von_mises = 0.07};
+  scene.bodies.resize(2);
+  scene.bodies[1].stated_error = StatedError{.displacement = 0.0213, .von_mises = 0.07};
   CHECK(caption_of(scene) ==
         "2.00 s   site 7   6.0 mm   1.50 N   for what is seen off by some 2.1 %, stress 7 %");
 }

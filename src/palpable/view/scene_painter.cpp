@@ -10,7 +10,7 @@
 namespace palpable {
 
 ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop& loop)
-    : scale_(stress_scale(loop.session.body())) {
+    : scale_(stress_scale(loop.session)) {
   const PinholeCamera& camera = loop.camera.camera();
   if (settings.window) {
     window_.emplace(value_or_throw(Window::open("Palpable", camera.width, camera.height)));
@@ -23,14 +23,13 @@ ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop
     map_ = std::make_unique<MapPicture>(value_or_throw(MapRenderer::make()),
                                         loop.session.world_from_body());
   } else if (settings.view == View::kSurface) {
-    surface_ =
-        std::make_unique<SurfacePicture>(value_or_throw(MapRenderer::make()), loop.session.body());
+    surface_ = std::make_unique<SurfacePicture>(value_or_throw(MapRenderer::make()), loop.session);
   }
 }
 
 void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
   const StageTimer timer(drawn.scene.times, "draw");
-  SceneView view = view_of(drawn.scene, session.body(), scale_);
+  SceneView view = view_of(drawn.scene, session, scale_);
   const bool outside = map_ || surface_;
   if (outside) {  // its own caption says it
     view.legend_title.clear();
@@ -38,13 +37,9 @@ void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
     view.warning.clear();
   }
   renderer_->draw(view, outside ? inside_ : drawn.picture, &drawn.visible, &drawn.body_depth);
-  if (surface_) {
-    surface_->draw(drawn.scene, session.body(), session.surface(), scale_, inside_, drawn.picture);
-  }
+  if (surface_) { surface_->draw(drawn.scene, session, scale_, inside_, drawn.picture); }
   if (!map_) return;
-  const MappedRoom room{session.body(), session.map(), session.world_from_body(),
-                        [&] { return session.keyframes(); }};
-  map_->draw(drawn.scene, room, scale_, inside_, drawn.picture);
+  map_->draw(drawn.scene, session, scale_, inside_, drawn.picture);
 }
 
 void ScenePainter::show(const ColorImage& picture) {

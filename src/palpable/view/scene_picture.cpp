@@ -3,27 +3,53 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 
 namespace palpable {
 
-BodyLook look_of_body(const Scene& scene, const ReducedBody& body, double scale) {
+namespace {
+
+constexpr double kSameGround = 0.003;  // m
+
+bool stands_on_first_ground(const Session& session, int number) {
+  const Rigid3 first_from_body =
+      session.world_from_body().inverse() * session.world_from_body(number);
+  return std::abs(first_from_body.translation().z()) < kSameGround &&
+         first_from_body.linear()(2, 2) > 0.999;
+}
+
+}  // namespace
+
+BodyLook look_of_body(const Scene& scene, const Session& session, int number, double scale) {
+  const SceneBody& shown = scene.bodies[static_cast<std::size_t>(number)];
   BodyLook look;
-  look.vertices = &scene.vertices;
-  look.normals = &scene.normals;
-  look.triangles = &body.surface.triangles;
-  look.scalar = scene.von_mises;
+  look.vertices = &shown.vertices;
+  look.normals = &shown.normals;
+  look.triangles = &session.body(number).surface.triangles;
+  look.scalar = shown.von_mises;
   look.scalar_max = static_cast<float>(scale);
-  look.camera_from_body = scene.camera_from_body;
+  look.camera_from_body = shown.camera_from_body;
+  look.color = session.color(number);
+  if (!stands_on_first_ground(session, number)) look.shadow = 0;
   return look;
 }
 
 std::string caption_of(const Scene& scene) {
   if (scene.touches.empty()) return fmt::format("{:.2f} s", scene.time);
   std::string text = fmt::format("{:.2f} s   {}", scene.time, caption_of(scene.touches));
-  if (scene.stated_error) {
-    text +=
-        fmt::format("   for what is seen off by some {:.2g} %, stress {:.2g} %",
-                    100 * scene.stated_error->displacement, 100 * scene.stated_error->von_mises);
+  // Of several bodies what the one says that is known worst.
+  double displacement = 0, stress = 0;
+  bool stated = false;
+  for (const SceneBody& body : scene.bodies) {
+    if (!body.stated_error) continue;
+    displacement = std::max(displacement, body.stated_error->displacement);
+    stress = std::max(stress, body.stated_error->von_mises);
+    stated = true;
+  }
+  if (stated) {
+    text += fmt::format("   for what is seen off by some {:.2g} %, stress {:.2g} %",
+                        100 * displacement, 100 * stress);
   }
   return text;
 }
@@ -53,12 +79,14 @@ std::string warning_of(const Scene& scene) {
   return {};
 }
 
-SceneView view_of(const Scene& scene, const ReducedBody& body, double scale) {
+SceneView view_of(const Scene& scene, const Session& session, double scale) {
   SceneView view;
   view.background = &scene.seen.color;
   view.real_depth = &scene.seen.depth;
   view.camera = scene.seen.camera;
-  view.bodies.push_back(look_of_body(scene, body, scale));
+  for (int k = 0; k < session.body_count(); ++k) {
+    view.bodies.push_back(look_of_body(scene, session, k, scale));
+  }
   view.legend_title = "von Mises";
   view.caption.push_back(caption_of(scene));
   view.warning = warning_of(scene);

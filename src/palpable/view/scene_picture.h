@@ -2,19 +2,22 @@
 /// A scene of a session in the terms of the renderer.
 #pragma once
 
-#include "palpable/reduced/reduced_body.h"
 #include "palpable/render/scene_renderer.h"
 #include "palpable/session/scene.h"
+#include "palpable/session/session.h"
 
 #include <span>
 #include <string>
 
 namespace palpable {
 
-/// The pressed body of a scene where the camera sees it; pointers into both arguments.
-/// @param body   of the session that made the scene
-/// @param scale  Pa, top of the colours
-[[nodiscard]] BodyLook look_of_body(const Scene& scene, const ReducedBody& body, double scale);
+/// A body of a scene where the camera sees it; pointers into both arguments. A body that stands
+/// elsewhere than on the first one's ground throws no shadow on it.
+/// @param session  that made the scene
+/// @param number   of the body
+/// @param scale    Pa, top of the colours
+[[nodiscard]] BodyLook look_of_body(const Scene& scene, const Session& session, int number,
+                                    double scale);
 
 /// One line about a scene: its time and its touches.
 [[nodiscard]] std::string caption_of(const Scene& scene);
@@ -23,9 +26,9 @@ namespace palpable {
 /// That the camera is lost, and what to do; or that what presses is not seen. Else empty.
 [[nodiscard]] std::string warning_of(const Scene& scene);
 
-/// The picture of a scene: pointers into both arguments, valid while they are.
-/// @param body   of the session that made the scene
-/// @param scale  Pa, top of the colours
-[[nodiscard]] SceneView view_of(const Scene& scene, const ReducedBody& body, double scale);
+/// The picture of a scene: pointers into both, valid while they are.
+/// @param session  that made the scene
+/// @param scale    Pa, top of the colours
+[[nodiscard]] SceneView view_of(const Scene& scene, const Session& session, double scale);
 
 }  // namespace palpable

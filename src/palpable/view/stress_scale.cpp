@@ -32,4 +32,12 @@ double stress_scale(const ReducedBody& body) {
   return std::max(percentile(per_site, 0.75), 1.0);
 }
 
+double stress_scale(const Session& session) {
+  double scale = 0;
+  for (int k = 0; k < session.body_count(); ++k) {
+    scale = std::max(scale, stress_scale(session.body(k)));
+  }
+  return scale;
+}
+
 }  // namespace palpable

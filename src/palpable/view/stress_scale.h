@@ -3,6 +3,7 @@
 #pragma once
 
 #include "palpable/reduced/reduced_body.h"
+#include "palpable/session/session.h"
 
 namespace palpable {
 
@@ -14,5 +15,8 @@ namespace palpable {
 /// The same for a body that is pressed anywhere: that of a site that is stiffer than three quarters
 /// of the others.
 [[nodiscard]] double stress_scale(const ReducedBody& body);
+
+/// One for all bodies of a session, which share a legend: the largest of theirs.
+[[nodiscard]] double stress_scale(const Session& session);
 
 }  // namespace palpable

@@ -51,9 +51,16 @@ void mesh_balls(std::span<const ObjectBall> balls, const Eigen::Vector3f& camera
   }
 }
 
-SurfacePicture::SurfacePicture(MapRenderer renderer, const ReducedBody& body)
+SurfacePicture::SurfacePicture(MapRenderer renderer, const Session& session)
     : renderer_(std::move(renderer)) {
-  const Eigen::AlignedBox3d box = box_of(body.surface);
+  Eigen::AlignedBox3d box;
+  for (int k = 0; k < session.body_count(); ++k) {
+    const Rigid3 first_from_body = session.world_from_body().inverse() * session.world_from_body(k);
+    const Eigen::AlignedBox3d own = box_of(session.body(k).surface);
+    for (int c = 0; c < 8; ++c) {
+      box.extend(first_from_body * own.corner(static_cast<Eigen::AlignedBox3d::CornerType>(c)));
+    }
+  }
   const Eigen::Vector3d around = Eigen::Vector3d::Constant(kAround);
   near_ = {box.min() - around, box.max() + around};
   usual_.target = box.center();
@@ -70,7 +77,7 @@ void SurfacePicture::handle(const WindowEvent& event) {
 
 void SurfacePicture::add_points(const Scene& scene) {
   points_.clear();
-  const Rigid3 body_from_camera = scene.camera_from_body.inverse();
+  const Rigid3 body_from_camera = scene.bodies.front().camera_from_body.inverse();
   const DepthImage& depth = scene.seen.depth;
   const int factor = scene.seen.color.width() / depth.width();
   for (int y = 0; y < depth.height(); y += kPointStep) {
@@ -86,15 +93,29 @@ void SurfacePicture::add_points(const Scene& scene) {
   }
 }
 
-void SurfacePicture::draw(const Scene& scene, const ReducedBody& body, const ObjectSurface& surface,
-                          double scale, const ColorImage& inside, ColorImage& picture) {
-  const Rigid3 body_from_camera = scene.camera_from_body.inverse();
+// Where a ball is near two bodies it stands there twice, and looks as once.
+void SurfacePicture::gather_balls(const Session& session) {
+  balls_.clear();
+  for (int k = 0; k < session.body_count(); ++k) {
+    const Eigen::Isometry3f first_from_body =
+        (session.world_from_body().inverse() * session.world_from_body(k)).cast<float>();
+    for (ObjectBall ball : session.surface(k).balls()) {
+      if (k > 0) ball.centre = first_from_body * ball.centre;
+      balls_.push_back(ball);
+    }
+  }
+}
+
+void SurfacePicture::draw(const Scene& scene, const Session& session, double scale,
+                          const ColorImage& inside, ColorImage& picture) {
+  const Rigid3 body_from_camera = scene.bodies.front().camera_from_body.inverse();
   if (!placed_) {
     usual_.azimuth = heading_of(body_from_camera) + 2 * kOverTheShoulder;
     orbit_ = usual_;
     placed_ = true;
   }
-  mesh_balls(surface.balls(), body_from_camera.translation().cast<float>(), mesh_);
+  gather_balls(session);
+  mesh_balls(balls_, body_from_camera.translation().cast<float>(), mesh_);
   renderer_.set_surface({&mesh_.vertices, &mesh_.normals, &mesh_.triangles, mesh_.colors});
   add_points(scene);
   MapView view;
@@ -102,15 +123,20 @@ void SurfacePicture::draw(const Scene& scene, const ReducedBody& body, const Obj
   view.camera_from_world = orbit_.camera_from_body();
   view.up = Eigen::Vector3d::UnitZ();
   view.points = points_;
-  BodyLook look = look_of_body(scene, body, scale);
-  look.camera_from_body = view.camera_from_world;
-  view.bodies = {&look, 1};
+  looks_.clear();
+  for (int k = 0; k < session.body_count(); ++k) {
+    const SceneBody& shown = scene.bodies[static_cast<std::size_t>(k)];
+    looks_.push_back(look_of_body(scene, session, k, scale));
+    looks_.back().camera_from_body =
+        view.camera_from_world * (body_from_camera * shown.camera_from_body);
+  }
+  view.bodies = looks_;
   renderer_.draw(view, picture);
   draw_inset(inside, picture);
   const float text_scale = legend_scale(picture.height());
   const std::array<std::string, 2> caption{
       caption_of(scene),
-      fmt::format("{} balls: green seen, orange assumed, grey held", surface.balls().size())};
+      fmt::format("{} balls: green seen, orange assumed, grey held", balls_.size())};
   draw_caption(picture, caption, text_scale);
   if (const std::string warning = warning_of(scene); !warning.empty()) {
     draw_warning(picture, warning, text_scale);

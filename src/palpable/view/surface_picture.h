@@ -1,6 +1,6 @@
 /// @file
-/// What contact knows of the real world near the body, from outside (`live --view surface`): the
-/// points that the camera sees, the balls behind them, and the pressed skin.
+/// What contact knows of the real world near bodies, from outside (`live --view surface`): the
+/// points that the camera sees, the balls behind them, and the pressed skins.
 ///
 ///     points in their own colours   what is seen near the body, the room too
 ///     green                         the things that press: the side that is seen
@@ -8,13 +8,13 @@
 ///     grey                          not seen at present: held for a moment (held_balls.h)
 #pragma once
 
-#include "palpable/contact/object_surface.h"
+#include "palpable/contact/object_ball.h"
 #include "palpable/geometry/surface_mesh.h"
-#include "palpable/reduced/reduced_body.h"
 #include "palpable/render/map_renderer.h"
 #include "palpable/render/orbit_camera.h"
 #include "palpable/render/window_events.h"
 #include "palpable/session/scene.h"
+#include "palpable/session/session.h"
 #include "palpable/view/mouse_drag.h"
 
 #include <Eigen/Core>
@@ -40,30 +40,34 @@ void mesh_balls(std::span<const ObjectBall> balls, const Eigen::Vector3f& camera
 /// The picture of a running session, frame by frame.
 class SurfacePicture {
  public:
-  /// @param body  what it looks at
-  SurfacePicture(MapRenderer renderer, const ReducedBody& body);
+  /// @param session  whose bodies it looks at
+  SurfacePicture(MapRenderer renderer, const Session& session);
 
   /// Any button turns (of several the first one), the wheel zooms, R takes both back.
   void handle(const WindowEvent& event);
 
   /// @param scene    of the frame answered last
-  /// @param surface  of the same frame (Session::surface)
-  /// @param scale    Pa, top of the body's colours
-  /// @param inside   what the camera sees, with the body: it becomes a small picture in a corner
+  /// @param session  that answered it: of each body the balls near it
+  /// @param scale    Pa, top of the bodies' colours
+  /// @param inside   what the camera sees, with the bodies: it becomes a small picture in a corner
   /// @param picture  overwritten, as large as `inside`
-  void draw(const Scene& scene, const ReducedBody& body, const ObjectSurface& surface, double scale,
-            const ColorImage& inside, ColorImage& picture);
+  void draw(const Scene& scene, const Session& session, double scale, const ColorImage& inside,
+            ColorImage& picture);
 
  private:
   void add_points(const Scene& scene);
+  void gather_balls(const Session& session);
 
   MapRenderer renderer_;
-  Eigen::AlignedBox3d near_;  // body frame: what of the seen points is drawn
+  // All in the first body's frame.
+  Eigen::AlignedBox3d near_;  // what of the seen points is drawn
   OrbitCamera usual_, orbit_;
   bool placed_ = false;  // the first picture looks from beside the camera
   MouseDrag drag_;
   BallMesh mesh_;
   std::vector<MapPoint> points_;
+  std::vector<ObjectBall> balls_;
+  std::vector<BodyLook> looks_;
 };
 
 }  // namespace palpable

@@ -1,4 +1,4 @@
-#include "palpable/describe/toml_section.h"
+#include "palpable/toml/toml_section.h"
 
 #include "palpable/base/bounded_text.h"
 #include "palpable/base/error.h"

@@ -1,0 +1,232 @@
+#include "palpable/bake/bake_modal.h"
+
+#include "palpable/solid/contact.h"
+#include "palpable/solid/stress.h"
+#include "palpable/touch/modal_contact.h"
+#include "palpable/touch/touch_file.h"
+#include "tests/support/allocations.h"
+#include "tests/support/baked_beam.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/test.h"
+
+#include <limits>
+#include <vector>
+
+namespace palpable {
+namespace {
+
+using Eigen::Matrix3Xd;
+using Eigen::Matrix3Xf;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using test::baked_beam;
+using test::tolerance;
+
+const ModalTables& tables() {
+  static const ModalTables one = modal_tables(baked_beam());
+  return one;
+}
+
+// A finger across the beam, above it: `x` from the support, its lowest line `depth` below the top.
+Capsule finger(double x, double depth, double radius = 0.010) {
+  const Eigen::AlignedBox3d box = box_of(baked_beam().body.surface);
+  const Vector3d at(box.min().x() + x, box.center().y(), box.max().z() + radius - depth);
+  return {at - 0.03 * Vector3d::UnitY(), at + 0.03 * Vector3d::UnitY(), radius, radius};
+}
+
+GapQuery gap_to(const Capsule& capsule) {
+  return [field = CapsuleField(capsule)](const Vector3f& at, SurfaceGap& gap) {
+    const Vector3d x = at.cast<double>();
+    gap.distance = static_cast<float>(field.distance(x));
+    gap.normal = field.normal(x).cast<float>();
+    gap.curvature = field.curvature(x).cast<float>();
+    gap.softness = 0;
+    return gap.distance < 0.012f;
+  };
+}
+
+GapQuery nothing() {
+  return [](const Vector3f&, SurfaceGap&) { return false; };
+}
+
+ModalMember beam_at(const Vector3d& place) {
+  ModalMember member{&baked_beam().body, &tables(), Rigid3::Identity()};
+  member.world_from_body.translation() = place;
+  return member;
+}
+
+Vector3d sum_of(const ModalState& state, int by) {
+  Vector3d sum = Vector3d::Zero();
+  for (const SkinForce& force : state.forces) {
+    if (force.by == by) sum += force.force.cast<double>();
+  }
+  return sum;
+}
+
+// The beam under a finger that goes on by 2 mm a frame.
+ModalState pressed(ModalContact& contact, double x, double depth) {
+  std::vector<ModalState> states(1);
+  for (double now = 0; now < depth + 1e-9; now += 0.002) {
+    const GapQuery gap = gap_to(finger(x, now));
+    (void)contact.advance(states, {&gap, 1}, {});
+  }
+  return states.front();
+}
+
+TEST_CASE("a beam under a finger bends as full finite elements say, far and near",
+          "[bake][modal][long]") {
+  const IntrusiveBake& made = baked_beam();
+  const EquilibriumSolver solver(made.series.model());
+  ModalContact contact({beam_at(Vector3d::Zero())});
+  for (const double x : {0.20, 0.36}) {
+    for (const double depth : {0.006, 0.020}) {
+      const ModalState state = pressed(contact, x, depth);
+      const auto way = [x](double t) {
+        Obstacle obstacle;
+        obstacle.capsules = {finger(x, t)};
+        return obstacle;
+      };
+      ContactWalk walk(solver, way, 0.0);
+      REQUIRE(walk.advance(depth));
+      const Matrix3Xd& u = walk.now().displacement;
+      Matrix3Xf skin;
+      contact.place(0, state, skin);
+      const Boundary boundary = boundary_of(made.series.model().mesh);
+      const Matrix3Xd true_u = u(Eigen::all, boundary.node_of_vertex);
+      const Matrix3Xd off = skin.cast<double>() - made.body.surface.vertices - true_u;
+      INFO("at " << x << " m, " << depth << " m deep");
+      CHECK(off.norm() / true_u.norm() <= tolerance(0.04, "34 modes, no dimple under the finger"));
+      const Vector3d force = sum_of(state, -1);
+      CHECK((force - walk.now().force).norm() / walk.now().force.norm() <=
+            tolerance(0.06, "likewise"));
+    }
+  }
+}
+
+TEST_CASE("two beams press each other as hard, enter nothing, and come back", "[bake][modal]") {
+  ModalContact contact({beam_at({0, 0, 0}), beam_at({0, 0, 0.06})});  // 10 mm between them
+  std::vector<ModalState> states(2);
+  std::vector<GapQuery> gaps{nothing(), nothing()};
+  ModalReport report;
+  bool lay = false;
+  double last = 0;
+  for (double depth = 0; depth < 0.0301; depth += 0.002) {
+    gaps[1] = gap_to(finger(0.34, depth));
+    report = contact.advance(states, gaps, {});
+    const Vector3d on_lower = sum_of(states[0], 1), on_upper = sum_of(states[1], 0);
+    CHECK((on_lower + on_upper).norm() <= tolerance(1e-6, "N: floats of what is equal"));
+    CHECK(report.imbalance <= tolerance(1e-6, "N, likewise"));
+    CHECK(report.between <= tolerance(5e-4, "m: the half space under a point"));
+    if (on_lower.z() < 0) {
+      lay = true;
+      CHECK(-on_lower.z() >= last * (1 - tolerance(0.02, "it only grows as the finger goes on")));
+      last = -on_lower.z();
+    }
+  }
+  CHECK(lay);
+  CHECK(last > 0.05);
+  // What is held still stays still.
+  const Eigen::VectorXd q = states[0].q;
+  for (int n = 0; n < 5; ++n) report = contact.advance(states, gaps, {});
+  CHECK((states[0].q - q).norm() <= tolerance(1e-3, "Newton's method had ended") * q.norm());
+  CHECK(report.last_change < 2e-5);
+  // The same bytes from the same states, and no memory.
+  std::vector<ModalState> copy = states, again = states;
+  (void)contact.advance(copy, gaps, {});
+  CHECK(test::allocations_during([&] { (void)contact.advance(again, gaps, {}); }) == 0);
+  CHECK(copy[0].q == again[0].q);
+  CHECK(copy[1].q == again[1].q);
+  // The finger vanishes.
+  gaps[1] = nothing();
+  for (int n = 0; n < 3; ++n) report = contact.advance(states, gaps, {});
+  for (const ModalState& state : states) {
+    CHECK(state.forces.empty());
+    CHECK(state.q.norm() < 1e-6 * q.norm());
+  }
+}
+
+TEST_CASE("what is no number presses nothing, and a finger that is there at once is survived",
+          "[bake][modal]") {
+  ModalContact contact({beam_at(Vector3d::Zero())});
+  std::vector<ModalState> states(1);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const GapQuery bad = [nan](const Vector3f&, SurfaceGap& gap) {
+    gap.distance = nan;
+    gap.normal.setConstant(nan);
+    return true;
+  };
+  (void)contact.advance(states, {&bad, 1}, {});
+  CHECK(states[0].forces.empty());
+  const GapQuery deep = gap_to(finger(0.36, 0.016));
+  ModalReport report;
+  for (int n = 0; n < 3; ++n) report = contact.advance(states, {&deep, 1}, {});
+  CHECK(states[0].q.allFinite());
+  CHECK(report.penetration < 1e-3);
+  CHECK(sum_of(states[0], -1).z() < 0);
+}
+
+TEST_CASE("the stress of a bent beam is the full solver's for its shape", "[bake][modal]") {
+  const IntrusiveBake& made = baked_beam();
+  ModalContact contact({beam_at(Vector3d::Zero())});
+  const ModalState state = pressed(contact, 0.36, 0.016);
+  std::vector<float> mises(static_cast<std::size_t>(made.body.surface.vertex_count()));
+  contact.stress(0, state, mises);
+  const Eigen::VectorXd u = made.energy_modes * state.q;
+  const SolidModel& model = made.series.model();
+  const Boundary boundary = boundary_of(model.mesh);
+  const StressField cauchy = nodal_cauchy_stress(model, u.reshaped(3, u.size() / 3));
+  double largest = 0, off = 0;
+  for (std::size_t v = 0; v < mises.size(); ++v) {
+    const StressField s = cauchy.col(boundary.node_of_vertex[v]);
+    const double wanted = von_mises(s)[0];
+    largest = std::max(largest, wanted);
+    off = std::max(off, std::abs(static_cast<double>(mises[v]) - wanted));
+  }
+  CHECK(off <= tolerance(1e-3, "floats, strains of 1e-2") * largest);
+}
+
+TEST_CASE("a body file keeps what a beam needs to be touched", "[bake][modal]") {
+  const test::ScratchFolder folder("modal_file");
+  const IntrusiveBake& made = baked_beam();
+  write_touchable_body(folder / "beam.palpable", made.body, tables());
+  const TouchableBody read = value_or_throw(read_touchable_body(folder / "beam.palpable"));
+  REQUIRE(read.modal.has_value());
+  CHECK_FALSE(read.touch.has_value());
+  CHECK(read.modal->inner_modes == tables().inner_modes);
+  CHECK(read.modal->half_space == tables().half_space);
+  CHECK(read.modal->shell.elements == tables().shell.elements);
+  ModalTables wrong = tables();
+  wrong.inner_modes(0, 0) = std::numeric_limits<float>::quiet_NaN();
+  CHECK_THROWS_WITH(write_touchable_body(folder / "wrong.palpable", made.body, wrong),
+                    Catch::Contains("no number"));
+}
+
+TEST_CASE("a beam ten times as large gives way likewise", "[bake][modal]") {
+  const TouchableBody one(baked_beam().body, {}, tables());
+  const TouchableBody large = scaled(one, 10);
+  ModalContact small({{&one.body, &*one.modal, Rigid3::Identity()}});
+  ModalSettings settings;
+  settings.band *= 10;
+  settings.largest_step *= 10;
+  settings.tolerance *= 10;
+  settings.entry *= 10;
+  settings.largest_move *= 10;
+  ModalContact big({{&large.body, &*large.modal, Rigid3::Identity()}}, settings);
+  const ModalState state = pressed(small, 0.36, 0.010);
+  std::vector<ModalState> states(1);
+  for (double now = 0; now < 0.0101; now += 0.002) {
+    Capsule c = finger(0.36, now);
+    c.a *= 10;
+    c.b *= 10;
+    c.ra *= 10;
+    c.rb *= 10;
+    const GapQuery gap = gap_to(c);
+    (void)big.advance(states, {&gap, 1}, {});
+  }
+  const double f = sum_of(state, -1).norm(), F = sum_of(states[0], -1).norm();
+  CHECK(std::abs(F / (100 * f) - 1) <=
+        tolerance(0.05, "contact points of both lie where their meshes have them"));
+}
+
+}  // namespace
+}  // namespace palpable

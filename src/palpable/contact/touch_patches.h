@@ -1,0 +1,51 @@
+/// @file
+/// Forces at points of a skin, told to people: neighbours that are pushed the same way are one
+/// touch.
+#pragma once
+
+#include "palpable/contact/object_surface.h"
+#include "palpable/contact/touch.h"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace palpable {
+
+/// A point of the skin that is pressed, where it is now; body frame.
+struct PressedPoint {
+  Eigen::Vector3f place;  ///< m
+  Eigen::Vector3f moved;  ///< m, since rest
+  Eigen::Vector3f force;  ///< N
+  float area = 0;         ///< m^2 of the skin that it stands for
+  int by = -1;            ///< which other body presses it (Touch::by)
+};
+
+/// Keeps its memory.
+class TouchPatches {
+ public:
+  /// @param most  points at a time, for which there is room from the start
+  explicit TouchPatches(std::size_t most);
+
+  /// To be filled before find().
+  [[nodiscard]] std::vector<PressedPoint>& points() { return points_; }
+
+  /// @param seen     the surface of what presses; says which of it is assumed, or held
+  /// @param touches  overwritten: the one with the largest force first
+  void find(const ObjectSurface& seen, std::vector<Touch>& touches);
+
+ private:
+  // Of a union-find forest.
+  struct Place {
+    int first = 0;
+    int patch = 0;
+  };
+  void join_neighbours();
+  [[nodiscard]] Touch touch_of(int patch, const ObjectSurface& seen) const;
+
+  std::vector<PressedPoint> points_;
+  std::vector<Place> places_;
+  int patches_ = 0;
+};
+
+}  // namespace palpable

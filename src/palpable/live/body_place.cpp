@@ -1,0 +1,90 @@
+#include "palpable/live/body_place.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/geometry/surface_distance.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+constexpr double kStandsIn = 2e-4;  // m: bodies that stand on each other touch, to rounding
+
+const std::string& name_of(const PlacedBody& body) {
+  return body.name.empty() ? body.body.body.name : body.name;
+}
+
+Eigen::AlignedBox3d box_in_world(const PlacedBody& body) {
+  Eigen::AlignedBox3d box;
+  const Eigen::Matrix3Xd& x = body.body.body.surface.vertices;
+  for (Eigen::Index v = 0; v < x.cols(); ++v) {
+    box.extend(Eigen::Vector3d(body.world_from_body * x.col(v)));
+  }
+  return box;
+}
+
+// m: how deep a vertex of `a` or the middle of one of its triangles is in `b` at worst.
+double entry_of(const PlacedBody& a, const PlacedBody& b) {
+  const SurfaceMesh& skin = a.body.body.surface;
+  const Eigen::AlignedBox3d near = box_in_world(b);
+  std::optional<SurfaceDistance> distance;  // made where a point needs it
+  const Rigid3 b_from_world = b.world_from_body.inverse();
+  double deepest = 0;
+  const auto look = [&](const Eigen::Vector3d& x_in_a) {
+    const Eigen::Vector3d x = a.world_from_body * x_in_a;
+    if (!near.contains(x)) return;
+    if (!distance) distance.emplace(b.body.body.surface);
+    deepest = std::max(deepest, -distance->nearest(b_from_world * x).distance);
+  };
+  for (Eigen::Index v = 0; v < skin.vertices.cols(); ++v) look(skin.vertices.col(v));
+  for (Eigen::Index t = 0; t < skin.triangles.cols(); ++t) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) middle += skin.vertices.col(skin.triangles(k, t)) / 3;
+    look(middle);
+  }
+  return deepest;
+}
+
+}  // namespace
+
+std::vector<PlacedBody> placed(std::vector<LiveBody> bodies, Anchor of_run,
+                               const std::function<Rigid3(Anchor)>& world_from_anchor) {
+  std::vector<PlacedBody> all;
+  for (LiveBody& body : bodies) {
+    const BodyPlace& at = body.place;
+    PALPABLE_EXPECT(at.beside < std::ssize(all), "a body stands beside an earlier one");
+    Rigid3 world_from_base;
+    if (at.beside >= 0) {
+      world_from_base = all[static_cast<std::size_t>(at.beside)].world_from_body;
+    } else if (at.place) {
+      world_from_base = *at.place;
+    } else {
+      world_from_base = world_from_anchor(at.anchor.value_or(of_run));
+    }
+    // A body at its anchor stands where the anchor is, to the bit.
+    const bool shifted = !at.anchor_from_body.matrix().isIdentity(0);
+    all.push_back({std::move(body.body),
+                   shifted ? world_from_base * at.anchor_from_body : world_from_base,
+                   std::move(body.name), body.color});
+  }
+  return all;
+}
+
+std::optional<std::string> overlap_of(const std::vector<PlacedBody>& bodies) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!box_in_world(bodies[i]).intersects(box_in_world(bodies[j]))) continue;
+      const double entry = std::max(entry_of(bodies[i], bodies[j]), entry_of(bodies[j], bodies[i]));
+      if (!(entry > kStandsIn)) continue;
+      return fmt::format("'{}' stands in '{}', by {:.1f} mm; move one of them", name_of(bodies[i]),
+                         name_of(bodies[j]), 1e3 * entry);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace palpable

@@ -1,0 +1,36 @@
+/// @file
+/// Where the bodies of a run are to stand, and what of that cannot be.
+#pragma once
+
+#include "palpable/clip_files/scene_description.h"
+#include "palpable/geometry/image.h"
+#include "palpable/geometry/rigid.h"
+#include "palpable/session/session.h"
+#include "palpable/touch/touchable_body.h"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpable {
+
+/// A body of a run.
+struct LiveBody {
+  TouchableBody body;
+  std::string name = {};  ///< empty: the body's own
+  BodyPlace place = {};
+  std::optional<Rgb> color = {};  ///< it is drawn in, instead of its stress
+};
+
+/// The bodies where they stand, in the same order.
+/// @param world_from_anchor  asked only where a body needs it; what it throws is passed on
+[[nodiscard]] std::vector<PlacedBody> placed(
+    std::vector<LiveBody> bodies, Anchor of_run,
+    const std::function<Rigid3(Anchor)>& world_from_anchor);
+
+/// What to say of two bodies of which one stands in the other, at rest, by more than 0.2 mm;
+/// nothing where none does.
+[[nodiscard]] std::optional<std::string> overlap_of(const std::vector<PlacedBody>& bodies);
+
+}  // namespace palpable

@@ -1,0 +1,110 @@
+/// @file
+/// What one body of a session answers: the surface of what presses it, its touches, its shape.
+///
+///   V  surface vertices
+#pragma once
+
+#include "palpable/contact/object_surface.h"
+#include "palpable/contact/paper_contact.h"
+#include "palpable/contact/press_law.h"
+#include "palpable/contact/skin_contact.h"
+#include "palpable/geometry/camera.h"
+#include "palpable/geometry/image.h"
+#include "palpable/geometry/pixel_box.h"
+#include "palpable/geometry/rigid.h"
+#include "palpable/reduced/reduced_body.h"
+#include "palpable/session/refiner.h"
+#include "palpable/session/scene.h"
+#include "palpable/touch/touchable_body.h"
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace palpable {
+
+enum class ContactKind {
+  kAnywhere,  ///< nothing enters the skin, anywhere (skin_contact.h, modal_bodies.h); a body
+              ///< without tables: kSite
+  kSite,      ///< at the body's sites, one at a time; level from the measured depth (press_law.h)
+  kPaper      ///< Algorithm 1 as printed (paper_contact.h)
+};
+
+/// "anywhere", "site" or "paper".
+[[nodiscard]] std::string_view name_of(ContactKind kind);
+
+/// How touches are answered.
+struct AnswerSettings {
+  ContactKind contact = ContactKind::kAnywhere;
+  ObjectSurfaceSettings surface{};
+  TouchSettings touch{.entry = 1e-4};  ///< m: a tenth of what a camera knows
+  PressSettings press{};
+  PaperSettings paper{};
+};
+
+/// Remembers its state from frame to frame. Where nothing presses it costs next to nothing.
+/// Allocates nothing after the first frames. A body whose energy is known in modes is answered
+/// elsewhere, together with others (modal_bodies.h): of it there is the surface alone.
+class BodyAnswer {
+ public:
+  BodyAnswer(TouchableBody body, const AnswerSettings& settings);
+  BodyAnswer(const BodyAnswer&) = delete;  // parts of it know where others are
+  BodyAnswer& operator=(const BodyAnswer&) = delete;
+
+  /// The part of the image in which things that matter to the body may be seen.
+  [[nodiscard]] PixelBox box_of_interest(const Rigid3& camera_from_body,
+                                         const PinholeCamera& camera) const;
+
+  /// Makes the surface of the things that press near the body.
+  /// @param shows  of each pixel what it shows (PressingMask)
+  void look(const SeenFrame& seen, const MaskImage& shows, const Rigid3& camera_from_body);
+
+  /// One frame's touches, the strongest first.
+  /// @param time     s, of the frame
+  /// @param others   m, body frame: points of other bodies' skins. ContactKind::kPaper alone asks
+  ///                 them, where nothing real is near (paper Sec. 5.1: one way)
+  /// @param by       number of the body that they are of
+  /// @param touches  overwritten
+  void find_touches(double time, std::span<const Eigen::Vector3f> others, int by,
+                    std::vector<Touch>& touches);
+
+  /// Shape, normals, stress and stated error of the touches found last.
+  /// @param touches  as find_touches() gave them
+  void reconstruct(const std::vector<Touch>& touches, SceneBody& shown);
+
+  /// From now on exact answers are taken up where the body is touched anywhere.
+  void refine_with(Refiner refiner) { refiner_.emplace(std::move(refiner)); }
+  [[nodiscard]] Refiner* refiner() { return refiner_ ? &*refiner_ : nullptr; }
+  [[nodiscard]] const Refiner* refiner() const { return refiner_ ? &*refiner_ : nullptr; }
+
+  /// The settings', or what the body has tables for.
+  [[nodiscard]] ContactKind contact() const;
+  /// Null unless the body is answered by its energy in modes.
+  [[nodiscard]] const ModalTables* modal() const;
+  [[nodiscard]] const ReducedBody& body() const { return body_; }
+  [[nodiscard]] const ObjectSurface& surface() const { return surface_; }
+
+ private:
+  ReducedBody body_;
+  std::optional<TouchTables> tables_;
+  std::optional<ModalTables> modal_;
+  ContactKind contact_;
+  PaperSettings paper_settings_;
+  Eigen::Matrix3Xf rest_, rest_normals_;  // (3 x V) m
+  std::vector<float> at_rest_;            // (V) Pa, von Mises stress where nothing touches
+  Eigen::AlignedBox3d region_;
+  ObjectSurface surface_;
+  std::optional<SkinContact> anywhere_;
+  std::optional<Refiner> refiner_;
+  TouchState touched_;
+  std::optional<StatedError> stated_;
+  std::optional<PressLaw> law_;
+  PressState press_;
+  PaperState paper_;
+  Eigen::Matrix3Xf nodes_;
+};
+
+}  // namespace palpable

@@ -1,0 +1,62 @@
+#include "palpable/session/modal_bodies.h"
+
+#include "palpable/contact/skin_contact.h"
+
+#include <cstddef>
+
+namespace palpable {
+namespace {
+
+std::vector<ModalMember> bodies_of(const std::vector<ModalBodies::Member>& members) {
+  std::vector<ModalMember> bodies;
+  for (const ModalBodies::Member& member : members) bodies.push_back(member.body);
+  return bodies;
+}
+
+}  // namespace
+
+ModalBodies::ModalBodies(const std::vector<Member>& members)
+    : members_(members), contact_(bodies_of(members)), states_(members.size()) {
+  for (const Member& member : members_) {
+    gaps_.push_back(gaps_to(*member.seen));
+    near_.push_back(near_to(*member.seen));
+    skins_.push_back(member.body.body->surface.vertices.cast<float>());
+  }
+}
+
+void ModalBodies::advance() {
+  report_ = contact_.advance(states_, gaps_, near_);
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    contact_.place(static_cast<int>(k), states_[k], skins_[k]);
+  }
+}
+
+void ModalBodies::find_touches(int member, std::vector<Touch>& touches) {
+  const auto k = static_cast<std::size_t>(member);
+  const SurfaceMesh& rest = members_[k].body.body->surface;
+  patches_.points().clear();
+  for (const SkinForce& force : states_[k].forces) {
+    const Eigen::Vector3f now = force.at.at(skins_[k]);
+    Eigen::Vector3f before = Eigen::Vector3f::Zero();
+    for (int c = 0; c < 3; ++c) {
+      const int v = force.at.corners[static_cast<std::size_t>(c)];
+      before += force.at.weights[c] * rest.vertices.col(v).cast<float>();
+    }
+    const int by = force.by < 0 ? -1 : members_[static_cast<std::size_t>(force.by)].number;
+    patches_.points().push_back({now, now - before, force.force, force.at.area, by});
+  }
+  patches_.find(*members_[k].seen, touches);
+}
+
+void ModalBodies::reconstruct(int member, SceneBody& shown) {
+  const auto k = static_cast<std::size_t>(member);
+  const SurfaceMesh& rest = members_[k].body.body->surface;
+  shown.stated_error.reset();
+  shown.vertices = skins_[k];
+  shown.normals.resize(3, skins_[k].cols());
+  shown.von_mises.resize(static_cast<std::size_t>(skins_[k].cols()));
+  vertex_normals(shown.vertices, rest.triangles, shown.normals);
+  contact_.stress(member, states_[k], shown.von_mises);
+}
+
+}  // namespace palpable

@@ -1,0 +1,48 @@
+/// @file
+/// Those bodies of a session whose energy is known in modes: they are answered together, so that
+/// they press each other (touch/modal_contact.h).
+#pragma once
+
+#include "palpable/contact/object_surface.h"
+#include "palpable/contact/touch.h"
+#include "palpable/contact/touch_patches.h"
+#include "palpable/session/scene.h"
+#include "palpable/touch/modal_contact.h"
+
+#include <vector>
+
+namespace palpable {
+
+class ModalBodies {
+ public:
+  /// One of them.
+  struct Member {
+    ModalMember body;
+    const ObjectSurface* seen = nullptr;  ///< of what presses it; read in each frame
+    int number = 0;                       ///< of the session's bodies
+  };
+  /// @param members  what they point to outlives this
+  explicit ModalBodies(const std::vector<Member>& members);
+
+  /// One frame: the states in which nothing enters a body.
+  void advance();
+
+  /// Of a member, by its place in the list: its touches, the strongest first.
+  void find_touches(int member, std::vector<Touch>& touches);
+  /// Shape, normals and stress.
+  void reconstruct(int member, SceneBody& shown);
+
+  [[nodiscard]] const ModalReport& report() const { return report_; }  ///< of the last frame
+
+ private:
+  std::vector<Member> members_;
+  ModalContact contact_;
+  std::vector<ModalState> states_;
+  std::vector<GapQuery> gaps_;
+  std::vector<NearQuery> near_;
+  std::vector<Eigen::Matrix3Xf> skins_;  // where they are now, m
+  TouchPatches patches_{2 * ModalContact::kMostPoints};
+  ModalReport report_;
+};
+
+}  // namespace palpable

@@ -1,0 +1,660 @@
+#include "palpable/touch/modal_contact.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/reduced/mode_kernels.h"
+#include "palpable/reduced/quartic_energy.h"
+#include "palpable/touch/complementarity.h"
+#include "palpable/touch/moving_surface.h"
+#include "palpable/touch/point_levels.h"
+#include "palpable/touch/shell_stress.h"
+#include "palpable/touch/skin_clusters.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3Xf;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using Eigen::VectorXd;
+
+constexpr float kClusterRadius = 0.010f;  // m
+// A heap's points may lie farther from its middle than at rest, where the skin is stretched.
+constexpr float kStretch = 1.2f;
+// m between contact points: the coarsest set, which is asked of other members, and the finest.
+constexpr double kCoarsest = 0.006, kFinest = 0.0015;
+// m: so deep a member's skin is looked for in another's.
+constexpr float kInside = 0.02f;
+// Of a disc of radius a that is pressed evenly by f, the mean: w = 0.54 f (1 - nu^2) / (E a).
+constexpr double kDisc = 0.54;
+// m of sigma that make a point as compliant again as the half space is.
+constexpr double kSofter = 10;
+
+// L L^T = A in place of the lower triangle; false where A is not positive definite.
+bool factorise(MatrixXd& A) {
+  const Index n = A.rows();
+  for (Index j = 0; j < n; ++j) {
+    for (Index k = 0; k < j; ++k) A.col(j).tail(n - j) -= A(j, k) * A.col(k).tail(n - j);
+    if (!(A(j, j) > 0)) return false;
+    A.col(j).tail(n - j) /= std::sqrt(A(j, j));
+  }
+  return true;
+}
+
+// x <- L^-1 x.
+void forward(const MatrixXd& L, Eigen::Ref<VectorXd> x) {
+  const Index n = L.rows();
+  for (Index j = 0; j < n; ++j) {
+    x[j] /= L(j, j);
+    x.tail(n - j - 1) -= x[j] * L.col(j).tail(n - j - 1);
+  }
+}
+
+// x <- L^-T x.
+void backward(const MatrixXd& L, Eigen::Ref<VectorXd> x) {
+  for (Index j = L.rows() - 1; j >= 0; --j) {
+    x[j] -= L.col(j).tail(L.rows() - j - 1).dot(x.tail(L.rows() - j - 1));
+    x[j] /= L(j, j);
+  }
+}
+
+float largest_curvature(const Eigen::Matrix3f& K) {
+  const float trace = K.trace(), apart = 2 * K.squaredNorm() - trace * trace;
+  return 0.5f * (trace + std::sqrt(std::max(0.0f, apart)));
+}
+
+// A contact point near something.
+struct Candidate {
+  int member = 0, point = 0;
+  int by = -1;                                        // another member; -1: what is seen
+  Eigen::Vector3i corners = Eigen::Vector3i::Zero();  // of the other's triangle
+  Vector3f weights = Vector3f::Zero();                // likewise
+  double gap = 0;                                     // m
+  Vector3d normal = Vector3d::Zero();        // unit, away from what presses; the member's frame
+  Vector3d other_normal = Vector3d::Zero();  // the same in the other's frame
+  Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();  // 1/m
+  double softness = 0;                                  // m/N
+  double force = 0;                                     // N
+};
+
+}  // namespace
+
+struct ModalContact::Work {
+  // One body: what is made once, and its present shape.
+  struct Body {
+    Body(const ModalMember& the_member, double finest);
+
+    ModalMember member;
+    Index n, V;
+    Matrix3Xf rest;
+    std::vector<SkinPoint> points;
+    Matrix3Xf places;
+    std::vector<float> levels;
+    SkinClusters clusters;
+    std::vector<float> rows;  // (V x 3 x n) of the modes: vertex, direction, mode
+    QuarticEquilibrium energy;
+    MovingSurface surface;
+    std::optional<ShellStress> shell;
+    Matrix3Xf shell_u;  // (3 x W)
+
+    VectorXd q, began, step, pull;  // (n)
+    Matrix3Xf u, x;                 // (3 x V) m: displacement and place
+    std::vector<float> weights;     // (n)
+    MatrixXd factor;                // (n x n) of H
+    bool active = false;
+
+    void set_shape();
+    [[nodiscard]] Vector3f at(const SkinPoint& point, const Matrix3Xf& field) const {
+      return point.at(field);
+    }
+    // result += sum_v w_v F(v)^T d
+    void add_row(const Eigen::Vector3i& corners, const Vector3f& w, const Vector3d& d,
+                 Eigen::Ref<VectorXd> result) const;
+  };
+
+  ModalSettings settings;
+  std::vector<std::unique_ptr<Body>> bodies;
+  std::vector<Candidate> candidates;
+  Complementarity complementarity{static_cast<int>(kMostPoints)};
+  MatrixXd own, others;  // (n x C) L^-1 B of the candidate's member, and of the other one
+  std::vector<double> W, gap, f;
+  Index most_modes = 1;
+
+  Work(std::vector<ModalMember> members, const ModalSettings& the_settings);
+  [[nodiscard]] Eigen::Isometry3f from_to(const Body& from, const Body& to) const {
+    return (to.member.world_from_body.inverse() * from.member.world_from_body).cast<float>();
+  }
+  void begin(std::span<ModalState> states);
+  void find(std::span<const GapQuery> gaps, std::span<const NearQuery> near, double shift,
+            ModalReport& report);
+  void find_seen(int k, const GapQuery& gaps, const NearQuery& near, double shift);
+  void find_between(int k, int other);
+  void keep_nearest(ModalReport& report);
+  void look_again(std::span<const GapQuery> gaps, double shift);
+  bool measure_between(Candidate& c) const;
+  void wake();
+  bool factorise_all();
+  void assemble();
+  double iterate(ModalReport& report);
+  void keep(std::span<ModalState> states, ModalReport& report);
+};
+
+ModalContact::Work::Body::Body(const ModalMember& the_member, double finest)
+    : member(the_member),
+      n(member.body->several->mode_count()),
+      V(member.body->surface.vertex_count()),
+      rest(member.body->surface.vertices.cast<float>()),
+      points(skin_points(member.body->surface, member.body->fixed, finest)),
+      places(3, static_cast<Index>(points.size())),
+      levels(point_levels(member.body->surface, points, kCoarsest, kFinest)),
+      clusters((
+                   [this] {
+                     for (std::size_t p = 0; p < points.size(); ++p)
+                       places.col(static_cast<Index>(p)) = points[p].at(rest);
+                   }(),
+                   rest),
+               points, places, kClusterRadius),
+      energy(member.body->several->energy),
+      surface(member.body->surface),
+      shell_u(3, member.tables->shell.nodes()),
+      q(VectorXd::Zero(n)),
+      began(VectorXd::Zero(n)),
+      step(VectorXd::Zero(n)),
+      pull(VectorXd::Zero(n)),
+      u(Matrix3Xf::Zero(3, V)),
+      x(rest),
+      weights(static_cast<std::size_t>(n)),
+      factor(n, n) {
+  const Eigen::MatrixXf& F = member.body->several->modes;
+  rows.resize(static_cast<std::size_t>(F.size()));
+  for (Index r = 0; r < F.rows(); ++r) {
+    for (Index i = 0; i < n; ++i) rows[static_cast<std::size_t>(r * n + i)] = F(r, i);
+  }
+  if (member.tables->shell.nodes() > 0) shell.emplace(member.tables->shell, static_cast<int>(V));
+}
+
+void ModalContact::Work::Body::set_shape() {
+  for (Index i = 0; i < n; ++i) weights[static_cast<std::size_t>(i)] = static_cast<float>(q[i]);
+  const Eigen::MatrixXf& F = member.body->several->modes;
+  mode_kernels().front().sum({F.data(), static_cast<std::size_t>(F.rows()), weights.size()},
+                             weights.data(), false, {u.data(), static_cast<std::size_t>(u.size())});
+  x = rest + u;
+}
+
+void ModalContact::Work::Body::add_row(const Eigen::Vector3i& corners, const Vector3f& w,
+                                       const Vector3d& d, Eigen::Ref<VectorXd> result) const {
+  for (int k = 0; k < 3; ++k) {
+    if (w[k] == 0) continue;
+    for (int c = 0; c < 3; ++c) {
+      const Eigen::Map<const Eigen::VectorXf> row(
+          rows.data() + (3 * static_cast<Index>(corners[k]) + c) * n, n);
+      result += (static_cast<double>(w[k]) * d[c]) * row.cast<double>();
+    }
+  }
+}
+
+ModalContact::Work::Work(std::vector<ModalMember> members, const ModalSettings& the_settings)
+    : settings(the_settings) {
+  for (const ModalMember& member : members) {
+    PALPABLE_EXPECT(member.body != nullptr && member.tables != nullptr &&
+                        trouble_of(*member.tables, *member.body).empty(),
+                    "a body with its tables of modes");
+    bodies.push_back(std::make_unique<Body>(member, member.tables->point_spacing));
+    most_modes = std::max(most_modes, bodies.back()->n);
+  }
+  const auto m = static_cast<Index>(kMostPoints);
+  candidates.reserve(16 * kMostPoints);
+  own.setZero(most_modes, m);
+  others.setZero(most_modes, m);
+  W.resize(kMostPoints * kMostPoints);
+  gap.resize(kMostPoints);
+  f.resize(kMostPoints);
+}
+
+void ModalContact::Work::begin(std::span<ModalState> states) {
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    Body& b = *bodies[k];
+    ModalState& state = states[k];
+    if (state.q.size() != b.n) {
+      state.q.setZero(b.n);
+      state.forces.clear();
+      state.forces.reserve(2 * kMostPoints);
+    }
+    const bool bent = !state.q.isZero(0);
+    const bool moved = state.q != b.q;
+    b.q = state.q;
+    b.began = state.q;
+    b.active = bent;
+    if (moved) {
+      b.set_shape();
+      b.surface.move(b.x);
+    }
+  }
+}
+
+// Points of a member that are near what is seen, those that an object as sharp needs.
+void ModalContact::Work::find_seen(int k, const GapQuery& gaps, const NearQuery& near,
+                                   double shift) {
+  if (!gaps) return;
+  const Body& b = *bodies[static_cast<std::size_t>(k)];
+  const auto band = static_cast<float>(settings.band - shift);
+  SurfaceGap seen;
+  for (const SkinCluster& cluster : b.clusters.clusters()) {
+    const Vector3f middle = b.x.col(cluster.vertex);
+    const float reach = band + kStretch * cluster.radius;
+    if (near ? !near(middle, reach) : !gaps(middle, seen) || !(seen.distance <= reach)) continue;
+    for (int i = cluster.first; i < cluster.last; ++i) {
+      const int p = b.clusters.order()[static_cast<std::size_t>(i)];
+      const Vector3f at = b.places.col(p) + b.points[static_cast<std::size_t>(p)].at(b.u);
+      if (near && !near(at, band)) continue;
+      if (!gaps(at, seen) || !(seen.distance <= band) || !seen.normal.allFinite() ||
+          !seen.curvature.allFinite()) {
+        continue;
+      }
+      const float bend = largest_curvature(seen.curvature),
+                  level = b.levels[static_cast<std::size_t>(p)];
+      const float enough = bend > 0
+                               ? std::min(static_cast<float>(kCoarsest),
+                                          std::sqrt(4 * static_cast<float>(settings.entry) / bend))
+                               : static_cast<float>(kCoarsest);
+      if (level > 0 ? level * std::numbers::sqrt2_v<float> <= enough
+                    : enough >= static_cast<float>(kFinest)) {
+        continue;
+      }
+      Candidate c;
+      c.member = k;
+      c.point = p;
+      c.gap = static_cast<double>(seen.distance);
+      c.softness = static_cast<double>(seen.softness);
+      candidates.push_back(c);
+    }
+  }
+}
+
+// Points of one member that are near another's skin: those of the coarsest set, for skins are flat.
+void ModalContact::Work::find_between(int k, int other) {
+  const Body &b = *bodies[static_cast<std::size_t>(k)],
+             &o = *bodies[static_cast<std::size_t>(other)];
+  const Eigen::Isometry3f to_other = from_to(b, o);
+  const auto band = static_cast<float>(settings.band);
+  const float far = band + 2 * kClusterRadius;
+  for (const SkinCluster& cluster : b.clusters.clusters()) {
+    const Vector3f middle = to_other * Vector3f(b.x.col(cluster.vertex));
+    if (!(o.surface.bounds().squaredExteriorDistance(middle) < far * far)) continue;
+    if (!o.surface.may_be_within(middle, kInside + kStretch * cluster.radius)) continue;
+    for (int i = cluster.first; i < cluster.last; ++i) {
+      const int p = b.clusters.order()[static_cast<std::size_t>(i)];
+      if (!(b.levels[static_cast<std::size_t>(p)] * std::numbers::sqrt2_v < float >>
+            static_cast<float>(kCoarsest))) {
+        continue;
+      }
+      Candidate c;
+      c.member = k;
+      c.point = p;
+      c.by = other;
+      if (measure_between(c) && c.gap <= settings.band) candidates.push_back(c);
+    }
+  }
+}
+
+// Where the other's skin is from here. False: farther than it is looked for.
+bool ModalContact::Work::measure_between(Candidate& c) const {
+  const Body &b = *bodies[static_cast<std::size_t>(c.member)],
+             &o = *bodies[static_cast<std::size_t>(c.by)];
+  const Eigen::Isometry3f to_other = from_to(b, o);
+  const Vector3f at = b.places.col(c.point) + b.points[static_cast<std::size_t>(c.point)].at(b.u);
+  const auto found = o.surface.nearest(to_other * at, kInside);
+  if (!found) return false;
+  c.gap = static_cast<double>(found->distance);
+  c.corners = o.surface.corners(found->triangle);
+  c.weights = found->weights;
+  c.other_normal = found->normal.cast<double>();
+  c.normal = (to_other.linear().transpose() * found->normal).cast<double>();
+  c.curvature.setZero();
+  return true;
+}
+
+void ModalContact::Work::find(std::span<const GapQuery> gaps, std::span<const NearQuery> near,
+                              double shift, ModalReport& report) {
+  candidates.clear();
+  const int count = static_cast<int>(bodies.size());
+  for (int k = 0; k < count; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    find_seen(k, at < gaps.size() ? gaps[at] : GapQuery{},
+              at < near.size() ? near[at] : NearQuery{}, shift);
+  }
+  for (const Candidate& c : candidates) bodies[static_cast<std::size_t>(c.member)]->active = true;
+  for (int k = 0; k < count; ++k) {
+    for (int other = 0; other < count; ++other) {
+      if (k == other) continue;
+      // Two that are at rest stand off each other.
+      if (!bodies[static_cast<std::size_t>(k)]->active &&
+          !bodies[static_cast<std::size_t>(other)]->active) {
+        continue;
+      }
+      find_between(k, other);
+    }
+  }
+  keep_nearest(report);
+}
+
+// At most as many as there is room for, the deepest first.
+void ModalContact::Work::keep_nearest(ModalReport& report) {
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    if (a.gap != b.gap) return a.gap < b.gap;
+    return std::array{a.member, a.by, a.point} < std::array{b.member, b.by, b.point};
+  });
+  if (candidates.size() > kMostPoints) {
+    report.dropped += static_cast<int>(candidates.size() - kMostPoints);
+    candidates.resize(kMostPoints);
+  }
+  report.candidates = std::max(report.candidates, static_cast<int>(candidates.size()));
+}
+
+// Gaps in the present shape.
+void ModalContact::Work::look_again(std::span<const GapQuery> gaps, double shift) {
+  SurfaceGap seen;
+  for (Candidate& c : candidates) {
+    const Body& b = *bodies[static_cast<std::size_t>(c.member)];
+    bool known = false;
+    if (c.by >= 0) {
+      known = measure_between(c);
+    } else {
+      const SkinPoint& point = b.points[static_cast<std::size_t>(c.point)];
+      known =
+          gaps[static_cast<std::size_t>(c.member)](b.places.col(c.point) + point.at(b.u), seen) &&
+          seen.normal.allFinite() && seen.curvature.allFinite() && std::isfinite(seen.distance);
+      if (known) {
+        c.gap = static_cast<double>(seen.distance) + shift;
+        c.normal = seen.normal.cast<double>();
+        c.curvature = seen.curvature;
+        c.softness = static_cast<double>(seen.softness);
+      }
+    }
+    if (!known) {
+      c.gap = 1;  // m: far
+      c.force = 0;
+    }
+  }
+}
+
+// Members that something may press take part.
+void ModalContact::Work::wake() {
+  for (const Candidate& c : candidates) {
+    bodies[static_cast<std::size_t>(c.member)]->active = true;
+    if (c.by >= 0) bodies[static_cast<std::size_t>(c.by)]->active = true;
+  }
+}
+
+// H of each member, with what the curvature of things adds where it stays positive definite.
+bool ModalContact::Work::factorise_all() {
+  for (const auto& body : bodies) {
+    Body& b = *body;
+    if (!b.active) continue;
+    b.energy.evaluate(b.q);
+    b.factor = b.energy.hessian();
+    const Index k = &body - bodies.data();
+    for (const Candidate& c : candidates) {
+      if (c.member != k || !(c.force > 0) || c.curvature.isZero(0)) continue;
+      const SkinPoint& point = b.points[static_cast<std::size_t>(c.point)];
+      const Eigen::Vector3i corners(point.corners[0], point.corners[1], point.corners[2]);
+      // Two directions across the normal hold all of it.
+      const Vector3d t1 = c.normal.unitOrthogonal(), t2 = c.normal.cross(t1);
+      const Eigen::Matrix3d K = c.curvature.cast<double>();
+      for (const Vector3d& t : {t1, t2}) {
+        const double bend = c.force * t.dot(K * t);
+        if (!(bend > 0)) continue;
+        b.pull.setZero();
+        b.add_row(corners, point.weights, t, b.pull);
+        for (Index j = 0; j < b.n; ++j) b.factor.col(j) -= (bend * b.pull[j]) * b.pull;
+      }
+    }
+    if (factorise(b.factor)) continue;
+    double shift = 0;
+    const MatrixXd& H = b.energy.hessian();
+    for (int tries = 0;; ++tries) {
+      b.factor = H;
+      if (shift > 0) b.factor.diagonal() += shift * H.diagonal().cwiseAbs();
+      if (factorise(b.factor)) break;
+      shift = shift == 0 ? 0.01 : 4 * shift;
+      if (tries > 20) return false;  // not a number somewhere
+    }
+  }
+  return true;
+}
+
+// The complementarity problem of the candidates.
+void ModalContact::Work::assemble() {
+  const std::size_t m = candidates.size();
+  for (std::size_t p = 0; p < m; ++p) {
+    Candidate& c = candidates[p];
+    const Body& b = *bodies[static_cast<std::size_t>(c.member)];
+    const SkinPoint& point = b.points[static_cast<std::size_t>(c.point)];
+    auto column = own.col(static_cast<Index>(p)).head(b.n);
+    column.setZero();
+    b.add_row({point.corners[0], point.corners[1], point.corners[2]}, point.weights, c.normal,
+              column);
+    forward(b.factor, column);
+    // pull = L^-1 (- W'): what the body would do if nothing pressed.
+    gap[p] = c.gap + column.dot(b.pull);
+    if (c.by < 0) continue;
+    const Body& o = *bodies[static_cast<std::size_t>(c.by)];
+    auto other = others.col(static_cast<Index>(p)).head(o.n);
+    other.setZero();
+    o.add_row(c.corners, c.weights, -c.other_normal, other);
+    forward(o.factor, other);
+    gap[p] += other.dot(o.pull);
+  }
+  for (std::size_t p = 0; p < m; ++p) {
+    const Candidate& a = candidates[p];
+    const auto P = static_cast<Index>(p);
+    for (std::size_t r = 0; r <= p; ++r) {
+      const Candidate& c = candidates[r];
+      const auto R = static_cast<Index>(r);
+      double sum = 0;
+      const auto add = [&](int first, int second, const MatrixXd& one, const MatrixXd& two) {
+        if (first < 0 || first != second) return;
+        const Index n = bodies[static_cast<std::size_t>(first)]->n;
+        sum += one.col(P).head(n).dot(two.col(R).head(n));
+      };
+      add(a.member, c.member, own, own);
+      add(a.member, c.by, own, others);
+      add(a.by, c.member, others, own);
+      add(a.by, c.by, others, others);
+      W[p * m + r] = sum;
+    }
+    const Body& b = *bodies[static_cast<std::size_t>(a.member)];
+    const double area =
+        std::max(1e-8, static_cast<double>(b.points[static_cast<std::size_t>(a.point)].area));
+    double half_space = b.member.tables->half_space * (1 + kSofter * a.softness);
+    if (a.by >= 0) {
+      half_space += bodies[static_cast<std::size_t>(a.by)]->member.tables->half_space;
+    }
+    W[p * m + p] += kDisc * half_space / std::sqrt(area / std::numbers::pi);
+  }
+}
+
+// One step of Newton's method. Returns how far it moved a vertex, m.
+double ModalContact::Work::iterate(ModalReport& report) {
+  ++report.iterations;
+  wake();
+  if (!factorise_all()) return 0;
+  for (const auto& body : bodies) {
+    Body& b = *body;
+    if (!b.active) continue;
+    b.pull = -b.energy.gradient();
+    forward(b.factor, b.pull);
+  }
+  assemble();
+  const std::size_t m = candidates.size();
+  for (std::size_t p = 0; p < m; ++p) f[p] = candidates[p].force;
+  if (m > 0 && !complementarity.solve({W.data(), m * m}, {gap.data(), m}, {f.data(), m})) return 0;
+  for (const auto& body : bodies) {
+    if (body->active) body->step = body->pull;
+  }
+  for (std::size_t p = 0; p < m; ++p) {
+    Candidate& c = candidates[p];
+    c.force = f[p];
+    if (!(f[p] > 0)) continue;
+    Body& b = *bodies[static_cast<std::size_t>(c.member)];
+    b.step += f[p] * own.col(static_cast<Index>(p)).head(b.n);
+    if (c.by < 0) continue;
+    Body& o = *bodies[static_cast<std::size_t>(c.by)];
+    o.step += f[p] * others.col(static_cast<Index>(p)).head(o.n);
+  }
+  double largest = 0;
+  for (const auto& body : bodies) {
+    Body& b = *body;
+    if (!b.active) continue;
+    backward(b.factor, b.step);
+    const Matrix3Xf& before = b.shell_u;  // as large, and free
+    b.shell_u.leftCols(b.V) = b.u;
+    b.q += b.step;
+    b.set_shape();
+    double moved = static_cast<double>(
+        std::sqrt((b.u - before.leftCols(b.V)).colwise().squaredNorm().maxCoeff()));
+    if (moved > settings.largest_move) {
+      const double share = settings.largest_move / moved;
+      b.q += (share - 1) * b.step;
+      b.set_shape();
+      moved = settings.largest_move;
+    }
+    b.surface.move(b.x);
+    largest = std::max(largest, moved);
+  }
+  return largest;
+}
+
+void ModalContact::Work::keep(std::span<ModalState> states, ModalReport& report) {
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    Body& b = *bodies[k];
+    states[k].forces.clear();
+    // What is left of a body that nothing holds is rest.
+    if (b.active && candidates.empty() && report.last_change < settings.tolerance) {
+      if (static_cast<double>(b.u.colwise().squaredNorm().maxCoeff()) <
+          settings.tolerance * settings.tolerance) {
+        b.q.setZero();
+        b.set_shape();
+        b.surface.move(b.x);
+      }
+    }
+    states[k].q = b.q;
+  }
+  Vector3d sum = Vector3d::Zero();
+  double between = 0;
+  for (const bool others_now : {false, true}) {
+    for (const Candidate& c : candidates) {
+      if ((c.by >= 0) != others_now) continue;
+      double& deepest = c.by < 0 ? report.penetration : report.between;
+      deepest = std::max(deepest, -c.gap);
+      if (!(c.force > 0)) continue;
+      Body& b = *bodies[static_cast<std::size_t>(c.member)];
+      const SkinPoint& point = b.points[static_cast<std::size_t>(c.point)];
+      const Vector3f force = (c.force * c.normal).cast<float>();
+      states[static_cast<std::size_t>(c.member)].forces.push_back({point, force, c.by});
+      if (c.by < 0) continue;
+      const Vector3f back = (-c.force * c.other_normal).cast<float>();
+      SkinPoint there{{c.corners[0], c.corners[1], c.corners[2]}, c.weights, point.area};
+      states[static_cast<std::size_t>(c.by)].forces.push_back({there, back, c.member});
+      sum += b.member.world_from_body.linear() * force.cast<double>() +
+             bodies[static_cast<std::size_t>(c.by)]->member.world_from_body.linear() *
+                 back.cast<double>();
+      between += c.force;
+    }
+  }
+  report.imbalance = sum.norm();
+}
+
+ModalContact::ModalContact(std::vector<ModalMember> members, const ModalSettings& settings)
+    : work_(std::make_unique<Work>(std::move(members), settings)) {}
+ModalContact::~ModalContact() = default;
+ModalContact::ModalContact(ModalContact&&) noexcept = default;
+
+int ModalContact::member_count() const { return static_cast<int>(work_->bodies.size()); }
+
+ModalReport ModalContact::advance(std::span<ModalState> states, std::span<const GapQuery> gaps,
+                                  std::span<const NearQuery> near) {
+  Work& w = *work_;
+  const ModalSettings& s = w.settings;
+  PALPABLE_EXPECT(states.size() == w.bodies.size(), "a state of each member");
+  ModalReport report;
+  w.begin(states);
+  w.find(gaps, near, 0, report);
+  bool any = !w.candidates.empty();
+  for (const auto& body : w.bodies) any |= body->active;
+  if (!any) {
+    for (ModalState& state : states) state.forces.clear();
+    return report;
+  }
+  double depth = 0;
+  for (const Candidate& c : w.candidates) {
+    if (c.by < 0) depth = std::max(depth, -c.gap);
+  }
+  const int steps = std::max(
+      1, static_cast<int>(std::ceil(std::min(depth / s.largest_step, 1.0 * s.most_steps))));
+  for (int step = 1; step <= steps; ++step) {
+    const double shift = std::max(0.0, depth - step * s.largest_step);
+    const bool last = step == steps;
+    double since = std::numeric_limits<double>::infinity();  // m moved since candidates were found
+    for (int i = 0; i < (last ? s.last_iterations : s.iterations); ++i) {
+      if (since > 0.5 * s.band) {
+        w.find(gaps, near, shift, report);
+        since = 0;
+      }
+      w.look_again(gaps, shift);
+      report.last_change = w.iterate(report);
+      since += report.last_change;
+      if (report.last_change < s.tolerance) break;
+    }
+  }
+  w.look_again(gaps, 0);
+  w.keep(states, report);
+  return report;
+}
+
+void ModalContact::place(int member, const ModalState& state, Matrix3Xf& skin) const {
+  const Work::Body& b = *work_->bodies[static_cast<std::size_t>(member)];
+  if (state.q.size() != b.n) {
+    skin = b.rest;
+    return;
+  }
+  std::vector<float>& weights = work_->bodies[static_cast<std::size_t>(member)]->weights;
+  for (Index i = 0; i < b.n; ++i)
+    weights[static_cast<std::size_t>(i)] = static_cast<float>(state.q[i]);
+  const Eigen::MatrixXf& F = b.member.body->several->modes;
+  skin.resize(3, b.V);
+  mode_kernels().front().sum({F.data(), static_cast<std::size_t>(F.rows()), weights.size()},
+                             weights.data(), false,
+                             {skin.data(), static_cast<std::size_t>(skin.size())});
+  skin += b.rest;
+}
+
+void ModalContact::stress(int member, const ModalState& state, std::span<float> von_mises,
+                          std::span<float> cauchy) {
+  Work::Body& b = *work_->bodies[static_cast<std::size_t>(member)];
+  PALPABLE_EXPECT(b.shell.has_value(), "stress needs a shell");
+  b.shell_u.setZero();
+  if (state.q.size() == b.n) {
+    for (Index i = 0; i < b.n; ++i)
+      b.weights[static_cast<std::size_t>(i)] = static_cast<float>(state.q[i]);
+    const auto sum = [&](const Eigen::MatrixXf& F, float* u) {
+      if (F.rows() == 0) return;
+      mode_kernels().front().sum({F.data(), static_cast<std::size_t>(F.rows()), b.weights.size()},
+                                 b.weights.data(), false, {u, static_cast<std::size_t>(F.rows())});
+    };
+    sum(b.member.body->several->modes, b.shell_u.data());
+    sum(b.member.tables->inner_modes, b.shell_u.data() + 3 * b.V);
+  }
+  b.shell->evaluate(b.shell_u, von_mises, cauchy);
+}
+
+}  // namespace palpable

@@ -1,0 +1,73 @@
+/// @file
+/// Signed distance to a closed skin that deforms: what bodies ask of each other.
+///
+///   V  vertices     T  triangles
+#pragma once
+
+#include "palpable/geometry/surface_mesh.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace palpable {
+
+/// What of the skin is nearest to a place.
+struct NearestOnSkin {
+  float distance = 0;  ///< m, negative inside
+  int triangle = 0;
+  Eigen::Vector3f weights = Eigen::Vector3f::Zero();  ///< of its corners, sum 1
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, of the face, edge or corner
+};
+
+/// A tree of boxes over the triangles, made once; where the vertices are is told again and again.
+/// The sign is that of the angle-weighted normal of the nearest face, edge or corner
+/// (surface_distance.h, which is exact to a double's rounding and made anew for each shape).
+class MovingSurface {
+ public:
+  /// @param skin  closed; at rest
+  explicit MovingSurface(const SurfaceMesh& skin);
+
+  /// @param vertices  (3 x V) m, where they are now. Copied; allocates nothing
+  void move(const Eigen::Matrix3Xf& vertices);
+
+  /// Nothing where the skin is farther than `reach`. Allocates nothing.
+  [[nodiscard]] std::optional<NearestOnSkin> nearest(const Eigen::Vector3f& x, float reach) const;
+  /// Whether the box of a triangle, or one that holds it, is nearer than `reach`: the cheaper
+  /// question.
+  [[nodiscard]] bool may_be_within(const Eigen::Vector3f& x, float reach) const;
+
+  [[nodiscard]] Eigen::Vector3i corners(int triangle) const { return triangles_.col(triangle); }
+  [[nodiscard]] const Eigen::AlignedBox3f& bounds() const { return boxes_.front().bounds; }
+
+ private:
+  // Triangles order_[first .. first + count - 1]; an inner box has none, and its halves are the
+  // next box and `second`.
+  struct Box {
+    Eigen::AlignedBox3f bounds;
+    int first = 0, count = 0, second = 0;
+  };
+  struct Best {
+    float square;
+    int triangle;
+    Eigen::Vector3f weights;
+  };
+  int build(int first, int count, const std::vector<Eigen::Vector3f>& centres);
+  void find_adjacent();
+  void look_into(int box, const Eigen::Vector3f& x, Best& best) const;
+  [[nodiscard]] Eigen::Vector3f face_normal(int triangle) const;
+  [[nodiscard]] Eigen::Vector3f normal_at(int triangle, const Eigen::Vector3f& weights) const;
+
+  Eigen::Matrix3Xi triangles_;
+  Eigen::Matrix3Xf vertices_;
+  std::vector<int> order_;
+  std::vector<Box> boxes_;
+  std::vector<std::array<int, 3>> across_;  // (T) triangle beyond the edge from corner k to k + 1
+  std::vector<int> first_, around_;         // of a vertex: around_[first_[v]] .. its triangles
+};
+
+}  // namespace palpable

@@ -1,0 +1,86 @@
+#include "palpable/touch/moving_surface.h"
+
+#include "palpable/geometry/surface_distance.h"
+#include "tests/support/allocations.h"
+#include "tests/support/test.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace palpable {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using test::tolerance;
+
+// A flat bar with sharp rims: a ball, pressed flat.
+SurfaceMesh flat_bar() {
+  SurfaceMesh bar = sphere_surface(Vector3d::Zero(), 1, 3);
+  for (Eigen::Index v = 0; v < bar.vertices.cols(); ++v) {
+    const Vector3d x = bar.vertices.col(v);
+    bar.vertices.col(v) = Vector3d(0.10 * x.x(), 0.03 * x.y(), 0.01 * x.z());
+  }
+  return bar;
+}
+
+// The same, bent round the y axis.
+Eigen::Matrix3Xf bent(const SurfaceMesh& bar, double curvature) {
+  Eigen::Matrix3Xd x = bar.vertices;
+  for (Eigen::Index v = 0; v < x.cols(); ++v) {
+    const double angle = curvature * bar.vertices(0, v);
+    const double radius = 1 / curvature - bar.vertices(2, v);
+    x.col(v) = Vector3d(radius * std::sin(angle), bar.vertices(1, v),
+                        1 / curvature - radius * std::cos(angle));
+  }
+  return x.cast<float>();
+}
+
+TEST_CASE("a skin that has moved is as far as one that was made there", "[touch]") {
+  const SurfaceMesh bar = flat_bar();
+  MovingSurface moving(bar);
+  const Eigen::Matrix3Xf now = bent(bar, 6.0);
+  moving.move(now);
+  const SurfaceDistance exact(SurfaceMesh{now.cast<double>(), bar.triangles});
+  auto random = test::random_case(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  int inside = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double along = 0.11 * uniform(random), beside = 0.04 * uniform(random);
+    const Vector3d x(along, beside, 0.010 + 0.035 * uniform(random));
+    const NearestOnSurface wanted = exact.nearest(x);
+    const auto found = moving.nearest(x.cast<float>(), 0.02f);
+    if (std::abs(wanted.distance) > 0.0201) {
+      CHECK_FALSE(found.has_value());
+      continue;
+    }
+    if (std::abs(wanted.distance) > 0.0199) continue;
+    REQUIRE(found.has_value());
+    CHECK(std::abs(static_cast<double>(found->distance) - wanted.distance) <=
+          tolerance(1e-6, "m: floats of 0.1 m"));
+    CHECK(static_cast<double>(std::abs(found->weights.sum() - 1.0f)) <= tolerance(1e-5, "floats"));
+    if (std::abs(wanted.distance) > 1e-4) {
+      // Where two sides are equally near, either is right.
+      const Vector3d step = x + 1e-5 * found->normal.cast<double>();
+      CHECK(exact.nearest(step).distance - wanted.distance >
+            1e-5 * (1 - tolerance(0.05, "its direction is a float's difference")));
+    }
+    CHECK(moving.may_be_within(x.cast<float>(),
+                               static_cast<float>(std::abs(wanted.distance)) + 1e-5f));
+    inside += wanted.distance < 0;
+  }
+  CHECK(inside > 100);
+  CHECK(test::allocations_during([&] {
+          moving.move(now);
+          (void)moving.nearest(Vector3f(0.01f, 0.0f, 0.0f), 0.02f);
+        }) == 0);
+}
+
+TEST_CASE("a place that is no number is near nothing", "[touch]") {
+  const MovingSurface bar(flat_bar());
+  CHECK_FALSE(bar.nearest(Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()), 0.1f));
+}
+
+}  // namespace
+}  // namespace palpable
