@@ -1,10 +1,13 @@
-// palpable truth CLIP --body BODY.toml
+// palpable truth CLIP --body BODY.toml, or --scene SCENE.toml
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
 #include "apps/palpable-bake/commands.h"
 #include "apps/palpable-bake/description_argument.h"
+#include "palpable/base/error.h"
 #include "palpable/base/progress_text.h"
+#include "palpable/clip_files/scene_description.h"
+#include "palpable/truth/scene_skins.h"
 #include "palpable/truth/true_skins.h"
 
 #include <fmt/core.h>
@@ -14,6 +17,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace palpable::app {
 namespace {
@@ -21,6 +25,7 @@ namespace {
 struct Options {
   std::string clip;
   std::string body;
+  std::string scene;
   TrueSkinSettings settings;
 };
 
@@ -37,7 +42,54 @@ void print_frame(const TrueFrame& frame) {
              line.scored ? "" : "  not scored: ", line.why);
 }
 
+void find_truth_of_scene(const Options& options) {
+  if (!options.body.empty() || !options.settings.baked.empty()) {
+    throw Error("--scene says which bodies there are: leave out --body and --baked");
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  const std::vector<DescribedBody> described = read_scene_description(options.scene);
+  const std::vector<Rigid3> poses = scene_from_bodies(described);
+  std::vector<SceneSolid> solids;
+  for (std::size_t k = 0; k < described.size(); ++k) {
+    const DescribedBody& body = described[k];
+    if (body.description.empty()) {
+      throw Error(fmt::format("{}: the body '{}' has no description, from which its mesh is made",
+                              options.scene, body.name));
+    }
+    if (!body.set.empty()) {
+      throw Error(
+          fmt::format("{}: the body '{}' has values of parameters, which scenes are solved "
+                      "without",
+                      options.scene, body.name));
+    }
+    solids.push_back(
+        {body.name, read_description(body.description.string()), body.scale, poses[k]});
+  }
+  ProgressBar bar;
+  const std::vector<TrueSceneFrame> frames = write_scene_skins(
+      options.clip, solids,
+      {.frames = options.settings.frames, .threads = options.settings.threads}, bar.progress());
+  bar.finish();
+  fmt::print("{:<12} {:>6} {:>9} {:>8} {:>9} {:>9}\n", "body", "frame", "depth/mm", "force/N",
+             "moves/mm", "others/N");
+  for (const TrueSceneFrame& frame : frames) {
+    const DeformedLine& line = frame.line;
+    fmt::print("{:<12} {:>6} {:>9.2f} {:>8.3f} {:>9.2f} {:>9.3f}{}{}\n", frame.body, line.frame,
+               1e3 * line.depth, line.force.norm(), 1e3 * frame.largest_displacement, frame.between,
+               frame.was_there ? "  was there" : "",
+               line.scored ? "" : "  not scored: " + line.why);
+  }
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  fmt::print("{}/truth/bodies: {} answers; {}\n", options.clip, frames.size(),
+             duration_text(taken.count()));
+}
+
 void find_truth(const Options& options) {
+  if (!options.scene.empty()) {
+    find_truth_of_scene(options);
+    return;
+  }
+  if (options.body.empty()) throw Error("give --body, or --scene of a film with several");
   const auto begin = std::chrono::steady_clock::now();
   const BodyDescription description = read_description(options.body);
   ProgressBar bar;
@@ -66,8 +118,12 @@ void add_truth(Command app) {
       .required()
       .type_name("CLIP");
   command.add_option("--body", options->body, "The body that was filmed (docs/body.md)")
-      .required()
       .type_name("BODY.toml");
+  command
+      .add_option("--scene", options->scene,
+                  "The scene that was filmed (docs/scenes.md): its bodies are solved together, and "
+                  "press each other")
+      .type_name("SCENE.toml");
   command
       .add_option("--baked", options->settings.baked,
                   "The body file that was baked from it: refuses another mesh, law or constants "
@@ -82,8 +138,10 @@ void add_truth(Command app) {
       .in_range(1, 256)
       .show_default();
   command.footer(
-      "Writes CLIP/truth/deformed (docs/benchmark.md). An interrupted run goes on with the\n"
+      "Writes CLIP/truth/deformed, of a scene CLIP/truth/bodies/NAME/deformed (docs/benchmark.md). "
+      "An interrupted run goes on with the\n"
       "touch in which it was.\n"
+      "Example: palpable truth out/beams --scene scenes/beams.toml --frames 10\n"
       "Example: palpable truth clip --body bodies/bunny-demo.toml --baked out/demo/bunny.palpable");
   command.callback([options] { find_truth(*options); });
 }

@@ -41,9 +41,9 @@ constexpr std::array kBakeCommands{
 };
 
 // Of `palpable bench`, those that palpable-bake has.
-constexpr std::array<std::string_view, 10> kBakeBenches{
-    "bake",     "beam",     "campaign", "clip",  "elements",
-    "friction", "obstacle", "reduce",   "solid", "touch"};
+constexpr std::array<std::string_view, 11> kBakeBenches{
+    "bake",     "beam",     "bodies", "campaign", "clip", "elements",
+    "friction", "obstacle", "reduce", "solid",    "touch"};
 
 /// Becomes palpable-bake with the same arguments; returns only when that cannot be.
 int become_bake(char** argv) {

@@ -31,6 +31,7 @@ void add_bench(Command app) {
   bench.footer("Example: palpable bench bake --json");
   add_bench_bake(bench);
   add_bench_beam(bench);
+  add_bench_bodies(bench);
   add_bench_campaign(bench);
   add_bench_clip(bench);
   add_bench_solid(bench);

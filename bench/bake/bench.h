@@ -13,6 +13,7 @@ void print_figures(Json figures, bool json);
 
 void add_bench_bake(Command bench);
 void add_bench_beam(Command bench);
+void add_bench_bodies(Command bench);
 void add_bench_campaign(Command bench);
 void add_bench_clip(Command bench);
 void add_bench_elements(Command bench);

@@ -27,7 +27,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Eigen::VectorXd;
 
-constexpr float kClusterRadius = 0.010f;  // m
+constexpr float kCluster = 3.5f;  // of a heap of points: radius over their distance
 // A heap's points may lie farther from its middle than at rest, where the skin is stretched.
 constexpr float kStretch = 1.2f;
 // m between contact points: the coarsest set, which is asked of other members, and the finest.
@@ -38,6 +38,69 @@ constexpr float kInside = 0.02f;
 constexpr double kDisc = 0.54;
 // m of sigma that make a point as compliant again as the half space is.
 constexpr double kSofter = 10;
+// Of the band: points that are farther, and do not press, take no part in an iteration. One that is
+// entered all the same does in the next.
+constexpr double kTakesPart = 0.4;
+
+// The energy in single precision, its quartic part once instead of twice: what an evaluation reads
+// is a quarter, and that is what it costs. Rounding is 1e-7 of the forces.
+class PackedEnergy {
+ public:
+  explicit PackedEnergy(const QuarticEnergy& energy)
+      : n_(energy.modes()),
+        K_(energy.K),
+        C_(energy.C.cast<float>()),
+        products_(energy.K.size()),
+        quartic_(energy.K.size()),
+        cubic_(energy.K.size()) {
+    const Index P = K_.size();
+    D_.reserve(static_cast<std::size_t>(P * (P + 1) / 2));
+    for (Index i = 0; i < P; ++i) {
+      for (Index j = i; j < P; ++j) D_.push_back(static_cast<float>(energy.D(i, j)));
+    }
+  }
+
+  // W' and W'' at q, as QuarticEquilibrium::evaluate() has them.
+  void evaluate(const VectorXd& q, VectorXd& gradient, MatrixXd& hessian) {
+    const Index P = K_.size();
+    Index row = 0;
+    for (Index j = 0; j < n_; ++j) {
+      for (Index i = 0; i <= j; ++i, ++row) {
+        products_[row] = static_cast<float>((i == j ? 0.5 : 1.0) * q[i] * q[j]);
+      }
+    }
+    cubic_.setZero();
+    for (Index i = 0; i < n_; ++i) cubic_ += static_cast<float>(q[i]) * C_.col(i);
+    quartic_.setZero();
+    const float* from = D_.data();
+    for (Index i = 0; i < P; ++i) {
+      const Eigen::Map<const Eigen::VectorXf> of(from, P - i);
+      quartic_[i] += of.dot(products_.tail(P - i));
+      quartic_.tail(P - i - 1) += products_[i] * of.tail(P - i - 1);
+      from += P - i;
+    }
+    gradient.setZero(n_);
+    hessian.resize(n_, n_);
+    row = 0;
+    for (Index j = 0; j < n_; ++j) {
+      for (Index i = 0; i <= j; ++i, ++row) {
+        const double cubic = static_cast<double>(cubic_[row]),
+                     quartic = static_cast<double>(quartic_[row]);
+        const double force = K_[row] + 0.5 * cubic + quartic / 3;
+        gradient[i] += force * q[j];
+        if (i != j) gradient[j] += force * q[i];
+        hessian(i, j) = hessian(j, i) = K_[row] + cubic + quartic;
+      }
+    }
+  }
+
+ private:
+  Index n_;
+  VectorXd K_;
+  Eigen::MatrixXf C_;
+  Eigen::VectorXf products_, quartic_, cubic_;
+  std::vector<float> D_;  // row by row from the diagonal on
+};
 
 // L L^T = A in place of the lower triangle; false where A is not positive definite.
 bool factorise(MatrixXd& A) {
@@ -86,6 +149,13 @@ struct Candidate {
   double force = 0;                                     // N
 };
 
+// The force at a contact point, as it was found last.
+struct Known {
+  std::array<int, 3> key{};  // member, other member, point
+  double force = 0;          // N
+  friend bool operator<(const Known& a, const Known& b) { return a.key < b.key; }
+};
+
 }  // namespace
 
 struct ModalContact::Work {
@@ -101,7 +171,9 @@ struct ModalContact::Work {
     std::vector<float> levels;
     SkinClusters clusters;
     std::vector<float> rows;  // (V x 3 x n) of the modes: vertex, direction, mode
-    QuarticEquilibrium energy;
+    PackedEnergy energy;
+    VectorXd gradient;  // (n) W'
+    MatrixXd hessian;   // (n x n) W''
     MovingSurface surface;
     std::optional<ShellStress> shell;
     Matrix3Xf shell_u;  // (3 x W)
@@ -113,6 +185,8 @@ struct ModalContact::Work {
     bool active = false;
 
     void set_shape();
+    void move_surface();
+    bool is_surface_old = false;  // of a shape before
     [[nodiscard]] Vector3f at(const SkinPoint& point, const Matrix3Xf& field) const {
       return point.at(field);
     }
@@ -124,6 +198,8 @@ struct ModalContact::Work {
   ModalSettings settings;
   std::vector<std::unique_ptr<Body>> bodies;
   std::vector<Candidate> candidates;
+  std::vector<Known> known;          // forces, to begin with
+  std::vector<std::size_t> pressed;  // those of the candidates that take part in an iteration
   Complementarity complementarity{static_cast<int>(kMostPoints)};
   MatrixXd own, others;  // (n x C) L^-1 B of the candidate's member, and of the other one
   std::vector<double> W, gap, f;
@@ -162,7 +238,7 @@ ModalContact::Work::Body::Body(const ModalMember& the_member, double finest)
                        places.col(static_cast<Index>(p)) = points[p].at(rest);
                    }(),
                    rest),
-               points, places, kClusterRadius),
+               points, places, kCluster * static_cast<float>(finest)),
       energy(member.body->several->energy),
       surface(member.body->surface),
       shell_u(3, member.tables->shell.nodes()),
@@ -188,6 +264,13 @@ void ModalContact::Work::Body::set_shape() {
   mode_kernels().front().sum({F.data(), static_cast<std::size_t>(F.rows()), weights.size()},
                              weights.data(), false, {u.data(), static_cast<std::size_t>(u.size())});
   x = rest + u;
+  is_surface_old = true;
+}
+
+// For who asks how far the skin is.
+void ModalContact::Work::Body::move_surface() {
+  if (is_surface_old) surface.move(x);
+  is_surface_old = false;
 }
 
 void ModalContact::Work::Body::add_row(const Eigen::Vector3i& corners, const Vector3f& w,
@@ -213,6 +296,8 @@ ModalContact::Work::Work(std::vector<ModalMember> members, const ModalSettings& 
   }
   const auto m = static_cast<Index>(kMostPoints);
   candidates.reserve(16 * kMostPoints);
+  pressed.reserve(kMostPoints);
+  known.reserve(2 * kMostPoints);
   own.setZero(most_modes, m);
   others.setZero(most_modes, m);
   W.resize(kMostPoints * kMostPoints);
@@ -221,6 +306,16 @@ ModalContact::Work::Work(std::vector<ModalMember> members, const ModalSettings& 
 }
 
 void ModalContact::Work::begin(std::span<ModalState> states) {
+  known.clear();
+  candidates.clear();
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    for (const SkinForce& force : states[k].forces) {
+      if (force.point < 0) continue;  // where another's point presses
+      known.push_back(
+          {{static_cast<int>(k), force.by, force.point}, static_cast<double>(force.force.norm())});
+    }
+  }
+  std::sort(known.begin(), known.end());
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     Body& b = *bodies[k];
     ModalState& state = states[k];
@@ -234,10 +329,7 @@ void ModalContact::Work::begin(std::span<ModalState> states) {
     b.q = state.q;
     b.began = state.q;
     b.active = bent;
-    if (moved) {
-      b.set_shape();
-      b.surface.move(b.x);
-    }
+    if (moved) { b.set_shape(); }
   }
 }
 
@@ -286,11 +378,10 @@ void ModalContact::Work::find_between(int k, int other) {
              &o = *bodies[static_cast<std::size_t>(other)];
   const Eigen::Isometry3f to_other = from_to(b, o);
   const auto band = static_cast<float>(settings.band);
-  const float far = band + 2 * kClusterRadius;
   for (const SkinCluster& cluster : b.clusters.clusters()) {
     const Vector3f middle = to_other * Vector3f(b.x.col(cluster.vertex));
-    if (!(o.surface.bounds().squaredExteriorDistance(middle) < far * far)) continue;
-    if (!o.surface.may_be_within(middle, kInside + kStretch * cluster.radius)) continue;
+    // Deeper inside than that nothing gets in a frame.
+    if (!o.surface.may_be_within(middle, band + kStretch * cluster.radius)) continue;
     for (int i = cluster.first; i < cluster.last; ++i) {
       const int p = b.clusters.order()[static_cast<std::size_t>(i)];
       if (!(b.levels[static_cast<std::size_t>(p)] * std::numbers::sqrt2_v < float >>
@@ -325,7 +416,14 @@ bool ModalContact::Work::measure_between(Candidate& c) const {
 
 void ModalContact::Work::find(std::span<const GapQuery> gaps, std::span<const NearQuery> near,
                               double shift, ModalReport& report) {
-  candidates.clear();
+  if (!candidates.empty()) {
+    known.clear();
+    for (const Candidate& c : candidates) {
+      if (c.force > 0) known.push_back({{c.member, c.by, c.point}, c.force});
+    }
+    std::sort(known.begin(), known.end());
+    candidates.clear();
+  }
   const int count = static_cast<int>(bodies.size());
   for (int k = 0; k < count; ++k) {
     const auto at = static_cast<std::size_t>(k);
@@ -341,10 +439,16 @@ void ModalContact::Work::find(std::span<const GapQuery> gaps, std::span<const Ne
           !bodies[static_cast<std::size_t>(other)]->active) {
         continue;
       }
+      bodies[static_cast<std::size_t>(other)]->move_surface();
       find_between(k, other);
     }
   }
   keep_nearest(report);
+  for (Candidate& c : candidates) {
+    const Known wanted{{c.member, c.by, c.point}, 0};
+    const auto at = std::lower_bound(known.begin(), known.end(), wanted);
+    if (at != known.end() && at->key == wanted.key) c.force = at->force;
+  }
 }
 
 // At most as many as there is room for, the deepest first.
@@ -363,24 +467,27 @@ void ModalContact::Work::keep_nearest(ModalReport& report) {
 // Gaps in the present shape.
 void ModalContact::Work::look_again(std::span<const GapQuery> gaps, double shift) {
   SurfaceGap seen;
+  for (const Candidate& c : candidates) {
+    if (c.by >= 0) bodies[static_cast<std::size_t>(c.by)]->move_surface();
+  }
   for (Candidate& c : candidates) {
     const Body& b = *bodies[static_cast<std::size_t>(c.member)];
-    bool known = false;
+    bool is_there = false;
     if (c.by >= 0) {
-      known = measure_between(c);
+      is_there = measure_between(c);
     } else {
       const SkinPoint& point = b.points[static_cast<std::size_t>(c.point)];
-      known =
+      is_there =
           gaps[static_cast<std::size_t>(c.member)](b.places.col(c.point) + point.at(b.u), seen) &&
           seen.normal.allFinite() && seen.curvature.allFinite() && std::isfinite(seen.distance);
-      if (known) {
+      if (is_there) {
         c.gap = static_cast<double>(seen.distance) + shift;
         c.normal = seen.normal.cast<double>();
         c.curvature = seen.curvature;
         c.softness = static_cast<double>(seen.softness);
       }
     }
-    if (!known) {
+    if (!is_there) {
       c.gap = 1;  // m: far
       c.force = 0;
     }
@@ -400,8 +507,8 @@ bool ModalContact::Work::factorise_all() {
   for (const auto& body : bodies) {
     Body& b = *body;
     if (!b.active) continue;
-    b.energy.evaluate(b.q);
-    b.factor = b.energy.hessian();
+    b.energy.evaluate(b.q, b.gradient, b.hessian);
+    b.factor = b.hessian;
     const Index k = &body - bodies.data();
     for (const Candidate& c : candidates) {
       if (c.member != k || !(c.force > 0) || c.curvature.isZero(0)) continue;
@@ -420,10 +527,9 @@ bool ModalContact::Work::factorise_all() {
     }
     if (factorise(b.factor)) continue;
     double shift = 0;
-    const MatrixXd& H = b.energy.hessian();
     for (int tries = 0;; ++tries) {
-      b.factor = H;
-      if (shift > 0) b.factor.diagonal() += shift * H.diagonal().cwiseAbs();
+      b.factor = b.hessian;
+      if (shift > 0) b.factor.diagonal() += shift * b.hessian.diagonal().cwiseAbs();
       if (factorise(b.factor)) break;
       shift = shift == 0 ? 0.01 : 4 * shift;
       if (tries > 20) return false;  // not a number somewhere
@@ -432,11 +538,11 @@ bool ModalContact::Work::factorise_all() {
   return true;
 }
 
-// The complementarity problem of the candidates.
+// The complementarity problem of those that take part.
 void ModalContact::Work::assemble() {
-  const std::size_t m = candidates.size();
+  const std::size_t m = pressed.size();
   for (std::size_t p = 0; p < m; ++p) {
-    Candidate& c = candidates[p];
+    const Candidate& c = candidates[pressed[p]];
     const Body& b = *bodies[static_cast<std::size_t>(c.member)];
     const SkinPoint& point = b.points[static_cast<std::size_t>(c.point)];
     auto column = own.col(static_cast<Index>(p)).head(b.n);
@@ -455,10 +561,10 @@ void ModalContact::Work::assemble() {
     gap[p] += other.dot(o.pull);
   }
   for (std::size_t p = 0; p < m; ++p) {
-    const Candidate& a = candidates[p];
+    const Candidate& a = candidates[pressed[p]];
     const auto P = static_cast<Index>(p);
     for (std::size_t r = 0; r <= p; ++r) {
-      const Candidate& c = candidates[r];
+      const Candidate& c = candidates[pressed[r]];
       const auto R = static_cast<Index>(r);
       double sum = 0;
       const auto add = [&](int first, int second, const MatrixXd& one, const MatrixXd& two) {
@@ -491,18 +597,23 @@ double ModalContact::Work::iterate(ModalReport& report) {
   for (const auto& body : bodies) {
     Body& b = *body;
     if (!b.active) continue;
-    b.pull = -b.energy.gradient();
+    b.pull = -b.gradient;
     forward(b.factor, b.pull);
   }
+  pressed.clear();
+  for (std::size_t p = 0; p < candidates.size(); ++p) {
+    Candidate& c = candidates[p];
+    if (c.gap < kTakesPart * settings.band || c.force > 0) pressed.push_back(p);
+  }
   assemble();
-  const std::size_t m = candidates.size();
-  for (std::size_t p = 0; p < m; ++p) f[p] = candidates[p].force;
+  const std::size_t m = pressed.size();
+  for (std::size_t p = 0; p < m; ++p) f[p] = candidates[pressed[p]].force;
   if (m > 0 && !complementarity.solve({W.data(), m * m}, {gap.data(), m}, {f.data(), m})) return 0;
   for (const auto& body : bodies) {
     if (body->active) body->step = body->pull;
   }
   for (std::size_t p = 0; p < m; ++p) {
-    Candidate& c = candidates[p];
+    Candidate& c = candidates[pressed[p]];
     c.force = f[p];
     if (!(f[p] > 0)) continue;
     Body& b = *bodies[static_cast<std::size_t>(c.member)];
@@ -528,7 +639,6 @@ double ModalContact::Work::iterate(ModalReport& report) {
       b.set_shape();
       moved = settings.largest_move;
     }
-    b.surface.move(b.x);
     largest = std::max(largest, moved);
   }
   return largest;
@@ -544,7 +654,6 @@ void ModalContact::Work::keep(std::span<ModalState> states, ModalReport& report)
           settings.tolerance * settings.tolerance) {
         b.q.setZero();
         b.set_shape();
-        b.surface.move(b.x);
       }
     }
     states[k].q = b.q;
@@ -560,11 +669,11 @@ void ModalContact::Work::keep(std::span<ModalState> states, ModalReport& report)
       Body& b = *bodies[static_cast<std::size_t>(c.member)];
       const SkinPoint& point = b.points[static_cast<std::size_t>(c.point)];
       const Vector3f force = (c.force * c.normal).cast<float>();
-      states[static_cast<std::size_t>(c.member)].forces.push_back({point, force, c.by});
+      states[static_cast<std::size_t>(c.member)].forces.push_back({point, force, c.by, c.point});
       if (c.by < 0) continue;
       const Vector3f back = (-c.force * c.other_normal).cast<float>();
       SkinPoint there{{c.corners[0], c.corners[1], c.corners[2]}, c.weights, point.area};
-      states[static_cast<std::size_t>(c.by)].forces.push_back({there, back, c.member});
+      states[static_cast<std::size_t>(c.by)].forces.push_back({there, back, c.member, -1});
       sum += b.member.world_from_body.linear() * force.cast<double>() +
              bodies[static_cast<std::size_t>(c.by)]->member.world_from_body.linear() *
                  back.cast<double>();

@@ -45,7 +45,7 @@ struct ModalSettings {
   int iterations = 2;           ///< of Newton's method, of each step
   int last_iterations = 10;     ///< of the last one, at most
   double tolerance = 2e-5;      ///< m: the last iteration moved no vertex by more
-  double entry = 1e-4;          ///< m a round object may enter between two contact points
+  double entry = 3e-4;          ///< m a round object may enter between two contact points
   double largest_move = 0.03;   ///< m that an iteration moves a vertex, at most
 };
 
@@ -53,7 +53,8 @@ struct ModalSettings {
 struct SkinForce {
   SkinPoint at;
   Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N, on the body, its frame
-  int by = -1;  ///< which other member presses; -1: what is seen
+  int by = -1;     ///< which other member presses; -1: what is seen
+  int point = -1;  ///< the member's contact point; -1: it is the other one's, at a triangle of this
 };
 
 /// All that is remembered of a member from frame to frame. The default is the body at rest.

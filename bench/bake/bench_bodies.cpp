@@ -1,0 +1,81 @@
+// palpable-bake bench bodies: bodies that press each other, against full finite elements.
+
+#include "apps/common/command_line.h"
+#include "palpable/base/error.h"
+#include "palpable/base/order_statistics.h"
+#include "palpable/clip_files/scene_description.h"
+#include "palpable/touch/touch_file.h"
+
+#include "bench/bake/bench.h"
+#include "bench/bake/bodies_study.h"
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+struct Options {
+  std::filesystem::path scene;
+  std::string clip;
+  bool json = false;
+};
+
+Json at(const std::vector<double>& values, double share, double factor = 1) {
+  return values.empty() ? Json(nullptr) : Json(factor * percentile(values, share));
+}
+
+void run(const Options& options) {
+  const std::vector<DescribedBody> described = read_scene_description(options.scene);
+  const std::vector<Rigid3> poses = scene_from_bodies(described);
+  std::vector<StudiedBody> bodies;
+  for (std::size_t k = 0; k < described.size(); ++k) {
+    TouchableBody body = value_or_throw(
+        read_pressable_touchable_body(described[k].file, parse_settings(described[k].set)));
+    if (described[k].scale != 1) body = scaled(body, described[k].scale);
+    bodies.push_back({described[k].name, std::move(body), poses[k]});
+  }
+  const BodiesAnswer answer = answer_of_bodies(bodies, options.clip);
+  Json figures{{"frames", answer.frames},
+               {"u_error_median", at(answer.displacement, 0.5)},
+               {"u_error_p90", at(answer.displacement, 0.9)},
+               {"between_force_error", at(answer.between_force, 0.5)},
+               {"between_force_error_p90", at(answer.between_force, 0.9)},
+               {"between_frames", answer.touching},
+               {"between_frames_true", answer.touching_true},
+               {"between_frames_disagree", answer.disagree},
+               {"between_penetration_median_mm", at(answer.between_penetration, 0.5, 1e3)},
+               {"between_imbalance_n", answer.imbalance},
+               {"ms_two_beams", at(answer.milliseconds, 0.5)},
+               {"ms_two_beams_p99", at(answer.milliseconds, 0.99)},
+               {"ms_three_bodies_ratio", nullptr}};
+  if (!answer.milliseconds_alone.empty()) {
+    figures["ms_three_bodies_ratio"] =
+        percentile(answer.milliseconds_three, 0.5) / percentile(answer.milliseconds_alone, 0.5);
+  }
+  print_figures(figures, options.json);
+}
+
+}  // namespace
+
+void add_bench_bodies(Command bench) {
+  const auto options = std::make_shared<Options>();
+  Command command = bench.add_subcommand(
+      "bodies", "Bodies that press each other under a filmed hand, against full finite elements");
+  command.add_option("scene", options->scene, "The scene that was filmed (docs/scenes.md)")
+      .required()
+      .type_name("SCENE.toml");
+  command.add_option("clip", options->clip, "What synth filmed and palpable truth --scene solved")
+      .required()
+      .type_name("CLIP");
+  command.add_flag("--json", options->json, "One JSON object");
+  command.footer(
+      "No camera: the hand's own capsules press, in every frame. ms are of one thread: contact of\n"
+      "all bodies, shape, normals and stress of those that moved.\n"
+      "Example: palpable bench bodies scenes/beams.toml out/beams --json");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace palpable::app

@@ -1,0 +1,204 @@
+#include "bench/bake/bodies_study.h"
+
+#include "palpable/base/cpu_time.h"
+#include "palpable/base/error.h"
+#include "palpable/clip_files/deformed_file.h"
+#include "palpable/geometry/mesh_file.h"
+#include "palpable/score/displacement_error.h"
+#include "palpable/solid/obstacle.h"
+#include "palpable/touch/modal_contact.h"
+#include "palpable/touch_bake/touch_difference.h"
+#include "palpable/truth/clip_hands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <span>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+constexpr double kTouches = 0.01;  // N between bodies
+
+// What is known of a body.
+struct Truth {
+  fs::path folder;
+  ClipHands hands;
+  std::map<int, DeformedLine> lines;
+  Matrix3Xd rest;
+  Eigen::VectorXd areas;
+};
+
+Truth truth_of(const StudiedBody& body, const fs::path& clip) {
+  Truth truth;
+  truth.folder = clip / "truth" / "bodies" / body.name / "deformed";
+  truth.hands = read_clip_hands(clip, body.name);
+  for (const DeformedLine& line : read_deformed_lines(truth.folder)) {
+    if (line.scored) truth.lines[line.frame] = line;
+  }
+  if (truth.lines.empty()) {
+    throw Error(fmt::format("{}: has no scored frame; palpable truth --scene writes it",
+                            truth.folder.string()));
+  }
+  truth.rest = value_or_throw(read_valued_ply(truth.folder / "rest.ply", kVonMisesProperty))
+                   .surface.vertices;
+  const SurfaceMesh& skin = body.body.body.surface;
+  if (truth.rest.cols() != skin.vertices.cols() ||
+      (truth.rest - skin.vertices).cwiseAbs().maxCoeff() > 1e-6) {
+    throw Error(fmt::format("{}: is another body's", (truth.folder / "rest.ply").string()));
+  }
+  truth.areas = vertex_areas(skin);
+  return truth;
+}
+
+// Some bodies, played frame by frame.
+class Players {
+ public:
+  explicit Players(const std::vector<const StudiedBody*>& bodies) : bodies_(bodies) {
+    std::vector<ModalMember> members;
+    for (const StudiedBody* body : bodies) {
+      members.push_back({&body->body.body, &*body->body.modal, body->scene_from_body});
+      const auto V = static_cast<Eigen::Index>(body->body.body.surface.vertex_count());
+      skins_.emplace_back(3, V);
+      normals_.emplace_back(3, V);
+      stress_.emplace_back(static_cast<std::size_t>(V));
+    }
+    contact_ = std::make_unique<ModalContact>(members);
+    states_.resize(bodies.size());
+  }
+
+  // Contact, and all that is shown of what moved. @return ms of CPU
+  double advance(std::span<const GapQuery> gaps) {
+    const double begin = thread_cpu_seconds();
+    report_ = contact_->advance(states_, gaps, {});
+    for (std::size_t k = 0; k < states_.size(); ++k) {
+      const int member = static_cast<int>(k);
+      contact_->place(member, states_[k], skins_[k]);
+      if (states_[k].q.isZero(0)) continue;
+      vertex_normals(skins_[k], bodies_[k]->body.body.surface.triangles, normals_[k]);
+      contact_->stress(member, states_[k], stress_[k]);
+    }
+    return 1e3 * (thread_cpu_seconds() - begin);
+  }
+
+  [[nodiscard]] const ModalReport& report() const { return report_; }
+  [[nodiscard]] const Eigen::Matrix3Xf& skin(std::size_t k) const { return skins_[k]; }
+  // N, scene frame.
+  [[nodiscard]] Vector3d by_others(std::size_t k) const {
+    Vector3d sum = Vector3d::Zero();
+    for (const SkinForce& force : states_[k].forces) {
+      if (force.by >= 0) sum += force.force.cast<double>();
+    }
+    return bodies_[k]->scene_from_body.linear() * sum;
+  }
+
+ private:
+  std::vector<const StudiedBody*> bodies_;
+  std::unique_ptr<ModalContact> contact_;
+  std::vector<ModalState> states_;
+  std::vector<Eigen::Matrix3Xf> skins_, normals_;
+  std::vector<std::vector<float>> stress_;
+  ModalReport report_;
+};
+
+}  // namespace
+
+BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies, const fs::path& clip) {
+  std::vector<Truth> truths;
+  std::vector<const StudiedBody*> all;
+  for (const StudiedBody& body : bodies) {
+    if (!body.body.modal) {
+      throw Error(
+          fmt::format("'{}' has no energy in modes: bake it by --method intrusive-pgd, with "
+                      "[intrusive] reactions",
+                      body.name));
+    }
+    truths.push_back(truth_of(body, clip));
+    all.push_back(&body);
+  }
+  // The one that the hand presses.
+  const auto pressed = static_cast<std::size_t>(
+      std::max_element(truths.begin(), truths.end(),
+                       [](const Truth& a, const Truth& b) {
+                         const auto count = [](const Truth& t) {
+                           return std::count_if(
+                               t.hands.contacts.begin(), t.hands.contacts.end(),
+                               [](const ContactLine& line) { return line.touching; });
+                         };
+                         return count(a) < count(b);
+                       }) -
+      truths.begin());
+  Players players(all), alone({all[pressed]});
+  // Two more of it that stand a metre aside.
+  std::vector<StudiedBody> aside(2, bodies[pressed]);
+  for (std::size_t k = 0; k < 2; ++k) {
+    aside[k].scene_from_body.translation().x() += 1.0 + static_cast<double>(k);
+  }
+  Players three({all[pressed], &aside[0], &aside[1]});
+
+  BodiesAnswer answer;
+  const GapQuery nothing = [](const Eigen::Vector3f&, SurfaceGap&) { return false; };
+  for (int frame = 0; frame < truths.front().hands.frame_count(); ++frame) {
+    const auto at = static_cast<std::size_t>(frame);
+    std::vector<std::unique_ptr<ObstacleGaps>> obstacles;
+    std::vector<GapQuery> gaps;
+    for (const Truth& truth : truths) {
+      Obstacle hand;
+      hand.capsules = truth.hands.capsules[at];
+      obstacles.push_back(std::make_unique<ObstacleGaps>(std::move(hand)));
+      gaps.push_back(gaps_to(*obstacles.back()));
+    }
+    const double ms = players.advance(gaps);
+    const std::vector<GapQuery> of_three{gaps[pressed], nothing, nothing};
+    const double ms_alone = alone.advance({&gaps[pressed], 1}), ms_three = three.advance(of_three);
+    if (players.report().candidates > 0) {
+      answer.milliseconds.push_back(ms);
+      answer.milliseconds_alone.push_back(ms_alone);
+      answer.milliseconds_three.push_back(ms_three);
+    }
+    answer.imbalance = std::max(answer.imbalance, players.report().imbalance);
+    const auto touching = [&](std::size_t k) { return players.by_others(k).norm() > kTouches; };
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
+      if (k != pressed && touching(k)) {
+        answer.between_penetration.push_back(players.report().between);
+      }
+    }
+    if (!truths.front().lines.contains(frame)) continue;
+    ++answer.frames;
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
+      const Truth& truth = truths[k];
+      const auto line = truth.lines.find(frame);
+      if (line == truth.lines.end()) continue;
+      const Matrix3Xd true_u =
+          value_or_throw(
+              read_valued_ply(deformed_skin_file(truth.folder, frame), kVonMisesProperty))
+              .surface.vertices -
+          truth.rest;
+      const Matrix3Xd u = players.skin(k).cast<double>() - bodies[k].body.body.surface.vertices;
+      const bool moved = true_u.colwise().norm().maxCoeff() > 1e-4;  // m: else nothing is relative
+      if (moved) {
+        answer.displacement.push_back(displacement_error(true_u, u, truth.areas).relative);
+      }
+      if (k == pressed) continue;  // on the others nothing but bodies acts
+      const Vector3d true_force = bodies[k].scene_from_body.linear() * line->second.force;
+      const bool here = touching(k), truly = true_force.norm() > kTouches;
+      answer.touching += here;
+      answer.touching_true += truly;
+      answer.disagree += here != truly;
+      if (truly) {
+        answer.between_force.push_back((players.by_others(k) - true_force).norm() /
+                                       true_force.norm());
+      }
+    }
+  }
+  return answer;
+}
+
+}  // namespace palpable

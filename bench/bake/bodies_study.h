@@ -1,0 +1,41 @@
+/// @file
+/// Bodies that press each other under the true hand of a filmed clip, against the full answer of
+/// all of them together (palpable truth --scene).
+#pragma once
+
+#include "palpable/geometry/rigid.h"
+#include "palpable/touch/touchable_body.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace palpable {
+
+/// A body of the scene, in its size.
+struct StudiedBody {
+  std::string name;
+  TouchableBody body;
+  Rigid3 scene_from_body = Rigid3::Identity();
+};
+
+/// How the answer compares, frame by frame where there is a truth.
+struct BodiesAnswer {
+  std::vector<double> displacement;         ///< relative L2 over each body's skin
+  std::vector<double> between_force;        ///< relative, of what bodies do to each other
+  std::vector<double> between_penetration;  ///< m, of all frames in which they do
+  std::vector<double> milliseconds;         ///< CPU, of all frames in which something presses
+  std::vector<double> milliseconds_alone;   ///< likewise of the body that the hand presses, alone
+  std::vector<double> milliseconds_three;   ///< and with two more that stand about
+  int frames = 0;                           ///< with a truth
+  int touching = 0, touching_true = 0;  ///< of these, in which bodies touch each other: here, truly
+  int disagree = 0;                     ///< and in which one says so and the other does not
+  double imbalance = 0;                 ///< N, the largest
+};
+
+/// Plays all frames of the clip with the hand's own capsules.
+/// @throws Error for a body without an energy in modes, and naming what of the clip is missing
+[[nodiscard]] BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies,
+                                            const std::filesystem::path& clip);
+
+}  // namespace palpable

@@ -1,0 +1,323 @@
+#include "palpable/truth/scene_skins.h"
+
+#include "palpable/base/contract.h"
+#include "palpable/base/error.h"
+#include "palpable/base/folder_lock.h"
+#include "palpable/base/output_file.h"
+#include "palpable/base/parallel_work.h"
+#include "palpable/describe/body_problem.h"
+#include "palpable/solid/contact.h"
+#include "palpable/solid/joined_model.h"
+#include "palpable/solid/stress.h"
+#include "palpable/truth/clip_hands.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <list>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+namespace palpable {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Matrix3Xd;
+
+constexpr double kPathMatters = 0.01;  // of a skin's displacement, if half the step changes it
+// Of the diagonal of a body's box: what the skin that was filmed may be off by.
+constexpr double kSameSkin = 1e-6;
+
+// What one walk found at one frame.
+struct Answer {
+  Matrix3Xd displacement;  // (3 x N), scene frame
+  Matrix3Xd forces;        // (3 x bodies) N, of the hand and of the others
+  std::vector<double> between;
+};
+struct Walked {
+  std::map<int, Answer> answers;
+  std::string why_stopped;
+};
+
+// A body within the joined problem.
+struct Part {
+  fs::path folder;         // of its answers
+  SurfaceMesh skin;        // body frame, at rest
+  std::vector<int> nodes;  // of the joined mesh, vertex by vertex
+  int first = 0, last = 0;
+};
+
+class SceneSkins {
+ public:
+  SceneSkins(const fs::path& clip, const std::vector<SceneSolid>& solids,
+             const SceneSkinSettings& settings, const Progress& progress)
+      : clip_(clip), solids_(solids), settings_(settings), progress_(progress), joined_(join()) {
+    solver_.emplace(joined_.model);
+  }
+
+  std::vector<TrueSceneFrame> write() {
+    read_hands();
+    std::list<FolderLock> locks;  // which stay where they are
+    for (std::size_t b = 0; b < parts_.size(); ++b) {
+      check_filmed(parts_[b]);
+      make_folder(parts_[b].folder);
+      locks.emplace_back(parts_[b].folder);
+      write_valued_ply(parts_[b].folder / "rest.ply",
+                       {parts_[b].skin, Eigen::VectorXd::Zero(parts_[b].skin.vertex_count())},
+                       kVonMisesProperty);
+    }
+    leave_out_known();
+    walk_all();
+    std::vector<TrueSceneFrame> frames;
+    for (auto& [key, found] : found_) frames.push_back(std::move(found));
+    return frames;
+  }
+
+ private:
+  JoinedModel join() {
+    std::vector<SolidModel> models;
+    std::vector<Rigid3> poses;
+    std::vector<Boundary> boundaries;
+    for (const SceneSolid& solid : solids_) {
+      BodyProblem problem = pose_body(solid.description);
+      if (problem.preload.cols() > 0) {
+        throw Error(
+            fmt::format("the body '{}' bears loads before it is touched (weight or pressure), "
+                        "which scenes are solved without",
+                        solid.name));
+      }
+      problem.model.mesh.nodes *= solid.scale;
+      problem.mesh.boundary.surface.vertices *= solid.scale;
+      Part& part = parts_.emplace_back();
+      part.folder = clip_ / "truth" / "bodies" / solid.name / "deformed";
+      part.skin = problem.mesh.boundary.surface;
+      for (const int node : problem.mesh.boundary.node_of_vertex) part.nodes.push_back(node);
+      models.push_back(std::move(problem.model));
+      poses.push_back(solid.scene_from_body);
+    }
+    JoinedModel all = joined(models, poses);
+    for (std::size_t b = 0; b < parts_.size(); ++b) {
+      parts_[b].first = all.first_node[b];
+      parts_[b].last = all.first_node[b + 1];
+      for (int& node : parts_[b].nodes) node += parts_[b].first;
+    }
+    return all;
+  }
+
+  // In the scene's frame; a frame touches when it touches any of the bodies.
+  void read_hands() {
+    for (std::size_t b = 0; b < solids_.size(); ++b) {
+      ClipHands hands = read_clip_hands(clip_, solids_[b].name);
+      if (b == 0) {
+        for (std::size_t n = 0; n < hands.contacts.size(); ++n) {
+          depths_[n] = hands.contacts[n].depth;
+        }
+        for (auto& capsules : hands.capsules) {
+          for (Capsule& capsule : capsules) {
+            capsule.a = solids_[0].scene_from_body * capsule.a;
+            capsule.b = solids_[0].scene_from_body * capsule.b;
+          }
+        }
+        hands_ = std::move(hands);
+        continue;
+      }
+      for (std::size_t n = 0; n < hands_.contacts.size(); ++n) {
+        hands_.contacts[n].touching |= hands.contacts[n].touching;
+        depths_[n] = std::max(depths_[n], hands.contacts[n].depth);
+      }
+    }
+    episodes_ =
+        episodes_of(hands_.contacts, settings_.frames, std::numeric_limits<double>::infinity());
+    if (episodes_.empty()) {
+      throw Error(fmt::format("{}: nothing touches a body in this clip", clip_.string()));
+    }
+  }
+
+  void check_filmed(const Part& part) const {
+    const fs::path file = part.folder.parent_path() / kBodySkinFile;
+    const SurfaceMesh there = value_or_throw(read_valued_ply(file, kVonMisesProperty)).surface;
+    const Eigen::Vector3d size =
+        part.skin.vertices.rowwise().maxCoeff() - part.skin.vertices.rowwise().minCoeff();
+    double off = std::numeric_limits<double>::infinity();
+    if (there.vertices.cols() == part.skin.vertices.cols() &&
+        there.triangles.cols() == part.skin.triangles.cols() &&
+        there.triangles == part.skin.triangles) {
+      off = (there.vertices - part.skin.vertices).colwise().norm().maxCoeff();
+    }
+    if (off <= kSameSkin * size.norm()) return;
+    throw Error(
+        fmt::format("{}: the scene's description makes another skin; give the scene that was "
+                    "filmed, or bake and film anew",
+                    file.string()));
+  }
+
+  void leave_out_known() {
+    std::vector<std::map<int, DeformedLine>> known(parts_.size());
+    for (std::size_t b = 0; b < parts_.size(); ++b) {
+      for (const DeformedLine& line : read_deformed_lines(parts_[b].folder)) {
+        std::error_code error;
+        const bool whole =
+            !line.scored || fs::exists(deformed_skin_file(parts_[b].folder, line.frame), error);
+        if (whole) known[b][line.frame] = line;
+      }
+    }
+    const auto is_known = [&](int frame) {
+      return std::all_of(known.begin(), known.end(),
+                         [frame](const auto& lines) { return lines.contains(frame); });
+    };
+    for (Episode& episode : episodes_) {
+      for (const int frame : episode.wanted) {
+        if (!is_known(frame)) continue;
+        for (std::size_t b = 0; b < parts_.size(); ++b) {
+          found_[{b, frame}] = {
+              .body = solids_[b].name, .line = known[b][frame], .was_there = true};
+        }
+      }
+      std::erase_if(episode.wanted, is_known);
+    }
+    std::erase_if(episodes_, [](const Episode& episode) { return episode.wanted.empty(); });
+  }
+
+  Walked walk(const Episode& episode, int steps_per_frame) {
+    const auto way = [&](double t) { return Obstacle{.capsules = capsules_at(hands_, t)}; };
+    ContactSettings settings;
+    settings.mutual = true;
+    ContactWalk walk(*solver_, way, std::max(0, episode.first - 1), settings);
+    Walked walked;
+    for (int frame = episode.first; frame <= episode.wanted.back(); ++frame) {
+      for (int step = 1; step <= steps_per_frame; ++step) {
+        const double t = frame - 1 + static_cast<double>(step) / steps_per_frame;
+        if (walk.advance(t)) continue;
+        walked.why_stopped = walk.why_stopped();
+        return walked;
+      }
+      one_more_frame();
+      if (std::find(episode.wanted.begin(), episode.wanted.end(), frame) == episode.wanted.end()) {
+        continue;
+      }
+      walked.answers[frame] = answer_of(walk);
+    }
+    return walked;
+  }
+
+  [[nodiscard]] Answer answer_of(const ContactWalk& walk) const {
+    Answer answer{walk.now().displacement, Matrix3Xd::Zero(3, std::ssize(parts_)), {}};
+    const Matrix3Xd of_hand = walk.nodal_forces(), of_others = walk.mutual_nodal_forces();
+    for (std::size_t b = 0; b < parts_.size(); ++b) {
+      const Eigen::Index first = parts_[b].first, count = parts_[b].last - parts_[b].first;
+      const Eigen::Vector3d hand = of_hand.middleCols(first, count).rowwise().sum(),
+                            others = of_others.middleCols(first, count).rowwise().sum();
+      answer.forces.col(static_cast<Eigen::Index>(b)) = hand + others;
+      answer.between.push_back(others.norm());
+    }
+    return answer;
+  }
+
+  void one_more_frame() {
+    const std::lock_guard lock(mutex_);
+    report(progress_, {"following the hand", ++frames_done_, std::max(1.0, frames_to_do_), ""});
+  }
+
+  void walk_all() {
+    for (const Episode& episode : episodes_) {
+      frames_to_do_ += 2.0 * (episode.wanted.back() - episode.first + 1);
+    }
+    std::vector<std::optional<Walked>> results(2 * episodes_.size());
+    work_in_parallel(static_cast<int>(results.size()), settings_.threads, "", {}, [&](int job) {
+      Walked walked = walk(episodes_[static_cast<std::size_t>(job / 2)], job % 2 == 0 ? 2 : 1);
+      const std::lock_guard lock(mutex_);
+      results[static_cast<std::size_t>(job)] = std::move(walked);
+      const auto first = static_cast<std::size_t>(job / 2 * 2);
+      if (!results[first] || !results[first + 1]) return;
+      keep(episodes_[first / 2], *results[first], *results[first + 1]);
+      results[first] = results[first + 1] = Walked{};  // written
+    });
+  }
+
+  // Writes an episode's frames; with the mutex held.
+  void keep(const Episode& episode, const Walked& fine, const Walked& coarse) {
+    for (const int frame : episode.wanted) {
+      const auto answer = fine.answers.find(frame), other = coarse.answers.find(frame);
+      std::string why;
+      if (answer == fine.answers.end()) {
+        why = "no solution: " + fine.why_stopped;
+      } else if (const double change =
+                     other == coarse.answers.end() ? 1.0 : change_of(answer->second, other->second);
+                 change > kPathMatters) {
+        why = fmt::format("depends on the way: half the step changes it by {:.1f} %", 100 * change);
+      }
+      for (std::size_t b = 0; b < parts_.size(); ++b) {
+        TrueSceneFrame found{.body = solids_[b].name};
+        found.line.frame = frame;
+        found.line.depth = depths_[static_cast<std::size_t>(frame)];
+        found.line.scored = why.empty();
+        found.line.why = why;
+        if (answer != fine.answers.end()) write_frame(answer->second, b, found);
+        found_[{b, frame}] = std::move(found);
+      }
+    }
+    for (std::size_t b = 0; b < parts_.size(); ++b) {
+      std::string text;
+      for (const auto& [key, frame] : found_) {
+        if (key.first == b) text += deformed_line(frame.line);
+      }
+      write_whole_file(parts_[b].folder / "deformed.jsonl", text);
+    }
+  }
+
+  // The largest of the bodies.
+  [[nodiscard]] double change_of(const Answer& a, const Answer& b) const {
+    double largest = 0;
+    for (const Part& part : parts_) {
+      const Matrix3Xd one = a.displacement(Eigen::all, part.nodes),
+                      other = b.displacement(Eigen::all, part.nodes);
+      const double whole = std::max(one.norm(), other.norm());
+      if (whole > 0) largest = std::max(largest, (one - other).norm() / whole);
+    }
+    return largest;
+  }
+
+  void write_frame(const Answer& answer, std::size_t b, TrueSceneFrame& found) const {
+    const Part& part = parts_[b];
+    const Rigid3 body_from_scene = solids_[b].scene_from_body.inverse();
+    const Matrix3Xd u = body_from_scene.linear() * answer.displacement(Eigen::all, part.nodes);
+    const Eigen::VectorXd mises =
+        von_mises(nodal_cauchy_stress(joined_.model, answer.displacement));
+    const ValuedSurface skin{{part.skin.vertices + u, part.skin.triangles}, mises(part.nodes)};
+    write_valued_ply(deformed_skin_file(part.folder, found.line.frame), skin, kVonMisesProperty);
+    found.line.force = body_from_scene.linear() * answer.forces.col(static_cast<Eigen::Index>(b));
+    found.largest_displacement = u.colwise().norm().maxCoeff();
+    found.between = answer.between[b];
+  }
+
+  fs::path clip_;
+  const std::vector<SceneSolid>& solids_;
+  SceneSkinSettings settings_;
+  const Progress& progress_;
+  std::vector<Part> parts_;
+  JoinedModel joined_;
+  std::optional<EquilibriumSolver> solver_;
+  ClipHands hands_;
+  std::map<std::size_t, double> depths_;  // m, of the deepest touch of any body, by frame
+  std::vector<Episode> episodes_;
+  std::map<std::pair<std::size_t, int>, TrueSceneFrame> found_;  // by body and frame
+  std::mutex mutex_;
+  double frames_done_ = 0, frames_to_do_ = 0;
+};
+
+}  // namespace
+
+std::vector<TrueSceneFrame> write_scene_skins(const fs::path& clip,
+                                              const std::vector<SceneSolid>& solids,
+                                              const SceneSkinSettings& settings,
+                                              const Progress& progress) {
+  PALPABLE_EXPECT(!solids.empty(), "a scene has bodies");
+  return SceneSkins(clip, solids, settings, progress).write();
+}
+
+}  // namespace palpable
