@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 
 namespace palpable {
@@ -22,6 +23,10 @@ using Eigen::Vector3f;
 constexpr float kClusterRadius = 0.006f;  // m
 // A heap's points may lie farther from its middle than at rest, where the skin is stretched.
 constexpr float kStretch = 1.3f;
+// A heap's finer points are asked only where an object this much sharper than its coarser points
+// have seen would need them.
+constexpr float kSharper = 2;
+constexpr float kUnseen = -std::numeric_limits<float>::infinity();
 // In steps of the object: a step of Newton's method that moves a touched vertex by more is halved.
 constexpr double kLargestMove = 4;
 constexpr int kHalvings = 4;
@@ -129,7 +134,8 @@ struct TouchSolver::Work {
   std::vector<Vector3f> forces_before;
   std::vector<ContactCandidate> pressed;  // those of the candidates that take part,
   std::vector<std::size_t> of_pressed;    // and which
-  std::vector<float> field;               // (3 x vertices, padded) G f
+  std::vector<float> field;               // (3 x slots of the cache) G f
+  std::vector<VertexForce> by_cluster;    // loads, ordered by their clusters
   bool stuck = false;                     // no step of the last iteration could be made
 
   Work(const SurfaceMesh& surface, std::span<const std::uint8_t> fixed,
@@ -139,12 +145,12 @@ struct TouchSolver::Work {
         skin(surface, fixed, tables),
         rest(skin.rest()),
         points(skin.points()),
-        clusters(rest, points, skin.places(), kClusterRadius),
+        clusters(rest, points, skin.places(), skin.levels(), kClusterRadius),
         compliance(tables.compliance),
         map(rest, tables.regions, tables.region_reach),
         nonlinear(compliance, tables.regions, map, tables.cross),
         cache(compliance, kMostVertices),
-        problem(kMostPoints, kMostVertices, most_modes(tables)),
+        problem(cache.blocks(), kMostPoints, most_modes(tables)),
         error_scale(palpable::error_scale(the_tables.held_out)),
         local_of_vertex(static_cast<std::size_t>(rest.cols()), -1),
         linear(3, rest.cols()),
@@ -167,7 +173,8 @@ struct TouchSolver::Work {
     forces_before.resize(kMostPoints);
     pressed.reserve(kMostPoints);
     of_pressed.reserve(kMostPoints);
-    field.resize(padded(std::size_t{3} * kMostVertices));
+    field.resize(std::size_t{3} * kMostVertices);
+    by_cluster.reserve(static_cast<std::size_t>(rest.cols()));
     forces_began.reserve(2 * kMostPoints);
     mixed.reserve(3 * kMostPoints);
     found.resize(points.size());
@@ -178,7 +185,7 @@ struct TouchSolver::Work {
 
   [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
   bool gap_at(int point, const Vector3f& x, const GapQuery& gap, float far, SurfaceGap& answer);
-  [[nodiscard]] bool is_needed(int point, const SurfaceGap& gap) const;
+  [[nodiscard]] bool is_needed(int point, float bend) const;
   template <class Found>
   void for_near_points(const Matrix3Xf& u, float band, const GapQuery& gap, const NearQuery& near,
                        const Found& found_near);
@@ -188,7 +195,6 @@ struct TouchSolver::Work {
   void keep_nearest(TouchReport& report);
   bool add_vertices(const ContactCandidate& candidate);
   void take_up(const TouchState& state);
-  void set_compliance();
   void add_up_loads();
   void choose_blobs(const TouchState& state, double shift);
   void find_displacements(CrossTerms cross);
@@ -196,14 +202,14 @@ struct TouchSolver::Work {
   double iterate(const GapQuery& gap, double shift, CrossTerms cross, float share);
   void choose_pressed(double shift);
   void go_back(float share);
-  void settle(const TouchState& state, const GapQuery& gap, double shift, bool last,
+  void settle(const TouchState& state, const GapQuery& gap, double shift, bool last, int most,
               TouchReport& report);
   bool add_entered(const TouchState& state, const GapQuery& gap, const NearQuery& near,
                    double shift, TouchReport& report);
   void weigh_corrections();
   void fill_linear(std::span<const VertexForce> forces, const Eigen::Ref<Matrix3Xf>& u);
   void fill_field(Matrix3Xf& on_nodes, Eigen::Index nodes);
-  void hand_over(TouchState& state, const GapQuery& gap, TouchReport& report);
+  void hand_over(TouchState& state, const GapQuery& gap, bool last, TouchReport& report);
   void hold_back(TouchState& state, double largest_move, TouchReport& report);
   void read_signs(const TouchState& state, TouchReport& report) const;
 };
@@ -236,9 +242,8 @@ bool TouchSolver::Work::gap_at(int point, const Vector3f& x, const GapQuery& gap
 }
 
 // Whether the points that are left without this one are too far apart for the object there.
-bool TouchSolver::Work::is_needed(int point, const SurfaceGap& gap) const {
-  const float bend = largest_curvature(gap.curvature),
-              level = skin.levels()[static_cast<std::size_t>(point)];
+bool TouchSolver::Work::is_needed(int point, float bend) const {
+  const float level = skin.levels()[static_cast<std::size_t>(point)];
   const auto entry = static_cast<float>(settings.entry);
   const auto coarsest = static_cast<float>(TouchSkin::kCoarsest),
              finest = static_cast<float>(TouchSkin::kFinest);
@@ -257,13 +262,16 @@ void TouchSolver::Work::for_near_points(const Matrix3Xf& u, float band, const Ga
     const Vector3f middle = rest.col(cluster.vertex) + u.col(cluster.vertex);
     const float reach = band + kStretch * cluster.radius;
     if (near ? !near(middle, reach) : !gap(middle, seen) || !(seen.distance <= reach)) continue;
+    float sharpest = kUnseen;  // 1/m, what the heap's coarser points have seen
     for (int k = cluster.first; k < cluster.last; ++k) {
       const int p = clusters.order()[static_cast<std::size_t>(k)];
+      if (sharpest != kUnseen && !is_needed(p, kSharper * sharpest)) break;
       const Vector3f x = skin.places().col(p) + skin.moved(static_cast<std::size_t>(p), u);
       if (near && !near(x, band)) continue;
-      if (!gap_at(p, x, gap, band, seen) || !(seen.distance <= band) || !is_needed(p, seen))
-        continue;
-      found_near(p, seen);
+      if (!gap_at(p, x, gap, band, seen) || !(seen.distance <= band)) continue;
+      const float bend = largest_curvature(seen.curvature);
+      sharpest = std::max(sharpest, bend);
+      if (is_needed(p, bend)) found_near(p, seen);
     }
   }
 }
@@ -348,7 +356,11 @@ bool TouchSolver::Work::add_vertices(const ContactCandidate& candidate) {
 void TouchSolver::Work::take_up(const TouchState& state) {
   for (ContactCandidate& candidate : candidates) {
     const SkinPoint& point = points[static_cast<std::size_t>(candidate.point)];
-    for (std::size_t k = 0; k < 3; ++k) candidate.local[k] = local_of_vertex[point.corners[k]];
+    for (std::size_t k = 0; k < 3; ++k) {
+      candidate.vertices[k] = point.corners[k];
+      candidate.local[k] = local_of_vertex[point.corners[k]];
+      candidate.slots[k] = cache.slot_of(point.corners[k]);
+    }
     const auto at =
         std::lower_bound(state.forces.begin(), state.forces.end(), candidate.point,
                          [](const PointForce& force, int wanted) { return force.point < wanted; });
@@ -387,40 +399,19 @@ void TouchSolver::Work::choose_blobs(const TouchState& state, double shift) {
   nonlinear.choose_blobs(vertices, weights, state.regions);
 }
 
-void TouchSolver::Work::set_compliance() {
-  cache.bring(vertices);
-  const int n = static_cast<int>(vertices.size());
-  problem.set_vertices(n);
-  for (int i = 0; i < n; ++i) {
-    const int slot = cache.slot_of(vertices[static_cast<std::size_t>(i)]);
-    for (int j = 0; j < n; ++j) {
-      const Eigen::Matrix3f block =
-          cache.block(slot, cache.slot_of(vertices[static_cast<std::size_t>(j)]));
-      for (int c = 0; c < 3; ++c) {
-        const std::span<float> row = problem.compliance_row(3 * i + c);
-        for (int d = 0; d < 3; ++d)
-          row[3 * static_cast<std::size_t>(j) + static_cast<std::size_t>(d)] = block(c, d);
-      }
-    }
-  }
-}
-
 // Of all vertices that may touch, under the present loads.
 void TouchSolver::Work::find_displacements(CrossTerms cross) {
   if (is_nonlinear()) nonlinear.evaluate(loads, cross);
   // G is symmetric: what a load does everywhere are its rows.
-  const std::span<float> of_loads(field.data(), padded(3 * vertices.size()));
-  std::fill(of_loads.begin(), of_loads.end(), 0.0f);
-  for (std::size_t j = 0; j < loads.size(); ++j) {
-    for (int d = 0; d < 3; ++d) {
-      const float force = loads[j].force[d];
-      if (force == 0) continue;
-      best_row_kernels().add_floats(problem.compliance_row(3 * static_cast<int>(j) + d).data(),
-                                    force, of_loads);
-    }
+  std::fill(field.begin(), field.end(), 0.0f);
+  for (const VertexForce& load : loads) {
+    if (load.force.isZero(0)) continue;
+    const float* rows = cache.blocks().col(3 * cache.slot_of(load.vertex)).data();
+    best_row_kernels().add_float_rows(rows, field.size(), {load.force.data(), 3}, field);
   }
-  const auto n = static_cast<Eigen::Index>(vertices.size());
-  here.leftCols(n) = Eigen::Map<const Matrix3Xf>(of_loads.data(), 3, n);
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    here.col(static_cast<Eigen::Index>(i)) =
+        Eigen::Map<const Vector3f>(field.data() + 3 * cache.slot_of(vertices[i]));
   weigh_corrections();
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     auto u = here.col(static_cast<Eigen::Index>(i));
@@ -479,7 +470,7 @@ double TouchSolver::Work::iterate(const GapQuery& gap, double shift, CrossTerms 
   // A state on the way may have no positive definite tangent; without what is not always positive
   // the step is a shorter one, not a wrong one.
   const auto solve = [&](const NonlinearAnswer* answer, bool turning) {
-    return problem.solve(pressed, loads, answer, {shift, settings.softness, turning});
+    return problem.solve(pressed, field, answer, {shift, settings.softness, turning});
   };
   stuck = true;
   if (!solve(tangent, true) && !solve(tangent, false) && !solve(nullptr, false)) return 0;
@@ -525,13 +516,13 @@ void TouchSolver::Work::go_back(float share) {
 
 // The answer to the candidates, from the state's forces, into `ahead`.
 void TouchSolver::Work::settle(const TouchState& state, const GapQuery& gap, double shift,
-                               bool last, TouchReport& report) {
+                               bool last, int most, TouchReport& report) {
+  cache.bring(vertices);
   take_up(state);
-  set_compliance();
   if (is_nonlinear()) choose_blobs(state, shift);
   find_displacements(CrossTerms::kAnew);
   float share = 1;
-  for (int i = 0; i < (last ? settings.last_iterations : settings.iterations); ++i) {
+  for (int i = 0; i < most; ++i) {
     ++report.iterations;
     const CrossTerms cross =
         last && i < kCrossIterations ? CrossTerms::kAnew : CrossTerms::kAsBefore;
@@ -555,8 +546,15 @@ void TouchSolver::Work::fill_linear(std::span<const VertexForce> forces,
   };
   std::fill(sources.begin(), sources.end(), 0.0f);
   std::fill(is_source.begin(), is_source.end(), char{0});
+  by_cluster.clear();
   for (const VertexForce& load : forces) {
-    if (load.force.isZero(0)) continue;
+    if (!load.force.isZero(0)) by_cluster.push_back(load);
+  }
+  std::sort(by_cluster.begin(), by_cluster.end(), [&](const auto& a, const auto& b) {
+    const int c = compliance.cluster_of(a.vertex), d = compliance.cluster_of(b.vertex);
+    return c != d ? c < d : a.vertex < b.vertex;
+  });
+  for (const VertexForce& load : by_cluster) {
     const auto cluster = static_cast<std::size_t>(compliance.cluster_of(load.vertex));
     is_source[cluster] = 1;
     compliance.add_source(load.vertex, load.force, of(sources, cluster));
@@ -571,9 +569,7 @@ void TouchSolver::Work::fill_linear(std::span<const VertexForce> forces,
     }
   }
   compliance.everywhere(targets, u);
-  for (const VertexForce& load : forces) {
-    if (!load.force.isZero(0)) compliance.add_near(load.vertex, load.force, u);
-  }
+  compliance.add_near(by_cluster, u);
 }
 
 // The first nodes' displacement under the present loads.
@@ -618,8 +614,11 @@ void TouchSolver::Work::read_signs(const TouchState& state, TouchReport& report)
   if (error_scale) report.stated = error_scale->stated(report.signs);
 }
 
-void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, TouchReport& report) {
-  look_at_gaps(gap, 0);
+void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, bool last,
+                                  TouchReport& report) {
+  // Those that entered last and are not answered are not where `here` is told.
+  std::erase_if(candidates, [](const ContactCandidate& c) { return c.local[0] < 0; });
+  if (last) look_at_gaps(gap, 0);
   state.forces.clear();
   report.penetration = 0;
   for (const ContactCandidate& candidate : candidates) {
@@ -641,7 +640,7 @@ void TouchSolver::Work::hold_back(TouchState& state, double largest_move, TouchR
   const auto moved =
       static_cast<double>((state.u.leftCols(V) - began.leftCols(V)).colwise().norm().maxCoeff());
   if (!(moved > largest_move)) return;
-  report.held_back = moved - largest_move;
+  report.held_back = std::max(report.held_back, moved - largest_move);
   report.stated.reset();
   const auto share = static_cast<float>(largest_move / moved);
   state.u = began + share * (state.u - began);
@@ -704,6 +703,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
     return static_cast<int>(std::ceil(std::min(way / s.largest_step, 1.0 * s.most_steps)));
   };
   const int steps = std::max(1, std::min(steps_of(depth), steps_of(largest_move)));
+  bool entered = false;  // by points that are not answered
   w.began = state.u;
   w.forces_began.assign(state.forces.begin(), state.forces.end());
   for (int step = 1; step <= steps; ++step) {
@@ -711,18 +711,24 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
     const double shift = std::max(0.0, depth - step * s.largest_step);
     if (step > 1 || shift > 0) w.find_candidates(state, gap, near, shift, report);
     const bool last = step == steps;
-    for (int round = 0; round < kRounds; ++round) {
-      w.settle(state, gap, shift, last, report);
+    const int most = report.iterations + (last ? s.last_iterations : s.iterations);
+    for (int round = 0;; ++round) {
+      w.settle(state, gap, shift, last, most - report.iterations, report);
       if (!last || !w.add_entered(state, gap, near, shift, report)) break;
+      entered = round + 1 == kRounds || report.iterations >= most;
+      if (entered) break;
     }
     ++report.steps;
-    w.hand_over(state, gap, report);
+    w.hand_over(state, gap, last, report);
   }
   w.read_signs(state, report);
-  const bool settled = !w.stuck && report.last_change <= kUnsettled * s.largest_step;
-  w.hold_back(state,
-              settled ? largest_move : std::min(largest_move, kUnsettledSteps * s.largest_step),
-              report);
+  const bool settled = !w.stuck && !entered && report.last_change <= kUnsettled * s.largest_step;
+  if (!settled) {
+    largest_move = std::min(largest_move, kUnsettledSteps * s.largest_step);
+    report.held_back = report.last_change;
+    report.stated.reset();
+  }
+  w.hold_back(state, largest_move, report);
   return report;
 }
 

@@ -65,7 +65,7 @@ struct TouchSettings {
   double largest_step = 0.00125;  ///< m an object goes on in one step
   int most_steps = 12;            ///< of a frame; what is deeper is reached in later frames
   int iterations = 3;             ///< of Newton's method, of each step
-  int last_iterations = 12;       ///< of the last one, at most
+  int last_iterations = 10;       ///< of the last one, in all its rounds; then it is held back
   double tolerance = 2e-5;        ///< m: the last iteration moved no touched vertex by more
   /// m a round object may enter between two contact points: flat ones are given fewer points.
   double entry = 2e-5;
@@ -102,8 +102,10 @@ struct TouchReport {
   double last_change = 0;  ///< m, of a touched vertex in the last iteration
   double penetration = 0;  ///< m, left at the deepest contact point
   double last_share = 0;   ///< of the series' last order, see NonlinearAnswer
-  double held_back = 0;    ///< m, that a vertex has yet to go, see TouchSolver::advance()
-  ErrorSigns signs;        ///< of the state's own error; 0 without force
+  /// m, that a vertex has yet to go: beyond advance()'s largest move, or by the last iteration of
+  /// an answer that is not there yet.
+  double held_back = 0;
+  ErrorSigns signs;  ///< of the state's own error; 0 without force
   /// What they say; nothing without force, of a state that is held back, or where the tables'
   /// held-out touches give no scale.
   std::optional<StatedError> stated;
