@@ -1,10 +1,14 @@
 #include "palpable/touch/touch_solver.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/touch/compliance_cache.h"
 #include "palpable/touch/contact_problem.h"
+#include "palpable/touch/hold_back.h"
+#include "palpable/touch/linear_field.h"
+#include "palpable/touch/near_points.h"
+#include "palpable/touch/nonlinear_answer.h"
 #include "palpable/touch/row_kernels.h"
 #include "palpable/touch/shell_stress.h"
-#include "palpable/touch/skin_clusters.h"
 #include "palpable/touch/touch_skin.h"
 
 #include <algorithm>
@@ -20,13 +24,6 @@ namespace {
 using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
 
-constexpr float kClusterRadius = 0.006f;  // m
-// A heap's points may lie farther from its middle than at rest, where the skin is stretched.
-constexpr float kStretch = 1.3f;
-// A heap's finer points are asked only where an object this much sharper than its coarser points
-// have seen would need them.
-constexpr float kSharper = 2;
-constexpr float kUnseen = -std::numeric_limits<float>::infinity();
 // In steps of the object: a step of Newton's method that moves a touched vertex by more is halved.
 constexpr double kLargestMove = 4;
 constexpr int kHalvings = 4;
@@ -44,34 +41,13 @@ constexpr double kUnsettled = 0.4;
 constexpr int kUnsettledSteps = 3;
 // Of a step of Newton's method that is taken where the iteration does not come nearer.
 constexpr float kLeastShare = 0.25f;
-// m: so far from where it was asked last a gap is told by its normal and curvature. What that
-// leaves out is of the third order: 2e-6 m at a pencil's tip.
-constexpr float kSameGap = 0.0003f;
 // Iterations of a frame's last step in which what patches do to each other is evaluated anew: it is
 // of the second order, and the forces change little after them.
 constexpr int kCrossIterations = 2;
 
-// Of the exact answer: what is farther from the tables' answers a load that the body does not bear
-// without what presses holding it, and is no help.
-constexpr float kMostCorrection = 0.3f;
-
 // Of the tables' part in a state's own error, what an exact answer takes out: of the stress' error
 // more, of the displacement's less, since contact's own is left (docs/touch.md).
 constexpr double kCorrected = 0.5;
-
-// Of a probe's answer.
-constexpr float kSameBody = 0.1f;
-constexpr int kProbes = 24;
-constexpr float kProbeMoves = 1e-4f;  // m, at most
-
-constexpr float kRootOf2 = 1.41421356f;
-
-// The larger of the two curvatures of a surface, 1/m.
-float largest_curvature(const Eigen::Matrix3f& K) {
-  const float trace = K.trace();
-  const float apart = 2 * K.squaredNorm() - trace * trace;
-  return 0.5f * (trace + std::sqrt(std::max(0.0f, apart)));
-}
 
 void set_gap(ContactCandidate& candidate, const SurfaceGap& gap) {
   candidate.distance = gap.distance;
@@ -79,14 +55,6 @@ void set_gap(ContactCandidate& candidate, const SurfaceGap& gap) {
   candidate.curvature = gap.curvature;
   candidate.softness = gap.softness;
 }
-
-// A gap as it was found in this frame.
-struct FoundGap {
-  int frame = -1;
-  bool near = false;
-  Vector3f place = Vector3f::Zero();
-  SurfaceGap gap;
-};
 
 int most_modes(const TouchTables& tables) {
   int most = 16;
@@ -102,8 +70,9 @@ struct TouchSolver::Work {
   TouchSkin skin;
   const Matrix3Xf& rest;
   std::span<const SkinPoint> points;
-  SkinClusters clusters;
+  NearPoints near_points;
   Compliance compliance;
+  LinearField linear_field;
   RegionMap map;
   NonlinearAnswer nonlinear;
   ComplianceCache cache;
@@ -113,29 +82,23 @@ struct TouchSolver::Work {
   std::optional<ErrorScale> error_scale;                 // of the tables' held-out touches
 
   std::vector<ContactCandidate> candidates;
-  std::vector<int> vertices;            // of the candidates
-  std::vector<int> local_of_vertex;     // (V) -1: not among them
-  std::vector<float> sources, targets;  // (C x k)
-  std::vector<char> is_source;          // (C)
-  std::vector<float> weights;           // of `vertices`, for choosing blobs
-  std::vector<VertexForce> loads;       // at `vertices`
-  Matrix3Xf linear, without_cross;      // (3 x V) the last field without the tables' beyond, and
-                                        // without what patches do to each other
-  Matrix3Xf no_displacement;            // (3 x W)
-  Matrix3Xf here, before;               // (3 x vertices) displacement of `vertices`
-  Matrix3Xf ahead;                      // (3 x W) what the step would hand over
-  std::vector<char> is_candidate;       // by point
-  Matrix3Xf began;                      // (3 x W) at the frame's beginning
-  std::vector<PointForce> forces_began, mixed;
-  std::vector<FoundGap> found;  // by point
-  int frame = 0;
+  std::vector<int> vertices;         // of the candidates
+  std::vector<int> local_of_vertex;  // (V) -1: not among them
+  std::vector<float> weights;        // of `vertices`, for choosing blobs
+  std::vector<VertexForce> loads;    // at `vertices`
+  Matrix3Xf linear, without_cross;   // (3 x V) the last field without the tables' beyond, and
+                                     // without what patches do to each other
+  Matrix3Xf no_displacement;         // (3 x W)
+  Matrix3Xf here, before;            // (3 x vertices) displacement of `vertices`
+  Matrix3Xf ahead;                   // (3 x W) what the step would hand over
+  std::vector<char> is_candidate;    // by point
+  HoldBack hold_back;
   const Refinement* refinement = nullptr;  // of the state that advances
   std::array<float, 2> correcting{};       // weights of its corrections, under the present loads
   std::vector<Vector3f> forces_before;
   std::vector<ContactCandidate> pressed;  // those of the candidates that take part,
   std::vector<std::size_t> of_pressed;    // and which
   std::vector<float> field;               // (3 x slots of the cache) G f
-  std::vector<VertexForce> by_cluster;    // loads, ordered by their clusters
   bool stuck = false;                     // no step of the last iteration could be made
 
   Work(const SurfaceMesh& surface, std::span<const std::uint8_t> fixed,
@@ -145,8 +108,9 @@ struct TouchSolver::Work {
         skin(surface, fixed, tables),
         rest(skin.rest()),
         points(skin.points()),
-        clusters(rest, points, skin.places(), skin.levels(), kClusterRadius),
+        near_points(skin, the_settings.entry),
         compliance(tables.compliance),
+        linear_field(compliance),
         map(rest, tables.regions, tables.region_reach),
         nonlinear(compliance, tables.regions, map, tables.cross),
         cache(compliance, kMostVertices),
@@ -160,7 +124,7 @@ struct TouchSolver::Work {
         before(3, kMostVertices),
         ahead(Matrix3Xf::Zero(3, compliance.nodes())),
         is_candidate(points.size(), 0),
-        began(3, compliance.nodes()) {
+        hold_back(compliance.nodes(), rest.cols(), 2 * kMostPoints) {
     if (skin.is_carried()) {
       carrying_stress.resize(static_cast<std::size_t>(rest.cols()));
       carrying_tensors.resize(6 * carrying_stress.size());
@@ -174,21 +138,9 @@ struct TouchSolver::Work {
     pressed.reserve(kMostPoints);
     of_pressed.reserve(kMostPoints);
     field.resize(std::size_t{3} * kMostVertices);
-    by_cluster.reserve(static_cast<std::size_t>(rest.cols()));
-    forces_began.reserve(2 * kMostPoints);
-    mixed.reserve(3 * kMostPoints);
-    found.resize(points.size());
-    is_source.resize(static_cast<std::size_t>(compliance.clusters()));
-    sources.resize(is_source.size() * compliance.rank());
-    targets.resize(sources.size());
   }
 
   [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
-  bool gap_at(int point, const Vector3f& x, const GapQuery& gap, float far, SurfaceGap& answer);
-  [[nodiscard]] bool is_needed(int point, float bend) const;
-  template <class Found>
-  void for_near_points(const Matrix3Xf& u, float band, const GapQuery& gap, const NearQuery& near,
-                       const Found& found_near);
   void add_candidate(int point, const SurfaceGap& seen);
   void find_candidates(const TouchState& state, const GapQuery& gap, const NearQuery& near,
                        double shift, TouchReport& report);
@@ -207,74 +159,10 @@ struct TouchSolver::Work {
   bool add_entered(const TouchState& state, const GapQuery& gap, const NearQuery& near,
                    double shift, TouchReport& report);
   void weigh_corrections();
-  void fill_linear(std::span<const VertexForce> forces, const Eigen::Ref<Matrix3Xf>& u);
   void fill_field(Matrix3Xf& on_nodes, Eigen::Index nodes);
   void hand_over(TouchState& state, const GapQuery& gap, bool last, TouchReport& report);
-  void hold_back(TouchState& state, double largest_move, TouchReport& report);
   void read_signs(const TouchState& state, TouchReport& report) const;
 };
-
-// What is nearest to a point that is at x now; false where nothing is, or what is no number. Where
-// it is farther than `far` for sure, that it is so may be all that is told.
-bool TouchSolver::Work::gap_at(int point, const Vector3f& x, const GapQuery& gap, float far,
-                               SurfaceGap& answer) {
-  FoundGap& last = found[static_cast<std::size_t>(point)];
-  const float moved = (x - last.place).norm();
-  const bool is_same_place = last.frame == frame && moved < kSameGap;
-  // A distance falls by no more than its place has moved.
-  const bool stays_far =
-      last.frame == frame && last.near && last.gap.distance - moved > far && !is_same_place;
-  if (!is_same_place && !stays_far) {
-    last.frame = frame;
-    last.place = x;
-    last.near = gap(x, last.gap) && std::isfinite(last.gap.distance) &&
-                last.gap.normal.allFinite() && last.gap.curvature.allFinite();
-  }
-  if (!last.near) return false;
-  const Vector3f way = x - last.place;
-  const Vector3f turn = last.gap.curvature * way;
-  answer = last.gap;
-  answer.distance += last.gap.normal.dot(way) + 0.5f * way.dot(turn);
-  // Over a long way the curvature of a hollow would tell of a surface that is not there.
-  if (stays_far) answer.distance = std::max(answer.distance, last.gap.distance - moved);
-  answer.normal = (last.gap.normal + turn).normalized();
-  return true;
-}
-
-// Whether the points that are left without this one are too far apart for the object there.
-bool TouchSolver::Work::is_needed(int point, float bend) const {
-  const float level = skin.levels()[static_cast<std::size_t>(point)];
-  const auto entry = static_cast<float>(settings.entry);
-  const auto coarsest = static_cast<float>(TouchSkin::kCoarsest),
-             finest = static_cast<float>(TouchSkin::kFinest);
-  // Where each point has another within s the ball of radius 1/bend enters by s^2 bend / 4,
-  // roughly.
-  const float enough = bend > 0 ? std::min(coarsest, std::sqrt(4 * entry / bend)) : coarsest;
-  return level > 0 ? level * kRootOf2 > enough : enough < finest;
-}
-
-// Points that are nearer to the object than `band` with the skin moved by u, those that are needed.
-template <class Found>
-void TouchSolver::Work::for_near_points(const Matrix3Xf& u, float band, const GapQuery& gap,
-                                        const NearQuery& near, const Found& found_near) {
-  SurfaceGap seen;
-  for (const SkinCluster& cluster : clusters.clusters()) {
-    const Vector3f middle = rest.col(cluster.vertex) + u.col(cluster.vertex);
-    const float reach = band + kStretch * cluster.radius;
-    if (near ? !near(middle, reach) : !gap(middle, seen) || !(seen.distance <= reach)) continue;
-    float sharpest = kUnseen;  // 1/m, what the heap's coarser points have seen
-    for (int k = cluster.first; k < cluster.last; ++k) {
-      const int p = clusters.order()[static_cast<std::size_t>(k)];
-      if (sharpest != kUnseen && !is_needed(p, kSharper * sharpest)) break;
-      const Vector3f x = skin.places().col(p) + skin.moved(static_cast<std::size_t>(p), u);
-      if (near && !near(x, band)) continue;
-      if (!gap_at(p, x, gap, band, seen) || !(seen.distance <= band)) continue;
-      const float bend = largest_curvature(seen.curvature);
-      sharpest = std::max(sharpest, bend);
-      if (is_needed(p, bend)) found_near(p, seen);
-    }
-  }
-}
 
 void TouchSolver::Work::add_candidate(int point, const SurfaceGap& seen) {
   ContactCandidate candidate;
@@ -288,8 +176,8 @@ void TouchSolver::Work::add_candidate(int point, const SurfaceGap& seen) {
 void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery& gap,
                                         const NearQuery& near, double shift, TouchReport& report) {
   candidates.clear();
-  for_near_points(state.u, static_cast<float>(settings.band - shift), gap, near,
-                  [&](int point, const SurfaceGap& seen) { add_candidate(point, seen); });
+  near_points.for_each(state.u, static_cast<float>(settings.band - shift), gap, near,
+                       [&](int point, const SurfaceGap& seen) { add_candidate(point, seen); });
   // Those that press and have just lost the object out of sight let go by themselves.
   report.dropped = 0;
   keep_nearest(report);
@@ -306,11 +194,11 @@ bool TouchSolver::Work::add_entered(const TouchState& state, const GapQuery& gap
   if (!(moved > band * band)) return false;
   for (const ContactCandidate& c : candidates) is_candidate[static_cast<std::size_t>(c.point)] = 1;
   const std::size_t known = candidates.size();
-  for_near_points(ahead, -static_cast<float>(kEntered * settings.band + shift), gap, near,
-                  [&](int point, const SurfaceGap& seen) {
-                    if (is_candidate[static_cast<std::size_t>(point)] == 0)
-                      add_candidate(point, seen);
-                  });
+  near_points.for_each(ahead, -static_cast<float>(kEntered * settings.band + shift), gap, near,
+                       [&](int point, const SurfaceGap& seen) {
+                         if (is_candidate[static_cast<std::size_t>(point)] == 0)
+                           add_candidate(point, seen);
+                       });
   for (std::size_t k = 0; k < known; ++k)
     is_candidate[static_cast<std::size_t>(candidates[k].point)] = 0;
   if (candidates.size() == known) return false;
@@ -451,7 +339,7 @@ void TouchSolver::Work::look_at_gaps(const GapQuery& gap, double shift) {
     for (std::size_t k = 0; k < 3; ++k) {
       x += candidate.weights[static_cast<int>(k)] * here.col(candidate.local[k]);
     }
-    if (gap_at(candidate.point, x, gap, far, seen)) {
+    if (near_points.gap_at(candidate.point, x, gap, far, seen)) {
       set_gap(candidate, seen);
     } else {
       candidate.distance = static_cast<float>(10 * settings.band);
@@ -536,46 +424,10 @@ void TouchSolver::Work::settle(const TouchState& state, const GapQuery& gap, dou
   fill_field(ahead, last ? ahead.cols() : rest.cols());
 }
 
-// G f at the first nodes.
-void TouchSolver::Work::fill_linear(std::span<const VertexForce> forces,
-                                    const Eigen::Ref<Matrix3Xf>& u) {
-  const std::size_t k = compliance.rank();
-  const auto C = static_cast<std::size_t>(compliance.clusters());
-  const auto of = [k](std::vector<float>& numbers, std::size_t cluster) {
-    return std::span<float>(numbers.data() + cluster * k, k);
-  };
-  std::fill(sources.begin(), sources.end(), 0.0f);
-  std::fill(is_source.begin(), is_source.end(), char{0});
-  by_cluster.clear();
-  for (const VertexForce& load : forces) {
-    if (!load.force.isZero(0)) by_cluster.push_back(load);
-  }
-  std::sort(by_cluster.begin(), by_cluster.end(), [&](const auto& a, const auto& b) {
-    const int c = compliance.cluster_of(a.vertex), d = compliance.cluster_of(b.vertex);
-    return c != d ? c < d : a.vertex < b.vertex;
-  });
-  for (const VertexForce& load : by_cluster) {
-    const auto cluster = static_cast<std::size_t>(compliance.cluster_of(load.vertex));
-    is_source[cluster] = 1;
-    compliance.add_source(load.vertex, load.force, of(sources, cluster));
-  }
-  std::fill(targets.begin(), targets.end(), 0.0f);
-  for (std::size_t from = 0; from < C; ++from) {
-    if (is_source[from] == 0) continue;
-    for (std::size_t to = 0; to < C; ++to) {
-      if (!compliance.are_far(static_cast<int>(from), static_cast<int>(to))) continue;
-      compliance.add_target(static_cast<int>(from), of(sources, from), static_cast<int>(to),
-                            of(targets, to));
-    }
-  }
-  compliance.everywhere(targets, u);
-  compliance.add_near(by_cluster, u);
-}
-
 // The first nodes' displacement under the present loads.
 void TouchSolver::Work::fill_field(Matrix3Xf& on_nodes, Eigen::Index nodes) {
   Eigen::Ref<Matrix3Xf> u = on_nodes.leftCols(nodes);
-  fill_linear(loads, u);
+  linear_field.fill(loads, u);
   linear = u.leftCols(linear.cols());
   if (is_nonlinear()) {
     nonlinear.find_far_targets();
@@ -634,40 +486,6 @@ void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, bool l
   state.refinement.weights = correcting;
 }
 
-// To a share of the way from the frame's beginning.
-void TouchSolver::Work::hold_back(TouchState& state, double largest_move, TouchReport& report) {
-  const Eigen::Index V = rest.cols();
-  const auto moved =
-      static_cast<double>((state.u.leftCols(V) - began.leftCols(V)).colwise().norm().maxCoeff());
-  if (!(moved > largest_move)) return;
-  report.held_back = std::max(report.held_back, moved - largest_move);
-  report.stated.reset();
-  const auto share = static_cast<float>(largest_move / moved);
-  state.u = began + share * (state.u - began);
-  mixed.clear();
-  std::size_t k = 0;
-  for (const PointForce& now : state.forces) {
-    for (; k < forces_began.size() && forces_began[k].point < now.point; ++k) {
-      mixed.push_back({forces_began[k].point, (1 - share) * forces_began[k].force});
-    }
-    Vector3f force = share * now.force;
-    if (k < forces_began.size() && forces_began[k].point == now.point) {
-      force += (1 - share) * forces_began[k++].force;
-    }
-    mixed.push_back({now.point, force});
-  }
-  for (; k < forces_began.size(); ++k) {
-    mixed.push_back({forces_began[k].point, (1 - share) * forces_began[k].force});
-  }
-  // Of a state that was held back itself the least forces go first.
-  while (mixed.size() > 2 * kMostPoints) {
-    mixed.erase(std::min_element(mixed.begin(), mixed.end(), [](const auto& a, const auto& b) {
-      return a.force.squaredNorm() < b.force.squaredNorm();
-    }));
-  }
-  state.forces.assign(mixed.begin(), mixed.end());
-}
-
 TouchSolver::TouchSolver(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
                          const TouchTables& tables, const TouchSettings& settings)
     : work_(std::make_unique<Work>(skin, fixed, tables, settings)) {}
@@ -682,7 +500,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
   Work& w = *work_;
   const TouchSettings& s = w.settings;
   TouchReport report;
-  ++w.frame;
+  w.near_points.start();
   w.nonlinear.start();
   state.refinement.blended =
       std::min(1.0f, state.refinement.blended + 1.0f / static_cast<float>(s.blend_frames));
@@ -704,8 +522,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
   };
   const int steps = std::max(1, std::min(steps_of(depth), steps_of(largest_move)));
   bool entered = false;  // by points that are not answered
-  w.began = state.u;
-  w.forces_began.assign(state.forces.begin(), state.forces.end());
+  w.hold_back.start(state);
   for (int step = 1; step <= steps; ++step) {
     // The object is taken back so far that the skin enters it by no more than a step.
     const double shift = std::max(0.0, depth - step * s.largest_step);
@@ -726,9 +543,9 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
   if (!settled) {
     largest_move = std::min(largest_move, kUnsettledSteps * s.largest_step);
     report.held_back = report.last_change;
-    report.stated.reset();
   }
-  w.hold_back(state, largest_move, report);
+  report.held_back = std::max(report.held_back, w.hold_back.bound(state, largest_move));
+  if (!settled || report.held_back > 0) report.stated.reset();
   return report;
 }
 
@@ -744,19 +561,9 @@ bool TouchSolver::ask(const TouchState& state, AskedLoad& asked) {
       if (weight > 0) asked.forces.push_back({point.corners[k], weight * at.force});
     }
   }
-  std::sort(asked.forces.begin(), asked.forces.end(),
-            [](const VertexForce& a, const VertexForce& b) { return a.vertex < b.vertex; });
-  std::size_t kept = 0;
-  for (std::size_t k = 1; k < asked.forces.size(); ++k) {
-    if (asked.forces[k].vertex == asked.forces[kept].vertex) {
-      asked.forces[kept].force += asked.forces[k].force;
-    } else {
-      asked.forces[++kept] = asked.forces[k];
-    }
-  }
-  asked.forces.resize(kept + 1);
+  add_up_by_vertex(asked.forces);
   asked.linear.resize(3, w.rest.cols());
-  w.fill_linear(asked.forces, asked.linear);
+  w.linear_field.fill(asked.forces, asked.linear);
   asked.tables = state.u;
   for (std::size_t k = 0; k < 2; ++k) {
     const float weight = state.refinement.weights[k];
@@ -766,47 +573,20 @@ bool TouchSolver::ask(const TouchState& state, AskedLoad& asked) {
 }
 
 void TouchSolver::probe(AskedLoad& asked) {
-  Work& w = *work_;
-  const int V = static_cast<int>(w.rest.cols());
-  asked.forces.clear();
-  for (int k = 0; k < kProbes; ++k) {
-    const int v = V * k / kProbes;
-    if (!asked.forces.empty() && asked.forces.back().vertex == v) continue;
-    asked.forces.push_back({v, Vector3f(0, 0, k % 2 == 0 ? -1.0f : -0.5f)});
-  }
-  asked.tables.resize(3, w.compliance.nodes());
-  w.fill_linear(asked.forces, asked.tables);
-  const float largest = std::sqrt(asked.tables.leftCols(V).colwise().squaredNorm().maxCoeff());
-  if (!(largest > 0)) return;
-  const float share = kProbeMoves / largest;
-  for (VertexForce& f : asked.forces) f.force *= share;
-  asked.tables *= share;
-  asked.linear = asked.tables.leftCols(V);
+  make_probe(work_->linear_field, static_cast<int>(work_->rest.cols()), work_->compliance.nodes(),
+             asked);
 }
 
 bool TouchSolver::agrees(const AskedLoad& probe, const Matrix3Xf& exact) {
-  const Eigen::Index V = probe.linear.cols();
-  return exact.cols() == probe.tables.cols() &&
-         (exact.leftCols(V) - probe.linear).norm() <= kSameBody * probe.linear.norm();
+  return is_of_probed_body(probe, exact);
 }
 
 bool TouchSolver::refine(TouchState& state, const AskedLoad& asked, const Matrix3Xf& exact) const {
-  const Eigen::Index V = work_->rest.cols(), W = work_->compliance.nodes();
-  PALPABLE_EXPECT(exact.cols() == W && asked.tables.cols() == W && asked.linear.cols() == V,
+  PALPABLE_EXPECT(exact.cols() == work_->compliance.nodes() &&
+                      asked.tables.cols() == exact.cols() &&
+                      asked.linear.cols() == work_->rest.cols(),
                   "an answer has as many nodes as the tables");
-  const float off = (exact - asked.tables).leftCols(V).norm();
-  if (!(off <= kMostCorrection * exact.leftCols(V).norm())) return false;
-  Refinement& r = state.refinement;
-  std::swap(r.corrections[0], r.corrections[1]);
-  std::swap(r.weights[0], r.weights[1]);
-  ExactCorrection& c = r.corrections[1];
-  c.field = exact - asked.tables;
-  c.linear = asked.linear;
-  c.work = 0;
-  for (const VertexForce& f : asked.forces) c.work += f.force.dot(c.linear.col(f.vertex));
-  r.weights[1] = 0;
-  r.blended = 0;
-  return true;
+  return state.refinement.take_up(asked, exact);
 }
 
 void TouchSolver::stress(const TouchState& state, std::span<float> von_mises,

@@ -21,17 +21,15 @@
 
 #include "palpable/geometry/skin_points.h"
 #include "palpable/geometry/surface_mesh.h"
-#include "palpable/touch/complementarity.h"
-#include "palpable/touch/compliance_cache.h"
-#include "palpable/touch/nonlinear_answer.h"
 #include "palpable/touch/refinement.h"
 #include "palpable/touch/stated_error.h"
+#include "palpable/touch/surface_gap.h"
+#include "palpable/touch/touch_state.h"
 #include "palpable/touch/touch_tables.h"
 
 #include <Eigen/Core>
 
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -39,26 +37,6 @@
 #include <vector>
 
 namespace palpable {
-
-/// What is nearest to a place: the object that presses, as its signed distance.
-struct SurfaceGap {
-  float distance = 0;                                 ///< m, negative inside
-  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, out of the object
-  /// Second derivative of the distance, 1/m: a ball of radius r has (1 - n n^T) / r.
-  Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();
-  /// Of the point's own compliance, added to it, beside TouchSettings::softness: what is seen
-  /// uncertainly presses softly.
-  float softness = 0;
-};
-
-/// Tells the gap of a place (m, body frame); false where nothing is within kGapReach of it. What is
-/// no number counts as nothing. Called some thousand times a frame.
-using GapQuery = std::function<bool(const Eigen::Vector3f& place, SurfaceGap& gap)>;
-
-/// Whether anything may be nearer to a place than `reach` (m): a cheaper question, asked first.
-using NearQuery = std::function<bool(const Eigen::Vector3f& place, float reach)>;
-
-inline constexpr float kGapReach = 0.012f;  ///< m
 
 struct TouchSettings {
   double band = 0.0025;           ///< m: points nearer than this may press
@@ -74,22 +52,6 @@ struct TouchSettings {
   double softness = 0.01;
   bool nonlinear = true;  ///< false: the linear answer, in the present shape
   int blend_frames = 6;   ///< over which an exact answer is taken up
-};
-
-/// The force at one contact point.
-struct PointForce {
-  int point = 0;                                    ///< index into TouchSolver::points()
-  Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N, on the body
-};
-
-/// All that is remembered from frame to frame. The default is a body at rest.
-struct TouchState {
-  std::vector<PointForce> forces;
-  std::vector<int> regions;  ///< that answered
-  /// (3 x W) m, of what the tables know: the whole skin in the first V columns, then the inner
-  /// nodes (shell_table.h), which are for the stress; no columns: at rest.
-  Eigen::Matrix3Xf u;
-  Refinement refinement;  ///< what exact answers have added
 };
 
 /// How one frame went.
