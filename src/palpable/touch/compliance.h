@@ -107,7 +107,8 @@ class Compliance {
   /// u(neighbours) += G force of all loads, of those among the first n nodes. Faster where loads of
   /// one cluster, which have the same neighbours, follow each other. @param u  (3 x n) m
   void add_near(std::span<const VertexForce> loads, Eigen::Ref<Eigen::Matrix3Xf> u) const;
-  void add_near(int vertex, const Eigen::Vector3f& force, Eigen::Ref<Eigen::Matrix3Xf> u) const {
+  void add_near(int vertex, const Eigen::Vector3f& force,
+                const Eigen::Ref<Eigen::Matrix3Xf>& u) const {
     const VertexForce load{vertex, force};
     add_near({&load, 1}, u);
   }

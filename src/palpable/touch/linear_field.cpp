@@ -13,7 +13,7 @@ LinearField::LinearField(const Compliance& compliance)
   by_cluster_.reserve(static_cast<std::size_t>(compliance.vertices()));
 }
 
-void LinearField::fill(std::span<const VertexForce> loads, Eigen::Ref<Eigen::Matrix3Xf> u) {
+void LinearField::fill(std::span<const VertexForce> loads, const Eigen::Ref<Eigen::Matrix3Xf>& u) {
   const std::size_t k = compliance_.rank();
   const auto C = static_cast<std::size_t>(compliance_.clusters());
   const auto of = [k](std::vector<float>& numbers, std::size_t cluster) {

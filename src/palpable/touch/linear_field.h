@@ -19,7 +19,7 @@ class LinearField {
   explicit LinearField(const Compliance& compliance);
 
   /// u = G f at the first n nodes, whatever the order of the loads. @param u  (3 x n) m
-  void fill(std::span<const VertexForce> loads, Eigen::Ref<Eigen::Matrix3Xf> u);
+  void fill(std::span<const VertexForce> loads, const Eigen::Ref<Eigen::Matrix3Xf>& u);
 
  private:
   const Compliance& compliance_;

@@ -68,7 +68,7 @@ class NearPoints {
     Eigen::Vector3f place = Eigen::Vector3f::Zero();
     SurfaceGap gap;
   };
-  [[nodiscard]] static float largest_curvature(const Eigen::Matrix3f& curvature);
+  [[nodiscard]] static float largest_curvature(const Eigen::Matrix3f& K);
   [[nodiscard]] bool is_needed(int point, float bend) const;
   [[nodiscard]] bool is_far(const SkinCluster& heap, const Eigen::Matrix3Xf& u, float band,
                             const GapQuery& gap, const NearQuery& near) const;
