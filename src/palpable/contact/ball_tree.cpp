@@ -155,8 +155,10 @@ bool BallTree::is_any_within(const Vector3f& x, float reach) const {
   return wanted < reach;
 }
 
-std::array<float, 8> BallTree::distances_around(const Vector3f& x, float spread,
-                                                std::span<const Vector3f, 8> places,
+// Of a ball whose middle is `out` from x along `across` and `beside` beside it no place of the
+// circle is nearer to that middle than sqrt(out^2 + (beside - spread)^2), which leaves out most.
+std::array<float, 8> BallTree::distances_around(const Vector3f& x, const Vector3f& across,
+                                                float spread, std::span<const Vector3f, 8> places,
                                                 int ball) const {
   using Eight = Eigen::Array<float, 8, 1>;
   Eight px, py, pz;
@@ -169,14 +171,20 @@ std::array<float, 8> BallTree::distances_around(const Vector3f& x, float spread,
   };
   const Ball& known = balls_[static_cast<std::size_t>(ball)];
   Eight best = to(known.centre.x(), known.centre.y(), known.centre.z(), known.radius);
-  float reach = best.maxCoeff() + spread;  // a ball that is farther from x is so from all of them
+  float farthest = best.maxCoeff();
+  float reach = farthest + spread;  // a ball that is farther from x is so from all of them
   walk(x, reach, [&](std::size_t block) {
     const Balls& b = blocks_[block];
-    const Block distances = b.distances(x);
+    const Block dx = b.x - x.x(), dy = b.y - x.y(), dz = b.z - x.z();
+    const Block out = (dx * across.x() + dy * across.y() + dz * across.z()).square();
+    const Block beside = (dx.square() + dy.square() + dz.square() - out).max(0.0f).sqrt();
+    const Block least = out + (beside - spread).square();
+    const Block most = (b.radius + (farthest + kRounding)).max(0.0f).square();
     for (Eigen::Index k = 0; k < kBlock; ++k) {
-      if (distances[k] < reach) best = best.min(to(b.x[k], b.y[k], b.z[k], b.radius[k]));
+      if (least[k] < most[k]) best = best.min(to(b.x[k], b.y[k], b.z[k], b.radius[k]));
     }
-    reach = best.maxCoeff() + spread;
+    farthest = best.maxCoeff();
+    reach = farthest + spread;
   });
   std::array<float, 8> result;
   Eigen::Map<Eight>(result.data()) = best;

@@ -38,11 +38,14 @@ class BallTree {
   /// Whether nearest() finds any, to a float's rounding; told sooner.
   [[nodiscard]] bool is_any_within(const Eigen::Vector3f& x, float reach) const;
 
-  /// The same distance at eight places that all lie within `spread` of x; one walk for all.
+  /// The same distance at eight places around x; one walk for all.
   /// @param x        m
+  /// @param across   unit: the places lie across it from x,
+  /// @param spread   m: and so far away
   /// @param ball     one that is known to be near: nearest(x)'s
   /// @return (8) m
-  [[nodiscard]] std::array<float, 8> distances_around(const Eigen::Vector3f& x, float spread,
+  [[nodiscard]] std::array<float, 8> distances_around(const Eigen::Vector3f& x,
+                                                      const Eigen::Vector3f& across, float spread,
                                                       std::span<const Eigen::Vector3f, 8> places,
                                                       int ball) const;
 

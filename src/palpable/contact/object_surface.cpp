@@ -272,7 +272,7 @@ std::optional<SurfaceShape> ObjectSurface::shape_at(const Vector3f& x) const {
     places[2 * k] = x + h * directions[k];
     places[2 * k + 1] = x - h * directions[k];
   }
-  const std::array<float, 8> there = tree_.distances_around(x, h, places, found->ball);
+  const std::array<float, 8> there = tree_.distances_around(x, n, h, places, found->ball);
   Vector3f slope = Vector3f::Zero();
   std::array<float, 4> bend{};
   for (std::size_t k = 0; k < 4; ++k) {

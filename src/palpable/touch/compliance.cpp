@@ -87,11 +87,7 @@ Compliance::Compliance(const ComplianceTable& table) : table_(table) {
 
 void Compliance::add_source(int vertex, const Eigen::Vector3f& force,
                             std::span<float> source) const {
-  for (std::size_t d = 0; d < 3; ++d) {
-    const std::size_t row = 3 * static_cast<std::size_t>(vertex) + d;
-    best_row_kernels().add(table_.basis.row(row),
-                           force[static_cast<int>(d)] * table_.basis.scale[row], source);
-  }
+  add_rows(table_.basis, 3 * static_cast<std::size_t>(vertex), {force.data(), 3}, source);
 }
 
 void Compliance::add_target(int from, std::span<const float> source, int to,
@@ -99,9 +95,7 @@ void Compliance::add_target(int from, std::span<const float> source, int to,
   const RoundedRows& S = table_.couplings;
   const std::size_t first = static_cast<std::size_t>(pair(from, to)) * rank();
   if (from < to) {  // S_cd is kept for c < d: the other way goes along its rows
-    for (std::size_t i = 0; i < rank(); ++i) {
-      best_row_kernels().add(S.row(first + i), source[i] * S.scale[first + i], target);
-    }
+    add_rows(S, first, source.first(rank()), target);
     return;
   }
   std::array<float, kMostRank> products;
@@ -132,22 +126,28 @@ void Compliance::add_beyond(std::span<const float> targets, Eigen::Ref<Eigen::Ma
   }
 }
 
-void Compliance::add_near(int vertex, const Eigen::Vector3f& force,
+void Compliance::add_near(std::span<const VertexForce> loads,
                           Eigen::Ref<Eigen::Matrix3Xf> u) const {
-  const std::span<const int> near = neighbours(vertex);
-  const std::size_t width = padded(near.size());
-  const auto count = static_cast<std::size_t>(
-      std::lower_bound(near.begin(), near.end(), static_cast<int>(u.cols())) - near.begin());
-  const std::int16_t* rows = table_.near.data() + near_first_[vertex];
-  const Eigen::Vector3f scaled = table_.near_scale[vertex] * force;
   std::array<float, kMostNeighbours> sum;  // of one component at a time
-  for (int c = 0; c < 3; ++c) {
-    std::fill_n(sum.begin(), padded(count), 0.0f);
-    for (int d = 0; d < 3; ++d) {
-      best_row_kernels().add(rows + static_cast<std::size_t>(3 * d + c) * width, scaled[d],
-                             {sum.data(), padded(count)});
+  for (std::size_t first = 0; first < loads.size();) {
+    const int vertex = loads[first].vertex;
+    const std::span<const int> near = neighbours(vertex);  // of all vertices of its cluster
+    const std::size_t width = padded(near.size());
+    const auto count = static_cast<std::size_t>(
+        std::lower_bound(near.begin(), near.end(), static_cast<int>(u.cols())) - near.begin());
+    std::size_t last = first + 1;
+    while (last < loads.size() && cluster_of(loads[last].vertex) == cluster_of(vertex)) ++last;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::span<float> sums(sum.data(), padded(count));
+      std::fill(sums.begin(), sums.end(), 0.0f);
+      for (const VertexForce& load : loads.subspan(first, last - first)) {
+        const Eigen::Vector3f scaled = table_.near_scale[load.vertex] * load.force;
+        best_row_kernels().add_rows(table_.near.data() + near_first_[load.vertex] + c * width,
+                                    3 * width, {scaled.data(), 3}, sums);
+      }
+      for (std::size_t k = 0; k < count; ++k) u(static_cast<int>(c), near[k]) += sum[k];
     }
-    for (std::size_t k = 0; k < count; ++k) u(c, near[k]) += sum[k];
+    first = last;
   }
 }
 

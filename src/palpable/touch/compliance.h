@@ -43,6 +43,12 @@
 
 namespace palpable {
 
+/// A force at a vertex of the skin.
+struct VertexForce {
+  int vertex = 0;
+  Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N
+};
+
 /// What a body file keeps of it.
 struct ComplianceTable {
   int vertices = 0;             ///< V
@@ -98,8 +104,14 @@ class Compliance {
   [[nodiscard]] Eigen::Vector3f beyond_at(int node, std::span<const float> target) const;
   void add_beyond(std::span<const float> targets, Eigen::Ref<Eigen::Matrix3Xf> u) const;
 
-  /// u(neighbours) += G force, of those among the first n nodes. @param u  (3 x n) m
-  void add_near(int vertex, const Eigen::Vector3f& force, Eigen::Ref<Eigen::Matrix3Xf> u) const;
+  /// u(neighbours) += G force of all loads, of those among the first n nodes. Faster where loads of
+  /// one cluster, which have the same neighbours, follow each other. @param u  (3 x n) m
+  void add_near(std::span<const VertexForce> loads, Eigen::Ref<Eigen::Matrix3Xf> u) const;
+  void add_near(int vertex, const Eigen::Vector3f& force,
+                const Eigen::Ref<Eigen::Matrix3Xf>& u) const {
+    const VertexForce load{vertex, force};
+    add_near({&load, 1}, u);
+  }
   /// G between force at `vertex` and displacement of its neighbour number `k`, m/N: column d
   /// belongs to the force's component d.
   [[nodiscard]] Eigen::Matrix3f near_block(int vertex, std::size_t k) const;

@@ -29,6 +29,9 @@ class ComplianceCache {
   [[nodiscard]] Eigen::Matrix3f block(int i, int j) const {
     return blocks_.block<3, 3>(3 * i, 3 * j);
   }
+  /// All of them: row and column 3 i + d belong to component d at slot i. What slots that were not
+  /// brought have means nothing.
+  [[nodiscard]] const Eigen::MatrixXf& blocks() const { return blocks_; }
 
  private:
   void compute(int slot);

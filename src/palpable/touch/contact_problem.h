@@ -2,7 +2,8 @@
 /// One step of Newton's method for unilateral contact: from the present gaps, forces and compliance
 /// to new forces.
 ///
-///   m  candidates, points that may press     n  their vertices     r  modes of a region
+///   m  candidates, points that may press     r  modes of a region
+///   n  slots of the compliance: vertices, some of them the candidates'
 ///   N  (m x 3n) normals times the points' weights
 ///
 /// The displacement changes by J dF with J = G + U H U^T, and the gap by its component along the
@@ -27,7 +28,9 @@ namespace palpable {
 /// A contact point that may press.
 struct ContactCandidate {
   int point = 0;                                      ///< of the skin
-  std::array<int, 3> local{};                         ///< its corners among the problem's vertices
+  std::array<int, 3> vertices{};                      ///< its corners, of the skin,
+  std::array<int, 3> local{-1, -1, -1};               ///< among the vertices that take part,
+  std::array<int, 3> slots{};                         ///< and in the compliance
   Eigen::Vector3f weights = Eigen::Vector3f::Zero();  ///< of the corners
   float distance = 0;                                 ///< m, its gap now
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
@@ -46,19 +49,15 @@ struct ContactStep {
 /// Holds the memory of its solves, which allocate nothing.
 class ContactProblem {
  public:
-  /// @param most_points, most_vertices  of one problem
-  /// @param most_modes                  of a region
-  ContactProblem(int most_points, int most_vertices, int most_modes);
-
-  /// The compliance among the vertices that follow.
-  /// @param G  (3n x 3n) m/N, symmetric
-  void set_vertices(int count);
-  [[nodiscard]] std::span<float> compliance_row(int row);
+  /// @param compliance  (3n x 3n) G, m/N, symmetric; outlives this. 3n is a multiple of 16
+  /// @param most_points of one problem
+  /// @param most_modes  of a region
+  ContactProblem(const Eigen::MatrixXf& compliance, int most_points, int most_modes);
 
   /// New forces of all candidates.
-  /// @param loads       (n) forces at the vertices now, from which `answer` was evaluated
+  /// @param field   (3n) m: G times the loads now, from which `answer` was evaluated
   /// @return false if the problem has no answer: the forces are as before
-  bool solve(std::span<ContactCandidate> candidates, std::span<const VertexForce> loads,
+  bool solve(std::span<ContactCandidate> candidates, std::span<const float> field,
              const NonlinearAnswer* answer, const ContactStep& step);
 
  private:
@@ -66,29 +65,37 @@ class ContactProblem {
     int candidate = 0;
     Eigen::Vector3f t1 = Eigen::Vector3f::Zero(), t2 = Eigen::Vector3f::Zero();
   };
-  void find_rows(std::span<const ContactCandidate> candidates);
-  void find_mode_rows(std::span<const ContactCandidate> candidates,
-                      std::span<const VertexForce> loads, const NonlinearAnswer& answer);
+  // The candidates of one blob, rising, and where their mode rows begin.
+  struct BlobRows {
+    std::size_t first = 0, last = 0;  // in order_
+    std::size_t at = 0;               // in mode_rows_ and turned_
+  };
+  void add_row(const ContactCandidate& candidate, const Eigen::Vector3f& direction,
+               std::span<float> row) const;
+  void find_mode_rows(std::span<const ContactCandidate> candidates, const NonlinearAnswer& answer);
   void find_expected_gaps(std::span<const ContactCandidate> candidates,
-                          std::span<const VertexForce> loads, const NonlinearAnswer* answer,
+                          std::span<const float> field, const NonlinearAnswer* answer,
                           double shift);
   void assemble(std::span<const ContactCandidate> candidates, const NonlinearAnswer* answer);
   void find_turning(std::span<const ContactCandidate> candidates);
-  bool add_turning(std::span<const ContactCandidate> candidates);
-  [[nodiscard]] float along(const ContactCandidate& candidate, const Eigen::Vector3f& direction,
-                            const float* field) const;
+  bool add_turning(std::span<const ContactCandidate> candidates, std::span<const float> field);
+  void bound_turning(std::size_t t);
 
+  const Eigen::MatrixXf& G_;
   Complementarity complementarity_;
-  std::size_t width_ = 0;  // 3n, padded to 16
-  int n_ = 0;
-  std::vector<float> G_, rows_, field_;    // (3n x width), (m x width) G N^T, (width)
-  std::vector<float> mode_rows_, turned_;  // (m x r) N U, (m x r) N U H
+  std::size_t width_, most_modes_;         // 3n, r
+  std::vector<float> rows_;                // (m x width) G N^T
+  std::vector<float> mode_rows_, turned_;  // (m x r) N U, (m x r) N U H, blob by blob
+  std::vector<std::size_t> order_;         // (m) candidates, blob by blob
+  std::vector<BlobRows> blobs_;
   std::vector<int> blob_;                  // (m) whose modes a candidate's row is of; -1: none
-  std::vector<float> code_, turned_code_;  // (r)
+  std::vector<float> turned_code_, sums_;  // (r), (m)
   std::vector<double> W_, q_, f_;          // (m x m), (m)
-  std::vector<Turning> turning_;
-  std::vector<float> tangent_rows_;  // (2t x width) G T^T
-  std::vector<double> Gnt_, Gtt_, D_, M_, tu_, force_t_, scratch_;
+  std::vector<Turning> turning_;           // t of them
+  std::vector<float> tangent_row_;         // (width) G T^T
+  std::vector<float> Gnt_, M_;             // (m x 2t), (2t x 2t), rows padded to 16
+  std::vector<double> Gtt_, D_, scratch_, solved_;  // (2t x 2t)
+  std::vector<double> tu_, x_, y_;                  // (2t)
 };
 
 }  // namespace palpable

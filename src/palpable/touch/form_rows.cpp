@@ -78,8 +78,11 @@ FormRows::FormRows(const SymmetricForm& form)
 void FormRows::add_cubic(std::span<const float> a, float factor, std::span<float> pairs) const {
   PALPABLE_EXPECT(a.size() == rows_.scale.size() && pairs.size() == rows_.width,
                   "a code of the form's variables, and room for all pairs");
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    best_row_kernels().add(rows_.row(i), factor * rows_.scale[i] * a[i], pairs);
+  std::array<float, 8> factors;
+  for (std::size_t first = 0; first < a.size(); first += factors.size()) {
+    const std::size_t count = std::min(factors.size(), a.size() - first);
+    for (std::size_t i = 0; i < count; ++i) factors[i] = factor * a[first + i];
+    add_rows(rows_, first, {factors.data(), count}, pairs);
   }
 }
 

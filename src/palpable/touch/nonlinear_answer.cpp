@@ -94,7 +94,8 @@ NonlinearAnswer::NonlinearAnswer(const Compliance& compliance, std::span<const R
   asked_.reserve(index(compliance.vertices()));
   answers_.assign(kMostBlobs, RegionAnswer(most_modes, most_leading));
   score_.resize(regions.size());
-  code_.resize(index(most_modes));
+  most_modes_ = index(most_modes);
+  codes_.resize(kMostBlobs * most_modes_);
   far_targets_.resize(C * k);
   far_code_.resize(most_shapes);
   arriving_.resize(k);
@@ -167,10 +168,7 @@ bool NonlinearAnswer::add_mode_row(int blob, int vertex, const Vector3f& directi
   const int at = row_of(region, vertex);
   if (at < 0) return false;
   const RoundedRows& modes = regions_[index(region)].modes;
-  for (std::size_t d = 0; d < 3; ++d) {
-    const std::size_t r = 3 * index(at) + d;
-    best_row_kernels().add(modes.row(r), direction[static_cast<int>(d)] * modes.scale[r], row);
-  }
+  add_rows(modes, 3 * index(at), {direction.data(), 3}, row);
   return true;
 }
 
@@ -179,10 +177,10 @@ void NonlinearAnswer::evaluate(std::span<const VertexForce> loads, CrossTerms cr
   last_share_ = 0;
   for (std::size_t b = 0; b < chosen_.size(); ++b) {
     const RegionTable& region = regions_[index(chosen_[b])];
-    const std::span<float> code(code_.data(), index(region.mode_count()));
+    const std::span<float> code(codes_.data() + b * most_modes_, index(region.mode_count()));
     std::fill(code.begin(), code.end(), 0.0f);
     for (const VertexForce& load : loads) {
-      if (blob_of_vertex_[load.vertex] == static_cast<int>(b)) {
+      if (blob_of_vertex_[load.vertex] == static_cast<int>(b) && !load.force.isZero(0)) {
         add_mode_row(static_cast<int>(b), load.vertex, load.force, code);
       }
     }
@@ -235,12 +233,7 @@ void NonlinearAnswer::evaluate_cross_terms(std::span<const VertexForce> loads) {
   for (const VertexForce& load : loads) {
     const int blob = blob_of_vertex_[load.vertex];
     if (blob < 0 || load.force.isZero(0)) continue;
-    for (std::size_t d = 0; d < 3; ++d) {
-      const std::size_t row = 3 * index(load.vertex) + d;
-      best_row_kernels().add(cross_.modes.row(row),
-                             load.force[static_cast<int>(d)] * cross_.modes.scale[row],
-                             code_of(index(blob)));
-    }
+    add_rows(cross_.modes, 3 * index(load.vertex), {load.force.data(), 3}, code_of(index(blob)));
   }
   const std::size_t count = chosen_.size() * x;
   if (cross_blobs_ == chosen_.size()) {

@@ -27,12 +27,6 @@
 
 namespace palpable {
 
-/// A force at a vertex of the skin.
-struct VertexForce {
-  int vertex = 0;
-  Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N
-};
-
 /// Modes in which blobs act on each other.
 struct CrossTable {
   RoundedRows modes;    ///< (3W x x) sqrt(m/N)
@@ -119,6 +113,11 @@ class NonlinearAnswer {
 
   [[nodiscard]] int blob_count() const { return static_cast<int>(chosen_.size()); }
   [[nodiscard]] const RegionTable& region_of(int blob) const { return regions_[chosen_[blob]]; }
+  /// (r) its code under the loads that were evaluated.
+  [[nodiscard]] std::span<const float> code(int blob) const {
+    return {codes_.data() + static_cast<std::size_t>(blob) * most_modes_,
+            static_cast<std::size_t>(region_of(blob).mode_count())};
+  }
   /// (r) q of a blob.
   [[nodiscard]] std::span<const float> q(int blob) const { return answers_[blob].q(); }
   [[nodiscard]] int blob_of(int vertex) const { return blob_of_vertex_[vertex]; }
@@ -152,7 +151,8 @@ class NonlinearAnswer {
   std::vector<int> asked_;           // vertices whose blob is set
   std::vector<RegionAnswer> answers_;
   std::vector<float> score_;                          // by region
-  std::vector<float> code_, far_targets_;             // (r), (C x k)
+  std::size_t most_modes_ = 0;                        // r of the largest region
+  std::vector<float> codes_, far_targets_;            // (blobs x r), (C x k)
   std::vector<float> far_code_, arriving_;            // (f), (k)
   std::vector<char> asked_cluster_, every_cluster_;   // (C) 1: targets are wanted there
   std::vector<char> own_cluster_;                     // (regions x C) 1: its nodes are the region's

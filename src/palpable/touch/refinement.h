@@ -17,7 +17,8 @@
 /// figures behind both exponents.
 #pragma once
 
-#include "palpable/touch/nonlinear_answer.h"
+#include "palpable/touch/compliance.h"
+#include "palpable/touch/linear_field.h"
 
 #include <Eigen/Core>
 
@@ -49,7 +50,20 @@ struct Refinement {
 
   /// Whether any correction may act.
   [[nodiscard]] bool acts() const { return corrections[0].work > 0 || corrections[1].work > 0; }
+
+  /// The exact answer to a load becomes the correction that comes. False: it is so far from the
+  /// tables' that the load was more than the body bears; nothing is changed.
+  /// @param exact  (3 x W) m
+  [[nodiscard]] bool take_up(const AskedLoad& asked, const Eigen::Matrix3Xf& exact);
 };
+
+/// Each vertex once, rising, with the sum of its forces. @pre forces is not empty
+void add_up_by_vertex(std::vector<VertexForce>& forces);
+
+/// A load all over the skin, so small that its answer is the linear one; what the exact answer is
+/// to agree with, if it is this body's.
+void make_probe(LinearField& field, int vertices, int nodes, AskedLoad& probe);
+[[nodiscard]] bool is_of_probed_body(const AskedLoad& probe, const Eigen::Matrix3Xf& exact);
 
 /// w of a load f.
 /// @param work    f . G f, N m

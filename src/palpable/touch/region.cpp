@@ -91,7 +91,9 @@ RegionAnswer::Orders RegionAnswer::evaluate_series(const RegionForms& region,
 }
 
 void RegionAnswer::times(std::span<const float> x, std::span<float> result) const {
-  best_row_kernels().dots_floats(matrix_.data(), size_, x, result.data());
+  // H is symmetric: its rows are its columns, and sums of them need no sums across a vector.
+  std::fill(result.begin(), result.end(), 0.0f);
+  best_row_kernels().add_float_rows(matrix_.data(), size_, x, result);
 }
 
 }  // namespace palpable

@@ -2,12 +2,15 @@
 
 #include "palpable/touch/row_kernels.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace palpable {
 namespace {
 
 constexpr float kLargest = 32767.0f;
+constexpr std::size_t kAtOnce = 8;  // rows that are read side by side
 
 }  // namespace
 
@@ -27,6 +30,17 @@ RoundedRows rounded(const RowsOfFloats& rows) {
     }
   }
   return result;
+}
+
+void add_rows(const RoundedRows& rows, std::size_t first, std::span<const float> factors,
+              std::span<float> sum) {
+  std::array<float, kAtOnce> weights;
+  for (std::size_t done = 0; done < factors.size(); done += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, factors.size() - done);
+    for (std::size_t i = 0; i < count; ++i)
+      weights[i] = factors[done + i] * rows.scale[first + done + i];
+    best_row_kernels().add_rows(rows.row(first + done), rows.width, {weights.data(), count}, sum);
+  }
 }
 
 Eigen::MatrixXd as_numbers(const RoundedRows& rows) {

@@ -39,6 +39,10 @@ using RowsOfFloats = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen:
   return values.cwiseProduct(Eigen::Map<const Eigen::Vector3f>(rows.scale.data() + 3 * node));
 }
 
+/// sum += sum_i factors_i row (first + i).
+void add_rows(const RoundedRows& rows, std::size_t first, std::span<const float> factors,
+              std::span<float> sum);
+
 /// n rounded up to a whole number of rows' steps.
 [[nodiscard]] std::size_t padded(std::size_t n);
 

@@ -21,6 +21,14 @@ struct RowKernels {
   /// The same for a row of floats.
   void (*add_floats)(const float* row, float weight, std::span<float> sum);
 
+  /// sum_k += sum_i weight_i rows_(i, k), i rising: as add() for one row after the other, with
+  /// the sums kept in registers. @param stride  numbers from one row's beginning to the next one's
+  void (*add_rows)(const std::int16_t* rows, std::size_t stride, std::span<const float> weights,
+                   std::span<float> sum);
+  /// The same for rows of floats.
+  void (*add_float_rows)(const float* rows, std::size_t stride, std::span<const float> weights,
+                         std::span<float> sum);
+
   /// result_i = sum_k rows_(i, k) vector_k, for `count` rows one after the other.
   void (*dots)(const std::int16_t* rows, std::size_t count, std::span<const float> vector,
                float* result);

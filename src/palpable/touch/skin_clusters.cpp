@@ -6,7 +6,8 @@
 namespace palpable {
 
 SkinClusters::SkinClusters(const Eigen::Matrix3Xf& vertices, std::span<const SkinPoint> points,
-                           const Eigen::Matrix3Xf& places, float radius) {
+                           const Eigen::Matrix3Xf& places, std::span<const float> levels,
+                           float radius) {
   std::vector<char> taken(points.size(), 0);
   for (std::size_t seed = 0; seed < points.size(); ++seed) {
     if (taken[seed] != 0) continue;
@@ -25,6 +26,8 @@ SkinClusters::SkinClusters(const Eigen::Matrix3Xf& vertices, std::span<const Ski
       cluster.radius = std::max(cluster.radius, distance);
     }
     cluster.last = static_cast<int>(order_.size());
+    std::sort(order_.begin() + cluster.first, order_.end(),
+              [&](int a, int b) { return levels[a] != levels[b] ? levels[a] > levels[b] : a < b; });
     clusters_.push_back(cluster);
   }
 }

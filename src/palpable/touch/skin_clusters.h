@@ -23,9 +23,10 @@ class SkinClusters {
  public:
   /// @param vertices  (3 x V) m, at rest
   /// @param places    (3 x C) m, of the points at rest
+  /// @param levels    (C) point_levels(): a heap's points are ordered by them, the coarsest first
   /// @param radius    m: no heap is larger, but for its outermost points' triangles
   SkinClusters(const Eigen::Matrix3Xf& vertices, std::span<const SkinPoint> points,
-               const Eigen::Matrix3Xf& places, float radius);
+               const Eigen::Matrix3Xf& places, std::span<const float> levels, float radius);
 
   [[nodiscard]] std::span<const SkinCluster> clusters() const { return clusters_; }
   [[nodiscard]] std::span<const int> order() const { return order_; }

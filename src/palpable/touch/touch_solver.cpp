@@ -1,10 +1,14 @@
 #include "palpable/touch/touch_solver.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/touch/compliance_cache.h"
 #include "palpable/touch/contact_problem.h"
+#include "palpable/touch/hold_back.h"
+#include "palpable/touch/linear_field.h"
+#include "palpable/touch/near_points.h"
+#include "palpable/touch/nonlinear_answer.h"
 #include "palpable/touch/row_kernels.h"
 #include "palpable/touch/shell_stress.h"
-#include "palpable/touch/skin_clusters.h"
 #include "palpable/touch/touch_skin.h"
 
 #include <algorithm>
@@ -19,9 +23,6 @@ namespace {
 using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
 
-constexpr float kClusterRadius = 0.006f;  // m
-// A heap's points may lie farther from its middle than at rest, where the skin is stretched.
-constexpr float kStretch = 1.3f;
 // In steps of the object: a step of Newton's method that moves a touched vertex by more is halved.
 constexpr double kLargestMove = 4;
 constexpr int kHalvings = 4;
@@ -39,34 +40,13 @@ constexpr double kUnsettled = 0.4;
 constexpr int kUnsettledSteps = 3;
 // Of a step of Newton's method that is taken where the iteration does not come nearer.
 constexpr float kLeastShare = 0.25f;
-// m: so far from where it was asked last a gap is told by its normal and curvature. What that
-// leaves out is of the third order: 2e-6 m at a pencil's tip.
-constexpr float kSameGap = 0.0003f;
 // Iterations of a frame's last step in which what patches do to each other is evaluated anew: it is
 // of the second order, and the forces change little after them.
 constexpr int kCrossIterations = 2;
 
-// Of the exact answer: what is farther from the tables' answers a load that the body does not bear
-// without what presses holding it, and is no help.
-constexpr float kMostCorrection = 0.3f;
-
 // Of the tables' part in a state's own error, what an exact answer takes out: of the stress' error
 // more, of the displacement's less, since contact's own is left (docs/touch.md).
 constexpr double kCorrected = 0.5;
-
-// Of a probe's answer.
-constexpr float kSameBody = 0.1f;
-constexpr int kProbes = 24;
-constexpr float kProbeMoves = 1e-4f;  // m, at most
-
-constexpr float kRootOf2 = 1.41421356f;
-
-// The larger of the two curvatures of a surface, 1/m.
-float largest_curvature(const Eigen::Matrix3f& K) {
-  const float trace = K.trace();
-  const float apart = 2 * K.squaredNorm() - trace * trace;
-  return 0.5f * (trace + std::sqrt(std::max(0.0f, apart)));
-}
 
 void set_gap(ContactCandidate& candidate, const SurfaceGap& gap) {
   candidate.distance = gap.distance;
@@ -74,14 +54,6 @@ void set_gap(ContactCandidate& candidate, const SurfaceGap& gap) {
   candidate.curvature = gap.curvature;
   candidate.softness = gap.softness;
 }
-
-// A gap as it was found in this frame.
-struct FoundGap {
-  int frame = -1;
-  bool near = false;
-  Vector3f place = Vector3f::Zero();
-  SurfaceGap gap;
-};
 
 int most_modes(const TouchTables& tables) {
   int most = 16;
@@ -97,8 +69,9 @@ struct TouchSolver::Work {
   TouchSkin skin;
   const Matrix3Xf& rest;
   std::span<const SkinPoint> points;
-  SkinClusters clusters;
+  NearPoints near_points;
   Compliance compliance;
+  LinearField linear_field;
   RegionMap map;
   NonlinearAnswer nonlinear;
   ComplianceCache cache;
@@ -108,28 +81,23 @@ struct TouchSolver::Work {
   std::optional<ErrorScale> error_scale;                 // of the tables' held-out touches
 
   std::vector<ContactCandidate> candidates;
-  std::vector<int> vertices;            // of the candidates
-  std::vector<int> local_of_vertex;     // (V) -1: not among them
-  std::vector<float> sources, targets;  // (C x k)
-  std::vector<char> is_source;          // (C)
-  std::vector<float> weights;           // of `vertices`, for choosing blobs
-  std::vector<VertexForce> loads;       // at `vertices`
-  Matrix3Xf linear, without_cross;      // (3 x V) the last field without the tables' beyond, and
-                                        // without what patches do to each other
-  Matrix3Xf no_displacement;            // (3 x W)
-  Matrix3Xf here, before;               // (3 x vertices) displacement of `vertices`
-  Matrix3Xf ahead;                      // (3 x W) what the step would hand over
-  std::vector<char> is_candidate;       // by point
-  Matrix3Xf began;                      // (3 x W) at the frame's beginning
-  std::vector<PointForce> forces_began, mixed;
-  std::vector<FoundGap> found;  // by point
-  int frame = 0;
+  std::vector<int> vertices;         // of the candidates
+  std::vector<int> local_of_vertex;  // (V) -1: not among them
+  std::vector<float> weights;        // of `vertices`, for choosing blobs
+  std::vector<VertexForce> loads;    // at `vertices`
+  Matrix3Xf linear, without_cross;   // (3 x V) the last field without the tables' beyond, and
+                                     // without what patches do to each other
+  Matrix3Xf no_displacement;         // (3 x W)
+  Matrix3Xf here, before;            // (3 x vertices) displacement of `vertices`
+  Matrix3Xf ahead;                   // (3 x W) what the step would hand over
+  std::vector<char> is_candidate;    // by point
+  HoldBack hold_back;
   const Refinement* refinement = nullptr;  // of the state that advances
   std::array<float, 2> correcting{};       // weights of its corrections, under the present loads
   std::vector<Vector3f> forces_before;
   std::vector<ContactCandidate> pressed;  // those of the candidates that take part,
   std::vector<std::size_t> of_pressed;    // and which
-  std::vector<float> field;               // (3 x vertices, padded) G f
+  std::vector<float> field;               // (3 x slots of the cache) G f
   bool stuck = false;                     // no step of the last iteration could be made
 
   Work(const SurfaceMesh& surface, std::span<const std::uint8_t> fixed,
@@ -139,12 +107,13 @@ struct TouchSolver::Work {
         skin(surface, fixed, tables),
         rest(skin.rest()),
         points(skin.points()),
-        clusters(rest, points, skin.places(), kClusterRadius),
+        near_points(skin, the_settings.entry),
         compliance(tables.compliance),
+        linear_field(compliance),
         map(rest, tables.regions, tables.region_reach),
         nonlinear(compliance, tables.regions, map, tables.cross),
         cache(compliance, kMostVertices),
-        problem(kMostPoints, kMostVertices, most_modes(tables)),
+        problem(cache.blocks(), kMostPoints, most_modes(tables)),
         error_scale(palpable::error_scale(the_tables.held_out)),
         local_of_vertex(static_cast<std::size_t>(rest.cols()), -1),
         linear(3, rest.cols()),
@@ -154,7 +123,7 @@ struct TouchSolver::Work {
         before(3, kMostVertices),
         ahead(Matrix3Xf::Zero(3, compliance.nodes())),
         is_candidate(points.size(), 0),
-        began(3, compliance.nodes()) {
+        hold_back(compliance.nodes(), rest.cols(), 2 * kMostPoints) {
     if (skin.is_carried()) {
       carrying_stress.resize(static_cast<std::size_t>(rest.cols()));
       carrying_tensors.resize(6 * carrying_stress.size());
@@ -167,28 +136,16 @@ struct TouchSolver::Work {
     forces_before.resize(kMostPoints);
     pressed.reserve(kMostPoints);
     of_pressed.reserve(kMostPoints);
-    field.resize(padded(std::size_t{3} * kMostVertices));
-    forces_began.reserve(2 * kMostPoints);
-    mixed.reserve(3 * kMostPoints);
-    found.resize(points.size());
-    is_source.resize(static_cast<std::size_t>(compliance.clusters()));
-    sources.resize(is_source.size() * compliance.rank());
-    targets.resize(sources.size());
+    field.resize(std::size_t{3} * kMostVertices);
   }
 
   [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
-  bool gap_at(int point, const Vector3f& x, const GapQuery& gap, float far, SurfaceGap& answer);
-  [[nodiscard]] bool is_needed(int point, const SurfaceGap& gap) const;
-  template <class Found>
-  void for_near_points(const Matrix3Xf& u, float band, const GapQuery& gap, const NearQuery& near,
-                       const Found& found_near);
   void add_candidate(int point, const SurfaceGap& seen);
   void find_candidates(const TouchState& state, const GapQuery& gap, const NearQuery& near,
                        double shift, TouchReport& report);
   void keep_nearest(TouchReport& report);
   bool add_vertices(const ContactCandidate& candidate);
   void take_up(const TouchState& state);
-  void set_compliance();
   void add_up_loads();
   void choose_blobs(const TouchState& state, double shift);
   void find_displacements(CrossTerms cross);
@@ -196,77 +153,15 @@ struct TouchSolver::Work {
   double iterate(const GapQuery& gap, double shift, CrossTerms cross, float share);
   void choose_pressed(double shift);
   void go_back(float share);
-  void settle(const TouchState& state, const GapQuery& gap, double shift, bool last,
+  void settle(const TouchState& state, const GapQuery& gap, double shift, bool last, int most,
               TouchReport& report);
   bool add_entered(const TouchState& state, const GapQuery& gap, const NearQuery& near,
                    double shift, TouchReport& report);
   void weigh_corrections();
-  void fill_linear(std::span<const VertexForce> forces, const Eigen::Ref<Matrix3Xf>& u);
   void fill_field(Matrix3Xf& on_nodes, Eigen::Index nodes);
-  void hand_over(TouchState& state, const GapQuery& gap, TouchReport& report);
-  void hold_back(TouchState& state, double largest_move, TouchReport& report);
+  void hand_over(TouchState& state, const GapQuery& gap, bool last, TouchReport& report);
   void read_signs(const TouchState& state, TouchReport& report) const;
 };
-
-// What is nearest to a point that is at x now; false where nothing is, or what is no number. Where
-// it is farther than `far` for sure, that it is so may be all that is told.
-bool TouchSolver::Work::gap_at(int point, const Vector3f& x, const GapQuery& gap, float far,
-                               SurfaceGap& answer) {
-  FoundGap& last = found[static_cast<std::size_t>(point)];
-  const float moved = (x - last.place).norm();
-  const bool is_same_place = last.frame == frame && moved < kSameGap;
-  // A distance falls by no more than its place has moved.
-  const bool stays_far =
-      last.frame == frame && last.near && last.gap.distance - moved > far && !is_same_place;
-  if (!is_same_place && !stays_far) {
-    last.frame = frame;
-    last.place = x;
-    last.near = gap(x, last.gap) && std::isfinite(last.gap.distance) &&
-                last.gap.normal.allFinite() && last.gap.curvature.allFinite();
-  }
-  if (!last.near) return false;
-  const Vector3f way = x - last.place;
-  const Vector3f turn = last.gap.curvature * way;
-  answer = last.gap;
-  answer.distance += last.gap.normal.dot(way) + 0.5f * way.dot(turn);
-  // Over a long way the curvature of a hollow would tell of a surface that is not there.
-  if (stays_far) answer.distance = std::max(answer.distance, last.gap.distance - moved);
-  answer.normal = (last.gap.normal + turn).normalized();
-  return true;
-}
-
-// Whether the points that are left without this one are too far apart for the object there.
-bool TouchSolver::Work::is_needed(int point, const SurfaceGap& gap) const {
-  const float bend = largest_curvature(gap.curvature),
-              level = skin.levels()[static_cast<std::size_t>(point)];
-  const auto entry = static_cast<float>(settings.entry);
-  const auto coarsest = static_cast<float>(TouchSkin::kCoarsest),
-             finest = static_cast<float>(TouchSkin::kFinest);
-  // Where each point has another within s the ball of radius 1/bend enters by s^2 bend / 4,
-  // roughly.
-  const float enough = bend > 0 ? std::min(coarsest, std::sqrt(4 * entry / bend)) : coarsest;
-  return level > 0 ? level * kRootOf2 > enough : enough < finest;
-}
-
-// Points that are nearer to the object than `band` with the skin moved by u, those that are needed.
-template <class Found>
-void TouchSolver::Work::for_near_points(const Matrix3Xf& u, float band, const GapQuery& gap,
-                                        const NearQuery& near, const Found& found_near) {
-  SurfaceGap seen;
-  for (const SkinCluster& cluster : clusters.clusters()) {
-    const Vector3f middle = rest.col(cluster.vertex) + u.col(cluster.vertex);
-    const float reach = band + kStretch * cluster.radius;
-    if (near ? !near(middle, reach) : !gap(middle, seen) || !(seen.distance <= reach)) continue;
-    for (int k = cluster.first; k < cluster.last; ++k) {
-      const int p = clusters.order()[static_cast<std::size_t>(k)];
-      const Vector3f x = skin.places().col(p) + skin.moved(static_cast<std::size_t>(p), u);
-      if (near && !near(x, band)) continue;
-      if (!gap_at(p, x, gap, band, seen) || !(seen.distance <= band) || !is_needed(p, seen))
-        continue;
-      found_near(p, seen);
-    }
-  }
-}
 
 void TouchSolver::Work::add_candidate(int point, const SurfaceGap& seen) {
   ContactCandidate candidate;
@@ -280,8 +175,8 @@ void TouchSolver::Work::add_candidate(int point, const SurfaceGap& seen) {
 void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery& gap,
                                         const NearQuery& near, double shift, TouchReport& report) {
   candidates.clear();
-  for_near_points(state.u, static_cast<float>(settings.band - shift), gap, near,
-                  [&](int point, const SurfaceGap& seen) { add_candidate(point, seen); });
+  near_points.for_each(state.u, static_cast<float>(settings.band - shift), gap, near,
+                       [&](int point, const SurfaceGap& seen) { add_candidate(point, seen); });
   // Those that press and have just lost the object out of sight let go by themselves.
   report.dropped = 0;
   keep_nearest(report);
@@ -298,11 +193,11 @@ bool TouchSolver::Work::add_entered(const TouchState& state, const GapQuery& gap
   if (!(moved > band * band)) return false;
   for (const ContactCandidate& c : candidates) is_candidate[static_cast<std::size_t>(c.point)] = 1;
   const std::size_t known = candidates.size();
-  for_near_points(ahead, -static_cast<float>(kEntered * settings.band + shift), gap, near,
-                  [&](int point, const SurfaceGap& seen) {
-                    if (is_candidate[static_cast<std::size_t>(point)] == 0)
-                      add_candidate(point, seen);
-                  });
+  near_points.for_each(ahead, -static_cast<float>(kEntered * settings.band + shift), gap, near,
+                       [&](int point, const SurfaceGap& seen) {
+                         if (is_candidate[static_cast<std::size_t>(point)] == 0)
+                           add_candidate(point, seen);
+                       });
   for (std::size_t k = 0; k < known; ++k)
     is_candidate[static_cast<std::size_t>(candidates[k].point)] = 0;
   if (candidates.size() == known) return false;
@@ -348,7 +243,11 @@ bool TouchSolver::Work::add_vertices(const ContactCandidate& candidate) {
 void TouchSolver::Work::take_up(const TouchState& state) {
   for (ContactCandidate& candidate : candidates) {
     const SkinPoint& point = points[static_cast<std::size_t>(candidate.point)];
-    for (std::size_t k = 0; k < 3; ++k) candidate.local[k] = local_of_vertex[point.corners[k]];
+    for (std::size_t k = 0; k < 3; ++k) {
+      candidate.vertices[k] = point.corners[k];
+      candidate.local[k] = local_of_vertex[point.corners[k]];
+      candidate.slots[k] = cache.slot_of(point.corners[k]);
+    }
     const auto at =
         std::lower_bound(state.forces.begin(), state.forces.end(), candidate.point,
                          [](const PointForce& force, int wanted) { return force.point < wanted; });
@@ -387,40 +286,19 @@ void TouchSolver::Work::choose_blobs(const TouchState& state, double shift) {
   nonlinear.choose_blobs(vertices, weights, state.regions);
 }
 
-void TouchSolver::Work::set_compliance() {
-  cache.bring(vertices);
-  const int n = static_cast<int>(vertices.size());
-  problem.set_vertices(n);
-  for (int i = 0; i < n; ++i) {
-    const int slot = cache.slot_of(vertices[static_cast<std::size_t>(i)]);
-    for (int j = 0; j < n; ++j) {
-      const Eigen::Matrix3f block =
-          cache.block(slot, cache.slot_of(vertices[static_cast<std::size_t>(j)]));
-      for (int c = 0; c < 3; ++c) {
-        const std::span<float> row = problem.compliance_row(3 * i + c);
-        for (int d = 0; d < 3; ++d)
-          row[3 * static_cast<std::size_t>(j) + static_cast<std::size_t>(d)] = block(c, d);
-      }
-    }
-  }
-}
-
 // Of all vertices that may touch, under the present loads.
 void TouchSolver::Work::find_displacements(CrossTerms cross) {
   if (is_nonlinear()) nonlinear.evaluate(loads, cross);
   // G is symmetric: what a load does everywhere are its rows.
-  const std::span<float> of_loads(field.data(), padded(3 * vertices.size()));
-  std::fill(of_loads.begin(), of_loads.end(), 0.0f);
-  for (std::size_t j = 0; j < loads.size(); ++j) {
-    for (int d = 0; d < 3; ++d) {
-      const float force = loads[j].force[d];
-      if (force == 0) continue;
-      best_row_kernels().add_floats(problem.compliance_row(3 * static_cast<int>(j) + d).data(),
-                                    force, of_loads);
-    }
+  std::fill(field.begin(), field.end(), 0.0f);
+  for (const VertexForce& load : loads) {
+    if (load.force.isZero(0)) continue;
+    const float* rows = cache.blocks().col(3 * cache.slot_of(load.vertex)).data();
+    best_row_kernels().add_float_rows(rows, field.size(), {load.force.data(), 3}, field);
   }
-  const auto n = static_cast<Eigen::Index>(vertices.size());
-  here.leftCols(n) = Eigen::Map<const Matrix3Xf>(of_loads.data(), 3, n);
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    here.col(static_cast<Eigen::Index>(i)) =
+        Eigen::Map<const Vector3f>(field.data() + 3 * cache.slot_of(vertices[i]));
   weigh_corrections();
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     auto u = here.col(static_cast<Eigen::Index>(i));
@@ -460,7 +338,7 @@ void TouchSolver::Work::look_at_gaps(const GapQuery& gap, double shift) {
     for (std::size_t k = 0; k < 3; ++k) {
       x += candidate.weights[static_cast<int>(k)] * here.col(candidate.local[k]);
     }
-    if (gap_at(candidate.point, x, gap, far, seen)) {
+    if (near_points.gap_at(candidate.point, x, gap, far, seen)) {
       set_gap(candidate, seen);
     } else {
       candidate.distance = static_cast<float>(10 * settings.band);
@@ -479,7 +357,7 @@ double TouchSolver::Work::iterate(const GapQuery& gap, double shift, CrossTerms 
   // A state on the way may have no positive definite tangent; without what is not always positive
   // the step is a shorter one, not a wrong one.
   const auto solve = [&](const NonlinearAnswer* answer, bool turning) {
-    return problem.solve(pressed, loads, answer, {shift, settings.softness, turning});
+    return problem.solve(pressed, field, answer, {shift, settings.softness, turning});
   };
   stuck = true;
   if (!solve(tangent, true) && !solve(tangent, false) && !solve(nullptr, false)) return 0;
@@ -525,13 +403,13 @@ void TouchSolver::Work::go_back(float share) {
 
 // The answer to the candidates, from the state's forces, into `ahead`.
 void TouchSolver::Work::settle(const TouchState& state, const GapQuery& gap, double shift,
-                               bool last, TouchReport& report) {
+                               bool last, int most, TouchReport& report) {
+  cache.bring(vertices);
   take_up(state);
-  set_compliance();
   if (is_nonlinear()) choose_blobs(state, shift);
   find_displacements(CrossTerms::kAnew);
   float share = 1;
-  for (int i = 0; i < (last ? settings.last_iterations : settings.iterations); ++i) {
+  for (int i = 0; i < most; ++i) {
     ++report.iterations;
     const CrossTerms cross =
         last && i < kCrossIterations ? CrossTerms::kAnew : CrossTerms::kAsBefore;
@@ -545,41 +423,10 @@ void TouchSolver::Work::settle(const TouchState& state, const GapQuery& gap, dou
   fill_field(ahead, last ? ahead.cols() : rest.cols());
 }
 
-// G f at the first nodes.
-void TouchSolver::Work::fill_linear(std::span<const VertexForce> forces,
-                                    const Eigen::Ref<Matrix3Xf>& u) {
-  const std::size_t k = compliance.rank();
-  const auto C = static_cast<std::size_t>(compliance.clusters());
-  const auto of = [k](std::vector<float>& numbers, std::size_t cluster) {
-    return std::span<float>(numbers.data() + cluster * k, k);
-  };
-  std::fill(sources.begin(), sources.end(), 0.0f);
-  std::fill(is_source.begin(), is_source.end(), char{0});
-  for (const VertexForce& load : forces) {
-    if (load.force.isZero(0)) continue;
-    const auto cluster = static_cast<std::size_t>(compliance.cluster_of(load.vertex));
-    is_source[cluster] = 1;
-    compliance.add_source(load.vertex, load.force, of(sources, cluster));
-  }
-  std::fill(targets.begin(), targets.end(), 0.0f);
-  for (std::size_t from = 0; from < C; ++from) {
-    if (is_source[from] == 0) continue;
-    for (std::size_t to = 0; to < C; ++to) {
-      if (!compliance.are_far(static_cast<int>(from), static_cast<int>(to))) continue;
-      compliance.add_target(static_cast<int>(from), of(sources, from), static_cast<int>(to),
-                            of(targets, to));
-    }
-  }
-  compliance.everywhere(targets, u);
-  for (const VertexForce& load : forces) {
-    if (!load.force.isZero(0)) compliance.add_near(load.vertex, load.force, u);
-  }
-}
-
 // The first nodes' displacement under the present loads.
 void TouchSolver::Work::fill_field(Matrix3Xf& on_nodes, Eigen::Index nodes) {
   Eigen::Ref<Matrix3Xf> u = on_nodes.leftCols(nodes);
-  fill_linear(loads, u);
+  linear_field.fill(loads, u);
   linear = u.leftCols(linear.cols());
   if (is_nonlinear()) {
     nonlinear.find_far_targets();
@@ -618,8 +465,11 @@ void TouchSolver::Work::read_signs(const TouchState& state, TouchReport& report)
   if (error_scale) report.stated = error_scale->stated(report.signs);
 }
 
-void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, TouchReport& report) {
-  look_at_gaps(gap, 0);
+void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, bool last,
+                                  TouchReport& report) {
+  // Those that entered last and are not answered are not where `here` is told.
+  std::erase_if(candidates, [](const ContactCandidate& c) { return c.local[0] < 0; });
+  if (last) look_at_gaps(gap, 0);
   state.forces.clear();
   report.penetration = 0;
   for (const ContactCandidate& candidate : candidates) {
@@ -633,40 +483,6 @@ void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, TouchR
   report.last_share = static_cast<double>(nonlinear.last_share());
   state.u.swap(ahead);
   state.refinement.weights = correcting;
-}
-
-// To a share of the way from the frame's beginning.
-void TouchSolver::Work::hold_back(TouchState& state, double largest_move, TouchReport& report) {
-  const Eigen::Index V = rest.cols();
-  const auto moved =
-      static_cast<double>((state.u.leftCols(V) - began.leftCols(V)).colwise().norm().maxCoeff());
-  if (!(moved > largest_move)) return;
-  report.held_back = moved - largest_move;
-  report.stated.reset();
-  const auto share = static_cast<float>(largest_move / moved);
-  state.u = began + share * (state.u - began);
-  mixed.clear();
-  std::size_t k = 0;
-  for (const PointForce& now : state.forces) {
-    for (; k < forces_began.size() && forces_began[k].point < now.point; ++k) {
-      mixed.push_back({forces_began[k].point, (1 - share) * forces_began[k].force});
-    }
-    Vector3f force = share * now.force;
-    if (k < forces_began.size() && forces_began[k].point == now.point) {
-      force += (1 - share) * forces_began[k++].force;
-    }
-    mixed.push_back({now.point, force});
-  }
-  for (; k < forces_began.size(); ++k) {
-    mixed.push_back({forces_began[k].point, (1 - share) * forces_began[k].force});
-  }
-  // Of a state that was held back itself the least forces go first.
-  while (mixed.size() > 2 * kMostPoints) {
-    mixed.erase(std::min_element(mixed.begin(), mixed.end(), [](const auto& a, const auto& b) {
-      return a.force.squaredNorm() < b.force.squaredNorm();
-    }));
-  }
-  state.forces.assign(mixed.begin(), mixed.end());
 }
 
 TouchSolver::TouchSolver(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
@@ -683,7 +499,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
   Work& w = *work_;
   const TouchSettings& s = w.settings;
   TouchReport report;
-  ++w.frame;
+  w.near_points.start();
   w.nonlinear.start();
   state.refinement.blended =
       std::min(1.0f, state.refinement.blended + 1.0f / static_cast<float>(s.blend_frames));
@@ -704,25 +520,31 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
     return static_cast<int>(std::ceil(std::min(way / s.largest_step, 1.0 * s.most_steps)));
   };
   const int steps = std::max(1, std::min(steps_of(depth), steps_of(largest_move)));
-  w.began = state.u;
-  w.forces_began.assign(state.forces.begin(), state.forces.end());
+  bool entered = false;  // by points that are not answered
+  w.hold_back.start(state);
   for (int step = 1; step <= steps; ++step) {
     // The object is taken back so far that the skin enters it by no more than a step.
     const double shift = std::max(0.0, depth - step * s.largest_step);
     if (step > 1 || shift > 0) w.find_candidates(state, gap, near, shift, report);
     const bool last = step == steps;
-    for (int round = 0; round < kRounds; ++round) {
-      w.settle(state, gap, shift, last, report);
+    const int most = report.iterations + (last ? s.last_iterations : s.iterations);
+    for (int round = 0;; ++round) {
+      w.settle(state, gap, shift, last, most - report.iterations, report);
       if (!last || !w.add_entered(state, gap, near, shift, report)) break;
+      entered = round + 1 == kRounds || report.iterations >= most;
+      if (entered) break;
     }
     ++report.steps;
-    w.hand_over(state, gap, report);
+    w.hand_over(state, gap, last, report);
   }
   w.read_signs(state, report);
-  const bool settled = !w.stuck && report.last_change <= kUnsettled * s.largest_step;
-  w.hold_back(state,
-              settled ? largest_move : std::min(largest_move, kUnsettledSteps * s.largest_step),
-              report);
+  const bool settled = !w.stuck && !entered && report.last_change <= kUnsettled * s.largest_step;
+  if (!settled) {
+    largest_move = std::min(largest_move, kUnsettledSteps * s.largest_step);
+    report.held_back = report.last_change;
+  }
+  report.held_back = std::max(report.held_back, w.hold_back.bound(state, largest_move));
+  if (!settled || report.held_back > 0) report.stated.reset();
   return report;
 }
 
@@ -738,19 +560,9 @@ bool TouchSolver::ask(const TouchState& state, AskedLoad& asked) {
       if (weight > 0) asked.forces.push_back({point.corners[k], weight * at.force});
     }
   }
-  std::sort(asked.forces.begin(), asked.forces.end(),
-            [](const VertexForce& a, const VertexForce& b) { return a.vertex < b.vertex; });
-  std::size_t kept = 0;
-  for (std::size_t k = 1; k < asked.forces.size(); ++k) {
-    if (asked.forces[k].vertex == asked.forces[kept].vertex) {
-      asked.forces[kept].force += asked.forces[k].force;
-    } else {
-      asked.forces[++kept] = asked.forces[k];
-    }
-  }
-  asked.forces.resize(kept + 1);
+  add_up_by_vertex(asked.forces);
   asked.linear.resize(3, w.rest.cols());
-  w.fill_linear(asked.forces, asked.linear);
+  w.linear_field.fill(asked.forces, asked.linear);
   asked.tables = state.u;
   for (std::size_t k = 0; k < 2; ++k) {
     const float weight = state.refinement.weights[k];
@@ -760,47 +572,20 @@ bool TouchSolver::ask(const TouchState& state, AskedLoad& asked) {
 }
 
 void TouchSolver::probe(AskedLoad& asked) {
-  Work& w = *work_;
-  const int V = static_cast<int>(w.rest.cols());
-  asked.forces.clear();
-  for (int k = 0; k < kProbes; ++k) {
-    const int v = V * k / kProbes;
-    if (!asked.forces.empty() && asked.forces.back().vertex == v) continue;
-    asked.forces.push_back({v, Vector3f(0, 0, k % 2 == 0 ? -1.0f : -0.5f)});
-  }
-  asked.tables.resize(3, w.compliance.nodes());
-  w.fill_linear(asked.forces, asked.tables);
-  const float largest = std::sqrt(asked.tables.leftCols(V).colwise().squaredNorm().maxCoeff());
-  if (!(largest > 0)) return;
-  const float share = kProbeMoves / largest;
-  for (VertexForce& f : asked.forces) f.force *= share;
-  asked.tables *= share;
-  asked.linear = asked.tables.leftCols(V);
+  make_probe(work_->linear_field, static_cast<int>(work_->rest.cols()), work_->compliance.nodes(),
+             asked);
 }
 
 bool TouchSolver::agrees(const AskedLoad& probe, const Matrix3Xf& exact) {
-  const Eigen::Index V = probe.linear.cols();
-  return exact.cols() == probe.tables.cols() &&
-         (exact.leftCols(V) - probe.linear).norm() <= kSameBody * probe.linear.norm();
+  return is_of_probed_body(probe, exact);
 }
 
 bool TouchSolver::refine(TouchState& state, const AskedLoad& asked, const Matrix3Xf& exact) const {
-  const Eigen::Index V = work_->rest.cols(), W = work_->compliance.nodes();
-  PALPABLE_EXPECT(exact.cols() == W && asked.tables.cols() == W && asked.linear.cols() == V,
+  PALPABLE_EXPECT(exact.cols() == work_->compliance.nodes() &&
+                      asked.tables.cols() == exact.cols() &&
+                      asked.linear.cols() == work_->rest.cols(),
                   "an answer has as many nodes as the tables");
-  const float off = (exact - asked.tables).leftCols(V).norm();
-  if (!(off <= kMostCorrection * exact.leftCols(V).norm())) return false;
-  Refinement& r = state.refinement;
-  std::swap(r.corrections[0], r.corrections[1]);
-  std::swap(r.weights[0], r.weights[1]);
-  ExactCorrection& c = r.corrections[1];
-  c.field = exact - asked.tables;
-  c.linear = asked.linear;
-  c.work = 0;
-  for (const VertexForce& f : asked.forces) c.work += f.force.dot(c.linear.col(f.vertex));
-  r.weights[1] = 0;
-  r.blended = 0;
-  return true;
+  return state.refinement.take_up(asked, exact);
 }
 
 void TouchSolver::stress(const TouchState& state, std::span<float> von_mises,

@@ -21,17 +21,15 @@
 
 #include "palpable/geometry/skin_points.h"
 #include "palpable/geometry/surface_mesh.h"
-#include "palpable/touch/complementarity.h"
-#include "palpable/touch/compliance_cache.h"
-#include "palpable/touch/nonlinear_answer.h"
 #include "palpable/touch/refinement.h"
 #include "palpable/touch/stated_error.h"
+#include "palpable/touch/surface_gap.h"
+#include "palpable/touch/touch_state.h"
 #include "palpable/touch/touch_tables.h"
 
 #include <Eigen/Core>
 
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -40,32 +38,12 @@
 
 namespace palpable {
 
-/// What is nearest to a place: the object that presses, as its signed distance.
-struct SurfaceGap {
-  float distance = 0;                                 ///< m, negative inside
-  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, out of the object
-  /// Second derivative of the distance, 1/m: a ball of radius r has (1 - n n^T) / r.
-  Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();
-  /// Of the point's own compliance, added to it, beside TouchSettings::softness: what is seen
-  /// uncertainly presses softly.
-  float softness = 0;
-};
-
-/// Tells the gap of a place (m, body frame); false where nothing is within kGapReach of it. What is
-/// no number counts as nothing. Called some thousand times a frame.
-using GapQuery = std::function<bool(const Eigen::Vector3f& place, SurfaceGap& gap)>;
-
-/// Whether anything may be nearer to a place than `reach` (m): a cheaper question, asked first.
-using NearQuery = std::function<bool(const Eigen::Vector3f& place, float reach)>;
-
-inline constexpr float kGapReach = 0.012f;  ///< m
-
 struct TouchSettings {
   double band = 0.0025;           ///< m: points nearer than this may press
   double largest_step = 0.00125;  ///< m an object goes on in one step
   int most_steps = 12;            ///< of a frame; what is deeper is reached in later frames
   int iterations = 3;             ///< of Newton's method, of each step
-  int last_iterations = 12;       ///< of the last one, at most
+  int last_iterations = 10;       ///< of the last one, in all its rounds; then it is held back
   double tolerance = 2e-5;        ///< m: the last iteration moved no touched vertex by more
   /// m a round object may enter between two contact points: flat ones are given fewer points.
   double entry = 2e-5;
@@ -74,22 +52,6 @@ struct TouchSettings {
   double softness = 0.01;
   bool nonlinear = true;  ///< false: the linear answer, in the present shape
   int blend_frames = 6;   ///< over which an exact answer is taken up
-};
-
-/// The force at one contact point.
-struct PointForce {
-  int point = 0;                                    ///< index into TouchSolver::points()
-  Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N, on the body
-};
-
-/// All that is remembered from frame to frame. The default is a body at rest.
-struct TouchState {
-  std::vector<PointForce> forces;
-  std::vector<int> regions;  ///< that answered
-  /// (3 x W) m, of what the tables know: the whole skin in the first V columns, then the inner
-  /// nodes (shell_table.h), which are for the stress; no columns: at rest.
-  Eigen::Matrix3Xf u;
-  Refinement refinement;  ///< what exact answers have added
 };
 
 /// How one frame went.
@@ -102,8 +64,10 @@ struct TouchReport {
   double last_change = 0;  ///< m, of a touched vertex in the last iteration
   double penetration = 0;  ///< m, left at the deepest contact point
   double last_share = 0;   ///< of the series' last order, see NonlinearAnswer
-  double held_back = 0;    ///< m, that a vertex has yet to go, see TouchSolver::advance()
-  ErrorSigns signs;        ///< of the state's own error; 0 without force
+  /// m, that a vertex has yet to go: beyond advance()'s largest move, or by the last iteration of
+  /// an answer that is not there yet.
+  double held_back = 0;
+  ErrorSigns signs;  ///< of the state's own error; 0 without force
   /// What they say; nothing without force, of a state that is held back, or where the tables'
   /// held-out touches give no scale.
   std::optional<StatedError> stated;

@@ -230,6 +230,23 @@ TEST_CASE("no vertex moves farther in a frame than it may, and the rest is made 
   }());
 }
 
+TEST_CASE("an answer that a frame's iterations do not reach is held back, and reached later",
+          "[touch]") {
+  Sheet sheet;
+  sheet.settings.last_iterations = 1;
+  const Sheet usual;
+  TouchSolver solver = sheet.solver(), other = usual.solver();
+  TouchState state, wanted;
+  other.advance(wanted, ball(0.02f, 0.001f));
+  const TouchReport first = solver.advance(state, ball(0.02f, 0.001f));
+  CHECK(first.iterations == 1);
+  REQUIRE(first.last_change > 0.0005);
+  CHECK(first.held_back > 0);
+  CHECK_FALSE(first.stated.has_value());
+  for (int frame = 0; frame < 10; ++frame) solver.advance(state, ball(0.02f, 0.001f));
+  CHECK(apart(state.u, wanted.u) < tolerance(4e-5, "m: twice the last step's"));
+}
+
 TEST_CASE("numbers that are none press nothing", "[touch]") {
   const Sheet sheet;
   TouchSolver solver = sheet.solver();

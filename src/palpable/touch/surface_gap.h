@@ -1,0 +1,31 @@
+/// @file
+/// What the body is told of the things that press it.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <functional>
+
+namespace palpable {
+
+/// What is nearest to a place: the object that presses, as its signed distance.
+struct SurfaceGap {
+  float distance = 0;                                 ///< m, negative inside
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, out of the object
+  /// Second derivative of the distance, 1/m: a ball of radius r has (1 - n n^T) / r.
+  Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();
+  /// Of the point's own compliance, added to it, beside TouchSettings::softness: what is seen
+  /// uncertainly presses softly.
+  float softness = 0;
+};
+
+/// Tells the gap of a place (m, body frame); false where nothing is within kGapReach of it. What is
+/// no number counts as nothing. Called some thousand times a frame.
+using GapQuery = std::function<bool(const Eigen::Vector3f& place, SurfaceGap& gap)>;
+
+/// Whether anything may be nearer to a place than `reach` (m): a cheaper question, asked first.
+using NearQuery = std::function<bool(const Eigen::Vector3f& place, float reach)>;
+
+inline constexpr float kGapReach = 0.012f;  ///< m
+
+}  // namespace palpable
