@@ -147,6 +147,7 @@ TEST_CASE("places for balls are the same ones for every kernel", "[contact][kern
 // A vectorised kernel may ask for more places where chords of several lengths lie side by side.
 TEST_CASE("no kernel overlooks a place that may be hollow", "[contact][kernels]") {
   constexpr int kRows = 17, kWidth = 60;
+  const auto row = [](int y) { return static_cast<std::size_t>(y) * std::size_t{kWidth}; };
   auto random = test::random_case(17);
   std::uniform_real_distribution<float> noise(-0.001f, 0.001f);
   std::vector<float> mean(kRows * kWidth), distance(mean.size(), 30.0f);
@@ -155,7 +156,7 @@ TEST_CASE("no kernel overlooks a place that may be hollow", "[contact][kernels]"
       // A valley along x = 30; farther away on the right, where chords are shorter.
       const float z = 0.4f - 0.0006f * std::abs(static_cast<float>(x - 30)) + noise(random) +
                       0.003f * static_cast<float>(x);
-      mean[static_cast<std::size_t>(y * kWidth + x)] = 1 / z;
+      mean[row(y) + static_cast<std::size_t>(x)] = 1 / z;
     }
   }
   ChordTest chord;
@@ -168,9 +169,7 @@ TEST_CASE("no kernel overlooks a place that may be hollow", "[contact][kernels]"
   for (int y = 0; y < kRows; ++y) {
     chord.above = y, chord.below = kRows - 1 - y;
     const auto of = [&](const PixelKernels& kernels, std::vector<float>& result) {
-      kernels.find_hollow(&mean[static_cast<std::size_t>(y * kWidth)],
-                          &distance[static_cast<std::size_t>(y * kWidth)], kWidth, kWidth, chord,
-                          result.data());
+      kernels.find_hollow(&mean[row(y)], &distance[row(y)], kWidth, kWidth, chord, result.data());
     };
     std::vector<float> plain(kWidth), found(kWidth);
     of(pixel_kernels().back(), plain);
