@@ -1,6 +1,7 @@
 #include "palpable/contact/creases.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/contact/pixel_kernels.h"
 
 #include <algorithm>
 #include <array>
@@ -18,10 +19,13 @@ constexpr float kHalfChord = 1.0f / 3;
 constexpr int kLeastHalfChord = 2;  // px
 constexpr float kRoot = 1.41421356f;
 
+// The slanted ones last.
 constexpr std::array<std::pair<int, int>, 4> kDirections{{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
 
 // Places nearer to the box's rim are never hollow, so that all that are have eight neighbours.
 constexpr int kRim = 2;
+
+constexpr int kChunk = 64;  // px of a row that are asked at once
 
 // px round a place of a crease: what lies there of it says how it runs.
 constexpr int kAlong = 4;
@@ -36,26 +40,6 @@ constexpr double kLeastPixels = 8;  // of which a slope is taken
 constexpr std::size_t kRoom = 8;    // for one of so many pixels
 
 constexpr double kLeastSpread = 0.1;  // px^4, else the pixels are one line
-
-// One pixel's depth scatters by a millimetre; the mean of nine of one surface, by half of it. Of
-// the middle one of three rows of 1/Z. Neighbours differ by at most `jump` of 1/Z (1/m), or by
-// `least_jump` of Z (m): by jump * Z^2, as Silhouette has it, is by jump of 1/Z.
-void mean_of_nine(const float* above, const float* row, const float* below, float least_jump,
-                  float jump, float* mean, int width) {
-  for (int x = 1; x + 1 < width; ++x) {
-    const float w = row[x], apart = std::max(least_jump * w * w, jump);
-    float sum = 0, pixels = 0;
-    const auto add = [&](float other) {
-      const bool same = std::abs(other - w) < apart;
-      sum += same ? other : 0.0f;
-      pixels += same ? 1.0f : 0.0f;
-    };
-    add(above[x - 1]), add(above[x]), add(above[x + 1]);
-    add(row[x - 1]), add(w), add(row[x + 1]);
-    add(below[x - 1]), add(below[x]), add(below[x + 1]);
-    mean[x] = w == 0 ? 0.0f : sum / pixels;
-  }
-}
 
 }  // namespace
 
@@ -72,21 +56,26 @@ void Creases::smooth(const DepthImage& depth, const Silhouette& silhouette) {
   hollow_.reserve(depth.size());
   group_.reserve(depth.size() / kRoom);
   pixels_.reserve(depth.size() / kRoom);
-  inverse_.resize(count);
-  mean_.assign(count, 0.0f);
+  for (std::vector<float>* values : {&inverse_, &mean_}) values->assign(count, 0.0f);
   if (places_.size() < count) places_.resize(count);
   for (int y = 0; y < box_.height; ++y) {
-    const float* z = depth.row(box_.y + y) + box_.x;
-    const float* distance = silhouette.row(box_.y + y);
-    float* inverse = inverse_.data() + index(0, y);
-    for (int x = 0; x < box_.width; ++x) inverse[x] = distance[x] > 0 ? 1 / z[x] : 0.0f;
+    const auto [begin, end] = silhouette.things_of_row(box_.y + y);
+    const DistanceRow row = silhouette.distances(begin, box_.y + y);
+    float* inverse = inverse_.data() + index(begin - box_.x, y);
+    for (int x = 0; x < end - begin; ++x) {
+      const float w = 1 / row.depth[x];
+      inverse[x] = row.distance[x] > 0 ? w : 0.0f;
+    }
   }
-  const SilhouetteSettings& jump = silhouette.settings();
+  const DepthJump& jump = silhouette.jump();
   for (int y = 1; y + 1 < box_.height; ++y) {
-    const float* row = inverse_.data() + index(0, y);
-    mean_of_nine(row - width, row, row + width, static_cast<float>(jump.least_jump),
-                 static_cast<float>(jump.largest_jump_at_1m), mean_.data() + index(0, y),
-                 box_.width);
+    const auto run = silhouette.things_of_row(box_.y + y);
+    const int begin = std::max(1, run.begin - box_.x);
+    const int end = std::min(box_.width - 1, run.end - box_.x);
+    if (begin >= end) continue;
+    const float* row = inverse_.data() + index(begin, y);
+    best_pixel_kernels().mean_of_nine(row - width, row, row + width, end - begin, jump,
+                                      mean_.data() + index(begin, y));
   }
 }
 
@@ -97,28 +86,29 @@ void Creases::ask(int x, int y) {
   const std::size_t at = index(x, y);
   const float z = 1 / mean_[at];
   const float half = kHalfChord * radius_ * fx_px_ * mean_[at];
-  const auto width = static_cast<std::size_t>(box_.width);
-  for (std::size_t d = 0; d < kDirections.size(); ++d) {
-    const auto [dx, dy] = kDirections[d];
-    const float step = dx != 0 && dy != 0 ? kRoot : 1.0f;
+  const auto width = static_cast<std::ptrdiff_t>(box_.width);
+  for (const bool slanted : {false, true}) {
+    const float step = slanted ? kRoot : 1.0f;
     const int n = std::max(kLeastHalfChord, static_cast<int>(half / step + 0.5f));
     if (!has(x - n, y - n) || !has(x + n, y + n)) continue;
-    const auto away =
-        static_cast<std::ptrdiff_t>(n) * (dx + dy * static_cast<std::ptrdiff_t>(width));
-    const float w1 = mean_[at - static_cast<std::size_t>(away)];
-    const float w2 = mean_[at + static_cast<std::size_t>(away)];
-    if (w1 == 0 || w2 == 0) continue;
     const float across = 2 * static_cast<float>(n) * step * z / fx_px_;
-    // Most places, without a division: z - 2 / (w1 + w2) <= across^2 / (8 R).
-    if ((z - across * across / (8 * radius_)) * (w1 + w2) <= 2) continue;
-    const float along_ray = z - 2 / (w1 + w2), back = 1 / w1 - 1 / w2;
-    const float length2 = across * across + back * back;
-    const float sag = along_ray * across / std::sqrt(length2);
-    Place& here = places_[at];
-    if (8 * sag * radius_ > length2 && sag > here.sag) {
-      if (here.sag == 0) hollow_.push_back(at);
-      here.sag = sag;
-      here.direction = static_cast<std::uint8_t>(d);
+    const float shallow = z - across * across / (8 * radius_);
+    for (std::size_t d = slanted ? 2 : 0; d < (slanted ? 4 : 2); ++d) {
+      const auto [dx, dy] = kDirections[d];
+      const auto away = static_cast<std::ptrdiff_t>(n) * (dx + dy * width);
+      const float* middle = &mean_[at];
+      const float w1 = *(middle - away), w2 = *(middle + away);
+      // Most places, without a division: z - 2 / (w1 + w2) <= across^2 / (8 R).
+      if (shallow * (w1 + w2) <= 2 || w1 == 0 || w2 == 0) continue;
+      const float along_ray = z - 2 / (w1 + w2), back = 1 / w1 - 1 / w2;
+      const float length2 = across * across + back * back;
+      const float sag = along_ray * across / std::sqrt(length2);
+      Place& here = places_[at];
+      if (8 * sag * radius_ > length2 && sag > here.sag) {
+        if (here.sag == 0) hollow_.push_back(at);
+        here.sag = sag;
+        here.direction = static_cast<std::uint8_t>(d);
+      }
     }
   }
 }
@@ -256,12 +246,27 @@ void Creases::find(const DepthImage& depth, const PinholeCamera& camera,
   pixels_.clear();
   hollow_.clear();
   smooth(depth, silhouette);
-  const float nearest = kHalfChord * radius_ * fx_px_;  // px at 1 m
+  ChordTest test;
+  test.half_px_at_1m = kHalfChord * radius_ * fx_px_;
+  test.nearest_at_1m = test.half_px_at_1m;
+  test.least_half_px = kLeastHalfChord;
+  test.fx_px = fx_px_;
+  test.eight_radii = 8 * radius_;
+  std::array<float, kChunk> is_asked;
   for (int y = kRim; y < box_.height - kRim; ++y) {
-    const float* distance = silhouette.row(box_.y + y);
-    const float* mean = mean_.data() + index(0, y);
-    for (int x = kRim; x < box_.width - kRim; ++x) {
-      if (mean[x] > 0 && distance[x] >= nearest * mean[x]) ask(x, y);
+    const auto [begin, end] = silhouette.things_of_row(box_.y + y);
+    const int last = std::min(box_.width - kRim, end - box_.x);
+    test.above = y;
+    test.below = box_.height - 1 - y;
+    for (int first = std::max(kRim, begin - box_.x); first < last; first += kChunk) {
+      const int count = std::min(kChunk, last - first);
+      test.before = first;
+      test.after = box_.width - first - count;
+      best_pixel_kernels().find_hollow(&mean_[index(first, y)], silhouette.row(box_.y + y) + first,
+                                       box_.width, count, test, is_asked.data());
+      for (int k = 0; k < count; ++k) {
+        if (is_asked[static_cast<std::size_t>(k)] > 0) ask(first + k, y);
+      }
     }
   }
   for (const std::size_t at : hollow_) {

@@ -56,11 +56,14 @@ struct MedialBall {
 /// Where balls are wanted.
 struct BallRegion {
   Rigid3 region_from_camera = Rigid3::Identity();
+  /// A ball is left out when the seen point of its pixel lies outside; m.
   Eigen::AlignedBox3f box{Eigen::Vector3f::Constant(-1e6f), Eigen::Vector3f::Constant(1e6f)};
+  /// A ball may be left out when it cannot reach in here; m. Who needs that asks the ball.
+  Eigen::AlignedBox3f reached = box;
 };
 
 /// @param silhouette  of the same depth and mask; says which part of the image is looked at
-/// @param region      a ball is left out when the seen point of its pixel lies outside; m
+/// @param region      where balls are wanted
 /// @param balls       overwritten; allocates nothing when it has the capacity
 void find_medial_balls(const DepthImage& depth, const PinholeCamera& camera,
                        const Silhouette& silhouette, const MedialBallSettings& settings,

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 namespace palpable {
@@ -163,10 +164,10 @@ void ObjectSurface::build(const DepthImage& depth, const MaskImage& shows,
   rest_.add(depth, given, box, camera, camera_from_body, noise_at(1));
   silhouette_.find(rest_.depth(), rest_.shows(), rest_.box(), &rest_.presence());
   creases_.find(rest_.depth(), camera, silhouette_, settings_.balls.most_radius);
-  silhouette_.part(rest_.depth(), creases_.pixels(),
+  silhouette_.part(creases_.pixels(),
                    creases_.radius_px() + static_cast<int>(settings_.balls.fattening) + 2);
-  find_medial_balls(rest_.depth(), camera, silhouette_, settings_.balls, {body_from_camera, near},
-                    found_);
+  find_medial_balls(rest_.depth(), camera, silhouette_, settings_.balls,
+                    {body_from_camera, near, region_}, found_);
   for (const MedialBall& ball : found_) {
     const float frames = rest_.frames_at(ball.x, ball.y);
     keep({R * ball.front + t, R * ball.normal, R * ball.centre + t, ball.radius,
@@ -187,10 +188,16 @@ PixelBox ObjectSurface::box_of_things(const DepthImage& depth, const MaskImage& 
       bottom = -1;
   float nearest = std::numeric_limits<float>::infinity();
   for (int y = interest.y; y < interest.y + interest.height; ++y) {
-    const std::uint8_t* row = shows.row(y);
-    for (int x = interest.x; x < interest.x + interest.width; ++x) {
-      if (row[x] != kShowsPresser) continue;
-      const float z = depth(x, y);
+    const std::uint8_t *row = shows.row(y), *end = row + interest.x + interest.width;
+    const float* depths = depth.row(y);
+    for (const std::uint8_t* at = row + interest.x; at != end; ++at) {
+      if (*at != kShowsPresser) {
+        const void* next = std::memchr(at, kShowsPresser, static_cast<std::size_t>(end - at));
+        if (next == nullptr) break;
+        at = static_cast<const std::uint8_t*>(next);
+      }
+      const int x = static_cast<int>(at - row);
+      const float z = depths[x];
       if (!near.contains(to_body.point(x, y, z))) continue;
       left = std::min(left, x), right = std::max(right, x);
       top = std::min(top, y), bottom = y;

@@ -22,7 +22,11 @@ class RayToRegion {
   }
   /// @param z  m, depth of the pixel
   [[nodiscard]] Eigen::Vector3f point(int x, int y, float z) const {
-    return origin_ + z * (first_ + static_cast<float>(x) * across_ + static_cast<float>(y) * down_);
+    return origin_ + z * direction(x, y);
+  }
+  /// Along the ray of the pixel, 1 m of Z long.
+  [[nodiscard]] Eigen::Vector3f direction(int x, int y) const {
+    return first_ + static_cast<float>(x) * across_ + static_cast<float>(y) * down_;
   }
 
  private:

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace palpable {
 namespace {
@@ -60,24 +61,28 @@ void RestFilter::start(const DepthImage& depth, const MaskImage& shows, const Pi
 
 void RestFilter::sum_up(const DepthImage& depth, const MaskImage& shows) {
   for (Cell& cell : cells_) cell = {.frames = cell.frames};
+  const auto width = static_cast<std::ptrdiff_t>(depth.width());
   for (int y = box_.y; y < box_.y + box_.height; ++y) {
     Cell* cells = row_of_cells(y);
+    const std::uint8_t* shown = shows.row(y);
+    const float *depths = depth.row(y), *averages = average_.row(y), *presences = presence_.row(y);
+    const int* cell_of_column = cell_of_column_.data();
     for (int x = box_.x; x < box_.x + box_.width; ++x) {
-      const bool now = shows(x, y) == kShowsPresser, was = presence_(x, y) > kPresent;
+      const bool now = shown[x] == kShowsPresser, was = presences[x] > kPresent;
       if (!now && !was) continue;
-      Cell& cell = cells[cell_of_column_[static_cast<std::size_t>(x)]];
+      Cell& cell = cells[cell_of_column[x]];
       // A hole in a thing is no sign that it has gone.
-      if (now != was && shows(x, y) != kShowsUnknown) cell.changed += 1;
+      if (now != was && shown[x] != kShowsUnknown) cell.changed += 1;
       if (!now) continue;
       cell.now += 1;
-      cell.depth += depth(x, y);
+      cell.depth += depths[x];
       const bool inner = x > 0 && y > 0 && x + 1 < depth.width() && y + 1 < depth.height() &&
-                         shows(x - 1, y) == kShowsPresser && shows(x + 1, y) == kShowsPresser &&
-                         shows(x, y - 1) == kShowsPresser && shows(x, y + 1) == kShowsPresser;
+                         shown[x - 1] == kShowsPresser && shown[x + 1] == kShowsPresser &&
+                         shown[x - width] == kShowsPresser && shown[x + width] == kShowsPresser;
       if (!inner) cell.edge += 1;
       if (!was) continue;
       cell.both += 1;
-      cell.apart += depth(x, y) - average_(x, y);
+      cell.apart += depths[x] - averages[x];
     }
   }
 }
@@ -126,31 +131,36 @@ void RestFilter::average(const DepthImage& depth, const MaskImage& shows, float 
   int left = box_.x + box_.width, right = -1, top = box_.y + box_.height, bottom = -1;
   for (int y = box_.y; y < box_.y + box_.height; ++y) {
     const Cell* cells = row_of_cells(y);
+    const std::uint8_t* shown = shows.row(y);
+    const float* depths = depth.row(y);
+    float *averages = average_.row(y), *presences = presence_.row(y), *averaged = depth_.row(y);
+    std::uint8_t* shows_averaged = shows_.row(y);
+    const int* cell_of_column = cell_of_column_.data();
     for (int x = box_.x; x < box_.x + box_.width; ++x) {
-      float& presence = presence_(x, y);
-      const bool now = shows(x, y) == kShowsPresser;
+      float presence = presences[x];
+      const bool now = shown[x] == kShowsPresser;
       if (!now && presence == 0) continue;
-      const float share = cells[cell_of_column_[static_cast<std::size_t>(x)]].share;
+      const float share = cells[cell_of_column[x]].share;
       if (now) {
-        float& mean = average_(x, y);
-        const float z = depth(x, y);
+        const float z = depths[x], mean = averages[x];
         const bool same = presence > 0 && std::abs(z - mean) < gate_at_1m * z * z;
-        mean = same ? mean + share * (z - mean) : z;
+        averages[x] = same ? mean + share * (z - mean) : z;
         presence += share * (1 - presence);
       } else {
         // A hole in a thing that rests is no sign that it has gone.
-        if (share >= 1 || shows(x, y) != kShowsUnknown) presence -= share * presence;
+        if (share >= 1 || shown[x] != kShowsUnknown) presence -= share * presence;
         if (presence < 1e-3f) presence = 0;
       }
+      presences[x] = presence;
       if (presence > 0) {
         left = std::min(left, x), right = std::max(right, x);
         top = std::min(top, y), bottom = y;
       }
       if (presence > kPresent) {
-        depth_(x, y) = average_(x, y);
-        shows_(x, y) = kShowsPresser;
+        averaged[x] = averages[x];
+        shows_averaged[x] = kShowsPresser;
       } else if (now) {
-        shows_(x, y) = kShowsRoom;
+        shows_averaged[x] = kShowsRoom;
       }
     }
   }

@@ -13,7 +13,6 @@ namespace {
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 constexpr float kLeast = 0.01f;  // px: 0 would say that there is no thing
-constexpr float kStep = 1.7f;    // px by which neighbouring distances differ at most
 constexpr int kBarred = 3;       // px: no crease is wider
 
 bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
@@ -23,7 +22,44 @@ bool is_depth(float z) { return std::isfinite(z) && z > 0.0f; }
 // 0.28 px is the mean over all slopes.
 float length_of(ToOutline d) {
   const bool slanted = d.dx != 0 && d.dy != 0;
-  return std::sqrt(static_cast<float>(d.dx * d.dx + d.dy * d.dy)) - (slanted ? 0.28f : 0.5f);
+  return std::sqrt(static_cast<float>(d.dx * d.dx + d.dy * d.dy)) -
+         (slanted ? kBeforeMiddleSlanted : kBeforeMiddle);
+}
+
+// Lengths of most ways: a root takes as long as all else of a step along a row.
+constexpr int kMostCommon = 64;  // px to each side
+const std::vector<float> kLengths = [] {
+  std::vector<float> lengths;
+  for (std::int16_t dy = 0; dy < kMostCommon; ++dy) {
+    for (std::int16_t dx = 0; dx < kMostCommon; ++dx) lengths.push_back(length_of({dx, dy}));
+  }
+  return lengths;
+}();
+
+// Offers pixel x of a row the outline that is nearest to its neighbour at dx.
+template <int dx>
+inline void take_over(const OutlineRow& row, int x, const DepthJump& jump) {
+  const float mine = row.distance[x], theirs = row.distance[x + dx];
+  // No thing is here or there, or its outline is too far away to matter here; both where it has
+  // none.
+  if (!(mine > 0) || !(theirs > 0) || theirs - kOutlineStep >= mine) return;
+  const ToOutline there = row.nearest[x + dx];
+  // Away from an outline the way to it gets longer.
+  if (theirs >= mine && there.dx * dx >= 0) return;
+  const ToOutline offer{static_cast<std::int16_t>(there.dx + dx), there.dy};
+  const auto across = static_cast<unsigned>(std::abs(offer.dx)),
+             along = static_cast<unsigned>(std::abs(offer.dy));
+  const float beyond = row.beyond[x + dx];
+  const float length =
+      (across < kMostCommon && along < kMostCommon ? kLengths[along * kMostCommon + across]
+                                                   : length_of(offer)) +
+      beyond;
+  if (!(length < mine)) return;
+  const float z = row.depth[x], other = row.depth[x + dx], nearer = std::min(z, other);
+  if (!(std::abs(z - other) <= std::max(jump.least, jump.at_1m * nearer * nearer))) return;
+  row.distance[x] = length;
+  row.nearest[x] = offer;
+  row.beyond[x] = beyond;
 }
 
 }  // namespace
@@ -54,22 +90,40 @@ bool Silhouette::ends_towards(int x, int y, int dx, int dy) const {
   return true;  // a wide hole: nothing was measured beside the thing
 }
 
-// Offers pixel `here` of the box, of depth z, the outline that is nearest to pixel `other`, its
-// neighbour at (dx, dy), of depth z_other.
-void Silhouette::take_over(std::size_t here, std::size_t other, int dx, int dy, float z,
-                           float z_other) {
-  const float theirs = distance_[other];
-  // No thing is there, or its outline is too far away to matter here; both where it has none.
-  if (!(theirs > 0) || theirs - kStep >= distance_[here]) return;
-  const ToOutline there = nearest_[other];
-  const ToOutline offer{static_cast<std::int16_t>(there.dx + dx),
-                        static_cast<std::int16_t>(there.dy + dy)};
-  const float beyond = beyond_[other];
-  const float length = length_of(offer) + beyond;
-  if (!(length < distance_[here]) || !joined(z, z_other)) return;
-  distance_[here] = length;
-  nearest_[here] = offer;
-  beyond_[here] = beyond;
+// Of the row, where things are, and the outlines that pass right beside them.
+void Silhouette::begin_row(int y) {
+  const int right = box_.x + box_.width;
+  const float* depth = depth_->row(y);
+  const std::uint8_t* shows = shows_->empty() ? nullptr : shows_->row(y);
+  int begin = box_.x, end = right;
+  if (shows != nullptr) {
+    while (begin < end && shows[begin] != kShowsPresser) ++begin;
+    while (begin < end && shows[end - 1] != kShowsPresser) --end;
+  }
+  runs_[static_cast<std::size_t>(y - box_.y)] = {begin, end};
+  const std::size_t first = at(begin, y), count = static_cast<std::size_t>(end - begin);
+  std::copy_n(depth + begin, count, depths_.data() + first);
+  std::fill_n(beyond_.data() + first, count, 0.0f);
+  const bool is_first = y == 0, is_last = y + 1 == depth_->height();
+  const auto least = static_cast<float>(settings_.least_jump);
+  for (int x = begin; x < end; ++x) {
+    const float z = depth[x];
+    if (!is_depth(z) || (shows != nullptr && shows[x] != kShowsPresser)) continue;
+    // Most pixels lie amid a thing.
+    if (shows != nullptr && !is_first && !is_last && x > 0 && x + 1 < depth_->width()) {
+      const auto width = static_cast<std::ptrdiff_t>(depth_->width());
+      const int apart = static_cast<int>(!(std::abs(depth[x - 1] - z) < least)) |
+                        static_cast<int>(!(std::abs(depth[x + 1] - z) < least)) |
+                        static_cast<int>(!(std::abs(depth[x - width] - z) < least)) |
+                        static_cast<int>(!(std::abs(depth[x + width] - z) < least));
+      const int shown = shows[x - 1] & shows[x + 1] & shows[x - width] & shows[x + width];
+      if (apart == 0 && shown == kShowsPresser) {
+        distance_[at(x, y)] = kInfinite;
+        continue;
+      }
+    }
+    begin_at(x, y);
+  }
 }
 
 // The outlines that pass right beside a pixel of a thing.
@@ -80,7 +134,6 @@ void Silhouette::begin_at(int x, int y) {
   for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
     const int u = x + dx, v = y + dy;
     const bool inside = u >= 0 && v >= 0 && u < depth_->width() && v < depth_->height();
-    // Most pixels lie amid a thing.
     if (inside && std::abs((*depth_)(u, v) - z) < least &&
         (shows_->empty() || (*shows_)(u, v) == kShowsPresser)) {
       continue;
@@ -95,34 +148,27 @@ void Silhouette::begin_at(int x, int y) {
   }
 }
 
+OutlineRow Silhouette::outline_row(int x, int y) {
+  const std::size_t n = at(x, y);
+  return {&distance_[n], &nearest_[n], &beyond_[n], &depths_[n]};
+}
+
 // Two sweeps, down and up: each pixel of `box` takes over the outlines that its neighbours know.
 void Silhouette::hand_on(const PixelBox& box) {
-  const int left = box.x, right = box.x + box.width, bottom = box.y + box.height;
-  const int first = box_.x, last = box_.x + box_.width - 1;
+  const PixelKernels& kernels = best_pixel_kernels();
   const auto sweep = [&](int y, int dy) {
-    const float* depth = depth_->row(y);
-    const std::size_t row = at(first, y) - static_cast<std::size_t>(first);
-    const bool has_next = y + dy >= box_.y && y + dy < box_.y + box_.height;
-    const float* next_depth = has_next ? depth_->row(y + dy) : depth;
-    const std::size_t next = has_next ? at(first, y + dy) - static_cast<std::size_t>(first) : row;
-    for (int x = left; x < right; ++x) {
-      const std::size_t here = row + static_cast<std::size_t>(x);
-      if (!(distance_[here] > 0)) continue;
-      const float z = depth[x];
-      if (has_next) {
-        for (int u = std::max(x - 1, first); u <= std::min(x + 1, last); ++u) {
-          take_over(here, next + static_cast<std::size_t>(u), u - x, dy, z, next_depth[u]);
-        }
-      }
-      if (x > first) take_over(here, here - 1, -1, 0, z, depth[x - 1]);
+    const Run run = things_of_row(y);
+    const int left = std::max(box.x, run.begin), right = std::min(box.x + box.width, run.end);
+    if (left >= right) return;
+    if (y + dy >= box_.y && y + dy < box_.y + box_.height) {
+      kernels.take_over(outline_row(left, y + dy), outline_row(left, y), dy, right - left, jump_);
     }
-    for (int x = right - 1; x >= left; --x) {
-      const std::size_t here = row + static_cast<std::size_t>(x);
-      if (x < last && distance_[here] > 0) take_over(here, here + 1, 1, 0, depth[x], depth[x + 1]);
-    }
+    const OutlineRow row = outline_row(left, y);
+    for (int x = 0; x < right - left; ++x) take_over<-1>(row, x, jump_);
+    for (int x = right - left - 1; x >= 0; --x) take_over<1>(row, x, jump_);
   };
-  for (int y = box.y; y < bottom; ++y) sweep(y, -1);
-  for (int y = bottom - 1; y >= box.y; --y) sweep(y, 1);
+  for (int y = box.y; y < box.y + box.height; ++y) sweep(y, -1);
+  for (int y = box.y + box.height - 1; y >= box.y; --y) sweep(y, 1);
 }
 
 // No outline is handed on over this pixel.
@@ -142,7 +188,7 @@ void Silhouette::begin_beside(const CreasePixel& crease, const Eigen::Vector2f& 
     const int x = crease.x + dx, y = crease.y + dy;
     if (x < box_.x || y < box_.y || x >= box_.x + box_.width || y >= box_.y + box_.height) return;
     const std::size_t n = at(x, y);
-    if (beyond_[n] == kInfinite) continue;
+    if (distance_[n] > 0 && beyond_[n] == kInfinite) continue;  // barred
     const float length =
         static_cast<float>(dx) * away.x() + static_cast<float>(dy) * away.y() + hidden;
     if (!(distance_[n] > length)) return;
@@ -153,7 +199,7 @@ void Silhouette::begin_beside(const CreasePixel& crease, const Eigen::Vector2f& 
   }
 }
 
-void Silhouette::part(const DepthImage& depth, std::span<const CreasePixel> creases, int reach) {
+void Silhouette::part(std::span<const CreasePixel> creases, int reach) {
   if (creases.empty()) return;
   // A slanted line of pixels is tight where each has one below it.
   int left = creases[0].x, right = left, top = creases[0].y, bottom = top;
@@ -170,9 +216,7 @@ void Silhouette::part(const DepthImage& depth, std::span<const CreasePixel> crea
   }
   left = std::max(left - reach, box_.x), right = std::min(right + reach, box_.x + box_.width - 1);
   top = std::max(top - reach, box_.y), bottom = std::min(bottom + reach, box_.y + box_.height - 1);
-  depth_ = &depth;
   hand_on({left, top, right - left + 1, bottom - top + 1});
-  depth_ = nullptr;
 }
 
 void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
@@ -187,21 +231,20 @@ void Silhouette::find(const DepthImage& depth, const MaskImage& shows, const Pix
   depth_ = &depth;
   shows_ = &shows;
   presence_ = presence;
-  const std::size_t count =
-      static_cast<std::size_t>(box.width) * static_cast<std::size_t>(box.height);
   // The next box may be larger.
-  for (std::vector<float>* values : {&distance_, &beyond_}) values->reserve(depth.size());
-  nearest_.reserve(depth.size());
+  constexpr std::size_t kBeside = kBefore + kReadBeyond;
+  const std::size_t most = (static_cast<std::size_t>(depth.width()) + kBeside) *
+                           (static_cast<std::size_t>(depth.height()) + 2);
+  for (std::vector<float>* values : {&distance_, &beyond_, &depths_}) values->reserve(most);
+  nearest_.reserve(most);
+  runs_.reserve(static_cast<std::size_t>(depth.height()));
+  stride_ = static_cast<std::size_t>(box.width) + kBeside;
+  const std::size_t count = stride_ * (static_cast<std::size_t>(box.height) + 2);
   distance_.assign(count, 0.0f);
+  for (std::vector<float>* values : {&beyond_, &depths_}) values->resize(count);
   nearest_.resize(count);
-  beyond_.assign(count, 0.0f);
-  const int right = box.x + box.width, bottom = box.y + box.height;
-  for (int y = box.y; y < bottom; ++y) {
-    for (int x = box.x; x < right; ++x) {
-      if (!is_depth(depth(x, y)) || (!shows.empty() && shows(x, y) != kShowsPresser)) { continue; }
-      begin_at(x, y);
-    }
-  }
+  runs_.resize(static_cast<std::size_t>(box.height));
+  for (int y = box.y; y < box.y + box.height; ++y) begin_row(y);
   hand_on(box);
   depth_ = nullptr;
   shows_ = nullptr;

@@ -7,6 +7,7 @@
 /// picture ends, and where a few pixels lack their depth, the thing goes on.
 #pragma once
 
+#include "palpable/contact/pixel_kernels.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/pixel_box.h"
 
@@ -33,12 +34,6 @@ struct SilhouetteSettings {
 /// m: what the depths of two neighbouring pixels of one surface differ by at most, at depth z.
 [[nodiscard]] float depth_jump(const SilhouetteSettings& settings, float z);
 
-/// From a pixel to the nearest pixel beyond the outline.
-struct ToOutline {
-  std::int16_t dx = 0;
-  std::int16_t dy = 0;
-};
-
 /// A pixel at which two things meet (creases.h), one of them perhaps before the other.
 struct CreasePixel {
   std::int16_t x = 0, y = 0;
@@ -51,7 +46,10 @@ struct CreasePixel {
 /// Distances of a part of an image. Keeps its memory.
 class Silhouette {
  public:
-  explicit Silhouette(const SilhouetteSettings& settings = {}) : settings_(settings) {}
+  explicit Silhouette(const SilhouetteSettings& settings = {})
+      : settings_(settings),
+        jump_{static_cast<float>(settings.least_jump),
+              static_cast<float>(settings.largest_jump_at_1m)} {}
 
   /// @param depth     Z in m, NaN where unknown
   /// @param shows     as ObjectSurface::build (object_surface.h)
@@ -62,10 +60,9 @@ class Silhouette {
             const Image<float>* presence = nullptr);
 
   /// Things end at these pixels, too: `hidden` px beyond them.
-  /// @param depth    that find() was given
   /// @param creases  inside the box, none of them in its last row
   /// @param reach    px: distances are asked for up to here
-  void part(const DepthImage& depth, std::span<const CreasePixel> creases, int reach);
+  void part(std::span<const CreasePixel> creases, int reach);
 
   /// px, > 0, of pixel (x, y) of the image, from its middle to the outline: two sweeps over the box
   /// that hand on the nearest outline (Danielsson 1980), at most 0.3 px too far. Infinite where
@@ -73,35 +70,59 @@ class Silhouette {
   [[nodiscard]] float distance(int x, int y) const { return distance_[at(x, y)]; }
   /// The distances of a row of the box, its first pixel's first.
   [[nodiscard]] const float* row(int y) const { return distance_.data() + at(box_.x, y); }
+  /// Those from pixel (x, y) on, with depths; the row before the box and the one after it are
+  /// there, too, without things. Depths are anything where no thing is.
+  [[nodiscard]] DistanceRow distances(int x, int y) const {
+    const std::size_t n = at(x, y);
+    return {&distance_[n], &depths_[n]};
+  }
+  /// From row to row of these.
+  [[nodiscard]] std::size_t stride() const { return stride_; }
+  /// From its first thing to its last one, as pixels of the image; empty without any.
+  struct Run {
+    int begin = 0, end = 0;
+  };
+  [[nodiscard]] Run things_of_row(int y) const {
+    return runs_[static_cast<std::size_t>(y - box_.y)];
+  }
   /// Meaningful where the distance is finite and above 0.
   [[nodiscard]] ToOutline to_outline(int x, int y) const { return nearest_[at(x, y)]; }
   /// Whether two neighbouring depths belong to one surface.
   [[nodiscard]] bool joined(float z, float other) const;
   /// m: what they may differ by.
   [[nodiscard]] float jump(float z) const { return depth_jump(settings_, z); }
+  [[nodiscard]] const DepthJump& jump() const { return jump_; }
   [[nodiscard]] const PixelBox& box() const { return box_; }
   [[nodiscard]] const SilhouetteSettings& settings() const { return settings_; }
 
  private:
   [[nodiscard]] std::size_t at(int x, int y) const {
-    return static_cast<std::size_t>(y - box_.y) * static_cast<std::size_t>(box_.width) +
-           static_cast<std::size_t>(x - box_.x);
+    return static_cast<std::size_t>(y - box_.y + 1) * stride_ +
+           static_cast<std::size_t>(x - box_.x) + kBefore;
   }
   [[nodiscard]] bool ends_towards(int x, int y, int dx, int dy) const;
-  void take_over(std::size_t here, std::size_t other, int dx, int dy, float z, float z_other);
+  [[nodiscard]] OutlineRow outline_row(int x, int y);
+  void begin_row(int y);
   void begin_at(int x, int y);
   void hand_on(const PixelBox& box);
   void bar(int x, int y);
   void begin_beside(const CreasePixel& crease, const Eigen::Vector2f& away, float hidden);
 
+  static constexpr std::size_t kBefore = 1;  // px before each row; beside the box no things are
+
   SilhouetteSettings settings_;
+  DepthJump jump_;
   PixelBox box_;
   const DepthImage* depth_ = nullptr;  // while find() runs, as shows_
   const MaskImage* shows_ = nullptr;
   const Image<float>* presence_ = nullptr;
-  std::vector<float> distance_;     // by pixel of the box
-  std::vector<ToOutline> nearest_;  // by pixel of the box
-  std::vector<float> beyond_;       // px by which that outline lies farther out than between pixels
+  // By pixel of the box, with some more in each row, and a row more before and after them.
+  std::size_t stride_ = 0;
+  std::vector<float> distance_;
+  std::vector<ToOutline> nearest_;
+  std::vector<float> beyond_;  // px by which that outline lies farther out than between pixels
+  std::vector<float> depths_;  // m
+  std::vector<Run> runs_;      // by row of the box
 };
 
 }  // namespace palpable
