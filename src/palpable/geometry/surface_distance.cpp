@@ -126,7 +126,7 @@ void SurfaceDistance::look_into(int box, Search& search) const {
   const Vector3d& x = search.x;
   for (int i = here.first; i < here.first + here.count; ++i) {
     const int t = order_[i];
-    if (search.facing.dot(face_normals_.col(t)) < 0) continue;
+    if (search.facing.dot(face_normals_.col(t)) < search.least_facing) continue;
     const auto corners = surface_.triangles.col(t);
     const Vector3d weights =
         nearest_weights(surface_.vertices.col(corners[0]), surface_.vertices.col(corners[1]),
@@ -167,8 +167,10 @@ NearestOnSurface SurfaceDistance::nearest(const Vector3d& x) const {
   return nearest_facing(x, Vector3d::Zero());
 }
 
-NearestOnSurface SurfaceDistance::nearest_facing(const Vector3d& x, const Vector3d& normal) const {
-  Search search{x, normal, std::numeric_limits<double>::infinity(), {}};
+NearestOnSurface SurfaceDistance::nearest_facing(const Vector3d& x, const Vector3d& normal,
+                                                 double least_cosine) const {
+  Search search{
+      x, normal, least_cosine * normal.norm(), std::numeric_limits<double>::infinity(), {}};
   look_into(0, search);
   return search.found.triangle < 0 ? nearest(x) : completed(search);
 }

@@ -39,8 +39,11 @@ class SurfaceDistance {
   [[nodiscard]] NearestOnSurface nearest(const Eigen::Vector3d& x) const;
   /// The same among triangles that face the way of `normal`, within 90 degrees: of the two sides of
   /// a thin part the right one. All count where none does.
+  /// @param least_cosine  of the angle to `normal`: more than 0 leaves out those that stand square
+  ///                      to it
   [[nodiscard]] NearestOnSurface nearest_facing(const Eigen::Vector3d& x,
-                                                const Eigen::Vector3d& normal) const;
+                                                const Eigen::Vector3d& normal,
+                                                double least_cosine = 0) const;
 
  private:
   struct Box {
@@ -52,7 +55,8 @@ class SurfaceDistance {
   // A question: the place, what triangles have to face (0: nothing), and the best answer so far.
   struct Search {
     Eigen::Vector3d x, facing;
-    double best;  // m^2
+    double least_facing;  // of facing . normal
+    double best;          // m^2
     NearestOnSurface found;
   };
   void look_into(int box, Search& search) const;

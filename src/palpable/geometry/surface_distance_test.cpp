@@ -54,6 +54,15 @@ TEST_CASE("the tree finds what looking at all triangles finds", "[geometry]") {
   }
 }
 
+TEST_CASE("of faces square to a direction none counts where they are not to", "[geometry]") {
+  const SurfaceDistance field(box_surface({0, 0, 0}, {1, 1, 1}));
+  const Vector3d x(0.99, 0.5, 0.9);  // nearest to the side x = 1, which stands square to z
+  CHECK(field.nearest_facing(x, {0, 0, 2}).point.x() == Approx(1.0));
+  const NearestOnSurface top = field.nearest_facing(x, {0, 0, 2}, 0.1);
+  CHECK((top.point - Vector3d(0.99, 0.5, 1.0)).norm() <= tolerance(1e-12, "rounding"));
+  CHECK(top.distance == Approx(-0.1));
+}
+
 TEST_CASE("beside a sharp corner the sign is that of the side", "[geometry]") {
   // Beyond the corner of a thin wedge the face normals alone disagree about the side.
   SurfaceMesh wedge;

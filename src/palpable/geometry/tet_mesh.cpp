@@ -102,6 +102,34 @@ TetMesh split_into_eight(const TetMesh& mesh) {
   return fine;
 }
 
+std::vector<int> node_components(const TetMesh& mesh) {
+  std::vector<int> parents(mesh.node_count());
+  std::iota(parents.begin(), parents.end(), 0);
+  std::vector<char> used(mesh.node_count(), 0);
+  const auto set_of = [&](int node) {
+    while (parents[node] != node) node = parents[node] = parents[parents[node]];
+    return node;
+  };
+  for (int e = 0; e < mesh.tet_count(); ++e) {
+    const auto join = [&](int node) {
+      used[node] = 1;
+      parents[set_of(node)] = set_of(mesh.tets(0, e));
+    };
+    for (const int node : mesh.tets.col(e)) join(node);
+    if (!mesh.is_quadratic()) continue;
+    for (const int node : mesh.edge_nodes.col(e)) join(node);
+  }
+  std::vector<int> component_of_set(mesh.node_count(), -1), components(mesh.node_count(), -1);
+  int count = 0;
+  for (int node = 0; node < mesh.node_count(); ++node) {
+    if (used[node] == 0) continue;
+    int& component = component_of_set[set_of(node)];
+    if (component < 0) component = count++;
+    components[node] = component;
+  }
+  return components;
+}
+
 Boundary boundary_of(const TetMesh& mesh) {
   struct Face {
     std::array<int, 3> key;  // sorted nodes

@@ -47,6 +47,10 @@ struct TetMesh {
 /// diagonal of the consistent mass; its row sums are negative at the corners).
 [[nodiscard]] Eigen::VectorXd nodal_volumes(const TetMesh& mesh);
 
+/// (N) the component that each node belongs to: parts of the mesh that share no node, numbered in
+/// the order of their first node. Nodes of no tetrahedron: -1.
+[[nodiscard]] std::vector<int> node_components(const TetMesh& mesh);
+
 /// The skin of a volume, with vertices numbered anew and the way back.
 struct Boundary {
   SurfaceMesh surface;              ///< oriented outwards

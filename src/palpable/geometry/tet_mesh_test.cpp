@@ -87,5 +87,25 @@ TEST_CASE("a box without cells or extent is refused", "[geometry][errors]") {
   CHECK_THROWS_AS(box_tets({0, 0, 0}, {1, 0, 1}, 1, 1, 1), ContractViolation);
 }
 
+TEST_CASE("parts of a mesh that share no node are its components", "[geometry]") {
+  const TetMesh one = box_tets({0, 0, 0}, {1, 1, 1}, 2, 1, 1);
+  for (const bool quadratic : {false, true}) {
+    INFO(quadratic);
+    TetMesh two = one;
+    const int N = one.node_count();
+    // The second comes first in the list of tetrahedra; a node of none lies between the two.
+    two.nodes.resize(3, 2 * N + 1);
+    two.nodes << one.nodes, Vector3d(9, 9, 9), one.nodes.colwise() + Vector3d(0, 0, 5);
+    two.tets.resize(4, 2 * one.tet_count());
+    two.tets << (one.tets.array() + N + 1).matrix(), one.tets;
+    if (quadratic) two = with_edge_nodes(two);
+    const std::vector<int> components = node_components(two);
+    REQUIRE(static_cast<int>(components.size()) == two.node_count());
+    for (int n = 0; n < two.node_count(); ++n) {
+      CHECK(components[n] == (n == N ? -1 : two.nodes(2, n) > 4.0 ? 1 : 0));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace palpable

@@ -4,6 +4,7 @@
 #include "palpable/geometry/surface_distance.h"
 #include "palpable/solid/conjugate_gradients.h"
 #include "palpable/solid/contact_pairs.h"
+#include "palpable/solid/mutual_pairs.h"
 #include "palpable/solid/quasi_newton.h"
 #include "palpable/solid/solver_core.h"
 
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -31,6 +33,8 @@ constexpr double kTighter = 0.05;  // from one update of the multipliers to the 
 // A grid so much finer finds what enters between the contact points.
 constexpr double kFinerGrid = 0.25;
 constexpr double kMostPoints = 2e6;  // of contact: some 1 GB
+// MutualPairs::Look::shift: below, what the bodies do to each other lies where their skins are.
+constexpr double kSettled = 1e-4;
 
 double mean_edge(const SurfaceMesh& skin) {
   double sum = 0.0;
@@ -68,8 +72,8 @@ double refuse_too_many(const SurfaceMesh& skin, double spacing) {
   return spacing;
 }
 
-// (C) N/m: `share` times the stiffness of the nodes round each contact point.
-VectorXd penalties_of(const TetAssembly& assembly, const ContactPoints& points, double share) {
+// (N) N/m of each node.
+VectorXd node_stiffness(const TetAssembly& assembly) {
   BlockMatrix K(assembly.pattern());
   PassFields fields;
   const int N = assembly.node_count();
@@ -81,19 +85,44 @@ VectorXd penalties_of(const TetAssembly& assembly, const ContactPoints& points, 
   }
   // Nodes that are held do not move, whatever the penalty.
   const double mean = stiffness.sum() / static_cast<double>(assembly.free_nodes().size());
-  stiffness = (stiffness.array() == 0.0).select(mean, stiffness);
-  VectorXd penalties(static_cast<Eigen::Index>(points.points.size()));
-  for (Eigen::Index i = 0; i < penalties.size(); ++i) {
+  return (stiffness.array() == 0.0).select(mean, stiffness);
+}
+
+// (C) the mean of the nodes round each contact point.
+VectorXd means_at(const ContactPoints& points, const VectorXd& of_nodes) {
+  VectorXd means(static_cast<Eigen::Index>(points.points.size()));
+  for (Eigen::Index i = 0; i < means.size(); ++i) {
     const ContactPoint& point = points.points[i];
     double weighted = 0.0, weights = 0.0;
     for (int k = 0; k < point.count; ++k) {
-      weighted += std::abs(point.shape[k]) * stiffness[point.nodes[k]];
+      weighted += std::abs(point.shape[k]) * of_nodes[point.nodes[k]];
       weights += std::abs(point.shape[k]);
     }
-    penalties[i] = share * weighted / weights;
+    means[i] = weighted / weights;
   }
-  return penalties;
+  return means;
 }
+
+// The tangent with blocks between nodes of different components, which the body's own lacks, and
+// what its factors need.
+struct WideTangent {
+  BlockPattern pattern;
+  BlockMatrix K{pattern};
+  CholeskyAnalysis analysis;
+
+  WideTangent(BlockPattern the_pattern, FactorWorkspace& workspace)
+      : pattern(std::move(the_pattern)), analysis(pattern, workspace) {}
+
+  // The body's own blocks, and zeros.
+  void set(const BlockMatrix& own) {
+    K.set_zero();
+    for (int row = 0; row < own.pattern().rows(); ++row) {
+      for (int p = own.pattern().row_start[row]; p < own.pattern().row_start[row + 1]; ++p) {
+        K.block(pattern.find(row, own.pattern().column[p])) = own.block(p);
+      }
+    }
+  }
+};
 
 }  // namespace
 
@@ -106,11 +135,14 @@ struct ContactWalk::Work {
   Boundary boundary;
   double edge, size, spacing, checked_spacing;
   ContactPoints points;
+  VectorXd of_nodes;  // (N) N/m
   VectorXd penalties;
   ContactPairs pairs;
+  std::optional<MutualPairs> mutual;
 
   FactorWorkspace workspace;
   std::optional<BlockMatrix> K;
+  std::unique_ptr<WideTangent> wide;  // K points to its pattern, so it stays where it is
   std::optional<CholeskyFactor> own_factor;
   const CholeskyFactor* factor;
   bool factor_is_slow = false;
@@ -143,7 +175,8 @@ struct ContactWalk::Work {
         spacing(chosen_spacing(settings, edge, motion(begin))),
         checked_spacing(refuse_too_many(boundary.surface, spacing)),
         points(contact_points(core.model.mesh, boundary, checked_spacing)),
-        penalties(penalties_of(assembly, points, settings.penalty)),
+        of_nodes(node_stiffness(assembly)),
+        penalties(settings.penalty * means_at(points, of_nodes)),
         pairs(assembly, boundary, points, penalties, {settings.friction, settings.sticking * size}),
         factor(&core.at_rest.factor),
         force(3, assembly.node_count()) {
@@ -155,6 +188,11 @@ struct ContactWalk::Work {
     } else {
       free_preload = VectorXd::Zero(3 * static_cast<Eigen::Index>(assembly.free_nodes().size()));
     }
+    if (settings.mutual) {
+      mutual.emplace(assembly, core.model.mesh, boundary, points,
+                     settings.mutual_penalty * of_nodes, edge);
+      now.mutual_force.setZero(3, mutual->component_count());
+    }
     before = now;
   }
 
@@ -165,9 +203,11 @@ struct ContactWalk::Work {
     state = assembly.force(fields, force);
     if (!std::isfinite(state.energy)) return state.energy;
     positions = core.model.mesh.nodes + u;
-    const double contact = pairs.evaluate(gaps, positions, glued);
+    double contact = pairs.evaluate(gaps, positions, glued);
+    if (mutual) contact += mutual->evaluate(positions, glued);
     total = -force;
     pairs.add_forces(total);
+    if (mutual) mutual->add_forces(total);
     assembly.gather(total, r);
     VectorXd inside;
     assembly.gather(force, inside);
@@ -175,10 +215,17 @@ struct ContactWalk::Work {
     r += free_preload;
     double sum = free_preload.squaredNorm() + held;
     for (const ContactPair& pair : pairs.pairs()) sum += pair.whole_force().squaredNorm();
+    if (mutual) {
+      for (const MutualPair& pair : mutual->pairs()) sum += 2.0 * pair.force * pair.force;
+    }
     scale = std::sqrt(sum);
     const double preload =
         preloaded != nullptr ? preloaded->force.cwiseProduct(u - preloaded->rest).sum() : 0.0;
     return state.energy + contact - preload;
+  }
+
+  [[nodiscard]] const BlockPattern& pattern_of_factor() const {
+    return wide ? wide->pattern : assembly.pattern();
   }
 
   bool renew_factor(const Matrix3Xd& u) {
@@ -186,8 +233,17 @@ struct ContactWalk::Work {
     assembly.set_state(u, fields);
     assembly.tangent(fields, *K);
     pairs.add_tangent(*K);
-    std::optional<CholeskyFactor> fresh =
-        CholeskyFactor::make(core.analysis, *K, FactorPrecision::k32Bits, workspace);
+    std::optional<CholeskyFactor> fresh;
+    if (mutual && !mutual->fits(pattern_of_factor())) {
+      wide = std::make_unique<WideTangent>(mutual->widened(assembly.pattern()), workspace);
+    }
+    if (wide) {
+      wide->set(*K);
+      mutual->add_tangent(wide->K);
+      fresh = CholeskyFactor::make(wide->analysis, wide->K, FactorPrecision::k32Bits, workspace);
+    } else {
+      fresh = CholeskyFactor::make(core.analysis, *K, FactorPrecision::k32Bits, workspace);
+    }
     if (!fresh) return false;
     own_factor = std::move(fresh);
     factor = &*own_factor;
@@ -207,6 +263,7 @@ struct ContactWalk::Work {
             [&](const VectorXd& x, VectorXd& y) {
               assembly.tangent_product(fields, x, y);
               pairs.add_product(x, bent, y);
+              if (mutual) mutual->add_product(x, y);
             },
         .preconditioner = [&](const VectorXd& b,
                               VectorXd& x) { corrections.solve(b, x, apply_factor); },
@@ -280,28 +337,41 @@ struct ContactWalk::Work {
     if (!checked_begin) {
       positions = core.model.mesh.nodes + now.displacement;
       if (swallows(ObstacleGaps(motion(now.t)))) return Stop::kSwallowed;
+      if (mutual && mutual->look(positions).buried > 0) return Stop::kSwallowed;
       checked_begin = true;
     }
     const Matrix3Xd positions_before = core.model.mesh.nodes + now.displacement;
+    if (mutual) mutual->take(mutual->look(positions_before));
     pairs.take_up(gaps, positions_before);
     if (settings.friction > 0.0) pairs.begin_step(gaps, motion(now.t), positions_before);
     Matrix3Xd u = start(gaps, t);
     positions = core.model.mesh.nodes + u;
     pairs.find(gaps, positions, edge);
+    if (mutual) mutual->take(mutual->look(positions));
     BodyState state;
     double tolerance = std::max(kFirstTolerance, settings.tolerance);
     for (int update = 0; update < settings.max_updates; ++update) {
       const Stop failed = minimise(gaps, tolerance, u, state);
       if (failed != Stop::kNone) return failed;
-      const double change = pairs.update_multipliers();
+      double change = pairs.update_multipliers();
+      if (mutual) change = std::max(change, mutual->update_multipliers());
       ++updates;
       positions = core.model.mesh.nodes + u;
-      const bool all_there = pairs.find(gaps, positions, edge) == 0;
+      bool all_there = pairs.find(gaps, positions, edge) == 0;
+      MutualPairs::Look look;
+      if (mutual) {
+        look = mutual->look(positions);
+        if (look.buried > 0) return Stop::kSwallowed;
+        all_there = all_there && look.shift <= kSettled &&
+                    look.smallest_gap >= -settings.largest_entry * size;
+      }
       if (all_there && change <= settings.largest_entry * size && tolerance <= settings.tolerance) {
         if (swallows(gaps)) return Stop::kSwallowed;
+        now.smallest_mutual_gap = look.smallest_gap;
         keep(gaps, t, std::move(u), state);
         return Stop::kNone;
       }
+      if (mutual) mutual->take(std::move(look));
       tolerance = std::max(kTighter * tolerance, settings.tolerance);
     }
     return Stop::kNoConvergence;
@@ -347,7 +417,7 @@ struct ContactWalk::Work {
     if (ratio > 0.0 && ratio <= 2.0) {
       try_start(now.displacement + ratio * (now.displacement - before.displacement));
     }
-    if (now.touching > 0) {
+    if (now.touching > 0 || now.mutual_touching > 0) {
       BodyState state;
       evaluate(gaps, best, state, true);
       if (newton_step(best, kFirstTolerance) == Stop::kNone) {
@@ -392,6 +462,11 @@ struct ContactWalk::Work {
     now.centre = moment / sum;  // NaN without force
     now.complementarity = sum > 0.0 ? largest_product / (sum * size) : 0.0;
     now.entry_between = entry_between(gaps);
+    if (!mutual) return;
+    now.mutual_force = mutual->force_on_components();
+    now.mutual_touching =
+        static_cast<int>(std::count_if(mutual->pairs().begin(), mutual->pairs().end(),
+                                       [](const MutualPair& pair) { return pair.force > 0.0; }));
   }
 
   [[nodiscard]] double entry_between(const ObstacleGaps& gaps) const {
@@ -432,6 +507,7 @@ struct ContactWalk::Work {
       const double left = t - now.t;
       const double next = std::abs(step) >= std::abs(left) ? t : now.t + step;
       const ContactPairs::Saved multipliers = pairs.save();
+      const std::vector<MutualPair> between = mutual ? mutual->pairs() : std::vector<MutualPair>();
       stop = solve(next);
       if (stop == Stop::kNone) {
         ++now.steps;
@@ -440,6 +516,7 @@ struct ContactWalk::Work {
         continue;
       }
       pairs.restore(multipliers);  // forces as they were in the last good state
+      if (mutual) mutual->restore(between);
       if (halvings == settings.max_halvings) break;
       ++halvings;
       step = 0.5 * (next - now.t);
@@ -468,6 +545,9 @@ struct ContactWalk::Work {
         reason = "conjugate gradients did not converge";
         break;
       case Stop::kSwallowed:
+        if (!checked_begin && mutual) {
+          return "the obstacle lies inside the body where its way begins, or a body in another";
+        }
         if (!checked_begin) return "the obstacle lies inside the body where its way begins";
         reason = "it would get inside the body through its skin; go in smaller steps";
         break;
@@ -495,6 +575,12 @@ double ContactWalk::body_size() const { return work_->size; }
 Matrix3Xd ContactWalk::nodal_forces() const {
   Matrix3Xd force = Matrix3Xd::Zero(3, work_->assembly.node_count());
   work_->pairs.add_forces(force);
+  return force;
+}
+
+Matrix3Xd ContactWalk::mutual_nodal_forces() const {
+  Matrix3Xd force = Matrix3Xd::Zero(3, work_->assembly.node_count());
+  if (work_->mutual) work_->mutual->add_forces(force);
   return force;
 }
 

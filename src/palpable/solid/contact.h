@@ -8,6 +8,10 @@
 ///
 ///   N  nodes      u  displacement, (3 x N) m      t  time along the obstacle's way
 ///
+/// The bodies of one mesh that share no node (joined_model.h) press each other, too, where that is
+/// asked for (ContactSettings::mutual): contact points of each against the triangles of the others,
+/// both deformable, solved together (mutual_pairs.h).
+///
 /// Newton's method with a line search on the Lagrangian, conjugate gradients for its steps; the
 /// factor that preconditions them is one of the tangent with the contact's stiffness in it.
 #pragma once
@@ -34,7 +38,8 @@ struct ContactSettings {
   /// third of the skin's mean edge. A tip that is smaller than the spacing passes between them.
   double spacing = 0;
   /// Of the nodes' own stiffness: the penalty of a contact point. More means fewer updates of the
-  /// multipliers, and worse conditioned steps.
+  /// multipliers, and worse conditioned steps: where a slender body is pushed by much more than
+  /// its own size of element in a step, 5 is several times as fast.
   double penalty = 200;
   /// Coulomb's coefficient between obstacle and skin. With friction the answer depends on the way,
   /// step by step: a point slides along the straight line between two steps.
@@ -42,6 +47,14 @@ struct ContactSettings {
   /// m, as a share of the body's size: a point that slides by less in a step is held by less than
   /// friction's whole force.
   double sticking = 1e-4;
+  /// Whether the separate components of the mesh keep each other out, without friction. Not what a
+  /// component does to itself. A step in which one goes right through the other is not noticed:
+  /// steps should be shorter than half of what is thinnest. 4-node tetrahedra only.
+  bool mutual = false;
+  /// The penalty of a pair between two components, as `penalty`. Points of both sides lie close to
+  /// each other and share what presses: more makes the choice of those that press jump, a fifth of
+  /// it takes more than 30 updates between two blocks of different grids.
+  double mutual_penalty = 10;
   int max_newton_steps = 40;    ///< of one update
   int max_updates = 30;         ///< of the multipliers
   int max_halvings = 7;         ///< of a step in t, in succession
@@ -66,6 +79,13 @@ struct ContactState {
   double smallest_force = 0;   ///< N, along the normal, of all contact points: >= 0
   double complementarity = 0;  ///< largest |g f| over (size * the sum of all f)
   double residual = 0;         ///< relative, as ContactSettings::tolerance
+  /// With ContactSettings::mutual, (3 x components, by their first node) N on each by the others;
+  /// they sum to 0. Else no columns.
+  Eigen::Matrix3Xd mutual_force;
+  int mutual_touching = 0;  ///< contact points with force against another component
+  /// m, of the contact points near another component, not below -largest_entry * size; infinite if
+  /// none is near.
+  double smallest_mutual_gap = std::numeric_limits<double>::infinity();
   double smallest_volume_ratio = 1;
   int steps = 0;          ///< in t, since the state before
   int updates = 0;        ///< of multipliers, likewise
@@ -82,7 +102,8 @@ class ContactWalk {
   /// is refused by the first advance().
   /// @param solver     outlives this
   /// @param preloaded  see PathOptions; nullptr: the undeformed body. Outlives this
-  /// @throws Error when the spacing asks for more contact points than memory holds
+  /// @throws Error when the spacing asks for more contact points than memory holds, and for
+  ///         10-node tetrahedra with ContactSettings::mutual
   ContactWalk(const EquilibriumSolver& solver, ObstacleMotion motion, double begin,
               const ContactSettings& settings = {}, const Preloaded* preloaded = nullptr);
   ~ContactWalk();
@@ -99,6 +120,8 @@ class ContactWalk {
 
   /// (3 x N) N of the obstacle at the nodes, at now().
   [[nodiscard]] Eigen::Matrix3Xd nodal_forces() const;
+  /// (3 x N) N of the components on each other at the nodes, at now().
+  [[nodiscard]] Eigen::Matrix3Xd mutual_nodal_forces() const;
 
   [[nodiscard]] double spacing() const;    ///< m, of the contact points
   [[nodiscard]] double body_size() const;  ///< m

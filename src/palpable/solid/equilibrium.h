@@ -82,7 +82,8 @@ enum class Stop {
   kNegativeCurvature,  ///< the tangent is not positive definite: the body buckles or collapses
   kNoConvergence,      ///< Newton's method ran out of steps
   kLinearSolver,       ///< conjugate gradients ran out of iterations, with a fresh factor too
-  kSwallowed           ///< an obstacle got inside the body, where nothing pushes it out (contact.h)
+  kSwallowed  ///< an obstacle, or another body, got inside the body, where nothing pushes it
+              ///< out (contact.h)
 };
 
 /// Where the CPU time of a path went, s.
