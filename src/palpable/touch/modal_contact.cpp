@@ -238,7 +238,7 @@ ModalContact::Work::Body::Body(const ModalMember& the_member, double finest)
                        places.col(static_cast<Index>(p)) = points[p].at(rest);
                    }(),
                    rest),
-               points, places, kCluster * static_cast<float>(finest)),
+               points, places, levels, kCluster * static_cast<float>(finest)),
       energy(member.body->several->energy),
       surface(member.body->surface),
       shell_u(3, member.tables->shell.nodes()),
