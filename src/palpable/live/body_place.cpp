@@ -13,6 +13,8 @@ namespace palpable {
 namespace {
 
 constexpr double kStandsIn = 2e-4;  // m: bodies that stand on each other touch, to rounding
+// m below its skin a body is looked at, too: of two in the same place no skin is in the other.
+constexpr float kBelow = 1e-3f;
 
 const std::string& name_of(const PlacedBody& body) {
   return body.name.empty() ? body.body.body.name : body.name;
@@ -27,7 +29,8 @@ Eigen::AlignedBox3d box_in_world(const PlacedBody& body) {
   return box;
 }
 
-// m: how deep a vertex of `a` or the middle of one of its triangles is in `b` at worst.
+// m: how deep a vertex of `a`, the middle of one of its triangles, or what lies below a vertex is
+// in `b` at worst.
 double entry_of(const PlacedBody& a, const PlacedBody& b) {
   const SurfaceMesh& skin = a.body.body.surface;
   const Eigen::AlignedBox3d near = box_in_world(b);
@@ -40,7 +43,13 @@ double entry_of(const PlacedBody& a, const PlacedBody& b) {
     if (!distance) distance.emplace(b.body.body.surface);
     deepest = std::max(deepest, -distance->nearest(b_from_world * x).distance);
   };
-  for (Eigen::Index v = 0; v < skin.vertices.cols(); ++v) look(skin.vertices.col(v));
+  const Eigen::Matrix3Xf vertices = skin.vertices.cast<float>();
+  Eigen::Matrix3Xf normals(3, vertices.cols());
+  vertex_normals(vertices, skin.triangles, normals);
+  for (Eigen::Index v = 0; v < skin.vertices.cols(); ++v) {
+    look(skin.vertices.col(v));
+    look((vertices.col(v) - kBelow * normals.col(v)).cast<double>());
+  }
   for (Eigen::Index t = 0; t < skin.triangles.cols(); ++t) {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (int k = 0; k < 3; ++k) middle += skin.vertices.col(skin.triangles(k, t)) / 3;

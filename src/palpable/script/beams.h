@@ -22,8 +22,8 @@ inline constexpr int kBeamsFrames = 420;
 
 /// The scene stands in the middle of the desk, turned so that the beams' free ends, those to which
 /// their sites reach, are to the right, where the hand comes from. Each press aims at a site of the
-/// upper beam in its outer third and goes down by the gap between the beams and 3 to 8 mm more.
-/// Sequence::desk_from_body is of the first body.
+/// upper beam in its outer third and goes down until its free end lies on the lower one, and 3 to 8
+/// mm more. Sequence::desk_from_body is of the first body.
 /// @param bodies  two, in any order, each with its sites on top
 /// @throws Error when they are not two beams above each other with a gap of 2 to 60 mm, or when no
 ///         hand can press the upper one without meeting anything else

