@@ -27,11 +27,15 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Eigen::VectorXd;
 
-constexpr float kCluster = 3.5f;  // of a heap of points: radius over their distance
+// Of a heap of points: radius over their distance, and m at most.
+constexpr float kCluster = 3.5f, kLargestCluster = 0.0045f;
 // A heap's points may lie farther from its middle than at rest, where the skin is stretched.
 constexpr float kStretch = 1.2f;
-// m between contact points: the coarsest set, which is asked of other members, and the finest.
+// m between contact points: the coarsest set, which is asked of other members, and the finest; of
+// large bodies twice and half of the distance that their points have.
 constexpr double kCoarsest = 0.006, kFinest = 0.0015;
+// m: of what is farther nobody need tell, neither a surface that was seen nor kGapReach.
+constexpr float kTold = 0.010f;
 // m: so deep a member's skin is looked for in another's.
 constexpr float kInside = 0.02f;
 // Of a disc of radius a that is pressed evenly by f, the mean: w = 0.54 f (1 - nu^2) / (E a).
@@ -161,13 +165,14 @@ struct Known {
 struct ModalContact::Work {
   // One body: what is made once, and its present shape.
   struct Body {
-    Body(const ModalMember& the_member, double finest);
+    Body(const ModalMember& the_member, double spacing);
 
     ModalMember member;
     Index n, V;
     Matrix3Xf rest;
     std::vector<SkinPoint> points;
     Matrix3Xf places;
+    double coarsest, finest;  // m
     std::vector<float> levels;
     SkinClusters clusters;
     std::vector<float> rows;  // (V x 3 x n) of the modes: vertex, direction, mode
@@ -224,21 +229,24 @@ struct ModalContact::Work {
   void keep(std::span<ModalState> states, ModalReport& report);
 };
 
-ModalContact::Work::Body::Body(const ModalMember& the_member, double finest)
+ModalContact::Work::Body::Body(const ModalMember& the_member, double spacing)
     : member(the_member),
       n(member.body->several->mode_count()),
       V(member.body->surface.vertex_count()),
       rest(member.body->surface.vertices.cast<float>()),
-      points(skin_points(member.body->surface, member.body->fixed, finest)),
+      points(skin_points(member.body->surface, member.body->fixed, spacing)),
       places(3, static_cast<Index>(points.size())),
-      levels(point_levels(member.body->surface, points, kCoarsest, kFinest)),
+      coarsest(std::max(kCoarsest, 2 * spacing)),
+      finest(std::max(kFinest, 0.5 * spacing)),
+      levels(point_levels(member.body->surface, points, coarsest, finest)),
       clusters((
                    [this] {
                      for (std::size_t p = 0; p < points.size(); ++p)
                        places.col(static_cast<Index>(p)) = points[p].at(rest);
                    }(),
                    rest),
-               points, places, levels, kCluster * static_cast<float>(finest)),
+               points, places, levels,
+               std::min(kCluster * static_cast<float>(spacing), kLargestCluster)),
       energy(member.body->several->energy),
       surface(member.body->surface),
       shell_u(3, member.tables->shell.nodes()),
@@ -343,7 +351,11 @@ void ModalContact::Work::find_seen(int k, const GapQuery& gaps, const NearQuery&
   for (const SkinCluster& cluster : b.clusters.clusters()) {
     const Vector3f middle = b.x.col(cluster.vertex);
     const float reach = band + kStretch * cluster.radius;
-    if (near ? !near(middle, reach) : !gaps(middle, seen) || !(seen.distance <= reach)) continue;
+    const bool is_told = reach <= kTold;  // else each of its points is asked
+    if (is_told &&
+        (near ? !near(middle, reach) : !gaps(middle, seen) || !(seen.distance <= reach))) {
+      continue;
+    }
     for (int i = cluster.first; i < cluster.last; ++i) {
       const int p = b.clusters.order()[static_cast<std::size_t>(i)];
       const Vector3f at = b.places.col(p) + b.points[static_cast<std::size_t>(p)].at(b.u);
@@ -354,14 +366,11 @@ void ModalContact::Work::find_seen(int k, const GapQuery& gaps, const NearQuery&
       }
       const float bend = largest_curvature(seen.curvature),
                   level = b.levels[static_cast<std::size_t>(p)];
-      const float enough = bend > 0
-                               ? std::min(static_cast<float>(kCoarsest),
-                                          std::sqrt(4 * static_cast<float>(settings.entry) / bend))
-                               : static_cast<float>(kCoarsest);
-      if (level > 0 ? level * std::numbers::sqrt2_v<float> <= enough
-                    : enough >= static_cast<float>(kFinest)) {
-        continue;
-      }
+      const auto coarsest = static_cast<float>(b.coarsest), finest = static_cast<float>(b.finest);
+      const float enough =
+          bend > 0 ? std::min(coarsest, std::sqrt(4 * static_cast<float>(settings.entry) / bend))
+                   : coarsest;
+      if (level > 0 ? level * std::numbers::sqrt2_v<float> <= enough : enough >= finest) continue;
       Candidate c;
       c.member = k;
       c.point = p;
@@ -385,7 +394,7 @@ void ModalContact::Work::find_between(int k, int other) {
     for (int i = cluster.first; i < cluster.last; ++i) {
       const int p = b.clusters.order()[static_cast<std::size_t>(i)];
       if (!(b.levels[static_cast<std::size_t>(p)] * std::numbers::sqrt2_v < float >>
-            static_cast<float>(kCoarsest))) {
+            static_cast<float>(b.coarsest))) {
         continue;
       }
       Candidate c;
@@ -424,11 +433,11 @@ void ModalContact::Work::find(std::span<const GapQuery> gaps, std::span<const Ne
     std::sort(known.begin(), known.end());
     candidates.clear();
   }
+  static const NearQuery anywhere;
   const int count = static_cast<int>(bodies.size());
   for (int k = 0; k < count; ++k) {
     const auto at = static_cast<std::size_t>(k);
-    find_seen(k, at < gaps.size() ? gaps[at] : GapQuery{},
-              at < near.size() ? near[at] : NearQuery{}, shift);
+    if (at < gaps.size()) find_seen(k, gaps[at], at < near.size() ? near[at] : anywhere, shift);
   }
   for (const Candidate& c : candidates) bodies[static_cast<std::size_t>(c.member)]->active = true;
   for (int k = 0; k < count; ++k) {
