@@ -94,9 +94,8 @@ void bake_without_campaign(const Options& options, const BodyDescription& descri
       {.version = std::string("palpable ") + PALPABLE_VERSION, .command_line = command_line},
       bar.progress());
   bar.finish();
-  const bool none = !description.touch.by_default;
-  std::string touch = "at its sites, one at a time";
-  if (made.body.several && !none) {
+  std::string touch = touch_text(std::nullopt);
+  if (made.body.several && description.touch.by_default) {
     const ModalTables tables = modal_tables(made);
     write_touchable_body(options.output, made.body, tables, options.file.storage());
     touch = touch_text(tables, made.body);

@@ -1,6 +1,7 @@
 #include "palpable/reduced/quartic_energy.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/reduced/small_cholesky.h"
 
 #include <algorithm>
 #include <array>
@@ -101,26 +102,12 @@ double QuarticEquilibrium::evaluate(const VectorXd& q) {
 }
 
 bool QuarticEquilibrium::newton_step(double shift) {
-  // Cholesky, column by column: small, and free of what a library may allocate.
-  const Index n = right_.size();
   factor_ = hessian_;
-  for (Index i = 0; i < n; ++i) factor_(i, i) += shift * energy_.K[pair_row(i, i)];
-  for (Index j = 0; j < n; ++j) {
-    for (Index k = 0; k < j; ++k) {
-      factor_.col(j).tail(n - j) -= factor_(j, k) * factor_.col(k).tail(n - j);
-    }
-    if (!(factor_(j, j) > 0.0)) return false;
-    factor_.col(j).tail(n - j) /= std::sqrt(factor_(j, j));
-  }
+  for (Index i = 0; i < right_.size(); ++i) factor_(i, i) += shift * energy_.K[pair_row(i, i)];
+  if (!factorise_small(factor_)) return false;
   step_ = right_;
-  for (Index j = 0; j < n; ++j) {
-    step_[j] /= factor_(j, j);
-    step_.tail(n - j - 1) -= step_[j] * factor_.col(j).tail(n - j - 1);
-  }
-  for (Index j = n - 1; j >= 0; --j) {
-    step_[j] -= factor_.col(j).tail(n - j - 1).dot(step_.tail(n - j - 1));
-    step_[j] /= factor_(j, j);
-  }
+  solve_lower(factor_, step_);
+  solve_upper(factor_, step_);
   return true;
 }
 

@@ -20,7 +20,12 @@ ModalBodies::ModalBodies(const std::vector<Member>& members)
   for (const Member& member : members_) {
     gaps_.push_back(gaps_to(*member.seen));
     near_.push_back(near_to(*member.seen));
-    skins_.push_back(member.body.body->surface.vertices.cast<float>());
+    const SurfaceMesh& rest = member.body.body->surface;
+    skins_.push_back(rest.vertices.cast<float>());
+    rest_normals_.emplace_back(3, skins_.back().cols());
+    vertex_normals(skins_.back(), rest.triangles, rest_normals_.back());
+    rest_stress_.emplace_back(static_cast<std::size_t>(skins_.back().cols()));
+    contact_.stress(static_cast<int>(rest_stress_.size()) - 1, {}, rest_stress_.back());
   }
 }
 
@@ -53,6 +58,11 @@ void ModalBodies::reconstruct(int member, SceneBody& shown) {
   const SurfaceMesh& rest = members_[k].body.body->surface;
   shown.stated_error.reset();
   shown.vertices = skins_[k];
+  if (states_[k].q.isZero(0)) {  // what stands about costs a copy
+    shown.normals = rest_normals_[k];
+    shown.von_mises = rest_stress_[k];
+    return;
+  }
   shown.normals.resize(3, skins_[k].cols());
   shown.von_mises.resize(static_cast<std::size_t>(skins_[k].cols()));
   vertex_normals(shown.vertices, rest.triangles, shown.normals);

@@ -41,6 +41,9 @@ class ModalBodies {
   std::vector<GapQuery> gaps_;
   std::vector<NearQuery> near_;
   std::vector<Eigen::Matrix3Xf> skins_;  // where they are now, m
+  // Of each at rest: normals, and von Mises stress, Pa.
+  std::vector<Eigen::Matrix3Xf> rest_normals_;
+  std::vector<std::vector<float>> rest_stress_;
   TouchPatches patches_{2 * ModalContact::kMostPoints};
   ModalReport report_;
 };

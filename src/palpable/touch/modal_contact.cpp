@@ -3,8 +3,10 @@
 #include "palpable/base/contract.h"
 #include "palpable/reduced/mode_kernels.h"
 #include "palpable/reduced/quartic_energy.h"
+#include "palpable/reduced/small_cholesky.h"
 #include "palpable/touch/complementarity.h"
 #include "palpable/touch/moving_surface.h"
+#include "palpable/touch/near_points.h"
 #include "palpable/touch/point_levels.h"
 #include "palpable/touch/shell_stress.h"
 #include "palpable/touch/skin_clusters.h"
@@ -106,37 +108,14 @@ class PackedEnergy {
   std::vector<float> D_;  // row by row from the diagonal on
 };
 
-// L L^T = A in place of the lower triangle; false where A is not positive definite.
-bool factorise(MatrixXd& A) {
-  const Index n = A.rows();
-  for (Index j = 0; j < n; ++j) {
-    for (Index k = 0; k < j; ++k) A.col(j).tail(n - j) -= A(j, k) * A.col(k).tail(n - j);
-    if (!(A(j, j) > 0)) return false;
-    A.col(j).tail(n - j) /= std::sqrt(A(j, j));
+// u = sum_i q_i F_i. @param weights  (n) q in single precision, overwritten
+void sum_modes(const Eigen::MatrixXf& F, const VectorXd& q, std::vector<float>& weights, float* u) {
+  if (F.rows() == 0) return;
+  for (Index i = 0; i < q.size(); ++i) {
+    weights[static_cast<std::size_t>(i)] = static_cast<float>(q[i]);
   }
-  return true;
-}
-
-// x <- L^-1 x.
-void forward(const MatrixXd& L, Eigen::Ref<VectorXd> x) {
-  const Index n = L.rows();
-  for (Index j = 0; j < n; ++j) {
-    x[j] /= L(j, j);
-    x.tail(n - j - 1) -= x[j] * L.col(j).tail(n - j - 1);
-  }
-}
-
-// x <- L^-T x.
-void backward(const MatrixXd& L, Eigen::Ref<VectorXd> x) {
-  for (Index j = L.rows() - 1; j >= 0; --j) {
-    x[j] -= L.col(j).tail(L.rows() - j - 1).dot(x.tail(L.rows() - j - 1));
-    x[j] /= L(j, j);
-  }
-}
-
-float largest_curvature(const Eigen::Matrix3f& K) {
-  const float trace = K.trace(), apart = 2 * K.squaredNorm() - trace * trace;
-  return 0.5f * (trace + std::sqrt(std::max(0.0f, apart)));
+  mode_kernels().front().sum({F.data(), static_cast<std::size_t>(F.rows()), weights.size()},
+                             weights.data(), false, {u, static_cast<std::size_t>(F.rows())});
 }
 
 // A contact point near something.
@@ -183,18 +162,15 @@ struct ModalContact::Work {
     std::optional<ShellStress> shell;
     Matrix3Xf shell_u;  // (3 x W)
 
-    VectorXd q, began, step, pull;  // (n)
-    Matrix3Xf u, x;                 // (3 x V) m: displacement and place
-    std::vector<float> weights;     // (n)
-    MatrixXd factor;                // (n x n) of H
+    VectorXd q, step, pull;      // (n)
+    Matrix3Xf u, x;              // (3 x V) m: displacement and place
+    std::vector<float> weights;  // (n)
+    MatrixXd factor;             // (n x n) of H
     bool active = false;
 
     void set_shape();
     void move_surface();
     bool is_surface_old = false;  // of a shape before
-    [[nodiscard]] Vector3f at(const SkinPoint& point, const Matrix3Xf& field) const {
-      return point.at(field);
-    }
     // result += sum_v w_v F(v)^T d
     void add_row(const Eigen::Vector3i& corners, const Vector3f& w, const Vector3d& d,
                  Eigen::Ref<VectorXd> result) const;
@@ -202,6 +178,7 @@ struct ModalContact::Work {
 
   ModalSettings settings;
   std::vector<std::unique_ptr<Body>> bodies;
+  std::vector<Eigen::Isometry3f> transforms;  // (K x K) of from_to()
   std::vector<Candidate> candidates;
   std::vector<Known> known;          // forces, to begin with
   std::vector<std::size_t> pressed;  // those of the candidates that take part in an iteration
@@ -211,8 +188,10 @@ struct ModalContact::Work {
   Index most_modes = 1;
 
   Work(std::vector<ModalMember> members, const ModalSettings& the_settings);
-  [[nodiscard]] Eigen::Isometry3f from_to(const Body& from, const Body& to) const {
-    return (to.member.world_from_body.inverse() * from.member.world_from_body).cast<float>();
+  // Of each member's frame into each other's: they stand still.
+  [[nodiscard]] const Eigen::Isometry3f& from_to(int from, int to) const {
+    return transforms[static_cast<std::size_t>(from) * bodies.size() +
+                      static_cast<std::size_t>(to)];
   }
   void begin(std::span<ModalState> states);
   void find(std::span<const GapQuery> gaps, std::span<const NearQuery> near, double shift,
@@ -251,7 +230,6 @@ ModalContact::Work::Body::Body(const ModalMember& the_member, double spacing)
       surface(member.body->surface),
       shell_u(3, member.tables->shell.nodes()),
       q(VectorXd::Zero(n)),
-      began(VectorXd::Zero(n)),
       step(VectorXd::Zero(n)),
       pull(VectorXd::Zero(n)),
       u(Matrix3Xf::Zero(3, V)),
@@ -267,10 +245,7 @@ ModalContact::Work::Body::Body(const ModalMember& the_member, double spacing)
 }
 
 void ModalContact::Work::Body::set_shape() {
-  for (Index i = 0; i < n; ++i) weights[static_cast<std::size_t>(i)] = static_cast<float>(q[i]);
-  const Eigen::MatrixXf& F = member.body->several->modes;
-  mode_kernels().front().sum({F.data(), static_cast<std::size_t>(F.rows()), weights.size()},
-                             weights.data(), false, {u.data(), static_cast<std::size_t>(u.size())});
+  sum_modes(member.body->several->modes, q, weights, u.data());
   x = rest + u;
   is_surface_old = true;
 }
@@ -301,6 +276,12 @@ ModalContact::Work::Work(std::vector<ModalMember> members, const ModalSettings& 
                     "a body with its tables of modes");
     bodies.push_back(std::make_unique<Body>(member, member.tables->point_spacing));
     most_modes = std::max(most_modes, bodies.back()->n);
+  }
+  for (const auto& from : bodies) {
+    for (const auto& to : bodies) {
+      transforms.push_back(
+          (to->member.world_from_body.inverse() * from->member.world_from_body).cast<float>());
+    }
   }
   const auto m = static_cast<Index>(kMostPoints);
   candidates.reserve(16 * kMostPoints);
@@ -335,9 +316,8 @@ void ModalContact::Work::begin(std::span<ModalState> states) {
     const bool bent = !state.q.isZero(0);
     const bool moved = state.q != b.q;
     b.q = state.q;
-    b.began = state.q;
     b.active = bent;
-    if (moved) { b.set_shape(); }
+    if (moved) b.set_shape();
   }
 }
 
@@ -364,13 +344,11 @@ void ModalContact::Work::find_seen(int k, const GapQuery& gaps, const NearQuery&
           !seen.curvature.allFinite()) {
         continue;
       }
-      const float bend = largest_curvature(seen.curvature),
-                  level = b.levels[static_cast<std::size_t>(p)];
-      const auto coarsest = static_cast<float>(b.coarsest), finest = static_cast<float>(b.finest);
-      const float enough =
-          bend > 0 ? std::min(coarsest, std::sqrt(4 * static_cast<float>(settings.entry) / bend))
-                   : coarsest;
-      if (level > 0 ? level * std::numbers::sqrt2_v<float> <= enough : enough >= finest) continue;
+      if (!is_point_needed(b.levels[static_cast<std::size_t>(p)], largest_curvature(seen.curvature),
+                           static_cast<float>(settings.entry), static_cast<float>(b.coarsest),
+                           static_cast<float>(b.finest))) {
+        continue;
+      }
       Candidate c;
       c.member = k;
       c.point = p;
@@ -385,7 +363,7 @@ void ModalContact::Work::find_seen(int k, const GapQuery& gaps, const NearQuery&
 void ModalContact::Work::find_between(int k, int other) {
   const Body &b = *bodies[static_cast<std::size_t>(k)],
              &o = *bodies[static_cast<std::size_t>(other)];
-  const Eigen::Isometry3f to_other = from_to(b, o);
+  const Eigen::Isometry3f& to_other = from_to(k, other);
   const auto band = static_cast<float>(settings.band);
   for (const SkinCluster& cluster : b.clusters.clusters()) {
     const Vector3f middle = to_other * Vector3f(b.x.col(cluster.vertex));
@@ -410,7 +388,7 @@ void ModalContact::Work::find_between(int k, int other) {
 bool ModalContact::Work::measure_between(Candidate& c) const {
   const Body &b = *bodies[static_cast<std::size_t>(c.member)],
              &o = *bodies[static_cast<std::size_t>(c.by)];
-  const Eigen::Isometry3f to_other = from_to(b, o);
+  const Eigen::Isometry3f& to_other = from_to(c.member, c.by);
   const Vector3f at = b.places.col(c.point) + b.points[static_cast<std::size_t>(c.point)].at(b.u);
   const auto found = o.surface.nearest(to_other * at, kInside);
   if (!found) return false;
@@ -534,12 +512,12 @@ bool ModalContact::Work::factorise_all() {
         for (Index j = 0; j < b.n; ++j) b.factor.col(j) -= (bend * b.pull[j]) * b.pull;
       }
     }
-    if (factorise(b.factor)) continue;
+    if (factorise_small(b.factor)) continue;
     double shift = 0;
     for (int tries = 0;; ++tries) {
       b.factor = b.hessian;
       if (shift > 0) b.factor.diagonal() += shift * b.hessian.diagonal().cwiseAbs();
-      if (factorise(b.factor)) break;
+      if (factorise_small(b.factor)) break;
       shift = shift == 0 ? 0.01 : 4 * shift;
       if (tries > 20) return false;  // not a number somewhere
     }
@@ -558,7 +536,7 @@ void ModalContact::Work::assemble() {
     column.setZero();
     b.add_row({point.corners[0], point.corners[1], point.corners[2]}, point.weights, c.normal,
               column);
-    forward(b.factor, column);
+    solve_lower(b.factor, column);
     // pull = L^-1 (- W'): what the body would do if nothing pressed.
     gap[p] = c.gap + column.dot(b.pull);
     if (c.by < 0) continue;
@@ -566,7 +544,7 @@ void ModalContact::Work::assemble() {
     auto other = others.col(static_cast<Index>(p)).head(o.n);
     other.setZero();
     o.add_row(c.corners, c.weights, -c.other_normal, other);
-    forward(o.factor, other);
+    solve_lower(o.factor, other);
     gap[p] += other.dot(o.pull);
   }
   for (std::size_t p = 0; p < m; ++p) {
@@ -607,7 +585,7 @@ double ModalContact::Work::iterate(ModalReport& report) {
     Body& b = *body;
     if (!b.active) continue;
     b.pull = -b.gradient;
-    forward(b.factor, b.pull);
+    solve_lower(b.factor, b.pull);
   }
   pressed.clear();
   for (std::size_t p = 0; p < candidates.size(); ++p) {
@@ -635,7 +613,7 @@ double ModalContact::Work::iterate(ModalReport& report) {
   for (const auto& body : bodies) {
     Body& b = *body;
     if (!b.active) continue;
-    backward(b.factor, b.step);
+    solve_upper(b.factor, b.step);
     const Matrix3Xf& before = b.shell_u;  // as large, and free
     b.shell_u.leftCols(b.V) = b.u;
     b.q += b.step;
@@ -668,7 +646,6 @@ void ModalContact::Work::keep(std::span<ModalState> states, ModalReport& report)
     states[k].q = b.q;
   }
   Vector3d sum = Vector3d::Zero();
-  double between = 0;
   for (const bool others_now : {false, true}) {
     for (const Candidate& c : candidates) {
       if ((c.by >= 0) != others_now) continue;
@@ -686,7 +663,6 @@ void ModalContact::Work::keep(std::span<ModalState> states, ModalReport& report)
       sum += b.member.world_from_body.linear() * force.cast<double>() +
              bodies[static_cast<std::size_t>(c.by)]->member.world_from_body.linear() *
                  back.cast<double>();
-      between += c.force;
     }
   }
   report.imbalance = sum.norm();
@@ -722,7 +698,8 @@ ModalReport ModalContact::advance(std::span<ModalState> states, std::span<const 
   for (int step = 1; step <= steps; ++step) {
     const double shift = std::max(0.0, depth - step * s.largest_step);
     const bool last = step == steps;
-    double since = std::numeric_limits<double>::infinity();  // m moved since candidates were found
+    // m moved since candidates were found: those above are the first step's, if it is the only one.
+    double since = steps == 1 ? 0 : std::numeric_limits<double>::infinity();
     for (int i = 0; i < (last ? s.last_iterations : s.iterations); ++i) {
       if (since > 0.5 * s.band) {
         w.find(gaps, near, shift, report);
@@ -740,19 +717,13 @@ ModalReport ModalContact::advance(std::span<ModalState> states, std::span<const 
 }
 
 void ModalContact::place(int member, const ModalState& state, Matrix3Xf& skin) const {
-  const Work::Body& b = *work_->bodies[static_cast<std::size_t>(member)];
+  Work::Body& b = *work_->bodies[static_cast<std::size_t>(member)];
   if (state.q.size() != b.n) {
     skin = b.rest;
     return;
   }
-  std::vector<float>& weights = work_->bodies[static_cast<std::size_t>(member)]->weights;
-  for (Index i = 0; i < b.n; ++i)
-    weights[static_cast<std::size_t>(i)] = static_cast<float>(state.q[i]);
-  const Eigen::MatrixXf& F = b.member.body->several->modes;
   skin.resize(3, b.V);
-  mode_kernels().front().sum({F.data(), static_cast<std::size_t>(F.rows()), weights.size()},
-                             weights.data(), false,
-                             {skin.data(), static_cast<std::size_t>(skin.size())});
+  sum_modes(b.member.body->several->modes, state.q, b.weights, skin.data());
   skin += b.rest;
 }
 
@@ -762,15 +733,8 @@ void ModalContact::stress(int member, const ModalState& state, std::span<float> 
   PALPABLE_EXPECT(b.shell.has_value(), "stress needs a shell");
   b.shell_u.setZero();
   if (state.q.size() == b.n) {
-    for (Index i = 0; i < b.n; ++i)
-      b.weights[static_cast<std::size_t>(i)] = static_cast<float>(state.q[i]);
-    const auto sum = [&](const Eigen::MatrixXf& F, float* u) {
-      if (F.rows() == 0) return;
-      mode_kernels().front().sum({F.data(), static_cast<std::size_t>(F.rows()), b.weights.size()},
-                                 b.weights.data(), false, {u, static_cast<std::size_t>(F.rows())});
-    };
-    sum(b.member.body->several->modes, b.shell_u.data());
-    sum(b.member.tables->inner_modes, b.shell_u.data() + 3 * b.V);
+    sum_modes(b.member.body->several->modes, state.q, b.weights, b.shell_u.data());
+    sum_modes(b.member.tables->inner_modes, state.q, b.weights, b.shell_u.data() + 3 * b.V);
   }
   b.shell->evaluate(b.shell_u, von_mises, cauchy);
 }

@@ -20,18 +20,24 @@ constexpr float kRootOf2 = 1.41421356f;
 
 }  // namespace
 
+float largest_curvature(const Eigen::Matrix3f& K) {
+  const float trace = K.trace();
+  const float apart = 2 * K.squaredNorm() - trace * trace;
+  return 0.5f * (trace + std::sqrt(std::max(0.0f, apart)));
+}
+
+bool is_point_needed(float level, float bend, float entry, float coarsest, float finest) {
+  // Where each point has another within s the ball of radius 1/bend enters by s^2 bend / 4,
+  // roughly.
+  const float enough = bend > 0 ? std::min(coarsest, std::sqrt(4 * entry / bend)) : coarsest;
+  return level > 0 ? level * kRootOf2 > enough : enough < finest;
+}
+
 NearPoints::NearPoints(const TouchSkin& skin, double entry)
     : skin_(skin),
       entry_(static_cast<float>(entry)),
       heaps_(skin.rest(), skin.points(), skin.places(), skin.levels(), kClusterRadius),
       found_(skin.points().size()) {}
-
-// The larger of the two curvatures of a surface, 1/m.
-float NearPoints::largest_curvature(const Eigen::Matrix3f& K) {
-  const float trace = K.trace();
-  const float apart = 2 * K.squaredNorm() - trace * trace;
-  return 0.5f * (trace + std::sqrt(std::max(0.0f, apart)));
-}
 
 bool NearPoints::gap_at(int point, const Vector3f& x, const GapQuery& gap, float far,
                         SurfaceGap& answer) {
@@ -58,15 +64,10 @@ bool NearPoints::gap_at(int point, const Vector3f& x, const GapQuery& gap, float
   return true;
 }
 
-// Whether the points that are left without this one are too far apart for the object there.
 bool NearPoints::is_needed(int point, float bend) const {
-  const float level = skin_.levels()[static_cast<std::size_t>(point)];
-  const auto coarsest = static_cast<float>(TouchSkin::kCoarsest),
-             finest = static_cast<float>(TouchSkin::kFinest);
-  // Where each point has another within s the ball of radius 1/bend enters by s^2 bend / 4,
-  // roughly.
-  const float enough = bend > 0 ? std::min(coarsest, std::sqrt(4 * entry_ / bend)) : coarsest;
-  return level > 0 ? level * kRootOf2 > enough : enough < finest;
+  return is_point_needed(skin_.levels()[static_cast<std::size_t>(point)], bend, entry_,
+                         static_cast<float>(TouchSkin::kCoarsest),
+                         static_cast<float>(TouchSkin::kFinest));
 }
 
 // Whether all points of a heap are farther than `band`, for sure.

@@ -23,6 +23,16 @@
 
 namespace palpable {
 
+/// The larger of the two curvatures of a surface, 1/m.
+[[nodiscard]] float largest_curvature(const Eigen::Matrix3f& K);
+
+/// Whether the points that are left without one are too far apart for an object there.
+/// @param level    of the point, m, and `coarsest`, `finest`: point_levels()
+/// @param bend     1/m, the object's largest curvature
+/// @param entry    m that it may enter between two points
+[[nodiscard]] bool is_point_needed(float level, float bend, float entry, float coarsest,
+                                   float finest);
+
 /// Allocates in its constructor.
 class NearPoints {
  public:
@@ -68,7 +78,6 @@ class NearPoints {
     Eigen::Vector3f place = Eigen::Vector3f::Zero();
     SurfaceGap gap;
   };
-  [[nodiscard]] static float largest_curvature(const Eigen::Matrix3f& K);
   [[nodiscard]] bool is_needed(int point, float bend) const;
   [[nodiscard]] bool is_far(const SkinCluster& heap, const Eigen::Matrix3Xf& u, float band,
                             const GapQuery& gap, const NearQuery& near) const;
