@@ -75,12 +75,12 @@ class Players {
   }
 
   // Contact, and all that is shown of what moved. @return ms of CPU
-  double advance(std::span<const GapQuery> gaps) {
+  double advance(std::span<const GapQuery> gaps, std::span<const NearQuery> near) {
     const double begin = thread_cpu_seconds();
-    report_ = contact_->advance(states_, gaps, {});
+    report_ = contact_->advance(states_, gaps, near);
     for (std::size_t k = 0; k < states_.size(); ++k) {
       const int member = static_cast<int>(k);
-      contact_->place(member, states_[k], skins_[k]);
+      skins_[k] = contact_->place(member, states_[k]);
       if (states_[k].q.isZero(0)) continue;
       vertex_normals(skins_[k], bodies_[k]->body.body.surface.triangles, normals_[k]);
       contact_->stress(member, states_[k], stress_[k]);
@@ -145,19 +145,24 @@ BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies, const fs::
 
   BodiesAnswer answer;
   const GapQuery nothing = [](const Eigen::Vector3f&, SurfaceGap&) { return false; };
+  const NearQuery nowhere = [](const Eigen::Vector3f&, float) { return false; };
   for (int frame = 0; frame < truths.front().hands.frame_count(); ++frame) {
     const auto at = static_cast<std::size_t>(frame);
     std::vector<std::unique_ptr<ObstacleGaps>> obstacles;
     std::vector<GapQuery> gaps;
+    std::vector<NearQuery> near;
     for (const Truth& truth : truths) {
       Obstacle hand;
       hand.capsules = truth.hands.capsules[at];
       obstacles.push_back(std::make_unique<ObstacleGaps>(std::move(hand)));
       gaps.push_back(gaps_to(*obstacles.back()));
+      near.push_back(near_to(*obstacles.back()));
     }
-    const double ms = players.advance(gaps);
+    const double ms = players.advance(gaps, near);
     const std::vector<GapQuery> of_three{gaps[pressed], nothing, nothing};
-    const double ms_alone = alone.advance({&gaps[pressed], 1}), ms_three = three.advance(of_three);
+    const std::vector<NearQuery> near_three{near[pressed], nowhere, nowhere};
+    const double ms_alone = alone.advance({&gaps[pressed], 1}, {&near[pressed], 1}),
+                 ms_three = three.advance(of_three, near_three);
     if (players.report().candidates > 0) {
       answer.milliseconds.push_back(ms);
       answer.milliseconds_alone.push_back(ms_alone);

@@ -90,8 +90,7 @@ TEST_CASE("a beam under a finger bends as full finite elements say, far and near
       ContactWalk walk(solver, way, 0.0);
       REQUIRE(walk.advance(depth));
       const Matrix3Xd& u = walk.now().displacement;
-      Matrix3Xf skin;
-      contact.place(0, state, skin);
+      const Matrix3Xf skin = contact.place(0, state);
       const Boundary boundary = boundary_of(made.series.model().mesh);
       const Matrix3Xd true_u = u(Eigen::all, boundary.node_of_vertex);
       const Matrix3Xd off = skin.cast<double>() - made.body.surface.vertices - true_u;

@@ -32,7 +32,7 @@ ModalBodies::ModalBodies(const std::vector<Member>& members)
 void ModalBodies::advance() {
   report_ = contact_.advance(states_, gaps_, near_);
   for (std::size_t k = 0; k < members_.size(); ++k) {
-    contact_.place(static_cast<int>(k), states_[k], skins_[k]);
+    skins_[k] = contact_.place(static_cast<int>(k), states_[k]);
   }
 }
 

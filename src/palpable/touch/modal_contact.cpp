@@ -1,15 +1,10 @@
 #include "palpable/touch/modal_contact.h"
 
 #include "palpable/base/contract.h"
-#include "palpable/reduced/mode_kernels.h"
-#include "palpable/reduced/quartic_energy.h"
 #include "palpable/reduced/small_cholesky.h"
 #include "palpable/touch/complementarity.h"
-#include "palpable/touch/moving_surface.h"
+#include "palpable/touch/modal_body.h"
 #include "palpable/touch/near_points.h"
-#include "palpable/touch/point_levels.h"
-#include "palpable/touch/shell_stress.h"
-#include "palpable/touch/skin_clusters.h"
 
 #include <algorithm>
 #include <array>
@@ -29,13 +24,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Eigen::VectorXd;
 
-// Of a heap of points: radius over their distance, and m at most.
-constexpr float kCluster = 3.5f, kLargestCluster = 0.0045f;
 // A heap's points may lie farther from its middle than at rest, where the skin is stretched.
 constexpr float kStretch = 1.2f;
-// m between contact points: the coarsest set, which is asked of other members, and the finest; of
-// large bodies twice and half of the distance that their points have.
-constexpr double kCoarsest = 0.006, kFinest = 0.0015;
 // m: of what is farther nobody need tell, neither a surface that was seen nor kGapReach.
 constexpr float kTold = 0.010f;
 // m: so deep a member's skin is looked for in another's.
@@ -48,82 +38,13 @@ constexpr double kSofter = 10;
 // entered all the same does in the next.
 constexpr double kTakesPart = 0.4;
 
-// The energy in single precision, its quartic part once instead of twice: what an evaluation reads
-// is a quarter, and that is what it costs. Rounding is 1e-7 of the forces.
-class PackedEnergy {
- public:
-  explicit PackedEnergy(const QuarticEnergy& energy)
-      : n_(energy.modes()),
-        K_(energy.K),
-        C_(energy.C.cast<float>()),
-        products_(energy.K.size()),
-        quartic_(energy.K.size()),
-        cubic_(energy.K.size()) {
-    const Index P = K_.size();
-    D_.reserve(static_cast<std::size_t>(P * (P + 1) / 2));
-    for (Index i = 0; i < P; ++i) {
-      for (Index j = i; j < P; ++j) D_.push_back(static_cast<float>(energy.D(i, j)));
-    }
-  }
-
-  // W' and W'' at q, as QuarticEquilibrium::evaluate() has them.
-  void evaluate(const VectorXd& q, VectorXd& gradient, MatrixXd& hessian) {
-    const Index P = K_.size();
-    Index row = 0;
-    for (Index j = 0; j < n_; ++j) {
-      for (Index i = 0; i <= j; ++i, ++row) {
-        products_[row] = static_cast<float>((i == j ? 0.5 : 1.0) * q[i] * q[j]);
-      }
-    }
-    cubic_.setZero();
-    for (Index i = 0; i < n_; ++i) cubic_ += static_cast<float>(q[i]) * C_.col(i);
-    quartic_.setZero();
-    const float* from = D_.data();
-    for (Index i = 0; i < P; ++i) {
-      const Eigen::Map<const Eigen::VectorXf> of(from, P - i);
-      quartic_[i] += of.dot(products_.tail(P - i));
-      quartic_.tail(P - i - 1) += products_[i] * of.tail(P - i - 1);
-      from += P - i;
-    }
-    gradient.setZero(n_);
-    hessian.resize(n_, n_);
-    row = 0;
-    for (Index j = 0; j < n_; ++j) {
-      for (Index i = 0; i <= j; ++i, ++row) {
-        const double cubic = static_cast<double>(cubic_[row]),
-                     quartic = static_cast<double>(quartic_[row]);
-        const double force = K_[row] + 0.5 * cubic + quartic / 3;
-        gradient[i] += force * q[j];
-        if (i != j) gradient[j] += force * q[i];
-        hessian(i, j) = hessian(j, i) = K_[row] + cubic + quartic;
-      }
-    }
-  }
-
- private:
-  Index n_;
-  VectorXd K_;
-  Eigen::MatrixXf C_;
-  Eigen::VectorXf products_, quartic_, cubic_;
-  std::vector<float> D_;  // row by row from the diagonal on
-};
-
-// u = sum_i q_i F_i. @param weights  (n) q in single precision, overwritten
-void sum_modes(const Eigen::MatrixXf& F, const VectorXd& q, std::vector<float>& weights, float* u) {
-  if (F.rows() == 0) return;
-  for (Index i = 0; i < q.size(); ++i) {
-    weights[static_cast<std::size_t>(i)] = static_cast<float>(q[i]);
-  }
-  mode_kernels().front().sum({F.data(), static_cast<std::size_t>(F.rows()), weights.size()},
-                             weights.data(), false, {u, static_cast<std::size_t>(F.rows())});
-}
-
 // A contact point near something.
 struct Candidate {
   int member = 0, point = 0;
   int by = -1;                                        // another member; -1: what is seen
   Eigen::Vector3i corners = Eigen::Vector3i::Zero();  // of the other's triangle
   Vector3f weights = Vector3f::Zero();                // likewise
+  Vector3f place = Vector3f::Zero();                  // m, where it is found; the member's frame
   double gap = 0;                                     // m
   Vector3d normal = Vector3d::Zero();        // unit, away from what presses; the member's frame
   Vector3d other_normal = Vector3d::Zero();  // the same in the other's frame
@@ -142,38 +63,16 @@ struct Known {
 }  // namespace
 
 struct ModalContact::Work {
-  // One body: what is made once, and its present shape.
-  struct Body {
-    Body(const ModalMember& the_member, double spacing);
+  // A body, and its part of a step of Newton's method.
+  struct Body : ModalBody {
+    explicit Body(const ModalMember& member)
+        : ModalBody(member), step(VectorXd::Zero(modes())), pull(step), factor(modes(), modes()) {}
 
-    ModalMember member;
-    Index n, V;
-    Matrix3Xf rest;
-    std::vector<SkinPoint> points;
-    Matrix3Xf places;
-    double coarsest, finest;  // m
-    std::vector<float> levels;
-    SkinClusters clusters;
-    std::vector<float> rows;  // (V x 3 x n) of the modes: vertex, direction, mode
-    PackedEnergy energy;
-    VectorXd gradient;  // (n) W'
-    MatrixXd hessian;   // (n x n) W''
-    MovingSurface surface;
-    std::optional<ShellStress> shell;
-    Matrix3Xf shell_u;  // (3 x W)
-
-    VectorXd q, step, pull;      // (n)
-    Matrix3Xf u, x;              // (3 x V) m: displacement and place
-    std::vector<float> weights;  // (n)
-    MatrixXd factor;             // (n x n) of H
+    VectorXd gradient;    // (n) W'
+    MatrixXd hessian;     // (n x n) W''
+    VectorXd step, pull;  // (n)
+    MatrixXd factor;      // (n x n) of H
     bool active = false;
-
-    void set_shape();
-    void move_surface();
-    bool is_surface_old = false;  // of a shape before
-    // result += sum_v w_v F(v)^T d
-    void add_row(const Eigen::Vector3i& corners, const Vector3f& w, const Vector3d& d,
-                 Eigen::Ref<VectorXd> result) const;
   };
 
   ModalSettings settings;
@@ -193,6 +92,7 @@ struct ModalContact::Work {
     return transforms[static_cast<std::size_t>(from) * bodies.size() +
                       static_cast<std::size_t>(to)];
   }
+  ModalBody& showing(int member, const ModalState& state);
   void begin(std::span<ModalState> states);
   void find(std::span<const GapQuery> gaps, std::span<const NearQuery> near, double shift,
             ModalReport& report);
@@ -200,7 +100,7 @@ struct ModalContact::Work {
   void find_between(int k, int other);
   void keep_nearest(ModalReport& report);
   void look_again(std::span<const GapQuery> gaps, double shift);
-  bool measure_between(Candidate& c) const;
+  bool measure_seen(Candidate& c, const GapQuery& gaps, double shift) const;
   void wake();
   bool factorise_all();
   void assemble();
@@ -208,79 +108,19 @@ struct ModalContact::Work {
   void keep(std::span<ModalState> states, ModalReport& report);
 };
 
-ModalContact::Work::Body::Body(const ModalMember& the_member, double spacing)
-    : member(the_member),
-      n(member.body->several->mode_count()),
-      V(member.body->surface.vertex_count()),
-      rest(member.body->surface.vertices.cast<float>()),
-      points(skin_points(member.body->surface, member.body->fixed, spacing)),
-      places(3, static_cast<Index>(points.size())),
-      coarsest(std::max(kCoarsest, 2 * spacing)),
-      finest(std::max(kFinest, 0.5 * spacing)),
-      levels(point_levels(member.body->surface, points, coarsest, finest)),
-      clusters((
-                   [this] {
-                     for (std::size_t p = 0; p < points.size(); ++p)
-                       places.col(static_cast<Index>(p)) = points[p].at(rest);
-                   }(),
-                   rest),
-               points, places, levels,
-               std::min(kCluster * static_cast<float>(spacing), kLargestCluster)),
-      energy(member.body->several->energy),
-      surface(member.body->surface),
-      shell_u(3, member.tables->shell.nodes()),
-      q(VectorXd::Zero(n)),
-      step(VectorXd::Zero(n)),
-      pull(VectorXd::Zero(n)),
-      u(Matrix3Xf::Zero(3, V)),
-      x(rest),
-      weights(static_cast<std::size_t>(n)),
-      factor(n, n) {
-  const Eigen::MatrixXf& F = member.body->several->modes;
-  rows.resize(static_cast<std::size_t>(F.size()));
-  for (Index r = 0; r < F.rows(); ++r) {
-    for (Index i = 0; i < n; ++i) rows[static_cast<std::size_t>(r * n + i)] = F(r, i);
-  }
-  if (member.tables->shell.nodes() > 0) shell.emplace(member.tables->shell, static_cast<int>(V));
-}
-
-void ModalContact::Work::Body::set_shape() {
-  sum_modes(member.body->several->modes, q, weights, u.data());
-  x = rest + u;
-  is_surface_old = true;
-}
-
-// For who asks how far the skin is.
-void ModalContact::Work::Body::move_surface() {
-  if (is_surface_old) surface.move(x);
-  is_surface_old = false;
-}
-
-void ModalContact::Work::Body::add_row(const Eigen::Vector3i& corners, const Vector3f& w,
-                                       const Vector3d& d, Eigen::Ref<VectorXd> result) const {
-  for (int k = 0; k < 3; ++k) {
-    if (w[k] == 0) continue;
-    for (int c = 0; c < 3; ++c) {
-      const Eigen::Map<const Eigen::VectorXf> row(
-          rows.data() + (3 * static_cast<Index>(corners[k]) + c) * n, n);
-      result += (static_cast<double>(w[k]) * d[c]) * row.cast<double>();
-    }
-  }
-}
-
 ModalContact::Work::Work(std::vector<ModalMember> members, const ModalSettings& the_settings)
     : settings(the_settings) {
   for (const ModalMember& member : members) {
     PALPABLE_EXPECT(member.body != nullptr && member.tables != nullptr &&
                         trouble_of(*member.tables, *member.body).empty(),
                     "a body with its tables of modes");
-    bodies.push_back(std::make_unique<Body>(member, member.tables->point_spacing));
-    most_modes = std::max(most_modes, bodies.back()->n);
+    bodies.push_back(std::make_unique<Body>(member));
+    most_modes = std::max(most_modes, bodies.back()->modes());
   }
   for (const auto& from : bodies) {
     for (const auto& to : bodies) {
       transforms.push_back(
-          (to->member.world_from_body.inverse() * from->member.world_from_body).cast<float>());
+          (to->member().world_from_body.inverse() * from->member().world_from_body).cast<float>());
     }
   }
   const auto m = static_cast<Index>(kMostPoints);
@@ -292,6 +132,18 @@ ModalContact::Work::Work(std::vector<ModalMember> members, const ModalSettings& 
   W.resize(kMostPoints * kMostPoints);
   gap.resize(kMostPoints);
   f.resize(kMostPoints);
+}
+
+// A member in the state that somebody wants to see.
+ModalBody& ModalContact::Work::showing(int member, const ModalState& state) {
+  Body& b = *bodies[static_cast<std::size_t>(member)];
+  if (state.q.size() == b.modes()) {
+    b.set_q(state.q);
+  } else {
+    b.step.setZero();
+    b.set_q(b.step);
+  }
+  return b;
 }
 
 void ModalContact::Work::begin(std::span<ModalState> states) {
@@ -308,16 +160,13 @@ void ModalContact::Work::begin(std::span<ModalState> states) {
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     Body& b = *bodies[k];
     ModalState& state = states[k];
-    if (state.q.size() != b.n) {
-      state.q.setZero(b.n);
+    if (state.q.size() != b.modes()) {
+      state.q.setZero(b.modes());
       state.forces.clear();
       state.forces.reserve(2 * kMostPoints);
     }
-    const bool bent = !state.q.isZero(0);
-    const bool moved = state.q != b.q;
-    b.q = state.q;
-    b.active = bent;
-    if (moved) b.set_shape();
+    b.active = !state.q.isZero(0);
+    b.set_q(state.q);
   }
 }
 
@@ -325,11 +174,12 @@ void ModalContact::Work::begin(std::span<ModalState> states) {
 void ModalContact::Work::find_seen(int k, const GapQuery& gaps, const NearQuery& near,
                                    double shift) {
   if (!gaps) return;
-  const Body& b = *bodies[static_cast<std::size_t>(k)];
+  Body& b = *bodies[static_cast<std::size_t>(k)];
   const auto band = static_cast<float>(settings.band - shift);
+  const Matrix3Xf& skin = b.skin();
   SurfaceGap seen;
-  for (const SkinCluster& cluster : b.clusters.clusters()) {
-    const Vector3f middle = b.x.col(cluster.vertex);
+  for (const SkinCluster& cluster : b.clusters().clusters()) {
+    const Vector3f middle = skin.col(cluster.vertex);
     const float reach = band + kStretch * cluster.radius;
     const bool is_told = reach <= kTold;  // else each of its points is asked
     if (is_told &&
@@ -337,67 +187,68 @@ void ModalContact::Work::find_seen(int k, const GapQuery& gaps, const NearQuery&
       continue;
     }
     for (int i = cluster.first; i < cluster.last; ++i) {
-      const int p = b.clusters.order()[static_cast<std::size_t>(i)];
-      const Vector3f at = b.places.col(p) + b.points[static_cast<std::size_t>(p)].at(b.u);
-      if (near && !near(at, band)) continue;
-      if (!gaps(at, seen) || !(seen.distance <= band) || !seen.normal.allFinite() ||
-          !seen.curvature.allFinite()) {
-        continue;
-      }
-      if (!is_point_needed(b.levels[static_cast<std::size_t>(p)], largest_curvature(seen.curvature),
-                           static_cast<float>(settings.entry), static_cast<float>(b.coarsest),
-                           static_cast<float>(b.finest))) {
-        continue;
-      }
       Candidate c;
       c.member = k;
-      c.point = p;
-      c.gap = static_cast<double>(seen.distance);
-      c.softness = static_cast<double>(seen.softness);
+      c.point = b.clusters().order()[static_cast<std::size_t>(i)];
+      c.place = b.place(c.point);
+      if (near && !near(c.place, band)) continue;
+      if (!measure_seen(c, gaps, shift) || c.gap > settings.band) continue;
+      const float level = b.levels()[static_cast<std::size_t>(c.point)];
+      if (is_point_needed(level, largest_curvature(c.curvature), static_cast<float>(settings.entry),
+                          b.coarsest(), b.finest())) {
+        candidates.push_back(c);
+      }
+    }
+  }
+}
+
+// Points of one member that are near another's skin.
+void ModalContact::Work::find_between(int k, int other) {
+  Body &b = *bodies[static_cast<std::size_t>(k)], &o = *bodies[static_cast<std::size_t>(other)];
+  const Eigen::Isometry3f& to_other = from_to(k, other);
+  const auto band = static_cast<float>(settings.band);
+  const Matrix3Xf& skin = b.skin();
+  const MovingSurface& surface = o.surface();
+  for (const SkinCluster& cluster : b.clusters().clusters()) {
+    // The coarsest come first.
+    const auto is_coarse = [&](int i) {
+      const int p = b.clusters().order()[static_cast<std::size_t>(i)];
+      return b.levels()[static_cast<std::size_t>(p)] * std::numbers::sqrt2_v<float> >
+             b.spacing_between();
+    };
+    if (!is_coarse(cluster.first)) continue;
+    const Vector3f middle = to_other * Vector3f(skin.col(cluster.vertex));
+    // Deeper inside than that nothing gets in a frame.
+    if (!surface.may_be_within(middle, band + kStretch * cluster.radius)) continue;
+    for (int i = cluster.first; i < cluster.last && is_coarse(i); ++i) {
+      Candidate c;
+      c.member = k;
+      c.point = b.clusters().order()[static_cast<std::size_t>(i)];
+      c.by = other;
+      c.place = b.place(c.point);
+      const auto found = surface.nearest(to_other * c.place, kInside);
+      if (!found || !(found->distance <= band)) continue;
+      c.gap = static_cast<double>(found->distance);
+      c.corners = surface.corners(found->triangle);
+      c.weights = found->weights;
+      c.other_normal = found->normal.cast<double>();
+      c.normal = (to_other.linear().transpose() * found->normal).cast<double>();
       candidates.push_back(c);
     }
   }
 }
 
-// Points of one member that are near another's skin: those of the coarsest set, for skins are flat.
-void ModalContact::Work::find_between(int k, int other) {
-  const Body &b = *bodies[static_cast<std::size_t>(k)],
-             &o = *bodies[static_cast<std::size_t>(other)];
-  const Eigen::Isometry3f& to_other = from_to(k, other);
-  const auto band = static_cast<float>(settings.band);
-  for (const SkinCluster& cluster : b.clusters.clusters()) {
-    const Vector3f middle = to_other * Vector3f(b.x.col(cluster.vertex));
-    // Deeper inside than that nothing gets in a frame.
-    if (!o.surface.may_be_within(middle, band + kStretch * cluster.radius)) continue;
-    for (int i = cluster.first; i < cluster.last; ++i) {
-      const int p = b.clusters.order()[static_cast<std::size_t>(i)];
-      if (!(b.levels[static_cast<std::size_t>(p)] * std::numbers::sqrt2_v < float >>
-            static_cast<float>(b.coarsest))) {
-        continue;
-      }
-      Candidate c;
-      c.member = k;
-      c.point = p;
-      c.by = other;
-      if (measure_between(c) && c.gap <= settings.band) candidates.push_back(c);
-    }
+// What is seen from where the point is. False: nothing, or no number.
+bool ModalContact::Work::measure_seen(Candidate& c, const GapQuery& gaps, double shift) const {
+  SurfaceGap seen;
+  if (!gaps(c.place, seen) || !seen.normal.allFinite() || !seen.curvature.allFinite() ||
+      !std::isfinite(seen.distance)) {
+    return false;
   }
-}
-
-// Where the other's skin is from here. False: farther than it is looked for.
-bool ModalContact::Work::measure_between(Candidate& c) const {
-  const Body &b = *bodies[static_cast<std::size_t>(c.member)],
-             &o = *bodies[static_cast<std::size_t>(c.by)];
-  const Eigen::Isometry3f& to_other = from_to(c.member, c.by);
-  const Vector3f at = b.places.col(c.point) + b.points[static_cast<std::size_t>(c.point)].at(b.u);
-  const auto found = o.surface.nearest(to_other * at, kInside);
-  if (!found) return false;
-  c.gap = static_cast<double>(found->distance);
-  c.corners = o.surface.corners(found->triangle);
-  c.weights = found->weights;
-  c.other_normal = found->normal.cast<double>();
-  c.normal = (to_other.linear().transpose() * found->normal).cast<double>();
-  c.curvature.setZero();
+  c.gap = static_cast<double>(seen.distance) + shift;
+  c.normal = seen.normal.cast<double>();
+  c.curvature = seen.curvature;
+  c.softness = static_cast<double>(seen.softness);
   return true;
 }
 
@@ -426,7 +277,6 @@ void ModalContact::Work::find(std::span<const GapQuery> gaps, std::span<const Ne
           !bodies[static_cast<std::size_t>(other)]->active) {
         continue;
       }
-      bodies[static_cast<std::size_t>(other)]->move_surface();
       find_between(k, other);
     }
   }
@@ -451,30 +301,17 @@ void ModalContact::Work::keep_nearest(ModalReport& report) {
   report.candidates = std::max(report.candidates, static_cast<int>(candidates.size()));
 }
 
-// Gaps in the present shape.
+// Gaps in the present shape. Of another member the plane that was nearest when the point was found
+// is asked again: it moves with its triangle, and what bodies slide in between bends it by
+// micrometres.
 void ModalContact::Work::look_again(std::span<const GapQuery> gaps, double shift) {
-  SurfaceGap seen;
-  for (const Candidate& c : candidates) {
-    if (c.by >= 0) bodies[static_cast<std::size_t>(c.by)]->move_surface();
-  }
   for (Candidate& c : candidates) {
     const Body& b = *bodies[static_cast<std::size_t>(c.member)];
-    bool is_there = false;
+    c.place = b.place(c.point);
     if (c.by >= 0) {
-      is_there = measure_between(c);
-    } else {
-      const SkinPoint& point = b.points[static_cast<std::size_t>(c.point)];
-      is_there =
-          gaps[static_cast<std::size_t>(c.member)](b.places.col(c.point) + point.at(b.u), seen) &&
-          seen.normal.allFinite() && seen.curvature.allFinite() && std::isfinite(seen.distance);
-      if (is_there) {
-        c.gap = static_cast<double>(seen.distance) + shift;
-        c.normal = seen.normal.cast<double>();
-        c.curvature = seen.curvature;
-        c.softness = static_cast<double>(seen.softness);
-      }
-    }
-    if (!is_there) {
+      const Vector3f foot = bodies[static_cast<std::size_t>(c.by)]->place(c.corners, c.weights);
+      c.gap = (from_to(c.member, c.by) * c.place - foot).cast<double>().dot(c.other_normal);
+    } else if (!measure_seen(c, gaps[static_cast<std::size_t>(c.member)], shift)) {
       c.gap = 1;  // m: far
       c.force = 0;
     }
@@ -494,12 +331,12 @@ bool ModalContact::Work::factorise_all() {
   for (const auto& body : bodies) {
     Body& b = *body;
     if (!b.active) continue;
-    b.energy.evaluate(b.q, b.gradient, b.hessian);
+    b.evaluate(b.gradient, b.hessian);
     b.factor = b.hessian;
     const Index k = &body - bodies.data();
     for (const Candidate& c : candidates) {
       if (c.member != k || !(c.force > 0) || c.curvature.isZero(0)) continue;
-      const SkinPoint& point = b.points[static_cast<std::size_t>(c.point)];
+      const SkinPoint& point = b.points()[static_cast<std::size_t>(c.point)];
       const Eigen::Vector3i corners(point.corners[0], point.corners[1], point.corners[2]);
       // Two directions across the normal hold all of it.
       const Vector3d t1 = c.normal.unitOrthogonal(), t2 = c.normal.cross(t1);
@@ -509,7 +346,7 @@ bool ModalContact::Work::factorise_all() {
         if (!(bend > 0)) continue;
         b.pull.setZero();
         b.add_row(corners, point.weights, t, b.pull);
-        for (Index j = 0; j < b.n; ++j) b.factor.col(j) -= (bend * b.pull[j]) * b.pull;
+        for (Index j = 0; j < b.modes(); ++j) b.factor.col(j) -= (bend * b.pull[j]) * b.pull;
       }
     }
     if (factorise_small(b.factor)) continue;
@@ -531,8 +368,8 @@ void ModalContact::Work::assemble() {
   for (std::size_t p = 0; p < m; ++p) {
     const Candidate& c = candidates[pressed[p]];
     const Body& b = *bodies[static_cast<std::size_t>(c.member)];
-    const SkinPoint& point = b.points[static_cast<std::size_t>(c.point)];
-    auto column = own.col(static_cast<Index>(p)).head(b.n);
+    const SkinPoint& point = b.points()[static_cast<std::size_t>(c.point)];
+    auto column = own.col(static_cast<Index>(p)).head(b.modes());
     column.setZero();
     b.add_row({point.corners[0], point.corners[1], point.corners[2]}, point.weights, c.normal,
               column);
@@ -541,7 +378,7 @@ void ModalContact::Work::assemble() {
     gap[p] = c.gap + column.dot(b.pull);
     if (c.by < 0) continue;
     const Body& o = *bodies[static_cast<std::size_t>(c.by)];
-    auto other = others.col(static_cast<Index>(p)).head(o.n);
+    auto other = others.col(static_cast<Index>(p)).head(o.modes());
     other.setZero();
     o.add_row(c.corners, c.weights, -c.other_normal, other);
     solve_lower(o.factor, other);
@@ -556,7 +393,7 @@ void ModalContact::Work::assemble() {
       double sum = 0;
       const auto add = [&](int first, int second, const MatrixXd& one, const MatrixXd& two) {
         if (first < 0 || first != second) return;
-        const Index n = bodies[static_cast<std::size_t>(first)]->n;
+        const Index n = bodies[static_cast<std::size_t>(first)]->modes();
         sum += one.col(P).head(n).dot(two.col(R).head(n));
       };
       add(a.member, c.member, own, own);
@@ -567,10 +404,10 @@ void ModalContact::Work::assemble() {
     }
     const Body& b = *bodies[static_cast<std::size_t>(a.member)];
     const double area =
-        std::max(1e-8, static_cast<double>(b.points[static_cast<std::size_t>(a.point)].area));
-    double half_space = b.member.tables->half_space * (1 + kSofter * a.softness);
+        std::max(1e-8, static_cast<double>(b.points()[static_cast<std::size_t>(a.point)].area));
+    double half_space = b.member().tables->half_space * (1 + kSofter * a.softness);
     if (a.by >= 0) {
-      half_space += bodies[static_cast<std::size_t>(a.by)]->member.tables->half_space;
+      half_space += bodies[static_cast<std::size_t>(a.by)]->member().tables->half_space;
     }
     W[p * m + p] += kDisc * half_space / std::sqrt(area / std::numbers::pi);
   }
@@ -604,26 +441,19 @@ double ModalContact::Work::iterate(ModalReport& report) {
     c.force = f[p];
     if (!(f[p] > 0)) continue;
     Body& b = *bodies[static_cast<std::size_t>(c.member)];
-    b.step += f[p] * own.col(static_cast<Index>(p)).head(b.n);
+    b.step += f[p] * own.col(static_cast<Index>(p)).head(b.modes());
     if (c.by < 0) continue;
     Body& o = *bodies[static_cast<std::size_t>(c.by)];
-    o.step += f[p] * others.col(static_cast<Index>(p)).head(o.n);
+    o.step += f[p] * others.col(static_cast<Index>(p)).head(o.modes());
   }
   double largest = 0;
   for (const auto& body : bodies) {
     Body& b = *body;
     if (!b.active) continue;
     solve_upper(b.factor, b.step);
-    const Matrix3Xf& before = b.shell_u;  // as large, and free
-    b.shell_u.leftCols(b.V) = b.u;
-    b.q += b.step;
-    b.set_shape();
-    double moved = static_cast<double>(
-        std::sqrt((b.u - before.leftCols(b.V)).colwise().squaredNorm().maxCoeff()));
+    double moved = b.move(b.step, 1);
     if (moved > settings.largest_move) {
-      const double share = settings.largest_move / moved;
-      b.q += (share - 1) * b.step;
-      b.set_shape();
+      (void)b.move(b.step, settings.largest_move / moved - 1);
       moved = settings.largest_move;
     }
     largest = std::max(largest, moved);
@@ -636,14 +466,12 @@ void ModalContact::Work::keep(std::span<ModalState> states, ModalReport& report)
     Body& b = *bodies[k];
     states[k].forces.clear();
     // What is left of a body that nothing holds is rest.
-    if (b.active && candidates.empty() && report.last_change < settings.tolerance) {
-      if (static_cast<double>(b.u.colwise().squaredNorm().maxCoeff()) <
-          settings.tolerance * settings.tolerance) {
-        b.q.setZero();
-        b.set_shape();
-      }
+    if (b.active && candidates.empty() && report.last_change < settings.tolerance &&
+        b.farthest() < settings.tolerance) {
+      b.step.setZero();
+      b.set_q(b.step);
     }
-    states[k].q = b.q;
+    states[k].q = b.q();
   }
   Vector3d sum = Vector3d::Zero();
   for (const bool others_now : {false, true}) {
@@ -653,15 +481,15 @@ void ModalContact::Work::keep(std::span<ModalState> states, ModalReport& report)
       deepest = std::max(deepest, -c.gap);
       if (!(c.force > 0)) continue;
       Body& b = *bodies[static_cast<std::size_t>(c.member)];
-      const SkinPoint& point = b.points[static_cast<std::size_t>(c.point)];
+      const SkinPoint& point = b.points()[static_cast<std::size_t>(c.point)];
       const Vector3f force = (c.force * c.normal).cast<float>();
       states[static_cast<std::size_t>(c.member)].forces.push_back({point, force, c.by, c.point});
       if (c.by < 0) continue;
       const Vector3f back = (-c.force * c.other_normal).cast<float>();
       SkinPoint there{{c.corners[0], c.corners[1], c.corners[2]}, c.weights, point.area};
       states[static_cast<std::size_t>(c.by)].forces.push_back({there, back, c.member, -1});
-      sum += b.member.world_from_body.linear() * force.cast<double>() +
-             bodies[static_cast<std::size_t>(c.by)]->member.world_from_body.linear() *
+      sum += b.member().world_from_body.linear() * force.cast<double>() +
+             bodies[static_cast<std::size_t>(c.by)]->member().world_from_body.linear() *
                  back.cast<double>();
     }
   }
@@ -704,8 +532,9 @@ ModalReport ModalContact::advance(std::span<ModalState> states, std::span<const 
       if (since > 0.5 * s.band) {
         w.find(gaps, near, shift, report);
         since = 0;
+      } else if (i > 0) {
+        w.look_again(gaps, shift);
       }
-      w.look_again(gaps, shift);
       report.last_change = w.iterate(report);
       since += report.last_change;
       if (report.last_change < s.tolerance) break;
@@ -716,27 +545,13 @@ ModalReport ModalContact::advance(std::span<ModalState> states, std::span<const 
   return report;
 }
 
-void ModalContact::place(int member, const ModalState& state, Matrix3Xf& skin) const {
-  Work::Body& b = *work_->bodies[static_cast<std::size_t>(member)];
-  if (state.q.size() != b.n) {
-    skin = b.rest;
-    return;
-  }
-  skin.resize(3, b.V);
-  sum_modes(b.member.body->several->modes, state.q, b.weights, skin.data());
-  skin += b.rest;
+const Matrix3Xf& ModalContact::place(int member, const ModalState& state) {
+  return work_->showing(member, state).skin();
 }
 
 void ModalContact::stress(int member, const ModalState& state, std::span<float> von_mises,
                           std::span<float> cauchy) {
-  Work::Body& b = *work_->bodies[static_cast<std::size_t>(member)];
-  PALPABLE_EXPECT(b.shell.has_value(), "stress needs a shell");
-  b.shell_u.setZero();
-  if (state.q.size() == b.n) {
-    sum_modes(b.member.body->several->modes, state.q, b.weights, b.shell_u.data());
-    sum_modes(b.member.tables->inner_modes, state.q, b.weights, b.shell_u.data() + 3 * b.V);
-  }
-  b.shell->evaluate(b.shell_u, von_mises, cauchy);
+  work_->showing(member, state).stress(von_mises, cauchy);
 }
 
 }  // namespace palpable

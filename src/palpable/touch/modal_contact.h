@@ -17,10 +17,8 @@
 ///   V  vertices of a skin     W  nodes of its shell     n  modes     C  contact points
 #pragma once
 
-#include "palpable/geometry/rigid.h"
 #include "palpable/geometry/skin_points.h"
-#include "palpable/reduced/reduced_body.h"
-#include "palpable/touch/modal_tables.h"
+#include "palpable/touch/modal_body.h"
 #include "palpable/touch/touch_solver.h"
 
 #include <Eigen/Core>
@@ -30,13 +28,6 @@
 #include <vector>
 
 namespace palpable {
-
-/// A body that is answered, and where it stands.
-struct ModalMember {
-  const ReducedBody* body = nullptr;    ///< with SeveralLoads
-  const ModalTables* tables = nullptr;  ///< of it
-  Rigid3 world_from_body = Rigid3::Identity();
-};
 
 struct ModalSettings {
   double band = 0.004;          ///< m: points nearer than this may press
@@ -91,8 +82,8 @@ class ModalContact {
   ModalReport advance(std::span<ModalState> states, std::span<const GapQuery> gaps,
                       std::span<const NearQuery> near);
 
-  /// (3 x V) m: where a member's skin is.
-  void place(int member, const ModalState& state, Eigen::Matrix3Xf& skin) const;
+  /// (3 x V) m: where a member's skin is. Holds until another member function is called.
+  [[nodiscard]] const Eigen::Matrix3Xf& place(int member, const ModalState& state);
   /// The true stress on it, Pa. @param von_mises  (V)  @param cauchy  (6V); empty: not wanted
   void stress(int member, const ModalState& state, std::span<float> von_mises,
               std::span<float> cauchy = {});

@@ -52,15 +52,15 @@ Vector3f nearest_weights_in(const Vector3f& a, const Vector3f& b, const Vector3f
 }  // namespace
 
 MovingSurface::MovingSurface(const SurfaceMesh& skin)
-    : triangles_(skin.triangles), vertices_(skin.vertices.cast<float>()) {
+    : triangles_(skin.triangles), vertices_(Eigen::Matrix4Xf::Zero(4, skin.vertices.cols())) {
+  vertices_.topRows<3>() = skin.vertices.cast<float>();
   PALPABLE_EXPECT(skin.triangle_count() > 0, "a skin has triangles");
   order_.resize(static_cast<std::size_t>(triangles_.cols()));
   std::iota(order_.begin(), order_.end(), 0);
   std::vector<Vector3f> centres;
   for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
-    centres.emplace_back((vertices_.col(triangles_(0, t)) + vertices_.col(triangles_(1, t)) +
-                          vertices_.col(triangles_(2, t))) /
-                         3);
+    centres.emplace_back(
+        (vertex(triangles_(0, t)) + vertex(triangles_(1, t)) + vertex(triangles_(2, t))) / 3);
   }
   build(0, static_cast<int>(order_.size()), centres);
   find_adjacent();
@@ -114,36 +114,40 @@ void MovingSurface::find_adjacent() {
 
 void MovingSurface::move(const Eigen::Matrix3Xf& vertices) {
   PALPABLE_EXPECT(vertices.cols() == vertices_.cols(), "as many vertices as ever");
-  vertices_ = vertices;
+  vertices_.topRows<3>() = vertices;
   for (auto box = boxes_.rbegin(); box != boxes_.rend(); ++box) {  // halves stand behind the whole
-    box->bounds.setEmpty();
     if (box->count == 0) {
-      box->bounds = (&*box)[1].bounds.merged(boxes_[box->second].bounds);
+      const Box &one = (&*box)[1], &other = boxes_[box->second];
+      box->low = one.low.min(other.low);
+      box->high = one.high.max(other.high);
       continue;
     }
+    box->low = box->high = vertices_.col(triangles_(0, order_[box->first])).array();
     for (int k = box->first; k < box->first + box->count; ++k) {
-      for (int c = 0; c < 3; ++c)
-        box->bounds.extend(Vector3f(vertices_.col(triangles_(c, order_[k]))));
+      for (int c = 0; c < 3; ++c) {
+        const Eigen::Array4f at = vertices_.col(triangles_(c, order_[k])).array();
+        box->low = box->low.min(at);
+        box->high = box->high.max(at);
+      }
     }
   }
 }
 
-void MovingSurface::look_into(int box, const Vector3f& x, Best& best) const {
+void MovingSurface::look_into(int box, const Eigen::Array4f& x, Best& best) const {
   const Box& here = boxes_[box];
   if (here.count > 0) {
     for (int k = here.first; k < here.first + here.count; ++k) {
       const int t = order_[k];
-      const Vector3f a = vertices_.col(triangles_(0, t)), b = vertices_.col(triangles_(1, t)),
-                     c = vertices_.col(triangles_(2, t));
-      const Vector3f w = nearest_weights_in(a, b, c, x);
-      const float square = (x - (w[0] * a + w[1] * b + w[2] * c)).squaredNorm();
+      const Vector3f a = vertex(triangles_(0, t)), b = vertex(triangles_(1, t)),
+                     c = vertex(triangles_(2, t)), here_x = x.head<3>();
+      const Vector3f w = nearest_weights_in(a, b, c, here_x);
+      const float square = (here_x - (w[0] * a + w[1] * b + w[2] * c)).squaredNorm();
       if (square < best.square) best = {square, t, w};
     }
     return;
   }
   const int one = box + 1, other = here.second;
-  const float to_one = boxes_[one].bounds.squaredExteriorDistance(x),
-              to_other = boxes_[other].bounds.squaredExteriorDistance(x);
+  const float to_one = boxes_[one].square_to(x), to_other = boxes_[other].square_to(x);
   const bool one_first = to_one <= to_other;
   if (std::min(to_one, to_other) < best.square) look_into(one_first ? one : other, x, best);
   if (std::max(to_one, to_other) < best.square) look_into(one_first ? other : one, x, best);
@@ -151,15 +155,16 @@ void MovingSurface::look_into(int box, const Vector3f& x, Best& best) const {
 
 std::optional<NearestOnSkin> MovingSurface::nearest(const Vector3f& x, float reach) const {
   Best best{reach * reach, -1, Vector3f::Zero()};
-  if (!(bounds().squaredExteriorDistance(x) < best.square)) return std::nullopt;
-  look_into(0, x, best);
+  const Eigen::Array4f at(x[0], x[1], x[2], 0);
+  if (!(boxes_.front().square_to(at) < best.square)) return std::nullopt;
+  look_into(0, at, best);
   if (best.triangle < 0) return std::nullopt;
   NearestOnSkin found;
   found.triangle = best.triangle;
   found.weights = best.weights;
   found.normal = normal_at(best.triangle, best.weights);
   Vector3f y = Vector3f::Zero();
-  for (int k = 0; k < 3; ++k) y += best.weights[k] * vertices_.col(triangles_(k, best.triangle));
+  for (int k = 0; k < 3; ++k) y += best.weights[k] * vertex(triangles_(k, best.triangle));
   const float distance = std::sqrt(best.square);
   found.distance = (x - y).dot(found.normal) < 0 ? -distance : distance;
   // Off the skin the direction itself is the gradient, exactly.
@@ -169,13 +174,14 @@ std::optional<NearestOnSkin> MovingSurface::nearest(const Vector3f& x, float rea
 
 bool MovingSurface::may_be_within(const Vector3f& x, float reach) const {
   const float square = reach * reach;
+  const Eigen::Array4f place(x[0], x[1], x[2], 0);
   std::array<int, 64> stack{};
   std::size_t top = 0;
   stack[top++] = 0;
   while (top > 0) {
     const int at = stack[--top];
     const Box& box = boxes_[at];
-    if (!(box.bounds.squaredExteriorDistance(x) < square)) continue;
+    if (!(box.square_to(place) < square)) continue;
     if (box.count > 0) return true;
     if (top + 2 > stack.size()) return true;
     stack[top++] = at + 1;
@@ -185,9 +191,8 @@ bool MovingSurface::may_be_within(const Vector3f& x, float reach) const {
 }
 
 Vector3f MovingSurface::face_normal(int triangle) const {
-  const Vector3f a = vertices_.col(triangles_(0, triangle)),
-                 b = vertices_.col(triangles_(1, triangle)),
-                 c = vertices_.col(triangles_(2, triangle));
+  const Vector3f a = vertex(triangles_(0, triangle)), b = vertex(triangles_(1, triangle)),
+                 c = vertex(triangles_(2, triangle));
   return (b - a).cross(c - a).normalized();
 }
 
@@ -212,9 +217,9 @@ Vector3f MovingSurface::normal_at(int triangle, const Vector3f& weights) const {
     const int t = around_[k];
     int at = 0;
     while (triangles_(at, t) != v) ++at;
-    const Vector3f here = vertices_.col(v);
-    const Vector3f to_next = (vertices_.col(triangles_((at + 1) % 3, t)) - here).normalized(),
-                   to_last = (vertices_.col(triangles_((at + 2) % 3, t)) - here).normalized();
+    const Vector3f here = vertex(v);
+    const Vector3f to_next = (vertex(triangles_((at + 1) % 3, t)) - here).normalized(),
+                   to_last = (vertex(triangles_((at + 2) % 3, t)) - here).normalized();
     sum += std::acos(std::clamp(to_next.dot(to_last), -1.0f, 1.0f)) * face_normal(t);
   }
   return sum.normalized();

@@ -42,14 +42,16 @@ class MovingSurface {
   [[nodiscard]] bool may_be_within(const Eigen::Vector3f& x, float reach) const;
 
   [[nodiscard]] Eigen::Vector3i corners(int triangle) const { return triangles_.col(triangle); }
-  [[nodiscard]] const Eigen::AlignedBox3f& bounds() const { return boxes_.front().bounds; }
 
  private:
   // Triangles order_[first .. first + count - 1]; an inner box has none, and its halves are the
   // next box and `second`.
   struct Box {
-    Eigen::AlignedBox3f bounds;
+    Eigen::Array4f low, high;  // the fourth number is 0
     int first = 0, count = 0, second = 0;
+    [[nodiscard]] float square_to(const Eigen::Array4f& x) const {
+      return (low - x).max(x - high).max(0.0f).matrix().squaredNorm();
+    }
   };
   struct Best {
     float square;
@@ -58,12 +60,13 @@ class MovingSurface {
   };
   int build(int first, int count, const std::vector<Eigen::Vector3f>& centres);
   void find_adjacent();
-  void look_into(int box, const Eigen::Vector3f& x, Best& best) const;
+  void look_into(int box, const Eigen::Array4f& x, Best& best) const;
+  [[nodiscard]] Eigen::Vector3f vertex(int v) const { return vertices_.col(v).head<3>(); }
   [[nodiscard]] Eigen::Vector3f face_normal(int triangle) const;
   [[nodiscard]] Eigen::Vector3f normal_at(int triangle, const Eigen::Vector3f& weights) const;
 
   Eigen::Matrix3Xi triangles_;
-  Eigen::Matrix3Xf vertices_;
+  Eigen::Matrix4Xf vertices_;  // the fourth number is 0
   std::vector<int> order_;
   std::vector<Box> boxes_;
   std::vector<std::array<int, 3>> across_;  // (T) triangle beyond the edge from corner k to k + 1

@@ -91,6 +91,25 @@ GapQuery gaps_to(const ObstacleGaps& gaps) {
   };
 }
 
+NearQuery near_to(const ObstacleGaps& gaps) {
+  std::vector<Eigen::AlignedBox3d> boxes;  // of the capsules; of other parts nothing is known
+  for (const Capsule& capsule : gaps.obstacle().capsules) {
+    const double radius = std::max(capsule.ra, capsule.rb);
+    boxes.emplace_back(capsule.a.cwiseMin(capsule.b).array() - radius,
+                       capsule.a.cwiseMax(capsule.b).array() + radius);
+  }
+  return [&gaps, boxes](const Eigen::Vector3f& place, float reach) {
+    const Vector3d x = place.cast<double>();
+    const auto r = static_cast<double>(reach);
+    for (int p = 0; p < gaps.part_count(); ++p) {
+      const auto at = static_cast<std::size_t>(p);
+      if (at < boxes.size() && boxes[at].squaredExteriorDistance(x) >= r * r) continue;
+      if (gaps.distance(p, x) < r) return true;
+    }
+    return false;
+  };
+}
+
 std::string compare_touch(const EquilibriumSolver& solver, const SkinResponse& skin,
                           const Preloaded* preloaded, TouchSolver& touch, double point_spacing,
                           const TouchScene& scene, std::span<const double> depths,

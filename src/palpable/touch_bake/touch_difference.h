@@ -38,8 +38,9 @@ struct TouchDifference {
 [[nodiscard]] Eigen::VectorXd true_von_mises(const SkinResponse& skin,
                                              const Eigen::Matrix3Xd& displacement);
 
-/// The gaps to an obstacle, as a query of touch.
+/// The gaps to an obstacle, as a query of touch, and whether it is near. @param gaps  outlives them
 [[nodiscard]] GapQuery gaps_to(const ObstacleGaps& gaps);
+[[nodiscard]] NearQuery near_to(const ObstacleGaps& gaps);
 
 /// Presses a scene in frames of at most 1.25 mm, by the full solver and by the tables, and compares
 /// the two at the depths.

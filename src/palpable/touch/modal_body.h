@@ -1,0 +1,110 @@
+/// @file
+/// One of the bodies of a modal contact (modal_contact.h): what is made of it once, and its present
+/// shape. All of the shape is summed only where somebody asks for it; while Newton's method goes
+/// on, places of single points tell enough.
+///
+///   V  vertices of the skin     W  nodes of its shell     n  modes     C  contact points
+#pragma once
+
+#include "palpable/geometry/rigid.h"
+#include "palpable/geometry/skin_points.h"
+#include "palpable/reduced/reduced_body.h"
+#include "palpable/touch/modal_tables.h"
+#include "palpable/touch/moving_surface.h"
+#include "palpable/touch/packed_energy.h"
+#include "palpable/touch/shell_stress.h"
+#include "palpable/touch/skin_clusters.h"
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// A body that is answered, and where it stands.
+struct ModalMember {
+  const ReducedBody* body = nullptr;    ///< with SeveralLoads
+  const ModalTables* tables = nullptr;  ///< of it
+  Rigid3 world_from_body = Rigid3::Identity();
+};
+
+/// Allocates in its constructor.
+class ModalBody {
+ public:
+  /// @param member  what it points to outlives this. @pre trouble_of(tables, body) is empty
+  explicit ModalBody(const ModalMember& member);
+
+  [[nodiscard]] const ModalMember& member() const { return member_; }
+  [[nodiscard]] Eigen::Index modes() const { return n_; }
+
+  /// (C) where things may press, their levels (point_levels.h), and the same points in heaps.
+  [[nodiscard]] std::span<const SkinPoint> points() const { return points_; }
+  [[nodiscard]] std::span<const float> levels() const { return levels_; }
+  [[nodiscard]] const SkinClusters& clusters() const { return clusters_; }
+  /// m between the points that a flat seen object is asked at, and those that the sharpest is.
+  [[nodiscard]] float coarsest() const { return coarsest_; }
+  [[nodiscard]] float finest() const { return finest_; }
+  /// m between the points that are asked of other bodies: skins that lie on each other are flat.
+  [[nodiscard]] float spacing_between() const { return between_; }
+
+  /// (n) amplitudes now.
+  [[nodiscard]] const Eigen::VectorXd& q() const { return q_; }
+  void set_q(const Eigen::VectorXd& q);
+  /// q += share * step. @return m that the vertex moved that moved most, of some over the skin:
+  /// modes are smooth
+  double move(const Eigen::VectorXd& step, double share);
+  /// m, of the same vertices: how far the body is from rest.
+  [[nodiscard]] double farthest() const;
+
+  /// m, of a point of the skin: its displacement, and where it is.
+  [[nodiscard]] Eigen::Vector3f displacement(const Eigen::Vector3i& corners,
+                                             const Eigen::Vector3f& weights) const;
+  [[nodiscard]] Eigen::Vector3f place(int point) const;
+  [[nodiscard]] Eigen::Vector3f place(const Eigen::Vector3i& corners,
+                                      const Eigen::Vector3f& weights) const;
+  /// result += sum_k weights_k F(corner k)^T d, how the modes move a point along d. (n)
+  void add_row(const Eigen::Vector3i& corners, const Eigen::Vector3f& weights,
+               const Eigen::Vector3d& d, Eigen::Ref<Eigen::VectorXd> result) const;
+
+  /// (3 x V) m, all of the skin, and distances to it.
+  const Eigen::Matrix3Xf& skin();
+  const MovingSurface& surface();
+
+  /// The true stress on the skin now, Pa. @param von_mises  (V)  @param cauchy  (6V) or empty
+  /// @pre the tables have a shell
+  void stress(std::span<float> von_mises, std::span<float> cauchy);
+
+  /// W' and W'' at q. (n), (n x n)
+  void evaluate(Eigen::VectorXd& gradient, Eigen::MatrixXd& hessian) {
+    energy_.evaluate(q_, gradient, hessian);
+  }
+
+ private:
+  void probe(Eigen::Matrix3Xf& u) const;
+  void sum(const Eigen::MatrixXf& F, float* u);
+
+  ModalMember member_;
+  Eigen::Index n_, V_;
+  Eigen::Matrix3Xf rest_;
+  std::vector<SkinPoint> points_;
+  Eigen::Matrix3Xf places_;  // (3 x C) m, at rest
+  float coarsest_, finest_, between_;
+  std::vector<float> levels_;
+  SkinClusters clusters_;
+  std::vector<float> rows_;  // (V x 3 x n) of the modes: vertex, direction, mode
+  PackedEnergy energy_;
+  MovingSurface surface_;
+  std::optional<ShellStress> shell_;
+
+  Eigen::VectorXd q_;
+  Eigen::VectorXf narrow_q_;              // the same
+  Eigen::Matrix3Xf u_, x_;                // (3 x V) m: displacement and place
+  Eigen::Matrix3Xf shell_u_;              // (3 x W) m
+  std::vector<int> probes_;               // vertices
+  Eigen::Matrix3Xf probe_u_, probe_was_;  // of them
+  bool is_skin_old_ = false, is_surface_old_ = false;
+};
+
+}  // namespace palpable
