@@ -138,9 +138,8 @@ void add_truth(Command app) {
       .in_range(1, 256)
       .show_default();
   command.footer(
-      "Writes CLIP/truth/deformed, of a scene CLIP/truth/bodies/NAME/deformed (docs/benchmark.md). "
-      "An interrupted run goes on with the\n"
-      "touch in which it was.\n"
+      "Writes CLIP/truth/deformed, of a scene CLIP/truth/bodies/NAME/deformed\n"
+      "(docs/benchmark.md). An interrupted run goes on with the touch in which it was.\n"
       "Example: palpable truth out/beams --scene scenes/beams.toml --frames 10\n"
       "Example: palpable truth clip --body bodies/bunny-demo.toml --baked out/demo/bunny.palpable");
   command.callback([options] { find_truth(*options); });

@@ -122,11 +122,7 @@ std::vector<DescribedBody> wanted_bodies(const LiveOptions& options) {
 }
 
 TouchableBody read_body(const DescribedBody& wanted, const LiveOptions& options) {
-  std::error_code ignored;
-  if (!options.scene.empty() && !std::filesystem::exists(wanted.file, ignored)) {
-    throw Error(fmt::format("{}: the body '{}' of {} is not there; {}", wanted.file.string(),
-                            wanted.name, options.scene.string(), how_to_bake(wanted)));
-  }
+  if (!options.scene.empty()) expect_baked(wanted, options.scene);
   const std::map<std::string, double> values = parse_settings(wanted.set);
   // At its sites a body plays whatever its tables are.
   const bool at_sites = options.contact == "site" || options.contact == "paper";

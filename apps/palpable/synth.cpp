@@ -14,6 +14,7 @@
 #include "palpable/clip_files/scene_description.h"
 #include "palpable/clip_writer/desk_film.h"
 #include "palpable/clip_writer/sequence_folder.h"
+#include "palpable/live/body_place.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/scaled_body.h"
 #include "palpable/script/beams.h"
@@ -76,11 +77,7 @@ std::vector<ReducedBody> read_bodies(const fs::path& scene,
                                      const std::vector<DescribedBody>& described) {
   std::vector<ReducedBody> bodies;
   for (const DescribedBody& body : described) {
-    std::error_code ignored;
-    if (!fs::exists(body.file, ignored)) {
-      throw Error(fmt::format("{}: the body '{}' of {} is not there; {}", body.file.string(),
-                              body.name, scene.string(), how_to_bake(body)));
-    }
+    expect_baked(body, scene);
     ReducedBody read = value_or_throw(read_pressable_body(body.file, parse_settings(body.set)));
     bodies.push_back(body.scale != 1 ? scaled(read, body.scale) : std::move(read));
   }
@@ -94,8 +91,14 @@ void synth_scene(const SynthOptions& options, const SequenceOrder& order) {
   const std::vector<Rigid3> poses = scene_from_bodies(described);
   const std::vector<ReducedBody> bodies = read_bodies(options.scene, described);
   std::vector<SequenceBody> filmed;
+  std::vector<PlacedBody> standing;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     filmed.push_back({&bodies[k], described[k].name, poses[k]});
+    standing.push_back(
+        {.body = TouchableBody(bodies[k]), .world_from_body = poses[k], .name = described[k].name});
+  }
+  if (const auto overlap = overlap_of(standing)) {
+    throw Error(fmt::format("{}: {}", options.scene.string(), *overlap));
   }
   ProgressBar bar;
   write_sequence(filmed, order, options.out, bar.progress());

@@ -32,6 +32,7 @@ void run(const Options& options) {
   const std::vector<Rigid3> poses = scene_from_bodies(described);
   std::vector<StudiedBody> bodies;
   for (std::size_t k = 0; k < described.size(); ++k) {
+    expect_baked(described[k], options.scene);
     TouchableBody body = value_or_throw(
         read_pressable_touchable_body(described[k].file, parse_settings(described[k].set)));
     if (described[k].scale != 1) body = scaled(body, described[k].scale);

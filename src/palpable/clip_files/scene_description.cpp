@@ -140,10 +140,16 @@ std::vector<Rigid3> scene_from_bodies(const std::vector<DescribedBody>& bodies) 
   return poses;
 }
 
-std::string how_to_bake(const DescribedBody& body) {
-  if (body.description.empty()) return "bake it first (palpable bake --help)";
-  return fmt::format("bake it first: palpable bake {}{} -o {}", body.description.string(),
-                     body.method.empty() ? "" : " --method " + body.method, body.file.string());
+void expect_baked(const DescribedBody& body, const fs::path& scene) {
+  std::error_code ignored;
+  if (fs::exists(body.file, ignored)) return;
+  const std::string how =
+      body.description.empty()
+          ? "bake it first (palpable bake --help)"
+          : fmt::format("bake it first: palpable bake {}{} -o {}", body.description.string(),
+                        body.method.empty() ? "" : " --method " + body.method, body.file.string());
+  throw Error(fmt::format("{}: the body '{}' of {} is not there; {}", body.file.string(), body.name,
+                          scene.string(), how));
 }
 
 }  // namespace palpable

@@ -60,7 +60,8 @@ struct DescribedBody {
 /// @throws Error naming a body that an image has to place
 [[nodiscard]] std::vector<Rigid3> scene_from_bodies(const std::vector<DescribedBody>& bodies);
 
-/// How to make a body file that is not there, in words; for messages.
-[[nodiscard]] std::string how_to_bake(const DescribedBody& body);
+/// @throws Error that says how to make a body file, where it is not there yet.
+/// @param scene  the file that names the body
+void expect_baked(const DescribedBody& body, const std::filesystem::path& scene);
 
 }  // namespace palpable

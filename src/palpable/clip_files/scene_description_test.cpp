@@ -60,7 +60,9 @@ TEST_CASE("a scene says which bodies stand where", "[clip_files][scene]") {
   CHECK((poses[1].translation() - Vector3d(0.01, 0, 0.11)).norm() < tolerance(1e-12, "rounding"));
   CHECK((poses[1].linear() * Vector3d::UnitX() - Vector3d::UnitY()).norm() <
         tolerance(1e-12, "rounding"));
-  CHECK_THAT(how_to_bake(bodies[0]), Catch::Contains("bodies/beam.toml --method intrusive-pgd"));
+  CHECK_THROWS_WITH(expect_baked(bodies[0], "desk.toml"),
+                    Catch::Contains("of desk.toml") &&
+                        Catch::Contains("bodies/beam.toml --method intrusive-pgd"));
 }
 
 TEST_CASE("what is wrong with a scene is told in a line with its number", "[clip_files][errors]") {

@@ -4,22 +4,19 @@
 #include "palpable/base/error.h"
 #include "palpable/base/folder_lock.h"
 #include "palpable/base/output_file.h"
-#include "palpable/base/parallel_work.h"
 #include "palpable/describe/body_problem.h"
-#include "palpable/solid/contact.h"
 #include "palpable/solid/joined_model.h"
 #include "palpable/solid/stress.h"
 #include "palpable/truth/clip_hands.h"
+#include "palpable/truth/hand_walks.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <limits>
 #include <list>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -29,20 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Matrix3Xd;
 
-constexpr double kPathMatters = 0.01;  // of a skin's displacement, if half the step changes it
 // Of the diagonal of a body's box: what the skin that was filmed may be off by.
 constexpr double kSameSkin = 1e-6;
-
-// What one walk found at one frame.
-struct Answer {
-  Matrix3Xd displacement;  // (3 x N), scene frame
-  Matrix3Xd forces;        // (3 x bodies) N, of the hand and of the others
-  std::vector<double> between;
-};
-struct Walked {
-  std::map<int, Answer> answers;
-  std::string why_stopped;
-};
 
 // A body within the joined problem.
 struct Part {
@@ -72,7 +57,13 @@ class SceneSkins {
                        kVonMisesProperty);
     }
     leave_out_known();
-    walk_all();
+    ContactSettings contact;
+    contact.mutual = true;
+    follow_hand(*solver_, hands_, episodes_, {.contact = contact, .threads = settings_.threads},
+                progress_,
+                [this](const Episode& episode, const Walked& fine, const Walked& coarse) {
+                  keep(episode, fine, coarse);
+                });
     std::vector<TrueSceneFrame> frames;
     for (auto& [key, found] : found_) frames.push_back(std::move(found));
     return frames;
@@ -183,63 +174,7 @@ class SceneSkins {
     std::erase_if(episodes_, [](const Episode& episode) { return episode.wanted.empty(); });
   }
 
-  Walked walk(const Episode& episode, int steps_per_frame) {
-    const auto way = [&](double t) { return Obstacle{.capsules = capsules_at(hands_, t)}; };
-    ContactSettings settings;
-    settings.mutual = true;
-    ContactWalk walk(*solver_, way, std::max(0, episode.first - 1), settings);
-    Walked walked;
-    for (int frame = episode.first; frame <= episode.wanted.back(); ++frame) {
-      for (int step = 1; step <= steps_per_frame; ++step) {
-        const double t = frame - 1 + static_cast<double>(step) / steps_per_frame;
-        if (walk.advance(t)) continue;
-        walked.why_stopped = walk.why_stopped();
-        return walked;
-      }
-      one_more_frame();
-      if (std::find(episode.wanted.begin(), episode.wanted.end(), frame) == episode.wanted.end()) {
-        continue;
-      }
-      walked.answers[frame] = answer_of(walk);
-    }
-    return walked;
-  }
-
-  [[nodiscard]] Answer answer_of(const ContactWalk& walk) const {
-    Answer answer{walk.now().displacement, Matrix3Xd::Zero(3, std::ssize(parts_)), {}};
-    const Matrix3Xd of_hand = walk.nodal_forces(), of_others = walk.mutual_nodal_forces();
-    for (std::size_t b = 0; b < parts_.size(); ++b) {
-      const Eigen::Index first = parts_[b].first, count = parts_[b].last - parts_[b].first;
-      const Eigen::Vector3d hand = of_hand.middleCols(first, count).rowwise().sum(),
-                            others = of_others.middleCols(first, count).rowwise().sum();
-      answer.forces.col(static_cast<Eigen::Index>(b)) = hand + others;
-      answer.between.push_back(others.norm());
-    }
-    return answer;
-  }
-
-  void one_more_frame() {
-    const std::lock_guard lock(mutex_);
-    report(progress_, {"following the hand", ++frames_done_, std::max(1.0, frames_to_do_), ""});
-  }
-
-  void walk_all() {
-    for (const Episode& episode : episodes_) {
-      frames_to_do_ += 2.0 * (episode.wanted.back() - episode.first + 1);
-    }
-    std::vector<std::optional<Walked>> results(2 * episodes_.size());
-    work_in_parallel(static_cast<int>(results.size()), settings_.threads, "", {}, [&](int job) {
-      Walked walked = walk(episodes_[static_cast<std::size_t>(job / 2)], job % 2 == 0 ? 2 : 1);
-      const std::lock_guard lock(mutex_);
-      results[static_cast<std::size_t>(job)] = std::move(walked);
-      const auto first = static_cast<std::size_t>(job / 2 * 2);
-      if (!results[first] || !results[first + 1]) return;
-      keep(episodes_[first / 2], *results[first], *results[first + 1]);
-      results[first] = results[first + 1] = Walked{};  // written
-    });
-  }
-
-  // Writes an episode's frames; with the mutex held.
+  // Writes an episode's frames.
   void keep(const Episode& episode, const Walked& fine, const Walked& coarse) {
     for (const int frame : episode.wanted) {
       const auto answer = fine.answers.find(frame), other = coarse.answers.find(frame);
@@ -271,18 +206,15 @@ class SceneSkins {
   }
 
   // The largest of the bodies.
-  [[nodiscard]] double change_of(const Answer& a, const Answer& b) const {
+  [[nodiscard]] double change_of(const WalkedFrame& a, const WalkedFrame& b) const {
     double largest = 0;
     for (const Part& part : parts_) {
-      const Matrix3Xd one = a.displacement(Eigen::all, part.nodes),
-                      other = b.displacement(Eigen::all, part.nodes);
-      const double whole = std::max(one.norm(), other.norm());
-      if (whole > 0) largest = std::max(largest, (one - other).norm() / whole);
+      largest = std::max(largest, relative_change(a.displacement, b.displacement, part.nodes));
     }
     return largest;
   }
 
-  void write_frame(const Answer& answer, std::size_t b, TrueSceneFrame& found) const {
+  void write_frame(const WalkedFrame& answer, std::size_t b, TrueSceneFrame& found) const {
     const Part& part = parts_[b];
     const Rigid3 body_from_scene = solids_[b].scene_from_body.inverse();
     const Matrix3Xd u = body_from_scene.linear() * answer.displacement(Eigen::all, part.nodes);
@@ -290,9 +222,12 @@ class SceneSkins {
         von_mises(nodal_cauchy_stress(joined_.model, answer.displacement));
     const ValuedSurface skin{{part.skin.vertices + u, part.skin.triangles}, mises(part.nodes)};
     write_valued_ply(deformed_skin_file(part.folder, found.line.frame), skin, kVonMisesProperty);
-    found.line.force = body_from_scene.linear() * answer.forces.col(static_cast<Eigen::Index>(b));
+    const Eigen::Index first = part.first, count = part.last - part.first;
+    const Eigen::Vector3d hand = answer.hand_forces.middleCols(first, count).rowwise().sum(),
+                          others = answer.other_forces.middleCols(first, count).rowwise().sum();
+    found.line.force = body_from_scene.linear() * (hand + others);
     found.largest_displacement = u.colwise().norm().maxCoeff();
-    found.between = answer.between[b];
+    found.between = others.norm();
   }
 
   fs::path clip_;
@@ -306,8 +241,6 @@ class SceneSkins {
   std::map<std::size_t, double> depths_;  // m, of the deepest touch of any body, by frame
   std::vector<Episode> episodes_;
   std::map<std::pair<std::size_t, int>, TrueSceneFrame> found_;  // by body and frame
-  std::mutex mutex_;
-  double frames_done_ = 0, frames_to_do_ = 0;
 };
 
 }  // namespace

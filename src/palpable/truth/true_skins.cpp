@@ -4,15 +4,14 @@
 #include "palpable/base/fnv1a.h"
 #include "palpable/base/folder_lock.h"
 #include "palpable/base/output_file.h"
-#include "palpable/base/parallel_work.h"
 #include "palpable/campaign/fill_store.h"
 #include "palpable/campaign/press_solver.h"
 #include "palpable/campaign/solid_file.h"
 #include "palpable/describe/body_problem.h"
 #include "palpable/reduced/body_file.h"
-#include "palpable/solid/contact.h"
 #include "palpable/solid/stress.h"
 #include "palpable/truth/clip_hands.h"
+#include "palpable/truth/hand_walks.h"
 
 #include <fmt/core.h>
 
@@ -22,7 +21,6 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -33,25 +31,13 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Matrix3Xd;
 
-constexpr double kDeepest = 0.1;       // of the height; deeper, a hand passes through
-constexpr double kPathMatters = 0.01;  // of the skin's displacement, if half the step changes it
+constexpr double kDeepest = 0.1;  // of the height; deeper, a hand passes through
 // A touch this deep that does not reach the body's skin is one of another body, m.
 constexpr double kSurelyTouches = 2e-3;
 
 // Of the height: what a skin may be off by that is the same one. A preloaded skin at rest is solved
 // to that; all else is equal to the last bit.
 constexpr double kSameSkin = 1e-6;
-
-// What one walk found at one frame; nothing where it did not get there.
-struct Answer {
-  Matrix3Xd displacement;  // (3 x N)
-  Eigen::Vector3d force = Eigen::Vector3d::Zero(), centre = Eigen::Vector3d::Zero();
-  double entry = 0;
-};
-struct Walked {
-  std::map<int, Answer> answers;
-  std::string why_stopped;
-};
 
 std::string content_of(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -86,7 +72,11 @@ class TrueSkins {
     write_rest();
     check_same(clip);
     leave_out_known();
-    walk_all();
+    follow_hand(solver_, hands_, episodes_,
+                {.preloaded = presses_.preloaded(), .threads = settings_.threads}, progress_,
+                [this](const Episode& episode, const Walked& fine, const Walked& coarse) {
+                  keep(episode, fine, coarse);
+                });
     std::vector<TrueFrame> frames;
     for (auto& [frame, found] : found_) frames.push_back(std::move(found));
     return frames;
@@ -243,52 +233,7 @@ class TrueSkins {
     return std::find(known_.begin(), known_.end(), frame) != known_.end();
   }
 
-  // From the frame before the first touch to the last wanted one, in 1 or 2 steps a frame.
-  Walked walk(const Episode& episode, int steps_per_frame) {
-    const auto way = [&](double t) { return Obstacle{.capsules = capsules_at(hands_, t)}; };
-    ContactWalk walk(solver_, way, std::max(0, episode.first - 1), {}, presses_.preloaded());
-    Walked walked;
-    for (int frame = episode.first; frame <= episode.wanted.back(); ++frame) {
-      for (int step = 1; step <= steps_per_frame; ++step) {
-        const double t = frame - 1 + static_cast<double>(step) / steps_per_frame;
-        if (walk.advance(t)) continue;
-        walked.why_stopped = walk.why_stopped();
-        return walked;
-      }
-      one_more_frame();
-      if (std::find(episode.wanted.begin(), episode.wanted.end(), frame) == episode.wanted.end()) {
-        continue;
-      }
-      const ContactState& now = walk.now();
-      walked.answers[frame] = {now.displacement, now.force, now.centre, now.entry_between};
-    }
-    return walked;
-  }
-
-  void one_more_frame() {
-    const std::lock_guard lock(mutex_);
-    report(progress_, {"following the hand", ++frames_done_, std::max(1.0, frames_to_do_), ""});
-  }
-
-  // Two walks an episode, handed out one by one.
-  void walk_all() {
-    for (const Episode& episode : episodes_) {
-      frames_to_do_ += 2.0 * (episode.wanted.back() - episode.first + 1);
-    }
-    std::vector<std::optional<Walked>> results(2 * episodes_.size());
-    work_in_parallel(static_cast<int>(results.size()), settings_.threads, "", {}, [&](int job) {
-      const Episode& episode = episodes_[job / 2];
-      Walked walked = walk(episode, job % 2 == 0 ? 2 : 1);
-      const std::lock_guard lock(mutex_);
-      results[job] = std::move(walked);
-      const int first = job / 2 * 2;
-      if (!results[first] || !results[first + 1]) return;
-      keep(episode, *results[first], *results[first + 1]);
-      results[first] = results[first + 1] = Walked{};  // written
-    });
-  }
-
-  // Writes an episode's frames; with the mutex held.
+  // Writes an episode's frames.
   void keep(const Episode& episode, const Walked& fine, const Walked& coarse) {
     for (const int frame : episode.wanted) {
       TrueFrame found;
@@ -301,7 +246,10 @@ class TrueSkins {
       } else {
         const auto other = coarse.answers.find(frame);
         found.path_change =
-            other == coarse.answers.end() ? 1.0 : change(answer->second, other->second);
+            other == coarse.answers.end()
+                ? 1.0
+                : relative_change(answer->second.displacement, other->second.displacement, skin_,
+                                  presses_.rest());
         write_frame(answer->second, found);
       }
       lines_[frame] = found.line;
@@ -312,15 +260,7 @@ class TrueSkins {
     write_whole_file(folder_ / "deformed.jsonl", text);
   }
 
-  [[nodiscard]] double change(const Answer& a, const Answer& b) const {
-    const Matrix3Xd& rest = presses_.rest();
-    const Matrix3Xd difference = (a.displacement - b.displacement)(Eigen::all, skin_);
-    const Matrix3Xd whole = (a.displacement - rest)(Eigen::all, skin_);
-    const double larger = std::max(whole.norm(), (b.displacement - rest)(Eigen::all, skin_).norm());
-    return larger > 0.0 ? difference.norm() / larger : 0.0;
-  }
-
-  void write_frame(const Answer& answer, TrueFrame& found) const {
+  void write_frame(const WalkedFrame& answer, TrueFrame& found) const {
     const Eigen::VectorXd mises =
         von_mises(nodal_cauchy_stress(solver_.model(), answer.displacement));
     const ValuedSurface skin{{(problem_.model.mesh.nodes + answer.displacement)(Eigen::all, skin_),
@@ -352,8 +292,6 @@ class TrueSkins {
   std::vector<int> known_;
   std::map<int, DeformedLine> lines_;
   std::map<int, TrueFrame> found_;
-  std::mutex mutex_;
-  double frames_done_ = 0, frames_to_do_ = 0;
 };
 
 }  // namespace
