@@ -64,6 +64,26 @@ Vector3d sum_of(const ModalState& state, int by) {
   return sum;
 }
 
+// dz/dx of the beam's top or underside, between 30 mm before and 30 mm behind a place, m from the
+// free end.
+double slope_of(ModalContact& contact, int member, const ModalState& state, bool top,
+                double from_end) {
+  const Matrix3Xf& skin = contact.place(member, state);
+  const Eigen::AlignedBox3d box = box_of(baked_beam().body.surface);
+  const double z = top ? box.max().z() : box.min().z();
+  Eigen::Matrix2Xd places(2, 0);
+  for (Eigen::Index v = 0; v < skin.cols(); ++v) {
+    const Vector3d rest = baked_beam().body.surface.vertices.col(v);
+    if (std::abs(rest.z() - z) > 1e-6) continue;
+    if (std::abs(box.max().x() - rest.x() - from_end) > 0.03) continue;
+    places.conservativeResize(2, places.cols() + 1);
+    places.rightCols(1) = Eigen::Vector2d(skin(0, v), skin(2, v));
+  }
+  const Eigen::Vector2d mean = places.rowwise().mean();
+  const Eigen::Matrix2Xd off = places.colwise() - mean;
+  return off.row(0).dot(off.row(1)) / off.row(0).squaredNorm();
+}
+
 // The beam under a finger that goes on by 2 mm a frame.
 ModalState pressed(ModalContact& contact, double x, double depth) {
   std::vector<ModalState> states(1);
@@ -145,6 +165,24 @@ TEST_CASE("two beams press each other as hard, enter nothing, and come back", "[
     CHECK(state.forces.empty());
     CHECK(state.q.norm() < 1e-6 * q.norm());
   }
+}
+
+TEST_CASE("an end that lies on a face is pressed along the face's normal", "[bake][modal]") {
+  // The upper one is held farther back.
+  ModalContact contact({beam_at({0, 0, 0}), beam_at({-0.08, 0, 0.085})});
+  std::vector<ModalState> states(2);
+  std::vector<GapQuery> gaps{nothing(), nothing()};
+  for (double depth = 0; depth < 0.0361; depth += 0.003) {
+    gaps[1] = gap_to(finger(0.34, depth));
+    (void)contact.advance(states, gaps, {});
+  }
+  const Vector3d on_lower = sum_of(states[0], 1);
+  REQUIRE(on_lower.z() < -0.05);
+  const double face = slope_of(contact, 0, states[0], true, 0.08),
+               end = slope_of(contact, 1, states[1], false, 0.01);
+  REQUIRE(end < face - 0.05);
+  CHECK(std::abs(-on_lower.x() / on_lower.z() - face) <=
+        tolerance(0.01, "of the slope: the face is bent between the places that tell it"));
 }
 
 TEST_CASE("what is no number presses nothing, and a finger that is there at once is survived",

@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
+#include <set>
+#include <utility>
 
 namespace palpable {
 namespace {
@@ -33,6 +36,40 @@ Matrix3Xf places_of(std::span<const SkinPoint> points, const Matrix3Xf& vertices
   return places;
 }
 
+// Faces that meet at more than 40 degrees make an edge; a smooth skin's do not.
+constexpr double kEdge = 0.77;  // its cosine
+
+// (V) m, of each vertex from the nearest one on an edge, 1 where there is none.
+std::vector<float> distances_from_edges(const SurfaceMesh& skin) {
+  const auto normal_of = [&](Index t) {
+    const Vector3d a = skin.vertices.col(skin.triangles(0, t));
+    const Vector3d b = skin.vertices.col(skin.triangles(1, t));
+    const Vector3d c = skin.vertices.col(skin.triangles(2, t));
+    return (b - a).cross(c - a).normalized().eval();
+  };
+  std::map<std::pair<int, int>, Index> of_edge;  // directed: the triangle that runs along it
+  for (Index t = 0; t < skin.triangles.cols(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      of_edge[{skin.triangles(k, t), skin.triangles((k + 1) % 3, t)}] = t;
+    }
+  }
+  std::set<int> sharp;
+  for (const auto& [edge, t] : of_edge) {
+    const auto other = of_edge.find({edge.second, edge.first});
+    if (other != of_edge.end() && normal_of(t).dot(normal_of(other->second)) > kEdge) continue;
+    sharp.insert({edge.first, edge.second});
+  }
+  std::vector<float> distances(static_cast<std::size_t>(skin.vertices.cols()), 1.0f);
+  for (Index v = 0; v < skin.vertices.cols(); ++v) {
+    double nearest = 1;
+    for (const int e : sharp) {
+      nearest = std::min(nearest, (skin.vertices.col(v) - skin.vertices.col(e)).norm());
+    }
+    distances[static_cast<std::size_t>(v)] = static_cast<float>(nearest);
+  }
+  return distances;
+}
+
 Eigen::Vector3i corners_of(const SkinPoint& point) {
   return {point.corners[0], point.corners[1], point.corners[2]};
 }
@@ -54,6 +91,7 @@ ModalBody::ModalBody(const ModalMember& member)
       clusters_(
           rest_, points_, places_, levels_,
           std::min(kCluster * static_cast<float>(member.tables->point_spacing), kLargestCluster)),
+      from_edge_(distances_from_edges(member.body->surface)),
       energy_(member.body->several->energy),
       surface_(member.body->surface),
       q_(VectorXd::Zero(n_)),
@@ -130,6 +168,25 @@ Vector3f ModalBody::place(int point) const {
 Vector3f ModalBody::place(const Eigen::Vector3i& corners, const Vector3f& weights) const {
   return rest_.col(corners[0]) * weights[0] + rest_.col(corners[1]) * weights[1] +
          rest_.col(corners[2]) * weights[2] + displacement(corners, weights);
+}
+
+Vector3f ModalBody::normal(int point) {
+  const SkinPoint& at = points_[static_cast<std::size_t>(point)];
+  const MovingSurface& now = surface();
+  Vector3f sum = Vector3f::Zero();
+  for (int k = 0; k < 3; ++k) {
+    if (at.weights[k] == 0) continue;
+    sum += at.weights[k] * now.vertex_normal(at.corners[static_cast<std::size_t>(k)]);
+  }
+  return sum.normalized();
+}
+
+float ModalBody::from_edge(const Eigen::Vector3i& corners, const Vector3f& weights) const {
+  float sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    sum += weights[k] * from_edge_[static_cast<std::size_t>(corners[k])];
+  }
+  return sum;
 }
 
 void ModalBody::add_row(const Eigen::Vector3i& corners, const Vector3f& weights, const Vector3d& d,

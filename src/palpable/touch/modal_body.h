@@ -64,6 +64,11 @@ class ModalBody {
   [[nodiscard]] Eigen::Vector3f place(int point) const;
   [[nodiscard]] Eigen::Vector3f place(const Eigen::Vector3i& corners,
                                       const Eigen::Vector3f& weights) const;
+  /// Unit, outwards, of the skin at a contact point, as it is now.
+  [[nodiscard]] Eigen::Vector3f normal(int point);
+  /// m, of a point of the skin at rest from the nearest edge that the body has, 1 at most.
+  [[nodiscard]] float from_edge(const Eigen::Vector3i& corners,
+                                const Eigen::Vector3f& weights) const;
   /// result += sum_k weights_k F(corner k)^T d, how the modes move a point along d. (n)
   void add_row(const Eigen::Vector3i& corners, const Eigen::Vector3f& weights,
                const Eigen::Vector3d& d, Eigen::Ref<Eigen::VectorXd> result) const;
@@ -93,7 +98,8 @@ class ModalBody {
   float coarsest_, finest_, between_;
   std::vector<float> levels_;
   SkinClusters clusters_;
-  std::vector<float> rows_;  // (V x 3 x n) of the modes: vertex, direction, mode
+  std::vector<float> from_edge_;  // (V) m
+  std::vector<float> rows_;       // (V x 3 x n) of the modes: vertex, direction, mode
   PackedEnergy energy_;
   MovingSurface surface_;
   std::optional<ShellStress> shell_;

@@ -34,6 +34,10 @@ constexpr float kInside = 0.02f;
 constexpr double kDisc = 0.54;
 // m of sigma that make a point as compliant again as the half space is.
 constexpr double kSofter = 10;
+// Cosine of the angle between two skins' normals up to which they lie on each other.
+constexpr float kFacing = 0.7f;
+// So often what may enter between two points is doubled, where there are too many of them.
+constexpr int kCoarser = 8;
 // Of the band: points that are farther, and do not press, take no part in an iteration. One that is
 // entered all the same does in the next.
 constexpr double kTakesPart = 0.4;
@@ -46,6 +50,7 @@ struct Candidate {
   Vector3f weights = Vector3f::Zero();                // likewise
   Vector3f place = Vector3f::Zero();                  // m, where it is found; the member's frame
   double gap = 0;                                     // m
+  double offset = 0;  // m: between members, of the gap from what their places tell along the normal
   Vector3d normal = Vector3d::Zero();        // unit, away from what presses; the member's frame
   Vector3d other_normal = Vector3d::Zero();  // the same in the other's frame
   Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();  // 1/m
@@ -98,7 +103,9 @@ struct ModalContact::Work {
             ModalReport& report);
   void find_seen(int k, const GapQuery& gaps, const NearQuery& near, double shift);
   void find_between(int k, int other);
-  void keep_nearest(ModalReport& report);
+  Vector3f normal_between(Body& b, const Body& o, const Candidate& c, const NearestOnSkin& found,
+                          const Eigen::Isometry3f& to_other) const;
+  void keep_most(ModalReport& report);
   void look_again(std::span<const GapQuery> gaps, double shift);
   bool measure_seen(Candidate& c, const GapQuery& gaps, double shift) const;
   void wake();
@@ -202,6 +209,20 @@ void ModalContact::Work::find_seen(int k, const GapQuery& gaps, const NearQuery&
   }
 }
 
+// Which way two skins press each other, in the other's frame: along the normal of the one that is
+// flat there. Where a body's edge lies on another's face, the edge gives way to the face.
+Vector3f ModalContact::Work::normal_between(Body& b, const Body& o, const Candidate& c,
+                                            const NearestOnSkin& found,
+                                            const Eigen::Isometry3f& to_other) const {
+  const SkinPoint& at = b.points()[static_cast<std::size_t>(c.point)];
+  const float here = b.from_edge({at.corners[0], at.corners[1], at.corners[2]}, at.weights),
+              there = o.from_edge(c.corners, c.weights);
+  const Vector3f against = -(to_other.linear() * b.normal(c.point));
+  // Skins that do not face each other: the gap's own direction.
+  if (!(against.dot(found.normal) > kFacing) || !(here + there > 0)) return found.normal;
+  return (here * against + there * found.normal).normalized();
+}
+
 // Points of one member that are near another's skin.
 void ModalContact::Work::find_between(int k, int other) {
   Body &b = *bodies[static_cast<std::size_t>(k)], &o = *bodies[static_cast<std::size_t>(other)];
@@ -231,8 +252,12 @@ void ModalContact::Work::find_between(int k, int other) {
       c.gap = static_cast<double>(found->distance);
       c.corners = surface.corners(found->triangle);
       c.weights = found->weights;
-      c.other_normal = found->normal.cast<double>();
-      c.normal = (to_other.linear().transpose() * found->normal).cast<double>();
+      const Vector3f normal = normal_between(b, o, c, *found, to_other);
+      c.other_normal = normal.cast<double>();
+      c.normal = (to_other.linear().transpose() * normal).cast<double>();
+      c.offset =
+          c.gap -
+          (to_other * c.place - o.place(c.corners, c.weights)).cast<double>().dot(c.other_normal);
       candidates.push_back(c);
     }
   }
@@ -280,7 +305,7 @@ void ModalContact::Work::find(std::span<const GapQuery> gaps, std::span<const Ne
       find_between(k, other);
     }
   }
-  keep_nearest(report);
+  keep_most(report);
   for (Candidate& c : candidates) {
     const Known wanted{{c.member, c.by, c.point}, 0};
     const auto at = std::lower_bound(known.begin(), known.end(), wanted);
@@ -288,8 +313,23 @@ void ModalContact::Work::find(std::span<const GapQuery> gaps, std::span<const Ne
   }
 }
 
-// At most as many as there is room for, the deepest first.
-void ModalContact::Work::keep_nearest(ModalReport& report) {
+// At most as many as there is room for: those that take part at once, of a large object coarser
+// ones, then the deepest.
+void ModalContact::Work::keep_most(ModalReport& report) {
+  if (candidates.size() > kMostPoints) {
+    std::erase_if(candidates,
+                  [&](const Candidate& c) { return !(c.gap < kTakesPart * settings.band); });
+  }
+  double entry = settings.entry;
+  for (int coarser = 0; coarser < kCoarser && candidates.size() > kMostPoints; ++coarser) {
+    entry *= 2;
+    std::erase_if(candidates, [&](const Candidate& c) {
+      const Body& b = *bodies[static_cast<std::size_t>(c.member)];
+      return c.by < 0 && !is_point_needed(b.levels()[static_cast<std::size_t>(c.point)],
+                                          largest_curvature(c.curvature), static_cast<float>(entry),
+                                          b.coarsest(), b.finest());
+    });
+  }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     if (a.gap != b.gap) return a.gap < b.gap;
     return std::array{a.member, a.by, a.point} < std::array{b.member, b.by, b.point};
@@ -310,7 +350,8 @@ void ModalContact::Work::look_again(std::span<const GapQuery> gaps, double shift
     c.place = b.place(c.point);
     if (c.by >= 0) {
       const Vector3f foot = bodies[static_cast<std::size_t>(c.by)]->place(c.corners, c.weights);
-      c.gap = (from_to(c.member, c.by) * c.place - foot).cast<double>().dot(c.other_normal);
+      c.gap =
+          c.offset + (from_to(c.member, c.by) * c.place - foot).cast<double>().dot(c.other_normal);
     } else if (!measure_seen(c, gaps[static_cast<std::size_t>(c.member)], shift)) {
       c.gap = 1;  // m: far
       c.force = 0;
@@ -403,11 +444,14 @@ void ModalContact::Work::assemble() {
       W[p * m + r] = sum;
     }
     const Body& b = *bodies[static_cast<std::size_t>(a.member)];
-    const double area =
+    double area =
         std::max(1e-8, static_cast<double>(b.points()[static_cast<std::size_t>(a.point)].area));
     double half_space = b.member().tables->half_space * (1 + kSofter * a.softness);
     if (a.by >= 0) {
       half_space += bodies[static_cast<std::size_t>(a.by)]->member().tables->half_space;
+      // Of few points each stands for more of the skin.
+      const auto spacing = static_cast<double>(b.spacing_between());
+      area = std::max(area, spacing * spacing);
     }
     W[p * m + p] += kDisc * half_space / std::sqrt(area / std::numbers::pi);
   }

@@ -36,7 +36,7 @@ struct ModalSettings {
   int iterations = 2;           ///< of Newton's method, of each step
   int last_iterations = 10;     ///< of the last one, at most
   double tolerance = 2e-5;      ///< m: the last iteration moved no vertex by more
-  double entry = 3e-4;          ///< m a round object may enter between two contact points
+  double entry = 4e-5;          ///< m a round object may enter between two contact points
   double largest_move = 0.03;   ///< m that an iteration moves a vertex, at most
 };
 

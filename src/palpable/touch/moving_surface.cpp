@@ -211,13 +211,16 @@ Vector3f MovingSurface::normal_at(int triangle, const Vector3f& weights) const {
     const int other = across_[triangle][static_cast<std::size_t>((gone + 1) % 3)];
     return (face_normal(triangle) + face_normal(other)).normalized();
   }
-  const int v = triangles_(left, triangle);
+  return vertex_normal(triangles_(left, triangle));
+}
+
+Vector3f MovingSurface::vertex_normal(int v) const {
+  const Vector3f here = vertex(v);
   Vector3f sum = Vector3f::Zero();
   for (int k = first_[v]; k < first_[v + 1]; ++k) {
     const int t = around_[k];
     int at = 0;
     while (triangles_(at, t) != v) ++at;
-    const Vector3f here = vertex(v);
     const Vector3f to_next = (vertex(triangles_((at + 1) % 3, t)) - here).normalized(),
                    to_last = (vertex(triangles_((at + 2) % 3, t)) - here).normalized();
     sum += std::acos(std::clamp(to_next.dot(to_last), -1.0f, 1.0f)) * face_normal(t);

@@ -41,6 +41,8 @@ class MovingSurface {
   /// question.
   [[nodiscard]] bool may_be_within(const Eigen::Vector3f& x, float reach) const;
 
+  /// Unit, outwards: of the faces around, by their angles.
+  [[nodiscard]] Eigen::Vector3f vertex_normal(int v) const;
   [[nodiscard]] Eigen::Vector3i corners(int triangle) const { return triangles_.col(triangle); }
 
  private:

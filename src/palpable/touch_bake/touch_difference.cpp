@@ -92,19 +92,33 @@ GapQuery gaps_to(const ObstacleGaps& gaps) {
 }
 
 NearQuery near_to(const ObstacleGaps& gaps) {
-  std::vector<Eigen::AlignedBox3d> boxes;  // of the capsules; of other parts nothing is known
+  struct Box {
+    Eigen::Array4f low, high;  // the fourth number is 0
+    [[nodiscard]] float square_to(const Eigen::Array4f& x) const {
+      return (low - x).max(x - high).max(0.0f).matrix().squaredNorm();
+    }
+  };
+  std::vector<Box> boxes;  // of the capsules, then of all of them; of other parts nothing is known
   for (const Capsule& capsule : gaps.obstacle().capsules) {
-    const double radius = std::max(capsule.ra, capsule.rb);
-    boxes.emplace_back(capsule.a.cwiseMin(capsule.b).array() - radius,
-                       capsule.a.cwiseMax(capsule.b).array() + radius);
+    const Eigen::Vector3f a = capsule.a.cast<float>(), b = capsule.b.cast<float>();
+    const auto radius = static_cast<float>(std::max(capsule.ra, capsule.rb));
+    const Eigen::Array3f low = a.cwiseMin(b).array() - radius,
+                         high = a.cwiseMax(b).array() + radius;
+    boxes.push_back({{low[0], low[1], low[2], 0}, {high[0], high[1], high[2], 0}});
   }
-  return [&gaps, boxes](const Eigen::Vector3f& place, float reach) {
-    const Vector3d x = place.cast<double>();
-    const auto r = static_cast<double>(reach);
+  const bool all_known = gaps.part_count() == std::ssize(boxes) && !boxes.empty();
+  if (all_known) {
+    Box all = boxes.front();
+    for (const Box& box : boxes) all = {all.low.min(box.low), all.high.max(box.high)};
+    boxes.push_back(all);
+  }
+  return [&gaps, boxes, all_known](const Eigen::Vector3f& place, float reach) {
+    const Eigen::Array4f at(place[0], place[1], place[2], 0);
+    if (all_known && !(boxes.back().square_to(at) < reach * reach)) return false;
     for (int p = 0; p < gaps.part_count(); ++p) {
-      const auto at = static_cast<std::size_t>(p);
-      if (at < boxes.size() && boxes[at].squaredExteriorDistance(x) >= r * r) continue;
-      if (gaps.distance(p, x) < r) return true;
+      const auto box = static_cast<std::size_t>(p);
+      if (box < boxes.size() && !(boxes[box].square_to(at) < reach * reach)) continue;
+      if (gaps.distance(p, place.cast<double>()) < static_cast<double>(reach)) return true;
     }
     return false;
   };

@@ -205,13 +205,11 @@ class SceneSkins {
     }
   }
 
-  // The largest of the bodies.
+  // Of all bodies together: one that hardly moves says nothing of the way.
   [[nodiscard]] double change_of(const WalkedFrame& a, const WalkedFrame& b) const {
-    double largest = 0;
-    for (const Part& part : parts_) {
-      largest = std::max(largest, relative_change(a.displacement, b.displacement, part.nodes));
-    }
-    return largest;
+    std::vector<int> nodes;
+    for (const Part& part : parts_) nodes.insert(nodes.end(), part.nodes.begin(), part.nodes.end());
+    return relative_change(a.displacement, b.displacement, nodes);
   }
 
   void write_frame(const WalkedFrame& answer, std::size_t b, TrueSceneFrame& found) const {

@@ -38,7 +38,7 @@ struct TrueSceneFrame {
 
 /// Solves and writes truth/bodies/NAME/deformed of each body. The way of the hand is followed from
 /// the first frame of each touch, frame by frame, and once more by half frames: where the two
-/// differ by more than 1 % (relative L2 over the skin) in any body, the frame is not scored. What
+/// differ by more than 1 % (relative L2 over all skins), the frame is not scored. What
 /// an earlier run left there is kept.
 ///
 /// @return the frames, rising, body by body
