@@ -37,7 +37,7 @@ struct DistinctCoefficients {
 [[nodiscard]] DistinctCoefficients distinct_coefficients(const QuarticEnergy& energy);
 
 /// The other way. @pre sizes are those of n modes
-[[nodiscard]] QuarticEnergy energy_of(int n, const DistinctCoefficients& coefficients);
+[[nodiscard]] QuarticEnergy energy_of(int modes, const DistinctCoefficients& coefficients);
 
 /// How many sets of `order` equal indices of n there are: n (n + 1) ... (n + order - 1) / order!.
 [[nodiscard]] constexpr Eigen::Index distinct_count(Eigen::Index n, int order) {

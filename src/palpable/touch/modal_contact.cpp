@@ -91,7 +91,7 @@ struct ModalContact::Work {
   std::vector<double> W, gap, f;
   Index most_modes = 1;
 
-  Work(std::vector<ModalMember> members, const ModalSettings& the_settings);
+  Work(const std::vector<ModalMember>& members, const ModalSettings& the_settings);
   // Of each member's frame into each other's: they stand still.
   [[nodiscard]] const Eigen::Isometry3f& from_to(int from, int to) const {
     return transforms[static_cast<std::size_t>(from) * bodies.size() +
@@ -115,7 +115,7 @@ struct ModalContact::Work {
   void keep(std::span<ModalState> states, ModalReport& report);
 };
 
-ModalContact::Work::Work(std::vector<ModalMember> members, const ModalSettings& the_settings)
+ModalContact::Work::Work(const std::vector<ModalMember>& members, const ModalSettings& the_settings)
     : settings(the_settings) {
   for (const ModalMember& member : members) {
     PALPABLE_EXPECT(member.body != nullptr && member.tables != nullptr &&
@@ -540,8 +540,8 @@ void ModalContact::Work::keep(std::span<ModalState> states, ModalReport& report)
   report.imbalance = sum.norm();
 }
 
-ModalContact::ModalContact(std::vector<ModalMember> members, const ModalSettings& settings)
-    : work_(std::make_unique<Work>(std::move(members), settings)) {}
+ModalContact::ModalContact(const std::vector<ModalMember>& members, const ModalSettings& settings)
+    : work_(std::make_unique<Work>(members, settings)) {}
 ModalContact::~ModalContact() = default;
 ModalContact::ModalContact(ModalContact&&) noexcept = default;
 

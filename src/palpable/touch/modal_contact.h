@@ -71,7 +71,8 @@ class ModalContact {
   static constexpr std::size_t kMostPoints = 160;  ///< that may press at a time, of all members
 
   /// @param members  what they point to outlives this. @pre trouble_of(tables, body) is empty
-  explicit ModalContact(std::vector<ModalMember> members, const ModalSettings& settings = {});
+  explicit ModalContact(const std::vector<ModalMember>& members,
+                        const ModalSettings& settings = {});
   ~ModalContact();
   ModalContact(ModalContact&&) noexcept;
 

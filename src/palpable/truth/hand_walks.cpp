@@ -53,11 +53,11 @@ void follow_hand(const EquilibriumSolver& solver, const ClipHands& hands,
   // Two walks an episode, handed out one by one.
   std::vector<std::optional<Walked>> results(2 * episodes.size());
   work_in_parallel(static_cast<int>(results.size()), settings.threads, "", {}, [&](int job) {
-    const auto first = static_cast<std::size_t>(job / 2 * 2);
+    const auto at = static_cast<std::size_t>(job), first = at - at % 2;
     const Episode& episode = episodes[first / 2];
-    Walked walked = walk_of(episode, job % 2 == 0 ? 2 : 1);
+    Walked walked = walk_of(episode, at == first ? 2 : 1);
     const std::lock_guard lock(mutex);
-    results[static_cast<std::size_t>(job)] = std::move(walked);
+    results[at] = std::move(walked);
     if (!results[first] || !results[first + 1]) return;
     keep(episode, *results[first], *results[first + 1]);
     results[first] = results[first + 1] = Walked{};  // written
