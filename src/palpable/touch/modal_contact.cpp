@@ -12,7 +12,6 @@
 #include <cstddef>
 #include <numbers>
 #include <optional>
-#include <utility>
 
 namespace palpable {
 namespace {
