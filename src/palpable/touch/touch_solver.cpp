@@ -81,16 +81,17 @@ struct TouchSolver::Work {
   std::optional<ErrorScale> error_scale;                 // of the tables' held-out touches
 
   std::vector<ContactCandidate> candidates;
-  std::vector<int> vertices;         // of the candidates
-  std::vector<int> local_of_vertex;  // (V) -1: not among them
-  std::vector<float> weights;        // of `vertices`, for choosing blobs
-  std::vector<VertexForce> loads;    // at `vertices`
-  Matrix3Xf linear, without_cross;   // (3 x V) the last field without the tables' beyond, and
-                                     // without what patches do to each other
-  Matrix3Xf no_displacement;         // (3 x W)
-  Matrix3Xf here, before;            // (3 x vertices) displacement of `vertices`
-  Matrix3Xf ahead;                   // (3 x W) what the step would hand over
-  std::vector<char> is_candidate;    // by point
+  std::vector<ContactCandidate> found;  // all of them in the shape with which a frame begins
+  std::vector<int> vertices;            // of the candidates
+  std::vector<int> local_of_vertex;     // (V) -1: not among them
+  std::vector<float> weights;           // of `vertices`, for choosing blobs
+  std::vector<VertexForce> loads;       // at `vertices`
+  Matrix3Xf linear, without_cross;      // (3 x V) the last field without the tables' beyond, and
+                                        // without what patches do to each other
+  Matrix3Xf no_displacement;            // (3 x W)
+  Matrix3Xf here, before;               // (3 x vertices) displacement of `vertices`
+  Matrix3Xf ahead;                      // (3 x W) what the step would hand over
+  std::vector<char> is_candidate;       // by point
   HoldBack hold_back;
   const Refinement* refinement = nullptr;  // of the state that advances
   std::array<float, 2> correcting{};       // weights of its corrections, under the present loads
@@ -130,6 +131,7 @@ struct TouchSolver::Work {
     }
     if (tables.shell.nodes() > 0) shell.emplace(tables.shell, static_cast<int>(rest.cols()));
     candidates.reserve(points.size());
+    found.reserve(points.size());
     vertices.reserve(static_cast<std::size_t>(rest.cols()));
     loads.reserve(kMostVertices);
     weights.reserve(kMostVertices);
@@ -142,7 +144,8 @@ struct TouchSolver::Work {
   [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
   void add_candidate(int point, const SurfaceGap& seen);
   void find_candidates(const TouchState& state, const GapQuery& gap, const NearQuery& near,
-                       double shift, TouchReport& report);
+                       double shift);
+  void choose_found(double shift);
   void keep_nearest(TouchReport& report);
   bool add_vertices(const ContactCandidate& candidate);
   void take_up(const TouchState& state);
@@ -173,13 +176,20 @@ void TouchSolver::Work::add_candidate(int point, const SurfaceGap& seen) {
 
 // Points that are near the object in the state's shape, and those that press.
 void TouchSolver::Work::find_candidates(const TouchState& state, const GapQuery& gap,
-                                        const NearQuery& near, double shift, TouchReport& report) {
+                                        const NearQuery& near, double shift) {
   candidates.clear();
   near_points.for_each(state.u, static_cast<float>(settings.band - shift), gap, near,
                        [&](int point, const SurfaceGap& seen) { add_candidate(point, seen); });
-  // Those that press and have just lost the object out of sight let go by themselves.
-  report.dropped = 0;
-  keep_nearest(report);
+}
+
+// Those of the shape with which the frame began that are near the object where it is taken back to:
+// what it presses goes away from it, and little else comes near on the way.
+void TouchSolver::Work::choose_found(double shift) {
+  candidates.clear();
+  const auto band = static_cast<float>(settings.band - shift);
+  for (const ContactCandidate& c : found) {
+    if (c.distance < band) candidates.push_back(c);
+  }
 }
 
 // Where an object leaves, the skin follows it over more than the candidates' band, and points that
@@ -401,7 +411,7 @@ void TouchSolver::Work::go_back(float share) {
   }
 }
 
-// The answer to the candidates, from the state's forces, into `ahead`.
+// The answer to the candidates, from the state's forces.
 void TouchSolver::Work::settle(const TouchState& state, const GapQuery& gap, double shift,
                                bool last, int most, TouchReport& report) {
   cache.bring(vertices);
@@ -419,8 +429,6 @@ void TouchSolver::Work::settle(const TouchState& state, const GapQuery& gap, dou
     report.last_change = change;
     if (change < settings.tolerance) break;
   }
-  // Steps in between need the skin alone.
-  fill_field(ahead, last ? ahead.cols() : rest.cols());
 }
 
 // The first nodes' displacement under the present loads.
@@ -481,7 +489,6 @@ void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, bool l
   state.regions.assign(nonlinear.regions().begin(), nonlinear.regions().end());
   report.blobs = nonlinear.blob_count();
   report.last_share = static_cast<double>(nonlinear.last_share());
-  state.u.swap(ahead);
   state.refinement.weights = correcting;
 }
 
@@ -512,7 +519,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
     state.regions.reserve(NonlinearAnswer::kMostBlobs);
   }
   w.skin.face_as(state.u);
-  w.find_candidates(state, gap, near, 0, report);
+  w.find_candidates(state, gap, near, 0);
   double depth = 0;
   for (const ContactCandidate& c : w.candidates)
     depth = std::max(depth, -static_cast<double>(c.distance));
@@ -522,20 +529,32 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
   const int steps = std::max(1, std::min(steps_of(depth), steps_of(largest_move)));
   bool entered = false;  // by points that are not answered
   w.hold_back.start(state);
+  if (steps > 1) w.found = w.candidates;
   for (int step = 1; step <= steps; ++step) {
     // The object is taken back so far that the skin enters it by no more than a step.
     const double shift = std::max(0.0, depth - step * s.largest_step);
-    if (step > 1 || shift > 0) w.find_candidates(state, gap, near, shift, report);
     const bool last = step == steps;
+    if (!last) {
+      w.choose_found(shift);
+    } else if (steps > 1 || shift > 0) {
+      w.find_candidates(state, gap, near, shift);
+    }
+    // Those that press and have just lost the object out of sight let go by themselves.
+    report.dropped = 0;
+    w.keep_nearest(report);
     const int most = report.iterations + (last ? s.last_iterations : s.iterations);
+    // All of the shape is wanted at the end, and where candidates are found anew the skin's.
+    const Eigen::Index shape = last ? w.ahead.cols() : step + 1 == steps ? w.rest.cols() : 0;
     for (int round = 0;; ++round) {
       w.settle(state, gap, shift, last, most - report.iterations, report);
+      if (shape > 0) w.fill_field(w.ahead, shape);
       if (!last || !w.add_entered(state, gap, near, shift, report)) break;
       entered = round + 1 == kRounds || report.iterations >= most;
       if (entered) break;
     }
     ++report.steps;
     w.hand_over(state, gap, last, report);
+    if (shape > 0) state.u.swap(w.ahead);
   }
   w.read_signs(state, report);
   const bool settled = !w.stuck && !entered && report.last_change <= kUnsettled * s.largest_step;
