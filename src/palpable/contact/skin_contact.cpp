@@ -43,7 +43,7 @@ NearQuery near_to(const ObjectSurface& seen) {
 
 SkinContact::SkinContact(const SurfaceMesh& skin, std::span<const std::uint8_t> fixed,
                          const TouchTables& tables, const TouchSettings& settings)
-    : solver_(skin, fixed, tables, settings), patches_(2 * TouchSolver::kMostPoints) {
+    : solver_(skin, fixed, tables, settings), patches_(4 * TouchSolver::kMostPoints) {
   moved_.reserve(2 * TouchSolver::kMostPoints);
 }
 
@@ -55,10 +55,22 @@ TouchReport SkinContact::advance(TouchState& state, const ObjectSurface& seen,
   if (seen.balls().empty() && state.forces.empty() && state.u.cols() > 0) {
     return report;  // at rest, and stays so
   }
-  report = solver_.advance(state, gaps_to(seen), near_to(seen), std::max(kMove, seen.moved()));
+  report = solver_.advance(state, gaps_to(seen), near_to(seen), largest_move(seen));
   find_pressed(state);
   patches_.find(seen, touches);
   return report;
+}
+
+double SkinContact::largest_move(const ObjectSurface& seen) {
+  return std::max(kMove, seen.moved());
+}
+
+void SkinContact::find_touches(const TouchState& state, const ObjectSurface& seen,
+                               std::span<const PressedPoint> others, std::vector<Touch>& touches) {
+  touches.reserve(TouchSolver::kMostPoints);
+  find_pressed(state);
+  for (const PressedPoint& point : others) patches_.points().push_back(point);
+  patches_.find(seen, touches);
 }
 
 void SkinContact::find_pressed(const TouchState& state) {
@@ -68,7 +80,7 @@ void SkinContact::find_pressed(const TouchState& state) {
     const PointForce& at = state.forces[k];
     const SkinPoint& point = solver_.points()[static_cast<std::size_t>(at.point)];
     patches_.points().push_back(
-        {solver_.places().col(at.point) + moved_[k], moved_[k], at.force, point.area});
+        {solver_.places().col(at.point) + moved_[k], moved_[k], at.force, point.area, at.by});
   }
 }
 

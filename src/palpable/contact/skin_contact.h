@@ -41,6 +41,13 @@ class SkinContact {
   /// @param touches  overwritten: a patch of skin each, the one with the largest force first
   TouchReport advance(TouchState& state, const ObjectSurface& seen, std::vector<Touch>& touches);
 
+  /// m that a vertex may go on in a frame: so far as what presses was seen to move, at least.
+  [[nodiscard]] static double largest_move(const ObjectSurface& seen);
+  /// The touches of a state that another one than advance() brought about (pressing_bodies.h).
+  /// @param others  where other bodies' contact points press this one
+  void find_touches(const TouchState& state, const ObjectSurface& seen,
+                    std::span<const PressedPoint> others, std::vector<Touch>& touches);
+
   /// Which answers; to be asked for the load of a state and told its exact answer.
   [[nodiscard]] TouchSolver& solver() { return solver_; }
 

@@ -63,6 +63,7 @@ void BodyAnswer::find_touches(double time, std::span<const Eigen::Vector3f> othe
                               std::vector<Touch>& touches) {
   touches.clear();
   stated_.reset();
+  is_moved_ = false;
   if (anywhere_) {
     if (refiner_) refiner_->begin_frame(anywhere_->solver(), touched_);
     const TouchReport report = anywhere_->advance(touched_, surface_, touches);
@@ -87,9 +88,26 @@ void BodyAnswer::find_touches(double time, std::span<const Eigen::Vector3f> othe
   }
 }
 
+void BodyAnswer::find_touches(PressingBodies& together, int number, std::vector<Touch>& touches) {
+  together.find_touches(number, touches);
+  is_moved_ = !together.is_at_rest(number);
+  stated_.reset();
+  if (is_moved_) stated_ = together.report_of(number).stated;
+}
+
+PressingBodies::Body BodyAnswer::among_others(const Rigid3& world_from_body) {
+  PressingBodies::Body body{&body_.surface, world_from_body};
+  if (!anywhere_) return body;
+  body.tables = &*tables_;
+  body.contact = &*anywhere_;
+  body.state = &touched_;
+  body.seen = &surface_;
+  return body;
+}
+
 void BodyAnswer::reconstruct(const std::vector<Touch>& touches, SceneBody& shown) {
   shown.stated_error = stated_;
-  if (touches.empty()) {
+  if (touches.empty() && !is_moved_) {
     shown.vertices = rest_;
     shown.normals = rest_normals_;
     shown.von_mises = at_rest_;

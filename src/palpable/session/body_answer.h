@@ -13,6 +13,7 @@
 #include "palpable/geometry/pixel_box.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/reduced/reduced_body.h"
+#include "palpable/session/pressing_bodies.h"
 #include "palpable/session/refiner.h"
 #include "palpable/session/scene.h"
 #include "palpable/touch/touchable_body.h"
@@ -71,6 +72,10 @@ class BodyAnswer {
   void find_touches(double time, std::span<const Eigen::Vector3f> others, int by,
                     std::vector<Touch>& touches);
 
+  /// The same of a body that was answered together with others.
+  /// @param number  of the body among them
+  void find_touches(PressingBodies& together, int number, std::vector<Touch>& touches);
+
   /// Shape, normals, stress and stated error of the touches found last.
   /// @param touches  as find_touches() gave them
   void reconstruct(const std::vector<Touch>& touches, SceneBody& shown);
@@ -82,6 +87,10 @@ class BodyAnswer {
 
   /// The settings', or what the body has tables for.
   [[nodiscard]] ContactKind contact() const;
+  /// What others are to know to press it, and to be pressed by it where its tables answer.
+  [[nodiscard]] PressingBodies::Body among_others(const Rigid3& world_from_body);
+  /// Whether its tables answer.
+  [[nodiscard]] bool is_anywhere() const { return anywhere_.has_value(); }
   /// Null unless the body is answered by its energy in modes.
   [[nodiscard]] const ModalTables* modal() const;
   [[nodiscard]] const ReducedBody& body() const { return body_; }
@@ -100,6 +109,7 @@ class BodyAnswer {
   std::optional<SkinContact> anywhere_;
   std::optional<Refiner> refiner_;
   TouchState touched_;
+  bool is_moved_ = false;  // though nothing may touch it: it is on its way back
   std::optional<StatedError> stated_;
   std::optional<PressLaw> law_;
   PressState press_;

@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 #include "palpable/geometry/pixel_box.h"
 #include "palpable/session/modal_bodies.h"
+#include "palpable/session/pressing_bodies.h"
 #include "palpable/slam/slam.h"
 
 #include <fmt/core.h>
@@ -95,6 +96,7 @@ struct Session::Parts {
       bodies.push_back(std::make_unique<SessionBody>(std::move(body), how));
     }
     gather_modal();
+    gather_pressing();
     forget_room();
   }
 
@@ -104,6 +106,7 @@ struct Session::Parts {
   }
 
   void gather_modal();
+  void gather_pressing();
   void forget_room();
   void follow_camera(Scene& scene);
   void find_what_presses(const Scene& scene);
@@ -114,6 +117,7 @@ struct Session::Parts {
   Slam slam;
   std::vector<std::unique_ptr<SessionBody>> bodies;
   std::optional<ModalBodies> modal;
+  std::optional<PressingBodies> together;  // bodies with tables, where others stand
 
   std::optional<AnchoredScene> anchored;
   LookedAt looked_at = LookedAt::kNothing;  // with what the mask of this frame was compared
@@ -134,6 +138,17 @@ void Session::Parts::gather_modal() {
                        static_cast<int>(k)});
   }
   if (!members.empty()) modal.emplace(members);
+}
+
+// Bodies with tables, and all that may stand in their way.
+void Session::Parts::gather_pressing() {
+  std::vector<PressingBodies::Body> all;
+  bool any = false;
+  for (const auto& body : bodies) {
+    all.push_back(body->answer.among_others(body->world_from_body));
+    any |= all.back().contact != nullptr;
+  }
+  if (any && bodies.size() > 1) together.emplace(all);
 }
 
 // Forgets what was learnt of the room: what is seen from now on is the room in which the body
@@ -222,10 +237,13 @@ void Session::Parts::find_touches(Scene& scene) {
     bodies[k]->answer.look(scene.seen, *shows, scene.bodies[k].camera_from_body);
   }
   if (modal) modal->advance();
+  if (together) together->advance();
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     SessionBody& body = *bodies[k];
     if (body.modal >= 0) {
       modal->find_touches(body.modal, body.touches);
+    } else if (together && body.answer.is_anywhere()) {
+      body.answer.find_touches(*together, static_cast<int>(k), body.touches);
     } else {
       const int by = gather_others(k);
       body.answer.find_touches(scene.time, others, by, body.touches);
@@ -282,6 +300,9 @@ void Session::respond(Scene& scene) {
     if (p.settings.contact == ContactKind::kPaper && p.bodies.size() > 1) {
       p.bodies[k]->shape = scene.bodies[k].vertices;
     }
+    if (p.together && !body.answer.is_anywhere()) {
+      p.together->move_obstacle(static_cast<int>(k), scene.bodies[k].vertices);
+    }
   }
 }
 
@@ -301,6 +322,9 @@ const Rigid3& Session::world_from_body(int number) const {
 ContactKind Session::contact(int number) const { return parts_->body(number).answer.contact(); }
 const ObjectSurface& Session::surface(int number) const {
   return parts_->body(number).answer.surface();
+}
+const PressingReport* Session::pressing() const {
+  return parts_->together ? &parts_->together->report() : nullptr;
 }
 const MaskImage& Session::shows() const {
   PALPABLE_EXPECT(parts_->shows != nullptr, "a frame was answered");

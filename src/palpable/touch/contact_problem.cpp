@@ -90,6 +90,9 @@ ContactProblem::ContactProblem(const Eigen::MatrixXf& compliance, int most_point
   M_.resize(t * padded(t));
   for (auto* matrix : {&Gtt_, &D_, &scratch_, &solved_}) matrix->resize(t * t);
   for (auto* vector : {&tu_, &x_, &y_}) vector->resize(t);
+  yielding_.reserve(m);
+  of_yielding_.reserve(m);
+  yield_.resize(m * m);
 }
 
 // row = G times a force of 1 N at a candidate.
@@ -288,6 +291,41 @@ bool ContactProblem::add_turning(std::span<const ContactCandidate> candidates,
   return true;
 }
 
+// What other bodies give way by, on the way from where they would be without these forces.
+void ContactProblem::add_yielding(std::span<const ContactCandidate> candidates,
+                                  const YieldQuery& yields) {
+  const std::size_t m = candidates.size();
+  yielding_.clear();
+  of_yielding_.clear();
+  for (std::size_t p = 0; p < m; ++p) {
+    if (candidates[p].on.body < 0) continue;
+    yielding_.push_back({candidates[p].on, candidates[p].normal});
+    of_yielding_.push_back(p);
+  }
+  const std::size_t y = yielding_.size();
+  if (y == 0) return;
+  const std::span<double> more(yield_.data(), y * y);
+  std::fill(more.begin(), more.end(), 0.0);
+  yields(yielding_, more);
+  for (std::size_t i = 0; i < y; ++i) {
+    double* row = W_.data() + of_yielding_[i] * m;
+    for (std::size_t j = 0; j <= i; ++j) row[of_yielding_[j]] += more[i * y + j];
+    q_[of_yielding_[i]] -= static_cast<double>(yielding_[i].on.given_way);
+  }
+}
+
+// The problem of the candidates behind the first ones, under the forces of those: W_ becomes
+// smaller.
+void ContactProblem::take_out_given(std::span<const ContactCandidate> candidates,
+                                    std::size_t given) {
+  const std::size_t m = candidates.size(), n = m - given;
+  for (std::size_t p = given; p < m; ++p) {
+    const double* row = W_.data() + p * m;
+    for (std::size_t g = 0; g < given; ++g) q_[p] += row[g] * candidates[g].pressing;
+    std::copy(row + given, row + p + 1, W_.data() + (p - given) * n);
+  }
+}
+
 bool ContactProblem::solve(std::span<ContactCandidate> candidates, std::span<const float> field,
                            const NonlinearAnswer* answer, const ContactStep& step) {
   const std::size_t m = candidates.size();
@@ -300,13 +338,16 @@ bool ContactProblem::solve(std::span<ContactCandidate> candidates, std::span<con
   turning_.clear();
   if (step.turning) find_turning(candidates);
   double mean = 0;
-  for (std::size_t p = 0; p < m; ++p) mean += W[p * m + p] / static_cast<double>(m);
+  const std::size_t given = step.given, n = m - given;
+  for (std::size_t p = given; p < m; ++p) mean += W[p * m + p] / static_cast<double>(n);
   if (!add_turning(candidates, field)) return false;
-  for (std::size_t p = 0; p < m; ++p) {
+  for (std::size_t p = given; p < m; ++p) {
     W[p * m + p] += (step.softness + static_cast<double>(candidates[p].softness)) * mean;
   }
+  if (step.yields != nullptr) add_yielding(candidates, *step.yields);
   for (std::size_t p = 0; p < m; ++p) f[p] = candidates[p].pressing;
-  if (!complementarity_.solve(W, q, f)) return false;
+  if (given > 0) take_out_given(candidates, given);
+  if (!complementarity_.solve(W.first(n * n), q.subspan(given), f.subspan(given))) return false;
 
   const std::size_t t = 2 * turning_.size(), wide = padded(t);
   for (std::size_t i = 0; i < t; ++i) {
@@ -314,7 +355,7 @@ bool ContactProblem::solve(std::span<ContactCandidate> candidates, std::span<con
     for (std::size_t p = 0; p < m; ++p) slide += static_cast<double>(Gnt_[p * wide + i]) * f[p];
     x_[i] = slide;
   }
-  for (std::size_t p = 0; p < m; ++p) {
+  for (std::size_t p = given; p < m; ++p) {
     candidates[p].pressing = f[p];
     candidates[p].force = static_cast<float>(f[p]) * candidates[p].normal;
   }

@@ -7,14 +7,18 @@
 ///   N  (m x 3n) normals times the points' weights
 ///
 /// The displacement changes by J dF with J = G + U H U^T, and the gap by its component along the
-/// normal. Where a point slides along a round object, by t = T du, its normal turns by D t with D =
-/// force times curvature, in the two tangential directions T. Put into the balance this gives
+/// normal. Another body that presses gives way by its own compliance, which is added to W
+/// (other_bodies.h). Where a point slides along a round object, by t = T du, its normal turns by D
+/// t with D = force times curvature, in the two tangential directions T. Put into the balance this
+/// gives
 ///
 ///     W = N J N^T + G_nt M G_nt^T,     M = D (1 - G_tt D)^-1,     G_nt = N G T^T, G_tt = T G T^T
 #pragma once
 
 #include "palpable/touch/complementarity.h"
 #include "palpable/touch/nonlinear_answer.h"
+#include "palpable/touch/other_bodies.h"
+#include "palpable/touch/surface_gap.h"
 
 #include <Eigen/Core>
 
@@ -38,12 +42,15 @@ struct ContactCandidate {
   double pressing = 0;                                  ///< N, along the normal
   float softness = 0;                                   ///< see SurfaceGap
   Eigen::Vector3f force = Eigen::Vector3f::Zero();      ///< N, all of it
+  OtherSkin on;                                         ///< what it may press, if that is a body
 };
 
 struct ContactStep {
-  double shift = 0;     ///< m, added to the gaps: the object is taken back by it
-  double softness = 0;  ///< see TouchSettings
-  bool turning = true;  ///< false: normals stay as they are
+  double shift = 0;       ///< m, added to the gaps: the object is taken back by it
+  double softness = 0;    ///< see TouchSettings
+  bool turning = true;    ///< false: normals stay as they are
+  std::size_t given = 0;  ///< so many candidates, the first, have forces that are no unknowns
+  const YieldQuery* yields = nullptr;  ///< how other bodies give way; null: they do not
 };
 
 /// Holds the memory of its solves, which allocate nothing.
@@ -80,6 +87,8 @@ class ContactProblem {
   void find_turning(std::span<const ContactCandidate> candidates);
   bool add_turning(std::span<const ContactCandidate> candidates, std::span<const float> field);
   void bound_turning(std::size_t t);
+  void add_yielding(std::span<const ContactCandidate> candidates, const YieldQuery& yields);
+  void take_out_given(std::span<const ContactCandidate> candidates, std::size_t given);
 
   const Eigen::MatrixXf& G_;
   Complementarity complementarity_;
@@ -91,6 +100,9 @@ class ContactProblem {
   std::vector<int> blob_;                  // (m) whose modes a candidate's row is of; -1: none
   std::vector<float> turned_code_, sums_;  // (r), (m)
   std::vector<double> W_, q_, f_;          // (m x m), (m)
+  std::vector<YieldingPoint> yielding_;    // y of the candidates, before other bodies,
+  std::vector<std::size_t> of_yielding_;   // and which
+  std::vector<double> yield_;              // (y x y)
   std::vector<Turning> turning_;           // t of them
   std::vector<float> tangent_row_;         // (width) G T^T
   std::vector<float> Gnt_, M_;             // (m x 2t), (2t x 2t), rows padded to 16

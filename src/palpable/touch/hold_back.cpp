@@ -27,16 +27,18 @@ double HoldBack::bound(TouchState& state, double largest_move) {
   std::size_t k = 0;
   for (const PointForce& now : state.forces) {
     for (; k < forces_began_.size() && forces_began_[k].point < now.point; ++k) {
-      mixed_.push_back({forces_began_[k].point, (1 - share) * forces_began_[k].force});
+      mixed_.push_back(
+          {forces_began_[k].point, (1 - share) * forces_began_[k].force, forces_began_[k].by});
     }
     Vector3f force = share * now.force;
     if (k < forces_began_.size() && forces_began_[k].point == now.point) {
       force += (1 - share) * forces_began_[k++].force;
     }
-    mixed_.push_back({now.point, force});
+    mixed_.push_back({now.point, force, now.by});
   }
   for (; k < forces_began_.size(); ++k) {
-    mixed_.push_back({forces_began_[k].point, (1 - share) * forces_began_[k].force});
+    mixed_.push_back(
+        {forces_began_[k].point, (1 - share) * forces_began_[k].force, forces_began_[k].by});
   }
   // Of a state that was held back itself the least forces go first.
   while (mixed_.size() > most_forces_) {

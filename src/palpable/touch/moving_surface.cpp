@@ -13,8 +13,9 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr int kLeaf = 4;          // triangles
-constexpr float kOnEdge = 1e-5f;  // a weight below it is 0: the nearest place is an edge or corner
+constexpr int kLeaf = 4;           // triangles
+constexpr float kSmooth = 0.766f;  // cosine of 40 degrees
+constexpr float kOnEdge = 1e-5f;   // a weight below it is 0: the nearest place is an edge or corner
 
 // Weights of the corners at the point of a triangle that is nearest to x (Ericson, Real-Time
 // Collision Detection, 5.1.5).
@@ -215,17 +216,49 @@ Vector3f MovingSurface::normal_at(int triangle, const Vector3f& weights) const {
 }
 
 Vector3f MovingSurface::vertex_normal(int v) const {
+  return normal_around(v, Vector3f::UnitZ(), -2);
+}
+
+// Of the faces around a vertex, by their angles there; of those alone that face some way.
+Vector3f MovingSurface::normal_around(int v, const Vector3f& way, float least_cosine) const {
   const Vector3f here = vertex(v);
   Vector3f sum = Vector3f::Zero();
   for (int k = first_[v]; k < first_[v + 1]; ++k) {
     const int t = around_[k];
+    const Vector3f normal = face_normal(t);
+    if (!(normal.dot(way) >= least_cosine)) continue;
     int at = 0;
     while (triangles_(at, t) != v) ++at;
     const Vector3f to_next = (vertex(triangles_((at + 1) % 3, t)) - here).normalized(),
                    to_last = (vertex(triangles_((at + 2) % 3, t)) - here).normalized();
-    sum += std::acos(std::clamp(to_next.dot(to_last), -1.0f, 1.0f)) * face_normal(t);
+    sum += std::acos(std::clamp(to_next.dot(to_last), -1.0f, 1.0f)) * normal;
   }
   return sum.normalized();
+}
+
+RoundedSkin MovingSurface::rounded_at(const NearestOnSkin& found) const {
+  const int t = found.triangle;
+  const Vector3f a = vertices_.col(triangles_(0, t)), b = vertices_.col(triangles_(1, t)),
+                 c = vertices_.col(triangles_(2, t));
+  const Vector3f twice_area = (b - a).cross(c - a);
+  const float square = twice_area.squaredNorm();
+  Eigen::Matrix3f corners;
+  const Vector3f face = face_normal(t);
+  for (int k = 0; k < 3; ++k) corners.col(k) = normal_around(triangles_(k, t), face, kSmooth);
+  RoundedSkin skin;
+  skin.normal = (corners * found.weights).normalized();
+  // Before a sharp edge or corner, or a triangle that is none.
+  if (!(skin.normal.dot(found.normal) > kSmooth) || !(square > 0)) {
+    return {found.normal, Eigen::Matrix3f::Zero()};
+  }
+  Eigen::Matrix3f of_weights;  // their gradients, as columns
+  of_weights << twice_area.cross(c - b) / square, twice_area.cross(a - c) / square,
+      twice_area.cross(b - a) / square;
+  const Eigen::Matrix3f turns = corners * of_weights.transpose();
+  const Eigen::Matrix3f across =
+      Eigen::Matrix3f::Identity() - skin.normal * skin.normal.transpose();
+  skin.curvature = across * (0.5f * (turns + turns.transpose())) * across;
+  return skin;
 }
 
 }  // namespace palpable

@@ -24,6 +24,12 @@ struct NearestOnSkin {
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< unit, of the face, edge or corner
 };
 
+/// The round skin for which the triangles stand.
+struct RoundedSkin {
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();    ///< unit, outwards; turns along the skin
+  Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();  ///< 1/m, dn/dx; symmetric
+};
+
 /// A tree of boxes over the triangles, made once; where the vertices are is told again and again.
 /// The sign is that of the angle-weighted normal of the nearest face, edge or corner
 /// (surface_distance.h, which is exact to a double's rounding and made anew for each shape).
@@ -37,6 +43,9 @@ class MovingSurface {
 
   /// Nothing where the skin is farther than `reach`. Allocates nothing.
   [[nodiscard]] std::optional<NearestOnSkin> nearest(const Eigen::Vector3f& x, float reach) const;
+  /// Normals of the corners, interpolated in the triangle, so that what slides over an edge is not
+  /// pushed another way from one place to the next. Edges of more than 40 degrees stay edges.
+  [[nodiscard]] RoundedSkin rounded_at(const NearestOnSkin& found) const;
   /// Whether the box of a triangle, or one that holds it, is nearer than `reach`: the cheaper
   /// question.
   [[nodiscard]] bool may_be_within(const Eigen::Vector3f& x, float reach) const;
@@ -66,6 +75,8 @@ class MovingSurface {
   [[nodiscard]] Eigen::Vector3f vertex(int v) const { return vertices_.col(v).head<3>(); }
   [[nodiscard]] Eigen::Vector3f face_normal(int triangle) const;
   [[nodiscard]] Eigen::Vector3f normal_at(int triangle, const Eigen::Vector3f& weights) const;
+  [[nodiscard]] Eigen::Vector3f normal_around(int v, const Eigen::Vector3f& way,
+                                              float least_cosine) const;
 
   Eigen::Matrix3Xi triangles_;
   Eigen::Matrix4Xf vertices_;  // the fourth number is 0

@@ -16,6 +16,7 @@ constexpr float kStretch = 1.3f;
 // m: so far from where it was asked last a gap is told by its normal and curvature. What that
 // leaves out is of the third order: 2e-6 m at a pencil's tip.
 constexpr float kSameGap = 0.0003f;
+constexpr float kBetweenSkins = 0.003f;  // m between points
 constexpr float kRootOf2 = 1.41421356f;
 
 }  // namespace
@@ -62,6 +63,11 @@ bool NearPoints::gap_at(int point, const Vector3f& x, const GapQuery& gap, float
   if (stays_far) answer.distance = std::max(answer.distance, last.gap.distance - moved);
   answer.normal = (last.gap.normal + turn).normalized();
   return true;
+}
+
+float NearPoints::bend_of(const SurfaceGap& seen) const {
+  if (seen.on.body < 0) return largest_curvature(seen.curvature);
+  return 4 * entry_ / (kBetweenSkins * kBetweenSkins);
 }
 
 bool NearPoints::is_needed(int point, float bend) const {

@@ -5,7 +5,8 @@
 /// A gap is asked again only where its point has moved by more than 0.3 mm within a frame; up to
 /// there its normal and curvature tell it. An object needs the more points the sharper it is
 /// (point_levels.h): of a heap of points (skin_clusters.h) the coarser ones are asked first, the
-/// finer ones only where something twice as sharp as those have seen would need them.
+/// finer ones only where something twice as sharp as those have seen would need them. Before another
+/// body's skin points are 3 mm apart.
 ///
 ///   W  columns of a displacement, the vertices first     C  contact points
 #pragma once
@@ -61,7 +62,7 @@ class NearPoints {
         if (sharpest != kUnseen && !is_needed(point, kSharper * sharpest)) break;
         SurfaceGap seen;
         if (!is_near(point, u, band, gap, near, seen)) continue;
-        const float bend = largest_curvature(seen.curvature);
+        const float bend = bend_of(seen);
         sharpest = std::max(sharpest, bend);
         if (is_needed(point, bend)) found(point, seen);
       }
@@ -78,6 +79,9 @@ class NearPoints {
     Eigen::Vector3f place = Eigen::Vector3f::Zero();
     SurfaceGap gap;
   };
+  // 1/m: of another body's skin one for all places, so that points do not come and go as they
+  // slide over its triangles.
+  [[nodiscard]] float bend_of(const SurfaceGap& seen) const;
   [[nodiscard]] bool is_needed(int point, float bend) const;
   [[nodiscard]] bool is_far(const SkinCluster& heap, const Eigen::Matrix3Xf& u, float band,
                             const GapQuery& gap, const NearQuery& near) const;

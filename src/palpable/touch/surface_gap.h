@@ -8,6 +8,16 @@
 
 namespace palpable {
 
+/// A place on the skin of another body that presses.
+struct OtherSkin {
+  int body = -1;                                      ///< a number that its solver knows; -1: none
+  Eigen::Vector3i corners = Eigen::Vector3i::Zero();  ///< of its triangle
+  Eigen::Vector3f weights = Eigen::Vector3f::Zero();  ///< of these
+  /// m: how much farther away it is by the forces that press it now. Of a body that does not give
+  /// way: 0
+  float given_way = 0;
+};
+
 /// What is nearest to a place: the object that presses, as its signed distance.
 struct SurfaceGap {
   float distance = 0;                                 ///< m, negative inside
@@ -17,6 +27,7 @@ struct SurfaceGap {
   /// Of the point's own compliance, added to it, beside TouchSettings::softness: what is seen
   /// uncertainly presses softly.
   float softness = 0;
+  OtherSkin on;  ///< of what it is, if it is another body
 };
 
 /// Tells the gap of a place (m, body frame); false where nothing is within kGapReach of it. What is

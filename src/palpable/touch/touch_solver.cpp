@@ -53,6 +53,7 @@ void set_gap(ContactCandidate& candidate, const SurfaceGap& gap) {
   candidate.normal = gap.normal;
   candidate.curvature = gap.curvature;
   candidate.softness = gap.softness;
+  candidate.on = gap.on;
 }
 
 int most_modes(const TouchTables& tables) {
@@ -82,7 +83,9 @@ struct TouchSolver::Work {
 
   std::vector<ContactCandidate> candidates;
   std::vector<ContactCandidate> found;  // all of them in the shape with which a frame begins
-  std::vector<int> vertices;            // of the candidates
+  std::vector<ContactCandidate> given;  // forces of other bodies, each at a vertex
+  const YieldQuery* yields = nullptr;   // of other bodies
+  std::vector<int> vertices;            // of the candidates, and of what is given
   std::vector<int> local_of_vertex;     // (V) -1: not among them
   std::vector<float> weights;           // of `vertices`, for choosing blobs
   std::vector<VertexForce> loads;       // at `vertices`
@@ -132,6 +135,7 @@ struct TouchSolver::Work {
     if (tables.shell.nodes() > 0) shell.emplace(tables.shell, static_cast<int>(rest.cols()));
     candidates.reserve(points.size());
     found.reserve(points.size());
+    given.reserve(kMostGiven);
     vertices.reserve(static_cast<std::size_t>(rest.cols()));
     loads.reserve(kMostVertices);
     weights.reserve(kMostVertices);
@@ -142,6 +146,7 @@ struct TouchSolver::Work {
   }
 
   [[nodiscard]] bool is_nonlinear() const { return settings.nonlinear && !tables.regions.empty(); }
+  void set_given(const OtherBodies& others);
   void add_candidate(int point, const SurfaceGap& seen);
   void find_candidates(const TouchState& state, const GapQuery& gap, const NearQuery& near,
                        double shift);
@@ -165,6 +170,22 @@ struct TouchSolver::Work {
   void hand_over(TouchState& state, const GapQuery& gap, bool last, TouchReport& report);
   void read_signs(const TouchState& state, TouchReport& report) const;
 };
+
+void TouchSolver::Work::set_given(const OtherBodies& others) {
+  PALPABLE_EXPECT(others.given.size() <= std::size_t{kMostGiven}, "no more given forces than fit");
+  yields = others.yields ? &others.yields : nullptr;
+  given.clear();
+  for (const VertexForce& load : others.given) {
+    ContactCandidate at;
+    at.vertices.fill(load.vertex);
+    at.weights = Vector3f::UnitX();
+    at.pressing = static_cast<double>(load.force.norm());
+    if (!(at.pressing > 0)) continue;
+    at.force = load.force;
+    at.normal = load.force / static_cast<float>(at.pressing);
+    given.push_back(at);
+  }
+}
 
 void TouchSolver::Work::add_candidate(int point, const SurfaceGap& seen) {
   ContactCandidate candidate;
@@ -223,9 +244,13 @@ void TouchSolver::Work::keep_nearest(TouchReport& report) {
   std::sort(candidates.begin(), candidates.end(), nearer);
   for (const int v : vertices) local_of_vertex[v] = -1;
   vertices.clear();
+  for (const ContactCandidate& at : given) {
+    local_of_vertex[at.vertices[0]] = static_cast<int>(vertices.size());
+    vertices.push_back(at.vertices[0]);
+  }
   std::size_t kept = 0;
   for (ContactCandidate& candidate : candidates) {
-    if (kept == kMostPoints || !add_vertices(candidate)) break;
+    if (kept + given.size() == kMostPoints || !add_vertices(candidate)) break;
     candidates[kept++] = candidate;
   }
   report.dropped += static_cast<int>(candidates.size() - kept);
@@ -265,6 +290,10 @@ void TouchSolver::Work::take_up(const TouchState& state) {
     candidate.force = at->force;
     candidate.pressing = std::max(0.0, static_cast<double>(at->force.dot(candidate.normal)));
   }
+  for (ContactCandidate& at : given) {
+    at.local.fill(local_of_vertex[at.vertices[0]]);
+    at.slots.fill(cache.slot_of(at.vertices[0]));
+  }
   loads.clear();
   for (const int v : vertices) loads.push_back({v, Vector3f::Zero()});
   add_up_loads();
@@ -272,6 +301,9 @@ void TouchSolver::Work::take_up(const TouchState& state) {
 
 void TouchSolver::Work::add_up_loads() {
   for (VertexForce& load : loads) load.force.setZero();
+  for (const ContactCandidate& at : given) {
+    loads[static_cast<std::size_t>(at.local[0])].force += at.force;
+  }
   for (const ContactCandidate& candidate : candidates) {
     for (std::size_t k = 0; k < 3; ++k) {
       loads[static_cast<std::size_t>(candidate.local[k])].force +=
@@ -292,6 +324,9 @@ void TouchSolver::Work::choose_blobs(const TouchState& state, double shift) {
       weights[static_cast<std::size_t>(c.local[k])] +=
           c.weights[static_cast<int>(k)] * (c.force.norm() + per_m * entry);
     }
+  }
+  for (const ContactCandidate& at : given) {
+    weights[static_cast<std::size_t>(at.local[0])] += at.force.norm();
   }
   nonlinear.choose_blobs(vertices, weights, state.regions);
 }
@@ -367,11 +402,14 @@ double TouchSolver::Work::iterate(const GapQuery& gap, double shift, CrossTerms 
   // A state on the way may have no positive definite tangent; without what is not always positive
   // the step is a shorter one, not a wrong one.
   const auto solve = [&](const NonlinearAnswer* answer, bool turning) {
-    return problem.solve(pressed, field, answer, {shift, settings.softness, turning});
+    return problem.solve(pressed, field, answer,
+                         {shift, settings.softness, turning, given.size(), yields});
   };
   stuck = true;
   if (!solve(tangent, true) && !solve(tangent, false) && !solve(nullptr, false)) return 0;
-  for (std::size_t k = 0; k < pressed.size(); ++k) candidates[of_pressed[k]] = pressed[k];
+  for (std::size_t k = 0; k < of_pressed.size(); ++k) {
+    candidates[of_pressed[k]] = pressed[given.size() + k];
+  }
   if (share < 1) go_back(share);
   for (int halving = 0; halving <= kHalvings; ++halving) {
     add_up_loads();
@@ -388,9 +426,9 @@ double TouchSolver::Work::iterate(const GapQuery& gap, double shift, CrossTerms 
   return 0;
 }
 
-// Those that press, or may do so next.
+// Those that press, or may do so next, behind the forces that are given.
 void TouchSolver::Work::choose_pressed(double shift) {
-  pressed.clear();
+  pressed.assign(given.begin(), given.end());
   of_pressed.clear();
   const auto reach = static_cast<float>(kTakesPart * settings.largest_step - shift);
   for (std::size_t p = 0; p < candidates.size(); ++p) {
@@ -454,7 +492,7 @@ void TouchSolver::Work::fill_field(Matrix3Xf& on_nodes, Eigen::Index nodes) {
 
 // What the field just filled tells of its own error.
 void TouchSolver::Work::read_signs(const TouchState& state, TouchReport& report) const {
-  if (state.forces.empty()) return;
+  if (state.forces.empty() && given.empty()) return;
   double all = 0, beyond = 0, between = 0, largest = 0;
   for (Eigen::Index v = 0; v < linear.cols(); ++v) {
     const double moved = static_cast<double>(state.u.col(v).squaredNorm());
@@ -481,8 +519,12 @@ void TouchSolver::Work::hand_over(TouchState& state, const GapQuery& gap, bool l
   state.forces.clear();
   report.penetration = 0;
   for (const ContactCandidate& candidate : candidates) {
-    report.penetration = std::max(report.penetration, -static_cast<double>(candidate.distance));
-    if (candidate.pressing > 0) state.forces.push_back({candidate.point, candidate.force});
+    if (candidate.on.body < 0) {
+      report.penetration = std::max(report.penetration, -static_cast<double>(candidate.distance));
+    }
+    if (candidate.pressing > 0) {
+      state.forces.push_back({candidate.point, candidate.force, candidate.on.body});
+    }
   }
   std::sort(state.forces.begin(), state.forces.end(),
             [](const PointForce& a, const PointForce& b) { return a.point < b.point; });
@@ -502,7 +544,7 @@ std::span<const SkinPoint> TouchSolver::points() const { return work_->points; }
 const Matrix3Xf& TouchSolver::places() const { return work_->skin.places(); }
 
 TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const NearQuery& near,
-                                 double largest_move) {
+                                 double largest_move, const OtherBodies& others) {
   Work& w = *work_;
   const TouchSettings& s = w.settings;
   TouchReport report;
@@ -519,6 +561,7 @@ TouchReport TouchSolver::advance(TouchState& state, const GapQuery& gap, const N
     state.regions.reserve(NonlinearAnswer::kMostBlobs);
   }
   w.skin.face_as(state.u);
+  w.set_given(others);
   w.find_candidates(state, gap, near, 0);
   double depth = 0;
   for (const ContactCandidate& c : w.candidates)

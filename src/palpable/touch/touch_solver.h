@@ -21,6 +21,7 @@
 
 #include "palpable/geometry/skin_points.h"
 #include "palpable/geometry/surface_mesh.h"
+#include "palpable/touch/other_bodies.h"
 #include "palpable/touch/refinement.h"
 #include "palpable/touch/stated_error.h"
 #include "palpable/touch/surface_gap.h"
@@ -62,7 +63,7 @@ struct TouchReport {
   int steps = 0;           ///< in which the object was taken on
   int iterations = 0;      ///< of Newton's method in all
   double last_change = 0;  ///< m, of a touched vertex in the last iteration
-  double penetration = 0;  ///< m, left at the deepest contact point
+  double penetration = 0;  ///< m, left at the deepest contact point; of bodies that give way: 0
   double last_share = 0;   ///< of the series' last order, see NonlinearAnswer
   /// m, that a vertex has yet to go: beyond advance()'s largest move, or by the last iteration of
   /// an answer that is not there yet.
@@ -77,7 +78,8 @@ struct TouchReport {
 class TouchSolver {
  public:
   static constexpr int kMostPoints = 256;    ///< that may press at a time
-  static constexpr int kMostVertices = 192;  ///< of their triangles
+  static constexpr int kMostVertices = 192;  ///< of their triangles, and of given forces
+  static constexpr int kMostGiven = 96;      ///< of OtherBodies
 
   /// @param skin    (F vertices) the body's, at rest
   /// @param fixed   (F) 1 where the support holds the vertex
@@ -95,8 +97,10 @@ class TouchSolver {
   /// @param near  agrees with `gap`; without one `gap` is asked everywhere
   /// @param largest_move  m: no vertex goes on by more, whatever came near; what is left to go is
   ///                      gone in the frames after
+  /// @param others  bodies among what presses; what they point to is read during this call alone
   TouchReport advance(TouchState& state, const GapQuery& gap, const NearQuery& near = {},
-                      double largest_move = std::numeric_limits<double>::infinity());
+                      double largest_move = std::numeric_limits<double>::infinity(),
+                      const OtherBodies& others = {});
 
   /// The load that a state bears, to be answered exactly. False: there is none, or an answer is
   /// still being blended in. Allocates nothing once `asked` has had its room.

@@ -16,6 +16,7 @@ namespace palpable {
 struct PointForce {
   int point = 0;                                    ///< index into TouchSolver::points()
   Eigen::Vector3f force = Eigen::Vector3f::Zero();  ///< N, on the body
+  int by = -1;                                      ///< OtherSkin::body of what presses
 };
 
 /// All that is remembered from frame to frame. The default is a body at rest.
