@@ -28,6 +28,7 @@ ordered_json bodies_of(const std::vector<LiveSummary::Body>& bodies) {
     list.push_back({{"name", body.name},
                     {"body", body.file},
                     {"contact", body.contact},
+                    {"takes_reactions", body.takes_reactions},
                     {"scale", body.scale},
                     {"camera_from_body", rows_of(body.camera_from_body)}});
   }
@@ -106,6 +107,11 @@ void write_live_summary(const std::filesystem::path& path, const LiveSummary& su
   live["frames_touching"] = summary.frames_touching;
   live["first_touch_frame"] = or_null(summary.first_touch_frame);
   live["deepest_press_m"] = summary.deepest_press;
+  if (!summary.scene.empty()) {
+    live["frames_between_bodies"] = summary.frames_between_bodies;
+    live["deepest_between_m"] = summary.deepest_between;
+    live["imbalance_n"] = summary.imbalance;
+  }
   live["site_changes"] = summary.site_changes;
   live["video_codec"] = summary.video_codec;
   live["pictures"] = summary.pictures;

@@ -40,6 +40,7 @@ struct LiveSummary {
     std::string name;  ///< as the other files call it; of one body alone they do not
     std::string file;
     std::string contact;
+    bool takes_reactions = false;  ///< of bodies that it presses; false: it presses them one way
     double scale = 1;
     Rigid3 camera_from_body = Rigid3::Identity();  ///< in the first frame
   };
@@ -57,7 +58,10 @@ struct LiveSummary {
   Troubles source_troubles;
   int frames_touching = 0;
   std::optional<int> first_touch_frame;
-  double deepest_press = 0;  ///< m; "deepest_press_m"
+  double deepest_press = 0;       ///< m; "deepest_press_m"
+  int frames_between_bodies = 0;  ///< in which bodies pressed each other
+  double deepest_between = 0;     ///< m, of bodies into each other; "deepest_between_m"
+  double imbalance = 0;           ///< N, of the forces between them; "imbalance_n"
   int site_changes = 0;
   std::string video_codec;
   std::vector<std::string> pictures;

@@ -16,6 +16,10 @@ void LiveCounts::add(const Scene& scene) {
   last_site_ = site;
   last_body_ = body;
   for (const Touch& touch : scene.touches) deepest = std::max(deepest, touch.press_depth);
+  between_bodies += std::any_of(scene.touches.begin(), scene.touches.end(),
+                                [](const Touch& touch) { return touch.by >= 0; });
+  between = std::max(between, scene.between);
+  imbalance = std::max(imbalance, scene.imbalance);
 }
 
 }  // namespace palpable

@@ -20,6 +20,9 @@ struct LiveCounts {
   std::optional<int> first_touch;  ///< number of the first of them
   int site_changes = 0;            ///< times that a body was touched at another site than before
   double deepest = 0;              ///< m, of all presses
+  int between_bodies = 0;          ///< frames in which bodies pressed each other
+  double between = 0;              ///< m, deepest of bodies into each other (Scene::between)
+  double imbalance = 0;            ///< N, largest (Scene::imbalance)
 
   SourceTroubles troubles;           ///< of the source
   std::string last_trouble;          ///< why the last unusable frame could not be used

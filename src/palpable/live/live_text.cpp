@@ -27,6 +27,12 @@ std::string text_of(const LiveCounts& counts, const Session& session, double wal
   } else {
     text += "never touched\n";
   }
+  if (counts.between_bodies > 0) {
+    text += fmt::format(
+        "bodies pressed each other in {} frames, at most {:.2f} mm into each other; forces between "
+        "them {:.3f} N out of balance at most\n",
+        counts.between_bodies, counts.between * 1e3, counts.imbalance);
+  }
   if (const Refiner* refiner = session.refiner()) {
     const RefinerCounts& asked = refiner->counts();
     text += fmt::format(

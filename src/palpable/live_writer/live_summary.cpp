@@ -14,6 +14,7 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const LiveO
     LiveSummary::Body& body = result.bodies.emplace_back();
     body.name = session.body_name(k);
     body.contact = name_of(session.contact(k));
+    body.takes_reactions = session.contact(k) == ContactKind::kAnywhere;
     body.camera_from_body = session.world_from_body(k);  // the first frame's camera is the world
   }
   if (const auto& color = run.source->format().color_sensor) {
@@ -33,6 +34,9 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const LiveO
   result.frames_touching = counts.touching;
   result.first_touch_frame = counts.first_touch;
   result.deepest_press = counts.deepest;
+  result.frames_between_bodies = counts.between_bodies;
+  result.deepest_between = counts.between;
+  result.imbalance = counts.imbalance;
   result.site_changes = counts.site_changes;
   result.video_codec = output.codec();
   result.pictures = output.figures();

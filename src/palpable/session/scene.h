@@ -44,7 +44,9 @@ struct Scene {
   std::vector<Touch> touches;  ///< of all bodies, the strongest first
   /// In the order of the session's.
   std::vector<SceneBody> bodies;
-  TrackedPose camera;  ///< identity and kFixed when nothing is tracked
+  double between = 0;    ///< m, of bodies into each other, at the points that press
+  double imbalance = 0;  ///< N, of the forces between bodies: what one bears and the other does not
+  TrackedPose camera;    ///< identity and kFixed when nothing is tracked
   /// 255 where something moves, of the depth's size. Empty when that is not looked for, or when the
   /// camera is lost.
   MaskImage moving;

@@ -1,13 +1,14 @@
 #include "palpable/session/session.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/contact/pressing_bodies.h"
 #include "palpable/geometry/pixel_box.h"
 #include "palpable/session/modal_bodies.h"
-#include "palpable/session/pressing_bodies.h"
 #include "palpable/slam/slam.h"
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <utility>
@@ -236,8 +237,17 @@ void Session::Parts::find_touches(Scene& scene) {
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     bodies[k]->answer.look(scene.seen, *shows, scene.bodies[k].camera_from_body);
   }
-  if (modal) modal->advance();
-  if (together) together->advance();
+  scene.between = scene.imbalance = 0;
+  if (modal) {
+    modal->advance();
+    scene.between = modal->report().between;
+    scene.imbalance = modal->report().imbalance;
+  }
+  if (together) {
+    const PressingReport& report = together->advance();
+    scene.between = std::max(scene.between, report.between);
+    scene.imbalance = std::max(scene.imbalance, report.imbalance);
+  }
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     SessionBody& body = *bodies[k];
     if (body.modal >= 0) {
@@ -322,9 +332,6 @@ const Rigid3& Session::world_from_body(int number) const {
 ContactKind Session::contact(int number) const { return parts_->body(number).answer.contact(); }
 const ObjectSurface& Session::surface(int number) const {
   return parts_->body(number).answer.surface();
-}
-const PressingReport* Session::pressing() const {
-  return parts_->together ? &parts_->together->report() : nullptr;
 }
 const MaskImage& Session::shows() const {
   PALPABLE_EXPECT(parts_->shows != nullptr, "a frame was answered");

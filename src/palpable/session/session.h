@@ -102,9 +102,6 @@ class Session {
   /// The things that may press it, of the frame answered last.
   [[nodiscard]] const ObjectSurface& surface(int number = 0) const;
 
-  /// How bodies with tables pressed each other in the frame answered last; null: none could.
-  [[nodiscard]] const PressingReport* pressing() const;
-
   /// What each pixel of the frame answered last shows, near bodies: kShowsPresser where something
   /// may press it (geometry/image.h).
   [[nodiscard]] const MaskImage& shows() const;

@@ -82,5 +82,43 @@ TEST_CASE("a place that is no number is near nothing", "[touch]") {
   CHECK_FALSE(bar.nearest(Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()), 0.1f));
 }
 
+TEST_CASE("a skin is as round as what it stands for, and its edges stay edges", "[touch]") {
+  const double radius = 0.03;
+  const MovingSurface ball(sphere_surface(Vector3d::Zero(), radius, 3));
+  auto random = test::random_case(7);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  RoundedSkin before;
+  for (int i = 0; i < 200; ++i) {
+    const Vector3f x =
+        0.031f * Vector3f(uniform(random), uniform(random), uniform(random)).normalized();
+    const auto found = ball.nearest(x, 0.005f);
+    REQUIRE(found);
+    const RoundedSkin skin = ball.rounded_at(*found);
+    CHECK(skin.normal.dot(x.normalized()) > 1 - tolerance(1e-4, "0.8 degrees: the faces' are 3"));
+    CHECK(skin.curvature.trace() ==
+          Approx(2 / radius).epsilon(tolerance(0.15, "of triangles that differ")));
+    CHECK((skin.curvature * skin.normal).norm() < tolerance(1e-3, "1/m: rounding"));
+  }
+  // A box: its faces are flat up to the edges.
+  SurfaceMesh box;
+  box.vertices.resize(3, 8);
+  for (int v = 0; v < 8; ++v)
+    box.vertices.col(v) << 0.01 * (v & 1), 0.01 * (v >> 1 & 1), 0.01 * (v >> 2);
+  box.triangles.resize(3, 12);
+  box.triangles << 0, 0, 4, 4, 0, 0, 2, 2, 0, 0, 1, 1,  //
+      3, 2, 5, 7, 1, 5, 6, 7, 4, 6, 3, 7,               //
+      1, 3, 7, 6, 5, 4, 7, 3, 6, 2, 7, 5;
+  const MovingSurface corners(box);
+  const auto found = corners.nearest(Vector3f(0.0095f, 0.004f, 0.0102f), 0.005f);
+  REQUIRE(found);
+  const RoundedSkin flat = corners.rounded_at(*found);
+  CHECK((flat.normal - Vector3f::UnitZ()).norm() < tolerance(1e-6, "rounding"));
+  CHECK(flat.curvature.norm() < tolerance(1e-3, "1/m: rounding"));
+  // Before an edge what is nearest says the way.
+  const auto beside = corners.nearest(Vector3f(0.011f, 0.005f, 0.011f), 0.005f);
+  REQUIRE(beside);
+  CHECK(corners.rounded_at(*beside).normal == beside->normal);
+}
+
 }  // namespace
 }  // namespace palpable

@@ -5,8 +5,8 @@
 /// A gap is asked again only where its point has moved by more than 0.3 mm within a frame; up to
 /// there its normal and curvature tell it. An object needs the more points the sharper it is
 /// (point_levels.h): of a heap of points (skin_clusters.h) the coarser ones are asked first, the
-/// finer ones only where something twice as sharp as those have seen would need them. Before another
-/// body's skin points are 3 mm apart.
+/// finer ones only where something twice as sharp as those have seen would need them. Before
+/// another body's skin points are 3 mm apart.
 ///
 ///   W  columns of a displacement, the vertices first     C  contact points
 #pragma once

@@ -1,6 +1,6 @@
 /// @file
 /// What a touch solver is told of the other bodies that press its own, each of which is answered by
-/// a solver of its own (session/pressing_bodies.h).
+/// a solver of its own (contact/pressing_bodies.h).
 #pragma once
 
 #include "palpable/touch/compliance.h"

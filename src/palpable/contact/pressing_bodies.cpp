@@ -1,4 +1,4 @@
-#include "palpable/session/pressing_bodies.h"
+#include "palpable/contact/pressing_bodies.h"
 
 #include "palpable/base/contract.h"
 #include "palpable/touch/refinement.h"
@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 namespace palpable {
 namespace {
@@ -20,6 +21,10 @@ constexpr int kRounds = 3;
 constexpr double kTolerance = 2e-5;
 // m between two skins' boxes, beyond which nothing of the one is asked of the other.
 constexpr float kBeside = 0.004f;
+
+// m by which bodies at rest stand off each other at least: what is told of their places is rounded,
+// and a force of nothing would keep both awake.
+constexpr float kStandsOff = 2e-5f;
 
 AlignedBox3f moved_box(const AlignedBox3f& box, const Eigen::Isometry3f& pose) {
   AlignedBox3f result;
@@ -42,19 +47,22 @@ struct PressingBodies::Part {
         skin(*the_body.skin, the_body.tables),
         placed(the_body.skin->vertices.cast<float>()) {
     if (!has_answer()) return;
-    seen_gap = gaps_to(*body.seen);
-    seen_near = near_to(*body.seen);
+    seen_gap = body.seen != nullptr ? gaps_to(*body.seen) : body.gaps;
+    if (body.seen != nullptr) seen_near = near_to(*body.seen);
     constexpr std::size_t kMost = 4 * TouchSolver::kMostPoints;
     given.reserve(9 * kMost);
     pressed_by.reserve(kMost);
   }
 
   [[nodiscard]] bool has_answer() const { return body.contact != nullptr; }
+  [[nodiscard]] bool is_near_real() const {
+    return body.seen == nullptr || !body.seen->balls().empty();
+  }
   // By itself: something presses it, or did in the frame before.
   [[nodiscard]] bool is_awake() const {
     if (!has_answer()) return has_moved;
-    return !body.seen->balls().empty() || !body.state->forces.empty() || bears ||
-           report.held_back > 0 || body.state->u.cols() == 0;
+    return is_near_real() || !body.state->forces.empty() || bears || report.held_back > 0 ||
+           body.state->u.cols() == 0;
   }
 
   Body body;
@@ -78,7 +86,7 @@ struct PressingBodies::Part {
 struct PressingBodies::Pair {
   int points = 0, skin = 0;
   Eigen::Isometry3f to_skin = Eigen::Isometry3f::Identity();  // from the points' frame
-  float overlap = 0;  // m, by which they stand in each other at rest: that counts as touching
+  float overlap = 0;  // m, added to gaps, by which they stand in each other at rest
   bool is_near = false;
 };
 
@@ -120,7 +128,7 @@ void PressingBodies::pair_up() {
       const MovingSurface& surface = part(skin).skin.surface();
       for (const auto& place : part(points).body.contact->solver().places().colwise()) {
         const auto found = surface.nearest(pair.to_skin * Vector3f(place), kGapReach);
-        if (found) pair.overlap = std::max(pair.overlap, -found->distance);
+        if (found) pair.overlap = std::max(pair.overlap, kStandsOff - found->distance);
       }
       pairs_.push_back(pair);
     }
@@ -149,7 +157,11 @@ bool PressingBodies::find_gap(int body, const Vector3f& place, SurfaceGap& gap) 
 }
 
 bool PressingBodies::is_near(int body, const Vector3f& place, float reach) const {
-  if (part(body).seen_near(place, reach)) return true;
+  const Part& p = part(body);
+  SurfaceGap gap;
+  if (p.seen_near ? p.seen_near(place, reach) : p.seen_gap(place, gap) && gap.distance <= reach) {
+    return true;
+  }
   for (const Pair& pair : pairs_) {
     if (pair.points == body && pair.is_near &&
         part(pair.skin).skin.surface().may_be_within(pair.to_skin * place, reach)) {
@@ -285,7 +297,10 @@ const PressingReport& PressingBodies::advance() {
   report_ = {};
   move_ = 0;
   for (const auto& p : parts_) {
-    if (p->has_answer()) move_ = std::max(move_, SkinContact::largest_move(*p->body.seen));
+    if (!p->has_answer()) continue;
+    const double of_body = p->body.seen != nullptr ? SkinContact::largest_move(*p->body.seen)
+                                                   : std::numeric_limits<double>::infinity();
+    move_ = std::max(move_, of_body);
   }
   for (Pair& pair : pairs_) pair.is_near = false;
   find_near_pairs();
@@ -351,6 +366,7 @@ void PressingBodies::find_touches(int body, std::vector<Touch>& touches) {
   const Part& p = part(body);
   touches.clear();
   if (is_at_rest(body)) return;
+  PALPABLE_EXPECT(p.body.seen != nullptr, "a surface was seen");
   p.body.contact->find_touches(*p.body.state, *p.body.seen, p.pressed_by, touches);
 }
 

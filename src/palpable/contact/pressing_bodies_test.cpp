@@ -1,4 +1,4 @@
-#include "palpable/session/pressing_bodies.h"
+#include "palpable/contact/pressing_bodies.h"
 
 #include "palpable/touch/moving_surface.h"
 #include "tests/support/allocations.h"
@@ -125,7 +125,7 @@ struct Heap {
 double largest(const Matrix3Xf& u) { return static_cast<double>(u.colwise().norm().maxCoeff()); }
 
 TEST_CASE("a pressed cushion presses the one below, which presses back as hard",
-          "[session][press]") {
+          "[contact][bodies]") {
   Heap heap(2);
   for (const double depth : {0.0015, 0.003, 0.0045, 0.006}) {
     heap.press(depth);
@@ -147,7 +147,7 @@ TEST_CASE("a pressed cushion presses the one below, which presses back as hard",
   CHECK(alone.layers[1]->touches.empty());
 }
 
-TEST_CASE("what a body bears of another is its whole answer to these forces", "[session][press]") {
+TEST_CASE("what a body bears of another is its whole answer to these forces", "[contact][bodies]") {
   Heap heap(2);
   for (int frame = 0; frame < 4; ++frame) heap.press(0.005);
   // The lower one's linear answer to the upper one's forces, from the closed form.
@@ -179,7 +179,7 @@ TEST_CASE("what a body bears of another is its whole answer to these forces", "[
   CHECK(off < tolerance(1e-5, "m: the places of forces are those of a round ago"));
 }
 
-TEST_CASE("held still nothing oscillates", "[session][press]") {
+TEST_CASE("held still nothing oscillates", "[contact][bodies]") {
   for (const int count : {2, 3}) {
     Heap heap(count);
     heap.press(0.006);
@@ -198,7 +198,7 @@ TEST_CASE("held still nothing oscillates", "[session][press]") {
   }
 }
 
-TEST_CASE("what one frame cannot do converges in the next", "[session][press]") {
+TEST_CASE("what one frame cannot do converges in the next", "[contact][bodies]") {
   Heap slow(2), fast(2);
   for (int frame = 1; frame <= 20; ++frame) slow.press(0.0003 * frame);
   for (int frame = 0; frame < 3; ++frame) fast.press(0.006);
@@ -209,7 +209,7 @@ TEST_CASE("what one frame cannot do converges in the next", "[session][press]") 
 }
 
 TEST_CASE("a body that is let go goes back to rest, and so does the one below",
-          "[session][press]") {
+          "[contact][bodies]") {
   Heap heap(3);
   heap.press(0.006);
   heap.press(0.006);
@@ -224,7 +224,7 @@ TEST_CASE("a body that is let go goes back to rest, and so does the one below",
   CHECK(heap.report.rounds == 0);  // nobody is asked
 }
 
-TEST_CASE("what cannot give way is an obstacle, and is told where it is", "[session][press]") {
+TEST_CASE("what cannot give way is an obstacle, and is told where it is", "[contact][bodies]") {
   Heap heap(2, false);
   for (int frame = 0; frame < 3; ++frame) heap.press(0.006);
   const double on_hard = heap.force_by(0, 1).z();
@@ -240,7 +240,7 @@ TEST_CASE("what cannot give way is an obstacle, and is told where it is", "[sess
   CHECK(heap.force_by(0, 1).isZero(0));
 }
 
-TEST_CASE("the same frames give the same bytes, and take no memory", "[session][press]") {
+TEST_CASE("the same frames give the same bytes, and take no memory", "[contact][bodies]") {
   Heap one(3), other(3);
   for (const double depth : {0.001, 0.006, 0.004, 0.002}) {
     one.press(depth);
