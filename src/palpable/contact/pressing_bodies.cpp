@@ -22,6 +22,7 @@ constexpr double kTolerance = 2e-5;
 // m between two skins' boxes, beyond which nothing of the one is asked of the other.
 constexpr float kBeside = 0.004f;
 
+constexpr float kFastest = 0.02f;  // m that a body may come nearer in a frame
 // m by which bodies at rest stand off each other at least: what is told of their places is rounded,
 // and a force of nothing would keep both awake.
 constexpr float kStandsOff = 2e-5f;
@@ -48,7 +49,7 @@ struct PressingBodies::Part {
         placed(the_body.skin->vertices.cast<float>()) {
     if (!has_answer()) return;
     seen_gap = body.seen != nullptr ? gaps_to(*body.seen) : body.gaps;
-    if (body.seen != nullptr) seen_near = near_to(*body.seen);
+    seen_near = body.seen != nullptr ? near_to(*body.seen) : body.near;
     constexpr std::size_t kMost = 4 * TouchSolver::kMostPoints;
     given.reserve(9 * kMost);
     pressed_by.reserve(kMost);
@@ -56,7 +57,9 @@ struct PressingBodies::Part {
 
   [[nodiscard]] bool has_answer() const { return body.contact != nullptr; }
   [[nodiscard]] bool is_near_real() const {
-    return body.seen == nullptr || !body.seen->balls().empty();
+    if (body.seen != nullptr) return !body.seen->balls().empty();
+    const AlignedBox3f box = skin.surface().bounds();
+    return !seen_near || seen_near(box.center(), 0.5f * box.diagonal().norm() + kBeside);
   }
   // By itself: something presses it, or did in the frame before.
   [[nodiscard]] bool is_awake() const {
@@ -205,8 +208,9 @@ void PressingBodies::find_near_pairs() {
       Part &a = part(pair.points), &b = part(pair.skin);
       if (pair.is_near || (!a.takes_part && !b.takes_part)) continue;
       AlignedBox3f box = moved_box(a.skin.surface().bounds(), pair.to_skin);
-      box.min().array() -= kBeside + static_cast<float>(move_);
-      box.max().array() += kBeside + static_cast<float>(move_);
+      const float beside = kBeside + std::min(kFastest, static_cast<float>(move_));
+      box.min().array() -= beside;
+      box.max().array() += beside;
       if (!box.intersects(b.skin.surface().bounds())) continue;
       pair.is_near = is_new = true;
       a.takes_part = b.takes_part = true;

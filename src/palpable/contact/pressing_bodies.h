@@ -60,7 +60,10 @@ class PressingBodies {
     SkinContact* contact = nullptr;
     TouchState* state = nullptr;
     const ObjectSurface* seen = nullptr;  ///< of real things that press it; read in each frame
-    GapQuery gaps = {};  ///< likewise, where `seen` is null; then there are no touches to find
+    // Likewise, where `seen` is null; then there are no touches to find. Without `near` the gaps
+    // are asked everywhere.
+    GapQuery gaps = {};
+    NearQuery near = {};
   };
   /// @param bodies  what they point to outlives this
   explicit PressingBodies(const std::vector<Body>& bodies);

@@ -238,8 +238,8 @@ Vector3f MovingSurface::normal_around(int v, const Vector3f& way, float least_co
 
 RoundedSkin MovingSurface::rounded_at(const NearestOnSkin& found) const {
   const int t = found.triangle;
-  const Vector3f a = vertices_.col(triangles_(0, t)), b = vertices_.col(triangles_(1, t)),
-                 c = vertices_.col(triangles_(2, t));
+  const Vector3f a = vertex(triangles_(0, t)), b = vertex(triangles_(1, t)),
+                 c = vertex(triangles_(2, t));
   const Vector3f twice_area = (b - a).cross(c - a);
   const float square = twice_area.squaredNorm();
   Eigen::Matrix3f corners;

@@ -53,6 +53,10 @@ class MovingSurface {
   /// Unit, outwards: of the faces around, by their angles.
   [[nodiscard]] Eigen::Vector3f vertex_normal(int v) const;
   [[nodiscard]] Eigen::Vector3i corners(int triangle) const { return triangles_.col(triangle); }
+  [[nodiscard]] Eigen::AlignedBox3f bounds() const {
+    const Box& all = boxes_.front();
+    return {all.low.head<3>().matrix(), all.high.head<3>().matrix()};
+  }
 
  private:
   // Triangles order_[first .. first + count - 1]; an inner box has none, and its halves are the
