@@ -17,12 +17,17 @@ constexpr int kBeside = 16;
 
 // A cell of fewer pixels does as the cells around it.
 constexpr float kFewest = 12;
+// So many cells to each side tell together how they shift, by as many pixels at least.
+constexpr std::ptrdiff_t kAround = 2;
+constexpr float kFewestAround = 150, kFewestOutline = 20;
 
 }  // namespace
 
 RestFilter::RestFilter(const RestFilterSettings& settings) : settings_(settings) {
   PALPABLE_EXPECT(settings.rests >= 0 && settings.moves > settings.rests && settings.sigmas > 0,
                   "what moves shifts by more than what rests");
+  PALPABLE_EXPECT(settings.creeps >= 0 && settings.flows > settings.creeps,
+                  "what flows shifts by more than what creeps");
   PALPABLE_EXPECT(settings.most_frames >= 1 && settings.cell_px >= 1,
                   "one frame and one pixel at least");
 }
@@ -72,19 +77,84 @@ void RestFilter::sum_up(const DepthImage& depth, const MaskImage& shows) {
       if (!now && !was) continue;
       Cell& cell = cells[cell_of_column[x]];
       // A hole in a thing is no sign that it has gone.
-      if (now != was && shown[x] != kShowsUnknown) cell.changed += 1;
+      if (now != was && shown[x] != kShowsUnknown) {
+        cell.changed += 1;
+        add_outline(shows, x, y, now ? 1.0f : -1.0f, cell.outline);
+      }
       if (!now) continue;
       cell.now += 1;
       cell.depth += depths[x];
       const bool inner = x > 0 && y > 0 && x + 1 < depth.width() && y + 1 < depth.height() &&
                          shown[x - 1] == kShowsPresser && shown[x + 1] == kShowsPresser &&
                          shown[x - width] == kShowsPresser && shown[x + width] == kShowsPresser;
-      if (!inner) cell.edge += 1;
+      if (!inner) {
+        cell.edge += 1;
+        if (was) add_outline(shows, x, y, 0, cell.outline);
+      }
       if (!was) continue;
       cell.both += 1;
       cell.apart += depths[x] - averages[x];
     }
   }
+}
+
+// @param came  1: the pixel came, -1: it went, 0: it is one of the outline now
+void RestFilter::add_outline(const MaskImage& shows, int x, int y, float came,
+                             Outline& outline) const {
+  // Down the slope of what is shown now or was.
+  float nx = 0, ny = 0;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const int u = x + dx, v = y + dy;
+      if (u < 0 || v < 0 || u >= shows.width() || v >= shows.height()) continue;
+      const float inside = (shows(u, v) == kShowsPresser ? 1.0f : 0.0f) + presence_(u, v);
+      nx -= static_cast<float>(dx) * inside;
+      ny -= static_cast<float>(dy) * inside;
+    }
+  }
+  const float length = std::sqrt(nx * nx + ny * ny);
+  if (!(length > 0)) return;
+  nx /= length;
+  ny /= length;
+  if (came == 0) {
+    outline.xx += nx * nx;
+    outline.xy += nx * ny;
+    outline.yy += ny * ny;
+  } else {
+    outline.x += came * nx;
+    outline.y += came * ny;
+  }
+}
+
+// m, of a cell and those around it together; 0 where they are too few to tell.
+float RestFilter::shift_around(std::ptrdiff_t column, std::ptrdiff_t row, float fx_px) const {
+  const auto across = static_cast<std::ptrdiff_t>(cells_across_);
+  const auto down = static_cast<std::ptrdiff_t>(cells_.size()) / across;
+  float now = 0, both = 0, apart = 0, depth = 0;
+  Outline o;
+  for (std::ptrdiff_t b = std::max<std::ptrdiff_t>(row - kAround, 0);
+       b <= std::min(row + kAround, down - 1); ++b) {
+    for (std::ptrdiff_t a = std::max<std::ptrdiff_t>(column - kAround, 0);
+         a <= std::min(column + kAround, across - 1); ++a) {
+      const Cell& cell = cells_[static_cast<std::size_t>(b * across + a)];
+      now += cell.now;
+      both += cell.both;
+      apart += cell.apart;
+      depth += cell.depth;
+      o.xx += cell.outline.xx;
+      o.xy += cell.outline.xy;
+      o.yy += cell.outline.yy;
+      o.x += cell.outline.x;
+      o.y += cell.outline.y;
+    }
+  }
+  const float away = both > kFewestAround ? std::abs(apart / both) : 0;
+  if (!(o.xx + o.yy > kFewestOutline) || !(now > 0)) return away;
+  // Along a straight outline nothing is told: there d is as short as may be.
+  const float least = 0.1f * (o.xx + o.yy);
+  const float xx = o.xx + least, yy = o.yy + least, det = xx * yy - o.xy * o.xy;
+  const float dx = (yy * o.x - o.xy * o.y) / det, dy = (xx * o.y - o.xy * o.x) / det;
+  return std::max(away, std::sqrt(dx * dx + dy * dy) * depth / now / fx_px);
 }
 
 void RestFilter::find_shares(const PinholeCamera& camera) {
@@ -103,6 +173,8 @@ void RestFilter::find_shares(const PinholeCamera& camera) {
     moved_[k] = std::clamp((shift - rests) / (moves - rests), 0.0f, 1.0f);
     if (cell.frames == 0) moved_[k] = 1;
   }
+  const auto creeps = static_cast<float>(settings_.creeps),
+             flows = static_cast<float>(settings_.flows);
   const auto across = static_cast<std::ptrdiff_t>(cells_across_);
   const auto down = static_cast<std::ptrdiff_t>(cells_.size()) / across;
   for (std::ptrdiff_t j = 0; j < down; ++j) {
@@ -112,7 +184,8 @@ void RestFilter::find_shares(const PinholeCamera& camera) {
         cell.frames = 0;
         continue;
       }
-      float moved = 0;
+      const float around = shift_around(i, j, static_cast<float>(camera.fx_px));
+      float moved = std::clamp((around - creeps) / (flows - creeps), 0.0f, 1.0f);
       for (std::ptrdiff_t b = std::max<std::ptrdiff_t>(j - 1, 0); b <= std::min(j + 1, down - 1);
            ++b) {
         for (std::ptrdiff_t a = std::max<std::ptrdiff_t>(i - 1, 0);

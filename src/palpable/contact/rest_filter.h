@@ -9,8 +9,16 @@
 ///     shift = max( |mean depth now - average|,  width of what changed along the outline )
 ///     share of this frame = 1 / frames at rest ... 1        from settings.rests to settings.moves
 ///
-/// so that of what moves the present frame alone counts, and the average lags by less than
-/// settings.moves. A cell also takes the share of its neighbours that move.
+/// so that of what moves the present frame alone counts. A cell also takes the share of its
+/// neighbours that move. What creeps, as a finger that presses does, shifts by less than that in a
+/// frame; it is told by all cells around together, whose shift scatters by a fifth of one cell's:
+///
+///     shift = max( |sum of (depth now - average)| / pixels,  |d| )        from creeps to flows
+///     d = (sum of n n^T over the outline's pixels)^-1 (sum of n over those that came, less those
+///         that went)                                                      n: outward in the
+///         picture
+///
+/// so that the average lags by less than settings.flows.
 #pragma once
 
 #include "palpable/geometry/camera.h"
@@ -18,15 +26,18 @@
 #include "palpable/geometry/pixel_box.h"
 #include "palpable/geometry/rigid.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace palpable {
 
 struct RestFilterSettings {
-  double rests = 0.0010;  ///< m: what has shifted by less has not moved
-  double moves = 0.0020;  ///< m: what has shifted by more is where it is seen now
-  int most_frames = 32;   ///< that are averaged; 1: none
-  int cell_px = 12;       ///< side of a cell
+  double rests = 0.0010;   ///< m: what has shifted by less has not moved
+  double moves = 0.0020;   ///< m: what has shifted by more is where it is seen now
+  double creeps = 0.0003;  ///< m: `rests` of all cells around together,
+  double flows = 0.0006;   ///< m: and `moves`
+  int most_frames = 32;    ///< that are averaged; 1: none
+  int cell_px = 12;        ///< side of a cell
   /// A pixel whose depth differs by more sigmas from its average shows something else now.
   double sigmas = 4;
 };
@@ -56,12 +67,18 @@ class RestFilter {
   [[nodiscard]] float frames_at(int x, int y) const { return cell_at(x, y).frames; }
 
  private:
+  // What the pixels at an outline tell of how it shifted, px.
+  struct Outline {
+    float xx = 0, xy = 0, yy = 0;  // sum of n n^T
+    float x = 0, y = 0;            // of n at those that came, less those that went
+  };
   struct Cell {
     float frames = 0;  // that count; 0: nothing is known
     float share = 1;   // of this frame
     // Of this frame: pixels of a thing, those that were one before, the sum of their depths less
     // the average, of their depths, pixels that came or went, pixels at an outline.
     float now = 0, both = 0, apart = 0, depth = 0, changed = 0, edge = 0;
+    Outline outline = {};
   };
   [[nodiscard]] Cell* row_of_cells(int y) {
     return cells_.data() + static_cast<std::size_t>(y / settings_.cell_px) * cells_across_;
@@ -73,6 +90,8 @@ class RestFilter {
   void start(const DepthImage& depth, const MaskImage& shows, const PixelBox& box,
              const Rigid3& camera_from_body);
   void sum_up(const DepthImage& depth, const MaskImage& shows);
+  void add_outline(const MaskImage& shows, int x, int y, float came, Outline& outline) const;
+  [[nodiscard]] float shift_around(std::ptrdiff_t column, std::ptrdiff_t row, float fx_px) const;
   void find_shares(const PinholeCamera& camera);
   void average(const DepthImage& depth, const MaskImage& shows, float gate_at_1m);
 

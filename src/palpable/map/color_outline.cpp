@@ -10,6 +10,12 @@ namespace {
 
 constexpr int kCell = 8;  // px
 
+// A thing's shade at its outline, over that behind the band.
+constexpr float kDarkest = 0.5F, kLightest = 1.2F;
+// Squares of the least spread, over three channels: what is farther from all shades of a thing has
+// another hue.
+constexpr float kOtherHue = 12;
+
 constexpr std::array<std::array<int, 2>, 4> kBesides{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
 
 }  // namespace
@@ -133,7 +139,20 @@ bool ColorOutline::is_room(const SeenFrame& seen, const MaskImage& shows, int x,
     from_thing += a * a * cell.thing_weight[c];
     from_room += b * b * cell.room_weight[c];
   }
-  return from_room < from_thing;
+  if (!(from_room < from_thing)) return false;
+  // Towards its outline a thing is darker or lighter than behind the band, in the same hue.
+  float along = 0, square = 0, off = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    along += color[c] * cell.thing_mean[c];
+    square += cell.thing_mean[c] * cell.thing_mean[c];
+  }
+  const float shade = std::clamp(square > 0 ? along / square : 1, kDarkest, kLightest);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float from_shade = color[c] - shade * cell.thing_mean[c];
+    off += from_shade * from_shade;
+  }
+  const auto least = static_cast<float>(settings_.least_spread * settings_.least_spread);
+  return off > kOtherHue * least;
 }
 
 void ColorOutline::trim(const SeenFrame& seen, const PixelBox& box, MaskImage& shows) {

@@ -8,8 +8,10 @@
 ///                                           and not as the thing behind the band (i)?
 ///
 /// Of both sides mean and spread of the colours are taken over cells of 8 x 8 px, 3 x 3 cells
-/// around the pixel. Where the two sides look alike, or a side shows all sorts of colours, or a
-/// thing is too thin to have an inside, nothing is decided: the outline stays the depth's.
+/// around the pixel. What a thing shows at its outline may be shaded: half to 1.2 times its colour
+/// is its own, too, for skin in the shade is as brown as a desk. Where the two sides look alike, or
+/// a side shows all sorts of colours, or a thing is too thin to have an inside, nothing is decided:
+/// the outline stays the depth's.
 #pragma once
 
 #include "palpable/depth/seen_frame.h"
