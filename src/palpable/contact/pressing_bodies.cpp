@@ -27,14 +27,6 @@ constexpr float kFastest = 0.02f;  // m that a body may come nearer in a frame
 // and a force of nothing would keep both awake.
 constexpr float kStandsOff = 2e-5f;
 
-AlignedBox3f moved_box(const AlignedBox3f& box, const Eigen::Isometry3f& pose) {
-  AlignedBox3f result;
-  for (int corner = 0; corner < 8; ++corner) {
-    result.extend(pose * box.corner(static_cast<AlignedBox3f::CornerType>(corner)));
-  }
-  return result;
-}
-
 double farthest_apart(const Matrix3Xf& a, const Matrix3Xf& b) {
   return static_cast<double>(std::sqrt((a - b).colwise().squaredNorm().maxCoeff()));
 }
@@ -207,7 +199,7 @@ void PressingBodies::find_near_pairs() {
     for (Pair& pair : pairs_) {
       Part &a = part(pair.points), &b = part(pair.skin);
       if (pair.is_near || (!a.takes_part && !b.takes_part)) continue;
-      AlignedBox3f box = moved_box(a.skin.surface().bounds(), pair.to_skin);
+      AlignedBox3f box = a.skin.surface().bounds().transformed(pair.to_skin);
       const float beside = kBeside + std::min(kFastest, static_cast<float>(move_));
       box.min().array() -= beside;
       box.max().array() += beside;

@@ -17,6 +17,11 @@ Eigen::Vector3d unit_or(const Eigen::Vector3d& v, const Eigen::Vector3d& otherwi
 
 }  // namespace
 
+Eigen::AlignedBox3d box_of(const Capsule& capsule) {
+  const Eigen::Vector3d r = Eigen::Vector3d::Constant(std::max(capsule.ra, capsule.rb));
+  return {capsule.a.cwiseMin(capsule.b) - r, capsule.a.cwiseMax(capsule.b) + r};
+}
+
 CapsuleField::CapsuleField(const Capsule& capsule) : capsule_(capsule) {
   const Eigen::Vector3d ab = capsule.b - capsule.a;
   const double length = ab.norm();

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <span>
 
@@ -20,6 +21,9 @@ struct Capsule {
   double ra = 0;  ///< >= 0
   double rb = 0;  ///< >= 0
 };
+
+/// That holds it; of a cone with one large end more than it needs.
+[[nodiscard]] Eigen::AlignedBox3d box_of(const Capsule& capsule);
 
 /// The distance field of one capsule whose radii are > 0; made once, asked for many points.
 ///

@@ -4,6 +4,7 @@
 #include "palpable/geometry/triangle_points.h"
 
 #include <algorithm>
+#include <cstddef>
 
 namespace palpable {
 namespace {
@@ -40,6 +41,14 @@ std::vector<SkinPoint> skin_points(const SurfaceMesh& skin, std::span<const std:
   std::sort(points.begin(), others,
             [](const SkinPoint& a, const SkinPoint& b) { return a.corners[0] < b.corners[0]; });
   return points;
+}
+
+Eigen::Matrix3Xf places_of(std::span<const SkinPoint> points, const Eigen::Matrix3Xf& vertices) {
+  Eigen::Matrix3Xf places(3, std::ssize(points));
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    places.col(static_cast<Eigen::Index>(p)) = points[p].at(vertices);
+  }
+  return places;
 }
 
 }  // namespace palpable

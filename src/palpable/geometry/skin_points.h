@@ -42,4 +42,8 @@ struct SkinPoint {
                                                  std::span<const std::uint8_t> fixed,
                                                  double spacing);
 
+/// (3 x C) m, where points are. @param vertices  (3 x V) m
+[[nodiscard]] Eigen::Matrix3Xf places_of(std::span<const SkinPoint> points,
+                                         const Eigen::Matrix3Xf& vertices);
+
 }  // namespace palpable

@@ -58,11 +58,6 @@ double way_out(std::span<const Capsule> hand, Eigen::Vector3d x, const Eigen::Ve
 
 using Eigen::AlignedBox3d;
 
-AlignedBox3d box_of(const Capsule& c) {
-  const Eigen::Vector3d r = Eigen::Vector3d::Constant(std::max(c.ra, c.rb));
-  return {c.a.cwiseMin(c.b) - r, c.a.cwiseMax(c.b) + r};
-}
-
 /// Capsules with their bounding boxes: most points lie outside of them, which is quick to find out.
 class BoxedHand {
  public:

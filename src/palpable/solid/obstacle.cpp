@@ -105,13 +105,7 @@ std::vector<Vector3d> ObstacleGaps::core(int part) const {
 
 bool ObstacleGaps::may_reach(int part, const Eigen::AlignedBox3d& box) const {
   if (part >= static_cast<int>(capsules_.size())) return true;
-  const Capsule& capsule = obstacle_.capsules[part];
-  const double radius = std::max(capsule.ra, capsule.rb);
-  Eigen::AlignedBox3d own(capsule.a);
-  own.extend(capsule.b);
-  own.min().array() -= radius;
-  own.max().array() += radius;
-  return own.intersects(box);
+  return box_of(obstacle_.capsules[part]).intersects(box);
 }
 
 Gap ObstacleGaps::gap(int part, const Vector3d& x) const {

@@ -7,9 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <map>
-#include <set>
-#include <utility>
 
 namespace palpable {
 namespace {
@@ -28,44 +25,14 @@ constexpr double kCoarsest = 0.006, kFinest = 0.0015, kBetween = 2;
 // Vertices that tell how far a step moves the skin.
 constexpr std::size_t kProbes = 128;
 
-Matrix3Xf places_of(std::span<const SkinPoint> points, const Matrix3Xf& vertices) {
-  Matrix3Xf places(3, static_cast<Index>(points.size()));
-  for (std::size_t p = 0; p < points.size(); ++p) {
-    places.col(static_cast<Index>(p)) = points[p].at(vertices);
-  }
-  return places;
-}
-
-// Faces that meet at more than 40 degrees make an edge; a smooth skin's do not.
-constexpr double kEdge = 0.77;  // its cosine
-
 // (V) m, of each vertex from the nearest one on an edge, 1 where there is none.
-std::vector<float> distances_from_edges(const SurfaceMesh& skin) {
-  const auto normal_of = [&](Index t) {
-    const Vector3d a = skin.vertices.col(skin.triangles(0, t));
-    const Vector3d b = skin.vertices.col(skin.triangles(1, t));
-    const Vector3d c = skin.vertices.col(skin.triangles(2, t));
-    return (b - a).cross(c - a).normalized().eval();
-  };
-  std::map<std::pair<int, int>, Index> of_edge;  // directed: the triangle that runs along it
-  for (Index t = 0; t < skin.triangles.cols(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      of_edge[{skin.triangles(k, t), skin.triangles((k + 1) % 3, t)}] = t;
+std::vector<float> distances_from_edges(const Matrix3Xf& vertices, const std::vector<int>& edges) {
+  std::vector<float> distances(static_cast<std::size_t>(vertices.cols()), 1.0f);
+  for (Index v = 0; v < vertices.cols(); ++v) {
+    float& nearest = distances[static_cast<std::size_t>(v)];
+    for (const int e : edges) {
+      nearest = std::min(nearest, (vertices.col(v) - vertices.col(e)).norm());
     }
-  }
-  std::set<int> sharp;
-  for (const auto& [edge, t] : of_edge) {
-    const auto other = of_edge.find({edge.second, edge.first});
-    if (other != of_edge.end() && normal_of(t).dot(normal_of(other->second)) > kEdge) continue;
-    sharp.insert({edge.first, edge.second});
-  }
-  std::vector<float> distances(static_cast<std::size_t>(skin.vertices.cols()), 1.0f);
-  for (Index v = 0; v < skin.vertices.cols(); ++v) {
-    double nearest = 1;
-    for (const int e : sharp) {
-      nearest = std::min(nearest, (skin.vertices.col(v) - skin.vertices.col(e)).norm());
-    }
-    distances[static_cast<std::size_t>(v)] = static_cast<float>(nearest);
   }
   return distances;
 }
@@ -91,9 +58,9 @@ ModalBody::ModalBody(const ModalMember& member)
       clusters_(
           rest_, points_, places_, levels_,
           std::min(kCluster * static_cast<float>(member.tables->point_spacing), kLargestCluster)),
-      from_edge_(distances_from_edges(member.body->surface)),
       energy_(member.body->several->energy),
       surface_(member.body->surface),
+      from_edge_(distances_from_edges(rest_, surface_.sharp_vertices())),
       q_(VectorXd::Zero(n_)),
       narrow_q_(Eigen::VectorXf::Zero(n_)),
       u_(Matrix3Xf::Zero(3, V_)),

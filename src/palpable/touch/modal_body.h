@@ -98,10 +98,10 @@ class ModalBody {
   float coarsest_, finest_, between_;
   std::vector<float> levels_;
   SkinClusters clusters_;
-  std::vector<float> from_edge_;  // (V) m
-  std::vector<float> rows_;       // (V x 3 x n) of the modes: vertex, direction, mode
+  std::vector<float> rows_;  // (V x 3 x n) of the modes: vertex, direction, mode
   PackedEnergy energy_;
   MovingSurface surface_;
+  std::vector<float> from_edge_;  // (V) m, at rest
   std::optional<ShellStress> shell_;
 
   Eigen::VectorXd q_;

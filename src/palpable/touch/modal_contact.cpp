@@ -27,8 +27,6 @@ using Eigen::VectorXd;
 constexpr float kStretch = 1.2f;
 // m: of what is farther nobody need tell, neither a surface that was seen nor kGapReach.
 constexpr float kTold = 0.010f;
-// m: so deep a member's skin is looked for in another's.
-constexpr float kInside = 0.02f;
 // Of a disc of radius a that is pressed evenly by f, the mean: w = 0.54 f (1 - nu^2) / (E a).
 constexpr double kDisc = 0.54;
 // m of sigma that make a point as compliant again as the half space is.
@@ -130,7 +128,9 @@ ModalContact::Work::Work(const std::vector<ModalMember>& members, const ModalSet
     }
   }
   const auto m = static_cast<Index>(kMostPoints);
-  candidates.reserve(16 * kMostPoints);
+  std::size_t all = 0;
+  for (const auto& body : bodies) all += body->points().size();
+  candidates.reserve(all);  // those between members are few: far fewer than lie near nothing
   pressed.reserve(kMostPoints);
   known.reserve(2 * kMostPoints);
   own.setZero(most_modes, m);
@@ -246,7 +246,7 @@ void ModalContact::Work::find_between(int k, int other) {
       c.point = b.clusters().order()[static_cast<std::size_t>(i)];
       c.by = other;
       c.place = b.place(c.point);
-      const auto found = surface.nearest(to_other * c.place, kInside);
+      const auto found = surface.nearest(to_other * c.place, kDeepInside);
       if (!found || !(found->distance <= band)) continue;
       c.gap = static_cast<double>(found->distance);
       c.corners = surface.corners(found->triangle);

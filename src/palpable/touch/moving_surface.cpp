@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace palpable {
@@ -213,6 +214,18 @@ Vector3f MovingSurface::normal_at(int triangle, const Vector3f& weights) const {
     return (face_normal(triangle) + face_normal(other)).normalized();
   }
   return vertex_normal(triangles_(left, triangle));
+}
+
+std::vector<int> MovingSurface::sharp_vertices() const {
+  std::set<int> sharp;
+  for (int t = 0; t < triangles_.cols(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int other = across_[t][static_cast<std::size_t>(k)];
+      if (other != t && face_normal(t).dot(face_normal(other)) > kSmooth) continue;
+      sharp.insert({triangles_(k, t), triangles_((k + 1) % 3, t)});
+    }
+  }
+  return {sharp.begin(), sharp.end()};
 }
 
 Vector3f MovingSurface::vertex_normal(int v) const {

@@ -16,6 +16,9 @@
 
 namespace palpable {
 
+/// m: so deep inside the skin of one body another's is looked for.
+inline constexpr float kDeepInside = 0.02f;
+
 /// What of the skin is nearest to a place.
 struct NearestOnSkin {
   float distance = 0;  ///< m, negative inside
@@ -50,6 +53,8 @@ class MovingSurface {
   /// question.
   [[nodiscard]] bool may_be_within(const Eigen::Vector3f& x, float reach) const;
 
+  /// Those on edges of more than 40 degrees, rising.
+  [[nodiscard]] std::vector<int> sharp_vertices() const;
   /// Unit, outwards: of the faces around, by their angles.
   [[nodiscard]] Eigen::Vector3f vertex_normal(int v) const;
   [[nodiscard]] Eigen::Vector3i corners(int triangle) const { return triangles_.col(triangle); }

@@ -13,10 +13,7 @@ TouchSkin::TouchSkin(const SurfaceMesh& skin, std::span<const std::uint8_t> fixe
     : rest_(skin.vertices.cast<float>()), skin_(rest_) {
   points_ = skin_points(skin, fixed, tables.point_spacing);
   levels_ = point_levels(skin, points_, kCoarsest, kFinest);
-  places_.resize(3, static_cast<Eigen::Index>(points_.size()));
-  for (std::size_t p = 0; p < points_.size(); ++p) {
-    places_.col(static_cast<Eigen::Index>(p)) = points_[p].at(skin_);
-  }
+  places_ = places_of(points_, skin_);
   if (!tables.coarse) return;
 
   const SurfaceMesh& coarse = tables.coarse->surface;

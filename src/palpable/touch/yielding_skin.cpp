@@ -11,14 +11,9 @@
 #include <cstddef>
 
 namespace palpable {
-namespace {
 
 using Eigen::Matrix3Xf;
 using Eigen::Vector3f;
-
-constexpr float kInside = 0.02f;  // m: so deep a place is looked for
-
-}  // namespace
 
 struct YieldingSkin::Give {
   // A share of a force: its vertex, of those that the tables know.
@@ -116,7 +111,7 @@ void YieldingSkin::bear(std::span<const VertexForce> forces) {
 }
 
 bool YieldingSkin::gap_at(const Vector3f& place, SurfaceGap& gap) const {
-  const auto found = surface_.nearest(place, kInside);
+  const auto found = surface_.nearest(place, kDeepInside);
   if (!found || !(found->distance < kGapReach)) return false;
   const RoundedSkin skin = surface_.rounded_at(*found);
   gap.distance = found->distance;
@@ -135,7 +130,7 @@ bool YieldingSkin::gap_at(const Vector3f& place, SurfaceGap& gap) const {
 }
 
 bool YieldingSkin::find(const Vector3f& place, OtherSkin& on) const {
-  const auto found = surface_.nearest(place, kInside);
+  const auto found = surface_.nearest(place, kDeepInside);
   if (!found) return false;
   on.corners = surface_.corners(found->triangle);
   on.weights = found->weights;

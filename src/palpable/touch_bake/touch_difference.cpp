@@ -92,32 +92,19 @@ GapQuery gaps_to(const ObstacleGaps& gaps) {
 }
 
 NearQuery near_to(const ObstacleGaps& gaps) {
-  struct Box {
-    Eigen::Array4f low, high;  // the fourth number is 0
-    [[nodiscard]] float square_to(const Eigen::Array4f& x) const {
-      return (low - x).max(x - high).max(0.0f).matrix().squaredNorm();
-    }
-  };
-  std::vector<Box> boxes;  // of the capsules, then of all of them; of other parts nothing is known
+  std::vector<Eigen::AlignedBox3f> boxes;  // of the capsules; of other parts nothing is known
+  Eigen::AlignedBox3f all;
   for (const Capsule& capsule : gaps.obstacle().capsules) {
-    const Eigen::Vector3f a = capsule.a.cast<float>(), b = capsule.b.cast<float>();
-    const auto radius = static_cast<float>(std::max(capsule.ra, capsule.rb));
-    const Eigen::Array3f low = a.cwiseMin(b).array() - radius,
-                         high = a.cwiseMax(b).array() + radius;
-    boxes.push_back({{low[0], low[1], low[2], 0}, {high[0], high[1], high[2], 0}});
+    boxes.push_back(box_of(capsule).cast<float>());
+    all.extend(boxes.back());
   }
-  const bool all_known = gaps.part_count() == std::ssize(boxes) && !boxes.empty();
-  if (all_known) {
-    Box all = boxes.front();
-    for (const Box& box : boxes) all = {all.low.min(box.low), all.high.max(box.high)};
-    boxes.push_back(all);
-  }
-  return [&gaps, boxes, all_known](const Eigen::Vector3f& place, float reach) {
-    const Eigen::Array4f at(place[0], place[1], place[2], 0);
-    if (all_known && !(boxes.back().square_to(at) < reach * reach)) return false;
+  const bool is_known = gaps.part_count() == std::ssize(boxes);
+  return [&gaps, boxes, all, is_known](const Eigen::Vector3f& place, float reach) {
+    const float square = reach * reach;
+    if (is_known && !(all.squaredExteriorDistance(place) < square)) return false;
     for (int p = 0; p < gaps.part_count(); ++p) {
       const auto box = static_cast<std::size_t>(p);
-      if (box < boxes.size() && !(boxes[box].square_to(at) < reach * reach)) continue;
+      if (box < boxes.size() && !(boxes[box].squaredExteriorDistance(place) < square)) continue;
       if (gaps.distance(p, place.cast<double>()) < static_cast<double>(reach)) return true;
     }
     return false;

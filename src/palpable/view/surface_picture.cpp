@@ -56,10 +56,7 @@ SurfacePicture::SurfacePicture(MapRenderer renderer, const Session& session)
   Eigen::AlignedBox3d box;
   for (int k = 0; k < session.body_count(); ++k) {
     const Rigid3 first_from_body = session.world_from_body().inverse() * session.world_from_body(k);
-    const Eigen::AlignedBox3d own = box_of(session.body(k).surface);
-    for (int c = 0; c < 8; ++c) {
-      box.extend(first_from_body * own.corner(static_cast<Eigen::AlignedBox3d::CornerType>(c)));
-    }
+    box.extend(box_of(session.body(k).surface).transformed(first_from_body));
   }
   const Eigen::Vector3d around = Eigen::Vector3d::Constant(kAround);
   near_ = {box.min() - around, box.max() + around};
