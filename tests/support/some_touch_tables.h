@@ -9,6 +9,9 @@
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <random>
 #include <vector>
 
@@ -131,6 +134,34 @@ inline TouchTables some_touch_tables(const SurfaceMesh& skin, int regions = 3) {
     tables.cross.cubic = some_tables::form(random, kCrossModes, 3);
     tables.held_out = {{PressingThing::kFinger, 0.002, 0.01, 0.02, 0.03, 0.015},
                        {PressingThing::kRim, 0.005, 0.04, 0.05, 0.06, 0.025}};
+  }
+  return tables;
+}
+
+/// Tables without regions of a skin that gives way,
+///
+///     G_vw = 1 mm/N exp(-|x_v - x_w| / 20 mm)
+///
+/// so that a press takes its neighbours along.
+inline TouchTables yielding_tables(const SurfaceMesh& skin) {
+  TouchTables tables = some_touch_tables(skin, 0);
+  ComplianceTable& table = tables.compliance;
+  const Eigen::Matrix3Xd& x = skin.vertices;
+  std::size_t at = 0;
+  for (int v = 0; v < table.vertices; ++v) {
+    const auto first = static_cast<std::size_t>(table.first[v]);
+    const std::size_t count = static_cast<std::size_t>(table.first[v + 1]) - first;
+    table.near_scale[v] = 1e-3f / 32767;
+    for (std::size_t k = 0; k < count; ++k) {
+      const int w = table.neighbours[first + k];
+      if (w >= table.vertices) continue;  // an inner node: it stays
+      const double share = std::exp(-(x.col(v) - x.col(w)).norm() / 0.020);
+      for (std::size_t d = 0; d < 3; ++d) {
+        table.near[at + 4 * d * padded(count) + k] =
+            static_cast<std::int16_t>(std::lround(32767 * share));
+      }
+    }
+    at += 9 * padded(count);
   }
   return tables;
 }

@@ -110,10 +110,11 @@ struct Session::Parts {
   void gather_modal();
   void gather_pressing();
   void forget_room();
-  void follow_camera(Scene& scene);
+  void place_camera(Scene& scene, const SlamFrame& found);
   void find_what_presses(const Scene& scene);
   int gather_others(std::size_t of);
   void find_touches(Scene& scene);
+  void answer(Scene& scene, const SlamFrame& found);
 
   SessionSettings settings;
   Slam slam;
@@ -159,9 +160,8 @@ void Session::Parts::forget_room() {
   if (settings.map) anchored.emplace(*slam.map());
 }
 
-// Finds out where the camera is, and with it the body, and what moves.
-void Session::Parts::follow_camera(Scene& scene) {
-  const SlamFrame& found = slam.advance(scene.seen, scene.times);
+// Takes up where the camera is, and with it the body, and what moves.
+void Session::Parts::place_camera(Scene& scene, const SlamFrame& found) {
   scene.camera = found.camera;
   looked_at = found.looked_at;
   picture = found.picture;
@@ -285,36 +285,43 @@ Result<Session> Session::make(std::vector<PlacedBody> bodies, const DepthCamera&
   return Session(std::make_unique<Parts>(std::move(bodies), camera, format, settings));
 }
 
-void Session::respond(Scene& scene) {
-  Parts& p = *parts_;
-  const SeenFrame& seen = scene.seen;
-  scene.number = seen.number;
-  scene.time = seen.time;
+void Session::Parts::answer(Scene& scene, const SlamFrame& found) {
+  scene.number = scene.seen.number;
+  scene.time = scene.seen.time;
 
-  p.follow_camera(scene);
+  place_camera(scene, found);
   {
     const StageTimer timer(scene.times, "presses");
-    p.find_what_presses(scene);
+    find_what_presses(scene);
   }
   {
     const StageTimer timer(scene.times, "contact");
-    p.find_touches(scene);
+    find_touches(scene);
   }
   const StageTimer timer(scene.times, "evaluate");
-  for (std::size_t k = 0; k < p.bodies.size(); ++k) {
-    const SessionBody& body = *p.bodies[k];
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const SessionBody& body = *bodies[k];
     if (body.modal >= 0) {
-      p.modal->reconstruct(body.modal, scene.bodies[k]);
+      modal->reconstruct(body.modal, scene.bodies[k]);
     } else {
-      p.bodies[k]->answer.reconstruct(body.touches, scene.bodies[k]);
+      bodies[k]->answer.reconstruct(body.touches, scene.bodies[k]);
     }
-    if (p.settings.contact == ContactKind::kPaper && p.bodies.size() > 1) {
-      p.bodies[k]->shape = scene.bodies[k].vertices;
+    if (settings.contact == ContactKind::kPaper && bodies.size() > 1) {
+      bodies[k]->shape = scene.bodies[k].vertices;
     }
-    if (p.together && !body.answer.is_anywhere()) {
-      p.together->move_obstacle(static_cast<int>(k), scene.bodies[k].vertices);
+    if (together && !body.answer.is_anywhere()) {
+      together->move_obstacle(static_cast<int>(k), scene.bodies[k].vertices);
     }
   }
+}
+
+void Session::respond(Scene& scene) {
+  parts_->answer(scene, parts_->slam.advance(scene.seen, scene.times));
+}
+
+void Session::respond(Scene& scene, const std::optional<Rigid3>& world_from_camera) {
+  PALPABLE_EXPECT(!parts_->settings.track, "a session that follows the camera finds its own poses");
+  parts_->answer(scene, parts_->slam.advance(scene.seen, world_from_camera, scene.times));
 }
 
 void Session::refine_with(Refiner refiner) {

@@ -8,7 +8,8 @@
 /// Frames become colour + depth in the other half, DepthCamera (depth_camera.h). frame_loop.h runs
 /// both halves on one thread, palpable/live on two.
 ///
-/// Bodies stand still in the world, which is the camera frame of the first frame.
+/// Bodies stand still in the world, which is the camera frame of the first frame (or that of the
+/// poses with which respond() is called).
 ///
 /// Nothing here looks at a clock (except to say how long a stage took), draws random numbers or
 /// keeps anything beyond its own state: the same frames give the same bytes. Contact and
@@ -83,6 +84,11 @@ class Session {
   /// Answers scene.seen: fills all other members, whose memory is used again, and adds the stages
   /// of this half to scene.times. Call it in the order of the frames.
   void respond(Scene& scene);
+
+  /// The same with a pose that is known from elsewhere, in a session that does not follow the
+  /// camera; all of its frames come with one. Bodies stand in the world of these poses.
+  /// @param world_from_camera  nothing: it is not known in this frame, so that nothing presses
+  void respond(Scene& scene, const std::optional<Rigid3>& world_from_camera);
 
   /// From now on exact answers are taken up where the first body is touched anywhere.
   void refine_with(Refiner refiner);

@@ -68,32 +68,12 @@ FrameLoop make_loop(const SessionSettings& settings = kEverything) {
       FrameLoop::make(test::DentedSphere{}.body(), pose(), depth_format(), settings).value());
 }
 
-// The same body with tables of touch: G_vw = 1 mm/N exp(-|x_v - x_w| / 20 mm), so that a press
-// takes its neighbours along.
+// The same body with tables of touch.
 FrameLoop make_touchable_loop(const SessionSettings& settings = kEverything) {
   const ReducedBody body = test::DentedSphere{}.body();
-  TouchTables tables = test::some_touch_tables(body.surface, 0);
-  ComplianceTable& table = tables.compliance;
-  const Eigen::Matrix3Xd& x = body.surface.vertices;
-  std::size_t at = 0;
-  for (int v = 0; v < table.vertices; ++v) {
-    const auto first = static_cast<std::size_t>(table.first[v]);
-    const std::size_t count = static_cast<std::size_t>(table.first[v + 1]) - first;
-    table.near_scale[v] = 1e-3f / 32767;
-    for (std::size_t k = 0; k < count; ++k) {
-      const int w = table.neighbours[first + k];
-      if (w >= table.vertices) continue;  // an inner node: it stays
-      const double share = std::exp(-(x.col(v) - x.col(w)).norm() / 0.020);
-      for (std::size_t d = 0; d < 3; ++d) {
-        table.near[at + 4 * d * padded(count) + k] =
-            static_cast<std::int16_t>(std::lround(32767 * share));
-      }
-    }
-    at += 9 * padded(count);
-  }
-  return std::move(
-      FrameLoop::make(TouchableBody(body, std::move(tables)), pose(), depth_format(), settings)
-          .value());
+  return std::move(FrameLoop::make(TouchableBody(body, test::yielding_tables(body.surface)), pose(),
+                                   depth_format(), settings)
+                       .value());
 }
 
 TEST_CASE("a body with tables is touched where the finger is, not at a site", "[session]") {
@@ -494,6 +474,39 @@ TEST_CASE("the body stays where it was put in the room while the camera moves, i
           pose().matrix());
   }
   CHECK(followed.session.tracker_counts().lost == 0);
+}
+
+TEST_CASE("a session that is given poses answers as one whose camera stands, wherever the world is",
+          "[session]") {
+  Rigid3 world_from_camera = Rigid3::Identity();
+  world_from_camera.linear() =
+      Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  world_from_camera.translation() = Vector3d(0.3, -0.2, 0.5);
+  FrameLoop stands = make_loop({});
+  FrameLoop given = value_or_throw(FrameLoop::make(
+      test::DentedSphere{}.body(), world_from_camera * pose(), depth_format(), SessionSettings{}));
+  const auto answer = [&](const Frame& frame, const std::optional<Rigid3>& where) {
+    given.camera.see(frame, given.scene.seen);
+    given.session.respond(given.scene, where);
+  };
+  int n = 0, touching = 0;
+  for (; n < kBefore + 6; ++n) {
+    const Frame frame = frame_with_finger(n, n < kBefore ? -0.3 : 0.010);
+    stands.process(frame);
+    answer(frame, world_from_camera);
+    CHECK(given.scene.camera.state == TrackState::kTracking);
+    REQUIRE(given.scene.touches.size() == stands.scene.touches.size());
+    CHECK(given.scene.bodies[0].camera_from_body.isApprox(pose(), 1e-12));
+    touching += given.scene.touches.empty() ? 0 : 1;
+  }
+  REQUIRE(touching > 0);
+  CHECK(given.scene.touches[0].press_depth ==
+        Approx(stands.scene.touches[0].press_depth)
+            .margin(tolerance(2e-4, "m: voxels of the room lie otherwise")));
+  answer(frame_with_finger(n, 0.010), std::nullopt);
+  CHECK(given.scene.camera.state == TrackState::kLost);
+  CHECK_THROWS_AS(make_loop({.track = true}).session.respond(given.scene, world_from_camera),
+                  ContractViolation);
 }
 
 TEST_CASE("nothing presses while the camera is lost, and the mask is not given", "[session]") {
