@@ -1,3 +1,8 @@
+# Modules that libpalpable.so holds (src/palpable/capi): position-independent, and their names are hidden,
+# so that they call each other as directly as in a program.
+set(PALPABLE_MODULES_OF_LIBRARY base geometry material reduced touch calibrate sources stereo depth track map slam
+                                contact session capi)
+
 # palpable_module(NAME reduced USES base geometry LIBRARIES Eigen3::Eigen)
 #
 # One module = one folder = one static library palpable::<name> + one test program of its
@@ -13,7 +18,12 @@ function(palpable_module)
 
   if(sources)
     add_library(palpable_${arg_NAME} STATIC ${sources})
-    palpable_precompile(palpable_${arg_NAME} library)
+    if(arg_NAME IN_LIST PALPABLE_MODULES_OF_LIBRARY)
+      palpable_make_shareable(palpable_${arg_NAME})
+      palpable_precompile(palpable_${arg_NAME} shared)
+    else()
+      palpable_precompile(palpable_${arg_NAME} library)
+    endif()
     set(scope PUBLIC)
   else()
     add_library(palpable_${arg_NAME} INTERFACE)
