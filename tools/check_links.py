@@ -1,29 +1,54 @@
 #!/usr/bin/env python3
-"""check_links.py palpable: what the live program must not link, it does not link (design: two halves)."""
+"""check_links.py palpable: what the live program must not link, it does not link (design: two halves).
+check_links.py libpalpable.so palpable.h: the same of the library, which links no window, picture file or film
+either, and exports the functions of its header and nothing else."""
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 FORBIDDEN = re.compile(r"lib(cholmod|tet\b|gmsh|CGAL|mpi|metis|amd|colamd|gmp|mpfr|openblas|lapack)")
+# What a program that uses the library does not want with it.
+NOT_IN_LIBRARY = re.compile(r"lib(GL|EGL|OpenGL|epoxy|glfw|X11|av\w+|sw\w+|png|opencv_(highgui|videoio|imgcodecs)|pugixml)")
 # One class of each part of the bake half: its static libraries leave no name in the list of the shared ones.
 BAKE_HALF = re.compile(r"palpable::(EquilibriumSolver|ContactWalk|PressSolver|SnapshotStore|TetMesh|BodyDescription)\b")
 
 
+def output_of(*words):
+    return subprocess.run(words, check=True, capture_output=True, text=True).stdout
+
+
+def wrong_exports(library, header):
+    """Of what the dynamic linker sees."""
+    exported = set(re.findall(r"^\w+ \w (\S+)$", output_of("nm", "-D", "--defined-only", library), re.MULTILINE))
+    declared = set(re.findall(r"^PALPABLE_API [^;(]*?(\w+)\(", Path(header).read_text(), re.MULTILINE))
+    if not declared:
+        sys.exit(f"check_links: {header} declares no function")
+    for name in sorted(exported - declared):
+        yield f"{library} exports {name}, which {header} does not declare"
+    for name in sorted(declared - exported):
+        yield f"{library} does not export {name}, which {header} declares"
+    if not re.search(r"\(SONAME\).*\[libpalpable\.so\.\d+\]", output_of("readelf", "-d", library)):
+        yield f"{library} has no SONAME with the major version"
+
+
 def main():
-    output = subprocess.run(["readelf", "-d", sys.argv[1]], check=True, capture_output=True, text=True).stdout
-    needed = re.findall(r"\(NEEDED\).*\[(.+)\]", output)
+    file, headers = sys.argv[1], sys.argv[2:]
+    needed = re.findall(r"\(NEEDED\).*\[(.+)\]", output_of("readelf", "-d", file))
     if not needed:
-        sys.exit(f"check_links: {sys.argv[1]} needs no library at all; is it the right file?")
-    wrong = [name for name in needed if FORBIDDEN.match(name)]
-    for name in wrong:
-        print(f"{sys.argv[1]} links {name}, which belongs to the bake half")
-    names = subprocess.run(["nm", "-C", sys.argv[1]], check=True, capture_output=True, text=True).stdout
+        sys.exit(f"check_links: {file} needs no library at all; is it the right file?")
+    wrong = [f"{file} links {name}, which belongs to the bake half" for name in needed if FORBIDDEN.match(name)]
+    names = output_of("nm", "-C", file)
     if "palpable::" not in names:
-        sys.exit(f"check_links: {sys.argv[1]} was stripped: nobody can tell what it holds")
-    inside = sorted(set(BAKE_HALF.findall(names)))
-    for name in inside:
-        print(f"{sys.argv[1]} holds palpable::{name}, which belongs to the bake half")
-    return 1 if wrong or inside else 0
+        sys.exit(f"check_links: {file} was stripped: nobody can tell what it holds")
+    wrong += [f"{file} holds palpable::{name}, which belongs to the bake half"
+              for name in sorted(set(BAKE_HALF.findall(names)))]
+    for header in headers:
+        wrong += [f"{file} links {name}, which its users do not want" for name in needed if NOT_IN_LIBRARY.match(name)]
+        wrong += wrong_exports(file, header)
+    for line in wrong:
+        print(line)
+    return 1 if wrong else 0
 
 
 if __name__ == "__main__":

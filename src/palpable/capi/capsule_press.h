@@ -1,0 +1,59 @@
+/// @file
+/// A body that is pressed by exact capsules, without any camera: what a game or a haptic device
+/// has.
+#pragma once
+
+#include "palpable/contact/object_surface.h"
+#include "palpable/contact/skin_contact.h"
+#include "palpable/contact/touch.h"
+#include "palpable/geometry/capsule.h"
+#include "palpable/session/scene.h"
+#include "palpable/touch/touch_solver.h"
+#include "palpable/touch/touchable_body.h"
+
+#include <Eigen/Geometry>
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace palpable {
+
+/// The distance to the nearest of some capsules.
+class CapsuleGaps {
+ public:
+  /// @param capsules  body frame; keeps its memory
+  void set(std::span<const Capsule> capsules);
+  [[nodiscard]] bool gap(const Eigen::Vector3f& place, SurfaceGap& gap) const;
+  [[nodiscard]] bool is_near(const Eigen::Vector3f& place, float reach) const;
+
+ private:
+  std::vector<CapsuleField> fields_;
+  std::vector<Eigen::AlignedBox3f> boxes_;
+  Eigen::AlignedBox3f box_;  // of all
+};
+
+/// Remembers its state from call to call. Allocates nothing once it has pressed with as many
+/// capsules.
+class CapsulePress {
+ public:
+  /// @param body  with tables of touch
+  explicit CapsulePress(std::shared_ptr<const TouchableBody> body);
+  CapsulePress(const CapsulePress&) = delete;  // the solver knows where the gaps are
+  CapsulePress& operator=(const CapsulePress&) = delete;
+
+  /// @param capsules  body frame
+  /// @param shown     shape, normals, stress and stated error are overwritten
+  /// @param touches   overwritten, the strongest first
+  TouchReport advance(std::span<const Capsule> capsules, SceneBody& shown,
+                      std::vector<Touch>& touches);
+
+ private:
+  std::shared_ptr<const TouchableBody> body_;
+  SkinContact contact_;
+  TouchState state_;
+  CapsuleGaps gaps_;
+  ObjectSurface nothing_;  // no camera sees anything
+};
+
+}  // namespace palpable
