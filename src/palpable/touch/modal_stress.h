@@ -1,0 +1,53 @@
+/// @file
+/// The true stress on the skin of a body that moves in modes: the law at each vertex, in the
+/// gradient that the full solver's recovery gives there.
+///
+///     F_v = 1 + preload + sum_i q_i G_iv      G_iv = sum_k weights_k grad F_i at point k
+///     sigma_v = P(F_v) F_v^T / J_v
+///
+/// ShellStress has the law at each of the shell's points, and recovers the stress. Where the
+/// recovery leaves a constant as it is, as it always does, both are the same but for the square of
+/// what the gradient varies by around a vertex: on beams that bend by 0.13 rad 2e-3 of the stress
+/// (L2 over the skin). Here what is read is 18 bytes a vertex and mode, a quarter of what the shell
+/// needs.
+///
+///   V  vertices of the skin     W  nodes of its shell (shell_table.h)     n  modes
+#pragma once
+
+#include "palpable/material/simd.h"
+#include "palpable/touch/shell_table.h"
+
+#include <Eigen/Core>
+
+#include <memory>
+#include <span>
+
+namespace palpable {
+
+class ModalStress {
+ public:
+  /// Whether a table's stress can be told so: it has one material.
+  [[nodiscard]] static bool serves(const ShellTable& table);
+
+  /// Gradients are kept in 16 bits: each is off by 1.5e-5 of its mode's largest, at most.
+  /// @param table        @pre trouble_of(table, V) is empty, and serves(table)
+  /// @param modes        (3V x n) m, of the skin
+  /// @param inner_modes  (3 (W - V) x n) m, of the shell's other nodes
+  ModalStress(const ShellTable& table, const Eigen::MatrixXf& modes,
+              const Eigen::MatrixXf& inner_modes, SimdLevel level = best_simd_level());
+  ~ModalStress();
+  ModalStress(ModalStress&&) noexcept;
+
+  /// Allocates nothing; the same amplitudes give the same bytes on every processor. Bounds as
+  /// ShellStress has them: nothing that comes out is NaN.
+  /// @param q          (n)
+  /// @param von_mises  (V) Pa
+  /// @param cauchy     (6V) Pa, xx yy zz xy yz zx of each vertex; empty: not wanted
+  void evaluate(std::span<const float> q, std::span<float> von_mises, std::span<float> cauchy = {});
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace palpable
