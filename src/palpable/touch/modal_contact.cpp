@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -27,6 +28,8 @@ using Eigen::VectorXd;
 constexpr float kTold = 0.010f;
 // Of a disc of radius a that is pressed evenly by f, the mean: w = 0.54 f (1 - nu^2) / (E a).
 constexpr double kDisc = 0.54;
+// m: deeper inside another body nothing gets in a frame.
+constexpr float kDeepBetween = 0.009f;
 // m of sigma that make a point as compliant again as the half space is.
 constexpr double kSofter = 10;
 // Cosine of the angle between two skins' normals up to which they lie on each other.
@@ -38,6 +41,9 @@ constexpr int kCoarser = 8;
 constexpr double kTakesPart = 0.4;
 // m that a point may be entered by without pressing: nothing.
 constexpr double kEntered = 1e-9;
+// m: so far from where it was asked last the gap of a point that is farther, and does not press, is
+// told by its normal and curvature (near_points.cpp).
+constexpr float kSameGap = 0.0003f;
 
 // A contact point near something.
 struct Candidate {
@@ -45,7 +51,7 @@ struct Candidate {
   int by = -1;                                        // another member; -1: what is seen
   Eigen::Vector3i corners = Eigen::Vector3i::Zero();  // of the other's triangle
   Vector3f weights = Vector3f::Zero();                // likewise
-  Vector3f place = Vector3f::Zero();                  // m, where it is found; the member's frame
+  Vector3f place = Vector3f::Zero();                  // m, where it is now; the member's frame
   double gap = 0;                                     // m
   double offset = 0;  // m: between members, of the gap from what their places tell along the normal
   Vector3d normal = Vector3d::Zero();        // unit, away from what presses; the member's frame
@@ -53,7 +59,11 @@ struct Candidate {
   Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();  // 1/m
   double softness = 0;                                  // m/N
   double force = 0;                                     // N
-  Vector3f foot = Vector3f::Zero();                     // m, of the other's point at rest
+  // Where what is seen was asked, m, and what was told: the gap, m, and its normal.
+  Vector3f seen_from = Vector3f::Constant(std::numeric_limits<float>::infinity());
+  double seen_gap = 0;
+  Vector3f seen_normal = Vector3f::Zero();
+  Vector3f foot = Vector3f::Zero();  // m, of the other's point at rest
 };
 
 // The force at a contact point, as it was found last.
@@ -120,6 +130,7 @@ struct ModalContact::Work {
   void keep_most(ModalReport& report);
   void look_again(std::span<const GapQuery> gaps, double shift);
   bool measure_seen(Candidate& c, const GapQuery& gaps, double shift) const;
+  [[nodiscard]] static bool is_gap_told(const Candidate& c, double shift);
   void wake();
   bool factorise_all();
   void find_B(std::size_t candidate);
@@ -204,10 +215,13 @@ void ModalContact::Work::find_seen(int k, const GapQuery& gaps, const NearQuery&
                                    double shift) {
   if (!gaps) return;
   Body& b = *bodies[static_cast<std::size_t>(k)];
-  const auto band = static_cast<float>(settings.band - shift);
   const Matrix3Xf& skin = b.skin();
+  // m of gap: of more candidates than there is room for those are kept that take part at once.
+  double wanted = settings.band;
   SurfaceGap seen;
   for (const HeapBlock& block : b.blocks()) {
+    if (candidates.size() > kMostPoints) wanted = kTakesPart * settings.band;
+    const auto band = static_cast<float>(wanted - shift);
     const float around = 0.5f * block.middles.diagonal().norm() + kHeapStretch * block.radius;
     if (near && !near(block.middles.center(), band + around)) continue;
     for (int h = block.first; h < block.last; ++h) {
@@ -225,7 +239,7 @@ void ModalContact::Work::find_seen(int k, const GapQuery& gaps, const NearQuery&
         c.point = b.order()[static_cast<std::size_t>(i)];
         c.place = b.points()[static_cast<std::size_t>(c.point)].at(skin);
         if (near && !near(c.place, band)) continue;
-        if (!measure_seen(c, gaps, shift) || c.gap > settings.band) continue;
+        if (!measure_seen(c, gaps, shift) || c.gap > wanted) continue;
         const float level = b.levels()[static_cast<std::size_t>(c.point)];
         if (is_point_needed(level, largest_curvature(c.curvature),
                             static_cast<float>(settings.entry), b.coarsest(), b.finest())) {
@@ -267,7 +281,7 @@ void ModalContact::Work::find_between(int k, int other) {
     if (!(bounds.squaredExteriorDistance(there) < band * band)) continue;
     auto found = surface.nearest(there, band);
     // What is inside may be farther from the skin.
-    if (!found && bounds.contains(there)) found = surface.nearest(there, kDeepInside);
+    if (!found && bounds.contains(there)) found = surface.nearest(there, kDeepBetween);
     if (!found || !(found->distance <= band)) continue;
     Candidate c;
     c.member = k;
@@ -288,6 +302,13 @@ void ModalContact::Work::find_between(int k, int other) {
   }
 }
 
+// Whether what was seen last tells the gap of a point that has moved.
+bool ModalContact::Work::is_gap_told(const Candidate& c, double shift) {
+  const float moved = (c.place - c.seen_from).norm();
+  return !(c.force > 0) && moved < kSameGap &&
+         c.seen_gap + shift - static_cast<double>(moved) > static_cast<double>(kSameGap);
+}
+
 // What is seen from where the point is. False: nothing, or no number.
 bool ModalContact::Work::measure_seen(Candidate& c, const GapQuery& gaps, double shift) const {
   SurfaceGap seen;
@@ -295,7 +316,10 @@ bool ModalContact::Work::measure_seen(Candidate& c, const GapQuery& gaps, double
       !std::isfinite(seen.distance)) {
     return false;
   }
-  c.gap = static_cast<double>(seen.distance) + shift;
+  c.seen_from = c.place;
+  c.seen_gap = static_cast<double>(seen.distance);
+  c.seen_normal = seen.normal;
+  c.gap = c.seen_gap + shift;
   c.normal = seen.normal.cast<double>();
   c.curvature = seen.curvature;
   c.softness = static_cast<double>(seen.softness);
@@ -391,9 +415,16 @@ void ModalContact::Work::look_again(std::span<const GapQuery> gaps, double shift
       const Vector3f foot = o.place(c.foot, others_rows.block(0, 3 * P, o.modes(), 3));
       c.gap =
           c.offset + (from_to(c.member, c.by) * c.place - foot).cast<double>().dot(c.other_normal);
+    } else if (is_gap_told(c, shift)) {
+      const Vector3f way = c.place - c.seen_from;
+      const Vector3f bend = c.curvature * way;
+      c.gap =
+          c.seen_gap + shift + static_cast<double>(c.seen_normal.dot(way) + 0.5f * way.dot(bend));
+      c.normal = (c.seen_normal + bend).normalized().cast<double>();
     } else if (!measure_seen(c, gaps[static_cast<std::size_t>(c.member)], shift)) {
       c.gap = 1;  // m: far
       c.force = 0;
+      c.seen_from.setConstant(std::numeric_limits<float>::infinity());
     }
   }
 }

@@ -79,7 +79,8 @@ class ModalContact {
   /// The states in which nothing enters a body. Pure: the same states and gaps give the same bytes.
   /// @param states  one of each member
   /// @param gaps    to what is seen, in each member's frame; empty functions: nothing is there
-  /// @param near    agree with `gaps`; empty: `gaps` are asked everywhere
+  /// @param near    agree with `gaps`, and tell for any reach, also beyond kGapReach; empty: `gaps`
+  ///                are asked everywhere
   ModalReport advance(std::span<ModalState> states, std::span<const GapQuery> gaps,
                       std::span<const NearQuery> near);
 
