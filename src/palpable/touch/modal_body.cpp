@@ -5,6 +5,9 @@
 #include "palpable/reduced/mode_kernels.h"
 #include "palpable/touch/point_levels.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -15,6 +18,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Matrix3Xf;
+using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Eigen::VectorXd;
@@ -24,6 +28,8 @@ constexpr float kCluster = 3.5f, kLargestCluster = 0.0045f;
 // m between contact points: the coarsest set and the finest; of large bodies twice and half of the
 // distance that their points have. Those that are asked of other bodies lie twice the coarsest.
 constexpr double kCoarsest = 0.006, kFinest = 0.0015, kBetween = 2;
+// Loads that are tried, and the states of theirs in which squares of the gradient are kept.
+constexpr Index kLoads = 200, kLoadStates = 4;
 // Heaps of a block.
 constexpr std::size_t kHeapsOfBlock = 16;
 // Vertices that tell how far a step moves the skin.
@@ -39,6 +45,32 @@ std::vector<float> distances_from_edges(const Matrix3Xf& vertices, const std::ve
     }
   }
   return distances;
+}
+
+// Of forces along the normals at vertices all over the skin: those few that most of their work is
+// done in, each orthogonal to the others in the energy at rest.
+LoadStates load_states(const ModalMember& member, const Matrix3Xf& rest) {
+  const SeveralLoads& several = *member.body->several;
+  const Index n = several.mode_count(), V = rest.cols();
+  MatrixXd K(n, n);
+  for (Index j = 0; j < n; ++j) {
+    for (Index i = 0; i < n; ++i) K(i, j) = several.energy.K[pair_row(i, j)];
+  }
+  Matrix3Xf normals(3, V);
+  vertex_normals(rest, member.body->surface.triangles, normals);
+  const Eigen::LLT<MatrixXd> factor(K);
+  MatrixXd work = MatrixXd::Zero(n, n);
+  for (Index v = 0; v < V; v += std::max<Index>(1, V / kLoads)) {
+    const VectorXd load =
+        (several.modes.middleRows(3 * v, 3).transpose() * normals.col(v)).cast<double>();
+    const VectorXd x = factor.matrixL().solve(load);
+    work += x * x.transpose();
+  }
+  const Index m = std::min(n, kLoadStates);
+  const MatrixXd most = Eigen::SelfAdjointEigenSolver<MatrixXd>(work).eigenvectors().rightCols(m);
+  const MatrixXd states = factor.matrixU().solve(most);
+  const MatrixXd duals = most.transpose() * MatrixXd(factor.matrixU());
+  return {states.cast<float>(), duals.cast<float>()};
 }
 
 }  // namespace
@@ -73,7 +105,7 @@ ModalBody::ModalBody(const ModalMember& member)
   if (member.tables->shell.nodes() > 0) {
     const ShellTable& shell = member.tables->shell;
     if (ModalStress::serves(shell)) {
-      stress_.emplace(shell, F, member.tables->inner_modes);
+      stress_.emplace(shell, F, member.tables->inner_modes, load_states(member, rest_));
     } else {
       shell_u_.resize(3, shell.nodes());
       shell_.emplace(shell, static_cast<int>(V_));
