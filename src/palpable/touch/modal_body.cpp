@@ -75,7 +75,27 @@ LoadStates load_states(const ModalMember& member, const Matrix3Xf& rest) {
 
 }  // namespace
 
-ModalBody::ModalBody(const ModalMember& member)
+bool are_twins(const ModalMember& one, const ModalMember& other) {
+  const ReducedBody &a = *one.body, &b = *other.body;
+  const QuarticEnergy &energy = a.several->energy, &others = b.several->energy;
+  const ShellTable &shell = one.tables->shell, &other_shell = other.tables->shell;
+  const auto same = [](const auto& x, const auto& y) {
+    return x.rows() == y.rows() && x.cols() == y.cols() && x == y;
+  };
+  // Of one energy: of one law.
+  return same(a.surface.vertices, b.surface.vertices) &&
+         same(a.surface.triangles, b.surface.triangles) &&
+         same(a.several->modes, b.several->modes) && same(energy.K, others.K) &&
+         same(energy.C, others.C) && same(energy.D, others.D) &&
+         same(one.tables->inner_modes, other.tables->inner_modes) &&
+         same(shell.stress_free, other_shell.stress_free) &&
+         same(shell.preload, other_shell.preload) && shell.elements == other_shell.elements &&
+         shell.materials.size() == other_shell.materials.size() &&
+         shell.first == other_shell.first && shell.points == other_shell.points &&
+         shell.weights == other_shell.weights;
+}
+
+ModalBody::ModalBody(const ModalMember& member, const ModalBody* twin)
     : member_(member),
       n_(member.body->several->mode_count()),
       V_(member.body->surface.vertex_count()),
@@ -90,7 +110,9 @@ ModalBody::ModalBody(const ModalMember& member)
       clusters_(
           rest_, points_, places_, levels_,
           std::min(kCluster * static_cast<float>(member.tables->point_spacing), kLargestCluster)),
-      energy_(member.body->several->energy),
+      modes_(twin != nullptr ? twin->modes_ : &member.body->several->modes),
+      energy_(twin != nullptr ? twin->energy_
+                              : std::make_shared<PackedEnergy>(member.body->several->energy)),
       surface_(member.body->surface),
       from_edge_(distances_from_edges(rest_, surface_.sharp_vertices())),
       q_(VectorXd::Zero(n_)),
@@ -104,8 +126,11 @@ ModalBody::ModalBody(const ModalMember& member)
   }
   if (member.tables->shell.nodes() > 0) {
     const ShellTable& shell = member.tables->shell;
-    if (ModalStress::serves(shell)) {
-      stress_.emplace(shell, F, member.tables->inner_modes, load_states(member, rest_));
+    if (twin != nullptr && twin->stress_) {
+      stress_ = twin->stress_;
+    } else if (ModalStress::serves(shell)) {
+      stress_ = std::make_shared<ModalStress>(shell, F, member.tables->inner_modes,
+                                              load_states(member, rest_));
     } else {
       shell_u_.resize(3, shell.nodes());
       shell_.emplace(shell, static_cast<int>(V_));
@@ -221,7 +246,7 @@ void ModalBody::sum(const Eigen::MatrixXf& F, float* u) const {
 
 const Matrix3Xf& ModalBody::skin() {
   if (is_skin_old_) {
-    sum(member_.body->several->modes, u_.data());
+    sum(*modes_, u_.data());
     x_ = rest_ + u_;
     is_skin_old_ = false;
   }

@@ -19,6 +19,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -45,11 +46,17 @@ struct ModalMember {
   Rigid3 world_from_body = Rigid3::Identity();
 };
 
+/// Whether two have the same shape, modes, energy and shell: beams from one file.
+[[nodiscard]] bool are_twins(const ModalMember& one, const ModalMember& other);
+
 /// Allocates in its constructor.
 class ModalBody {
  public:
   /// @param member  what it points to outlives this. @pre trouble_of(tables, body) is empty
-  explicit ModalBody(const ModalMember& member);
+  /// @param twin    a body of the same make (are_twins()), or none: both read the same numbers,
+  /// which
+  ///                then need not come from memory twice. To be asked on the same thread
+  explicit ModalBody(const ModalMember& member, const ModalBody* twin = nullptr);
 
   [[nodiscard]] const ModalMember& member() const { return member_; }
   [[nodiscard]] Eigen::Index modes() const { return n_; }
@@ -107,7 +114,7 @@ class ModalBody {
 
   /// W' and W'' at q. (n), (n x n)
   void evaluate(Eigen::VectorXd& gradient, Eigen::MatrixXd& hessian) {
-    energy_.evaluate(q_, gradient, hessian);
+    energy_->evaluate(q_, gradient, hessian);
   }
 
  private:
@@ -126,11 +133,13 @@ class ModalBody {
   std::vector<SkinCluster> heaps_;  // along a curve
   std::vector<HeapBlock> blocks_;
   std::vector<int> points_between_;
-  std::vector<float> rows_;  // (V x 3 x n) of the modes: vertex, direction, mode
-  PackedEnergy energy_;
+  std::vector<float> rows_;               // (V x 3 x n) of the modes: vertex, direction, mode
+  const Eigen::MatrixXf* modes_;          // (3V x n)
+  std::shared_ptr<PackedEnergy> energy_;  // this one's and its twins'
   MovingSurface surface_;
-  std::vector<float> from_edge_;       // (V) m, at rest
-  std::optional<ModalStress> stress_;  // one of the two, if there is a shell
+  std::vector<float> from_edge_;  // (V) m, at rest
+  // One of the two, if there is a shell; the first is its twins', too.
+  std::shared_ptr<ModalStress> stress_;
   std::optional<ShellStress> shell_;
 
   Eigen::VectorXd q_;

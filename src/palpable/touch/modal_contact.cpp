@@ -87,8 +87,11 @@ void along(const Eigen::MatrixXf& rows, std::size_t candidate, Index modes, cons
 struct ModalContact::Work {
   // A body, and its part of a step of Newton's method.
   struct Body : ModalBody {
-    explicit Body(const ModalMember& member)
-        : ModalBody(member), step(VectorXd::Zero(modes())), pull(step), factor(modes(), modes()) {}
+    Body(const ModalMember& member, const ModalBody* twin)
+        : ModalBody(member, twin),
+          step(VectorXd::Zero(modes())),
+          pull(step),
+          factor(modes(), modes()) {}
 
     VectorXd gradient;  // (n) W'
     MatrixXd hessian;   // (n x n) W''
@@ -147,7 +150,10 @@ ModalContact::Work::Work(const std::vector<ModalMember>& members, const ModalSet
     PALPABLE_EXPECT(member.body != nullptr && member.tables != nullptr &&
                         trouble_of(*member.tables, *member.body).empty(),
                     "a body with its tables of modes");
-    bodies.push_back(std::make_unique<Body>(member));
+    const auto twin = std::find_if(bodies.begin(), bodies.end(), [&](const auto& body) {
+      return are_twins(body->member(), member);
+    });
+    bodies.push_back(std::make_unique<Body>(member, twin == bodies.end() ? nullptr : twin->get()));
     most_modes = std::max(most_modes, bodies.back()->modes());
   }
   for (const auto& from : bodies) {
