@@ -199,7 +199,7 @@ std::vector<ShellPart<A, Q>> parts_of(const ShellTable& table, const std::vector
                                       const std::vector<int>& place_of,
                                       std::vector<int>& row_of_point) {
   std::vector<ShellPart<A, Q>> parts;
-  row_of_point.assign(static_cast<std::size_t>(Q * table.element_count()), 0);
+  row_of_point.assign(std::size_t{Q} * static_cast<std::size_t>(table.element_count()), 0);
   int before = 0;  // blocks of former parts
   for (std::size_t m = 0; m < table.materials.size(); ++m) {
     ShellPart<A, Q> part{table.materials[m], {}};
@@ -209,7 +209,7 @@ std::vector<ShellPart<A, Q>> parts_of(const ShellTable& table, const std::vector
       if (count % kPackSize == 0) part.blocks.emplace_back();
       set_lane(table, e, count % kPackSize, part.blocks.back());
       for (int q = 0; q < Q; ++q) {
-        row_of_point[static_cast<std::size_t>(Q * e + q)] =
+        row_of_point[std::size_t{Q} * static_cast<std::size_t>(e) + static_cast<std::size_t>(q)] =
             ((before + count / kPackSize) * Q + q) * kPackSize + count % kPackSize;
       }
       last = e;
