@@ -225,6 +225,27 @@ TEST_CASE("the stress of a bent beam is the full solver's for its shape", "[bake
   CHECK(off <= tolerance(1e-3, "floats, strains of 1e-2") * largest);
 }
 
+TEST_CASE("what is asked first whether anything is near changes no byte of the answer",
+          "[bake][modal]") {
+  ModalContact contact({beam_at(Vector3d::Zero())});
+  std::vector<ModalState> asked(1), all(1);
+  int questions = 0;
+  for (double depth = -0.002; depth < 0.0141; depth += 0.002) {
+    const GapQuery gap = gap_to(finger(0.30, depth));
+    const NearQuery near = [&questions, field = CapsuleField(finger(0.30, depth))](
+                               const Vector3f& at, float reach) {
+      ++questions;
+      return field.distance(at.cast<double>()) < static_cast<double>(reach);
+    };
+    const ModalReport with = contact.advance(asked, {&gap, 1}, {&near, 1}),
+                      without = contact.advance(all, {&gap, 1}, {});
+    CHECK(with.candidates == without.candidates);
+    CHECK(asked[0].q == all[0].q);
+  }
+  CHECK_FALSE(asked[0].forces.empty());
+  CHECK(questions > 0);
+}
+
 TEST_CASE("beams of one make share what they read, and are answered as any two are",
           "[bake][modal]") {
   ReducedBody another = baked_beam().body;
