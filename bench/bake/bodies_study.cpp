@@ -97,7 +97,7 @@ class ModalPlayers : public Players {
       const int member = static_cast<int>(k);
       skins_[k] = contact_->place(member, states_[k]);
       if (states_[k].q.isZero(0)) continue;
-      vertex_normals(skins_[k], bodies_[k]->body.body.surface.triangles, normals_[k]);
+      contact_->normals(member, states_[k], normals_[k]);
       contact_->stress(member, states_[k], stress_[k]);
     }
     return 1e3 * (thread_cpu_seconds() - begin);

@@ -76,6 +76,13 @@ PALPABLE_ALWAYS_INLINE Lanes bounded_deformation(const Tensor<Lanes>& F, Deforma
   return shrunk;
 }
 
+/// One instruction, where a file is compiled without errno of mathematics (CMakeLists.txt).
+PALPABLE_ALWAYS_INLINE FloatPack square_root(const FloatPack& x) {
+  FloatPack root;
+  for (int k = 0; k < kPackSize; ++k) root[k] = __builtin_sqrtf(x[k]);
+  return root;
+}
+
 /// What is no number is the most.
 PALPABLE_ALWAYS_INLINE FloatPack bounded(FloatPack s) {
   s = s < kMostStress ? s : FloatPack{} + kMostStress;

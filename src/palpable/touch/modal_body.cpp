@@ -114,6 +114,7 @@ ModalBody::ModalBody(const ModalMember& member, const ModalBody* twin)
       energy_(twin != nullptr ? twin->energy_
                               : std::make_shared<PackedEnergy>(member.body->several->energy)),
       surface_(member.body->surface),
+      normals_(member.body->surface.triangles, static_cast<int>(V_)),
       from_edge_(distances_from_edges(rest_, surface_.sharp_vertices())),
       q_(VectorXd::Zero(n_)),
       narrow_q_(Eigen::VectorXf::Zero(n_)),

@@ -15,6 +15,7 @@
 #include "palpable/touch/packed_energy.h"
 #include "palpable/touch/shell_stress.h"
 #include "palpable/touch/skin_clusters.h"
+#include "palpable/touch/skin_normals.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -108,6 +109,8 @@ class ModalBody {
   std::span<const HeapBlock> blocks();
   Eigen::AlignedBox3f bounds();
 
+  /// Of the skin as it is now. @param normals  (3 x V) unit
+  void find_normals(Eigen::Matrix3Xf& normals) { normals_.find(skin(), normals); }
   /// The true stress on the skin now, Pa. @param von_mises  (V)  @param cauchy  (6V) or empty
   /// @pre the tables have a shell
   void stress(std::span<float> von_mises, std::span<float> cauchy);
@@ -137,6 +140,7 @@ class ModalBody {
   const Eigen::MatrixXf* modes_;          // (3V x n)
   std::shared_ptr<PackedEnergy> energy_;  // this one's and its twins'
   MovingSurface surface_;
+  SkinNormals normals_;
   std::vector<float> from_edge_;  // (V) m, at rest
   // One of the two, if there is a shell; the first is its twins', too.
   std::shared_ptr<ModalStress> stress_;

@@ -714,6 +714,10 @@ const Matrix3Xf& ModalContact::place(int member, const ModalState& state) {
   return work_->showing(member, state).skin();
 }
 
+void ModalContact::normals(int member, const ModalState& state, Matrix3Xf& normals) {
+  work_->showing(member, state).find_normals(normals);
+}
+
 void ModalContact::stress(int member, const ModalState& state, std::span<float> von_mises,
                           std::span<float> cauchy) {
   work_->showing(member, state).stress(von_mises, cauchy);

@@ -86,6 +86,8 @@ class ModalContact {
 
   /// (3 x V) m: where a member's skin is. Holds until another member function is called.
   [[nodiscard]] const Eigen::Matrix3Xf& place(int member, const ModalState& state);
+  /// Its normals. @param normals  (3 x V) unit
+  void normals(int member, const ModalState& state, Eigen::Matrix3Xf& normals);
   /// The true stress on it, Pa. @param von_mises  (V)  @param cauchy  (6V); empty: not wanted
   void stress(int member, const ModalState& state, std::span<float> von_mises,
               std::span<float> cauchy = {});

@@ -90,9 +90,9 @@ struct StressAtVertices {
       cauchy_stress(law, F, added, s);
       const FloatPack xy = s[0] - s[1], yz = s[1] - s[2], zx = s[2] - s[0];
       const FloatPack shear = s[3] * s[3] + s[4] * s[4] + s[5] * s[5];
-      const FloatPack square = 0.5f * (xy * xy + yz * yz + zx * zx) + 3.0f * shear;
+      const FloatPack found = square_root(0.5f * (xy * xy + yz * yz + zx * zx) + 3.0f * shear);
       const int count = std::min(kPackSize, gradients.vertices - first);
-      for (int k = 0; k < count; ++k) von_mises[first + k] = __builtin_sqrtf(square[k]);
+      for (int k = 0; k < count; ++k) von_mises[first + k] = found[k];
       if (cauchy == nullptr) continue;
       for (int k = 0; k < count; ++k) {
         for (int c = 0; c < 6; ++c) cauchy[6 * (first + k) + c] = s[c][k];

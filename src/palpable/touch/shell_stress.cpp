@@ -6,6 +6,7 @@
 #include "palpable/base/contract.h"
 #include "palpable/geometry/element_order.h"
 #include "palpable/touch/float_lanes.h"
+#include "palpable/touch/float_rows.h"
 
 #include <algorithm>
 #include <array>
@@ -19,13 +20,6 @@
 
 namespace palpable {
 namespace {
-
-using Four = float __attribute__((vector_size(4 * sizeof(float))));
-
-// Displacement of a node, m; the fourth number is 0.
-struct alignas(16) PlaceRow {
-  Four u;
-};
 
 // A symmetric tensor, and two numbers that mean nothing.
 struct alignas(32) StressRow {
@@ -57,24 +51,8 @@ struct Differences {
   FloatPack at[A - 1][3];  // m, u_a - u_0
 };
 
-// The displacement of eight nodes.
-PALPABLE_ALWAYS_INLINE void gather(const PlaceRow* rows, const int (&n)[kPackSize],
-                                   FloatPack (&u)[3]) {
-  FloatPack two[4];  // nodes k and k + 4
-  for (int k = 0; k < 4; ++k) {
-    two[k] = __builtin_shufflevector(rows[n[k]].u, rows[n[k + 4]].u, 0, 1, 2, 3, 4, 5, 6, 7);
-  }
-  const FloatPack xy_01 = __builtin_shufflevector(two[0], two[1], 0, 8, 1, 9, 4, 12, 5, 13);
-  const FloatPack xy_23 = __builtin_shufflevector(two[2], two[3], 0, 8, 1, 9, 4, 12, 5, 13);
-  const FloatPack z_01 = __builtin_shufflevector(two[0], two[1], 2, 10, 3, 11, 6, 14, 7, 15);
-  const FloatPack z_23 = __builtin_shufflevector(two[2], two[3], 2, 10, 3, 11, 6, 14, 7, 15);
-  u[0] = __builtin_shufflevector(xy_01, xy_23, 0, 1, 8, 9, 4, 5, 12, 13);
-  u[1] = __builtin_shufflevector(xy_01, xy_23, 2, 3, 10, 11, 6, 7, 14, 15);
-  u[2] = __builtin_shufflevector(z_01, z_23, 0, 1, 8, 9, 4, 5, 12, 13);
-}
-
 template <int A, int Q>
-PALPABLE_ALWAYS_INLINE void gather_differences(const PlaceRow* rows, const ShellBlock<A, Q>& block,
+PALPABLE_ALWAYS_INLINE void gather_differences(const FourRow* rows, const ShellBlock<A, Q>& block,
                                                Differences<A>& u) {
   FloatPack first[3];
   gather(rows, block.nodes[0], first);
@@ -125,7 +103,7 @@ PALPABLE_ALWAYS_INLINE void store_rows(const FloatPack (&s)[6], StressRow* to) {
 struct Stresses {
   template <class Law, int A, int Q>
   PALPABLE_ALWAYS_INLINE static int run(const Law& law, std::span<const ShellBlock<A, Q>>& blocks,
-                                        const PlaceRow*& rows, StressRow*& to) {
+                                        const FourRow*& rows, StressRow*& to) {
     for (const ShellBlock<A, Q>& block : blocks) {
       Differences<A> u;
       gather_differences(rows, block, u);
@@ -239,7 +217,7 @@ std::size_t rows_of(const std::vector<ShellPart<A, Q>>& parts) {
 }
 
 template <int A, int Q>
-void fill(SimdLevel level, const std::vector<ShellPart<A, Q>>& parts, const PlaceRow* rows,
+void fill(SimdLevel level, const std::vector<ShellPart<A, Q>>& parts, const FourRow* rows,
           StressRow* to) {
   for (const ShellPart<A, Q>& part : parts) {
     std::span<const ShellBlock<A, Q>> blocks(part.blocks);
@@ -259,7 +237,7 @@ struct ShellStress::Work {
   std::vector<int> node_order, vertex_order;  // (W), (V) along a curve
   std::vector<int> first;                     // (V + 1) in that order
   std::vector<Term> terms;
-  std::vector<PlaceRow> places;   // (W) in that order
+  std::vector<FourRow> places;    // (W) m, displacements in that order
   std::vector<StressRow> stress;  // of all points
 
   Work(const ShellTable& table, int V)
@@ -289,7 +267,7 @@ struct ShellStress::Work {
                 [](const Term& a, const Term& b) { return a.point < b.point; });
       first.push_back(static_cast<int>(terms.size()));
     }
-    places.assign(static_cast<std::size_t>(table.nodes()), PlaceRow{});
+    places.assign(static_cast<std::size_t>(table.nodes()), FourRow{});
     stress.assign(rows_of(linear) + rows_of(quadratic), StressRow{});
   }
 };
@@ -314,7 +292,7 @@ void ShellStress::evaluate(const Eigen::Matrix3Xf& u, std::span<float> von_mises
   for (std::size_t k = 0; k < w.places.size(); ++k) {
     const int n = w.node_order[k];
     const Eigen::Vector3f here = w.preload.col(n) + u.col(n);
-    w.places[k].u = Four{here[0], here[1], here[2], 0.0f};
+    w.places[k].v = Four{here[0], here[1], here[2], 0.0f};
   }
   fill(w.level, w.linear, w.places.data(), w.stress.data());
   fill(w.level, w.quadratic, w.places.data(), w.stress.data());
