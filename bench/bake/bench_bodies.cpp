@@ -42,6 +42,8 @@ void run(const Options& options) {
   Json figures{{"frames", answer.frames},
                {"u_error_median", at(answer.displacement, 0.5)},
                {"u_error_p90", at(answer.displacement, 0.9)},
+               {"stress_error_median", at(answer.stress, 0.5)},
+               {"stress_error_p90", at(answer.stress, 0.9)},
                {"between_force_error", at(answer.between_force, 0.5)},
                {"between_force_error_p90", at(answer.between_force, 0.9)},
                {"between_frames", answer.touching},

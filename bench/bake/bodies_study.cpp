@@ -67,6 +67,7 @@ class Players {
   // Contact, and all that is shown of what moved. @return ms of CPU
   virtual double advance(std::span<const GapQuery> gaps, std::span<const NearQuery> near) = 0;
   [[nodiscard]] virtual const Eigen::Matrix3Xf& skin(std::size_t k) const = 0;
+  [[nodiscard]] virtual std::span<const float> von_mises(std::size_t k) const = 0;  // Pa
   [[nodiscard]] virtual bool is_anything_near() const = 0;
   [[nodiscard]] virtual double between() const = 0;    // m, as ModalReport
   [[nodiscard]] virtual double imbalance() const = 0;  // N
@@ -96,13 +97,16 @@ class ModalPlayers : public Players {
       const int member = static_cast<int>(k);
       skins_[k] = contact_->place(member, states_[k]);
       if (states_[k].q.isZero(0)) continue;
-      vertex_normals(skins_[k], bodies_[k]->body.body.surface.triangles, normals_[k]);
+      contact_->normals(member, states_[k], normals_[k]);
       contact_->stress(member, states_[k], stress_[k]);
     }
     return 1e3 * (thread_cpu_seconds() - begin);
   }
 
   [[nodiscard]] const Eigen::Matrix3Xf& skin(std::size_t k) const override { return skins_[k]; }
+  [[nodiscard]] std::span<const float> von_mises(std::size_t k) const override {
+    return stress_[k];
+  }
   [[nodiscard]] bool is_anything_near() const override { return report_.candidates > 0; }
   [[nodiscard]] double between() const override { return report_.between; }
   [[nodiscard]] double imbalance() const override { return report_.imbalance; }
@@ -157,6 +161,9 @@ class TablePlayers : public Players {
   }
   [[nodiscard]] const Eigen::Matrix3Xf& skin(std::size_t k) const override {
     return parts_[k]->skin;
+  }
+  [[nodiscard]] std::span<const float> von_mises(std::size_t k) const override {
+    return parts_[k]->stress;
   }
   [[nodiscard]] bool is_anything_near() const override {
     return std::any_of(parts_.begin(), parts_.end(),
@@ -279,15 +286,17 @@ BodiesAnswer answer_of_bodies(const std::vector<StudiedBody>& bodies, const fs::
       const Truth& truth = truths[k];
       const auto line = truth.lines.find(frame);
       if (line == truth.lines.end()) continue;
-      const Matrix3Xd true_u =
-          value_or_throw(
-              read_valued_ply(deformed_skin_file(truth.folder, frame), kVonMisesProperty))
-              .surface.vertices -
-          truth.rest;
+      const ValuedSurface true_skin = value_or_throw(
+          read_valued_ply(deformed_skin_file(truth.folder, frame), kVonMisesProperty));
+      const Matrix3Xd true_u = true_skin.surface.vertices - truth.rest;
       const Matrix3Xd u = players->skin(k).cast<double>() - bodies[k].body.body.surface.vertices;
       const bool moved = true_u.colwise().norm().maxCoeff() > 1e-4;  // m: else nothing is relative
       if (moved) {
         answer.displacement.push_back(displacement_error(true_u, u, truth.areas).relative);
+        const std::span<const float> found = players->von_mises(k);
+        const Eigen::VectorXd stress =
+            Eigen::Map<const Eigen::VectorXf>(found.data(), std::ssize(found)).cast<double>();
+        answer.stress.push_back((stress - true_skin.values).norm() / true_skin.values.norm());
       }
       if (k == pressed) continue;  // on the others nothing but bodies acts
       const Vector3d true_force = bodies[k].scene_from_body.linear() * line->second.force;

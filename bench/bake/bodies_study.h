@@ -22,6 +22,7 @@ struct StudiedBody {
 /// How the answer compares, frame by frame where there is a truth.
 struct BodiesAnswer {
   std::vector<double> displacement;         ///< relative L2 over each body's skin
+  std::vector<double> stress;               ///< von Mises, likewise
   std::vector<double> between_force;        ///< relative, of what bodies do to each other
   std::vector<double> between_penetration;  ///< m, of all frames in which they do
   std::vector<double> milliseconds;         ///< CPU, of all frames in which something presses

@@ -225,6 +225,57 @@ TEST_CASE("the stress of a bent beam is the full solver's for its shape", "[bake
   CHECK(off <= tolerance(1e-3, "floats, strains of 1e-2") * largest);
 }
 
+TEST_CASE("what is asked first whether anything is near changes no byte of the answer",
+          "[bake][modal]") {
+  ModalContact contact({beam_at(Vector3d::Zero())});
+  std::vector<ModalState> asked(1), all(1);
+  int questions = 0;
+  for (double depth = -0.002; depth < 0.0141; depth += 0.002) {
+    const GapQuery gap = gap_to(finger(0.30, depth));
+    const NearQuery near = [&questions, field = CapsuleField(finger(0.30, depth))](
+                               const Vector3f& at, float reach) {
+      ++questions;
+      return field.distance(at.cast<double>()) < static_cast<double>(reach);
+    };
+    const ModalReport with = contact.advance(asked, {&gap, 1}, {&near, 1}),
+                      without = contact.advance(all, {&gap, 1}, {});
+    CHECK(with.candidates == without.candidates);
+    CHECK(asked[0].q == all[0].q);
+  }
+  CHECK_FALSE(asked[0].forces.empty());
+  CHECK(questions > 0);
+}
+
+TEST_CASE("beams of one make share what they read, and are answered as any two are",
+          "[bake][modal]") {
+  ReducedBody another = baked_beam().body;
+  another.several->energy.K[0] = std::nextafter(another.several->energy.K[0], 1e9);
+  const ModalMember lower = beam_at({0, 0, 0}), twin = beam_at({0, 0, 0.06});
+  const ModalMember stranger{&another, &tables(), twin.world_from_body};
+  REQUIRE(are_twins(lower, twin));
+  REQUIRE_FALSE(are_twins(lower, stranger));
+  ModalContact alike({lower, twin}), unlike({lower, stranger});
+  std::vector<ModalState> states(2), others(2);
+  std::vector<GapQuery> gaps{nothing(), nothing()};
+  for (double depth = 0; depth < 0.0201; depth += 0.002) {
+    gaps[1] = gap_to(finger(0.34, depth));
+    (void)alike.advance(states, gaps, {});
+    (void)unlike.advance(others, gaps, {});
+  }
+  REQUIRE(sum_of(states[0], 1).norm() > 0.01);
+  std::vector<float> mises(static_cast<std::size_t>(another.surface.vertex_count())), other(mises);
+  for (const int k : {0, 1}) {
+    const auto at = static_cast<std::size_t>(k);
+    CHECK((states[at].q - others[at].q).norm() <=
+          tolerance(1e-9, "the last digit of an energy") * states[at].q.norm());
+    alike.stress(k, states[at], mises);
+    unlike.stress(k, others[at], other);
+    const Eigen::Map<const Eigen::VectorXf> one(mises.data(), std::ssize(mises)),
+        two(other.data(), std::ssize(other));
+    CHECK((one - two).norm() <= static_cast<float>(tolerance(1e-5, "floats")) * one.norm());
+  }
+}
+
 TEST_CASE("a body file keeps what a beam needs to be touched", "[bake][modal]") {
   const test::ScratchFolder folder("modal_file");
   const IntrusiveBake& made = baked_beam();

@@ -8,8 +8,11 @@
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <memory>
 #include <numbers>
+#include <thread>
 #include <vector>
 
 namespace palpable {
@@ -252,6 +255,31 @@ TEST_CASE("the same frames give the same bytes, and take no memory", "[contact][
   for (const double depth : {0.001, 0.006}) {
     one.layers.front()->see_finger(depth);
     CHECK(test::allocations_during([&] { one.advance(); }) == 0);
+  }
+}
+
+TEST_CASE("bodies that press each other have the same bytes whoever else is answered at once",
+          "[contact][bodies]") {
+  // A heap is answered by one thread. What heaps might share would show where several are.
+  const auto played = [] {
+    Heap heap(2);
+    for (const double depth : {0.002, 0.006, 0.003}) heap.press(depth);
+    return std::array<Matrix3Xf, 2>{heap.layers[0]->state.u, heap.layers[1]->state.u};
+  };
+  const std::array<Matrix3Xf, 2> alone = played();
+  REQUIRE(largest(alone[1]) > 1e-4);
+  for (const std::size_t count : {1, 2, 8}) {
+    INFO(count << " threads");
+    std::vector<std::array<Matrix3Xf, 2>> found(count);
+    std::vector<std::thread> threads;
+    for (std::array<Matrix3Xf, 2>& result : found) {
+      threads.emplace_back([&result, &played] { result = played(); });
+    }
+    for (std::thread& thread : threads) thread.join();
+    for (const std::array<Matrix3Xf, 2>& result : found) {
+      CHECK(result[0] == alone[0]);
+      CHECK(result[1] == alone[1]);
+    }
   }
 }
 

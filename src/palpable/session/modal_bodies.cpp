@@ -13,19 +13,28 @@ std::vector<ModalMember> bodies_of(const std::vector<ModalBodies::Member>& membe
   return bodies;
 }
 
+// As near_to(), but told for any reach: blocks of heaps are asked for, too.
+NearQuery near_from_afar(const ObjectSurface& seen) {
+  return [&seen](const Eigen::Vector3f& place, float reach) {
+    return seen.bounds().squaredExteriorDistance(place) < reach * reach &&
+           seen.is_within(place, reach);
+  };
+}
+
 }  // namespace
 
 ModalBodies::ModalBodies(const std::vector<Member>& members)
     : members_(members), contact_(bodies_of(members)), states_(members.size()) {
   for (const Member& member : members_) {
     gaps_.push_back(gaps_to(*member.seen));
-    near_.push_back(near_to(*member.seen));
+    near_.push_back(near_from_afar(*member.seen));
     const SurfaceMesh& rest = member.body.body->surface;
     skins_.push_back(rest.vertices.cast<float>());
     rest_normals_.emplace_back(3, skins_.back().cols());
-    vertex_normals(skins_.back(), rest.triangles, rest_normals_.back());
     rest_stress_.emplace_back(static_cast<std::size_t>(skins_.back().cols()));
-    contact_.stress(static_cast<int>(rest_stress_.size()) - 1, {}, rest_stress_.back());
+    const int k = static_cast<int>(rest_stress_.size()) - 1;
+    contact_.normals(k, {}, rest_normals_.back());
+    contact_.stress(k, {}, rest_stress_.back());
   }
 }
 
@@ -55,7 +64,6 @@ void ModalBodies::find_touches(int member, std::vector<Touch>& touches) {
 
 void ModalBodies::reconstruct(int member, SceneBody& shown) {
   const auto k = static_cast<std::size_t>(member);
-  const SurfaceMesh& rest = members_[k].body.body->surface;
   shown.stated_error.reset();
   shown.vertices = skins_[k];
   if (states_[k].q.isZero(0)) {  // what stands about costs a copy
@@ -65,7 +73,7 @@ void ModalBodies::reconstruct(int member, SceneBody& shown) {
   }
   shown.normals.resize(3, skins_[k].cols());
   shown.von_mises.resize(static_cast<std::size_t>(skins_[k].cols()));
-  vertex_normals(shown.vertices, rest.triangles, shown.normals);
+  contact_.normals(member, states_[k], shown.normals);
   contact_.stress(member, states_[k], shown.von_mises);
 }
 

@@ -1,18 +1,24 @@
 #include "palpable/touch/modal_body.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/geometry/element_order.h"
 #include "palpable/reduced/mode_kernels.h"
 #include "palpable/touch/point_levels.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 namespace palpable {
 namespace {
 
 using Eigen::Index;
 using Eigen::Matrix3Xf;
+using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Eigen::VectorXd;
@@ -22,6 +28,10 @@ constexpr float kCluster = 3.5f, kLargestCluster = 0.0045f;
 // m between contact points: the coarsest set and the finest; of large bodies twice and half of the
 // distance that their points have. Those that are asked of other bodies lie twice the coarsest.
 constexpr double kCoarsest = 0.006, kFinest = 0.0015, kBetween = 2;
+// Loads that are tried, and the states of theirs in which squares of the gradient are kept.
+constexpr Index kLoads = 200, kLoadStates = 4;
+// Heaps of a block.
+constexpr std::size_t kHeapsOfBlock = 16;
 // Vertices that tell how far a step moves the skin.
 constexpr std::size_t kProbes = 128;
 
@@ -37,13 +47,55 @@ std::vector<float> distances_from_edges(const Matrix3Xf& vertices, const std::ve
   return distances;
 }
 
-Eigen::Vector3i corners_of(const SkinPoint& point) {
-  return {point.corners[0], point.corners[1], point.corners[2]};
+// Of forces along the normals at vertices all over the skin: those few that most of their work is
+// done in, each orthogonal to the others in the energy at rest.
+LoadStates load_states(const ModalMember& member, const Matrix3Xf& rest) {
+  const SeveralLoads& several = *member.body->several;
+  const Index n = several.mode_count(), V = rest.cols();
+  MatrixXd K(n, n);
+  for (Index j = 0; j < n; ++j) {
+    for (Index i = 0; i < n; ++i) K(i, j) = several.energy.K[pair_row(i, j)];
+  }
+  Matrix3Xf normals(3, V);
+  vertex_normals(rest, member.body->surface.triangles, normals);
+  const Eigen::LLT<MatrixXd> factor(K);
+  MatrixXd work = MatrixXd::Zero(n, n);
+  for (Index v = 0; v < V; v += std::max<Index>(1, V / kLoads)) {
+    const VectorXd load =
+        (several.modes.middleRows(3 * v, 3).transpose() * normals.col(v)).cast<double>();
+    const VectorXd x = factor.matrixL().solve(load);
+    work += x * x.transpose();
+  }
+  const Index m = std::min(n, kLoadStates);
+  const MatrixXd most = Eigen::SelfAdjointEigenSolver<MatrixXd>(work).eigenvectors().rightCols(m);
+  const MatrixXd states = factor.matrixU().solve(most);
+  const MatrixXd duals = most.transpose() * MatrixXd(factor.matrixU());
+  return {states.cast<float>(), duals.cast<float>()};
 }
 
 }  // namespace
 
-ModalBody::ModalBody(const ModalMember& member)
+bool are_twins(const ModalMember& one, const ModalMember& other) {
+  const ReducedBody &a = *one.body, &b = *other.body;
+  const QuarticEnergy &energy = a.several->energy, &others = b.several->energy;
+  const ShellTable &shell = one.tables->shell, &other_shell = other.tables->shell;
+  const auto same = [](const auto& x, const auto& y) {
+    return x.rows() == y.rows() && x.cols() == y.cols() && x == y;
+  };
+  // Of one energy: of one law.
+  return same(a.surface.vertices, b.surface.vertices) &&
+         same(a.surface.triangles, b.surface.triangles) &&
+         same(a.several->modes, b.several->modes) && same(energy.K, others.K) &&
+         same(energy.C, others.C) && same(energy.D, others.D) &&
+         same(one.tables->inner_modes, other.tables->inner_modes) &&
+         same(shell.stress_free, other_shell.stress_free) &&
+         same(shell.preload, other_shell.preload) && shell.elements == other_shell.elements &&
+         shell.materials.size() == other_shell.materials.size() &&
+         shell.first == other_shell.first && shell.points == other_shell.points &&
+         shell.weights == other_shell.weights;
+}
+
+ModalBody::ModalBody(const ModalMember& member, const ModalBody* twin)
     : member_(member),
       n_(member.body->several->mode_count()),
       V_(member.body->surface.vertex_count()),
@@ -58,83 +110,112 @@ ModalBody::ModalBody(const ModalMember& member)
       clusters_(
           rest_, points_, places_, levels_,
           std::min(kCluster * static_cast<float>(member.tables->point_spacing), kLargestCluster)),
-      energy_(member.body->several->energy),
+      modes_(twin != nullptr ? twin->modes_ : &member.body->several->modes),
+      energy_(twin != nullptr ? twin->energy_
+                              : std::make_shared<PackedEnergy>(member.body->several->energy)),
       surface_(member.body->surface),
+      normals_(member.body->surface.triangles, static_cast<int>(V_)),
       from_edge_(distances_from_edges(rest_, surface_.sharp_vertices())),
       q_(VectorXd::Zero(n_)),
       narrow_q_(Eigen::VectorXf::Zero(n_)),
       u_(Matrix3Xf::Zero(3, V_)),
-      x_(rest_),
-      shell_u_(3, member.tables->shell.nodes()) {
+      x_(rest_) {
   const Eigen::MatrixXf& F = member.body->several->modes;
   rows_.resize(static_cast<std::size_t>(F.size()));
   for (Index r = 0; r < F.rows(); ++r) {
     for (Index i = 0; i < n_; ++i) rows_[static_cast<std::size_t>(r * n_ + i)] = F(r, i);
   }
-  if (member.tables->shell.nodes() > 0) shell_.emplace(member.tables->shell, static_cast<int>(V_));
-  const std::size_t heaps = clusters_.clusters().size();
-  const std::size_t every = std::max<std::size_t>(1, heaps / kProbes);
-  for (std::size_t k = 0; k < heaps; k += every) {
-    probes_.push_back(clusters_.clusters()[k].vertex);
+  if (member.tables->shell.nodes() > 0) {
+    const ShellTable& shell = member.tables->shell;
+    if (twin != nullptr && twin->stress_) {
+      stress_ = twin->stress_;
+    } else if (ModalStress::serves(shell)) {
+      stress_ = std::make_shared<ModalStress>(shell, F, member.tables->inner_modes,
+                                              load_states(member, rest_));
+    } else {
+      shell_u_.resize(3, shell.nodes());
+      shell_.emplace(shell, static_cast<int>(V_));
+    }
   }
-  probe_u_.setZero(3, std::ssize(probes_));
+  arrange_heaps();
+  for (std::size_t p = 0; p < points_.size(); ++p) {
+    // Up to the next finer set.
+    if (levels_[p] * std::numbers::sqrt2_v < float >> between_) {
+      points_between_.push_back(static_cast<int>(p));
+    }
+  }
+  const std::span<const SkinCluster> heaps = clusters_.clusters();
+  const std::size_t every = std::max<std::size_t>(1, heaps.size() / kProbes);
+  const auto count = static_cast<Index>((heaps.size() + every - 1) / every);
+  probes_.resize(3 * count, n_);
+  for (Index k = 0; k < count; ++k) {
+    probes_.middleRows(3 * k, 3) =
+        F.middleRows(3 * heaps[static_cast<std::size_t>(k) * every].vertex, 3);
+  }
+  probe_u_.setZero(3, count);
   probe_was_ = probe_u_;
+}
+
+// Heaps that lie beside each other stand beside each other, in blocks.
+void ModalBody::arrange_heaps() {
+  const std::span<const SkinCluster> heaps = clusters_.clusters();
+  if (heaps.empty()) return;
+  Eigen::Matrix3Xd middles(3, std::ssize(heaps));
+  for (Index k = 0; k < middles.cols(); ++k) {
+    middles.col(k) = rest_.col(heaps[static_cast<std::size_t>(k)].vertex).cast<double>();
+  }
+  for (const int k : order_along_curve(middles)) {
+    if (heaps_.size() % kHeapsOfBlock == 0) {
+      const int at = static_cast<int>(heaps_.size());
+      blocks_.push_back({at, at, 0, {}});
+    }
+    heaps_.push_back(heaps[static_cast<std::size_t>(k)]);
+    blocks_.back().last = static_cast<int>(heaps_.size());
+    blocks_.back().radius = std::max(blocks_.back().radius, heaps_.back().radius);
+  }
+}
+
+void ModalBody::changed() {
+  narrow_q_ = q_.cast<float>();
+  is_skin_old_ = is_surface_old_ = are_blocks_old_ = true;
+  sum(probes_, probe_u_.data());
 }
 
 void ModalBody::set_q(const VectorXd& q) {
   if (q_ == q) return;
   q_ = q;
-  narrow_q_ = q_.cast<float>();
-  is_skin_old_ = is_surface_old_ = true;
-  probe(probe_u_);
+  changed();
 }
 
 double ModalBody::move(const VectorXd& step, double share) {
   q_ += share * step;
-  narrow_q_ = q_.cast<float>();
-  is_skin_old_ = is_surface_old_ = true;
   probe_was_.swap(probe_u_);
-  probe(probe_u_);
-  if (probes_.empty()) return 0;
+  changed();
+  if (probe_u_.cols() == 0) return 0;
   return static_cast<double>(std::sqrt((probe_u_ - probe_was_).colwise().squaredNorm().maxCoeff()));
 }
 
 double ModalBody::farthest() const {
-  return probes_.empty()
+  return probe_u_.cols() == 0
              ? 0
              : static_cast<double>(std::sqrt(probe_u_.colwise().squaredNorm().maxCoeff()));
 }
 
-void ModalBody::probe(Matrix3Xf& u) const {
-  for (std::size_t k = 0; k < probes_.size(); ++k) {
-    for (Index c = 0; c < 3; ++c) {
-      const Eigen::Map<const Eigen::VectorXf> row(rows_.data() + (3 * probes_[k] + c) * n_, n_);
-      u(c, static_cast<Index>(k)) = row.dot(narrow_q_);
-    }
-  }
-}
-
-Vector3f ModalBody::displacement(const Eigen::Vector3i& corners, const Vector3f& weights) const {
-  Vector3f u = Vector3f::Zero();
+void ModalBody::find_rows(const Eigen::Vector3i& corners, const Vector3f& weights,
+                          Eigen::Ref<Eigen::MatrixXf> rows) const {
+  auto sums = rows.topRows(n_);
+  sums.setZero();
   for (int k = 0; k < 3; ++k) {
     if (weights[k] == 0) continue;
-    for (Index c = 0; c < 3; ++c) {
-      const Eigen::Map<const Eigen::VectorXf> row(
-          rows_.data() + (3 * static_cast<Index>(corners[k]) + c) * n_, n_);
-      u[c] += weights[k] * row.dot(narrow_q_);
-    }
+    const Eigen::Map<const Eigen::MatrixXf> here(
+        rows_.data() + 3 * static_cast<Index>(corners[k]) * n_, n_, 3);
+    sums += weights[k] * here;
   }
-  return u;
 }
 
-Vector3f ModalBody::place(int point) const {
-  const SkinPoint& at = points_[static_cast<std::size_t>(point)];
-  return places_.col(point) + displacement(corners_of(at), at.weights);
-}
-
-Vector3f ModalBody::place(const Eigen::Vector3i& corners, const Vector3f& weights) const {
+Vector3f ModalBody::rest_place(const Eigen::Vector3i& corners, const Vector3f& weights) const {
   return rest_.col(corners[0]) * weights[0] + rest_.col(corners[1]) * weights[1] +
-         rest_.col(corners[2]) * weights[2] + displacement(corners, weights);
+         rest_.col(corners[2]) * weights[2];
 }
 
 Vector3f ModalBody::normal(int point) {
@@ -156,20 +237,8 @@ float ModalBody::from_edge(const Eigen::Vector3i& corners, const Vector3f& weigh
   return sum;
 }
 
-void ModalBody::add_row(const Eigen::Vector3i& corners, const Vector3f& weights, const Vector3d& d,
-                        Eigen::Ref<VectorXd> result) const {
-  for (int k = 0; k < 3; ++k) {
-    if (weights[k] == 0) continue;
-    for (Index c = 0; c < 3; ++c) {
-      const Eigen::Map<const Eigen::VectorXf> row(
-          rows_.data() + (3 * static_cast<Index>(corners[k]) + c) * n_, n_);
-      result += (static_cast<double>(weights[k]) * d[c]) * row.cast<double>();
-    }
-  }
-}
-
 // u = sum_i q_i F_i.
-void ModalBody::sum(const Eigen::MatrixXf& F, float* u) {
+void ModalBody::sum(const Eigen::MatrixXf& F, float* u) const {
   const auto rows = static_cast<std::size_t>(F.rows());
   if (rows == 0) return;
   mode_kernels().front().sum({F.data(), rows, static_cast<std::size_t>(n_)}, narrow_q_.data(),
@@ -178,7 +247,7 @@ void ModalBody::sum(const Eigen::MatrixXf& F, float* u) {
 
 const Matrix3Xf& ModalBody::skin() {
   if (is_skin_old_) {
-    sum(member_.body->several->modes, u_.data());
+    sum(*modes_, u_.data());
     x_ = rest_ + u_;
     is_skin_old_ = false;
   }
@@ -191,7 +260,34 @@ const MovingSurface& ModalBody::surface() {
   return surface_;
 }
 
+std::span<const HeapBlock> ModalBody::blocks() {
+  if (!are_blocks_old_) return blocks_;
+  const Matrix3Xf& now = skin();
+  for (HeapBlock& block : blocks_) {
+    block.middles.setEmpty();
+    for (int k = block.first; k < block.last; ++k) {
+      block.middles.extend(Vector3f(now.col(heaps_[static_cast<std::size_t>(k)].vertex)));
+    }
+  }
+  are_blocks_old_ = false;
+  return blocks_;
+}
+
+Eigen::AlignedBox3f ModalBody::bounds() {
+  Eigen::AlignedBox3f all;
+  for (const HeapBlock& block : blocks()) {
+    const Vector3f reach = Vector3f::Constant(kHeapStretch * block.radius);
+    all.extend(Eigen::AlignedBox3f(block.middles.min() - reach, block.middles.max() + reach));
+  }
+  return all;
+}
+
 void ModalBody::stress(std::span<float> von_mises, std::span<float> cauchy) {
+  if (stress_) {
+    const auto n = static_cast<std::size_t>(n_);
+    stress_->evaluate({narrow_q_.data(), n}, von_mises, cauchy);
+    return;
+  }
   PALPABLE_EXPECT(shell_.has_value(), "stress needs a shell");
   (void)skin();
   shell_u_.leftCols(V_) = u_;

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -23,12 +24,12 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Eigen::VectorXd;
 
-// A heap's points may lie farther from its middle than at rest, where the skin is stretched.
-constexpr float kStretch = 1.2f;
 // m: of what is farther nobody need tell, neither a surface that was seen nor kGapReach.
 constexpr float kTold = 0.010f;
 // Of a disc of radius a that is pressed evenly by f, the mean: w = 0.54 f (1 - nu^2) / (E a).
 constexpr double kDisc = 0.54;
+// m: deeper inside another body nothing gets in a frame.
+constexpr float kDeepBetween = 0.009f;
 // m of sigma that make a point as compliant again as the half space is.
 constexpr double kSofter = 10;
 // Cosine of the angle between two skins' normals up to which they lie on each other.
@@ -38,6 +39,11 @@ constexpr int kCoarser = 8;
 // Of the band: points that are farther, and do not press, take no part in an iteration. One that is
 // entered all the same does in the next.
 constexpr double kTakesPart = 0.4;
+// m that a point may be entered by without pressing: nothing.
+constexpr double kEntered = 1e-9;
+// m: so far from where it was asked last the gap of a point that is farther, and does not press, is
+// told by its normal and curvature (near_points.cpp).
+constexpr float kSameGap = 0.0003f;
 
 // A contact point near something.
 struct Candidate {
@@ -45,7 +51,7 @@ struct Candidate {
   int by = -1;                                        // another member; -1: what is seen
   Eigen::Vector3i corners = Eigen::Vector3i::Zero();  // of the other's triangle
   Vector3f weights = Vector3f::Zero();                // likewise
-  Vector3f place = Vector3f::Zero();                  // m, where it is found; the member's frame
+  Vector3f place = Vector3f::Zero();                  // m, where it is now; the member's frame
   double gap = 0;                                     // m
   double offset = 0;  // m: between members, of the gap from what their places tell along the normal
   Vector3d normal = Vector3d::Zero();        // unit, away from what presses; the member's frame
@@ -53,6 +59,11 @@ struct Candidate {
   Eigen::Matrix3f curvature = Eigen::Matrix3f::Zero();  // 1/m
   double softness = 0;                                  // m/N
   double force = 0;                                     // N
+  // Where what is seen was asked, m, and what was told: the gap, m, and its normal.
+  Vector3f seen_from = Vector3f::Constant(std::numeric_limits<float>::infinity());
+  double seen_gap = 0;
+  Vector3f seen_normal = Vector3f::Zero();
+  Vector3f foot = Vector3f::Zero();  // m, of the other's point at rest
 };
 
 // The force at a contact point, as it was found last.
@@ -62,18 +73,31 @@ struct Known {
   friend bool operator<(const Known& a, const Known& b) { return a.key < b.key; }
 };
 
+// How the modes move a candidate's point along d. @param result  (n)
+void along(const Eigen::MatrixXf& rows, std::size_t candidate, Index modes, const Vector3d& d,
+           Eigen::Ref<VectorXd> result) {
+  const auto first = 3 * static_cast<Index>(candidate);
+  result = d[0] * rows.col(first).head(modes).cast<double>() +
+           d[1] * rows.col(first + 1).head(modes).cast<double>() +
+           d[2] * rows.col(first + 2).head(modes).cast<double>();
+}
+
 }  // namespace
 
 struct ModalContact::Work {
   // A body, and its part of a step of Newton's method.
   struct Body : ModalBody {
-    explicit Body(const ModalMember& member)
-        : ModalBody(member), step(VectorXd::Zero(modes())), pull(step), factor(modes(), modes()) {}
+    Body(const ModalMember& member, const ModalBody* twin)
+        : ModalBody(member, twin),
+          step(VectorXd::Zero(modes())),
+          pull(step),
+          factor(modes(), modes()) {}
 
-    VectorXd gradient;    // (n) W'
-    MatrixXd hessian;     // (n x n) W''
-    VectorXd step, pull;  // (n)
-    MatrixXd factor;      // (n x n) of H
+    VectorXd gradient;  // (n) W'
+    MatrixXd hessian;   // (n x n) W''
+    VectorXd step;      // (n)
+    VectorXd pull;      // (n) L^-1 (- W'): what it would do if nothing pressed
+    MatrixXd factor;    // (n x n) of H
     bool active = false;
   };
 
@@ -81,10 +105,14 @@ struct ModalContact::Work {
   std::vector<std::unique_ptr<Body>> bodies;
   std::vector<Eigen::Isometry3f> transforms;  // (K x K) of from_to()
   std::vector<Candidate> candidates;
-  std::vector<Known> known;          // forces, to begin with
-  std::vector<std::size_t> pressed;  // those of the candidates that take part in an iteration
+  std::vector<Known> known;            // forces, to begin with
+  std::vector<std::size_t> near_ones;  // those of the candidates that take part in an iteration
+  std::vector<std::size_t> pressed;    // and of these those that may press
   Complementarity complementarity{static_cast<int>(kMostPoints)};
-  MatrixXd own, others;  // (n x C) L^-1 B of the candidate's member, and of the other one
+  // Of each candidate, of its member and of the other one:
+  Eigen::MatrixXf own_rows, others_rows;  // (n x 3C) how modes move its point
+  MatrixXd own_B, others_B;               // (n x C) B, of those that take part
+  MatrixXd own, others;                   // (n x C) L^-1 B, of those that may press
   std::vector<double> W, gap, f;
   Index most_modes = 1;
 
@@ -105,9 +133,13 @@ struct ModalContact::Work {
   void keep_most(ModalReport& report);
   void look_again(std::span<const GapQuery> gaps, double shift);
   bool measure_seen(Candidate& c, const GapQuery& gaps, double shift) const;
+  [[nodiscard]] static bool is_gap_told(const Candidate& c, double shift);
   void wake();
   bool factorise_all();
+  void find_B(std::size_t candidate);
+  [[nodiscard]] double gap_after_step(std::size_t candidate) const;
   void assemble();
+  bool solve_pressed();
   double iterate(ModalReport& report);
   void keep(std::span<ModalState> states, ModalReport& report);
 };
@@ -118,7 +150,10 @@ ModalContact::Work::Work(const std::vector<ModalMember>& members, const ModalSet
     PALPABLE_EXPECT(member.body != nullptr && member.tables != nullptr &&
                         trouble_of(*member.tables, *member.body).empty(),
                     "a body with its tables of modes");
-    bodies.push_back(std::make_unique<Body>(member));
+    const auto twin = std::find_if(bodies.begin(), bodies.end(), [&](const auto& body) {
+      return are_twins(body->member(), member);
+    });
+    bodies.push_back(std::make_unique<Body>(member, twin == bodies.end() ? nullptr : twin->get()));
     most_modes = std::max(most_modes, bodies.back()->modes());
   }
   for (const auto& from : bodies) {
@@ -131,8 +166,13 @@ ModalContact::Work::Work(const std::vector<ModalMember>& members, const ModalSet
   std::size_t all = 0;
   for (const auto& body : bodies) all += body->points().size();
   candidates.reserve(all);  // those between members are few: far fewer than lie near nothing
+  near_ones.reserve(kMostPoints);
   pressed.reserve(kMostPoints);
   known.reserve(2 * kMostPoints);
+  own_rows.setZero(most_modes, 3 * m);
+  others_rows.setZero(most_modes, 3 * m);
+  own_B.setZero(most_modes, m);
+  others_B.setZero(most_modes, m);
   own.setZero(most_modes, m);
   others.setZero(most_modes, m);
   W.resize(kMostPoints * kMostPoints);
@@ -181,28 +221,36 @@ void ModalContact::Work::find_seen(int k, const GapQuery& gaps, const NearQuery&
                                    double shift) {
   if (!gaps) return;
   Body& b = *bodies[static_cast<std::size_t>(k)];
-  const auto band = static_cast<float>(settings.band - shift);
   const Matrix3Xf& skin = b.skin();
+  // m of gap: of more candidates than there is room for those are kept that take part at once.
+  double wanted = settings.band;
   SurfaceGap seen;
-  for (const SkinCluster& cluster : b.clusters().clusters()) {
-    const Vector3f middle = skin.col(cluster.vertex);
-    const float reach = band + kStretch * cluster.radius;
-    const bool is_told = reach <= kTold;  // else each of its points is asked
-    if (is_told &&
-        (near ? !near(middle, reach) : !gaps(middle, seen) || !(seen.distance <= reach))) {
-      continue;
-    }
-    for (int i = cluster.first; i < cluster.last; ++i) {
-      Candidate c;
-      c.member = k;
-      c.point = b.clusters().order()[static_cast<std::size_t>(i)];
-      c.place = b.place(c.point);
-      if (near && !near(c.place, band)) continue;
-      if (!measure_seen(c, gaps, shift) || c.gap > settings.band) continue;
-      const float level = b.levels()[static_cast<std::size_t>(c.point)];
-      if (is_point_needed(level, largest_curvature(c.curvature), static_cast<float>(settings.entry),
-                          b.coarsest(), b.finest())) {
-        candidates.push_back(c);
+  for (const HeapBlock& block : b.blocks()) {
+    if (candidates.size() > kMostPoints) wanted = kTakesPart * settings.band;
+    const auto band = static_cast<float>(wanted - shift);
+    const float around = 0.5f * block.middles.diagonal().norm() + kHeapStretch * block.radius;
+    if (near && !near(block.middles.center(), band + around)) continue;
+    for (int h = block.first; h < block.last; ++h) {
+      const SkinCluster& heap = b.heaps()[static_cast<std::size_t>(h)];
+      const Vector3f middle = skin.col(heap.vertex);
+      const float reach = band + kHeapStretch * heap.radius;
+      if (near) {
+        if (!near(middle, reach)) continue;
+      } else if (reach <= kTold && (!gaps(middle, seen) || !(seen.distance <= reach))) {
+        continue;  // where it is not told, each of its points is asked
+      }
+      for (int i = heap.first; i < heap.last; ++i) {
+        Candidate c;
+        c.member = k;
+        c.point = b.order()[static_cast<std::size_t>(i)];
+        c.place = b.points()[static_cast<std::size_t>(c.point)].at(skin);
+        if (near && !near(c.place, band)) continue;
+        if (!measure_seen(c, gaps, shift) || c.gap > wanted) continue;
+        const float level = b.levels()[static_cast<std::size_t>(c.point)];
+        if (is_point_needed(level, largest_curvature(c.curvature),
+                            static_cast<float>(settings.entry), b.coarsest(), b.finest())) {
+          candidates.push_back(c);
+        }
       }
     }
   }
@@ -227,39 +275,44 @@ void ModalContact::Work::find_between(int k, int other) {
   Body &b = *bodies[static_cast<std::size_t>(k)], &o = *bodies[static_cast<std::size_t>(other)];
   const Eigen::Isometry3f& to_other = from_to(k, other);
   const auto band = static_cast<float>(settings.band);
+  const Eigen::AlignedBox3f here = b.bounds().transformed(to_other);
+  if (!(here.squaredExteriorDistance(o.bounds()) < band * band)) return;
   const Matrix3Xf& skin = b.skin();
+  const Matrix3Xf& others_skin = o.skin();
   const MovingSurface& surface = o.surface();
-  for (const SkinCluster& cluster : b.clusters().clusters()) {
-    // The coarsest come first.
-    const auto is_coarse = [&](int i) {
-      const int p = b.clusters().order()[static_cast<std::size_t>(i)];
-      return b.levels()[static_cast<std::size_t>(p)] * std::numbers::sqrt2_v<float> >
-             b.spacing_between();
-    };
-    if (!is_coarse(cluster.first)) continue;
-    const Vector3f middle = to_other * Vector3f(skin.col(cluster.vertex));
-    // Deeper inside than that nothing gets in a frame.
-    if (!surface.may_be_within(middle, band + kStretch * cluster.radius)) continue;
-    for (int i = cluster.first; i < cluster.last && is_coarse(i); ++i) {
-      Candidate c;
-      c.member = k;
-      c.point = b.clusters().order()[static_cast<std::size_t>(i)];
-      c.by = other;
-      c.place = b.place(c.point);
-      const auto found = surface.nearest(to_other * c.place, kDeepInside);
-      if (!found || !(found->distance <= band)) continue;
-      c.gap = static_cast<double>(found->distance);
-      c.corners = surface.corners(found->triangle);
-      c.weights = found->weights;
-      const Vector3f normal = normal_between(b, o, c, *found, to_other);
-      c.other_normal = normal.cast<double>();
-      c.normal = (to_other.linear().transpose() * normal).cast<double>();
-      c.offset =
-          c.gap -
-          (to_other * c.place - o.place(c.corners, c.weights)).cast<double>().dot(c.other_normal);
-      candidates.push_back(c);
-    }
+  const Eigen::AlignedBox3f bounds = surface.bounds();
+  for (const int point : b.points_between()) {
+    const Vector3f place = b.points()[static_cast<std::size_t>(point)].at(skin);
+    const Vector3f there = to_other * place;
+    if (!(bounds.squaredExteriorDistance(there) < band * band)) continue;
+    auto found = surface.nearest(there, band);
+    // What is inside may be farther from the skin.
+    if (!found && bounds.contains(there)) found = surface.nearest(there, kDeepBetween);
+    if (!found || !(found->distance <= band)) continue;
+    Candidate c;
+    c.member = k;
+    c.point = point;
+    c.by = other;
+    c.place = place;
+    c.gap = static_cast<double>(found->distance);
+    c.corners = surface.corners(found->triangle);
+    c.weights = found->weights;
+    const Vector3f normal = normal_between(b, o, c, *found, to_other);
+    c.other_normal = normal.cast<double>();
+    c.normal = (to_other.linear().transpose() * normal).cast<double>();
+    c.foot = o.rest_place(c.corners, c.weights);
+    Vector3f foot = Vector3f::Zero();
+    for (int n = 0; n < 3; ++n) foot += c.weights[n] * others_skin.col(c.corners[n]);
+    c.offset = c.gap - (there - foot).cast<double>().dot(c.other_normal);
+    candidates.push_back(c);
   }
+}
+
+// Whether what was seen last tells the gap of a point that has moved.
+bool ModalContact::Work::is_gap_told(const Candidate& c, double shift) {
+  const float moved = (c.place - c.seen_from).norm();
+  return !(c.force > 0) && moved < kSameGap &&
+         c.seen_gap + shift - static_cast<double>(moved) > static_cast<double>(kSameGap);
 }
 
 // What is seen from where the point is. False: nothing, or no number.
@@ -269,7 +322,10 @@ bool ModalContact::Work::measure_seen(Candidate& c, const GapQuery& gaps, double
       !std::isfinite(seen.distance)) {
     return false;
   }
-  c.gap = static_cast<double>(seen.distance) + shift;
+  c.seen_from = c.place;
+  c.seen_gap = static_cast<double>(seen.distance);
+  c.seen_normal = seen.normal;
+  c.gap = c.seen_gap + shift;
   c.normal = seen.normal.cast<double>();
   c.curvature = seen.curvature;
   c.softness = static_cast<double>(seen.softness);
@@ -310,6 +366,17 @@ void ModalContact::Work::find(std::span<const GapQuery> gaps, std::span<const Ne
     const auto at = std::lower_bound(known.begin(), known.end(), wanted);
     if (at != known.end() && at->key == wanted.key) c.force = at->force;
   }
+  for (std::size_t p = 0; p < candidates.size(); ++p) {
+    const Candidate& c = candidates[p];
+    const Body& b = *bodies[static_cast<std::size_t>(c.member)];
+    const SkinPoint& at = b.points()[static_cast<std::size_t>(c.point)];
+    const auto P = static_cast<Index>(p);
+    b.find_rows({at.corners[0], at.corners[1], at.corners[2]}, at.weights,
+                own_rows.middleCols(3 * P, 3));
+    if (c.by < 0) continue;
+    bodies[static_cast<std::size_t>(c.by)]->find_rows(c.corners, c.weights,
+                                                      others_rows.middleCols(3 * P, 3));
+  }
 }
 
 // At most as many as there is room for: those that take part at once, of a large object coarser
@@ -344,16 +411,26 @@ void ModalContact::Work::keep_most(ModalReport& report) {
 // is asked again: it moves with its triangle, and what bodies slide in between bends it by
 // micrometres.
 void ModalContact::Work::look_again(std::span<const GapQuery> gaps, double shift) {
-  for (Candidate& c : candidates) {
+  for (std::size_t p = 0; p < candidates.size(); ++p) {
+    Candidate& c = candidates[p];
     const Body& b = *bodies[static_cast<std::size_t>(c.member)];
-    c.place = b.place(c.point);
+    const auto P = static_cast<Index>(p);
+    c.place = b.place(b.rest_place(c.point), own_rows.block(0, 3 * P, b.modes(), 3));
     if (c.by >= 0) {
-      const Vector3f foot = bodies[static_cast<std::size_t>(c.by)]->place(c.corners, c.weights);
+      const Body& o = *bodies[static_cast<std::size_t>(c.by)];
+      const Vector3f foot = o.place(c.foot, others_rows.block(0, 3 * P, o.modes(), 3));
       c.gap =
           c.offset + (from_to(c.member, c.by) * c.place - foot).cast<double>().dot(c.other_normal);
+    } else if (is_gap_told(c, shift)) {
+      const Vector3f way = c.place - c.seen_from;
+      const Vector3f bend = c.curvature * way;
+      c.gap =
+          c.seen_gap + shift + static_cast<double>(c.seen_normal.dot(way) + 0.5f * way.dot(bend));
+      c.normal = (c.seen_normal + bend).normalized().cast<double>();
     } else if (!measure_seen(c, gaps[static_cast<std::size_t>(c.member)], shift)) {
       c.gap = 1;  // m: far
       c.force = 0;
+      c.seen_from.setConstant(std::numeric_limits<float>::infinity());
     }
   }
 }
@@ -374,18 +451,16 @@ bool ModalContact::Work::factorise_all() {
     b.evaluate(b.gradient, b.hessian);
     b.factor = b.hessian;
     const Index k = &body - bodies.data();
-    for (const Candidate& c : candidates) {
+    for (std::size_t p = 0; p < candidates.size(); ++p) {
+      const Candidate& c = candidates[p];
       if (c.member != k || !(c.force > 0) || c.curvature.isZero(0)) continue;
-      const SkinPoint& point = b.points()[static_cast<std::size_t>(c.point)];
-      const Eigen::Vector3i corners(point.corners[0], point.corners[1], point.corners[2]);
       // Two directions across the normal hold all of it.
       const Vector3d t1 = c.normal.unitOrthogonal(), t2 = c.normal.cross(t1);
       const Eigen::Matrix3d K = c.curvature.cast<double>();
       for (const Vector3d& t : {t1, t2}) {
         const double bend = c.force * t.dot(K * t);
         if (!(bend > 0)) continue;
-        b.pull.setZero();
-        b.add_row(corners, point.weights, t, b.pull);
+        along(own_rows, p, b.modes(), t, b.pull);
         for (Index j = 0; j < b.modes(); ++j) b.factor.col(j) -= (bend * b.pull[j]) * b.pull;
       }
     }
@@ -402,25 +477,44 @@ bool ModalContact::Work::factorise_all() {
   return true;
 }
 
-// The complementarity problem of those that take part.
+// How the members' modes change a candidate's gap.
+void ModalContact::Work::find_B(std::size_t candidate) {
+  const Candidate& c = candidates[candidate];
+  const auto P = static_cast<Index>(candidate);
+  const Body& b = *bodies[static_cast<std::size_t>(c.member)];
+  along(own_rows, candidate, b.modes(), c.normal, own_B.col(P).head(b.modes()));
+  if (c.by < 0) return;
+  const Body& o = *bodies[static_cast<std::size_t>(c.by)];
+  along(others_rows, candidate, o.modes(), -c.other_normal, others_B.col(P).head(o.modes()));
+}
+
+// m, of one that takes part.
+double ModalContact::Work::gap_after_step(std::size_t candidate) const {
+  const Candidate& c = candidates[candidate];
+  const auto P = static_cast<Index>(candidate);
+  const Body& b = *bodies[static_cast<std::size_t>(c.member)];
+  double after = c.gap + own_B.col(P).head(b.modes()).dot(b.step);
+  if (c.by < 0) return after;
+  const Body& o = *bodies[static_cast<std::size_t>(c.by)];
+  after += others_B.col(P).head(o.modes()).dot(o.step);
+  return after;
+}
+
+// The complementarity problem of those that may press.
 void ModalContact::Work::assemble() {
   const std::size_t m = pressed.size();
   for (std::size_t p = 0; p < m; ++p) {
     const Candidate& c = candidates[pressed[p]];
+    const auto from = static_cast<Index>(pressed[p]), to = static_cast<Index>(p);
     const Body& b = *bodies[static_cast<std::size_t>(c.member)];
-    const SkinPoint& point = b.points()[static_cast<std::size_t>(c.point)];
-    auto column = own.col(static_cast<Index>(p)).head(b.modes());
-    column.setZero();
-    b.add_row({point.corners[0], point.corners[1], point.corners[2]}, point.weights, c.normal,
-              column);
+    auto column = own.col(to).head(b.modes());
+    column = own_B.col(from).head(b.modes());
     solve_lower(b.factor, column);
-    // pull = L^-1 (- W'): what the body would do if nothing pressed.
     gap[p] = c.gap + column.dot(b.pull);
     if (c.by < 0) continue;
     const Body& o = *bodies[static_cast<std::size_t>(c.by)];
-    auto other = others.col(static_cast<Index>(p)).head(o.modes());
-    other.setZero();
-    o.add_row(c.corners, c.weights, -c.other_normal, other);
+    auto other = others.col(to).head(o.modes());
+    other = others_B.col(from).head(o.modes());
     solve_lower(o.factor, other);
     gap[p] += other.dot(o.pull);
   }
@@ -456,26 +550,14 @@ void ModalContact::Work::assemble() {
   }
 }
 
-// One step of Newton's method. Returns how far it moved a vertex, m.
-double ModalContact::Work::iterate(ModalReport& report) {
-  ++report.iterations;
-  wake();
-  if (!factorise_all()) return 0;
-  for (const auto& body : bodies) {
-    Body& b = *body;
-    if (!b.active) continue;
-    b.pull = -b.gradient;
-    solve_lower(b.factor, b.pull);
-  }
-  pressed.clear();
-  for (std::size_t p = 0; p < candidates.size(); ++p) {
-    Candidate& c = candidates[p];
-    if (c.gap < kTakesPart * settings.band || c.force > 0) pressed.push_back(p);
-  }
+// The forces of those that may press, and the steps that they make. False where there is none.
+bool ModalContact::Work::solve_pressed() {
   assemble();
   const std::size_t m = pressed.size();
   for (std::size_t p = 0; p < m; ++p) f[p] = candidates[pressed[p]].force;
-  if (m > 0 && !complementarity.solve({W.data(), m * m}, {gap.data(), m}, {f.data(), m})) return 0;
+  if (m > 0 && !complementarity.solve({W.data(), m * m}, {gap.data(), m}, {f.data(), m})) {
+    return false;
+  }
   for (const auto& body : bodies) {
     if (body->active) body->step = body->pull;
   }
@@ -489,11 +571,51 @@ double ModalContact::Work::iterate(ModalReport& report) {
     Body& o = *bodies[static_cast<std::size_t>(c.by)];
     o.step += f[p] * others.col(static_cast<Index>(p)).head(o.modes());
   }
+  for (const auto& body : bodies) {
+    if (body->active) solve_upper(body->factor, body->step);
+  }
+  return true;
+}
+
+// One step of Newton's method. Returns how far it moved a vertex, m.
+double ModalContact::Work::iterate(ModalReport& report) {
+  ++report.iterations;
+  wake();
+  if (!factorise_all()) return 0;
+  for (const auto& body : bodies) {
+    Body& b = *body;
+    if (!b.active) continue;
+    b.pull = -b.gradient;
+    solve_lower(b.factor, b.pull);
+  }
+  near_ones.clear();
+  pressed.clear();
+  for (std::size_t p = 0; p < candidates.size(); ++p) {
+    const Candidate& c = candidates[p];
+    if (!(c.gap < kTakesPart * settings.band || c.force > 0)) continue;
+    find_B(p);
+    if (c.force > 0) {
+      pressed.push_back(p);
+    } else {
+      near_ones.push_back(p);
+    }
+  }
+  // Few of those that take part press. The others do not if nothing enters them, which is asked of
+  // them afterwards: the answer is that of all.
+  while (true) {
+    if (!solve_pressed()) return 0;
+    const std::size_t before = pressed.size();
+    std::erase_if(near_ones, [&](std::size_t p) {
+      if (!(gap_after_step(p) < -kEntered)) return false;
+      pressed.push_back(p);
+      return true;
+    });
+    if (pressed.size() == before) break;
+  }
   double largest = 0;
   for (const auto& body : bodies) {
     Body& b = *body;
     if (!b.active) continue;
-    solve_upper(b.factor, b.step);
     double moved = b.move(b.step, 1);
     if (moved > settings.largest_move) {
       (void)b.move(b.step, settings.largest_move / moved - 1);
@@ -590,6 +712,10 @@ ModalReport ModalContact::advance(std::span<ModalState> states, std::span<const 
 
 const Matrix3Xf& ModalContact::place(int member, const ModalState& state) {
   return work_->showing(member, state).skin();
+}
+
+void ModalContact::normals(int member, const ModalState& state, Matrix3Xf& normals) {
+  work_->showing(member, state).find_normals(normals);
 }
 
 void ModalContact::stress(int member, const ModalState& state, std::span<float> von_mises,

@@ -79,12 +79,15 @@ class ModalContact {
   /// The states in which nothing enters a body. Pure: the same states and gaps give the same bytes.
   /// @param states  one of each member
   /// @param gaps    to what is seen, in each member's frame; empty functions: nothing is there
-  /// @param near    agree with `gaps`; empty: `gaps` are asked everywhere
+  /// @param near    agree with `gaps`, and tell for any reach, also beyond kGapReach; empty: `gaps`
+  ///                are asked everywhere
   ModalReport advance(std::span<ModalState> states, std::span<const GapQuery> gaps,
                       std::span<const NearQuery> near);
 
   /// (3 x V) m: where a member's skin is. Holds until another member function is called.
   [[nodiscard]] const Eigen::Matrix3Xf& place(int member, const ModalState& state);
+  /// Its normals. @param normals  (3 x V) unit
+  void normals(int member, const ModalState& state, Eigen::Matrix3Xf& normals);
   /// The true stress on it, Pa. @param von_mises  (V)  @param cauchy  (6V); empty: not wanted
   void stress(int member, const ModalState& state, std::span<float> von_mises,
               std::span<float> cauchy = {});

@@ -65,6 +65,7 @@ MovingSurface::MovingSurface(const SurfaceMesh& skin)
         (vertex(triangles_(0, t)) + vertex(triangles_(1, t)) + vertex(triangles_(2, t))) / 3);
   }
   build(0, static_cast<int>(order_.size()), centres);
+  find_corners();
   find_adjacent();
   move(skin.vertices.cast<float>());
 }
@@ -92,6 +93,19 @@ int MovingSurface::build(int first, int count, const std::vector<Vector3f>& cent
   return box;
 }
 
+void MovingSurface::find_corners() {
+  for (Box& box : boxes_) {
+    if (box.count == 0) continue;
+    box.second = static_cast<int>(corners_.size());
+    for (int k = box.first; k < box.first + box.count; ++k) {
+      for (const int v : triangles_.col(order_[k])) corners_.push_back(v);
+    }
+    const auto from = corners_.begin() + box.second;
+    std::sort(from, corners_.end());
+    corners_.erase(std::unique(from, corners_.end()), corners_.end());
+  }
+}
+
 void MovingSurface::find_adjacent() {
   std::map<std::pair<int, int>, int> of_edge;  // directed: the triangle that runs along it
   for (int t = 0; t < triangles_.cols(); ++t) {
@@ -117,6 +131,7 @@ void MovingSurface::find_adjacent() {
 void MovingSurface::move(const Eigen::Matrix3Xf& vertices) {
   PALPABLE_EXPECT(vertices.cols() == vertices_.cols(), "as many vertices as ever");
   vertices_.topRows<3>() = vertices;
+  auto last = std::ssize(corners_);
   for (auto box = boxes_.rbegin(); box != boxes_.rend(); ++box) {  // halves stand behind the whole
     if (box->count == 0) {
       const Box &one = (&*box)[1], &other = boxes_[box->second];
@@ -124,14 +139,15 @@ void MovingSurface::move(const Eigen::Matrix3Xf& vertices) {
       box->high = one.high.max(other.high);
       continue;
     }
-    box->low = box->high = vertices_.col(triangles_(0, order_[box->first])).array();
-    for (int k = box->first; k < box->first + box->count; ++k) {
-      for (int c = 0; c < 3; ++c) {
-        const Eigen::Array4f at = vertices_.col(triangles_(c, order_[k])).array();
-        box->low = box->low.min(at);
-        box->high = box->high.max(at);
-      }
+    Eigen::Array4f low = vertices_.col(corners_[box->second]).array(), high = low;
+    for (std::ptrdiff_t k = box->second + 1; k < last; ++k) {
+      const Eigen::Array4f at = vertices_.col(corners_[k]).array();
+      low = low.min(at);
+      high = high.max(at);
     }
+    box->low = low;
+    box->high = high;
+    last = box->second;
   }
 }
 

@@ -65,7 +65,8 @@ class MovingSurface {
 
  private:
   // Triangles order_[first .. first + count - 1]; an inner box has none, and its halves are the
-  // next box and `second`.
+  // next box and `second`. The corners of those triangles are corners_[second ..] up to those of
+  // the next box that has any.
   struct Box {
     Eigen::Array4f low, high;  // the fourth number is 0
     int first = 0, count = 0, second = 0;
@@ -79,6 +80,7 @@ class MovingSurface {
     Eigen::Vector3f weights;
   };
   int build(int first, int count, const std::vector<Eigen::Vector3f>& centres);
+  void find_corners();
   void find_adjacent();
   void look_into(int box, const Eigen::Array4f& x, Best& best) const;
   [[nodiscard]] Eigen::Vector3f vertex(int v) const { return vertices_.col(v).head<3>(); }
@@ -90,6 +92,7 @@ class MovingSurface {
   Eigen::Matrix3Xi triangles_;
   Eigen::Matrix4Xf vertices_;  // the fourth number is 0
   std::vector<int> order_;
+  std::vector<int> corners_;  // of each innermost box each vertex once
   std::vector<Box> boxes_;
   std::vector<std::array<int, 3>> across_;  // (T) triangle beyond the edge from corner k to k + 1
   std::vector<int> first_, around_;         // of a vertex: around_[first_[v]] .. its triangles

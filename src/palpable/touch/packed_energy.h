@@ -3,11 +3,12 @@
 /// at the cost of reading a quarter of it.
 #pragma once
 
+#include "palpable/material/simd.h"
 #include "palpable/reduced/quartic_energy.h"
 
 #include <Eigen/Core>
 
-#include <vector>
+#include <memory>
 
 namespace palpable {
 
@@ -17,18 +18,18 @@ namespace palpable {
 ///   n  modes     P = n (n + 1) / 2  their pairs
 class PackedEnergy {
  public:
-  explicit PackedEnergy(const QuarticEnergy& energy);
+  explicit PackedEnergy(const QuarticEnergy& energy, SimdLevel level = best_simd_level());
+  ~PackedEnergy();
+  PackedEnergy(PackedEnergy&&) noexcept;
 
   /// W' and W'' at q, as QuarticEquilibrium has them. Allocates nothing once the results have their
-  /// size. @param q  (n)  @param gradient  (n)  @param hessian  (n x n)
+  /// size; the same bytes on every processor. @param q  (n)  @param gradient  (n)
+  /// @param hessian  (n x n)
   void evaluate(const Eigen::VectorXd& q, Eigen::VectorXd& gradient, Eigen::MatrixXd& hessian);
 
  private:
-  Eigen::Index n_;
-  Eigen::VectorXd K_;                           // (P)
-  Eigen::MatrixXf C_;                           // (P x n)
-  Eigen::VectorXf products_, quartic_, cubic_;  // (P)
-  std::vector<float> D_;                        // row by row from the diagonal on
+  struct Work;
+  std::unique_ptr<Work> work_;
 };
 
 }  // namespace palpable

@@ -1,14 +1,12 @@
-// Eight elements at a time, in single precision: what comes from 60 kPa is off by some 0.01 Pa.
-// This file is compiled without contraction of a * b + c (CMakeLists.txt), so that all processors
-// give the same bytes.
+// Eight elements at a time (float_lanes.h). This file is compiled without contraction of a * b + c
+// (CMakeLists.txt), so that all processors give the same bytes.
 
 #include "palpable/touch/shell_stress.h"
 
 #include "palpable/base/contract.h"
 #include "palpable/geometry/element_order.h"
-#include "palpable/material/law.h"
-#include "palpable/material/simd.h"
-#include "palpable/material/tensor.h"
+#include "palpable/touch/float_lanes.h"
+#include "palpable/touch/float_rows.h"
 
 #include <algorithm>
 #include <array>
@@ -22,64 +20,6 @@
 
 namespace palpable {
 namespace {
-
-// An element that is pressed to less of its volume is on its way to being turned inside out.
-constexpr float kLeastVolume = 0.01f;
-// Pa: more is no stress of a body; squares of it are numbers still.
-constexpr float kMostStress = 1e15f;
-
-using FloatPack = float __attribute__((vector_size(kPackSize * sizeof(float))));
-using IntPack = std::int32_t __attribute__((vector_size(kPackSize * sizeof(std::int32_t))));
-using WordPack = std::uint32_t __attribute__((vector_size(kPackSize * sizeof(std::uint32_t))));
-using Four = float __attribute__((vector_size(4 * sizeof(float))));
-
-// Eight floats that the laws' formulas take as a number: their constants are doubles.
-struct Lanes {
-  FloatPack v;
-  PALPABLE_ALWAYS_INLINE Lanes& operator+=(const Lanes& b) {
-    v += b.v;
-    return *this;
-  }
-  PALPABLE_ALWAYS_INLINE Lanes& operator-=(double b) {
-    v -= static_cast<float>(b);
-    return *this;
-  }
-};
-PALPABLE_ALWAYS_INLINE Lanes lanes(double x) { return {FloatPack{} + static_cast<float>(x)}; }
-PALPABLE_ALWAYS_INLINE Lanes operator+(const Lanes& a, const Lanes& b) { return {a.v + b.v}; }
-PALPABLE_ALWAYS_INLINE Lanes operator-(const Lanes& a, const Lanes& b) { return {a.v - b.v}; }
-PALPABLE_ALWAYS_INLINE Lanes operator*(const Lanes& a, const Lanes& b) { return {a.v * b.v}; }
-PALPABLE_ALWAYS_INLINE Lanes operator/(const Lanes& a, const Lanes& b) { return {a.v / b.v}; }
-PALPABLE_ALWAYS_INLINE Lanes operator+(double a, const Lanes& b) { return lanes(a) + b; }
-PALPABLE_ALWAYS_INLINE Lanes operator-(double a, const Lanes& b) { return lanes(a) - b; }
-PALPABLE_ALWAYS_INLINE Lanes operator*(double a, const Lanes& b) { return lanes(a) * b; }
-PALPABLE_ALWAYS_INLINE Lanes operator/(double a, const Lanes& b) { return lanes(a) / b; }
-PALPABLE_ALWAYS_INLINE Lanes operator-(const Lanes& a, double b) { return a - lanes(b); }
-PALPABLE_ALWAYS_INLINE Lanes operator*(const Lanes& a, double b) { return a * lanes(b); }
-
-// As those of tensor.h, to single precision: the rest of the series is below 3e-9 of its first
-// term.
-PALPABLE_ALWAYS_INLINE Lanes logarithm(const Lanes& x) {
-  const WordPack bits = (WordPack)x.v;
-  const IntPack e = ((IntPack)(bits + (0x3f800000U - 0x3f3504f3U)) >> 23) - 127;
-  const FloatPack m = (FloatPack)(bits - ((WordPack)e << 23));
-  const FloatPack s = (m - 1.0f) / (m + 1.0f);
-  const FloatPack q = s * s;
-  const FloatPack series = ((q * (1.0f / 9) + 1.0f / 7) * q + 1.0f / 5) * q + 1.0f / 3;
-  return {__builtin_convertvector(e, FloatPack) * 0.69314718f + 2.0f * (s + s * q * series)};
-}
-PALPABLE_ALWAYS_INLINE Lanes inverse_cube_root(const Lanes& x) {
-  const FloatPack start =
-      1.41989e9f - __builtin_convertvector((IntPack)x.v, FloatPack) * (1.0f / 3);
-  FloatPack r = (FloatPack) __builtin_convertvector(start, IntPack);
-  for (int step = 0; step < 3; ++step) r = r * (4.0f - x.v * r * r * r) * (1.0f / 3);
-  return {r};
-}
-
-// Displacement of a node, m; the fourth number is 0.
-struct alignas(16) PlaceRow {
-  Four u;
-};
 
 // A symmetric tensor, and two numbers that mean nothing.
 struct alignas(32) StressRow {
@@ -111,24 +51,8 @@ struct Differences {
   FloatPack at[A - 1][3];  // m, u_a - u_0
 };
 
-// The displacement of eight nodes.
-PALPABLE_ALWAYS_INLINE void gather(const PlaceRow* rows, const int (&n)[kPackSize],
-                                   FloatPack (&u)[3]) {
-  FloatPack two[4];  // nodes k and k + 4
-  for (int k = 0; k < 4; ++k) {
-    two[k] = __builtin_shufflevector(rows[n[k]].u, rows[n[k + 4]].u, 0, 1, 2, 3, 4, 5, 6, 7);
-  }
-  const FloatPack xy_01 = __builtin_shufflevector(two[0], two[1], 0, 8, 1, 9, 4, 12, 5, 13);
-  const FloatPack xy_23 = __builtin_shufflevector(two[2], two[3], 0, 8, 1, 9, 4, 12, 5, 13);
-  const FloatPack z_01 = __builtin_shufflevector(two[0], two[1], 2, 10, 3, 11, 6, 14, 7, 15);
-  const FloatPack z_23 = __builtin_shufflevector(two[2], two[3], 2, 10, 3, 11, 6, 14, 7, 15);
-  u[0] = __builtin_shufflevector(xy_01, xy_23, 0, 1, 8, 9, 4, 5, 12, 13);
-  u[1] = __builtin_shufflevector(xy_01, xy_23, 2, 3, 10, 11, 6, 7, 14, 15);
-  u[2] = __builtin_shufflevector(z_01, z_23, 0, 1, 8, 9, 4, 5, 12, 13);
-}
-
 template <int A, int Q>
-PALPABLE_ALWAYS_INLINE void gather_differences(const PlaceRow* rows, const ShellBlock<A, Q>& block,
+PALPABLE_ALWAYS_INLINE void gather_differences(const FourRow* rows, const ShellBlock<A, Q>& block,
                                                Differences<A>& u) {
   FloatPack first[3];
   gather(rows, block.nodes[0], first);
@@ -151,24 +75,6 @@ PALPABLE_ALWAYS_INLINE Tensor<Lanes> gradient(const Differences<A>& u,
     }
   }
   return F;
-}
-
-// As deformation() of law.h, with a volume that is not less than the least. Returns 1 / J.
-PALPABLE_ALWAYS_INLINE Lanes bounded_deformation(const Tensor<Lanes>& F, Deformation<Lanes>& d) {
-  d.F = F;
-  const Tensor<Lanes> cofactor = cofactors(F);
-  const Lanes J = F(0, 0) * cofactor(0, 0) + F(1, 0) * cofactor(1, 0) + F(2, 0) * cofactor(2, 0);
-  d.J = {J.v > kLeastVolume ? J.v : FloatPack{} + kLeastVolume};  // also where J is no number
-  const Lanes shrunk = 1.0 / d.J;
-  d.G = shrunk * cofactor;
-  d.I1 = inner(F, F);
-  return shrunk;
-}
-
-// What is no number is the most.
-PALPABLE_ALWAYS_INLINE FloatPack bounded(FloatPack s) {
-  s = s < kMostStress ? s : FloatPack{} + kMostStress;
-  return s > -kMostStress ? s : FloatPack{} - kMostStress;
 }
 
 // Rows of eight elements from components of eight elements: an 8 x 8 matrix turned round.
@@ -197,21 +103,13 @@ PALPABLE_ALWAYS_INLINE void store_rows(const FloatPack (&s)[6], StressRow* to) {
 struct Stresses {
   template <class Law, int A, int Q>
   PALPABLE_ALWAYS_INLINE static int run(const Law& law, std::span<const ShellBlock<A, Q>>& blocks,
-                                        const PlaceRow*& rows, StressRow*& to) {
-    constexpr int kRow[6] = {0, 1, 2, 0, 1, 2}, kColumn[6] = {0, 1, 2, 1, 2, 0};
+                                        const FourRow*& rows, StressRow*& to) {
     for (const ShellBlock<A, Q>& block : blocks) {
       Differences<A> u;
       gather_differences(rows, block, u);
       for (int q = 0; q < Q; ++q, to += kPackSize) {
-        Deformation<Lanes> d;
-        const Lanes shrunk = bounded_deformation(gradient<A>(u, block.g[q]), d);
-        const Tensor<Lanes> P = first_piola(law, d);
         FloatPack s[6];
-        for (int c = 0; c < 6; ++c) {
-          const int i = kRow[c], j = kColumn[c];
-          const Lanes sum = P(i, 0) * d.F(j, 0) + P(i, 1) * d.F(j, 1) + P(i, 2) * d.F(j, 2);
-          s[c] = bounded((sum * shrunk).v);
-        }
+        cauchy_stress(law, gradient<A>(u, block.g[q]), s);
         store_rows(s, to);
       }
     }
@@ -279,7 +177,7 @@ std::vector<ShellPart<A, Q>> parts_of(const ShellTable& table, const std::vector
                                       const std::vector<int>& place_of,
                                       std::vector<int>& row_of_point) {
   std::vector<ShellPart<A, Q>> parts;
-  row_of_point.assign(static_cast<std::size_t>(Q * table.element_count()), 0);
+  row_of_point.assign(std::size_t{Q} * static_cast<std::size_t>(table.element_count()), 0);
   int before = 0;  // blocks of former parts
   for (std::size_t m = 0; m < table.materials.size(); ++m) {
     ShellPart<A, Q> part{table.materials[m], {}};
@@ -289,7 +187,7 @@ std::vector<ShellPart<A, Q>> parts_of(const ShellTable& table, const std::vector
       if (count % kPackSize == 0) part.blocks.emplace_back();
       set_lane(table, e, count % kPackSize, part.blocks.back());
       for (int q = 0; q < Q; ++q) {
-        row_of_point[static_cast<std::size_t>(Q * e + q)] =
+        row_of_point[std::size_t{Q} * static_cast<std::size_t>(e) + static_cast<std::size_t>(q)] =
             ((before + count / kPackSize) * Q + q) * kPackSize + count % kPackSize;
       }
       last = e;
@@ -319,7 +217,7 @@ std::size_t rows_of(const std::vector<ShellPart<A, Q>>& parts) {
 }
 
 template <int A, int Q>
-void fill(SimdLevel level, const std::vector<ShellPart<A, Q>>& parts, const PlaceRow* rows,
+void fill(SimdLevel level, const std::vector<ShellPart<A, Q>>& parts, const FourRow* rows,
           StressRow* to) {
   for (const ShellPart<A, Q>& part : parts) {
     std::span<const ShellBlock<A, Q>> blocks(part.blocks);
@@ -339,7 +237,7 @@ struct ShellStress::Work {
   std::vector<int> node_order, vertex_order;  // (W), (V) along a curve
   std::vector<int> first;                     // (V + 1) in that order
   std::vector<Term> terms;
-  std::vector<PlaceRow> places;   // (W) in that order
+  std::vector<FourRow> places;    // (W) m, displacements in that order
   std::vector<StressRow> stress;  // of all points
 
   Work(const ShellTable& table, int V)
@@ -369,7 +267,7 @@ struct ShellStress::Work {
                 [](const Term& a, const Term& b) { return a.point < b.point; });
       first.push_back(static_cast<int>(terms.size()));
     }
-    places.assign(static_cast<std::size_t>(table.nodes()), PlaceRow{});
+    places.assign(static_cast<std::size_t>(table.nodes()), FourRow{});
     stress.assign(rows_of(linear) + rows_of(quadratic), StressRow{});
   }
 };
@@ -394,7 +292,7 @@ void ShellStress::evaluate(const Eigen::Matrix3Xf& u, std::span<float> von_mises
   for (std::size_t k = 0; k < w.places.size(); ++k) {
     const int n = w.node_order[k];
     const Eigen::Vector3f here = w.preload.col(n) + u.col(n);
-    w.places[k].u = Four{here[0], here[1], here[2], 0.0f};
+    w.places[k].v = Four{here[0], here[1], here[2], 0.0f};
   }
   fill(w.level, w.linear, w.places.data(), w.stress.data());
   fill(w.level, w.quadratic, w.places.data(), w.stress.data());

@@ -34,6 +34,23 @@ double force_difference(const TouchState& state, const Matrix3Xd& truth, bool sq
   return (sum - true_sum).norm() / true_sum.norm();
 }
 
+// Of the capsules; of other parts, which come after them, nothing is known.
+std::vector<Eigen::AlignedBox3f> boxes_of(const ObstacleGaps& gaps) {
+  std::vector<Eigen::AlignedBox3f> boxes;
+  for (const Capsule& capsule : gaps.obstacle().capsules) {
+    boxes.push_back(box_of(capsule).cast<float>());
+  }
+  return boxes;
+}
+
+// Whether a part's box is as far as that.
+bool is_farther(const std::vector<Eigen::AlignedBox3f>& boxes, int part,
+                const Eigen::Vector3f& place, float reach) {
+  const auto box = static_cast<std::size_t>(part);
+  return box < boxes.size() && reach > 0 &&
+         !(boxes[box].squaredExteriorDistance(place) < reach * reach);
+}
+
 // The present answers of both.
 TouchDifference difference_of(const SkinResponse& skin, const ContactWalk& walk, TouchSolver& touch,
                               const TouchState& state, const TouchScene& scene, double depth) {
@@ -72,11 +89,12 @@ Eigen::VectorXd true_von_mises(const SkinResponse& skin, const Matrix3Xd& displa
 }
 
 GapQuery gaps_to(const ObstacleGaps& gaps) {
-  return [&gaps](const Eigen::Vector3f& place, SurfaceGap& gap) {
+  return [&gaps, boxes = boxes_of(gaps)](const Eigen::Vector3f& place, SurfaceGap& gap) {
     const Vector3d x = place.cast<double>();
     double nearest = static_cast<double>(kGapReach);
     int part = -1;
     for (int p = 0; p < gaps.part_count(); ++p) {
+      if (is_farther(boxes, p, place, static_cast<float>(nearest))) continue;
       const double distance = gaps.distance(p, x);
       if (distance >= nearest) continue;
       nearest = distance;
@@ -92,19 +110,14 @@ GapQuery gaps_to(const ObstacleGaps& gaps) {
 }
 
 NearQuery near_to(const ObstacleGaps& gaps) {
-  std::vector<Eigen::AlignedBox3f> boxes;  // of the capsules; of other parts nothing is known
+  const std::vector<Eigen::AlignedBox3f> boxes = boxes_of(gaps);
   Eigen::AlignedBox3f all;
-  for (const Capsule& capsule : gaps.obstacle().capsules) {
-    boxes.push_back(box_of(capsule).cast<float>());
-    all.extend(boxes.back());
-  }
+  for (const Eigen::AlignedBox3f& box : boxes) all.extend(box);
   const bool is_known = gaps.part_count() == std::ssize(boxes);
   return [&gaps, boxes, all, is_known](const Eigen::Vector3f& place, float reach) {
-    const float square = reach * reach;
-    if (is_known && !(all.squaredExteriorDistance(place) < square)) return false;
+    if (is_known && !(all.squaredExteriorDistance(place) < reach * reach)) return false;
     for (int p = 0; p < gaps.part_count(); ++p) {
-      const auto box = static_cast<std::size_t>(p);
-      if (box < boxes.size() && !(boxes[box].squaredExteriorDistance(place) < square)) continue;
+      if (is_farther(boxes, p, place, reach)) continue;
       if (gaps.distance(p, place.cast<double>()) < static_cast<double>(reach)) return true;
     }
     return false;
