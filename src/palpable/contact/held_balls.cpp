@@ -1,6 +1,7 @@
 #include "palpable/contact/held_balls.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/geometry/shows_room.h"
 
 #include <algorithm>
 #include <array>
@@ -24,7 +25,7 @@ Seen look(const DepthImage& depth, const MaskImage& shows, double u, double v, f
   const int x = static_cast<int>(std::lround(u)), y = static_cast<int>(std::lround(v));
   if (x < 0 || y < 0 || x >= depth.width() || y >= depth.height()) return Seen::kUnknown;
   if (shows(x, y) == kShowsPresser) return Seen::kPresser;
-  if (shows(x, y) != kShowsRoom) return Seen::kUnknown;
+  if (!shows_room(shows(x, y))) return Seen::kUnknown;
   return depth(x, y) < z - kHides ? Seen::kUnknown : Seen::kRoom;  // false for NaN
 }
 

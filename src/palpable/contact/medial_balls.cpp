@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 namespace palpable {
@@ -29,6 +30,9 @@ constexpr float kOutlinePx = 1.5f;
 
 // px by which the disc round the true middle is larger, at most, than that round its pixel.
 constexpr float kMostBeside = 0.75f;
+
+// Towards the end of a thing distances fall, and behind they do not; px per px.
+constexpr float kFalls = 0.3f, kFlat = 0.3f;
 
 constexpr int kChunk = 64;  // px of a row that are asked at once
 
@@ -101,10 +105,39 @@ struct Finder {
   // whose section is a circle of `radius` falls off from its middle is taken out; 0: nothing is.
   [[nodiscard]] Sums sum_window(int x, int y, float least, float radius) const;
 
+  // px, from a medial pixel to the middle of the end of its thing, less than a step away: one step
+  // on, the distance to the outline has fallen by as much less than the step as the middle lies on.
+  [[nodiscard]] Eigen::Vector2f to_end(int x, int y) const {
+    constexpr std::array<std::array<int, 2>, 8> kAround{
+        {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
+    const float here = silhouette.distance(x, y);
+    std::array<float, 8> falls;  // px per px
+    for (std::size_t k = 0; k < kAround.size(); ++k) {
+      const int u = x + kAround[k][0], v = y + kAround[k][1];
+      const float there = inside(u, v) ? silhouette.distance(u, v) : 0;
+      if (!(there > 0) || !std::isfinite(there)) return Eigen::Vector2f::Zero();
+      falls[k] = (here - there) / (k % 2 == 0 ? 1.0f : std::numbers::sqrt2_v<float>);
+    }
+    Eigen::Vector2f way = Eigen::Vector2f::Zero();
+    float flattest = kFlat;
+    for (std::size_t k = 0; k < kAround.size(); ++k) {
+      const float behind = std::abs(falls[(k + kAround.size() / 2) % kAround.size()]);
+      if (behind >= flattest || falls[k] < kFalls) continue;
+      flattest = behind;
+      way = std::max(1 - falls[k], 0.0f) *
+            Eigen::Vector2f(static_cast<float>(kAround[k][0]), static_cast<float>(kAround[k][1]));
+    }
+    return way;
+  }
+
   // The front of a round thing of radius `radius` at its middle: each pixel of the window says how
   // deep that is, if the thing falls off to its outline like a circle. A plane through them, found
   // as 1/Z = a + b du + c dv: under perspective a plane is linear for the inverse depth.
-  [[nodiscard]] std::optional<MedialBall> ball_at(int x, int y, float disc, float radius) const {
+  // @param on    px, from the pixel to where the ball is wanted
+  // @param nearer  1/m, by which the front is nearer than it was measured
+  [[nodiscard]] std::optional<MedialBall> ball_at(int x, int y, float disc, float radius,
+                                                  const Eigen::Vector2f& on = {0, 0},
+                                                  double nearer = 0) const {
     const auto fattening = static_cast<float>(settings.fattening);
     const Sums s = sum_window(x, y, fattening + std::min(kOutlinePx, kOutlineShare * disc), radius);
     if (s.n < kLeastPixels) return std::nullopt;
@@ -124,10 +157,12 @@ struct Finder {
       const double other = (cuw * cuv + cvw * cvv) / (trace * trace);
       b = along, c = other;
     }
+    const double u = static_cast<double>(on.x()), v = static_cast<double>(on.y());
     const double w =
-        1.0 / static_cast<double>(depth(x, y)) + me - b * mu - c * mv;  // at the pixel itself
+        1.0 / static_cast<double>(depth(x, y)) + me + b * (u - mu) + c * (v - mv) + nearer;
     if (!(w > 0)) return std::nullopt;
-    const Vector3d ray((x - camera.cx_px) / camera.fx_px, (y - camera.cy_px) / camera.fy_px, 1);
+    const Vector3d ray((x + u - camera.cx_px) / camera.fx_px, (y + v - camera.cy_px) / camera.fy_px,
+                       1);
     // The plane n.X = k is 1/Z = n.ray / k: n is proportional to the gradient of 1/Z with respect
     // to the ray, completed so that the plane passes through the point itself.
     const double bx = b * camera.fx_px, by = c * camera.fy_px;
@@ -280,7 +315,9 @@ void find_medial_balls(const DepthImage& depth, const PinholeCamera& camera,
       const float disc = std::clamp(find.disc_of(x, y) - fattening, kThinnest, most);
       const float radius = radius_of(disc, z);
       if (!is_wanted(radius)) continue;
-      if (auto ball = find.ball_at(x, y, disc, radius)) balls.push_back(*ball);
+      if (auto ball = find.ball_at(x, y, disc, radius, find.to_end(x, y), settings.too_far)) {
+        balls.push_back(*ball);
+      }
     }
   }
 }

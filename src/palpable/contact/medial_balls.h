@@ -12,6 +12,9 @@
 /// thick. (A ball behind every pixel reaches too far: at a finger's flanks the normals push the
 /// centres sideways.)
 ///
+/// The last ball of a thing that ends is moved from its pixel to the middle of that end, which lies
+/// less than a pixel on: or a finger would be half a pixel too short.
+///
 /// Under perspective a ball at depth Z, seen as a disc of d px with focal length f, has the radius
 /// r = Z_front d / (f - d).
 #pragma once
@@ -38,6 +41,9 @@ struct MedialBallSettings {
   /// px by which things look wider than they are, on each side: the windows of a matcher reach over
   /// the outlines of near things. Discs are made as much smaller, but no less than a third of one.
   double fattening = 0;
+  /// 1/m, by which the inverse depth of thin parts is measured too small: between its outlines,
+  /// which lie deeper, a matcher sees a thin thing's front too far away.
+  double too_far = 0;
   /// Wide parts that bend more than a ball of most_radius (fingers side by side) are as thick as
   /// they bend, but no thinner than least_relief, m.
   double least_relief = 0.006;

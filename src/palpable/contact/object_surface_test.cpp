@@ -2,6 +2,7 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/order_statistics.h"
+#include "palpable/geometry/shows_room.h"
 #include "tests/support/allocations.h"
 #include "tests/support/seen_capsules.h"
 #include "tests/support/test.h"
@@ -250,6 +251,76 @@ TEST_CASE("things look wider to a matcher, and are made as thin as they are",
   REQUIRE(!radii.empty());
   CHECK(upper_median(radii) ==
         Approx(thin.radius).margin(tolerance(6e-4, "half a pixel: it lies along the rows")));
+}
+
+TEST_CASE("outlines that are known better are not made thinner", "[contact][object surface]") {
+  // 17 px wide; what is above it nobody knows.
+  const Capsule thing{{-0.06, 0, 0.4}, {0.06, 0, 0.4}, 0.0097};
+  const DepthImage depth = test::depth_of({thing}, kCamera);
+  MaskImage shows(kCamera.width, kCamera.height, kShowsRoom);
+  for (int v = 0; v < kCamera.height; ++v) {
+    for (int u = 0; u < kCamera.width; ++u) {
+      if (depth(u, v) > 0) shows(u, v) = kShowsPresser;
+    }
+  }
+  const auto radius = [&](double by_color, double beside_unknown, std::uint8_t room) {
+    ObjectSurfaceSettings settings;
+    settings.balls.fattening = 1.5;
+    settings.silhouette.by_color = by_color;
+    settings.silhouette.beside_unknown = beside_unknown;
+    for (std::uint8_t& s : shows) s = s == kShowsPresser ? s : room;
+    // The room is measured, but for where nobody knows it.
+    DepthImage whole = depth;
+    for (std::size_t i = 0; i < whole.size() && room != kShowsUnknown; ++i) {
+      if (!(whole.data()[i] > 0)) whole.data()[i] = 0.6f;
+    }
+    ObjectSurface seen(settings);
+    seen.build(whole, shows, kCamera, Rigid3::Identity(), box_around({0, 0, 0.4}, 0.03));
+    std::vector<double> radii;
+    for (const ObjectBall& ball : seen.balls()) radii.push_back(static_cast<double>(ball.radius));
+    REQUIRE(!radii.empty());
+    return upper_median(radii);
+  };
+  const double px = 0.4 / kCamera.fx_px;
+  const double thin = radius(1, 1, kShowsRoom);
+  CHECK(radius(1, 0, kShowsRoomByColor) ==
+        Approx(thin + px).margin(tolerance(2e-4, "1/8 px: perspective")));
+  CHECK(radius(0, 1, kShowsUnknown) ==
+        Approx(thin + px).margin(tolerance(2e-4, "1/8 px: perspective")));
+}
+
+TEST_CASE("thin things stand nearer than a matcher has them", "[contact][object surface]") {
+  const Capsule thin{{-0.06, 0, 0.4}, {0.06, 0, 0.4}, 0.008};
+  const auto front = [&](double too_far) {
+    ObjectSurfaceSettings settings;
+    settings.balls.too_far = too_far;
+    ObjectSurface seen(settings);
+    seen.build(test::depth_of({thin}, kCamera), {}, kCamera, Rigid3::Identity(),
+               box_around({0, 0, 0.4}, 0.03));
+    std::vector<double> z;
+    for (const ObjectBall& ball : seen.balls()) z.push_back(static_cast<double>(ball.point.z()));
+    REQUIRE(!z.empty());
+    return upper_median(z);
+  };
+  CHECK(1 / front(0.006) - 1 / front(0) == Approx(0.006).margin(1e-5));
+}
+
+TEST_CASE("a finger's end is where it is, wherever in a pixel that is",
+          "[contact][object surface]") {
+  double shortest = 0, longest = 0;
+  for (int k = 0; k < 8; ++k) {
+    const double end = 0.02 + k / 8.0 * 0.4 / kCamera.fx_px;
+    const Capsule finger{{-0.06, 0, 0.4}, {end, 0, 0.4}, 0.008};
+    ObjectSurface seen;
+    seen.build(test::depth_of({finger}, kCamera), {}, kCamera, Rigid3::Identity(),
+               box_around({end, 0, 0.4}, 0.03));
+    const auto found = seen.nearest(Vector3f(static_cast<float>(end) + 0.008f, 0, 0.4f));
+    REQUIRE(found.has_value());
+    shortest = std::max(shortest, static_cast<double>(found->distance));
+    longest = std::max(longest, -static_cast<double>(found->distance));
+  }
+  CHECK(shortest < tolerance(9e-4, "0.8 px; 1.2 px without the last ball's step"));
+  CHECK(longest < tolerance(9e-4, "the same"));
 }
 
 TEST_CASE("the tree finds what looking at every ball finds", "[contact][object surface][law]") {

@@ -1,6 +1,7 @@
 #include "palpable/contact/silhouette.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/geometry/shows_room.h"
 
 #include <algorithm>
 #include <cmath>
@@ -85,7 +86,7 @@ bool Silhouette::ends_towards(int x, int y, int dx, int dy) const {
     if (other < z - jump(other)) return false;  // something nearer hides the rest
     if (other > z + jump(z)) return true;
     // As near: the thing goes on, unless that is the desk on which a hand lies.
-    return !shows_->empty() && (*shows_)(u, v) == kShowsRoom;
+    return !shows_->empty() && shows_room((*shows_)(u, v));
   }
   return true;  // a wide hole: nothing was measured beside the thing
 }
@@ -126,6 +127,14 @@ void Silhouette::begin_row(int y) {
   }
 }
 
+// px, of an outline whose first pixel beyond it is (x, y).
+float Silhouette::known_better(int x, int y) const {
+  const std::uint8_t shows = shows_->empty() ? kShowsRoom : (*shows_)(x, y);
+  if (shows == kShowsRoomByColor) return static_cast<float>(settings_.by_color);
+  const bool unknown = shows == kShowsUnknown || !is_depth((*depth_)(x, y));
+  return unknown ? static_cast<float>(settings_.beside_unknown) : 0;
+}
+
 // The outlines that pass right beside a pixel of a thing.
 void Silhouette::begin_at(int x, int y) {
   float& distance = distance_[at(x, y)];
@@ -139,8 +148,11 @@ void Silhouette::begin_at(int x, int y) {
       continue;
     }
     if (!ends_towards(x, y, dx, dy)) continue;
-    const float beyond =
-        presence_ == nullptr || !inside ? 0 : (*presence_)(u, v) + (*presence_)(x, y) - 1;
+    float beyond = 0;
+    if (inside) {
+      beyond = known_better(u, v);
+      if (presence_ != nullptr) beyond += (*presence_)(u, v) + (*presence_)(x, y) - 1;
+    }
     if (0.5f + beyond >= distance) continue;
     distance = std::max(0.5f + beyond, kLeast);
     nearest_[at(x, y)] = {static_cast<std::int16_t>(dx), static_cast<std::int16_t>(dy)};

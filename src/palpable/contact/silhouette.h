@@ -29,6 +29,10 @@ struct SilhouetteSettings {
   double least_jump = 0.008;
   /// Pixels without depth are looked across, at most so many, to know what lies behind an edge.
   int longest_hole = 12;
+  /// px by which outlines are known better than others, and count as so much farther out
+  /// (MedialBallSettings::fattening): beside pixels without depth a matcher's windows have not
+  /// grown over the room; beside kShowsRoomByColor the picture was asked.
+  double beside_unknown = 0, by_color = 0;
 };
 
 /// m: what the depths of two neighbouring pixels of one surface differ by at most, at depth z.
@@ -100,6 +104,7 @@ class Silhouette {
     return static_cast<std::size_t>(y - box_.y + 1) * stride_ +
            static_cast<std::size_t>(x - box_.x) + kBefore;
   }
+  [[nodiscard]] float known_better(int x, int y) const;
   [[nodiscard]] bool ends_towards(int x, int y, int dx, int dy) const;
   [[nodiscard]] OutlineRow outline_row(int x, int y);
   void begin_row(int y);

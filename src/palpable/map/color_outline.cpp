@@ -1,6 +1,7 @@
 #include "palpable/map/color_outline.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/geometry/shows_room.h"
 
 #include <algorithm>
 #include <cmath>
@@ -155,6 +156,25 @@ bool ColorOutline::is_room(const SeenFrame& seen, const MaskImage& shows, int x,
   return off > kOtherHue * least;
 }
 
+// The room within two pixels of outlines that colours tell.
+void ColorOutline::mark_told(const SeenFrame& seen, const PixelBox& box, MaskImage& shows) {
+  for (const Place& at : band_) {
+    if (shows(at.x, at.y) != kShowsPresser ||
+        !compared(seen, shows, at.x / kCell, at.y / kCell).tells) {
+      continue;
+    }
+    for (const auto& d : kBesides) {
+      const int x = at.x + d[0], y = at.y + d[1];
+      if (!box.contains(x, y) || !shows_room(shows(x, y))) continue;
+      for (int v = std::max(y - 1, box.y); v < std::min(y + 2, box.y + box.height); ++v) {
+        for (int u = std::max(x - 1, box.x); u < std::min(x + 2, box.x + box.width); ++u) {
+          if (shows(u, v) == kShowsRoom) shows(u, v) = kShowsRoomByColor;
+        }
+      }
+    }
+  }
+}
+
 void ColorOutline::trim(const SeenFrame& seen, const PixelBox& box, MaskImage& shows) {
   const int width = shows.width(), height = shows.height();
   factor_ = seen.color.width() / std::max(width, 1);
@@ -177,6 +197,7 @@ void ColorOutline::trim(const SeenFrame& seen, const PixelBox& box, MaskImage& s
         });
     if (is_beside && is_room(seen, shows, at.x, at.y)) shows(at.x, at.y) = kShowsRoom;
   }
+  mark_told(seen, box, shows);
   for (const Place& at : band_) in_band_(at.x, at.y) = 0;
   for (const std::size_t at : asked_) cells_[at].is_summed = cells_[at].is_compared = false;
   asked_.clear();

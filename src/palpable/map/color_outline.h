@@ -40,7 +40,8 @@ class ColorOutline {
   /// @throws ContractViolation for settings out of their range
   explicit ColorOutline(const ColorOutlineSettings& settings = {});
 
-  /// Gives to the room what looks as it does along the outlines of what presses.
+  /// Gives to the room what looks as it does along the outlines of what presses. Beside outlines at
+  /// which colours tell both sides apart the room becomes kShowsRoomByColor.
   /// @param shows  of the depth's size (geometry/image.h); changed inside the box alone
   void trim(const SeenFrame& seen, const PixelBox& box, MaskImage& shows);
 
@@ -68,6 +69,7 @@ class ColorOutline {
   void find_band(const PixelBox& box, const MaskImage& shows);
   const Cell& summed(const SeenFrame& seen, const MaskImage& shows, int i, int j);
   const Cell& compared(const SeenFrame& seen, const MaskImage& shows, int i, int j);
+  void mark_told(const SeenFrame& seen, const PixelBox& box, MaskImage& shows);
   [[nodiscard]] bool is_room(const SeenFrame& seen, const MaskImage& shows, int x, int y);
   [[nodiscard]] std::size_t index(int i, int j) const {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(across_) +

@@ -70,6 +70,27 @@ void median_3x3(const Disparities& in, int y_begin, int y_end, Disparities& out)
   median_3x3_loops(in, y_begin, y_end, out);
 }
 
+void take_lag_back(const Disparities& in, int y_begin, int y_end, Disparities& out) {
+  constexpr int kReach = 2;  // rows
+  for (int y = y_begin; y < y_end; ++y) {
+    const std::int16_t* here = in.row(y);
+    std::int16_t* to = out.row(y);
+    if (y < kReach || y + kReach >= in.height()) {
+      std::copy_n(here, in.width(), to);
+      continue;
+    }
+    const std::int16_t *above = in.row(y - kReach), *below = in.row(y + kReach);
+    for (int x = 0; x < in.width(); ++x) {
+      const int d = here[x], a = above[x], b = below[x];
+      // What is unknown or too close is farther away from all that is measured than a step.
+      const bool one =
+          std::abs(a - d) <= kLagStep && std::abs(b - d) <= kLagStep && is_measured(here[x]);
+      const int moved = (kLagRows_64 * (b - a) + 128) >> 8;
+      to[x] = static_cast<std::int16_t>(one ? d + moved : d);
+    }
+  }
+}
+
 void smooth_surfaces(const Disparities& in, int y_begin, int y_end, Disparities& out) {
   smooth_surfaces_loops(in, y_begin, y_end, out);
 }

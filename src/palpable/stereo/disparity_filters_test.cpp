@@ -52,6 +52,30 @@ Checked check(const Winners& winners, int first, int disparities, int left_right
   return out;
 }
 
+TEST_CASE("a slope that comes out some rows too late is put back", "[stereo]") {
+  constexpr int kWidth = 40, kHeight = 60;
+  constexpr double kRows = kLagRows_64 / 64.0, kSlope = 0.15;  // px a row, a desk's
+  Disparities late(kWidth, kHeight), back(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      // On the right something nearer ends at row 30, and one pixel is not known.
+      late(x, y) = x < 30 ? px(20 + kSlope * (y - kRows)) : y < 30 ? px(40) : px(20);
+    }
+  }
+  late(10, 20) = kUnknownDisparity;
+  late(12, 20) = kTooCloseDisparity;
+  take_lag_back(late, 0, 30, back);
+  take_lag_back(late, 30, kHeight, back);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const bool as_it_is = x >= 30 || y < 2 || y + 2 >= kHeight || !is_measured(late(x, y)) ||
+                            !is_measured(late(x, y - 2)) || !is_measured(late(x, y + 2));
+      const int expected = as_it_is ? late(x, y) : px(20 + kSlope * y);
+      CHECK(std::abs(back(x, y) - expected) <= (as_it_is ? 0 : 2));  // 1/64 px, rounded twice
+    }
+  }
+}
+
 TEST_CASE("a winner with its partner outside, or at an end of the range, is unknown", "[stereo]") {
   const Checked found = check(winners_of(40, 7, 3), 2, 16, 1);
   for (int x = 0; x < 40; ++x) {

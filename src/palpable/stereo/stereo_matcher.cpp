@@ -252,6 +252,11 @@ void StereoMatcher::refine(const GrayImage& left_full, const GrayImage& right_fu
   p.make_room(kernel_workspace_bytes(width, p.settings.disparities));
   p.crew.run(kStrips, [&](int strip) {
     const StripRows rows = rows_of_strip(strip, height);
+    take_lag_back(pair.disparity, rows.begin, rows.end, p.unsmoothed);
+  });
+  std::swap(p.unsmoothed, pair.disparity);
+  p.crew.run(kStrips, [&](int strip) {
+    const StripRows rows = rows_of_strip(strip, height);
     p.kernels->refine(left_full, right_full, rows.begin, rows.end, pair.disparity,
                       p.workspaces[strip].begin());
   });

@@ -55,7 +55,7 @@ class StereoMatcher {
   void match(const GrayImage& left, const GrayImage& right, MatchedPair& out);
 
   /// Brings disparities of images of half the size to the precision of the full ones, and smooths
-  /// them: half the error for a fifth of the time.
+  /// them, after their lag (take_lag_back) is taken back: half the error for a fifth of the time.
   /// @throws ContractViolation unless the images are twice as large as the pair, or by a pixel more
   void refine(const GrayImage& left_full, const GrayImage& right_full, MatchedPair& pair);
 
