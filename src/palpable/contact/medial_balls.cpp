@@ -122,7 +122,9 @@ struct Finder {
     float flattest = kFlat;
     for (std::size_t k = 0; k < kAround.size(); ++k) {
       const float behind = std::abs(falls[(k + kAround.size() / 2) % kAround.size()]);
-      if (behind >= flattest || falls[k] < kFalls) continue;
+      // Of a slanted thing's middle, between pixels, one direction may fall, but not those beside.
+      const float ahead = std::min({falls[k], falls[(k + 1) % 8], falls[(k + 7) % 8]});
+      if (behind >= flattest || ahead < kFalls) continue;
       flattest = behind;
       way = std::max(1 - falls[k], 0.0f) *
             Eigen::Vector2f(static_cast<float>(kAround[k][0]), static_cast<float>(kAround[k][1]));

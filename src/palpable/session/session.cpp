@@ -19,7 +19,7 @@ namespace {
 // The windows of our matcher reach over the outlines of near things: on six films of the synthetic
 // desk outlines lie 1.0 to 1.4 px of the depth too far out beside the measured room, 0 to 1.0 px
 // where colours tell them, and 0 beside pixels without depth.
-constexpr double kCensusFattening = 1.2;
+constexpr double kCensusFattening = 1.3;
 constexpr double kBesideUnknown = kCensusFattening;
 constexpr double kByColor = 0.5;
 
