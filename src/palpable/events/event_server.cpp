@@ -190,7 +190,7 @@ void EventServer::send(std::string_view line, Clock::time_point now) {
   PALPABLE_EXPECT(line.size() > 4 && line.front() == '{' && line.ends_with("}\n"),
                   "a line is one object that holds something");
   serve(now);
-  for (Client& client : clients_) send_to(client, line, now);
+  for (Client& client : clients_) send_to(client, line);
   close_gone();
 }
 
@@ -229,7 +229,7 @@ void EventServer::make_room() {
   close_gone();
 }
 
-void EventServer::send_to(Client& client, std::string_view line, Clock::time_point now) {
+void EventServer::send_to(Client& client, std::string_view line) {
   if (client.gone) return;
   if (!client.unsent.empty()) {
     ++client.dropped;
@@ -253,7 +253,6 @@ void EventServer::send_to(Client& client, std::string_view line, Clock::time_poi
   }
   client.dropped = 0;
   client.sent = count < 0 ? 0 : static_cast<std::size_t>(count);
-  if (client.sent > 0) client.took = now;
   if (client.sent == written.size + rest.size()) return;
   client.unsent.assign(begin.data(), written.size).append(rest);
 }

@@ -87,11 +87,11 @@ class EventServer {
     bool gone = false;
   };
 
-  void listen_at(const std::filesystem::path& socket);
+  void listen_at(const std::filesystem::path& path);
   void listen_at_port(int port);
   void let_in(Clock::time_point now);
   void make_room();
-  void send_to(Client& client, std::string_view line, Clock::time_point now);
+  void send_to(Client& client, std::string_view line);
   static void throw_away_input(Client& client);
   static void send_rest(Client& client, Clock::time_point now);
   void close_gone();
