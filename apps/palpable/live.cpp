@@ -4,6 +4,7 @@
 #include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
 #include "apps/palpable/ctrl_c.h"
+#include "apps/palpable/live_events.h"
 #include "apps/palpable/live_setup.h"
 #include "palpable/base/error.h"
 #include "palpable/base/folder_lock.h"
@@ -33,6 +34,7 @@ namespace fs = std::filesystem;
 struct Options {
   LiveOptions live;
   fs::path out;
+  std::string events = kNoEvents;
   std::string view = "camera";
   bool window = false;
   bool pictures = false;
@@ -99,7 +101,7 @@ std::vector<std::string> names_of_several(const Session& session) {
 // @return what happened, and the output; null when no frame could be used
 template <class BeginOutput>
 std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, LiveRun& run,
-                                                        ScenePainter& painter,
+                                                        ScenePainter& painter, LiveEvents& events,
                                                         const BeginOutput& begin_output) {
   const Session& session = run.loop.session;
   ProgressBar bar;
@@ -109,8 +111,10 @@ std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, 
     Scene* scene = loop.next_within(FrameSource::kLongestWait);
     if (scene == nullptr) {  // the picture and the body stay as they are
       painter.handle_events();
+      events.serve();
       continue;
     }
+    events.tell(*scene);
     if (!output) output = begin_output();
     std::unique_ptr<DrawnFrame> drawn = output->blank();
     std::swap(drawn->scene, *scene);
@@ -138,6 +142,7 @@ void live(const Options& options) {
   const std::vector<fs::path> earlier =
       earlier_run(options.out, options.overwrite, inputs_of(wanted));
   wanted.clip = options.out / "clip";
+  LiveEvents events(options.events);
   LiveSetUp setup = set_up_live(wanted);
   LiveRun& run = setup.run;
   warn_of_size(run);
@@ -147,7 +152,8 @@ void live(const Options& options) {
   const Session& session = run.loop.session;
   const auto begin = std::chrono::steady_clock::now();
   listen_for_ctrl_c();
-  const auto [counts, output] = play(options, run, painter, [&] {
+  events.begin(session);
+  const auto [counts, output] = play(options, run, painter, events, [&] {
     remove_earlier_run(earlier);
     return std::make_unique<LiveOutput>(LiveOutputSettings{.folder = options.out,
                                                            .depth = !options.no_depth,
@@ -168,6 +174,7 @@ void live(const Options& options) {
   painter.throw_gl_errors();
 
   fmt::print("{}", text_of(counts, run.loop.session, wall.count()));
+  events.report();
   fmt::print("{}\n", (options.out / "touch.mp4").string());
   for (const std::string& name : output->figures()) {
     fmt::print("{}\n", (options.out / name).string());
@@ -190,6 +197,7 @@ void add_live(Command app) {
                   "pressed skin, from outside")
       .one_of({"camera", "map", "surface"})
       .show_default();
+  add_events_option(command, options->events);
   command.add_flag("--window", options->window,
                    "Show it in a window too; Escape or Q ends the run. With --view map or surface, "
                    "dragging turns it, the wheel comes nearer, R takes both back");

@@ -1,0 +1,42 @@
+/// @file
+/// `palpable live --events`: whoever connects is told of touches while the run goes on.
+#pragma once
+
+#include "palpable/events/event_lines.h"
+#include "palpable/events/event_server.h"
+
+#include <optional>
+#include <string>
+
+namespace palpable::app {
+
+class Command;
+
+inline constexpr const char* kNoEvents = "none";
+
+/// Adds --events to a command.
+void add_events_option(Command command, std::string& events);
+
+/// The clients of one run; of kNoEvents nothing happens.
+class LiveEvents {
+ public:
+  /// Listens; who connects waits until begin().
+  /// @param events  kNoEvents, or what event_address() reads
+  /// @throws Error that names --events
+  explicit LiveEvents(const std::string& events);
+
+  /// Lets clients in from now on, and prints where they are to connect.
+  void begin(const Session& session);
+  /// Tells what was answered to a frame.
+  void tell(const Scene& scene);
+  /// While no frame comes.
+  void serve();
+  /// Prints what became of them.
+  void report() const;
+
+ private:
+  std::optional<EventServer> server_;
+  std::optional<FrameLines> lines_;
+};
+
+}  // namespace palpable::app
