@@ -21,6 +21,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,7 +33,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   LiveOptions live;
-  fs::path out;
+  fs::path out;  // empty: nothing is written
   std::string view = "camera";
   bool window = false;
   bool pictures = false;
@@ -41,6 +42,22 @@ struct Options {
   bool meshes = false;
   bool overwrite = false;
 };
+
+// Whether anybody looks at pictures.
+[[nodiscard]] bool has_pictures(const Options& options) {
+  return options.window || !options.out.empty();
+}
+
+// What says how files are written says nothing where none are.
+void expect_out_where_files_are_wanted(const Options& options) {
+  if (!options.out.empty()) return;
+  for (const auto& [wanted, name] :
+       {std::pair{options.pictures, "--pictures"}, std::pair{options.meshes, "--meshes"},
+        std::pair{options.no_masks, "--no-masks"}, std::pair{options.no_depth, "--no-depth"},
+        std::pair{options.overwrite, "--overwrite"}}) {
+    if (wanted) throw Error(fmt::format("{}: without --out nothing is written", name));
+  }
+}
 
 LiveSummary summary(const Options& options, const LiveSetUp& setup, const LiveCounts& counts,
                     const LiveOutput& output, double wall) {
@@ -94,38 +111,82 @@ std::vector<std::string> names_of_several(const Session& session) {
 }
 
 // Plays the run to its end, or to the user's.
-// @param begin_output  makes the output; called when the first frame was answered, so that nothing
-//                      is replaced by a run that cannot begin
-// @return what happened, and the output; null when no frame could be used
+// @param painter       null: nobody looks, nothing is drawn
+// @param begin_output  makes the output, or null; called when the first frame was answered, so that
+//                      nothing is replaced by a run that cannot begin
+// @return what happened, and the output
 template <class BeginOutput>
 std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, LiveRun& run,
-                                                        ScenePainter& painter,
+                                                        ScenePainter* painter,
                                                         const BeginOutput& begin_output) {
   const Session& session = run.loop.session;
   ProgressBar bar;
   LiveLoop loop(run, options.live.frames, [&](const std::string& line) { bar.say(line); });
   std::unique_ptr<LiveOutput> output;
-  while (!loop.ended() && !painter.ended() && !asked_to_end()) {
+  auto kept = std::make_unique<DrawnFrame>();  // where there is no output: drawn again and again
+  const auto user_ended = [&] {
+    return asked_to_end() || (painter != nullptr && painter->ended());
+  };
+  while (!loop.ended() && !user_ended()) {
     Scene* scene = loop.next_within(FrameSource::kLongestWait);
     if (scene == nullptr) {  // the picture and the body stay as they are
-      painter.handle_events();
+      if (painter != nullptr) painter->handle_events();
       continue;
     }
     if (!output) output = begin_output();
-    std::unique_ptr<DrawnFrame> drawn = output->blank();
+    std::unique_ptr<DrawnFrame> drawn = output ? output->blank() : std::move(kept);
     std::swap(drawn->scene, *scene);
-    painter.draw(*drawn, session);
+    if (painter != nullptr) {
+      painter->draw(*drawn, session);
+      painter->show(drawn->picture);
+    }
     if (options.pictures) {
       drawn->scores = figure_scores(drawn->scene, session, drawn->visible, drawn->body_depth);
     }
-    painter.show(drawn->picture);
     const int done = static_cast<int>(loop.counts().processed.size());
-    const int total = painter.ended() ? done : loop.total();
-    const ProgressReport progress = progress_of(drawn->scene, done, total);
-    output->write(std::move(drawn));
-    if (total > 0) bar.show(progress);
+    const int total = user_ended() ? done : loop.total();
+    if (total > 0) bar.show(progress_of(drawn->scene, done, total));
+    if (output) {
+      output->write(std::move(drawn));
+    } else {
+      kept = std::move(drawn);
+    }
   }
   return {loop.counts(), std::move(output)};
+}
+
+// Folder of a run, so that no other one writes there; nothing where nothing is written.
+std::optional<FolderLock> lock_of(const fs::path& out) {
+  if (out.empty()) return std::nullopt;
+  return std::optional<FolderLock>(std::in_place, out);
+}
+
+LiveOutputSettings output_settings(const Options& options, const LiveRun& run) {
+  const Session& session = run.loop.session;
+  LiveOutputSettings settings;
+  settings.folder = options.out;
+  settings.depth = !options.no_depth;
+  settings.masks = !options.no_masks;
+  settings.figures = options.pictures;
+  settings.bodies = names_of_several(session);
+  settings.meshes_of = meshes_of(options, session);
+  if (options.pictures) settings.touch_frames = truly_touching_frames(run.images);
+  return settings;
+}
+
+std::unique_ptr<ScenePainter> painter_of(const Options& options, const LiveRun& run) {
+  if (!has_pictures(options)) return nullptr;
+  const bool masks = !options.out.empty() && (!options.no_masks || options.pictures);
+  return std::make_unique<ScenePainter>(
+      ScenePainterSettings{.window = options.window, .view = view_of(options.view), .masks = masks},
+      run.loop);
+}
+
+void print_files(const Options& options, const LiveOutput& output) {
+  fmt::print("{}\n", (options.out / "touch.mp4").string());
+  for (const std::string& name : output.figures()) {
+    fmt::print("{}\n", (options.out / name).string());
+  }
 }
 
 void live(const Options& options) {
@@ -133,45 +194,41 @@ void live(const Options& options) {
   if (options.pictures && options.view != "camera") {
     throw Error("--pictures are what the camera sees: leave out --view " + options.view);
   }
-  if (options.out.empty()) throw Error("--out: names no folder");
-  const FolderLock lock(options.out);
-  const std::vector<fs::path> earlier =
-      earlier_run(options.out, options.overwrite, inputs_of(wanted));
-  wanted.clip = options.out / "clip";
+  expect_out_where_files_are_wanted(options);
+  const std::optional<FolderLock> lock = lock_of(options.out);
+  std::vector<fs::path> earlier;
+  if (lock) {
+    earlier = earlier_run(options.out, options.overwrite, inputs_of(wanted));
+    wanted.clip = options.out / "clip";
+  }
   LiveSetUp setup = set_up_live(wanted);
   LiveRun& run = setup.run;
   warn_of_size(run);
-  const auto touch_frames = options.pictures ? truly_touching_frames(run.images) : std::nullopt;
-  ScenePainter painter({.window = options.window, .view = view_of(options.view)}, run.loop);
+  const LiveOutputSettings written = output_settings(options, run);
+  const std::unique_ptr<ScenePainter> painter = painter_of(options, run);
 
-  const Session& session = run.loop.session;
   const auto begin = std::chrono::steady_clock::now();
   listen_for_ctrl_c();
-  const auto [counts, output] = play(options, run, painter, [&] {
-    remove_earlier_run(earlier);
-    return std::make_unique<LiveOutput>(LiveOutputSettings{.folder = options.out,
-                                                           .depth = !options.no_depth,
-                                                           .masks = !options.no_masks,
-                                                           .figures = options.pictures,
-                                                           .bodies = names_of_several(session),
-                                                           .meshes_of = meshes_of(options, session),
-                                                           .touch_frames = touch_frames});
-  });
+  const auto [counts, output] =
+      play(options, run, painter.get(), [&]() -> std::unique_ptr<LiveOutput> {
+        if (!lock) return nullptr;
+        remove_earlier_run(earlier);
+        return std::make_unique<LiveOutput>(written);
+      });
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-  if (!output) {
+  if (counts.processed.empty()) {
     throw Error(fmt::format("{}: no frame could be read ({} unreadable; {})", run.images.string(),
                             counts.troubles.unreadable, counts.last_trouble));
   }
-  output->finish();
-  write_live_summary(options.out / "live.json",
-                     summary(options, setup, counts, *output, wall.count()));
-  painter.throw_gl_errors();
+  if (output) {
+    output->finish();
+    write_live_summary(options.out / "live.json",
+                       summary(options, setup, counts, *output, wall.count()));
+  }
+  if (painter) painter->throw_gl_errors();
 
   fmt::print("{}", text_of(counts, run.loop.session, wall.count()));
-  fmt::print("{}\n", (options.out / "touch.mp4").string());
-  for (const std::string& name : output->figures()) {
-    fmt::print("{}\n", (options.out / name).string());
-  }
+  if (output) print_files(options, *output);
 }
 
 }  // namespace
@@ -181,7 +238,16 @@ void add_live(Command app) {
   Command command =
       app.add_subcommand("live", "Let what a camera saw press bodies: video, figures, timing");
   add_live_options(command, options->live);
-  command.add_option("--out", options->out, "Folder to write the results into").required();
+  command
+      .add_option(
+          "--out",
+          [options](const std::vector<std::string>& words) -> std::string {
+            options->out = words.front();
+            return options->out.empty() ? "names no folder" : "";
+          },
+          "Folder to write the results into; without it nothing is written")
+      .type_name("DIR")
+      .words(1, 1);
   command
       .add_option("--view", options->view,
                   "What the pictures show. camera: what the camera sees, with the body in it; map: "
@@ -205,7 +271,7 @@ void add_live(Command app) {
                    "palpable score asks for them where the body was touched anywhere");
   command.add_flag("--overwrite", options->overwrite, "Replace an earlier run in --out");
   command.footer(
-      "Writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, "
+      "With --out it writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, "
       "rectification.jsonl, live.json, depth/, visible/, body_depth/ and moving/ "
       "(docs/benchmark.md has the formats).\n"
       "A recording waits for the loop unless --paced. A camera that stalls or goes away does not "
@@ -215,7 +281,9 @@ void add_live(Command app) {
       "Example: palpable live bunny.palpable --source desk --place \"0 0.1 0.6 0 40 0\" "
       "--out out\n"
       "Example: palpable live bunny.palpable --source /dev/video0 --calibration SN10027514.conf "
-      "--place \"0 0.1 0.6 0 40 0\" --window --out out");
+      "--place \"0 0.1 0.6 0 40 0\" --window\n"
+      "Example: palpable live bunny.palpable --source /dev/video0 --anchor plane --window --out "
+      "out");
   command.callback([options] { live(*options); });
 }
 

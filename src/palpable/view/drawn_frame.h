@@ -12,8 +12,9 @@ namespace palpable {
 struct DrawnFrame {
   Scene scene;
   ColorImage picture;     ///< what is shown: of the camera's size, or the map's picture
-  MaskImage visible;      ///< 255 where the picture shows the body, full size
-  DepthImage body_depth;  ///< Z of the whole body (m), full size; NaN beside it
+  /// 255 where the picture shows the body, full size; filled in only for who draws masks.
+  MaskImage visible;
+  DepthImage body_depth;  ///< likewise: Z of the whole body (m), full size; NaN beside it
   FigureScores scores{};  ///< filled in only where somebody asks for them
 };
 

@@ -10,7 +10,7 @@
 namespace palpable {
 
 ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop& loop)
-    : scale_(stress_scale(loop.session)) {
+    : scale_(stress_scale(loop.session)), masks_(settings.masks) {
   const PinholeCamera& camera = loop.camera.camera();
   if (settings.window) {
     window_.emplace(value_or_throw(Window::open("Palpable", camera.width, camera.height)));
@@ -36,7 +36,8 @@ void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
     view.caption.clear();
     view.warning.clear();
   }
-  renderer_->draw(view, outside ? inside_ : drawn.picture, &drawn.visible, &drawn.body_depth);
+  renderer_->draw(view, outside ? inside_ : drawn.picture, masks_ ? &drawn.visible : nullptr,
+                  masks_ ? &drawn.body_depth : nullptr);
   if (surface_) { surface_->draw(drawn.scene, session, scale_, inside_, drawn.picture); }
   if (!map_) return;
   map_->draw(drawn.scene, session, scale_, inside_, drawn.picture);
