@@ -41,6 +41,7 @@ struct Options {
   bool no_depth = false;
   bool meshes = false;
   bool overwrite = false;
+  bool every_frame = false;
 };
 
 // Whether anybody looks at pictures.
@@ -54,7 +55,8 @@ void expect_out_where_files_are_wanted(const Options& options) {
   for (const auto& [wanted, name] :
        {std::pair{options.pictures, "--pictures"}, std::pair{options.meshes, "--meshes"},
         std::pair{options.no_masks, "--no-masks"}, std::pair{options.no_depth, "--no-depth"},
-        std::pair{options.overwrite, "--overwrite"}}) {
+        std::pair{options.overwrite, "--overwrite"},
+        std::pair{options.every_frame, "--every-frame"}}) {
     if (wanted) throw Error(fmt::format("{}: without --out nothing is written", name));
   }
 }
@@ -165,6 +167,7 @@ LiveOutputSettings output_settings(const Options& options, const LiveRun& run) {
   const Session& session = run.loop.session;
   LiveOutputSettings settings;
   settings.folder = options.out;
+  settings.complete = options.every_frame || !run.source->is_live();
   settings.depth = !options.no_depth;
   settings.masks = !options.no_masks;
   settings.figures = options.pictures;
@@ -183,6 +186,12 @@ std::unique_ptr<ScenePainter> painter_of(const Options& options, const LiveRun& 
 }
 
 void print_files(const Options& options, const LiveOutput& output) {
+  if (output.left_out() > 0) {
+    fmt::print(
+        "{} of these frames are in the texts only, {} not even there: the disk was behind; "
+        "--every-frame waits for it\n",
+        output.left_out(), output.lines_left_out());
+  }
   fmt::print("{}\n", (options.out / "touch.mp4").string());
   for (const std::string& name : output.figures()) {
     fmt::print("{}\n", (options.out / name).string());
@@ -269,6 +278,10 @@ void add_live(Command app) {
   command.add_flag("--meshes", options->meshes,
                    "Also write meshes/, the body as it is drawn in each frame, with its stress: "
                    "palpable score asks for them where the body was touched anywhere");
+  command.add_flag("--every-frame", options->every_frame,
+                   "Of a camera or with --paced: write all frames into all files, and wait for the "
+                   "disk where it is slow; otherwise film, images and meshes leave out what there "
+                   "is no time for. A recording that waits for the loop is always complete");
   command.add_flag("--overwrite", options->overwrite, "Replace an earlier run in --out");
   command.footer(
       "With --out it writes touch.mp4, timing.csv, touches.jsonl, trajectory.txt, pose.jsonl, "

@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
 """What a live run writes, and what not: one case, one test, as in programs.py. `--list` names the cases."""
+import json
+import os
 import sys
+import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -44,6 +47,77 @@ def _(programs, folder):
     assert result.returncode == 0, result.stderr
     assert "3 frames in" in result.stdout, result.stdout
     assert sorted(folder.rglob("*")) == before, "something was written"
+
+
+STUCK = range(30, 34)  # frames, of which a paced run may drop some
+
+
+def drain(readers):
+    for reader in readers:
+        try:
+            os.read(reader, 1 << 20)
+        except BlockingIOError:
+            pass
+
+
+def play_on_stuck_disk(programs, folder, *more):
+    """Three seconds of frames as a camera gives them; when one of STUCK is written the disk stands still for a second.
+
+    Returns what was printed, and live.json.
+    """
+    out = folder / "out"
+    process = programs.start(*base.live(programs, folder, "--paced", *more))
+    readers = []
+    try:
+        while not (out / "moving").exists():  # made last
+            assert process.poll() is None, process.communicate()
+            time.sleep(0.002)
+        for n in STUCK:  # whoever opens one waits for a reader
+            os.mkfifo(out / f"depth/{n:06d}.png")
+        time.sleep(2.2)
+        readers = [os.open(out / f"depth/{n:06d}.png", os.O_RDWR | os.O_NONBLOCK) for n in STUCK]
+        while process.poll() is None:
+            drain(readers)
+            time.sleep(0.01)
+        printed = process.communicate()
+    finally:
+        process.kill()
+        process.wait()
+        for reader in readers:
+            os.close(reader)
+    assert process.returncode == 0, printed
+    return printed[0], json.loads((out / "live.json").read_text())
+
+
+def lines_of(file):
+    return len(file.read_text().splitlines())
+
+
+@case("a camera's frames that a slow disk has no time for are left out of the pictures, not of the texts")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=90)
+    out = folder / "out"
+    printed, live = play_on_stuck_disk(programs, folder)
+    frames, left_out = live["frames"], live["frames_left_out"]
+    print(f"{frames} frames, {left_out} left out, {live['source_troubles']['dropped']} dropped")
+    assert left_out >= 10 and live["lines_left_out"] == 0, live
+    assert f"{left_out} of these frames" in printed and "--every-frame" in printed, printed
+    assert lines_of(out / "timing.csv") == frames + 1 and lines_of(out / "pose.jsonl") == frames
+    for name in ("visible", "body_depth"):
+        assert len(list((out / name).iterdir())) == frames - left_out, name
+    # The loop did not stand still with the disk: it answered frames all the time.
+    assert live["processed"][-1] == 89 and not any(b - a > 10 for a, b in zip(live["processed"], live["processed"][1:]))
+
+
+@case("with --every-frame a camera's run waits for a slow disk and is complete")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=90)
+    out = folder / "out"
+    printed, live = play_on_stuck_disk(programs, folder, "--every-frame")
+    assert live["frames_left_out"] == 0 and "--every-frame" not in printed, (live, printed)
+    for name in ("visible", "body_depth"):
+        assert len(list((out / name).iterdir())) == live["frames"], name
+    assert live["source_troubles"]["dropped"] >= 10, live  # while it waited
 
 
 if __name__ == "__main__":

@@ -115,6 +115,8 @@ void write_live_summary(const std::filesystem::path& path, const LiveSummary& su
   live["site_changes"] = summary.site_changes;
   live["video_codec"] = summary.video_codec;
   live["pictures"] = summary.pictures;
+  live["frames_left_out"] = summary.left_out;
+  live["lines_left_out"] = summary.lines_left_out;
   live["color_scale_pa"] = summary.color_scale;
   live["wall_s"] = summary.wall;
   for (const auto& [stage, ms] : summary.median_ms) live["median_ms"][stage] = ms;

@@ -65,8 +65,10 @@ struct LiveSummary {
   int site_changes = 0;
   std::string video_codec;
   std::vector<std::string> pictures;
-  double color_scale = 0;                                 ///< Pa; "color_scale_pa"
-  double wall = 0;                                        ///< s; "wall_s"
+  int left_out = 0;        ///< frames that are in the texts only; "frames_left_out"
+  int lines_left_out = 0;  ///< frames that are not even there; "lines_left_out"
+  double color_scale = 0;  ///< Pa; "color_scale_pa"
+  double wall = 0;         ///< s; "wall_s"
   std::vector<std::pair<std::string, double>> median_ms;  ///< of each stage
   std::vector<int> processed;                             ///< numbers of the frames looked at
 };

@@ -385,6 +385,8 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   summary.first_touch_frame = 2;
   summary.deepest_press = 0.004;
   summary.video_codec = "avc1";
+  summary.left_out = 3;
+  summary.lines_left_out = 1;
   summary.color_scale = 1.5e5;
   summary.wall = 2.5;
   summary.median_ms = {{"read", 1.25}, {"total", 14.0}};
@@ -448,6 +450,8 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   "site_changes": 0,
   "video_codec": "avc1",
   "pictures": [],
+  "frames_left_out": 3,
+  "lines_left_out": 1,
   "color_scale_pa": 150000.0,
   "wall_s": 2.5,
   "median_ms": {

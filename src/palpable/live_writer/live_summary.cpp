@@ -40,6 +40,8 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const LiveO
   result.site_changes = counts.site_changes;
   result.video_codec = output.codec();
   result.pictures = output.figures();
+  result.left_out = output.left_out();
+  result.lines_left_out = output.lines_left_out();
   result.color_scale = stress_scale(session);
   for (const auto& [stage, values] : output.times()) {
     if (!values.empty()) result.median_ms.emplace_back(stage, percentile(values, 0.5));

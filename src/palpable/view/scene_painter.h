@@ -36,7 +36,9 @@ class ScenePainter {
   ScenePainter(const ScenePainterSettings& settings, const FrameLoop& loop);
 
   /// Fills in what drawing adds to a scene, but for the scores; its time goes to the stage "draw".
-  /// Without masks `visible` and `body_depth` stay as they are.
+  /// Without masks, and for a frame that is in no file, `visible` and `body_depth` stay as they
+  /// are. What is in no file and in no window is drawn only where later pictures need it (the map's
+  /// path).
   void draw(DrawnFrame& drawn, const Session& session);
 
   /// Shows a picture in the window, and handles what the user did there; nothing without one.

@@ -17,7 +17,7 @@ FrameLoop loop_before_sphere() {
   camera_from_body.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;  // Z up in the picture
   camera_from_body.translation() = Eigen::Vector3d(0, 0.05, 0.4);
   return value_or_throw(FrameLoop::make(test::DentedSphere{}.body(), camera_from_body,
-                                        test::wall_format(), {.map = false}));
+                                        test::wall_format(), {.press_static = true, .map = false}));
 }
 
 std::optional<ScenePainter> painter_of(const ScenePainterSettings& settings,
@@ -46,6 +46,21 @@ TEST_CASE("masks are filled in for who wants them, and the picture is the same w
   CHECK(without.visible.empty());
   CHECK(without.body_depth.empty());
   CHECK(without.picture == with.picture);
+}
+
+TEST_CASE("of a frame that is in no file and in no window nothing is drawn", "[view][pixels]") {
+  FrameLoop loop = loop_before_sphere();
+  std::optional<ScenePainter> painter = painter_of({}, loop);
+  if (!painter) PALPABLE_SKIP("no OpenGL");
+  DrawnFrame drawn;
+  drawn.scene = loop.process(test::frame_of_wall(0, 0));
+  drawn.in_files = false;
+  painter->draw(drawn, loop.session);
+  CHECK(drawn.picture.empty());
+  CHECK(drawn.scene.times.ms("draw") == 0);
+  drawn.in_files = true;
+  painter->draw(drawn, loop.session);
+  CHECK_FALSE(drawn.picture.empty());
 }
 
 }  // namespace
