@@ -7,11 +7,14 @@
 #include "apps/palpable/live_setup.h"
 #include "palpable/base/error.h"
 #include "palpable/base/folder_lock.h"
+#include "palpable/base/this_machine.h"
 #include "palpable/live/body_in_view.h"
 #include "palpable/live/live_loop.h"
 #include "palpable/live/live_text.h"
+#include "palpable/live/run_stats.h"
 #include "palpable/live_writer/live_output.h"
 #include "palpable/live_writer/live_summary.h"
+#include "palpable/sources/wall_clock.h"
 #include "palpable/view/figure_scores.h"
 #include "palpable/view/scene_painter.h"
 #include "palpable/view/scene_picture.h"
@@ -42,6 +45,7 @@ struct Options {
   bool meshes = false;
   bool overwrite = false;
   bool every_frame = false;
+  bool stats = false;
 };
 
 // Whether anybody looks at pictures.
@@ -59,20 +63,6 @@ void expect_out_where_files_are_wanted(const Options& options) {
         std::pair{options.every_frame, "--every-frame"}}) {
     if (wanted) throw Error(fmt::format("{}: without --out nothing is written", name));
   }
-}
-
-LiveSummary summary(const Options& options, const LiveSetUp& setup, const LiveCounts& counts,
-                    const LiveOutput& output, double wall) {
-  const LiveRun& run = setup.run;
-  LiveSummary result = summary_of(run, counts, output);
-  result.view = options.view;
-  result.scene = options.live.scene.string();
-  for (std::size_t k = 0; k < result.bodies.size(); ++k) {
-    result.bodies[k].file = setup.files[k].string();
-    result.bodies[k].scale = setup.scales[k];
-  }
-  result.wall = wall;
-  return result;
 }
 
 ProgressReport progress_of(const Scene& scene, int done, int total) {
@@ -112,18 +102,32 @@ std::vector<std::string> names_of_several(const Session& session) {
   return names;
 }
 
+struct Played {
+  LiveCounts counts;
+  RunFigures figures;
+  std::unique_ptr<LiveOutput> output;  // null: nothing is written, or no frame came
+};
+
+RunMoment moment_of(const LiveCounts& counts, const LiveOutput* output) {
+  return {.now = system_clock().now(),
+          .cpu = process_cpu(),
+          .dropped = counts.troubles.dropped,
+          .left_out = output != nullptr ? output->left_out() : 0};
+}
+
 // Plays the run to its end, or to the user's.
 // @param painter       null: nobody looks, nothing is drawn
 // @param begin_output  makes the output, or null; called when the first frame was answered, so that
 //                      nothing is replaced by a run that cannot begin
-// @return what happened, and the output
 template <class BeginOutput>
-std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, LiveRun& run,
-                                                        ScenePainter* painter,
-                                                        const BeginOutput& begin_output) {
+Played play(const Options& options, LiveRun& run, ScenePainter* painter,
+            const BeginOutput& begin_output) {
   const Session& session = run.loop.session;
   ProgressBar bar;
+  RunStats stats(moment_of({}, nullptr));
   LiveLoop loop(run, options.live.frames, [&](const std::string& line) { bar.say(line); });
+  // Who neither sees pictures nor how far a recording is would see nothing at all.
+  const bool tells_stats = options.stats || (painter == nullptr && loop.total() <= 0);
   std::unique_ptr<LiveOutput> output;
   auto kept = std::make_unique<DrawnFrame>();  // where there is no output: drawn again and again
   const auto user_ended = [&] {
@@ -131,6 +135,9 @@ std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, 
   };
   while (!loop.ended() && !user_ended()) {
     Scene* scene = loop.next_within(FrameSource::kLongestWait);
+    if (tells_stats && stats.is_second_over(system_clock().now())) {
+      bar.say(text_of(stats.end_stretch(moment_of(loop.counts(), output.get()))));
+    }
     if (scene == nullptr) {  // the picture and the body stay as they are
       if (painter != nullptr) painter->handle_events();
       continue;
@@ -142,7 +149,8 @@ std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, 
       painter->draw(*drawn, session);
       painter->show(drawn->picture);
     }
-    if (options.pictures) {
+    stats.add(drawn->scene.times, 1e3 * (system_clock().now() - loop.taken()));
+    if (options.pictures && drawn->in_files) {
       drawn->scores = figure_scores(drawn->scene, session, drawn->visible, drawn->body_depth);
     }
     const int done = static_cast<int>(loop.counts().processed.size());
@@ -154,7 +162,22 @@ std::pair<LiveCounts, std::unique_ptr<LiveOutput>> play(const Options& options, 
       kept = std::move(drawn);
     }
   }
-  return {loop.counts(), std::move(output)};
+  const LiveCounts& counts = loop.counts();
+  return {counts, stats.all(moment_of(counts, output.get())), std::move(output)};
+}
+
+LiveSummary summary(const Options& options, const LiveSetUp& setup, const Played& played,
+                    double wall) {
+  const LiveRun& run = setup.run;
+  LiveSummary result = summary_of(run, played.counts, played.figures, *played.output);
+  result.view = options.view;
+  result.scene = options.live.scene.string();
+  for (std::size_t k = 0; k < result.bodies.size(); ++k) {
+    result.bodies[k].file = setup.files[k].string();
+    result.bodies[k].scale = setup.scales[k];
+  }
+  result.wall = wall;
+  return result;
 }
 
 // Folder of a run, so that no other one writes there; nothing where nothing is written.
@@ -218,26 +241,26 @@ void live(const Options& options) {
 
   const auto begin = std::chrono::steady_clock::now();
   listen_for_ctrl_c();
-  const auto [counts, output] =
-      play(options, run, painter.get(), [&]() -> std::unique_ptr<LiveOutput> {
-        if (!lock) return nullptr;
-        remove_earlier_run(earlier);
-        return std::make_unique<LiveOutput>(written);
-      });
+  const Played played = play(options, run, painter.get(), [&]() -> std::unique_ptr<LiveOutput> {
+    if (!lock) return nullptr;
+    remove_earlier_run(earlier);
+    return std::make_unique<LiveOutput>(written);
+  });
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  const LiveCounts& counts = played.counts;
   if (counts.processed.empty()) {
     throw Error(fmt::format("{}: no frame could be read ({} unreadable; {})", run.images.string(),
                             counts.troubles.unreadable, counts.last_trouble));
   }
-  if (output) {
-    output->finish();
-    write_live_summary(options.out / "live.json",
-                       summary(options, setup, counts, *output, wall.count()));
+  if (played.output) {
+    played.output->finish();
+    write_live_summary(options.out / "live.json", summary(options, setup, played, wall.count()));
   }
   if (painter) painter->throw_gl_errors();
 
   fmt::print("{}", text_of(counts, run.loop.session, wall.count()));
-  if (output) print_files(options, *output);
+  if (options.stats) fmt::print("{}\n", text_of(played.figures));
+  if (played.output) print_files(options, *played.output);
 }
 
 }  // namespace
@@ -268,6 +291,10 @@ void add_live(Command app) {
   command.add_flag("--window", options->window,
                    "Show it in a window too; Escape or Q ends the run. With --view map or surface, "
                    "dragging turns it, the wheel comes nearer, R takes both back");
+  command.add_flag("--stats", options->stats,
+                   "Say each second and at the end how fast it goes: frames a second, how old a "
+                   "frame is when its picture is shown, frames dropped and left out of the files, "
+                   "processor time a frame, ms by stage. live.json has it always");
   command.add_flag("--pictures", options->pictures,
                    "Also write the three pictures that best show the hand before the body, the "
                    "body before the hand, and a touch (of a clip with a truth: at least 4 mm "

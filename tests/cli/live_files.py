@@ -120,5 +120,27 @@ def _(programs, folder):
     assert live["source_troubles"]["dropped"] >= 10, live  # while it waited
 
 
+@case("live tells each second and at the end how fast it goes when it is asked to, and live.json always")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=90)
+    words = base.live(programs, folder, "--paced", "--overwrite", "--no-masks")
+    for more in ((), ("--stats",)):
+        result = programs.succeeds(*words, *more)
+        live = json.loads((folder / "out/live.json").read_text())
+        stats = live["stats"]
+        assert 5 < stats["frames_per_s"] <= 31, stats
+        assert 0 < stats["age_p50_ms"] <= stats["age_p99_ms"] < 2000, stats
+        assert 0 < stats["cpu_ms_per_frame"] < 2000, stats
+        assert stats["stage_p50_ms"].keys() == stats["stage_p99_ms"].keys() >= {"read", "disparity", "contact", "draw"}
+        lines = [line for line in result.stderr.splitlines() if "frames/s" in line]
+        assert (2 <= len(lines) <= 6) if more else not lines, result.stderr
+        assert ("frames/s" in result.stdout) == bool(more), result.stdout
+    print(lines[-1])
+    for text in ("age", "p99", "dropped", "texts only", "CPU", "contact"):
+        assert text in lines[-1] and text in result.stdout, text
+    result = programs.succeeds(*without_out(programs, folder, "--paced", "--stats"))
+    assert "frames/s" in result.stdout and "draw" not in result.stdout, result.stdout
+
+
 if __name__ == "__main__":
     sys.exit(base.main())

@@ -149,7 +149,7 @@ class LiveOutput {
   void run();
   void write_frame(Written& frame);
   void write_pictures(const DrawnFrame& frame);
-  void write_lines(const FrameLines& frame);
+  void write_lines(const FrameLines& scene);
   void write_depth(const DrawnFrame& frame);
   void write_masks(const DrawnFrame& frame);
   void write_meshes(const Scene& scene);
