@@ -268,6 +268,9 @@ LiveSetUp set_up_live(const LiveOptions& options) {
     if (bodies.size() > 1) {
       throw Error("--source synthetic films one body: film a sequence with palpable synth");
     }
+    if (options.clip.empty()) {
+      throw Error("--source synthetic films a clip into --out: name that folder, too");
+    }
     ProgressBar bar;
     settings.images.device =
         kept_clip(bodies.front().body.body,

@@ -19,7 +19,7 @@ struct LiveOptions {
   std::filesystem::path body;      ///< empty: `scene` says which
   std::filesystem::path scene;     ///< empty: `body` alone
   SourceOptions input;             ///< its source may also be "synthetic"
-  std::filesystem::path clip;      ///< where a synthetic clip is kept
+  std::filesystem::path clip;      ///< where a synthetic clip is kept; empty: nowhere
   bool paced = false;              ///< a recording at its own pace instead of the loop's
   std::vector<std::string> place;  ///< words; empty: from the folder's scene.toml
   /// "plane", "board": on the desk or chessboard that is seen; "pose", empty: where `place` says.

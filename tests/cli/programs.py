@@ -1057,7 +1057,7 @@ def without_times(folder):
     for name in ("touches.jsonl", "pose.jsonl", "trajectory.txt", "rectification.jsonl"):
         said[name] = (folder / name).read_bytes()
     counts = json.loads((folder / "live.json").read_text())
-    said["live.json"] = {key: value for key, value in counts.items() if key not in ("wall_s", "median_ms")}
+    said["live.json"] = {key: value for key, value in counts.items() if key not in ("wall_s", "median_ms", "stats")}
     return said
 
 

@@ -60,6 +60,21 @@ ordered_json troubles_of(const LiveSummary::Troubles& troubles) {
           {"reports", troubles.reports}};
 }
 
+ordered_json named(const std::vector<std::pair<std::string, double>>& values) {
+  ordered_json object = ordered_json::object();
+  for (const auto& [name, value] : values) object[name] = value;
+  return object;
+}
+
+ordered_json stats_of(const LiveSummary::Stats& stats) {
+  return {{"frames_per_s", stats.frames_per_second},
+          {"age_p50_ms", stats.age_p50_ms},
+          {"age_p99_ms", stats.age_p99_ms},
+          {"cpu_ms_per_frame", stats.cpu_ms_per_frame},
+          {"stage_p50_ms", named(stats.stage_p50_ms)},
+          {"stage_p99_ms", named(stats.stage_p99_ms)}};
+}
+
 template <class T>
 ordered_json or_null(const std::optional<T>& value) {
   return value ? ordered_json(*value) : ordered_json(nullptr);
@@ -115,8 +130,11 @@ void write_live_summary(const std::filesystem::path& path, const LiveSummary& su
   live["site_changes"] = summary.site_changes;
   live["video_codec"] = summary.video_codec;
   live["pictures"] = summary.pictures;
+  live["frames_left_out"] = summary.left_out;
+  live["lines_left_out"] = summary.lines_left_out;
   live["color_scale_pa"] = summary.color_scale;
   live["wall_s"] = summary.wall;
+  live["stats"] = stats_of(summary.stats);
   for (const auto& [stage, ms] : summary.median_ms) live["median_ms"][stage] = ms;
   live["processed"] = summary.processed;
   TextFile file(path);

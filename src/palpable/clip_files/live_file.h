@@ -45,6 +45,16 @@ struct LiveSummary {
     Rigid3 camera_from_body = Rigid3::Identity();  ///< in the first frame
   };
 
+  /// How fast it went (live/run_stats.h).
+  struct Stats {
+    double frames_per_second = 0;  ///< "frames_per_s"
+    double age_p50_ms = 0;
+    double age_p99_ms = 0;
+    double cpu_ms_per_frame = 0;
+    std::vector<std::pair<std::string, double>> stage_p50_ms;
+    std::vector<std::pair<std::string, double>> stage_p99_ms;
+  };
+
   std::string scene;         ///< its file; empty: one body
   std::vector<Body> bodies;  ///< at least one
   std::string source;
@@ -65,8 +75,11 @@ struct LiveSummary {
   int site_changes = 0;
   std::string video_codec;
   std::vector<std::string> pictures;
-  double color_scale = 0;                                 ///< Pa; "color_scale_pa"
-  double wall = 0;                                        ///< s; "wall_s"
+  int left_out = 0;        ///< frames that are in the texts only; "frames_left_out"
+  int lines_left_out = 0;  ///< frames that are not even there; "lines_left_out"
+  double color_scale = 0;  ///< Pa; "color_scale_pa"
+  double wall = 0;         ///< s; "wall_s"
+  Stats stats;
   std::vector<std::pair<std::string, double>> median_ms;  ///< of each stage
   std::vector<int> processed;                             ///< numbers of the frames looked at
 };

@@ -385,8 +385,11 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   summary.first_touch_frame = 2;
   summary.deepest_press = 0.004;
   summary.video_codec = "avc1";
+  summary.left_out = 3;
+  summary.lines_left_out = 1;
   summary.color_scale = 1.5e5;
   summary.wall = 2.5;
+  summary.stats = {31.5, 40, 61, 44.5, {{"draw", 8}}, {{"draw", 12}}};
   summary.median_ms = {{"read", 1.25}, {"total", 14.0}};
   summary.processed = {0, 2};
   write_live_summary(path, summary);
@@ -448,8 +451,22 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   "site_changes": 0,
   "video_codec": "avc1",
   "pictures": [],
+  "frames_left_out": 3,
+  "lines_left_out": 1,
   "color_scale_pa": 150000.0,
   "wall_s": 2.5,
+  "stats": {
+    "frames_per_s": 31.5,
+    "age_p50_ms": 40.0,
+    "age_p99_ms": 61.0,
+    "cpu_ms_per_frame": 44.5,
+    "stage_p50_ms": {
+      "draw": 8.0
+    },
+    "stage_p99_ms": {
+      "draw": 12.0
+    }
+  },
   "median_ms": {
     "read": 1.25,
     "total": 14.0

@@ -34,6 +34,9 @@ class LiveLoop {
   /// The same, but waits at most so long: null then, too. ended() tells the two apart.
   Scene* next_within(double seconds);
 
+  /// When the frame of the scene given last was taken (FrameInFlight::taken).
+  [[nodiscard]] double taken() const { return flight_->taken; }
+
   /// Whether no frame comes any more.
   [[nodiscard]] bool ended();
 

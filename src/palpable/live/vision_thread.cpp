@@ -1,12 +1,25 @@
 #include "palpable/live/vision_thread.h"
 
+#include "palpable/sources/wall_clock.h"
+
 #include <iterator>
 #include <utility>
 
 namespace palpable {
 namespace {
 constexpr std::size_t kInFlight = 3;  // one being seen, one waiting, one being answered
+
+// s. Frames that seem older, or of the future, were stamped by another clock.
+constexpr double kOldest = 10;
+
+// When the frame that the source has just given was taken, as far as that is known.
+double taken_by(const FrameSource& source) {
+  const double now = system_clock().now();
+  const double taken = source.taken().value_or(now);
+  return taken <= now && now - taken < kOldest ? taken : now;
 }
+
+}  // namespace
 
 VisionThread::VisionThread(FrameSource& source, DepthCamera& camera, int frames)
     : ready_(1), free_(kInFlight) {
@@ -38,6 +51,7 @@ void VisionThread::run(FrameSource& source, DepthCamera& camera, int frames) {
         }
       }
       if (status != FrameStatus::kFrame) break;
+      flight.taken = taken_by(source);
       camera.see(flight.frame, flight.scene.seen);
       times.add(camera.last_times());
       ++seen;

@@ -30,6 +30,9 @@ namespace palpable {
 struct FrameInFlight {
   Frame frame;  ///< as it was read
   Scene scene;  ///< `seen` is filled, and `times` has "read" and the stages of seeing
+  /// When it was taken, s of system_clock(); else, and where a camera's clock is another one, when
+  /// it had been read.
+  double taken = 0;
 };
 
 /// Frames are seen in their order and by one thread, so the results are those of a loop on a single

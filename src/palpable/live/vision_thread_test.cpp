@@ -1,12 +1,14 @@
 #include "palpable/live/vision_thread.h"
 
 #include "palpable/session/frame_loop.h"
+#include "palpable/sources/wall_clock.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/misbehaving_camera.h"
 #include "tests/support/seen_capsules.h"
 #include "tests/support/test.h"
 
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -38,8 +40,10 @@ class FingerSource : public FrameSource {
   }
   int frame_count() const override { return 20; }
   std::string last_trouble() const override { return "damaged"; }
+  std::optional<double> taken() const override { return is_taken; }
 
   int fails_at = 1000;
+  std::optional<double> is_taken;
 
  private:
   FrameFormat format_;
@@ -180,6 +184,25 @@ TEST_CASE("the loop can be left while a camera is silent", "[live][threads]") {
   VisionThread vision(camera, loop.camera, -1);
   CHECK(vision.next_within(0.001) == nullptr);
   CHECK_FALSE(vision.ended());
+}
+
+TEST_CASE("a frame was taken when its source says so, or when it came where that makes no sense",
+          "[live]") {
+  const double begin = system_clock().now();
+  const auto first_taken = [](std::optional<double> taken) {
+    FingerSource source;
+    source.is_taken = taken;
+    FrameLoop loop = loop_for(source);
+    VisionThread vision(source, loop.camera, 1);
+    return vision.next()->taken;
+  };
+  CHECK(first_taken(begin - 0.5) == begin - 0.5);
+  // A recording does not say; a driver's clock may count from 1970, or from when it was loaded.
+  for (const std::optional<double> odd : {std::optional<double>(), {1.8e9}, {begin - 1000}}) {
+    const double taken = first_taken(odd);
+    CHECK(taken >= begin);
+    CHECK(taken <= system_clock().now());
+  }
 }
 
 }  // namespace

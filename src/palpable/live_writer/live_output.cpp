@@ -36,7 +36,7 @@ constexpr std::chrono::seconds kFlushEvery(1);
 constexpr double kDeepEnough = 0.004;  // m
 // What the touches of one of a scene's bodies are in touches.jsonl.
 // @param names  of the bodies; none where there is one
-TouchesLine felt_in(const Scene& scene, int body, const std::vector<std::string>& names) {
+TouchesLine felt_in(const FrameLines& scene, int body, const std::vector<std::string>& names) {
   TouchesLine felt{.frame = scene.number, .touches = {}};
   for (const Touch& touch : scene.touches) {
     if (touch.body != body) continue;
@@ -59,6 +59,21 @@ TouchesLine felt_in(const Scene& scene, int body, const std::vector<std::string>
     felt.stress_error = error->von_mises;
   }
   return felt;
+}
+
+// Keeps the memory of `lines`.
+void copy_lines(const Scene& scene, FrameLines& lines) {
+  lines.number = scene.number;
+  lines.time = scene.time;
+  lines.touches = scene.touches;
+  lines.bodies.resize(scene.bodies.size());
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    lines.bodies[k] = {scene.bodies[k].camera_from_body, scene.bodies[k].stated_error};
+  }
+  lines.camera = scene.camera;
+  lines.row_correction_px = scene.seen.row_correction_px;
+  lines.row_error_px = scene.seen.row_error_px;
+  lines.times = scene.times;
 }
 
 constexpr std::array kFigureNames{"hand_nearer.png", "body_nearer.png", "touch.png"};
@@ -168,7 +183,7 @@ void LiveOutput::Texts::close() {
 }
 
 LiveOutput::LiveOutput(const LiveOutputSettings& settings)
-    : settings_(settings), ready_(kInFlight), free_(kInFlight) {
+    : settings_(settings), ready_(kLines), free_lines_(kLines), free_(kInFlight) {
   const fs::path& folder = settings_.folder;
   make_folder(folder);
   texts_.emplace(folder);  // first: what has no timing.csv is taken for somebody else's
@@ -190,26 +205,53 @@ LiveOutput::LiveOutput(const LiveOutputSettings& settings)
   for (const auto& [stage, values] : times_) stages.push_back(stage);
   texts_->timing.write(timing_header(stages));
   for (std::size_t i = 0; i < kInFlight; ++i) free_.push(std::make_unique<DrawnFrame>());
+  if (!settings_.complete) spare_ = std::make_unique<DrawnFrame>();
+  constexpr std::size_t kUsualTouches = 8;
+  for (std::size_t i = 0; i < kLines; ++i) {
+    auto lines = std::make_unique<Written>();
+    lines->lines.touches.reserve(kUsualTouches);
+    lines->lines.bodies.reserve(std::max<std::size_t>(settings_.bodies.size(), 1));
+    free_lines_.push(std::move(lines));
+  }
   thread_ = std::thread([this] { run(); });
 }
 
 LiveOutput::~LiveOutput() {
-  ready_.close();
-  free_.close();
+  close_queues();
   if (thread_.joinable()) thread_.join();
 }
 
+void LiveOutput::close_queues() {
+  ready_.close();
+  free_lines_.close();
+  free_.close();
+}
+
 std::unique_ptr<DrawnFrame> LiveOutput::blank() {
-  std::optional<std::unique_ptr<DrawnFrame>> frame = free_.pop();
-  if (!frame) {  // the thread has given up
+  constexpr std::chrono::seconds kNow(0);
+  std::optional<std::unique_ptr<DrawnFrame>> frame =
+      settings_.complete ? free_.pop() : free_.pop_within(kNow);
+  if (!frame && (settings_.complete || free_.closed())) {  // the thread has given up
     finish();
     throw Error("the output was ended");
   }
-  return std::move(*frame);
+  std::unique_ptr<DrawnFrame> blank = std::move(frame ? *frame : spare_);
+  blank->in_files = frame.has_value();
+  return blank;
 }
 
 void LiveOutput::write(std::unique_ptr<DrawnFrame> frame) {
-  if (!ready_.push(std::move(frame))) finish();
+  constexpr std::chrono::seconds kNow(0);
+  std::optional<std::unique_ptr<Written>> written = free_lines_.pop_within(kNow);
+  if (!frame->in_files) ++left_out_;
+  if (written) {
+    copy_lines(frame->scene, (*written)->lines);
+    if (frame->in_files) (*written)->drawn = std::move(frame);
+    if (!ready_.push(std::move(*written))) finish();
+  } else {
+    ++lines_left_out_;
+  }
+  if (frame) spare_ = std::move(frame);
 }
 
 void LiveOutput::finish() {
@@ -227,43 +269,46 @@ void LiveOutput::run() {
     flush();
     while (!ready_.drained()) {
       // Also while the source stalls: what came before is not to wait for its return.
-      if (std::optional<std::unique_ptr<DrawnFrame>> frame = ready_.pop_within(kFlushEvery)) {
+      if (std::optional<std::unique_ptr<Written>> frame = ready_.pop_within(kFlushEvery)) {
         write_frame(**frame);
-        free_.push(std::move(*frame));
+        if ((*frame)->drawn) free_.push(std::move((*frame)->drawn));
+        free_lines_.push(std::move(*frame));
       }
       if (std::chrono::steady_clock::now() - flushed_ >= kFlushEvery) flush();
     }
     end_files();
   } catch (...) {
     trouble_ = std::current_exception();
-    ready_.close();
-    free_.close();
+    close_queues();
   }
 }
 
-void LiveOutput::write_frame(DrawnFrame& frame) {
+void LiveOutput::write_frame(Written& frame) {
   {
-    const StageTimer timer(frame.scene.times, "write");
-    if (settings_.depth) write_depth(frame);
-    if (settings_.masks) write_masks(frame);
-    write_meshes(frame.scene);
-    write_video(frame);
-    keep_if_best(frame);
-    write_lines(frame);
+    const StageTimer timer(frame.lines.times, "write");
+    if (frame.drawn) write_pictures(*frame.drawn);
+    write_lines(frame.lines);
   }
   std::vector<double> row;
   double total = 0;
   for (auto& [stage, values] : times_) {
-    const double ms = stage == "total" ? total : frame.scene.times.ms(stage);
+    const double ms = stage == "total" ? total : frame.lines.times.ms(stage);
     total += ms;
     values.push_back(ms);
     row.push_back(ms);
   }
-  texts_->timing.write(timing_line(frame.scene.number, row));
+  texts_->timing.write(timing_line(frame.lines.number, row));
 }
 
-void LiveOutput::write_lines(const DrawnFrame& frame) {
-  const Scene& scene = frame.scene;
+void LiveOutput::write_pictures(const DrawnFrame& frame) {
+  if (settings_.depth) write_depth(frame);
+  if (settings_.masks) write_masks(frame);
+  write_meshes(frame.scene);
+  write_video(frame);
+  keep_if_best(frame);
+}
+
+void LiveOutput::write_lines(const FrameLines& scene) {
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     TouchesLine felt = felt_in(scene, static_cast<int>(k), settings_.bodies);
     if (felt.touches.empty()) continue;
@@ -276,11 +321,11 @@ void LiveOutput::write_lines(const DrawnFrame& frame) {
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     texts_->poses.write(pose_line({scene.number, scene.bodies[k].camera_from_body, name_of(k)}));
   }
-  const double correction = scene.seen.row_correction_px;
+  const double correction = scene.row_correction_px;
   if (last_correction_ != correction) {
     last_correction_ = correction;
     std::optional<double> error;
-    if (!std::isnan(scene.seen.row_error_px)) error = scene.seen.row_error_px;
+    if (!std::isnan(scene.row_error_px)) error = scene.row_error_px;
     texts_->corrections.write(correction_line({scene.number, correction, error}));
   }
 }
@@ -333,18 +378,22 @@ void LiveOutput::open_video(const ColorImage& picture, double frames_per_second)
 }
 
 void LiveOutput::write_video(const DrawnFrame& frame) {
+  const Scene& scene = frame.scene;
+  // A film of all frames that came has no gaps, whatever their numbers say.
+  const int after = settings_.complete ? 1 : std::max(scene.number - last_number_, 1);
+  last_number_ = scene.number;
   ++written_;
   if (written_ == 1) {
     first_picture_ = frame.picture;
-    first_time_ = frame.scene.time;
+    first_time_ = scene.time;
     return;
   }
   if (written_ == 2) {
-    const double step = frame.scene.time - first_time_;
+    const double step = (scene.time - first_time_) / after;
     open_video(frame.picture, step > 1e-3 ? std::clamp(1 / step, 1.0, 240.0) : kDefaultRate);
     video_->append(first_picture_);
   }
-  video_->append(frame.picture);
+  video_->append(frame.picture, after);
 }
 
 void LiveOutput::keep_if_best(const DrawnFrame& frame) {

@@ -3,6 +3,10 @@
 /// formats, in the header that is named here. Once a second all of them go to the disk: a run that
 /// is killed leaves files that can be read, up to its last second or two.
 ///
+/// The texts have every frame. Of what is large (film, images, meshes, figures) a run that is not
+/// to wait for the disk leaves out the frames for which there is no time
+/// (LiveOutputSettings::complete).
+///
 ///   touch.mp4                 the pictures (video_file_writer.h)
 ///   timing.csv                ms per stage per frame (timing_file.h)
 ///   touches.jsonl             where bodies are pressed (touches_file.h)
@@ -23,12 +27,14 @@
 #include "palpable/clip_files/text_file.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/mesh_file.h"
+#include "palpable/geometry/rigid.h"
 #include "palpable/live/bounded_queue.h"
 #include "palpable/live_writer/video_file_writer.h"
 #include "palpable/view/drawn_frame.h"
 
 #include <array>
 #include <chrono>
+#include <cstddef>
 #include <exception>
 #include <filesystem>
 #include <memory>
@@ -41,6 +47,9 @@ namespace palpable {
 
 struct LiveOutputSettings {
   std::filesystem::path folder;  ///< made if it is not there
+  /// Whether every frame is in all files, and who plays waits for the disk; else nobody waits, and
+  /// frames are left out and counted.
+  bool complete = true;
   bool depth = true;
   bool masks = true;
   bool figures = false;
@@ -72,9 +81,31 @@ struct LiveOutputSettings {
 /// Removes what earlier_run found. @throws Error when that cannot be done
 void remove_earlier_run(const std::vector<std::filesystem::path>& there);
 
-/// Writes the frames of one run; one run at a time writes into a folder (base/folder_lock.h). Four
-/// DrawnFrames go round between the caller, who fills one, and the thread, which writes it; so the
-/// loop waits only when the disk is four frames behind.
+/// What the texts say of one frame.
+struct FrameLines {
+  struct Body {
+    Rigid3 camera_from_body = Rigid3::Identity();
+    std::optional<StatedError> stated_error;
+  };
+  int number = 0;
+  double time = 0;  // s
+  std::vector<Touch> touches;
+  std::vector<Body> bodies;
+  TrackedPose camera;
+  double row_correction_px = 0;
+  double row_error_px = 0;
+  StageTimes times;
+};
+
+/// Writes the frames of one run; one run at a time writes into a folder (base/folder_lock.h).
+/// Frames go round between the caller, who fills one, and the thread, which writes it:
+///
+///     complete       blank() waits while all four are under way
+///     not complete   a fifth one always comes back at once, with in_files false: of it the texts
+///                    are written, which are copied into one of kLines small records
+///
+/// Where the disk stands still for so long that all records wait (17 s of 30 frames a second),
+/// lines are left out, too.
 class LiveOutput {
  public:
   /// @throws Error when the folder or files in it cannot be made
@@ -83,13 +114,22 @@ class LiveOutput {
   LiveOutput& operator=(const LiveOutput&) = delete;
   ~LiveOutput();
 
-  /// A frame to fill; waits while too many are under way.
+  static constexpr std::size_t kLines = 512;
+
+  /// A frame to fill; waits while too many are under way, if all have to be written. Allocates
+  /// nothing.
   std::unique_ptr<DrawnFrame> blank();
-  /// Hands a filled frame to the thread. @throws Error what went wrong while writing an earlier one
+  /// Hands a filled frame to the thread; of one that is in no file its lines. @throws Error what
+  /// went wrong while writing an earlier one
   void write(std::unique_ptr<DrawnFrame> frame);
-  /// Ends the files. @throws Error when something could not be written. After it only:
+  /// Ends the files. @throws Error when something could not be written. What follows the counts
+  /// is for after it.
   void finish();
 
+  /// Frames that are in the texts only.
+  [[nodiscard]] int left_out() const { return left_out_; }
+  /// Frames that are not even there.
+  [[nodiscard]] int lines_left_out() const { return lines_left_out_; }
   /// The video's codec, e.g. "avc1"; empty when there was no frame.
   [[nodiscard]] const std::string& codec() const { return codec_; }
   /// The pictures of situations that occurred.
@@ -100,9 +140,16 @@ class LiveOutput {
   }
 
  private:
+  // What the thread gets of a frame.
+  struct Written {
+    FrameLines lines;
+    std::unique_ptr<DrawnFrame> drawn;  // null: it is left out of what is large
+  };
+  void close_queues();
   void run();
-  void write_frame(DrawnFrame& frame);
-  void write_lines(const DrawnFrame& frame);
+  void write_frame(Written& frame);
+  void write_pictures(const DrawnFrame& frame);
+  void write_lines(const FrameLines& scene);
   void write_depth(const DrawnFrame& frame);
   void write_masks(const DrawnFrame& frame);
   void write_meshes(const Scene& scene);
@@ -116,8 +163,12 @@ class LiveOutput {
   void rethrow();
 
   LiveOutputSettings settings_;
-  BoundedQueue<std::unique_ptr<DrawnFrame>> ready_;
+  BoundedQueue<std::unique_ptr<Written>> ready_;
+  BoundedQueue<std::unique_ptr<Written>> free_lines_;
   BoundedQueue<std::unique_ptr<DrawnFrame>> free_;
+  std::unique_ptr<DrawnFrame> spare_;  // of a run that does not wait: what is left out
+  int left_out_ = 0;
+  int lines_left_out_ = 0;
   /// The text files, open from the constructor on.
   struct Texts {
     explicit Texts(const std::filesystem::path& folder);
@@ -135,6 +186,7 @@ class LiveOutput {
   std::unique_ptr<VideoFileWriter> video_;
   ColorImage first_picture_;  // held back until the second frame's time says the video's rate
   double first_time_ = 0;
+  int last_number_ = 0;  // of the picture before
   int written_ = 0;
   std::chrono::steady_clock::time_point flushed_;
   std::array<ColorImage, 3> best_;

@@ -11,6 +11,7 @@
 #include "palpable/clip_files/touches_file.h"
 #include "palpable/clip_files/trajectory_file.h"
 #include "palpable/render/picture_file.h"
+#include "tests/support/allocations.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/test.h"
@@ -19,12 +20,18 @@
 #include <opencv2/videoio.hpp>
 
 #include <array>
+#include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
+#include <sys/stat.h>
 #include <thread>
+#include <utility>
+#include <vector>
 
 namespace palpable {
 namespace {
@@ -339,6 +346,174 @@ TEST_CASE("of several bodies each has its lines and its meshes", "[live_writer]"
       value_or_throw(read_valued_ply(out / "meshes/upper/000001.ply", kVonMisesProperty));
   CHECK(upper.surface.vertices(2, 0) == -0.25);
   CHECK(fs::exists(out / "meshes/lower/rest.ply"));
+}
+
+// A disk that stands still while it writes frame 0's depth, until somebody reads that.
+class StuckDisk {
+ public:
+  explicit StuckDisk(const fs::path& folder) : fifo_(folder / "depth" / "000000.png") {
+    fs::create_directories(folder / "depth");
+    REQUIRE(::mkfifo(fifo_.c_str(), 0600) == 0);
+  }
+  void go_on() {
+    reader_ = std::thread([fifo = fifo_] { (void)test::file_bytes(fifo); });
+  }
+  StuckDisk(const StuckDisk&) = delete;
+  StuckDisk& operator=(const StuckDisk&) = delete;
+  ~StuckDisk() {
+    if (reader_.joinable()) reader_.join();
+  }
+
+ private:
+  fs::path fifo_;
+  std::thread reader_;
+};
+
+std::size_t files_in(const fs::path& folder) {
+  return static_cast<std::size_t>(
+      std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+TEST_CASE("a slow disk holds nothing up: texts have every frame, what is large has gaps",
+          "[live_writer]") {
+  const test::ScratchFolder folder("live_output_gaps");
+  const fs::path out = folder / "out";
+  StuckDisk disk(out);
+  LiveOutput output({.folder = out, .complete = false});
+  constexpr int kFrames = 40;
+  std::vector<int> in_files;
+  for (int number = 0; number < kFrames; ++number) {  // ends although nothing can be written
+    std::unique_ptr<DrawnFrame> drawn = output.blank();
+    if (drawn->in_files) in_files.push_back(number);
+    fill(*drawn, number);
+    drawn->scene.touches.push_back({4, 0.5, 1.25, 0.003, {0.01, 0.02, 0.03}, {0, -1, 0}});
+    output.write(std::move(drawn));
+  }
+  CHECK(in_files == std::vector<int>{0, 1, 2, 3});
+  CHECK(output.left_out() == kFrames - 4);
+  disk.go_on();
+  output.finish();
+  CHECK(output.lines_left_out() == 0);
+  const TimingTable times = read_timing(out / "timing.csv");
+  REQUIRE(times.ms.size() == kFrames);
+  CHECK(times.ms.back().front() == 2);
+  REQUIRE(read_touches(out / "touches.jsonl").size() == kFrames);
+  CHECK(read_touches(out / "touches.jsonl").back().touches.at(0).press_depth == 0.003);
+  CHECK(read_poses(out / "pose.jsonl").size() == kFrames);
+  CHECK(read_trajectory(out / "trajectory.txt").size() == kFrames);
+  CHECK(read_corrections(out / "rectification.jsonl").size() == 2);
+  for (const char* name : {"depth", "visible", "body_depth", "moving"}) {
+    INFO(name);
+    CHECK(files_in(out / name) == 4);
+  }
+}
+
+TEST_CASE("once the disk goes on, frames are written again, and the film keeps its pace",
+          "[live_writer]") {
+  const test::ScratchFolder folder("live_output_again");
+  const fs::path out = folder / "out";
+  StuckDisk disk(out);
+  LiveOutput output({.folder = out, .complete = false});
+  std::vector<int> written;  // numbers
+  int number = 0;
+  const auto play = [&] {
+    std::unique_ptr<DrawnFrame> drawn = output.blank();
+    const bool in_files = drawn->in_files;
+    if (in_files) written.push_back(number);
+    fill(*drawn, number++);
+    output.write(std::move(drawn));
+    return in_files;
+  };
+  for (int i = 0; i < 10; ++i) play();
+  CHECK(written.size() == 4);
+  disk.go_on();
+  while (written.size() < 12) {
+    if (!play()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  output.finish();
+  CHECK(output.left_out() == number - 12);
+  cv::VideoCapture film((out / "touch.mp4").string(), cv::CAP_FFMPEG);
+  std::vector<double> shown;  // s
+  for (cv::Mat picture; film.read(picture);) {
+    shown.push_back(1e-3 * film.get(cv::CAP_PROP_POS_MSEC));
+  }
+  REQUIRE(shown.size() == written.size());
+  for (std::size_t i = 0; i < 6; ++i) {  // OpenCV does not know the times of the last few
+    INFO("picture " << i);
+    CHECK(shown[i] - shown[0] == Approx(0.05 * written[i]).margin(1e-3));  // 20 a second
+  }
+}
+
+TEST_CASE("of a disk that stands still for long even lines are left out, and counted",
+          "[live_writer]") {
+  const test::ScratchFolder folder("live_output_stuck");
+  const fs::path out = folder / "out";
+  StuckDisk disk(out);
+  LiveOutput output({.folder = out, .complete = false});
+  constexpr int kLines = static_cast<int>(LiveOutput::kLines);
+  constexpr int kFrames = kLines + 7;
+  const auto play = [&](int number) {
+    std::unique_ptr<DrawnFrame> drawn = output.blank();
+    if (number < 10) {
+      fill(*drawn, number);
+      drawn->scene.touches.resize(3);
+    }
+    drawn->scene.number = number;
+    output.write(std::move(drawn));
+  };
+  for (int number = 0; number < 10; ++number) play(number);
+  // Until the other thread stands still: what is counted is this one's.
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  CHECK(test::allocations_during([&] {
+          for (int number = 10; number < kFrames; ++number) play(number);
+        }) == 0);
+  CHECK(output.lines_left_out() == 7);
+  CHECK(output.left_out() == kFrames - 4);
+  disk.go_on();
+  output.finish();
+  CHECK(read_timing(out / "timing.csv").ms.size() == kLines);
+}
+
+TEST_CASE("a run that is to be complete waits for a slow disk", "[live_writer]") {
+  const test::ScratchFolder folder("live_output_complete");
+  const fs::path out = folder / "out";
+  StuckDisk disk(out);
+  LiveOutput output({.folder = out});
+  constexpr int kFrames = 12;
+  std::atomic<int> played = 0;
+  std::thread loop([&] {
+    for (int number = 0; number < kFrames; ++number) {
+      std::unique_ptr<DrawnFrame> drawn = output.blank();
+      fill(*drawn, number);
+      output.write(std::move(drawn));
+      ++played;
+    }
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  CHECK(played <= 4);
+  disk.go_on();
+  loop.join();
+  output.finish();
+  CHECK(output.left_out() == 0);
+  for (const char* name : {"depth", "visible", "body_depth", "moving"}) {
+    INFO(name);
+    CHECK(files_in(out / name) == kFrames);
+  }
+}
+
+TEST_CASE("what cannot be written ends a run that does not wait, too", "[live_writer]") {
+  const test::ScratchFolder folder("live_output_fails_live");
+  LiveOutput output({.folder = folder.path(), .complete = false});
+  fs::remove_all(folder / "depth");
+  std::ofstream(folder / "depth") << "a file in the way";
+  const auto play = [&] {
+    for (int number = 0;; ++number) {  // until it throws
+      std::unique_ptr<DrawnFrame> drawn = output.blank();
+      fill(*drawn, number);
+      output.write(std::move(drawn));
+    }
+  };
+  CHECK_THROWS_WITH(play(), Catch::Contains("depth/000000.png"));
 }
 
 }  // namespace

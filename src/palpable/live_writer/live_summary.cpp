@@ -5,7 +5,25 @@
 
 namespace palpable {
 
-LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const LiveOutput& output) {
+namespace {
+
+LiveSummary::Stats stats_of(const RunFigures& figures) {
+  LiveSummary::Stats stats;
+  stats.frames_per_second = figures.frames_per_second;
+  stats.age_p50_ms = figures.age_p50_ms;
+  stats.age_p99_ms = figures.age_p99_ms;
+  stats.cpu_ms_per_frame = figures.cpu_ms_per_frame;
+  for (const RunFigures::Stage& stage : figures.stages) {
+    stats.stage_p50_ms.emplace_back(stage.name, stage.p50_ms);
+    stats.stage_p99_ms.emplace_back(stage.name, stage.p99_ms);
+  }
+  return stats;
+}
+
+}  // namespace
+
+LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const RunFigures& figures,
+                       const LiveOutput& output) {
   const Session& session = run.loop.session;
   LiveSummary result;
   result.source = run.images.string();
@@ -40,6 +58,9 @@ LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts, const LiveO
   result.site_changes = counts.site_changes;
   result.video_codec = output.codec();
   result.pictures = output.figures();
+  result.stats = stats_of(figures);
+  result.left_out = output.left_out();
+  result.lines_left_out = output.lines_left_out();
   result.color_scale = stress_scale(session);
   for (const auto& [stage, values] : output.times()) {
     if (!values.empty()) result.median_ms.emplace_back(stage, percentile(values, 0.5));

@@ -5,14 +5,16 @@
 #include "palpable/clip_files/live_file.h"
 #include "palpable/live/live_counts.h"
 #include "palpable/live/live_run.h"
+#include "palpable/live/run_stats.h"
 #include "palpable/live_writer/live_output.h"
 
 namespace palpable {
 
 /// What a run that has ended says of itself. What only the user knows is left as it is: body,
 /// contact, view, scale, wall.
-/// @param output  after finish()
+/// @param figures  of all of it
+/// @param output   after finish()
 [[nodiscard]] LiveSummary summary_of(const LiveRun& run, const LiveCounts& counts,
-                                     const LiveOutput& output);
+                                     const RunFigures& figures, const LiveOutput& output);
 
 }  // namespace palpable

@@ -97,7 +97,7 @@ struct VideoFileWriter::Film {
   VideoFrame rgb;
   VideoFrame yuv;
   Converter converter;
-  std::int64_t pictures = 0;
+  std::int64_t last = -1;  // picture's time, in steps of the rate
   bool is_ending = false;  // or has failed: nothing more can be written
 };
 
@@ -194,8 +194,9 @@ VideoFileWriter::~VideoFileWriter() {
   }
 }
 
-void VideoFileWriter::append(const ColorImage& picture) {
+void VideoFileWriter::append(const ColorImage& picture, int after) {
   Film& film = *film_;
+  PALPABLE_EXPECT(after >= 1, "a picture comes after the one before");
   PALPABLE_EXPECT(
       picture.width() / 2 * 2 == film.rgb->width && picture.height() / 2 * 2 == film.rgb->height,
       "all pictures of a film have one size");
@@ -210,7 +211,8 @@ void VideoFileWriter::append(const ColorImage& picture) {
   }
   sws_scale(film.converter.get(), film.rgb->data, film.rgb->linesize, 0, film.rgb->height,
             film.yuv->data, film.yuv->linesize);
-  film.yuv->pts = film.pictures++;
+  film.last += film.last < 0 ? 1 : after;
+  film.yuv->pts = film.last;
   film.send(film.yuv.get());
 }
 

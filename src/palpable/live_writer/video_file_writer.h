@@ -29,8 +29,10 @@ class VideoFileWriter {
   /// in fragments.
   ~VideoFileWriter();
 
+  /// @param after  pictures' times after the one before it, at least 1; more where some were left
+  ///               out, so that the film keeps its pace
   /// @throws Error when the picture cannot be encoded
-  void append(const ColorImage& picture);
+  void append(const ColorImage& picture, int after = 1);
   /// Writes what the encoder has finished. @throws Error naming the file when the disk does not
   /// take it; then the film ends where it ended before
   void flush();

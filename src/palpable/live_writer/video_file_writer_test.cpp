@@ -172,5 +172,31 @@ TEST_CASE("a film on a full disk says so and keeps what it has", "[live_writer][
                     Catch::EndsWith("film.mp4: cannot be written: No such file or directory"));
 }
 
+TEST_CASE("a film keeps its pace where pictures were left out", "[live_writer]") {
+  const test::ScratchFolder folder("video_gaps");
+  const fs::path film = folder / "film.mp4";
+  VideoFileWriter writer(film, kWidth, kHeight, kRate);
+  // OpenCV does not know the times of the last few.
+  constexpr std::size_t kTimed = 10;
+  const std::vector<int> after{1, 1, 1, 20, 1, 5, 1, 1, 40, 1, 1, 1, 1, 1, 1};
+  std::vector<double> expected;  // s
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    writer.append(picture_of(static_cast<int>(i)), after[i]);
+    expected.push_back(i == 0 ? 0 : expected.back() + after[i] / kRate);
+    if (i == 4) writer.flush();
+  }
+  writer.close();
+  cv::VideoCapture capture(film.string(), cv::CAP_FFMPEG);
+  std::vector<double> times;
+  for (cv::Mat picture; capture.read(picture);) {
+    times.push_back(1e-3 * capture.get(cv::CAP_PROP_POS_MSEC));
+  }
+  REQUIRE(times.size() == after.size());
+  for (std::size_t i = 0; i < kTimed; ++i) {
+    INFO("picture " << i);
+    CHECK(times[i] - times[0] == Approx(expected[i]).margin(1e-3));
+  }
+}
+
 }  // namespace
 }  // namespace palpable

@@ -46,6 +46,7 @@ class CameraSource final : public FrameSource {
   std::string last_trouble() const override { return trouble_; }
   std::vector<std::string> take_notes() override { return std::exchange(notes_, {}); }
   bool is_live() const override { return true; }
+  std::optional<double> taken() const override { return taken_; }
   SourceState state() const override { return state_; }
 
   FrameStatus next(Frame& frame) override {
@@ -71,6 +72,7 @@ class CameraSource final : public FrameSource {
     frame.number = first_.sequence();
     if (!begin_) begin_ = first_.time();
     frame.time = first_.time() - *begin_;
+    taken_ = first_.time();
     std::swap(frame.left, left_);
     std::swap(frame.right, right_);
     std::swap(frame.depth, depth_);
@@ -167,6 +169,7 @@ class CameraSource final : public FrameSource {
   SourceState state_ = SourceState::kRunning;
   std::vector<std::string> notes_;
   std::string trouble_;
+  std::optional<double> taken_;         // the driver's time of the frame that was given
   std::optional<double> begin_;         // the driver's time of the first frame
   std::optional<double> running_from_;  // Frame::time of the first one since the device is open
   double last_picture_;      // when a frame or an unreadable picture came, by the system's clock

@@ -89,6 +89,7 @@ TEST_CASE("a stereo camera's pictures come as pairs with the driver's times", "[
       if (i > 0) REQUIRE(source->next(frame) == FrameStatus::kFrame);
       CHECK(frame.number == i);
       CHECK(frame.time == Approx(i / 60.0).margin(1e-5));
+      CHECK(source->taken().value() == Approx(100.5 + i / 60.0).margin(1e-5));
       CHECK(frame.left ==
             ColorImage(kWidth, kHeight,
                        Rgb{static_cast<std::uint8_t>(10 + i), static_cast<std::uint8_t>(10 + i),

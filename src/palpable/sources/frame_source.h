@@ -4,6 +4,7 @@
 
 #include "palpable/geometry/frame.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,11 @@ class FrameSource {
 
   /// Whether frames come at their own pace and not at the reader's.
   [[nodiscard]] virtual bool is_live() const { return false; }
+
+  /// When the last frame that next() gave was taken: s, of the clock of system_clock()
+  /// (wall_clock.h) unless a camera's driver has another one. A paced recording says when the frame
+  /// was due. Nothing where it means nothing: a recording that waits for its reader.
+  [[nodiscard]] virtual std::optional<double> taken() const { return std::nullopt; }
 
   [[nodiscard]] virtual SourceState state() const { return SourceState::kRunning; }
 };

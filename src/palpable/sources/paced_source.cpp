@@ -19,6 +19,7 @@ class PacedSource final : public FrameSource {
   std::vector<std::string> take_notes() override { return source_->take_notes(); }
   bool is_live() const override { return true; }
   SourceState state() const override { return source_->state(); }
+  std::optional<double> taken() const override { return taken_; }
 
   FrameStatus next(Frame& frame) override {
     if (!ahead_status_) read_ahead();
@@ -31,6 +32,7 @@ class PacedSource final : public FrameSource {
     if (wait > 0) clock_.sleep(std::min(wait, kLongestWait));
     if (wait > kLongestWait) return FrameStatus::kWaiting;
     do {
+      taken_ = due_;
       std::swap(frame, ahead_);
       read_ahead();
     } while (ahead_status_ == FrameStatus::kFrame && *due_ <= clock_.now());
@@ -57,6 +59,7 @@ class PacedSource final : public FrameSource {
   std::optional<FrameStatus> ahead_status_;  // nothing: ahead_ is not filled
   std::optional<double> due_;                // when the last frame read is due, on the clock
   std::optional<double> last_time_;          // its own time
+  std::optional<double> taken_;              // when the frame that was given was due
 };
 
 }  // namespace

@@ -31,6 +31,7 @@ TEST_CASE("a reader in time gets every frame, and not before it is due", "[sourc
     REQUIRE(source->next(frame) == FrameStatus::kFrame);
     CHECK(frame.number == i);
     CHECK(clock.time - begin == Approx(i / 30.0));
+    CHECK(source->taken().value() == Approx(clock.time));
   }
   CHECK(source->next(frame) == FrameStatus::kEnd);
 }
@@ -40,8 +41,10 @@ TEST_CASE("a late reader gets the newest frame that is due", "[sources][paced]")
   const auto source =
       paced(std::make_unique<MisbehavingCamera>(std::vector<Act>(30, Act::kGood)), clock);
   Frame frame;
+  const double begin = clock.time;
   std::vector<int> numbers;
   while (source->next(frame) == FrameStatus::kFrame) {
+    CHECK(source->taken().value() - begin == Approx(frame.number / 30.0).margin(1e-9));  // due
     numbers.push_back(frame.number);
     clock.time += 0.105;  // three frames and a bit
   }

@@ -10,7 +10,7 @@
 namespace palpable {
 
 ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop& loop)
-    : scale_(stress_scale(loop.session)) {
+    : scale_(stress_scale(loop.session)), masks_(settings.masks) {
   const PinholeCamera& camera = loop.camera.camera();
   if (settings.window) {
     window_.emplace(value_or_throw(Window::open("Palpable", camera.width, camera.height)));
@@ -28,7 +28,9 @@ ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop
 }
 
 void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
+  if (!window_ && !drawn.in_files && !map_) return;
   const StageTimer timer(drawn.scene.times, "draw");
+  const bool masks = masks_ && drawn.in_files;
   SceneView view = view_of(drawn.scene, session, scale_);
   const bool outside = map_ || surface_;
   if (outside) {  // its own caption says it
@@ -36,7 +38,8 @@ void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
     view.caption.clear();
     view.warning.clear();
   }
-  renderer_->draw(view, outside ? inside_ : drawn.picture, &drawn.visible, &drawn.body_depth);
+  renderer_->draw(view, outside ? inside_ : drawn.picture, masks ? &drawn.visible : nullptr,
+                  masks ? &drawn.body_depth : nullptr);
   if (surface_) { surface_->draw(drawn.scene, session, scale_, inside_, drawn.picture); }
   if (!map_) return;
   map_->draw(drawn.scene, session, scale_, inside_, drawn.picture);

@@ -25,6 +25,7 @@ struct ScenePainterSettings {
   };
   bool window = false;  ///< also show the pictures in a window; else draw off screen
   View view = View::kCamera;
+  bool masks = true;  ///< also fill DrawnFrame::visible and body_depth, which are read back for it
 };
 
 /// Draws the scenes of one frame loop, in their order. Main thread only.
@@ -35,6 +36,9 @@ class ScenePainter {
   ScenePainter(const ScenePainterSettings& settings, const FrameLoop& loop);
 
   /// Fills in what drawing adds to a scene, but for the scores; its time goes to the stage "draw".
+  /// Without masks, and for a frame that is in no file, `visible` and `body_depth` stay as they
+  /// are. What is in no file and in no window is drawn only where later pictures need it (the map's
+  /// path).
   void draw(DrawnFrame& drawn, const Session& session);
 
   /// Shows a picture in the window, and handles what the user did there; nothing without one.
@@ -57,6 +61,7 @@ class ScenePainter {
   std::unique_ptr<SurfacePicture> surface_;  // likewise
   ColorImage inside_;                        // what the camera sees, where the picture is another
   double scale_;                             // Pa, top of the colours
+  bool masks_;
   bool ended_ = false;
 };
 

@@ -1,0 +1,67 @@
+#include "palpable/view/scene_painter.h"
+
+#include "palpable/session/frame_loop.h"
+#include "tests/support/dented_sphere.h"
+#include "tests/support/seen_wall.h"
+#include "tests/support/test.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+namespace palpable {
+namespace {
+
+FrameLoop loop_before_sphere() {
+  Rigid3 camera_from_body = Rigid3::Identity();
+  camera_from_body.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;  // Z up in the picture
+  camera_from_body.translation() = Eigen::Vector3d(0, 0.05, 0.4);
+  return value_or_throw(FrameLoop::make(test::DentedSphere{}.body(), camera_from_body,
+                                        test::wall_format(), {.press_static = true, .map = false}));
+}
+
+std::optional<ScenePainter> painter_of(const ScenePainterSettings& settings,
+                                       const FrameLoop& loop) {
+  try {
+    return std::optional<ScenePainter>(std::in_place, settings, loop);
+  } catch (const Error&) { return std::nullopt; }  // no OpenGL
+}
+
+TEST_CASE("masks are filled in for who wants them, and the picture is the same without",
+          "[view][pixels]") {
+  FrameLoop loop = loop_before_sphere();
+  DrawnFrame with, without;
+  with.scene = loop.process(test::frame_of_wall(0, 0));
+  without.scene = with.scene;
+  {
+    std::optional<ScenePainter> painter = painter_of({}, loop);
+    if (!painter) PALPABLE_SKIP("no OpenGL");
+    painter->draw(with, loop.session);
+  }
+  std::optional<ScenePainter> painter = painter_of({.masks = false}, loop);
+  REQUIRE(painter.has_value());
+  painter->draw(without, loop.session);
+  CHECK(std::count(with.visible.begin(), with.visible.end(), std::uint8_t{255}) > 1000);
+  CHECK(with.body_depth.width() == with.picture.width());
+  CHECK(without.visible.empty());
+  CHECK(without.body_depth.empty());
+  CHECK(without.picture == with.picture);
+}
+
+TEST_CASE("of a frame that is in no file and in no window nothing is drawn", "[view][pixels]") {
+  FrameLoop loop = loop_before_sphere();
+  std::optional<ScenePainter> painter = painter_of({}, loop);
+  if (!painter) PALPABLE_SKIP("no OpenGL");
+  DrawnFrame drawn;
+  drawn.scene = loop.process(test::frame_of_wall(0, 0));
+  drawn.in_files = false;
+  painter->draw(drawn, loop.session);
+  CHECK(drawn.picture.empty());
+  CHECK(drawn.scene.times.ms("draw") == 0);
+  drawn.in_files = true;
+  painter->draw(drawn, loop.session);
+  CHECK_FALSE(drawn.picture.empty());
+}
+
+}  // namespace
+}  // namespace palpable

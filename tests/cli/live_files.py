@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+"""What a live run writes, and what not: one case, one test, as in programs.py. `--list` names the cases."""
+import json
+import os
+import sys
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+import programs as base
+
+base.CASES.clear()
+case = base.case
+
+
+def without_out(programs, folder, *more):
+    words = list(base.live(programs, folder, *more))
+    at = words.index("--out")
+    del words[at:at + 2]
+    return words
+
+
+@case("live without --out plays, writes nothing and says at the end what happened")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=3)
+    before = sorted(folder.rglob("*"))
+    # No window and no files: nothing is drawn, so it needs no OpenGL and no display.
+    result = programs.succeeds(*without_out(programs, folder), cwd=folder)
+    assert "3 frames in" in result.stdout and "touch.mp4" not in result.stdout, result.stdout
+    assert "live" in result.stderr and "100 %" in result.stderr, result.stderr
+    assert sorted(folder.rglob("*")) == before, "something was written"
+    for option in ("--pictures", "--meshes", "--no-masks", "--no-depth", "--overwrite"):
+        programs.refuses(*without_out(programs, folder, option), says=[option, "--out"])
+    words = without_out(programs, folder)
+    words[words.index("--source") + 1] = "synthetic"
+    programs.refuses(*words, cwd=folder, says=["synthetic", "--out"])
+    assert sorted(folder.rglob("*")) == before, "something was written"
+
+
+@case("live without --out shows itself in a window and writes nothing")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=3)
+    before = sorted(folder.rglob("*"))
+    result = base.on_screen(programs, *without_out(programs, folder, "--window"))
+    if result is None:
+        return
+    assert result.returncode == 0, result.stderr
+    assert "3 frames in" in result.stdout, result.stdout
+    assert sorted(folder.rglob("*")) == before, "something was written"
+
+
+STUCK = range(30, 34)  # frames, of which a paced run may drop some
+
+
+def drain(readers):
+    for reader in readers:
+        try:
+            os.read(reader, 1 << 20)
+        except BlockingIOError:
+            pass
+
+
+def play_on_stuck_disk(programs, folder, *more):
+    """Three seconds of frames as a camera gives them; when one of STUCK is written the disk stands still for a second.
+
+    Returns what was printed, and live.json.
+    """
+    out = folder / "out"
+    process = programs.start(*base.live(programs, folder, "--paced", *more))
+    readers = []
+    try:
+        while not (out / "moving").exists():  # made last
+            assert process.poll() is None, process.communicate()
+            time.sleep(0.002)
+        for n in STUCK:  # whoever opens one waits for a reader
+            os.mkfifo(out / f"depth/{n:06d}.png")
+        time.sleep(2.2)
+        readers = [os.open(out / f"depth/{n:06d}.png", os.O_RDWR | os.O_NONBLOCK) for n in STUCK]
+        while process.poll() is None:
+            drain(readers)
+            time.sleep(0.01)
+        printed = process.communicate()
+    finally:
+        process.kill()
+        process.wait()
+        for reader in readers:
+            os.close(reader)
+    assert process.returncode == 0, printed
+    return printed[0], json.loads((out / "live.json").read_text())
+
+
+def lines_of(file):
+    return len(file.read_text().splitlines())
+
+
+@case("a camera's frames that a slow disk has no time for are left out of the pictures, not of the texts")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=90)
+    out = folder / "out"
+    printed, live = play_on_stuck_disk(programs, folder)
+    frames, left_out = live["frames"], live["frames_left_out"]
+    print(f"{frames} frames, {left_out} left out, {live['source_troubles']['dropped']} dropped")
+    assert left_out >= 10 and live["lines_left_out"] == 0, live
+    assert f"{left_out} of these frames" in printed and "--every-frame" in printed, printed
+    assert lines_of(out / "timing.csv") == frames + 1 and lines_of(out / "pose.jsonl") == frames
+    for name in ("visible", "body_depth"):
+        assert len(list((out / name).iterdir())) == frames - left_out, name
+    # The loop did not stand still with the disk: it answered frames all the time.
+    assert live["processed"][-1] == 89 and not any(b - a > 10 for a, b in zip(live["processed"], live["processed"][1:]))
+
+
+@case("with --every-frame a camera's run waits for a slow disk and is complete")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=90)
+    out = folder / "out"
+    printed, live = play_on_stuck_disk(programs, folder, "--every-frame")
+    assert live["frames_left_out"] == 0 and "--every-frame" not in printed, (live, printed)
+    for name in ("visible", "body_depth"):
+        assert len(list((out / name).iterdir())) == live["frames"], name
+    assert live["source_troubles"]["dropped"] >= 10, live  # while it waited
+
+
+@case("live tells each second and at the end how fast it goes when it is asked to, and live.json always")
+def _(programs, folder):
+    base.write_stereo(folder / "clip", frames=90)
+    words = base.live(programs, folder, "--paced", "--overwrite", "--no-masks")
+    for more in ((), ("--stats",)):
+        result = programs.succeeds(*words, *more)
+        live = json.loads((folder / "out/live.json").read_text())
+        stats = live["stats"]
+        assert 5 < stats["frames_per_s"] <= 31, stats
+        assert 0 < stats["age_p50_ms"] <= stats["age_p99_ms"] < 2000, stats
+        assert 0 < stats["cpu_ms_per_frame"] < 2000, stats
+        assert stats["stage_p50_ms"].keys() == stats["stage_p99_ms"].keys() >= {"read", "disparity", "contact", "draw"}
+        lines = [line for line in result.stderr.splitlines() if "frames/s" in line]
+        assert (2 <= len(lines) <= 6) if more else not lines, result.stderr
+        assert ("frames/s" in result.stdout) == bool(more), result.stdout
+    print(lines[-1])
+    for text in ("age", "p99", "dropped", "texts only", "CPU", "contact"):
+        assert text in lines[-1] and text in result.stdout, text
+    result = programs.succeeds(*without_out(programs, folder, "--paced", "--stats"))
+    assert "frames/s" in result.stdout and "draw" not in result.stdout, result.stdout
+
+
+if __name__ == "__main__":
+    sys.exit(base.main())
