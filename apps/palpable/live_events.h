@@ -36,7 +36,7 @@ class LiveEvents {
 
  private:
   std::optional<EventServer> server_;
-  std::optional<FrameLines> lines_;
+  std::optional<EventLines> lines_;
 };
 
 }  // namespace palpable::app

@@ -66,14 +66,14 @@ std::string hello_line(const std::vector<EventBody>& bodies) {
   return hello.dump() + "\n";
 }
 
-FrameLines::FrameLines(const std::vector<EventBody>& bodies) {
+EventLines::EventLines(const std::vector<EventBody>& bodies) {
   for (const EventBody& body : bodies) {
     names_.push_back(Json(body.name).dump());
     world_from_body_.push_back(body.world_from_body);
   }
 }
 
-std::string_view FrameLines::line_of(const Scene& scene) {
+std::string_view EventLines::line_of(const Scene& scene) {
   PALPABLE_EXPECT(scene.bodies.size() == names_.size(), "a scene of these bodies");
   text_.clear();
   fmt::format_to(std::back_inserter(text_),
@@ -89,12 +89,12 @@ std::string_view FrameLines::line_of(const Scene& scene) {
   return text_;
 }
 
-void FrameLines::add_number(double value, int decimals) {
+void EventLines::add_number(double value, int decimals) {
   if (!std::isfinite(value)) return add("null");
   fmt::format_to(std::back_inserter(text_), "{:.{}f}", value, decimals);
 }
 
-void FrameLines::add_vector(const Eigen::Vector3d& v) {
+void EventLines::add_vector(const Eigen::Vector3d& v) {
   add("[");
   for (int i = 0; i < 3; ++i) {
     if (i > 0) add(",");
@@ -103,7 +103,7 @@ void FrameLines::add_vector(const Eigen::Vector3d& v) {
   add("]");
 }
 
-void FrameLines::add_rows(const Rigid3& transform) {
+void EventLines::add_rows(const Rigid3& transform) {
   if (!transform.matrix().allFinite()) return add("null");
   for (int i = 0; i < 16; ++i) {
     fmt::format_to(std::back_inserter(text_), "{}{:.9g}", i > 0 ? "," : "[",
@@ -112,7 +112,7 @@ void FrameLines::add_rows(const Rigid3& transform) {
   add("]");
 }
 
-void FrameLines::add_camera(const TrackedPose& camera) {
+void EventLines::add_camera(const TrackedPose& camera) {
   add(",\"camera\":{\"state\":\"");
   add(kStates[static_cast<std::size_t>(camera.state)]);
   add("\",\"world_from_camera\":");
@@ -124,7 +124,7 @@ void FrameLines::add_camera(const TrackedPose& camera) {
   add(camera.new_world ? ",\"new_world\":true}" : ",\"new_world\":false}");
 }
 
-void FrameLines::add_body(const Scene& scene, int number) {
+void EventLines::add_body(const Scene& scene, int number) {
   const auto k = static_cast<std::size_t>(number);
   const SceneBody& body = scene.bodies[k];
   add("{\"name\":");
@@ -151,7 +151,7 @@ void FrameLines::add_body(const Scene& scene, int number) {
   add("}");
 }
 
-void FrameLines::add_touch(const Touch& touch, const Rigid3& world_from_body) {
+void EventLines::add_touch(const Touch& touch, const Rigid3& world_from_body) {
   const Eigen::Vector3d force = touch.force * touch.direction;
   if (touch.site >= 0) {
     fmt::format_to(std::back_inserter(text_), "{{\"site\":{},\"level\":", touch.site);

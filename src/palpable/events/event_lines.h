@@ -32,9 +32,9 @@ struct EventBody {
 
 /// Writes the lines of frames into memory that is used again: after the first touches it takes
 /// none.
-class FrameLines {
+class EventLines {
  public:
-  explicit FrameLines(const std::vector<EventBody>& bodies);
+  explicit EventLines(const std::vector<EventBody>& bodies);
 
   /// One line, its end included, until the next call. Points and forces have the digits that they
   /// have in touches.jsonl; a number that is not finite becomes null.

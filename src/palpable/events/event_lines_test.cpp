@@ -72,7 +72,7 @@ TEST_CASE("the first line says the version, units, frames and bodies", "[events]
 }
 
 TEST_CASE("a frame's line has poses, touches in both frames, and stated errors", "[events]") {
-  FrameLines lines(two_bodies());
+  EventLines lines(two_bodies());
   const json frame = parsed(lines.line_of(some_scene()));
   CHECK(frame["type"] == "frame");
   CHECK(frame["frame"] == 7);
@@ -106,7 +106,7 @@ TEST_CASE("a frame's line has poses, touches in both frames, and stated errors",
 }
 
 TEST_CASE("a touch names its site, or the body that presses", "[events]") {
-  FrameLines lines(two_bodies());
+  EventLines lines(two_bodies());
   Scene scene = some_scene();
   scene.touches[0].by = 0;
   scene.touches.push_back({4, 0.5, 1.25, 0.003, {0.01, 0.02, 0.03}, {0, -1, 0}});
@@ -120,7 +120,7 @@ TEST_CASE("a touch names its site, or the body that presses", "[events]") {
 }
 
 TEST_CASE("the pose of a lost camera, and what is no number, are null", "[events]") {
-  FrameLines lines(two_bodies());
+  EventLines lines(two_bodies());
   Scene scene = some_scene();
   scene.camera.state = TrackState::kLost;
   scene.camera.new_world = true;
@@ -137,7 +137,7 @@ TEST_CASE("the pose of a lost camera, and what is no number, are null", "[events
 }
 
 TEST_CASE("after the first touches a frame's line takes no memory", "[events][allocation]") {
-  FrameLines lines(two_bodies());
+  EventLines lines(two_bodies());
   Scene scene = some_scene();
   scene.touches.resize(5, scene.touches[0]);
   std::ignore = lines.line_of(scene);
