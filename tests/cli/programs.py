@@ -1614,7 +1614,8 @@ def _(programs, folder):
     moved, again = ply_points(folder / "moved.ply")
     assert again == triangles, (again, triangles)  # 1 m is a whole number of voxels
     middle = [sum(p[axis] for p in moved) / len(moved) - sum(p[axis] for p in points) / len(points) for axis in range(3)]
-    assert all(abs(found - true) < 1e-4 for found, true in zip(middle, (1, 0, 0))), middle
+    # A float at 1 m has other last digits: a vertex more or less at the rim moves the mean of a thousand by 0.2 mm.
+    assert all(abs(found - true) < 1e-3 for found, true in zip(middle, (1, 0, 0))), middle
 
 
 def png_rows(path):
