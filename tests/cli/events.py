@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
 """Programs that connect to a live run, among them the client that docs/touch_events.md prints."""
-import fcntl
 import json
 import os
 import re
@@ -22,15 +21,8 @@ TOUCHED = base.BALL.replace('"none"', '"linear"\nheld_out = 0')
 
 
 def touched_body(programs):
-    """A ball that may be touched anywhere, baked once for the cases below."""
-    programs.work.mkdir(parents=True, exist_ok=True)
-    with open(programs.work / "lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        body = programs.work / "touched/ball.palpable"
-        program = Path(programs.palpable).with_name("palpable-bake")
-        if not body.exists() or body.stat().st_mtime < program.stat().st_mtime:
-            programs.succeeds("bake", base.write_ball(body.parent, TOUCHED), "-o", body)
-    return body
+    """A ball that may be touched anywhere."""
+    return programs.baked_ball(programs.work / "touched", TOUCHED)
 
 
 def start(programs, folder, events, *more, body=None):

@@ -82,15 +82,18 @@ class Programs:
 
     def small_body(self):
         """A coarse ball, baked once and shared by the cases."""
-        self.work.mkdir(parents=True, exist_ok=True)
-        with open(self.work / "lock", "w") as lock:
+        return self.baked_ball(self.work, BALL)
+
+    def baked_ball(self, folder, text):
+        """Of this description, baked once into the folder and shared by the cases."""
+        folder.mkdir(parents=True, exist_ok=True)
+        with open(folder / "lock", "w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
-            body = self.work / "ball.palpable"
+            body = folder / "ball.palpable"
             # A folder of an earlier program may hold a body that this one does not read any more.
             program = Path(self.palpable).with_name("palpable-bake")
             if not body.exists() or body.stat().st_mtime < program.stat().st_mtime:
-                write_ball(self.work)
-                self.succeeds("bake", self.work / "ball.toml", "-o", body)
+                self.succeeds("bake", write_ball(folder, text), "-o", body)
         return body
 
 

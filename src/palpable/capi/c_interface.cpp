@@ -135,6 +135,15 @@ int state_of(palpable::TrackState state) {
   return PALPABLE_STANDS;
 }
 
+template <class Element>
+std::size_t checked_index(int32_t index, const std::vector<Element>& among, const char* what) {
+  if (index < 0 || static_cast<std::size_t>(index) >= among.size()) {
+    throw Failure(PALPABLE_WRONG_ARGUMENT,
+                  fmt::format("there is no {} {} among {}", what, index, among.size()));
+  }
+  return static_cast<std::size_t>(index);
+}
+
 void write(const Eigen::Vector3d& from, double to[3]) { Eigen::Vector3d::Map(to) = from; }
 
 }  // namespace
@@ -269,11 +278,7 @@ palpable_status palpable_get_touch(const palpable_session* session, int32_t inde
                                    palpable_touch* touch) {
   return guarded([&] {
     const std::vector<palpable::Touch>& touches = opened(session).scene().touches;
-    if (index < 0 || static_cast<std::size_t>(index) >= touches.size()) {
-      throw Failure(PALPABLE_WRONG_ARGUMENT,
-                    fmt::format("there is no touch {} among {}", index, touches.size()));
-    }
-    const palpable::Touch& one = touches[static_cast<std::size_t>(index)];
+    const palpable::Touch& one = touches[checked_index(index, touches, "touch")];
     palpable_touch told{};
     told.body = one.body;
     told.by = one.by;
@@ -292,11 +297,7 @@ palpable_status palpable_get_skin(const palpable_session* session, int32_t body,
                                   palpable_skin* skin) {
   return guarded([&] {
     const palpable_session& open = opened(session);
-    if (body < 0 || static_cast<std::size_t>(body) >= open.bodies.size()) {
-      throw Failure(PALPABLE_WRONG_ARGUMENT,
-                    fmt::format("there is no body {} among {}", body, open.bodies.size()));
-    }
-    const auto k = static_cast<std::size_t>(body);
+    const std::size_t k = checked_index(body, open.bodies, "body");
     const palpable::SceneBody& shown = open.scene().bodies[k];
     const Eigen::Matrix3Xi& triangles = open.bodies[k].body->body.surface.triangles;
     palpable_skin told{};

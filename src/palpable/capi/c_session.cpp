@@ -74,14 +74,8 @@ void palpable_session::show_rest(palpable::Scene& scene) const {
 
 void palpable_session::answer_images(const std::optional<Rigid3>* pose) {
   is_broken = true;
-  palpable::Scene& scene = loop_->scene;
-  loop_->camera.see(images, scene.seen);
-  scene.times = loop_->camera.last_times();
-  if (pose != nullptr) {
-    loop_->session.respond(scene, *pose);
-  } else {
-    loop_->session.respond(scene);
-  }
+  const palpable::Scene& scene =
+      pose != nullptr ? loop_->process(images, *pose) : loop_->process(images);
   wrong_pair |= scene.seen.misfit.has_value();
   is_broken = false;
 }

@@ -55,19 +55,25 @@ inline void require(bool condition, const char* meaning) {
   if (!condition) throw Failure(PALPABLE_WRONG_ARGUMENT, meaning);
 }
 
-/// The struct of a caller who may know more or fewer of its members: those that he does not know
-/// are 0.
+/// The size that a caller says its struct has.
 /// @param least  bytes that the first version had
-/// @throws Failure for none, one with a size that no version has had, or with members set that this
-///         version does not know
+/// @throws Failure for none, or one with a size that no version has had
 template <class Struct>
-[[nodiscard]] Struct taken_in(const Struct* from, std::size_t least, const char* name) {
-  if (from == nullptr) throw Failure(PALPABLE_WRONG_ARGUMENT, std::string(name) + " is null");
-  const std::size_t size = from->size;
-  if (size < least || size > kLargestStruct) {
+[[nodiscard]] std::size_t size_of_callers(const Struct* its, std::size_t least, const char* name) {
+  if (its == nullptr) throw Failure(PALPABLE_WRONG_ARGUMENT, std::string(name) + " is null");
+  if (its->size < least || its->size > kLargestStruct) {
     throw Failure(PALPABLE_WRONG_ARGUMENT,
                   std::string(name) + ": size is to be that of the struct");
   }
+  return its->size;
+}
+
+/// The struct of a caller who may know more or fewer of its members: those that he does not know
+/// are 0.
+/// @throws Failure as size_of_callers(), and with members set that this version does not know
+template <class Struct>
+[[nodiscard]] Struct taken_in(const Struct* from, std::size_t least, const char* name) {
+  const std::size_t size = size_of_callers(from, least, name);
   const auto* bytes = reinterpret_cast<const unsigned char*>(from);
   for (std::size_t k = sizeof(Struct); k < size; ++k) {
     if (bytes[k] == 0) continue;
@@ -83,12 +89,7 @@ template <class Struct>
 /// The other way: members that this version does not know become 0.
 template <class Struct>
 void hand_out(const Struct& from, std::size_t least, Struct* into, const char* name) {
-  if (into == nullptr) throw Failure(PALPABLE_WRONG_ARGUMENT, std::string(name) + " is null");
-  const std::size_t size = into->size;
-  if (size < least || size > kLargestStruct) {
-    throw Failure(PALPABLE_WRONG_ARGUMENT,
-                  std::string(name) + ": size is to be that of the struct");
-  }
+  const std::size_t size = size_of_callers(into, least, name);
   auto* bytes = reinterpret_cast<unsigned char*>(into);
   const std::size_t known = std::min(size, sizeof(Struct));
   std::memcpy(bytes, &from, known);

@@ -121,7 +121,7 @@ struct Finder {
     Eigen::Vector2f way = Eigen::Vector2f::Zero();
     float flattest = kFlat;
     for (std::size_t k = 0; k < kAround.size(); ++k) {
-      const float behind = std::abs(falls[(k + kAround.size() / 2) % kAround.size()]);
+      const float behind = std::abs(falls[(k + 4) % 8]);
       // Of a slanted thing's middle, between pixels, one direction may fall, but not those beside.
       const float ahead = std::min({falls[k], falls[(k + 1) % 8], falls[(k + 7) % 8]});
       if (behind >= flattest || ahead < kFalls) continue;
@@ -135,7 +135,7 @@ struct Finder {
   // The front of a round thing of radius `radius` at its middle: each pixel of the window says how
   // deep that is, if the thing falls off to its outline like a circle. A plane through them, found
   // as 1/Z = a + b du + c dv: under perspective a plane is linear for the inverse depth.
-  // @param on    px, from the pixel to where the ball is wanted
+  // @param on      px, from the pixel to where the ball is wanted
   // @param nearer  1/m, by which the front is nearer than it was measured
   [[nodiscard]] std::optional<MedialBall> ball_at(int x, int y, float disc, float radius,
                                                   const Eigen::Vector2f& on = {0, 0},

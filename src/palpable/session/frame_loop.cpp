@@ -3,6 +3,14 @@
 #include <utility>
 
 namespace palpable {
+namespace {
+
+void see(FrameLoop& loop, const Frame& frame) {
+  loop.camera.see(frame, loop.scene.seen);
+  loop.scene.times = loop.camera.last_times();
+}
+
+}  // namespace
 
 Result<FrameLoop> FrameLoop::make(TouchableBody body, const Rigid3& world_from_body,
                                   const FrameFormat& format, const SessionSettings& settings) {
@@ -21,9 +29,15 @@ Result<FrameLoop> FrameLoop::make(std::vector<PlacedBody> bodies, const FrameFor
 }
 
 const Scene& FrameLoop::process(const Frame& frame) {
-  camera.see(frame, scene.seen);
-  scene.times = camera.last_times();
+  see(*this, frame);
   session.respond(scene);
+  return scene;
+}
+
+const Scene& FrameLoop::process(const Frame& frame,
+                                const std::optional<Rigid3>& world_from_camera) {
+  see(*this, frame);
+  session.respond(scene, world_from_camera);
   return scene;
 }
 

@@ -14,6 +14,7 @@
 #include "palpable/session/scene.h"
 #include "palpable/session/session.h"
 
+#include <optional>
 #include <vector>
 
 namespace palpable {
@@ -36,6 +37,8 @@ struct FrameLoop {
 
   /// One frame, seen and answered. The scene is overwritten by the next call.
   const Scene& process(const Frame& frame);
+  /// The same with a pose that is known from elsewhere (Session::respond).
+  const Scene& process(const Frame& frame, const std::optional<Rigid3>& world_from_camera);
 };
 
 }  // namespace palpable

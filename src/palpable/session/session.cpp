@@ -20,7 +20,6 @@ namespace {
 // desk outlines lie 1.0 to 1.4 px of the depth too far out beside the measured room, 0 to 1.0 px
 // where colours tell them, and 0 beside pixels without depth.
 constexpr double kCensusFattening = 1.3;
-constexpr double kBesideUnknown = kCensusFattening;
 constexpr double kByColor = 0.5;
 
 // Sigmas of one pixel's depth, 0.25 px, by which the middle of a thin thing is measured too far
@@ -43,7 +42,7 @@ ObjectSurfaceSettings fitted(ObjectSurfaceSettings surface, const DepthCamera& c
   if (format.kind == FrameFormat::Kind::kStereo && matcher == DepthSettings::Matcher::kCensus) {
     surface.balls.fattening = kCensusFattening;
     surface.balls.too_far = kTooFarSigmas * noise.quadratic;
-    surface.silhouette.beside_unknown = kBesideUnknown;
+    surface.silhouette.beside_unknown = kCensusFattening;
     surface.silhouette.by_color = kByColor;
   }
   return surface;

@@ -92,6 +92,16 @@ PALPABLE_ALWAYS_INLINE FloatPack bounded(FloatPack s) {
 /// Components of a symmetric tensor in the order xx yy zz xy yz zx.
 inline constexpr int kStressRow[6] = {0, 1, 2, 0, 1, 2}, kStressColumn[6] = {0, 1, 2, 1, 2, 0};
 
+/// sigma = P F^T / J, a number whatever F is. @param shrunk  1 / J  @param s  Pa, in that order
+PALPABLE_ALWAYS_INLINE void push_forward(const Tensor<Lanes>& P, const Tensor<Lanes>& F,
+                                         const Lanes& shrunk, FloatPack (&s)[6]) {
+  for (int c = 0; c < 6; ++c) {
+    const int i = kStressRow[c], j = kStressColumn[c];
+    const Lanes sum = P(i, 0) * F(j, 0) + P(i, 1) * F(j, 1) + P(i, 2) * F(j, 2);
+    s[c] = bounded((sum * shrunk).v);
+  }
+}
+
 /// sigma = (P(F) + F S) F^T / J, a number whatever F is.
 /// @param S  Pa, added to the second Piola stress; xx yy zz xy yz zx
 /// @param s  Pa, likewise
@@ -107,24 +117,16 @@ PALPABLE_ALWAYS_INLINE void cauchy_stress(const Law& law, const Tensor<Lanes>& F
       for (int K = 0; K < 3; ++K) P(i, J).v += F(i, K).v * S[kEntry[K][J]];
     }
   }
-  for (int c = 0; c < 6; ++c) {
-    const int i = kStressRow[c], j = kStressColumn[c];
-    const Lanes sum = P(i, 0) * d.F(j, 0) + P(i, 1) * d.F(j, 1) + P(i, 2) * d.F(j, 2);
-    s[c] = bounded((sum * shrunk).v);
-  }
+  push_forward(P, F, shrunk, s);
 }
+
 /// sigma = P(F) F^T / J, a number whatever F is. @param s  Pa, xx yy zz xy yz zx
 template <class Law>
 PALPABLE_ALWAYS_INLINE void cauchy_stress(const Law& law, const Tensor<Lanes>& F,
                                           FloatPack (&s)[6]) {
   Deformation<Lanes> d;
   const Lanes shrunk = bounded_deformation(F, d);
-  const Tensor<Lanes> P = first_piola(law, d);
-  for (int c = 0; c < 6; ++c) {
-    const int i = kStressRow[c], j = kStressColumn[c];
-    const Lanes sum = P(i, 0) * d.F(j, 0) + P(i, 1) * d.F(j, 1) + P(i, 2) * d.F(j, 2);
-    s[c] = bounded((sum * shrunk).v);
-  }
+  push_forward(first_piola(law, d), F, shrunk, s);
 }
 
 }  // namespace palpable

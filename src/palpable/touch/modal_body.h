@@ -55,8 +55,7 @@ class ModalBody {
  public:
   /// @param member  what it points to outlives this. @pre trouble_of(tables, body) is empty
   /// @param twin    a body of the same make (are_twins()), or none: both read the same numbers,
-  /// which
-  ///                then need not come from memory twice. To be asked on the same thread
+  ///                which then need not come from memory twice. To be asked on the same thread
   explicit ModalBody(const ModalMember& member, const ModalBody* twin = nullptr);
 
   [[nodiscard]] const ModalMember& member() const { return member_; }

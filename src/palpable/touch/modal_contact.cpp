@@ -422,11 +422,9 @@ void ModalContact::Work::look_again(std::span<const GapQuery> gaps, double shift
       c.gap =
           c.offset + (from_to(c.member, c.by) * c.place - foot).cast<double>().dot(c.other_normal);
     } else if (is_gap_told(c, shift)) {
-      const Vector3f way = c.place - c.seen_from;
-      const Vector3f bend = c.curvature * way;
-      c.gap =
-          c.seen_gap + shift + static_cast<double>(c.seen_normal.dot(way) + 0.5f * way.dot(bend));
-      c.normal = (c.seen_normal + bend).normalized().cast<double>();
+      const GapBeside beside = gap_beside(c.seen_normal, c.curvature, c.place - c.seen_from);
+      c.gap = c.seen_gap + shift + static_cast<double>(beside.farther);
+      c.normal = beside.normal.cast<double>();
     } else if (!measure_seen(c, gaps[static_cast<std::size_t>(c.member)], shift)) {
       c.gap = 1;  // m: far
       c.force = 0;

@@ -4,6 +4,7 @@
 #include "palpable/material/material.h"
 #include "palpable/touch/shell_stress.h"
 #include "tests/support/allocations.h"
+#include "tests/support/shell_box.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Core>
@@ -26,36 +27,8 @@ using test::tolerance;
 
 constexpr int kVertices = 11;  // the first nodes are the skin's: no multiple of eight
 
-// A box whose vertices have the mean of the elements that touch them.
 ShellTable box(bool quadratic, const Material& material) {
-  TetMesh mesh = box_tets({0, 0, 0}, {0.02, 0.03, 0.04}, 1, 2, 2);
-  if (quadratic) mesh = with_edge_nodes(mesh);
-  ShellTable shell;
-  shell.stress_free = mesh.nodes;
-  shell.preload.setZero(3, mesh.node_count());
-  shell.element_nodes = quadratic ? 10 : 4;
-  shell.materials = {material};
-  std::vector<std::vector<int>> around(kVertices);
-  for (int e = 0; e < mesh.tet_count(); ++e) {
-    for (const int n : mesh.tets.col(e)) {
-      shell.elements.push_back(n);
-      if (n < kVertices) around[static_cast<std::size_t>(n)].push_back(e);
-    }
-    for (int k = 0; quadratic && k < 6; ++k) shell.elements.push_back(mesh.edge_nodes(k, e));
-    shell.material_of.push_back(0);
-  }
-  const int Q = shell.points_of_element();
-  shell.first.push_back(0);
-  for (const std::vector<int>& elements : around) {
-    for (const int e : elements) {
-      for (int q = 0; q < Q; ++q) {
-        shell.points.push_back(Q * e + q);
-        shell.weights.push_back(1.0f / static_cast<float>(Q * static_cast<int>(elements.size())));
-      }
-    }
-    shell.first.push_back(static_cast<int>(shell.points.size()));
-  }
-  return shell;
+  return test::shell_box(quadratic, kVertices, {material});
 }
 
 const Matrix3d kStretch =

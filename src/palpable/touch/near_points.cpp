@@ -56,12 +56,12 @@ bool NearPoints::gap_at(int point, const Vector3f& x, const GapQuery& gap, float
   }
   if (!last.near) return false;
   const Vector3f way = x - last.place;
-  const Vector3f turn = last.gap.curvature * way;
+  const GapBeside beside = gap_beside(last.gap.normal, last.gap.curvature, way);
   answer = last.gap;
-  answer.distance += last.gap.normal.dot(way) + 0.5f * way.dot(turn);
+  answer.distance += beside.farther;
   // Over a long way the curvature of a hollow would tell of a surface that is not there.
   if (stays_far) answer.distance = std::max(answer.distance, last.gap.distance - moved);
-  answer.normal = (last.gap.normal + turn).normalized();
+  answer.normal = beside.normal;
   return true;
 }
 

@@ -3,7 +3,7 @@
 
 #include "palpable/touch/packed_energy.h"
 
-#include "palpable/material/tensor.h"
+#include "palpable/touch/float_lanes.h"
 
 #include <cstddef>
 #include <vector>
@@ -15,7 +15,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-using FloatPack = float __attribute__((vector_size(kPackSize * sizeof(float))));
 struct alignas(32) PackOfPairs {
   FloatPack v;
 };

@@ -3,6 +3,7 @@
 #include "palpable/geometry/quadrature.h"
 #include "palpable/geometry/tet_mesh.h"
 #include "tests/support/allocations.h"
+#include "tests/support/shell_box.h"
 #include "tests/support/test.h"
 
 #include <Eigen/Core>
@@ -22,41 +23,11 @@ using Eigen::Matrix3Xf;
 using Eigen::Vector3d;
 using test::tolerance;
 
-// The lower half of a box is of one material, the upper of another. Its first `kVertices` nodes are
-// the skin's; each has the mean of all points of the elements that touch it.
 constexpr int kVertices = 7;
 
+// The lower half of a box is of one material, the upper of another.
 ShellTable box(bool quadratic, const Material& low, const Material& high) {
-  TetMesh mesh = box_tets({0, 0, 0}, {0.02, 0.03, 0.04}, 1, 2, 2);
-  if (quadratic) mesh = with_edge_nodes(mesh);
-  ShellTable shell;
-  shell.stress_free = mesh.nodes;
-  shell.preload.setZero(3, mesh.node_count());
-  shell.element_nodes = quadratic ? 10 : 4;
-  shell.materials = {low, high};
-  std::vector<std::vector<int>> around(kVertices);
-  for (int e = 0; e < mesh.tet_count(); ++e) {
-    double height = 0;
-    for (const int n : mesh.tets.col(e)) {
-      shell.elements.push_back(n);
-      height += mesh.nodes(2, n) / 4;
-      if (n < kVertices) around[static_cast<std::size_t>(n)].push_back(e);
-    }
-    for (int k = 0; quadratic && k < 6; ++k) shell.elements.push_back(mesh.edge_nodes(k, e));
-    shell.material_of.push_back(height < 0.02 ? 0 : 1);
-  }
-  const int Q = shell.points_of_element();
-  shell.first.push_back(0);
-  for (const std::vector<int>& elements : around) {
-    for (const int e : elements) {
-      for (int q = 0; q < Q; ++q) {
-        shell.points.push_back(Q * e + q);
-        shell.weights.push_back(1.0f / static_cast<float>(Q * static_cast<int>(elements.size())));
-      }
-    }
-    shell.first.push_back(static_cast<int>(shell.points.size()));
-  }
-  return shell;
+  return test::shell_box(quadratic, kVertices, {low, high});
 }
 
 const Matrix3d kStretch =

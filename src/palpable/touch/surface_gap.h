@@ -30,6 +30,19 @@ struct SurfaceGap {
   OtherSkin on;  ///< of what it is, if it is another body
 };
 
+/// What a gap is at a place beside the one that it was told for, to second order.
+struct GapBeside {
+  float farther = 0;       ///< m, than there
+  Eigen::Vector3f normal;  ///< unit
+};
+/// @param way  m, from the place that normal and curvature (SurfaceGap) were told for
+[[nodiscard]] inline GapBeside gap_beside(const Eigen::Vector3f& normal,
+                                          const Eigen::Matrix3f& curvature,
+                                          const Eigen::Vector3f& way) {
+  const Eigen::Vector3f turn = curvature * way;
+  return {normal.dot(way) + 0.5f * way.dot(turn), (normal + turn).normalized()};
+}
+
 /// Tells the gap of a place (m, body frame); false where nothing is within kGapReach of it. What is
 /// no number counts as nothing. Called some thousand times a frame.
 using GapQuery = std::function<bool(const Eigen::Vector3f& place, SurfaceGap& gap)>;
