@@ -17,12 +17,11 @@ from with_wall_clip import SCENE
 
 base.CASES.clear()
 case = base.case
-TOUCHED = base.BALL.replace('"none"', '"linear"\nheld_out = 0')
 
 
 def touched_body(programs):
     """A ball that may be touched anywhere."""
-    return programs.baked_ball(programs.work / "touched", TOUCHED)
+    return programs.baked_ball(programs.work / "touched", base.TOUCHED_BALL)
 
 
 def start(programs, folder, events, *more, body=None):

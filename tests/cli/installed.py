@@ -17,7 +17,6 @@ base.CASES.clear()
 case = base.case
 
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Werror"
-TOUCHED = base.BALL.replace('"none"', '"linear"\nheld_out = 0')
 
 
 def run(*words, **options):
@@ -69,7 +68,7 @@ class Installed:
                 return
             shutil.rmtree(place, ignore_errors=True)
             run("cmake", "--install", build, "--prefix", self.prefix)
-            describes = base.write_ball(place, TOUCHED)
+            describes = base.write_ball(place, base.TOUCHED_BALL)
             (place / "ball.off").write_text(round_ball())
             # The programs find each other without being on the path.
             run(self.prefix / "bin/palpable", "bake", describes, "-o", self.body)

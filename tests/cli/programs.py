@@ -122,6 +122,8 @@ tolerance = 1e-3
 [touch]
 tables = "none"
 """
+# The same, that may be touched anywhere.
+TOUCHED_BALL = BALL.replace('"none"', '"linear"\nheld_out = 0')
 
 
 def octahedron(holes=0):

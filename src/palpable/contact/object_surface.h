@@ -95,7 +95,8 @@ class ObjectSurface {
   ///
   /// @param depth    Z in m, NaN where unknown: no depth, no thing. Zero, negative and infinite
   ///                 values count as unknown.
-  /// @param shows    of each pixel kShowsRoom, kShowsPresser or kShowsUnknown (geometry/image.h);
+  /// @param shows    of each pixel kShowsRoom..., kShowsPresser or kShowsUnknown
+  /// (geometry/image.h);
   ///                 empty: what is measured presses, what is not is unknown
   /// @param camera   of the depth image: same width and height
   /// @param time     s, of the frame: what it neither sees nor sees through is held (held_balls.h)

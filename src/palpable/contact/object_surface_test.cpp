@@ -2,7 +2,6 @@
 
 #include "palpable/base/contract.h"
 #include "palpable/base/order_statistics.h"
-#include "palpable/geometry/shows_room.h"
 #include "tests/support/allocations.h"
 #include "tests/support/seen_capsules.h"
 #include "tests/support/test.h"

@@ -1,7 +1,6 @@
 #include "palpable/contact/silhouette.h"
 
 #include "palpable/base/contract.h"
-#include "palpable/geometry/shows_room.h"
 
 #include <algorithm>
 #include <cmath>

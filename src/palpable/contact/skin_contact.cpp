@@ -33,11 +33,9 @@ GapQuery gaps_to(const ObjectSurface& seen) {
 }
 
 NearQuery near_to(const ObjectSurface& seen) {
-  const auto band = static_cast<float>(seen.settings().band);
-  return [&seen, band](const Vector3f& place, float reach) {
-    const float asked = std::min(reach, band);
-    return seen.bounds().squaredExteriorDistance(place) < asked * asked &&
-           seen.is_within(place, asked);
+  return [&seen](const Vector3f& place, float reach) {
+    return seen.bounds().squaredExteriorDistance(place) < reach * reach &&
+           seen.is_within(place, reach);
   };
 }
 

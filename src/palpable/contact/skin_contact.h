@@ -24,7 +24,8 @@
 
 namespace palpable {
 
-/// What a solver asks of the surface that was seen; both read it whenever they are asked.
+/// What a solver asks of the surface that was seen; both read it whenever they are asked. What is
+/// near is told for any reach, a gap within the surface's band alone.
 [[nodiscard]] GapQuery gaps_to(const ObjectSurface& seen);
 [[nodiscard]] NearQuery near_to(const ObjectSurface& seen);
 

@@ -1,7 +1,6 @@
 #include "palpable/map/color_outline.h"
 
 #include "palpable/base/contract.h"
-#include "palpable/geometry/shows_room.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,6 @@
 #include "palpable/map/color_outline.h"
 
 #include "palpable/base/contract.h"
-#include "palpable/geometry/shows_room.h"
 #include "tests/support/allocations.h"
 #include "tests/support/test.h"
 
@@ -38,10 +37,6 @@ ColorImage picture_of(const PixelBox& thing, const Rgb& skin, double noise, doub
   return picture;
 }
 
-PixelBox grown_by(const PixelBox& box, int px) {
-  return {box.x - px, box.y - px, box.width + 2 * px, box.height + 2 * px};
-}
-
 // As a matcher's windows show a thing: so many px too wide.
 MaskImage shown(const PixelBox& thing, int too_wide) {
   MaskImage shows(kWidth, kHeight, kShowsRoom);
@@ -72,7 +67,8 @@ TEST_CASE("what looks as the desk beside a thing is the desk", "[map][presses]")
   outline.trim(seen(picture_of(kThing, kSkin, 2, 2)), kAll, shows);
   CHECK(show_alike(shows, shown(kThing, 0)));
   // All along the outline colours tell, and nowhere else.
-  const PixelBox around = grown_by(kThing, 1), off = grown_by(kThing, 3);
+  constexpr PinholeCamera kPicture{kWidth, kHeight, 1, 1, 0, 0};
+  const PixelBox around = grown(kThing, 1, kPicture), off = grown(kThing, 3, kPicture);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       if (shows(x, y) == kShowsPresser) continue;

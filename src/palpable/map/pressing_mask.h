@@ -68,7 +68,8 @@ class PressingMask {
   /// @throws ContractViolation for settings out of their range
   explicit PressingMask(const DepthNoise& noise, const PressingMaskSettings& settings = {});
 
-  /// What each pixel shows: kShowsRoom, kShowsPresser or kShowsUnknown (geometry/image.h).
+  /// What each pixel shows: kShowsRoom, kShowsPresser or kShowsUnknown (geometry/image.h); of the
+  /// room, what lies beside outlines that colours tell, kShowsRoomByColor.
   ///
   ///     measured  it belongs to a group that has come or moves   kShowsPresser
   ///               else                                           kShowsRoom

@@ -13,21 +13,13 @@ std::vector<ModalMember> bodies_of(const std::vector<ModalBodies::Member>& membe
   return bodies;
 }
 
-// As near_to(), but told for any reach: blocks of heaps are asked for, too.
-NearQuery near_from_afar(const ObjectSurface& seen) {
-  return [&seen](const Eigen::Vector3f& place, float reach) {
-    return seen.bounds().squaredExteriorDistance(place) < reach * reach &&
-           seen.is_within(place, reach);
-  };
-}
-
 }  // namespace
 
 ModalBodies::ModalBodies(const std::vector<Member>& members)
     : members_(members), contact_(bodies_of(members)), states_(members.size()) {
   for (const Member& member : members_) {
     gaps_.push_back(gaps_to(*member.seen));
-    near_.push_back(near_from_afar(*member.seen));
+    near_.push_back(near_to(*member.seen));
     const SurfaceMesh& rest = member.body.body->surface;
     skins_.push_back(rest.vertices.cast<float>());
     rest_normals_.emplace_back(3, skins_.back().cols());
