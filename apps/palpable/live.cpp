@@ -10,6 +10,7 @@
 #include "palpable/base/folder_lock.h"
 #include "palpable/base/this_machine.h"
 #include "palpable/live/body_in_view.h"
+#include "palpable/live/contact_ticks.h"
 #include "palpable/live/live_loop.h"
 #include "palpable/live/live_text.h"
 #include "palpable/live/run_stats.h"
@@ -48,6 +49,7 @@ struct Options {
   bool overwrite = false;
   bool every_frame = false;
   bool stats = false;
+  double contact_rate = 0;  // Hz, of answers between frames; 0: there are none
 };
 
 // Whether anybody looks at pictures.
@@ -108,6 +110,7 @@ struct Played {
   LiveCounts counts;
   RunFigures figures;
   std::unique_ptr<LiveOutput> output;  // null: nothing is written, or no frame came
+  std::optional<ContactTickFigures> ticks;
 };
 
 RunMoment moment_of(const LiveCounts& counts, const LiveOutput* output) {
@@ -115,6 +118,19 @@ RunMoment moment_of(const LiveCounts& counts, const LiveOutput* output) {
           .cpu = process_cpu(),
           .dropped = counts.troubles.dropped,
           .left_out = output != nullptr ? output->left_out() : 0};
+}
+
+// Whoever answers between frames; nobody where that is not wanted.
+std::unique_ptr<ContactTicks> ticks_of(const Options& options, const LiveRun& run,
+                                       LiveEvents& events) {
+  if (options.contact_rate == 0) return nullptr;
+  if (const auto trouble = BetweenFrames::trouble_of(run.loop.session)) {
+    throw Error("--contact-rate: " + trouble->message);
+  }
+  return std::make_unique<ContactTicks>(
+      run.loop.session,
+      ContactTicks::Settings{.rate = options.contact_rate, .when_due = run.source->is_live()},
+      [&events](const ContactTick& tick) { events.tell(tick); });
 }
 
 // Plays the run to its end, or to the user's.
@@ -130,6 +146,7 @@ Played play(const Options& options, LiveRun& run, ScenePainter* painter, LiveEve
   LiveLoop loop(run, options.live.frames, [&](const std::string& line) { bar.say(line); });
   // Who neither sees pictures nor how far a recording is would see nothing at all.
   const bool tells_stats = options.stats || (painter == nullptr && loop.total() <= 0);
+  const std::unique_ptr<ContactTicks> ticks = ticks_of(options, run, events);
   std::unique_ptr<LiveOutput> output;
   auto kept = std::make_unique<DrawnFrame>();  // where there is no output: drawn again and again
   const auto user_ended = [&] {
@@ -146,6 +163,7 @@ Played play(const Options& options, LiveRun& run, ScenePainter* painter, LiveEve
       continue;
     }
     events.tell(*scene);
+    if (ticks) ticks->take(session, *scene);
     if (!output) output = begin_output();
     std::unique_ptr<DrawnFrame> drawn = output ? output->blank() : std::move(kept);
     std::swap(drawn->scene, *scene);
@@ -167,7 +185,9 @@ Played play(const Options& options, LiveRun& run, ScenePainter* painter, LiveEve
     }
   }
   const LiveCounts& counts = loop.counts();
-  return {counts, stats.all(moment_of(counts, output.get())), std::move(output)};
+  Played played{counts, stats.all(moment_of(counts, output.get())), std::move(output), {}};
+  if (ticks) played.ticks = ticks->finish();
+  return played;
 }
 
 LiveSummary summary(const Options& options, const LiveSetUp& setup, const Played& played,
@@ -267,6 +287,7 @@ void live(const Options& options) {
 
   fmt::print("{}", text_of(counts, run.loop.session, wall.count()));
   events.report();
+  if (played.ticks) fmt::print("{}\n", text_of(*played.ticks));
   if (options.stats) fmt::print("{}\n", text_of(played.figures));
   if (played.output) print_files(options, *played.output);
 }
@@ -297,6 +318,12 @@ void add_live(Command app) {
       .one_of({"camera", "map", "surface"})
       .show_default();
   add_events_option(command, options->events);
+  command
+      .add_option("--contact-rate", options->contact_rate,
+                  "Answer between frames, too, so many times a second, on a thread of its own: "
+                  "what presses goes on as it was seen to move. For haptic devices; --events tells "
+                  "each answer")
+      .in_range(30, 10'000);
   command.add_flag("--window", options->window,
                    "Show it in a window too; Escape or Q ends the run. With --view map or surface, "
                    "dragging turns it, the wheel comes nearer, R takes both back");

@@ -35,10 +35,17 @@ void LiveEvents::begin(const Session& session) {
 }
 
 void LiveEvents::tell(const Scene& scene) {
+  const std::lock_guard lock(mutex_);
   if (lines_) server_->send(lines_->line_of(scene));
 }
 
+void LiveEvents::tell(const ContactTick& tick) {
+  const std::lock_guard lock(mutex_);
+  if (lines_) server_->send(lines_->tick_line(tick.frame, tick.number, tick.time, *tick.touches));
+}
+
 void LiveEvents::serve() {
+  const std::lock_guard lock(mutex_);
   if (lines_) server_->serve();
 }
 

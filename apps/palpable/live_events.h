@@ -4,7 +4,9 @@
 
 #include "palpable/events/event_lines.h"
 #include "palpable/events/event_server.h"
+#include "palpable/live/contact_ticks.h"
 
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -17,7 +19,8 @@ inline constexpr const char* kNoEvents = "none";
 /// Adds --events to a command.
 void add_events_option(Command command, std::string& events);
 
-/// The clients of one run; of kNoEvents nothing happens.
+/// The clients of one run; of kNoEvents nothing happens. From begin() on any thread may tell and
+/// serve.
 class LiveEvents {
  public:
   /// Listens; who connects waits until begin().
@@ -29,6 +32,8 @@ class LiveEvents {
   void begin(const Session& session);
   /// Tells what was answered to a frame.
   void tell(const Scene& scene);
+  /// What was answered between two frames.
+  void tell(const ContactTick& tick);
   /// While no frame comes.
   void serve();
   /// Prints what became of them.
@@ -37,6 +42,7 @@ class LiveEvents {
  private:
   std::optional<EventServer> server_;
   std::optional<EventLines> lines_;
+  std::mutex mutex_;  // guards both from begin() on: ticks come on a thread of their own
 };
 
 }  // namespace palpable::app

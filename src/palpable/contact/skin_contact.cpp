@@ -9,10 +9,6 @@ namespace {
 
 using Eigen::Vector3f;
 
-// m that a vertex may go from one frame to the next, or as far as what presses was seen to move: an
-// object's unseen side is guessed anew in each frame, and jumps where nothing moved.
-constexpr double kMove = 0.00375;
-
 // m of sigma that make a point as compliant as the body is there.
 constexpr float kSigmaOfBody = 0.01f;
 

@@ -42,7 +42,10 @@ class SkinContact {
   /// @param touches  overwritten: a patch of skin each, the one with the largest force first
   TouchReport advance(TouchState& state, const ObjectSurface& seen, std::vector<Touch>& touches);
 
-  /// m that a vertex may go on in a frame: so far as what presses was seen to move, at least.
+  /// m that a vertex may go from one frame to the next, where nothing was seen to move: an object's
+  /// unseen side is guessed anew in each frame, and jumps.
+  static constexpr double kMove = 0.00375;
+  /// That, or as far as what presses was seen to move.
   [[nodiscard]] static double largest_move(const ObjectSurface& seen);
   /// The touches of a state that another one than advance() brought about (pressing_bodies.h).
   /// @param others  where other bodies' contact points press this one

@@ -89,6 +89,23 @@ std::string_view EventLines::line_of(const Scene& scene) {
   return text_;
 }
 
+std::string_view EventLines::tick_line(int frame, int tick, double time,
+                                       std::span<const Touch> touches) {
+  text_.clear();
+  fmt::format_to(std::back_inserter(text_),
+                 "{{\"type\":\"tick\",\"frame\":{},\"tick\":{},\"time\":", frame, tick);
+  add_number(time, 6);
+  add(",\"bodies\":[");
+  for (std::size_t k = 0; k < names_.size(); ++k) {
+    add(k > 0 ? ",{\"name\":" : "{\"name\":");
+    add(names_[k]);
+    add_touches(touches, static_cast<int>(k));
+    add("}");
+  }
+  add("]}\n");
+  return text_;
+}
+
 void EventLines::add_number(double value, int decimals) {
   if (!std::isfinite(value)) return add("null");
   fmt::format_to(std::back_inserter(text_), "{:.{}f}", value, decimals);
@@ -133,15 +150,7 @@ void EventLines::add_body(const Scene& scene, int number) {
   add_rows(world_from_body_[k]);
   add(",\"camera_from_body\":");
   add_rows(body.camera_from_body);
-  add(",\"touches\":[");
-  bool first = true;
-  for (const Touch& touch : scene.touches) {
-    if (touch.body != number) continue;
-    if (!first) add(",");
-    first = false;
-    add_touch(touch, world_from_body_[k]);
-  }
-  add("]");
+  add_touches(scene.touches, number);
   if (body.stated_error) {
     add(",\"displacement_error\":");
     add_number(body.stated_error->displacement, 5);
@@ -149,6 +158,19 @@ void EventLines::add_body(const Scene& scene, int number) {
     add_number(body.stated_error->von_mises, 5);
   }
   add("}");
+}
+
+// Of a body those that are its own.
+void EventLines::add_touches(std::span<const Touch> touches, int number) {
+  add(",\"touches\":[");
+  bool first = true;
+  for (const Touch& touch : touches) {
+    if (touch.body != number) continue;
+    if (!first) add(",");
+    first = false;
+    add_touch(touch, world_from_body_[static_cast<std::size_t>(number)]);
+  }
+  add("]");
 }
 
 void EventLines::add_touch(const Touch& touch, const Rigid3& world_from_body) {

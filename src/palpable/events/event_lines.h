@@ -3,12 +3,14 @@
 /// answered frame. docs/touch_events.md has the format.
 #pragma once
 
+#include "palpable/contact/touch.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/session/scene.h"
 #include "palpable/session/session.h"
 
 #include <Eigen/Core>
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,6 +43,14 @@ class EventLines {
   /// @param scene  of the same bodies
   [[nodiscard]] std::string_view line_of(const Scene& scene);
 
+  /// The same of what was answered between two frames (live/contact_ticks.h).
+  /// @param frame    after which
+  /// @param tick     from 1 on
+  /// @param time     s, by the source's clock
+  /// @param touches  of all bodies
+  [[nodiscard]] std::string_view tick_line(int frame, int tick, double time,
+                                           std::span<const Touch> touches);
+
  private:
   void add(std::string_view text) { text_ += text; }
   void add_number(double value, int decimals);
@@ -48,6 +58,7 @@ class EventLines {
   void add_rows(const Rigid3& transform);
   void add_camera(const TrackedPose& camera);
   void add_body(const Scene& scene, int number);
+  void add_touches(std::span<const Touch> touches, int number);
   void add_touch(const Touch& touch, const Rigid3& world_from_body);
 
   std::vector<std::string> names_;  // in quotes

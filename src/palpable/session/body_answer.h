@@ -93,6 +93,10 @@ class BodyAnswer {
   [[nodiscard]] bool is_anywhere() const { return anywhere_.has_value(); }
   /// Null unless the body is answered by its energy in modes.
   [[nodiscard]] const ModalTables* modal() const;
+  /// Which answer it; null unless they do.
+  [[nodiscard]] const TouchTables* tables() const { return anywhere_ ? &*tables_ : nullptr; }
+  /// What they remember of the frame answered last.
+  [[nodiscard]] const TouchState& touched() const { return touched_; }
   [[nodiscard]] const ReducedBody& body() const { return body_; }
   [[nodiscard]] const ObjectSurface& surface() const { return surface_; }
 

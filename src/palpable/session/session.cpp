@@ -347,6 +347,7 @@ const Rigid3& Session::world_from_body(int number) const {
   return parts_->body(number).world_from_body;
 }
 ContactKind Session::contact(int number) const { return parts_->body(number).answer.contact(); }
+const BodyAnswer& Session::answer(int number) const { return parts_->body(number).answer; }
 const ObjectSurface& Session::surface(int number) const {
   return parts_->body(number).answer.surface();
 }

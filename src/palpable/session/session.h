@@ -105,6 +105,8 @@ class Session {
   [[nodiscard]] const Rigid3& world_from_body(int number = 0) const;
   /// How touches are answered: settings().contact, or what the body has tables for.
   [[nodiscard]] ContactKind contact(int number = 0) const;
+  /// What it remembers of the frame answered last.
+  [[nodiscard]] const BodyAnswer& answer(int number = 0) const;
   /// The things that may press it, of the frame answered last.
   [[nodiscard]] const ObjectSurface& surface(int number = 0) const;
 

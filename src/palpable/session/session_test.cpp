@@ -5,6 +5,7 @@
 #include "tests/support/bodies.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/noise_room.h"
+#include "tests/support/pressed_sphere.h"
 #include "tests/support/seen_capsules.h"
 #include "tests/support/seen_wall.h"
 #include "tests/support/some_touch_tables.h"
@@ -27,41 +28,11 @@ using test::tolerance;
 // Colour + depth needs no matcher: this module's own work is what follows the depth.
 FrameFormat depth_format() { return test::wall_format(); }
 
-// The sphere stands 0.4 m before a camera that looks down on it by 30 degrees.
-Rigid3 pose() {
-  Rigid3 camera_from_body = Rigid3::Identity();
-  // Body Z up is camera -Y; then tilted.
-  camera_from_body.linear() = (Eigen::AngleAxisd(0.5, Vector3d::UnitX()) *
-                               Eigen::AngleAxisd(-std::acos(0.0), Vector3d::UnitX()) *
-                               Eigen::AngleAxisd(2 * std::acos(0.0), Vector3d::UnitX()))
-                                  .toRotationMatrix();
-  camera_from_body.translation() = Vector3d(0.01, 0.03, 0.40);
-  return camera_from_body;
-}
+const SessionSettings& kEverything = test::kEverythingPresses;
 
-// A finger from above onto the sphere's top, `depth` inside, with the hand that it belongs to,
-// before a wall. (The finger alone is too small in this picture to be believed:
-// PressingMaskSettings.)
-Frame frame_with_finger(int number, double depth) {
-  const test::DentedSphere sphere;
-  const Rigid3 camera_from_body = pose();
-  const double tip = 2 * sphere.radius - depth + 0.008;
-  const std::vector<Capsule> hand{{camera_from_body * Vector3d(0, 0, tip),
-                                   camera_from_body * Vector3d(0.01, 0, tip + 0.1), 0.008},
-                                  {camera_from_body * Vector3d(-0.04, 0, tip + 0.02),
-                                   camera_from_body * Vector3d(0.04, 0, tip + 0.02), 0.012}};
-  Frame frame = test::frame_of_wall(number, 0);
-  const DepthImage finger = test::depth_of(hand, depth_format().depth_camera);
-  for (std::size_t i = 0; i < finger.size(); ++i) {
-    if (std::isnan(finger.data()[i])) continue;
-    frame.depth.data()[i] = finger.data()[i];
-    frame.left.data()[i] = Rgb{220, 150, 120};
-  }
-  return frame;
-}
+Rigid3 pose() { return test::sphere_pose(); }
 
-// Everything that is seen presses, from the first frame on.
-const SessionSettings kEverything{.press_static = true, .map = false};
+Frame frame_with_finger(int number, double depth) { return test::frame_with_finger(number, depth); }
 
 FrameLoop make_loop(const SessionSettings& settings = kEverything) {
   return std::move(
@@ -70,10 +41,7 @@ FrameLoop make_loop(const SessionSettings& settings = kEverything) {
 
 // The same body with tables of touch.
 FrameLoop make_touchable_loop(const SessionSettings& settings = kEverything) {
-  const ReducedBody body = test::DentedSphere{}.body();
-  return std::move(FrameLoop::make(TouchableBody(body, test::yielding_tables(body.surface)), pose(),
-                                   depth_format(), settings)
-                       .value());
+  return test::touchable_sphere_loop(settings);
 }
 
 TEST_CASE("a body with tables is touched where the finger is, not at a site", "[session]") {

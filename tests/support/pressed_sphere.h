@@ -1,0 +1,67 @@
+/// @file
+/// A finger from above into the top of a sphere that may be touched anywhere, as a colour + depth
+/// camera sees it.
+#pragma once
+
+#include "palpable/session/frame_loop.h"
+#include "tests/support/dented_sphere.h"
+#include "tests/support/seen_capsules.h"
+#include "tests/support/seen_wall.h"
+#include "tests/support/some_touch_tables.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace palpable::test {
+
+/// The sphere stands 0.4 m before a camera that looks down on it by 30 degrees.
+inline Rigid3 sphere_pose() {
+  using Eigen::Vector3d;
+  Rigid3 camera_from_body = Rigid3::Identity();
+  // Body Z up is camera -Y; then tilted.
+  camera_from_body.linear() = (Eigen::AngleAxisd(0.5, Vector3d::UnitX()) *
+                               Eigen::AngleAxisd(-std::acos(0.0), Vector3d::UnitX()) *
+                               Eigen::AngleAxisd(2 * std::acos(0.0), Vector3d::UnitX()))
+                                  .toRotationMatrix();
+  camera_from_body.translation() = Vector3d(0.01, 0.03, 0.40);
+  return camera_from_body;
+}
+
+/// The finger's tip `depth` inside (m), with the hand that it belongs to, before a wall. (The
+/// finger alone is too small in this picture to be believed: PressingMaskSettings.)
+inline Frame frame_with_finger(int number, double depth) {
+  using Eigen::Vector3d;
+  const DentedSphere sphere;
+  const Rigid3 camera_from_body = sphere_pose();
+  const double tip = 2 * sphere.radius - depth + 0.008;
+  const std::vector<Capsule> hand{{camera_from_body * Vector3d(0, 0, tip),
+                                   camera_from_body * Vector3d(0.01, 0, tip + 0.1), 0.008},
+                                  {camera_from_body * Vector3d(-0.04, 0, tip + 0.02),
+                                   camera_from_body * Vector3d(0.04, 0, tip + 0.02), 0.012}};
+  Frame frame = frame_of_wall(number, 0);
+  const DepthImage finger = depth_of(hand, wall_format().depth_camera);
+  for (std::size_t i = 0; i < finger.size(); ++i) {
+    if (std::isnan(finger.data()[i])) continue;
+    frame.depth.data()[i] = finger.data()[i];
+    frame.left.data()[i] = Rgb{220, 150, 120};
+  }
+  return frame;
+}
+
+/// Everything that is seen presses, from the first frame on.
+inline const SessionSettings kEverythingPresses{.press_static = true, .map = false};
+
+/// A loop on the sphere with tables of touch.
+inline FrameLoop touchable_sphere_loop(const SessionSettings& settings = kEverythingPresses) {
+  const ReducedBody body = DentedSphere{}.body();
+  return std::move(FrameLoop::make(TouchableBody(body, yielding_tables(body.surface)),
+                                   sphere_pose(), wall_format(), settings)
+                       .value());
+}
+
+}  // namespace palpable::test
