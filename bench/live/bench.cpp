@@ -25,6 +25,7 @@
 #include "bench/live/bench_depth.h"
 #include "bench/live/bench_sgbm.h"
 #include "bench/live/bench_surface.h"
+#include "bench/live/bench_ticks.h"
 #include "bench/live/bench_track.h"
 #include <array>
 #include <chrono>
@@ -322,6 +323,7 @@ void add_bench(Command app) {
   add_bench_depth(bench);
   add_bench_sgbm(bench);
   add_bench_surface(bench);
+  add_bench_ticks(bench);
   add_bench_track(bench);
 
   auto options = std::make_shared<LiveBenchOptions>();

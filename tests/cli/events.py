@@ -129,6 +129,31 @@ def _(programs, folder):
         assert touching >= 20, touching
 
 
+@case("with --contact-rate a client is told of every moment between frames, in order")
+def _(programs, folder):
+    process = start(programs, folder, "0", "--contact-rate", "300", body=touched_body(programs))
+    connection, lines = connect(process.stdout.readline().removeprefix("events: ").strip())
+    assert json.loads(next(lines))["type"] == "hello"
+    told = [json.loads(next(lines)) for _ in range(600)]
+    printed = end(process)
+    connection.close()
+    assert re.search(r"between frames: \d+ ticks, 0 left out; ", printed), printed
+    ticks = [line for line in told if line["type"] == "tick"]
+    frames = [line for line in told if line["type"] == "frame"]
+    assert len(frames) >= 40 and len(ticks) >= 400, (len(frames), len(ticks))
+    by_frame = {}
+    for tick in ticks:
+        by_frame.setdefault(tick["frame"], []).append(tick)
+    for frame in frames[1:-2]:
+        of_frame = by_frame[frame["frame"]]
+        assert [tick["tick"] for tick in of_frame] == list(range(1, 11)), of_frame
+        assert abs(of_frame[-1]["time"] - frame["time"] - 10 / 300) < 2e-6, (frame, of_frame[-1])
+        assert all(body["name"] == "ball" for tick in of_frame for body in tick["bodies"])
+    assert any(tick["bodies"][0]["touches"] for tick in ticks)
+    words = ("live", programs.small_body(), "--source", "clip", "--contact-rate", "300")
+    programs.refuses(*words, cwd=folder, says=["--contact-rate: ", "tables of touch"])
+
+
 @case("the socket that a killed run left is replaced, and one with a listener or any other file is refused")
 def _(programs, folder):
     process = start(programs, folder, "unix:s")

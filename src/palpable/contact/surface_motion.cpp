@@ -65,8 +65,9 @@ Vector3f way_of(const Matrix3f& A, const Vector3f& b, const Vector3f& usual) {
 }  // namespace
 
 SurfaceMotion::SurfaceMotion(const SurfaceMotionSettings& settings) : settings_(settings) {
-  PALPABLE_EXPECT(settings.around > 0 && settings.noise > 0 && settings.reach > 0,
-                  "lengths are above 0");
+  PALPABLE_EXPECT(
+      settings.around > 0 && settings.noise > 0 && settings.reach > 0 && settings.fades > 0,
+      "lengths and times are above 0");
   for (auto* balls : {&now_, &before_}) balls->reserve(kRoom);
   for (auto* vectors : {&velocities_, &seen_before_}) vectors->reserve(kRoom);
   balls_.reserve(kRoom);
@@ -127,8 +128,9 @@ void SurfaceMotion::solve() {
   const auto dt = static_cast<float>(interval_);
   const auto reach = static_cast<float>(settings_.reach);
   const auto around = static_cast<float>(settings_.around);
-  ways_.clear();
-  for (const Told& told : told_) ways_.push_back(dt * before_at(told.centre));
+  // From rest, not from what was expected: places that are all far off that would count for
+  // nothing.
+  ways_.assign(told_.size(), Vector3f::Zero());
   Vector3f all = Vector3f::Zero();
   for (int step = 0; step < kSteps; ++step) {
     for (Told& told : told_) told.A.setZero(), told.b.setZero();
@@ -139,7 +141,7 @@ void SurfaceMotion::solve() {
       const auto then = before_.nearest(place.at - way, reach);
       if (!then || then->distance < -reach) continue;
       const float off = then->distance;
-      const float weight = 1 / (1 + off * off / (kOff * kOff));
+      const float weight = step == 0 ? 1 : 1 / (1 + off * off / (kOff * kOff));
       Told& told = told_[static_cast<std::size_t>(place.of)];
       const Vector3f n = weight * place.normal;
       told.A += n * place.normal.transpose();
@@ -177,7 +179,7 @@ void SurfaceMotion::solve() {
 
 void SurfaceMotion::carry(double seconds, std::vector<ObjectBall>& balls) const {
   balls.assign(balls_.begin(), balls_.end());
-  const auto s = static_cast<float>(seconds);
+  const auto s = static_cast<float>(settings_.fades * (1 - std::exp(-seconds / settings_.fades)));
   for (std::size_t k = 0; k < balls.size(); ++k) {
     const Vector3f way = s * velocities_[k];
     balls[k].point += way;

@@ -15,9 +15,10 @@ namespace {
 using Eigen::Vector3f;
 using test::tolerance;
 
-constexpr double kFrame = 1.0 / 30;  // s
-constexpr float kRadius = 0.008f;    // m
-const Vector3f kCamera(0, 0, 0.4f);  // m, above
+constexpr double kFrame = 1.0 / 30;          // s
+const float kHalfway = 1 - std::exp(-0.5f);  // of a frame's way that is gone after half of it
+constexpr float kRadius = 0.008f;            // m
+const Vector3f kCamera(0, 0, 0.4f);          // m, above
 
 // A finger that lies from its tip on towards `along`, seen from above.
 void add_finger(std::vector<ObjectBall>& balls, const Vector3f& tip, const Vector3f& along) {
@@ -62,11 +63,10 @@ TEST_CASE("what is carried on meets what is seen next", "[contact][motion]") {
   CHECK(motion.interval() == Approx(kFrame));
   std::vector<ObjectBall> carried;
   motion.carry(kFrame / 2, carried);
-  const std::vector<ObjectBall> expected = finger_at(5.5f * way);
+  const std::vector<ObjectBall> expected = finger_at((5 + kHalfway) * way);
   REQUIRE(carried.size() == expected.size());
   for (std::size_t k = 0; k < expected.size(); ++k) {
-    CHECK((carried[k].centre - expected[k].centre).norm() <
-          tolerance(1e-4f, "m: 6 % of half a way"));
+    CHECK((carried[k].centre - expected[k].centre).norm() < tolerance(1e-4f, "m: 6 % of that"));
     CHECK((carried[k].point - carried[k].centre - (expected[k].point - expected[k].centre)).norm() <
           1e-6f);
     CHECK(carried[k].radius == expected[k].radius);

@@ -3,7 +3,6 @@
 /// answered frame. docs/touch_events.md has the format.
 #pragma once
 
-#include "palpable/contact/touch.h"
 #include "palpable/geometry/rigid.h"
 #include "palpable/session/scene.h"
 #include "palpable/session/session.h"

@@ -71,6 +71,23 @@ TEST_CASE("the first line says the version, units, frames and bodies", "[events]
   CHECK(hello["bodies"][1]["world_from_body"][1] == -1.0);  // row by row
 }
 
+TEST_CASE("a tick's line has the touches of each body, as a frame's", "[events]") {
+  EventLines lines(two_bodies());
+  const Scene scene = some_scene();
+  const json frame = parsed(lines.line_of(scene));
+  const json tick = parsed(lines.tick_line(7, 3, 0.2363333, scene.touches));
+  CHECK(tick["type"] == "tick");
+  CHECK(tick["frame"] == 7);
+  CHECK(tick["tick"] == 3);
+  CHECK(tick["time"] == 0.236333);
+  REQUIRE(tick["bodies"].size() == 2);
+  for (int k = 0; k < 2; ++k) {
+    CHECK(tick["bodies"][k]["name"] == frame["bodies"][k]["name"]);
+    CHECK(tick["bodies"][k]["touches"] == frame["bodies"][k]["touches"]);
+  }
+  CHECK(tick["bodies"][1]["touches"].size() == 1);
+}
+
 TEST_CASE("a frame's line has poses, touches in both frames, and stated errors", "[events]") {
   EventLines lines(two_bodies());
   const json frame = parsed(lines.line_of(some_scene()));

@@ -11,7 +11,6 @@
 /// ticks.
 #pragma once
 
-#include "palpable/contact/touch.h"
 #include "palpable/live/run_stats.h"
 #include "palpable/session/between_frames.h"
 #include "palpable/session/scene.h"

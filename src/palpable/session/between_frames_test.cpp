@@ -62,7 +62,7 @@ TEST_CASE("between frames a finger goes on, and the body gives way as the next f
   // A pixel of this camera is 2.3 mm there: what it sees of the finger goes on by fits and starts.
   CHECK(farthest(skin, next) < farthest(before, next));
   const double next_force = force_of(of.loop.scene.touches);
-  CHECK(std::abs(last - next_force) < tolerance(0.5, "of the step") * (next_force - force_before));
+  CHECK(std::abs(last - next_force) < tolerance(0.8, "of the step") * (next_force - force_before));
 }
 
 TEST_CASE("what is told between frames is the same each time, and changes no frame",

@@ -1,0 +1,255 @@
+// palpable bench ticks: what is answered between frames, against the true hand at that moment.
+
+#include "bench/live/bench_ticks.h"
+
+#include "apps/common/command_line.h"
+#include "apps/common/progress_bar.h"
+#include "apps/palpable/live_setup.h"
+#include "palpable/base/cpu_time.h"
+#include "palpable/base/error.h"
+#include "palpable/base/json.h"
+#include "palpable/base/order_statistics.h"
+#include "palpable/clip_files/hand_file.h"
+#include "palpable/contact/skin_contact.h"
+#include "palpable/live/live_loop.h"
+#include "palpable/session/between_frames.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Matrix3Xf;
+using Eigen::Vector3f;
+
+constexpr double kBetweenBalls = 0.001;  // m, along a capsule: 0.02 mm of bumps on a finger
+constexpr double kFrame = 1.0 / 30;      // s, of every film
+// m: what the true answer moves by at least to be compared.
+constexpr double kPressed = 0.001;
+
+struct TicksBenchOptions {
+  LiveOptions live;
+  fs::path clip;
+  double rate = 1000;  // Hz
+  bool json = false;
+};
+
+// The true hand as balls, so that it is asked as a seen one is.
+void add_balls(const Capsule& capsule, const Rigid3& body_from_camera,
+               std::vector<ObjectBall>& balls) {
+  const int steps =
+      std::max(1, static_cast<int>(std::ceil((capsule.b - capsule.a).norm() / kBetweenBalls)));
+  for (int k = 0; k <= steps; ++k) {
+    const double t = static_cast<double>(k) / steps;
+    ObjectBall ball;
+    ball.centre = (body_from_camera * ((1 - t) * capsule.a + t * capsule.b).eval()).cast<float>();
+    ball.radius = static_cast<float>((1 - t) * capsule.ra + t * capsule.rb);
+    const Vector3f to_camera =
+        (body_from_camera.translation().cast<float>() - ball.centre).normalized();
+    ball.point = ball.centre + ball.radius * to_camera;
+    ball.normal = to_camera;
+    balls.push_back(ball);
+  }
+}
+
+// `part` of a frame after frame `from`.
+std::vector<ObjectBall> hand_between(const HandLine& from, const HandLine& to, double part,
+                                     const Rigid3& body_from_camera) {
+  std::vector<ObjectBall> balls;
+  if (from.capsules.size() != to.capsules.size()) return balls;
+  for (std::size_t k = 0; k < from.capsules.size(); ++k) {
+    const Capsule &a = from.capsules[k], &b = to.capsules[k];
+    add_balls({(1 - part) * a.a + part * b.a, (1 - part) * a.b + part * b.b, a.ra, a.rb},
+              body_from_camera, balls);
+  }
+  return balls;
+}
+
+double farthest(const Matrix3Xf& a, const Matrix3Xf& b) {
+  return static_cast<double>((a - b).colwise().norm().maxCoeff());
+}
+
+double force_of(const TouchState& state) {
+  Vector3f sum = Vector3f::Zero();
+  for (const PointForce& at : state.forces) sum += at.force;
+  return static_cast<double>(sum.norm());
+}
+
+// Errors of one way to know the state between frames.
+struct Errors {
+  std::vector<double> place;  // of the true answer's largest displacement
+  std::vector<double> force;  // of the true force
+
+  void add(double off, double of, double force_off, double true_force) {
+    place.push_back(off / of);
+    if (true_force > 0) force.push_back(force_off / true_force);
+  }
+  [[nodiscard]] Json json() const {
+    const auto of = [](const std::vector<double>& all, double share) {
+      return all.empty() ? Json(nullptr) : Json(percentile(all, share));
+    };
+    return {{"displacement_median", of(place, 0.5)},
+            {"displacement_p90", of(place, 0.9)},
+            {"force_median", of(force, 0.5)},
+            {"force_p90", of(force, 0.9)}};
+  }
+};
+
+// The true hand's answer, on its way through the film tick by tick.
+struct Truth {
+  Truth(const Session& session, double rate)
+      : ticks(std::max(1, static_cast<int>(std::lround(rate * kFrame)))),
+        region(box_of(session.body().surface)),
+        contact(session.body().surface, session.body().fixed, *session.answer().tables(),
+                session.settings().touch),
+        skin(3, session.body().surface.vertex_count()) {}
+
+  void advance(const std::vector<ObjectBall>& balls, const Vector3f& camera) {
+    surface.build(balls, region, camera);
+    contact.solver().advance(state, gaps_to(surface), near_to(surface));
+    contact.place(state, skin);
+  }
+
+  int ticks;
+  Eigen::AlignedBox3d region;
+  SkinContact contact;
+  ObjectSurface surface;
+  TouchState state;
+  Matrix3Xf skin;
+};
+
+// What is compared with it: a frame's answer carried on, and the same held.
+struct Follower {
+  explicit Follower(const Session& session)
+      : between(session), skin(3, session.body().surface.vertex_count()), held(skin) {}
+
+  void begin(const AnsweredFrame& frame) {
+    between.begin(frame);
+    between.place(held);
+    held_force = force_of(frame.state);
+  }
+  void compare(double ahead, const Truth& truth, const Matrix3Xf& rest, std::vector<double>* ms) {
+    double cpu = 0;
+    {
+      const CpuTimer timer(cpu);
+      between.advance(ahead);
+      between.place(skin);
+    }
+    const double moved = farthest(truth.skin, rest), force = force_of(truth.state);
+    if (moved < kPressed) return;
+    if (ms != nullptr) ms->push_back(1e3 * cpu);
+    carried.add(farthest(skin, truth.skin), moved, std::abs(force_of(between.state()) - force),
+                force);
+    holding.add(farthest(held, truth.skin), moved, std::abs(held_force - force), force);
+  }
+
+  BetweenFrames between;
+  Matrix3Xf skin, held;
+  double held_force = 0;
+  Errors carried, holding;
+};
+
+void bench_ticks(TicksBenchOptions options) {
+  options.live.input.source = (options.clip / "frames").string();
+  const std::vector<HandLine> hands = read_hands(options.clip / "truth/hand.jsonl");
+  LiveSetUp setup = set_up_live(options.live);
+  const Session& session = setup.run.loop.session;
+  if (const auto trouble = BetweenFrames::trouble_of(session)) throw Error(trouble->message);
+  const Matrix3Xf rest = session.body().surface.vertices.cast<float>();
+  Truth truth(session, options.rate);
+  Follower by_camera(session), by_hand(session);
+  AnsweredFrame seen, exact;
+  std::vector<double> ms;
+  ProgressBar bar;
+  LiveLoop loop(setup.run, options.live.frames);
+  int frames = 0;
+  while (const Scene* scene = loop.next()) {
+    bar.show({"ticks", static_cast<double>(++frames), static_cast<double>(loop.total()), ""});
+    const auto n = static_cast<std::size_t>(scene->number);
+    if (n + 1 >= hands.size()) break;
+    const Rigid3 body_from_camera = scene->bodies.front().camera_from_body.inverse();
+    const Vector3f camera = body_from_camera.translation().cast<float>();
+    // The frame itself: the truth's state at this moment is what a frame would have found.
+    const std::vector<ObjectBall> now = hand_between(hands[n], hands[n + 1], 0, body_from_camera);
+    truth.advance(now, camera);
+    exact.number = scene->number;
+    exact.time = scene->time;
+    exact.balls = now;
+    exact.camera = camera;
+    exact.state = truth.state;
+    by_hand.begin(exact);
+    seen.take(session, *scene);
+    by_camera.begin(seen);
+    for (int tick = 1; tick <= truth.ticks; ++tick) {
+      const double part = static_cast<double>(tick) / truth.ticks;
+      truth.advance(hand_between(hands[n], hands[n + 1], part, body_from_camera), camera);
+      by_camera.compare(tick / options.rate, truth, rest, &ms);
+      by_hand.compare(tick / options.rate, truth, rest, nullptr);
+    }
+  }
+  bar.finish();
+  if (ms.empty()) throw Error(options.clip.string() + ": its hand presses nothing");
+  Json result{{"bench", "ticks"},
+              {"clip", options.clip.string()},
+              {"rate", options.rate},
+              {"frames", frames},
+              {"ticks_compared", ms.size()},
+              {"tick_ms_p50", percentile(ms, 0.5)},
+              {"tick_ms_p99", percentile(ms, 0.99)},
+              {"camera_carried", by_camera.carried.json()},
+              {"camera_held", by_camera.holding.json()},
+              {"hand_carried", by_hand.carried.json()},
+              {"hand_held", by_hand.holding.json()}};
+  if (options.json) {
+    fmt::print("{}\n", result.dump(2));
+    return;
+  }
+  fmt::print("{} ticks at {} Hz, {:.2f} ms of CPU each (p99 {:.2f})\n", ms.size(), options.rate,
+             percentile(ms, 0.5), percentile(ms, 0.99));
+  fmt::print("off the true hand's answer at that moment, %, median (90 of 100):\n");
+  fmt::print("{:<44} {:>16} {:>16}\n", "", "displacement", "force");
+  for (const auto& [name, what] : std::map<std::string, std::string>{
+           {"camera_carried", "seen by the camera, carried on"},
+           {"camera_held", "seen by the camera, held till the next frame"},
+           {"hand_carried", "the true hand of each frame, carried on"},
+           {"hand_held", "the true hand of each frame, held"}}) {
+    const Json& of = result[name];
+    fmt::print("{:<44} {:>8.1f} ({:>5.1f}) {:>8.1f} ({:>5.1f})\n", what,
+               100 * of["displacement_median"].get<double>(),
+               100 * of["displacement_p90"].get<double>(), 100 * of["force_median"].get<double>(),
+               100 * of["force_p90"].get<double>());
+  }
+}
+
+}  // namespace
+
+void add_bench_ticks(Command bench) {
+  auto options = std::make_shared<TicksBenchOptions>();
+  Command command = bench.add_subcommand("ticks",
+                                         "What is answered between frames (live --contact-rate), "
+                                         "against the true hand at that moment");
+  command.add_option("body", options->live.body, "Body file with tables of touch").required();
+  command.add_option("clip", options->clip, "Folder that palpable synth has made").required();
+  command.add_option("--rate", options->rate, "Answers a second")
+      .in_range(30, 10'000)
+      .show_default();
+  command.add_option("--frames", options->live.frames, "Stop after so many").in_range(1, 100'000);
+  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command.footer(
+      "Truth is the same tables' answer to the hand of truth/hand.jsonl, which goes straight from "
+      "frame to frame: it compares moments, not tables (palpable bench touch does).\n"
+      "Example: palpable synth press --seed 5 --frames 300 -o press\n"
+      "         palpable bench ticks bunny.palpable press");
+  command.callback([options] { bench_ticks(*options); });
+}
+
+}  // namespace palpable::app
