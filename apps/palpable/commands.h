@@ -10,6 +10,7 @@ class Command;
 
 void add_view(Command app);
 void add_live(Command app);
+void add_replay(Command app);
 void add_scan(Command app);
 void add_inspect(Command app);
 void add_press(Command app);

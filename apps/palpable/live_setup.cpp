@@ -66,18 +66,6 @@ std::string_view other_places(Anchor anchor) {
          "yaw\"";
 }
 
-SessionSettings session_settings(const LiveOptions& options) {
-  SessionSettings settings;
-  if (options.matcher == "opencv") settings.depth.matcher = DepthSettings::Matcher::kOpenCv;
-  settings.contact = options.contact == "paper"  ? ContactKind::kPaper
-                     : options.contact == "site" ? ContactKind::kSite
-                                                 : ContactKind::kAnywhere;
-  settings.track = !options.fixed_camera;
-  settings.map = true;
-  settings.press_static = options.press_static;
-  return settings;
-}
-
 // Who answers loads exactly; nothing if nobody is to.
 std::optional<RefinerSettings> refinement(const LiveOptions& options, bool has_tables) {
   if (options.refine.empty()) return std::nullopt;
@@ -119,23 +107,6 @@ std::vector<DescribedBody> wanted_bodies(const LiveOptions& options) {
     throw Error("--refine answers for one body: leave it out with --scene");
   }
   return read_scene_description(options.scene);
-}
-
-TouchableBody read_body(const DescribedBody& wanted, const LiveOptions& options) {
-  if (!options.scene.empty()) expect_baked(wanted, options.scene);
-  const std::map<std::string, double> values = parse_settings(wanted.set);
-  // At its sites a body plays whatever its tables are.
-  const bool at_sites = options.contact == "site" || options.contact == "paper";
-  TouchableBody body = at_sites
-                           ? TouchableBody(value_or_throw(read_pressable_body(wanted.file, values)))
-                           : value_or_throw(read_pressable_touchable_body(wanted.file, values));
-  if (options.contact == "anywhere" && !body.touch && !body.modal) {
-    throw Error(fmt::format(
-        "{}: has no tables of touch for --contact anywhere; bake it with [touch] tables = \"full\" "
-        "in its description, without [[parameter]], or leave --contact out",
-        wanted.file.string()));
-  }
-  return body;
 }
 
 // Where frames come from and what is matched.
@@ -218,6 +189,34 @@ void add_loop_options(Command command, LiveOptions& options) {
 
 }  // namespace
 
+SessionSettings session_settings(const LiveOptions& options) {
+  SessionSettings settings;
+  if (options.matcher == "opencv") settings.depth.matcher = DepthSettings::Matcher::kOpenCv;
+  settings.contact = options.contact == "paper"  ? ContactKind::kPaper
+                     : options.contact == "site" ? ContactKind::kSite
+                                                 : ContactKind::kAnywhere;
+  settings.track = !options.fixed_camera;
+  settings.map = true;
+  settings.press_static = options.press_static;
+  return settings;
+}
+
+TouchableBody read_live_body(const DescribedBody& wanted, const std::string& contact) {
+  const std::map<std::string, double> values = parse_settings(wanted.set);
+  // At its sites a body plays whatever its tables are.
+  const bool at_sites = contact == "site" || contact == "paper";
+  TouchableBody body = at_sites
+                           ? TouchableBody(value_or_throw(read_pressable_body(wanted.file, values)))
+                           : value_or_throw(read_pressable_touchable_body(wanted.file, values));
+  if (contact == "anywhere" && !body.touch && !body.modal) {
+    throw Error(fmt::format(
+        "{}: has no tables of touch for --contact anywhere; bake it with [touch] tables = \"full\" "
+        "in its description, without [[parameter]], or leave --contact out",
+        wanted.file.string()));
+  }
+  return body;
+}
+
 void add_live_options(Command command, LiveOptions& options) {
   command.add_option("body", options.body, "Body file; or --scene");
   command
@@ -250,18 +249,15 @@ LiveSetUp set_up_live(const LiveOptions& options) {
   settings.anchor = anchor_of(options);
   settings.paced = options.paced;
   settings.session = session_settings(options);
-  const std::vector<DescribedBody> wanted = wanted_bodies(options);
+  std::vector<DescribedBody> wanted = wanted_bodies(options);
   std::vector<LiveBody> bodies;
-  std::vector<std::filesystem::path> files;
-  std::vector<double> scales;
   for (const DescribedBody& body : wanted) {
+    if (!options.scene.empty()) expect_baked(body, options.scene);
     if (body.place.anchor.value_or(settings.anchor) == Anchor::kBoard) {
       settings.board = pattern_of(options.board);
     }
-    bodies.push_back(
-        {read_body(body, options), options.scene.empty() ? "" : body.name, body.place, body.color});
-    files.push_back(body.file);
-    scales.push_back(body.scale);
+    bodies.push_back({read_live_body(body, options.contact), options.scene.empty() ? "" : body.name,
+                      body.place, body.color});
   }
   settings.refine = refinement(options, bodies.front().body.touch.has_value());
   if (settings.images.device == kSynthetic) {
@@ -273,17 +269,18 @@ LiveSetUp set_up_live(const LiveOptions& options) {
     }
     ProgressBar bar;
     settings.images.device =
-        kept_clip(bodies.front().body.body,
-                  {.folder = options.clip, .body_file = files.front(), .version = PALPABLE_VERSION},
-                  bar.progress())
+        kept_clip(
+            bodies.front().body.body,
+            {.folder = options.clip, .body_file = wanted.front().file, .version = PALPABLE_VERSION},
+            bar.progress())
             .string();
     bar.finish();
   }
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    if (scales[k] != 1) bodies[k].body = scaled(bodies[k].body, scales[k]);
+    if (wanted[k].scale != 1) bodies[k].body = scaled(bodies[k].body, wanted[k].scale);
   }
   try {
-    return {open_live(std::move(bodies), settings), files, scales};
+    return {open_live(std::move(bodies), settings), std::move(wanted)};
   } catch (const NoPlaceError& error) {
     throw Error(fmt::format("{}; {}", error.what(), other_places(settings.anchor)));
   }

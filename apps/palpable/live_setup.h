@@ -5,7 +5,9 @@
 
 #include "apps/palpable/board_options.h"
 #include "apps/palpable/source_options.h"
+#include "palpable/clip_files/scene_description.h"
 #include "palpable/live/live_run.h"
+#include "palpable/touch/touchable_body.h"
 
 #include <filesystem>
 #include <string>
@@ -45,9 +47,15 @@ void add_live_options(Command command, LiveOptions& options);
 /// A run, and what its bodies were read from, in their order.
 struct LiveSetUp {
   LiveRun run;
-  std::vector<std::filesystem::path> files;
-  std::vector<double> scales;
+  std::vector<DescribedBody> bodies;
 };
+
+/// One of the run's bodies from its file, in its own size.
+/// @param contact  LiveOptions::contact. @throws Error
+[[nodiscard]] TouchableBody read_live_body(const DescribedBody& wanted, const std::string& contact);
+
+/// What --contact, --matcher, --fixed-camera and --press-static mean.
+[[nodiscard]] SessionSettings session_settings(const LiveOptions& options);
 
 /// Reads the bodies, films the synthetic clip if it is wanted and not there yet, opens the images,
 /// finds the places. @throws Error for everything that is not as hoped

@@ -78,6 +78,7 @@ int run(int argc, char** argv) {
   }
   add_view(app);
   add_live(app);
+  add_replay(app);
   add_scan(app);
   add_inspect(app);
   add_press(app);

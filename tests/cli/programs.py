@@ -240,7 +240,7 @@ def live(programs, folder, *more, source="clip"):
 # ---- cases -------------------------------------------------------------------------------------
 
 COMMANDS = ("mesh", "bake", "reduce", "report", "compare", "solve", "truth", "export", "import-modes",
-            "inspect", "press", "view", "synth", "live", "scan", "score", "bench", "cameras", "calibrate")
+            "inspect", "press", "view", "synth", "live", "replay", "scan", "score", "bench", "cameras", "calibrate")
 
 
 @case("help of the program and of each command has an example, on stdout, exit code 0")
@@ -304,7 +304,7 @@ def _(programs, folder):
                   ("inspect", "none.palpable"), ("press", "none.palpable", "--load", "0,0,0=1"), ("view", "none.palpable", "--out", "x"),
                   ("synth", "press", "--body", "none.palpable", "-o", "x"),
                   ("live", "none.palpable", "--source", "y", "--out", "x"),
-                  ("scan", "none", "-o", "x.ply"),
+                  ("replay", "none.palprec"), ("scan", "none", "-o", "x.ply"),
                   ("truth", "none", "--body", "none.toml"), ("score", "none", "neither")):
         programs.refuses(*words, cwd=folder, says=["none"])
 

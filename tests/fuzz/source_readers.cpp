@@ -1,8 +1,10 @@
 #include "palpable/calibrate/calibration_file.h"
 #include "palpable/sources/open_source.h"
 #include "palpable/sources/raw_picture.h"
+#include "palpable/sources/recording_file.h"
 #include "palpable/sources/source_calibration.h"
 #include "tests/fuzz/fuzz_reader.h"
+#include "tests/support/recording_bytes.h"
 #include "tests/support/scratch_folder.h"
 
 #include <fmt/format.h>
@@ -161,6 +163,41 @@ std::string play_video(const fs::path& /*folder*/, const fs::path& file) {
   return play(file.string());
 }
 
+std::vector<std::string> write_recording(const fs::path& folder) {
+  const FrameFormat format = format_of(some_calibration().rig);
+  RecordingWriter writer(folder / "a.palprec", format, {{"who", "a test"}});
+  Frame frame;
+  for (int n = 0; n < 3; ++n) {
+    frame.number = n;
+    frame.time = n / 30.0;
+    frame.left = ColorImage(kWidth, kHeight, Rgb{10, 20, static_cast<std::uint8_t>(n)});
+    frame.right = frame.left;
+    writer.add_frame(frame, n == 0 ? std::nullopt : std::optional(1.0 * n));
+    writer.add_refinement({true, Eigen::Matrix3Xf::Constant(3, 4, 0.1F)});
+    writer.add_state({n, 17, "{}\n"});
+  }
+  writer.add_unreadable(3, "torn");
+  writer.add_silence(SourceState::kGone, "unplugged");
+  writer.add_frame(frame, {});
+  writer.finish();
+  return {"a.palprec"};
+}
+
+std::string play_recording(const fs::path& /*folder*/, const fs::path& file) {
+  if (Result<RecordedRefinements> refined = RecordedRefinements::open(file); refined.ok()) {
+    RecordedRefinement refinement;
+    for (int n = -1; n < 5; ++n) refined.value().read(n, refinement);
+  }
+  const std::string read = said(read_recording(file), [](const RecordingContents&) {});
+  return read.empty() ? play(file.string()) : read;
+}
+
+// Damage behind the checksums of its chunks.
+std::string spoilt_recording(const std::string& bytes, Random& random) {
+  const std::vector<std::string> relatives{bytes};
+  return test::with_right_checksums(mutated(bytes, relatives, random));
+}
+
 // A picture as a camera sends it; the device has no file, which is named here.
 std::string convert_picture(const fs::path& /*folder*/, const fs::path& file) {
   const std::string bytes = test::file_bytes(file);
@@ -194,6 +231,11 @@ void add_source_readers(std::vector<FuzzReader>& readers) {
                        return {"frame.jpg"};
                      },
                      .read = convert_picture});
+  readers.push_back({.name = "recording.file", .write = write_recording, .read = play_recording});
+  readers.push_back({.name = "recording.values",
+                     .write = write_recording,
+                     .read = play_recording,
+                     .mutate = spoilt_recording});
   readers.push_back({.name = "source.video", .write = write_video, .read = play_video});
 }
 

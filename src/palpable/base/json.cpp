@@ -1,5 +1,6 @@
 #include "palpable/base/json.h"
 
+#include "palpable/base/bounded_text.h"
 #include "palpable/base/error.h"
 
 #include <fmt/core.h>
@@ -31,6 +32,47 @@ struct JsonWriter {
     return result;
   }
 };
+
+namespace {
+
+// Not deeper than kDeepestNesting.
+Json value_of(const nlohmann::ordered_json& parsed) {
+  switch (parsed.type()) {
+    case nlohmann::ordered_json::value_t::boolean:
+      return parsed.get<bool>();
+    case nlohmann::ordered_json::value_t::number_integer:
+      return parsed.get<std::int64_t>();
+    case nlohmann::ordered_json::value_t::number_unsigned:
+      return parsed.get<std::uint64_t>();
+    case nlohmann::ordered_json::value_t::number_float:
+      return parsed.get<double>();
+    case nlohmann::ordered_json::value_t::string:
+      return parsed.get<std::string>();
+    case nlohmann::ordered_json::value_t::array: {
+      Json list = Json::array();
+      for (const auto& value : parsed) list.push_back(value_of(value));
+      return list;
+    }
+    case nlohmann::ordered_json::value_t::object: {
+      Json object = Json::object();
+      for (const auto& [key, value] : parsed.items()) object[key] = value_of(value);
+      return object;
+    }
+    default:
+      return nullptr;
+  }
+}
+
+}  // namespace
+
+Result<Json> Json::parse(std::string_view text) {
+  if (const auto why = why_not_parsed(text, Notation::kJson)) {
+    return Problem{fmt::format("line {}: {}", why->line, why->what)};
+  }
+  const auto parsed = nlohmann::ordered_json::parse(text, nullptr, false);
+  if (parsed.is_discarded()) return Problem{"is no JSON"};
+  return value_of(parsed);
+}
 
 Json::Json(std::initializer_list<Json> elements) {
   const bool all_pairs = std::all_of(elements.begin(), elements.end(), [](const Json& element) {

@@ -4,6 +4,8 @@
 /// of an object keep the order in which they came.
 #pragma once
 
+#include "palpable/base/error.h"
+
 #include <array>
 #include <concepts>
 #include <cstddef>
@@ -58,6 +60,9 @@ class Json {
   [[nodiscard]] static Json array(std::initializer_list<Json> elements = {});
   /// An object without keys.
   [[nodiscard]] static Json object();
+  /// What dump() wrote: numbers come back to the bit. A problem, without the name of a file, when
+  /// it is no JSON, or too long or nested too deep for a parser (bounded_text.h).
+  [[nodiscard]] static Result<Json> parse(std::string_view text);
 
   /// Of an object (null becomes one): the value of `key`, null at first.
   Json& operator[](std::string_view key);

@@ -71,5 +71,27 @@ TEST_CASE("JSON values are read as what they are, and refused as anything else",
   CHECK(Json(std::optional(0.25)).get<double>() == 0.25);
 }
 
+TEST_CASE("what was written is read again, numbers to the bit", "[base][json]") {
+  auto value = one_of_each<Json>();
+  value["infinite"] = nullptr;  // as which it is written
+  for (const double x : {0.1, 1.0 / 3, -2.2250738585072014e-308, 1.7976931348623157e308, 5e-324}) {
+    value["numbers"].push_back(x);
+  }
+  const std::string text = value.dump();
+  const Result<Json> read = Json::parse(text);
+  REQUIRE(read.ok());
+  CHECK(read.value().dump() == text);
+  CHECK(read.value()["numbers"][1].get<double>() == 1.0 / 3);
+  CHECK(read.value()["large"].is_integer());
+}
+
+TEST_CASE("a text that is no JSON, or nested without end, is refused", "[base][json][errors]") {
+  for (const char* text : {"", "{", "{\"a\": }", "[1, 2", "nul", "1e400e"}) {
+    INFO(text);
+    CHECK_FALSE(Json::parse(text).ok());
+  }
+  CHECK_FALSE(Json::parse(std::string(100'000, '[') + std::string(100'000, ']')).ok());
+}
+
 }  // namespace
 }  // namespace palpable

@@ -134,6 +134,10 @@ void write_live_summary(const std::filesystem::path& path, const LiveSummary& su
   live["lines_left_out"] = summary.lines_left_out;
   live["color_scale_pa"] = summary.color_scale;
   live["wall_s"] = summary.wall;
+  live["states"] = nullptr;
+  if (const auto& states = summary.states) {
+    live["states"] = {{"hash", states->hash}, {"frames", states->frames}};
+  }
   live["stats"] = stats_of(summary.stats);
   for (const auto& [stage, ms] : summary.median_ms) live["median_ms"][stage] = ms;
   live["processed"] = summary.processed;

@@ -55,6 +55,12 @@ struct LiveSummary {
     std::vector<std::pair<std::string, double>> stage_p99_ms;
   };
 
+  /// All states that were answered, of a run that is recorded or replayed (live/state_hash.h).
+  struct States {
+    std::string hash;
+    int frames = 0;
+  };
+
   std::string scene;         ///< its file; empty: one body
   std::vector<Body> bodies;  ///< at least one
   std::string source;
@@ -79,6 +85,7 @@ struct LiveSummary {
   int lines_left_out = 0;  ///< frames that are not even there; "lines_left_out"
   double color_scale = 0;  ///< Pa; "color_scale_pa"
   double wall = 0;         ///< s; "wall_s"
+  std::optional<States> states;
   Stats stats;
   std::vector<std::pair<std::string, double>> median_ms;  ///< of each stage
   std::vector<int> processed;                             ///< numbers of the frames looked at

@@ -72,13 +72,19 @@ LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings) {
   if (settings.paced && !source->is_live()) source = paced(std::move(source));
   SessionSettings session = settings.session;
   session.press_static |= scene.press_static;
-  Result<FrameLoop> loop = FrameLoop::make(std::move(standing), source->format(), session);
-  if (!loop.ok()) throw Error(fmt::format("{}: {}", images.string(), loop.problem().message));
+  LiveRun run = run_of(std::move(standing), std::move(source), session, images);
   if (settings.refine) {
     RefinerSettings refine = *settings.refine;
-    refine.waits = !settings.paced && !source->is_live();
-    loop.value().session.refine_with(value_or_throw(Refiner::start(refine)));
+    refine.waits = !settings.paced && !run.source->is_live();
+    run.loop.session.refine_with(value_or_throw(Refiner::start(refine)));
   }
+  return run;
+}
+
+LiveRun run_of(std::vector<PlacedBody> standing, std::unique_ptr<FrameSource> source,
+               const SessionSettings& settings, const fs::path& images) {
+  Result<FrameLoop> loop = FrameLoop::make(std::move(standing), source->format(), settings);
+  if (!loop.ok()) throw Error(fmt::format("{}: {}", images.string(), loop.problem().message));
   return {std::move(source), std::move(loop).value(), images};
 }
 

@@ -55,4 +55,9 @@ struct LiveRun {
 /// The same with one body.
 [[nodiscard]] LiveRun open_live(TouchableBody body, const LiveSettings& settings);
 
+/// A run whose bodies stand already, on a source that is open: a recording's.
+/// @param images  what messages call the source. @throws Error that names it
+[[nodiscard]] LiveRun run_of(std::vector<PlacedBody> standing, std::unique_ptr<FrameSource> source,
+                             const SessionSettings& settings, const std::filesystem::path& images);
+
 }  // namespace palpable

@@ -18,7 +18,31 @@ Result<Refiner> Refiner::start(const RefinerSettings& settings) {
   return Refiner(std::move(child).value(), settings);
 }
 
+Refiner Refiner::repeating(std::function<void(int n, RefinerStep& step)> step_of) {
+  return Refiner(std::move(step_of));
+}
+
+void Refiner::take_up(TouchSolver& solver, TouchState& state, const Eigen::Matrix3Xf& exact) {
+  took_up_now_ = true;
+  if (solver.refine(state, asked_, exact)) {
+    ++counts_.taken_up;
+  } else {
+    ++counts_.refused;
+  }
+}
+
 void Refiner::begin_frame(TouchSolver& solver, TouchState& state) {
+  asked_now_ = false;
+  took_up_now_ = false;
+  if (stage_ == Stage::kRepeats) {
+    step_.asked = false;
+    step_.exact.resize(3, 0);
+    step_of_(frame_++, step_);
+    // Of other columns only where the frames before went another way, too.
+    const bool fits = step_.exact.cols() > 0 && step_.exact.cols() == asked_.tables.cols();
+    if (fits) take_up(solver, state, step_.exact);
+    return;
+  }
   ++frame_;
   if (stage_ == Stage::kEnded) return;
   const bool is_due = stage_ == Stage::kAsked && frame_ == asked_at_ + settings_.latency;
@@ -38,16 +62,22 @@ void Refiner::begin_frame(TouchSolver& solver, TouchState& state) {
   if (!is_due && !dropped_) return;  // it waits for its frame
   stage_ = Stage::kIdle;
   if (dropped_) return;
-  if (exact_.cols() > 0 && solver.refine(state, asked_, exact_)) {
-    ++counts_.taken_up;
-  } else {
+  if (exact_.cols() == 0) {
     ++counts_.refused;
+    return;
   }
+  take_up(solver, state, exact_);
 }
 
 void Refiner::end_frame(TouchSolver& solver, const TouchState& state, const TouchReport& report) {
+  if (stage_ == Stage::kRepeats) {
+    asked_now_ = step_.asked && solver.ask(state, asked_);
+    counts_.asked += asked_now_;
+    return;
+  }
   if (stage_ != Stage::kIdle || report.held_back > 0 || !solver.ask(state, asked_)) return;
   ++counts_.asked;
+  asked_now_ = true;
   asked_at_ = frame_;
   stage_ = Stage::kAsked;
   send_load();

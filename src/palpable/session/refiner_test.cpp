@@ -130,6 +130,54 @@ TEST_CASE("a recording that waits for its answers is the same again", "[session]
                     sizeof(float) * static_cast<std::size_t>(states[0].size())) == 0);
 }
 
+TEST_CASE("what was asked and taken up is done again from what was recorded of it", "[session]") {
+  std::vector<RefinerStep> steps;
+  std::vector<Matrix3Xf> states;
+  {
+    Pressed pressed;
+    pressed.say_hello();
+    Refiner refiner = pressed.refiner(kWaits, pressed.answer());
+    for (int n = 0; n < 9; ++n) {
+      pressed.frame(refiner, n < 2 ? pressed.nothing : pressed.gap);
+      RefinerStep& step = steps.emplace_back();
+      step.asked = refiner.asked();
+      if (const Matrix3Xf* exact = refiner.taken_up()) step.exact = *exact;
+      states.push_back(pressed.state.u);
+    }
+    REQUIRE(refiner.counts().taken_up == 1);
+  }
+  CHECK(steps[2].asked);
+  CHECK(steps[2 + kWaits.latency].exact.cols() > 0);
+  Pressed again;
+  Refiner refiner = Refiner::repeating([&](int n, RefinerStep& step) { step = steps.at(n); });
+  for (int n = 0; n < 9; ++n) {
+    INFO("frame " << n);
+    again.frame(refiner, n < 2 ? again.nothing : again.gap);
+    CHECK(again.state.u == states[n]);
+    CHECK(refiner.asked() == steps[n].asked);
+    CHECK((refiner.taken_up() != nullptr) == (steps[n].exact.cols() > 0));
+  }
+  CHECK(refiner.counts().asked == 2);
+  CHECK(refiner.counts().taken_up == 1);
+  CHECK(again.state.refinement.acts());
+  CHECK_FALSE(refiner.take_trouble());
+}
+
+TEST_CASE("a recorded answer that does not fit the body is passed over", "[session][errors]") {
+  Pressed pressed;
+  Pressed plain;
+  Refiner refiner = Refiner::repeating([](int, RefinerStep& step) {
+    step.asked = true;
+    step.exact.setConstant(3, 5, 0.01F);
+  });
+  for (int n = 0; n < 4; ++n) {
+    pressed.frame(refiner, pressed.gap);
+    plain.solver.advance(plain.state, plain.gap);
+  }
+  CHECK(pressed.state.u == plain.state.u);
+  CHECK(refiner.counts().taken_up == 0);
+}
+
 TEST_CASE("an answer that a camera would have to wait for is dropped", "[session]") {
   Pressed pressed;
   pressed.say_hello();

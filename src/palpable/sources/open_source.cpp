@@ -1,6 +1,7 @@
 #include "palpable/sources/open_source.h"
 
 #include "palpable/sources/folder_source.h"
+#include "palpable/sources/recording_file.h"
 #include "palpable/sources/video_file_source.h"
 
 #include <fmt/core.h>
@@ -18,6 +19,15 @@ Result<std::unique_ptr<FrameSource>> open_source(const CameraRequest& request,
     return Problem{
         fmt::format("{} is a recording: size, rate, exposure and gain can be set of a camera only",
                     request.device)};
+  }
+  if (is_recording_name(request.device)) {
+    if (request.right.empty() && request.depth.empty() && request.calibration.empty()) {
+      return open_recording(request.device);
+    }
+    return Problem{fmt::format(
+        "{} is a recording of palpable live, which has all images and its calibration: leave out "
+        "--right, --depth and --calibration",
+        request.device)};
   }
   const FolderSettings folder{request.calibration, request.without_calibration};
   if (is_pattern(request.device)) {

@@ -10,15 +10,15 @@ namespace {
 
 class PacedSource final : public FrameSource {
  public:
-  PacedSource(std::unique_ptr<FrameSource> source, WallClock& clock)
-      : source_(std::move(source)), clock_(clock) {}
+  PacedSource(std::unique_ptr<FrameSource> source, WallClock& clock, Late late)
+      : source_(std::move(source)), clock_(clock), skips_(late == Late::kSkipped) {}
 
   const FrameFormat& format() const override { return source_->format(); }
   int frame_count() const override { return source_->frame_count(); }
   std::string last_trouble() const override { return source_->last_trouble(); }
   std::vector<std::string> take_notes() override { return source_->take_notes(); }
-  bool is_live() const override { return true; }
-  SourceState state() const override { return source_->state(); }
+  bool is_live() const override { return skips_; }
+  SourceState state() const override { return state_; }
   std::optional<double> taken() const override { return taken_; }
 
   FrameStatus next(Frame& frame) override {
@@ -26,6 +26,7 @@ class PacedSource final : public FrameSource {
     if (ahead_status_ == FrameStatus::kEnd) return FrameStatus::kEnd;
     if (ahead_status_ != FrameStatus::kFrame) {
       std::swap(frame, ahead_);
+      state_ = ahead_state_;
       return *std::exchange(ahead_status_, std::nullopt);
     }
     const double wait = *due_ - clock_.now();
@@ -34,8 +35,9 @@ class PacedSource final : public FrameSource {
     do {
       taken_ = due_;
       std::swap(frame, ahead_);
+      state_ = ahead_state_;
       read_ahead();
-    } while (ahead_status_ == FrameStatus::kFrame && *due_ <= clock_.now());
+    } while (skips_ && ahead_status_ == FrameStatus::kFrame && *due_ <= clock_.now());
     return FrameStatus::kFrame;
   }
 
@@ -44,6 +46,7 @@ class PacedSource final : public FrameSource {
     // A gap in a recording is shortened to this, and a wrong time does not stop the playing.
     constexpr double kLongestStep = 2;  // s
     ahead_status_ = source_->next(ahead_);
+    ahead_state_ = source_->state();
     if (ahead_status_ != FrameStatus::kFrame || !std::isfinite(ahead_.time)) {
       if (!due_) due_ = clock_.now();
       return;
@@ -55,17 +58,21 @@ class PacedSource final : public FrameSource {
 
   std::unique_ptr<FrameSource> source_;
   WallClock& clock_;
+  bool skips_;
   Frame ahead_;
   std::optional<FrameStatus> ahead_status_;  // nothing: ahead_ is not filled
-  std::optional<double> due_;                // when the last frame read is due, on the clock
-  std::optional<double> last_time_;          // its own time
-  std::optional<double> taken_;              // when the frame that was given was due
+  SourceState ahead_state_ = SourceState::kRunning;
+  SourceState state_ = SourceState::kRunning;  // with what was given
+  std::optional<double> due_;                  // when the last frame read is due, on the clock
+  std::optional<double> last_time_;            // its own time
+  std::optional<double> taken_;                // when the frame that was given was due
 };
 
 }  // namespace
 
-std::unique_ptr<FrameSource> paced(std::unique_ptr<FrameSource> source, WallClock& clock) {
-  return std::make_unique<PacedSource>(std::move(source), clock);
+std::unique_ptr<FrameSource> paced(std::unique_ptr<FrameSource> source, WallClock& clock,
+                                   Late late) {
+  return std::make_unique<PacedSource>(std::move(source), clock, late);
 }
 
 }  // namespace palpable

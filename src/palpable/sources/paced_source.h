@@ -9,11 +9,17 @@
 
 namespace palpable {
 
-/// Gives each frame when it is due, by its time since the first frame. A reader that is late gets
-/// the newest frame that is due; the frames before it are left out.
+/// What a reader gets that comes when a later frame is due already.
+enum class Late {
+  kSkipped,  ///< the newest frame that is due: those before it are left out, the source is live
+  kKept      ///< the next frame, at once: none is left out, and the reader sets the pace
+};
+
+/// Gives each frame when it is due, by its time since the first frame, or later.
 ///
 /// @param clock  must outlive the source
 [[nodiscard]] std::unique_ptr<FrameSource> paced(std::unique_ptr<FrameSource> source,
-                                                 WallClock& clock = system_clock());
+                                                 WallClock& clock = system_clock(),
+                                                 Late late = Late::kSkipped);
 
 }  // namespace palpable

@@ -51,6 +51,23 @@ TEST_CASE("a late reader gets the newest frame that is due", "[sources][paced]")
   CHECK(numbers == std::vector<int>{0, 3, 6, 9, 12, 15, 18, 22, 25, 28, 29});
 }
 
+TEST_CASE("a late reader that may miss nothing gets every frame, none before it is due",
+          "[sources][paced]") {
+  HandClock clock;
+  const auto source = paced(std::make_unique<MisbehavingCamera>(std::vector<Act>(12, Act::kGood)),
+                            clock, Late::kKept);
+  CHECK_FALSE(source->is_live());
+  Frame frame;
+  const double begin = clock.time;
+  for (int i = 0; i < 12; ++i) {
+    REQUIRE(source->next(frame) == FrameStatus::kFrame);
+    CHECK(frame.number == i);
+    CHECK(clock.time - begin >= i / 30.0 - 1e-9);
+    clock.time += i < 6 ? 0.105 : 0;
+  }
+  CHECK(source->next(frame) == FrameStatus::kEnd);
+}
+
 TEST_CASE("an unreadable frame is told, and a long wait is cut into short ones",
           "[sources][paced]") {
   HandClock clock;

@@ -36,6 +36,7 @@ class ReadAhead final : public FrameSource {
   int frame_count() const override { return count_; }
   std::string last_trouble() const override { return last_trouble_; }
   std::vector<std::string> take_notes() override { return std::exchange(notes_, {}); }
+  SourceState state() const override { return state_; }
 
   FrameStatus next(Frame& frame) override {
     if (ended_) return FrameStatus::kEnd;
@@ -45,10 +46,12 @@ class ReadAhead final : public FrameSource {
     ended_ = status == FrameStatus::kEnd;
     if (!ended_) std::swap(frame, ahead_);  // the loop's old images are the next ones' memory
     std::string trouble = std::exchange(trouble_, {});
+    state_ = ahead_state_;
     is_full_ = false;
     lock.unlock();
     changed_.notify_all();
-    if (status == FrameStatus::kUnreadable) last_trouble_ = std::move(trouble);
+    const bool in_trouble = status == FrameStatus::kUnreadable || status == FrameStatus::kWaiting;
+    if (in_trouble) last_trouble_ = std::move(trouble);
     return status;
   }
 
@@ -71,6 +74,7 @@ class ReadAhead final : public FrameSource {
       }
       lock.lock();
       status_ = status;
+      ahead_state_ = reader_->state();
       trouble_ = std::move(trouble);
       is_full_ = true;
       lock.unlock();
@@ -84,12 +88,14 @@ class ReadAhead final : public FrameSource {
   std::vector<std::string> notes_;
   bool ended_ = false;
   std::string last_trouble_;
+  SourceState state_ = SourceState::kRunning;
 
   std::mutex mutex_;
   std::condition_variable changed_;
   bool stop_ = false;
   bool is_full_ = false;
   FrameStatus status_ = FrameStatus::kEnd;
+  SourceState ahead_state_ = SourceState::kRunning;
   Frame ahead_;
   std::string trouble_;
   std::thread thread_;  // last: it uses all of the above

@@ -20,9 +20,12 @@ class FrameReader {
   [[nodiscard]] virtual int count() const = 0;
   /// What FrameSource::take_notes() hands out.
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
-  /// Reads frame `number`; called with 0, 1, 2, ... until it returns kEnd. With kUnreadable,
-  /// `trouble` says why.
+  /// Reads frame `number`; called with 0, 1, 2, ... until it returns kEnd. With kUnreadable and
+  /// kWaiting, `trouble` says why.
   virtual FrameStatus read(int number, Frame& frame, std::string& trouble) = 0;
+  /// What FrameSource::state() says after the last read(): of files always kRunning, of a recorded
+  /// camera what it was.
+  [[nodiscard]] virtual SourceState state() const { return SourceState::kRunning; }
 };
 
 /// A source that decodes the next frame while the last one is used.

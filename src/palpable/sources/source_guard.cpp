@@ -51,19 +51,24 @@ std::string depth_trouble(DepthImage& depth) {
 
 }  // namespace
 
-std::string SourceGuard::what_is_wrong_with(Frame& frame) {
-  const FrameFormat& format = source_.format();
-  const auto size_trouble = [&](const char* what, const auto& image) -> std::string {
+std::string wrong_size(const Frame& frame, const FrameFormat& format) {
+  const auto trouble_of = [&](const char* what, const auto& image) -> std::string {
     if (image.width() == format.width && image.height() == format.height) return {};
     return fmt::format("its {} image is {} x {} px, not {} x {}", what, image.width(),
                        image.height(), format.width, format.height);
   };
   const bool stereo = format.kind == FrameFormat::Kind::kStereo;
-  std::string trouble = size_trouble(stereo ? "left" : "colour", frame.left);
-  if (trouble.empty()) {
-    trouble = stereo ? size_trouble("right", frame.right) : size_trouble("depth", frame.depth);
+  std::string trouble = trouble_of(stereo ? "left" : "colour", frame.left);
+  if (!trouble.empty()) return trouble;
+  return stereo ? trouble_of("right", frame.right) : trouble_of("depth", frame.depth);
+}
+
+std::string SourceGuard::what_is_wrong_with(Frame& frame) {
+  const FrameFormat& format = source_.format();
+  std::string trouble = wrong_size(frame, format);
+  if (trouble.empty() && format.kind == FrameFormat::Kind::kColorDepth) {
+    trouble = depth_trouble(frame.depth);
   }
-  if (trouble.empty() && !stereo) trouble = depth_trouble(frame.depth);
   if (trouble.empty()) trouble = time_trouble(frame);
   return trouble;
 }

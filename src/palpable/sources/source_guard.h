@@ -20,6 +20,9 @@ struct SourceTroubles {
   int losses = 0;        ///< how often the camera was unplugged or failed
 };
 
+/// Why a frame's images do not have the sizes that its source has said; empty where they have.
+[[nodiscard]] std::string wrong_size(const Frame& frame, const FrameFormat& format);
+
 /// Lets through only frames that the loop can use: images of the format's size, depths that are
 /// positive or NaN, times that increase. All others become kUnreadable; the caller keeps its state.
 ///

@@ -1,0 +1,340 @@
+#include "apps/palpable/live_play.h"
+
+#include "apps/common/command_line.h"
+#include "apps/common/progress_bar.h"
+#include "apps/palpable/ctrl_c.h"
+#include "palpable/base/error.h"
+#include "palpable/base/this_machine.h"
+#include "palpable/live/body_in_view.h"
+#include "palpable/live/contact_ticks.h"
+#include "palpable/live/live_loop.h"
+#include "palpable/live/live_text.h"
+#include "palpable/live/run_stats.h"
+#include "palpable/live_writer/live_output.h"
+#include "palpable/live_writer/live_summary.h"
+#include "palpable/sources/wall_clock.h"
+#include "palpable/view/figure_scores.h"
+#include "palpable/view/scene_painter.h"
+#include "palpable/view/scene_picture.h"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Whether anybody looks at pictures.
+[[nodiscard]] bool has_pictures(const PlayOptions& options) {
+  return options.window || !options.out.empty();
+}
+
+// Options that make sense together. @param other_output  whether --overwrite is about another file
+const PlayOptions& checked(const PlayOptions& options, bool other_output) {
+  if (options.pictures && options.view != "camera") {
+    throw Error("--pictures are what the camera sees: leave out --view " + options.view);
+  }
+  if (!options.out.empty()) return options;
+  // What says how files are written says nothing where none are.
+  for (const auto& [wanted, name] :
+       {std::pair{options.pictures, "--pictures"}, std::pair{options.meshes, "--meshes"},
+        std::pair{options.no_masks, "--no-masks"}, std::pair{options.no_depth, "--no-depth"},
+        std::pair{options.overwrite && !other_output, "--overwrite"},
+        std::pair{options.every_frame, "--every-frame"}}) {
+    if (wanted) throw Error(fmt::format("{}: without --out nothing is written", name));
+  }
+  return options;
+}
+
+ProgressReport progress_of(const Scene& scene, int done, int total) {
+  return {"live", static_cast<double>(done), static_cast<double>(total), caption_of(scene.touches)};
+}
+
+ScenePainterSettings::View view_of(const std::string& name) {
+  using View = ScenePainterSettings::View;
+  return name == "map" ? View::kMap : name == "surface" ? View::kSurface : View::kCamera;
+}
+
+// A run on a house around the desk goes well and touches nothing.
+void warn_of_size(const LiveRun& run) {
+  const Session& session = run.loop.session;
+  for (int k = 0; k < session.body_count(); ++k) {
+    const auto warning = larger_than_view(session.body(k).surface, session.world_from_body(k),
+                                          run.loop.camera.camera());
+    if (warning) fmt::print(stderr, "warning: {}\n", *warning);
+  }
+}
+
+// The skins of which every frame's are to be written.
+std::vector<SurfaceMesh> meshes_of(const PlayOptions& options, const Session& session) {
+  std::vector<SurfaceMesh> skins;
+  for (int k = 0; options.meshes && k < session.body_count(); ++k) {
+    skins.push_back(session.body(k).surface);
+  }
+  return skins;
+}
+
+// Of several bodies their names.
+std::vector<std::string> names_of_several(const Session& session) {
+  std::vector<std::string> names;
+  for (int k = 0; session.body_count() > 1 && k < session.body_count(); ++k) {
+    names.push_back(session.body_name(k));
+  }
+  return names;
+}
+
+struct Played {
+  LiveCounts counts;
+  RunFigures figures;
+  std::unique_ptr<LiveOutput> output;  // null: nothing is written, or no frame came
+  bool user_ended = false;
+  std::optional<ContactTickFigures> ticks;
+};
+
+RunMoment moment_of(const LiveCounts& counts, const LiveOutput* output) {
+  return {.now = system_clock().now(),
+          .cpu = process_cpu(),
+          .dropped = counts.troubles.dropped,
+          .left_out = output != nullptr ? output->left_out() : 0};
+}
+
+// Whoever answers between frames; nobody where that is not wanted.
+std::unique_ptr<ContactTicks> ticks_of(const PlayOptions& options, const LiveRun& run,
+                                       LiveEvents& events) {
+  if (options.contact_rate == 0) return nullptr;
+  if (const auto trouble = BetweenFrames::trouble_of(run.loop.session)) {
+    throw Error("--contact-rate: " + trouble->message);
+  }
+  return std::make_unique<ContactTicks>(
+      run.loop.session,
+      ContactTicks::Settings{.rate = options.contact_rate, .when_due = run.source->is_live()},
+      [&events](const ContactTick& tick) { events.tell(tick); });
+}
+
+// Plays the run to its end, or to the user's.
+// @param painter       null: nobody looks, nothing is drawn
+// @param begin_output  makes the output, or null; called when the first frame was answered, so that
+//                      nothing is replaced by a run that cannot begin
+template <class BeginOutput>
+Played play_run(const PlayOptions& options, LiveRun& run, int frames, ScenePainter* painter,
+                LiveEvents& events, const StateWatch& watch, const BeginOutput& begin_output) {
+  const Session& session = run.loop.session;
+  ProgressBar bar;
+  RunStats stats(moment_of({}, nullptr));
+  LiveLoop loop(run, frames, [&](const std::string& line) { bar.say(line); });
+  // Who neither sees pictures nor how far a recording is would see nothing at all.
+  const bool tells_stats = options.stats || (painter == nullptr && loop.total() <= 0);
+  const std::unique_ptr<ContactTicks> ticks = ticks_of(options, run, events);
+  std::unique_ptr<LiveOutput> output;
+  auto kept = std::make_unique<DrawnFrame>();  // where there is no output: drawn again and again
+  const auto user_ended = [&] {
+    return asked_to_end() || (painter != nullptr && painter->ended());
+  };
+  while (!loop.ended() && !user_ended()) {
+    Scene* scene = loop.next_within(FrameSource::kLongestWait);
+    if (tells_stats && stats.is_second_over(system_clock().now())) {
+      bar.say(text_of(stats.end_stretch(moment_of(loop.counts(), output.get()))));
+    }
+    if (scene == nullptr) {  // the picture and the body stay as they are
+      if (painter != nullptr) painter->handle_events();
+      events.serve();
+      continue;
+    }
+    events.tell(*scene);
+    if (ticks) ticks->take(session, *scene);
+    if (watch.answered) {
+      if (const auto line = watch.answered(*scene)) bar.say(*line);
+    }
+    if (!output) output = begin_output();
+    std::unique_ptr<DrawnFrame> drawn = output ? output->blank() : std::move(kept);
+    std::swap(drawn->scene, *scene);
+    if (painter != nullptr) {
+      painter->draw(*drawn, session);
+      painter->show(drawn->picture);
+    }
+    stats.add(drawn->scene.times, 1e3 * (system_clock().now() - loop.taken()));
+    if (options.pictures && drawn->in_files) {
+      drawn->scores = figure_scores(drawn->scene, session, drawn->visible, drawn->body_depth);
+    }
+    const int done = static_cast<int>(loop.counts().processed.size());
+    const int total = user_ended() ? done : loop.total();
+    if (total > 0) bar.show(progress_of(drawn->scene, done, total));
+    if (output) {
+      output->write(std::move(drawn));
+    } else {
+      kept = std::move(drawn);
+    }
+  }
+  const LiveCounts& counts = loop.counts();
+  RunFigures figures = stats.all(moment_of(counts, output.get()));
+  Played played{counts, std::move(figures), std::move(output), user_ended(), {}};
+  if (ticks) played.ticks = ticks->finish();
+  return played;
+}
+
+LiveSummary summary(const PlayOptions& options, const LiveSetUp& setup, const Played& played,
+                    const fs::path& scene, double wall) {
+  const LiveRun& run = setup.run;
+  LiveSummary result = summary_of(run, played.counts, played.figures, *played.output);
+  result.view = options.view;
+  result.scene = scene.string();
+  for (std::size_t k = 0; k < result.bodies.size(); ++k) {
+    result.bodies[k].file = setup.bodies[k].file.string();
+    result.bodies[k].scale = setup.bodies[k].scale;
+  }
+  result.wall = wall;
+  return result;
+}
+
+// Folder of a run, so that no other one writes there; nothing where nothing is written.
+std::optional<FolderLock> lock_of(const fs::path& out) {
+  if (out.empty()) return std::nullopt;
+  return std::optional<FolderLock>(std::in_place, out);
+}
+
+LiveOutputSettings output_settings(const PlayOptions& options, const LiveRun& run) {
+  const Session& session = run.loop.session;
+  LiveOutputSettings settings;
+  settings.folder = options.out;
+  settings.complete = options.every_frame || !run.source->is_live();
+  settings.depth = !options.no_depth;
+  settings.masks = !options.no_masks;
+  settings.figures = options.pictures;
+  settings.bodies = names_of_several(session);
+  settings.meshes_of = meshes_of(options, session);
+  if (options.pictures) settings.touch_frames = truly_touching_frames(run.images);
+  return settings;
+}
+
+std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveRun& run) {
+  if (!has_pictures(options)) return nullptr;
+  const bool masks = !options.out.empty() && (!options.no_masks || options.pictures);
+  return std::make_unique<ScenePainter>(
+      ScenePainterSettings{.window = options.window, .view = view_of(options.view), .masks = masks},
+      run.loop);
+}
+
+void print_files(const PlayOptions& options, const LiveOutput& output) {
+  if (output.left_out() > 0) {
+    fmt::print(
+        "{} of these frames are in the texts only, {} not even there: the disk was behind; "
+        "--every-frame waits for it\n",
+        output.left_out(), output.lines_left_out());
+  }
+  fmt::print("{}\n", (options.out / "touch.mp4").string());
+  for (const std::string& name : output.figures()) {
+    fmt::print("{}\n", (options.out / name).string());
+  }
+}
+
+}  // namespace
+
+LivePlay::LivePlay(const PlayOptions& options, const std::vector<fs::path>& inputs,
+                   const fs::path& other_output)
+    : options_(checked(options, !other_output.empty())),
+      lock_(lock_of(options_.out)),
+      earlier_(lock_ ? earlier_run(options_.out, options_.overwrite, inputs)
+                     : std::vector<fs::path>()),
+      events_(options_.events) {}
+
+bool LivePlay::play(LiveSetUp& setup, int frames, const fs::path& scene, const StateWatch& watch) {
+  LiveRun& run = setup.run;
+  warn_of_size(run);
+  const LiveOutputSettings written = output_settings(options_, run);
+  const std::unique_ptr<ScenePainter> painter = painter_of(options_, run);
+
+  const auto begin = std::chrono::steady_clock::now();
+  listen_for_ctrl_c();
+  events_.begin(run.loop.session);
+  const auto begin_output = [&]() -> std::unique_ptr<LiveOutput> {
+    if (!lock_) return nullptr;
+    remove_earlier_run(earlier_);
+    return std::make_unique<LiveOutput>(written);
+  };
+  const Played played =
+      play_run(options_, run, frames, painter.get(), events_, watch, begin_output);
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  const LiveCounts& counts = played.counts;
+  if (counts.processed.empty()) {
+    throw Error(fmt::format("{}: no frame could be read ({} unreadable; {})", run.images.string(),
+                            counts.troubles.unreadable, counts.last_trouble));
+  }
+  const std::optional<LiveSummary::States> states =
+      watch.ended ? watch.ended() : std::optional<LiveSummary::States>();
+  if (played.output) {
+    played.output->finish();
+    LiveSummary all = summary(options_, setup, played, scene, wall.count());
+    all.states = states;
+    write_live_summary(options_.out / "live.json", all);
+  }
+  if (painter) painter->throw_gl_errors();
+
+  fmt::print("{}", text_of(counts, run.loop.session, wall.count()));
+  if (states) fmt::print("states: {} of {} frames\n", states->hash, states->frames);
+  events_.report();
+  if (played.ticks) fmt::print("{}\n", text_of(*played.ticks));
+  if (options_.stats) fmt::print("{}\n", text_of(played.figures));
+  if (played.output) print_files(options_, *played.output);
+  return played.user_ended;
+}
+
+void add_play_options(Command command, PlayOptions& options) {
+  command
+      .add_option(
+          "--out",
+          [&options](const std::vector<std::string>& words) -> std::string {
+            options.out = words.front();
+            return options.out.empty() ? "names no folder" : "";
+          },
+          "Folder to write the results into; without it nothing is written")
+      .type_name("DIR")
+      .words(1, 1);
+  command
+      .add_option("--view", options.view,
+                  "What the pictures show. camera: what the camera sees, with the body in it; map: "
+                  "the room from outside as it has been seen so far, the way through it, the body; "
+                  "surface: what touches the body, with the other side that is assumed, and the "
+                  "pressed skin, from outside")
+      .one_of({"camera", "map", "surface"})
+      .show_default();
+  add_events_option(command, options.events);
+  command
+      .add_option("--contact-rate", options.contact_rate,
+                  "Answer between frames, too, so many times a second, on a thread of its own: "
+                  "what presses goes on as it was seen to move. For haptic devices; --events tells "
+                  "each answer")
+      .in_range(30, 10'000);
+  command.add_flag("--window", options.window,
+                   "Show it in a window too; Escape or Q ends the run. With --view map or surface, "
+                   "dragging turns it, the wheel comes nearer, R takes both back");
+  command.add_flag("--stats", options.stats,
+                   "Say each second and at the end how fast it goes: frames a second, how old a "
+                   "frame is when its picture is shown, frames dropped and left out of the files, "
+                   "processor time a frame, ms by stage. live.json has it always");
+  command.add_flag("--pictures", options.pictures,
+                   "Also write the three pictures that best show the hand before the body, the "
+                   "body before the hand, and a touch (of a clip with a truth: at least 4 mm "
+                   "deep in truth)");
+  command.add_flag("--no-masks", options.no_masks,
+                   "Leave out visible/, body_depth/ and moving/, which palpable score compares");
+  command.add_flag("--no-depth", options.no_depth, "Leave out depth/, the measured depth");
+  command.add_flag("--meshes", options.meshes,
+                   "Also write meshes/, the body as it is drawn in each frame, with its stress: "
+                   "palpable score asks for them where the body was touched anywhere");
+  command.add_flag("--every-frame", options.every_frame,
+                   "Of a camera or with --paced: write all frames into all files, and wait for the "
+                   "disk where it is slow; otherwise film, images and meshes leave out what there "
+                   "is no time for. A recording that waits for the loop is always complete");
+  command.add_flag("--overwrite", options.overwrite,
+                   "Replace an earlier run in --out, or an earlier file");
+}
+
+}  // namespace palpable::app

@@ -1,0 +1,72 @@
+/// @file
+/// What `live` and `replay` share: a run that is set up is played, shown, told of and written.
+#pragma once
+
+#include "apps/palpable/live_events.h"
+#include "apps/palpable/live_setup.h"
+#include "palpable/base/folder_lock.h"
+#include "palpable/clip_files/live_file.h"
+#include "palpable/live/live_run.h"
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpable::app {
+
+class Command;
+
+struct PlayOptions {
+  std::filesystem::path out;  ///< empty: nothing is written
+  std::string events = kNoEvents;
+  std::string view = "camera";
+  bool window = false;
+  bool pictures = false;
+  bool no_masks = false;
+  bool no_depth = false;
+  bool meshes = false;
+  bool overwrite = false;
+  bool every_frame = false;
+  bool stats = false;
+  double contact_rate = 0;  ///< Hz, of answers between frames; 0: there are none
+};
+
+/// Adds the options to a command.
+void add_play_options(Command command, PlayOptions& options);
+
+/// Who looks at each state.
+struct StateWatch {
+  /// Gets each scene once it is answered, on the thread that plays. @return a line for the user, if
+  /// there is something to say
+  std::function<std::optional<std::string>(const Scene&)> answered = {};
+  /// Called when the last one was answered. @return what live.json says of all states; nothing: it
+  /// says nothing
+  std::function<std::optional<LiveSummary::States>()> ended = {};
+};
+
+/// One run. Its folder and its socket are taken when it is made, before bodies are read.
+class LivePlay {
+ public:
+  /// @param inputs        files and folders that the run reads; it removes none of them
+  /// @param other_output  another file that --overwrite is about; empty: there is none
+  /// @throws Error when the options make no sense, or the folder or socket cannot be had
+  LivePlay(const PlayOptions& options, const std::vector<std::filesystem::path>& inputs,
+           const std::filesystem::path& other_output = {});
+
+  /// Plays to the end, or to the user's, and prints what came of it.
+  /// @param frames  at most so many; negative: all
+  /// @param scene   the file of the scene; empty: one body
+  /// @return whether it was the user who ended it
+  bool play(LiveSetUp& setup, int frames, const std::filesystem::path& scene,
+            const StateWatch& watch = {});
+
+ private:
+  PlayOptions options_;
+  std::optional<FolderLock> lock_;
+  std::vector<std::filesystem::path> earlier_;
+  LiveEvents events_;
+};
+
+}  // namespace palpable::app

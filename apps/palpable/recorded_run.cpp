@@ -1,0 +1,139 @@
+#include "apps/palpable/recorded_run.h"
+
+#include "palpable/base/error.h"
+#include "palpable/base/file_checksum.h"
+#include "palpable/sources/frame_format_json.h"
+
+#include <fmt/core.h>
+
+#include <charconv>
+#include <optional>
+#include <utility>
+
+namespace palpable::app {
+namespace {
+
+std::string hex(std::uint64_t checksum) { return fmt::format("{:016x}", checksum); }
+
+std::uint64_t checksum_of(const std::string& text) {
+  std::uint64_t checksum = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), checksum, 16);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    throw Error(fmt::format("'{}' is no checksum", text));
+  }
+  return checksum;
+}
+
+Json json_of_color(const std::optional<Rgb>& color) {
+  if (!color) return nullptr;
+  return Json::array({color->r, color->g, color->b});
+}
+
+std::optional<Rgb> color_of(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  const auto shade = [&](int k) { return static_cast<std::uint8_t>(json[k].get<int>() & 0xff); };
+  return Rgb{shade(0), shade(1), shade(2)};
+}
+
+RecordedRun::Body body_of(const Json& json) {
+  RecordedRun::Body body;
+  body.body.file = json["file"].get<std::string>();
+  body.checksum = checksum_of(json["checksum"].get<std::string>());
+  body.body.name = json["name"].get<std::string>();
+  body.body.scale = json["scale"].get<double>();
+  for (const Json& value : json["set"]) body.body.set.push_back(value.get<std::string>());
+  body.body.color = color_of(json["color"]);
+  body.world_from_body = rigid_of(json["world_from_body"]);
+  return body;
+}
+
+bool has_checksum(const std::filesystem::path& file, std::uint64_t checksum) {
+  const Result<std::uint64_t> found = file_checksum(file);
+  return found.ok() && found.value() == checksum;
+}
+
+}  // namespace
+
+RecordedRun recorded_run(const LiveOptions& options, const LiveSetUp& setup) {
+  const Session& session = setup.run.loop.session;
+  RecordedRun run;
+  run.version = PALPABLE_VERSION;
+  run.source = setup.run.images.string();
+  if (!options.scene.empty()) run.scene = std::filesystem::absolute(options.scene);
+  run.options.contact = options.contact;
+  run.options.matcher = options.matcher;
+  run.options.fixed_camera = options.fixed_camera;
+  run.options.refine = options.refine;
+  run.options.press_static = session.settings().press_static;  // scene.toml may have asked for it
+  for (int k = 0; k < session.body_count(); ++k) {
+    RecordedRun::Body& body = run.bodies.emplace_back();
+    body.body = setup.bodies[static_cast<std::size_t>(k)];
+    body.body.file = std::filesystem::absolute(body.body.file);
+    body.body.name = session.body_name(k);
+    body.world_from_body = session.world_from_body(k);
+    const Result<std::uint64_t> checksum = file_checksum(body.body.file);
+    if (!checksum.ok()) {
+      throw Error(fmt::format("{}: {}", body.body.file.string(), checksum.problem().message));
+    }
+    body.checksum = checksum.value();
+  }
+  return run;
+}
+
+Json json_of_run(const RecordedRun& run) {
+  Json bodies = Json::array();
+  for (const RecordedRun::Body& body : run.bodies) {
+    bodies.push_back(Json{{"file", body.body.file.string()},
+                          {"checksum", hex(body.checksum)},
+                          {"name", body.body.name},
+                          {"scale", body.body.scale},
+                          {"set", body.body.set},
+                          {"color", json_of_color(body.body.color)},
+                          {"world_from_body", json_of(body.world_from_body)}});
+  }
+  return {{"version", run.version},
+          {"source", run.source},
+          {"scene", run.scene.string()},
+          {"contact", run.options.contact},
+          {"matcher", run.options.matcher},
+          {"fixed_camera", run.options.fixed_camera},
+          {"press_static", run.options.press_static},
+          {"refine", run.options.refine.string()},
+          {"bodies", bodies}};
+}
+
+RecordedRun recorded_run_of(const Json& json) {
+  RecordedRun run;
+  run.version = json["version"].get<std::string>();
+  run.source = json["source"].get<std::string>();
+  run.scene = json["scene"].get<std::string>();
+  run.options.contact = json["contact"].get<std::string>();
+  run.options.matcher = json["matcher"].get<std::string>();
+  run.options.fixed_camera = json["fixed_camera"].get<bool>();
+  run.options.press_static = json["press_static"].get<bool>();
+  run.options.refine = json["refine"].get<std::string>();
+  for (const Json& body : json["bodies"]) run.bodies.push_back(body_of(body));
+  if (run.bodies.empty()) throw Error("it says of no body where it stood");
+  return run;
+}
+
+void find_body_files(RecordedRun& run, const std::vector<std::string>& elsewhere) {
+  for (RecordedRun::Body& body : run.bodies) {
+    std::filesystem::path& file = body.body.file;
+    bool found = has_checksum(file, body.checksum);
+    for (const std::string& other : elsewhere) {
+      if (found) break;
+      found = has_checksum(other, body.checksum);
+      if (found) file = other;
+    }
+    if (found) continue;
+    const bool other_there = !elsewhere.empty() || file_checksum(file).ok();
+    throw Error(fmt::format(
+        "the body '{}' was answered from {}, {}; name the file that it was "
+        "with --body",
+        body.body.name, file.string(),
+        other_there ? "and that is another file now (checksum)" : "which is not there"));
+  }
+}
+
+}  // namespace palpable::app

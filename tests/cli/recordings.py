@@ -1,0 +1,239 @@
+#!/usr/bin/env python3
+"""Runs that are recorded, and played again to the same states."""
+import json
+import os
+import re
+import shutil
+import struct
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+import programs as base
+from events import touched_body
+from with_wall_clip import SCENE
+
+base.CASES.clear()
+case = base.case
+FRAMES = 12
+
+
+def write_clip(folder, frames=FRAMES):
+    """A wall that presses the body, and comes nearer from frame to frame."""
+    base.write_stereo(folder, frames=1)
+    for n in range(1, frames):
+        for eye, shift in (("left", 0), ("right", 25 + n // 4)):
+            (folder / eye / f"{n:06d}.png").write_bytes(base.png(base.WIDTH, base.HEIGHT, base.texture(shift)))
+    (folder / "scene.toml").write_text(SCENE)
+    return folder
+
+
+def states_of(printed):
+    hash_and_count = re.findall(r"^states: ([0-9a-f]{16}) of (\d+) frames$", printed, re.MULTILINE)
+    assert len(hash_and_count) == 1, printed
+    return hash_and_count[0]
+
+
+def record(programs, folder, *more, frames=FRAMES):
+    """A recorded run of the clip. Returns what it printed of its states."""
+    if not (folder / "clip").exists():
+        write_clip(folder / "clip", frames)
+    result = programs.succeeds("live", touched_body(programs), "--source", folder / "clip", "--record", folder / "a.palprec",
+                               "--overwrite", *more)
+    assert result.stdout.count("pictures of your room") == 2, result.stdout
+    return states_of(result.stdout)
+
+
+def chunks_of(data):
+    """(kind, where its head begins, where it ends) of each chunk, as docs/recording_file.md has them."""
+    assert data[:8] == b"PALPREC\n" and struct.unpack_from("<I", data, 8) == (1,)
+    at, chunks = 12, []
+    while at < len(data):
+        kind, size, _ = struct.unpack_from("<4sQQ", data, at)
+        chunks.append((kind.decode(), at, at + 20 + size))
+        at += 20 + size
+    return chunks
+
+
+@case("a replay prints the states of the live run: on 1, 2 and 8 threads, paced, with all files")
+def _(programs, folder):
+    states = record(programs, folder, "--out", folder / "out")
+    assert states[1] == str(FRAMES), states
+    told = json.loads((folder / "out/live.json").read_text())
+    assert told["states"] == {"hash": states[0], "frames": FRAMES}, told["states"]
+    assert told["frames_touching"] > 3, told
+    for threads in (1, 2, 8):
+        os.environ["OPENCV_FOR_THREADS_NUM"] = str(threads)
+        result = programs.succeeds("replay", folder / "a.palprec", "--threads", threads)
+        assert states_of(result.stdout) == states
+        assert f"{FRAMES} of {FRAMES} states of the live run: equal\n" in result.stdout, result.stdout
+    del os.environ["OPENCV_FOR_THREADS_NUM"]
+    result = programs.succeeds("replay", folder / "a.palprec", "--paced", "--out", folder / "again", "--stats")
+    assert states_of(result.stdout) == states
+    for name in ("touches.jsonl", "pose.jsonl", "trajectory.txt"):
+        assert (folder / "again" / name).read_bytes() == (folder / "out" / name).read_bytes(), name
+    touches = (folder / "out/touches.jsonl").read_text().splitlines()
+    assert any(json.loads(line)["touches"] for line in touches)
+    again = json.loads((folder / "again/live.json").read_text())
+    for key in ("states", "body", "contact", "press_static", "scale", "camera_from_body", "processed", "frames_touching"):
+        assert again[key] == told[key], key
+    assert again["source"].endswith("a.palprec")
+
+
+@case("each frame of a recording has the line that the socket tells of it, and the run is said")
+def _(programs, folder):
+    record(programs, folder, "--scale", "0.9")
+    data = (folder / "a.palprec").read_bytes()
+    chunks = chunks_of(data)
+    kinds = [kind for kind, _, _ in chunks]
+    assert kinds[0] == "ABOU" and kinds[-1] == "END " and kinds.count("FRAM") == kinds.count("STAT") == FRAMES, kinds
+    lines = [json.loads(data[begin + 20 + 12:end]) for kind, begin, end in chunks if kind == "STAT"]
+    assert [line["frame"] for line in lines] == list(range(FRAMES))
+    assert any(line["bodies"][0]["touches"] for line in lines), lines[-1]
+    about = json.loads(data[chunks[0][1] + 20:chunks[0][2]])
+    body, = about["run"]["bodies"]
+    assert body["name"] == "ball" and body["scale"] == 0.9 and body["file"] == str(touched_body(programs)), body
+    assert about["run"]["press_static"] is True and "pictures" in about["holds"], about
+    assert (about["format"]["width"], about["format"]["kind"]) == (base.WIDTH, "stereo"), about["format"]
+
+
+@case("a recording is a source like any other: live, paced or not, and scan play it")
+def _(programs, folder):
+    states = record(programs, folder)
+    (folder / "elsewhere").mkdir()
+    shutil.move(folder / "a.palprec", folder / "elsewhere/b.palprec")
+    place = (folder / "clip/scene.toml").read_text()
+    (folder / "elsewhere/scene.toml").write_text(place)
+    words = ("live", touched_body(programs), "--source", folder / "elsewhere/b.palprec")
+    assert states_of(programs.succeeds(*words, "--record", folder / "c.palprec").stdout) == states
+    programs.succeeds(*words, "--paced")
+    assert states_of(programs.succeeds("replay", folder / "c.palprec").stdout) == states
+    programs.refuses(*words, "--right", "x", says=["b.palprec", "--right"])
+    programs.succeeds("scan", folder / "elsewhere/b.palprec", "-o", folder / "room.ply")
+
+
+@case("a recording that was cut off is played up to there, one that is damaged says so and fails")
+def _(programs, folder):
+    record(programs, folder)
+    whole = (folder / "a.palprec").read_bytes()
+    chunks = chunks_of(whole)
+    states = [chunk for chunk in chunks if chunk[0] == "STAT"]
+    frames = [chunk for chunk in chunks if chunk[0] == "FRAM"]
+    cut = folder / "cut.palprec"
+    for size, known in ((states[4][1], 4), (states[4][1] + 7, 4), (states[4][2] - 1, 4), (states[4][2], 5),
+                        (len(whole) - 1, FRAMES)):
+        cut.write_bytes(whole[:size])
+        result = programs.succeeds("replay", cut)
+        assert states_of(result.stdout)[1] == str(known), (size, result.stdout)
+        assert f"{known} of {known} states of the live run: equal\n" in result.stdout, result.stdout
+        assert "cut.palprec was cut off" in result.stdout, result.stdout
+    # One bit of one pixel.
+    damaged = bytearray(whole)
+    damaged[(frames[6][1] + frames[6][2]) // 2] ^= 1
+    cut.write_bytes(damaged)
+    programs.refuses("replay", cut, says=["cut.palprec", "damaged"])
+    cut.write_bytes(whole[:frames[6][1]] + b"garbage" + whole[frames[6][1] + 7:])
+    programs.refuses("replay", cut, says=["cut.palprec", "damaged at byte", "up to there"])
+    cut.write_bytes(whole[:40])
+    programs.refuses("replay", cut, says=["cut.palprec", "cut off before its first frame"])
+    programs.refuses("replay", folder / "clip/rectified.yml", says=["rectified.yml", "is no recording"])
+
+
+@case("a state that differs from the live run's is named, and the exit code says it")
+def _(programs, folder):
+    record(programs, folder)
+    data = bytearray((folder / "a.palprec").read_bytes())
+    kind, begin, end = [chunk for chunk in chunks_of(data) if chunk[0] == "STAT"][7]
+    data[begin + 20 + 4] ^= 1  # its hash
+    size = end - begin - 20
+    data[begin + 12:begin + 20] = struct.pack("<Q", checksum(kind.encode(), bytes(data[begin + 20:end])))
+    assert struct.unpack_from("<Q", data, begin + 4) == (size,)
+    (folder / "other.palprec").write_bytes(data)
+    programs.refuses("replay", folder / "other.palprec",
+                     says=["other.palprec", f"of {FRAMES} states 1 differ", "frame 7 first"])
+
+
+def checksum(kind, payload):
+    """As docs/recording_file.md says."""
+    mask = 2**64 - 1
+    value = 0xcbf29ce484222325
+    padded = payload + bytes(-len(payload) % 8)
+    for word in (struct.unpack("<I", kind)[0], len(payload), *struct.unpack(f"<{len(padded) // 8}Q", padded)):
+        value = (value ^ word) * 0x9e3779b97f4a7c15 & mask
+        value ^= value >> 32
+    return value
+
+
+@case("a replay finds a body that was moved, and refuses another one")
+def _(programs, folder):
+    body = folder / "ball.palpable"
+    shutil.copy(touched_body(programs), body)
+    write_clip(folder / "clip")
+    live = programs.succeeds("live", body, "--source", folder / "clip", "--record", folder / "a.palprec")
+    states = states_of(live.stdout)
+    shutil.move(body, folder / "moved.palpable")
+    programs.refuses("replay", folder / "a.palprec", says=["a.palprec", "ball.palpable", "not there", "--body"])
+    result = programs.succeeds("replay", folder / "a.palprec", "--body", programs.small_body(), folder / "moved.palpable")
+    assert states_of(result.stdout) == states
+    shutil.copy(programs.small_body(), body)
+    programs.refuses("replay", folder / "a.palprec", says=["'ball'", "another file now"])
+    programs.refuses("replay", folder / "a.palprec", "--body", programs.small_body(), says=["'ball'", "another file now"])
+
+
+@case("a recording is not begun over an input or an earlier one, and has its ending")
+def _(programs, folder):
+    record(programs, folder, frames=2)
+    words = ("live", touched_body(programs), "--source", folder / "clip")
+    before = (folder / "a.palprec").read_bytes()
+    programs.refuses(*words, "--record", folder / "a.palprec", says=["a.palprec", "is there already", "--overwrite"])
+    programs.refuses(*words, "--record", folder / "a.film", says=["a.film", ".palprec"])
+    programs.refuses(*words, "--record", folder / "none/a.palprec", says=["none"])
+    programs.refuses("live", touched_body(programs), "--source", folder / "a.palprec", "--record", folder / "a.palprec",
+                     "--overwrite", "--place", "0 0 1", says=["a.palprec"])
+    programs.refuses(*words, "--overwrite", says=["--overwrite", "--out"])
+    assert (folder / "a.palprec").read_bytes() == before
+
+
+@case("where the disk is full the run goes on and says so, and what was recorded replays")
+def _(programs, folder):
+    write_clip(folder / "clip")
+    process = programs.start("live", touched_body(programs), "--source", folder / "clip", "--record", folder / "a.palprec",
+                             limit=600_000)
+    printed, complaints = process.communicate()
+    assert process.returncode == 0, complaints
+    assert complaints.count("a.palprec: cannot be written: File too large; the recording ends after") == 1, complaints
+    assert f"{FRAMES} frames" in printed, printed
+    states = states_of(printed)
+    assert 0 < int(states[1]) < FRAMES, states
+    result = programs.succeeds("replay", folder / "a.palprec")
+    assert states_of(result.stdout) == states
+    assert "was cut off" in result.stdout
+
+
+@case("exact answers of a second process are in the recording, also those of a run that did not wait for them")
+def _(programs, folder):
+    write_clip(folder / "clip", 40)
+    words = ("live", touched_body(programs), "--source", folder / "clip", "--refine", touched_body(programs).parent / "ball.toml",
+             "--record", folder / "a.palprec", "--overwrite")
+    plain = states_of(programs.succeeds(*words[:4], "--record", folder / "plain.palprec").stdout)
+    for paced in ((), ("--paced",)):
+        states = states_of(programs.succeeds(*words, *paced).stdout)
+        data = (folder / "a.palprec").read_bytes()
+        sizes = [end - begin - 21 for kind, begin, end in chunks_of(data) if kind == "EXAC"]
+        if not paced:
+            assert sizes.count(0) >= 1 and max(sizes) > 12 * 50 and states != plain, sizes
+        assert states_of(programs.succeeds("replay", folder / "a.palprec", "--threads", 1).stdout) == states
+
+
+@case("a recorded film of a hand replays to the same states, two bodies on a desk among it", long=True)
+def _(programs, folder):
+    programs.succeeds("synth", "press", "--body", touched_body(programs), "--frames", "100", "-o", folder / "film")
+    result = programs.succeeds("live", touched_body(programs), "--source", folder / "film/frames", "--record",
+                               folder / "a.palprec")
+    states = states_of(result.stdout)
+    for threads in (1, 8):
+        assert states_of(programs.succeeds("replay", folder / "a.palprec", "--threads", threads).stdout) == states
+
+
+if __name__ == "__main__":
+    sys.exit(base.main())
