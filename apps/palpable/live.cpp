@@ -237,6 +237,7 @@ void live(const Options& options) {
     earlier = earlier_run(options.out, options.overwrite, inputs_of(wanted));
     wanted.clip = options.out / "clip";
   }
+  share_threads(wanted.threads);
   LiveEvents events(options.events);
   LiveSetUp setup = set_up_live(wanted);
   LiveRun& run = setup.run;

@@ -59,8 +59,10 @@ std::string SourceGuard::what_is_wrong_with(Frame& frame) {
                        image.height(), format.width, format.height);
   };
   const bool stereo = format.kind == FrameFormat::Kind::kStereo;
-  std::string trouble = size_trouble(stereo ? "left" : "colour", frame.left);
-  if (trouble.empty()) {
+  const bool together = stereo && !frame.both.empty();  // as many pairs of pixels as an eye has px
+  std::string trouble = together ? size_trouble("side-by-side", frame.both)
+                                 : size_trouble(stereo ? "left" : "colour", frame.left);
+  if (trouble.empty() && !together) {
     trouble = stereo ? size_trouble("right", frame.right) : size_trouble("depth", frame.depth);
   }
   if (trouble.empty() && !stereo) trouble = depth_trouble(frame.depth);
