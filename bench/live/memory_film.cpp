@@ -45,7 +45,7 @@ PinholeCamera resampled(const PinholeCamera& camera, int width, int height) {
 void add_eye(const ColorImage& eye, int at_column, int row_pixels,
              std::vector<std::uint8_t>& picture) {
   const auto byte = [](double value) {
-    return static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
+    return static_cast<std::uint8_t>(std::clamp(static_cast<int>(value + 0.5), 0, 255));
   };
   for (int y = 0; y < eye.height(); ++y) {
     const Rgb* in = eye.row(y);

@@ -36,6 +36,7 @@ constexpr int kOne = WarpGrid::kOne;
 constexpr int kShift = 16;   // of kOne
 constexpr int kLoaded = 16;  // pixels of a row that are loaded for a step
 constexpr int kLoadedPairs = kLoaded / 2;
+constexpr int kMostRows = 5;  // that are loaded for a step; in a picture's corners they slope
 
 // Luma is interpolated in 1/32 px along x and y, which makes it 1024 times as large; 255 / 219 of
 // it, times 1024 again, is what is shown.
@@ -221,10 +222,8 @@ HWY_ATTR bool luma_step(const Line& line, const YuyvEye& eye, std::uint8_t* to) 
   const Reach y_reach =
       reach(first_of(line.y, 0, eye.height), first_of(line.y, kStep - 1, eye.height));
   const int begin = std::min(x_reach.least, eye.width - kLoaded);
-  const bool two_rows = y_reach.most != y_reach.least;
-  if (begin < 0 || x_reach.most + 1 - begin >= kLoaded || y_reach.most - y_reach.least > 1) {
-    return false;
-  }
+  const int rows = y_reach.most - y_reach.least + 2;
+  if (begin < 0 || x_reach.most + 1 - begin >= kLoaded || rows > kMostRows) return false;
   const auto loaded = [&](int row) HWY_ATTR {
     const auto* at = reinterpret_cast<const std::uint8_t*>(row_of(eye, row));  // NOLINT
     return even_bytes(at + 2 * static_cast<std::ptrdiff_t>(begin));
@@ -232,7 +231,6 @@ HWY_ATTR bool luma_step(const Line& line, const YuyvEye& eye, std::uint8_t* to) 
   const int y0 = y_reach.least;
   const auto row0 = loaded(y0);
   const auto row1 = loaded(y0 + 1);
-  const auto row2 = two_rows ? loaded(y0 + 2) : row1;
   for (int i = 0; i < kStep; i += static_cast<int>(hn::Lanes(d))) {
     const auto lane = hn::Iota(d, i);
     const auto along_line = [&](const std::int32_t* ends) HWY_ATTR {
@@ -251,10 +249,13 @@ HWY_ATTR bool luma_step(const Line& line, const YuyvEye& eye, std::uint8_t* to) 
     };
     auto upper = along_row(row0);
     auto lower = along_row(row1);
-    if (two_rows) {
-      const auto is_next = hn::Ne(y.first, hn::Set(d, y0));
-      upper = hn::IfThenElse(is_next, lower, upper);
-      lower = hn::IfThenElse(is_next, along_row(row2), lower);
+    auto last = lower;
+    for (int k = 2; k < rows; ++k) {
+      const auto next = along_row(loaded(y0 + k));
+      const auto is_here = hn::Eq(y.first, hn::Set(d, y0 + k - 1));
+      upper = hn::IfThenElse(is_here, last, upper);
+      lower = hn::IfThenElse(is_here, next, lower);
+      last = next;
     }
     const auto sum = hn::Add(hn::ShiftLeft<kFine>(upper), hn::Mul(hn::Sub(lower, upper), y.share));
     const auto stretched = hn::Mul(hn::Sub(sum, hn::Set(d, kBlack)), hn::Set(d, kStretch));
