@@ -73,6 +73,8 @@ Encoder open_encoder(AVCodecID codec, int width, int height, AVRational rate) {
   // which a killed run loses. Encoders that have no such settings are left as they are.
   encoder->thread_count = 1;
   av_opt_set(encoder->priv_data, "preset", "veryfast", 0);
+  encoder->max_b_frames =
+      0;  // in the order of time: a film that is cut off lacks none before its end
   if (avcodec_open2(encoder.get(), found, nullptr) < 0) return nullptr;
   return encoder;
 }
