@@ -98,6 +98,7 @@ void live(const Options& options) {
   check_recording(options);
   LivePlay play(options.play, inputs_of(wanted), options.record);
   if (!options.play.out.empty()) wanted.clip = options.play.out / "clip";
+  share_drawing_threads(wanted.threads);
   LiveSetUp setup = set_up_live(wanted);
   std::optional<Recording> recording;
   if (!options.record.empty()) recording.emplace(options, setup);

@@ -7,7 +7,9 @@
 #include "palpable/clip_files/place.h"
 #include "palpable/clip_files/scene_description.h"
 #include "palpable/clip_writer/kept_clip.h"
+#include "palpable/live/thread_shares.h"
 #include "palpable/reduced/body_file.h"
+#include "palpable/render/gl_context.h"
 #include "palpable/touch/touch_file.h"
 
 #include <fmt/core.h>
@@ -183,6 +185,12 @@ void add_loop_options(Command command, LiveOptions& options) {
       .in_range(1, 600)
       .show_default();
   add_set_option(command, options.set);
+  command
+      .add_option("--threads", options.threads,
+                  "How many threads the run may keep busy at a time: matcher, conversions and the "
+                  "renderer in software share them. Results do not depend on it. Default: as many "
+                  "as there are processors")
+      .in_range(1, 64);
   command.add_option("--frames", options.frames, "Stop after this many frames")
       .in_range(1, 100'000'000);
 }
@@ -230,6 +238,10 @@ void add_live_options(Command command, LiveOptions& options) {
   add_loop_options(command, options);
 }
 
+void share_drawing_threads(int threads) {
+  use_drawing_threads(thread_shares(threads > 0 ? threads : usual_threads()).drawing);
+}
+
 std::vector<std::filesystem::path> inputs_of(const LiveOptions& options) {
   SourceOptions input = options.input;
   if (input.source == kSynthetic) input.source.clear();  // no path
@@ -242,12 +254,15 @@ std::vector<std::filesystem::path> inputs_of(const LiveOptions& options) {
   return inputs;
 }
 
-LiveSetUp set_up_live(const LiveOptions& options) {
+LiveSetUp set_up_live(const LiveOptions& options) { return set_up_live(options, nullptr); }
+
+LiveSetUp set_up_live(const LiveOptions& options, std::unique_ptr<FrameSource> images) {
   LiveSettings settings;
   settings.images = request_of(options.input);
   settings.place = given_place(options);
   settings.anchor = anchor_of(options);
   settings.paced = options.paced;
+  settings.threads = options.threads;
   settings.session = session_settings(options);
   std::vector<DescribedBody> wanted = wanted_bodies(options);
   std::vector<LiveBody> bodies;
@@ -280,7 +295,7 @@ LiveSetUp set_up_live(const LiveOptions& options) {
     if (wanted[k].scale != 1) bodies[k].body = scaled(bodies[k].body, wanted[k].scale);
   }
   try {
-    return {open_live(std::move(bodies), settings), std::move(wanted)};
+    return {open_live(std::move(bodies), settings, std::move(images)), std::move(wanted)};
   } catch (const NoPlaceError& error) {
     throw Error(fmt::format("{}; {}", error.what(), other_places(settings.anchor)));
   }

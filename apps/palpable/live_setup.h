@@ -10,6 +10,7 @@
 #include "palpable/touch/touchable_body.h"
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -35,11 +36,16 @@ struct LiveOptions {
   std::string matcher = "census";
   std::filesystem::path refine;  ///< the body's description; empty: nothing is refined
   int refine_latency = 6;        ///< frames
+  int threads = 0;               ///< 0: as many as the machine has
   int frames = -1;               ///< at most; negative: all
 };
 
 /// Adds the options to a command; "body" is positional, and may be left out for --scene.
 void add_live_options(Command command, LiveOptions& options);
+
+/// Lets software that draws use its share of the threads. To be called before anything is drawn.
+/// @param threads  LiveOptions::threads
+void share_drawing_threads(int threads);
 
 /// The files and folders that the options name.
 [[nodiscard]] std::vector<std::filesystem::path> inputs_of(const LiveOptions& options);
@@ -60,5 +66,8 @@ struct LiveSetUp {
 /// Reads the bodies, films the synthetic clip if it is wanted and not there yet, opens the images,
 /// finds the places. @throws Error for everything that is not as hoped
 [[nodiscard]] LiveSetUp set_up_live(const LiveOptions& options);
+/// The same with images that are open already, which options.input names.
+[[nodiscard]] LiveSetUp set_up_live(const LiveOptions& options,
+                                    std::unique_ptr<FrameSource> images);
 
 }  // namespace palpable::app

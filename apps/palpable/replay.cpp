@@ -5,6 +5,7 @@
 #include "apps/palpable/live_play.h"
 #include "apps/palpable/recorded_run.h"
 #include "palpable/base/error.h"
+#include "palpable/live/live_run.h"
 #include "palpable/live/state_hash.h"
 #include "palpable/sources/paced_source.h"
 #include "palpable/sources/recording_file.h"
@@ -67,7 +68,7 @@ LiveSetUp set_up_replay(const Options& options, const RecordedRun& run) {
   std::unique_ptr<FrameSource> source = value_or_throw(open_recording(options.file));
   if (options.paced) source = paced(std::move(source), system_clock(), Late::kKept);
   SessionSettings settings = session_settings(run.options);
-  if (options.threads > 0) settings.depth.threads = options.threads;
+  share_threads(options.threads, settings);
   LiveSetUp setup{palpable::run_of(std::move(standing), std::move(source), settings, options.file),
                   std::move(bodies)};
   if (!run.options.refine.empty()) {
@@ -101,6 +102,7 @@ void report(const Options& options, const RecordingContents& contents,
 void replay(const Options& options) {
   RecordingContents contents = value_or_throw(read_recording(options.file));
   const RecordedRun run = run_of_recording(options, contents);
+  share_drawing_threads(options.threads);
   std::vector<fs::path> inputs{options.file};
   for (const RecordedRun::Body& body : run.bodies) inputs.push_back(body.body.file);
   LivePlay play(options.play, inputs);
@@ -135,8 +137,11 @@ void add_replay(Command app) {
                   "Where files of bodies are now, if not where they were; which is whose is known "
                   "by their checksums")
       .type_name("FILE...");
-  command.add_option("--threads", options->threads, "That match; the states do not depend on it")
-      .in_range(1, 16);
+  command
+      .add_option("--threads", options->threads,
+                  "How many the run may keep busy at a time; the states do not depend on it. "
+                  "Default: as many as there are processors")
+      .in_range(1, 64);
   command.add_flag("--paced", options->paced,
                    "At the pace at which it was recorded, or slower: no frame is left out");
   add_play_options(command, options->play);

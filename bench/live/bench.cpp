@@ -1,28 +1,23 @@
 // palpable bench: ms per stage of the live half, median and 99th percentile.
 
 #include "apps/common/command_line.h"
-#include "apps/common/progress_bar.h"
 #include "apps/palpable/commands.h"
-#include "apps/palpable/live_setup.h"
 #include "palpable/base/error.h"
 #include "palpable/base/json.h"
 #include "palpable/base/order_statistics.h"
+#include "palpable/base/stage_clock.h"
 #include "palpable/clip_files/place.h"
 #include "palpable/contact/object_surface.h"
 #include "palpable/contact/press_law.h"
-#include "palpable/live/live_loop.h"
 #include "palpable/reduced/body_file.h"
 #include "palpable/reduced/mode_kernels.h"
 #include "palpable/reduced/pressed_surface.h"
-#include "palpable/render/gl_context.h"
-#include "palpable/render/scene_renderer.h"
 #include "palpable/score/deepest_sample.h"
-#include "palpable/view/scene_picture.h"
-#include "palpable/view/stress_scale.h"
 
 #include <fmt/core.h>
 
 #include "bench/live/bench_depth.h"
+#include "bench/live/bench_live.h"
 #include "bench/live/bench_sgbm.h"
 #include "bench/live/bench_surface.h"
 #include "bench/live/bench_ticks.h"
@@ -233,48 +228,6 @@ void bench_contact(const BodyOptions& options) {
   print(result, series, options.json);
 }
 
-struct LiveBenchOptions {
-  LiveOptions live;
-  bool json = false;
-};
-
-void bench_live(LiveBenchOptions options) {
-  // With --source synthetic the clip is filmed once and kept for the next bench.
-  options.live.clip = std::filesystem::temp_directory_path() / "palpable-bench-clip";
-  LiveSetUp setup = set_up_live(options.live);
-  LiveRun& run = setup.run;
-  const GlContext context = value_or_throw(GlContext::offscreen());
-  SceneRenderer renderer = value_or_throw(SceneRenderer::make());
-  Series series;
-  ColorImage picture;
-  const Session& session = run.loop.session;
-  const double scale = stress_scale(session);
-  ProgressBar bar;
-  const auto begin = std::chrono::steady_clock::now();
-  int done = 0;
-  {
-    LiveLoop loop(run, options.live.frames);
-    while (Scene* scene = loop.next()) {
-      {
-        const StageTimer timer(scene->times, "draw");
-        renderer.draw(view_of(*scene, session, scale), picture);
-      }
-      add(series, scene->times);
-      bar.show({"live", static_cast<double>(++done),
-                static_cast<double>(std::max(loop.total(), done)), ""});
-    }
-  }
-  bar.finish();
-  if (done == 0) throw Error(fmt::format("{}: no frame could be read", run.images.string()));
-  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-  Json result = about("live", session.body());
-  result["source"] = run.images.string();
-  result["renderer"] = context.description();
-  result["frames"] = done;
-  result["wall_ms_per_frame"] = 1e3 * wall.count() / done;
-  print(result, series, options.json);
-}
-
 }  // namespace
 
 void add_bench(Command app) {
@@ -325,13 +278,7 @@ void add_bench(Command app) {
   add_bench_surface(bench);
   add_bench_ticks(bench);
   add_bench_track(bench);
-
-  auto options = std::make_shared<LiveBenchOptions>();
-  Command live = bench.add_subcommand("live", "The whole loop, without writing files");
-  add_live_options(live, options->live);
-  live.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
-  live.footer("Example: palpable bench live bunny.palpable --source out/demo/clip/frames");
-  live.callback([options] { bench_live(*options); });
+  add_bench_live(bench);
 }
 
 }  // namespace palpable::app

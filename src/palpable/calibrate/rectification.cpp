@@ -3,12 +3,14 @@
 #include "palpable/base/contract.h"
 #include "palpable/calibrate/calibration_file.h"
 #include "palpable/calibrate/opencv_views.h"
+#include "palpable/calibrate/yuyv_kernels.h"
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -92,8 +94,30 @@ struct Rectification::Maps {
   bool warps[2] = {true, true};
   DistortedCamera raw[2];
   Table tables[2];
-  cv::Mat gray;  // luma of a raw image
+  WarpGrid grids[2];  // the same, for pictures in YUYV
+  cv::Mat gray;       // luma of a raw image
 };
+
+namespace {
+
+// @param at  (column, row) of the rectified picture -> px of the raw one
+template <class At>
+void fill_grid(const PinholeCamera& camera, const At& at, WarpGrid& grid) {
+  grid.resize(camera.width, camera.height);
+  const int last = camera.width - 1;
+  for (int v = 0; v < camera.height; ++v) {
+    for (int i = 0; i < grid.columns; ++i) {
+      const int u = i * WarpGrid::kStep;
+      const int inside = std::min(u, last);
+      Eigen::Vector2d p = at(inside, v);
+      // What lies beyond the picture's end goes on as it came.
+      if (u > last) p += (u - last) * (p - at(last - 1, v));
+      grid.set(v, u, p.x(), p.y());
+    }
+  }
+}
+
+}  // namespace
 
 void Rectification::make_tables(Eye eye) {
   const auto i = static_cast<std::size_t>(eye);
@@ -107,6 +131,13 @@ void Rectification::make_tables(Eye eye) {
                               to_cv(rectified_from_raw.linear()), camera_matrix(camera),
                               cv::Size(camera.width, camera.height), CV_32FC1, x, y);
   cv::convertMaps(x, y, maps_->tables[i].xy, maps_->tables[i].fraction, CV_16SC2);
+  fill_grid(
+      camera,
+      [&](int u, int v) {
+        return Eigen::Vector2d(static_cast<double>(x.at<float>(v, u)),
+                               static_cast<double>(y.at<float>(v, u)));
+      },
+      maps_->grids[i]);
 }
 
 Rectification::Rectification(const StereoRig& rig)
@@ -124,6 +155,10 @@ Rectification::Rectification(const RectifiedStereo& stereo) : maps_(std::make_un
   geometry_.rectified_from_right.translation().x() = stereo.baseline;
   maps_->warps[0] = maps_->warps[1] = false;
   maps_->raw[0].pinhole = maps_->raw[1].pinhole = stereo.camera;
+  for (WarpGrid& grid : maps_->grids) {
+    fill_grid(
+        stereo.camera, [](int u, int v) { return Eigen::Vector2d(u, v); }, grid);
+  }
 }
 
 void Rectification::turn_right(const Eigen::Matrix3d& turn) {
@@ -176,6 +211,38 @@ void Rectification::rectify_luma(Eye eye, const ColorImage& raw, GrayImage& rect
   cv::cvtColor(view(raw), maps_->gray, cv::COLOR_RGB2GRAY);
   const Maps::Table& table = maps_->tables[static_cast<std::size_t>(eye)];
   cv::remap(maps_->gray, target, table.xy, table.fraction, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+}
+
+namespace {
+
+YuyvEye eye_in(const YuyvImage& both, Rectification::Eye eye, const PinholeCamera& camera) {
+  PALPABLE_EXPECT(both.width() == camera.width && both.height() == camera.height &&
+                      camera.width % 2 == 0 && camera.width >= 4,
+                  "a picture of both eyes has twice the size of one, which is even");
+  const bool left = eye == Rectification::Eye::kLeft;
+  return {.first = both.row(0) + (left ? 0 : camera.width / 2),
+          .row_pairs = static_cast<std::size_t>(both.width()),
+          .width = camera.width,
+          .height = camera.height};
+}
+
+}  // namespace
+
+void Rectification::rectify_luma(Eye eye, const YuyvImage& both, GrayImage& rectified) {
+  const PinholeCamera& camera = geometry_.stereo.camera;
+  const YuyvEye raw = eye_in(both, eye, camera);
+  rectified.resize(camera.width, camera.height);
+  yuyv_kernels().front().luma(maps_->grids[static_cast<std::size_t>(eye)], raw, rectified);
+}
+
+void Rectification::rectify_left(const YuyvImage& both, const GrayImage& luma,
+                                 ColorImage& rectified) {
+  const PinholeCamera& camera = geometry_.stereo.camera;
+  const YuyvEye raw = eye_in(both, Eye::kLeft, camera);
+  PALPABLE_EXPECT(luma.width() == camera.width && luma.height() == camera.height,
+                  "luma has the size of its rig");
+  rectified.resize(camera.width, camera.height);
+  yuyv_kernels().front().color(maps_->grids[0], raw, luma, rectified);
 }
 
 }  // namespace palpable

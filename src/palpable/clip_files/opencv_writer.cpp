@@ -8,9 +8,7 @@
 
 namespace palpable {
 
-std::vector<int> png_of_runs() {
-  return {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_RLE};
-}
+std::vector<int> png_of_runs() { return {cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_RLE}; }
 
 std::vector<int> png_of_repetitions() { return {cv::IMWRITE_PNG_COMPRESSION, 1}; }
 

@@ -58,8 +58,8 @@ void clear(const fs::path& folder, const fs::path& label_file, const std::string
 
 fs::path kept_clip(const ReducedBody& body, const KeptClipOrder& order, const Progress& progress) {
   const std::string label =
-      fmt::format("{} {} demo {} frames seed {} body {:016x}\n", kOurs, order.version, order.frames,
-                  kSeed, hash_of_file(order.body_file));
+      fmt::format("{} {} {} {} frames seed {} body {:016x}\n", kOurs, order.version, order.sequence,
+                  order.frames, kSeed, hash_of_file(order.body_file));
   const fs::path label_file = order.folder / "made_for.txt";
   const std::string found = bytes_of(label_file);
   if (found != label) {
@@ -70,7 +70,7 @@ fs::path kept_clip(const ReducedBody& body, const KeptClipOrder& order, const Pr
                       order.body_file.string()));
     }
     clear(order.folder, label_file, found);
-    write_sequence(body, {"demo", order.frames, kSeed, order.body_file.filename().string()},
+    write_sequence(body, {order.sequence, order.frames, kSeed, order.body_file.filename().string()},
                    order.folder, progress);
     write_whole_file(label_file, label);
   }

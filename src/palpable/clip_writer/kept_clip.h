@@ -15,9 +15,10 @@ struct KeptClipOrder {
   std::filesystem::path body_file;  ///< its bytes say whether a clip that is there is of this body
   std::string version;              ///< of the program: another one films anew
   int frames = 300;
+  std::string sequence = "demo";
 };
 
-/// The sequence "demo", seed 1. The file made_for.txt says what a folder was filmed for, and that
+/// The sequence, seed 1. The file made_for.txt says what a folder was filmed for, and that
 /// it is whole: until it is, made_for.txt says that it is being filmed. A folder whose filming was
 /// interrupted, or one of another body or version, is filmed again.
 /// @return the folder of the images

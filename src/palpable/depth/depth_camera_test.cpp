@@ -249,6 +249,36 @@ TEST_CASE("a raw rig gives the depth of its rectified frame", "[depth][Sec3.3]")
   CHECK(seen.camera == camera.camera());
 }
 
+TEST_CASE("a frame as a camera sent it gives the depth of its colours", "[depth]") {
+  const RectifiedStereo stereo = small_stereo();
+  const Plane plane{0.5, 0.2, -0.1};
+  const Frame colors = frame_of(plane, stereo, 1);
+  Frame sent;
+  sent.both.resize(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < 2 * kWidth; x += 2) {
+      const ColorImage& eye = x < kWidth ? colors.left : colors.right;
+      const auto luma = [&](int at) {  // gray levels
+        return static_cast<std::uint8_t>(std::lround(16 + eye(at % kWidth, y).g * 219 / 255.0));
+      };
+      sent.both(x / 2, y) = {luma(x), 128, luma(x + 1), 128};
+    }
+  }
+  DepthCamera camera = value_or_throw(DepthCamera::make(format_of(stereo)));
+  SeenFrame seen;
+  camera.see(sent, seen);
+  const Quality found = quality_of(seen, plane, stereo);
+  camera.see(colors, seen);
+  const Quality wanted = quality_of(seen, plane, stereo);
+  CHECK(wanted.known > 0.9);
+  CHECK(std::abs(found.known - wanted.known) <= test::tolerance(0.01, "luma of 219 steps"));
+  CHECK(std::abs(found.median - wanted.median) <= test::tolerance(5e-4, "the same"));
+
+  sent.both.resize(kWidth - 2, kHeight);
+  camera.see(sent, seen);
+  CHECK(std::all_of(seen.depth.begin(), seen.depth.end(), [](float Z) { return std::isnan(Z); }));
+}
+
 TEST_CASE("what the right eye cannot see has no depth", "[depth]") {
   const RectifiedStereo stereo = small_stereo();
   const Plane plane{0.25, 0, 0};  // 44 px of disparity, 22 at half resolution

@@ -69,15 +69,24 @@ void StereoEyes::find_range(const DepthSettings& settings) {
 }
 
 bool StereoEyes::fits(const Frame& frame) const {
+  if (!frame.both.empty()) {
+    return frame.both.width() == width_ && frame.both.height() == height_ && width_ % 2 == 0;
+  }
   return frame.left.width() == width_ && frame.left.height() == height_ &&
          frame.right.width() == width_ && frame.right.height() == height_;
 }
 
 void StereoEyes::rectify(const Frame& frame, SeenFrame& seen) {
   using Eye = Rectification::Eye;
-  rectification_.rectify(Eye::kLeft, frame.left, seen.color);
-  Rectification::luma(seen.color, seen.left);
-  rectification_.rectify_luma(Eye::kRight, frame.right, seen.right);
+  if (!frame.both.empty()) {
+    rectification_.rectify_luma(Eye::kLeft, frame.both, seen.left);
+    rectification_.rectify_luma(Eye::kRight, frame.both, seen.right);
+    rectification_.rectify_left(frame.both, seen.left, seen.color);
+  } else {
+    rectification_.rectify(Eye::kLeft, frame.left, seen.color);
+    Rectification::luma(seen.color, seen.left);
+    rectification_.rectify_luma(Eye::kRight, frame.right, seen.right);
+  }
   if (!halved_) return;
   Rectification::halve(seen.left, seen.left_half);
   Rectification::halve(seen.right, right_half_);

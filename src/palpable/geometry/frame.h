@@ -7,18 +7,22 @@
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
 #include "palpable/geometry/rigid.h"
+#include "palpable/geometry/yuyv.h"
 
 #include <optional>
 
 namespace palpable {
 
 /// One moment as the source saw it. A stereo source fills left and right (raw, or rectified if its
-/// format says so) and leaves depth empty; a colour + depth source fills left and depth.
+/// format says so) and leaves depth empty; a colour + depth source fills left and depth. A camera
+/// that sends both eyes side by side in YUYV fills `both` and leaves left and right empty: what is
+/// converted before it is rectified costs twice.
 struct Frame {
   int number = 0;   ///< position in the source, from 0; a frame that was skipped leaves a gap
   double time = 0;  ///< s since the source's first frame
   ColorImage left;
   ColorImage right;
+  YuyvImage both;    ///< (height x width) pairs of pixels: left eye, then right eye, in each row
   DepthImage depth;  ///< Z in m, NaN unknown; of the format's depth camera
 };
 

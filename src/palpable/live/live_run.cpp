@@ -2,7 +2,9 @@
 
 #include "palpable/base/error.h"
 #include "palpable/clip_files/place.h"
+#include "palpable/depth/image_threads.h"
 #include "palpable/live/anchoring.h"
+#include "palpable/live/thread_shares.h"
 #include "palpable/sources/open_source.h"
 #include "palpable/sources/paced_source.h"
 
@@ -60,10 +62,15 @@ LiveRun open_live(TouchableBody body, const LiveSettings& settings) {
 }
 
 LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings) {
+  return open_live(std::move(bodies), settings, nullptr);
+}
+
+LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings,
+                  std::unique_ptr<FrameSource> source) {
   const fs::path images = settings.images.device;
   // Who looks for a place opens the source, plays it and closes it again; a camera is open once.
   const std::map<Anchor, Rigid3> looked_for = looked_for_places(bodies, settings);
-  std::unique_ptr<FrameSource> source = value_or_throw(open_source(settings.images));
+  if (!source) source = value_or_throw(open_source(settings.images));
   const SceneFile scene = scene_file_beside(images);
   std::vector<PlacedBody> standing = placed(std::move(bodies), settings.anchor, [&](Anchor anchor) {
     return anchor == Anchor::kPlace ? place_of(settings, scene) : looked_for.at(anchor);
@@ -71,6 +78,7 @@ LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings) {
   if (const auto overlap = overlap_of(standing)) throw Error(*overlap);
   if (settings.paced && !source->is_live()) source = paced(std::move(source));
   SessionSettings session = settings.session;
+  share_threads(settings.threads, session);
   session.press_static |= scene.press_static;
   LiveRun run = run_of(std::move(standing), std::move(source), session, images);
   if (settings.refine) {
@@ -79,6 +87,12 @@ LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings) {
     run.loop.session.refine_with(value_or_throw(Refiner::start(refine)));
   }
   return run;
+}
+
+void share_threads(int threads, SessionSettings& session) {
+  const ThreadShares shares = thread_shares(threads > 0 ? threads : usual_threads());
+  use_image_threads(shares.images);
+  session.depth.threads = shares.matching;
 }
 
 LiveRun run_of(std::vector<PlacedBody> standing, std::unique_ptr<FrameSource> source,

@@ -36,7 +36,9 @@ struct LiveSettings {
   /// Whom to ask for exact answers; nothing: nobody. Whether frames wait for them is found out:
   /// those of a camera and of a paced recording do not.
   std::optional<RefinerSettings> refine;
-  /// press_static is set if scene.toml asks for it.
+  /// Of the run altogether (thread_shares.h), at most 16; 0: as many as the machine has.
+  int threads = 0;
+  /// press_static is set if scene.toml asks for it; depth.threads follows from `threads`.
   SessionSettings session{.track = true, .map = true};
 };
 
@@ -47,13 +49,22 @@ struct LiveRun {
   std::filesystem::path images;  ///< the folder, file or device that is played
 };
 
-/// Finds the places, opens the images, and makes the loop. For kPlane and kBoard the images are
+/// Finds the places, opens the images, and makes the loop. OpenCV's threads are set for the whole
+/// process. For kPlane and kBoard the images are
 /// opened, played for a second, closed and opened again.
 /// @throws NoPlaceError (place.h) when nothing says where a body stands, Error for everything else
 ///         that is not as hoped, bodies that stand in each other among it
 [[nodiscard]] LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings);
 /// The same with one body.
 [[nodiscard]] LiveRun open_live(TouchableBody body, const LiveSettings& settings);
+/// The same with images that are open already; settings.images says what they are called, and what
+/// lies beside them (scene.toml).
+[[nodiscard]] LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings,
+                                std::unique_ptr<FrameSource> source);
+
+/// Gives a run its threads (thread_shares.h): OpenCV's, of the whole process, and the matcher's.
+/// @param threads  of the run altogether; 0: as many as the machine has
+void share_threads(int threads, SessionSettings& session);
 
 /// A run whose bodies stand already, on a source that is open: a recording's.
 /// @param images  what messages call the source. @throws Error that names it

@@ -67,9 +67,14 @@ Encoder open_encoder(AVCodecID codec, int width, int height, AVRational rate) {
     encoder->flags |= AV_CODEC_FLAG_QSCALE;
     encoder->global_quality = kQuality * FF_QP2LAMBDA;
   }
-  // x264 looks at 40 pictures before it hands over the first: on a slow machine four seconds that a
-  // killed run would lose. Encoders that have no such setting are left as they are.
-  av_opt_set(encoder->priv_data, "rc-lookahead", "20", 0);
+  // The encoder works beside the loop and shares its processors: one thread, and of x264's ways the
+  // one that takes 0.4 times the usual one's time (5.5 against 14 ms for a 720p picture of the
+  // desk) at the same setting of quality. It looks at 10 pictures before it hands over the first,
+  // which a killed run loses. Encoders that have no such settings are left as they are.
+  encoder->thread_count = 1;
+  av_opt_set(encoder->priv_data, "preset", "veryfast", 0);
+  encoder->max_b_frames =
+      0;  // in the order of time: a film that is cut off lacks none before its end
   if (avcodec_open2(encoder.get(), found, nullptr) < 0) return nullptr;
   return encoder;
 }

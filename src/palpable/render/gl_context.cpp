@@ -5,6 +5,8 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <cstdlib>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -104,6 +106,12 @@ Result<EGLContext> make_context(EGLDisplay display) {
 }
 
 }  // namespace
+
+void use_drawing_threads(int threads) {
+  PALPABLE_EXPECT(threads >= 0, "no fewer threads than none");
+  constexpr int kKeepWhatTheUserSays = 0;
+  ::setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), kKeepWhatTheUserSays);
+}
 
 void GlErrorLog::attach() {
   glEnable(GL_DEBUG_OUTPUT);

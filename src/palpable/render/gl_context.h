@@ -16,6 +16,11 @@ namespace palpable {
 ///
 /// A GL error is a bug of this program. Tests require count() == 0; programs end with
 /// throw_if_any().
+/// How many threads beside the caller's a renderer in software (Mesa's llvmpipe) may use; 0: the
+/// caller draws alone. Sets LP_NUM_THREADS unless the user has. To be called before the first
+/// context of the process is made, while no other thread runs. @param threads  >= 0
+void use_drawing_threads(int threads);
+
 class GlErrorLog {
  public:
   /// Logs the errors of the context that is current on this thread, synchronously. The log must

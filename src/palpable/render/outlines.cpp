@@ -1,6 +1,7 @@
 #include "palpable/render/outlines.h"
 
 #include "palpable/base/contract.h"
+#include "palpable/render/outline_kernels.h"
 
 #include <algorithm>
 #include <array>
@@ -10,23 +11,15 @@
 namespace palpable {
 namespace {
 
-constexpr float kSpatialReach = 40;  // R_s, px
-constexpr float kColorReach = 40;    // R_c, grey levels, Euclidean over r g b
-constexpr float kNothing = 1e-3f;    // a sum of weights below this counts as none
+constexpr float kNothing = 1e-3f;  // a sum of weights below this counts as none
 
-constexpr int kLanes = 8;
 // Lattice pixels of a window in one row, rounded up to whole vector registers.
-constexpr int kWindowColumns =
-    (2 * RealOutlines::kWindow / RealOutlines::kLatticeStep + 1 + kLanes - 1) / kLanes * kLanes;
+constexpr int kWindowColumns = OutlineWindow::kColumns;
+static_assert(kWindowColumns >= 2 * RealOutlines::kWindow / RealOutlines::kLatticeStep + 1);
 
 constexpr float kFactor = 1 + RealOutlines::kJump;
 
-float bump(float squared, float reach) {
-  const float share = std::max(1.0f - squared / (reach * reach), 0.0f);
-  return share * share;
-}
-
-float total(const std::array<float, kLanes>& lanes) {
+float total(const OutlineLanes& lanes) {
   float sum = 0;
   for (const float value : lanes) sum += value;
   return sum;
@@ -139,67 +132,40 @@ RealOutlines::Verdict RealOutlines::of_window(int x, int y) const {
   const int u0 = std::max((x - kWindow + kLatticeStep - 1) / kLatticeStep, 0);
   const int v0 = std::max((y - kWindow + kLatticeStep - 1) / kLatticeStep, 0);
   const int v1 = std::min((y + kWindow) / kLatticeStep, l.height - 1);
-  const auto row = [&](int v) {
-    return static_cast<std::size_t>(v) * static_cast<std::size_t>(l.width) +
-           static_cast<std::size_t>(u0);
-  };
-  std::array<float, kLanes> lows{}, highs{};
-  lows.fill(std::numeric_limits<float>::max());
-  for (int v = v0; v <= v1; ++v) {
-    for (std::size_t k = 0; k < kWindowColumns; k += kLanes) {
-      const float* inverse = l.inverse.data() + row(v) + k;  // 0 where the pixel is not sure
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        const float low = inverse[i] > 0.0f ? inverse[i] : std::numeric_limits<float>::max();
-        lows[i] = std::min(lows[i], low);
-        highs[i] = std::max(highs[i], inverse[i]);
-      }
-    }
-  }
-  const float low = *std::min_element(lows.begin(), lows.end());
-  const float high = *std::max_element(highs.begin(), highs.end());
+  const std::size_t first = static_cast<std::size_t>(v0) * static_cast<std::size_t>(l.width) +
+                            static_cast<std::size_t>(u0);
+  const Color c = color_[at(x, y)];
+  const OutlineWindow window{.sure = l.sure.data() + first,
+                             .r = l.r.data() + first,
+                             .g = l.g.data() + first,
+                             .b = l.b.data() + first,
+                             .inverse = l.inverse.data() + first,
+                             .stride = static_cast<std::size_t>(l.width),
+                             .rows = v1 - v0 + 1,
+                             .dx = static_cast<float>(u0 * kLatticeStep - x),
+                             .dy = static_cast<float>(v0 * kLatticeStep - y),
+                             .step = kLatticeStep,
+                             .red = c.r,
+                             .green = c.g,
+                             .blue = c.b};
+  const OutlineKernels& kernels = outline_kernels().front();
+  const OutlineRange range = kernels.range(window);
+  const float low = *std::min_element(range.low.begin(), range.low.end());
+  const float high = *std::max_element(range.high.begin(), range.high.end());
   Verdict verdict;
   verdict.parted = high > kFactor * low;
   if (!verdict.parted) return verdict;
   const float split = verdict.split = 0.5f * (low + high);
-
-  struct Sums {
-    std::array<float, kLanes> fit{}, weight{}, inverse{};
-  };
-  Sums near, all;
-  const Color c = color_[at(x, y)];
-  for (int v = v0; v <= v1; ++v) {
-    const auto dy = static_cast<float>(v * kLatticeStep - y);
-    for (std::size_t k = 0; k < kWindowColumns; k += kLanes) {
-      const std::size_t begin = row(v) + k;
-      const float* sure = l.sure.data() + begin;
-      const float* r = l.r.data() + begin;
-      const float* g = l.g.data() + begin;
-      const float* b = l.b.data() + begin;
-      const float* inverse = l.inverse.data() + begin;
-      const auto dx0 = static_cast<float>((u0 + static_cast<int>(k)) * kLatticeStep - x);
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        const float dx = dx0 + static_cast<float>(static_cast<int>(i) * kLatticeStep);
-        const float dr = r[i] - c.r, dg = g[i] - c.g, db = b[i] - c.b;
-        const float weight = sure[i] * bump(dx * dx + dy * dy, kSpatialReach);
-        const float fit = weight * bump(dr * dr + dg * dg + db * db, kColorReach);
-        const float is_near = inverse[i] > split ? 1.0f : 0.0f;
-        near.weight[i] += is_near * weight;
-        near.fit[i] += is_near * fit;
-        near.inverse[i] += is_near * weight * inverse[i];
-        all.weight[i] += weight;
-        all.fit[i] += fit;
-        all.inverse[i] += weight * inverse[i];
-      }
-    }
-  }
-  const float near_weight = total(near.weight), far_weight = total(all.weight) - near_weight;
+  const OutlineSums sums = kernels.sums(window, split);
+  const float near_weight = total(sums.near_weight),
+              far_weight = total(sums.all_weight) - near_weight;
   verdict.parted = near_weight > kNothing && far_weight > kNothing;
   if (!verdict.parted) return verdict;
-  const float near_fit = total(near.fit), near_inverse = total(near.inverse);
+  const float near_fit = total(sums.near_fit), near_inverse = total(sums.near_inverse);
   verdict.near_fit = near_fit / near_weight;
-  verdict.far_fit = (total(all.fit) - near_fit) / far_weight;
+  verdict.far_fit = (total(sums.all_fit) - near_fit) / far_weight;
   verdict.near_depth = near_weight / near_inverse;
-  verdict.far_depth = far_weight / (total(all.inverse) - near_inverse);
+  verdict.far_depth = far_weight / (total(sums.all_inverse) - near_inverse);
   return verdict;
 }
 

@@ -140,6 +140,7 @@ void check(const SceneView& view) {
 
 struct SceneRenderer::State {
   GlProgram body_program, dot_program, shadow_program, compose_program;
+  GlProgram compose_fine_program;  // where fine_depth reaches wherever a body may be
   FullScreenTriangle triangle;
   GlVertexArray no_inputs;
   std::vector<BodyBuffers> buffers;
@@ -165,7 +166,8 @@ struct SceneRenderer::State {
   void stream(const BodyLook& look, BodyBuffers& to);
   void draw_shadows(const SceneView& view, const Eigen::Vector2f& depth_per_picture);
   void draw_bodies(const SceneView& view);
-  void compose_picture(const SceneView& view, const Eigen::Vector2f& depth_per_picture);
+  void compose_picture(const SceneView& view, const Boxes& boxes,
+                       const Eigen::Vector2f& depth_per_picture);
   void read_back(const PixelRange& box, ColorImage& picture, MaskImage* visible, DepthImage* depth);
 };
 
@@ -175,10 +177,12 @@ SceneRenderer& SceneRenderer::operator=(SceneRenderer&&) noexcept = default;
 SceneRenderer::~SceneRenderer() = default;
 
 Result<SceneRenderer> SceneRenderer::make() {
-  constexpr std::array<ProgramSource, 4> kSources = {{{"body.vert", "body.frag"},
-                                                      {"dot.vert", "dot.frag"},
-                                                      {"shadow.vert", "shadow.frag"},
-                                                      {"full_screen.vert", "compose.frag"}}};
+  constexpr std::array<ProgramSource, 5> kSources = {
+      {{"body.vert", "body.frag"},
+       {"dot.vert", "dot.frag"},
+       {"shadow.vert", "shadow.frag"},
+       {"full_screen.vert", "compose.frag"},
+       {"full_screen.vert", "compose.frag", "#define ALL_FINE\n"}}};
   Result<std::vector<GlProgram>> made = make_programs(render_shader_files(), kSources);
   if (!made.ok()) return made.problem();
   std::vector<GlProgram> programs = std::move(made).value();
@@ -186,6 +190,7 @@ Result<SceneRenderer> SceneRenderer::make() {
                                                 .dot_program = std::move(programs[1]),
                                                 .shadow_program = std::move(programs[2]),
                                                 .compose_program = std::move(programs[3]),
+                                                .compose_fine_program = std::move(programs[4]),
                                                 .triangle = {},
                                                 .no_inputs = {},
                                                 .buffers = {},
@@ -242,7 +247,7 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
     s.targets->picture.upload(box.x0, box.y0, box.width(), box.height(), GL_RGB, GL_UNSIGNED_BYTE,
                               picture.row(box.y0) + box.x0, width);
     s.draw_shadows(view, depth_per_picture);
-    s.compose_picture(view, depth_per_picture);
+    s.compose_picture(view, boxes, depth_per_picture);
     glDisable(GL_SCISSOR_TEST);
     s.read_back(box, picture, body_visible, body_depth);
   }
@@ -433,26 +438,33 @@ void SceneRenderer::State::draw_shadows(const SceneView& view,
   glDisable(GL_BLEND);
 }
 
-void SceneRenderer::State::compose_picture(const SceneView& view,
+void SceneRenderer::State::compose_picture(const SceneView& view, const Boxes& boxes,
                                            const Eigen::Vector2f& depth_per_picture) {
   const bool any_real = depth_per_picture.x() > 0.0f;
   targets->composed.bind();
   constexpr std::array<float, 4> kNone{};
   glClearNamedFramebufferfv(targets->composed.get(), GL_COLOR, 1, kNone.data());
+  const PixelRange& bodies = boxes.bodies;
+  if (bodies.empty()) return;
+  const bool all_fine = fine_box.x0 <= bodies.x0 && fine_box.y0 <= bodies.y0 &&
+                        fine_box.x1 >= bodies.x1 && fine_box.y1 >= bodies.y1;
+  const GlProgram& program = all_fine ? compose_fine_program : compose_program;
+  glScissor(bodies.x0, bodies.y0, bodies.width(), bodies.height());
   glEnablei(GL_BLEND, 0);  // attachment 0 only; the mask is not blended
   glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
   targets->body_color.bind(0);
   targets->body_z.bind(1);
-  (any_real ? real_depth : nothing_real).bind(2);
   fine_depth.bind(3);
-  compose_program.set(
-      "fine_box",
-      Eigen::Vector4f(static_cast<float>(fine_box.x0), static_cast<float>(fine_box.y0),
-                      static_cast<float>(fine_box.x1), static_cast<float>(fine_box.y1)));
-  compose_program.set("depth_per_picture", depth_per_picture);
-  glProgramUniform2i(compose_program.get(), glGetUniformLocation(compose_program.get(), "last"),
+  program.set("fine_box",
+              Eigen::Vector4f(static_cast<float>(fine_box.x0), static_cast<float>(fine_box.y0),
+                              static_cast<float>(fine_box.x1), static_cast<float>(fine_box.y1)));
+  if (!all_fine) {
+    (any_real ? real_depth : nothing_real).bind(2);
+    program.set("depth_per_picture", depth_per_picture);
+  }
+  glProgramUniform2i(program.get(), glGetUniformLocation(program.get(), "last"),
                      view.camera.width - 1, view.camera.height - 1);
-  compose_program.use();
+  program.use();
   triangle.draw();
   glDisablei(GL_BLEND, 0);
 }

@@ -30,11 +30,13 @@ struct Size {
 
 class CameraSource final : public FrameSource {
  public:
+  // @param keeps_yuyv  hand over pictures of both eyes in YUYV as they are
   CameraSource(VideoSystem& system, FrameFormat format, double depth_unit, bool lock,
-               V4l2Camera first, std::optional<V4l2Camera> second)
+               bool keeps_yuyv, V4l2Camera first, std::optional<V4l2Camera> second)
       : system_(system),
         format_(std::move(format)),
         depth_unit_(depth_unit),
+        keeps_yuyv_(keeps_yuyv && format_.width % 2 == 0),
         is_locked_(!lock),
         wants_lock_(lock),
         first_(std::move(first)),
@@ -75,6 +77,7 @@ class CameraSource final : public FrameSource {
     taken_ = first_.time();
     std::swap(frame.left, left_);
     std::swap(frame.right, right_);
+    std::swap(frame.both, yuyv_);
     std::swap(frame.depth, depth_);
     last_picture_ = system_.now();
     never_pair_ = false;
@@ -91,13 +94,16 @@ class CameraSource final : public FrameSource {
                                                             : to_color(raw, right_);
     }
     if (second_) return to_color(raw, left_);
-    std::string trouble = to_color(raw, both_);
+    const bool as_it_is = keeps_yuyv_ && raw.format == four_letters("YUYV");
+    std::string trouble = as_it_is ? to_yuyv(raw, yuyv_) : to_color(raw, both_);
     if (!trouble.empty()) return trouble;
-    if (both_.width() != 2 * format_.width || both_.height() != format_.height) {
-      return fmt::format("the picture is {} x {} px, not {} x {}", both_.width(), both_.height(),
-                         2 * format_.width, format_.height);
+    const int width = as_it_is ? 2 * yuyv_.width() : both_.width();
+    const int height = as_it_is ? yuyv_.height() : both_.height();
+    if (width != 2 * format_.width || height != format_.height) {
+      return fmt::format("the picture is {} x {} px, not {} x {}", width, height, 2 * format_.width,
+                         format_.height);
     }
-    split_side_by_side(both_, left_, right_);
+    if (!as_it_is) split_side_by_side(both_, left_, right_);
     return {};
   }
 
@@ -162,6 +168,7 @@ class CameraSource final : public FrameSource {
   VideoSystem& system_;
   FrameFormat format_;
   double depth_unit_;
+  bool keeps_yuyv_;
   bool is_locked_;  // or is not to be
   bool wants_lock_;
   V4l2Camera first_;
@@ -180,6 +187,7 @@ class CameraSource final : public FrameSource {
   ColorImage both_;
   ColorImage left_;
   ColorImage right_;
+  YuyvImage yuyv_;
   DepthImage depth_;
 };
 
@@ -375,7 +383,7 @@ Result<std::unique_ptr<FrameSource>> open_camera(const CameraRequest& request,
   constexpr double kMillimetre = 1e-3;  // what depth devices step in unless it is said
   return std::unique_ptr<FrameSource>(std::make_unique<CameraSource>(
       system, calibration.value().format, calibration.value().depth_unit.value_or(kMillimetre),
-      request.lock, std::move(first).value(), std::move(second)));
+      request.lock, !request.without_calibration, std::move(first).value(), std::move(second)));
 }
 
 std::vector<fs::path> calibration_folders() {

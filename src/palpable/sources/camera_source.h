@@ -39,7 +39,9 @@ struct CameraRequest {
 /// The source is live: it gives the newest pictures and waits at most kLongestWait for them. It is
 /// kStalled after half a second without a picture; kGone when a device is unplugged, which is then
 /// looked for every second. Frames have the driver's time stamps. The pictures of two devices are
-/// one frame when their stamps are less than 0.6 periods apart.
+/// one frame when their stamps are less than 0.6 periods apart. Both eyes side by side in YUYV are
+/// handed over as they are (Frame::both), unless `without_calibration`: boards are looked for in
+/// colours.
 ///
 /// @param system  must outlive the source
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> open_camera(const CameraRequest& request,

@@ -12,6 +12,7 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
@@ -100,6 +101,43 @@ TEST_CASE("a stereo camera's pictures come as pairs with the driver's times", "[
   }
   CHECK(video.opened == 0);
   CHECK(video.mapped == 0);
+}
+
+TEST_CASE("a calibrated camera's YUYV is handed over as it is", "[sources][camera]") {
+  const ScratchFolder scratch("camera_yuyv");
+  StereoCalibration calibration;
+  calibration.rig.left.pinhole = calibration.rig.right.pinhole = {kWidth, kHeight, 30, 30, 16, 5};
+  calibration.rig.right_from_left.translation().x() = -0.06;
+  CameraRequest wanted = request();
+  wanted.without_calibration = false;
+  wanted.calibration = scratch.path() / "calibration.yml";
+  write_stereo_calibration(wanted.calibration, calibration);
+  FakeVideo video;
+  video.cameras = {stereo_camera()};
+  video.cameras[0].modes = {{kYuyv, 2 * kWidth, kHeight, {30}}};
+  std::vector<std::uint8_t> bytes(2 * kBoth);
+  for (std::size_t k = 0; k < bytes.size(); ++k) bytes[k] = static_cast<std::uint8_t>(k % 251);
+  for (int i = 0; i < 3; ++i) video.cameras[0].shots.push_back({100 + i / 30.0, bytes});
+  video.cameras[0].shots[1].bytes.resize(bytes.size() - 1);
+  const auto source = value_or_throw(open_camera(wanted, video));
+  SourceGuard guard(*source);
+  Frame frame;
+  for (const FrameStatus status :
+       {FrameStatus::kFrame, FrameStatus::kUnreadable, FrameStatus::kFrame}) {
+    REQUIRE(guard.next(frame) == status);
+    if (status != FrameStatus::kFrame) continue;
+    REQUIRE((frame.both.width() == kWidth && frame.both.height() == kHeight));
+    CHECK(std::memcmp(frame.both.data(), bytes.data(), bytes.size()) == 0);
+    CHECK(frame.left.empty());
+  }
+  // Boards are looked for in colours.
+  FakeVideo again;
+  again.cameras = {stereo_camera()};
+  again.cameras[0].modes = {{kYuyv, 2 * kWidth, kHeight, {30}}};
+  again.cameras[0].shots.push_back({100, bytes});
+  const auto uncalibrated = value_or_throw(open_camera(request(), again));
+  REQUIRE(uncalibrated->next(frame) == FrameStatus::kFrame);
+  CHECK(frame.left.width() == kWidth);
 }
 
 TEST_CASE("a late reader gets the newest picture, and what it missed counts as dropped",

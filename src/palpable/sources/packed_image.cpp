@@ -52,6 +52,25 @@ void ImagePacker::pack(const ColorImage& image, std::string& bytes) {
   append_packed(bytes);
 }
 
+void ImagePacker::pack(const YuyvImage& image, std::string& bytes) {
+  const std::size_t count = image.size();
+  planes_.resize(sizeof(Yuyv) * count);
+  no_pairs_.assign(static_cast<std::size_t>(image.width()), Yuyv{0, 0, 0, 0});
+  std::uint8_t* plane = planes_.data();
+  for (int y = 0; y < image.height(); ++y) {
+    const Yuyv* row = image.row(y);
+    const Yuyv* above = y > 0 ? image.row(y - 1) : no_pairs_.data();
+    for (int x = 0; x < image.width(); ++x) {
+      plane[x] = byte_of(row[x].y0 - above[x].y0);
+      plane[count + static_cast<std::size_t>(x)] = byte_of(row[x].u - above[x].u);
+      plane[2 * count + static_cast<std::size_t>(x)] = byte_of(row[x].y1 - above[x].y1);
+      plane[3 * count + static_cast<std::size_t>(x)] = byte_of(row[x].v - above[x].v);
+    }
+    plane += image.width();
+  }
+  append_packed(bytes);
+}
+
 void ImagePacker::pack(const DepthImage& image, std::string& bytes) {
   const std::size_t count = image.size();
   planes_.resize(kDepthBytes * count);
@@ -125,6 +144,27 @@ bool ImageUnpacker::unpack(std::string_view& bytes, int width, int height, Color
     green += width;
     red += width;
     blue += width;
+  }
+  return true;
+}
+
+bool ImageUnpacker::unpack(std::string_view& bytes, int width, int height, YuyvImage& image) {
+  const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  if (!take_planes(bytes, sizeof(Yuyv) * count)) return false;
+  image.resize(width, height);
+  no_pairs_.assign(static_cast<std::size_t>(width), Yuyv{0, 0, 0, 0});
+  const std::uint8_t* plane = planes_.data();
+  for (int y = 0; y < height; ++y) {
+    Yuyv* row = image.row(y);
+    const Yuyv* above = y > 0 ? image.row(y - 1) : no_pairs_.data();
+    for (int x = 0; x < width; ++x) {
+      const auto step = [&](std::size_t k) {
+        return plane[k * count + static_cast<std::size_t>(x)];
+      };
+      row[x] = {byte_of(above[x].y0 + step(0)), byte_of(above[x].u + step(1)),
+                byte_of(above[x].y1 + step(2)), byte_of(above[x].v + step(3))};
+    }
+    plane += width;
   }
   return true;
 }

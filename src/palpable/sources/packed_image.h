@@ -5,6 +5,7 @@
 #pragma once
 
 #include "palpable/geometry/image.h"
+#include "palpable/geometry/yuyv.h"
 
 #include <cstdint>
 #include <memory>
@@ -24,6 +25,7 @@ class ImagePacker {
 
   /// Appends the packed image. @throws Error when there is no memory for it
   void pack(const ColorImage& image, std::string& bytes);
+  void pack(const YuyvImage& image, std::string& bytes);
   /// Depth comes back bit by bit, whatever NaN it is.
   void pack(const DepthImage& image, std::string& bytes);
 
@@ -34,6 +36,7 @@ class ImagePacker {
   std::unique_ptr<Coder> coder_;
   std::vector<std::uint8_t> planes_;
   std::vector<Rgb> no_colors_;  // the row above the first
+  std::vector<Yuyv> no_pairs_;
   std::vector<float> no_depths_;
 };
 
@@ -49,6 +52,7 @@ class ImageUnpacker {
   /// are refused before memory is taken for them.
   /// @return whether the bytes were such an image; otherwise what `image` holds is unspecified
   [[nodiscard]] bool unpack(std::string_view& bytes, int width, int height, ColorImage& image);
+  [[nodiscard]] bool unpack(std::string_view& bytes, int width, int height, YuyvImage& image);
   [[nodiscard]] bool unpack(std::string_view& bytes, int width, int height, DepthImage& image);
 
  private:
@@ -58,6 +62,7 @@ class ImageUnpacker {
   std::unique_ptr<Coder> coder_;
   std::vector<std::uint8_t> planes_;
   std::vector<Rgb> no_colors_;  // the row above the first
+  std::vector<Yuyv> no_pairs_;
   std::vector<float> no_depths_;
 };
 

@@ -38,6 +38,26 @@ TEST_CASE("colours come back to the bit, whatever they are", "[sources][recordin
   }
 }
 
+TEST_CASE("pictures as a camera sent them come back to the bit", "[sources][recording]") {
+  auto random = test::random_case(3);
+  YuyvImage image(23, 9);
+  for (Yuyv& pair : image) {
+    const auto bits = static_cast<std::uint32_t>(random());
+    std::memcpy(&pair, &bits, sizeof pair);
+  }
+  ImagePacker packer;
+  std::string bytes;
+  packer.pack(image, bytes);
+  std::string_view rest(bytes);
+  ImageUnpacker unpacker;
+  YuyvImage back;
+  REQUIRE(unpacker.unpack(rest, 23, 9, back));
+  CHECK(back == image);
+  CHECK(rest.empty());
+  rest = bytes;
+  CHECK_FALSE(unpacker.unpack(rest, 23, 10, back));
+}
+
 TEST_CASE("depths come back bit by bit: unknown ones, too, and those that are none",
           "[sources][recording]") {
   DepthImage image(31, 17, 0.5F);

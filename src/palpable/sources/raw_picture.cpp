@@ -126,6 +126,22 @@ std::string to_color(const RawPicture& raw, ColorImage& image) {
   }
 }
 
+std::string to_yuyv(const RawPicture& raw, YuyvImage& image) {
+  if (std::string trouble = row_trouble(raw, 2); !trouble.empty()) return trouble;
+  const std::size_t wanted = raw.row_bytes * raw.height;
+  if (raw.size < wanted) return too_short(raw, wanted);
+  try {
+    image.resize(raw.width / 2, raw.height);
+  } catch (const std::exception& e) {  // no memory
+    return fmt::format("the picture cannot be kept: {}", e.what());
+  }
+  const std::size_t row = static_cast<std::size_t>(image.width()) * sizeof(Yuyv);
+  for (int y = 0; y < raw.height; ++y) {
+    std::memcpy(image.row(y), raw.data + raw.row_bytes * y, row);
+  }
+  return {};
+}
+
 std::string to_depth(const RawPicture& raw, double unit, DepthImage& image) {
   if (std::string trouble = row_trouble(raw, 2); !trouble.empty()) return trouble;
   const std::size_t wanted = raw.row_bytes * raw.height;

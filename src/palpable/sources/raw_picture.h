@@ -3,6 +3,7 @@
 #pragma once
 
 #include "palpable/geometry/image.h"
+#include "palpable/geometry/yuyv.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -36,6 +37,9 @@ struct RawPicture {
 /// Converts. YUV is BT.601 with luma in 16 .. 235; a gray picture gives gray colours.
 /// @return empty, or why the bytes are no picture of this size: too few, a JPEG that is cut off
 [[nodiscard]] std::string to_color(const RawPicture& raw, ColorImage& image);
+
+/// Copies a picture in YUYV as it is. @return as above
+[[nodiscard]] std::string to_yuyv(const RawPicture& raw, YuyvImage& image);
 
 /// The same for depth: steps of `unit` m; 0 and 65535 become NaN.
 [[nodiscard]] std::string to_depth(const RawPicture& raw, double unit, DepthImage& image);

@@ -41,6 +41,7 @@ constexpr std::uint32_t kEnd = four_letters("END ");
 constexpr std::uint8_t kLeft = 1;
 constexpr std::uint8_t kRight = 2;
 constexpr std::uint8_t kDepth = 4;
+constexpr std::uint8_t kBoth = 8;
 
 // Bytes of a payload that is no frame's: far above any, also above an exact answer's 12 bytes for
 // each of a million nodes.
@@ -299,7 +300,7 @@ class RecordingReader final : public FrameReader {
       return true;
     };
     const bool whole = unpack(kLeft, frame.left) && unpack(kRight, frame.right) &&
-                       unpack(kDepth, frame.depth) && rest.empty();
+                       unpack(kDepth, frame.depth) && unpack(kBoth, frame.both) && rest.empty();
     if (!whole) return {};
     return FrameStatus::kFrame;
   }
@@ -372,11 +373,12 @@ void RecordingWriter::add_frame(const Frame& frame, std::optional<double> taken)
   put(chunk_, frame.time);
   put(chunk_, taken.value_or(std::numeric_limits<double>::quiet_NaN()));
   const auto images = (frame.left.empty() ? 0 : kLeft) | (frame.right.empty() ? 0 : kRight) |
-                      (frame.depth.empty() ? 0 : kDepth);
+                      (frame.depth.empty() ? 0 : kDepth) | (frame.both.empty() ? 0 : kBoth);
   put(chunk_, static_cast<std::uint8_t>(images));
   if (!frame.left.empty()) packer_.pack(frame.left, chunk_);
   if (!frame.right.empty()) packer_.pack(frame.right, chunk_);
   if (!frame.depth.empty()) packer_.pack(frame.depth, chunk_);
+  if (!frame.both.empty()) packer_.pack(frame.both, chunk_);
   append();
 }
 

@@ -73,9 +73,22 @@ Frame some_frame(const FrameFormat& format, int number) {
   return frame;
 }
 
+// The same as a camera sends it.
+Frame some_yuyv_frame(int number) {
+  auto random = test::random_case(static_cast<unsigned>(number));
+  Frame frame;
+  frame.number = number;
+  frame.time = number / 30.0;
+  frame.both.resize(kWidth, kHeight);
+  for (Yuyv& pair : frame.both) {
+    pair = {static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random()), 7, 9};
+  }
+  return frame;
+}
+
 bool same(const Frame& a, const Frame& b) {
   return a.number == b.number && a.time == b.time && a.left == b.left && a.right == b.right &&
-         a.depth.size() == b.depth.size() &&
+         a.both == b.both && a.depth.size() == b.depth.size() &&
          (a.depth.empty() ||
           std::memcmp(a.depth.data(), b.depth.data(), a.depth.size() * sizeof(float)) == 0);
 }
@@ -384,6 +397,27 @@ TEST_CASE("on a full disk a recording ends with its last whole chunk",
   const RecordingContents contents = read_recording(path).value();
   CHECK(contents.frames == written);
   CHECK_FALSE(contents.damaged);
+}
+
+TEST_CASE("pictures that a camera sends in YUYV are played as they were sent, beside others",
+          "[sources][recording]") {
+  const test::ScratchFolder folder("recorded-yuyv");
+  const fs::path file = folder.path() / "a.palprec";
+  {
+    RecordingWriter writer(file, raw_format(), Json{{"any", 1}});
+    writer.add_frame(some_yuyv_frame(0), std::nullopt);
+    writer.add_frame(some_frame(raw_format(), 1), std::nullopt);
+    writer.add_frame(some_yuyv_frame(2), std::nullopt);
+    writer.finish();
+  }
+  const auto source = value_or_throw(open_recording(file));
+  Frame frame;
+  for (int n = 0; n < 3; ++n) {
+    REQUIRE(source->next(frame) == FrameStatus::kFrame);
+    CHECK(same(frame, n == 1 ? some_frame(raw_format(), 1) : some_yuyv_frame(n)));
+    CHECK(wrong_size(frame, source->format()).empty());
+  }
+  CHECK(source->next(frame) == FrameStatus::kEnd);
 }
 
 }  // namespace

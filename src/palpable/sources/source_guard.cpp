@@ -58,6 +58,8 @@ std::string wrong_size(const Frame& frame, const FrameFormat& format) {
                        image.height(), format.width, format.height);
   };
   const bool stereo = format.kind == FrameFormat::Kind::kStereo;
+  const bool together = stereo && !frame.both.empty();  // as many pairs of pixels as an eye has px
+  if (together) return trouble_of("side-by-side", frame.both);
   std::string trouble = trouble_of(stereo ? "left" : "colour", frame.left);
   if (!trouble.empty()) return trouble;
   return stereo ? trouble_of("right", frame.right) : trouble_of("depth", frame.depth);

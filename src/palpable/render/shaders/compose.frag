@@ -14,6 +14,7 @@ uniform ivec2 last;              // the last pixel of the picture
 layout(location = 0) out vec4 color;
 layout(location = 1) out float visible_mask;
 
+#ifndef ALL_FINE
 /// Share hidden at picture position p (pixel centres at halves). The decision is interpolated, not
 /// the depth: between a hand and the wall behind it there is no surface half way.
 float hidden_at(vec2 p, float z) {
@@ -31,6 +32,7 @@ float hidden_at(vec2 p, float z) {
   return mix(mix(h00, h10, f.x), mix(h01, h11, f.x), f.y);
 }
 
+#endif
 /// The same of the fine depth, whose decisions are mixed over 3 x 3 pixels to soften the stairs.
 float hidden_at_pixel(ivec2 p, float z) {
   ivec2 low = ivec2(fine_box.xy);
@@ -45,10 +47,19 @@ float hidden_at_pixel(ivec2 p, float z) {
   return sum;
 }
 
-bool is_fine(vec2 p) {
-  return all(greaterThanEqual(p, fine_box.xy)) && all(lessThan(p, fine_box.zw));
+#ifdef ALL_FINE
+/// The fine depth reaches wherever a body may be.
+float hidden(ivec2 p, float z) { return hidden_at_pixel(p, z); }
+#else
+float hidden(ivec2 p, float z) {
+  vec2 at = vec2(p) + 0.5;
+  bool is_fine = all(greaterThanEqual(at, fine_box.xy)) && all(lessThan(at, fine_box.zw));
+  return is_fine ? hidden_at_pixel(p, z) : hidden_at(at, z);
 }
+#endif
 
+// A renderer in software walks all of this for every pixel, whatever the conditions say: each texel
+// is fetched once.
 void main() {
   ivec2 p = ivec2(gl_FragCoord.xy);
   float own = texelFetch(body_depth, p, 0).r;
@@ -56,35 +67,28 @@ void main() {
   float cover = 0.0;
   float z_sum = 0.0;
   float jump = 0.0;
+  vec3 paint_sum = vec3(0.0);
+  vec3 paint = vec3(0.0);
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
-      float z = texelFetch(body_depth, clamp(p + ivec2(dx, dy), ivec2(0), last), 0).r;
+      ivec2 q = clamp(p + ivec2(dx, dy), ivec2(0), last);
+      float z = texelFetch(body_depth, q, 0).r;
+      vec3 paint_here = texelFetch(body_color, q, 0).rgb;
       float weight = float((2 - abs(dx)) * (2 - abs(dy))) / 16.0;
+      if (dx == 0 && dy == 0) paint = paint_here;
       if (z > 0.0) {
         cover += weight;
         z_sum += weight * z;
         jump = max(jump, abs(z - own));
+        paint_sum += weight * paint_here;
       }
     }
   }
   if (cover == 0.0) discard;
   float z = own > 0.0 ? own : z_sum / cover;
-  vec3 paint = texelFetch(body_color, p, 0).rgb;
-  if (own == 0.0 || jump > 0.01 * own) {
-    // At an outline, its own or one inside it (an ear before the back): mix, to soften the stairs.
-    vec3 sum = vec3(0.0);
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        ivec2 q = clamp(p + ivec2(dx, dy), ivec2(0), last);
-        if (texelFetch(body_depth, q, 0).r > 0.0) {
-          sum += float((2 - abs(dx)) * (2 - abs(dy))) / 16.0 * texelFetch(body_color, q, 0).rgb;
-        }
-      }
-    }
-    paint = sum / cover;
-  }
-  float visible = 1.0 - (is_fine(gl_FragCoord.xy) ? hidden_at_pixel(p, z)
-                                                  : hidden_at(gl_FragCoord.xy, z));
+  // At an outline, its own or one inside it (an ear before the back): mix, to soften the stairs.
+  if (own == 0.0 || jump > 0.01 * own) paint = paint_sum / cover;
+  float visible = 1.0 - hidden(p, z);
   float alpha = smoothstep(0.1, 0.9, cover) * visible;
   color = vec4(paint * alpha, alpha);
   visible_mask = own > 0.0 && visible >= 0.5 ? 1.0 : 0.0;

@@ -1,0 +1,446 @@
+// palpable bench live: frames a second, CPU and age of the whole loop, run by run.
+
+#include "bench/live/bench_live.h"
+
+#include "apps/common/command_line.h"
+#include "apps/common/progress_bar.h"
+#include "apps/palpable/live_setup.h"
+#include "palpable/base/allocation_count.h"
+#include "palpable/base/error.h"
+#include "palpable/base/json.h"
+#include "palpable/base/order_statistics.h"
+#include "palpable/base/this_machine.h"
+#include "palpable/clip_writer/kept_clip.h"
+#include "palpable/live/live_loop.h"
+#include "palpable/live/run_stats.h"
+#include "palpable/live/thread_shares.h"
+#include "palpable/live_writer/live_output.h"
+#include "palpable/reduced/body_file.h"
+#include "palpable/render/gl_context.h"
+#include "palpable/sources/paced_source.h"
+#include "palpable/sources/wall_clock.h"
+#include "palpable/view/scene_painter.h"
+
+#include <fmt/core.h>
+
+#include "bench/live/memory_film.h"
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace palpable::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFilmed = 300;  // frames of each film; played there and back
+constexpr int kWarmUp = 30;   // first frames of a run: memory is taken, shaders are compiled
+constexpr double kRate = 30;  // frames a second of a paced run
+
+struct LiveBenchOptions {
+  fs::path body;
+  fs::path dragon;
+  fs::path clips = fs::temp_directory_path() / "palpable-bench-live";
+  std::vector<std::string> runs;  // empty: all
+  int frames = 300;
+  double seconds = 60;
+  int threads = 0;  // 0: as many as the machine has
+  bool json = false;
+};
+
+// One run of the loop.
+struct LiveCase {
+  std::string_view name;
+  std::string_view film = "press";
+  bool dragon = false;
+  bool picture = true;
+  bool files = false;
+  bool paced = false;
+  bool converted = false;         // pictures become colours on arrival
+  std::string_view contact = {};  // empty: what the body has tables for
+  int width = 0;                  // px of an eye; 0: as filmed, 1280 x 720
+  int height = 0;
+};
+
+// In an order in which each film is read once.
+constexpr std::array kCases{LiveCase{.name = "bunny"},
+                            LiveCase{.name = "bare", .picture = false},
+                            LiveCase{.name = "files", .files = true},
+                            LiveCase{.name = "converted", .converted = true},
+                            LiveCase{.name = "site", .contact = "site"},
+                            LiveCase{.name = "paper", .contact = "paper"},
+                            LiveCase{.name = "paced", .paced = true},
+                            LiveCase{.name = "672", .width = 672, .height = 376},
+                            LiveCase{.name = "1080p", .width = 1920, .height = 1080},
+                            LiveCase{.name = "bunny_moving", .film = "walk-hand"},
+                            LiveCase{.name = "dragon", .dragon = true}};
+
+std::string names_of_cases() {
+  std::string names;
+  for (const LiveCase& one : kCases)
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", one.name);
+  return names;
+}
+
+struct LiveFigures {
+  RunFigures run;
+  double total_p50_ms = 0;  // of all stages of a frame together
+  double total_p99_ms = 0;
+  double copy_ms = 0;  // of a frame's bytes
+  int allocations = 0;
+  double peak_memory = 0;  // bytes, of the process so far
+};
+
+// What copying as many bytes takes: the least of some, before and after a run.
+double copy_ms(const std::vector<std::uint8_t>& picture) {
+  std::vector<std::uint8_t> copy(picture.size());
+  double least = 1e9;
+  for (int i = 0; i < 10; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    std::memcpy(copy.data(), picture.data(), picture.size());
+    const std::chrono::duration<double, std::milli> taken =
+        std::chrono::steady_clock::now() - begin;
+    least = std::min(least, taken.count());
+  }
+  return least;
+}
+
+RunMoment moment_of(const LiveCounts& counts) {
+  return {.now = system_clock().now(), .cpu = process_cpu(), .dropped = counts.troubles.dropped};
+}
+
+// What `palpable live --out` writes unless it is told otherwise.
+std::unique_ptr<LiveOutput> output_in(const fs::path& folder) {
+  remove_earlier_run(earlier_run(folder, true, {}));
+  return std::make_unique<LiveOutput>(LiveOutputSettings{.folder = folder, .complete = true});
+}
+
+// The loop of `palpable live`. Counted are the frames after the warm-up, up to the last one's
+// picture; its files may still be under way.
+class LiveCasePlayer {
+ public:
+  LiveCasePlayer(LiveRun& run, ScenePainter* painter, LiveOutput* output, int frames,
+                 ProgressBar& bar)
+      : session_(run.loop.session),
+        loop_(run, frames),
+        painter_(painter),
+        output_(output),
+        frames_(frames),
+        bar_(bar) {
+    totals_.reserve(static_cast<std::size_t>(std::max(frames, 0)));
+  }
+
+  LiveFigures play(std::string_view name) {
+    while (done_ < kWarmUp && advance(nullptr)) {}
+    bar_.show({std::string(name), 0, 1, ""});
+    RunStats stats(moment_of(loop_.counts()));
+    LiveFigures figures;
+    figures.allocations = allocations_during([&] {
+      while (advance(&stats)) {}
+    });
+    if (totals_.empty()) throw Error(fmt::format("run {}: no frame could be read", name));
+    figures.run = stats.all(moment_of(loop_.counts()));
+    figures.total_p50_ms = percentile(totals_, 0.5);
+    figures.total_p99_ms = percentile(totals_, 0.99);
+    bar_.show({std::string(name), 1, 1, ""});
+    return figures;
+  }
+
+ private:
+  // One frame; false at the end.
+  bool advance(RunStats* stats) {
+    Scene* scene = nullptr;
+    while (scene == nullptr) {
+      if (done_ == frames_ || loop_.ended()) return false;
+      scene = loop_.next_within(FrameSource::kLongestWait);
+    }
+    std::unique_ptr<DrawnFrame> drawn = output_ != nullptr ? output_->blank() : std::move(kept_);
+    std::swap(drawn->scene, *scene);
+    if (painter_ != nullptr) painter_->draw(*drawn, session_);
+    ++done_;
+    if (stats != nullptr) {
+      stats->add(drawn->scene.times, 1e3 * (system_clock().now() - loop_.taken()));
+      totals_.push_back(drawn->scene.times.total_ms());
+    }
+    if (output_ != nullptr) {
+      output_->write(std::move(drawn));
+    } else {
+      kept_ = std::move(drawn);
+    }
+    return true;
+  }
+
+  const Session& session_;
+  LiveLoop loop_;
+  ScenePainter* painter_;  // null: nobody looks
+  LiveOutput* output_;     // null: nothing is written
+  int frames_;
+  int done_ = 0;
+  std::unique_ptr<DrawnFrame> kept_ = std::make_unique<DrawnFrame>();
+  std::vector<double> totals_;  // ms
+  ProgressBar& bar_;
+};
+
+// The films of one bench: filmed once and kept, the one that is played last in memory.
+class Films {
+ public:
+  Films(fs::path folder, ProgressBar& bar) : folder_(std::move(folder)), bar_(bar) {}
+
+  // Where the images of a case lie.
+  fs::path folder_of(const LiveCase& one, const fs::path& body) {
+    const fs::path clip = folder_ / fmt::format("{}-{}", one.dragon ? "dragon" : "bunny", one.film);
+    if (const auto known = frames_.find(clip.string()); known != frames_.end()) {
+      return known->second;
+    }
+    const ReducedBody read = value_or_throw(read_pressable_body(body));
+    make_parent();
+    const fs::path frames = kept_clip(read,
+                                      {.folder = clip,
+                                       .body_file = body,
+                                       .version = PALPABLE_VERSION,
+                                       .frames = kFilmed,
+                                       .sequence = std::string(one.film)},
+                                      bar_.progress());
+    frames_[clip.string()] = frames;
+    return frames;
+  }
+
+  const MemoryFilm& film_of(const LiveCase& one, const fs::path& frames) {
+    const std::string key = fmt::format("{} {}", frames.string(), one.width);
+    if (key != key_) {
+      film_ = {};
+      // A film of 1080p would take 2.5 GB.
+      const int count = one.height > 720 ? kFilmed / 3 : kFilmed;
+      film_ = read_film(frames, {.frames = count, .width = one.width, .height = one.height});
+      key_ = key;
+    }
+    return film_;
+  }
+
+ private:
+  void make_parent() const {
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    if (error) throw Error(fmt::format("{}: {}", folder_.string(), error.message()));
+  }
+
+  fs::path folder_;
+  ProgressBar& bar_;
+  std::map<std::string, fs::path> frames_;
+  std::string key_;
+  MemoryFilm film_;
+};
+
+LiveFigures run_case(const LiveCase& one, const LiveBenchOptions& options, const fs::path& body,
+                     Films& films, ProgressBar& bar) {
+  LiveOptions live;
+  live.body = body;
+  live.contact = one.contact;
+  live.threads = options.threads;
+  const fs::path frames = films.folder_of(one, body);
+  live.input.source = frames.string();
+  const MemoryFilm& film = films.film_of(one, frames);
+  std::unique_ptr<FrameSource> source = play(film, one.converted);
+  if (one.paced) source = paced(std::move(source));
+  LiveSetUp setup = set_up_live(live, std::move(source));
+  const int count =
+      kWarmUp + (one.paced ? static_cast<int>(kRate * options.seconds) : options.frames);
+  std::unique_ptr<ScenePainter> painter;
+  if (one.picture) {
+    painter =
+        std::make_unique<ScenePainter>(ScenePainterSettings{.masks = one.files}, setup.run.loop);
+  }
+  std::unique_ptr<LiveOutput> output;
+  if (one.files) output = output_in(options.clips / "files");
+  const double copied = copy_ms(film.pictures.front());
+  LiveFigures figures =
+      LiveCasePlayer(setup.run, painter.get(), output.get(), count, bar).play(one.name);
+  figures.copy_ms = std::min(copied, copy_ms(film.pictures.front()));
+  if (output) output->finish();
+  if (painter) painter->throw_gl_errors();
+  figures.peak_memory = peak_memory();
+  return figures;
+}
+
+Json stages_of(const LiveFigures& figures) {
+  Json stages = Json::object();
+  for (const RunFigures::Stage& stage : figures.run.stages) {
+    stages[stage.name] = {{"p50", stage.p50_ms}, {"p99", stage.p99_ms}};
+  }
+  return stages;
+}
+
+Json mode_of(const LiveFigures& figures) {
+  return {{"frames", figures.run.frames},
+          {"cpu_ms_per_frame", figures.run.cpu_ms_per_frame},
+          {"fps", figures.run.frames_per_second},
+          {"sum_of_stages_ms", {{"p50", figures.total_p50_ms}, {"p99", figures.total_p99_ms}}},
+          {"copy_ms", figures.copy_ms},
+          {"allocations", figures.allocations},
+          {"age_frames_p99", figures.run.age_p99_ms * kRate / 1e3},
+          {"dropped", figures.run.dropped},
+          {"stage_ms", stages_of(figures)}};
+}
+
+using AllFigures = std::map<std::string_view, LiveFigures>;
+
+// The keys of docs/benchmark.md; null where the run was not made.
+void add_keys(const AllFigures& all, Json& result) {
+  const auto of = [&](std::string_view name, const std::function<Json(const LiveFigures&)>& get) {
+    const auto found = all.find(name);
+    return found == all.end() ? Json() : get(found->second);
+  };
+  const auto cpu = [](const LiveFigures& f) { return Json(f.run.cpu_ms_per_frame); };
+  const auto fps = [](const LiveFigures& f) { return Json(f.run.frames_per_second); };
+  result["cpu_ms_per_frame"] = {{"bunny", of("bunny", cpu)},
+                                {"dragon", of("dragon", cpu)},
+                                {"bunny_moving", of("bunny_moving", cpu)}};
+  result["fps_with_picture"] = of("bunny", fps);
+  result["fps_with_files"] = of("files", fps);
+  result["fps_without_picture"] = of("bare", fps);
+  result["fps_672"] = of("672", fps);
+  result["fps_1080p"] = of("1080p", fps);
+  result["fps_dragon"] = of("dragon", fps);
+  result["age_frames_p99"] =
+      of("paced", [](const LiveFigures& f) { return Json(f.run.age_p99_ms * kRate / 1e3); });
+  result["dropped"] = of("paced", [](const LiveFigures& f) { return Json(f.run.dropped); });
+  result["hot_allocations"] = of("bunny", [](const LiveFigures& f) { return Json(f.allocations); });
+  result["stage_ms"] = of("bunny", stages_of);
+  result["peak_memory_mb"] =
+      of("bunny", [](const LiveFigures& f) { return Json(1e-6 * f.peak_memory); });
+}
+
+// Which runs were not made, and why.
+using LeftOut = std::map<std::string, std::string>;
+
+void print_table(const AllFigures& all, const LeftOut& left_out) {
+  fmt::print("{:<14}{:>8}{:>10}{:>12}{:>12}{:>9}{:>9}{:>13}\n", "run", "fps", "CPU ms",
+             "sum p50 ms", "sum p99 ms", "copy ms", "dropped", "allocations");
+  for (const LiveCase& one : kCases) {
+    const auto found = all.find(one.name);
+    if (found == all.end()) continue;
+    const LiveFigures& f = found->second;
+    fmt::print("{:<14}{:>8.1f}{:>10.1f}{:>12.1f}{:>12.1f}{:>9.2f}{:>9}{:>13}\n", one.name,
+               f.run.frames_per_second, f.run.cpu_ms_per_frame, f.total_p50_ms, f.total_p99_ms,
+               f.copy_ms, f.run.dropped, f.allocations);
+  }
+  for (const LiveCase& one : kCases) {
+    const auto found = all.find(one.name);
+    if (found == all.end()) continue;
+    fmt::print("\n{}\n  {}\n", one.name, text_of(found->second.run));
+  }
+  for (const auto& [name, why] : left_out) fmt::print("\n{}: left out: {}\n", name, why);
+}
+
+// The first of these files that is there; empty: none is.
+fs::path first_there(std::initializer_list<const char*> files) {
+  std::error_code ignored;
+  for (const char* file : files) {
+    if (fs::exists(file, ignored)) return file;
+  }
+  return {};
+}
+
+bool is_wanted(const LiveCase& one, const LiveBenchOptions& options) {
+  const auto& runs = options.runs;
+  return runs.empty() || std::find(runs.begin(), runs.end(), one.name) != runs.end();
+}
+
+void bench_live(LiveBenchOptions options) {
+  for (const std::string& name : options.runs) {
+    if (std::none_of(kCases.begin(), kCases.end(),
+                     [&](const LiveCase& c) { return c.name == name; })) {
+      throw Error(fmt::format("--runs {}: not one of {}", name, names_of_cases()));
+    }
+  }
+  if (options.body.empty()) {
+    options.body = first_there({"build/bodies/bunny.palpable", "out/demo/bunny.palpable"});
+  }
+  if (options.body.empty()) throw Error("name a body file; ./demo makes one");
+  if (options.dragon.empty()) options.dragon = first_there({"build/bodies/dragon.palpable"});
+  share_drawing_threads(options.threads);
+  const std::string renderer = value_or_throw(GlContext::offscreen()).description();
+
+  ProgressBar bar;
+  Films films(options.clips, bar);
+  AllFigures all;
+  LeftOut left_out;
+  Json modes = Json::object();
+  for (const LiveCase& one : kCases) {
+    if (!is_wanted(one, options)) continue;
+    const fs::path& body = one.dragon ? options.dragon : options.body;
+    if (body.empty()) {
+      left_out[std::string(one.name)] =
+          "no body file: bake bodies/dragon.toml, or name one with --dragon";
+      continue;
+    }
+    all[one.name] = run_case(one, options, body, films, bar);
+    modes[one.name] = mode_of(all[one.name]);
+  }
+  bar.finish();
+  if (!options.json) return print_table(all, left_out);
+  Json result;
+  result["bench"] = "live";
+  result["machine"] = processor_name();
+  result["renderer"] = renderer;
+  result["threads"] = options.threads > 0 ? options.threads : usual_threads();
+  result["body"] = options.body.string();
+  add_keys(all, result);
+  result["modes"] = modes;
+  result["left_out"] = left_out.empty() ? Json::object() : Json(left_out);
+  fmt::print("{}\n", result.dump(2));
+}
+
+}  // namespace
+
+void add_bench_live(Command bench) {
+  auto options = std::make_shared<LiveBenchOptions>();
+  Command command = bench.add_subcommand(
+      "live", "The whole loop, from a camera's raw pictures to the picture and the files");
+  command.add_option("body", options->body,
+                     "The bunny. Default: build/bodies/bunny.palpable, else "
+                     "out/demo/bunny.palpable");
+  command.add_option("--dragon", options->dragon,
+                     "The dragon. Default: build/bodies/dragon.palpable; without it its run is "
+                     "left out");
+  command.add_option("--runs", options->runs, fmt::format("Only these: {}", names_of_cases()));
+  command.add_option("--frames", options->frames, "Frames counted of each run, 30 more before")
+      .in_range(1, 100'000)
+      .show_default();
+  command.add_option("--seconds", options->seconds, "How long the paced run plays")
+      .in_range(0.1, 36000.0)
+      .show_default();
+  command
+      .add_option("--clips", options->clips,
+                  "Where the films are kept for the next time: 300 frames each of press and "
+                  "walk-hand")
+      .type_name("DIR")
+      .show_default();
+  command
+      .add_option("--threads", options->threads,
+                  "As of palpable live: how many threads a run may keep busy")
+      .in_range(1, 64);
+  command.add_flag("--json", options->json, "One JSON object on stdout, all else on stderr");
+  command.footer(
+      "Pictures of a 720p stereo camera lie in memory, raw and side by side (YUYV), and play there "
+      "and back as fast as the loop takes them; the run paced at 30 frames a second. Takes about "
+      "three minutes, the first time as long again for the films, and 1.5 GB of memory. "
+      "docs/benchmark.md says what each run is and what the keys mean.\n"
+      "Example: palpable bench live out/demo/bunny.palpable --json\n"
+      "Example: palpable bench live --runs bunny bare --frames 600");
+  command.callback([options] { bench_live(*options); });
+}
+
+}  // namespace palpable::app

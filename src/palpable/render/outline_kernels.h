@@ -1,0 +1,51 @@
+/// @file
+/// The sums over one window of RealOutlines (outlines.h), its inner loop. There is a plain version
+/// and one for each set of vector instructions; all make the same operations in the same order,
+/// none of them contracted (a * b + c is two roundings), and so give the same bytes.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+namespace palpable {
+
+/// A window of the lattice around one pixel: rows of kColumns lattice pixels.
+struct OutlineWindow {
+  static constexpr int kLanes = 8;     ///< columns that are added up apart
+  static constexpr int kColumns = 16;  ///< a multiple of kLanes
+
+  /// Of the window's first lattice pixel. `sure` is 1 or 0; r, g, b grey levels; inverse 1/m, 0
+  /// where the pixel is not sure.
+  const float *sure = nullptr, *r = nullptr, *g = nullptr, *b = nullptr, *inverse = nullptr;
+  std::size_t stride = 0;              ///< from one row of the lattice to the next
+  int rows = 0;                        ///< of the window
+  float dx = 0, dy = 0;                ///< px from the pixel to the first lattice pixel
+  float step = 0;                      ///< px between lattice pixels
+  float red = 0, green = 0, blue = 0;  ///< of the pixel
+};
+
+using OutlineLanes = std::array<float, OutlineWindow::kLanes>;
+
+/// Least `inverse` of what is sure (the largest float where nothing is) and largest one, by lane.
+struct OutlineRange {
+  OutlineLanes low, high;
+};
+
+/// By lane: sums of s g, s and s / Z of the header's formula, over what is nearer than 1 / split
+/// and over all.
+struct OutlineSums {
+  OutlineLanes near_fit, near_weight, near_inverse;
+  OutlineLanes all_fit, all_weight, all_inverse;
+};
+
+struct OutlineKernels {
+  const char* name = "";
+  OutlineRange (*range)(const OutlineWindow& window);
+  OutlineSums (*sums)(const OutlineWindow& window, float split);
+};
+
+/// All kernels that this processor can run, the fastest first and the plain one last.
+[[nodiscard]] std::span<const OutlineKernels> outline_kernels();
+
+}  // namespace palpable
