@@ -127,12 +127,13 @@ void find_body_files(RecordedRun& run, const std::vector<std::string>& elsewhere
       if (found) file = other;
     }
     if (found) continue;
-    const bool other_there = !elsewhere.empty() || file_checksum(file).ok();
-    throw Error(fmt::format(
-        "the body '{}' was answered from {}, {}; name the file that it was "
-        "with --body",
-        body.body.name, file.string(),
-        other_there ? "and that is another file now (checksum)" : "which is not there"));
+    const char* why = !elsewhere.empty()         ? "and no file of --body is that one (checksum)"
+                      : file_checksum(file).ok() ? "and that is another file now (checksum)"
+                                                 : "which is not there";
+    throw Error(
+        fmt::format("the body '{}' was answered from {}, {}; name the file that it was "
+                    "with --body",
+                    body.body.name, file.string(), why));
   }
 }
 

@@ -26,7 +26,7 @@ class PacedSource final : public FrameSource {
     if (ahead_status_ == FrameStatus::kEnd) return FrameStatus::kEnd;
     if (ahead_status_ != FrameStatus::kFrame) {
       std::swap(frame, ahead_);
-      state_ = ahead_state_;
+      state_ = source_->state();
       return *std::exchange(ahead_status_, std::nullopt);
     }
     const double wait = *due_ - clock_.now();
@@ -35,7 +35,7 @@ class PacedSource final : public FrameSource {
     do {
       taken_ = due_;
       std::swap(frame, ahead_);
-      state_ = ahead_state_;
+      state_ = source_->state();
       read_ahead();
     } while (skips_ && ahead_status_ == FrameStatus::kFrame && *due_ <= clock_.now());
     return FrameStatus::kFrame;
@@ -46,7 +46,6 @@ class PacedSource final : public FrameSource {
     // A gap in a recording is shortened to this, and a wrong time does not stop the playing.
     constexpr double kLongestStep = 2;  // s
     ahead_status_ = source_->next(ahead_);
-    ahead_state_ = source_->state();
     if (ahead_status_ != FrameStatus::kFrame || !std::isfinite(ahead_.time)) {
       if (!due_) due_ = clock_.now();
       return;
@@ -60,9 +59,8 @@ class PacedSource final : public FrameSource {
   WallClock& clock_;
   bool skips_;
   Frame ahead_;
-  std::optional<FrameStatus> ahead_status_;  // nothing: ahead_ is not filled
-  SourceState ahead_state_ = SourceState::kRunning;
-  SourceState state_ = SourceState::kRunning;  // with what was given
+  std::optional<FrameStatus> ahead_status_;    // nothing: ahead_ is not filled
+  SourceState state_ = SourceState::kRunning;  // of what was given, not of what is read ahead
   std::optional<double> due_;                  // when the last frame read is due, on the clock
   std::optional<double> last_time_;            // its own time
   std::optional<double> taken_;                // when the frame that was given was due

@@ -118,7 +118,6 @@ ImageUnpacker::~ImageUnpacker() = default;
 bool ImageUnpacker::take_planes(std::string_view& bytes, std::size_t size) {
   const auto packed = take<std::uint64_t>(bytes);
   if (!packed || *packed > bytes.size()) return false;
-  if (ZSTD_getFrameContentSize(bytes.data(), *packed) != size) return false;
   planes_.resize(size);
   const std::size_t unpacked =
       ZSTD_decompressDCtx(coder_->context.get(), planes_.data(), size, bytes.data(), *packed);

@@ -48,8 +48,8 @@ class ImageUnpacker {
   ImageUnpacker& operator=(ImageUnpacker&&) noexcept;
   ~ImageUnpacker();
 
-  /// Takes one image off the front of `bytes`. Its size is known beforehand: bytes of another one
-  /// are refused before memory is taken for them.
+  /// Takes one image off the front of `bytes`. Its size is known beforehand, and no memory is taken
+  /// for what the bytes say of theirs.
   /// @return whether the bytes were such an image; otherwise what `image` holds is unspecified
   [[nodiscard]] bool unpack(std::string_view& bytes, int width, int height, ColorImage& image);
   [[nodiscard]] bool unpack(std::string_view& bytes, int width, int height, YuyvImage& image);

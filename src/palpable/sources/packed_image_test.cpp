@@ -117,7 +117,7 @@ TEST_CASE("bytes of another size, cut ones and noise are no image",
   CHECK_FALSE(unpacks(bytes, 9, 8));
   CHECK_FALSE(unpacks(bytes, 32, 9));
   std::string_view whole(bytes);
-  CHECK_FALSE(unpacker.unpack(whole, 12, 9, depth));  // 432 bytes each, and of another kind
+  CHECK_FALSE(unpacker.unpack(whole, 16, 9, depth));
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     CHECK_FALSE(unpacks(std::string_view(bytes).substr(0, size), 16, 9));
   }

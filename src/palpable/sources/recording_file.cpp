@@ -287,7 +287,7 @@ class RecordingReader final : public FrameReader {
     const FrameFormat& format = index_.contents.format;
     const auto number = take<std::int32_t>(rest);
     const auto time = take<double>(rest);
-    const auto taken = take<double>(rest);
+    static_cast<void>(take<double>(rest));  // by a clock that has gone on since
     const auto images = take<std::uint8_t>(rest);
     if (!images) return {};
     frame.number = *number;
@@ -451,6 +451,7 @@ void RecordedRefinements::read(int n, RecordedRefinement& refinement) {
   constexpr std::size_t kColumn = 3 * sizeof(float);
   if (!asked || rest.size() % kColumn != 0) return;
   refinement.asked = *asked != 0;
+  if (rest.empty()) return;
   refinement.exact.resize(3, static_cast<Eigen::Index>(rest.size() / kColumn));
   std::memcpy(refinement.exact.data(), rest.data(), rest.size());
 }
