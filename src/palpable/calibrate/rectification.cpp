@@ -115,6 +115,7 @@ void fill_grid(const PinholeCamera& camera, const At& at, WarpGrid& grid) {
       grid.set(v, u, p.x(), p.y());
     }
   }
+  grid.prepare(camera.width, camera.height);
 }
 
 }  // namespace

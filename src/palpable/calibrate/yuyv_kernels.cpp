@@ -59,10 +59,11 @@ constexpr int kBlueOfU = 4131;    // 2.017
 struct Line {
   const std::int32_t* x;  // two entries of the grid
   const std::int32_t* y;
+  const WarpGrid::Step* step;
 };
 Line line_of(const WarpGrid& grid, int row, int step) {
   const std::size_t at = static_cast<std::size_t>(row) * grid.columns + step;
-  return {grid.x.data() + at, grid.y.data() + at};
+  return {grid.x.data() + at, grid.y.data() + at, grid.steps.data() + at};
 }
 int on_line(const std::int32_t* ends, int i) { return ends[0] + (((ends[1] - ends[0]) * i) >> 3); }
 // Of the pair i; its middle lies half a pixel beside its first.
@@ -87,9 +88,8 @@ const Yuyv* row_of(const YuyvEye& eye, int y) {
 }
 
 // The row of a step's colours.
-const Yuyv* color_row(const YuyvEye& eye, const Line& line) {
-  const int middle = on_line(line.y, kPairs);
-  return row_of(eye, std::clamp((middle + kOne / 2) >> kShift, 0, eye.height - 1));
+int color_row(const Line& line, int height) {
+  return std::clamp((on_line(line.y, kPairs) + kOne / 2) >> kShift, 0, height - 1);
 }
 
 int luma_of(const Yuyv* row, int x) { return (x & 1) != 0 ? row[x / 2].y1 : row[x / 2].y0; }
@@ -112,7 +112,7 @@ void plain_luma_step(const Line& line, const YuyvEye& eye, std::uint8_t* to, int
 
 void plain_color_step(const Line& line, const YuyvEye& eye, const std::uint8_t* luma, Rgb* to,
                       int count) {
-  const Yuyv* row = color_row(eye, line);
+  const Yuyv* row = row_of(eye, color_row(line, eye.height));
   const auto product = [](int a, int b) { return (2 * a * b) >> 16; };
   for (int i = 0; i < count; ++i) {
     const Between x = between(pair_place(line.x, i / 2), eye.width / 2, kPairFine);
@@ -149,8 +149,33 @@ void plain_color(const WarpGrid& grid, const YuyvEye& eye, const GrayImage& luma
 struct Reach {
   int least;
   int most;
+  [[nodiscard]] bool within(int count) const { return least >= 0 && most < (count - 1) * kOne; }
+  [[nodiscard]] int first() const { return least >> kShift; }
+  [[nodiscard]] int last() const { return (most >> kShift) + 1; }
 };
 Reach reach(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
+
+WarpGrid::Step step_of(const Line& line, int width, int height) {
+  WarpGrid::Step step;
+  const Reach x = reach(on_line(line.x, 0), on_line(line.x, kStep - 1));
+  const Reach y = reach(on_line(line.y, 0), on_line(line.y, kStep - 1));
+  const int begin = std::min(x.first(), width - kLoaded);
+  const int rows = y.last() - y.first() + 1;
+  if (begin >= 0 && x.within(width) && x.last() < begin + kLoaded && y.within(height) &&
+      rows <= kMostRows) {
+    step.luma_begin = static_cast<std::int16_t>(begin);
+    step.luma_row = static_cast<std::int16_t>(y.first());
+    step.luma_rows = static_cast<std::int8_t>(rows);
+  }
+  const Reach pairs = reach(pair_place(line.x, 0), pair_place(line.x, kPairs - 1));
+  const int pair_begin = std::min(pairs.first(), width / 2 - kLoadedPairs);
+  if (pair_begin >= 0 && pairs.within(width / 2) && pairs.last() < pair_begin + kLoadedPairs) {
+    step.color_begin = static_cast<std::int16_t>(pair_begin);
+    step.color_row = static_cast<std::int16_t>(color_row(line, height));
+    step.color_rows = 1;
+  }
+  return step;
+}
 
 }  // namespace
 }  // namespace palpable
@@ -170,23 +195,21 @@ void color(const WarpGrid& grid, const YuyvEye& eye, const GrayImage& luma_of_ey
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Ints = hn::CappedTag<std::int32_t, kStep>;
-using IntVector = hn::Vec<Ints>;
 using Bytes = hn::FixedTag<std::uint8_t, 16>;
 using HalfBytes = hn::FixedTag<std::uint8_t, 8>;
 using Shorts = hn::FixedTag<std::int16_t, 8>;
 using FourInts = hn::FixedTag<std::int32_t, 4>;
 
-// Pixels before coordinates, and the shares of the next ones: between() of plain C++.
+// Pixels before coordinates that lie within the picture, and the shares of the next ones.
 template <class D>
 struct BetweenVector {
   hn::Vec<D> first;
   hn::Vec<D> share;
 };
 template <int kBits, class D>
-HWY_INLINE BetweenVector<D> between_all(D d, hn::Vec<D> at, int count) {
-  const auto inside = hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, (count - 1) * kOne));
-  const auto first = hn::Min(hn::ShiftRight<kShift>(inside), hn::Set(d, count - 2));
-  return {first, hn::ShiftRight<kShift - kBits>(hn::Sub(inside, hn::ShiftLeft<kShift>(first)))};
+HWY_INLINE BetweenVector<D> between_all(D d, hn::Vec<D> at) {
+  return {hn::ShiftRight<kShift>(at),
+          hn::And(hn::ShiftRight<kShift - kBits>(at), hn::Set(d, (1 << kBits) - 1))};
 }
 
 // The bytes 0 2 4 ... of 32.
@@ -209,36 +232,26 @@ HWY_INLINE hn::Vec<Bytes> odd_bytes(const void* from) {
   return hn::Combine(Bytes(), half(bytes + 16), half(bytes));
 }
 
-// @return false: the step reaches farther than what is loaded
-HWY_ATTR bool luma_step(const Line& line, const YuyvEye& eye, std::uint8_t* to) {
+HWY_INLINE void luma_step(const Line& line, const YuyvEye& eye, std::uint8_t* to) {
   const Ints d;
   const hn::Rebind<std::int16_t, Ints> shorts;
   const hn::Rebind<std::uint8_t, Ints> bytes;
-  const auto first_of = [](const std::int32_t* ends, int i, int count) {
-    return between(on_line(ends, i), count, kFine).first;
-  };
-  const Reach x_reach =
-      reach(first_of(line.x, 0, eye.width), first_of(line.x, kStep - 1, eye.width));
-  const Reach y_reach =
-      reach(first_of(line.y, 0, eye.height), first_of(line.y, kStep - 1, eye.height));
-  const int begin = std::min(x_reach.least, eye.width - kLoaded);
-  const int rows = y_reach.most - y_reach.least + 2;
-  if (begin < 0 || x_reach.most + 1 - begin >= kLoaded || rows > kMostRows) return false;
-  const auto loaded = [&](int row) HWY_ATTR {
-    const auto* at = reinterpret_cast<const std::uint8_t*>(row_of(eye, row));  // NOLINT
-    return even_bytes(at + 2 * static_cast<std::ptrdiff_t>(begin));
-  };
-  const int y0 = y_reach.least;
-  const auto row0 = loaded(y0);
-  const auto row1 = loaded(y0 + 1);
+  const int rows = line.step->luma_rows;
+  const int begin = line.step->luma_begin;
+  const int y0 = line.step->luma_row;
+  const std::uint8_t* at =
+      reinterpret_cast<const std::uint8_t*>(row_of(eye, y0)) + 2 * begin;  // NOLINT
+  const auto row_bytes = static_cast<std::ptrdiff_t>(eye.row_pairs * sizeof(Yuyv));
+  const auto row0 = even_bytes(at);
+  const auto row1 = even_bytes(at + row_bytes);
   for (int i = 0; i < kStep; i += static_cast<int>(hn::Lanes(d))) {
     const auto lane = hn::Iota(d, i);
     const auto along_line = [&](const std::int32_t* ends) HWY_ATTR {
       return hn::Add(hn::Set(d, ends[0]),
                      hn::ShiftRight<3>(hn::Mul(hn::Set(d, ends[1] - ends[0]), lane)));
     };
-    const auto x = between_all<kFine>(d, along_line(line.x), eye.width);
-    const auto y = between_all<kFine>(d, along_line(line.y), eye.height);
+    const auto x = between_all<kFine>(d, along_line(line.x));
+    const auto y = between_all<kFine>(d, along_line(line.y));
     const auto pick = hn::DemoteTo(bytes, hn::Sub(x.first, hn::Set(d, begin)));
     const auto pick_next = hn::Add(pick, hn::Set(bytes, 1));
     const auto share = hn::DemoteTo(shorts, x.share);
@@ -251,7 +264,7 @@ HWY_ATTR bool luma_step(const Line& line, const YuyvEye& eye, std::uint8_t* to) 
     auto lower = along_row(row1);
     auto last = lower;
     for (int k = 2; k < rows; ++k) {
-      const auto next = along_row(loaded(y0 + k));
+      const auto next = along_row(even_bytes(at + k * row_bytes));
       const auto is_here = hn::Eq(y.first, hn::Set(d, y0 + k - 1));
       upper = hn::IfThenElse(is_here, last, upper);
       lower = hn::IfThenElse(is_here, next, lower);
@@ -262,7 +275,6 @@ HWY_ATTR bool luma_step(const Line& line, const YuyvEye& eye, std::uint8_t* to) 
     const auto shown = hn::ShiftRight<kLumaShift>(hn::Add(stretched, hn::Set(d, kLumaHalf)));
     hn::StoreU(hn::DemoteTo(bytes, shown), bytes, to + i);
   }
-  return true;
 }
 
 HWY_ATTR void luma(const WarpGrid& grid, const YuyvEye& eye, GrayImage& warped) {
@@ -271,27 +283,24 @@ HWY_ATTR void luma(const WarpGrid& grid, const YuyvEye& eye, GrayImage& warped) 
     for (int u = 0; u < grid.width; u += kStep) {
       const Line line = line_of(grid, v, u / kStep);
       const int count = std::min(kStep, grid.width - u);
-      if (count == kStep && luma_step(line, eye, to + u)) continue;
-      plain_luma_step(line, eye, to + u, count);
+      if (count == kStep && line.step->luma_rows > 0) {
+        luma_step(line, eye, to + u);
+      } else {
+        plain_luma_step(line, eye, to + u, count);
+      }
     }
   }
 }
 
 // A step's four U and V are lanes U V U V ...; each pair of pixels has the same.
-HWY_ATTR bool color_step(const Line& line, const YuyvEye& eye, const std::uint8_t* luma_of_step,
-                         Rgb* to) {
+HWY_INLINE void color_step(const Line& line, const YuyvEye& eye, const std::uint8_t* luma_of_step,
+                           Rgb* to) {
   const FourInts d;
   const Shorts shorts;
   const Bytes bytes;
   const HalfBytes half_bytes;
-  const int pairs = eye.width / 2;
-  const auto first_of = [&](int i) {
-    return between(pair_place(line.x, i), pairs, kPairFine).first;
-  };
-  const Reach x_reach = reach(first_of(0), first_of(kPairs - 1));
-  const int begin = std::min(x_reach.least, pairs - kLoadedPairs);
-  if (begin < 0 || x_reach.most + 1 - begin >= kLoadedPairs) return false;
-  const auto colors = odd_bytes(color_row(eye, line) + begin);
+  const int begin = line.step->color_begin;
+  const auto colors = odd_bytes(row_of(eye, line.step->color_row) + begin);
 
   alignas(16) static constexpr std::uint8_t kLowByte[16] = {0, 0, 0, 0, 4,  4,  4,  4,
                                                             8, 8, 8, 8, 12, 12, 12, 12};
@@ -307,7 +316,7 @@ HWY_ATTR bool color_step(const Line& line, const YuyvEye& eye, const std::uint8_
   const auto middle = hn::Add(hn::Set(d, line.x[0]),
                               hn::ShiftRight<4>(hn::Mul(hn::Set(d, line.x[1] - line.x[0]), part)));
   const auto x =
-      between_all<kPairFine>(d, hn::ShiftRight<1>(hn::Sub(middle, hn::Set(d, kOne / 2))), pairs);
+      between_all<kPairFine>(d, hn::ShiftRight<1>(hn::Sub(middle, hn::Set(d, kOne / 2))));
   const auto twice = hn::ShiftLeft<1>(hn::Sub(x.first, hn::Set(d, begin)));
   const auto pick = hn::TableLookupBytes(hn::BitCast(bytes, twice), hn::Load(bytes, kLowByte));
   const auto picked = [&](hn::Vec<Bytes> at) HWY_ATTR {
@@ -337,7 +346,6 @@ HWY_ATTR bool color_step(const Line& line, const YuyvEye& eye, const std::uint8_
   };
   hn::StoreInterleaved3(channel(of(blue_red, kOfV)), channel(green), channel(of(blue_red, kOfU)),
                         half_bytes, reinterpret_cast<std::uint8_t*>(to));  // NOLINT
-  return true;
 }
 
 HWY_ATTR void color(const WarpGrid& grid, const YuyvEye& eye, const GrayImage& luma_of_eye,
@@ -348,8 +356,11 @@ HWY_ATTR void color(const WarpGrid& grid, const YuyvEye& eye, const GrayImage& l
     for (int u = 0; u < grid.width; u += kStep) {
       const Line line = line_of(grid, v, u / kStep);
       const int count = std::min(kStep, grid.width - u);
-      if (count == kStep && color_step(line, eye, from + u, to + u)) continue;
-      plain_color_step(line, eye, from + u, to + u, count);
+      if (count == kStep && line.step->color_rows > 0) {
+        color_step(line, eye, from + u, to + u);
+      } else {
+        plain_color_step(line, eye, from + u, to + u, count);
+      }
     }
   }
 }
@@ -387,6 +398,16 @@ void WarpGrid::resize(int width_px, int height_px) {
   columns = (width + kStep - 1) / kStep + 1;
   x.resize(static_cast<std::size_t>(columns) * height);
   y.resize(x.size());
+  steps.resize(x.size());
+}
+
+void WarpGrid::prepare(int raw_width, int raw_height) {
+  for (int v = 0; v < height; ++v) {
+    for (int i = 0; i + 1 < columns; ++i) {
+      steps[static_cast<std::size_t>(v) * columns + i] =
+          step_of(line_of(*this, v, i), raw_width, raw_height);
+    }
+  }
 }
 
 void WarpGrid::set(int row, int at_column, double x_px, double y_px) {

@@ -22,15 +22,29 @@ struct WarpGrid {
   static constexpr int kStep = 8;  ///< px
   static constexpr int kOne = 1 << 16;
 
+  /// The eight pixels between two columns, as vectors work on them: what they read of a raw row
+  /// lies within 16 px. Filled by prepare().
+  struct Step {
+    std::int16_t luma_begin = 0;   ///< px
+    std::int16_t luma_row = 0;     ///< the first of luma_rows
+    std::int16_t color_begin = 0;  ///< pairs of pixels
+    std::int16_t color_row = 0;
+    std::int8_t luma_rows = 0;   ///< 2 .. 5; 0: they reach farther, or beyond the raw picture
+    std::int8_t color_rows = 0;  ///< 1; 0 likewise
+  };
+
   int width = 0;                ///< px, >= 2
   int height = 0;               ///< px, >= 2
   int columns = 0;              ///< beyond the last one, so that each pixel lies between two
   std::vector<std::int32_t> x;  ///< (height x columns) px times kOne; outside of the picture, too
   std::vector<std::int32_t> y;
+  std::vector<Step> steps;  ///< (height x columns), the last of each row unused
 
   void resize(int width_px, int height_px);
   /// @param at_column  a multiple of kStep
   void set(int row, int at_column, double x_px, double y_px);
+  /// Once all are set. @param raw_width, raw_height  px, of an eye's raw picture
+  void prepare(int raw_width, int raw_height);
 };
 
 /// One eye in a picture of both.
@@ -41,6 +55,7 @@ struct YuyvEye {
   int height = 0;               ///< px, >= 2
 };
 
+/// For grids that are prepared for the size of the eye.
 struct YuyvKernels {
   const char* name = "";
   /// Bilinear between pixels, in 1/32 px; what lies outside is as the border. BT.601's luma 16 ..

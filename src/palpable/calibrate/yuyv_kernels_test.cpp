@@ -36,6 +36,7 @@ WarpGrid some_grid(int width, int height, const YuyvEye& eye) {
       grid.set(v, i * WarpGrid::kStep, x, y);
     }
   }
+  grid.prepare(eye.width, eye.height);
   return grid;
 }
 
