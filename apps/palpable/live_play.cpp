@@ -311,6 +311,7 @@ void add_play_options(Command command, PlayOptions& options) {
                   "Answer between frames, too, so many times a second, on a thread of its own: "
                   "what presses goes on as it was seen to move. For haptic devices; --events tells "
                   "each answer")
+      .type_name("HZ")
       .in_range(30, 10'000);
   command.add_flag("--window", options.window,
                    "Show it in a window too; Escape or Q ends the run. With --view map or surface, "

@@ -137,7 +137,7 @@ def _(programs, folder):
     told = [json.loads(next(lines)) for _ in range(600)]
     printed = end(process)
     connection.close()
-    assert re.search(r"between frames: \d+ ticks, 0 left out; ", printed), printed
+    assert re.search(r"between frames: \d+ ticks, 0 left out", printed), printed
     ticks = [line for line in told if line["type"] == "tick"]
     frames = [line for line in told if line["type"] == "frame"]
     assert len(frames) >= 40 and len(ticks) >= 400, (len(frames), len(ticks))

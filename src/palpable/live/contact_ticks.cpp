@@ -113,7 +113,7 @@ void ContactTicks::answer_frame() {
     between_.advance(ahead);
     between_.place(skin_);
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    times_.add(took.count());
+    if (!between_.touches().empty()) times_.add(took.count());
     ++figures_.ticks;
     if (tell_) {
       tell_({frame_.number, tick, ahead, frame_.time + ahead, &between_.touches(), &skin_});
@@ -136,15 +136,14 @@ void ContactTicks::compare(const AnsweredFrame& next) {
 
 std::string text_of(const ContactTickFigures& figures) {
   std::string text =
-      fmt::format("between frames: {} ticks, {} left out; {:.2f} ms each (p99 {:.2f})",
-                  figures.ticks, figures.left_out, figures.p50_ms, figures.p99_ms);
-  if (figures.frames > 0) {
-    text += fmt::format(
-        "; the next of {} touched frames found the skin {:.2f} mm from there, {:.2f} mm from where "
-        "the frame before had it (its farthest vertex, on average)",
-        figures.frames, 1e3 * figures.off, 1e3 * figures.off_held);
-  }
-  return text;
+      fmt::format("between frames: {} ticks, {} left out", figures.ticks, figures.left_out);
+  if (figures.frames == 0) return text;
+  return text + fmt::format(
+                    "; {:.2f} ms each while touched (p99 {:.2f}); the next of {} touched frames "
+                    "found the skin {:.2f} mm from there, {:.2f} mm from where the frame before "
+                    "had it (its farthest vertex, on average)",
+                    figures.p50_ms, figures.p99_ms, figures.frames, 1e3 * figures.off,
+                    1e3 * figures.off_held);
 }
 
 }  // namespace palpable

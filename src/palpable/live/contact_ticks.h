@@ -42,7 +42,7 @@ struct ContactTick {
 struct ContactTickFigures {
   std::uint64_t ticks = 0;
   std::uint64_t left_out = 0;     ///< not made in time before the next frame
-  double p50_ms = 0, p99_ms = 0;  ///< that one takes: contact and the skin's shape
+  double p50_ms = 0, p99_ms = 0;  ///< that one takes while touched: contact and the skin's shape
   int frames = 0;  ///< touched, and told until the next one came; of these, on average:
   /// m, farthest way of a vertex between where the last tick had the skin and where the next frame
   /// found it; and between the two frames, which is what without ticks it would be off by.
