@@ -55,6 +55,20 @@ struct Loop {
   }
 };
 
+TEST_CASE("what is nearly flat presses in one touch, though few points are asked",
+          "[contact][skin contact]") {
+  constexpr float kRadius = 0.5f;
+  Loop loop;
+  const Vector3f centre(0, 0, kRadius - 0.0005f);
+  loop.see({{centre + Vector3f(0, 0, kRadius), Vector3f::UnitZ(), centre, kRadius}});
+  REQUIRE(loop.state.forces.size() > 6);
+  CHECK(loop.touches.size() == 1);
+  // A ball of radius R that is d deep meets the plane on a disc of 2 pi R d; the sheet has 60 mm.
+  const double disc = 2 * 3.1416 * 0.5 * 0.0005;
+  CHECK(loop.touches.front().area > 0.3 * disc);
+  CHECK(loop.touches.front().area < 1.5 * disc);
+}
+
 TEST_CASE("a seen finger presses the skin out of its way, and lets go when it leaves",
           "[contact][skin contact]") {
   Loop loop;

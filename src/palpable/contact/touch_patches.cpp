@@ -1,6 +1,7 @@
 #include "palpable/contact/touch_patches.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 
@@ -11,6 +12,10 @@ using Eigen::Vector3f;
 
 // m: pressed points that lie so near to each other, and are pushed the same way, are of one touch.
 constexpr float kOneTouch = 0.006f;
+// m: of the sparsest set that a flat object is given every place has a point within half of this.
+constexpr float kSparse = 0.012f;
+// Of two neighbours' mean spacing: on a square grid the next but one lies 1.41 of it away.
+constexpr float kNeighbours = 1.5f;
 
 }  // namespace
 
@@ -27,9 +32,30 @@ void TouchPatches::find(const ObjectSurface& seen, std::vector<Touch>& touches) 
             [](const Touch& a, const Touch& b) { return a.force > b.force; });
 }
 
+// Whether two points may belong to one touch, wherever they are.
+bool TouchPatches::are_alike(int i, int j) const {
+  return points_[i].by == points_[j].by && points_[i].force.dot(points_[j].force) > 0;
+}
+
+void TouchPatches::find_spacings() {
+  places_.resize(points_.size());
+  const int n = static_cast<int>(points_.size());
+  for (int i = 0; i < n; ++i) {
+    float nearest = kSparse * kSparse;
+    bool found = false;
+    for (int j = 0; j < n; ++j) {
+      if (j == i || !are_alike(i, j)) continue;
+      const float squared = (points_[i].place - points_[j].place).squaredNorm();
+      if (squared < nearest) nearest = squared, found = true;
+    }
+    const float own = std::sqrt(points_[i].area);
+    places_[i].spacing = found ? std::max(own, std::sqrt(nearest)) : own;
+  }
+}
+
 // Numbers the patches, by their first points.
 void TouchPatches::join_neighbours() {
-  places_.resize(points_.size());
+  find_spacings();
   const int n = static_cast<int>(points_.size());
   const auto root = [&](int i) {
     while (places_[i].first != i) i = places_[i].first;
@@ -38,11 +64,10 @@ void TouchPatches::join_neighbours() {
   for (int i = 0; i < n; ++i) {
     places_[i].first = i;
     for (int j = 0; j < i; ++j) {
-      const bool near = (points_[i].place - points_[j].place).squaredNorm() < kOneTouch * kOneTouch;
-      if (!near || points_[i].by != points_[j].by ||
-          !(points_[i].force.dot(points_[j].force) > 0)) {
-        continue;
-      }
+      const float spacing = 0.5f * (places_[i].spacing + places_[j].spacing);
+      const float reach = std::max(kOneTouch, kNeighbours * spacing);
+      const bool near = (points_[i].place - points_[j].place).squaredNorm() < reach * reach;
+      if (!near || !are_alike(i, j)) continue;
       const int a = root(i), b = root(j);
       places_[std::max(a, b)].first = std::min(a, b);
     }
@@ -65,7 +90,7 @@ Touch TouchPatches::touch_of(int patch, const ObjectSurface& seen) const {
     force += p.force;
     place += w * p.place;
     weight += w;
-    touch.area += static_cast<double>(p.area);
+    touch.area += static_cast<double>(places_[k].spacing) * static_cast<double>(places_[k].spacing);
     touch.by = p.by;
     if (p.by >= 0) continue;
     const std::optional<NearestOnObject> at =

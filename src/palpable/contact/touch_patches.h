@@ -1,6 +1,10 @@
 /// @file
 /// Forces at points of a skin, told to people: neighbours that are pushed the same way are one
 /// touch.
+///
+/// Of a flat object few points are asked (touch/point_levels.h), each for more of the skin than it
+/// stands for itself. Where a pressed point's nearest neighbour is s away, it stands for s^2, and
+/// neighbours are those within 1.5 s.
 #pragma once
 
 #include "palpable/contact/object_surface.h"
@@ -39,7 +43,10 @@ class TouchPatches {
   struct Place {
     int first = 0;
     int patch = 0;
+    float spacing = 0;  // m, to the next one that is pushed the same way
   };
+  [[nodiscard]] bool are_alike(int i, int j) const;
+  void find_spacings();
   void join_neighbours();
   [[nodiscard]] Touch touch_of(int patch, const ObjectSurface& seen) const;
 
