@@ -42,8 +42,8 @@ TEST_CASE("pictures as a camera sent them come back to the bit", "[sources][reco
   auto random = test::random_case(3);
   YuyvImage image(23, 9);
   for (Yuyv& pair : image) {
-    const auto bits = static_cast<std::uint32_t>(random());
-    std::memcpy(&pair, &bits, sizeof pair);
+    const auto byte = [&] { return static_cast<std::uint8_t>(random()); };
+    pair = {byte(), byte(), byte(), byte()};
   }
   ImagePacker packer;
   std::string bytes;
