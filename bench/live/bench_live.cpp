@@ -45,7 +45,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFilmed = 300;  // frames of each film; played there and back
 constexpr int kWarmUp = 30;   // first frames of a run: memory is taken, shaders are compiled
 constexpr double kRate = 30;  // frames a second of a paced run
 
@@ -54,6 +53,7 @@ struct LiveBenchOptions {
   fs::path dragon;
   fs::path clips = fs::temp_directory_path() / "palpable-bench-live";
   std::vector<std::string> runs;  // empty: all
+  int film = 300;                 // frames of each film; played there and back
   int frames = 300;
   double seconds = 60;
   int threads = 0;  // 0: as many as the machine has
@@ -196,7 +196,9 @@ class LiveCasePlayer {
 // The films of one bench: filmed once and kept, the one that is played last in memory.
 class Films {
  public:
-  Films(fs::path folder, ProgressBar& bar) : folder_(std::move(folder)), bar_(bar) {}
+  // @param length  frames of each
+  Films(fs::path folder, int length, ProgressBar& bar)
+      : folder_(std::move(folder)), length_(length), bar_(bar) {}
 
   // Where the images of a case lie.
   fs::path folder_of(const LiveCase& one, const fs::path& body) {
@@ -210,7 +212,7 @@ class Films {
                                       {.folder = clip,
                                        .body_file = body,
                                        .version = PALPABLE_VERSION,
-                                       .frames = kFilmed,
+                                       .frames = length_,
                                        .sequence = std::string(one.film)},
                                       bar_.progress());
     frames_[clip.string()] = frames;
@@ -222,7 +224,7 @@ class Films {
     if (key != key_) {
       film_ = {};
       // A film of 1080p would take 2.5 GB.
-      const int count = one.height > 720 ? kFilmed / 3 : kFilmed;
+      const int count = one.height > 720 ? (length_ + 2) / 3 : length_;
       film_ = read_film(frames, {.frames = count, .width = one.width, .height = one.height});
       key_ = key;
     }
@@ -237,6 +239,7 @@ class Films {
   }
 
   fs::path folder_;
+  int length_;
   ProgressBar& bar_;
   std::map<std::string, fs::path> frames_;
   std::string key_;
@@ -374,7 +377,7 @@ void bench_live(LiveBenchOptions options) {
   const std::string renderer = value_or_throw(GlContext::offscreen()).description();
 
   ProgressBar bar;
-  Films films(options.clips, bar);
+  Films films(options.clips, options.film, bar);
   AllFigures all;
   LeftOut left_out;
   Json modes = Json::object();
@@ -416,16 +419,16 @@ void add_bench_live(Command bench) {
                      "The dragon. Default: build/bodies/dragon.palpable; without it its run is "
                      "left out");
   command.add_option("--runs", options->runs, fmt::format("Only these: {}", names_of_cases()));
+  command.add_option("--film", options->film, "Frames of each film: 3.7 MB of memory each at 720p")
+      .in_range(1, 10'000)
+      .show_default();
   command.add_option("--frames", options->frames, "Frames counted of each run, 30 more before")
       .in_range(1, 100'000)
       .show_default();
   command.add_option("--seconds", options->seconds, "How long the paced run plays")
       .in_range(0.1, 36000.0)
       .show_default();
-  command
-      .add_option("--clips", options->clips,
-                  "Where the films are kept for the next time: 300 frames each of press and "
-                  "walk-hand")
+  command.add_option("--clips", options->clips, "Where the films are kept for the next time")
       .type_name("DIR")
       .show_default();
   command

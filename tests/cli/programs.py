@@ -989,6 +989,25 @@ def _(programs, folder):
     programs.refuses("bench", "depth", "--body", folder / "none.palpable", says=["none.palpable"])
 
 
+@case("the bench of the loop has a figure for each run that it made, and says what it left out", long=True)
+def _(programs, folder):
+    words = ("bench", "live", programs.small_body(), "--clips", folder / "clips", "--film", "3", "--frames", "3")
+    result = programs.run(*words, "--seconds", "0.2", "--json", "--runs", "bunny", "bare", "files", "paced", "dragon")
+    if result.returncode != 0 and "EGL" in result.stderr:
+        print("SKIPPED: no OpenGL here: " + result.stderr.strip())
+        return
+    assert result.returncode == 0, result.stderr
+    figures = json.loads(result.stdout)
+    assert figures["cpu_ms_per_frame"]["bunny"] > 0 and figures["cpu_ms_per_frame"]["bunny_moving"] is None, figures
+    for key in ("fps_with_picture", "fps_without_picture", "fps_with_files", "age_frames_p99"):
+        assert figures[key] > 0, (key, figures)
+    assert figures["fps_672"] is None and "dragon" in figures["left_out"], figures
+    assert figures["dropped"] >= 0 and figures["hot_allocations"] >= 0, figures
+    assert figures["stage_ms"]["draw"]["p50"] > 0 and "draw" not in figures["modes"]["bare"]["stage_ms"], figures
+    assert figures["modes"]["bunny"]["frames"] == 3 and figures["modes"]["bunny"]["copy_ms"] > 0, figures
+    programs.refuses(*words, "--runs", "bunnies", says=["--runs bunnies", "bunny_moving"])
+
+
 @case("the bench of track has every figure of its bars, and finds the camera again after darkness", long=True)
 def _(programs, folder):
     words = ("bench", "track", "--body", programs.small_body(), "--frames", "20", "--hand-frames", "105",

@@ -4,7 +4,9 @@
 #include "tests/support/test.h"
 
 #include <cmath>
+#include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpable {
@@ -68,6 +70,41 @@ TEST_CASE("of a pair both images have to be there, each of its size", "[sources]
     REQUIRE(result.reports.size() == 1);
     CHECK(contains(result.reports[0], says));
   }
+}
+
+// Gives both eyes in one picture, as some cameras send them, of these widths in turn.
+class SideBySide final : public FrameSource {
+ public:
+  explicit SideBySide(std::vector<int> pairs) : pairs_(std::move(pairs)) {
+    format_.width = 8;
+    format_.height = 4;
+  }
+  const FrameFormat& format() const override { return format_; }
+  int frame_count() const override { return static_cast<int>(pairs_.size()); }
+  std::string last_trouble() const override { return {}; }
+  FrameStatus next(Frame& frame) override {
+    if (next_ == pairs_.size()) return FrameStatus::kEnd;
+    frame.number = static_cast<int>(next_);
+    frame.time = frame.number / 30.0;
+    frame.both.resize(pairs_[next_++], format_.height);
+    return FrameStatus::kFrame;
+  }
+
+ private:
+  FrameFormat format_;
+  std::vector<int> pairs_;
+  std::size_t next_ = 0;
+};
+
+TEST_CASE("a picture of both eyes passes without any of one, if it has their size",
+          "[sources][guard][refusal]") {
+  SideBySide camera({8, 6, 8});
+  SourceGuard guard(camera);
+  Frame frame;
+  CHECK(guard.next(frame) == FrameStatus::kFrame);
+  CHECK(guard.next(frame) == FrameStatus::kUnreadable);
+  CHECK(contains(guard.last_trouble(), "its side-by-side image is 6 x 4 px, not 8 x 4"));
+  CHECK(guard.next(frame) == FrameStatus::kFrame);
 }
 
 TEST_CASE("a frame that the loop cannot use is left out, counted and explained",
