@@ -148,7 +148,7 @@ void add_scan(Command app) {
   Command command = app.add_subcommand("scan", "Make a surface of what a camera saw of a room");
   command
       .add_option("source", options->input.source,
-                  "A folder, images by name, a video file or a camera, as for live")
+                  "A folder, images by name, a video file, a *.palprec or a camera, as for live")
       .required();
   add_source_options(command, options->input);
   command.add_option("-o,--out", options->out, "Surface to write, a .ply with colours").required();

@@ -11,6 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 import programs as base
 from events import touched_body
+from scenes import two_balls
 from with_wall_clip import SCENE
 
 base.CASES.clear()
@@ -235,14 +236,34 @@ def _(programs, folder):
         assert re.findall(r"refined by (\d+) exact answers", result.stdout) == taken, result.stdout
 
 
-@case("a recorded film of a hand replays to the same states, two bodies on a desk among it", long=True)
+@case("a scene's bodies are all in its recording, each with its name, scale and colour")
 def _(programs, folder):
-    programs.succeeds("synth", "press", "--body", touched_body(programs), "--frames", "100", "-o", folder / "film")
-    result = programs.succeeds("live", touched_body(programs), "--source", folder / "film/frames", "--record",
-                               folder / "a.palprec")
-    states = states_of(result.stdout)
-    for threads in (1, 8):
-        assert states_of(programs.succeeds("replay", folder / "a.palprec", "--threads", threads).stdout) == states
+    write_clip(folder / "clip")
+    live = programs.succeeds("live", "--scene", two_balls(programs, folder), "--source", folder / "clip", "--record",
+                             folder / "a.palprec", "--out", folder / "out")
+    (folder / "desk.toml").unlink()  # it is in the recording
+    result = programs.succeeds("replay", folder / "a.palprec", "--out", folder / "again")
+    assert states_of(result.stdout) == states_of(live.stdout)
+    for name in ("touches.jsonl", "pose.jsonl"):
+        assert (folder / "again" / name).read_bytes() == (folder / "out" / name).read_bytes(), name
+    told, again = (json.loads((folder / out / "live.json").read_text()) for out in ("out", "again"))
+    assert [body["name"] for body in told["bodies"]] == ["large", "small"], told
+    assert again["bodies"] == told["bodies"], again["bodies"]
+    data = (folder / "a.palprec").read_bytes()
+    _, begin, end = chunks_of(data)[0]
+    large, small = json.loads(data[begin + 20:end])["run"]["bodies"]
+    assert (large["scale"], large["color"], small["scale"], small["color"]) == (1, None, 0.5, [200, 120, 80])
+
+
+@case("a film of a hand before a camera that is carried about replays to the same states", long=True)
+def _(programs, folder):
+    for sequence, frames in (("walk-hand", "120"), ("press", "110")):
+        film, recording = folder / sequence, folder / f"{sequence}.palprec"
+        programs.succeeds("synth", sequence, "--body", touched_body(programs), "--frames", frames, "-o", film)
+        live = programs.succeeds("live", touched_body(programs), "--source", film / "frames", "--record", recording)
+        print(live.stdout)
+        for words in (("--threads", 1), ("--threads", 8), ("--paced",)):
+            assert states_of(programs.succeeds("replay", recording, *words).stdout) == states_of(live.stdout)
 
 
 if __name__ == "__main__":
