@@ -11,6 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 import programs as base
 from events import touched_body
+from interruptions import wait_for, write_long_clip
 from scenes import two_balls
 from with_wall_clip import SCENE
 
@@ -213,6 +214,21 @@ def _(programs, folder):
     result = programs.succeeds("replay", folder / "a.palprec")
     assert states_of(result.stdout) == states
     assert "was cut off" in result.stdout
+
+
+@case("a run that is killed leaves a recording that replays up to its last frames")
+def _(programs, folder):
+    write_long_clip(folder / "clip")
+    (folder / "clip/scene.toml").write_text(SCENE)
+    recording = folder / "a.palprec"
+    process = programs.start("live", touched_body(programs), "--source", folder / "clip", "--record", recording)
+    wait_for(process, lambda: recording.exists() and recording.stat().st_size > 2_000_000)
+    process.kill()
+    process.communicate()
+    result = programs.succeeds("replay", recording)
+    assert "a.palprec was cut off" in result.stdout, result.stdout
+    known = int(states_of(result.stdout)[1])
+    assert known > 5 and f"{known} of {known} states of the live run: equal" in result.stdout, result.stdout
 
 
 @case("exact answers of a second process are in the recording, also those of a run that did not wait for them")

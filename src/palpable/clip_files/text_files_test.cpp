@@ -389,6 +389,7 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   summary.lines_left_out = 1;
   summary.color_scale = 1.5e5;
   summary.wall = 2.5;
+  summary.states = {"0123456789abcdef", 3};
   summary.stats = {31.5, 40, 61, 44.5, {{"draw", 8}}, {{"draw", 12}}};
   summary.median_ms = {{"read", 1.25}, {"total", 14.0}};
   summary.processed = {0, 2};
@@ -455,6 +456,10 @@ TEST_CASE("what a run says about itself is the file it always was", "[clip_files
   "lines_left_out": 1,
   "color_scale_pa": 150000.0,
   "wall_s": 2.5,
+  "states": {
+    "hash": "0123456789abcdef",
+    "frames": 3
+  },
   "stats": {
     "frames_per_s": 31.5,
     "age_p50_ms": 40.0,

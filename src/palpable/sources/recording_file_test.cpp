@@ -214,7 +214,9 @@ TEST_CASE("the format of a recording is the source's to the bit", "[sources][rec
 }
 
 TEST_CASE("numbers that make no camera are refused", "[sources][recording][errors]") {
-  const auto refused = [](FrameFormat format) { return !frame_format_of(json_of(format)).ok(); };
+  const auto refused = [](const FrameFormat& format) {
+    return !frame_format_of(json_of(format)).ok();
+  };
   FrameFormat format = rectified_format();
   CHECK_FALSE(refused(format));
   format.width = 0;
