@@ -31,7 +31,8 @@ void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
   if (!window_ && !drawn.in_files && !map_) return;
   const StageTimer timer(drawn.scene.times, "draw");
   const bool masks = masks_ && drawn.in_files;
-  SceneView view = view_of(drawn.scene, session, scale_);
+  SceneView& view = view_;
+  fill_view(drawn.scene, session, scale_, view);
   const bool outside = map_ || surface_;
   if (outside) {  // its own caption says it
     view.legend_title.clear();

@@ -59,6 +59,7 @@ class ScenePainter {
   std::optional<SceneRenderer> renderer_;
   std::unique_ptr<MapPicture> map_;          // if it is to be shown
   std::unique_ptr<SurfacePicture> surface_;  // likewise
+  SceneView view_;                           // of the scene drawn last; its memory is used again
   ColorImage inside_;                        // what the camera sees, where the picture is another
   double scale_;                             // Pa, top of the colours
   bool masks_;

@@ -1,6 +1,7 @@
 #include "palpable/view/scene_painter.h"
 
 #include "palpable/session/frame_loop.h"
+#include "tests/support/allocations.h"
 #include "tests/support/dented_sphere.h"
 #include "tests/support/seen_wall.h"
 #include "tests/support/test.h"
@@ -46,6 +47,18 @@ TEST_CASE("masks are filled in for who wants them, and the picture is the same w
   CHECK(without.visible.empty());
   CHECK(without.body_depth.empty());
   CHECK(without.picture == with.picture);
+}
+
+TEST_CASE("a scene that nothing touches is drawn again without taking memory", "[view][pixels]") {
+  FrameLoop loop = loop_before_sphere();
+  std::optional<ScenePainter> painter = painter_of({}, loop);
+  if (!painter) PALPABLE_SKIP("no OpenGL");
+  DrawnFrame drawn;
+  drawn.scene = loop.process(test::frame_of_wall(0, 0));
+  drawn.scene.touches.clear();
+  const auto draw = [&] { painter->draw(drawn, loop.session); };
+  draw();
+  CHECK(test::allocations_during(draw) == 0);
 }
 
 TEST_CASE("of a frame that is in no file and in no window nothing is drawn", "[view][pixels]") {

@@ -79,18 +79,18 @@ std::string warning_of(const Scene& scene) {
   return {};
 }
 
-SceneView view_of(const Scene& scene, const Session& session, double scale) {
-  SceneView view;
+void fill_view(const Scene& scene, const Session& session, double scale, SceneView& view) {
   view.background = &scene.seen.color;
   view.real_depth = &scene.seen.depth;
   view.camera = scene.seen.camera;
+  view.bodies.clear();
   for (int k = 0; k < session.body_count(); ++k) {
     view.bodies.push_back(look_of_body(scene, session, k, scale));
   }
   view.legend_title = "von Mises";
-  view.caption.push_back(caption_of(scene));
+  view.caption.resize(1);
+  view.caption.front() = caption_of(scene);
   view.warning = warning_of(scene);
-  return view;
 }
 
 }  // namespace palpable

@@ -29,6 +29,7 @@ namespace palpable {
 /// The picture of a scene: pointers into both, valid while they are.
 /// @param session  that made the scene
 /// @param scale    Pa, top of the colours
-[[nodiscard]] SceneView view_of(const Scene& scene, const Session& session, double scale);
+/// @param view     filled anew, for which its memory is used again
+void fill_view(const Scene& scene, const Session& session, double scale, SceneView& view);
 
 }  // namespace palpable
