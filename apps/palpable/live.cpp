@@ -100,6 +100,7 @@ void live(const Options& options) {
   if (!options.play.out.empty()) wanted.clip = options.play.out / "clip";
   share_drawing_threads(wanted.threads);
   LiveSetUp setup = set_up_live(wanted);
+  play.check(setup);  // before an earlier recording is replaced
   std::optional<Recording> recording;
   if (!options.record.empty()) recording.emplace(options, setup);
   play.play(setup, wanted.frames, wanted.scene, recording ? recording->watch() : StateWatch());

@@ -110,12 +110,10 @@ RunMoment moment_of(const LiveCounts& counts, const LiveOutput* output) {
 std::unique_ptr<ContactTicks> ticks_of(const PlayOptions& options, const LiveRun& run,
                                        LiveEvents& events) {
   if (options.contact_rate == 0) return nullptr;
-  if (const auto trouble = BetweenFrames::trouble_of(run.loop.session)) {
-    throw Error("--contact-rate: " + trouble->message);
-  }
   return std::make_unique<ContactTicks>(
       run.loop.session,
-      ContactTicks::Settings{.rate = options.contact_rate, .when_due = run.source->is_live()},
+      ContactTicks::Settings{.rate = options.contact_rate,
+                             .when_due = run.source->is_live() || options.paced},
       [&events](const ContactTick& tick) { events.tell(tick); });
 }
 
@@ -148,8 +146,9 @@ Played play_run(const PlayOptions& options, LiveRun& run, int frames, ScenePaint
       events.serve();
       continue;
     }
+    if (ticks) ticks->end_frame();
     events.tell(*scene);
-    if (ticks) ticks->take(session, *scene);
+    if (ticks) ticks->begin_frame(session, *scene);
     if (watch.answered) {
       if (const auto line = watch.answered(*scene)) bar.say(*line);
     }
@@ -245,8 +244,16 @@ LivePlay::LivePlay(const PlayOptions& options, const std::vector<fs::path>& inpu
                      : std::vector<fs::path>()),
       events_(options_.events) {}
 
+void LivePlay::check(const LiveSetUp& setup) const {
+  if (options_.contact_rate == 0) return;
+  if (const auto trouble = BetweenFrames::trouble_of(setup.run.loop.session)) {
+    throw Error("--contact-rate: " + trouble->message);
+  }
+}
+
 bool LivePlay::play(LiveSetUp& setup, int frames, const fs::path& scene, const StateWatch& watch) {
   LiveRun& run = setup.run;
+  check(setup);
   warn_of_size(run);
   const LiveOutputSettings written = output_settings(options_, run);
   const std::unique_ptr<ScenePainter> painter = painter_of(options_, run);
@@ -308,7 +315,7 @@ void add_play_options(Command command, PlayOptions& options) {
   add_events_option(command, options.events);
   command
       .add_option("--contact-rate", options.contact_rate,
-                  "Answer between frames, too, so many times a second, on a thread of its own: "
+                  "Answer between frames, too, HZ times a second, on a thread of its own: "
                   "what presses goes on as it was seen to move. For haptic devices; --events tells "
                   "each answer")
       .type_name("HZ")

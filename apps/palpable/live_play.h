@@ -31,6 +31,7 @@ struct PlayOptions {
   bool every_frame = false;
   bool stats = false;
   double contact_rate = 0;  ///< Hz, of answers between frames; 0: there are none
+  bool paced = false;       ///< a replay that keeps time, though no frame is left out
 };
 
 /// Adds the options to a command.
@@ -54,6 +55,9 @@ class LivePlay {
   /// @throws Error when the options make no sense, or the folder or socket cannot be had
   LivePlay(const PlayOptions& options, const std::vector<std::filesystem::path>& inputs,
            const std::filesystem::path& other_output = {});
+
+  /// @throws Error when the options ask for what these bodies do not do. play() asks, too
+  void check(const LiveSetUp& setup) const;
 
   /// Plays to the end, or to the user's, and prints what came of it.
   /// @param frames  at most so many; negative: all

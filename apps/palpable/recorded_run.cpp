@@ -6,8 +6,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
+#include <initializer_list>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace palpable::app {
@@ -114,6 +117,22 @@ RecordedRun recorded_run_of(const Json& json) {
   run.options.refine = json["refine"].get<std::string>();
   for (const Json& body : json["bodies"]) run.bodies.push_back(body_of(body));
   if (run.bodies.empty()) throw Error("it says of no body where it stood");
+  const auto is_one_of = [](const std::string& word, std::initializer_list<const char*> known) {
+    return std::find(known.begin(), known.end(), word) != known.end();
+  };
+  if (!is_one_of(run.options.contact, {"", "anywhere", "site", "paper"})) {
+    throw Error(
+        fmt::format("its contact is '{}', which this program does not know", run.options.contact));
+  }
+  if (!is_one_of(run.options.matcher, {"census", "opencv"})) {
+    throw Error(
+        fmt::format("its matcher is '{}', which this program does not know", run.options.matcher));
+  }
+  for (const RecordedRun::Body& body : run.bodies) {
+    if (!(body.body.scale > 0)) {
+      throw Error(fmt::format("the body '{}' has the scale {}", body.body.name, body.body.scale));
+    }
+  }
   return run;
 }
 

@@ -105,7 +105,9 @@ void replay(const Options& options) {
   share_drawing_threads(options.threads);
   std::vector<fs::path> inputs{options.file};
   for (const RecordedRun::Body& body : run.bodies) inputs.push_back(body.body.file);
-  LivePlay play(options.play, inputs);
+  PlayOptions how = options.play;
+  how.paced = options.paced;
+  LivePlay play(how, inputs);
   LiveSetUp setup = set_up_replay(options, run);
   StateComparison comparison(contents.states);
   RunHash hash;

@@ -102,12 +102,6 @@ class FilmSource final : public FrameSource {
 
 }  // namespace
 
-std::size_t MemoryFilm::bytes() const {
-  std::size_t sum = 0;
-  for (const auto& picture : pictures) sum += picture.size();
-  return sum;
-}
-
 MemoryFilm read_film(const std::filesystem::path& folder, const FilmSize& size) {
   const std::unique_ptr<FrameSource> source = value_or_throw(open_folder(folder));
   MemoryFilm film{source->format(), {}};

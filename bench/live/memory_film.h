@@ -6,7 +6,6 @@
 #include "palpable/geometry/frame.h"
 #include "palpable/sources/frame_source.h"
 
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -18,8 +17,6 @@ namespace palpable::app {
 struct MemoryFilm {
   FrameFormat format;  ///< of one eye
   std::vector<std::vector<std::uint8_t>> pictures;
-
-  [[nodiscard]] std::size_t bytes() const;  ///< of all pictures
 };
 
 /// Which frames of a recorded film, and how large.

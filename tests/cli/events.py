@@ -141,6 +141,8 @@ def _(programs, folder):
     ticks = [line for line in told if line["type"] == "tick"]
     frames = [line for line in told if line["type"] == "frame"]
     assert len(frames) >= 40 and len(ticks) >= 400, (len(frames), len(ticks))
+    numbers = [line["frame"] for line in told]
+    assert numbers == sorted(numbers), numbers
     by_frame = {}
     for tick in ticks:
         by_frame.setdefault(tick["frame"], []).append(tick)

@@ -90,7 +90,7 @@ void SurfaceMotion::add(std::span<const ObjectBall> balls, const Vector3f& camer
   }
   now_.build(bare_);
   velocities_.assign(balls_.size(), Vector3f::Zero());
-  interval_ = time - time_;
+  interval_ = time_ ? time - *time_ : 0;
   time_ = time;
   if (!(interval_ > 0) || interval_ > kLongest) interval_ = 0;
   if (interval_ == 0 || bare_.empty() || before_.balls().empty()) return;

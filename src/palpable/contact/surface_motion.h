@@ -27,6 +27,7 @@
 #include <Eigen/Core>
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -75,7 +76,8 @@ class SurfaceMotion {
   [[nodiscard]] Eigen::Vector3f before_at(const Eigen::Vector3f& place) const;
 
   SurfaceMotionSettings settings_;
-  double time_ = 0, interval_ = 0;
+  std::optional<double> time_;  // of the frame before
+  double interval_ = 0;
   std::vector<ObjectBall> balls_;
   std::vector<Ball> bare_;  // those that are seen
   BallTree now_, before_;

@@ -111,6 +111,9 @@ TEST_CASE("nothing is carried on that was not seen moving", "[contact][motion]")
   };
   motion.add(finger_at({0, 0, 0}), kCamera, 0);
   CHECK(fastest() == 0);  // the first frame
+  SurfaceMotion late;
+  late.add(finger_at({0, 0, 0}), kCamera, 0.1);
+  CHECK(late.interval() == 0);
   std::vector<ObjectBall> held = finger_at({0, 0, 0.002f});
   for (ObjectBall& ball : held) ball.unseen_for = 0.1f;
   motion.add(held, kCamera, kFrame);

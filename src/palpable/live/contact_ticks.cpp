@@ -41,12 +41,19 @@ ContactTicks::~ContactTicks() {
   if (thread_.joinable()) static_cast<void>(finish());
 }
 
-void ContactTicks::take(const Session& session, const Scene& scene) {
-  taken_.take(session, scene);
+void ContactTicks::end_frame() {
   std::unique_lock lock(mutex_);
-  if (!settings_.when_due) {
-    changed_.wait(lock, [this] { return !is_waiting_ && !is_busy_; });
+  if (settings_.when_due) {
+    cuts_ = true;
+    changed_.notify_all();
   }
+  changed_.wait(lock, [this] { return !is_waiting_ && !is_busy_; });
+  cuts_ = false;
+}
+
+void ContactTicks::begin_frame(const Session& session, const Scene& scene) {
+  taken_.take(session, scene);
+  const std::lock_guard lock(mutex_);
   std::swap(waiting_, taken_);
   is_waiting_ = true;
   changed_.notify_all();
@@ -85,13 +92,13 @@ void ContactTicks::run() {
   }
 }
 
-// Waits until a tick is due. False: the next frame is there, or the end; nothing is due any more.
+// Waits until a tick is due. False: the next frame is there, or the end; none is wanted any more.
 bool ContactTicks::is_due(double ahead, double begin) {
   if (!settings_.when_due) return true;
   std::unique_lock lock(mutex_);
   const std::chrono::duration<double> wait(begin + ahead - system_clock().now());
-  changed_.wait_for(lock, wait, [this] { return is_waiting_ || ends_; });
-  return !is_waiting_ && !ends_;
+  changed_.wait_for(lock, wait, [this] { return cuts_ || ends_; });
+  return !cuts_ && !ends_;
 }
 
 void ContactTicks::answer_frame() {

@@ -64,8 +64,12 @@ class ContactTicks {
   ContactTicks& operator=(const ContactTicks&) = delete;
   ~ContactTicks();
 
-  /// After each frame, on the thread that answers it.
-  void take(const Session& session, const Scene& scene);
+  /// Once the next frame is answered, on the thread that answers it: the ticks of the frame before
+  /// end. Those that are due when they are made are left out from here on, others are waited for.
+  void end_frame();
+  /// From here on ticks are those of this frame.
+  /// @pre end_frame() was called since the frame before
+  void begin_frame(const Session& session, const Scene& scene);
   /// Waits for the last ticks; there are none from then on.
   [[nodiscard]] ContactTickFigures finish();
 
@@ -90,7 +94,9 @@ class ContactTicks {
   std::mutex mutex_;  // guards what follows
   std::condition_variable changed_;
   AnsweredFrame waiting_;
-  bool is_waiting_ = false, is_busy_ = false, ends_ = false;
+  bool is_waiting_ = false, is_busy_ = false;  // a frame; the thread with one
+  bool cuts_ = false;                          // the frame's ticks that are left
+  bool ends_ = false;
   std::thread thread_;  // last: it begins when all else is there
 };
 

@@ -28,7 +28,8 @@ struct Run {
         }) {}
   void frame(int number) {
     loop.process(test::frame_with_finger(number, 0.001 * number));
-    ticks.take(loop.session, loop.scene);
+    ticks.end_frame();
+    ticks.begin_frame(loop.session, loop.scene);
   }
 
   FrameLoop loop = test::touchable_sphere_loop();
@@ -70,7 +71,8 @@ TEST_CASE("what is played live leaves out the ticks for which there was no time"
   for (int n = 0; n < 100; ++n) {  // faster than a tick is due
     scene.number = n;
     scene.time = n / 30.0;
-    run.ticks.take(run.loop.session, scene);
+    run.ticks.end_frame();
+    run.ticks.begin_frame(run.loop.session, scene);
   }
   const ContactTickFigures figures = run.ticks.finish();
   CHECK(figures.ticks == run.told.size());

@@ -36,7 +36,7 @@ struct LiveSettings {
   /// Whom to ask for exact answers; nothing: nobody. Whether frames wait for them is found out:
   /// those of a camera and of a paced recording do not.
   std::optional<RefinerSettings> refine;
-  /// Of the run altogether (thread_shares.h), at most 16; 0: as many as the machine has.
+  /// Of the run altogether (thread_shares.h); 0: as many as the machine has.
   int threads = 0;
   /// press_static is set if scene.toml asks for it; depth.threads follows from `threads`.
   SessionSettings session{.track = true, .map = true};
@@ -50,8 +50,8 @@ struct LiveRun {
 };
 
 /// Finds the places, opens the images, and makes the loop. OpenCV's threads are set for the whole
-/// process. For kPlane and kBoard the images are
-/// opened, played for a second, closed and opened again.
+/// process. For kPlane and kBoard the images are opened, played for a second, closed and opened
+/// again.
 /// @throws NoPlaceError (place.h) when nothing says where a body stands, Error for everything else
 ///         that is not as hoped, bodies that stand in each other among it
 [[nodiscard]] LiveRun open_live(std::vector<LiveBody> bodies, const LiveSettings& settings);

@@ -5,8 +5,9 @@
 namespace palpable {
 
 /// Of the threads that a run may keep busy at a time, how many each part may use. Two threads take
-/// turns anyhow: one sees the next frame while the other answers and draws this one. (A third
-/// writes files, a fourth adjusts keyframes now and then.)
+/// turns anyhow: one sees the next frame while the other answers and draws this one. (Beside
+/// them: one that writes files, one that adjusts keyframes now and then, and where that is wanted
+/// one that records and one that answers between frames.)
 struct ThreadShares {
   int matching = 1;  ///< of the stereo matcher (DepthSettings::threads)
   int images = 1;    ///< of OpenCV: warping and converting

@@ -12,15 +12,15 @@
 
 namespace palpable {
 
-/// Collects the errors that the driver reports (KHR_debug) once it is attached.
-///
-/// A GL error is a bug of this program. Tests require count() == 0; programs end with
-/// throw_if_any().
 /// How many threads beside the caller's a renderer in software (Mesa's llvmpipe) may use; 0: the
 /// caller draws alone. Sets LP_NUM_THREADS unless the user has. To be called before the first
 /// context of the process is made, while no other thread runs. @param threads  >= 0
 void use_drawing_threads(int threads);
 
+/// Collects the errors that the driver reports (KHR_debug) once it is attached.
+///
+/// A GL error is a bug of this program. Tests require count() == 0; programs end with
+/// throw_if_any().
 class GlErrorLog {
  public:
   /// Logs the errors of the context that is current on this thread, synchronously. The log must

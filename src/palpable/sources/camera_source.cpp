@@ -103,7 +103,14 @@ class CameraSource final : public FrameSource {
       return fmt::format("the picture is {} x {} px, not {} x {}", width, height, 2 * format_.width,
                          format_.height);
     }
-    if (!as_it_is) split_side_by_side(both_, left_, right_);
+    // A camera that was plugged in again may send another format: nothing of the other one is left.
+    if (as_it_is) {
+      left_.resize(0, 0);
+      right_.resize(0, 0);
+    } else {
+      split_side_by_side(both_, left_, right_);
+      yuyv_.resize(0, 0);
+    }
     return {};
   }
 

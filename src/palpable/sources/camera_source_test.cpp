@@ -103,15 +103,21 @@ TEST_CASE("a stereo camera's pictures come as pairs with the driver's times", "[
   CHECK(video.mapped == 0);
 }
 
-TEST_CASE("a calibrated camera's YUYV is handed over as it is", "[sources][camera]") {
-  const ScratchFolder scratch("camera_yuyv");
+// With a calibration, which is written into the folder.
+CameraRequest calibrated_request(const fs::path& folder) {
   StereoCalibration calibration;
   calibration.rig.left.pinhole = calibration.rig.right.pinhole = {kWidth, kHeight, 30, 30, 16, 5};
   calibration.rig.right_from_left.translation().x() = -0.06;
   CameraRequest wanted = request();
   wanted.without_calibration = false;
-  wanted.calibration = scratch.path() / "calibration.yml";
+  wanted.calibration = folder / "calibration.yml";
   write_stereo_calibration(wanted.calibration, calibration);
+  return wanted;
+}
+
+TEST_CASE("a calibrated camera's YUYV is handed over as it is", "[sources][camera]") {
+  const ScratchFolder scratch("camera_yuyv");
+  const CameraRequest wanted = calibrated_request(scratch.path());
   FakeVideo video;
   video.cameras = {stereo_camera()};
   video.cameras[0].modes = {{kYuyv, 2 * kWidth, kHeight, {30}}};
@@ -138,6 +144,37 @@ TEST_CASE("a calibrated camera's YUYV is handed over as it is", "[sources][camer
   const auto uncalibrated = value_or_throw(open_camera(request(), again));
   REQUIRE(uncalibrated->next(frame) == FrameStatus::kFrame);
   CHECK(frame.left.width() == kWidth);
+}
+
+TEST_CASE("a camera that comes back with another format gives its new pictures",
+          "[sources][camera]") {
+  const ScratchFolder scratch("camera_other_format");
+  FakeVideo video;
+  video.cameras = {stereo_camera()};
+  FakeDevice& camera = video.cameras[0];
+  camera.modes = {{kYuyv, 2 * kWidth, kHeight, {30}}};
+  camera.film(100.1, 5, 30, 2 * kBoth);
+  camera.film(104, 20, 30, kBoth, 77);
+  camera.gone_from = 101;
+  camera.gone_until = 103;
+  const auto source = value_or_throw(open_camera(calibrated_request(scratch.path()), video));
+  SourceGuard guard(*source);
+  Frame frame;
+  int as_sent = 0, converted = 0;
+  while (video.time < 105) {
+    if (video.time > 102) camera.modes = {{kGrey, 2 * kWidth, kHeight, {30}}};
+    if (guard.next(frame) != FrameStatus::kFrame) continue;
+    if (video.time < 102) {
+      CHECK_FALSE(frame.both.empty());
+      ++as_sent;
+    } else {
+      CHECK(frame.both.empty());
+      CHECK(frame.left.width() == kWidth);
+      ++converted;
+    }
+  }
+  CHECK(as_sent > 0);
+  CHECK(converted > 0);
 }
 
 TEST_CASE("a late reader gets the newest picture, and what it missed counts as dropped",

@@ -21,6 +21,12 @@ Result<std::unique_ptr<FrameSource>> open_source(const CameraRequest& request,
                     request.device)};
   }
   if (is_recording_name(request.device)) {
+    if (request.without_calibration) {
+      return Problem{fmt::format(
+          "{} is a recording of palpable live, which was made with its camera's calibration: "
+          "calibrate from the camera, or from a folder or a video of boards",
+          request.device)};
+    }
     if (request.right.empty() && request.depth.empty() && request.calibration.empty()) {
       return open_recording(request.device);
     }

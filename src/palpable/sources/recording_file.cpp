@@ -182,6 +182,7 @@ void look_through(Index& index, std::uint64_t at) {
   RecordingContents& contents = index.contents;
   const std::uint64_t most = longest_frame(contents.format);
   Chunk chunk;
+  std::string payload;
   while (!contents.finished) {
     const Next next = next_chunk(index.file, at, most, chunk);
     if (next == Next::kNothing || next == Next::kCut) {
@@ -189,7 +190,8 @@ void look_through(Index& index, std::uint64_t at) {
       return;
     }
     const bool event = next == Next::kChunk && is_event(chunk.kind);
-    const bool refinement = next == Next::kChunk && chunk.kind == kRefinement;
+    const bool refinement = next == Next::kChunk && chunk.kind == kRefinement &&
+                            read_payload(index.file, chunk, payload);
     if (!event && !refinement &&
         (next == Next::kGarbage || !take_up(index.file, chunk, contents))) {
       contents.ending = fmt::format("is damaged at byte {}", at);
@@ -287,9 +289,9 @@ class RecordingReader final : public FrameReader {
     const FrameFormat& format = index_.contents.format;
     const auto number = take<std::int32_t>(rest);
     const auto time = take<double>(rest);
-    static_cast<void>(take<double>(rest));  // by a clock that has gone on since
+    const auto taken = take<double>(rest);  // by a clock that has gone on since: not played
     const auto images = take<std::uint8_t>(rest);
-    if (!images) return {};
+    if (!number || !time || !taken || !images) return {};
     frame.number = *number;
     frame.time = *time;
     const auto unpack = [&](std::uint8_t which, auto& image) {

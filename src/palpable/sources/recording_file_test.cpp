@@ -422,5 +422,44 @@ TEST_CASE("pictures that a camera sends in YUYV are played as they were sent, be
   CHECK(source->next(frame) == FrameStatus::kEnd);
 }
 
+TEST_CASE("a frame's chunk that is too short, and a changed answer, end a recording there",
+          "[sources][recording]") {
+  const test::ScratchFolder folder("recorded-short");
+  const fs::path file = folder.path() / "a.palprec";
+  {
+    RecordingWriter writer(file, raw_format(), Json{{"any", 1}});
+    writer.add_frame(some_frame(raw_format(), 0), std::nullopt);
+    RecordedRefinement refinement{.asked = true, .exact = Eigen::Matrix3Xf::Ones(3, 5)};
+    writer.add_refinement(refinement);
+    writer.add_state({0, 7, "{}"});
+    writer.add_frame(some_frame(raw_format(), 1), std::nullopt);
+    writer.finish();
+  }
+  const std::string whole = test::file_bytes(file);
+  const auto chunks = test::chunks_of(whole);
+  for (const test::ChunkPlace& chunk : chunks) {
+    if (chunk.kind == "EXAC") {
+      std::string changed = whole;
+      changed[chunk.payload + 9] ^= 1;
+      test::write_bytes(file, changed);
+      const RecordingContents contents = value_or_throw(read_recording(file));
+      CHECK(contents.damaged);
+      CHECK(contents.states.empty());
+    }
+    if (chunk.kind != "FRAM" || chunk.begin != chunks[1].begin) continue;
+    for (std::size_t size = 0; size <= 25; ++size) {
+      INFO(size << " bytes");
+      std::string cut = whole.substr(0, chunk.payload + size);
+      const std::uint64_t length = size;
+      std::memcpy(cut.data() + chunk.begin + 4, &length, sizeof length);
+      test::write_bytes(file, test::with_right_checksums(cut));
+      const auto source = value_or_throw(open_recording(file));
+      Frame frame;
+      CHECK(source->next(frame) == FrameStatus::kUnreadable);
+      CHECK(source->next(frame) == FrameStatus::kEnd);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace palpable
