@@ -228,7 +228,7 @@ def _(programs, folder):
     assert known > 5 and f"{known} of {known} states of the live run: equal" in result.stdout, result.stdout
 
 
-@case("exact answers of a second process are in the recording; a run that did not wait for them replays, too")
+@case("exact answers of a second process are in the recording, and a run that did not wait for them replays")
 def _(programs, folder):
     base.write_stereo(folder / "clip", frames=30)
     body = touched_body(programs)

@@ -133,6 +133,7 @@ TEST_CASE("a recording that waits for its answers is the same again", "[session]
 TEST_CASE("what was asked and taken up is done again from what was recorded of it", "[session]") {
   std::vector<RefinerStep> steps;
   std::vector<Matrix3Xf> states;
+  int asked = 0;
   {
     Pressed pressed;
     pressed.say_hello();
@@ -145,6 +146,7 @@ TEST_CASE("what was asked and taken up is done again from what was recorded of i
       states.push_back(pressed.state.u);
     }
     REQUIRE(refiner.counts().taken_up == 1);
+    asked = refiner.counts().asked;
   }
   CHECK(steps[2].asked);
   CHECK(steps[2 + kWaits.latency].exact.cols() > 0);
@@ -157,7 +159,7 @@ TEST_CASE("what was asked and taken up is done again from what was recorded of i
     CHECK(refiner.asked() == steps[n].asked);
     CHECK((refiner.taken_up() != nullptr) == (steps[n].exact.cols() > 0));
   }
-  CHECK(refiner.counts().asked == 2);
+  CHECK(refiner.counts().asked == asked);
   CHECK(refiner.counts().taken_up == 1);
   CHECK(again.state.refinement.acts());
   CHECK_FALSE(refiner.take_trouble());

@@ -103,7 +103,9 @@ ReducedBody reduced_block(const BodyProblem& problem) {
 TEST_CASE("the true skin is pressed where the finger is and free where it is not", "[truth]") {
   const test::ScratchFolder folder("true_skins");
   const fs::path clip = folder.path() / "clip";
-  write_clip(clip);
+  // Over the middle of the block the answer may tip to either side, by the last digit of a sum: a
+  // pressed middle of a block is as unstable as it is even.
+  write_clip(clip, 0.0007);
   const BodyDescription description = block(folder.path());
   const std::vector<TrueFrame> frames = write_true_skins(clip, description, {.frames = 99}, {});
   REQUIRE(frames.size() == 8);
