@@ -1,7 +1,7 @@
 #include "palpable/clip_writer/kept_clip.h"
 
 #include "palpable/base/error.h"
-#include "palpable/base/fnv1a.h"
+#include "palpable/base/file_checksum.h"
 #include "palpable/base/output_file.h"
 #include "palpable/clip_writer/sequence_folder.h"
 
@@ -20,17 +20,6 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kSeed = 1;
 constexpr std::string_view kOurs = "palpable";  // how made_for.txt begins
-
-// In pieces: a body with its inside may have hundreds of MB.
-std::uint64_t hash_of_file(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::uint64_t hash = kFnvStart;
-  std::string piece(std::size_t{1} << 20, '\0');
-  while (in.read(piece.data(), std::ssize(piece)) || in.gcount() > 0) {
-    hash = fnv1a({piece.data(), static_cast<std::size_t>(in.gcount())}, hash);
-  }
-  return hash;
-}
 
 // Empty when there is no such file.
 std::string bytes_of(const fs::path& path) {
@@ -57,9 +46,13 @@ void clear(const fs::path& folder, const fs::path& label_file, const std::string
 }  // namespace
 
 fs::path kept_clip(const ReducedBody& body, const KeptClipOrder& order, const Progress& progress) {
+  const Result<std::uint64_t> checksum = file_checksum(order.body_file);
+  if (!checksum.ok()) {
+    throw Error(fmt::format("{}: {}", order.body_file.string(), checksum.problem().message));
+  }
   const std::string label =
       fmt::format("{} {} {} {} frames seed {} body {:016x}\n", kOurs, order.version, order.sequence,
-                  order.frames, kSeed, hash_of_file(order.body_file));
+                  order.frames, kSeed, checksum.value());
   const fs::path label_file = order.folder / "made_for.txt";
   const std::string found = bytes_of(label_file);
   if (found != label) {

@@ -3,6 +3,7 @@
 #include "palpable/base/contract.h"
 
 #include <algorithm>
+#include <span>
 
 namespace palpable {
 namespace {
@@ -42,9 +43,7 @@ BetweenFrames::BetweenFrames(const Session& session)
     : region_(box_of(session.body().surface)),
       contact_(session.body().surface, session.body().fixed, tables_of(session),
                session.settings().touch),
-      surface_(session.surface().settings()) {
-  balls_.reserve(surface_.balls().size());
-}
+      surface_(session.surface().settings()) {}
 
 void BetweenFrames::begin(const AnsweredFrame& frame) {
   motion_.add(frame.balls, frame.camera, frame.time);

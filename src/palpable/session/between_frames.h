@@ -25,7 +25,6 @@
 #include <Eigen/Geometry>
 
 #include <optional>
-#include <span>
 #include <vector>
 
 namespace palpable {
@@ -69,8 +68,6 @@ class BetweenFrames {
   void place(Eigen::Matrix3Xf& skin) const { contact_.place(state_, skin); }
   /// Where it is in another state of the body.
   void place(const TouchState& state, Eigen::Matrix3Xf& skin) const { contact_.place(state, skin); }
-  /// How fast each of the frame's balls goes on, m/s.
-  [[nodiscard]] std::span<const Eigen::Vector3f> velocities() const { return motion_.velocities(); }
 
  private:
   Eigen::AlignedBox3d region_;

@@ -23,29 +23,23 @@ namespace {
 
 using Eigen::Vector3d;
 using test::Capsule;
+using test::frame_with_finger;
+using test::kEverythingPresses;
+using test::sphere_pose;
 using test::tolerance;
+using test::touchable_sphere_loop;
 
 // Colour + depth needs no matcher: this module's own work is what follows the depth.
 FrameFormat depth_format() { return test::wall_format(); }
 
-const SessionSettings& kEverything = test::kEverythingPresses;
-
-Rigid3 pose() { return test::sphere_pose(); }
-
-Frame frame_with_finger(int number, double depth) { return test::frame_with_finger(number, depth); }
-
-FrameLoop make_loop(const SessionSettings& settings = kEverything) {
+FrameLoop make_loop(const SessionSettings& settings = kEverythingPresses) {
   return std::move(
-      FrameLoop::make(test::DentedSphere{}.body(), pose(), depth_format(), settings).value());
-}
-
-// The same body with tables of touch.
-FrameLoop make_touchable_loop(const SessionSettings& settings = kEverything) {
-  return test::touchable_sphere_loop(settings);
+      FrameLoop::make(test::DentedSphere{}.body(), sphere_pose(), depth_format(), settings)
+          .value());
 }
 
 TEST_CASE("a body with tables is touched where the finger is, not at a site", "[session]") {
-  FrameLoop loop = make_touchable_loop();
+  FrameLoop loop = touchable_sphere_loop();
   CHECK(loop.session.contact() == ContactKind::kAnywhere);
   const Eigen::Matrix3Xf rest = loop.session.body().surface.vertices.cast<float>();
   for (int n = 0; n < 3; ++n) CHECK(loop.process(frame_with_finger(n, -0.03)).touches.empty());
@@ -77,9 +71,9 @@ TEST_CASE("a body with tables is touched where the finger is, not at a site", "[
 }
 
 TEST_CASE("tables are not asked where somebody wants the sites", "[session]") {
-  SessionSettings settings = kEverything;
+  SessionSettings settings = kEverythingPresses;
   settings.contact = ContactKind::kSite;
-  FrameLoop loop = make_touchable_loop(settings);
+  FrameLoop loop = touchable_sphere_loop(settings);
   CHECK(loop.session.contact() == ContactKind::kSite);
   for (int n = 0; n < 4; ++n) loop.process(frame_with_finger(n, 0.008));
   REQUIRE(loop.scene.touches.size() == 1);
@@ -90,7 +84,7 @@ TEST_CASE("tables are not asked where somebody wants the sites", "[session]") {
 
 TEST_CASE("a touched body with tables gives the same bytes again, and allocates nothing",
           "[session]") {
-  FrameLoop one = make_touchable_loop(), other = make_touchable_loop();
+  FrameLoop one = touchable_sphere_loop(), other = touchable_sphere_loop();
   for (int n = 0; n < 6; ++n) {
     const Frame frame = frame_with_finger(n, n < 2 ? -0.03 : 0.002 * n);
     CHECK(one.process(frame).bodies[0].vertices == other.process(frame).bodies[0].vertices);
@@ -101,11 +95,12 @@ TEST_CASE("a touched body with tables gives the same bytes again, and allocates 
 TEST_CASE("of several bodies the one that is pressed says so, the others stand as they stood",
           "[session][scene]") {
   std::vector<PlacedBody> bodies;
-  Rigid3 aside = pose();
+  Rigid3 aside = sphere_pose();
   aside.translation().x() += 0.14;
   bodies.push_back({TouchableBody(test::DentedSphere{}.body()), aside, "aside", Rgb{1, 2, 3}});
-  bodies.push_back({TouchableBody(test::DentedSphere{}.body()), pose(), "pressed"});
-  FrameLoop loop = value_or_throw(FrameLoop::make(std::move(bodies), depth_format(), kEverything));
+  bodies.push_back({TouchableBody(test::DentedSphere{}.body()), sphere_pose(), "pressed"});
+  FrameLoop loop =
+      value_or_throw(FrameLoop::make(std::move(bodies), depth_format(), kEverythingPresses));
   REQUIRE(loop.session.body_count() == 2);
   CHECK(loop.session.body_name(1) == "pressed");
   CHECK(loop.session.color(0) == Rgb{1, 2, 3});
@@ -131,14 +126,14 @@ TEST_CASE("of several bodies the one that is pressed says so, the others stand a
 
 TEST_CASE("with Algorithm 1 as printed a body presses the one that nothing real is near, one way",
           "[session][scene]") {
-  SessionSettings settings = kEverything;
+  SessionSettings settings = kEverythingPresses;
   settings.contact = ContactKind::kPaper;
   const double diameter = 2 * test::DentedSphere{}.radius;
-  Rigid3 below = pose();
-  below.translation() -= pose().linear() * Vector3d(0, 0, diameter + 0.004);
+  Rigid3 below = sphere_pose();
+  below.translation() -= sphere_pose().linear() * Vector3d(0, 0, diameter + 0.004);
   std::vector<PlacedBody> bodies;
   bodies.push_back({TouchableBody(test::DentedSphere{}.body()), below, "lower"});
-  bodies.push_back({TouchableBody(test::DentedSphere{}.body()), pose(), "upper"});
+  bodies.push_back({TouchableBody(test::DentedSphere{}.body()), sphere_pose(), "upper"});
   FrameLoop loop = value_or_throw(FrameLoop::make(std::move(bodies), depth_format(), settings));
   for (int n = 0; n < 3; ++n) CHECK(loop.process(frame_with_finger(n, -0.2)).touches.empty());
   for (int n = 3; n < 8; ++n) loop.process(frame_with_finger(n, 0.008));
@@ -164,8 +159,9 @@ TEST_CASE("a body with an energy in modes gives way to a finger, and takes no me
   tables.point_spacing = 0.004;
   REQUIRE(trouble_of(tables, ball).empty());
   std::vector<PlacedBody> bodies;
-  bodies.push_back({TouchableBody(ball, {}, tables), pose(), "ball"});
-  FrameLoop loop = value_or_throw(FrameLoop::make(std::move(bodies), depth_format(), kEverything));
+  bodies.push_back({TouchableBody(ball, {}, tables), sphere_pose(), "ball"});
+  FrameLoop loop =
+      value_or_throw(FrameLoop::make(std::move(bodies), depth_format(), kEverythingPresses));
   CHECK(loop.session.contact() == ContactKind::kAnywhere);
   for (int n = 0; n < 3; ++n) loop.process(frame_with_finger(n, -0.03));
   for (int n = 3; n < 7; ++n) loop.process(frame_with_finger(n, 0.002 * (n - 2)));
@@ -322,7 +318,7 @@ TEST_CASE("what was put against the body and left there goes on pressing it",
 
 TEST_CASE("the paper's algorithm stays pressed when the hand leaves fast, the default does not",
           "[session][Alg1]") {
-  SessionSettings settings = kEverything;
+  SessionSettings settings = kEverythingPresses;
   settings.contact = ContactKind::kPaper;
   FrameLoop paper = make_loop(settings);
   FrameLoop ours = make_loop();
@@ -408,7 +404,8 @@ TEST_CASE("every stage of a frame is timed, those of seeing too, and those of ea
 TEST_CASE("settings out of range and formats without numbers are problems, not crashes",
           "[session][errors]") {
   const auto refused = [](const SessionSettings& settings) {
-    return !FrameLoop::make(test::DentedSphere{}.body(), pose(), depth_format(), settings).ok();
+    return !FrameLoop::make(test::DentedSphere{}.body(), sphere_pose(), depth_format(), settings)
+                .ok();
   };
   CHECK_FALSE(refused({}));
   CHECK(refused({.map = false}));  // nobody would know what was there before
@@ -421,7 +418,7 @@ TEST_CASE("settings out of range and formats without numbers are problems, not c
   CHECK(refused(crossed));
   FrameFormat nothing = depth_format();
   nothing.kind = FrameFormat::Kind::kStereo;
-  CHECK_FALSE(FrameLoop::make(test::DentedSphere{}.body(), pose(), nothing).ok());
+  CHECK_FALSE(FrameLoop::make(test::DentedSphere{}.body(), sphere_pose(), nothing).ok());
 }
 
 TEST_CASE("the body stays where it was put in the room while the camera moves, if it is followed",
@@ -434,12 +431,12 @@ TEST_CASE("the body stays where it was put in the room while the camera moves, i
     const double x = 0.004 * n;
     const Scene& scene = followed.process(test::frame_of_wall(n, x));
     INFO("frame " << n << ", state " << static_cast<int>(scene.camera.state));
-    CHECK(
-        (scene.bodies[0].camera_from_body.translation() - pose().translation() + Vector3d(x, 0, 0))
-            .norm() <=
-        tolerance(1.5e-3, "a third of a pixel of 250 px at 0.8 m; below 0.3 px it still stands"));
+    CHECK((scene.bodies[0].camera_from_body.translation() - sphere_pose().translation() +
+           Vector3d(x, 0, 0))
+              .norm() <=
+          tolerance(1.5e-3, "a third of a pixel of 250 px at 0.8 m; below 0.3 px it still stands"));
     CHECK(fixed.process(test::frame_of_wall(n, x)).bodies[0].camera_from_body.matrix() ==
-          pose().matrix());
+          sphere_pose().matrix());
   }
   CHECK(followed.session.tracker_counts().lost == 0);
 }
@@ -451,8 +448,9 @@ TEST_CASE("a session that is given poses answers as one whose camera stands, whe
       Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   world_from_camera.translation() = Vector3d(0.3, -0.2, 0.5);
   FrameLoop stands = make_loop({});
-  FrameLoop given = value_or_throw(FrameLoop::make(
-      test::DentedSphere{}.body(), world_from_camera * pose(), depth_format(), SessionSettings{}));
+  FrameLoop given =
+      value_or_throw(FrameLoop::make(test::DentedSphere{}.body(), world_from_camera * sphere_pose(),
+                                     depth_format(), SessionSettings{}));
   const auto answer = [&](const Frame& frame, const std::optional<Rigid3>& where) {
     given.camera.see(frame, given.scene.seen);
     given.session.respond(given.scene, where);
@@ -464,7 +462,7 @@ TEST_CASE("a session that is given poses answers as one whose camera stands, whe
     answer(frame, world_from_camera);
     CHECK(given.scene.camera.state == TrackState::kTracking);
     REQUIRE(given.scene.touches.size() == stands.scene.touches.size());
-    CHECK(given.scene.bodies[0].camera_from_body.isApprox(pose(), 1e-12));
+    CHECK(given.scene.bodies[0].camera_from_body.isApprox(sphere_pose(), 1e-12));
     touching += given.scene.touches.empty() ? 0 : 1;
   }
   REQUIRE(touching > 0);
@@ -532,7 +530,7 @@ TEST_CASE("what was in the room when the body was anchored is not forgotten when
   settings.track = true;
   settings.map = true;
   FrameLoop loop = std::move(
-      FrameLoop::make(test::DentedSphere{}.body(), pose(), test::creeping_format(), settings)
+      FrameLoop::make(test::DentedSphere{}.body(), sphere_pose(), test::creeping_format(), settings)
           .value());
   int closed = 0;
   for (int n = 0; n < test::kCreepingFrames; ++n) {
