@@ -10,7 +10,7 @@
 namespace palpable {
 
 ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop& loop)
-    : scale_(stress_scale(loop.session)), masks_(settings.masks) {
+    : scale_(stress_scale(loop.session)), masks_(settings.masks), shown_(settings.show) {
   const PinholeCamera& camera = loop.camera.camera();
   if (settings.window) {
     window_.emplace(value_or_throw(Window::open("Palpable", camera.width, camera.height)));
@@ -32,7 +32,7 @@ void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
   const StageTimer timer(drawn.scene.times, "draw");
   const bool masks = masks_ && drawn.in_files;
   SceneView& view = view_;
-  fill_view(drawn.scene, session, scale_, view);
+  fill_view(drawn.scene, session, scale_, shown_, view);
   const bool outside = map_ || surface_;
   if (outside) {  // its own caption says it
     view.legend_title.clear();

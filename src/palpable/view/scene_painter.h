@@ -10,6 +10,7 @@
 #include "palpable/session/frame_loop.h"
 #include "palpable/view/drawn_frame.h"
 #include "palpable/view/map_picture.h"
+#include "palpable/view/scene_show.h"
 #include "palpable/view/surface_picture.h"
 
 #include <memory>
@@ -25,6 +26,7 @@ struct ScenePainterSettings {
   };
   bool window = false;  ///< also show the pictures in a window; else draw off screen
   View view = View::kCamera;
+  SceneShow show = {};  ///< what of a scene is shown to begin with
   bool masks = true;  ///< also fill DrawnFrame::visible and body_depth, which are read back for it
 };
 
@@ -63,6 +65,7 @@ class ScenePainter {
   ColorImage inside_;                        // what the camera sees, where the picture is another
   double scale_;                             // Pa, top of the colours
   bool masks_;
+  SceneShow shown_;
   bool ended_ = false;
 };
 

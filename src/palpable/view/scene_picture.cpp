@@ -79,15 +79,16 @@ std::string warning_of(const Scene& scene) {
   return {};
 }
 
-void fill_view(const Scene& scene, const Session& session, double scale, SceneView& view) {
+void fill_view(const Scene& scene, const Session& session, double scale, const SceneShow& show,
+               SceneView& view) {
   view.background = &scene.seen.color;
-  view.real_depth = &scene.seen.depth;
+  view.real_depth = show.occlusion ? &scene.seen.depth : nullptr;
   view.camera = scene.seen.camera;
   view.bodies.clear();
   for (int k = 0; k < session.body_count(); ++k) {
     view.bodies.push_back(look_of_body(scene, session, k, scale));
   }
-  view.legend_title = "von Mises";
+  view.legend_title = show.legend ? "von Mises" : "";
   view.caption.resize(1);
   view.caption.front() = caption_of(scene);
   view.warning = warning_of(scene);

@@ -5,6 +5,7 @@
 #include "palpable/render/scene_renderer.h"
 #include "palpable/session/scene.h"
 #include "palpable/session/session.h"
+#include "palpable/view/scene_show.h"
 
 #include <span>
 #include <string>
@@ -29,7 +30,9 @@ namespace palpable {
 /// The picture of a scene: pointers into both, valid while they are.
 /// @param session  that made the scene
 /// @param scale    Pa, top of the colours
+/// @param show     what of it is shown
 /// @param view     filled anew, for which its memory is used again
-void fill_view(const Scene& scene, const Session& session, double scale, SceneView& view);
+void fill_view(const Scene& scene, const Session& session, double scale, const SceneShow& show,
+               SceneView& view);
 
 }  // namespace palpable

@@ -1,0 +1,21 @@
+/// @file
+/// What of a scene people see: chosen once, or changed while a run goes on (keys, panel).
+#pragma once
+
+namespace palpable {
+
+struct SceneShow {
+  /// What is painted on bodies.
+  enum class Field {
+    kVonMises,      ///< Pa
+    kDisplacement,  ///< m, length of the displacement from where the body rests
+    kNone           ///< the material alone
+  };
+  Field field = Field::kVonMises;
+  bool occlusion = true;  ///< what is real and nearer hides bodies
+  bool contacts = false;  ///< balls where bodies are touched
+  bool forces = false;    ///< arrows: where, whither and how hard bodies are pressed
+  bool legend = true;     ///< the bar of colours
+};
+
+}  // namespace palpable
