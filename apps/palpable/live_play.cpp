@@ -63,6 +63,17 @@ ScenePainterSettings::View view_of(const std::string& name) {
   return name == "map" ? View::kMap : name == "surface" ? View::kSurface : View::kCamera;
 }
 
+SceneShow show_of(const PlayOptions& options) {
+  using Field = SceneShow::Field;
+  SceneShow show;
+  show.field = options.paint == "stress"         ? Field::kVonMises
+               : options.paint == "displacement" ? Field::kDisplacement
+                                                 : Field::kNone;
+  show.blended = !options.opaque;
+  show.contacts = show.forces = options.forces;
+  return show;
+}
+
 // A run on a house around the desk goes well and touches nothing.
 void warn_of_size(const LiveRun& run) {
   const Session& session = run.loop.session;
@@ -216,9 +227,11 @@ LiveOutputSettings output_settings(const PlayOptions& options, const LiveRun& ru
 std::unique_ptr<ScenePainter> painter_of(const PlayOptions& options, const LiveRun& run) {
   if (!has_pictures(options)) return nullptr;
   const bool masks = !options.out.empty() && (!options.no_masks || options.pictures);
-  return std::make_unique<ScenePainter>(
-      ScenePainterSettings{.window = options.window, .view = view_of(options.view), .masks = masks},
-      run.loop);
+  return std::make_unique<ScenePainter>(ScenePainterSettings{.window = options.window,
+                                                             .view = view_of(options.view),
+                                                             .show = show_of(options),
+                                                             .masks = masks},
+                                        run.loop);
 }
 
 void print_files(const PlayOptions& options, const LiveOutput& output) {
@@ -312,6 +325,16 @@ void add_play_options(Command command, PlayOptions& options) {
                   "pressed skin, from outside")
       .one_of({"camera", "map", "surface"})
       .show_default();
+  command
+      .add_option("--paint", options.paint,
+                  "What is painted on bodies: stress (von Mises), displacement, or none: the "
+                  "material alone")
+      .one_of({"stress", "displacement", "none"})
+      .show_default();
+  command.add_flag("--opaque", options.opaque,
+                   "Paint all of a body, also where it bears next to nothing");
+  command.add_flag("--forces", options.forces,
+                   "Draw where bodies are pressed, and an arrow with the force there");
   add_events_option(command, options.events);
   command
       .add_option("--contact-rate", options.contact_rate,

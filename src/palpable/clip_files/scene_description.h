@@ -10,7 +10,7 @@
 ///     turn = 90                            # degrees about its upright axis
 ///     scale = 1
 ///     set = ["stiffness=0.8"]              # its further parameters
-///     color = [200, 120, 80]               # drawn so, instead of by its stress
+///     color = [200, 120, 80]               # of its material
 ///
 /// docs/scenes.md explains every key.
 #pragma once

@@ -20,7 +20,7 @@ struct LiveBody {
   TouchableBody body;
   std::string name = {};  ///< empty: the body's own
   BodyPlace place = {};
-  std::optional<Rgb> color = {};  ///< it is drawn in, instead of its stress
+  std::optional<Rgb> color = {};  ///< of its material; none: rubber
 };
 
 /// The bodies where they stand, in the same order.

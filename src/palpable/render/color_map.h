@@ -11,4 +11,13 @@ namespace palpable {
 /// with it.
 [[nodiscard]] Rgb color_of_share(float share);
 
+/// From this share of the scale on its colours cover a body's own wholly, where they are blended.
+inline constexpr float kOpaqueShare = 0.2f;
+/// So large that nothing is painted.
+inline constexpr float kNothingPainted = 1e9f;
+
+/// The same with a material below it, which shines through where little is painted.
+/// @param opaque  kOpaqueShare, or 0: the scale alone
+[[nodiscard]] Rgb color_of_share(float share, Rgb material, float opaque);
+
 }  // namespace palpable

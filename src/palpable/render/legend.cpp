@@ -34,6 +34,35 @@ std::string_view print_tick(double value, double step, std::array<char, 32>& tex
   return {text.data(), std::min(end.size, text.size())};
 }
 
+// What stands below the bar, in memory of its own: a legend is drawn for every frame.
+struct PresentText {
+  explicit PresentText(const Legend& legend) {
+    if (std::isnan(legend.present)) return;
+    lines = 1;
+    value_size = fmt::format_to_n(value_text.data(), value_text.size(), "max {:.{}f}",
+                                  legend.present, legend.present < 10 ? 1 : 0)
+                     .size;
+    if (!(legend.stated_error > 0)) return;
+    lines = 2;
+    // Of an error more than one digit says too much.
+    const double percent = 100 * legend.stated_error;
+    error_size = fmt::format_to_n(error_text.data(), error_text.size(), "\u00b1 {:.{}f} %", percent,
+                                  percent < 1 ? 1 : 0)
+                     .size;
+  }
+  [[nodiscard]] std::string_view value() const {
+    return {value_text.data(), std::min(value_size, value_text.size())};
+  }
+  [[nodiscard]] std::string_view error() const {
+    return {error_text.data(), std::min(error_size, error_text.size())};
+  }
+  float lines = 0;
+
+ private:
+  std::array<char, 32> value_text{}, error_text{};
+  std::size_t value_size = 0, error_size = 0;
+};
+
 }  // namespace
 
 std::vector<double> round_ticks(double top, int wanted) {
@@ -54,6 +83,7 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   const double step = tick_step(legend.top, kWanted);
   std::array<char, 32> text;
 
+  const PresentText present(legend);
   const TextSize title = measure_text(legend.title, size);
   const TextSize unit = measure_text(legend.unit, small);
   float number_width = 0;
@@ -61,10 +91,14 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
     number_width =
         std::max(number_width, measure_text(print_tick(i * step, step, text), small).width);
   }
-  const float inner = std::max({title.width, unit.width, bar_width + 10.0f * s + number_width});
+  const float line_height = measure_text("0", small).height();
+  float inner = std::max({title.width, unit.width, bar_width + 10.0f * s + number_width});
+  // As wide as its widest numbers would be, so that it stands still while they change.
+  if (present.lines > 0) inner = std::max(inner, measure_text("max 000.0", small).width);
   const float width = inner + 2.0f * pad;
+  const float below = present.lines > 0 ? 8.0f * s + present.lines * line_height : 0.0f;
   const float height =
-      2.0f * pad + title.height() + unit.height() + 10.0f * s + bar_height + 4.0f * s;
+      2.0f * pad + title.height() + unit.height() + 10.0f * s + bar_height + 4.0f * s + below;
   const float x = static_cast<float>(picture.width()) - width - 16.0f * s;
   const float y = 0.5f * (static_cast<float>(picture.height()) - height);
   fill_panel(picture, x, y, width, height, 8.0f * s, kPanel, kPanelOpacity);
@@ -76,7 +110,7 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
   for (int row = 0; row < static_cast<int>(bar_height); ++row) {
     const float share = 1.0f - (static_cast<float>(row) + 0.5f) / bar_height;
     fill_panel(picture, bar_x, bar_y + static_cast<float>(row), bar_width, 1.0f, 0.0f,
-               color_of_share(share));
+               color_of_share(share, legend.material, legend.opaque));
   }
   for (int i = 0; i * step <= legend.top * (1.0 + 1e-9); ++i) {
     const auto share = static_cast<float>(i * step / legend.top);
@@ -88,6 +122,21 @@ void draw_legend(ColorImage& picture, const Legend& legend) {
     draw_text(picture, bar_x + bar_width + 9.0f * s, at - 0.5f * extent.height(), number, small,
               kInk);
   }
+  if (present.lines == 0) return;
+  const auto share = static_cast<float>(std::clamp(legend.present / legend.top, 0.0, 1.0));
+  fill_panel(picture, bar_x - 4.0f * s, std::round(bar_y + bar_height * (1.0f - share) - s),
+             bar_width + 8.0f * s, std::max(2.0f, std::round(2.0f * s)), 0.0f, kInk);
+  const float text_y = bar_y + bar_height + 12.0f * s;
+  draw_text(picture, x + pad, text_y, present.value(), small, kInk);
+  draw_text(picture, x + pad, text_y + line_height, present.error(), small, kQuietInk);
+}
+
+void draw_label(ColorImage& picture, float x, float y, std::string_view text, float size) {
+  const TextSize extent = measure_text(text, size);
+  const float pad = 0.3f * size;
+  fill_panel(picture, x - pad, y - 0.5f * pad, extent.width + 2.0f * pad, extent.height() + pad,
+             pad, kPanel, kPanelOpacity);
+  draw_text(picture, x, y, text, size, kInk);
 }
 
 void draw_warning(ColorImage& picture, std::string_view text, float scale) {

@@ -4,6 +4,7 @@
 
 #include "palpable/geometry/image.h"
 
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,7 +17,13 @@ struct Legend {
   std::string_view title;  ///< what is painted, e.g. "von Mises stress"
   std::string_view unit;   ///< of the numbers, e.g. "kPa"
   double top = 1;          ///< the number at the upper end, > 0; the lower end is 0
-  float scale = 1;         ///< of all lengths; 1 suits a picture of 720 rows
+  Rgb material = {};       ///< under the colours (color_map.h)
+  float opaque = 0;        ///< share from which they cover it; 0: everywhere
+  /// The largest number that is painted at present: marked at the bar and written below it; NaN: it
+  /// is not told.
+  double present = std::numeric_limits<double>::quiet_NaN();
+  double stated_error = 0;  ///< of `present`, as a share of it; 0: not known
+  float scale = 1;          ///< of all lengths; 1 suits a picture of 720 rows
 };
 
 /// Draws the bar on a translucent panel at the right edge, centred in height.
@@ -27,6 +34,10 @@ void draw_legend(ColorImage& picture, const Legend& legend);
 
 /// Draws lines of text on a translucent panel in the lower left corner.
 void draw_caption(ColorImage& picture, std::span<const std::string> lines, float scale);
+
+/// Draws a line of text with its top left corner at (x, y) px on a translucent panel around it.
+/// @param size  of the letters, px per em
+void draw_label(ColorImage& picture, float x, float y, std::string_view text, float size);
 
 /// Draws one line on a red panel at the middle of the top: something that the user has to act on. A
 /// line that would not fit gets smaller letters.

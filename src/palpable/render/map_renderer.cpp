@@ -179,7 +179,7 @@ void MapRenderer::State::draw_bodies(const PinholeCamera& camera, const MapView&
     const auto count = static_cast<std::size_t>(look.vertices->cols());
     to.vertices.stream(floats_in(*look.vertices));
     to.normals.stream(floats_in(*look.normals));
-    values.assign(count, look.color ? 1.0f : 0.0f);
+    values.assign(count, 0.0f);
     to.marks.stream(std::span<const float>(values));
     to.scalar.stream(look.scalar.empty() ? std::span<const float>(values) : look.scalar);
     to.triangles.stream(std::span<const int>(look.triangles->data(),
@@ -188,7 +188,9 @@ void MapRenderer::State::draw_bodies(const PinholeCamera& camera, const MapView&
     set_camera(body, camera);
     body.set("camera_from_body", look.camera_from_body.matrix().cast<float>().eval());
     body.set("scalar_max", look.scalar_max);
-    body.set("mark_color", floats_of(look.color.value_or(look.mark_color)));
+    body.set("material", floats_of(look.material));
+    body.set("opaque", look.opaque_share());
+    body.set("mark_color", floats_of(look.mark_color));
     body.set("up", up);
     body.set("key", (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized().eval());
     body.set("brightness", 1.0f);

@@ -1,11 +1,13 @@
 #include "palpable/render/scene_renderer.h"
 
+#include "palpable/render/arrow.h"
 #include "palpable/render/fill_unknown.h"
 #include "palpable/render/gl_objects.h"
 #include "palpable/render/ground_shadow.h"
 #include "palpable/render/legend.h"
 #include "palpable/render/outlines.h"
 #include "palpable/render/shader_files.h"
+#include "palpable/render/text.h"
 
 #include <algorithm>
 #include <array>
@@ -118,6 +120,27 @@ Light light_on(const BodyLook& body) {
   return {up, (0.85f * up + Eigen::Vector3f(-0.55f, 0.0f, -0.45f)).normalized()};
 }
 
+// NaN where nothing is painted.
+double largest_painted(const SceneView& view) {
+  double largest = std::numeric_limits<double>::quiet_NaN();
+  for (const BodyLook& body : view.bodies) {
+    for (const float value : body.scalar) largest = std::fmax(largest, value);
+  }
+  return largest;
+}
+
+void draw_on(ColorImage& picture, const Arrow& arrow, const PinholeCamera& camera, float scale) {
+  if (arrow.tail.z() < kNear || arrow.tip.z() < kNear) return;
+  const Eigen::Vector2f tail = camera.project(arrow.tail).cast<float>();
+  const Eigen::Vector2f tip = camera.project(arrow.tip).cast<float>();
+  draw_arrow(picture, tail, tip, 5.0f * scale, arrow.color);
+  const float size = 15.0f * scale;
+  const TextSize text = measure_text(arrow.label, size);
+  // Beside the tail, on the side that the arrow does not take.
+  const float x = tail.x() + (tail.x() < tip.x() ? -text.width - 8.0f * scale : 8.0f * scale);
+  draw_label(picture, x, tail.y() - 0.5f * text.height(), arrow.label, size);
+}
+
 void check(const SceneView& view) {
   const PinholeCamera& camera = view.camera;
   PALPABLE_EXPECT(camera.width > 0 && camera.height > 0, "the picture has a size");
@@ -152,7 +175,7 @@ struct SceneRenderer::State {
   RealOutlines outlines;
 
   // Kept between frames so that nothing is allocated.
-  std::vector<float> zeros, ones, filled, dot_values, z_rows;
+  std::vector<float> zeros, filled, dot_values, z_rows;
   std::vector<signed char> nearest_in_row;
   std::vector<std::uint8_t> rgba, mask_rows;
 
@@ -198,7 +221,6 @@ Result<SceneRenderer> SceneRenderer::make() {
                                                 .fine_box = {},
                                                 .outlines = {},
                                                 .zeros = {},
-                                                .ones = {},
                                                 .filled = {},
                                                 .dot_values = {},
                                                 .z_rows = {},
@@ -252,10 +274,16 @@ void SceneRenderer::draw(const SceneView& view, ColorImage& picture, MaskImage* 
     s.read_back(box, picture, body_visible, body_depth);
   }
   const float scale = legend_scale(height);
+  for (const Arrow& arrow : view.arrows) draw_on(picture, arrow, view.camera, scale);
   if (!view.legend_title.empty() && !view.bodies.empty()) {
+    const BodyLook& first = view.bodies.front();
     draw_legend(picture, {.title = view.legend_title,
                           .unit = view.legend_unit,
-                          .top = view.bodies.front().scalar_max * view.legend_scale,
+                          .top = first.scalar_max * view.legend_scale,
+                          .material = first.material,
+                          .opaque = first.opaque_share(),
+                          .present = largest_painted(view) * view.legend_scale,
+                          .stated_error = view.stated_error,
                           .scale = scale});
   }
   if (!view.caption.empty()) draw_caption(picture, view.caption, scale);
@@ -347,12 +375,7 @@ void SceneRenderer::State::stream(const BodyLook& look, BodyBuffers& to) {
   to.vertices.stream(matrix(*look.vertices));
   to.normals.stream(matrix(*look.normals));
   to.scalar.stream(or_zeros(look.scalar));
-  if (look.color) {
-    ones.resize(std::max(ones.size(), count), 1.0f);
-    to.marks.stream(std::span<const float>(ones.data(), count));
-  } else {
-    to.marks.stream(or_zeros(look.marks));
-  }
+  to.marks.stream(or_zeros(look.marks));
   if (to.known_triangles.cols() != look.triangles->cols() ||
       to.known_triangles != *look.triangles) {
     to.known_triangles = *look.triangles;
@@ -401,7 +424,9 @@ void SceneRenderer::State::draw_bodies(const SceneView& view) {
     };
     set_common(body_program);
     body_program.set("scalar_max", look.scalar_max);
-    body_program.set("mark_color", floats_of(look.color.value_or(look.mark_color)));
+    body_program.set("material", floats_of(look.material));
+    body_program.set("opaque", look.opaque_share());
+    body_program.set("mark_color", floats_of(look.mark_color));
     buffers[i].inputs.bind();
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(look.triangles->size()), GL_UNSIGNED_INT,
                    nullptr);

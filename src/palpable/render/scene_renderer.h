@@ -10,16 +10,19 @@
 #include "palpable/base/error.h"
 #include "palpable/geometry/camera.h"
 #include "palpable/geometry/image.h"
+#include "palpable/render/color_map.h"
 
 #include <Eigen/Core>
 
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace palpable {
+
+/// The colour of natural rubber, sRGB.
+inline constexpr Rgb kRubber{218, 205, 182};
 
 /// A small ball on a body that marks the middle of a contact site or a touched point.
 struct Dot {
@@ -28,17 +31,32 @@ struct Dot {
   Rgb color{240, 120, 20};
 };
 
+/// An arrow over everything that is drawn, and a text at its tail.
+struct Arrow {
+  Eigen::Vector3d tail = Eigen::Vector3d::Zero();  ///< m, camera frame
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();   ///< likewise
+  Rgb color{240, 120, 20};
+  std::string label;  ///< UTF-8 (Latin)
+};
+
 /// One body as plain arrays. Pointers and spans are read during draw() only; none of the pointers
 /// may be null.
 struct BodyLook {
   const Eigen::Matrix3Xf* vertices = nullptr;   ///< (3 x V) body frame, m, as it is now
   const Eigen::Matrix3Xf* normals = nullptr;    ///< (3 x V) body frame, unit, outwards
   const Eigen::Matrix3Xi* triangles = nullptr;  ///< (3 x T) counter-clockwise from outside
-  std::span<const float> scalar;                ///< (V) Pa, shown as colour; empty: all 0
-  float scalar_max = 1;                         ///< Pa, > 0: upper end of the colour scale
-  std::span<const float> marks;                 ///< (V) painted in mark_color where > 0.5; or empty
+  Rgb material = kRubber;                       ///< its own colour
+  std::span<const float> scalar;                ///< (V) what is painted on it; empty: nothing is
+  float scalar_max = 1;                         ///< > 0: upper end of the colour scale, as `scalar`
+  /// Low values let the material's own colour through (color_map.h); false: the scale alone.
+  bool blended = true;
+  /// The share of the scale from which paint covers the material wholly.
+  [[nodiscard]] float opaque_share() const {
+    if (scalar.empty()) return kNothingPainted;
+    return blended ? kOpaqueShare : 0.0f;
+  }
+  std::span<const float> marks;  ///< (V) painted in mark_color where > 0.5; or empty
   Rgb mark_color{250, 208, 60};
-  std::optional<Rgb> color = {};  ///< all of it, instead of scalar and marks
   std::span<const Dot> dots;
   Rigid3 camera_from_body = Rigid3::Identity();
   /// Darkness of the shadow on the body's plane Z = 0, from 0 (none) to 1. It falls on pixels whose
@@ -54,11 +72,13 @@ struct SceneView {
   const DepthImage* real_depth = nullptr;
   PinholeCamera camera = {};  ///< of the picture; width and height are the picture's
   std::vector<BodyLook> bodies = {};
+  std::vector<Arrow> arrows = {};  ///< those with an end behind the camera are left out
   /// Brightness of the scene's light; 1 is a well lit room.
   float brightness = 1;
-  std::string legend_title = {};          ///< above the colour bar, e.g. "von Mises"; empty: no bar
-  std::string legend_unit = "kPa";        ///< unit of the numbers at the colour bar
-  double legend_scale = 1e-3;             ///< number shown = Pa * legend_scale
+  std::string legend_title = {};    ///< above the colour bar, e.g. "von Mises"; empty: no bar
+  std::string legend_unit = "kPa";  ///< unit of the numbers at the colour bar
+  double legend_scale = 1e-3;       ///< number shown = scalar * legend_scale
+  double stated_error = 0;          ///< of the largest painted value, as a share; 0: not known
   std::vector<std::string> caption = {};  ///< lines in a corner, UTF-8 (Latin)
   std::string warning = {};               ///< a red line at the top; empty: none
 };

@@ -45,7 +45,7 @@ struct PlacedBody {
   TouchableBody body;
   Rigid3 world_from_body = Rigid3::Identity();  ///< the world is the first frame's camera
   std::string name = {};                        ///< in files and captions; empty: the body's own
-  std::optional<Rgb> color = {};                ///< it is drawn in, instead of its stress
+  std::optional<Rgb> color = {};                ///< of its material; none: rubber
 };
 
 struct SessionSettings {

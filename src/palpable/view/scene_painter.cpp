@@ -2,7 +2,6 @@
 
 #include "palpable/base/error.h"
 #include "palpable/base/stage_clock.h"
-#include "palpable/view/scene_picture.h"
 #include "palpable/view/stress_scale.h"
 
 #include <fmt/core.h>
@@ -10,7 +9,10 @@
 namespace palpable {
 
 ScenePainter::ScenePainter(const ScenePainterSettings& settings, const FrameLoop& loop)
-    : scale_(stress_scale(loop.session)), masks_(settings.masks), shown_(settings.show) {
+    : views_(stress_scale(loop.session)),
+      scale_(stress_scale(loop.session)),
+      masks_(settings.masks),
+      shown_(settings.show) {
   const PinholeCamera& camera = loop.camera.camera();
   if (settings.window) {
     window_.emplace(value_or_throw(Window::open("Palpable", camera.width, camera.height)));
@@ -31,8 +33,7 @@ void ScenePainter::draw(DrawnFrame& drawn, const Session& session) {
   if (!window_ && !drawn.in_files && !map_) return;
   const StageTimer timer(drawn.scene.times, "draw");
   const bool masks = masks_ && drawn.in_files;
-  SceneView& view = view_;
-  fill_view(drawn.scene, session, scale_, shown_, view);
+  SceneView& view = views_.of(drawn.scene, session, shown_);
   const bool outside = map_ || surface_;
   if (outside) {  // its own caption says it
     view.legend_title.clear();

@@ -10,6 +10,7 @@
 #include "palpable/session/frame_loop.h"
 #include "palpable/view/drawn_frame.h"
 #include "palpable/view/map_picture.h"
+#include "palpable/view/scene_picture.h"
 #include "palpable/view/scene_show.h"
 #include "palpable/view/surface_picture.h"
 
@@ -61,9 +62,9 @@ class ScenePainter {
   std::optional<SceneRenderer> renderer_;
   std::unique_ptr<MapPicture> map_;          // if it is to be shown
   std::unique_ptr<SurfacePicture> surface_;  // likewise
-  SceneView view_;                           // of the scene drawn last; its memory is used again
-  ColorImage inside_;                        // what the camera sees, where the picture is another
-  double scale_;                             // Pa, top of the colours
+  SceneViews views_;
+  ColorImage inside_;  // what the camera sees, where the picture is another
+  double scale_;       // Pa, top of the stress's colours
   bool masks_;
   SceneShow shown_;
   bool ended_ = false;

@@ -10,7 +10,26 @@ namespace palpable {
 
 namespace {
 
-constexpr double kSameGround = 0.003;  // m
+constexpr double kSameGround = 0.003;      // m
+constexpr float kShownOfHeight = 0.1f;     // displacement at the top of the scale, of the height
+constexpr float kDotRadius = 0.0022f;      // m
+constexpr double kShortestArrow = 0.012;   // m
+constexpr double kArrowPerNewton = 0.006;  // m
+constexpr double kLongestArrow = 0.06;     // m
+constexpr Rgb kTouch{245, 130, 32};
+constexpr Rgb kHeldTouch{150, 150, 155};  // what presses is not seen at present
+
+// Of several bodies what the one says that is known worst; nothing where none says anything.
+std::optional<StatedError> worst_stated_error(const Scene& scene) {
+  std::optional<StatedError> worst;
+  for (const SceneBody& body : scene.bodies) {
+    if (!body.stated_error) continue;
+    if (!worst) worst.emplace();
+    worst->displacement = std::max(worst->displacement, body.stated_error->displacement);
+    worst->von_mises = std::max(worst->von_mises, body.stated_error->von_mises);
+  }
+  return worst;
+}
 
 bool stands_on_first_ground(const Session& session, int number) {
   const Rigid3 first_from_body =
@@ -30,7 +49,7 @@ BodyLook look_of_body(const Scene& scene, const Session& session, int number, do
   look.scalar = shown.von_mises;
   look.scalar_max = static_cast<float>(scale);
   look.camera_from_body = shown.camera_from_body;
-  look.color = session.color(number);
+  look.material = session.color(number).value_or(kRubber);
   if (!stands_on_first_ground(session, number)) look.shadow = 0;
   return look;
 }
@@ -38,18 +57,9 @@ BodyLook look_of_body(const Scene& scene, const Session& session, int number, do
 std::string caption_of(const Scene& scene) {
   if (scene.touches.empty()) return fmt::format("{:.2f} s", scene.time);
   std::string text = fmt::format("{:.2f} s   {}", scene.time, caption_of(scene.touches));
-  // Of several bodies what the one says that is known worst.
-  double displacement = 0, stress = 0;
-  bool stated = false;
-  for (const SceneBody& body : scene.bodies) {
-    if (!body.stated_error) continue;
-    displacement = std::max(displacement, body.stated_error->displacement);
-    stress = std::max(stress, body.stated_error->von_mises);
-    stated = true;
-  }
-  if (stated) {
+  if (const std::optional<StatedError> error = worst_stated_error(scene)) {
     text += fmt::format("   for what is seen off by some {:.2g} %, stress {:.2g} %",
-                        100 * displacement, 100 * stress);
+                        100 * error->displacement, 100 * error->von_mises);
   }
   return text;
 }
@@ -79,19 +89,67 @@ std::string warning_of(const Scene& scene) {
   return {};
 }
 
-void fill_view(const Scene& scene, const Session& session, double scale, const SceneShow& show,
-               SceneView& view) {
-  view.background = &scene.seen.color;
-  view.real_depth = show.occlusion ? &scene.seen.depth : nullptr;
-  view.camera = scene.seen.camera;
-  view.bodies.clear();
+SceneView& SceneViews::of(const Scene& scene, const Session& session, const SceneShow& show) {
+  using Field = SceneShow::Field;
+  view_.background = &scene.seen.color;
+  view_.real_depth = show.occlusion ? &scene.seen.depth : nullptr;
+  view_.camera = scene.seen.camera;
+  view_.bodies.clear();
+  const auto count = static_cast<std::size_t>(session.body_count());
+  displacement_.resize(count);
+  dots_.resize(count);
   for (int k = 0; k < session.body_count(); ++k) {
-    view.bodies.push_back(look_of_body(scene, session, k, scale));
+    view_.bodies.push_back(look_of_body(scene, session, k, scale_));
+    view_.bodies.back().blended = show.blended;
+    if (show.field == Field::kDisplacement) show_displacement(scene, session, k);
+    if (show.field == Field::kNone) view_.bodies.back().scalar = {};
   }
-  view.legend_title = show.legend ? "von Mises" : "";
-  view.caption.resize(1);
-  view.caption.front() = caption_of(scene);
-  view.warning = warning_of(scene);
+  show_touches(scene, show);
+  const bool stress = show.field == Field::kVonMises;
+  view_.legend_title = !show.legend || show.field == Field::kNone ? ""
+                       : stress                                   ? "von Mises"
+                                                                  : "displacement";
+  view_.legend_unit = stress ? "kPa" : "mm";
+  view_.legend_scale = stress ? 1e-3 : 1e3;
+  const std::optional<StatedError> error = worst_stated_error(scene);
+  view_.stated_error = !error ? 0 : stress ? error->von_mises : error->displacement;
+  view_.caption.resize(1);
+  view_.caption.front() = caption_of(scene);
+  view_.warning = warning_of(scene);
+  return view_;
+}
+
+void SceneViews::show_displacement(const Scene& scene, const Session& session, int number) {
+  const auto k = static_cast<std::size_t>(number);
+  const Eigen::Matrix3Xf& now = scene.bodies[k].vertices;
+  const Eigen::Matrix3Xd& baked = session.body(number).surface.vertices;
+  displacement_[k].resize(static_cast<std::size_t>(now.cols()));
+  for (Eigen::Index i = 0; i < now.cols(); ++i) {
+    displacement_[k][static_cast<std::size_t>(i)] =
+        (now.col(i) - baked.col(i).cast<float>()).norm();
+  }
+  BodyLook& look = view_.bodies[k];
+  look.scalar = displacement_[k];
+  look.scalar_max = kShownOfHeight * static_cast<float>(std::max(
+                                         baked.row(2).maxCoeff() - baked.row(2).minCoeff(), 1e-3));
+}
+
+void SceneViews::show_touches(const Scene& scene, const SceneShow& show) {
+  for (std::vector<Dot>& dots : dots_) dots.clear();
+  view_.arrows.clear();
+  for (const Touch& touch : scene.touches) {
+    const auto k = static_cast<std::size_t>(touch.body);
+    const Rgb color = touch.unseen_for > 0 ? kHeldTouch : kTouch;
+    const Eigen::Vector3f point = touch.point_in_body.cast<float>();
+    if (show.contacts) dots_[k].push_back({point, kDotRadius, color});
+    if (!show.forces) continue;
+    const double length = std::min(kShortestArrow + kArrowPerNewton * touch.force, kLongestArrow);
+    const Rigid3& camera_from_body = scene.bodies[k].camera_from_body;
+    const Eigen::Vector3d tip = camera_from_body * touch.point_in_body;
+    view_.arrows.push_back({tip - length * (camera_from_body.linear() * touch.direction), tip,
+                            color, fmt::format("{:.2f} N", touch.force)});
+  }
+  for (std::size_t k = 0; k < dots_.size(); ++k) view_.bodies[k].dots = dots_[k];
 }
 
 }  // namespace palpable

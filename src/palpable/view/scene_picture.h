@@ -9,6 +9,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 namespace palpable {
 
@@ -27,12 +28,26 @@ namespace palpable {
 /// That the camera is lost, and what to do; or that what presses is not seen. Else empty.
 [[nodiscard]] std::string warning_of(const Scene& scene);
 
-/// The picture of a scene: pointers into both, valid while they are.
-/// @param session  that made the scene
-/// @param scale    Pa, top of the colours
-/// @param show     what of it is shown
-/// @param view     filled anew, for which its memory is used again
-void fill_view(const Scene& scene, const Session& session, double scale, const SceneShow& show,
-               SceneView& view);
+/// Scenes in the terms of the renderer, one after the other; their memory is used again.
+class SceneViews {
+ public:
+  /// @param scale  Pa, top of the stress's colours
+  explicit SceneViews(double scale) : scale_(scale) {}
+
+  /// @param session  that made the scene
+  /// @param show     what of it is shown
+  /// @return pointers into both and into this object, valid until the next call; it may be changed
+  SceneView& of(const Scene& scene, const Session& session, const SceneShow& show);
+
+ private:
+  void show_displacement(const Scene& scene, const Session& session, int number);
+  void show_touches(const Scene& scene, const SceneShow& show);
+
+  double scale_;
+  SceneView view_;
+  // Of each body.
+  std::vector<std::vector<float>> displacement_;  // m
+  std::vector<std::vector<Dot>> dots_;
+};
 
 }  // namespace palpable

@@ -8,10 +8,11 @@ struct SceneShow {
   /// What is painted on bodies.
   enum class Field {
     kVonMises,      ///< Pa
-    kDisplacement,  ///< m, length of the displacement from where the body rests
+    kDisplacement,  ///< m, length of the displacement from the shape that was baked
     kNone           ///< the material alone
   };
   Field field = Field::kVonMises;
+  bool blended = true;    ///< low values let the material through; false: the colours alone
   bool occlusion = true;  ///< what is real and nearer hides bodies
   bool contacts = false;  ///< balls where bodies are touched
   bool forces = false;    ///< arrows: where, whither and how hard bodies are pressed

@@ -11,13 +11,15 @@ in float marked;
 uniform vec3 key;          // camera frame, unit, towards the light
 uniform vec3 up;           // camera frame, unit
 uniform float brightness;  // of all light, 1 = a well lit room
+uniform vec3 material;     // sRGB
+uniform float opaque;      // share of the scale from which its colours cover the material
 uniform vec3 mark_color;   // sRGB
 
 layout(location = 0) out vec4 color;  // sRGB
 layout(location = 1) out float z;     // m
 
 void main() {
-  vec3 albedo = color_map(share);
+  vec3 albedo = painted(material, share, opaque);
   float soft = max(fwidth(marked), 1e-4);
   albedo = mix(albedo, mark_color, smoothstep(0.5 - soft, 0.5 + soft, marked));
   color = vec4(

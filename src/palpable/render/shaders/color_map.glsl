@@ -16,3 +16,11 @@ vec3 color_map(float t) {
   const vec3 c6 = vec3(-34.971f, 10.679f, 1.624f);
   return clamp(c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * (c5 + t * c6))))), 0.0f, 1.0f);
 }
+
+/// A material of this colour (sRGB) with a share t of the scale painted on it. Paint covers it wholly
+/// from the share `opaque` on and lets it through below, so that what bears nothing looks like the
+/// material; 0: it covers everywhere.
+vec3 painted(vec3 material, float t, float opaque) {
+  float cover = opaque > 0.0f ? smoothstep(0.15f * opaque, opaque, t) : 1.0f;
+  return (1.0f - cover) * material + cover * color_map(t);
+}
