@@ -1,0 +1,72 @@
+/// @file
+/// The light of the room, estimated from what the camera sees: bodies are drawn in it.
+///
+/// **Model.** Surfaces are matt; one lamp and the room light them; what has one hue has one albedo:
+///
+///     I_p = rho_k(p) ( 1 + max(0, b . n_p) )
+///
+/// with I_p the linear luminance of a pixel, n_p its surface's normal (from the depth), k(p) its
+/// hue and rho_k one unknown for each hue. b points to the lamp; |b| is its share against the room's light.
+/// Shading within one hue says what b is: a hand, a mug, a box. A desk alone, with one normal, says
+/// nothing, and b stays at what is usual: light from above.
+///
+/// b is a weighted least-squares fit with Cauchy weights (shadows, highlights and prints are not in
+/// the model), rho_k the median of its hue; some rounds of both, from the last estimate on. Few
+/// frames are asked, and the estimate follows slowly: light that flickers is worse than light that
+/// is late.
+///
+/// Brightness is the geometric mean of the picture's linear luminance against kUsualMean: cameras
+/// expose a lit desk so, and a body must get darker with its picture. Colour is the picture's mean
+/// hue (grey world), a quarter of it: the rest is the desk's own.
+#pragma once
+
+#include "palpable/depth/seen_frame.h"
+#include "palpable/geometry/rigid.h"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace palpable {
+
+/// Light in a frame of its user's.
+struct RoomLight {
+  Eigen::Vector3d to_light = Eigen::Vector3d::UnitZ();  ///< unit
+  double directed = 1.5;                                ///< |b|: 0 the same from everywhere
+  double brightness = 1;                                ///< 1: a desk in a well lit room
+  Eigen::Vector3d tint = Eigen::Vector3d::Ones();       ///< linear R, G, B; their mean is 1
+};
+
+/// Follows the light of a room. Deterministic; allocates nothing after the first frame.
+class LightEstimator {
+ public:
+  static constexpr int kEvery = 10;           ///< frames from one that is asked to the next
+  static constexpr double kUsualMean = 0.28;  ///< of the linear luminance, 1 being white
+
+  /// @param camera_from_body  where the light's frame is; its Z is up
+  void see(const SeenFrame& seen, const Rigid3& camera_from_body);
+
+  /// In the body's frame.
+  [[nodiscard]] const RoomLight& light() const { return light_; }
+
+ private:
+  struct Sample {
+    Eigen::Vector3f normal;  // camera frame
+    float luminance;
+    int hue;
+  };
+  void sample_surfaces(const SeenFrame& seen);
+  [[nodiscard]] Eigen::Vector3d fit(Eigen::Vector3d b, const Eigen::Vector3d& usual);
+  void fit_albedos(const Eigen::Vector3d& b);
+
+  int until_next_ = 0;  // frames
+  bool began_ = false;
+  RoomLight light_;
+  Eigen::Vector3d fitted_ = Eigen::Vector3d::Zero();  // b of the last fit, body frame
+  std::vector<Sample> samples_;
+  std::vector<int> first_of_hue_;  // (hues + 1) into by_hue_
+  std::vector<float> by_hue_;      // luminance over light, sorted by hue
+  std::vector<double> albedo_;     // of each hue; 0: too few pixels
+};
+
+}  // namespace palpable
